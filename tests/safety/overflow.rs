@@ -1,10 +1,12 @@
 //! A step function that calls itself without an end.
 
+use core::time::Duration;
 use std::os::unix::process::ExitStatusExt;
 use std::process::Command;
 
 use mrroc::prelude::*;
-use mrroc_tests::{Gantry, MS};
+use mrroc::robot::{DriveFault, Driver, Measured};
+use mrroc_tests::{Gantry, MS, Q};
 
 use crate::safety::cells::gantry;
 
@@ -20,6 +22,31 @@ fn deeper(depth: u64) -> u64 {
 fn recursive(_c: &mut Recursive) -> Step<Gantry> {
     std::hint::black_box(deeper(0));
     Step::Next(Demand::hold())
+}
+
+struct Holding;
+
+#[generator(ecp)]
+fn holding(_c: &mut Holding) -> Step<Gantry> {
+    Step::Next(Demand::hold())
+}
+
+/// Drives that call themselves without an end in their first servo period, on the stack of whichever process waits then.
+struct Bottomless;
+
+impl Driver<Gantry> for Bottomless {
+    fn period(&self) -> Duration {
+        MS
+    }
+
+    fn measured(&self) -> Result<Measured<Q<3>>, DriveFault> {
+        Ok(Measured { position: Q::zeros(), velocity: Q::zeros() })
+    }
+
+    fn tick(&mut self, _: &Q<3>) -> Result<Measured<Q<3>>, DriveFault> {
+        std::hint::black_box(deeper(0));
+        self.measured()
+    }
 }
 
 fn run(overflows: bool) {
@@ -50,6 +77,16 @@ fn overflows() {
 /// As above.
 #[test]
 #[ignore = "ends its process"]
+fn drives_overflow() {
+    let arm = RobotSetup::new("deep", Gantry::default(), Bottomless);
+    let arm = arm.program(|ecp| ecp.move_robot((), Holding).map(drop));
+    let ran = Cell::new(MS).robot(gantry("other", MS)).robot(arm).run();
+    ran.expect("it never returns");
+}
+
+/// As above.
+#[test]
+#[ignore = "ends its process"]
 fn writes_where_nothing_is() {
     run(false);
 }
@@ -68,6 +105,9 @@ fn fault_77_a_stack_overflow_on_the_memory_link_names_the_process() {
     assert_eq!(signal, Some(11), "{said}");
     let told = "error: ecp deep has overflowed its stack of 1024 kB, and with it the cell has ended\n help: ";
     assert!(said.contains(told), "{said}");
+    let (signal, said) = ended("drives_overflow");
+    let told = "error: edp deep has overflowed its stack of 1024 kB, and with it the cell has ended\n help: ";
+    assert!(signal == Some(11) && said.contains(told), "{signal:?} {said}");
     // Whatever else ends the executable by that signal ends it as before, and names nobody.
     let (signal, said) = ended("writes_where_nothing_is");
     assert!(signal == Some(11) && !said.contains("overflowed"), "{signal:?} {said}");

@@ -143,6 +143,11 @@ pub trait Driven<const N: usize>: Robot<Joints = SVector<f64, N>> {
     /// The joints and the loads at motor angles \[rad\] and motor speeds [rad/s].
     fn shafts(&self, angles: &SVector<f64, N>, speeds: &SVector<f64, N>) -> Shafts<N>;
 
+    /// The loads of [`shafts`](Driven::shafts) alone, for robots that have them for less.
+    fn loads(&self, angles: &SVector<f64, N>) -> SVector<f64, N> {
+        self.shafts(angles, &SVector::zeros()).loads
+    }
+
     /// The links with their masses, as an open tree whose coordinates are the joints; `None` (by default) where they are no such
     /// tree, or nothing is known of them.
     fn tree(&self) -> Option<Tree<N>> {
@@ -197,9 +202,31 @@ pub(crate) fn check_motors<const N: usize>(
     to: &SVector<f64, N>,
     duration: f64,
 ) -> Result<(), CoupledLimit> {
-    let before = robot.motors(from);
-    let after = robot.motors(to);
-    let limits = robot.motor_limits();
+    check_motors_on_ways(robot, from, [(to, duration)])
+}
+
+/// The same on one way after another, in the time of each \[s\].
+pub(crate) fn check_motors_on_ways<const N: usize, const WAYS: usize>(
+    robot: &impl Driven<N>,
+    from: &SVector<f64, N>,
+    ways: [(&SVector<f64, N>, f64); WAYS],
+) -> Result<(), CoupledLimit> {
+    let mut before = robot.motors(from);
+    for (to, duration) in ways {
+        let after = robot.motors(to);
+        check_turn(robot.motor_limits(), &before, &after, duration)?;
+        before = after;
+    }
+    Ok(())
+}
+
+/// Whether the motors may turn so far in `duration` \[s\].
+fn check_turn<const N: usize>(
+    limits: &MotorLimits<N>,
+    before: &SVector<f64, N>,
+    after: &SVector<f64, N>,
+    duration: f64,
+) -> Result<(), CoupledLimit> {
     for i in 0..N {
         let (lower, upper) = (limits.lower[i], limits.upper[i]);
         let limit = if after[i] < lower { lower } else { upper };

@@ -10,7 +10,7 @@ use nalgebra::SVector;
 
 use super::plant::{Coupling, PERIOD, Plant};
 use super::regulator::{Regulator, RegulatorSet};
-use crate::models::{Driven, Irp6, MotorData, MotorLimits, Overload};
+use crate::models::{Driven, Irp6, MotorData, MotorLimits, Overload, Shafts};
 
 /// Share of a period's current in the mean that trips the amplifier: time constant 50 ms (assumed).
 const CURRENT_SHARE: f64 = PERIOD / 0.05;
@@ -123,7 +123,17 @@ impl<const N: usize, R: Driven<N>> Simulated<R, N> {
     /// A view of the true joint state, which no encoder measures exactly.
     #[must_use]
     pub fn shaft(&self) -> Shaft<N> {
+        self.shaft.0.set(self.true_shafts().joints);
         self.shaft.clone()
+    }
+
+    /// What the true shafts say of the joints.
+    fn true_shafts(&self) -> Shafts<N> {
+        let drives = &self.drives;
+        self.robot.shafts(
+            &SVector::from_fn(|i, _| drives[i].plant.angle()),
+            &SVector::from_fn(|i, _| drives[i].plant.speed()),
+        )
     }
 
     /// Armature currents of the motors \[A\].
@@ -286,11 +296,13 @@ impl<const N: usize, R: Driven<N>> Simulated<R, N> {
             &SVector::from_fn(|i, _| drives[i].count * drives[i].pulse),
             &SVector::from_fn(|i, _| drives[i].speed),
         );
-        let shafts = self.robot.shafts(
-            &SVector::from_fn(|i, _| drives[i].plant.angle()),
-            &SVector::from_fn(|i, _| drives[i].plant.speed()),
-        );
         self.measured = measured.joints;
+        if Rc::strong_count(&self.shaft.0) == 1 {
+            // Nobody else looks at the true joints.
+            self.loads = self.robot.loads(&SVector::from_fn(|i, _| drives[i].plant.angle()));
+            return;
+        }
+        let shafts = self.true_shafts();
         self.shaft.0.set(shafts.joints);
         self.loads = shafts.loads;
     }

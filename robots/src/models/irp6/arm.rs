@@ -50,11 +50,12 @@ use mrroc::robot::{CoupledLimit, Limits, Measured, NoInverse, Tool};
 use nalgebra::Vector3;
 
 use super::links::{Elbow, Geometry};
-use super::transmission::{Linear, LinkState, Screw, Transmission};
+use super::transmission::{Linear, Screw, Transmission};
 use super::wrist::{Side, Wrist};
 use crate::dynamics::Tree;
 use crate::models::base::Base;
-use crate::models::drives::{Driven, Encoder, GRAVITY, Gains, MotorData, MotorLimits, Shafts, check_motors};
+use crate::models::drives::{Driven, Encoder, GRAVITY, Gains, MotorData, MotorLimits, Shafts};
+use crate::models::drives::{check_motors, check_motors_on_ways};
 use crate::models::kinematics::{Jacobian, Kinematics};
 use crate::models::shape::Outline;
 use crate::models::urdf::export::exported;
@@ -232,6 +233,15 @@ impl Robot for Irp6 {
         check_motors(self, from, to, duration)
     }
 
+    fn check_coupled_to_stop(
+        &self,
+        from: &Six,
+        (to, duration): (&Six, f64),
+        (stop, time): (&Six, f64),
+    ) -> Result<(), CoupledLimit> {
+        check_motors_on_ways(self, from, [(to, duration), (stop, time)])
+    }
+
     fn forward(&self, q: &Six) -> Pose {
         self.base.X_WB * self.geometry.flange(q)
     }
@@ -306,6 +316,13 @@ impl Driven<6> for Irp6 {
     fn shafts(&self, angles: &Six, speeds: &Six) -> Shafts<6> {
         arm_shafts(&self.transmission, angles, speeds)
     }
+
+    fn loads(&self, angles: &Six) -> Six {
+        let Transmission { lower, upper, .. } = &self.transmission;
+        let [lower, upper] = [lower.lever(angles[1]), upper.lever(angles[2])];
+        let [lower, upper] = weights([lower.cosine, upper.cosine], [lower.ratio, upper.ratio]);
+        Six::new(0.0, lower, upper, 0.0, 0.0, 0.0)
+    }
 }
 
 /// Joints and loads of the arm from its motors, through its transmission.
@@ -316,18 +333,14 @@ pub(crate) fn arm_shafts(transmission: &Transmission, angles: &Six, speeds: &Six
         position: transmission.assemble(angles, &lower, &upper),
         velocity: transmission.joint_rates(speeds, &lower, &upper),
     };
-    let [lower, upper] = loads(&lower, &upper);
+    let [lower, upper] = weights([lower.cosine, upper.cosine], [lower.ratio, upper.ratio]);
     Shafts { joints, loads: Six::new(0.0, lower, upper, 0.0, 0.0, 0.0) }
 }
 
 /// Torques of the links' weight at the motors of the lower and the upper arm [N m]. Weight turns a link downwards,
 /// which is positive motion, so these loads are negative.
-fn loads(lower: &LinkState, upper: &LinkState) -> [f64; 2] {
-    let [lower_moment, upper_moment] = Irp6::GRAVITY_MOMENT;
-    [
-        -GRAVITY * lower_moment * lower.cosine / lower.ratio,
-        -GRAVITY * upper_moment * upper.cosine / upper.ratio,
-    ]
+fn weights(cosines: [f64; 2], ratios: [f64; 2]) -> [f64; 2] {
+    core::array::from_fn(|i| -GRAVITY * Irp6::GRAVITY_MOMENT[i] * cosines[i] / ratios[i])
 }
 
 /// The drives with the design's screws, from the synchronisation positions.

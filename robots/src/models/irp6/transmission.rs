@@ -71,6 +71,17 @@ pub struct LinkState {
     pub ratio: f64,
 }
 
+/// A screw-driven link, all but its angle.
+#[derive(Clone, Copy)]
+pub(crate) struct Lever {
+    /// Sine of the absolute link angle.
+    pub sine: f64,
+    /// Its cosine.
+    pub cosine: f64,
+    /// Motor angle per link angle [rad/rad], > 0.
+    pub ratio: f64,
+}
+
 impl Screw {
     /// The motor angle \[rad\] at the absolute link angle \[rad\].
     #[must_use]
@@ -83,13 +94,19 @@ impl Screw {
     /// The link at a motor angle \[rad\]; NaN where the linkage cannot be closed (far outside the motor limits).
     #[must_use]
     pub fn link(&self, motor: f64) -> LinkState {
+        let Lever { sine, cosine, ratio } = self.lever(motor);
+        LinkState { angle: sine.atan2(cosine), cosine, ratio }
+    }
+
+    /// The same without the angle itself.
+    pub(crate) fn lever(&self, motor: f64) -> Lever {
         let length = (motor - self.synchro) / SCREW + self.reference;
         let c = length * length - self.square;
         let m = self.mu * self.mu + self.nu * self.nu;
         let d = (m - c * c).sqrt();
         let cosine = (self.mu * c - self.nu * d) / m;
         let sine = -(self.nu * c + self.mu * d) / m;
-        LinkState { angle: sine.atan2(cosine), cosine, ratio: SCREW * d / (2.0 * length) }
+        Lever { sine, cosine, ratio: SCREW * d / (2.0 * length) }
     }
 }
 

@@ -316,9 +316,9 @@ impl<R: Robot> Drive<R> {
     ) -> Result<Followed<R::Joints>, Fault> {
         match self {
             Drive::Here(driver) => {
-                let number = period_at(driver.period(), now);
+                let period = driver.period();
                 let measured = match driver.stepped() {
-                    Some(drives) => drives.tick_in(number, demanded),
+                    Some(drives) => drives.tick_in(period_at(period, now), demanded),
                     None => driver.tick(demanded),
                 };
                 let measured = measured.map_err(|trip| Fault::of_drive(&trip))?;

@@ -15,6 +15,12 @@ use crate::safety::stopping::missed_step_budget;
 /// Late steps, less punctual ones, that are too many.
 const NET: u32 = 10;
 
+/// The whole periods in a time: mostly none, and then nothing is divided.
+#[inline]
+pub(crate) fn periods_in(time: Nanos, period: Nanos) -> u64 {
+    if time < period { 0 } else { time / period.max(1) }
+}
+
 /// The counter.
 pub(crate) struct Overruns {
     net: u32,

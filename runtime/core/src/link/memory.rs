@@ -4,11 +4,17 @@
 //! the processor goes and the same to the bit every time: processes run in the order of their places.
 //!
 //! A process that waits for a reply runs the others itself, in that same order, until it is its turn again: mostly the one
-//! that it asks, and then it goes on without a switch back to the scheduler.
+//! that it asks, and then it goes on without a switch back to the scheduler. The process that the scheduler runs, mostly the
+//! MP, lets time pass itself as well.
+//!
+//! A process that only serves ([`Waiter::serve`]), as an EDP does, is not resumed for each of its turns: whoever waits takes
+//! them on its own stack, and who asks it has the answer at once.
 
 use crate::link::Host;
 use core::any::Any;
 use core::cell::{Cell, OnceCell, RefCell};
+use core::panic::AssertUnwindSafe;
+use core::ptr::NonNull;
 use std::rc::Rc;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
@@ -20,7 +26,7 @@ use super::overflow::{self, Guard};
 use super::places::{MAX_PROCESSES, PlaceCells, Places};
 use super::{Board, Body, Client, Closed, Link, Nanos, Server, Waiter};
 use crate::link::message::Message;
-use crate::model::fault::ProcessId;
+use crate::model::fault::{ProcessId, Role};
 
 /// Stack of a process \[bytes\]; pages are used only when touched, and a guard page ends the stack ([`overflow`]).
 const STACK: usize = 1 << 20;
@@ -32,46 +38,59 @@ const CLOSING_RESUMES: u32 = 10_000;
 
 type Process = Coroutine<(), (), (), DefaultStack>;
 
+/// What a process does that serves, until it waits again; it returns when the process wants to wake at the latest.
+type Turn = NonNull<dyn FnMut() -> Nanos>;
+
 /// A process, and what it waits for.
 struct Seat {
-    /// Its coroutine, unless it runs, is over or has none yet.
-    asleep: Cell<Option<Box<(Process, Guard)>>>,
-    /// Whether it runs, or waits on a stack below the one that runs.
-    runs: Cell<bool>,
-    deadline: Cell<Nanos>,
+    /// Its coroutine, unless it is over or has none yet. Borrowed while it runs, or waits on a stack below the one that runs.
+    process: RefCell<Option<Process>>,
+    guard: OnceCell<Guard>,
     /// The port whose reply alone wakes it; [`ANY`]: every message does.
     reply: Cell<usize>,
+    /// While its coroutine is suspended in [`Waiter::serve`]: what it does when it wakes.
+    turn: Cell<Option<Turn>>,
+    /// What ended a turn, for its coroutine.
+    panic: Cell<Option<Box<dyn Any + Send>>>,
 }
 
 impl Seat {
     fn empty() -> Seat {
         Seat {
-            asleep: Cell::new(None),
-            runs: Cell::new(false),
-            deadline: Cell::new(NEVER),
+            process: RefCell::new(None),
+            guard: OnceCell::new(),
             reply: Cell::new(ANY),
+            turn: Cell::new(None),
+            panic: Cell::new(None),
         }
     }
 
-    /// Whether a process is here that is not over; none of them runs.
-    fn is_taken(&self) -> bool {
-        let asleep = self.asleep.take();
-        let is_taken = asleep.is_some();
-        self.asleep.set(asleep);
-        is_taken
+    /// Whether it runs, or waits on a stack below the one that runs.
+    fn runs(&self) -> bool {
+        self.process.try_borrow().is_err()
     }
 }
 
 /// Every message wakes the process.
 const ANY: usize = usize::MAX;
 
+/// No reply does.
+const NONE: usize = usize::MAX - 1;
+
 /// The state that scheduler, waiters and ports share.
 struct Shared {
     now: Cell<Nanos>,
     /// The processes that have something to do.
     ready: PlaceCells,
-    /// The processes, by their places.
+    /// The virtual sensors.
+    sensors: PlaceCells,
+    /// The processes, by their places, and how many places are taken.
     seats: Box<[Seat]>,
+    taken: Cell<usize>,
+    /// When the processes wake at the latest: together, because all of them are looked at whenever time goes on.
+    deadlines: Box<[Cell<Nanos>]>,
+    /// The process that the scheduler has resumed: all others run on the stack of one that waits.
+    lowest: Cell<usize>,
     closing: Cell<bool>,
     pulse: OnceCell<Arc<Pulse>>,
     /// The first panic that no process has caught.
@@ -83,7 +102,11 @@ impl Shared {
         Shared {
             now: Cell::new(0),
             ready: PlaceCells::default(),
+            sensors: PlaceCells::default(),
             seats: (0..MAX_PROCESSES).map(|_| Seat::empty()).collect(),
+            taken: Cell::new(0),
+            deadlines: vec![Cell::new(NEVER); MAX_PROCESSES].into(),
+            lowest: Cell::new(MAX_PROCESSES),
             closing: Cell::new(false),
             pulse: OnceCell::new(),
             panic: Cell::new(None),
@@ -91,11 +114,13 @@ impl Shared {
     }
 
     /// A request has come for a process.
+    #[inline]
     fn wake(&self, process: usize) {
         self.ready.insert(process);
     }
 
     /// The reply of a port has come for a process.
+    #[inline]
     fn wake_by_reply(&self, process: usize, port: usize) {
         let reply = self.seats[process].reply.get();
         if reply == ANY || reply == port {
@@ -103,31 +128,72 @@ impl Shared {
         }
     }
 
-    /// Runs a process until it waits, on the stack of whoever calls this; whether it is still alive.
+    /// Runs a process until it waits, on a stack of its own; whether it is still alive.
     fn resume(&self, place: usize) -> bool {
         let seat = &self.seats[place];
-        let Some(mut process) = seat.asleep.take() else { return false };
-        seat.runs.set(true);
+        let Ok(mut process) = seat.process.try_borrow_mut() else { return false };
+        let (Some(coroutine), Some(guard)) = (process.as_mut(), seat.guard.get()) else { return false };
         self.show(place);
-        let (coroutine, guard) = &mut *process;
         let below = guard.enter();
         let result = coroutine.resume(());
         drop(below);
-        seat.runs.set(false);
         let is_alive = matches!(result, CoroutineResult::Yield(()));
-        if is_alive {
-            seat.asleep.set(Some(process));
-        } else {
-            seat.deadline.set(NEVER);
+        if !is_alive {
+            *process = None;
+            self.deadlines[place].set(NEVER);
         }
         is_alive
     }
 
+    /// Takes the turn of a process that serves, on the stack of whoever calls this.
+    #[inline]
+    fn take_turn(&self, place: usize, mut turn: Turn) {
+        let seat = &self.seats[place];
+        self.show(place);
+        let below = seat.guard.get().map(Guard::lend);
+        // SAFETY: the process's coroutine is suspended in `serve`, which has borrowed the turn mutably and forgets it here
+        // before it goes on or is unwound. It is not taken twice at once, because a process cannot wait in its turn, and
+        // only one that waits runs others.
+        #[allow(unsafe_code)]
+        let taken = std::panic::catch_unwind(AssertUnwindSafe(|| unsafe { turn.as_mut()() }));
+        drop(below);
+        match taken {
+            Ok(deadline) => self.sleep(place, deadline),
+            Err(panic) => {
+                // It unwinds its own stack, and not that of who took the turn.
+                seat.panic.set(Some(panic));
+                self.resume(place);
+            }
+        }
+    }
+
+    /// A process that serves wakes at this time.
+    #[inline]
+    fn sleep(&self, place: usize, deadline: Nanos) {
+        self.deadlines[place].set(deadline);
+        if deadline <= self.now.get() {
+            self.ready.insert(place);
+        }
+    }
+
+    /// Runs a process until it waits, on the stack of a process that waits.
+    #[inline]
+    fn run(&self, place: usize) {
+        self.ready.remove(place);
+        match self.seats[place].turn.get() {
+            Some(turn) => self.take_turn(place, turn),
+            None => drop(self.resume(place)),
+        }
+    }
+
     /// Shows the watchdog that the process at a place runs from now on.
+    #[inline]
     fn show(&self, place: usize) {
         if let Some(pulse) = self.pulse.get() {
             pulse.place.store(place, Ordering::Relaxed);
-            pulse.resumed.fetch_add(1, Ordering::Relaxed);
+            // Nobody else writes it: no need to keep the processor's other cores from it.
+            let resumed = pulse.resumed.load(Ordering::Relaxed);
+            pulse.resumed.store(resumed.wrapping_add(1), Ordering::Relaxed);
         }
     }
 
@@ -135,19 +201,55 @@ impl Shared {
     /// this. Whether that has come: not where none is ready, or where it is the turn of one on a stack below.
     fn run_others(&self, place: usize) -> bool {
         while !self.closing.get() {
-            let Some(first) = self.ready.first() else { return false };
+            let Some(first) = self.ready.first() else {
+                // On the lowest stack nobody below waits for a time, and the scheduler does nothing else.
+                if self.lowest.get() == place && self.advance() {
+                    continue;
+                }
+                return false;
+            };
             if first == place {
                 self.ready.remove(place);
                 self.show(place);
                 return true;
             }
-            if self.seats[first].runs.get() {
+            if self.seats[first].runs() {
                 return false;
             }
-            self.ready.remove(first);
-            self.resume(first);
+            self.run(first);
         }
         false
+    }
+
+    /// A request has come at a port. A server that serves takes its turn at once, unless a virtual sensor is to work: its
+    /// reading is there first, as if all had waited for their turns. Others are woken.
+    #[inline]
+    fn ask(&self, port: &Port) {
+        let is_free = !self.closing.get() && !self.ready.meets(&self.sensors);
+        let turn = self.seats[port.server].turn.get().filter(|_| is_free);
+        let Some(turn) = turn else { return self.wake(port.server) };
+        // The client finds the reply when it goes on from here: it need not be woken for it.
+        let client = &self.seats[port.client];
+        let reply = client.reply.replace(NONE);
+        self.take_turn(port.server, turn);
+        client.reply.set(reply);
+        self.show(port.client);
+    }
+
+    /// Moves the clock to the earliest deadline, if there is one.
+    fn advance(&self) -> bool {
+        let deadlines = &self.deadlines[..self.taken.get()];
+        let next = deadlines.iter().fold(NEVER, |next, deadline| next.min(deadline.get()));
+        if next == NEVER {
+            return false;
+        }
+        self.now.set(next);
+        for (place, deadline) in deadlines.iter().enumerate() {
+            if deadline.get() == next {
+                self.ready.insert(place);
+            }
+        }
+        true
     }
 }
 
@@ -230,7 +332,7 @@ impl Scheduler {
         }
         // What still runs ignores the closing. Its stack is given up: unwinding it could be caught again.
         for seat in &shared.seats {
-            core::mem::forget(seat.asleep.take());
+            core::mem::forget(seat.process.take());
         }
         if let Some(panic) = shared.panic.take() {
             std::panic::resume_unwind(panic);
@@ -244,35 +346,22 @@ impl Scheduler {
             match shared.ready.first() {
                 Some(place) => {
                     shared.ready.remove(place);
+                    shared.lowest.set(place);
                     shared.resume(place);
                 }
-                None => self.advance()?,
+                None if shared.advance() => {}
+                None => return Err(self.deadlock()),
             }
         }
         Ok(())
     }
 
-    /// Moves the clock to the earliest deadline.
-    fn advance(&self) -> Result<(), Stuck> {
-        let seats = &self.shared.seats[..self.names.len()];
-        // In one pass: whoever waits for the earliest deadline so far.
-        let (mut next, mut due) = (NEVER, Places::NONE);
-        for (place, seat) in seats.iter().enumerate() {
-            let deadline = seat.deadline.get();
-            if deadline < next {
-                (next, due) = (deadline, Places::of(place));
-            } else if deadline == next && next != NEVER {
-                due = due.with(place);
-            }
-        }
-        if next == NEVER {
-            let alive = self.names.iter().zip(seats).filter(|(_, seat)| seat.is_taken());
-            let names: Vec<_> = alive.map(|(name, _)| name.as_str()).collect();
-            return Err(Stuck::Deadlock(names.join(", ")));
-        }
-        self.shared.now.set(next);
-        self.shared.ready.insert_all(due);
-        Ok(())
+    /// Nobody can run, and nobody waits for a time.
+    fn deadlock(&self) -> Stuck {
+        let named = self.names.iter().zip(&self.shared.seats);
+        let alive = named.filter(|(_, seat)| seat.process.borrow().is_some());
+        let names: Vec<_> = alive.map(|(name, _)| name.as_str()).collect();
+        Stuck::Deadlock(names.join(", "))
     }
 }
 
@@ -280,7 +369,7 @@ impl Drop for Scheduler {
     /// The processes keep what they share, and it keeps them.
     fn drop(&mut self) {
         for seat in &self.shared.seats {
-            drop(seat.asleep.take());
+            drop(seat.process.take());
         }
     }
 }
@@ -288,7 +377,11 @@ impl Drop for Scheduler {
 impl Link for Scheduler {
     fn place(&mut self, process: ProcessId) -> usize {
         assert!(self.names.len() < MAX_PROCESSES, "a cell has at most {MAX_PROCESSES} processes");
+        if process.role == Role::Vsp {
+            self.shared.sensors.insert(self.names.len());
+        }
         self.names.push(process.to_string());
+        self.shared.taken.set(self.names.len());
         self.names.len() - 1
     }
 
@@ -317,7 +410,7 @@ impl Link for Scheduler {
         let shared = Rc::clone(&self.shared);
         let process = Coroutine::with_stack(stack, move |yielder: &Yielder<(), ()>, ()| {
             let waiter = MemoryWaiter { shared, place, yielder };
-            let run = core::panic::AssertUnwindSafe(|| body(Host::of(&waiter)));
+            let run = AssertUnwindSafe(|| body(Host::of(&waiter)));
             if let Err(panic) = std::panic::catch_unwind(run) {
                 // On another process's stack it would be that one's.
                 let first = waiter.shared.panic.take().unwrap_or(panic);
@@ -325,7 +418,10 @@ impl Link for Scheduler {
                 waiter.shared.closing.set(true);
             }
         });
-        self.shared.seats[place].asleep.set(Some(Box::new((process, guard))));
+        let seat = &self.shared.seats[place];
+        // A place has one body.
+        let _ = seat.guard.set(guard);
+        seat.process.replace(Some(process));
         self.shared.wake(place);
         Ok(())
     }
@@ -343,18 +439,26 @@ struct MemoryWaiter<'y> {
 }
 
 impl MemoryWaiter<'_> {
+    fn seat(&self) -> &Seat {
+        &self.shared.seats[self.place]
+    }
+
     /// Lets other processes run until a time, or until a message comes that wakes this one.
     fn suspend(&self, deadline: Option<Nanos>, reply: usize) -> Result<(), Closed> {
-        let shared = &*self.shared;
+        let (shared, seat) = (&*self.shared, self.seat());
+        if seat.turn.get().is_some() {
+            // In its turn, on the stack of another process, it cannot.
+            return Err(Closed);
+        }
         let deadline = deadline.unwrap_or(NEVER);
         if deadline > shared.now.get() && !shared.closing.get() {
-            let seat = &shared.seats[self.place];
-            seat.deadline.set(deadline);
+            shared.deadlines[self.place].set(deadline);
             seat.reply.set(reply);
-            if reply == ANY || !shared.run_others(self.place) {
+            let runs_others = reply != ANY || shared.lowest.get() == self.place;
+            if !(runs_others && shared.run_others(self.place)) {
                 self.yielder.suspend(());
             }
-            seat.deadline.set(NEVER);
+            shared.deadlines[self.place].set(NEVER);
             seat.reply.set(ANY);
         }
         if shared.closing.get() { Err(Closed) } else { Ok(()) }
@@ -362,6 +466,7 @@ impl MemoryWaiter<'_> {
 }
 
 impl Waiter for MemoryWaiter<'_> {
+    #[inline]
     fn now(&self) -> Nanos {
         self.shared.now.get()
     }
@@ -374,8 +479,40 @@ impl Waiter for MemoryWaiter<'_> {
         self.suspend(deadline, client.port().unwrap_or(ANY))
     }
 
+    fn serve(&self, first: Nanos, turn: &mut dyn FnMut() -> Nanos) {
+        let (shared, seat) = (&*self.shared, self.seat());
+        shared.sleep(self.place, first);
+        let forgets = Forgets(&seat.turn);
+        while !shared.closing.get() {
+            // SAFETY: only a lifetime is left out, and the pointer is forgotten before that ends: `Forgets` does so also where
+            // this is unwound.
+            #[allow(unsafe_code)]
+            let lasting: &mut (dyn FnMut() -> Nanos + 'static) = unsafe { core::mem::transmute(&mut *turn) };
+            seat.turn.set(Some(NonNull::from(lasting)));
+            self.yielder.suspend(());
+            seat.turn.set(None);
+            if let Some(panic) = seat.panic.take() {
+                std::panic::resume_unwind(panic);
+            }
+            if !shared.closing.get() {
+                shared.sleep(self.place, turn());
+            }
+        }
+        drop(forgets);
+        shared.deadlines[self.place].set(NEVER);
+    }
+
     fn stands_still(&self) -> bool {
         true
+    }
+}
+
+/// Forgets a turn whose process goes on, or is unwound.
+struct Forgets<'s>(&'s Cell<Option<Turn>>);
+
+impl Drop for Forgets<'_> {
+    fn drop(&mut self) {
+        self.0.set(None);
     }
 }
 
@@ -422,7 +559,7 @@ impl Client for MemoryClient {
         let port = &*self.0;
         port.reply.full.set(false);
         port.request.put(request);
-        port.shared.wake(port.server);
+        port.shared.ask(port);
     }
 
     fn port(&self) -> Option<usize> {

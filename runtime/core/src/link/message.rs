@@ -122,6 +122,14 @@ pub struct Header {
 }
 
 impl Header {
+    /// Says which message it answers: that of this head.
+    #[inline]
+    pub(crate) const fn answer(&mut self, asked: &Header) {
+        self.epoch = asked.epoch;
+        self.step = asked.step;
+        self.instruction = asked.instruction;
+    }
+
     /// Whether a process in its senses could have sent these numbers: path time passes no faster than time, and no
     /// robot's limits are negative. A rate beyond 1 would let all robots' limits be negative, and the rate jump.
     pub(crate) fn is_sound(&self) -> bool {
@@ -195,14 +203,14 @@ impl Message {
     /// Copies head and the words that count, and maybe words that do not.
     #[inline]
     pub fn copy_from(&mut self, other: &Message) {
-        // Most bodies are a demand or nothing: so many words are copied without a call.
+        // Most bodies are a demand or nothing: so many words are copied without a call, whether they count or not.
         const SHORT: usize = 8;
         self.header = other.header;
-        let len = (other.header.len as usize).min(WORDS);
-        if len > SHORT {
-            self.body[..len].copy_from_slice(&other.body[..len]);
-        } else if len > 0 {
-            self.body[..SHORT].copy_from_slice(&other.body[..SHORT]);
+        let (to, from) = (self.body.split_at_mut(SHORT), other.body.split_at(SHORT));
+        to.0.copy_from_slice(from.0);
+        let longer = (other.header.len as usize).min(WORDS).saturating_sub(SHORT);
+        if longer > 0 {
+            to.1[..longer].copy_from_slice(&from.1[..longer]);
         }
     }
 }

@@ -46,6 +46,17 @@ pub trait Waiter {
         self.wait(deadline)
     }
 
+    /// Waits and works in turn until the cell is closing, of a process that only serves: first until `first`, then until the
+    /// time that its last `turn` has returned, each time at most until a message has come.
+    ///
+    /// A link may call `turn` on the stack of another process: it must not wait.
+    fn serve(&self, first: Nanos, turn: &mut dyn FnMut() -> Nanos) {
+        let mut deadline = first;
+        while self.wait(Some(deadline)).is_ok() {
+            deadline = turn();
+        }
+    }
+
     /// Whether time stands still while a process runs, as under the memory link's virtual clock: then nothing that a process
     /// does makes it late.
     fn stands_still(&self) -> bool {

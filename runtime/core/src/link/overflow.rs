@@ -19,9 +19,18 @@ pub(super) struct Guard {
 }
 
 thread_local! {
-    /// The guard page of the coroutine that runs on this thread. It is initialised by a constant and needs no drop, so
-    /// that the handler of a signal may read it.
-    static RUNNING: Cell<*const Guard> = const { Cell::new(core::ptr::null()) };
+    /// What runs on this thread. It is initialised by a constant and needs no drop, so that the handler of a signal may
+    /// read it.
+    static RUNNING: Cell<Running> =
+        const { Cell::new(Running { stack: core::ptr::null(), process: core::ptr::null() }) };
+}
+
+/// The stack that is in use, and the process that uses it: mostly its own.
+#[derive(Clone, Copy)]
+struct Running {
+    stack: *const Guard,
+    #[cfg_attr(not(target_os = "linux"), expect(dead_code, reason = "no handler reads it"))]
+    process: *const Guard,
 }
 
 impl Guard {
@@ -36,15 +45,26 @@ impl Guard {
     }
 
     /// While what it returns lives, this thread runs on the stack of this guard page, which must not go before that.
+    #[inline]
     pub fn enter(&self) -> Below {
-        Below(RUNNING.replace(self))
+        Below(RUNNING.replace(Running { stack: self, process: self }))
+    }
+
+    /// While what it returns lives, this thread runs the process of this guard page, which must not go before that, on the
+    /// stack that is in use.
+    #[inline]
+    pub fn lend(&self) -> Below {
+        let below = RUNNING.get();
+        RUNNING.set(Running { process: self, ..below });
+        Below(below)
     }
 }
 
-/// The stack from which another one was entered: dropped, also by a panic, the thread is back on it.
-pub(super) struct Below(*const Guard);
+/// What ran before something else was entered: dropped, also by a panic, the thread is back there.
+pub(super) struct Below(Running);
 
 impl Drop for Below {
+    #[inline]
     fn drop(&mut self) {
         RUNNING.set(self.0);
     }
@@ -123,12 +143,13 @@ mod signal {
         let (address, code) = unsafe { ((*info).si_addr() as usize, (*info).si_code) };
         // SAFETY: a scheduler keeps what `Guard::enter` has pointed to for as long as its `Below` lives.
         #[allow(unsafe_code)]
-        let running = unsafe { RUNNING.get().as_ref() };
+        let (stack, process) = unsafe { (RUNNING.get().stack.as_ref(), RUNNING.get().process.as_ref()) };
         // A code above zero means that the kernel has found the fault, and not that somebody has sent the signal.
-        if let Some(guard) = running.filter(|guard| code > 0 && guard.page.contains(&address)) {
+        let is_overflow = stack.is_some_and(|stack| code > 0 && stack.page.contains(&address));
+        if let Some(text) = process.filter(|_| is_overflow).map(|process| &process.text) {
             // SAFETY: `write` may be called in a handler, and reads the bytes of a text that lives.
             #[allow(unsafe_code)]
-            let _ = unsafe { libc::write(libc::STDERR_FILENO, guard.text.as_ptr().cast(), guard.text.len()) };
+            let _ = unsafe { libc::write(libc::STDERR_FILENO, text.as_ptr().cast(), text.len()) };
         }
         if let Some(before) = BEFORE.get() {
             // SAFETY: the action that was there before; `sigaction` may be called in a handler.

@@ -69,6 +69,7 @@ pub(super) struct PlaceCells([Cell<u64>; WORDS]);
 
 impl PlaceCells {
     /// Puts a place into the set; one that no process can have is left out.
+    #[inline]
     pub fn insert(&self, place: usize) {
         if let Some(word) = self.0.get(place / 64) {
             word.set(word.get() | 1 << (place % 64));
@@ -83,13 +84,21 @@ impl PlaceCells {
     }
 
     /// Takes a place out of the set.
+    #[inline]
     pub fn remove(&self, place: usize) {
         if let Some(word) = self.0.get(place / 64) {
             word.set(word.get() & !(1 << (place % 64)));
         }
     }
 
+    /// Whether a place is in both sets.
+    #[inline]
+    pub fn meets(&self, other: &PlaceCells) -> bool {
+        self.0.iter().zip(&other.0).any(|(a, b)| a.get() & b.get() != 0)
+    }
+
     /// The lowest place of the set.
+    #[inline]
     pub fn first(&self) -> Option<usize> {
         let (i, word) = self.0.iter().enumerate().find(|(_, word)| word.get() != 0)?;
         Some(64 * i + word.get().trailing_zeros() as usize)

@@ -366,21 +366,17 @@ impl<R: Robot> Wire for Demand<R> {
     #[inline]
     fn get(words: &[u64]) -> Result<Self, BadWords> {
         let (&head, body) = words.split_first().ok_or(BadWords)?;
-        let coordinates = match head & !MORE {
-            0 => Coordinates::Hold,
+        // Each is made where it is returned: it is large.
+        match head {
+            0 => Ok(Demand::hold()),
             1 => {
                 let joints = body.get(..R::Joints::LEN).ok_or(BadWords)?;
-                Coordinates::Joints(R::Joints::from_joints(|i| f64::from_bits(joints[i])))
+                Ok(Demand::joints(R::Joints::from_joints(|i| f64::from_bits(joints[i]))))
             }
-            2 => Coordinates::Pose(Pose::get(body)?),
-            3 => Coordinates::Displacement(Pose::get(body)?),
-            _ => return Err(BadWords),
-        };
-        let mut demand = Demand::of(coordinates);
-        if head & MORE != 0 {
-            demand.get_choices(head, words)?;
+            2 => Ok(Demand::pose(Pose::get(body)?)),
+            3 => Ok(Demand::displacement(Pose::get(body)?)),
+            _ => Self::get_choices(head, words),
         }
-        Ok(demand)
     }
 }
 
@@ -428,23 +424,34 @@ impl<R: Robot> Demand<R> {
     }
 
     #[cold]
-    fn get_choices(&mut self, head: u64, words: &[u64]) -> Result<(), BadWords> {
+    fn get_choices(head: u64, words: &[u64]) -> Result<Self, BadWords> {
         let part = |from: usize, to: usize| words.get(from..to).ok_or(BadWords);
+        let coordinates = part(1, words.len())?;
+        let mut demand = match head & !MORE {
+            0 => Demand::hold(),
+            1 => {
+                let joints = part(1, 1 + R::Joints::LEN)?;
+                Demand::joints(R::Joints::from_joints(|i| f64::from_bits(joints[i])))
+            }
+            2 => Demand::pose(Pose::get(coordinates)?),
+            3 => Demand::displacement(Pose::get(coordinates)?),
+            _ => return Err(BadWords),
+        };
         if head & (TOOL | REDUNDANCY | REGULATORS) != 0 {
             let choices = part(1 + MAX_JOINTS, CHOSEN)?;
-            self.tool = if head & TOOL == 0 { None } else { Some(Pose::get(choices)?) };
-            self.redundancy = (head & REDUNDANCY != 0).then(|| f64::from_bits(choices[7]));
-            self.regulators = (head & REGULATORS != 0).then(|| Regulators::from_word(choices[8]));
+            demand.tool = if head & TOOL == 0 { None } else { Some(Pose::get(choices)?) };
+            demand.redundancy = (head & REDUNDANCY != 0).then(|| f64::from_bits(choices[7]));
+            demand.regulators = (head & REGULATORS != 0).then(|| Regulators::from_word(choices[8]));
         }
         if head & OUTPUTS != 0 {
-            self.outputs = Outputs::get(part(CHOSEN, SWITCHED)?)?;
+            demand.outputs = Outputs::get(part(CHOSEN, SWITCHED)?)?;
         }
         if head & LOAD != 0 {
-            self.beside = Beside::get_load(part(SWITCHED, LOADED)?)?;
+            demand.beside = Beside::get_load(part(SWITCHED, LOADED)?)?;
         } else if head & GOAL != 0 {
-            self.beside = Beside::get_goal(part(SWITCHED, LOADED)?)?;
+            demand.beside = Beside::get_goal(part(SWITCHED, LOADED)?)?;
         }
-        Ok(())
+        Ok(demand)
     }
 }
 

@@ -49,6 +49,21 @@ pub trait Robot: Clone + Send + Sync + 'static {
         Ok(())
     }
 
+    /// The same on the way from `from` and on the way from its end to a standstill, each with its time \[s\], > 0: for robots
+    /// that compute something of each of the three positions.
+    ///
+    /// # Errors
+    /// The first [`CoupledLimit`] that a way breaks.
+    fn check_coupled_to_stop(
+        &self,
+        from: &Self::Joints,
+        (to, duration): (&Self::Joints, f64),
+        (stop, time): (&Self::Joints, f64),
+    ) -> Result<(), CoupledLimit> {
+        self.check_coupled(from, to, duration)?;
+        self.check_coupled(to, stop, time)
+    }
+
     /// The name of the singularity near which `q` lies, if there is one: joints must turn fast there even if the tool
     /// moves slowly. If a demanded pose asks too much of the joints there, the fault gives this name. `None` by
     /// default.

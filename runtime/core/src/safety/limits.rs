@@ -95,14 +95,6 @@ pub(crate) struct Before<J> {
     pace: Pace<J>,
 }
 
-/// What a demand asks for.
-struct Target<J> {
-    /// The tool that it names, or the one in force, `X_FE`.
-    tool: Pose,
-    /// The joint positions [rad or m].
-    position: J,
-}
-
 impl<R: Robot> Acceptor<R> {
     /// At rest at `position`; `reaction` \[s\] passes between a lost peer and the start of braking.
     pub fn new(robot: R, tool: Pose, position: R::Joints, reaction: f64) -> Self {
@@ -237,31 +229,37 @@ impl<R: Robot> Acceptor<R> {
         duration: f64,
         all_missed: bool,
     ) -> Result<AcceptedDemand<R>, Fault> {
-        let target = self.target(demand)?;
+        let tool = self.tool_of(demand)?;
+        let position = self.position_of(demand, &tool)?;
         if let Some(goal) = demand.goal() {
-            self.check_goal(&goal, demand, &target.tool)?;
+            self.check_goal(&goal, demand, &tool)?;
         }
         let missing = self.track.path.missing;
         // In step with its path, as nearly always, a robot has nothing to come back to.
         let accepted = if self.track.is_in_step() {
-            self.follow(&target, duration)
+            self.follow(&position, &tool, duration)
         } else {
-            self.come_back(&target, duration, all_missed)
+            self.come_back(&position, &tool, duration, all_missed)
         };
-        let accepted = accepted.map_err(|fault| {
-            let robot = &self.checks.robot;
-            let disagreement = poses::disagreement(robot, demand, &target.position, &target.tool);
-            disagreement
-                .unwrap_or_else(|| poses::beside_singularity(robot, demand, &self.state.position, fault))
-        })?;
+        let accepted = match accepted {
+            Ok(accepted) => accepted,
+            Err(fault) => return Err(self.explained(fault, demand, &position, &tool)),
+        };
         self.pace.accept(dt, duration, missing);
         self.motion.starting = false;
         if demand.tool.is_some() {
-            self.motion.tool = target.tool;
+            self.motion.tool = tool;
         }
-        let (_, velocity) = self.demanded();
-        self.pace.learn_path_speed(&velocity);
+        self.pace.learn_path_speed(&self.demanded().1);
         Ok(accepted)
+    }
+
+    /// The fault of a demand that breaks a limit with the joints at `position` \[rad or m\], and why it does where that is known.
+    #[cold]
+    fn explained(&self, fault: Fault, demand: &Demand<R>, position: &R::Joints, tool: &Pose) -> Fault {
+        let robot = &self.checks.robot;
+        poses::disagreement(robot, demand, position, tool)
+            .unwrap_or_else(|| poses::beside_singularity(robot, demand, &self.state.position, fault))
     }
 
     /// Where the robot moves at reduced speed, the velocity of its tool on the way to `position` \[rad or m\] in
@@ -295,12 +293,14 @@ impl<R: Robot> Acceptor<R> {
         goals::check(robot, goal, &goals::Setting { start, tool, redundancy: demand.redundancy, near })
     }
 
-    /// The tool of a demand, and the joint positions that it asks for.
-    fn target(&mut self, demand: &Demand<R>) -> Result<Target<R::Joints>, Fault> {
-        let tool = match &demand.tool {
-            Some(tool) => valid_frame(tool)?,
-            None => self.motion.tool,
-        };
+    /// The tool that a demand names, or the one in force, `X_FE`.
+    #[inline]
+    fn tool_of(&self, demand: &Demand<R>) -> Result<Pose, Fault> {
+        demand.tool.as_ref().map_or(Ok(self.motion.tool), valid_frame)
+    }
+
+    /// The joint positions \[rad or m\] that a demand asks for with this tool, `X_FE`.
+    fn position_of(&mut self, demand: &Demand<R>, tool: &Pose) -> Result<R::Joints, Fault> {
         let redundancy = demand.redundancy;
         let robot = &self.checks.robot;
         // Beside the path: a redundant robot that has been elsewhere must not bend the path that it comes back to.
@@ -314,17 +314,17 @@ impl<R: Robot> Acceptor<R> {
             Coordinates::Joints(joints) => *joints,
             Coordinates::Pose(pose) => {
                 let pose = valid_frame(pose)?;
-                poses::joints_at(robot, &ToolPose { pose: &pose, tool: &tool, redundancy }, near)?
+                poses::joints_at(robot, &ToolPose { pose: &pose, tool, redundancy }, near)?
             }
             Coordinates::Displacement(displacement) => {
                 let displacement = valid_frame(displacement)?;
                 let pose = self.motion.start(robot) * tool * displacement;
-                poses::joints_at(robot, &ToolPose { pose: &pose, tool: &tool, redundancy }, near)?
+                poses::joints_at(robot, &ToolPose { pose: &pose, tool, redundancy }, near)?
             }
         };
         match position.as_slice().iter().position(|q| !q.is_finite()) {
             Some(joint) => Err(Fault::new(FaultKind::DemandNotFinite).at_joint(joint)),
-            None => Ok(Target { tool, position }),
+            None => Ok(position),
         }
     }
 
@@ -333,13 +333,12 @@ impl<R: Robot> Acceptor<R> {
     /// # Errors
     /// The first limit that it breaks; nothing is changed then.
     #[inline]
-    fn follow(&mut self, target: &Target<R::Joints>, duration: f64) -> Result<AcceptedDemand<R>, Fault> {
-        let demand = &target.position;
-        let path = self.track.path_to(demand, duration);
-        let velocity = self.velocity_to(demand, Some(&path.velocity), duration)?;
-        self.check_tool(&target.tool, demand, duration)?;
+    fn follow(&mut self, demand: &R::Joints, tool: &Pose, duration: f64) -> Result<AcceptedDemand<R>, Fault> {
+        let (of_path, span) = self.track.mean_to(demand, duration);
+        let velocity = self.velocity_to(demand, Some(&of_path), duration)?;
+        self.check_tool(tool, demand, duration)?;
         self.state.go_to(*demand, velocity, duration);
-        self.track.follow(path);
+        self.track.follow(demand, &of_path, span);
         Ok(AcceptedDemand::new(*demand))
     }
 
@@ -349,15 +348,16 @@ impl<R: Robot> Acceptor<R> {
     /// The first limit that it breaks; nothing is changed then.
     fn come_back(
         &mut self,
-        target: &Target<R::Joints>,
+        demand: &R::Joints,
+        tool: &Pose,
         duration: f64,
         all_missed: bool,
     ) -> Result<AcceptedDemand<R>, Fault> {
-        let next = self.next(&target.position, duration, all_missed).map_err(|fault| {
+        let next = self.next(demand, duration, all_missed).map_err(|fault| {
             // Who reads it would look for a jump in the program's demands.
             if fault.message().is_empty() { fault.text("after late demands") } else { fault }
         })?;
-        self.check_tool(&target.tool, &next.position, duration)?;
+        self.check_tool(tool, &next.position, duration)?;
         Ok(self.take(next, duration))
     }
 
@@ -381,6 +381,7 @@ impl<R: Robot> Acceptor<R> {
 
     /// The velocity of a step to a position, within all limits. `held` is the velocity that is held when the demands after it
     /// are lost; `None`: the step's own.
+    #[inline]
     fn velocity_to(
         &self,
         position: &R::Joints,

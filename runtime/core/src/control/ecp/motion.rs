@@ -4,16 +4,19 @@
 //! Path time that does not pass holds the robot, whatever the generator returns; END makes a generator with a path
 //! of its own slow down on it.
 
+use crate::control::overruns::periods_in;
 use crate::link::Sample;
 use crate::link::message::{RequestKind, flag};
 use crate::model::demand::Demand;
-use crate::model::fault::Fault;
+use crate::model::fault::{Fault, FaultKind};
 use crate::model::generator::Generator;
 use crate::model::list::{Motion, SensorList, SensorsOf};
 use crate::model::list::{Reading, State};
+use crate::model::payload::Order;
 use crate::model::robot::Robot;
 use crate::model::step::{Step, Tick};
 use crate::model::type_name::TypeName;
+use crate::model::wire::Wire;
 use crate::operator::state::Doing;
 use crate::safety::rate::{DEFAULT_CHANGE, Feed};
 
@@ -165,7 +168,10 @@ impl<R: Robot> Ecp<'_, R> {
                 *e = self.driver.image;
             }
             if uses.order {
-                order = self.read_order(true)?;
+                match Wire::get(self.orders.words()) {
+                    Ok(value) => order = Order::new(value),
+                    Err(_) => return Err(self.fail(Fault::new(FaultKind::Message))),
+                }
             }
             let t = Tick { step, dt, duration };
             let next = if step == 0 {
@@ -173,12 +179,12 @@ impl<R: Robot> Ecp<'_, R> {
             } else {
                 generator.next_step(&order, &e, v, t)
             };
-            let demand = match next {
+            let demand = match &next {
                 Ok(Step::Next(demand)) => demand,
                 Ok(Step::Done) => break,
-                Err(fault) => return Err(self.fail(fault.thrown_by_program())),
+                Err(fault) => return Err(self.fail(fault.clone().thrown_by_program())),
             };
-            self.driver.set_demand(&demand, dt / duration * self.orders.header().duration);
+            self.driver.set_demand(demand, dt / duration * self.orders.header().duration);
             self.driver.moving = true;
             self.execute(sensors, v, RequestKind::Demand, flags, next_uses.robots)?;
             step += 1;
@@ -199,7 +205,7 @@ impl<R: Robot> Ecp<'_, R> {
             return Ok(());
         }
         self.host.meter.sample(Sample::Worked(own_time));
-        self.overruns.note(own_time / self.pace.period.max(1)).map_err(|fault| self.fail(fault))
+        self.overruns.note(periods_in(own_time, self.pace.period)).map_err(|fault| self.fail(fault))
     }
 
     /// One step of eq. 6: order the readings, send the demand, collect the reply and the readings.

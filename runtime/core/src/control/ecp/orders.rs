@@ -243,7 +243,7 @@ impl Orders {
     #[inline]
     pub fn reply(&mut self, flags: u32, driver: &Message) {
         let answer = &mut self.answer;
-        answer.header = self.order.header;
+        answer.header.answer(&self.order.header);
         answer.header.kind = Kind::Reply;
         answer.header.flags = flags | driver.header.flags & (flag::STANDSTILL | flag::HOMING);
         answer.header.headroom = driver.header.headroom;
@@ -260,7 +260,7 @@ impl Orders {
     /// Answers the open order of a robot that is to stop on its path for a fault.
     pub fn reply_trouble(&mut self, fault: &Fault, driver: &Message) {
         let answer = &mut self.answer;
-        answer.header = self.order.header;
+        answer.header.answer(&self.order.header);
         answer.header.headroom = driver.header.headroom;
         answer.header.law = driver.header.law;
         answer.set_fault(fault);
@@ -272,7 +272,7 @@ impl Orders {
 
     /// Answers the open order with a fault, and whether the robot stands.
     pub fn reply_fault(&mut self, fault: &Fault, driver: &Message) {
-        self.answer.header = self.order.header;
+        self.answer.header.answer(&self.order.header);
         self.answer.header.flags = driver.header.flags & (flag::STANDSTILL | flag::RECOVERS);
         self.answer.set_fault(fault);
         self.port.reply(&self.answer);

@@ -91,11 +91,8 @@ impl Answers {
     /// Begins the reply to the request. Says whether it is the latched fault: then there is nothing to add.
     #[inline]
     pub fn begin_reply(&mut self, at_standstill: bool) -> bool {
-        let request = &self.request.header;
         let reply = &mut self.reply;
-        reply.header.epoch = request.epoch;
-        reply.header.step = request.step;
-        reply.header.instruction = request.instruction;
+        reply.header.answer(&self.request.header);
         let recovers = if self.recovers { flag::RECOVERS } else { 0 };
         reply.header.flags = recovers | if at_standstill { flag::STANDSTILL } else { 0 };
         if let Some(fault) = &self.fault {

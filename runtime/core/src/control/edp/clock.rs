@@ -4,7 +4,7 @@
 
 use core::time::Duration;
 
-use crate::control::overruns::Overruns;
+use crate::control::overruns::{Overruns, periods_in};
 use crate::model::fault::Fault;
 use crate::model::pace::{Pace, Pulse};
 use crate::model::time::Nanos;
@@ -97,7 +97,7 @@ impl ServoClock {
     /// `Overrun` when too many steps were late.
     #[inline]
     pub fn count_late_step(&mut self, now: Nanos, counts: bool) -> Result<(), Fault> {
-        let missed = now.saturating_sub(self.next_step) / self.step_period.max(1);
+        let missed = periods_in(now.saturating_sub(self.next_step), self.step_period);
         let goes_on = missed + 1 == core::mem::replace(&mut self.behind, missed);
         if goes_on || !counts {
             return Ok(());

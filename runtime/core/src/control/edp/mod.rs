@@ -30,10 +30,11 @@ use std::rc::Rc;
 use crate::control::drive::Drive;
 use crate::control::guarded::guarded;
 use crate::control::replay::RecordedRobot;
-use crate::link::{Board, Closed, Host, Sample, Server};
+use crate::link::{Board, Host, Sample, Server};
 use crate::model::fault::{Fault, FaultKind, ProcessId};
 use crate::model::pose::Pose;
 use crate::model::robot::{InterpolationSpace, Robot};
+use crate::model::time::Nanos;
 use crate::observe::servo::Observer;
 use crate::observe::witness::Witnesses;
 use crate::safety::latch::Gate;
@@ -79,8 +80,6 @@ pub(crate) struct Edp<'w, R: Robot> {
     signals: SignalPort,
     clock: ServoClock,
     shown: Shown<R>,
-    /// Length of a step.
-    period: Duration,
     /// Steps within which the robot must stand after a stop began.
     stop_steps: u64,
     /// What it replays.
@@ -103,7 +102,6 @@ impl<'w, R: Robot> Edp<'w, R> {
             signals: SignalPort::new(config.declared, period, config.delay),
             clock,
             shown: Shown { observers: config.observers, witnesses: config.witnesses, states: config.states },
-            period,
             stop_steps: config.stop_steps,
             replayed: config.replayed,
             is_held_back: false,
@@ -153,24 +151,33 @@ impl<'w, R: Robot> Edp<'w, R> {
     /// # Errors
     /// `PeerLost` when the robot still moved then and did not come to a standstill in the time that its stops may take.
     pub fn run(mut self) -> Result<(), Fault> {
-        while self.host.waiter.wait(Some(self.clock.next())) != Err(Closed) {
-            let woke = self.host.waiter.now();
-            let first = self.clock.next_tick;
-            self.serve_requests();
-            while self.host.waiter.now() >= self.clock.next() {
-                self.advance();
-                if self.is_held_back {
-                    self.serve_requests();
-                }
-            }
-            if self.clock.next_tick > first {
-                self.host.meter.sample(Sample::Worked(self.host.waiter.now().saturating_sub(woke)));
-            }
-        }
+        let waiter = self.host.waiter;
+        waiter.serve(self.clock.next(), &mut || self.turn());
         let rest = self.come_to_rest();
         // What a driver does when it is let go moves nothing, and no robot waits for it.
         let closed = guarded(|| self.servo.drive.close());
         rest.and(closed)
+    }
+
+    /// Serves what has been asked for, and begins the steps and servo periods that are due. When the next one begins \[ns\].
+    fn turn(&mut self) -> Nanos {
+        let woke = self.host.waiter.now();
+        let first = self.clock.next_tick;
+        self.serve_requests();
+        loop {
+            let now = self.host.waiter.now();
+            if now < self.clock.next() {
+                break;
+            }
+            self.advance(now);
+            if self.is_held_back {
+                self.serve_requests();
+            }
+        }
+        if self.clock.next_tick > first {
+            self.host.meter.sample(Sample::Worked(self.host.waiter.now().saturating_sub(woke)));
+        }
+        self.clock.next()
     }
 
     /// Brakes what still moves when the cell closes: its other processes may be gone. Where time stands still then,
@@ -196,7 +203,7 @@ impl<'w, R: Robot> Edp<'w, R> {
                 return Ok(());
             }
             while self.host.waiter.now() >= self.clock.next() {
-                self.advance();
+                self.advance(self.host.waiter.now());
             }
         }
         Ok(())
@@ -206,8 +213,7 @@ impl<'w, R: Robot> Edp<'w, R> {
     ///
     /// A step that is late is made up for: what its demand was, or what bridged it, is what the next one begins at. A servo
     /// period that is over is left out: drives are told where to be at the end of the present one, on the same curve.
-    fn advance(&mut self) {
-        let now = self.host.waiter.now();
+    fn advance(&mut self, now: Nanos) {
         if self.clock.next_step <= self.clock.next_tick {
             // To be late counts while the robot moves.
             if let Err(fault) = self.clock.count_late_step(now, self.path.is_moving()) {

@@ -57,6 +57,8 @@ pub(super) struct DemandedPath<R: Robot> {
     first_tool: Pose,
     /// Length of a step.
     period: Duration,
+    /// The same \[s\].
+    pub seconds: f64,
     /// Missing demands that are bridged, of a robot that moves by itself.
     budget: u32,
 }
@@ -74,6 +76,7 @@ impl<R: Robot> DemandedPath<R> {
             screw: None,
             first_tool: tool,
             period,
+            seconds: period.as_secs_f64(),
             budget: missed_step_budget(period),
         }
     }
@@ -116,7 +119,7 @@ impl<R: Robot> DemandedPath<R> {
             self.undone.together = self.together;
         }
         // A late demand's own count of periods says how far its path has come; the steps before it were bridged.
-        let period = self.period.as_secs_f64();
+        let period = self.seconds;
         let dt = header.dt / header.duration * period;
         // Periods that the MP left out all robots have missed.
         let all_missed = request.is(flag::TOGETHER) && header.duration > 1.5 * period;
@@ -159,7 +162,7 @@ impl<R: Robot> DemandedPath<R> {
         }
         let missed = due.saturating_sub(request.header.step);
         self.move_together(law_together(demand, request));
-        let period = self.period.as_secs_f64();
+        let period = self.seconds;
         let begun = self.acceptor.begin_late(demand, period, missed as f64, self.together.is_some());
         begun.map_err(Fault::of_first_demand)?;
         self.mode = Mode::Moving { missed: u32::try_from(missed).unwrap_or(u32::MAX) };
@@ -202,7 +205,7 @@ impl<R: Robot> DemandedPath<R> {
             self.undone.is_kept = false;
             return next;
         }
-        let period = self.period.as_secs_f64();
+        let period = self.seconds;
         match &mut self.mode {
             Mode::Holding | Mode::Off => self.hold(period),
             Mode::Moving { .. } => self.bridge(period),
@@ -254,7 +257,7 @@ impl<R: Robot> DemandedPath<R> {
     /// A motion ends, or its path time stands still: a robot that may hold does, so that it is where the path is.
     pub fn come_to_hold(&mut self) {
         match self.mode {
-            Mode::Moving { .. } if self.acceptor.can_hold(self.period.as_secs_f64()) => {
+            Mode::Moving { .. } if self.acceptor.can_hold(self.seconds) => {
                 self.mode = Mode::Holding;
             }
             Mode::Moving { .. } => self.mode = self.way_to_rest(),
@@ -274,7 +277,7 @@ impl<R: Robot> DemandedPath<R> {
 
     /// The way to a standstill from the state demanded last.
     fn way_to_rest(&mut self) -> Mode<R::Joints> {
-        let period = self.period.as_secs_f64();
+        let period = self.seconds;
         // Where the law lets all robots stand in the next step, none goes on for the others' sake.
         if let Some(law) = self.together.filter(|law| !law.stops_at_once(period))
             && let Some(screw) = self.learn_screw(period)

@@ -42,7 +42,7 @@ impl<R: Robot> Edp<'_, R> {
         // Woken late: what was due before the request's step comes before the request, whatever it asks for.
         while self.clock.due < self.answers.request.header.step && self.host.waiter.now() >= self.clock.next()
         {
-            self.advance();
+            self.advance(self.host.waiter.now());
         }
         self.show_if_late();
         let at_standstill = self.is_at_standstill();
@@ -119,19 +119,20 @@ impl<R: Robot> Edp<'_, R> {
         if self.answers.request.is(flag::FIRST) {
             self.path.acceptor.begin();
         }
-        let demand = Demand::get(self.answers.request.words()).map_err(|_| Fault::new(FaultKind::Message))?;
+        let demand = Demand::get(self.answers.request.words());
+        let Ok(demand) = &demand else { return Err(Fault::new(FaultKind::Message)) };
         if let Some(sets) = &demand.regulators {
             self.servo.order_regulators(sets)?;
         }
-        self.signals.check(&demand)?;
+        self.signals.check(demand)?;
         // A step that is over has been bridged, and its demand is never made up for. The tool, the regulators and the outputs
         // that were chosen with it are in force all the same, and a path that ends with this demand ends there.
         if step < self.clock.due {
-            self.signals.accept(&demand);
-            return self.path.note_late(&demand, &self.answers.request, self.clock.due);
+            self.signals.accept(demand);
+            return self.path.note_late(demand, &self.answers.request, self.clock.due);
         }
-        self.path.accept(&demand, &self.answers.request)?;
-        self.signals.accept(&demand);
+        self.path.accept(demand, &self.answers.request)?;
+        self.signals.accept(demand);
         self.servo.accept(&demand.coordinates);
         Ok(())
     }
@@ -150,7 +151,7 @@ impl<R: Robot> Edp<'_, R> {
         let acceptor = &self.path.acceptor;
         let header = &mut self.answers.reply.header;
         header.headroom = RateHeadroom { most: self.servo.speed_scaling(), ..acceptor.headroom() };
-        header.law = acceptor.braking_law(self.period.as_secs_f64());
+        header.law = acceptor.braking_law(self.path.seconds);
         if self.answers.request.is(flag::WANT_STATE) {
             header.flags |= flag::STATE;
             let (joints, velocity) = acceptor.demanded();

@@ -8,12 +8,11 @@ use std::rc::Rc;
 use nalgebra::Vector1;
 
 use super::*;
-use crate::link::Waiter;
 use crate::link::message::{Kind, Message, OrderKind, RequestKind, flag};
+use crate::link::{Closed, Waiter};
 use crate::model::demand::Demand;
 use crate::model::fault::Role;
 use crate::model::name::Name;
-use crate::model::time::Nanos;
 use crate::model::wire::Wire;
 use crate::tests::slide::{Exact, Slide};
 
@@ -158,7 +157,7 @@ impl<'w> Moving<'w> {
     fn wake(&mut self, waiter: &Late, now: Nanos) {
         waiter.0.set(now);
         while now >= self.edp.clock.next_step.min(self.edp.clock.next_tick) {
-            self.edp.advance();
+            self.edp.advance(now);
         }
     }
 

@@ -6,7 +6,7 @@
 
 use core::time::Duration;
 
-use crate::control::overruns::Overruns;
+use crate::control::overruns::{Overruns, periods_in};
 use crate::link::{Closed, Meter, Sample, Waiter};
 use crate::model::fault::Fault;
 use crate::model::step::Tick;
@@ -131,8 +131,7 @@ impl StepClock {
     /// # Errors
     /// `Overrun` when too many steps were late because of it.
     pub fn count_own_time(&mut self, own_time: Nanos) -> Result<(), Fault> {
-        let missed = own_time / self.period();
-        self.overruns.note(missed)
+        self.overruns.note(periods_in(own_time, self.period))
     }
 
     /// As if no step had been late: after a reset.
@@ -151,19 +150,20 @@ impl StepClock {
         if !self.used {
             return Ok(false);
         }
-        let now = waiter.now();
+        let mut now = waiter.now();
         let mut next = (self.step + 1).max(self.earliest) * self.period;
         if now >= next && now % self.period >= self.grace {
             // Too late for this step as well.
             next = now - now % self.period + self.period;
         }
-        while waiter.now() < next {
+        while now < next {
             waiter.wait(Some(next))?;
             woken();
+            now = waiter.now();
         }
-        let step = waiter.now() / self.period;
+        let step = now / self.period;
         let periods = step - self.step;
-        meter.sample(Sample::Late(waiter.now().saturating_sub(next)));
+        meter.sample(Sample::Late(now - next));
         if periods > 1 {
             meter.sample(Sample::Skipped(periods - 1));
         }

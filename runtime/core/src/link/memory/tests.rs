@@ -1,7 +1,6 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use super::*;
-use crate::model::fault::Role;
 use crate::model::name::Name;
 
 type Log = Rc<RefCell<Vec<&'static str>>>;
@@ -98,4 +97,60 @@ fn a_panic_that_a_process_does_not_catch_is_not_that_of_the_process_that_waits_f
     assert_eq!(panic.downcast_ref::<&str>(), Some(&"a bug of a driver"));
     // The controller is told that the cell closes.
     assert!(log.borrow().starts_with(&["c1", "d1", "closed"]), "{log:?}");
+}
+
+/// A server that serves, and a master that asks it twice at time 0 and then waits until 12: what the server did, with the
+/// time, and the outcome. The server wants to wake every 5.
+fn run_served(turns_until_panic: usize) -> (Vec<(Nanos, bool)>, std::thread::Result<Result<Nanos, Stuck>>) {
+    let log = Rc::new(RefCell::new(Vec::new()));
+    let mut scheduler = Scheduler::new();
+    let (m, s) = (scheduler.place(process("m")), scheduler.place(process("s")));
+    let (client, server) = scheduler.port(m, s);
+    let shown = Rc::clone(&log);
+    let serve = move |host: Host<'_>| {
+        let mut request = Message::empty();
+        host.waiter.serve(5, &mut || {
+            assert!(shown.borrow().len() < turns_until_panic, "a bug of a driver");
+            let now = host.waiter.now();
+            let asked = server.receive(&mut request);
+            shown.borrow_mut().push((now, asked));
+            if asked {
+                server.reply(&request);
+            }
+            // Nobody can wait in a turn.
+            assert_eq!(host.waiter.wait(Some(now + 1)).is_err(), asked || now > 0);
+            (now / 5 + 1) * 5
+        });
+        assert!(host.waiter.wait(None).is_err(), "the cell is closing");
+    };
+    scheduler.body(s, Box::new(serve)).expect("a stack");
+    let close = scheduler.closer();
+    let master = move |host: Host<'_>| {
+        // The server is there once it has run.
+        while host.waiter.now() < 1 && host.waiter.wait(Some(1)).is_ok() {}
+        if ask(&*client, &host) && ask(&*client, &host) {
+            while host.waiter.now() < 12 && host.waiter.wait(Some(12)).is_ok() {}
+        }
+        close();
+    };
+    scheduler.body(m, Box::new(master)).expect("a stack");
+    let outcome = catch_unwind(AssertUnwindSafe(|| scheduler.run()));
+    (log.take(), outcome)
+}
+
+#[test]
+fn a_process_that_serves_works_when_it_is_asked_and_at_the_times_that_it_has_named() {
+    let (log, outcome) = run_served(10);
+    assert!(matches!(outcome, Ok(Ok(12))), "{outcome:?}");
+    assert_eq!(log, [(1, true), (1, true), (5, false), (10, false)]);
+}
+
+#[test]
+fn a_panic_in_a_turn_is_that_of_the_process_whose_turn_it_is() {
+    for turns in [0, 1, 2, 3] {
+        let (log, outcome) = run_served(turns);
+        let panic = outcome.expect_err("the panic ends the run");
+        assert_eq!(panic.downcast_ref::<&str>(), Some(&"a bug of a driver"));
+        assert_eq!(log.len(), turns);
+    }
 }

@@ -50,6 +50,7 @@ pub(super) struct Checks<R> {
 impl<R: Robot> Checks<R> {
     /// The velocity of a step to a position, within all limits. `held` is the velocity that is held when the demands after it
     /// are lost; `None`: the step's own.
+    #[inline]
     pub fn velocity_to(
         &self,
         position: &R::Joints,
@@ -80,11 +81,13 @@ impl<R: Robot> Checks<R> {
             let fault = Fault::new(FaultKind::DemandOutOfRange).at_joint(limit.joint).text(limit.what);
             fault.exceeds_by(limit.excess)
         };
-        self.robot.check_coupled(&step.from.position, position, step.duration).map_err(coupled)?;
-        if stop.time > 0.0 {
-            self.robot.check_coupled(position, &stop.position, stop.time).map_err(coupled)?;
-        }
-        Ok(())
+        let (from, way) = (&step.from.position, (position, step.duration));
+        let checked = if stop.time > 0.0 {
+            self.robot.check_coupled_to_stop(from, way, (&stop.position, stop.time))
+        } else {
+            self.robot.check_coupled(from, way.0, way.1)
+        };
+        checked.map_err(coupled)
     }
 
     /// Whether the joints may go this way [rad or m] in `duration` \[s\].
@@ -110,27 +113,29 @@ impl<R: Robot> Checks<R> {
         if limits.jerk.is_some() {
             return None;
         }
-        let fastest = |i: usize| larger(next.velocity[i].abs(), next.held[i].abs());
+        let fastest = R::Joints::from_joints(|i| larger(next.velocity[i].abs(), next.held[i].abs()));
         let longest =
-            (0..R::Joints::LEN).fold(0.0, |time, i| larger(time, fastest(i) / limits.acceleration[i]));
+            (0..R::Joints::LEN).fold(0.0, |time, i| larger(time, fastest[i] / limits.acceleration[i]));
         let time = 0.5 * longest + self.reaction;
         let mut stop = Standstill { position: *next.position, time: if longest > 0.0 { time } else { 0.0 } };
         let mut is_within = true;
         for i in 0..R::Joints::LEN {
             let q = next.position[i];
-            let way = fastest(i) * time;
+            let way = fastest[i] * time;
             let faster =
                 if next.held[i].abs() > next.velocity[i].abs() { next.held[i] } else { next.velocity[i] };
             stop.position[i] = q + faster * time;
-            is_within &= fastest(i) <= limits.velocity[i]
-                && next.acceleration[i].abs() <= limits.acceleration[i]
-                && q - way >= limits.lower[i]
-                && q + way <= limits.upper[i];
+            // All four are looked at, without a branch for each.
+            is_within &= (fastest[i] <= limits.velocity[i])
+                & (next.acceleration[i].abs() <= limits.acceleration[i])
+                & (q - way >= limits.lower[i])
+                & (q + way <= limits.upper[i]);
         }
         is_within.then_some(stop)
     }
 
     /// A state against the limits.
+    #[inline]
     pub fn check(
         &self,
         next: &Proposed<'_, R::Joints>,
@@ -143,6 +148,7 @@ impl<R: Robot> Checks<R> {
     }
 
     /// The same, limit by limit and with an allowance for round-off.
+    #[inline(never)]
     pub fn look_closer(
         &self,
         next: &Proposed<'_, R::Joints>,

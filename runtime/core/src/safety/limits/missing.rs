@@ -90,14 +90,15 @@ impl<R: Robot> Acceptor<R> {
         missed: f64,
         together: bool,
     ) -> Result<(), Fault> {
-        let target = self.target(demand)?;
-        self.next(&target.position, duration, false)?;
-        self.motion.tool = target.tool;
+        let tool = self.tool_of(demand)?;
+        let position = self.position_of(demand, &tool)?;
+        self.next(&position, duration, false)?;
+        self.motion.tool = tool;
         self.motion.starting = false;
         self.track.path = Path {
             missing: missed * duration,
             on_screw: together,
-            late: Some(target.position),
+            late: Some(position),
             ..Path::after(self.state.position, R::Joints::zeros(), duration)
         };
         Ok(())
@@ -109,10 +110,11 @@ impl<R: Robot> Acceptor<R> {
     /// # Errors
     /// What is wrong with the demand itself; nothing is changed then.
     pub fn note_late(&mut self, demand: &Demand<R>) -> Result<(), Fault> {
-        let target = self.target(demand)?;
-        self.motion.tool = target.tool;
+        let tool = self.tool_of(demand)?;
+        let position = self.position_of(demand, &tool)?;
+        self.motion.tool = tool;
         if self.track.path.missing > 0.0 && self.checks.robot.limits().jerk.is_none() {
-            self.track.path.late = Some(target.position);
+            self.track.path.late = Some(position);
         }
         Ok(())
     }

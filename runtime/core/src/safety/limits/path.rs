@@ -66,10 +66,14 @@ impl<J: JointVector> Track<J> {
         self.is_followed() && self.path.missing == 0.0 && !self.path.on_screw
     }
 
-    /// The path goes on, and the robot that is in step with it follows it there.
-    pub fn follow(&mut self, path: Path<J>) {
-        self.path = path;
-        self.off_path = None;
+    /// The path goes on to `demand` with this mean velocity in `span` \[s\], and the robot that is in step with it follows it
+    /// there.
+    #[inline]
+    pub fn follow(&mut self, demand: &J, velocity: &J, span: f64) {
+        self.path.position = *demand;
+        self.path.velocity = *velocity;
+        self.path.span = span;
+        self.path.late = None;
     }
 
     /// Where the path is, and its velocity, for a robot in this state.
@@ -97,8 +101,16 @@ impl<J: JointVector> Track<J> {
 
     /// The path once it has come to `demand`, at the end of a step of `duration` \[s\].
     pub fn path_to(&self, demand: &J, duration: f64) -> Path<J> {
+        let (velocity, span) = self.mean_to(demand, duration);
+        Path::after(*demand, velocity, span)
+    }
+
+    /// The mean velocity with which the path comes to `demand` at the end of a step of `duration` \[s\], and the time of which
+    /// that is the mean \[s\].
+    #[inline]
+    pub fn mean_to(&self, demand: &J, duration: f64) -> (J, f64) {
         let span = self.path.missing + duration;
-        Path::after(*demand, (*demand - self.path.position) * span.recip(), span)
+        ((*demand - self.path.position) * span.recip(), span)
     }
 
     /// The displacement of the last step in the world: the path's, and that of the way back to it.
