@@ -64,15 +64,22 @@ pub struct Estimate {
 pub fn estimate(measured: &Sights) -> Result<Estimate, NoFit> {
     let mut problem = Problem::new();
     let bases = believed_bases();
-    let arms: [ArmId; ARMS] =
-        core::array::from_fn(|i| problem.arm(NAMES[i], Irp6Arm::new(Irp6::nominal()), bases[i], Freedom::FRAME));
+    let arms: [ArmId; ARMS] = core::array::from_fn(|i| {
+        problem.arm(NAMES[i], Irp6Arm::new(Irp6::nominal()), bases[i], Freedom::FRAME)
+    });
     let balls: [[TargetId; 3]; ARMS] = core::array::from_fn(|arm| {
         core::array::from_fn(|ball| {
             let place = Pose::translation(BALLS[ball][0], BALLS[ball][1], BALLS[ball][2]);
-            problem.target(&format!("{} ball {}", NAMES[arm], ball + 1), Some(arms[arm]), place, Freedom::POINT)
+            problem.target(
+                &format!("{} ball {}", NAMES[arm], ball + 1),
+                Some(arms[arm]),
+                place,
+                Freedom::POINT,
+            )
         })
     });
-    let ends = bar_ends().map(|end| problem.target("bar", None, Pose::translation(end.x, end.y, end.z), Freedom::POINT));
+    let ends = bar_ends()
+        .map(|end| problem.target("bar", None, Pose::translation(end.x, end.y, end.z), Freedom::POINT));
     problem.bar(ends, BAR.0, BAR.1);
     let level = |freedom: Freedom| freedom.within(3..5, LEVEL);
     let south = Freedom { free: [true, true, true, false, false, true], ..Freedom::FIXED };
@@ -138,7 +145,8 @@ impl Estimate {
         let (found, spread) = self.fit.between(left, right);
         let truth = base_of(scene, 0).inv_mul(&base_of(scene, 1));
         let off = mrroc_calibration::between(&found, &truth);
-        let distance = spread.try_inverse().map_or(f64::INFINITY, |inverse| (off.dot(&(inverse * off)) / 6.0).sqrt());
+        let distance =
+            spread.try_inverse().map_or(f64::INFINITY, |inverse| (off.dot(&(inverse * off)) / 6.0).sqrt());
         (off.fixed_rows::<3>(0).norm(), off.fixed_rows::<3>(3).norm(), distance)
     }
 }

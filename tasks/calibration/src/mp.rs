@@ -60,7 +60,8 @@ pub fn coordinate(mp: &mut Mp, visits: u32, sights: &RefCell<Sights>) -> Result<
         for (face, measured) in [0, 1].into_iter().zip(&mut faces) {
             north.configure(of(face));
             south.configure(of(face));
-            *measured = mp.wait_until((&mut *left, &mut *right), (&mut north, &mut south), Measured::default())?;
+            *measured =
+                mp.wait_until((&mut *left, &mut *right), (&mut north, &mut south), Measured::default())?;
         }
         Ok::<_, Fault>(faces)
     };
@@ -102,11 +103,8 @@ fn note(sights: &RefCell<Sights>, faces: &[Measured; 2], of: &Sighted) {
 /// # Errors
 /// The first fault of the cell.
 pub fn arm(ecp: &mut Ecp<Irp6>, postures: &[Six]) -> Result<(), Fault> {
-    let limits = JointLimits {
-        velocity: Six::repeat(0.4),
-        acceleration: Six::repeat(0.6),
-        jerk: Six::repeat(4.0),
-    };
+    let limits =
+        JointLimits { velocity: Six::repeat(0.4), acceleration: Six::repeat(0.6), jerk: Six::repeat(4.0) };
     ecp.obey_all(|ecp, Visit::Posture(number): Visit| {
         let goal = postures.get(number as usize).copied();
         let goal = goal.ok_or_else(|| Fault::thrown("there is no posture of this number"))?;
@@ -119,7 +117,11 @@ pub fn arm(ecp: &mut Ecp<Irp6>, postures: &[Six]) -> Result<(), Fault> {
 ///
 /// # Errors
 /// The first cause when it ends with a fault.
-pub fn run(scene: Scene, visits: &[[Six; ARMS]], pointing: Duration) -> Result<(Sights, Duration, Shared), CellError> {
+pub fn run(
+    scene: Scene,
+    visits: &[[Six; ARMS]],
+    pointing: Duration,
+) -> Result<(Sights, Duration, Shared), CellError> {
     let start = visits.first().copied().unwrap_or([Six::zeros(); ARMS]);
     let shared = Shared::new(scene, &start);
     let bases = crate::scene::believed_bases();

@@ -22,7 +22,8 @@ fn unseen() -> Vec<Six> {
 fn an_irp6_is_calibrated_by_a_program_of_moves_and_waits() {
     let scene = Scene::new(2.0 * SECOND, WINDUP, 1);
     let visits = visits(&scene, 40, 5);
-    let (sights, time, shared) = run(scene, &visits, Duration::from_millis(100)).unwrap_or_else(|why| panic!("{why}"));
+    let (sights, time, shared) =
+        run(scene, &visits, Duration::from_millis(100)).unwrap_or_else(|why| panic!("{why}"));
     let estimate = estimate(&sights).expect("a fit");
     for arm in 0..2 {
         let accuracy = estimate.accuracy(&shared.scene.borrow(), arm, &unseen());
@@ -40,7 +41,9 @@ fn two_bases_are_found_and_their_covariance_is_true_in_95_of_100_seeds() {
         let visits = visits(&scene, 40, seed);
         let measured = without_a_cell(&mut scene, &visits);
         let (length, angle, distance) = estimate(&measured).expect("a fit").bases(&scene);
-        if seed < 8 { println!("{length:e} {angle:e} {distance}"); }
+        if seed < 8 {
+            println!("{length:e} {angle:e} {distance}");
+        }
         within += u32::from(distance < 2.0);
         assert!(length < 9e-5 && angle < 9e-5, "seed {seed}: {length} m, {angle} rad");
     }

@@ -113,7 +113,9 @@ impl Calibration {
         let kind = table.get("model").and_then(|model| model.get_ref().as_str()).unwrap_or_default();
         // What `calibrate` makes of measurements begins in the same way.
         if ["chain", "irp6"].contains(&kind) {
-            return Err(no("it was measured from outside (`calibrate`), and is not what the controller of this robot tells"));
+            return Err(no(
+                "it was measured from outside (`calibrate`), and is not what the controller of this robot tells",
+            ));
         }
         let known = ["model", "theta", "a", "d", "alpha", "checksum"];
         if let Some(key) = table.keys().find(|key| !known.contains(&key.get_ref().as_ref())) {
