@@ -22,7 +22,7 @@ use super::identity::{Identity, keys};
 use super::message::Said;
 use super::phase::Phase;
 use super::run::Run;
-use super::sending::join;
+use super::sending::{Post, join};
 use crate::capacity;
 use crate::control::Frame;
 use crate::iceoryx::{Fabric, Incoming, Where, monotonic};
@@ -60,7 +60,7 @@ pub(super) struct Hub {
     events: Mutex<Sender<Event>>,
     /// Of the run that is on: its session, and what is written for it.
     incoming: RwLock<Option<(u64, Incoming)>>,
-    wires: OnceLock<Arc<dyn Wires>>,
+    post: OnceLock<Post>,
     pub(super) phase: Mutex<Phase>,
 }
 
@@ -92,8 +92,8 @@ impl Hears for Hub {
                 }
             }
             Some((session, Said::Ping(sent))) => {
-                if let Some(wires) = self.wires.get() {
-                    wires.send(from, &Said::Pong(sent, now).to_bytes(session));
+                if let Some(post) = self.post.get() {
+                    post.say(from, Said::Pong(sent, now).to_bytes(session));
                 }
             }
             Some((_, Said::Pong(sent, answered))) => self.phase(|phase| phase.hear(sent, answered, now)),
@@ -164,14 +164,15 @@ impl Agent {
         let hub = Arc::new(Hub {
             events: Mutex::new(tells),
             incoming: RwLock::new(None),
-            wires: OnceLock::new(),
+            post: OnceLock::new(),
             phase: Mutex::new(Phase::new()),
         });
         let folder = keys(&file);
         let joining = Joining { nodes: &nodes, me, side: Side::Waits, keys: &folder };
         let wires = join(network, &joining, Arc::clone(&hub) as Arc<dyn Hears>, realtime.as_ref())?;
         // Set once, here.
-        let _ = hub.wires.set(Arc::clone(&wires));
+        let post = Post::begin(&wires, nodes.all().len()).map_err(|error| text(&error))?;
+        let _ = hub.post.set(post);
         let permission = realtime.as_ref().map_or(Permission::BestEffort, |realtime| realtime.permission);
         let plan = Plan {
             cell: file,
@@ -196,7 +197,9 @@ impl Agent {
     }
 
     pub(super) fn send(&self, session: u64, said: &Said) {
-        self.wires.send(self.mp(), &said.to_bytes(session));
+        if let Some(post) = self.hub.post.get() {
+            post.say(self.mp(), said.to_bytes(session));
+        }
     }
 
     /// Takes part in one cell after the other.

@@ -22,7 +22,7 @@ use rustix::process::{Signal, set_parent_process_death_signal};
 
 use super::identity::{Identity, keys};
 use super::message::Said;
-use super::sending::{Sending, join};
+use super::sending::{Post, Sending, join};
 use crate::control::{Control, Frame};
 use crate::iceoryx::{Fabric, Incoming, Seal, Seals, StandIn, Where, monotonic};
 use crate::identity::CellId;
@@ -58,7 +58,7 @@ enum Event {
 struct Hub {
     events: Mutex<Sender<Event>>,
     incoming: OnceLock<Incoming>,
-    wires: OnceLock<Arc<dyn Wires>>,
+    post: OnceLock<Arc<Post>>,
     session: u64,
 }
 
@@ -78,8 +78,8 @@ impl Hears for Hub {
                 }
             }
             Some((session, Said::Ping(sent))) => {
-                if let Some(wires) = self.wires.get() {
-                    wires.send(from, &Said::Pong(sent, monotonic()).to_bytes(session));
+                if let Some(post) = self.post.get() {
+                    post.say(from, Said::Pong(sent, monotonic()).to_bytes(session));
                 }
             }
             Some((session, said)) => self.tell(Event::Came(from, session, said)),
@@ -148,22 +148,23 @@ fn carry(
     let hub = Arc::new(Hub {
         events: Mutex::new(tells),
         incoming: OnceLock::new(),
-        wires: OnceLock::new(),
+        post: OnceLock::new(),
         session: seal.session,
     });
     let folder = keys(file);
     let joining = Joining { nodes: &nodes, me: places.me, side: Side::Calls, keys: &folder };
     let wires = join(network, &joining, Arc::clone(&hub) as Arc<dyn Hears>, realtime.as_ref())?;
     // Set once, here.
-    let _ = hub.wires.set(Arc::clone(&wires));
+    let post = Arc::new(Post::begin(&wires, nodes.all().len()).map_err(|error| text(&error))?);
+    let _ = hub.post.set(Arc::clone(&post));
     let used: Vec<_> = (0..nodes.all().len())
         .filter(|node| *node != places.me && places.places.contains(&Some(*node)))
         .collect();
     let own = Identity::here(nodes.file()).map_err(|error| text(&error))?;
-    meet(&nodes, &used, (own, seal), &*wires, &events)?;
+    meet(&nodes, &used, (own, seal), &post, &events)?;
     accept(listener, control, &hub).map_err(|error| text(&error))?;
     control.send(&Frame::Created { fingerprint: fabric.fingerprint() }).map_err(|error| text(&error))?;
-    let carrier = Carrier { nodes, places, wires, hub, seal, far: Vec::new() };
+    let carrier = Carrier { nodes, places, wires, post, hub, seal, far: Vec::new() };
     carrier.run(&events, (stand_in, control), (realtime.as_ref(), step))
 }
 
@@ -175,7 +176,7 @@ fn meet(
     nodes: &Nodes,
     used: &[usize],
     (own, seal): (Identity, Seal),
-    wires: &dyn Wires,
+    post: &Post,
     events: &Receiver<Event>,
 ) -> Result<(), String> {
     let until = Instant::now() + PATIENCE;
@@ -190,7 +191,7 @@ fn meet(
         for &node in used {
             if again[node].is_some_and(|time| now >= time) {
                 again[node] = Some(now + AGAIN);
-                wires.send(node, &hello);
+                post.say(node, hello.clone());
             }
         }
         if now >= until {
@@ -294,6 +295,7 @@ struct Carrier {
     nodes: Nodes,
     places: Where,
     wires: Arc<dyn Wires>,
+    post: Arc<Post>,
     hub: Arc<Hub>,
     seal: Seal,
     far: Vec<(usize, Far)>,
@@ -355,11 +357,11 @@ impl Carrier {
     fn begin(&mut self, place: usize, stream: UnixStream) -> io::Result<()> {
         let Some(node) = self.places.places.get(place).copied().flatten() else { return Ok(()) };
         let control = Control::new(stream);
-        let (reads, wires, session) = (control.try_clone()?, Arc::clone(&self.wires), self.seal.session);
+        let (reads, post, session) = (control.try_clone()?, Arc::clone(&self.post), self.seal.session);
         let number = u16::try_from(place).map_err(io::Error::other)?;
         std::thread::Builder::new().name(format!("to place {place}")).spawn(move || {
             while let Ok(frame) = reads.receive() {
-                wires.send(node, &Said::Frame(number, frame).to_bytes(session));
+                post.say(node, Said::Frame(number, frame).to_bytes(session));
             }
         })?;
         self.far.push((place, Far::Runs(control)));

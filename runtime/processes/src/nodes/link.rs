@@ -5,7 +5,7 @@
 
 use std::fmt::Write;
 use std::path::Path;
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use mrroc_core::cell::{Node, Nodes};
@@ -32,7 +32,6 @@ const WORK: Nanos = 500_000;
 struct Ear {
     there: Mutex<Vec<bool>>,
     phases: Mutex<Vec<Phase>>,
-    wires: OnceLock<Arc<dyn Wires>>,
 }
 
 impl Hears for Ear {
@@ -73,7 +72,6 @@ pub(crate) fn examine(nodes: &Nodes, file: &Path) -> String {
     let ear = Arc::new(Ear {
         there: Mutex::new(vec![false; all]),
         phases: Mutex::new((0..all).map(|_| Phase::new()).collect()),
-        wires: OnceLock::new(),
     });
     let folder = keys(file);
     let joining = Joining { nodes, me: nodes.mp(), side: Side::Calls, keys: &folder };
@@ -81,8 +79,6 @@ pub(crate) fn examine(nodes: &Nodes, file: &Path) -> String {
         Ok(wires) => Arc::from(wires),
         Err(error) => return format!("nodes           {error}\n"),
     };
-    // Set once, here.
-    let _ = ear.wires.set(Arc::clone(&wires));
     let others: Vec<_> = (0..all).filter(|node| *node != nodes.mp()).collect();
     let until = Instant::now() + PATIENCE;
     while Instant::now() < until && !others.iter().all(|&node| ear.is(node)) {

@@ -48,6 +48,8 @@ pub(super) struct Run<'a> {
     held: Vec<(usize, Frame)>,
     plant: Plant,
     pings: Pings,
+    /// Until when processes have to end, once the other side is gone.
+    ending: Option<Instant>,
 }
 
 /// How far the plant of this node is.
@@ -89,6 +91,7 @@ impl<'a> Run<'a> {
             held: Vec::new(),
             plant: Plant::Closes,
             pings,
+            ending: None,
         };
         for (place, id) in
             agent.fabric.places().iter().enumerate().filter(|(place, _)| agent.places.is_here(*place))
@@ -127,12 +130,10 @@ impl<'a> Run<'a> {
     /// Goes on until all processes have ended.
     pub(super) fn go_on(mut self) -> Next {
         let mut next = None;
-        // Until when processes have to end, once the other side is gone.
-        let mut ending: Option<Instant> = None;
         while self.parts.iter().any(|(_, part)| !part.gone.get()) {
             match self.agent.events.recv_timeout(LOOK) {
                 Ok(Event::Came(from, session, Said::Hello(identity, seal))) if from == self.agent.mp() => {
-                    if ending.is_some() {
+                    if self.ending.is_some() {
                         next = Some((session, identity, seal));
                     } else if seal != self.seals.between {
                         self.agent.send(session, &Said::Refused(format!("{BUSY}\n help: end that first")));
@@ -144,7 +145,7 @@ impl<'a> Run<'a> {
                     self.told(usize::from(place), frame);
                 }
                 Ok(Event::Part(place, frame)) => self.heard(place, frame),
-                Ok(Event::Lost(node)) if node == self.agent.mp() && ending.is_none() => {
+                Ok(Event::Lost(node)) if node == self.agent.mp() && self.ending.is_none() => {
                     // At an orderly end the other side goes when it has heard of all ends but the plant's.
                     let goes_on = |part: &Member| part.id.role != Role::Plant && !part.gone.get();
                     if self.parts.iter().any(|(_, part)| goes_on(part)) {
@@ -154,12 +155,12 @@ impl<'a> Run<'a> {
                             self.agent.nodes.all()[node].name.as_str()
                         ));
                     }
-                    ending = Some(self.hang_up());
+                    self.hang_up();
                 }
                 Ok(_) | Err(RecvTimeoutError::Timeout) => {}
-                Err(RecvTimeoutError::Disconnected) => ending = ending.or_else(|| Some(self.hang_up())),
+                Err(RecvTimeoutError::Disconnected) => self.hang_up(),
             }
-            if ending.is_some_and(|until| Instant::now() > until) {
+            if self.ending.is_some_and(|until| Instant::now() > until) {
                 self.parts.iter().filter(|(_, part)| !part.gone.get()).for_each(|(_, part)| part.kill());
             }
         }
@@ -172,10 +173,10 @@ impl<'a> Run<'a> {
         next
     }
 
-    /// Tells all processes that the launcher is gone; returns until when they have to end.
-    fn hang_up(&self) -> Instant {
+    /// Tells all processes that the launcher is gone, and gives them the time of a stop to end.
+    fn hang_up(&mut self) {
         self.parts.iter().for_each(|(_, part)| part.control.hang_up());
-        Instant::now() + self.agent.stop + CLOSING
+        self.ending.get_or_insert(Instant::now() + self.agent.stop + CLOSING);
     }
 
     fn part(&self, place: usize) -> Option<&Rc<Member>> {

@@ -5,7 +5,9 @@
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{SyncSender, sync_channel};
 use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
 
 use mrroc_core::cell::Realtime;
 use mrroc_core::link::Nanos;
@@ -33,6 +35,42 @@ pub(super) fn join(
     }
     joined.map(Arc::from)
 }
+
+/// How many words wait at most for a machine that takes none.
+const QUEUE: usize = 4096;
+
+/// What is said to other machines, apart from what stands on boards: in order, and by threads of its own, because a network whose
+/// cable is pulled may take nothing more for a long time. Who says something never waits.
+pub(super) struct Post(Vec<SyncSender<Vec<u8>>>);
+
+impl Post {
+    /// Begins, with a thread for each of so many machines.
+    ///
+    /// # Errors
+    /// There is no room for a thread.
+    pub fn begin(wires: &Arc<dyn Wires>, machines: usize) -> std::io::Result<Post> {
+        let mut queues = Vec::new();
+        for to in 0..machines {
+            let (queue, said) = sync_channel::<Vec<u8>>(QUEUE);
+            let wires = Arc::clone(wires);
+            std::thread::Builder::new().name("says".to_owned()).spawn(move || {
+                said.iter().for_each(|bytes| wires.send(to, &bytes));
+            })?;
+            queues.push(queue);
+        }
+        Ok(Post(queues))
+    }
+
+    /// Says something to a machine. What waits behind too much is lost, as it would be in the cable.
+    pub fn say(&self, to: usize, bytes: Vec<u8>) {
+        if let Some(queue) = self.0.get(to) {
+            let _ = queue.try_send(bytes);
+        }
+    }
+}
+
+/// How long threads may take to end. One that the network holds ends later, by itself.
+const ENDING: Duration = Duration::from_millis(200);
 
 /// The threads of a machine, which end with it.
 pub(super) struct Sending {
@@ -81,9 +119,9 @@ impl Sending {
 impl Drop for Sending {
     fn drop(&mut self) {
         self.ends.store(true, Ordering::Release);
-        for thread in self.threads.drain(..) {
-            // A thread that has panicked has sent what it could.
-            let _ = thread.join();
+        let until = Instant::now() + ENDING;
+        while self.threads.iter().any(|thread| !thread.is_finished()) && Instant::now() < until {
+            std::thread::sleep(Duration::from_millis(1));
         }
     }
 }
