@@ -15,7 +15,7 @@ use super::reader::value::POSE_KEYS;
 const PAGE: &str = include_str!("../../../../docs/src/cell.md");
 
 /// The tables, by the names that the page gives them and in its order, with the keys of each table.
-const TABLES: [(&str, &[&str]); 12] = [
+const TABLES: [(&str, &[&str]); 13] = [
     ("## The cell", &CELL_KEYS),
     ("## A robot", &ROBOT_KEYS),
     ("A pose is", &POSE_KEYS),

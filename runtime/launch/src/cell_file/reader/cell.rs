@@ -10,7 +10,7 @@ use toml::de::{DeTable, DeValue};
 
 use super::{Reader, Value};
 
-pub(in super::super) const CELL_KEYS: [&str; 11] = [
+pub(in super::super) const CELL_KEYS: [&str; 12] = [
     "step_ms",
     "stop_ms",
     "after_fault",
