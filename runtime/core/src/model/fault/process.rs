@@ -55,7 +55,7 @@ impl ProcessId {
         match self.role {
             Role::Mp => self.name,
             Role::Ecp | Role::Edp | Role::Vsp => self.name.as_ref().and_then(Name::cell),
-            Role::Plant => None,
+            Role::Plant | Role::Node => None,
         }
     }
 }
