@@ -110,20 +110,17 @@ impl Cell {
     /// theirs: `mp press`, `ecp press.arm`.
     ///
     /// ```
-    /// # use mrroc_core as mrroc;
     /// use std::time::Duration;
     ///
     /// use mrroc::cell::LowerCell;
     /// use mrroc::prelude::*;
     ///
     /// #[derive(Clone, Copy, Payload)]
-    /// # #[payload(crate = mrroc)]
     /// enum Job {
     ///     Rest,
     /// }
     ///
     /// #[generator(mp)]
-    /// # #[generator(crate = mrroc)]
     /// fn rest() -> Always<(LowerCell,), Job> {
     ///     Always((Job::Rest,))
     /// }

@@ -21,7 +21,6 @@ use crate::model::signals::{Signals, Values};
 ///
 /// A demand to a lower cell does not compile:
 /// ```compile_fail
-/// # use mrroc_core as mrroc;
 /// use mrroc::cell::LowerCell;
 /// use mrroc::prelude::*;
 ///

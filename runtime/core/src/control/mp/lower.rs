@@ -83,24 +83,20 @@ impl Mp<'_> {
     ///
     /// # Example
     /// ```
-    /// # use mrroc_core as mrroc;
     /// use mrroc::cell::LowerCell;
     /// use mrroc::prelude::*;
     ///
     /// #[derive(Clone, Copy, Payload)]
-    /// # #[payload(crate = mrroc)]
     /// enum Job {
     ///     Weld,
     /// }
     ///
     /// #[generator(mp)]
-    /// # #[generator(crate = mrroc)]
     /// fn weld() -> Always<(LowerCell, LowerCell), Job> {
     ///     Always((Job::Weld, Job::Weld))
     /// }
     ///
     /// #[condition(mp)]
-    /// # #[condition(crate = mrroc)]
     /// fn is_back(e: &State<(LowerCell,)>) -> bool {
     ///     e.0.is_ready()
     /// }

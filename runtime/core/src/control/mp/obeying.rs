@@ -29,11 +29,9 @@ impl Mp<'_> {
     ///
     /// # Example
     /// ```
-    /// # use mrroc_core as mrroc;
     /// use mrroc::prelude::*;
     ///
     /// #[derive(Clone, Copy, Payload)]
-    /// # #[payload(crate = mrroc)]
     /// enum Job {
     ///     Press { parts: u32 },
     ///     Park,
