@@ -2,8 +2,9 @@
 //!
 //! A share of the moments; `MRROC_WHOLE=1` takes every tenth of a second and more parts.
 
+use mrroc::fault::{Name, ProcessId, Role};
 use mrroc::prelude::*;
-use mrroc::testing::{FaultySensor, SensorFault};
+use mrroc::testing::{Case, FaultySensor, Injected, SensorFault, Sweep};
 use mrroc_sensors::physics::Stuck;
 use sorting::plant::Plant;
 use sorting::run::{Ready, Sensing, Settings};
@@ -152,6 +153,21 @@ fn fault_174_a_sensor_that_is_lost_in_mid_pick_is_a_named_fault_or_not_needed_an
             if before < -0.2 && fate != Fate::Sorted {
                 assert!(world.hand(0).expect("a hand").is_closed(), "{case}: the part was let go");
             }
+        }
+    }
+}
+
+#[test]
+fn fault_174_a_vsp_that_is_killed_in_mid_pick_stops_all_robots_within_their_bounds() {
+    let held = undisturbed().time;
+    let sweep = Sweep::new(|| settings().ready().expect("a cell").cell);
+    for name in ["gate", "range", "fingers"] {
+        for before in [1.6, 0.4] {
+            let process = ProcessId::new(Role::Vsp, Name::new(name).expect("a name"));
+            let at = ((held - before) / 4e-3) as u64;
+            // Judged: limits, the cause, standstill within the bound, and that no gripper opens.
+            let report = sweep.repeat(&Case { injected: Injected::Kill(process), at, seed: 1 });
+            assert!(report.is_clean(), "{report}");
         }
     }
 }
