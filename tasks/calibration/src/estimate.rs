@@ -130,24 +130,51 @@ impl Estimate {
         Accuracy { rms: (squares / n).sqrt(), max, foretold: (foretold / n).sqrt() }
     }
 
-    /// How far the base of the right arm is from where the estimate has it in the left one: \[m\], \[rad\], and how many standard deviations that is, by
-    /// Mahalanobis' distance over the root of six.
+    /// How far the base of the right arm is from where the estimate has it in the left one.
     #[must_use]
-    pub fn bases(&self, scene: &Scene) -> (f64, f64, f64) {
+    pub fn bases(&self, scene: &Scene) -> Bases {
         let [left, right] = self.arms.map(|arm| self.problem.base_of(arm));
         let (found, spread) = self.fit.between(left, right);
         let truth = base_of(scene, 0).inv_mul(&base_of(scene, 1));
         let off = mrroc_calibration::between(&found, &truth);
-        let distance = spread.try_inverse().map_or(f64::INFINITY, |inverse| (off.dot(&(inverse * off)) / 6.0).sqrt());
-        (off.fixed_rows::<3>(0).norm(), off.fixed_rows::<3>(3).norm(), distance)
+        // Along the axes of the left base, as the covariance is.
+        Bases {
+            length: off.fixed_rows::<3>(0).norm(),
+            angle: off.fixed_rows::<3>(3).norm(),
+            length_sigma: spread.fixed_view::<3, 3>(0, 0).trace().sqrt(),
+            angle_sigma: spread.fixed_view::<3, 3>(3, 3).trace().sqrt(),
+        }
     }
 }
 
-/// Where the base of an arm truly is.
+/// How well the place of one base in the other is found: errors, and standard deviations that the covariance foretells of them.
+#[derive(Clone, Copy, Debug)]
+pub struct Bases {
+    /// Of the position \[m\].
+    pub length: f64,
+    /// Of the orientation \[rad\].
+    pub angle: f64,
+    /// Foretold \[m\].
+    pub length_sigma: f64,
+    /// Foretold \[rad\].
+    pub angle_sigma: f64,
+}
+
+impl Bases {
+    /// Whether both errors are within two standard deviations.
+    #[must_use]
+    pub fn is_within_two_sigma(&self) -> bool {
+        self.length < 2.0 * self.length_sigma && self.angle < 2.0 * self.angle_sigma
+    }
+}
+
+/// Where the base of an arm truly is, at the zero that its programs believe in: of its turn and that of the column only the sum can be told.
 fn base_of(scene: &Scene, arm: usize) -> Pose {
     let mut base = None;
     mrroc::robot::Robot::frames(&scene.arms[arm], &Six::zeros(), &mut |frame| {
         base.get_or_insert(*frame);
     });
-    base.unwrap_or_else(Pose::identity)
+    let column = |arm: &Irp6| arm.transmission().column.offset;
+    let turn = column(&scene.arms[arm]) - column(&Irp6::nominal());
+    base.unwrap_or_else(Pose::identity) * Pose::rotation(nalgebra::Vector3::z() * turn)
 }

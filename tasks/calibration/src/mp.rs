@@ -5,13 +5,13 @@ use core::time::Duration;
 use std::rc::Rc;
 
 use mrroc::prelude::*;
-use mrroc_generators::generators::{Settle, SmoothJointMove};
+use mrroc_generators::generators::{ConstantOrder, Settle, SmoothJointMove};
 use mrroc_generators::jerk::JointLimits;
 use mrroc_robots::{Irp6, Six};
 
 use crate::drives::{Believed, Shared};
 use crate::estimate::{Sight as Found, Sighted, Sights};
-use crate::scene::{ARMS, BALLS, NAMES, Scene};
+use crate::scene::{ARMS, BALLS, BAR_SIGHTS, NAMES, Scene};
 use crate::sensor::{Sight, Sighting, Simulated};
 use crate::theodolite::mean;
 
@@ -20,17 +20,6 @@ use crate::theodolite::mean;
 pub enum Visit {
     /// The posture of this number.
     Posture(u32),
-}
-
-/// Orders a visit: each arm goes on its own.
-#[derive(Clone, Copy)]
-pub struct Order(pub Visit);
-
-#[generator(mp)]
-impl Order {
-    fn next_step(&mut self) -> Step<(Irp6, Irp6), Visit> {
-        Step::Next((self.0, self.0))
-    }
 }
 
 /// Both theodolites have sighted what they were told, and both arms have stood: what was read, and where the encoders were.
@@ -64,12 +53,15 @@ pub fn coordinate(mp: &mut Mp, visits: u32, sights: &RefCell<Sights>) -> Result<
         }
         Ok::<_, Fault>(faces)
     };
-    for end in 0..2 {
-        let faces = both_faces(mp, &mut left, &mut right, &|face| Sight::End { end, face })?;
-        note(sights, &faces, &Sighted::End(end as usize));
+    for _ in 0..BAR_SIGHTS {
+        for end in 0..2 {
+            let faces = both_faces(mp, &mut left, &mut right, &|face| Sight::End { end, face })?;
+            note(sights, &faces, &Sighted::End(end as usize));
+        }
     }
     for visit in 0..visits {
-        mp.move_robots((&mut left, &mut right), (), Order(Visit::Posture(visit)))?;
+        let order = ConstantOrder::<(Irp6, Irp6), Visit>::to_all(Visit::Posture(visit));
+        mp.move_robots((&mut left, &mut right), (), order)?;
         let mut is_first = true;
         for arm in 0..ARMS {
             for ball in 0..BALLS.len() {
