@@ -13,9 +13,8 @@ use mrroc_launch::files;
 use nalgebra::SVector;
 
 use crate::models::{
-    ArmCalibration, NoCalibration,
-    Conveyor, Driven, Gripper, IoBlock, Irp6, Irp6FiveDof, Irp6Track, Kinematics, NoJoints, One, Polycrank,
-    Rnt, Serial, UrdfError, UrdfText,
+    ArmCalibration, Conveyor, Driven, Gripper, IoBlock, Irp6, Irp6FiveDof, Irp6Track, Kinematics,
+    NoCalibration, NoJoints, One, Polycrank, Rnt, Serial, UrdfError, UrdfText,
 };
 use crate::simulation::{Simulated, Unhomed};
 
@@ -100,7 +99,8 @@ fn calibration(entry: &RobotEntry) -> Result<Option<(ArmCalibration, PathBuf)>, 
 }
 
 /// What to do about a calibration that is none.
-const CALIBRATE: &str = "write the file that `calibrate` has made for this robot, as seen from the folder of this file";
+const CALIBRATE: &str =
+    "write the file that `calibrate` has made for this robot, as seen from the folder of this file";
 
 fn wrong_calibration(entry: &RobotEntry, path: &Path, why: &NoCalibration) -> CellError {
     entry.refuse(EntryKey::Calibration, format!("{}: {why}", path.display()), CALIBRATE.to_owned())

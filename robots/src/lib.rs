@@ -50,9 +50,9 @@ pub mod simulation;
 
 pub use kinds::{simulated, urdf_arm};
 pub use models::{
-    ArmCalibration, ChainCalibration, Irp6Calibration, NoCalibration,
-    Conveyor, Driven, Encoder, Five, Gains, Gripper, IoBlock, Irp6, Irp6FiveDof, Irp6Track, Jacobian,
-    Kinematics, Linear, LinkState, MotorData, MotorLimits, NoJoints, One, Overload, Polycrank, Rnt, Screw,
-    Serial, SerialBuilder, SerialOutline, Seven, Shafts, Six, Transmission, TwoFingers, UrdfError, UrdfText,
+    ArmCalibration, ChainCalibration, Conveyor, Driven, Encoder, Five, Gains, Gripper, IoBlock, Irp6,
+    Irp6Calibration, Irp6FiveDof, Irp6Track, Jacobian, Kinematics, Linear, LinkState, MotorData, MotorLimits,
+    NoCalibration, NoJoints, One, Overload, Polycrank, Rnt, Screw, Serial, SerialBuilder, SerialOutline,
+    Seven, Shafts, Six, Transmission, TwoFingers, UrdfError, UrdfText,
 };
 pub use simulation::{Plant, Regulator, RegulatorSet, Shaft, Simulated, SimulatedIrp6, Unhomed, grasp};

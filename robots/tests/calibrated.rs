@@ -11,7 +11,9 @@ use nalgebra::{SVector, UnitQuaternion, Vector6};
 type Arm = Serial<6>;
 
 fn arm(text: &str, base: &str, tip: &str) -> Arm {
-    Serial::<6>::from_urdf(text, base, tip).and_then(|arm| arm.with_acceleration(SVector::repeat(10.0))).expect("sound")
+    Serial::<6>::from_urdf(text, base, tip)
+        .and_then(|arm| arm.with_acceleration(SVector::repeat(10.0)))
+        .expect("sound")
 }
 
 fn three_parallel() -> Arm {
@@ -23,7 +25,8 @@ fn calibration(of: &Arm) -> ChainCalibration {
     let mut frames = Vec::new();
     of.frames(&SVector::zeros(), &mut |frame| frames.push(*frame));
     let step = |i: usize| frames[i].inv_mul(&frames[i + 1]);
-    let small = |i: usize, axis: usize| ((i * 6 + axis) as f64 * 1.7).sin() * if axis < 3 { 2e-3 } else { 4e-3 };
+    let small =
+        |i: usize, axis: usize| ((i * 6 + axis) as f64 * 1.7).sin() * if axis < 3 { 2e-3 } else { 4e-3 };
     ChainCalibration {
         design: (0..6).map(step).collect(),
         tip: step(6),
@@ -38,7 +41,10 @@ fn flange(calibration: &ChainCalibration, q: &[f64]) -> Pose {
     for ((design, displacement), q) in calibration.design.iter().zip(&calibration.displacements).zip(q) {
         let shift = displacement.fixed_rows::<3>(0).into_owned();
         let turn = UnitQuaternion::from_scaled_axis(displacement.fixed_rows::<3>(3).into_owned());
-        pose = pose * design * Pose::rotation(nalgebra::Vector3::z() * *q) * Pose::from_parts(shift.into(), turn);
+        pose = pose
+            * design
+            * Pose::rotation(nalgebra::Vector3::z() * *q)
+            * Pose::from_parts(shift.into(), turn);
     }
     pose * calibration.tip
 }
@@ -50,7 +56,9 @@ fn postures() -> impl Iterator<Item = SVector<f64, 6>> {
 #[test]
 fn a_calibrated_arm_has_the_poses_of_its_file_and_finds_its_joints_back_without_allocation() {
     let place = Pose::translation(0.3, 0.1, 0.5);
-    for nominal in [three_parallel(), arm(include_str!("reference/urdf/ortho_parallel.urdf"), "base_link", "tool0")] {
+    for nominal in
+        [three_parallel(), arm(include_str!("reference/urdf/ortho_parallel.urdf"), "base_link", "tool0")]
+    {
         let nominal = nominal.with_base(place);
         let calibration = calibration(&nominal);
         let arm = nominal.clone().calibrated_by(&calibration).expect("its own");
@@ -66,7 +74,9 @@ fn a_calibrated_arm_has_the_poses_of_its_file_and_finds_its_joints_back_without_
             all += 1;
             let (found, allocated) = count(|| arm.inverse(&pose, &q.add_scalar(0.05)));
             assert_eq!(allocated, 0);
-            let found = found.ok().filter(|found| (arm.forward(found).to_homogeneous() - expected.to_homogeneous()).amax() < 1e-9);
+            let found = found.ok().filter(|found| {
+                (arm.forward(found).to_homogeneous() - expected.to_homogeneous()).amax() < 1e-9
+            });
             missed += usize::from(found.is_none_or(|found| (found - q).amax() > 0.5));
         }
         assert!(all > 100 && missed * 50 <= all, "{missed} of {all} are not found back");
@@ -128,7 +138,11 @@ fn fault_180_the_calibration_of_another_arm_is_refused_before_anything_moves() {
     assert_eq!(refusal(THREE_PARALLEL, &folder, "own.toml"), None);
     assert_eq!(refusal(IRP6, &folder, "irp6.toml"), None);
     for (robot, file, told) in [
-        (THREE_PARALLEL, "other.toml", "it is the calibration of another arm: by its design the flange is up to"),
+        (
+            THREE_PARALLEL,
+            "other.toml",
+            "it is the calibration of another arm: by its design the flange is up to",
+        ),
         (THREE_PARALLEL, "short.toml", "an arm with 5 joints, this one has 6"),
         (THREE_PARALLEL, "encoders.toml", "calibrate with --detail geometry"),
         (THREE_PARALLEL, "irp6.toml", "the calibration of an irp6, not of an arm of a URDF"),

@@ -73,13 +73,26 @@ impl ArmCalibration {
         let _ = writeln!(text, "model = {:?}", self.model());
         match self {
             ArmCalibration::Chain(chain) => {
-                let _ = writeln!(text, "# By joint where its frame is in the one before, as designed: x, y, z, and a quaternion w, x, y, z.");
+                let _ = writeln!(
+                    text,
+                    "# By joint where its frame is in the one before, as designed: x, y, z, and a quaternion w, x, y, z."
+                );
                 rows(&mut text, "design", chain.design.iter().map(seven));
                 let _ = writeln!(text, "tip = {:?}", seven(&chain.tip));
-                let _ = writeln!(text, "# What was found behind each joint, in its own frame: x, y, z, and a rotation vector.");
-                rows(&mut text, "displacements", chain.displacements.iter().map(|one| <[f64; 6]>::from(*one)));
+                let _ = writeln!(
+                    text,
+                    "# What was found behind each joint, in its own frame: x, y, z, and a rotation vector."
+                );
+                rows(
+                    &mut text,
+                    "displacements",
+                    chain.displacements.iter().map(|one| <[f64; 6]>::from(*one)),
+                );
                 if !chain.encoders.is_empty() {
-                    let _ = writeln!(text, "# What each encoder leaves out: a part of the position, and its cosine and sine.");
+                    let _ = writeln!(
+                        text,
+                        "# What each encoder leaves out: a part of the position, and its cosine and sine."
+                    );
                     rows(&mut text, "encoders", chain.encoders.iter().copied());
                 }
             }
@@ -101,7 +114,8 @@ impl ArmCalibration {
     pub fn parse(text: &str) -> Result<ArmCalibration, NoCalibration> {
         let no = |what: &str| NoCalibration(what.to_owned());
         let table = DeTable::parse(text).map_err(|why| {
-            let line = why.span().map_or(0, |span| text[..span.start.min(text.len())].matches('\n').count() + 1);
+            let line =
+                why.span().map_or(0, |span| text[..span.start.min(text.len())].matches('\n').count() + 1);
             NoCalibration(format!("it is no TOML, see its line {line}"))
         })?;
         let table = table.get_ref();
@@ -111,12 +125,16 @@ impl ArmCalibration {
             Some("irp6") => &["model", "lengths", "offsets", "lower_screw", "upper_screw"],
             Some(other) => {
                 let other = mrroc::console::quoted(other, 40);
-                return Err(NoCalibration(format!("it is the calibration of a `{other}`, not one that `calibrate` has made")));
+                return Err(NoCalibration(format!(
+                    "it is the calibration of a `{other}`, not one that `calibrate` has made"
+                )));
             }
             None => return Err(no("it has no `model`: it is no calibration")),
         };
         let is_table = |value: &DeValue<'_>| matches!(value, DeValue::Table(_));
-        let mut others = table.iter().filter(|(key, value)| !known.contains(&&**key.get_ref()) && !is_table(value.get_ref()));
+        let mut others = table
+            .iter()
+            .filter(|(key, value)| !known.contains(&&**key.get_ref()) && !is_table(value.get_ref()));
         if let Some((key, _)) = others.find(|(key, _)| !DESCRIPTIVE.contains(&&**key.get_ref())) {
             let key = mrroc::console::quoted(key.get_ref(), 40);
             return Err(NoCalibration(format!("a calibration has no `{key}`")));
@@ -129,8 +147,10 @@ impl ArmCalibration {
             }));
         }
         let design = lists::<7>(table, "design")?.iter().map(pose).collect::<Result<Vec<_>, _>>()?;
-        let displacements: Vec<Vector6<f64>> = lists::<6>(table, "displacements")?.into_iter().map(Vector6::from).collect();
-        let encoders = if table.contains_key("encoders") { lists::<3>(table, "encoders")? } else { Vec::new() };
+        let displacements: Vec<Vector6<f64>> =
+            lists::<6>(table, "displacements")?.into_iter().map(Vector6::from).collect();
+        let encoders =
+            if table.contains_key("encoders") { lists::<3>(table, "encoders")? } else { Vec::new() };
         if design.is_empty() || design.len() != displacements.len() {
             return Err(no("its `design` and `displacements` have not one row for each joint"));
         }
@@ -254,7 +274,9 @@ mod tests {
             displacements: vec![Vector6::repeat(1e-3), Vector6::zeros()],
             encoders: Vec::new(),
         };
-        for calibration in [ArmCalibration::Chain(chain), ArmCalibration::Irp6(Irp6Calibration::of(&Irp6::calibrated()))] {
+        for calibration in
+            [ArmCalibration::Chain(chain), ArmCalibration::Irp6(Irp6Calibration::of(&Irp6::calibrated()))]
+        {
             assert_eq!(ArmCalibration::parse(&calibration.text()), Ok(calibration));
         }
     }

@@ -148,7 +148,8 @@ impl Chain {
         };
         let redundant = usize::from(across.y.abs() > across.x.abs());
         let parallel = along.z.abs() > 0.9;
-        let is_redundant = axis == redundant || (axis == redundant + 3 && !parallel) || (axis == 2 && parallel);
+        let is_redundant =
+            axis == redundant || (axis == redundant + 3 && !parallel) || (axis == 2 && parallel);
         if is_redundant { 1 } else { 5 }
     }
 

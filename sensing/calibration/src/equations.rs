@@ -61,7 +61,8 @@ impl<'p> Equations<'p> {
 
     /// How many residuals are measured, and not believed.
     pub(crate) fn measured(&self) -> usize {
-        self.used.iter().map(|i| self.problem.device_of(*i).residuals()).sum::<usize>() + self.problem.bars.len()
+        self.used.iter().map(|i| self.problem.device_of(*i).residuals()).sum::<usize>()
+            + self.problem.bars.len()
     }
 
     /// The flange of an arm at `q` in the world.

@@ -52,7 +52,10 @@ pub fn text(calibration: &ArmCalibration, fit: &Fit, arm: ArmId, account: &Accou
     if let Some(data) = data {
         let _ = writeln!(text, "data = {data:?}");
     }
-    let _ = writeln!(text, "\n# Errors of measurements [m, or rad of angles alone]: at the postures used, and foretold at ones left out.");
+    let _ = writeln!(
+        text,
+        "\n# Errors of measurements [m, or rad of angles alone]: at the postures used, and foretold at ones left out."
+    );
     for (name, errors) in [("within", within), ("foretold", foretold)] {
         let Errors { count, mean, rms, max } = errors;
         let _ = writeln!(text, "[{name}]\ncount = {count}\nmean = {mean:?}\nrms = {rms:?}\nmax = {max:?}\n");
@@ -69,7 +72,10 @@ pub fn text(calibration: &ArmCalibration, fit: &Fit, arm: ArmId, account: &Accou
     }
     let columns: Vec<usize> = fit.columns_of(arm).into_iter().flatten().collect();
     let found: Vec<_> = fit.found().collect();
-    let _ = writeln!(text, "# The parameters of the arm that were found, their values and covariance; the rest of it cannot be told apart.");
+    let _ = writeln!(
+        text,
+        "# The parameters of the arm that were found, their values and covariance; the rest of it cannot be told apart."
+    );
     let _ = writeln!(text, "[parameters]\nnames = [");
     for i in &columns {
         let parameter = &found[*i].parameter;

@@ -211,7 +211,8 @@ impl Problem {
                 let of = (0..instrument.device.residuals()).filter(|j| instrument.device.unit(*j) == unit);
                 let of: Vec<usize> = of.collect();
                 let own = raw.iter().filter(|(m, _)| self.measurements[*m].instrument.0 == i);
-                let all: Vec<f64> = own.flat_map(|(_, raw)| of.iter().filter_map(|j| raw.get(*j).copied())).collect();
+                let all: Vec<f64> =
+                    own.flat_map(|(_, raw)| of.iter().filter_map(|j| raw.get(*j).copied())).collect();
                 let weight = |r: &f64| settings.loss.weight(r / of.first().map_or(1.0, |j| sigma[i][*j]));
                 let weights: f64 = all.iter().map(weight).sum();
                 let square: f64 = all.iter().map(|r| weight(r) * r * r).sum();

@@ -63,7 +63,8 @@ fn options(arguments: &[String]) -> Result<Options, String> {
     let (mut data, mut test, mut detail, mut out, mut only_checks) = (None, None, None, None, false);
     let mut rest = arguments.iter();
     while let Some(argument) = rest.next() {
-        let mut value = || rest.next().cloned().ok_or_else(|| format!("{argument} needs a value\n help: see --help"));
+        let mut value =
+            || rest.next().cloned().ok_or_else(|| format!("{argument} needs a value\n help: see --help"));
         match argument.as_str() {
             "--data" => data = Some(PathBuf::from(value()?)),
             "--test" => test = Some(PathBuf::from(value()?)),
@@ -76,7 +77,11 @@ fn options(arguments: &[String]) -> Result<Options, String> {
                     "zeros" => Detail::Zeros,
                     "geometry" => Detail::Geometry,
                     "encoders" => Detail::Encoders,
-                    _ => return Err(format!("no detail `{word}`\n help: write frames, zeros, geometry or encoders")),
+                    _ => {
+                        return Err(format!(
+                            "no detail `{word}`\n help: write frames, zeros, geometry or encoders"
+                        ));
+                    }
                 });
             }
             other => return Err(format!("no option `{other}`\n help: see --help")),
@@ -93,7 +98,11 @@ fn run(options: &Options) -> Result<String, Failed> {
     let data = Data::read(&options.data).map_err(|why| before(&why))?;
     let test = options.test.as_deref().map(Data::read).transpose().map_err(|why| before(&why))?;
     if options.only_checks {
-        return Ok(format!("{} postures, {} measurements, nothing wrong\n", data.postures(), data.measurements()));
+        return Ok(format!(
+            "{} postures, {} measurements, nothing wrong\n",
+            data.postures(),
+            data.measurements()
+        ));
     }
     if options.out == options.data {
         return Err(Failed::Before("--out is the file of the data\n help: write another name".to_owned()));
@@ -117,7 +126,8 @@ fn run(options: &Options) -> Result<String, Failed> {
     let file = name(&options.data);
     let report = Report { data: &data, file: &file, trials: &trials, chosen, scales: &scales, test };
     let mut frames = vec![("base".to_owned(), trial.fit.frame(trial.stated.base))];
-    let named = data.instruments().zip(trial.stated.instruments.iter().map(|id| trial.stated.problem.place_of(*id)));
+    let named =
+        data.instruments().zip(trial.stated.instruments.iter().map(|id| trial.stated.problem.place_of(*id)));
     let points = data.points().zip(trial.stated.points.iter().map(|id| trial.stated.problem.frame_of(*id)));
     frames.extend(named.chain(points).map(|(name, frame)| (name.to_owned(), trial.fit.frame(frame))));
     let account = Account {

@@ -236,7 +236,13 @@ impl Problem {
         read: &[f64],
     ) {
         let postures = postures.to_owned();
-        self.measurements.push(Measurement { instrument, target, postures, read: read.to_owned(), device: None });
+        self.measurements.push(Measurement {
+            instrument,
+            target,
+            postures,
+            read: read.to_owned(),
+            device: None,
+        });
     }
 
     /// The same read in another way, such as by a camera that sees the whole pose of a board and single points: `device` has the constants of

@@ -49,7 +49,11 @@ impl Report<'_> {
         self.table(out)?;
         let information = fit.information();
         let (rank, all) = (information.rank, information.parameters());
-        writeln!(out, "\nrank {rank} of {all} unknowns; smallest singular value seen {:.1e} of the largest", smallest(fit))?;
+        writeln!(
+            out,
+            "\nrank {rank} of {all} unknowns; smallest singular value seen {:.1e} of the largest",
+            smallest(fit)
+        )?;
         if !fit.unseen().is_empty() {
             writeln!(out, "what cannot be told apart (the first of each stays as it was designed):")?;
             for unseen in fit.unseen().iter().take(UNSEEN) {
@@ -67,7 +71,10 @@ impl Report<'_> {
         self.suspects(out)?;
         if let Some((file, before, after)) = &self.test {
             let [before, after] = [before, after].map(|errors| self.errors(errors));
-            writeln!(out, "\n{file}, measurements not used here:\n  frames alone  {before}\n  calibrated    {after}")?;
+            writeln!(
+                out,
+                "\n{file}, measurements not used here:\n  frames alone  {before}\n  calibrated    {after}"
+            )?;
         }
         Ok(())
     }
@@ -76,12 +83,18 @@ impl Report<'_> {
     fn errors(&self, errors: &Errors) -> String {
         let Errors { count, mean, rms, max } = errors;
         let unit = self.unit();
-        format!("mean {:.4}, rms {:.4}, max {:.4} {unit} ({count} measurements)", 1e3 * mean, 1e3 * rms, 1e3 * max)
+        format!(
+            "mean {:.4}, rms {:.4}, max {:.4} {unit} ({count} measurements)",
+            1e3 * mean,
+            1e3 * rms,
+            1e3 * max
+        )
     }
 
     fn unit(&self) -> &'static str {
         let problem = &self.trials[self.chosen].stated.problem;
-        let has_lengths = (0..problem.measurements()).any(|i| problem.device_of(i).unit(0) == crate::Unit::Metre);
+        let has_lengths =
+            (0..problem.measurements()).any(|i| problem.device_of(i).unit(0) == crate::Unit::Metre);
         if has_lengths { "mm" } else { "mrad" }
     }
 
@@ -132,7 +145,12 @@ impl Report<'_> {
                     )?;
                 }
                 Some(sigma) => {
-                    writeln!(out, "scale of {name}: right, to {:.3} % (found {:+.3} %)", 100.0 * sigma, 100.0 * scale.value)?;
+                    writeln!(
+                        out,
+                        "scale of {name}: right, to {:.3} % (found {:+.3} %)",
+                        100.0 * sigma,
+                        100.0 * scale.value
+                    )?;
                 }
             }
         }

@@ -51,7 +51,12 @@ impl Errors {
 pub fn lengths(problem: &Problem, raw: &[(usize, Vec<f64>)]) -> Vec<(usize, f64)> {
     let norm = |i: &usize, raw: &[f64], unit: Unit| -> f64 {
         let device = problem.device_of(*i);
-        raw.iter().enumerate().filter(|(j, _)| device.unit(*j) == unit).map(|(_, r)| r * r).sum::<f64>().sqrt()
+        raw.iter()
+            .enumerate()
+            .filter(|(j, _)| device.unit(*j) == unit)
+            .map(|(_, r)| r * r)
+            .sum::<f64>()
+            .sqrt()
     };
     let has_lengths = raw.iter().any(|(i, _)| problem.device_of(*i).unit(0) == Unit::Metre);
     let unit = if has_lengths { Unit::Metre } else { Unit::Radian };

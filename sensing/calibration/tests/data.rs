@@ -43,7 +43,11 @@ fn an_arm_is_calibrated_from_its_data_and_foretells_others() {
     assert!(before.mean > 2e-3, "{before:?}");
     assert!(after.mean < 1e-4 && after.max < 2.5e-4, "{after:?}");
     // Errors that were foretold by leaving postures out are those that are found, beside the row that is wrong.
-    assert!(trial.foretold.mean > after.mean && trial.foretold.mean < 2.5 * after.mean, "{:?} {after:?}", trial.foretold);
+    assert!(
+        trial.foretold.mean > after.mean && trial.foretold.mean < 2.5 * after.mean,
+        "{:?} {after:?}",
+        trial.foretold
+    );
 }
 
 /// The board is 1.5 % smaller than the camera believes, so that all lengths are 1/0.985 of what they are. What shows it is the one distance known by
@@ -111,19 +115,25 @@ fn the_same_data_in_other_words_are_the_same() {
     let mut names = String::from("q1;q2;q3;q4;q5;q6");
     for point in ["A", "B", "C"] {
         let columns = format!("[\"x{point}\", \"y{point}\", \"z{point}\"]");
-        other += &format!("# [[measures]]\n# kind = \"point\"\n# columns = {columns}\n# unit = \"m\"\n# point = \"{point}\"\n");
+        other += &format!(
+            "# [[measures]]\n# kind = \"point\"\n# columns = {columns}\n# unit = \"m\"\n# point = \"{point}\"\n"
+        );
         names += &format!(";x{point};y{point};z{point}");
     }
     other += &names;
     for three in rows.chunks(3) {
         let number = |text: &str| -> f64 { text.parse().expect("a number") };
-        let mut cells: Vec<String> = three[0][2..8].iter().map(|q| format!("{:.12}", number(q).to_radians())).collect();
+        let mut cells: Vec<String> =
+            three[0][2..8].iter().map(|q| format!("{:.12}", number(q).to_radians())).collect();
         cells[5] = format!("{:.12}", -number(three[0][7]).to_radians());
-        cells.extend(three.iter().flat_map(|row| row[8..].iter().map(|mm| format!("{:.8}", 1e-3 * number(mm)))));
+        cells.extend(
+            three.iter().flat_map(|row| row[8..].iter().map(|mm| format!("{:.8}", 1e-3 * number(mm)))),
+        );
         other += &format!("\n{}", cells.join(";").replace('.', ","));
     }
     let data = read("arm.csv");
-    let again = Data::parse(&folder.join("other.csv").display().to_string(), &other).unwrap_or_else(|why| panic!("{why}"));
+    let again = Data::parse(&folder.join("other.csv").display().to_string(), &other)
+        .unwrap_or_else(|why| panic!("{why}"));
     let fit = |data: &Data| Trial::of(data, Detail::Zeros, 1.0, Scales::Declared).expect("a fit").within;
     let (one, two) = (fit(&data), fit(&again));
     assert!((one.mean - two.mean).abs() < 1e-7 && (one.max - two.max).abs() < 1e-7, "{one:?} {two:?}");

@@ -5,6 +5,7 @@ use mrroc_calibration::{
     Angles, ArmId, Fit, Freedom, Irp6Arm, NoFit, Noise, PostureId, Problem, Settings, TargetId,
 };
 use mrroc_robots::{Irp6, Six};
+use nalgebra::{Matrix3, Rotation3, Vector3};
 
 use crate::scene::{ARMS, BALLS, BAR, NAMES, Scene, bar_ends, believed_bases, believed_theodolites};
 use crate::theodolite::LEVEL;
@@ -64,15 +65,22 @@ pub struct Estimate {
 pub fn estimate(measured: &Sights) -> Result<Estimate, NoFit> {
     let mut problem = Problem::new();
     let bases = believed_bases();
-    let arms: [ArmId; ARMS] =
-        core::array::from_fn(|i| problem.arm(NAMES[i], Irp6Arm::new(Irp6::nominal()), bases[i], Freedom::FRAME));
+    let arms: [ArmId; ARMS] = core::array::from_fn(|i| {
+        problem.arm(NAMES[i], Irp6Arm::new(Irp6::nominal()), bases[i], Freedom::FRAME)
+    });
     let balls: [[TargetId; 3]; ARMS] = core::array::from_fn(|arm| {
         core::array::from_fn(|ball| {
             let place = Pose::translation(BALLS[ball][0], BALLS[ball][1], BALLS[ball][2]);
-            problem.target(&format!("{} ball {}", NAMES[arm], ball + 1), Some(arms[arm]), place, Freedom::POINT)
+            problem.target(
+                &format!("{} ball {}", NAMES[arm], ball + 1),
+                Some(arms[arm]),
+                place,
+                Freedom::POINT,
+            )
         })
     });
-    let ends = bar_ends().map(|end| problem.target("bar", None, Pose::translation(end.x, end.y, end.z), Freedom::POINT));
+    let ends = bar_ends()
+        .map(|end| problem.target("bar", None, Pose::translation(end.x, end.y, end.z), Freedom::POINT));
     problem.bar(ends, BAR.0, BAR.1);
     let level = |freedom: Freedom| freedom.within(3..5, LEVEL);
     let south = Freedom { free: [true, true, true, false, false, true], ..Freedom::FIXED };
@@ -98,15 +106,17 @@ pub fn estimate(measured: &Sights) -> Result<Estimate, NoFit> {
     Ok(Estimate { fit, arms, balls, problem })
 }
 
-/// How good an estimate is.
+/// How good an estimate is: errors of balls at postures that were not used.
 #[derive(Clone, Copy, Debug)]
 pub struct Accuracy {
-    /// Errors of a ball at postures that were not used \[m\]: root mean square and maximum.
+    /// Root mean square in the world, which the theodolites define \[m\].
     pub rms: f64,
-    /// The largest.
+    /// The largest \[m\].
     pub max: f64,
-    /// What the covariance foretells of the former \[m\].
+    /// What the covariance foretells of the root mean square \[m\].
     pub foretold: f64,
+    /// Root mean square of the arm by itself, its base where that fits best \[m\].
+    pub own: f64,
 }
 
 impl Estimate {
@@ -114,12 +124,15 @@ impl Estimate {
     #[must_use]
     pub fn accuracy(&self, scene: &Scene, arm: usize, postures: &[Six]) -> Accuracy {
         let (mut squares, mut max, mut foretold, mut count) = (0.0, 0.0_f64, 0.0, 0);
+        let mut pairs = Vec::new();
         for q in postures {
             let joints = scene.joints(arm, q);
             for ball in 0..BALLS.len() {
                 let frame = self.problem.frame_of(self.balls[arm][ball]);
                 let (there, spread) = self.fit.place(self.arms[arm], q.as_slice(), frame);
-                let off = (there.translation.vector - scene.ball(arm, ball, &joints)).norm();
+                let truly = scene.ball(arm, ball, &joints);
+                let off = (there.translation.vector - truly).norm();
+                pairs.push((there.translation.vector, truly));
                 squares += off * off;
                 max = max.max(off);
                 foretold += spread.fixed_view::<3, 3>(0, 0).trace();
@@ -127,7 +140,7 @@ impl Estimate {
             }
         }
         let n = f64::from(count);
-        Accuracy { rms: (squares / n).sqrt(), max, foretold: (foretold / n).sqrt() }
+        Accuracy { rms: (squares / n).sqrt(), max, foretold: (foretold / n).sqrt(), own: own(&pairs) }
     }
 
     /// How far the base of the right arm is from where the estimate has it in the left one.
@@ -138,7 +151,9 @@ impl Estimate {
         let truth = base_of(scene, 0).inv_mul(&base_of(scene, 1));
         let off = mrroc_calibration::between(&found, &truth);
         // Along the axes of the left base, as the covariance is.
+        let within = |i: &usize| off[*i].abs() < 2.0 * spread[(*i, *i)].sqrt();
         Bases {
+            within: (0..6).filter(within).count(),
             length: off.fixed_rows::<3>(0).norm(),
             angle: off.fixed_rows::<3>(3).norm(),
             length_sigma: spread.fixed_view::<3, 3>(0, 0).trace().sqrt(),
@@ -158,14 +173,20 @@ pub struct Bases {
     pub length_sigma: f64,
     /// Foretold \[rad\].
     pub angle_sigma: f64,
+    /// How many of the six numbers, along the axes of the left base, are within two standard deviations.
+    pub within: usize,
 }
 
-impl Bases {
-    /// Whether both errors are within two standard deviations.
-    #[must_use]
-    pub fn is_within_two_sigma(&self) -> bool {
-        self.length < 2.0 * self.length_sigma && self.angle < 2.0 * self.angle_sigma
-    }
+/// Root mean square of the distances of pairs of points, after the rigid motion that makes it least (Kabsch 1976).
+fn own(pairs: &[(Vector3<f64>, Vector3<f64>)]) -> f64 {
+    let n = pairs.len() as f64;
+    let (a, b) = pairs
+        .iter()
+        .fold((Vector3::zeros(), Vector3::zeros()), |sum, pair| (sum.0 + pair.0 / n, sum.1 + pair.1 / n));
+    let moment: Matrix3<f64> = pairs.iter().map(|pair| (pair.1 - b) * (pair.0 - a).transpose()).sum();
+    let rotation = Rotation3::from_matrix_eps(&moment, 1e-12, 100, Rotation3::identity());
+    let squares: f64 = pairs.iter().map(|pair| (rotation * (pair.0 - a) - (pair.1 - b)).norm_squared()).sum();
+    (squares / n).sqrt()
 }
 
 /// Where the base of an arm truly is, at the zero that its programs believe in: of its turn and that of the column only the sum can be told.

@@ -49,7 +49,7 @@ fn calibrate() -> Result<String, Box<dyn Error>> {
     let scene = shared.scene.borrow();
     let mut told = format!(
         "{} postures, {} sights in both faces, {:.0} min on the cell's clock\n\
-         errors of the balls at 200 postures that were not used [mm]:\n  arm      rms      max      foretold rms\n",
+         errors of the balls at 200 postures that were not used [mm]:\n  arm      rms      max      foretold rms   by itself\n",
         visits.len(),
         sights.sights.len(),
         time.as_secs_f64() / 60.0
@@ -57,24 +57,41 @@ fn calibrate() -> Result<String, Box<dyn Error>> {
     let mut random = Random(77);
     for arm in 0..ARMS {
         let unseen: Vec<Six> = (0..200).map(|_| posture(arm, &mut random)).collect();
-        let Accuracy { rms, max, foretold } = estimate.accuracy(&scene, arm, &unseen);
-        told += &format!("  {:6} {:8.4} {:8.4} {:8.4}\n", NAMES[arm], 1e3 * rms, 1e3 * max, 1e3 * foretold);
+        let Accuracy { rms, max, foretold, own } = estimate.accuracy(&scene, arm, &unseen);
+        told += &format!(
+            "  {:6} {:8.4} {:8.4} {:8.4} {:8.4}\n",
+            NAMES[arm],
+            1e3 * rms,
+            1e3 * max,
+            1e3 * foretold,
+            1e3 * own
+        );
         let model = Irp6Arm::new(Irp6::nominal());
         let found = model.with(estimate.fit.arm(estimate.arms[arm]));
         let calibration = ArmCalibration::Irp6(Irp6Calibration::of(&found));
-        let residuals = estimate.fit.residuals().map(|(_, _, raw)| raw.iter().map(|r| r * r).sum::<f64>().sqrt());
+        let residuals =
+            estimate.fit.residuals().map(|(_, _, raw)| raw.iter().map(|r| r * r).sum::<f64>().sqrt());
         let account = Account {
             robot: NAMES[arm].to_owned(),
             data: None,
             made: today(),
             within: Errors::of(residuals),
-            foretold: Errors::of(estimate.fit.cross_validated(10)?.iter().map(|(_, raw)| raw.iter().map(|r| r * r).sum::<f64>().sqrt())),
-            frames: vec![("base".to_owned(), estimate.fit.frame(estimate.problem.base_of(estimate.arms[arm])))],
+            foretold: Errors::of(
+                estimate
+                    .fit
+                    .cross_validated(10)?
+                    .iter()
+                    .map(|(_, raw)| raw.iter().map(|r| r * r).sum::<f64>().sqrt()),
+            ),
+            frames: vec![(
+                "base".to_owned(),
+                estimate.fit.frame(estimate.problem.base_of(estimate.arms[arm])),
+            )],
         };
         let path = folder.join(format!("{}.calibration.toml", NAMES[arm]));
         std::fs::write(&path, text(&calibration, &estimate.fit, estimate.arms[arm], &account))?;
     }
-    let Bases { length, angle, length_sigma, angle_sigma } = estimate.bases(&scene);
+    let Bases { length, angle, length_sigma, angle_sigma, .. } = estimate.bases(&scene);
     told += &format!(
         "right base in the left one: off by {:.4} mm and {:.4} mrad; foretold {:.4} mm and {:.4} mrad\n",
         1e3 * length,

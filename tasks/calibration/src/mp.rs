@@ -22,16 +22,19 @@ pub enum Visit {
     Posture(u32),
 }
 
-/// Both theodolites have sighted what they were told, and both arms have stood: what was read, and where the encoders were.
+/// Both theodolites have sighted what they were told: what was read, and what the encoders read on the mean.
 #[derive(Default)]
 pub struct Measured {
     read: [Option<[f64; 2]>; 2],
-    q: [Six; ARMS],
+    sum: [Six; ARMS],
+    steps: f64,
 }
 
 #[condition(mp)]
 fn measured(c: &mut Measured, e: &State<(Irp6, Irp6)>, v: &Reading<(Sighting, Sighting)>) -> bool {
-    c.q = [e.0.measured().joints, e.1.measured().joints];
+    c.sum[0] += e.0.measured().joints;
+    c.sum[1] += e.1.measured().joints;
+    c.steps += 1.0;
     let (Some(north), Some(south)) = (v.0.reading(), v.1.reading()) else { return false };
     c.read = [north, south].map(|one| (!one.blocked).then_some([one.hz, one.v]));
     north.settled && south.settled
@@ -49,7 +52,8 @@ pub fn coordinate(mp: &mut Mp, visits: u32, sights: &RefCell<Sights>) -> Result<
         for (face, measured) in [0, 1].into_iter().zip(&mut faces) {
             north.configure(of(face));
             south.configure(of(face));
-            *measured = mp.wait_until((&mut *left, &mut *right), (&mut north, &mut south), Measured::default())?;
+            *measured =
+                mp.wait_until((&mut *left, &mut *right), (&mut north, &mut south), Measured::default())?;
         }
         Ok::<_, Fault>(faces)
     };
@@ -62,19 +66,21 @@ pub fn coordinate(mp: &mut Mp, visits: u32, sights: &RefCell<Sights>) -> Result<
     for visit in 0..visits {
         let order = ConstantOrder::<(Irp6, Irp6), Visit>::to_all(Visit::Posture(visit));
         mp.move_robots((&mut left, &mut right), (), order)?;
-        let mut is_first = true;
+        let mut stood = Measured::default();
         for arm in 0..ARMS {
             for ball in 0..BALLS.len() {
                 let order = |face| Sight::Ball { arm: arm as u32, ball: ball as u32, face };
                 let faces = both_faces(mp, &mut left, &mut right, &order)?;
-                if core::mem::take(&mut is_first) {
-                    let mut sights = sights.borrow_mut();
-                    for (postures, q) in sights.postures.iter_mut().zip(faces[0].q) {
-                        postures.push(q);
-                    }
+                for face in &faces {
+                    stood.steps += face.steps;
+                    stood.sum = core::array::from_fn(|arm| stood.sum[arm] + face.sum[arm]);
                 }
                 note(sights, &faces, &Sighted::Ball { arm, ball, posture: visit as usize });
             }
+        }
+        // An encoder reads whole pulses, and a regulator may go to and fro between two: the mean is finer.
+        for (postures, sum) in sights.borrow_mut().postures.iter_mut().zip(stood.sum) {
+            postures.push(sum / stood.steps);
         }
     }
     Ok(())
@@ -94,16 +100,13 @@ fn note(sights: &RefCell<Sights>, faces: &[Measured; 2], of: &Sighted) {
 /// # Errors
 /// The first fault of the cell.
 pub fn arm(ecp: &mut Ecp<Irp6>, postures: &[Six]) -> Result<(), Fault> {
-    let limits = JointLimits {
-        velocity: Six::repeat(0.4),
-        acceleration: Six::repeat(0.6),
-        jerk: Six::repeat(4.0),
-    };
+    let limits =
+        JointLimits { velocity: Six::repeat(0.4), acceleration: Six::repeat(0.6), jerk: Six::repeat(4.0) };
     ecp.obey_all(|ecp, Visit::Posture(number): Visit| {
         let goal = postures.get(number as usize).copied();
         let goal = goal.ok_or_else(|| Fault::thrown("there is no posture of this number"))?;
         ecp.move_robot((), SmoothJointMove::to(goal, limits))?;
-        ecp.move_robot((), Settle::within(Six::repeat(2e-3), 0.2, 5.0)).map(drop)
+        ecp.move_robot((), Settle::within(Six::repeat(2e-4), 0.3, 10.0)).map(drop)
     })
 }
 
@@ -111,7 +114,11 @@ pub fn arm(ecp: &mut Ecp<Irp6>, postures: &[Six]) -> Result<(), Fault> {
 ///
 /// # Errors
 /// The first cause when it ends with a fault.
-pub fn run(scene: Scene, visits: &[[Six; ARMS]], pointing: Duration) -> Result<(Sights, Duration, Shared), CellError> {
+pub fn run(
+    scene: Scene,
+    visits: &[[Six; ARMS]],
+    pointing: Duration,
+) -> Result<(Sights, Duration, Shared), CellError> {
     let start = visits.first().copied().unwrap_or([Six::zeros(); ARMS]);
     let shared = Shared::new(scene, &start);
     let bases = crate::scene::believed_bases();

@@ -4,10 +4,10 @@
 //! some millimetres from where it is believed to be. The arms are 2.1 m apart, as in that laboratory.
 
 use mrroc::pose::Pose;
+use mrroc::robot::Robot;
 use mrroc_calibration::Irp6Arm;
 use mrroc_robots::models::{Capsule, Outline};
 use mrroc_robots::{Irp6, Irp6Calibration, Kinematics, Six};
-use mrroc::robot::Robot;
 use nalgebra::{Point3, Vector3};
 
 use crate::random::Random;
@@ -70,19 +70,23 @@ impl Scene {
     pub fn new(sigma: f64, windup: f64, seed: u64) -> Self {
         let mut random = Random(seed.wrapping_mul(0x2545_f491_4f6c_dd1d) ^ 0x5eed);
         let mut off = |length: f64, angle: f64| {
-            let mut three = |scale: f64| Vector3::new(random.normal(), random.normal(), random.normal()) * scale;
+            let mut three =
+                |scale: f64| Vector3::new(random.normal(), random.normal(), random.normal()) * scale;
             Pose::new(three(length), three(angle))
         };
         let truth = Irp6::nominal().calibrated_by(&Irp6Calibration::of(&Irp6::calibrated()));
         let arms = believed_bases().map(|base| truth.clone().with_base(base * off(3e-3, 2e-3)));
-        let balls = [0; ARMS].map(|_| BALLS.map(|ball| Vector3::from(ball) + off(1e-3, 0.0).translation.vector));
+        let balls =
+            [0; ARMS].map(|_| BALLS.map(|ball| Vector3::from(ball) + off(1e-3, 0.0).translation.vector));
         let ends = bar_ends();
         // It is exactly as long as it is certified, to its standard deviation.
         let middle = 0.5 * (ends[0] + ends[1]);
         let along = (ends[1] - ends[0]).normalize() * (0.5 * (BAR.0 + BAR.1 * off(1.0, 0.0).translation.x));
         let [north, south] = believed_theodolites();
-        let south = south * Pose::new(off(5e-3, 0.0).translation.vector, Vector3::z() * off(5e-3, 0.0).translation.x);
-        let theodolites = [Theodolite::new(north, sigma, seed * 2 + 1), Theodolite::new(south, sigma, seed * 2 + 2)];
+        let south =
+            south * Pose::new(off(5e-3, 0.0).translation.vector, Vector3::z() * off(5e-3, 0.0).translation.x);
+        let theodolites =
+            [Theodolite::new(north, sigma, seed * 2 + 1), Theodolite::new(south, sigma, seed * 2 + 2)];
         Self {
             arms,
             balls,

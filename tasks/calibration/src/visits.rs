@@ -29,10 +29,16 @@ pub fn visits(scene: &Scene, count: usize, seed: u64) -> Vec<[Six; ARMS]> {
 }
 
 /// The sights of an arm's balls that no link blocks: theodolite and ball.
-pub fn seen<'s>(scene: &'s Scene, arm: usize, both: &'s [Six; ARMS]) -> impl Iterator<Item = (usize, usize)> + 's {
+pub fn seen<'s>(
+    scene: &'s Scene,
+    arm: usize,
+    both: &'s [Six; ARMS],
+) -> impl Iterator<Item = (usize, usize)> + 's {
     let joints: [Six; ARMS] = core::array::from_fn(|arm| scene.joints(arm, &both[arm]));
     let all = (0..2).flat_map(|theodolite| (0..BALLS.len()).map(move |ball| (theodolite, ball)));
-    all.filter(move |(theodolite, ball)| scene.sees(*theodolite, &scene.ball(arm, *ball, &joints[arm]), &joints))
+    all.filter(move |(theodolite, ball)| {
+        scene.sees(*theodolite, &scene.ball(arm, *ball, &joints[arm]), &joints)
+    })
 }
 
 /// What the theodolites would read if both arms came to rest exactly where they are told to, without a cell: for statistics over many seeds.

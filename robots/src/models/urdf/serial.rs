@@ -283,11 +283,17 @@ impl<const N: usize> Serial<N> {
             return no(format!("it is the calibration of an arm with {joints} joints, this one has {N}"));
         }
         if calibration.encoders.iter().flatten().any(|number| *number != 0.0) {
-            return no("it has errors of encoders, which are not corrected here: calibrate with --detail geometry".to_owned());
+            return no(
+                "it has errors of encoders, which are not corrected here: calibrate with --detail geometry"
+                    .to_owned(),
+            );
         }
         let with = |frames: &[Pose], tip: Pose| {
             let mut arm = self.clone();
-            let X_WB = self.segments.first().map_or_else(Pose::identity, |first| first.X_before * self.X_BJ.inverse());
+            let X_WB = self
+                .segments
+                .first()
+                .map_or_else(Pose::identity, |first| first.X_before * self.X_BJ.inverse());
             for (segment, frame) in arm.segments.iter_mut().zip(frames) {
                 // What a coordinate is 0 at stays as this robot says it.
                 segment.X_before = *frame;

@@ -143,9 +143,10 @@ fn header(source: &Source, root: &Section<'_>, end: usize) -> Option<Header> {
     let columns = root
         .texts("columns", "write the names of all columns, columns = [\"q1\", ..]")
         .map(|names| names.value.into_iter().map(|name| name.value).collect());
-    let missing = root
-        .texts("missing", "write missing = [\"\", \"nan\"]")
-        .map_or_else(|| vec![String::new()], |texts| texts.value.into_iter().map(|text| text.value).collect());
+    let missing = root.texts("missing", "write missing = [\"\", \"nan\"]").map_or_else(
+        || vec![String::new()],
+        |texts| texts.value.into_iter().map(|text| text.value).collect(),
+    );
     let joints = root.section("joints");
     if joints.is_none() {
         root.missing("joints", "write a table [joints] with columns = [..] and unit = \"deg\"");
@@ -160,7 +161,8 @@ fn header(source: &Source, root: &Section<'_>, end: usize) -> Option<Header> {
     let points = placed(root, "points");
     let distances = root.sections("distances").iter().filter_map(distance).collect();
     let detail = root.one_of("detail", &DETAILS);
-    let tolerances = root.section("tolerances").map_or_else(Tolerances::default, |section| tolerances(&section));
+    let tolerances =
+        root.section("tolerances").map_or_else(Tolerances::default, |section| tolerances(&section));
     Some(Header {
         arm: arm?,
         form,
@@ -194,7 +196,15 @@ fn robot(source: &Source, root: &Section<'_>) -> Option<Described> {
             return None;
         };
         let read = Described::urdf(&path, base.as_ref().map(|base| &*base.value), &tip.value);
-        return read.map_err(|why| source.complain(&file.span, format!("{}: {why}", path.display()), "mend it, or write another link")).ok();
+        return read
+            .map_err(|why| {
+                source.complain(
+                    &file.span,
+                    format!("{}: {why}", path.display()),
+                    "mend it, or write another link",
+                )
+            })
+            .ok();
     }
     Described::dh(&path).map_err(|why| source.complain(&file.span, format!("{why}"), "mend that file")).ok()
 }
@@ -266,25 +276,34 @@ fn measure(section: &Section<'_>) -> Option<Measure> {
     ];
     let word = section.one_of("kind", &words);
     if word.is_none() && section.source.is_good() {
-        section.missing("kind", "write kind = \"point\", \"pose\", \"distance\", \"angles\", \"plane\" or \"touch\"");
+        section.missing(
+            "kind",
+            "write kind = \"point\", \"pose\", \"distance\", \"angles\", \"plane\" or \"touch\"",
+        );
     }
     let spelling = section.text("rotation", rotation::HELP).and_then(|text| {
         let spelling = Spelling::parse(&text.value);
         if spelling.is_none() {
-            section.source.complain(&text.span, format!("no way to write orientations is `{}`", text.value), rotation::HELP);
+            section.source.complain(
+                &text.span,
+                format!("no way to write orientations is `{}`", text.value),
+                rotation::HELP,
+            );
         }
         spelling
     });
     let inverse = section.truth("inverse").unwrap_or(false);
-    let instrument = section.text("instrument", "write instrument = \"..\"").map_or_else(|| "instrument".to_owned(), |name| name.value);
-    let columns = section.texts("columns", "write columns = [..]").map_or_else(
-        || At { value: Vec::new(), span: section.span.clone() },
-        |columns| columns,
-    );
+    let instrument = section
+        .text("instrument", "write instrument = \"..\"")
+        .map_or_else(|| "instrument".to_owned(), |name| name.value);
+    let columns = section
+        .texts("columns", "write columns = [..]")
+        .map_or_else(|| At { value: Vec::new(), span: section.span.clone() }, |columns| columns);
     let length = section.one_of("unit", &LENGTHS);
     let angle = section.one_of("angle_unit", &ANGLES);
     let sigma = section.positive("sigma", "write the standard deviation, more than 0, in `unit`");
-    let angle_sigma = section.positive("angle_sigma", "write the standard deviation, more than 0, in `angle_unit`");
+    let angle_sigma =
+        section.positive("angle_sigma", "write the standard deviation, more than 0, in `angle_unit`");
     let free_scale = section.one_of("scale", &[("free", true), ("right", false)]).unwrap_or(false);
     let which = if section.is_text("point") {
         section.text("point", "").map(|name| Which::Always(name.value))
@@ -359,7 +378,11 @@ fn placed(root: &Section<'_>, key: &'static str) -> Vec<(String, Placed)> {
             let help = "write three numbers, [x, y, z]";
             let read = section.numbers(key, help)?;
             if read.value.len() != 3 {
-                section.source.complain(&read.span, format!("`{key}` has {} numbers", read.value.len()), help);
+                section.source.complain(
+                    &read.span,
+                    format!("`{key}` has {} numbers", read.value.len()),
+                    help,
+                );
             }
             <[f64; 3]>::try_from(read.value).ok()
         };
@@ -384,7 +407,9 @@ fn distance(section: &Section<'_>) -> Option<Known> {
     let length = section.positive("length", "write the distance, more than 0");
     let sigma = section.positive("sigma", "write the standard deviation, more than 0, in `unit`");
     section.close();
-    for (key, is_there) in [("between", between.is_some()), ("unit", unit.is_some()), ("length", length.is_some())] {
+    for (key, is_there) in
+        [("between", between.is_some()), ("unit", unit.is_some()), ("length", length.is_some())]
+    {
         if !is_there && section.source.is_good() {
             section.missing(key, "write between = [\"A\", \"B\"], length = 100.0, unit = \"mm\"");
         }
@@ -404,7 +429,9 @@ fn tolerances(section: &Section<'_>) -> Tolerances {
     let length = section.one_of("unit", &LENGTHS).unwrap_or(1.0);
     let angle = section.one_of("angle_unit", &ANGLES).unwrap_or(1.0);
     let of = |key, factor: f64, default: f64| {
-        section.positive(key, "write a standard deviation, more than 0").map_or(default, |value| value * factor)
+        section
+            .positive(key, "write a standard deviation, more than 0")
+            .map_or(default, |value| value * factor)
     };
     let read = Tolerances {
         length: of("length", length, default.length),

@@ -69,7 +69,10 @@ impl Source {
         };
         let read = files::open(path).and_then(|file| file.take(MOST + 1).read_to_string(&mut text));
         match read {
-            Err(why) => Err(refuse(format!("cannot be read: {why}"), "see its name, and that it is plain text in UTF-8")),
+            Err(why) => Err(refuse(
+                format!("cannot be read: {why}"),
+                "see its name, and that it is plain text in UTF-8",
+            )),
             Ok(_) if text.len() as u64 > MOST => {
                 Err(refuse(format!("has more than {} MB", MOST >> 20), "leave out rows or columns"))
             }
@@ -85,7 +88,8 @@ impl Source {
         let begin = before.rfind('\n').map_or(0, |newline| newline + 1);
         let column = self.text[begin..start].chars().count() + 1;
         let whole = self.text[begin..].lines().next().unwrap_or("");
-        let width = self.text.get(at.clone()).map_or(1, |text| text.lines().next().unwrap_or("").chars().count());
+        let width =
+            self.text.get(at.clone()).map_or(1, |text| text.lines().next().unwrap_or("").chars().count());
         self.mistakes.borrow_mut().push(Mistake {
             offset: start,
             at: format!("{}:{line}:{column}", self.file),

@@ -196,9 +196,10 @@ impl Data {
         for name in &self.points {
             let placed = self.placed_point(name);
             let on = placed.on_flange.unwrap_or(true).then_some(arm);
-            let has_axes = self.readings.iter().any(|reading| {
-                self.points[reading.point] == *name && reading.read.len() == 7
-            });
+            let has_axes = self
+                .readings
+                .iter()
+                .any(|reading| self.points[reading.point] == *name && reading.read.len() == 7);
             let freedom = match (placed.is_known, has_axes) {
                 (true, _) => Freedom::FIXED,
                 (false, true) => Freedom::FRAME,
@@ -217,7 +218,9 @@ impl Data {
         }
         for known in &self.header.distances {
             let end = |name: &str| self.points.iter().position(|point| point == name).map(|i| points[i]);
-            if let [Some(a), Some(b)] = [&known.between[0].value, &known.between[1].value].map(|name| end(name)) {
+            if let [Some(a), Some(b)] =
+                [&known.between[0].value, &known.between[1].value].map(|name| end(name))
+            {
                 problem.bar([a, b], known.length, known.sigma);
             }
         }
@@ -249,7 +252,10 @@ impl Data {
         for reading in &other.readings {
             let (q, _) = &other.postures[reading.posture];
             if q.len() != joints {
-                return Err(format!("the data to be foretold are of {} joints, the arm has {joints}", q.len()));
+                return Err(format!(
+                    "the data to be foretold are of {} joints, the arm has {joints}",
+                    q.len()
+                ));
             }
             let instrument = find(self.instruments().collect(), &other.readers[reading.instrument].name)?;
             let point = find(self.points().collect(), &other.points[reading.point])?;
@@ -268,7 +274,9 @@ impl Data {
         let measure = &self.readers[reading.instrument].measure;
         let is_point = matches!(measure.kind, Kind::Pose { .. }) && reading.read.len() == 3;
         let scale = measure.free_scale || scales == Scales::Free;
-        is_point.then(|| -> Rc<dyn Device> { if scale { Rc::new(Points::with_scale(Some(SCALE))) } else { Rc::new(Points::new()) } })
+        is_point.then(|| -> Rc<dyn Device> {
+            if scale { Rc::new(Points::with_scale(Some(SCALE))) } else { Rc::new(Points::new()) }
+        })
     }
 
     fn placed_instrument(&self, name: &str) -> header::Placed {
@@ -311,7 +319,9 @@ impl Data {
                 };
                 problem.instrument(name, device, on, at, freedom, noise)
             }
-            Kind::Distance => problem.instrument(name, Distance::new(Some(1e-3)), on, at, freedom, lengths(1)),
+            Kind::Distance => {
+                problem.instrument(name, Distance::new(Some(1e-3)), on, at, freedom, lengths(1))
+            }
             Kind::Angles => {
                 let noise = known(2, angle_sigma, 1e-5);
                 problem.instrument(name, Angles::both_faces(), on, at, freedom, noise)
@@ -343,7 +353,11 @@ fn rows_of(source: &Source, header: Header) -> Option<Data> {
         None => {
             let Some(first) = rows.next() else {
                 let at = header.end..source.text.len();
-                source.complain(&at, "below the header there is no row", "write a row of column names, then one row for each posture");
+                source.complain(
+                    &at,
+                    "below the header there is no row",
+                    "write a row of column names, then one row for each posture",
+                );
                 return None;
             };
             first.cells.into_iter().map(|cell| cell.value).collect()
@@ -375,10 +389,17 @@ fn rows_of(source: &Source, header: Header) -> Option<Data> {
         match readers.iter().find(|reader| reader.name == measure.instrument) {
             None => readers.push(Reader { name: measure.instrument.clone(), measure: measure.clone() }),
             // A device that sees poses may see points, too.
-            Some(other) if matches!((other.measure.kind, measure.kind), (Kind::Pose { .. }, Kind::Point)) => {}
-            Some(other) if core::mem::discriminant(&other.measure.kind) != core::mem::discriminant(&measure.kind) => {
+            Some(other) if matches!((other.measure.kind, measure.kind), (Kind::Pose { .. }, Kind::Point)) => {
+            }
+            Some(other)
+                if core::mem::discriminant(&other.measure.kind) != core::mem::discriminant(&measure.kind) =>
+            {
                 let what = format!("the instrument `{}` reads two kinds of things", measure.instrument);
-                source.complain(&measure.span, what, "name poses before points, or give one of them another name: instrument = \"..\"");
+                source.complain(
+                    &measure.span,
+                    what,
+                    "name poses before points, or give one of them another name: instrument = \"..\"",
+                );
             }
             Some(_) => {}
         }
@@ -407,7 +428,11 @@ impl Data {
     ) {
         if row.cells.len() != names.len() {
             let what = format!("{} cells, where the table has {} columns", row.cells.len(), names.len());
-            source.complain(&row.span, what, "write one cell for each column; `separator` in the header says what is between them");
+            source.complain(
+                &row.span,
+                what,
+                "write one cell for each column; `separator` in the header says what is between them",
+            );
             return;
         }
         let form = self.header.form;
@@ -418,11 +443,8 @@ impl Data {
         let read: Option<Vec<f64>> = joints.iter().map(value).collect();
         let Some(read) = read else { return };
         let Header { joints: units, missing, .. } = &self.header;
-        let q: Vec<f64> = read
-            .iter()
-            .enumerate()
-            .map(|(i, read)| units.factors[i] * read + units.offsets[i])
-            .collect();
+        let q: Vec<f64> =
+            read.iter().enumerate().map(|(i, read)| units.factors[i] * read + units.offsets[i]).collect();
         let line = source.text[..row.span.start].matches('\n').count() + 1;
         let key = q.iter().map(|q| q.to_bits()).collect();
         let posture = *seen.entry(key).or_insert_with(|| {
@@ -469,7 +491,11 @@ impl Data {
             for name in &known.between {
                 if !self.points.contains(&name.value) {
                     let what = format!("no point `{}` is measured", name.value);
-                    source.complain(&name.span, what, suggestion(&name.value, &self.points, "the points are"));
+                    source.complain(
+                        &name.span,
+                        what,
+                        suggestion(&name.value, &self.points, "the points are"),
+                    );
                 }
             }
         }

@@ -26,14 +26,20 @@ pub enum NoArm {
     #[error(transparent)]
     Urdf(#[from] UrdfError),
     /// A joint follows another one.
-    #[error("a joint of the chain follows another one (<mimic>), which a calibration cannot describe: choose another tip")]
+    #[error(
+        "a joint of the chain follows another one (<mimic>), which a calibration cannot describe: choose another tip"
+    )]
     Mimic,
 }
 
 /// The words for units of length and angle, and what they are in m and rad.
 pub(super) const LENGTHS: [(&str, f64); 4] = [("m", 1.0), ("cm", 1e-2), ("mm", 1e-3), ("um", 1e-6)];
-pub(super) const ANGLES: [(&str, f64); 4] =
-    [("rad", 1.0), ("deg", core::f64::consts::PI / 180.0), ("mrad", 1e-3), ("gon", core::f64::consts::PI / 200.0)];
+pub(super) const ANGLES: [(&str, f64); 4] = [
+    ("rad", 1.0),
+    ("deg", core::f64::consts::PI / 180.0),
+    ("mrad", 1e-3),
+    ("gon", core::f64::consts::PI / 200.0),
+];
 
 impl Described {
     /// Reads a table of Denavit-Hartenberg parameters.
@@ -69,7 +75,10 @@ impl Described {
                 root.missing("convention", help);
             }
             if joints.is_empty() {
-                root.missing("joints", "write a table [[joints]] with theta, d, a and alpha for each joint, from the base on");
+                root.missing(
+                    "joints",
+                    "write a table [[joints]] with theta, d, a and alpha for each joint, from the base on",
+                );
             }
             let rows: Vec<DhRow> =
                 joints.iter().enumerate().map(|(i, joint)| row(joint, i, length, angle)).collect();
@@ -129,7 +138,9 @@ fn row(joint: &Section<'_>, i: usize, length: f64, angle: f64) -> DhRow {
     let kind = joint
         .one_of("kind", &[("revolute", JointKind::Revolute), ("prismatic", JointKind::Prismatic)])
         .unwrap_or(JointKind::Revolute);
-    let name = joint.text("name", "write name = \"..\"").map_or_else(|| format!("joint {}", i + 1), |name| name.value);
+    let name = joint
+        .text("name", "write name = \"..\"")
+        .map_or_else(|| format!("joint {}", i + 1), |name| name.value);
     joint.close();
     DhRow { name, kind, theta: theta * angle, d: d * length, a: a * length, alpha: alpha * angle }
 }

@@ -67,7 +67,9 @@ impl Spelling {
         match self {
             Self::Wxyz => quaternion(numbers[0], &numbers[1..]),
             Self::Xyzw => quaternion(numbers[3], numbers),
-            Self::Vector => Ok(UnitQuaternion::from_scaled_axis(Vector3::new(numbers[0], numbers[1], numbers[2]))),
+            Self::Vector => {
+                Ok(UnitQuaternion::from_scaled_axis(Vector3::new(numbers[0], numbers[1], numbers[2])))
+            }
             Self::Euler(axes, turning) => {
                 let turn = |i: usize| UnitQuaternion::from_scaled_axis(Vector3::ith(axes[i], numbers[i]));
                 Ok(match turning {

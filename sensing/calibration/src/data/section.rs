@@ -29,7 +29,12 @@ pub(super) struct Section<'t> {
 }
 
 /// Reads a whole text, whose places are those of the source's, and hands its table to `with`.
-pub(super) fn parse<T>(source: &Source, toml: &str, title: &str, with: impl FnOnce(&Section<'_>) -> Option<T>) -> Option<T> {
+pub(super) fn parse<T>(
+    source: &Source,
+    toml: &str,
+    title: &str,
+    with: impl FnOnce(&Section<'_>) -> Option<T>,
+) -> Option<T> {
     let (document, syntax) = DeTable::parse_recoverable(toml);
     let place = |error: &toml::de::Error| error.span().unwrap_or(0..0);
     if let Some(error) = syntax.iter().min_by_key(|error| place(error).start) {
@@ -37,8 +42,13 @@ pub(super) fn parse<T>(source: &Source, toml: &str, title: &str, with: impl FnOn
         source.complain(&place(error), error.message().to_owned(), help);
         return None;
     }
-    let section =
-        Section { source, table: document.get_ref(), span: 0..0, title: title.to_owned(), asked: RefCell::default() };
+    let section = Section {
+        source,
+        table: document.get_ref(),
+        span: 0..0,
+        title: title.to_owned(),
+        asked: RefCell::default(),
+    };
     let read = with(&section);
     section.close();
     read
@@ -70,7 +80,11 @@ impl<'t> Section<'t> {
     }
 
     fn wrong(&self, key: &str, value: &Value<'_>, help: &str) {
-        self.source.complain(&value.span(), format!("`{key}` of {} is not what it should be", self.title), help);
+        self.source.complain(
+            &value.span(),
+            format!("`{key}` of {} is not what it should be", self.title),
+            help,
+        );
     }
 
     pub(super) fn text(&self, key: &'static str, help: &str) -> Option<At<String>> {
@@ -117,7 +131,9 @@ impl<'t> Section<'t> {
     pub(super) fn numbers(&self, key: &'static str, help: &str) -> Option<At<Vec<f64>>> {
         let value = self.get(key)?;
         let all = match value.get_ref() {
-            DeValue::Array(array) => array.iter().map(|one| number(one.get_ref())).collect::<Option<Vec<f64>>>(),
+            DeValue::Array(array) => {
+                array.iter().map(|one| number(one.get_ref())).collect::<Option<Vec<f64>>>()
+            }
             _ => None,
         };
         if all.is_none() {
@@ -165,7 +181,11 @@ impl<'t> Section<'t> {
                 asked: RefCell::default(),
             }),
             _ => {
-                self.source.complain(&value.span(), format!("{title} is no table"), "write [TABLE], or { key = value }");
+                self.source.complain(
+                    &value.span(),
+                    format!("{title} is no table"),
+                    "write [TABLE], or { key = value }",
+                );
                 None
             }
         }
@@ -181,7 +201,9 @@ impl<'t> Section<'t> {
         match self.get(key) {
             None => Vec::new(),
             Some(value) => match value.get_ref() {
-                DeValue::Array(array) => array.iter().filter_map(|one| self.of(format!("[[{key}]]"), one)).collect(),
+                DeValue::Array(array) => {
+                    array.iter().filter_map(|one| self.of(format!("[[{key}]]"), one)).collect()
+                }
                 _ => self.of(format!("[{key}]"), value).into_iter().collect(),
             },
         }

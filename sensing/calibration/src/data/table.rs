@@ -96,7 +96,9 @@ pub(super) fn number(source: &Source, cell: &Cell, column: &str, form: Form) -> 
             '.' if cell.value.contains(',') => {
                 "write 1.5; or say in the header decimal = \",\", with a separator that is no comma"
             }
-            _ => "write a number, or say in the header which texts mean that nothing was measured: missing = [\"\", \"nan\"]",
+            _ => {
+                "write a number, or say in the header which texts mean that nothing was measured: missing = [\"\", \"nan\"]"
+            }
         };
         source.complain(&cell.span, what, help);
     }
