@@ -5,6 +5,7 @@ use mrroc_calibration::{
     Angles, ArmId, Fit, Freedom, Irp6Arm, NoFit, Noise, PostureId, Problem, Settings, TargetId,
 };
 use mrroc_robots::{Irp6, Six};
+use nalgebra::{Matrix3, Rotation3, Vector3};
 
 use crate::scene::{ARMS, BALLS, BAR, NAMES, Scene, bar_ends, believed_bases, believed_theodolites};
 use crate::theodolite::LEVEL;
@@ -105,15 +106,17 @@ pub fn estimate(measured: &Sights) -> Result<Estimate, NoFit> {
     Ok(Estimate { fit, arms, balls, problem })
 }
 
-/// How good an estimate is.
+/// How good an estimate is: errors of balls at postures that were not used.
 #[derive(Clone, Copy, Debug)]
 pub struct Accuracy {
-    /// Errors of a ball at postures that were not used \[m\]: root mean square and maximum.
+    /// Root mean square in the world, which the theodolites define \[m\].
     pub rms: f64,
-    /// The largest.
+    /// The largest \[m\].
     pub max: f64,
-    /// What the covariance foretells of the former \[m\].
+    /// What the covariance foretells of the root mean square \[m\].
     pub foretold: f64,
+    /// Root mean square of the arm by itself, its base where that fits best \[m\].
+    pub own: f64,
 }
 
 impl Estimate {
@@ -121,12 +124,15 @@ impl Estimate {
     #[must_use]
     pub fn accuracy(&self, scene: &Scene, arm: usize, postures: &[Six]) -> Accuracy {
         let (mut squares, mut max, mut foretold, mut count) = (0.0, 0.0_f64, 0.0, 0);
+        let mut pairs = Vec::new();
         for q in postures {
             let joints = scene.joints(arm, q);
             for ball in 0..BALLS.len() {
                 let frame = self.problem.frame_of(self.balls[arm][ball]);
                 let (there, spread) = self.fit.place(self.arms[arm], q.as_slice(), frame);
-                let off = (there.translation.vector - scene.ball(arm, ball, &joints)).norm();
+                let truly = scene.ball(arm, ball, &joints);
+                let off = (there.translation.vector - truly).norm();
+                pairs.push((there.translation.vector, truly));
                 squares += off * off;
                 max = max.max(off);
                 foretold += spread.fixed_view::<3, 3>(0, 0).trace();
@@ -134,28 +140,62 @@ impl Estimate {
             }
         }
         let n = f64::from(count);
-        Accuracy { rms: (squares / n).sqrt(), max, foretold: (foretold / n).sqrt() }
+        Accuracy { rms: (squares / n).sqrt(), max, foretold: (foretold / n).sqrt(), own: own(&pairs) }
     }
 
-    /// How far the base of the right arm is from where the estimate has it in the left one: \[m\], \[rad\], and how many standard deviations that is, by
-    /// Mahalanobis' distance over the root of six.
+    /// How far the base of the right arm is from where the estimate has it in the left one.
     #[must_use]
-    pub fn bases(&self, scene: &Scene) -> (f64, f64, f64) {
+    pub fn bases(&self, scene: &Scene) -> Bases {
         let [left, right] = self.arms.map(|arm| self.problem.base_of(arm));
         let (found, spread) = self.fit.between(left, right);
         let truth = base_of(scene, 0).inv_mul(&base_of(scene, 1));
         let off = mrroc_calibration::between(&found, &truth);
-        let distance =
-            spread.try_inverse().map_or(f64::INFINITY, |inverse| (off.dot(&(inverse * off)) / 6.0).sqrt());
-        (off.fixed_rows::<3>(0).norm(), off.fixed_rows::<3>(3).norm(), distance)
+        // Along the axes of the left base, as the covariance is.
+        let within = |i: &usize| off[*i].abs() < 2.0 * spread[(*i, *i)].sqrt();
+        Bases {
+            within: (0..6).filter(within).count(),
+            length: off.fixed_rows::<3>(0).norm(),
+            angle: off.fixed_rows::<3>(3).norm(),
+            length_sigma: spread.fixed_view::<3, 3>(0, 0).trace().sqrt(),
+            angle_sigma: spread.fixed_view::<3, 3>(3, 3).trace().sqrt(),
+        }
     }
 }
 
-/// Where the base of an arm truly is.
+/// How well the place of one base in the other is found: errors, and standard deviations that the covariance foretells of them.
+#[derive(Clone, Copy, Debug)]
+pub struct Bases {
+    /// Of the position \[m\].
+    pub length: f64,
+    /// Of the orientation \[rad\].
+    pub angle: f64,
+    /// Foretold \[m\].
+    pub length_sigma: f64,
+    /// Foretold \[rad\].
+    pub angle_sigma: f64,
+    /// How many of the six numbers, along the axes of the left base, are within two standard deviations.
+    pub within: usize,
+}
+
+/// Root mean square of the distances of pairs of points, after the rigid motion that makes it least (Kabsch 1976).
+fn own(pairs: &[(Vector3<f64>, Vector3<f64>)]) -> f64 {
+    let n = pairs.len() as f64;
+    let (a, b) = pairs
+        .iter()
+        .fold((Vector3::zeros(), Vector3::zeros()), |sum, pair| (sum.0 + pair.0 / n, sum.1 + pair.1 / n));
+    let moment: Matrix3<f64> = pairs.iter().map(|pair| (pair.1 - b) * (pair.0 - a).transpose()).sum();
+    let rotation = Rotation3::from_matrix_eps(&moment, 1e-12, 100, Rotation3::identity());
+    let squares: f64 = pairs.iter().map(|pair| (rotation * (pair.0 - a) - (pair.1 - b)).norm_squared()).sum();
+    (squares / n).sqrt()
+}
+
+/// Where the base of an arm truly is, at the zero that its programs believe in: of its turn and that of the column only the sum can be told.
 fn base_of(scene: &Scene, arm: usize) -> Pose {
     let mut base = None;
     mrroc::robot::Robot::frames(&scene.arms[arm], &Six::zeros(), &mut |frame| {
         base.get_or_insert(*frame);
     });
-    base.unwrap_or_else(Pose::identity)
+    let column = |arm: &Irp6| arm.transmission().column.offset;
+    let turn = column(&scene.arms[arm]) - column(&Irp6::nominal());
+    base.unwrap_or_else(Pose::identity) * Pose::rotation(nalgebra::Vector3::z() * turn)
 }

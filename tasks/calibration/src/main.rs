@@ -1,2 +1,106 @@
-//! Two arms are calibrated by two theodolites: `cargo run --release -p calibration`.
-fn main() {}
+//! Two simulated arms are calibrated by two simulated theodolites: `cargo run --release -p calibration -- [FOLDER]`.
+//!
+//! It prints what was found, and writes a file for each arm into the folder (`calibration/` by default), for `calibration` of its robot in
+//! cell.toml.
+
+use std::error::Error;
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::time::Duration;
+
+use calibration::estimate::{Accuracy, Bases, estimate};
+use calibration::mp::run;
+use calibration::random::Random;
+use calibration::scene::{ARMS, NAMES, Scene, posture};
+use calibration::theodolite::SECOND;
+use calibration::visits::visits;
+use mrroc::console::{complain, say};
+use mrroc_calibration::Irp6Arm;
+use mrroc_calibration::file::{Account, text, today};
+use mrroc_calibration::trials::Errors;
+use mrroc_robots::{ArmCalibration, Irp6, Irp6Calibration, Six};
+
+/// Accuracy of a sight in one face \[rad\].
+const SIGHT: f64 = 2.0 * SECOND;
+/// What friction leaves between a motor and its joint \[rad\]: nothing (assumed), since it acts on motors, whose encoders see what it does.
+const WINDUP: f64 = 0.0;
+/// Postures that are visited.
+const VISITS: usize = 40;
+/// How long an instrument takes to turn to a ball and to sight it (assumed; a person takes 8 to 20 s).
+const POINTING: Duration = Duration::from_secs(3);
+
+fn main() -> ExitCode {
+    match calibrate() {
+        Ok(text) => say(&text),
+        Err(error) => {
+            complain(&format!("error: {error}"));
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn calibrate() -> Result<String, Box<dyn Error>> {
+    let folder = PathBuf::from(std::env::args().nth(1).unwrap_or_else(|| "calibration".to_owned()));
+    std::fs::create_dir_all(&folder)?;
+    let scene = Scene::new(SIGHT, WINDUP, 1);
+    let visits = visits(&scene, VISITS, 5);
+    let (sights, time, shared) = run(scene, &visits, POINTING)?;
+    let estimate = estimate(&sights)?;
+    let scene = shared.scene.borrow();
+    let mut told = format!(
+        "{} postures, {} sights in both faces, {:.0} min on the cell's clock\n\
+         errors of the balls at 200 postures that were not used [mm]:\n  arm      rms      max      foretold rms   by itself\n",
+        visits.len(),
+        sights.sights.len(),
+        time.as_secs_f64() / 60.0
+    );
+    let mut random = Random(77);
+    for arm in 0..ARMS {
+        let unseen: Vec<Six> = (0..200).map(|_| posture(arm, &mut random)).collect();
+        let Accuracy { rms, max, foretold, own } = estimate.accuracy(&scene, arm, &unseen);
+        told += &format!(
+            "  {:6} {:8.4} {:8.4} {:8.4} {:8.4}\n",
+            NAMES[arm],
+            1e3 * rms,
+            1e3 * max,
+            1e3 * foretold,
+            1e3 * own
+        );
+        let model = Irp6Arm::new(Irp6::nominal());
+        let found = model.with(estimate.fit.arm(estimate.arms[arm]));
+        let calibration = ArmCalibration::Irp6(Irp6Calibration::of(&found));
+        let residuals =
+            estimate.fit.residuals().map(|(_, _, raw)| raw.iter().map(|r| r * r).sum::<f64>().sqrt());
+        let account = Account {
+            robot: NAMES[arm].to_owned(),
+            data: None,
+            made: today(),
+            within: Errors::of(residuals),
+            foretold: Errors::of(
+                estimate
+                    .fit
+                    .cross_validated(10)?
+                    .iter()
+                    .map(|(_, raw)| raw.iter().map(|r| r * r).sum::<f64>().sqrt()),
+            ),
+            frames: vec![(
+                "base".to_owned(),
+                estimate.fit.frame(estimate.problem.base_of(estimate.arms[arm])),
+            )],
+        };
+        let path = folder.join(format!("{}.calibration.toml", NAMES[arm]));
+        std::fs::write(&path, text(&calibration, &estimate.fit, estimate.arms[arm], &account))?;
+    }
+    let Bases { length, angle, length_sigma, angle_sigma, .. } = estimate.bases(&scene);
+    told += &format!(
+        "right base in the left one: off by {:.4} mm and {:.4} mrad; foretold {:.4} mm and {:.4} mrad\n",
+        1e3 * length,
+        1e3 * angle,
+        1e3 * length_sigma,
+        1e3 * angle_sigma
+    );
+    for unseen in estimate.fit.unseen() {
+        told += &format!("cannot be told apart: {unseen}\n");
+    }
+    Ok(format!("{told}see {}\n", folder.display()))
+}

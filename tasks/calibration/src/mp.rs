@@ -5,13 +5,13 @@ use core::time::Duration;
 use std::rc::Rc;
 
 use mrroc::prelude::*;
-use mrroc_generators::generators::{Settle, SmoothJointMove};
+use mrroc_generators::generators::{ConstantOrder, Settle, SmoothJointMove};
 use mrroc_generators::jerk::JointLimits;
 use mrroc_robots::{Irp6, Six};
 
 use crate::drives::{Believed, Shared};
 use crate::estimate::{Sight as Found, Sighted, Sights};
-use crate::scene::{ARMS, BALLS, NAMES, Scene};
+use crate::scene::{ARMS, BALLS, BAR_SIGHTS, NAMES, Scene};
 use crate::sensor::{Sight, Sighting, Simulated};
 use crate::theodolite::mean;
 
@@ -22,27 +22,19 @@ pub enum Visit {
     Posture(u32),
 }
 
-/// Orders a visit: each arm goes on its own.
-#[derive(Clone, Copy)]
-pub struct Order(pub Visit);
-
-#[generator(mp)]
-impl Order {
-    fn next_step(&mut self) -> Step<(Irp6, Irp6), Visit> {
-        Step::Next((self.0, self.0))
-    }
-}
-
-/// Both theodolites have sighted what they were told, and both arms have stood: what was read, and where the encoders were.
+/// Both theodolites have sighted what they were told: what was read, and what the encoders read on the mean.
 #[derive(Default)]
 pub struct Measured {
     read: [Option<[f64; 2]>; 2],
-    q: [Six; ARMS],
+    sum: [Six; ARMS],
+    steps: f64,
 }
 
 #[condition(mp)]
 fn measured(c: &mut Measured, e: &State<(Irp6, Irp6)>, v: &Reading<(Sighting, Sighting)>) -> bool {
-    c.q = [e.0.measured().joints, e.1.measured().joints];
+    c.sum[0] += e.0.measured().joints;
+    c.sum[1] += e.1.measured().joints;
+    c.steps += 1.0;
     let (Some(north), Some(south)) = (v.0.reading(), v.1.reading()) else { return false };
     c.read = [north, south].map(|one| (!one.blocked).then_some([one.hz, one.v]));
     north.settled && south.settled
@@ -65,25 +57,30 @@ pub fn coordinate(mp: &mut Mp, visits: u32, sights: &RefCell<Sights>) -> Result<
         }
         Ok::<_, Fault>(faces)
     };
-    for end in 0..2 {
-        let faces = both_faces(mp, &mut left, &mut right, &|face| Sight::End { end, face })?;
-        note(sights, &faces, &Sighted::End(end as usize));
+    for _ in 0..BAR_SIGHTS {
+        for end in 0..2 {
+            let faces = both_faces(mp, &mut left, &mut right, &|face| Sight::End { end, face })?;
+            note(sights, &faces, &Sighted::End(end as usize));
+        }
     }
     for visit in 0..visits {
-        mp.move_robots((&mut left, &mut right), (), Order(Visit::Posture(visit)))?;
-        let mut is_first = true;
+        let order = ConstantOrder::<(Irp6, Irp6), Visit>::to_all(Visit::Posture(visit));
+        mp.move_robots((&mut left, &mut right), (), order)?;
+        let mut stood = Measured::default();
         for arm in 0..ARMS {
             for ball in 0..BALLS.len() {
                 let order = |face| Sight::Ball { arm: arm as u32, ball: ball as u32, face };
                 let faces = both_faces(mp, &mut left, &mut right, &order)?;
-                if core::mem::take(&mut is_first) {
-                    let mut sights = sights.borrow_mut();
-                    for (postures, q) in sights.postures.iter_mut().zip(faces[0].q) {
-                        postures.push(q);
-                    }
+                for face in &faces {
+                    stood.steps += face.steps;
+                    stood.sum = core::array::from_fn(|arm| stood.sum[arm] + face.sum[arm]);
                 }
                 note(sights, &faces, &Sighted::Ball { arm, ball, posture: visit as usize });
             }
+        }
+        // An encoder reads whole pulses, and a regulator may go to and fro between two: the mean is finer.
+        for (postures, sum) in sights.borrow_mut().postures.iter_mut().zip(stood.sum) {
+            postures.push(sum / stood.steps);
         }
     }
     Ok(())
@@ -109,7 +106,7 @@ pub fn arm(ecp: &mut Ecp<Irp6>, postures: &[Six]) -> Result<(), Fault> {
         let goal = postures.get(number as usize).copied();
         let goal = goal.ok_or_else(|| Fault::thrown("there is no posture of this number"))?;
         ecp.move_robot((), SmoothJointMove::to(goal, limits))?;
-        ecp.move_robot((), Settle::within(Six::repeat(2e-3), 0.2, 5.0)).map(drop)
+        ecp.move_robot((), Settle::within(Six::repeat(2e-4), 0.3, 10.0)).map(drop)
     })
 }
 

@@ -21,6 +21,8 @@ pub const NAMES: [&str; ARMS] = ["left", "right"];
 pub const BALLS: [[f64; 3]; 3] = [[0.09, 0.0, 0.06], [-0.045, 0.08, 0.02], [-0.045, -0.08, 0.11]];
 /// Length of the scale bar \[m\], and its standard deviation.
 pub const BAR: (f64, f64) = (1.0, 5e-6);
+/// How often each end of it is sighted.
+pub const BAR_SIGHTS: usize = 16;
 /// How far from the plane between the arms each keeps its flange \[m\].
 const APART: f64 = 0.25;
 /// How near to a link a line of sight may pass \[m\].
@@ -36,13 +38,13 @@ pub fn believed_bases() -> [Pose; ARMS] {
 /// Where the theodolites are believed to stand; the first one is the world.
 #[must_use]
 pub fn believed_theodolites() -> [Pose; 2] {
-    [Pose::translation(-0.4, 2.9, 0.35), Pose::translation(2.5, 2.9, 0.3)]
+    [Pose::translation(-0.2, 2.3, 0.45), Pose::translation(2.3, 2.3, 0.4)]
 }
 
 /// The ends of the scale bar, about \[m\].
 #[must_use]
 pub fn bar_ends() -> [Vector3<f64>; 2] {
-    [Vector3::new(0.55, 1.6, 0.2), Vector3::new(1.55, 1.6, 0.2)]
+    [Vector3::new(0.55, 1.0, 0.2), Vector3::new(1.55, 1.0, 0.2)]
 }
 
 /// The truth.
@@ -138,11 +140,13 @@ impl Scene {
 
 /// Postures of an arm that programs may demand, drawn by a random source: within its limits, on its own side, its tool in front.
 #[must_use]
-pub fn posture(random: &mut Random) -> Six {
+pub fn posture(of: usize, random: &mut Random) -> Six {
     let arm = Irp6::nominal();
+    // The right arm faces the left one, so that the instruments are on its other side.
+    let side = if of == 0 { 1.0 } else { -1.0 };
     loop {
         let q = Six::new(
-            random.between(-1.2, 1.9),
+            side * random.between(-0.3, 1.9),
             random.between(-2.2, -1.0),
             random.between(-0.35, 0.6),
             random.between(-1.0, 0.9),

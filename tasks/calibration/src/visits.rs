@@ -4,7 +4,7 @@ use mrroc_robots::Six;
 
 use crate::estimate::{Sight, Sighted, Sights};
 use crate::random::Random;
-use crate::scene::{ARMS, BALLS, Scene, posture};
+use crate::scene::{ARMS, BALLS, BAR_SIGHTS, Scene, posture};
 
 /// Of the six sights of an arm's balls by both theodolites so many must be free.
 const SEEN: usize = 4;
@@ -14,10 +14,15 @@ const SEEN: usize = 4;
 pub fn visits(scene: &Scene, count: usize, seed: u64) -> Vec<[Six; ARMS]> {
     let mut random = Random(seed);
     let mut chosen = Vec::new();
+    let mut both: [Six; ARMS] = core::array::from_fn(|arm| posture(arm, &mut random));
     while chosen.len() < count {
-        let both: [Six; ARMS] = core::array::from_fn(|_| posture(&mut random));
-        if (0..ARMS).all(|arm| seen(scene, arm, &both).count() >= SEEN) {
-            chosen.push(both);
+        // Whichever arm is not seen enough goes elsewhere.
+        match (0..ARMS).find(|arm| seen(scene, *arm, &both).count() < SEEN) {
+            Some(hidden) => both[hidden] = posture(hidden, &mut random),
+            None => {
+                chosen.push(both);
+                both = core::array::from_fn(|arm| posture(arm, &mut random));
+            }
         }
     }
     chosen
@@ -56,8 +61,7 @@ pub fn without_a_cell(scene: &mut Scene, visits: &[[Six; ARMS]]) -> Sights {
     for end in 0..2 {
         for theodolite in 0..2 {
             let point = scene.ends[end];
-            // A bar stands still: four sights of each end.
-            for _ in 0..4 {
+            for _ in 0..BAR_SIGHTS {
                 let read = scene.sight(theodolite, &point);
                 measured.sights.push(Sight { theodolite, of: Sighted::End(end), read });
             }
