@@ -171,7 +171,7 @@ impl Agent {
         let joining = Joining { nodes: &nodes, me, side: Side::Waits, keys: &folder };
         let wires = join(network, &joining, Arc::clone(&hub) as Arc<dyn Hears>, realtime.as_ref())?;
         // Set once, here.
-        let post = Post::begin(&wires, nodes.all().len()).map_err(|error| text(&error))?;
+        let post = Post::begin(&wires, nodes.all().len(), realtime.as_ref()).map_err(|error| text(&error))?;
         let _ = hub.post.set(post);
         let permission = realtime.as_ref().map_or(Permission::BestEffort, |realtime| realtime.permission);
         let plan = Plan {

@@ -155,7 +155,8 @@ fn carry(
     let joining = Joining { nodes: &nodes, me: places.me, side: Side::Calls, keys: &folder };
     let wires = join(network, &joining, Arc::clone(&hub) as Arc<dyn Hears>, realtime.as_ref())?;
     // Set once, here.
-    let post = Arc::new(Post::begin(&wires, nodes.all().len()).map_err(|error| text(&error))?);
+    let post =
+        Arc::new(Post::begin(&wires, nodes.all().len(), realtime.as_ref()).map_err(|error| text(&error))?);
     let _ = hub.post.set(Arc::clone(&post));
     let used: Vec<_> = (0..nodes.all().len())
         .filter(|node| *node != places.me && places.places.contains(&Some(*node)))
