@@ -44,26 +44,16 @@ const QUEUE: usize = 4096;
 pub(super) struct Post(Vec<SyncSender<Vec<u8>>>);
 
 impl Post {
-    /// Begins, with a thread for each of so many machines, of the priority that the cell asks for: by the answers to its pings a node
-    /// keeps its steps.
+    /// Begins, with a thread for each of so many machines.
     ///
     /// # Errors
     /// There is no room for a thread.
-    pub fn begin(
-        wires: &Arc<dyn Wires>,
-        machines: usize,
-        realtime: Option<&Realtime>,
-    ) -> std::io::Result<Post> {
-        let priority = realtime.map(|realtime| realtime.priority);
+    pub fn begin(wires: &Arc<dyn Wires>, machines: usize) -> std::io::Result<Post> {
         let mut queues = Vec::new();
         for to in 0..machines {
             let (queue, said) = sync_channel::<Vec<u8>>(QUEUE);
             let wires = Arc::clone(wires);
             std::thread::Builder::new().name("says".to_owned()).spawn(move || {
-                if let Some(priority) = priority {
-                    // Whether it is permitted, the cell's processes have told.
-                    set_priority(priority);
-                }
                 said.iter().for_each(|bytes| wires.send(to, &bytes));
             })?;
             queues.push(queue);
