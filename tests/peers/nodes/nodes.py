@@ -213,11 +213,21 @@ def reaches_its_end(bench):
         has(status == 0, f"the transfer on two machines ended with {status}: {words}")
         off = compared(bench, expected)
         nothing_left(bench)
-        told = [line for line in node.log.read_text().splitlines() if "round trip" in line]
+        told = said(node)
         has(len(told) == 1, f"the node tells nothing of its link: {node.log.read_text()}")
         print(f"transfer on two machines: at its end, {off:.1e} rad off; {told[0].removeprefix('note: ')}")
     finally:
         end(node)
+
+
+def said(node):
+    """What the node says of its link at the end of a run."""
+    for _ in range(100):
+        told = [line for line in node.log.read_text().splitlines() if "round trip" in line]
+        if told:
+            break
+        time.sleep(0.1)
+    return told
 
 
 def cable_pulled(bench):

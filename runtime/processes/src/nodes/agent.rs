@@ -61,6 +61,7 @@ pub(super) struct Hub {
     /// Of the run that is on: its session, and what is written for it.
     incoming: RwLock<Option<(u64, Incoming)>>,
     post: OnceLock<Post>,
+    wires: OnceLock<Arc<dyn Wires>>,
     pub(super) phase: Mutex<Phase>,
 }
 
@@ -92,8 +93,9 @@ impl Hears for Hub {
                 }
             }
             Some((session, Said::Ping(sent))) => {
-                if let Some(post) = self.post.get() {
-                    post.say(from, Said::Pong(sent, now).to_bytes(session));
+                // At once, and not behind what else is said: by the answers a node keeps its steps.
+                if let Some(wires) = self.wires.get() {
+                    wires.send(from, &Said::Pong(sent, now).to_bytes(session));
                 }
             }
             Some((_, Said::Pong(sent, answered))) => self.phase(|phase| phase.hear(sent, answered, now)),
@@ -165,6 +167,7 @@ impl Agent {
             events: Mutex::new(tells),
             incoming: RwLock::new(None),
             post: OnceLock::new(),
+            wires: OnceLock::new(),
             phase: Mutex::new(Phase::new()),
         });
         let folder = keys(&file);
@@ -173,6 +176,7 @@ impl Agent {
         // Set once, here.
         let post = Post::begin(&wires, nodes.all().len()).map_err(|error| text(&error))?;
         let _ = hub.post.set(post);
+        let _ = hub.wires.set(Arc::clone(&wires));
         let permission = realtime.as_ref().map_or(Permission::BestEffort, |realtime| realtime.permission);
         let plan = Plan {
             cell: file,

@@ -58,7 +58,7 @@ enum Event {
 struct Hub {
     events: Mutex<Sender<Event>>,
     incoming: OnceLock<Incoming>,
-    post: OnceLock<Arc<Post>>,
+    wires: OnceLock<Arc<dyn Wires>>,
     session: u64,
 }
 
@@ -78,8 +78,9 @@ impl Hears for Hub {
                 }
             }
             Some((session, Said::Ping(sent))) => {
-                if let Some(post) = self.post.get() {
-                    post.say(from, Said::Pong(sent, monotonic()).to_bytes(session));
+                // At once, and not behind what else is said: by the answers a node keeps its steps.
+                if let Some(wires) = self.wires.get() {
+                    wires.send(from, &Said::Pong(sent, monotonic()).to_bytes(session));
                 }
             }
             Some((session, said)) => self.tell(Event::Came(from, session, said)),
@@ -148,7 +149,7 @@ fn carry(
     let hub = Arc::new(Hub {
         events: Mutex::new(tells),
         incoming: OnceLock::new(),
-        post: OnceLock::new(),
+        wires: OnceLock::new(),
         session: seal.session,
     });
     let folder = keys(file);
@@ -156,7 +157,7 @@ fn carry(
     let wires = join(network, &joining, Arc::clone(&hub) as Arc<dyn Hears>, realtime.as_ref())?;
     // Set once, here.
     let post = Arc::new(Post::begin(&wires, nodes.all().len()).map_err(|error| text(&error))?);
-    let _ = hub.post.set(Arc::clone(&post));
+    let _ = hub.wires.set(Arc::clone(&wires));
     let used: Vec<_> = (0..nodes.all().len())
         .filter(|node| *node != places.me && places.places.contains(&Some(*node)))
         .collect();
