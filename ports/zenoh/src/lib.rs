@@ -12,7 +12,7 @@
 //! }
 //! ```
 //!
-//! [`Zenoh`] joins a node to the others ([`session`]), [`certificates`] are made by `PROGRAM certificates FOLDER`, and [`access`]
+//! [`Zenoh`] joins a node to the others (`session`), `certificates` are made by `PROGRAM certificates FOLDER`, and `access`
 //! says which node may say what. What nodes say to one another, and when robots stop, is none of this crate's business:
 //! that is in `mrroc-processes`.
 

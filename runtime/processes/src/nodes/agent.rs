@@ -47,6 +47,7 @@ pub(crate) struct Agent {
 }
 
 /// What happens to an agent.
+#[expect(clippy::large_enum_variant, reason = "it is looked at where it has come")]
 pub(super) enum Event {
     /// A node has said something, in a session.
     Came(usize, u64, Said),

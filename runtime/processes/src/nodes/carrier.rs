@@ -43,6 +43,7 @@ const LOOK: Duration = Duration::from_secs(1);
 pub(crate) const FAR: &str = "far";
 
 /// What happens to a carrier.
+#[expect(clippy::large_enum_variant, reason = "it is looked at where it has come")]
 enum Event {
     /// A node has said something, in a session.
     Came(usize, u64, Said),
