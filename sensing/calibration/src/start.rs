@@ -110,14 +110,15 @@ impl Problem {
             let measurement = &self.measurements[*i];
             let target = &self.targets[measurement.target.0];
             let first = turned.iter().all(|(frame, _)| *frame != target.frame);
-            if let [_, _, _, w, x, y, z] = measurement.read[..] {
-                if first && self.frames[target.frame.0].freedom.free[3] {
-                    let R_IT = UnitQuaternion::new_normalize(Quaternion::new(w, x, y, z));
-                    let R_WT = (flange(*i, own.on) * at).rotation * R_IT;
-                    let R_FT = flange(*i, target.on).rotation.inverse() * R_WT;
-                    let position = self.frames[target.frame.0].start.translation;
-                    turned.push((target.frame, Pose::from_parts(position, R_FT)));
-                }
+            if let [_, _, _, w, x, y, z] = measurement.read[..]
+                && first
+                && self.frames[target.frame.0].freedom.free[3]
+            {
+                let R_IT = UnitQuaternion::new_normalize(Quaternion::new(w, x, y, z));
+                let R_WT = (flange(*i, own.on) * at).rotation * R_IT;
+                let R_FT = flange(*i, target.on).rotation.inverse() * R_WT;
+                let position = self.frames[target.frame.0].start.translation;
+                turned.push((target.frame, Pose::from_parts(position, R_FT)));
             }
         }
         self.place(frame, at);

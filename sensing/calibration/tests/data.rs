@@ -86,6 +86,7 @@ fn every_mistake_is_told_with_its_line_and_column() {
         ("1,A,7.230", "1,A,7.23o", "17:5", "`7.23o` in column `q1` is no number"),
         ("1,A,7.230,", "1,A,", "17:1", "10 cells, where the table has 11 columns"),
         ("point = { column = \"ball\" }", "point = { column = \"bal\" }", "15:22", "did you mean `ball`?"),
+        ("title = \"six", "title = six\"", "2:11", "must be quoted"),
     ] {
         let text = good.replacen(from, to, 1);
         assert_ne!(text, good, "{from}");

@@ -11,7 +11,7 @@ use std::time::Duration;
 use calibration::estimate::{Accuracy, Bases, estimate};
 use calibration::mp::run;
 use calibration::random::Random;
-use calibration::scene::{ARMS, NAMES, Scene, posture};
+use calibration::scene::{NAMES, Scene, posture};
 use calibration::theodolite::SECOND;
 use calibration::visits::visits;
 use mrroc::console::{complain, say};
@@ -55,12 +55,12 @@ fn calibrate() -> Result<String, Box<dyn Error>> {
         time.as_secs_f64() / 60.0
     );
     let mut random = Random(77);
-    for arm in 0..ARMS {
+    for (arm, name) in NAMES.into_iter().enumerate() {
         let unseen: Vec<Six> = (0..200).map(|_| posture(arm, &mut random)).collect();
         let Accuracy { rms, max, foretold, own } = estimate.accuracy(&scene, arm, &unseen);
         told += &format!(
             "  {:6} {:8.4} {:8.4} {:8.4} {:8.4}\n",
-            NAMES[arm],
+            name,
             1e3 * rms,
             1e3 * max,
             1e3 * foretold,
@@ -72,7 +72,7 @@ fn calibrate() -> Result<String, Box<dyn Error>> {
         let residuals =
             estimate.fit.residuals().map(|(_, _, raw)| raw.iter().map(|r| r * r).sum::<f64>().sqrt());
         let account = Account {
-            robot: NAMES[arm].to_owned(),
+            robot: name.to_owned(),
             data: None,
             made: today(),
             within: Errors::of(residuals),
@@ -88,7 +88,7 @@ fn calibrate() -> Result<String, Box<dyn Error>> {
                 estimate.fit.frame(estimate.problem.base_of(estimate.arms[arm])),
             )],
         };
-        let path = folder.join(format!("{}.calibration.toml", NAMES[arm]));
+        let path = folder.join(format!("{}.calibration.toml", name));
         std::fs::write(&path, text(&calibration, &estimate.fit, estimate.arms[arm], &account))?;
     }
     let Bases { length, angle, length_sigma, angle_sigma, .. } = estimate.bases(&scene);

@@ -298,7 +298,7 @@ fn measure(section: &Section<'_>) -> Option<Measure> {
         .map_or_else(|| "instrument".to_owned(), |name| name.value);
     let columns = section
         .texts("columns", "write columns = [..]")
-        .map_or_else(|| At { value: Vec::new(), span: section.span.clone() }, |columns| columns);
+        .unwrap_or_else(|| At { value: Vec::new(), span: section.span.clone() });
     let length = section.one_of("unit", &LENGTHS);
     let angle = section.one_of("angle_unit", &ANGLES);
     let sigma = section.positive("sigma", "write the standard deviation, more than 0, in `unit`");

@@ -31,6 +31,9 @@ pub use robot::{Described, NoArm};
 /// The tolerance of a scale that is to be found: a part of it.
 const SCALE: f64 = 0.1;
 
+/// A measure with the places of its columns, and of that which names the point.
+type Placed = (Measure, Vec<Option<usize>>, Option<usize>);
+
 /// What was measured in a row.
 #[derive(Clone, Debug)]
 struct Reading {
@@ -372,7 +375,7 @@ fn rows_of(source: &Source, header: Header) -> Option<Data> {
         found
     };
     let joints: Vec<Option<usize>> = header.joints.columns.iter().map(find).collect();
-    let measures: Vec<(Measure, Vec<Option<usize>>, Option<usize>)> = header
+    let measures: Vec<Placed> = header
         .measures
         .iter()
         .map(|measure| {
@@ -423,7 +426,7 @@ impl Data {
         row: &Row,
         names: &[String],
         joints: &[Option<usize>],
-        measures: &[(Measure, Vec<Option<usize>>, Option<usize>)],
+        measures: &[Placed],
         seen: &mut BTreeMap<Vec<u64>, usize>,
     ) {
         if row.cells.len() != names.len() {
