@@ -88,7 +88,7 @@ impl Onlooking for Onlookers {
         let is_here = |role, name| process.is_none_or(|here| here == ProcessId::new(role, name));
         let robots = layout.robots.iter().filter_map(|robot| {
             let name = Name::new(&robot.name).ok()?;
-            is_here(Role::Edp, name).then(|| (name, robot.joints.len()))
+            is_here(Role::Edp, name).then_some((name, robot.joints.len()))
         });
         let robots: Vec<_> = robots.collect();
         let has_mp = process.is_none_or(|here| here.role == Role::Mp);

@@ -146,7 +146,7 @@ mod tests {
             there + 3600 * SECOND + there / SECOND * billionths + there % SECOND * billionths / SECOND
         };
         let mut phase = Phase::new();
-        let mut ping = |phase: &mut Phase, there: Nanos, i: u64| {
+        let ping = |phase: &mut Phase, there: Nanos, i: u64| {
             let late = if i.is_multiple_of(20) { 5_000_000 } else { 0 };
             phase.ask();
             phase.hear(here(there - 300_000), there, here(there + 300_000 + late));
@@ -198,7 +198,7 @@ mod tests {
             phase.hear(0, 1_000_000, 1_500_000);
         }
         assert_eq!(phase.follow(), MOST);
-        (0..100).for_each(|_| drop(phase.follow()));
+        (0..100).for_each(|_| _ = phase.follow());
         assert_eq!(origin.checked_add_signed(phase.follow()), Some(500_000));
     }
 }

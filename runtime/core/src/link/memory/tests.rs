@@ -99,9 +99,12 @@ fn a_panic_that_a_process_does_not_catch_is_not_that_of_the_process_that_waits_f
     assert!(log.borrow().starts_with(&["c1", "d1", "closed"]), "{log:?}");
 }
 
+/// How a run ended, or panicked.
+type Outcome = std::thread::Result<Result<Nanos, Stuck>>;
+
 /// A server that serves, and a master that asks it twice at time 0 and then waits until 12: what the server did, with the
 /// time, and the outcome. The server wants to wake every 5.
-fn run_served(turns_until_panic: usize) -> (Vec<(Nanos, bool)>, std::thread::Result<Result<Nanos, Stuck>>) {
+fn run_served(turns_until_panic: usize) -> (Vec<(Nanos, bool)>, Outcome) {
     let log = Rc::new(RefCell::new(Vec::new()));
     let mut scheduler = Scheduler::new();
     let (m, s) = (scheduler.place(process("m")), scheduler.place(process("s")));
