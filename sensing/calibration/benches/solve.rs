@@ -1,5 +1,7 @@
 //! What a fit takes, beside SciPy on the same problem: `tests/benches/peers/calibration/run`.
 
+// The tests use more of it.
+#[allow(dead_code)]
 #[path = "../tests/support/case.rs"]
 mod case;
 

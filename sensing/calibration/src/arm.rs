@@ -17,7 +17,7 @@ pub trait Arm {
     #[allow(non_snake_case)]
     fn flange(&self, q: &[f64], values: &[f64]) -> Pose;
 
-    /// The flange, and by parameter its twist at the flange's origin for a unit of that parameter: linear [m], then angular [rad],
+    /// The flange, and by parameter its twist at the flange's origin for a unit of that parameter: linear \[m\], then angular \[rad\],
     /// along the base's axes. By default by central differences.
     fn linearise(&self, q: &[f64], values: &[f64], twists: &mut [Vector6<f64>]) -> Pose {
         let mut values = values.to_vec();

@@ -46,7 +46,7 @@ impl Errors {
     }
 }
 
-/// Lengths of the differences by measurement [m], or of the angles [rad] where no lengths are measured.
+/// Lengths of the differences by measurement \[m\], or of the angles \[rad\] where no lengths are measured.
 #[must_use]
 pub fn lengths(problem: &Problem, raw: &[(usize, Vec<f64>)]) -> Vec<(usize, f64)> {
     let norm = |i: &usize, raw: &[f64], unit: Unit| -> f64 {
