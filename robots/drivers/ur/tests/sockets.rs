@@ -87,15 +87,30 @@ fn the_arm_follows_over_sockets_and_the_drives_see_inputs_and_outputs() {
     while server.with(|controller| controller.runs()).expect("it serves") {}
 }
 
+/// Drives whose program was stopped at the pendant, and how they told it. A machine that stood still for 200 ms has lost the
+/// connection before, which is no case of this.
+fn stopped_at_the_pendant() -> (Server, Drives, RobotStop) {
+    for _ in 0..5 {
+        let (server, mut ur) = bench();
+        let drives: &mut Edp = &mut ur;
+        drives.open().expect("it opens");
+        if period(drives, &start()).is_err() {
+            continue;
+        }
+        server.with(|controller| controller.press(Press::StopProgram));
+        let stop = stopped(drives, &start());
+        if stop.cause() != StopCause::CommunicationLost {
+            return (server, ur, stop);
+        }
+    }
+    panic!("this machine was late five times");
+}
+
 #[test]
 fn fault_90_a_line_that_is_cut_is_told_and_a_reset_sends_the_script_again() {
-    let (server, mut ur) = bench();
-    let drives: &mut Edp = &mut ur;
-    drives.open().expect("it opens");
-    period(drives, &start()).expect("it goes on");
-    server.with(|controller| controller.press(Press::StopProgram));
-    let stop = stopped(drives, &start());
+    let (server, mut ur, stop) = stopped_at_the_pendant();
     assert_eq!((stop.cause(), stop.cleared_by()), (StopCause::ProgramNotRunning, ClearedBy::Operator));
+    let drives: &mut Edp = &mut ur;
     assert!(drives.switch_on().is_err(), "nobody has asked for a reset");
     while drives.recover().expect("it is in remote control") == Recovery::GoesOn {
         let _ = drives.pulse(Duration::ZERO);
