@@ -52,40 +52,32 @@ impl<R: Robot, F: FnMut() -> Jogging> Jog<R, F> {
     /// memory for `most` poses.
     #[must_use]
     pub fn by(panel: F, acceleration: f64, turning_acceleration: f64, most: usize) -> Self {
-        let still = Vector3::zeros();
-        let recorded = Vec::with_capacity(most);
-        let pose = Pose::identity();
         Jog {
             panel,
             acceleration,
             turning_acceleration,
-            pose,
-            along: still,
-            about: still,
-            recorded,
+            pose: Pose::identity(),
+            along: Vector3::zeros(),
+            about: Vector3::zeros(),
+            recorded: Vec::with_capacity(most),
             pressed: false,
             kept: None,
             of: PhantomData,
         }
     }
 
-    /// The same, which leaves every pose in `file`, too, as soon as it is recorded: one that is jogged into a limit of the robot
-    /// ends with a fault, and is not returned.
+    /// The same, which leaves every pose in `file`, too, as soon as it is recorded: a fault loses none of them.
     #[must_use]
     pub fn kept_in(self, file: &TaughtFile) -> Self {
         Jog { kept: Some(file.kept()), ..self }
     }
 
-    /// The recorded poses, to be replayed with these shares of velocity and acceleration; `None` for shares out of
-    /// range.
+    /// The recorded poses, to be replayed with these shares of velocity and acceleration; `None` if not in (0, 1].
     #[must_use]
     pub fn taught(&self, velocity: f64, acceleration: f64) -> Option<Taught> {
         let poses = self.recorded.iter().map(|pose| TaughtPose::of_pose(velocity, acceleration, pose));
-        Some(Taught {
-            space: Space::AngleAxis,
-            reference: Reference::Absolute,
-            poses: poses.collect::<Option<_>>()?,
-        })
+        let poses = poses.collect::<Option<_>>()?;
+        Some(Taught { space: Space::AngleAxis, reference: Reference::Absolute, poses })
     }
 }
 
@@ -116,7 +108,7 @@ impl<R: Robot, F: FnMut() -> Jogging> Jog<R, F> {
         let rotation = UnitQuaternion::from_scaled_axis(self.about * t.dt);
         self.pose *= Pose::from_parts(Translation3::from(self.along * t.dt), rotation);
         self.pose.rotation.renormalize_fast();
-        if record && !self.pressed {
+        if !core::mem::replace(&mut self.pressed, record) && record {
             // Memory was set aside for so many: a step must not ask for more.
             let kept = self.kept.as_ref().is_none_or(|kept| kept.record(&self.pose));
             if self.recorded.len() == self.recorded.capacity() || !kept {
@@ -124,7 +116,6 @@ impl<R: Robot, F: FnMut() -> Jogging> Jog<R, F> {
             }
             self.recorded.push(self.pose);
         }
-        self.pressed = record;
         let at_rest = self.along == Vector3::zeros() && self.about == Vector3::zeros();
         Ok(if done && at_rest { Step::Done } else { Step::Next(Demand::pose(self.pose)) })
     }

@@ -93,31 +93,11 @@ impl<R: Robot> Replay<R> {
     }
 }
 
-/// Where all taught poses lead from the joint positions `q` and the pose `x`, the first one last.
-fn goals<R: Robot>(taught: &Taught, (mut q, mut x): (R::Joints, Pose)) -> Vec<Demand<R>> {
-    let relative = taught.reference == Reference::Relative;
-    // What is wrong with one of them is told when its turn comes.
-    let goal = |taught_pose: &TaughtPose| match taught.space {
-        Space::Motor => None,
-        Space::Joint => taught_pose.joints::<R::Joints>().map(|to| {
-            q = if relative { q + to } else { to };
-            Demand::joints(q)
-        }),
-        space @ (Space::Zyz | Space::AngleAxis) => taught_pose.pose(space).map(|to| {
-            x = if relative { x * to } else { to };
-            Demand::pose(x)
-        }),
-    };
-    let mut goals: Vec<_> = taught.poses.iter().map_while(goal).collect();
-    goals.reverse();
-    goals
-}
-
 #[generator(ecp)]
 impl<R: Robot> Replay<R> {
     fn first_step(&mut self, e: &State<R>, t: Tick) -> Result<Step<R>, Fault> {
         self.from = (e.demanded().joints, e.demanded().pose);
-        self.goals = goals(&self.taught, self.from);
+        self.goals = self.taught.goals(self.from);
         self.next_step(t)
     }
 
@@ -131,10 +111,7 @@ impl<R: Robot> Replay<R> {
                 None => None,
             };
             if let Some(demand) = demand {
-                return Ok(Step::Next(match self.goals.pop() {
-                    Some(goal) => demand.with_goal(goal),
-                    None => demand,
-                }));
+                return Ok(Step::Next(self.goals.pop().map_or(demand, |goal| demand.with_goal(goal))));
             }
             let Some(pose) = self.taught.poses.get(self.next).copied() else { return Ok(Step::Done) };
             self.next += 1;

@@ -1,6 +1,7 @@
 //! What was taught.
 
-use mrroc::pose::{AngleAxis, Pose, Zyz};
+use mrroc::pose::{AngleAxis, Zyz};
+use mrroc::prelude::*;
 use mrroc::robot::{JointVector, MAX_JOINTS};
 use nalgebra::{Translation3, Vector3};
 
@@ -103,6 +104,41 @@ pub struct Taught {
     pub reference: Reference,
     /// The poses, in order.
     pub poses: Vec<TaughtPose>,
+}
+
+impl Taught {
+    /// Where its poses lead from the joint positions `q` [rad or m] and the pose `X_WE`, as demands, the first one last: a generator takes them
+    /// from the end. What a robot cannot be told, and all that comes after it, is left out.
+    ///
+    /// ```
+    /// use mrroc::prelude::*;
+    /// use mrroc_generators::teach::{Reference, Space, Taught, TaughtPose};
+    /// use mrroc_robots::{Irp6, Six};
+    ///
+    /// let turn = TaughtPose::new(0.5, 0.5, &[0.1, 0.0, 0.0, 0.0, 0.0, 0.0]).expect("shares of 1");
+    /// let taught = Taught { space: Space::Joint, reference: Reference::Relative, poses: vec![turn, turn] };
+    /// let goals = taught.goals::<Irp6>((Six::zeros(), Pose::identity()));
+    /// assert_eq!(goals, [Demand::joints(Six::x() * 0.2), Demand::joints(Six::x() * 0.1)]);
+    /// ```
+    #[must_use]
+    #[allow(non_snake_case)]
+    pub fn goals<R: Robot>(&self, (mut q, mut X_WE): (R::Joints, Pose)) -> Vec<Demand<R>> {
+        let relative = self.reference == Reference::Relative;
+        let goal = |pose: &TaughtPose| match self.space {
+            Space::Motor => None,
+            Space::Joint => pose.joints::<R::Joints>().map(|to| {
+                q = if relative { q + to } else { to };
+                Demand::joints(q)
+            }),
+            space @ (Space::Zyz | Space::AngleAxis) => pose.pose(space).map(|to| {
+                X_WE = if relative { X_WE * to } else { to };
+                Demand::pose(X_WE)
+            }),
+        };
+        let mut goals: Vec<_> = self.poses.iter().map_while(goal).collect();
+        goals.reverse();
+        goals
+    }
 }
 
 /// What the panel says by which a tool is jogged.
