@@ -122,7 +122,7 @@ fn take_part(
     if let Some(shown) = &pictured {
         cell = cell.witnessed_by(Rc::clone(shown) as Rc<dyn Witness>);
     }
-    let onlooking = cell.begin_onlooking(Some(process), &cell.layout(), how.clock.unwrap_or(Clock::Real));
+    let onlooking = cell.begin_onlooking(Some(process), how.clock.unwrap_or(Clock::Real));
     for shown in &onlooking {
         cell = cell.witnessed_by(Rc::clone(shown) as Rc<dyn Witness>);
     }

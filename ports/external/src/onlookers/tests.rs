@@ -147,8 +147,7 @@ fn onlookers_see_the_images_of_each_step_to_the_bit_and_the_fault_that_ends_it()
 fn a_second_cell_at_the_same_port_runs_unseen_and_the_first_one_stays_shown() {
     let folder = Folder::new("onlooker-twice");
     let onlooker = Onlooker::at(&folder);
-    let layout = cell(&folder).layout();
-    let shown = cell(&folder).begin_onlooking(None, &layout, mrroc::link::Clock::Virtual);
+    let shown = cell(&folder).begin_onlooking(None, mrroc::link::Clock::Virtual);
     assert_eq!(shown.len(), 1);
     // Its thread has opened the port when it has shown something.
     let step = What::Step {

@@ -42,7 +42,7 @@ use crate::model::pose::Pose;
 use crate::model::robot::Robot;
 use crate::model::sensor::VirtualSensor;
 use crate::model::time::Clock;
-use crate::observe::layout::{BodyLayout, Layout};
+use crate::observe::layout::BodyLayout;
 use crate::observe::onlooking::Onlooking;
 use crate::observe::recording::{Recorder, Recording, RunRecord};
 use crate::observe::servo::Observation;
@@ -480,13 +480,12 @@ impl Cell {
     }
 
     /// Begins to [show](Cell::shown_to) what happens in this process of it, or in all of them.
-    pub fn begin_onlooking(
-        &self,
-        process: Option<ProcessId>,
-        layout: &Layout,
-        clock: Clock,
-    ) -> Vec<Rc<dyn RunRecord>> {
-        self.watching.begin_onlooking(process, layout, clock)
+    pub fn begin_onlooking(&self, process: Option<ProcessId>, clock: Clock) -> Vec<Rc<dyn RunRecord>> {
+        // A cell at which nobody looks on needs no layout for it.
+        if self.watching.onlooking.is_empty() {
+            return Vec::new();
+        }
+        self.watching.begin_onlooking(process, &self.layout(), clock)
     }
 
     /// Shows a witness what a picture needs besides the robots: every [`Step`](crate::observe::witness::What::Step) of the MP,

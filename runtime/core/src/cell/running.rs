@@ -35,7 +35,7 @@ impl Cell {
         if let Some(record) = &record {
             self = self.witnessed_by(Rc::clone(record) as Rc<dyn Witness>);
         }
-        let onlooking = self.begin_onlooking(None, &self.layout(), Clock::Virtual);
+        let onlooking = self.begin_onlooking(None, Clock::Virtual);
         for shown in &onlooking {
             self = self.witnessed_by(Rc::clone(shown) as Rc<dyn Witness>);
         }
