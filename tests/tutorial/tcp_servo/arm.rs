@@ -51,6 +51,8 @@ pub struct Servo {
     address: SocketAddr,
     line: Option<Line>,
     measured: Measured<One>,
+    /// Whether it has said anything since it was called.
+    has_spoken: bool,
     /// Why it does not move.
     stands: Option<DriveFault>,
 }
@@ -59,11 +61,12 @@ impl Servo {
     /// Nothing is called before it is opened.
     pub fn at(address: SocketAddr) -> Servo {
         let measured = Measured { position: One::zeros(), velocity: One::zeros() };
-        Servo { address, line: None, measured, stands: None }
+        Servo { address, line: None, measured, has_spoken: false, stands: None }
     }
 
     fn call(&mut self, patience: Duration) -> Result<(), DriveFault> {
         self.line = None; // it takes one connection at a time
+        self.has_spoken = false;
         let line = Line::call(self.address, patience, |_| Cutting::Frame(SAID));
         self.line = Some(line.map_err(|_| LOST)?);
         Ok(())
@@ -76,6 +79,7 @@ impl Servo {
         while let Some(frame) = line.oldest() {
             let (count, measured, state) = read(frame.bytes()).ok_or(LOST)?;
             self.measured = measured;
+            self.has_spoken = true;
             self.stands = match state {
                 0 => None,
                 1 => Some(stop(StopCause::EmergencyStop)), // which a person at the robot clears
@@ -140,7 +144,8 @@ impl Driver<Arm> for Servo {
         if self.line.as_ref().is_none_or(|line| !line.is_open()) {
             self.call(AGAIN)?;
         }
-        Ok(if self.hear()?.is_some() { Recovery::Over } else { Recovery::GoesOn })
+        self.hear()?; // what has come until now `pulse` may have taken already
+        Ok(if self.has_spoken { Recovery::Over } else { Recovery::GoesOn })
     }
 
     /// Where it is now, and whether it may go on.
