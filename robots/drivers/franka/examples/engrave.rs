@@ -2,7 +2,7 @@
 //! robots/drivers/franka/examples/cell.toml --simulated`, and with `--processes` in its place where a robot is at the address
 //! of that file. The arm goes to a posture with a bent shoulder first; the plate lies 50 mm below where the tool is then.
 //!
-//! `MRROC_STROKES` says how many strokes of it, all by default.
+//! `MRROC_STROKES` says how many strokes of it, all by default: its last ones, since the first is the frame, which takes a minute.
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 use std::time::Duration;
@@ -72,7 +72,8 @@ fn engrave(mp: &mut Mp, step: f64) -> Result<(), Fault> {
     let feed =
         FeedLimits { feed: 0.01, tangential: 0.2, normal: 0.2, step, chord_error: 1e-6, jerk: f64::INFINITY };
     let sampling = Sampling::default();
-    for (index, stroke) in drawing.strokes.iter().enumerate().take(count) {
+    let left_out = drawing.strokes.len().saturating_sub(count);
+    for (index, stroke) in drawing.strokes.iter().enumerate().skip(left_out) {
         let (start, end) = (stroke.start(), stroke.end());
         let down = over(start.x, start.y, stroke.tip(0.0).z * 1e-3);
         mp.move_robot(&mut arm, (), StraightLine::to(over(start.x, start.y, TRAVEL), straight(0.05)))?;
