@@ -233,7 +233,8 @@ fn opened_from_the_pendant() -> Option<(Server, Drives)> {
                         controller.press(Press::Play);
                     }
                 });
-                std::thread::yield_now();
+                // Who takes a lock again at once leaves it to nobody else.
+                std::thread::sleep(Duration::from_millis(1));
             }
         });
         let drives: &mut Edp = &mut ur;
