@@ -7,7 +7,8 @@ use std::process::ExitCode;
 
 use mrroc::console::{complain, refused, say};
 use mrroc::launch::Launch;
-use sorting::options::{Options, parse};
+use sorting::camera::command;
+use sorting::options::{Options, SensorKind, parse};
 use sorting::pictures::{filmed, scatter, time_line};
 use sorting::run::{Sensing, Settings};
 use sorting::summary::{Row, Summary};
@@ -23,6 +24,9 @@ fn main() -> ExitCode {
     if let Err(error) = std::fs::create_dir_all(&options.out) {
         return refused(&unwritable(&options.out, &error));
     }
+    if options.sensor == SensorKind::Camera || options.data_set.is_some() {
+        return by_camera(&options);
+    }
     let ran = match options.sweep {
         Some(seeds) => sweep(&options, seeds.into()),
         None => sort(&options),
@@ -32,6 +36,26 @@ fn main() -> ExitCode {
             let said = if options.quiet { ExitCode::SUCCESS } else { say(&text) };
             let kept = all.wrong == 0 && all.crashes == 0 && all.faults == 0;
             if kept { said } else { ExitCode::FAILURE }
+        }
+        Err(error) => {
+            complain(&format!("error: {error}"));
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// What the camera is asked for.
+fn by_camera(options: &Options) -> ExitCode {
+    let ran = match (&options.data_set, options.examine, options.sweep) {
+        (Some(file), _, _) => command::collect(options, file),
+        (None, Some(count), _) => command::test_recognition(options, count as usize),
+        (None, None, Some(parts)) => command::sweep(options, parts as usize),
+        (None, None, None) => command::sort(options),
+    };
+    match ran {
+        Ok((text, well)) => {
+            let said = if options.quiet { ExitCode::SUCCESS } else { say(&text) };
+            if well { said } else { ExitCode::FAILURE }
         }
         Err(error) => {
             complain(&format!("error: {error}"));
