@@ -92,7 +92,9 @@ impl Form {
     pub fn corners(&self) -> impl Iterator<Item = Vector3<f64>> {
         self.0.iter().flat_map(|piece| {
             let (lower, upper) = piece.extent();
-            (0..8).map(move |i| Vector3::from_fn(|axis, _| if i & (1 << axis) == 0 { lower[axis] } else { upper[axis] }))
+            (0..8).map(move |i| {
+                Vector3::from_fn(|axis, _| if i & (1 << axis) == 0 { lower[axis] } else { upper[axis] })
+            })
         })
     }
 }
@@ -271,16 +273,21 @@ mod tests {
 
     #[test]
     fn rays_from_above_meet_each_form_at_its_height() {
-        let block = Piece::Block { lower: Vector3::new(-0.03, -0.02, 0.0), upper: Vector3::new(0.03, 0.02, 0.04) };
+        let block =
+            Piece::Block { lower: Vector3::new(-0.03, -0.02, 0.0), upper: Vector3::new(0.03, 0.02, 0.04) };
         let ring = Piece::Tube { radius: 0.03, inner: 0.014, height: 0.032 };
         let cap = Piece::Cap { radius: 0.04, centre: 0.0, from: 0.02 };
         let half = Piece::Half { radius: 0.03, half_length: 0.05 };
-        let lying = Piece::Capsule { ends: [Vector3::new(-0.1, 0.0, 0.5), Vector3::new(0.1, 0.0, 0.5)], radius: 0.02 };
+        let lying = Piece::Capsule {
+            ends: [Vector3::new(-0.1, 0.0, 0.5), Vector3::new(0.1, 0.0, 0.5)],
+            radius: 0.02,
+        };
         let height = |piece: &Piece, x, y| {
             let (o, d) = down(x, y);
             piece.hit(&o, &d).map(|hit| 1.0 - hit.way)
         };
-        let near = |got: Option<f64>, wanted: f64| assert!((got.expect("met") - wanted).abs() < 1e-12, "{got:?}");
+        let near =
+            |got: Option<f64>, wanted: f64| assert!((got.expect("met") - wanted).abs() < 1e-12, "{got:?}");
         near(height(&block, 0.02, 0.01), 0.04);
         assert_eq!(height(&block, 0.04, 0.0), None);
         near(height(&ring, 0.02, 0.0), 0.032);

@@ -24,7 +24,7 @@ fn main() -> ExitCode {
     if let Err(error) = std::fs::create_dir_all(&options.out) {
         return refused(&unwritable(&options.out, &error));
     }
-    if options.sensor == SensorKind::Camera || options.data_set.is_some() {
+    if options.sensor == SensorKind::Camera || options.data_set.is_some() || options.images.is_some() {
         return by_camera(&options);
     }
     let ran = match options.sweep {
@@ -46,11 +46,16 @@ fn main() -> ExitCode {
 
 /// What the camera is asked for.
 fn by_camera(options: &Options) -> ExitCode {
-    let ran = match (&options.data_set, options.examine, options.sweep) {
-        (Some(file), _, _) => command::collect(options, file),
-        (None, Some(count), _) => command::test_recognition(options, count as usize),
-        (None, None, Some(parts)) => command::sweep(options, parts as usize),
-        (None, None, None) => command::sort(options),
+    let ran = if let Some(file) = &options.data_set {
+        command::collect(options, file)
+    } else if let Some(folder) = &options.images {
+        command::judge(options, folder)
+    } else if let Some(count) = options.examine {
+        command::test_recognition(options, count as usize)
+    } else if let Some(parts) = options.sweep {
+        command::sweep(options, parts as usize)
+    } else {
+        command::sort(options)
     };
     match ran {
         Ok((text, well)) => {

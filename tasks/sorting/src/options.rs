@@ -38,9 +38,15 @@ pub struct Options {
     /// Camera: mean time between two parts [s]; by default the arm has to work for 60 % of the time.
     #[arg(long, value_name = "SECONDS", value_parser = interval)]
     pub every: Option<f64>,
+    /// Camera: parts come quite at random, as Poisson's law says; else at least 70 % of the mean time after another.
+    #[arg(long)]
+    pub poisson: bool,
     /// Camera: recognise so many parts, one in ten a stranger, without a cell.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub examine: Option<u32>,
+    /// Camera: judge the images of a folder, PNG files of 768 x 576 grey pixels; `empty.png` is that of the empty belt.
+    #[arg(long, value_name = "DIR")]
+    pub images: Option<PathBuf>,
     /// Camera: write the features of --parts parts, to train a network by.
     #[arg(long, value_name = "FILE")]
     pub data_set: Option<PathBuf>,

@@ -43,7 +43,8 @@ impl Progress {
             left = LOOK_EVERY;
             if shown.get() && last.elapsed() > Duration::from_millis(200) {
                 last = Instant::now();
-                let is_gone = |part: &usize| matches!(world.whereabouts(*part), Some(Whereabouts::Gone { .. }));
+                let is_gone =
+                    |part: &usize| matches!(world.whereabouts(*part), Some(Whereabouts::Gone { .. }));
                 let gone = (0..parts).filter(is_gone).count();
                 let full = CELLS * gone / parts.max(1);
                 let (done, open) = ("#".repeat(full), ".".repeat(CELLS - full));

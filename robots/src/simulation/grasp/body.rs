@@ -98,7 +98,8 @@ impl Body {
         };
         let ends = [Face { normal: Vector3::z(), offset: to }, Face { normal: -Vector3::z(), offset: -from }];
         let faces = sides.map(side).chain(ends).collect();
-        let points = [from, to].into_iter().flat_map(|z| outline.iter().map(move |[x, y]| Vector3::new(*x, *y, z)));
+        let points =
+            [from, to].into_iter().flat_map(|z| outline.iter().map(move |[x, y]| Vector3::new(*x, *y, z)));
         Self { faces, ..Self::new(mass, inertia).with_points(points) }
     }
 

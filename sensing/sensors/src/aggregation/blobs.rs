@@ -119,7 +119,10 @@ impl Blob {
     pub fn rim(&self, width: usize) -> Vec<usize> {
         let has = |index: usize| self.pixels.binary_search(&index).is_ok();
         let inner = |&index: &usize| {
-            has(index.wrapping_sub(1)) && has(index + 1) && has(index.wrapping_sub(width)) && has(index + width)
+            has(index.wrapping_sub(1))
+                && has(index + 1)
+                && has(index.wrapping_sub(width))
+                && has(index + width)
         };
         self.pixels.iter().copied().filter(|index| !inner(index)).collect()
     }

@@ -145,14 +145,19 @@ mod tests {
         // 60 x 20 mm, turned by 0.3 rad: sigma is the edge by the root of 12.
         let turn = nalgebra::Rotation2::new(0.3);
         let place = |i: u32| {
-            let at = Vector2::new(f64::from(i % 300) * 2e-4 - 0.03 + 1e-4, f64::from(i / 300) * 2e-4 - 0.01 + 1e-4);
+            let at = Vector2::new(
+                f64::from(i % 300) * 2e-4 - 0.03 + 1e-4,
+                f64::from(i / 300) * 2e-4 - 0.01 + 1e-4,
+            );
             let at = turn * at;
             ([at.x + 0.2, at.y - 0.1], 4e-8)
         };
         let moments = Moments::of((0..30_000).map(place));
         let [long, short] = moments.extent();
         assert!((moments.area - 1.2e-3).abs() < 1e-12 && (moments.axis() - 0.3).abs() < 1e-9, "{moments:?}");
-        assert!((long - 0.06 / 12.0_f64.sqrt()).abs() < 1e-6 && (short - 0.02 / 12.0_f64.sqrt()).abs() < 1e-6);
+        assert!(
+            (long - 0.06 / 12.0_f64.sqrt()).abs() < 1e-6 && (short - 0.02 / 12.0_f64.sqrt()).abs() < 1e-6
+        );
         assert!((moments.centre - Vector2::new(0.2, -0.1)).norm() < 1e-9);
     }
 }

@@ -60,7 +60,7 @@ pub struct Found {
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 pub enum Blind {
     /// The image is dark.
-    #[error("the image is dark: mean grey value {mean:.1}, of the empty belt {usual:.1}: is the lens covered, or the lamp off?")]
+    #[error("the image is dark, mean grey {mean:.1}, usually {usual:.1}: lens covered or lamp off?")]
     Dark {
         /// Mean grey value.
         mean: f64,
@@ -68,7 +68,7 @@ pub enum Blind {
         usual: f64,
     },
     /// The image of the empty belt, by which all others are judged, has no light.
-    #[error("the image of the empty belt is dark: mean grey value {mean:.1}, at least {least:.1}: is the lens covered, or the lamp off?")]
+    #[error("the empty belt is dark, mean grey {mean:.1}, at least {least:.1}: lens covered or lamp off?")]
     NoLight {
         /// Mean grey value.
         mean: f64,
@@ -100,8 +100,8 @@ impl Vision {
     pub const FIT: f64 = 0.93;
     /// The least mean grey value of an image of the empty belt.
     const LIGHT: f64 = 3.0;
-    /// Outlines are compared in each of so many columns and rows.
-    const STRIDE: usize = 2;
+    /// Outlines are compared again and again, in each of so many columns and rows.
+    const STRIDES: [usize; 4] = [2, 2, 1, 1];
 
     /// By a camera that looks at a belt like this, for these classes.
     #[must_use]
@@ -110,9 +110,16 @@ impl Vision {
         let ground = |index: usize| {
             let at = plane.place(index);
             // To the neighbours; at the edges to those on the other side.
-            let right = if (index + 1) % width == 0 { at - plane.place(index - 1) } else { plane.place(index + 1) - at };
-            let down =
-                if index + width >= pixels { at - plane.place(index - width) } else { plane.place(index + width) - at };
+            let right = if (index + 1) % width == 0 {
+                at - plane.place(index - 1)
+            } else {
+                plane.place(index + 1) - at
+            };
+            let down = if index + width >= pixels {
+                at - plane.place(index - width)
+            } else {
+                plane.place(index + width) - at
+            };
             [at.x as f32, at.y as f32, right.perp(&down).abs() as f32]
         };
         Self { ground: (0..pixels).map(ground).collect(), plane, classes, classifier, empty: None }
@@ -182,7 +189,9 @@ impl Vision {
         let features = features(&blob, &moments, image, self.plane.width(), |index| self.ground(index));
         let scores = self.classifier.classify(&features).unwrap_or_default();
         let best = scores.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1));
-        let best = best.filter(|(class, _)| *class < self.classes.len()).map(|(class, score)| (class, f64::from(*score)));
+        let best = best
+            .filter(|(class, _)| *class < self.classes.len())
+            .map(|(class, score)| (class, f64::from(*score)));
         let mut found = Found {
             class: None,
             score: best.map_or(0.0, |(_, score)| score),
@@ -208,21 +217,19 @@ impl Vision {
             _ => &[0.0],
         };
         // How its own long axis lies.
-        let alone = self.outline(form, observed.centre, 0.0, blob).0.axis();
+        let alone = self.outline(form, observed.centre, 0.0, blob, 2).0.axis();
         let mut best = (0.0, observed.centre, 0.0);
         for start in starts {
-            let (mut place, mut angle) = (observed.centre, if *turns == 0 { 0.0 } else { start + observed.axis() - alone });
+            let (mut place, mut angle) =
+                (observed.centre, if *turns == 0 { 0.0 } else { start + observed.axis() - alone });
             let mut fit = 0.0;
-            for _ in 0..4 {
-                let (expected, common) = self.outline(form, place, angle, blob);
+            for step in Self::STRIDES {
+                let (expected, common) = self.outline(form, place, angle, blob, step);
                 fit = common;
                 let off = observed.centre - expected.centre;
                 place += off;
                 let turn = if *turns == 0 { 0.0 } else { within(observed.axis() - expected.axis(), PI) };
                 angle += turn;
-                if off.norm() < 1e-5 && turn.abs() < 1e-4 {
-                    break;
-                }
             }
             if fit > best.0 {
                 best = (fit, place, angle);
@@ -234,14 +241,21 @@ impl Vision {
 
     /// The outline of a form, by rays through the camera: its moments on the belt, and how much of it and the thing is common.
     #[allow(non_snake_case)]
-    fn outline(&self, form: &Form, place: Vector2<f64>, angle: f64, blob: &Blob) -> (Moments, f64) {
+    fn outline(
+        &self,
+        form: &Form,
+        place: Vector2<f64>,
+        angle: f64,
+        blob: &Blob,
+        step: usize,
+    ) -> (Moments, f64) {
         let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), angle);
         let X_FP = Pose::from_parts(Translation3::new(place.x, place.y, 0.0), turn);
         let corners = form.corners().map(|corner| X_FP.transform_point(&Point3::from(corner)).coords);
         let Some([[left, right], [top, bottom]]) = self.plane.window(corners, 2.0) else {
             return (Moments::default(), 0.0);
         };
-        let (width, step) = (self.plane.width(), Self::STRIDE);
+        let width = self.plane.width();
         let X_PC = X_FP.inv_mul(&self.plane.X_FC);
         let eye = X_PC.translation.vector;
         let mut pixels = Vec::new();

@@ -52,7 +52,10 @@ impl Camera {
     /// (a, b) of the ray that a pixel sees, by Newton's method from a first guess.
     #[must_use]
     pub fn ray(&self, pixel: &Vector2<f64>, guess: Option<Vector2<f64>>) -> Vector2<f64> {
-        let bent = Vector2::new((pixel.x - self.centre[0]) / self.focal[0], (pixel.y - self.centre[1]) / self.focal[1]);
+        let bent = Vector2::new(
+            (pixel.x - self.centre[0]) / self.focal[0],
+            (pixel.y - self.centre[1]) / self.focal[1],
+        );
         let mut ray = guess.unwrap_or(bent);
         for _ in 0..10 {
             let (got, slope) = self.lens.distort(&ray);
@@ -109,7 +112,7 @@ mod tests {
 
     #[test]
     fn pixels_are_those_of_opencv() {
-        // cv2.projectPoints of OpenCV with zero rotation and translation.
+        // cv2.projectPoints of OpenCV 5.0 with these intrinsics, without rotation and translation.
         let camera = Camera::MRROCPP;
         for (point, pixel) in OPENCV {
             let got = camera.project(&Vector3::from(point)).expect("ahead");
@@ -117,5 +120,10 @@ mod tests {
         }
     }
 
-    const OPENCV: [([f64; 3], [f64; 2]); 0] = [];
+    const OPENCV: [([f64; 3], [f64; 2]); 4] = [
+        ([0.1, 0.05, 0.85], [604.213_755_636_276_9, 398.437_680_118_585_55]),
+        ([-0.15, 0.1, 0.8], [32.709_954_823_878_72, 523.086_029_388_987_6]),
+        ([0.12, -0.11, 0.82], [657.681_900_644_042_8, 36.080_492_207_796_28]),
+        ([-0.05, -0.09, 0.9], [279.791_389_273_319_5, 100.245_286_403_054_68]),
+    ];
 }

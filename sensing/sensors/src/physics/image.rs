@@ -140,7 +140,9 @@ impl Imager {
         };
         // The surface at both ends of the exposure.
         let half = 0.35 * self.exposure;
-        let run = |field: f64| [-half, half].map(|off| (view.surface(before + field + off) % Texture::PERIOD) as f32);
+        let run = |field: f64| {
+            [-half, half].map(|off| (view.surface(before + field + off) % Texture::PERIOD) as f32)
+        };
         let runs = [run(if self.interlaced { FIELD } else { 0.0 }), run(0.0)];
         let mut bits = self.random;
         let mut spread = 0_u64;
@@ -195,18 +197,29 @@ impl Imager {
                     let X_PC = X_FP.inv_mul(&X_FC);
                     (X_PC.translation.vector, X_PC)
                 };
-                Some(Thing { form, reflectance: *reflectance, eyes: poses.map(|of| of.map(|pose| eye(&pose))), window })
+                Some(Thing {
+                    form,
+                    reflectance: *reflectance,
+                    eyes: poses.map(|of| of.map(|pose| eye(&pose))),
+                    window,
+                })
             })
             .collect();
         let lamp = Vector3::from(LAMP).normalize();
         let [fx, fy] = plane.camera.focal;
         for (number, thing) in things.iter().enumerate() {
             let [[left, right], [top, bottom]] = thing.window;
-            let meets = |other: &Thing<'_>| (0..2).all(|i| {
-                other.window[i][0] < thing.window[i][1] && thing.window[i][0] < other.window[i][1]
-            });
-            let others: Vec<_> =
-                things.iter().enumerate().filter(|(i, other)| *i != number && meets(other)).map(|(_, o)| o).collect();
+            let meets = |other: &Thing<'_>| {
+                (0..2).all(|i| {
+                    other.window[i][0] < thing.window[i][1] && thing.window[i][0] < other.window[i][1]
+                })
+            };
+            let others: Vec<_> = things
+                .iter()
+                .enumerate()
+                .filter(|(i, other)| *i != number && meets(other))
+                .map(|(_, o)| o)
+                .collect();
             for row in top..bottom {
                 for column in left..right {
                     let index = row * plane.width() + column;
@@ -223,7 +236,8 @@ impl Imager {
                         }
                         let (_, X_PC) = &thing.eyes[row % 2][moment];
                         let normal = X_FC.rotation * X_PC.rotation.inverse_transform_vector(&met.normal);
-                        let lit = DIFFUSE * 0.5 * (1.0 + normal.z) + (1.0 - DIFFUSE) * normal.dot(&lamp).max(0.0);
+                        let lit =
+                            DIFFUSE * 0.5 * (1.0 + normal.z) + (1.0 - DIFFUSE) * normal.dot(&lamp).max(0.0);
                         let pixel = &mut self.met[index];
                         pixel.0 += 1;
                         pixel.1 += (thing.reflectance * lit) as f32;

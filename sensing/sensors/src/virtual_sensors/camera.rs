@@ -202,11 +202,15 @@ impl<S: View + 'static> VirtualSensor for CameraSensor<S> {
         match &mut self.trigger {
             Trigger::Barrier(beam, barrier) => {
                 let next = &mut self.next;
-                barrier.sample(&self.scene, |_| *beam, |edge| {
-                    if edge.covered && next.is_none() {
-                        *next = Some(edge.time + Self::DELAY);
-                    }
-                });
+                barrier.sample(
+                    &self.scene,
+                    |_| *beam,
+                    |edge| {
+                        if edge.covered && next.is_none() {
+                            *next = Some(edge.time + Self::DELAY);
+                        }
+                    },
+                );
             }
             Trigger::Way(every) => {
                 if self.next.is_none() && (way(now) - self.last_way).abs() >= *every {

@@ -11,7 +11,7 @@ use nalgebra::Vector3;
 use super::layout::{FIRST, LAST};
 use super::orders::Place;
 use crate::generators::{Close, Part, Pursuit};
-use crate::places::{HIGH, LOW, tool};
+use crate::places::{BELT, HIGH, LOW, tool};
 
 /// Where the tool is in the course of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,15 +38,19 @@ pub struct Acquire {
 
 impl Acquire {
     /// The hand waits so long for a part \[s\].
-    pub const PATIENCE: f64 = 7.0;
+    pub const PATIENCE: f64 = 9.0;
     /// A part comes between the fingers within this time, or it is not there \[s\].
     const COMING: f64 = 1.2;
     /// How old the belt's state is that the encoder's reading has, at the step of that reading \[s\].
-    pub const LATCH: f64 = 0.0;
+    pub const LATCH: f64 = 2.2e-3;
     /// The tool goes down where it is within this of its place \[m\], with this difference of velocity [m/s] and of angle \[rad\].
     const NEAR: (f64, f64, f64) = (0.002, 0.01, 0.01);
     /// Across the belt, towards the arm, the trays begin here \[m\].
     const BESIDE: f64 = -0.12;
+    /// How fast the wrist may turn [rad/s], of 0.865.
+    const WRIST: f64 = 0.72;
+    /// Angles of the tool that the wrist attains all along the belt and over the trays \[rad\].
+    const ANGLES: [f64; 2] = [-0.4, 3.5];
     /// Angular acceleration of the tool about z [rad/s²].
     const TURNING: f64 = 2.5;
 
@@ -56,11 +60,20 @@ impl Acquire {
         Self { place, tool: Pursuit::default(), yaw: 0.0, turning: 0.0, phase: Phase::Above, held: 0.0 }
     }
 
-    /// Turns towards the angle of the part: what the wrist has left of its speed beside the arm's own motion.
+    /// The angle of the tool about z of the world \[rad\].
+    #[must_use]
+    pub const fn yaw(&self) -> f64 {
+        self.yaw
+    }
+
+    /// Turns towards the angle of the part, as fast as the wrist can beside the arm's own motion.
     fn turn(&mut self, dt: f64) {
         let way = self.place.yaw - self.yaw;
-        let most = (0.75 - 1.3 * self.tool.velocity.norm()).max(0.15);
-        let speed = most.min((1.2 * Self::TURNING * way.abs()).sqrt()).min(8.0 * way.abs()).copysign(way);
+        // q6 turns with the column's q1, and against the tool's angle.
+        let (x, y) = (BELT[0] + self.tool.at.y, BELT[1] + self.tool.at.x);
+        let column = (x * self.tool.velocity.x - y * self.tool.velocity.y) / x.hypot(y).powi(2);
+        let speed = (1.2 * Self::TURNING * way.abs()).sqrt().min(8.0 * way.abs()).copysign(way);
+        let speed = speed.clamp(column - Self::WRIST, column + Self::WRIST);
         let change = Self::TURNING * dt;
         self.turning += (speed - self.turning).clamp(-change, change);
         self.yaw += self.turning * dt;
@@ -86,10 +99,18 @@ impl Acquire {
         self.tool = Pursuit::at_rest(&pose);
         let x = pose.rotation * Vector3::x();
         self.yaw = x.y.atan2(x.x);
-        // Half a turn may read as the one or the other.
-        if self.yaw < -0.5 * PI {
+        // From -0.4 on, not from -pi on.
+        if self.yaw < -1.0 {
             self.yaw += 2.0 * PI;
         }
+        // Fingers do not mind half a turn: the nearest of those attitudes that the wrist attains.
+        let attained = |yaw: &f64| (Self::ANGLES[0]..=Self::ANGLES[1]).contains(yaw);
+        let all = [-PI, 0.0, PI].map(|half| self.place.yaw + half);
+        let nearest = all
+            .into_iter()
+            .filter(attained)
+            .min_by(|a, b| (a - self.yaw).abs().total_cmp(&(b - self.yaw).abs()));
+        self.place.yaw = nearest.unwrap_or(self.place.yaw);
         self.next_step(v, t)
     }
 

@@ -8,7 +8,7 @@ use mrroc_sensors::form::Form;
 use mrroc_sensors::physics::Noise;
 use nalgebra::Vector3;
 
-use super::kinds::{Kind, kinds, lying};
+use super::kinds::{KINDS, Kind, kinds, lying, strangers};
 use super::layout::{ACROSS, FEED, X_WF};
 use super::studio::{REFLECTANCE, TOLERANCE};
 
@@ -18,7 +18,7 @@ use super::studio::{REFLECTANCE, TOLERANCE};
 pub struct Coming {
     /// When \[s\].
     pub time: f64,
-    /// Its kind.
+    /// Its kind; of a stranger [`KINDS`].
     pub kind: usize,
     /// What it looks like, in its frame P.
     pub form: Form,
@@ -30,14 +30,25 @@ pub struct Coming {
     pub reflectance: f64,
 }
 
-/// So many parts from `first` \[s\] on: one every `every` \[s\] in the mean as Poisson's law says, but none less than `gap` \[s\] after another.
+/// So many parts from `first` \[s\] on: one every `every` \[s\] in the mean as Poisson's law says, but none less than `gap` \[s\] after another; the
+/// first one may be one of the [`strangers`].
 #[must_use]
-pub fn coming(count: usize, first: f64, every: f64, gap: f64, seed: u64) -> Vec<Coming> {
+pub fn coming(
+    count: usize,
+    first: f64,
+    every: f64,
+    gap: f64,
+    seed: u64,
+    stranger: Option<usize>,
+) -> Vec<Coming> {
     let mut random = Noise::seeded(seed);
-    let made: Vec<_> = kinds();
+    let mut made: Vec<_> = kinds();
+    made.extend(stranger.and_then(|which| strangers().into_iter().nth(which)));
     let mut time = first;
-    let mut next = |_| {
-        let coming = part(&made, time, &mut random);
+    let mut next = |number| {
+        let is_strange = number == 0 && stranger.is_some();
+        let drawn = ((random.uniform() * KINDS as f64) as usize).min(KINDS - 1);
+        let coming = part(&made, if is_strange { KINDS } else { drawn }, time, &mut random);
         time += gap - (every - gap).max(0.0) * random.uniform().ln();
         coming
     };
@@ -45,8 +56,7 @@ pub fn coming(count: usize, first: f64, every: f64, gap: f64, seed: u64) -> Vec<
 }
 
 #[allow(non_snake_case)]
-fn part(made: &[Kind], time: f64, random: &mut Noise) -> Coming {
-    let kind = ((random.uniform() * made.len() as f64) as usize).min(made.len() - 1);
+fn part(made: &[Kind], kind: usize, time: f64, random: &mut Noise) -> Coming {
     let (form, body, in_body) = made[kind].made(1.0 + random.between(-TOLERANCE, TOLERANCE));
     let angle = random.between(-PI, PI);
     let X_BP = Pose::translation(in_body.x, in_body.y, in_body.z);

@@ -49,7 +49,8 @@ pub fn filmed(mut ready: Ready, file: &Path) -> io::Result<Outcome> {
         // Before it comes and after it has gone it is where it was seen last, or out of the way below.
         let seen = Rc::new(Shared::new(Pose::translation(BELT[0], BELT[1] + FEED, -0.05)));
         film = film.with_block(edges.into(), move || {
-            let pose = |state: mrroc_robots::grasp::BodyState| state.pose * Pose::translation(at.x, at.y, at.z);
+            let pose =
+                |state: mrroc_robots::grasp::BodyState| state.pose * Pose::translation(at.x, at.y, at.z);
             seen.set(world.body_of(number).map_or(seen.get(), pose));
             seen.get()
         });
@@ -159,7 +160,11 @@ pub fn time_line(outcome: &Outcome, ready: &[(f64, usize)]) -> String {
             svg.rectangle(Area { x, y: y - 9.0, width: 12.0, height: 9.0 }, 1.0, Look::filled(joint(i)));
             svg.text(Vector2::new(x + 17.0, y), TextStyle::new(12.0, INK), kind.class.name);
         }
-        svg.text(Vector2::new(MARGIN, y + 22.0), TextStyle::new(12.0, GREY), "grey: missed; red: in a wrong bin");
+        svg.text(
+            Vector2::new(MARGIN, y + 22.0),
+            TextStyle::new(12.0, GREY),
+            "grey: missed; red: in a wrong bin",
+        );
         svg.text(Vector2::new(frame.right(), y + 22.0), TextStyle::new(12.0, GREY).end(), "time [s]");
     })
 }

@@ -23,12 +23,12 @@ pub fn arm(ecp: &mut Ecp<Irp6>) -> Result<(), Fault> {
     let line = |pose| StraightLine::to(pose, limits());
     ecp.obey_all(|ecp, task| match task {
         Task::Pick { place, bin: number, .. } => {
-            ecp.move_robot((&mut encoder, &mut fingers), Acquire::new(place))?;
+            let yaw = ecp.move_robot((&mut encoder, &mut fingers), Acquire::new(place))?.yaw();
             if !fingers.reading().is_some_and(|fingers| fingers.covered) {
                 return Ok(());
             }
             let ([x, y], _) = bin(number as usize);
-            let over = |height| at(y - BELT[1], x - BELT[0], height, place.yaw);
+            let over = |height| at(y - BELT[1], x - BELT[0], height, yaw);
             ecp.move_robot((), line(over(HIGH)))?;
             ecp.move_robot((), line(over(OVER_TRAY))).map(drop)
         }
@@ -52,7 +52,10 @@ pub fn hand(ecp: &mut Ecp<TwoFingers>) -> Result<(), Fault> {
     let open = || JointMove::to(One::new(OPEN), One::new(FINGERS[0]), One::new(FINGERS[1]));
     ecp.obey_all(|ecp, task| match task {
         Task::Pick { .. } => {
-            ecp.wait_until((&mut fingers,), any((there {}.held_for(Close::WAITING), elapsed(Acquire::PATIENCE))))?;
+            ecp.wait_until(
+                (&mut fingers,),
+                any((there {}.held_for(Close::WAITING), elapsed(Acquire::PATIENCE))),
+            )?;
             ecp.move_robot((&mut fingers,), Grasp::default()).map(drop)
         }
         Task::Release => ecp.move_robot((), open()).map(drop),

@@ -34,9 +34,13 @@ pub fn kinds() -> Vec<Kind> {
     };
     let middle = |x: f64, y: f64, z: f64| block([-x / 2.0, -y / 2.0, 0.0], [x / 2.0, y / 2.0, z]);
     let tube = |radius, inner, height| Piece::Tube { radius, inner, height };
-    let steps = [block([-0.04, -0.027, 0.0], [0.0, 0.027, 0.04]), block([0.0, -0.027, 0.0], [0.04, 0.027, 0.026])];
+    let steps =
+        [block([-0.04, -0.027, 0.0], [0.0, 0.027, 0.04]), block([0.0, -0.027, 0.0], [0.04, 0.027, 0.026])];
     // Grasped across its short leg, whose end is 58 mm from the outside of the long one.
-    let legs = [block([-0.015, -0.029, 0.0], [0.069, 0.001, 0.032]), block([-0.015, 0.001, 0.0], [0.015, 0.029, 0.032])];
+    let legs = [
+        block([-0.015, -0.029, 0.0], [0.069, 0.001, 0.032]),
+        block([-0.015, 0.001, 0.0], [0.015, 0.029, 0.032]),
+    ];
     vec![
         Kind::new("block", 2, [middle(0.07, 0.054, 0.04)], box_of(0.07, 0.054), 0.04),
         Kind::new("bar", 2, [middle(0.096, 0.05, 0.03)], box_of(0.096, 0.05), 0.03),
@@ -51,24 +55,40 @@ pub fn kinds() -> Vec<Kind> {
         ),
         Kind {
             grip: core::f64::consts::FRAC_PI_2,
-            ..Kind::new("half-cylinder", 2, [Piece::Half { radius: 0.037, half_length: 0.028 }], box_of(0.056, 0.074), 0.037)
+            ..Kind::new(
+                "half-cylinder",
+                2,
+                [Piece::Half { radius: 0.037, half_length: 0.028 }],
+                box_of(0.056, 0.074),
+                0.037,
+            )
         },
         Kind::new("step", 1, steps, box_of(0.08, 0.054), 0.04),
-        Kind::new("angle", 1, legs, vec![[-0.015, -0.029], [0.069, -0.029], [0.069, 0.001], [0.015, 0.029], [-0.015, 0.029]], 0.032),
+        Kind::new(
+            "angle",
+            1,
+            legs,
+            vec![[-0.015, -0.029], [0.069, -0.029], [0.069, 0.001], [0.015, 0.029], [-0.015, 0.029]],
+            0.032,
+        ),
     ]
 }
 
 /// Things that are none of the kinds: a cross, a half of a block, an angle that lies on its other side.
 #[must_use]
-pub fn strangers() -> Vec<Form> {
+pub fn strangers() -> Vec<Kind> {
     let block = |a: f64, b: f64, c: f64, d: f64, h: f64| Piece::Block {
         lower: Vector3::new(a, b, 0.0),
         upper: Vector3::new(c, d, h),
     };
+    let cross = [block(-0.04, -0.014, 0.04, 0.014, 0.03), block(-0.014, -0.04, 0.014, 0.04, 0.03)];
+    let turned_over =
+        [block(-0.015, -0.001, 0.069, 0.029, 0.032), block(-0.015, -0.029, 0.015, -0.001, 0.032)];
+    let angle = vec![[-0.015, -0.029], [0.015, -0.029], [0.069, -0.001], [0.069, 0.029], [-0.015, 0.029]];
     vec![
-        Form::new([block(-0.04, -0.014, 0.04, 0.014, 0.03), block(-0.014, -0.04, 0.014, 0.04, 0.03)]),
-        Form::new([block(-0.022, -0.027, 0.022, 0.027, 0.04)]),
-        Form::new([block(-0.015, -0.001, 0.069, 0.029, 0.032), block(-0.015, -0.029, 0.015, -0.001, 0.032)]),
+        Kind::new("cross", 4, cross, box_of(0.08, 0.08), 0.03),
+        Kind::new("cube", 4, [block(-0.022, -0.027, 0.022, 0.027, 0.04)], box_of(0.044, 0.054), 0.04),
+        Kind::new("angle, turned over", 1, turned_over, angle, 0.032),
     ]
 }
 
@@ -121,7 +141,8 @@ fn masses(form: &Form) -> (f64, Vector3<f64>, Matrix3<f64>) {
         mass += part;
         first += middle * part;
         second += middle * middle.transpose() * part;
-        second += Matrix3::from_diagonal(&Vector3::new(SIDE * SIDE, SIDE * SIDE, height * height)) * (part / 12.0);
+        second +=
+            Matrix3::from_diagonal(&Vector3::new(SIDE * SIDE, SIDE * SIDE, height * height)) * (part / 12.0);
     }
     let centre = first / mass;
     let second = second - centre * centre.transpose() * mass;

@@ -87,14 +87,14 @@ impl Canvas {
     }
 }
 
-/// Writes an image with what was found in it, as the camera `plane` sees it. Grey values are doubled, so that the belt can be seen.
+/// Writes an image with what was found in it, as the camera `plane` sees it. Grey values are brightened a little.
 ///
 /// # Errors
 /// The file cannot be written.
 pub fn draw(file: &Path, image: &[u8], found: &[Found], plane: &Plane) -> io::Result<()> {
     let kinds = kinds();
     let width = plane.width();
-    let pixels = image.iter().map(|grey| [grey.saturating_add(grey / 2); 3]).collect();
+    let pixels = image.iter().map(|grey| [grey.saturating_add(grey / 4); 3]).collect();
     let mut canvas = Canvas { width, pixels };
     for thing in found {
         let colour = COLOURS[thing.class.unwrap_or(KINDS)];
@@ -110,14 +110,16 @@ pub fn draw(file: &Path, image: &[u8], found: &[Found], plane: &Plane) -> io::Re
                 let at = thing.place + Vector2::new(angle.cos(), angle.sin()) * length;
                 plane.project(&Vector3::new(at.x, at.y, 0.0))
             };
-            for (angle, length) in [(thing.angle, 0.03), (thing.angle + core::f64::consts::FRAC_PI_2, 0.018)] {
+            for (angle, length) in [(thing.angle, 0.03), (thing.angle + core::f64::consts::FRAC_PI_2, 0.018)]
+            {
                 if let (Some(from), Some(to)) = (end(angle, 0.0), end(angle, length)) {
                     canvas.line(from, to, colour);
                 }
             }
         }
     }
-    let mut encoder = png::Encoder::new(BufWriter::new(File::create(file)?), width as u32, plane.height() as u32);
+    let mut encoder =
+        png::Encoder::new(BufWriter::new(File::create(file)?), width as u32, plane.height() as u32);
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Eight);
     let mut writer = encoder.write_header().map_err(io::Error::other)?;
@@ -138,7 +140,10 @@ pub fn read(file: &Path, size: [usize; 2]) -> io::Result<Vec<u8>> {
         && (info.color_type, info.bit_depth) == (png::ColorType::Grayscale, png::BitDepth::Eight);
     if !fits {
         let text = format!("{} x {} pixels {:?}", info.width, info.height, info.color_type);
-        return Err(io::Error::other(format!("{text}: it must have {} x {}, grey, of 8 bits", size[0], size[1])));
+        return Err(io::Error::other(format!(
+            "{text}: it must have {} x {}, grey, of 8 bits",
+            size[0], size[1]
+        )));
     }
     pixels.truncate(size[0] * size[1]);
     Ok(pixels)

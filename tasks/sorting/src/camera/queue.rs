@@ -31,7 +31,7 @@ pub struct Queue {
 
 impl Queue {
     /// The arm sets out for a part so long before that comes into its reach \[s\] ..
-    const AHEAD: f64 = 1.2;
+    const AHEAD: f64 = 2.5;
     /// .. and gets to it at most so long after it has set out, with the hand closed \[s\].
     pub const REACHING: f64 = 4.5;
 

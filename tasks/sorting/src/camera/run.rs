@@ -11,8 +11,8 @@ use mrroc::robot::RobotView;
 use mrroc_robots::grasp::{Hand, Sink, Touch, Whereabouts, World};
 use mrroc_sensors::aggregation::{Found, Network, NetworkError, Vision};
 use mrroc_sensors::physics::{Imager, LightBarrier, Noise};
-use mrroc_sensors::virtual_sensors::{CameraSensor, Encoder, Sampled, Trigger};
 use mrroc_sensors::view::View as _;
+use mrroc_sensors::virtual_sensors::{CameraSensor, Encoder, Sampled, Trigger};
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 
 use super::acquire::Acquire;
@@ -44,6 +44,10 @@ pub struct Settings {
     pub parts: usize,
     /// Mean time between two parts \[s\].
     pub every: f64,
+    /// How regularly they come: none less than this share of that time after another, the rest as Poisson's law says. 0: quite at random.
+    pub regular: f64,
+    /// Which of the strangers comes first, if any.
+    pub stranger: Option<usize>,
     /// When the belt stops or turns back \[s\], and at which share of its speed it goes on.
     pub change: Option<(f64, f64)>,
 }
@@ -143,11 +147,13 @@ impl Settings {
     /// Parts that come every so many seconds in the mean.
     #[must_use]
     pub const fn of(speed: f64, parts: usize, every: f64, seed: u64) -> Self {
-        Self { speed, seed, parts, every, change: None }
+        Self { speed, seed, parts, every, regular: Self::REGULAR, stranger: None, change: None }
     }
 
     /// The time that the arm needs for a part in the mean: measured where parts never wait for it nor it for them \[s\].
     pub const CYCLE: f64 = 8.0;
+    /// A feeder lets no two parts come within this share of the mean time between them.
+    pub const REGULAR: f64 = 0.7;
     /// Parts are at least so far apart \[m\].
     pub const SPACING: f64 = 0.16;
 
@@ -162,11 +168,15 @@ impl Settings {
     /// # Errors
     /// What is wrong with the cell's file or a figure.
     pub fn ready(&self) -> Result<Ready, CellError> {
-        self.sensed_by(|camera| camera, |file, cell, camera, plant| {
-            let step = file.step().as_secs_f64();
-            let cell = cell.sensor(file.sensor("camera", camera)?).sensor(file.sensor("encoder", Encoder)?);
-            Ok(cell.sensor(file.sensor("fingers", plant.fingers_before(BEAM, step))?))
-        })
+        self.sensed_by(
+            |camera| camera,
+            |file, cell, camera, plant| {
+                let step = file.step().as_secs_f64();
+                let cell =
+                    cell.sensor(file.sensor("camera", camera)?).sensor(file.sensor("encoder", Encoder)?);
+                Ok(cell.sensor(file.sensor("fingers", plant.fingers_before(BEAM, step))?))
+            },
+        )
     }
 
     /// The cell with another camera, and sensors that `sense` puts into it.
@@ -181,7 +191,9 @@ impl Settings {
         let file = file()?;
         let slowest = (1.0 - 1.1 * Uneven::OFF) * self.speed;
         let gap = Self::SPACING / slowest;
-        let parts: Rc<[Coming]> = coming(self.parts, self.first(), self.every, gap, self.seed).into();
+        let apart = gap.max(self.regular * self.every);
+        let parts = coming(self.parts, self.first(), self.every, apart, self.seed, self.stranger);
+        let parts: Rc<[Coming]> = parts.into();
         let world = bins().map_err(|error| wrong(&error))?;
         for part in parts.iter() {
             world.put_at(&part.body, part.time).map_err(|error| wrong(&error))?;
@@ -303,7 +315,7 @@ fn compare(
                     part: number,
                     taken: thing.class,
                     off: [along, across],
-                    turned: turned(thing.angle, angle(&truly), turns[part.kind]),
+                    turned: turned(thing.angle, angle(&truly), turns.get(part.kind).copied().unwrap_or(0)),
                 };
                 let distance = along.hypot(across);
                 if nearest.is_none_or(|(least, _)| distance < least) {

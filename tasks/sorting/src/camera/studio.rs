@@ -91,7 +91,7 @@ pub fn misplaced(believed: &Plane, random: &mut Noise) -> Plane {
     believed.at(believed.X_FC * turn)
 }
 
-/// Shows `count` things to a classifier, two to an image, as `seed` draws them; every so many a stranger, if that is not 0.
+/// Shows the empty belt, and then `count` things to a classifier, two to an image, as `seed` draws them; every so many a stranger, if that is not 0.
 ///
 /// # Errors
 /// None, as long as there is light.
@@ -119,6 +119,7 @@ pub fn examine(
         if images % IMAGES == 0 {
             let empty = Passing { parts: Vec::new(), speed: 0.1, run: 0.0 };
             imager.expose(&empty, 0.0, &mut image);
+            show(&image, &[]);
             vision.teach(&image)?;
         }
         images += 1;
@@ -133,16 +134,17 @@ pub fn examine(
 }
 
 /// Two things anywhere in sight, apart from each other.
-fn passing(kinds: &[Kind], strangers: &[Form], from: usize, stranger: usize, random: &mut Noise) -> Passing {
+fn passing(kinds: &[Kind], strangers: &[Kind], from: usize, stranger: usize, random: &mut Noise) -> Passing {
     let mut parts = Vec::new();
     for (place, number) in [-0.075, 0.075].into_iter().zip(from..) {
-        let pick = |count: usize, random: &mut Noise| ((random.uniform() * count as f64) as usize).min(count - 1);
+        let pick =
+            |count: usize, random: &mut Noise| ((random.uniform() * count as f64) as usize).min(count - 1);
         let is_stranger = stranger > 0 && number % stranger == 0;
         let kind = (!is_stranger).then(|| pick(kinds.len(), random));
         let scale = 1.0 + random.between(-TOLERANCE, TOLERANCE);
         let form = match kind {
             Some(kind) => kinds[kind].class.form.scaled(scale),
-            None => strangers[pick(strangers.len(), random)].scaled(scale),
+            None => strangers[pick(strangers.len(), random)].class.form.scaled(scale),
         };
         let angle = random.between(-PI, PI);
         // The middle of the form comes to the place, so that all of it is in sight.
@@ -160,11 +162,20 @@ fn passing(kinds: &[Kind], strangers: &[Form], from: usize, stranger: usize, ran
 fn judged(part: &Lying, kinds: &[Kind], found: &[Found]) -> Trial {
     let truly: Vector2<f64> = part.pose.translation.vector.xy();
     let near = |found: &&Found| (found.place - truly).norm() < 0.045;
-    let nearest = found.iter().filter(near).min_by(|a, b| {
-        (a.place - truly).norm_squared().total_cmp(&(b.place - truly).norm_squared())
-    });
+    let nearest = found
+        .iter()
+        .filter(near)
+        .min_by(|a, b| (a.place - truly).norm_squared().total_cmp(&(b.place - truly).norm_squared()));
     let Some(found) = nearest else {
-        let nothing = Trial { kind: part.kind, taken: None, score: 0.0, fit: 0.0, off: 0.0, turned: 0.0, features: [0.0; FEATURES] };
+        let nothing = Trial {
+            kind: part.kind,
+            taken: None,
+            score: 0.0,
+            fit: 0.0,
+            off: 0.0,
+            turned: 0.0,
+            features: [0.0; FEATURES],
+        };
         return nothing;
     };
     let turns = part.kind.map_or(0, |kind| kinds[kind].class.turns);

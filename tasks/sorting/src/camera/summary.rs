@@ -32,7 +32,13 @@ impl Confusion {
         let mut counts = [0; 3];
         for (kind, row) in self.0.iter().enumerate().take(KINDS) {
             for (taken, count) in row.iter().enumerate() {
-                let which = if taken == kind { 0 } else if taken == KINDS { 2 } else { 1 };
+                let which = if taken == kind {
+                    0
+                } else if taken == KINDS {
+                    2
+                } else {
+                    1
+                };
                 counts[which] += count;
             }
         }
@@ -140,14 +146,37 @@ impl Line {
     }
 }
 
+impl Line {
+    /// Counts the runs of another line with this one's.
+    pub fn join(&mut self, other: Self) {
+        self.parts += other.parts;
+        self.sorted += other.sorted;
+        self.wrong += other.wrong;
+        self.crashes += other.crashes;
+        self.missed.extend(other.missed);
+        self.places.extend(other.places);
+        self.angles.extend(other.angles);
+        self.along.extend(other.along);
+        self.off.extend(other.off);
+        self.time += other.time;
+        self.wall += other.wall;
+    }
+}
+
 /// Several lines.
 #[derive(Clone, Debug, Default)]
 pub struct Table(pub Vec<Line>);
 
 impl fmt::Display for Table {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(f, "   belt  every  parts  sorted  wrong  missed   place p95    angle p95    off centre [mm]       speed")?;
-        writeln!(f, "    m/s      s                                      mm          deg     p50    p95    max")?;
+        writeln!(
+            f,
+            "   belt  every  parts  sorted  wrong  missed   place p95    angle p95    off centre [mm]       speed"
+        )?;
+        writeln!(
+            f,
+            "    m/s      s                                      mm          deg     p50    p95    max"
+        )?;
         for line in &self.0 {
             let [p50, p95, most] = [0.5, 0.95, 1.0].map(|share| 1e3 * quantile(&line.off, share));
             let place = 1e3 * quantile(&line.places, 0.95);
@@ -177,7 +206,10 @@ impl fmt::Display for Table {
             }
         }
         let crashes: u32 = self.0.iter().map(|line| line.crashes).sum();
-        writeln!(f, "fingers came down on a part {crashes} times; speed: times faster than real time, on one processor")
+        writeln!(
+            f,
+            "fingers came down on a part {crashes} times; speed: times faster than real time, on one processor"
+        )
     }
 }
 
@@ -186,7 +218,8 @@ impl fmt::Display for Table {
 pub fn examination(trials: &[Trial]) -> String {
     let confusion = Confusion::of(trials);
     let [right, misnamed, rejected] = confusion.counts();
-    let known: Vec<_> = trials.iter().filter(|trial| trial.kind.is_some() && trial.taken == trial.kind).collect();
+    let known: Vec<_> =
+        trials.iter().filter(|trial| trial.kind.is_some() && trial.taken == trial.kind).collect();
     let of = |value: fn(&Trial) -> f64, share: f64| {
         quantile(&known.iter().map(|trial| value(trial)).collect::<Vec<_>>(), share)
     };
@@ -201,7 +234,8 @@ pub fn examination(trials: &[Trial]) -> String {
         of(|trial| trial.turned, 1.0).to_degrees(),
     );
     let fit = known.iter().map(|trial| trial.fit).fold(1.0, f64::min);
-    let strange = trials.iter().filter(|trial| trial.kind.is_none()).map(|trial| trial.fit).fold(0.0, f64::max);
+    let strange =
+        trials.iter().filter(|trial| trial.kind.is_none()).map(|trial| trial.fit).fold(0.0, f64::max);
     text += &format!("fit of outlines: of parts at least {fit:.3}");
     if strangers > 0 {
         text += &format!(
@@ -213,7 +247,13 @@ pub fn examination(trials: &[Trial]) -> String {
     let kinds = kinds();
     for trial in trials.iter().filter(|trial| trial.taken != trial.kind).take(10) {
         let name = |kind: Option<usize>| kind.map_or("none of the kinds", |kind| kinds[kind].class.name);
-        text += &format!("{} taken for {}: score {:.2}, fit {:.3}\n", name(trial.kind), name(trial.taken), trial.score, trial.fit);
+        text += &format!(
+            "{} taken for {}: score {:.2}, fit {:.3}\n",
+            name(trial.kind),
+            name(trial.taken),
+            trial.score,
+            trial.fit
+        );
     }
     text
 }
