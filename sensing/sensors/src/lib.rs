@@ -26,6 +26,9 @@
 //! ```
 
 pub mod aggregation;
+pub mod camera;
+pub mod form;
 pub mod physics;
 pub mod scene;
+pub mod view;
 pub mod virtual_sensors;

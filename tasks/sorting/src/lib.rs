@@ -4,6 +4,7 @@
 //! coordinator tells them. The rest surrounds it: [`places`] says where things are, [`parts`] what comes and when, [`plant`] what
 //! simulated robots and sensors do, [`witness`] measures, [`run`] is one run, [`summary`] many.
 
+pub mod camera;
 pub mod ecp;
 pub mod generators;
 pub mod mp;
@@ -13,6 +14,7 @@ pub mod parts;
 pub mod pictures;
 pub mod places;
 pub mod plant;
+pub mod progress;
 pub mod run;
 pub mod scene;
 pub mod summary;

@@ -7,7 +7,8 @@ use std::process::ExitCode;
 
 use mrroc::console::{complain, refused, say};
 use mrroc::launch::Launch;
-use sorting::options::{Options, parse};
+use sorting::camera::command;
+use sorting::options::{Options, SensorKind, parse};
 use sorting::pictures::{filmed, scatter, time_line};
 use sorting::run::{Sensing, Settings};
 use sorting::summary::{Row, Summary};
@@ -23,6 +24,9 @@ fn main() -> ExitCode {
     if let Err(error) = std::fs::create_dir_all(&options.out) {
         return refused(&unwritable(&options.out, &error));
     }
+    if options.sensor == SensorKind::Camera || options.data_set.is_some() || options.images.is_some() {
+        return by_camera(&options);
+    }
     let ran = match options.sweep {
         Some(seeds) => sweep(&options, seeds.into()),
         None => sort(&options),
@@ -32,6 +36,31 @@ fn main() -> ExitCode {
             let said = if options.quiet { ExitCode::SUCCESS } else { say(&text) };
             let kept = all.wrong == 0 && all.crashes == 0 && all.faults == 0;
             if kept { said } else { ExitCode::FAILURE }
+        }
+        Err(error) => {
+            complain(&format!("error: {error}"));
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// What the camera is asked for.
+fn by_camera(options: &Options) -> ExitCode {
+    let ran = if let Some(file) = &options.data_set {
+        command::collect(options, file)
+    } else if let Some(folder) = &options.images {
+        command::judge(options, folder)
+    } else if let Some(count) = options.examine {
+        command::test_recognition(options, count as usize)
+    } else if let Some(parts) = options.sweep {
+        command::sweep(options, parts as usize)
+    } else {
+        command::sort(options)
+    };
+    match ran {
+        Ok((text, well)) => {
+            let said = if options.quiet { ExitCode::SUCCESS } else { say(&text) };
+            if well { said } else { ExitCode::FAILURE }
         }
         Err(error) => {
             complain(&format!("error: {error}"));

@@ -11,7 +11,7 @@ use clap::{Parser, ValueEnum};
 #[command(
     name = "sorting",
     about = "Parts on a moving belt are sensed, acquired and sorted by a simulated arm: prints what was measured, and draws it",
-    after_help = "Exit status: 0 if every part was sorted or passed, none wrongly, 1 if not,\n2 if the command line was refused; then nothing has moved.\n\nExamples:\n  sorting --belt 0.1 --parts 20\n  sorting --first-edge          led by the first edge alone: misses most parts\n  sorting --sweep 1000          so many seeds over all speeds, beside open loop",
+    after_help = "Exit status: 0 if every part was sorted or passed, none wrongly, 1 if not,\n2 if the command line was refused; then nothing has moved.\n\nExamples:\n  sorting --belt 0.1 --parts 20\n  sorting --first-edge          led by the first edge alone: misses most parts\n  sorting --sweep 1000          so many seeds over all speeds, beside open loop\n  sorting --sensor camera --belt 0.1 --parts 200\n  sorting --sensor camera --examine 2000",
     args_override_self = true,
     max_term_width = 80
 )]
@@ -23,7 +23,7 @@ pub struct Options {
     #[arg(long, value_name = "M_PER_S", default_value = "0.1", value_parser = speed)]
     pub belt: f64,
     /// How many parts come.
-    #[arg(long, value_name = "N", default_value = "200", value_parser = clap::value_parser!(u32).range(1..=2000))]
+    #[arg(long, value_name = "N", default_value = "200", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub parts: u32,
     /// Of parts, noise and belt.
     #[arg(long, value_name = "N", default_value = "0")]
@@ -31,9 +31,25 @@ pub struct Options {
     /// The arm is led by the first edge of each part alone.
     #[arg(long)]
     pub first_edge: bool,
-    /// One part for each of so many seeds, over all speeds.
-    #[arg(long, value_name = "SEEDS", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    /// Infrared: one part for each of so many seeds, over all speeds. Camera: so many parts at each of three speeds and three arrival
+    /// rates.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub sweep: Option<u32>,
+    /// Camera: mean time between two parts [s]; by default the arm has to work for 60 % of the time.
+    #[arg(long, value_name = "SECONDS", value_parser = interval)]
+    pub every: Option<f64>,
+    /// Camera: parts come quite at random, as Poisson's law says; else at least 70 % of the mean time after another.
+    #[arg(long)]
+    pub poisson: bool,
+    /// Camera: recognise so many parts, one in ten a stranger, without a cell.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub examine: Option<u32>,
+    /// Camera: judge the images of a folder, PNG files of 768 x 576 grey pixels; `empty.png` is that of the empty belt.
+    #[arg(long, value_name = "DIR")]
+    pub images: Option<PathBuf>,
+    /// Camera: write the features of --parts parts, to train a network by.
+    #[arg(long, value_name = "FILE")]
+    pub data_set: Option<PathBuf>,
     /// Where the pictures go.
     #[arg(long, value_name = "DIR", default_value = "sorting")]
     pub out: PathBuf,
@@ -47,6 +63,8 @@ pub struct Options {
 pub enum SensorKind {
     /// Light barriers, a range finder, and a barrier between the fingers.
     Infrared,
+    /// A camera over the belt, and the belt's encoder: eight kinds of parts, a queue.
+    Camera,
 }
 
 /// A speed that the task is made for.
@@ -54,6 +72,13 @@ fn speed(text: &str) -> Result<f64, String> {
     let speed: f64 = text.parse().map_err(|_| format!("`{text}` is no number"))?;
     let fits = (0.02..=0.15).contains(&speed);
     if fits { Ok(speed) } else { Err(format!("{speed} m/s: the belt runs at 0.02 to 0.15 m/s")) }
+}
+
+/// A time between two parts.
+fn interval(text: &str) -> Result<f64, String> {
+    let every: f64 = text.parse().map_err(|_| format!("`{text}` is no number"))?;
+    let fits = (1.0..=1000.0).contains(&every);
+    if fits { Ok(every) } else { Err(format!("{every} s: parts come every 1 to 1000 s")) }
 }
 
 /// Reads the arguments after the program's name.
@@ -83,7 +108,7 @@ mod tests {
             (["--belt", "NaN"], "0.02 to 0.15 m/s"),
             (["--belt", "fast"], "no number"),
             (["--sensor", "radar"], "infrared"),
-            (["--parts", "0"], "1..=2000"),
+            (["--parts", "0"], "1..=100000"),
         ] {
             let text = read(&arguments).expect_err("wrong").to_string();
             assert!(text.contains(said), "{text}");

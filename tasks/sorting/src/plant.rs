@@ -1,10 +1,13 @@
 //! What the simulated robots do in, and what the sensors see: parts on a belt, fingers, trays, a bin at the end.
 
+use std::cell::RefCell;
+use std::rc::Rc;
+
 use mrroc::cell_file::{Kinds, RobotEntry};
 use mrroc::pose::Pose;
 use mrroc::prelude::*;
 use mrroc_robots::grasp::{self, Grasp, Jaws, Pads, Sink, World, WorldError};
-use mrroc_robots::{Conveyor, Irp6, One, Simulated, TwoFingers};
+use mrroc_robots::{Conveyor, Irp6, One, Shaft, Simulated, TwoFingers};
 use mrroc_sensors::aggregation::Laterals;
 use mrroc_sensors::physics::{LightBarrier, Triangulation};
 use mrroc_sensors::virtual_sensors::{FingerBarrier, GateSensor, RangeFinder};
@@ -24,6 +27,7 @@ pub struct Plant {
     pub world: World,
     scene: Belt,
     seed: u64,
+    shaft: Rc<RefCell<Option<Shaft>>>,
 }
 
 impl Plant {
@@ -43,17 +47,32 @@ impl Plant {
         for part in parts {
             world.put_at(&part.body, part.time)?;
         }
-        Ok(Self { scene: Belt::new(world.clone(), parts), world, seed })
+        let scene = Belt::new(world.clone(), parts);
+        Ok(Self::of(world, scene, seed))
+    }
+
+    /// A world that sensors see as `scene`; the seed is that of their noise.
+    #[must_use]
+    pub fn of(world: World, scene: Belt, seed: u64) -> Self {
+        Self { world, scene, seed, shaft: Rc::default() }
+    }
+
+    /// The arm's true joints, once it is in the world.
+    #[must_use]
+    pub fn shaft(&self) -> Rc<RefCell<Option<Shaft>>> {
+        self.shaft.clone()
     }
 
     /// The kinds of `cell.toml`, with drives in this world.
     #[must_use]
     pub fn kinds(&self) -> Kinds {
         let [arm, hand, belt] = [self.world.clone(), self.world.clone(), self.world.clone()];
+        let shaft = self.shaft();
         Kinds::new()
             .with("arm", move |entry| {
                 let robot = Irp6::nominal().with_base(entry.base());
                 let drives = Simulated::new(robot.clone(), &entry.start(&robot)?);
+                *shaft.borrow_mut() = Some(drives.shaft());
                 let grasp = Grasp::new(2e4, 20.0).with_tool(entry.tool());
                 let arm = arm.arm(drives, grasp).map_err(|error| impossible(entry, &error))?;
                 Ok(RobotSetup::new(entry.name(), robot, arm))
@@ -112,10 +131,19 @@ impl Plant {
     /// Before the arm is in the world: [`kinds`](Self::kinds).
     #[must_use]
     pub fn fingers(&self, step: f64) -> FingerBarrier<AtTool> {
+        self.fingers_before(BEAM, step)
+    }
+
+    /// The barrier between the fingers, its beam so far before the middle of their pads \[m\].
+    ///
+    /// # Panics
+    /// Before the arm is in the world: [`kinds`](Self::kinds).
+    #[must_use]
+    pub fn fingers_before(&self, ahead: f64, step: f64) -> FingerBarrier<AtTool> {
         let hand = self.world.hand(0).expect("the arm is in the world");
         // y of E is against the belt.
         let along_x =
-            Pose::translation(0.0, -BEAM, 0.0) * Pose::rotation(Vector3::y() * core::f64::consts::FRAC_PI_2);
+            Pose::translation(0.0, -ahead, 0.0) * Pose::rotation(Vector3::y() * core::f64::consts::FRAC_PI_2);
         let barrier = LightBarrier::new(0.003, self.seed.wrapping_add(4));
         FingerBarrier::new(AtTool::new(self.scene.clone(), hand), along_x, barrier, step)
     }

@@ -4,7 +4,7 @@ use core::cell::Cell;
 use std::rc::Rc;
 
 use mrroc::pose::Pose;
-use mrroc_robots::grasp::{Hand, World};
+use mrroc_robots::grasp::{Body, Hand, World};
 use mrroc_sensors::scene::{Scene, Solid};
 use mrroc_sensors::virtual_sensors::Tool;
 use nalgebra::Vector3;
@@ -29,8 +29,14 @@ impl Belt {
     /// Of a world into which these parts have been put, in their order.
     #[must_use]
     pub fn new(world: World, parts: &[Arrival]) -> Self {
-        let look = |part: &Arrival| Look { hull: part.body.points().into(), reflectance: part.reflectance };
-        Self { world, looks: parts.iter().map(look).collect() }
+        Self::of(world, parts.iter().map(|part| (&part.body, part.reflectance)))
+    }
+
+    /// Of a world into which these bodies have been put, in their order, with how much light they scatter, 0 to 1.
+    #[must_use]
+    pub fn of<'b>(world: World, bodies: impl Iterator<Item = (&'b Body, f64)>) -> Self {
+        let look = |(body, reflectance): (&Body, f64)| Look { hull: body.points().into(), reflectance };
+        Self { world, looks: bodies.map(look).collect() }
     }
 }
 

@@ -1,5 +1,7 @@
 //! The sorting task: what it keeps, and what faults do to it.
 
+mod camera;
+mod camera_faults;
 mod faults;
 mod lines;
 mod sorting;

@@ -86,6 +86,23 @@ impl Body {
         Self { faces, ..Self::new(mass, inertia).with_points((0..2 * Self::SIDES).map(rim)) }
     }
 
+    /// A body of this mass \[kg\] and tensor of inertia about its centre of mass, in the axes of B [kg m²], whose hull is an upright
+    /// prism: a convex outline, anticlockwise about z of B, from one height to the other \[m, in B\]. It touches with the outline's points
+    /// at both ends.
+    #[must_use]
+    pub fn prism(mass: f64, inertia: Matrix3<f64>, outline: &[[f64; 2]], [from, to]: [f64; 2]) -> Self {
+        let sides = outline.iter().zip(outline.iter().cycle().skip(1)).filter(|(a, b)| a != b);
+        let side = |(a, b): (&[f64; 2], &[f64; 2])| {
+            let normal = Vector3::new(b[1] - a[1], a[0] - b[0], 0.0).normalize();
+            Face { normal, offset: normal.x * a[0] + normal.y * a[1] }
+        };
+        let ends = [Face { normal: Vector3::z(), offset: to }, Face { normal: -Vector3::z(), offset: -from }];
+        let faces = sides.map(side).chain(ends).collect();
+        let points =
+            [from, to].into_iter().flat_map(|z| outline.iter().map(move |[x, y]| Vector3::new(*x, *y, z)));
+        Self { faces, ..Self::new(mass, inertia).with_points(points) }
+    }
+
     /// The hull's points \[m, in B\].
     #[must_use]
     pub fn points(&self) -> &[Vector3<f64>] {

@@ -257,6 +257,14 @@ impl World {
         state.active.iter().for_each(|&number| visit(number, &state.entries[number].body.state()));
     }
 
+    /// The mark of a belt, counted from 0 in the order in which belts came into the world: its pose and how it moves.
+    #[must_use]
+    pub fn belt_mark(&self, belt: usize) -> Option<BodyState> {
+        let state = self.state();
+        let motion = &state.belts.get(belt)?.motion;
+        Some(BodyState { pose: motion.pose(), velocity: motion.velocity, angular_velocity: motion.turning })
+    }
+
     /// Gives the first body a velocity of its centre of mass [m/s] and an angular velocity [rad/s], along the world's axes.
     ///
     /// # Panics

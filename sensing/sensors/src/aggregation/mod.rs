@@ -1,9 +1,19 @@
 //! What a program makes of what sensors give: `f_v` (eq. 14), without a cell and without physics.
 
+mod blobs;
 mod debounce;
+mod features;
 mod lateral;
+#[cfg(feature = "networks")]
+mod network;
 mod passages;
+mod vision;
 
+pub use blobs::{Blob, Blobs};
 pub use debounce::{Debounce, Edge};
+pub use features::{FEATURES, Moments, features};
 pub use lateral::{Lateral, Laterals};
+#[cfg(feature = "networks")]
+pub use network::{Network, NetworkError};
 pub use passages::{Passage, Passages};
+pub use vision::{Blind, Classifier, Found, PartClass, Vision};

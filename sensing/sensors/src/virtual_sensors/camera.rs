@@ -1,0 +1,244 @@
+//! A camera over a belt: which parts come, and where they are in the belt's own frame.
+//!
+//! ```text
+//! trigger --10 ms--> exposure ------------ processing, 60 ms ------------> in the readings
+//!                       |
+//!                       +- the encoder's count is latched: x = place on the image - way of the belt at the exposure
+//! ```
+//!
+//! A place in the belt's frame does not age: that an image takes its time costs no accuracy.
+
+use std::collections::VecDeque;
+
+use mrroc::pose::Pose;
+use mrroc::prelude::*;
+use mrroc::sensor::Frames;
+
+use super::sampled::Sampled;
+use crate::aggregation::{Found, Vision};
+use crate::physics::{Imager, LightBarrier};
+use crate::view::View;
+
+/// The kind of sensor: parts that a camera sees on a belt.
+#[derive(Clone, Copy, Debug)]
+pub struct PartCamera;
+
+impl Sensor for PartCamera {
+    const KIND: &'static str = "part camera";
+    type Reading = Spotted;
+    type Configuration = ();
+}
+
+/// A part on a belt.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Payload)]
+pub struct OnBelt {
+    /// Its number, from 1 on; parts are counted as they are seen.
+    pub number: u32,
+    /// Its class, by its place in the list of classes.
+    pub class: u32,
+    /// How likely that is, 0 to 1.
+    pub score: f64,
+    /// Where its frame is on the belt, which it goes with: along the belt where that had run 0 ..
+    pub along: f64,
+    /// .. and across it \[m\].
+    pub across: f64,
+    /// Its angle about z \[rad\].
+    pub angle: f64,
+}
+
+/// What a camera says of the newest parts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Payload)]
+pub struct Spotted {
+    /// Images that have been taken, without that of the empty belt.
+    pub images: u32,
+    /// Things that were no known parts.
+    pub unknown: u32,
+    /// Parts that have been seen.
+    pub parts: u32,
+    /// How far the belt has run at the step of the reading \[m\].
+    pub way: f64,
+    /// How fast it is [m/s].
+    pub speed: f64,
+    /// The newest parts, the latest first; number 0 where there are fewer.
+    pub newest: [OnBelt; 6],
+}
+
+/// What makes a camera take an image.
+#[derive(Debug)]
+pub enum Trigger {
+    /// Something comes into a light barrier, whose beam runs along z of its frame `X_WL`.
+    Barrier(Pose, Sampled),
+    /// The belt has run so far since the last one \[m\].
+    Way(f64),
+}
+
+/// What is told of each image: the grey values, what was found, the time of the exposure \[s\] and the way of the belt then \[m\].
+pub type Onlooker = Box<dyn FnMut(&[u8], &[Found], f64, f64)>;
+
+/// A camera over a scene.
+pub struct CameraSensor<S> {
+    scene: S,
+    imager: Imager,
+    vision: Vision,
+    trigger: Trigger,
+    /// How old the state of the belt is that goes with an order \[s\].
+    latch: f64,
+    /// When the next image is exposed \[s\], and the way of the belt at the last one.
+    next: Option<f64>,
+    last_way: f64,
+    image: Vec<u8>,
+    /// Parts that are not in readings yet, and when they will be.
+    processed: VecDeque<(f64, OnBelt)>,
+    known: VecDeque<OnBelt>,
+    reading: Spotted,
+    frames: Frames,
+    onlooker: Option<Onlooker>,
+}
+
+impl<S> core::fmt::Debug for CameraSensor<S> {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.debug_struct("CameraSensor").field("reading", &self.reading).finish_non_exhaustive()
+    }
+}
+
+impl<S: View + 'static> CameraSensor<S> {
+    /// From the trigger to the middle of the exposure \[s\].
+    pub const DELAY: f64 = 0.01;
+    /// From there until its parts are in readings \[s\].
+    pub const PROCESSING: f64 = 0.06;
+    /// Things closer together than this are the same, seen twice \[m\].
+    const SAME: f64 = 0.02;
+    /// Parts that are kept to be told from new ones.
+    const KEPT: usize = 32;
+
+    /// What `imager` takes of a scene is judged by `vision`; `latch` \[s\] is how old the state of the belt is that goes with an order.
+    #[must_use]
+    pub fn new(scene: S, imager: Imager, vision: Vision, trigger: Trigger, latch: f64) -> Self {
+        let pixels = vision.plane().width() * vision.plane().height();
+        Self {
+            scene,
+            imager,
+            vision,
+            trigger,
+            latch,
+            next: None,
+            last_way: 0.0,
+            image: Vec::new(),
+            processed: VecDeque::new(),
+            known: VecDeque::new(),
+            reading: Spotted::default(),
+            frames: Frames::new(4, pixels),
+            onlooker: None,
+        }
+    }
+
+    /// The same, with somebody who looks on.
+    #[must_use]
+    pub fn watched(self, onlooker: Onlooker) -> Self {
+        Self { onlooker: Some(onlooker), ..self }
+    }
+
+    /// The camera, to darken it.
+    pub const fn imager(&mut self) -> &mut Imager {
+        &mut self.imager
+    }
+
+    /// The barrier that triggers it, to break it.
+    pub const fn barrier(&mut self) -> Option<&mut LightBarrier> {
+        match &mut self.trigger {
+            Trigger::Barrier(_, barrier) => Some(barrier.barrier()),
+            Trigger::Way(_) => None,
+        }
+    }
+
+    /// Exposes an image whose middle is at `time` \[s\], when the belt had run `way` \[m\].
+    fn look(&mut self, step: u64, time: f64, way: f64) -> Result<(), Fault> {
+        self.imager.expose(&self.scene, time, &mut self.image);
+        let [width, height] = self.vision.plane().camera.size;
+        self.frames.image(step, (width as u32, height as u32), 1, &self.image);
+        let dark = |error: crate::aggregation::Blind| Fault::thrown(&error.to_string());
+        if !self.vision.is_taught() {
+            return self.vision.teach(&self.image).map_err(dark);
+        }
+        let found = self.vision.look(&self.image).map_err(dark)?;
+        self.reading.images += 1;
+        for thing in &found {
+            let along = thing.place.x - way;
+            let Some(class) = thing.class else {
+                self.reading.unknown += 1;
+                continue;
+            };
+            let near = |part: &OnBelt| (part.along - along).hypot(part.across - thing.place.y) < Self::SAME;
+            if self.known.iter().any(near) {
+                continue;
+            }
+            let number = self.known.front().map_or(0, |part| part.number) + 1;
+            let (class, score, angle) = (class as u32, thing.score, thing.angle);
+            let part = OnBelt { number, class, score, along, across: thing.place.y, angle };
+            self.known.push_front(part);
+            self.known.truncate(Self::KEPT);
+            self.processed.push_back((time + Self::PROCESSING, part));
+        }
+        if let Some(onlooker) = &mut self.onlooker {
+            onlooker(&self.image, &found, time, way);
+        }
+        Ok(())
+    }
+}
+
+impl<S: View + 'static> VirtualSensor for CameraSensor<S> {
+    type Kind = PartCamera;
+
+    fn aggregate(&mut self, order: &ReadingOrder<()>) -> Result<Spotted, Fault> {
+        let belt = order.robot.ok_or_else(|| {
+            Fault::thrown("a camera sees parts on a belt: write of = \"BELT\" in its table of cell.toml")
+        })?;
+        let now = self.scene.now();
+        let way = |time: f64| belt.joints[0] + belt.velocity[0] * (time - now + self.latch);
+        let exposure = self.imager.exposure();
+        if !self.vision.is_taught() && self.next.is_none() {
+            self.next = Some(now + exposure);
+        }
+        match &mut self.trigger {
+            Trigger::Barrier(beam, barrier) => {
+                let next = &mut self.next;
+                barrier.sample(
+                    &self.scene,
+                    |_| *beam,
+                    |edge| {
+                        if edge.covered && next.is_none() {
+                            *next = Some(edge.time + Self::DELAY);
+                        }
+                    },
+                );
+            }
+            Trigger::Way(every) => {
+                if self.next.is_none() && (way(now) - self.last_way).abs() >= *every {
+                    self.next = Some(now + exposure);
+                }
+            }
+        }
+        (self.reading.way, self.reading.speed) = (way(now), belt.velocity[0]);
+        if let Some(time) = self.next.filter(|time| now >= time + 0.5 * exposure) {
+            self.next = None;
+            self.last_way = way(time);
+            let latched = self.last_way;
+            self.look(order.step, time, latched)?;
+        }
+        while let Some((_, part)) = self.processed.front().filter(|(ready, _)| now >= *ready).copied() {
+            self.processed.pop_front();
+            self.reading.newest.rotate_right(1);
+            self.reading.newest[0] = part;
+            self.reading.parts = part.number;
+        }
+        Ok(self.reading)
+    }
+
+    fn is_simulated(&self) -> bool {
+        true
+    }
+
+    fn frames(&mut self) -> Option<&mut Frames> {
+        Some(&mut self.frames)
+    }
+}

@@ -1,0 +1,209 @@
+//! What the command line asks of the task with the camera.
+
+use std::error::Error;
+use std::fmt::Write as _;
+use std::io::IsTerminal as _;
+use std::path::Path;
+
+use mrroc_sensors::aggregation::Vision;
+
+use super::charts::{confusion, filmed, scatter, time_line};
+use super::kinds::classes;
+use super::layout::camera;
+use super::picture::{draw, read, write};
+use super::run::{Outcome, Settings, network};
+use super::studio::{data_set, examine};
+use super::summary::{Confusion, Line, Table, examination};
+use crate::options::Options;
+
+/// So many parts are filmed, and so many images drawn.
+const FILMED: usize = 4;
+const IMAGES: usize = 6;
+/// So far a belt may run \[m\]: its joint has an end, far away.
+const LONGEST: f64 = 950.0;
+/// A sweep has so many parts in a run, each with a seed of its own.
+const RUN: usize = 100;
+/// The image of the empty belt, and what the names of those with rims begin with.
+const EMPTY: &str = "empty.png";
+const DRAWN: &str = "image-";
+/// Speeds [m/s] and shares of the arm's capacity of a sweep.
+const SPEEDS: [f64; 3] = [0.05, 0.1, 0.15];
+const LOADS: [f64; 3] = [0.4, 0.6, 0.8];
+
+/// What there is to say, and whether all is well: no part in a wrong bin, no finger on a part.
+pub type Said = Result<(String, bool), Box<dyn Error>>;
+
+fn save(folder: &Path, name: &str, text: &str) -> Result<(), String> {
+    let file = folder.join(name);
+    std::fs::write(&file, text).map_err(|error| format!("{}: cannot be written: {error}", file.display()))
+}
+
+/// A table for the training script.
+///
+/// # Errors
+/// The file cannot be written.
+pub fn collect(options: &Options, file: &Path) -> Said {
+    let table = data_set(options.parts as usize, options.seed.into())?;
+    std::fs::write(file, table).map_err(|error| format!("{}: cannot be written: {error}", file.display()))?;
+    Ok((format!("{} parts in {}\n", options.parts, file.display()), true))
+}
+
+/// Recognition of parts that it has never seen, one in ten a stranger.
+///
+/// # Errors
+/// A picture cannot be written.
+pub fn test_recognition(options: &Options, count: usize) -> Said {
+    let plane = camera();
+    let mut images = 0;
+    let mut failed = None;
+    let trials =
+        examine(count, u64::from(options.seed) + 1_000_000, 10, Box::new(network()?), |image, found| {
+            if images <= IMAGES {
+                // The first one is of the empty belt.
+                let name = if images == 0 { EMPTY.to_owned() } else { format!("raw-{images}.png") };
+                let raw = write(&options.out.join(name), image, plane.camera.size);
+                let drawn = draw(&options.out.join(format!("image-{images}.png")), image, found, &plane);
+                failed = raw.err().or(drawn.err()).or(failed.take());
+                images += 1;
+            }
+        })?;
+    if let Some(error) = failed {
+        return Err(error.into());
+    }
+    let counts = Confusion::of(&trials);
+    save(&options.out, "confusion.svg", &confusion(&counts))?;
+    let folder = options.out.display();
+    let text = format!("{}see {folder}/confusion.svg, {folder}/image-1.png and more\n", examination(&trials));
+    let strangers: u32 = counts.0[super::kinds::KINDS][..super::kinds::KINDS].iter().sum();
+    Ok((text, counts.counts()[1] == 0 && strangers == 0))
+}
+
+/// What is in images of others, `raw-*.png` and whatever else a folder has beside `empty.png`, that of the empty belt.
+///
+/// # Errors
+/// A file cannot be read.
+pub fn judge(options: &Options, folder: &Path) -> Said {
+    let plane = camera();
+    let size = plane.camera.size;
+    let readable = |file: &Path| read(file, size).map_err(|error| format!("{}: {error}", file.display()));
+    let mut vision = Vision::new(plane.clone(), classes(), Box::new(network()?));
+    vision.teach(&readable(&folder.join(EMPTY))?)?;
+    let entries = std::fs::read_dir(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
+    let mut files: Vec<_> = entries.filter_map(|entry| Some(entry.ok()?.path())).collect();
+    files.sort();
+    let is_image = |file: &&std::path::PathBuf| {
+        let name = file.file_name().and_then(|name| name.to_str()).unwrap_or_default();
+        name.ends_with(".png") && name != EMPTY && !name.starts_with(DRAWN)
+    };
+    let mut text = String::from(
+        "image            kind            score    fit   along [mm]  across [mm]  angle [deg]\n",
+    );
+    for file in files.iter().filter(is_image) {
+        let image = readable(file)?;
+        let found = vision.look(&image)?;
+        let name = file.file_stem().and_then(|name| name.to_str()).unwrap_or_default();
+        for thing in &found {
+            let kind = thing.class.map_or("none of them", |class| vision.classes()[class].name);
+            let [x, y] = [thing.place.x, thing.place.y].map(|at| 1e3 * at);
+            let (score, fit, angle) = (thing.score, thing.fit, thing.angle.to_degrees());
+            let _ =
+                writeln!(text, "{name:16} {kind:15} {score:5.2} {fit:6.3} {x:12.2} {y:12.2} {angle:12.2}");
+        }
+        draw(&options.out.join(format!("{DRAWN}{name}.png")), &image, &found, &plane)?;
+    }
+    Ok((text, true))
+}
+
+fn run(settings: &Settings, quiet: bool, keep: usize) -> Result<(Outcome, Kept), Box<dyn Error>> {
+    let ready = settings.ready()?;
+    ready.looks.borrow_mut().keep = keep;
+    let progress = ready.progress.clone();
+    if !quiet && std::io::stderr().is_terminal() {
+        progress.show();
+    }
+    let kept = Kept {
+        looks: ready.looks.clone(),
+        parts: ready.parts.iter().map(|part| (part.time, part.kind)).collect(),
+    };
+    let outcome = ready.run();
+    progress.end();
+    Ok((outcome, kept))
+}
+
+fn regular(options: &Options) -> f64 {
+    if options.poisson { 0.0 } else { Settings::REGULAR }
+}
+
+struct Kept {
+    looks: std::rc::Rc<std::cell::RefCell<super::run::Looks>>,
+    parts: Vec<(f64, usize)>,
+}
+
+/// One run of many parts, its pictures, and a film of a short one.
+///
+/// # Errors
+/// The run ended with a fault, or a picture cannot be written.
+pub fn sort(options: &Options) -> Said {
+    let (parts, seed) = (options.parts as usize, options.seed.into());
+    let every = options.every.unwrap_or(Settings::CYCLE / 0.6);
+    let settings = Settings { regular: regular(options), ..Settings::of(options.belt, parts, every, seed) };
+    let way = parts as f64 * every * options.belt * 1.2;
+    if way > LONGEST {
+        return Err(format!(
+            "the belt would run {way:.0} m, at most {LONGEST} m: let fewer parts come, or sooner"
+        )
+        .into());
+    }
+    let (outcome, kept) = run(&settings, options.quiet, IMAGES)?;
+    let folder = options.out.as_path();
+    let plane = camera();
+    for (number, (image, found)) in kept.looks.borrow().images.iter().enumerate() {
+        draw(&folder.join(format!("image-{number}.png")), image, found, &plane)?;
+    }
+    let mut counts = Confusion::default();
+    outcome.looks.iter().for_each(|look| counts.add(Some(kept.parts[look.part].1), look.taken));
+    save(folder, "confusion.svg", &confusion(&counts))?;
+    save(folder, "time-line.svg", &time_line(&outcome, &kept.parts))?;
+    let short = Settings { parts: parts.min(FILMED), ..settings };
+    let film = folder.join("belt.svg");
+    filmed(short.ready()?, &film)
+        .map_err(|error| format!("{}: cannot be written: {error}", film.display()))?;
+    if let Err(error) = &outcome.report {
+        return Err(error.to_string().into());
+    }
+    let line = Line::of(&settings, &outcome);
+    let table = Table(vec![line.clone()]);
+    save(folder, "scatter.svg", &scatter(&table))?;
+    let out = folder.display();
+    let text = format!(
+        "{table}see {out}/belt.svg, {out}/image-0.png, {out}/confusion.svg, {out}/scatter.svg, {out}/time-line.svg\n"
+    );
+    Ok((text, line.wrong == 0 && line.crashes == 0))
+}
+
+/// Runs at several speeds and arrival rates.
+///
+/// # Errors
+/// A run ended with a fault, or a picture cannot be written.
+pub fn sweep(options: &Options, parts: usize) -> Said {
+    let mut table = Table::default();
+    for speed in SPEEDS {
+        for load in LOADS {
+            let mut line = Line { speed, every: Settings::CYCLE / load, ..Line::default() };
+            for first in (0..parts).step_by(RUN) {
+                let seed = u64::from(options.seed) + (first / RUN) as u64;
+                let settings = Settings::of(speed, RUN.min(parts - first), line.every, seed);
+                let settings = Settings { regular: regular(options), ..settings };
+                let (outcome, _) = run(&settings, options.quiet, 0)?;
+                if let Err(error) = &outcome.report {
+                    return Err(error.to_string().into());
+                }
+                line.join(Line::of(&settings, &outcome));
+            }
+            table.0.push(line);
+        }
+    }
+    save(&options.out, "scatter.svg", &scatter(&table))?;
+    let well = table.0.iter().all(|line| line.wrong == 0 && line.crashes == 0);
+    Ok((format!("{table}see {}/scatter.svg\n", options.out.display()), well))
+}

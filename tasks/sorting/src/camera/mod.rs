@@ -1,0 +1,21 @@
+//! The same belt with a camera over it: eight kinds of parts, a queue, a bin for each kind.
+//!
+//! The task itself is small: [`mp`] coordinates by the [`queue`], [`ecp`] is what each robot does, [`acquire`] how the arm takes a part
+//! from the belt, [`orders`] what the coordinator tells. The rest surrounds it: [`kinds`] and [`arrivals`] say what comes, [`layout`] where
+//! things are, [`sight`] what the camera sees of the simulated world; [`studio`] makes images to learn from; [`run`] is one run.
+
+pub mod acquire;
+pub mod arrivals;
+pub mod charts;
+pub mod command;
+pub mod ecp;
+pub mod kinds;
+pub mod layout;
+pub mod mp;
+pub mod orders;
+pub mod picture;
+pub mod queue;
+pub mod run;
+pub mod sight;
+pub mod studio;
+pub mod summary;

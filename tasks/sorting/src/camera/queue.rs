@@ -1,0 +1,136 @@
+//! The coordinator's queue of parts: those that the camera has seen, in the order in which they come.
+
+use core::f64::consts::PI;
+use std::collections::VecDeque;
+use std::rc::Rc;
+
+use mrroc::generator::{Class, Condition, Generator, Level, Uses};
+use mrroc::prelude::*;
+use mrroc_sensors::virtual_sensors::{OnBelt, PartCamera, Spotted};
+
+use super::kinds::{KINDS, kinds};
+use super::layout::{FIRST, LAST};
+use super::orders::{Place, Task};
+use crate::mp::Arm;
+
+/// What the coordinator knows of parts.
+#[derive(Clone, Debug)]
+pub struct Queue {
+    waiting: VecDeque<OnBelt>,
+    /// Number of the newest part that has been taken in.
+    newest: u32,
+    seen: Spotted,
+    /// So many are to come; and for how long none may \[s\].
+    parts: u32,
+    patience: f64,
+    quiet: f64,
+    grips: Rc<[f64]>,
+    /// Parts that went by, because the arm was busy: their numbers.
+    pub late: Vec<u32>,
+}
+
+impl Queue {
+    /// The arm sets out for a part so long before that comes into its reach \[s\] ..
+    const AHEAD: f64 = 2.5;
+    /// .. and gets to it at most so long after it has set out, with the hand closed \[s\].
+    pub const REACHING: f64 = 4.5;
+
+    /// Of so many parts to come; it ends where none has come for `patience` \[s\].
+    #[must_use]
+    pub fn of(parts: u32, patience: f64) -> Self {
+        let grips = kinds().iter().map(|kind| kind.grip).collect();
+        let (waiting, seen) = (VecDeque::new(), Spotted::default());
+        Self { waiting, newest: 0, seen, parts, patience, quiet: 0.0, grips, late: Vec::new() }
+    }
+
+    /// Takes in what the camera says.
+    fn take(&mut self, seen: &Spotted, dt: f64) {
+        self.quiet += dt;
+        for part in seen.newest.iter().rev().filter(|part| part.number > self.newest) {
+            self.waiting.push_back(*part);
+            self.quiet = 0.0;
+        }
+        self.newest = self.newest.max(seen.parts);
+        self.seen = *seen;
+        // Belts may carry parts past each other only as fast as they run: none.
+        let last = LAST - Self::REACHING * seen.speed.max(0.0);
+        while let Some(part) = self.waiting.front().filter(|part| part.along + seen.way > last) {
+            self.late.push(part.number);
+            self.waiting.pop_front();
+        }
+    }
+
+    /// Whether a part is to be taken now, or no more come.
+    fn is_ready(&self) -> bool {
+        let ahead = FIRST - Self::AHEAD * self.seen.speed.max(0.0);
+        let near = self.waiting.front().is_some_and(|part| part.along + self.seen.way > ahead);
+        let all = self.seen.parts + self.seen.unknown >= self.parts && self.waiting.is_empty();
+        near || all || self.quiet > self.patience
+    }
+
+    /// The task to take the next part; `None` when no more come.
+    pub fn next(&mut self) -> Option<Task> {
+        let OnBelt { number, class, along, across, angle, .. } = self.waiting.pop_front()?;
+        let turned = angle + self.grips.get(class as usize).copied().unwrap_or_default();
+        // Fingers do not mind half a turn, and between 0 and a half the wrist can follow all along the belt; y of the belt's frame is against x of the world.
+        let place = Place { along, across: -across, yaw: turned.rem_euclid(PI) };
+        Some(Task::Pick { part: number, place, bin: class % KINDS as u32 })
+    }
+}
+
+/// A Wait for a part that is to be taken now, or for the end.
+pub struct Ready(pub Queue);
+
+// By hand, as `Tell`: the queue goes on in every step, whatever the coordinator is about.
+impl Condition for Ready {
+    type Robots = Arm;
+    type Sensors = (PartCamera,);
+    type Order = ();
+    const CLASS: Class =
+        Class::new(Level::Mp, Uses { state: true, sensors: true, tick: true, ..Uses::NOTHING });
+
+    fn is_met(
+        &mut self,
+        _: &Order<()>,
+        _: &State<Arm>,
+        v: &Reading<(PartCamera,)>,
+        t: Tick,
+    ) -> Result<bool, Fault> {
+        self.0.take(&v.0.reading().unwrap_or_default(), t.duration);
+        Ok(self.0.is_ready())
+    }
+}
+
+/// Tells arm and hand a task, and goes on taking in parts.
+pub struct Tell(pub Task, pub Queue);
+
+impl Generator for Tell {
+    type Robots = Arm;
+    type Language = Task;
+    type Sensors = (PartCamera,);
+    type Order = ();
+    const CLASS: Class =
+        Class::new(Level::Mp, Uses { state: true, sensors: true, tick: true, ..Uses::NOTHING });
+    const ENDS: bool = false;
+
+    fn first_step(
+        &mut self,
+        c0: &Order<()>,
+        e: &State<Arm>,
+        v: &Reading<(PartCamera,)>,
+        t: Tick,
+    ) -> Result<Step<Arm, Task>, Fault> {
+        self.next_step(c0, e, v, t)
+    }
+
+    fn next_step(
+        &mut self,
+        _: &Order<()>,
+        _: &State<Arm>,
+        v: &Reading<(PartCamera,)>,
+        t: Tick,
+    ) -> Result<Step<Arm, Task>, Fault> {
+        self.1.take(&v.0.reading().unwrap_or_default(), t.duration);
+        Ok(Step::Next((self.0, self.0)))
+    }
+}

@@ -1,0 +1,368 @@
+//! One run with the camera: a belt, a seed, some parts.
+
+use std::cell::RefCell;
+use std::rc::Rc;
+use std::time::{Duration, Instant};
+
+use mrroc::cell::RunReport;
+use mrroc::cell_file::{CellFile, CellFileError};
+use mrroc::prelude::*;
+use mrroc::robot::RobotView;
+use mrroc_robots::grasp::{Hand, Sink, Touch, Whereabouts, World};
+use mrroc_sensors::aggregation::{Found, Network, NetworkError, Vision};
+use mrroc_sensors::physics::{Imager, LightBarrier, Noise};
+use mrroc_sensors::view::View as _;
+use mrroc_sensors::virtual_sensors::{CameraSensor, Encoder, Sampled, Trigger};
+use nalgebra::{Translation3, UnitQuaternion, Vector3};
+
+use super::acquire::Acquire;
+use super::arrivals::{Coming, angle, coming};
+use super::kinds::{KINDS, classes, kinds, turned};
+use super::layout::{BEAM, BINS, FEED, LAST, TRIGGER, bin, camera};
+use super::queue::Queue;
+use super::sight::Sight;
+use super::studio::misplaced;
+use super::{ecp, mp};
+use crate::generators::Uneven;
+use crate::places::{BELT, SURFACE, TRAY, TRAYS};
+use crate::plant::Plant;
+use crate::progress::Progress;
+use crate::scene::Belt;
+use crate::witness::Fate;
+
+/// The sink at the end of the belt; the bins are those before it.
+pub const END_BIN: usize = BINS;
+
+/// What is run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings {
+    /// Nominal speed of the belt [m/s]; the true one is up to 20 % off and wanders.
+    pub speed: f64,
+    /// Of parts, sensors and belt.
+    pub seed: u64,
+    /// How many parts come.
+    pub parts: usize,
+    /// Mean time between two parts \[s\].
+    pub every: f64,
+    /// How regularly they come: none less than this share of that time after another, the rest as Poisson's law says. 0: quite at random.
+    pub regular: f64,
+    /// Which of the strangers comes first, if any.
+    pub stranger: Option<usize>,
+    /// When the belt stops or turns back \[s\], and at which share of its speed it goes on.
+    pub change: Option<(f64, f64)>,
+}
+
+/// A cell that is ready to run.
+pub struct Ready {
+    /// The cell.
+    pub cell: Cell,
+    /// Its world.
+    pub plant: Plant,
+    /// The parts that come.
+    pub parts: Rc<[Coming]>,
+    /// What the camera saw.
+    pub looks: Rc<RefCell<Looks>>,
+    /// How far it has come.
+    pub progress: Progress,
+    grips: Rc<RefCell<Vec<Grip>>>,
+    late: Rc<RefCell<Vec<u32>>>,
+}
+
+/// What came of the images.
+#[derive(Default)]
+pub struct Looks {
+    /// Things that were found, and what they truly were.
+    pub all: Vec<Look>,
+    /// The first images, and what was found in them.
+    pub images: Vec<(Vec<u8>, Vec<Found>)>,
+    /// So many images are kept.
+    pub keep: usize,
+}
+
+/// A thing that was found in an image.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Look {
+    /// Which part it was.
+    pub part: usize,
+    /// As which kind it was taken.
+    pub taken: Option<usize>,
+    /// How far its place in the belt's frame was off, along and across \[m\].
+    pub off: [f64; 2],
+    /// How far its angle was off \[rad\].
+    pub turned: f64,
+}
+
+/// A grasp.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Grip {
+    /// Which part.
+    pub part: usize,
+    /// When \[s\].
+    pub time: f64,
+    /// How far the part's frame was off the middle of the pads, along them \[m\]; across them the fingers bring it there.
+    pub off: f64,
+}
+
+/// What came of a run.
+#[derive(Debug)]
+pub struct Outcome {
+    /// Steps and simulated time, or the fault that ended it.
+    pub report: Result<RunReport, CellError>,
+    /// How long it took.
+    pub wall: Duration,
+    /// What became of each part.
+    pub fates: Vec<Fate>,
+    /// What was found in images.
+    pub looks: Vec<Look>,
+    /// The grasps.
+    pub grips: Vec<Grip>,
+    /// Numbers of parts that went by while the arm was busy, as the camera counts them.
+    pub late: Vec<u32>,
+    /// How often a finger came down on a part.
+    pub crashes: u32,
+}
+
+/// The cell of the task with the camera, `cell-camera.toml`.
+///
+/// # Errors
+/// None: the file is right.
+pub fn file() -> Result<CellFile, CellFileError> {
+    CellFile::parse("cell-camera.toml", include_str!("../../cell-camera.toml"))
+}
+
+/// The network that tells the kinds, `assets/parts.onnx`.
+///
+/// # Errors
+/// None: the file is right.
+pub fn network() -> Result<Network, NetworkError> {
+    Network::read(include_bytes!("../../assets/parts.onnx").to_vec(), KINDS)
+}
+
+/// A fault that says what is wrong with a figure.
+fn wrong(error: &impl core::fmt::Display) -> Fault {
+    Fault::thrown(&error.to_string())
+}
+
+impl Settings {
+    /// Parts that come every so many seconds in the mean.
+    #[must_use]
+    pub const fn of(speed: f64, parts: usize, every: f64, seed: u64) -> Self {
+        Self { speed, seed, parts, every, regular: Self::REGULAR, stranger: None, change: None }
+    }
+
+    /// The time that the arm needs for a part in the mean: measured where parts never wait for it nor it for them \[s\].
+    pub const CYCLE: f64 = 8.0;
+    /// A feeder lets no two parts come within this share of the mean time between them.
+    pub const REGULAR: f64 = 0.7;
+    /// Parts are at least so far apart \[m\].
+    pub const SPACING: f64 = 0.16;
+
+    /// When the first part comes \[s\]: the belt has its speed, and the camera has seen it empty.
+    #[must_use]
+    pub fn first(&self) -> f64 {
+        2.0 + (1.0 + Uneven::OFF) * self.speed / Uneven::ACCELERATION
+    }
+
+    /// The cell.
+    ///
+    /// # Errors
+    /// What is wrong with the cell's file or a figure.
+    pub fn ready(&self) -> Result<Ready, CellError> {
+        self.sensed_by(
+            |camera| camera,
+            |file, cell, camera, plant| {
+                let step = file.step().as_secs_f64();
+                let cell =
+                    cell.sensor(file.sensor("camera", camera)?).sensor(file.sensor("encoder", Encoder)?);
+                Ok(cell.sensor(file.sensor("fingers", plant.fingers_before(BEAM, step))?))
+            },
+        )
+    }
+
+    /// The cell with another camera, and sensors that `sense` puts into it.
+    ///
+    /// # Errors
+    /// What is wrong with the cell's file or a figure.
+    pub fn sensed_by(
+        &self,
+        look: impl FnOnce(CameraSensor<Sight>) -> CameraSensor<Sight>,
+        sense: impl FnOnce(&CellFile, Cell, CameraSensor<Sight>, &Plant) -> Result<Cell, CellError>,
+    ) -> Result<Ready, CellError> {
+        let file = file()?;
+        let slowest = (1.0 - 1.1 * Uneven::OFF) * self.speed;
+        let gap = Self::SPACING / slowest;
+        let apart = gap.max(self.regular * self.every);
+        let parts = coming(self.parts, self.first(), self.every, apart, self.seed, self.stranger);
+        let parts: Rc<[Coming]> = parts.into();
+        let world = bins().map_err(|error| wrong(&error))?;
+        for part in parts.iter() {
+            world.put_at(&part.body, part.time).map_err(|error| wrong(&error))?;
+        }
+        let scene = Belt::of(world.clone(), parts.iter().map(|part| (&part.body, part.reflectance)));
+        let plant = Plant::of(world, scene, self.seed.wrapping_mul(1000));
+        let cell = file.cell(&plant.kinds())?;
+        let looks = Rc::<RefCell<Looks>>::default();
+        let camera = look(self.camera(&plant, &parts, &looks)?);
+        let cell = sense(&file, cell, camera, &plant)?;
+        let patience = 8.0 * self.every.max(gap) + (LAST - FEED) / slowest + self.first();
+        let Self { speed, seed, change, parts: count, .. } = *self;
+        let late = Rc::<RefCell<Vec<u32>>>::default();
+        let missed = late.clone();
+        let cell = cell.ecp("arm", ecp::arm).ecp("hand", ecp::hand).program(move |mp| {
+            let belt = Uneven::about(speed, seed.wrapping_add(77));
+            let belt = match change {
+                Some((time, share)) => belt.changing(time, share),
+                None => belt,
+            };
+            let queue = mp::coordinate(mp, belt, Queue::of(count as u32, patience))?;
+            missed.replace(queue.late);
+            Ok(())
+        });
+        let hand = plant.world.hand(0).ok_or_else(|| Fault::thrown("the cell has no arm"))?;
+        let grips = Rc::<RefCell<Vec<Grip>>>::default();
+        let progress = Progress::of(plant.world.clone(), parts.len());
+        let cell = cell.guard(1, watch(hand, parts.clone(), grips.clone(), progress.look()));
+        Ok(Ready { cell, plant, parts, looks, progress, grips, late })
+    }
+
+    /// The camera, and who compares what it finds with what there is.
+    fn camera(
+        &self,
+        plant: &Plant,
+        parts: &Rc<[Coming]>,
+        looks: &Rc<RefCell<Looks>>,
+    ) -> Result<CameraSensor<Sight>, CellError> {
+        let mut random = Noise::seeded(self.seed.wrapping_add(99));
+        let believed = camera();
+        let truly = misplaced(&believed, &mut random);
+        let sight = Sight::of(plant.world.clone(), parts.clone(), plant.shaft());
+        let imager = Imager::over(truly, self.seed.wrapping_add(5));
+        let network = network().map_err(|error| wrong(&error))?;
+        let vision = Vision::new(believed, classes(), Box::new(network));
+        let look = UnitQuaternion::from_axis_angle(&Vector3::y_axis(), core::f64::consts::FRAC_PI_2);
+        let [s, over] = TRIGGER;
+        let beam = Translation3::new(BELT[0] - 0.5 * SURFACE[2], BELT[1] + s, over) * look;
+        let barrier = Sampled::new(LightBarrier::new(0.004, self.seed.wrapping_add(6)));
+        let trigger = Trigger::Barrier(beam, barrier);
+        let onlooker = compare(sight.clone(), plant.world.clone(), parts.clone(), looks.clone());
+        Ok(CameraSensor::new(sight, imager, vision, trigger, Acquire::LATCH).watched(Box::new(onlooker)))
+    }
+
+    /// Runs it.
+    ///
+    /// # Errors
+    /// What is wrong with the cell's file or a figure; a fault of the run is part of its outcome.
+    pub fn run(&self) -> Result<Outcome, CellError> {
+        Ok(self.ready()?.run())
+    }
+}
+
+/// A world with the bins, and one below everything.
+fn bins() -> Result<World, mrroc_robots::grasp::WorldError> {
+    let mut world = World::empty().with_rest();
+    for number in 0..BINS {
+        let ([x, y], [dx, dy]) = bin(number);
+        let (z, dz) = (TRAYS[number / 4][2], 0.5 * TRAY[2]);
+        world = world.with_sink(Sink { lower: [x - dx, y - dy, z - dz], upper: [x + dx, y + dy, z + dz] })?;
+    }
+    world.with_sink(Sink { lower: [-2.0, -2.0, -1.0], upper: [2.0, 2.0, -0.1] })
+}
+
+/// Looks at the hand after each step: what a guard of a cell does.
+fn watch(
+    hand: Hand,
+    parts: Rc<[Coming]>,
+    grips: Rc<RefCell<Vec<Grip>>>,
+    mut progress: impl FnMut() + 'static,
+) -> impl FnMut(&[RobotView]) -> Result<(), Fault> + 'static {
+    let mut last = None;
+    move |_| {
+        progress();
+        if let Some(Touch { body, time, X_EB, .. }) = hand.gripped()
+            && last != Some(time)
+        {
+            last = Some(time);
+            let place = X_EB * parts[body].X_BP;
+            grips.borrow_mut().push(Grip { part: body, time, off: place.translation.y });
+        }
+        Ok(())
+    }
+}
+
+/// Compares what is found in an image with where parts truly are in the frame of the true belt, when it was exposed.
+fn compare(
+    sight: Sight,
+    world: World,
+    parts: Rc<[Coming]>,
+    looks: Rc<RefCell<Looks>>,
+) -> impl FnMut(&[u8], &[Found], f64, f64) {
+    let turns: Vec<u32> = kinds().iter().map(|kind| kind.class.turns).collect();
+    move |image, found, _, way| {
+        let looks = &mut *looks.borrow_mut();
+        if looks.images.len() < looks.keep {
+            looks.images.push((image.to_vec(), found.to_vec()));
+        }
+        // A part on a belt that runs evenly keeps its place in the belt's frame.
+        let run = sight.surface(0.0);
+        for thing in found {
+            let mut nearest: Option<(f64, Look)> = None;
+            world.each_body(|number, state| {
+                let part = &parts[number];
+                let truly = part.place(&state.pose);
+                let along = thing.place.x - way - (truly.translation.x - run);
+                let across = thing.place.y - truly.translation.y;
+                let look = Look {
+                    part: number,
+                    taken: thing.class,
+                    off: [along, across],
+                    turned: turned(thing.angle, angle(&truly), turns.get(part.kind).copied().unwrap_or(0)),
+                };
+                let distance = along.hypot(across);
+                if nearest.is_none_or(|(least, _)| distance < least) {
+                    nearest = Some((distance, look));
+                }
+            });
+            looks.all.extend(nearest.map(|(_, look)| look));
+        }
+    }
+}
+
+impl Ready {
+    /// Runs it.
+    #[must_use]
+    pub fn run(self) -> Outcome {
+        let began = Instant::now();
+        let report = self.cell.run();
+        let wall = began.elapsed();
+        let world = &self.plant.world;
+        let fate = |(number, part): (usize, &Coming)| match world.whereabouts(number) {
+            Some(Whereabouts::Gone { sink: END_BIN, .. }) => Fate::Missed,
+            Some(Whereabouts::Gone { sink, .. }) if sink == part.kind => Fate::Sorted,
+            Some(Whereabouts::Gone { .. }) => Fate::Wrong,
+            Some(Whereabouts::Awaited | Whereabouts::Here) | None => Fate::Missed,
+        };
+        Outcome {
+            report,
+            wall,
+            fates: self.parts.iter().enumerate().map(fate).collect(),
+            looks: self.looks.borrow().all.clone(),
+            grips: self.grips.borrow().clone(),
+            late: self.late.borrow().clone(),
+            crashes: world.hand(0).map_or(0, |hand| hand.crashes()),
+        }
+    }
+}
+
+impl Outcome {
+    /// How many parts had this fate.
+    #[must_use]
+    pub fn count(&self, fate: Fate) -> usize {
+        self.fates.iter().filter(|of| **of == fate).count()
+    }
+
+    /// How many times faster than real time it was; 0 of one that ended with a fault.
+    #[must_use]
+    pub fn pace(&self) -> f64 {
+        self.report.as_ref().map_or(0.0, |report| report.time.as_secs_f64() / self.wall.as_secs_f64())
+    }
+}

@@ -1,0 +1,93 @@
+//! With the camera: recognition, places, grasps. A share of what `just sorting-camera` tries.
+
+use mrroc_sensors::aggregation::Vision;
+use sorting::camera::kinds::{KINDS, classes};
+use sorting::camera::layout::camera;
+use sorting::camera::picture::{read, write};
+use sorting::camera::run::{Settings, network};
+use sorting::camera::studio::{Trial, examine};
+use sorting::camera::summary::{Confusion, Line, Table, examination};
+use sorting::summary::quantile;
+use sorting::witness::Fate;
+
+fn whole() -> bool {
+    std::env::var_os("MRROC_WHOLE").is_some()
+}
+
+#[test]
+fn parts_that_no_training_has_seen_are_recognised_and_strangers_rejected() {
+    let count = if whole() { 2400 } else { 60 };
+    let classifier = Box::new(network().expect("a network"));
+    let trials = examine(count, 2_000_000, 6, classifier, |_, _| ()).expect("light");
+    println!("{}", examination(&trials));
+    let counts = Confusion::of(&trials);
+    let [right, misnamed, rejected] = counts.counts();
+    assert_eq!(misnamed, 0, "misnamed");
+    assert!(f64::from(right) >= 0.998 * f64::from(right + rejected), "{right} right, {rejected} rejected");
+    // Not one stranger has a name.
+    let row = counts.0[KINDS];
+    assert!(row[KINDS] > 0 && row[..KINDS].iter().all(|count| *count == 0), "{row:?}");
+    let of = |value: fn(&Trial) -> f64| {
+        quantile(&trials.iter().filter(|trial| trial.taken.is_some()).map(value).collect::<Vec<_>>(), 0.95)
+    };
+    let (off, turned) = (of(|trial| trial.off), of(|trial| trial.turned).to_degrees());
+    assert!(off <= 5e-4 && turned <= 0.5, "{off} m, {turned} deg");
+}
+
+#[test]
+fn images_in_files_are_judged_as_those_in_memory() {
+    let folder = std::env::temp_dir().join(format!("mrroc-sorting-images-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).expect("a folder");
+    let (mut images, mut wanted) = (Vec::new(), Vec::new());
+    examine(4, 77, 0, Box::new(network().expect("a network")), |image, found| {
+        images.push(image.to_vec());
+        wanted.push(found.to_vec());
+    })
+    .expect("light");
+    let plane = camera();
+    let size = plane.camera.size;
+    let mut vision = Vision::new(plane, classes(), Box::new(network().expect("a network")));
+    for (number, (image, wanted)) in images.iter().zip(&wanted).enumerate() {
+        let file = folder.join(format!("{number}.png"));
+        write(&file, image, size).expect("written");
+        let image = read(&file, size).expect("read");
+        if number == 0 {
+            vision.teach(&image).expect("light");
+        } else {
+            assert_eq!(&vision.look(&image).expect("light"), wanted);
+            assert!(!wanted.is_empty());
+        }
+        let wrong = read(&file, [640, 480]).expect_err("another size").to_string();
+        assert!(wrong.contains("768 x 576") && wrong.contains("640 x 480"), "{wrong}");
+    }
+    std::fs::remove_dir_all(&folder).expect("removed");
+}
+
+#[test]
+fn parts_seen_by_the_camera_go_to_the_bins_of_their_kinds() {
+    let (parts, speeds): (usize, &[f64]) = if whole() { (500, &[0.05, 0.1, 0.15]) } else { (7, &[0.1]) };
+    for &speed in speeds {
+        let settings = Settings::of(speed, parts, Settings::CYCLE / 0.6, 4);
+        let outcome = settings.run().expect("a cell");
+        let line = Line::of(&settings, &outcome);
+        println!("{}", Table(vec![line.clone()]));
+        assert!(outcome.report.is_ok(), "{:?}", outcome.report);
+        assert_eq!(
+            (outcome.count(Fate::Sorted), line.wrong, line.crashes),
+            (parts, 0, 0),
+            "{:?}",
+            line.missed
+        );
+        let [place, angle, off] =
+            [&line.places, &line.angles, &line.off].map(|values| quantile(values, 0.95));
+        assert!(place <= 5e-4 && angle.to_degrees() <= 0.5, "place {place} m, angle {angle} rad");
+        assert!(off <= 1e-3, "{off} m off the middle");
+    }
+}
+
+#[test]
+fn the_same_seed_gives_the_same_run_with_the_camera_to_the_bit() {
+    let settings = Settings::of(0.12, 1, 10.0, 9);
+    let [one, two] = [(), ()].map(|()| settings.run().expect("a cell"));
+    assert!(!one.grips.is_empty() && (one.grips, one.looks) == (two.grips, two.looks));
+}
