@@ -33,6 +33,21 @@ pub trait Arm {
         }
         self.flange(q, &values)
     }
+
+    /// The flange's twist for a unit of each joint position, along the base's axes as those of [`Arm::linearise`]. By default by central differences.
+    fn joint_twists(&self, q: &[f64], values: &[f64], twists: &mut [Vector6<f64>]) {
+        const H: f64 = 1e-5;
+        let mut q = q.to_vec();
+        for (i, twist) in twists.iter_mut().enumerate() {
+            let at = q[i];
+            q[i] = at + H;
+            let ahead = self.flange(&q, values);
+            q[i] = at - H;
+            let back = self.flange(&q, values);
+            q[i] = at;
+            *twist = between(&back, &ahead) / (2.0 * H);
+        }
+    }
 }
 
 /// The small displacement from one pose to another, at their origins and along the axes that both are told in.

@@ -8,7 +8,8 @@ use nalgebra::{DMatrix, DVector, Vector3, Vector6};
 
 use crate::arm::{at, turned, twist};
 use crate::least_squares::LeastSquares;
-use crate::problem::{ArmId, FrameId, Problem, Slot, Values};
+use crate::problem::{ArmId, FrameId, Posture, Problem, Slot, Values};
+use crate::scatter::{Block, Whitening, blocks};
 
 /// A problem with the slots to be found, and the measurements that count.
 pub(crate) struct Equations<'p> {
@@ -25,6 +26,8 @@ pub(crate) struct Equations<'p> {
     sigma: Vec<Vec<f64>>,
     /// Slots with a tolerance, and that.
     tolerances: Vec<(usize, f64)>,
+    /// What makes measurements of one posture independent of each other, if arms scatter.
+    whitening: Vec<Whitening>,
 }
 
 /// A frame that moves with some columns: by each its twist at its origin, along the world's axes.
@@ -56,7 +59,92 @@ impl<'p> Equations<'p> {
                 tolerances.push((column, tolerance));
             }
         }
-        Self { problem, slots, start, frames, arms, constants, used, sigma, tolerances }
+        Self {
+            problem,
+            slots,
+            start,
+            frames,
+            arms,
+            constants,
+            used,
+            sigma,
+            tolerances,
+            whitening: Vec::new(),
+        }
+    }
+
+    /// The same, where measurements of one posture share what its joints are off by, as seen from `at_values`.
+    pub(crate) fn whitened(mut self, at_values: &Values) -> Self {
+        self.whitening = self.blocks(at_values).iter().filter_map(Block::whitening).collect();
+        self
+    }
+
+    /// The measurements that share what joints are off by, and what they share.
+    pub(crate) fn blocks(&self, at_values: &Values) -> Vec<Block> {
+        if self.problem.arms.iter().all(|arm| arm.scatter.is_empty()) {
+            return Vec::new();
+        }
+        let mut row = 0;
+        let rows = self.used.iter().map(|i| {
+            let begin = row;
+            row += self.problem.device_of(*i).residuals();
+            (*i, begin)
+        });
+        blocks(self.problem, rows.collect(), |measurement, posture, shares| {
+            self.shares(at_values, measurement, posture, shares);
+        })
+    }
+
+    /// By how much the residuals of a measurement change for a standard deviation of each joint of one of its postures, by column.
+    fn shares(&self, at_values: &Values, i: usize, posture: usize, shares: &mut DMatrix<f64>) {
+        let problem = self.problem;
+        let measurement = &problem.measurements[i];
+        let instrument = &problem.instruments[measurement.instrument.0];
+        let target = &problem.targets[measurement.target.0];
+        let flange = |on: Option<ArmId>| -> Option<Moving> {
+            let own = |id: &&crate::PostureId| Some(problem.postures[id.0].arm) == on;
+            let id = measurement.postures.iter().find(own)?;
+            let mut flange = self.flange(at_values, &problem.postures[id.0], false);
+            if id.0 == posture {
+                let Posture { arm, q, torques } = &problem.postures[posture];
+                let part = &problem.arms[arm.0];
+                let values = &at_values.arms[arm.0];
+                let mut own = vec![Vector6::zeros(); q.len()];
+                part.model.joint_twists(&part.bent(q, torques, values), part.parts(values).0, &mut own);
+                let rotation = at_values.frames[part.base.0].rotation;
+                let scaled =
+                    own.iter().zip(&part.scatter).map(|(one, sigma)| turned(one, &rotation) * *sigma);
+                flange.twists = scaled.enumerate().collect();
+            }
+            Some(flange)
+        };
+        let (own, carried) = (flange(instrument.on), flange(target.on));
+        let place = |on: Option<&Moving>, frame: FrameId| -> Moving {
+            let own = at_values.frames[frame.0];
+            let Some(on) = on else { return Moving { pose: own, twists: Vec::new() } };
+            let pose = on.pose * own;
+            let from = pose.translation.vector - on.pose.translation.vector;
+            let twists = on.twists.iter().map(|(column, one)| (*column, at(one, &from))).collect();
+            Moving { pose, twists }
+        };
+        let (from, to) = (place(own.as_ref(), instrument.frame), place(carried.as_ref(), target.frame));
+        let seen = from.pose.inv_mul(&to.pose);
+        let constants = &at_values.instruments[measurement.instrument.0];
+        let device = problem.device_of(i);
+        let mut slopes = DMatrix::zeros(device.residuals(), 6 + constants.len());
+        device.slopes(&seen, constants, &measurement.read, &mut slopes);
+        let into = from.pose.rotation.inverse();
+        let apart = to.pose.translation.vector - from.pose.translation.vector;
+        let sigma = &self.sigma[measurement.instrument.0];
+        let slopes = slopes.columns(0, 6);
+        let moved = to.twists.iter().map(|(joint, one)| (*joint, *one));
+        let moved = moved.chain(from.twists.iter().map(|(joint, one)| (*joint, -at(one, &apart))));
+        for (joint, one) in moved {
+            let effect = slopes * turned(&one, &into);
+            for (row, sigma) in sigma.iter().enumerate().take(effect.len()) {
+                shares[(row, joint)] += effect[row] / sigma;
+            }
+        }
     }
 
     /// How many residuals are measured, and not believed.
@@ -65,17 +153,28 @@ impl<'p> Equations<'p> {
             + self.problem.bars.len()
     }
 
-    /// The flange of an arm at `q` in the world.
+    /// The flange of an arm in a posture, in the world.
     #[allow(non_snake_case)]
-    pub(crate) fn flange(&self, at_values: &Values, arm: ArmId, q: &[f64], with_twists: bool) -> Moving {
+    pub(crate) fn flange(&self, at_values: &Values, posture: &Posture, with_twists: bool) -> Moving {
+        let Posture { arm, q, torques } = posture;
         let part = &self.problem.arms[arm.0];
         let X_WB = at_values.frames[part.base.0];
         let values = &at_values.arms[arm.0];
+        let (own_values, compliances) = part.parts(values);
+        let q = &*part.bent(q, torques, values);
         if !with_twists {
-            return Moving { pose: X_WB * part.model.flange(q, values), twists: Vec::new() };
+            return Moving { pose: X_WB * part.model.flange(q, own_values), twists: Vec::new() };
         }
         let mut own = vec![Vector6::zeros(); values.len()];
-        let X_BF = part.model.linearise(q, values, &mut own);
+        let (of_model, of_compliances) = own.split_at_mut(own_values.len());
+        let X_BF = part.model.linearise(q, own_values, of_model);
+        if !compliances.is_empty() {
+            let mut by_joint = vec![Vector6::zeros(); q.len()];
+            part.model.joint_twists(q, own_values, &mut by_joint);
+            for ((twist, (joint, _)), torque) in of_compliances.iter_mut().zip(&part.soft).zip(torques) {
+                *twist = by_joint[*joint] * *torque;
+            }
+        }
         let pose = X_WB * X_BF;
         let from_base = pose.translation.vector - X_WB.translation.vector;
         let mut twists: Vec<(usize, Vector6<f64>)> =
@@ -118,6 +217,38 @@ impl<'p> Equations<'p> {
         Moving { pose, twists }
     }
 
+    /// Where one frame of the world is in another, and by column how it moves there, along the axes of that other one.
+    pub(crate) fn apart(
+        &self,
+        at_values: &Values,
+        from: FrameId,
+        to: FrameId,
+    ) -> (Pose, Vec<(usize, Vector6<f64>)>) {
+        let [from, to] = [from, to].map(|frame| self.mounted(at_values, None, frame, true));
+        let apart = to.pose.translation.vector - from.pose.translation.vector;
+        let into = from.pose.rotation.inverse();
+        let ahead = to.twists.iter().map(|(column, one)| (*column, turned(one, &into)));
+        let back = from.twists.iter().map(|(column, one)| (*column, -turned(&at(one, &apart), &into)));
+        (from.pose.inv_mul(&to.pose), ahead.chain(back).collect())
+    }
+
+    /// How a standard deviation of each joint moves a frame of an arm, at its origin along the world's axes.
+    #[allow(non_snake_case)]
+    pub(crate) fn scattered(&self, at_values: &Values, posture: &Posture, X_WT: &Pose) -> Vec<Vector6<f64>> {
+        let Posture { arm, q, torques } = posture;
+        let part = &self.problem.arms[arm.0];
+        if part.scatter.is_empty() {
+            return Vec::new();
+        }
+        let values = &at_values.arms[arm.0];
+        let mut own = vec![Vector6::zeros(); q.len()];
+        part.model.joint_twists(&part.bent(q, torques, values), part.parts(values).0, &mut own);
+        let from = X_WT.translation.vector - self.flange(at_values, posture, false).pose.translation.vector;
+        let rotation = at_values.frames[part.base.0].rotation;
+        let moved = own.iter().zip(&part.scatter);
+        moved.map(|(one, sigma)| at(&turned(one, &rotation), &from) * *sigma).collect()
+    }
+
     fn all(&self, at_values: &Values, residuals: &mut [f64], mut jacobian: Option<&mut DMatrix<f64>>) {
         let problem = self.problem;
         let mut needed = vec![false; problem.postures.len()];
@@ -131,9 +262,7 @@ impl<'p> Equations<'p> {
             .postures
             .iter()
             .zip(&needed)
-            .map(|(posture, needed)| {
-                needed.then(|| self.flange(at_values, posture.arm, &posture.q, with_twists))
-            })
+            .map(|(posture, needed)| needed.then(|| self.flange(at_values, posture, with_twists)))
             .collect();
         if let Some(jacobian) = jacobian.as_deref_mut() {
             jacobian.fill(0.0);
@@ -220,8 +349,16 @@ impl<'p> Equations<'p> {
         }
     }
 
+    /// The residuals, each by itself, whatever measurements share.
+    pub(crate) fn plain(&self, at_values: &Values) -> DVector<f64> {
+        let mut residuals = DVector::zeros(LeastSquares::residuals(self));
+        self.all(at_values, residuals.as_mut_slice(), None);
+        residuals
+    }
+
     /// By measurement that counts what its instrument read more than foretold [m or rad].
-    pub(crate) fn raw(&self, residuals: &DVector<f64>) -> Vec<(usize, Vec<f64>)> {
+    pub(crate) fn raw(&self, at_values: &Values) -> Vec<(usize, Vec<f64>)> {
+        let residuals = self.plain(at_values);
         let mut row = 0;
         let mut raw = Vec::new();
         for i in &self.used {
@@ -252,9 +389,14 @@ impl LeastSquares for Equations<'_> {
 
     fn evaluate(&self, at_values: &Values, residuals: &mut [f64]) {
         self.all(at_values, residuals, None);
+        self.whitening.iter().for_each(|own| own.apply(residuals));
     }
 
     fn linearise(&self, at_values: &Values, residuals: &mut [f64], jacobian: &mut DMatrix<f64>) {
-        self.all(at_values, residuals, Some(jacobian));
+        self.all(at_values, residuals, Some(&mut *jacobian));
+        for own in &self.whitening {
+            own.apply(residuals);
+            jacobian.column_iter_mut().for_each(|mut column| own.apply(column.as_mut_slice()));
+        }
     }
 }

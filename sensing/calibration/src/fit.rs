@@ -3,14 +3,13 @@
 use core::fmt;
 
 use mrroc::pose::Pose;
-use nalgebra::{DMatrix, DVector, Matrix6, Vector6};
+use nalgebra::{DMatrix, Matrix6, Vector6};
 
-use crate::arm::{at, turned};
-use crate::equations::{Equations, Moving};
+use crate::equations::Equations;
 use crate::information::{Information, Unseen, covariance};
 use crate::least_squares::{NoMinimum, Settings, minimise};
 use crate::parameter::{Parameter, Unit};
-use crate::problem::{ArmId, FrameId, InstrumentId, Noise, Problem, Slot, TargetId, Values};
+use crate::problem::{ArmId, FrameId, InstrumentId, Noise, Posture, Problem, Slot, TargetId, Values};
 
 /// Why there is no fit.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -80,6 +79,7 @@ pub struct Fit {
     information: Information,
     indistinct: Vec<Indistinct>,
     raw: Vec<(usize, Vec<f64>)>,
+    unit: Vec<f64>,
     sigma: Vec<Vec<f64>>,
     iterations: usize,
     settings: Settings,
@@ -127,12 +127,12 @@ impl Problem {
         let rounds = if self.knows_noise() { 1 } else { NOISE_ROUNDS };
         let mut last = None;
         for _ in 0..rounds {
-            let equations = Equations::new(self, all.clone(), used.clone(), sigma.clone());
+            let equations = Equations::new(self, all.clone(), used.clone(), sigma.clone()).whitened(&values);
             let minimum = minimise(&equations, values, settings)?;
             iterations += minimum.iterations;
             values = minimum.at;
             let freedom = degrees_of_freedom(&equations, &minimum.jacobian);
-            self.find_noise(&equations, &minimum.residuals, freedom, settings, &mut sigma);
+            self.find_noise(&equations, &values, freedom, settings, &mut sigma);
             let rows = match seen {
                 Seen::Measured => equations.measured(),
                 Seen::Believed => minimum.jacobian.nrows(),
@@ -163,10 +163,11 @@ impl Problem {
         for unseen in &information.unseen {
             values.reset(all[unseen.fixed]);
         }
-        let equations = Equations::new(self, slots.clone(), used, sigma.clone());
+        let equations = Equations::new(self, slots.clone(), used, sigma.clone()).whitened(&values);
         let minimum = minimise(&equations, values, settings)?;
         Ok(Fit {
-            raw: equations.raw(&minimum.residuals),
+            raw: equations.raw(&minimum.at),
+            unit: minimum.residuals.rows(0, equations.measured()).iter().copied().collect(),
             covariance: covariance(&minimum.jacobian),
             problem: self.clone(),
             values: minimum.at,
@@ -197,12 +198,27 @@ impl Problem {
     fn find_noise(
         &self,
         equations: &Equations<'_>,
-        residuals: &DVector<f64>,
+        values: &Values,
         freedom: f64,
         settings: &Settings,
         sigma: &mut [Vec<f64>],
     ) {
-        let raw = equations.raw(residuals);
+        let mut raw = equations.raw(values);
+        // Of what measurements of a posture share, only the instrument's part is its noise.
+        let plain = equations.plain(values);
+        for block in equations.blocks(values) {
+            let noise = block.noise(plain.as_slice());
+            let mut rows = noise.iter();
+            for (i, _, count) in &block.parts {
+                let own = &sigma[self.measurements[*i].instrument.0];
+                let Ok(at) = raw.binary_search_by_key(i, |(i, _)| *i) else { continue };
+                for (raw, (sigma, (_, square))) in
+                    raw[at].1.iter_mut().zip(own.iter().zip(rows.by_ref().take(*count)))
+                {
+                    *raw = sigma * square.sqrt();
+                }
+            }
+        }
         for (i, instrument) in self.instruments.iter().enumerate() {
             if matches!(instrument.noise, Noise::Known(_)) {
                 continue;
@@ -266,14 +282,20 @@ impl Fit {
     /// The values of an arm's parameters, in its order.
     #[must_use]
     pub fn arm(&self, arm: ArmId) -> &[f64] {
-        &self.values.arms[arm.0]
+        self.problem.arms[arm.0].parts(&self.values.arms[arm.0]).0
+    }
+
+    /// The compliances of an arm [rad/(N m) or m/N], in their order.
+    #[must_use]
+    pub fn compliances(&self, arm: ArmId) -> &[f64] {
+        self.problem.arms[arm.0].parts(&self.values.arms[arm.0]).1
     }
 
     /// Where in the order of [`Fit::found`] each parameter of an arm is; `None` of one that was not to be found or could not be seen.
     #[must_use]
     pub fn columns_of(&self, arm: ArmId) -> Vec<Option<usize>> {
         let column = |i| self.slots.iter().position(|slot| *slot == Slot::Arm { arm: arm.0, i });
-        (0..self.arm(arm).len()).map(column).collect()
+        (0..self.values.arms[arm.0].len()).map(column).collect()
     }
 
     /// The values of an instrument's constants.
@@ -316,14 +338,37 @@ impl Fit {
         })
     }
 
+    /// What is left of all measurements, and of known distances, in units of their standard deviations; what the measurements of a posture share is
+    /// taken out. If the problem is as it was told, they are normally distributed, with a standard deviation of 1.
+    #[must_use]
+    pub fn unit_residuals(&self) -> &[f64] {
+        &self.unit
+    }
+
     /// Where a target of an arm is in the world at `q`, with the covariance of its displacement along the world's axes: x, y, z \[m\], and turns about its
-    /// origin \[rad\].
+    /// origin \[rad\]; what its joints scatter by is in it.
     #[must_use]
     pub fn place(&self, arm: ArmId, q: &[f64], target: FrameId) -> (Pose, Matrix6<f64>) {
+        self.place_loaded(arm, q, &[], target)
+    }
+
+    /// The same with the torques that bend the arm's compliances [N m or N].
+    #[must_use]
+    pub fn place_loaded(
+        &self,
+        arm: ArmId,
+        q: &[f64],
+        torques: &[f64],
+        target: FrameId,
+    ) -> (Pose, Matrix6<f64>) {
         let equations = self.equations(Vec::new());
-        let flange = equations.flange(&self.values, arm, q, true);
+        let posture = Posture { arm, q: q.to_owned(), torques: torques.to_owned() };
+        let flange = equations.flange(&self.values, &posture, true);
         let there = equations.mounted(&self.values, Some(&flange), target, true);
-        let covariance = self.spread(&there.twists);
+        let mut covariance = self.spread(&there.twists);
+        for twist in equations.scattered(&self.values, &posture, &there.pose) {
+            covariance += twist * twist.transpose();
+        }
         (there.pose, covariance)
     }
 
@@ -331,16 +376,8 @@ impl Fit {
     #[must_use]
     pub fn between(&self, from: FrameId, to: FrameId) -> (Pose, Matrix6<f64>) {
         let equations = self.equations(Vec::new());
-        let [from, to] = [from, to].map(|frame| equations.mounted(&self.values, None, frame, true));
-        let apart = to.pose.translation.vector - from.pose.translation.vector;
-        let into = from.pose.rotation.inverse();
-        let moving = |of: &Moving, sign: f64, by: Option<_>| -> Vec<(usize, Vector6<f64>)> {
-            let told = |one: &Vector6<f64>| by.map_or(*one, |by| at(one, &by));
-            of.twists.iter().map(|(column, one)| (*column, turned(&told(one), &into) * sign)).collect()
-        };
-        let mut twists = moving(&to, 1.0, None);
-        twists.extend(moving(&from, -1.0, Some(apart)));
-        (from.pose.inv_mul(&to.pose), self.spread(&twists))
+        let (pose, twists) = equations.apart(&self.values, from, to);
+        (pose, self.spread(&twists))
     }
 
     fn equations(&self, used: Vec<usize>) -> Equations<'_> {
@@ -375,11 +412,9 @@ impl Fit {
             if out.is_empty() || kept.is_empty() {
                 continue;
             }
-            let minimum = minimise(&self.equations(kept), self.values.clone(), &self.settings)?;
-            let out = self.equations(out);
-            let mut residuals = DVector::zeros(crate::LeastSquares::residuals(&out));
-            crate::LeastSquares::evaluate(&out, &minimum.at, residuals.as_mut_slice());
-            foretold.extend(out.raw(&residuals));
+            let kept = self.equations(kept).whitened(&self.values);
+            let minimum = minimise(&kept, self.values.clone(), &self.settings)?;
+            foretold.extend(self.equations(out).raw(&minimum.at));
         }
         foretold.sort_by_key(|(i, _)| *i);
         Ok(foretold)
@@ -390,9 +425,6 @@ impl Fit {
     #[must_use]
     pub fn foretold(&self, other: &Problem) -> Vec<(usize, Vec<f64>)> {
         let used = (0..other.measurements.len()).collect();
-        let equations = Equations::new(other, self.slots.clone(), used, self.sigma.clone());
-        let mut residuals = DVector::zeros(crate::LeastSquares::residuals(&equations));
-        crate::LeastSquares::evaluate(&equations, &self.values, residuals.as_mut_slice());
-        equations.raw(&residuals)
+        Equations::new(other, self.slots.clone(), used, self.sigma.clone()).raw(&self.values)
     }
 }

@@ -10,6 +10,7 @@
 //! | [`Arm`], [`ChainArm`], [`Irp6Arm`] | robots by displacements behind their joints, or by physical parameters |
 //! | [`Device`]: [`Points`], [`Angles`], [`Distance`], [`Plane`], [`Touch`], [`FullPose`] | what instruments read |
 //! | [`Problem`], [`Fit`] | blocks and measurements; what came of them |
+//! | [`choose`], [`Aim`] | which postures to measure |
 //! | [`data`], [`trials`] | tables of measurements of others; how much of an arm they can tell |
 //! | [`file`](mod@file) | the file that is written for `cell.toml` |
 //!
@@ -18,6 +19,7 @@
 
 mod arm;
 mod chain;
+mod choice;
 pub mod data;
 mod device;
 mod equations;
@@ -30,11 +32,13 @@ mod loss;
 mod parameter;
 mod problem;
 pub mod report;
+mod scatter;
 mod start;
 pub mod trials;
 
 pub use arm::{Arm, between, displaced};
 pub use chain::{Chain, ChainArm, Detail, DhRow, Joint, Tolerances};
+pub use choice::{Aim, Choice, choose, judge};
 pub use device::{Angles, Device, Distance, FullPose, Plane, Points, Touch};
 pub use fit::{Fit, Found, Indistinct, NoFit};
 pub use information::{Information, Unseen, covariance};
@@ -42,4 +46,4 @@ pub use irp6::Irp6Arm;
 pub use least_squares::{LeastSquares, Minimum, NoMinimum, Settings, minimise};
 pub use loss::Loss;
 pub use parameter::{Parameter, Unit};
-pub use problem::{ArmId, FrameId, Freedom, InstrumentId, Noise, PostureId, Problem, TargetId};
+pub use problem::{ArmId, Compliance, FrameId, Freedom, InstrumentId, Noise, PostureId, Problem, TargetId};

@@ -11,6 +11,8 @@ pub enum Unit {
     Radian,
     /// A ratio; shown in parts per million.
     One,
+    /// Compliances of joints [rad/(N m)]; shown in µrad/(N m).
+    RadianPerNewtonMetre,
 }
 
 impl Unit {
@@ -21,6 +23,7 @@ impl Unit {
             Unit::Metre => ("mm", 1e3),
             Unit::Radian => ("mrad", 1e3),
             Unit::One => ("ppm", 1e6),
+            Unit::RadianPerNewtonMetre => ("urad/Nm", 1e6),
         }
     }
 }
@@ -31,6 +34,7 @@ impl fmt::Display for Unit {
             Unit::Metre => "m",
             Unit::Radian => "rad",
             Unit::One => "1",
+            Unit::RadianPerNewtonMetre => "rad/(N m)",
         })
     }
 }

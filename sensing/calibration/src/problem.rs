@@ -81,6 +81,42 @@ pub(crate) struct ArmPart {
     pub(crate) name: String,
     pub(crate) model: Rc<dyn Arm>,
     pub(crate) base: FrameId,
+    /// By joint the standard deviation of what it is off by, anew in each posture; empty: by nothing.
+    pub(crate) scatter: Vec<f64>,
+    /// Joints that give way under torque, as parameters behind those of the model.
+    pub(crate) soft: Vec<(usize, Parameter)>,
+}
+
+impl ArmPart {
+    /// The parameters of the model, then the compliances.
+    pub(crate) fn parameters(&self) -> impl Iterator<Item = &Parameter> {
+        self.model.parameters().iter().chain(self.soft.iter().map(|(_, parameter)| parameter))
+    }
+
+    /// The values of the model's parameters, and the compliances.
+    pub(crate) fn parts<'v>(&self, values: &'v [f64]) -> (&'v [f64], &'v [f64]) {
+        values.split_at(self.model.parameters().len())
+    }
+
+    /// The joint positions that its torques bend it to.
+    pub(crate) fn bent(&self, q: &[f64], torques: &[f64], values: &[f64]) -> Vec<f64> {
+        let mut bent = q.to_vec();
+        for (((joint, _), compliance), torque) in self.soft.iter().zip(self.parts(values).1).zip(torques) {
+            bent[*joint] += compliance * torque;
+        }
+        bent
+    }
+}
+
+/// A joint that gives way to a torque.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Compliance {
+    /// Which joint, from 0.
+    pub joint: usize,
+    /// Its name, such as `joint 2 compliance`.
+    pub name: String,
+    /// The standard deviation of what is believed of it [rad/(N m) or m/N], 0 before anything is measured; finite, > 0.
+    pub tolerance: f64,
 }
 
 #[derive(Clone)]
@@ -120,6 +156,8 @@ pub(crate) struct Target {
 pub(crate) struct Posture {
     pub(crate) arm: ArmId,
     pub(crate) q: Vec<f64>,
+    /// By compliance of the arm what bends it [N m or N]; empty: nothing does.
+    pub(crate) torques: Vec<f64>,
 }
 
 #[derive(Clone)]
@@ -189,8 +227,28 @@ impl Problem {
     #[allow(non_snake_case)]
     pub fn arm(&mut self, name: &str, model: impl Arm + 'static, X_WB: Pose, freedom: Freedom) -> ArmId {
         let base = self.frame(&format!("{name} base"), X_WB, freedom, 10);
-        self.arms.push(ArmPart { name: name.to_owned(), model: Rc::new(model), base });
+        let model = Rc::new(model);
+        self.arms.push(ArmPart { name: name.to_owned(), model, base, scatter: Vec::new(), soft: Vec::new() });
         ArmId(self.arms.len() - 1)
+    }
+
+    /// Says that an arm's joints are not quite where their encoders read, by other amounts in each posture, with these standard deviations [rad
+    /// or m], one for each joint: what friction winds up between motor and joint, backlash. All measurements in a posture share them, so that
+    /// they count less than as many measurements in as many postures.
+    ///
+    /// The standard deviations are those of the arm's data sheet, or are found by going to the same places from different sides.
+    pub fn scatter(&mut self, arm: ArmId, sigma: &[f64]) {
+        self.arms[arm.0].scatter = sigma.to_owned();
+    }
+
+    /// Says that joints of an arm give way, each to a torque of its own that [`Problem::loaded_posture`] tells. A joint may be named more than once, such as under
+    /// what it carries, and under a weight of its own that is not known well.
+    pub fn compliant(&mut self, arm: ArmId, compliances: &[Compliance]) {
+        let soft = |one: &Compliance| {
+            let parameter = Parameter::new(one.name.clone(), Unit::RadianPerNewtonMetre);
+            (one.joint, parameter.within(one.tolerance))
+        };
+        self.arms[arm.0].soft = compliances.iter().map(soft).collect();
     }
 
     /// An instrument in the world, or on an arm's flange, with its frame there.
@@ -221,9 +279,22 @@ impl Problem {
         TargetId(self.targets.len() - 1)
     }
 
+    /// The centre of an instrument as a target, which another one sights.
+    pub fn target_at(&mut self, instrument: InstrumentId) -> TargetId {
+        let Instrument { on, frame, .. } = self.instruments[instrument.0];
+        self.targets.push(Target { on, frame });
+        TargetId(self.targets.len() - 1)
+    }
+
     /// A posture of an arm: what its encoders read [rad or m].
     pub fn posture(&mut self, arm: ArmId, q: &[f64]) -> PostureId {
-        self.postures.push(Posture { arm, q: q.to_owned() });
+        self.loaded_posture(arm, q, &[])
+    }
+
+    /// The same, with the torque that bends each compliance of the arm, in their order, in the direction in which its joint's position grows
+    /// [N m or N].
+    pub fn loaded_posture(&mut self, arm: ArmId, q: &[f64], torques: &[f64]) -> PostureId {
+        self.postures.push(Posture { arm, q: q.to_owned(), torques: torques.to_owned() });
         PostureId(self.postures.len() - 1)
     }
 
@@ -320,7 +391,7 @@ impl Problem {
     pub(crate) fn start(&self) -> Values {
         Values {
             frames: self.frames.iter().map(|frame| frame.start).collect(),
-            arms: self.arms.iter().map(|arm| vec![0.0; arm.model.parameters().len()]).collect(),
+            arms: self.arms.iter().map(|arm| vec![0.0; arm.parameters().count()]).collect(),
             instruments: self.instruments.iter().map(|one| vec![0.0; one.device.constants().len()]).collect(),
         }
     }
@@ -333,7 +404,7 @@ impl Problem {
                 .extend((0..6).filter(|axis| of.freedom.free[*axis]).map(|axis| Slot::Frame { frame, axis }));
         }
         for (arm, of) in self.arms.iter().enumerate() {
-            slots.extend((0..of.model.parameters().len()).map(|i| Slot::Arm { arm, i }));
+            slots.extend((0..of.parameters().count()).map(|i| Slot::Arm { arm, i }));
         }
         for (instrument, of) in self.instruments.iter().enumerate() {
             slots.extend((0..of.device.constants().len()).map(|i| Slot::Constant { instrument, i }));
@@ -353,7 +424,8 @@ impl Problem {
             }
             Slot::Arm { arm, i } => {
                 let of = &self.arms[arm];
-                let parameter = of.model.parameters()[i].clone();
+                let all = of.model.parameters();
+                let parameter = all.get(i).unwrap_or_else(|| &of.soft[i - all.len()].1).clone();
                 // One arm needs no name.
                 match self.arms.len() {
                     1 => parameter,

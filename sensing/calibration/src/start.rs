@@ -85,8 +85,7 @@ impl Problem {
             let postures = &self.measurements[i].postures;
             let on = on.and_then(|arm| postures.iter().find(|posture| self.postures[posture.0].arm == arm));
             on.map_or_else(Pose::identity, |posture| {
-                let posture = &self.postures[posture.0];
-                equations.flange(&values, posture.arm, &posture.q, false).pose
+                equations.flange(&values, &self.postures[posture.0], false).pose
             })
         };
         let own = &self.instruments[instrument.0];

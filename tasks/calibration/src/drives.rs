@@ -32,13 +32,17 @@ pub struct Believed {
     drives: SimulatedIrp6,
     arm: usize,
     shared: Shared,
+    /// Where the joints were without friction, and how far they stay behind \[rad\].
+    before: Six,
+    behind: Six,
 }
 
 impl Believed {
     /// The drives of an arm of the scene, at `start`.
     #[must_use]
     pub fn new(arm: usize, start: &Six, shared: Shared) -> Self {
-        Self { drives: SimulatedIrp6::new(Irp6::nominal(), start), arm, shared }
+        let before = shared.scene.borrow().joints(arm, start);
+        Self { drives: SimulatedIrp6::new(Irp6::nominal(), start), arm, shared, before, behind: Six::zeros() }
     }
 }
 
@@ -55,7 +59,14 @@ impl Driver<Irp6> for Believed {
     fn tick(&mut self, demanded: &Six) -> Result<Measured<Six>, DriveFault> {
         let measured = self.drives.tick(demanded)?;
         let turned = self.drives.shaft().state().position;
-        self.shared.joints.borrow_mut()[self.arm] = self.shared.scene.borrow().joints(self.arm, &turned);
+        let scene = self.shared.scene.borrow();
+        let pulled = scene.joints(self.arm, &turned);
+        // A joint stays where it is until the gear is wound up by what its friction takes, and then goes with it (Prandtl's element): at rest it is
+        // behind the way that it came.
+        let most = scene.windup();
+        self.behind = (self.behind + pulled - self.before).map(|behind| behind.clamp(-most, most));
+        self.before = pulled;
+        self.shared.joints.borrow_mut()[self.arm] = pulled - self.behind;
         Ok(measured)
     }
 }

@@ -1,19 +1,20 @@
 //! Two simulated arms are calibrated by two simulated theodolites: `cargo run --release -p calibration -- [FOLDER]`.
 //!
 //! It prints what was found, and writes a file for each arm into the folder (`calibration/` by default), for `calibration` of its robot in
-//! cell.toml.
+//! cell.toml, and pictures.
 
 use std::error::Error;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Duration;
 
-use calibration::estimate::{Accuracy, Bases, estimate};
+use calibration::estimate::{Accuracy, Bases, Estimate, estimate};
 use calibration::mp::run;
+use calibration::pictures;
 use calibration::random::Random;
 use calibration::scene::{NAMES, Scene, posture};
 use calibration::theodolite::SECOND;
-use calibration::visits::visits;
+use calibration::visits::{Visit, chosen};
 use mrroc::console::{complain, say};
 use mrroc_calibration::Irp6Arm;
 use mrroc_calibration::file::{Account, text, today};
@@ -22,12 +23,13 @@ use mrroc_robots::{ArmCalibration, Irp6, Irp6Calibration, Six};
 
 /// Accuracy of a sight in one face \[rad\].
 const SIGHT: f64 = 2.0 * SECOND;
-/// What friction leaves between a motor and its joint \[rad\]: nothing (assumed), since it acts on motors, whose encoders see what it does.
-const WINDUP: f64 = 0.0;
-/// Postures that are visited.
-const VISITS: usize = 40;
-/// How long an instrument takes to turn to a ball and to sight it (assumed; a person takes 8 to 20 s).
-const POINTING: Duration = Duration::from_secs(3);
+/// What friction winds up between a motor and its joint \[rad\] (assumed).
+const WINDUP: f64 = 1e-5;
+/// Postures that are visited, and of how many they are chosen.
+const VISITS: usize = 120;
+const CANDIDATES: usize = 800;
+/// How long a motorised instrument takes to turn to a ball and to sight it (assumed; a person takes 8 to 20 s).
+const POINTING: Duration = Duration::from_secs(1);
 
 fn main() -> ExitCode {
     match calibrate() {
@@ -43,12 +45,12 @@ fn calibrate() -> Result<String, Box<dyn Error>> {
     let folder = PathBuf::from(std::env::args().nth(1).unwrap_or_else(|| "calibration".to_owned()));
     std::fs::create_dir_all(&folder)?;
     let scene = Scene::new(SIGHT, WINDUP, 1);
-    let visits = visits(&scene, VISITS, 5);
+    let visits = chosen(VISITS, CANDIDATES, 5);
     let (sights, time, shared) = run(scene, &visits, POINTING)?;
     let estimate = estimate(&sights)?;
-    let scene = shared.scene.borrow();
+    let scene = &mut *shared.scene.borrow_mut();
     let mut told = format!(
-        "{} postures, {} sights in both faces, {:.0} min on the cell's clock\n\
+        "{} postures, {} sights of two sets in both faces, {:.0} min on the cell's clock\n\
          errors of the balls at 200 postures that were not used [mm]:\n  arm      rms      max      foretold rms   by itself\n",
         visits.len(),
         sights.sights.len(),
@@ -57,7 +59,7 @@ fn calibrate() -> Result<String, Box<dyn Error>> {
     let mut random = Random(77);
     for (arm, name) in NAMES.into_iter().enumerate() {
         let unseen: Vec<Six> = (0..200).map(|_| posture(arm, &mut random)).collect();
-        let Accuracy { rms, max, foretold, own } = estimate.accuracy(&scene, arm, &unseen);
+        let Accuracy { rms, max, foretold, own } = estimate.accuracy(scene, arm, &unseen);
         told += &format!(
             "  {:6} {:8.4} {:8.4} {:8.4} {:8.4}\n",
             name,
@@ -91,7 +93,7 @@ fn calibrate() -> Result<String, Box<dyn Error>> {
         let path = folder.join(format!("{}.calibration.toml", name));
         std::fs::write(&path, text(&calibration, &estimate.fit, estimate.arms[arm], &account))?;
     }
-    let Bases { length, angle, length_sigma, angle_sigma, .. } = estimate.bases(&scene);
+    let Bases { length, angle, length_sigma, angle_sigma, .. } = estimate.bases(scene);
     told += &format!(
         "right base in the left one: off by {:.4} mm and {:.4} mrad; foretold {:.4} mm and {:.4} mrad\n",
         1e3 * length,
@@ -102,5 +104,27 @@ fn calibrate() -> Result<String, Box<dyn Error>> {
     for unseen in estimate.fit.unseen() {
         told += &format!("cannot be told apart: {unseen}\n");
     }
-    Ok(format!("{told}see {}\n", folder.display()))
+    let drawn = draw(&estimate, scene, &visits);
+    for (name, picture) in &drawn {
+        std::fs::write(folder.join(name), picture)?;
+    }
+    let names: Vec<&str> = drawn.iter().map(|(name, _)| *name).collect();
+    Ok(format!(
+        "{told}see {}: left.calibration.toml, right.calibration.toml, {}\n",
+        folder.display(),
+        names.join(", ")
+    ))
+}
+
+/// The pictures, by the names of their files.
+fn draw(estimate: &Estimate, scene: &mut Scene, visits: &[Visit]) -> Vec<(&'static str, String)> {
+    let mut random = Random(78);
+    let postures = core::array::from_fn(|arm| (0..100).map(|_| posture(arm, &mut random)).collect());
+    let mut drawn: Vec<(&str, String)> =
+        visits.iter().take(1).map(|visit| ("cell.svg", pictures::cell(scene, visit))).collect();
+    drawn.push(("errors.svg", pictures::errors(estimate, scene, &postures)));
+    drawn.push(("residuals.svg", pictures::residuals(&estimate.fit)));
+    drawn.push(("correlations.svg", pictures::correlations(&estimate.fit)));
+    drawn.push(("observability.svg", pictures::observability(&estimate.fit)));
+    drawn
 }

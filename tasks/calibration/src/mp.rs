@@ -11,13 +11,17 @@ use mrroc_robots::{Irp6, Six};
 
 use crate::drives::{Believed, Shared};
 use crate::estimate::{Sight as Found, Sighted, Sights};
-use crate::scene::{ARMS, BALLS, BAR_SIGHTS, NAMES, Scene};
+use crate::scene::{ARMS, BALLS, BAR_SIGHTS, BARS, MUTUAL_SIGHTS, NAMES, SETS, Scene};
 use crate::sensor::{Sight, Sighting, Simulated};
 use crate::theodolite::mean;
+use crate::visits::Visit;
+
+/// Sights of one target: each set in both faces.
+const FACES: usize = 2 * SETS;
 
 /// Where the arms are to go: the number of a posture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Payload)]
-pub enum Visit {
+pub enum Go {
     /// The posture of this number.
     Posture(u32),
 }
@@ -40,16 +44,21 @@ fn measured(c: &mut Measured, e: &State<(Irp6, Irp6)>, v: &Reading<(Sighting, Si
     north.settled && south.settled
 }
 
-/// The coordinator's program: visits all postures, and writes what was sighted into `sights`.
+/// The coordinator's program: makes all visits, has masses hung on the flanges by `hang` \[kg\], and writes what was sighted into `sights`.
 ///
 /// # Errors
 /// The first fault of the cell.
-pub fn coordinate(mp: &mut Mp, visits: u32, sights: &RefCell<Sights>) -> Result<(), Fault> {
+pub fn coordinate(
+    mp: &mut Mp,
+    visits: &[Visit],
+    hang: &dyn Fn(f64),
+    sights: &RefCell<Sights>,
+) -> Result<(), Fault> {
     let (mut left, mut right) = (mp.robot::<Irp6>(NAMES[0])?, mp.robot::<Irp6>(NAMES[1])?);
     let (mut north, mut south) = (mp.sensor::<Sighting>("north")?, mp.sensor::<Sighting>("south")?);
-    let mut both_faces = |mp: &mut Mp, left: &mut _, right: &mut _, of: &dyn Fn(u32) -> Sight| {
-        let mut faces = [Measured::default(), Measured::default()];
-        for (face, measured) in [0, 1].into_iter().zip(&mut faces) {
+    let mut all_faces = |mp: &mut Mp, left: &mut _, right: &mut _, of: &dyn Fn(u32) -> Sight| {
+        let mut faces = [(); FACES].map(|()| Measured::default());
+        for (face, measured) in (0..).zip(&mut faces) {
             north.configure(of(face));
             south.configure(of(face));
             *measured =
@@ -57,20 +66,28 @@ pub fn coordinate(mp: &mut Mp, visits: u32, sights: &RefCell<Sights>) -> Result<
         }
         Ok::<_, Fault>(faces)
     };
-    for _ in 0..BAR_SIGHTS {
-        for end in 0..2 {
-            let faces = both_faces(mp, &mut left, &mut right, &|face| Sight::End { end, face })?;
-            note(sights, &faces, &Sighted::End(end as usize));
+    for _ in 0..MUTUAL_SIGHTS {
+        let faces = all_faces(mp, &mut left, &mut right, &|face| Sight::Other { face })?;
+        note(sights, &faces, &Sighted::Other);
+    }
+    for bar in 0..BARS {
+        for _ in 0..BAR_SIGHTS {
+            for end in 0..2 {
+                let order = |face| Sight::End { bar: bar as u32, end, face };
+                let faces = all_faces(mp, &mut left, &mut right, &order)?;
+                note(sights, &faces, &Sighted::End { bar, end: end as usize });
+            }
         }
     }
-    for visit in 0..visits {
-        let order = ConstantOrder::<(Irp6, Irp6), Visit>::to_all(Visit::Posture(visit));
+    for (visit, made) in (0..).zip(visits) {
+        hang(made.payload);
+        let order = ConstantOrder::<(Irp6, Irp6), Go>::to_all(Go::Posture(visit));
         mp.move_robots((&mut left, &mut right), (), order)?;
         let mut stood = Measured::default();
         for arm in 0..ARMS {
             for ball in 0..BALLS.len() {
                 let order = |face| Sight::Ball { arm: arm as u32, ball: ball as u32, face };
-                let faces = both_faces(mp, &mut left, &mut right, &order)?;
+                let faces = all_faces(mp, &mut left, &mut right, &order)?;
                 for face in &faces {
                     stood.steps += face.steps;
                     stood.sum = core::array::from_fn(|arm| stood.sum[arm] + face.sum[arm]);
@@ -79,18 +96,21 @@ pub fn coordinate(mp: &mut Mp, visits: u32, sights: &RefCell<Sights>) -> Result<
             }
         }
         // An encoder reads whole pulses, and a regulator may go to and fro between two: the mean is finer.
-        for (postures, sum) in sights.borrow_mut().postures.iter_mut().zip(stood.sum) {
-            postures.push(sum / stood.steps);
+        let mut sights = sights.borrow_mut();
+        for (arm, sum) in stood.sum.into_iter().enumerate() {
+            sights.postures[arm].push(sum / stood.steps);
+            sights.payloads[arm].push(made.payload);
         }
     }
     Ok(())
 }
 
-/// Notes the mean of both faces of each theodolite that saw the target in both.
-fn note(sights: &RefCell<Sights>, faces: &[Measured; 2], of: &Sighted) {
+/// Notes the mean of all faces of each theodolite that saw the target in all.
+fn note(sights: &RefCell<Sights>, faces: &[Measured; FACES], of: &Sighted) {
     for theodolite in 0..2 {
-        if let [Some(one), Some(two)] = [faces[0].read[theodolite], faces[1].read[theodolite]] {
-            sights.borrow_mut().sights.push(Found { theodolite, of: of.clone(), read: mean(one, two) });
+        let read: Option<Vec<[f64; 2]>> = faces.iter().map(|face| face.read[theodolite]).collect();
+        if let Some(read) = read {
+            sights.borrow_mut().sights.push(Found { theodolite, of: of.clone(), read: mean(read) });
         }
     }
 }
@@ -102,7 +122,7 @@ fn note(sights: &RefCell<Sights>, faces: &[Measured; 2], of: &Sighted) {
 pub fn arm(ecp: &mut Ecp<Irp6>, postures: &[Six]) -> Result<(), Fault> {
     let limits =
         JointLimits { velocity: Six::repeat(0.4), acceleration: Six::repeat(0.6), jerk: Six::repeat(4.0) };
-    ecp.obey_all(|ecp, Visit::Posture(number): Visit| {
+    ecp.obey_all(|ecp, Go::Posture(number): Go| {
         let goal = postures.get(number as usize).copied();
         let goal = goal.ok_or_else(|| Fault::thrown("there is no posture of this number"))?;
         ecp.move_robot((), SmoothJointMove::to(goal, limits))?;
@@ -116,17 +136,17 @@ pub fn arm(ecp: &mut Ecp<Irp6>, postures: &[Six]) -> Result<(), Fault> {
 /// The first cause when it ends with a fault.
 pub fn run(
     scene: Scene,
-    visits: &[[Six; ARMS]],
+    visits: &[Visit],
     pointing: Duration,
 ) -> Result<(Sights, Duration, Shared), CellError> {
-    let start = visits.first().copied().unwrap_or([Six::zeros(); ARMS]);
+    let start = visits.first().map_or([Six::zeros(); ARMS], |visit| visit.both);
     let shared = Shared::new(scene, &start);
     let bases = crate::scene::believed_bases();
     let step = Duration::from_millis(2);
     let mut cell = Cell::new(step);
     for (arm, name) in NAMES.iter().enumerate() {
         let drives = Believed::new(arm, &start[arm], shared.clone());
-        let postures: Vec<Six> = visits.iter().map(|both| both[arm]).collect();
+        let postures: Vec<Six> = visits.iter().map(|visit| visit.both[arm]).collect();
         let setup = RobotSetup::new(name, Irp6::nominal().with_base(bases[arm]), drives);
         cell = cell.robot(setup.program(move |ecp| self::arm(ecp, &postures)));
     }
@@ -135,9 +155,11 @@ pub fn run(
         cell = cell.sensor(SensorSetup::new(name, Simulated::new(which, shared.clone(), steps)));
     }
     let sights = Rc::new(RefCell::new(Sights::default()));
-    let count = u32::try_from(visits.len()).unwrap_or(u32::MAX);
-    let own = Rc::clone(&sights);
-    let report = cell.program(move |mp: &mut Mp| coordinate(mp, count, &own)).run()?;
+    let (own, all, plant) = (Rc::clone(&sights), visits.to_vec(), shared.clone());
+    // A person does it while the arms stand.
+    let hang = move |mass: f64| plant.scene.borrow_mut().payload = [mass; ARMS];
+    let report = cell.program(move |mp: &mut Mp| coordinate(mp, &all, &hang, &own)).run()?;
+    shared.scene.borrow_mut().payload = [0.0; ARMS];
     let sights = sights.borrow().clone();
     Ok((sights, report.time, shared))
 }

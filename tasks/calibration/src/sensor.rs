@@ -3,7 +3,7 @@
 use mrroc::prelude::*;
 
 use crate::drives::Shared;
-use crate::scene::ARMS;
+use crate::scene::{ARMS, BARS};
 use crate::theodolite::Face;
 
 /// The kind of sensor.
@@ -27,14 +27,21 @@ pub enum Sight {
         arm: u32,
         /// Which ball.
         ball: u32,
-        /// 0: the first face, 1: the second.
+        /// Even: the first face, odd: the second; by two more of them in each set.
         face: u32,
     },
-    /// An end of the scale bar.
+    /// The other theodolite.
+    Other {
+        /// Even: the first face, odd: the second; by two more of them in each set.
+        face: u32,
+    },
+    /// An end of the scale bar in one of its places.
     End {
+        /// Which place.
+        bar: u32,
         /// Which end.
         end: u32,
-        /// 0: the first face, 1: the second.
+        /// Even: the first face, odd: the second; by two more of them in each set.
         face: u32,
     },
 }
@@ -86,7 +93,8 @@ impl VirtualSensor for Simulated {
                 let arm = arm as usize % ARMS;
                 (scene.ball(arm, ball as usize % 3, &joints[arm]), face)
             }
-            Sight::End { end, face } => (scene.ends[end as usize % 2], face),
+            Sight::End { bar, end, face } => (scene.ends[bar as usize % BARS][end as usize % 2], face),
+            Sight::Other { face } => (scene.theodolites[1 - self.which].place.translation.vector, face),
         };
         let Some((_, since, read)) = &mut self.sighted else { return Ok(nothing) };
         if order.step < *since + self.pointing {
@@ -96,7 +104,7 @@ impl VirtualSensor for Simulated {
             if matches!(wanted, Sight::Ball { .. }) && !scene.sees(self.which, &point, &joints) {
                 return Ok(Angles { settled: true, blocked: true, ..nothing });
             }
-            let face = if face == 0 { Face::One } else { Face::Two };
+            let face = if face % 2 == 0 { Face::One } else { Face::Two };
             *read = Some(scene.theodolites[self.which].sight(&point, face));
         }
         let [hz, v] = read.unwrap_or_default();

@@ -70,11 +70,16 @@ impl Theodolite {
     }
 }
 
-/// The mean of both faces \[rad\].
+/// The mean of sights of one target \[rad\]; free of the axes' errors if both faces are in it as often.
 #[must_use]
-pub fn mean(one: [f64; 2], two: [f64; 2]) -> [f64; 2] {
-    // Beside half a turn one of them may be on the other side.
-    let apart = two[0] - one[0];
-    let turns = (apart / core::f64::consts::TAU).round();
-    [one[0] + 0.5 * (apart - turns * core::f64::consts::TAU), 0.5 * (one[1] + two[1])]
+pub fn mean(sights: impl IntoIterator<Item = [f64; 2]>) -> [f64; 2] {
+    let (mut first, mut sum, mut count) = (None, [0.0; 2], 0.0_f64);
+    for [hz, v] in sights {
+        let first: f64 = *first.get_or_insert(hz);
+        // Beside half a turn some of them may be on the other side.
+        let turns = ((hz - first) / core::f64::consts::TAU).round();
+        sum = [sum[0] + hz - turns * core::f64::consts::TAU, sum[1] + v];
+        count += 1.0;
+    }
+    sum.map(|of| of / count.max(1.0))
 }

@@ -1,22 +1,21 @@
-//! How well arms and bases are found.
+//! How well arms and bases are found. The truth is more than what is fitted: gears that friction winds up, links that weigh other than is believed,
+//! theodolites that stand askew and read whole tenths of a milligon.
 
 use std::time::Duration;
 
-use calibration::estimate::estimate;
+use calibration::estimate::{Accuracy, estimate};
 use calibration::mp::run;
 use calibration::random::Random;
-use calibration::scene::{Scene, posture};
+use calibration::scene::{ARMS, PAYLOAD, Scene, posture};
 use calibration::theodolite::SECOND;
-use calibration::visits::{visits, without_a_cell};
+use calibration::visits::{Visit, chosen, drawn, without_a_cell};
 use mrroc_robots::Six;
 
-/// What friction leaves between a motor and its joint \[rad\]: nothing, since friction here acts on motors, whose encoders see what it does. Errors of
-/// joints that all sights of a posture share would make the covariance, which takes sights for independent, too small.
-const WINDUP: f64 = 0.0;
+/// A sight in one face \[rad\].
+const SIGHT: f64 = 2.0 * SECOND;
 
-/// The root mean square of the errors of the base of one arm in the other [m, rad].
-const LENGTH: f64 = 1e-4;
-const ANGLE: f64 = 4e-5;
+/// What friction winds up between a motor and its joint \[rad\].
+const WINDUP: f64 = 1e-5;
 
 fn unseen(arm: usize) -> Vec<Six> {
     let mut random = Random(77);
@@ -25,49 +24,76 @@ fn unseen(arm: usize) -> Vec<Six> {
 
 #[test]
 fn an_irp6_is_calibrated_by_a_program_of_moves_and_waits() {
-    let scene = Scene::new(2.0 * SECOND, WINDUP, 1);
-    let visits = visits(&scene, 40, 5);
+    let scene = Scene::new(SIGHT, WINDUP, 1);
+    let visits = chosen(40, 300, 5);
     let (sights, time, shared) =
-        run(scene, &visits, Duration::from_millis(250)).unwrap_or_else(|why| panic!("{why}"));
+        run(scene, &visits, Duration::from_millis(100)).unwrap_or_else(|why| panic!("{why}"));
     let estimate = estimate(&sights).expect("a fit");
-    for arm in 0..2 {
-        let accuracy = estimate.accuracy(&shared.scene.borrow(), arm, &unseen(arm));
+    for arm in 0..ARMS {
+        let accuracy = estimate.accuracy(&mut shared.scene.borrow_mut(), arm, &unseen(arm));
         println!("{arm}: {accuracy:?} {time:?} {} sights", sights.sights.len());
-        // The arm by itself; what is added in the world is the theodolites' own scale and level, one draw of a few numbers.
-        assert!(accuracy.own < 3e-5, "{accuracy:?}");
-        assert!(accuracy.rms < 3.0 * accuracy.foretold, "{accuracy:?}");
+        assert!(accuracy.rms < 3e-5, "{accuracy:?}");
+        assert!(accuracy.rms < 1.5 * accuracy.foretold, "{accuracy:?}");
     }
 }
 
-/// How many seeds: 100 by MRROC_SEEDS=100, which takes minutes.
+/// How many seeds: 100 with MRROC_LONG=1, which takes minutes.
 fn seeds() -> u64 {
-    std::env::var("MRROC_SEEDS").ok().and_then(|seeds| seeds.parse().ok()).unwrap_or(20)
+    if std::env::var_os("MRROC_LONG").is_some() { 100 } else { 3 }
 }
 
-/// By what the covariance says: the six numbers of a base in the other each within two standard deviations.
-#[test]
-fn two_bases_are_found_and_what_is_foretold_of_their_errors_is_true() {
-    let (mut within, mut lengths, mut angles, mut ratios) = (0, 0.0, 0.0, 0.0);
+/// Root mean squares over all seeds.
+struct Statistics {
+    length: f64,
+    angle: f64,
+    /// Seeds with all six numbers of the base in the ellipsoid of two standard deviations.
+    within: u64,
+    /// Balls of the left arm, without a payload.
+    balls: f64,
+    /// The same by what the covariance foretells.
+    ratio: f64,
+    /// Balls of the left arm with one.
+    loaded: f64,
+}
+
+fn statistics(visits: &[Visit]) -> Statistics {
+    let (mut sums, mut within) = ([0.0; 5], 0);
     for seed in 1..=seeds() {
-        let mut scene = Scene::new(2.0 * SECOND, WINDUP, seed);
-        let visits = visits(&scene, 40, seed);
-        let measured = without_a_cell(&mut scene, &visits);
+        let mut scene = Scene::new(SIGHT, WINDUP, seed);
+        let measured = without_a_cell(&mut scene, visits);
         let estimate = estimate(&measured).expect("a fit");
         let bases = estimate.bases(&scene);
-        let balls = estimate.accuracy(&scene, 0, &unseen(0));
-        ratios += (balls.rms / balls.foretold).powi(2) / seeds() as f64;
-        within += bases.within as u64;
-        lengths += bases.length.powi(2) / seeds() as f64;
-        angles += bases.angle.powi(2) / seeds() as f64;
+        let Accuracy { rms, foretold, .. } = estimate.accuracy(&mut scene, 0, &unseen(0));
+        scene.payload = [PAYLOAD; ARMS];
+        let loaded = estimate.accuracy(&mut scene, 0, &unseen(0)).rms;
+        within += u64::from(bases.within);
+        for (sum, one) in sums.iter_mut().zip([bases.length, bases.angle, rms, rms / foretold, loaded]) {
+            *sum += one * one / seeds() as f64;
+        }
     }
-    let (length, angle) = (f64::sqrt(lengths), f64::sqrt(angles));
+    let [length, angle, balls, ratio, loaded] = sums.map(f64::sqrt);
     println!(
-        "{within} of 6 x {} within two sigma; rms {length:.2e} m, {angle:.2e} rad; balls {:.2} of what is foretold",
-        seeds(),
-        ratios.sqrt()
+        "{within} of {} seeds within two sigma; rms {length:.2e} m, {angle:.2e} rad; balls {balls:.2e} m, \
+         {ratio:.2} of what is foretold, under load {loaded:.2e} m",
+        seeds()
     );
-    assert!((1.0 / 1.5..1.5).contains(&ratios.sqrt()), "{}", ratios.sqrt());
-    // 95.4 % of normally distributed numbers are.
-    assert!(100 * within >= 91 * 6 * seeds(), "{within} of 6 x {}", seeds());
-    assert!(length < LENGTH && angle < ANGLE, "{length} m, {angle} rad");
+    Statistics { length, angle, within, balls, ratio, loaded }
+}
+
+#[test]
+fn two_bases_are_found_and_what_is_foretold_of_their_errors_is_true() {
+    let found = statistics(&chosen(120, 800, 5));
+    assert!(found.length <= 3e-5 && found.angle <= 3e-5, "{} m, {} rad", found.length, found.angle);
+    assert!(100 * (found.within + 1) > 95 * seeds(), "{} of {}", found.within, seeds());
+    assert!((1.0 / 1.5..1.5).contains(&found.ratio), "{}", found.ratio);
+    assert!(found.loaded <= 1.5 * found.balls, "{} m, {} m under load", found.balls, found.loaded);
+}
+
+#[test]
+fn half_the_postures_do_for_the_same_error_if_they_are_chosen() {
+    let (drawn, chosen) = (statistics(&drawn(40, 5)), statistics(&chosen(20, 800, 5)));
+    assert!(chosen.length <= drawn.length, "{} m of {} m", chosen.length, drawn.length);
+    assert!(chosen.angle <= drawn.angle, "{} rad of {} rad", chosen.angle, drawn.angle);
+    // Half of it is what gears wind up, whatever is known.
+    assert!(chosen.balls <= 1.2 * drawn.balls, "{} m of {} m", chosen.balls, drawn.balls);
 }
