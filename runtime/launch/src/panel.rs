@@ -1,0 +1,42 @@
+//! The operator's panel of a run: `--panel`.
+//!
+//! In: the parts of the program, and how the cell runs. Out: one more process that shows the cell in a browser, a console like any
+//! other; or why there is none.
+
+use std::ffi::OsString;
+use std::os::unix::process::CommandExt;
+use std::process::{Command, ExitCode};
+
+use super::outcome::report;
+use super::parts::Parts;
+use mrroc_core::console::refused;
+use mrroc_core::link::Clock;
+
+/// Whether a run can be shown.
+///
+/// # Errors
+/// The exit status; why not has been told.
+pub(super) fn check(parts: &Parts, clock: Option<Clock>, is_dry: bool) -> Result<(), ExitCode> {
+    parts.panel()?;
+    if clock == Some(Clock::Virtual) {
+        return Err(refused(
+            &"the virtual clock waits for nobody who looks on\n help: --panel goes with --processes, or with a run without either",
+        ));
+    }
+    if is_dry && clock.is_none() {
+        return Err(refused(&"a dry run has no panel\n help: leave out --dry-run, or --panel"));
+    }
+    Ok(())
+}
+
+/// Starts this program once more with these arguments, as the process that has the panel. The cell runs all the same if it cannot
+/// be started.
+pub(super) fn begin(arguments: impl IntoIterator<Item = OsString>) {
+    let started = std::env::current_exe().and_then(|program| {
+        // In a group of its own: what is typed at the terminal is for the launcher, and the panel ends with the cell.
+        Command::new(program).args(arguments).process_group(0).spawn()
+    });
+    if let Err(error) = started {
+        report(&format!("the panel cannot be started: {error}"));
+    }
+}
