@@ -41,6 +41,7 @@ impl Course {
     pub fn of(layout: &Layout) -> Course {
         let robots = layout.robots.iter().map(|robot| RobotNow {
             name: robot.name.clone(),
+            time: 0.0,
             demanded: vec![f64::NAN; robot.joints.len()],
             measured: vec![f64::NAN; robot.joints.len()],
             tool: Pose::identity(),
@@ -98,11 +99,12 @@ impl Course {
     }
 
     /// A robot's joints and the pose of its tool, when it begins a step.
-    pub fn robot(&mut self, name: &str, demanded: impl Iterator<Item = f64>, measured: impl Iterator<Item = f64>, tool: Pose) {
+    pub fn robot(&mut self, time: u64, name: &str, [demanded, measured]: [&[f64]; 2], tool: Pose) {
         let robot = self.now.robots.iter_mut().find(|robot| robot.name == name);
         if let Some(robot) = robot {
-            robot.demanded.iter_mut().zip(demanded).for_each(|(q, of)| *q = of);
-            robot.measured.iter_mut().zip(measured).for_each(|(q, of)| *q = of);
+            robot.time = time as f64 * 1e-9;
+            robot.demanded.iter_mut().zip(demanded).for_each(|(q, of)| *q = *of);
+            robot.measured.iter_mut().zip(measured).for_each(|(q, of)| *q = *of);
             robot.tool = tool;
         }
     }
@@ -217,7 +219,7 @@ impl Witness for OnMemory {
                     <[u64; MAX_JOINTS]>::try_from(&words[..MAX_JOINTS]).unwrap_or_default().map(f64::from_bits)
                 };
                 let (demanded, measured) = (numbers(demanded), numbers(measured));
-                course.robot(name.as_str(), demanded.into_iter(), measured.into_iter(), tool);
+                course.robot(time, name.as_str(), [&demanded, &measured], tool);
             }
             What::Instruction { doing, by: generator, .. } => {
                 course.instruction(&by.to_string(), doing, &generator.to_string());

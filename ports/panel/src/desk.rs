@@ -131,8 +131,8 @@ fn now(picture: Picture) -> Now {
     let by = picture.by_whom().to_owned();
     let robot = |robot: RobotPicture| {
         let doing = robot.motion();
-        let RobotPicture { name, demanded, measured, tool, .. } = robot;
-        RobotNow { name, demanded, measured, tool, doing: doing.trim_start_matches([':', ' ']).to_owned() }
+        let RobotPicture { name, time, demanded, measured, tool, .. } = robot;
+        RobotNow { name, time, demanded, measured, tool, doing: doing.trim_start_matches([':', ' ']).to_owned() }
     };
     Now {
         time,
@@ -150,7 +150,8 @@ fn now(picture: Picture) -> Now {
         fault: picture.fault,
         help: picture.help,
         persisting: picture.persisting,
-        holder: picture.holder,
+        // This panel itself is told by which page has authority.
+        holder: picture.holder.filter(|pid| *pid != std::process::id()),
         robots: picture.robots.into_iter().map(robot).collect(),
         bodies: Vec::new(),
         processes: picture.processes.iter().map(process).collect(),

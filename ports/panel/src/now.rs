@@ -52,6 +52,8 @@ pub struct Now {
 #[derive(Clone, Debug)]
 pub struct RobotNow {
     pub name: String,
+    /// When it was so, the cell's time \[s\].
+    pub time: f64,
     /// Joint positions [rad or m].
     pub demanded: Vec<f64>,
     pub measured: Vec<f64>,
@@ -155,6 +157,7 @@ impl Looks {
         let round = |joints: &[f64]| joints.iter().map(|q| finite(rounded(*q))).collect::<Vec<_>>();
         Some(json!({
             "name": robot.name,
+            "time": robot.time,
             "demanded": round(&robot.demanded),
             "measured": round(&robot.measured),
             "doing": robot.doing,

@@ -94,7 +94,7 @@ fn take(course: &mut Course, layout: &Layout, time: u64, topic: &str, data: &[u8
             let joints = json[of]["joints"].as_array().map(Vec::as_slice).unwrap_or_default();
             joints.iter().map(|q| q.as_f64().unwrap_or(f64::NAN)).collect::<Vec<_>>()
         };
-        course.robot(name, joints("demanded").into_iter(), joints("measured").into_iter(), tool);
+        course.robot(time, name, [&joints("demanded"), &joints("measured")], tool);
     }
 }
 

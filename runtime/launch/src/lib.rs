@@ -172,9 +172,9 @@ pub fn launch(
     {
         return status;
     }
-    if options.panel && options.part.is_none() {
-        panel::begin([OsString::from("panel"), "--cell".into(), path.clone().into()]);
-    }
+    let is_shown = options.panel && options.part.is_none();
+    let _panel =
+        is_shown.then(|| panel::begin([OsString::from("panel"), "--cell".into(), path.clone().into()]));
     watched(cell, picture, path, options, parts)
 }
 

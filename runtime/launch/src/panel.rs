@@ -5,12 +5,17 @@
 
 use std::ffi::OsString;
 use std::os::unix::process::CommandExt;
-use std::process::{Command, ExitCode};
+use std::process::{Child, Command, ExitCode};
+use std::time::Duration;
 
 use super::outcome::report;
 use super::parts::Parts;
 use mrroc_core::console::refused;
 use mrroc_core::link::Clock;
+
+/// How often it is looked whether the panel has ended with its cell, and how many times at most.
+const LOOK: Duration = Duration::from_millis(50);
+const FAREWELL: u32 = 40;
 
 /// Whether a run can be shown.
 ///
@@ -29,14 +34,31 @@ pub(super) fn check(parts: &Parts, clock: Option<Clock>, is_dry: bool) -> Result
     Ok(())
 }
 
+/// The process that has the panel: it ends with its cell, and not later than who started it.
+#[must_use]
+pub(super) struct Begun(Option<Child>);
+
 /// Starts this program once more with these arguments, as the process that has the panel. The cell runs all the same if it cannot
 /// be started.
-pub(super) fn begin(arguments: impl IntoIterator<Item = OsString>) {
+pub(super) fn begin(arguments: impl IntoIterator<Item = OsString>) -> Begun {
     let started = std::env::current_exe().and_then(|program| {
         // In a group of its own: what is typed at the terminal is for the launcher, and the panel ends with the cell.
         Command::new(program).args(arguments).process_group(0).spawn()
     });
-    if let Err(error) = started {
-        report(&format!("the panel cannot be started: {error}"));
+    Begun(started.inspect_err(|error| report(&format!("the panel cannot be started: {error}"))).ok())
+}
+
+impl Drop for Begun {
+    fn drop(&mut self) {
+        let Some(child) = &mut self.0 else { return };
+        for _ in 0..FAREWELL {
+            if !matches!(child.try_wait(), Ok(None)) {
+                return;
+            }
+            std::thread::sleep(LOOK);
+        }
+        // Its cell has not begun, or was never this one.
+        let _ = child.kill();
+        let _ = child.wait();
     }
 }

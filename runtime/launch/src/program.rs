@@ -262,10 +262,9 @@ impl Launch {
             }
             None => cell.run().map(Ran::Here),
             Some(_) => {
-                if self.panel {
-                    let own = self.arguments.iter().cloned();
-                    panel::begin([OsString::from("panel"), OsString::new()].into_iter().chain(own));
-                }
+                let own = self.arguments.iter().cloned();
+                let asked = [OsString::from("panel"), OsString::new()].into_iter().chain(own);
+                let _panel = self.panel.then(|| panel::begin(asked.collect::<Vec<_>>()));
                 self.parts.launch(cell, self)
             }
         }

@@ -3,20 +3,34 @@
 // In: what the panel's process sends. Out: the page. `scene` draws the cell, `plots` the last minute, `operate` has the buttons,
 // `play` the time of a recording, `link` the connection.
 
-import { COLOURS, CellScene } from './scene.js';
+import { CellScene, NoScene } from './scene.js';
 import { Link } from './link.js';
 import { Operating } from './operate.js';
 import { Player } from './play.js';
-import { Plot } from './plots.js';
+import { LINES, Plot } from './plots.js';
 
 const by = (id) => document.getElementById(id);
 /** A picture that is older than this is told of [ms]. */
 const OLD = 1000;
 
-const scene = new CellScene(by('scene'), by('labels'));
-const plots = { joints: new Plot(by('plot-joints')), speed: new Plot(by('plot-speed')), late: new Plot(by('plot-late')) };
+const scene = drawn();
+const plots = {
+  joints: new Plot(by('plot-joints')), speed: new Plot(by('plot-speed'), by('speed-names')), late: new Plot(by('plot-late'), by('late-names')),
+};
 let layout = null, newest = null, cameAt = 0, over = '', closed = false, late = [];
 const before = new Map();
+
+/** The picture; a browser that cannot draw one operates the cell all the same. */
+function drawn() {
+  try {
+    return new CellScene(by('scene'), by('labels'));
+  } catch {
+    by('no-scene').hidden = false;
+    by('scene').hidden = true;
+    for (const element of document.querySelectorAll('.tools, .legend')) element.hidden = true;
+    return new NoScene();
+  }
+}
 
 const link = new Link(hear, (what, why) => {
   closed = what === 'closed';
@@ -68,6 +82,7 @@ function choose() {
   by('joints').replaceChildren(...joints.flatMap((joint, i) => {
     const name = document.createElement('span'), range = document.createElement('div'), value = document.createElement('output');
     name.textContent = `${i + 1}`;
+    name.style.borderLeftColor = LINES[i % LINES.length];
     range.className = 'range';
     range.append(document.createElement('b'), document.createElement('i'));
     value.textContent = '–';
@@ -108,13 +123,13 @@ function show(state) {
 
 /** The speed of a robot's tool since the state before [mm/s]. */
 function speed(name, state) {
-  const tool = state.robots.find((robot) => robot.name === name)?.tool, last = before.get(name);
+  const robot = state.robots.find((shown) => shown.name === name), tool = robot?.tool, last = before.get(name);
   if (!tool) return null;
-  const since = state.time - (last?.time ?? state.time);
+  const since = robot.time - (last?.time ?? robot.time);
   if (last && since <= 0) return last.speed;
   const way = last ? Math.hypot(...[0, 1, 2].map((i) => tool[i] - last.tool[i])) : 0;
   const fast = since > 0 ? (1000 * way) / since : 0;
-  before.set(name, { tool, time: state.time, speed: fast });
+  before.set(name, { tool, time: robot.time, speed: fast });
   return fast;
 }
 
@@ -138,12 +153,13 @@ function showJoints(state) {
 
 function showProcesses(state) {
   if (!state.processes.length) return;
-  const names = state.processes.slice(0, 8).map(({ name }) => name);
+  // An ECP waits for orders: it is late for nothing.
+  const timed = state.processes.filter(({ name }) => !name.startsWith('ecp')).slice(0, 8), names = timed.map(({ name }) => name);
   if (names.join() !== late.join()) {
     late = names;
     plots.late.begin(names);
   }
-  plots.late.add(state.time, state.processes.slice(0, 8).map((process) => process.late[1]));
+  plots.late.add(state.time, timed.map((process) => process.late[1]));
   if (!by('processes-part').open) return;
   by('processes').replaceChildren(...state.processes.map((process) => {
     const row = document.createElement('tr');
@@ -206,7 +222,10 @@ scene.theme();
 window.mrrocPanel = {
   camera: () => ({ view: scene.camera.matrixWorldInverse.toArray(), projection: scene.camera.projectionMatrix.toArray() }),
   state: () => newest,
-  colours: COLOURS,
+  isOpen: () => link.isOpen,
+  ask: (message) => link.ask(message),
+  cut: () => link.socket.close(),
+  marks: () => scene.marks(),
 };
 
 link.open();

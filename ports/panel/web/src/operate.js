@@ -99,7 +99,8 @@ export class Operating {
   authority({ page, yours }) {
     this.yours = yours;
     if (!yours) this.letGo();
-    by('authority').textContent = yours ? 'You have control.' : page ? `Page ${page} has control.` : 'Nobody has control.';
+    by('authority').textContent = yours ? 'You have control.' : page ? `Page ${page} has control.` : '';
+    this.page = page;
     this.draw();
   }
 
@@ -119,6 +120,9 @@ export class Operating {
     }
     document.querySelector('[data-do="suspend"]').setAttribute('aria-pressed', state?.state === 'suspended');
     by('speed').disabled = by('reduced').disabled = !open || !yours;
+    if (state && !yours && !this.page) {
+      by('authority').textContent = state.holder ? `The console of process ${state.holder} has control.` : 'Nobody has control.';
+    }
     if (state) {
       const percent = Math.round(100 * state.speed);
       by('speed-set').textContent = `${percent} %`;

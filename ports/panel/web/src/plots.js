@@ -6,11 +6,12 @@ import uPlot from 'uplot';
 import 'uplot/dist/uPlot.min.css';
 
 const MINUTE = 60;
-const LINES = ['#0072b2', '#e69f00', '#009e73', '#cc79a7', '#56b4e9', '#d55e00', '#8a6fb8', '#7f7f7f'];
+export const LINES = ['#0072b2', '#e69f00', '#009e73', '#cc79a7', '#56b4e9', '#d55e00', '#8a6fb8', '#7f7f7f'];
 
 export class Plot {
-  constructor(element) {
+  constructor(element, legend) {
     this.element = element;
+    this.legend = legend;
     this.names = [];
     this.data = [[]];
     new ResizeObserver(() => this.resize()).observe(element);
@@ -20,6 +21,12 @@ export class Plot {
   begin(names) {
     this.names = names;
     this.data = [[], ...names.map(() => [])];
+    this.legend?.replaceChildren(...names.map((name, i) => {
+      const item = document.createElement('span');
+      item.textContent = name;
+      item.style.borderLeftColor = LINES[i % LINES.length];
+      return item;
+    }));
     this.make();
   }
 

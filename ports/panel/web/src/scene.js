@@ -74,11 +74,20 @@ class Path {
   }
 }
 
+/** Whether pictures are drawn by the processor. */
+function isSoftware() {
+  const gl = document.createElement('canvas').getContext('webgl2'), about = gl?.getExtension('WEBGL_debug_renderer_info');
+  const name = about ? gl.getParameter(about.UNMASKED_RENDERER_WEBGL) : '';
+  gl?.getExtension('WEBGL_lose_context')?.loseContext();
+  return /swiftshader|llvmpipe|software/i.test(name);
+}
+
 export class CellScene {
   constructor(canvas, labels) {
     this.canvas = canvas;
     this.labels = labels;
-    this.renderer = new WebGLRenderer({ canvas, antialias: true, alpha: true, preserveDrawingBuffer: true });
+    // Where the processor draws, smooth edges cost more than all else.
+    this.renderer = new WebGLRenderer({ canvas, antialias: !isSoftware(), alpha: true });
     this.camera = new PerspectiveCamera(40, 1, 0.02, 200);
     this.camera.up.set(0, 0, 1);
     this.scene = new Scene();
@@ -148,14 +157,14 @@ export class CellScene {
       this.place(shown, robot);
       if (robot.tool && continues) {
         const at = robot.tool.slice(0, 3), before = shown.at;
-        const time = state.time - (before?.time ?? state.time);
+        const time = robot.time - (before?.time ?? robot.time);
         if (!before || Math.hypot(...at.map((x, i) => x - before.at[i])) > 1e-5) {
           const speed = before && time > 0 ? Math.hypot(...at.map((x, i) => x - before.at[i])) / time : 0;
           this.fastest = Math.max(this.fastest, speed);
           shown.path.add(at, speed);
           shown.path.draw(this.fastest);
         }
-        shown.at = { at, time: state.time };
+        shown.at = { at, time: robot.time };
       }
       shown.path.line.visible = this.showsPath;
     }
@@ -215,6 +224,9 @@ export class CellScene {
       [a, b].forEach(({ position, scale }) => take(position.x, position.y, position.z, scale.x));
     }));
     if (low.x > high.x) return;
+    // Arms may reach below the world's origin, as those do that stand on a column of their own.
+    this.floor = Math.min(0, low.z);
+    this.grid.position.z = this.floor;
     const middle = low.clone().add(high).multiplyScalar(0.5);
     const radius = Math.max(0.3, 0.5 * high.distanceTo(low));
     const narrow = Math.min(1, this.camera.aspect);
@@ -232,6 +244,7 @@ export class CellScene {
     if (this.grid) this.scene.remove(this.grid);
     this.grid = new GridHelper(8, 32, style.getPropertyValue('--grid').trim(), style.getPropertyValue('--grid-fine').trim());
     this.grid.rotation.x = Math.PI / 2;
+    this.grid.position.z = this.floor ?? 0;
     this.scene.add(this.grid);
     this.wake();
   }
@@ -246,13 +259,65 @@ export class CellScene {
     this.wake();
   }
 
+  /** Where marks of tools are in the picture that was drawn, in pixels of the page: the middles of their spots. */
+  marks() {
+    const gl = this.renderer.getContext(), [width, height] = [gl.drawingBufferWidth, gl.drawingBufferHeight];
+    this.axes(false);
+    this.renderer.render(this.scene, this.camera);
+    const bytes = new Uint8Array(4 * width * height);
+    gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, bytes);
+    this.axes(true);
+    this.wake();
+    const spots = [];
+    for (let y = 0; y < height; y++) {
+      for (let x = 0; x < width; x++) {
+        const at = 4 * (y * width + x);
+        if (bytes[at] < 200 || bytes[at + 1] > 60 || bytes[at + 2] < 140) continue;
+        const spot = spots.find((known) => Math.hypot(known.x / known.n - x, known.y / known.n - y) < 20);
+        if (spot) {
+          spot.x += x;
+          spot.y += y;
+          spot.n += 1;
+        } else {
+          spots.push({ x, y, n: 1 });
+        }
+      }
+    }
+    const ratio = this.renderer.getPixelRatio();
+    return spots.filter(({ n }) => n > 3).map(({ x, y, n }) => [(x / n + 0.5) / ratio, (height - y / n - 0.5) / ratio, n]);
+  }
+
+  /** Shows the axes of tools, or leaves them out. */
+  axes(shown) {
+    this.robots.forEach(({ axes, path, bar }) => {
+      axes.visible = shown;
+      path.line.visible = shown && this.showsPath;
+      bar.parts.forEach((part) => { part.material.visible = shown; });
+    });
+  }
+
   wake() {
-    if (this.asked) return;
+    if (this.asked) {
+      this.again = true;
+      return;
+    }
     this.asked = true;
+    const asked = performance.now();
     requestAnimationFrame(() => {
-      this.asked = false;
+      // A machine that draws late is given time for what matters more: the buttons.
+      const late = performance.now() - asked;
+      this.rest = late > 60 ? Math.min(2000, 2 * late) : 0;
       this.renderer.render(this.scene, this.camera);
       this.name();
+      const free = () => {
+        this.asked = false;
+        if (this.again) {
+          this.again = false;
+          this.wake();
+        }
+      };
+      if (this.rest) setTimeout(free, this.rest);
+      else free();
     });
   }
 
@@ -267,6 +332,25 @@ export class CellScene {
       label.hidden = Math.abs(at.x) > 1 || Math.abs(at.y) > 1 || at.z > 1;
       label.style.transform = `translate(${(0.5 + 0.5 * at.x) * width + 8}px, ${(0.5 - 0.5 * at.y) * height + 6}px)`;
     });
+  }
+}
+
+/** In its place, where nothing can be drawn. */
+export class NoScene {
+  fastest = 0;
+
+  build() {}
+
+  show() {}
+
+  forget() {}
+
+  look() {}
+
+  theme() {}
+
+  marks() {
+    return [];
   }
 }
 
