@@ -75,6 +75,18 @@ impl Desk {
         Ok((Desk { requests, stops }, shown))
     }
 
+    /// A desk of a test, which answers by a function.
+    #[cfg(test)]
+    pub fn of(answers: impl Fn(&Request) -> Reply + Send + Sync + 'static) -> Desk {
+        let answers = Arc::new(answers);
+        let (requests, waiting) = sync_channel::<Job>(WAITING);
+        let of = Arc::clone(&answers);
+        std::thread::spawn(move || waiting.iter().for_each(|job| drop(job.answer.send(of(&job.request)))));
+        let (stops, waiting) = channel::<Job>();
+        std::thread::spawn(move || waiting.iter().for_each(|job| drop(job.answer.send(answers(&job.request)))));
+        Desk { requests, stops }
+    }
+
     /// Asks for something; the answer comes within seconds.
     pub fn ask(&self, request: Request) -> oneshot::Receiver<Reply> {
         let (answer, answered) = oneshot::channel();

@@ -41,6 +41,8 @@ mod server;
 mod socket;
 #[cfg(all(feature = "server", target_os = "linux"))]
 mod stand;
+#[cfg(all(test, feature = "server", target_os = "linux"))]
+mod tests;
 
 #[cfg(all(feature = "server", target_os = "linux"))]
 pub use panel::InBrowser;
