@@ -56,7 +56,15 @@ impl Course {
             bodies: vec![None; layout.bodies.len()],
             ..Now::default()
         };
-        Course { moments: Vec::new(), now, every: EVERY, due: 0, suspended: false, aborting: false, over: false }
+        Course {
+            moments: Vec::new(),
+            now,
+            every: EVERY,
+            due: 0,
+            suspended: false,
+            aborting: false,
+            over: false,
+        }
     }
 
     /// Whether what happens at a time of the cell \[ns\] is wanted of each robot: the moment after it is kept.
@@ -82,7 +90,9 @@ impl Course {
 
     /// Keeps the cell as it is at a time \[ns\], if it is due or the run is over.
     fn keep(&mut self, time: u64) {
-        if time < self.due && !self.over || self.now.robots.iter().any(|robot| robot.measured.iter().any(|q| q.is_nan())) {
+        if time < self.due && !self.over
+            || self.now.robots.iter().any(|robot| robot.measured.iter().any(|q| q.is_nan()))
+        {
             return;
         }
         self.now.time = time as f64 * 1e-9;
@@ -128,7 +138,8 @@ impl Course {
         } else if let Some(name) = process.strip_prefix("ecp ")
             && let Some(robot) = self.now.robots.iter_mut().find(|robot| robot.name == name)
         {
-            robot.doing = if doing == Doing::Nothing { String::new() } else { format!("{} {by}", doing.word()) };
+            robot.doing =
+                if doing == Doing::Nothing { String::new() } else { format!("{} {by}", doing.word()) };
         }
         self.tell();
     }
@@ -216,7 +227,9 @@ impl Witness for OnMemory {
                 let (demanded, measured) = words.split_at(STATE_WORDS);
                 let Ok(tool) = Pose::get(&measured[2 * MAX_JOINTS..]) else { return };
                 let numbers = |words: &[u64]| {
-                    <[u64; MAX_JOINTS]>::try_from(&words[..MAX_JOINTS]).unwrap_or_default().map(f64::from_bits)
+                    <[u64; MAX_JOINTS]>::try_from(&words[..MAX_JOINTS])
+                        .unwrap_or_default()
+                        .map(f64::from_bits)
                 };
                 let (demanded, measured) = (numbers(demanded), numbers(measured));
                 course.robot(time, name.as_str(), [&demanded, &measured], tool);

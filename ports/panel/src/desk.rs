@@ -11,6 +11,7 @@ use std::time::{Duration, Instant};
 use axum::extract::ws::Utf8Bytes;
 use mrroc_core::operator::LAPSE;
 use mrroc_core::operator::button::Button;
+use mrroc_launch::panel::AWAITED;
 use mrroc_processes::{Caller, Heard, Picture, ProcessPicture, Reply, Request, RobotPicture};
 use serde_json::{Value, json};
 use tokio::sync::{oneshot, watch};
@@ -55,11 +56,11 @@ impl Desk {
     /// # Errors
     /// No such cell runs, or it does not answer; with what to do.
     pub fn open(cell: &Path, looks: Arc<Looks>) -> std::io::Result<(Desk, watch::Receiver<Shown>)> {
-        let since = Instant::now();
+        let (since, is_awaited) = (Instant::now(), std::env::var_os(AWAITED).is_some());
         let mut watching = loop {
             match Caller::to(cell) {
                 Ok(caller) => break caller,
-                Err(error) if since.elapsed() > STARTING => return Err(error),
+                Err(error) if !is_awaited || since.elapsed() > STARTING => return Err(error),
                 Err(_) => std::thread::sleep(Duration::from_millis(100)),
             }
         };
@@ -83,7 +84,9 @@ impl Desk {
         let of = Arc::clone(&answers);
         std::thread::spawn(move || waiting.iter().for_each(|job| drop(job.answer.send(of(&job.request)))));
         let (stops, waiting) = channel::<Job>();
-        std::thread::spawn(move || waiting.iter().for_each(|job| drop(job.answer.send(answers(&job.request)))));
+        std::thread::spawn(move || {
+            waiting.iter().for_each(|job| drop(job.answer.send(answers(&job.request))))
+        });
         Desk { requests, stops }
     }
 
@@ -144,7 +147,14 @@ fn now(picture: Picture) -> Now {
     let robot = |robot: RobotPicture| {
         let doing = robot.motion();
         let RobotPicture { name, time, demanded, measured, tool, .. } = robot;
-        RobotNow { name, time, demanded, measured, tool, doing: doing.trim_start_matches([':', ' ']).to_owned() }
+        RobotNow {
+            name,
+            time,
+            demanded,
+            measured,
+            tool,
+            doing: doing.trim_start_matches([':', ' ']).to_owned(),
+        }
     };
     Now {
         time,
@@ -189,7 +199,8 @@ fn carry(cell: &Path, jobs: &Receiver<Job>) {
     let mut line = Line::to(cell);
     while let Ok(job) = jobs.recv() {
         // A renewal that has waited is none: whoever held may have let go since.
-        let is_late = matches!(job.request, Request::Press(Button::Hold(_))) && job.since.elapsed() > LAPSE / 3;
+        let is_late =
+            matches!(job.request, Request::Press(Button::Hold(_))) && job.since.elapsed() > LAPSE / 3;
         let reply = if is_late {
             Reply::Refused("the renewal came too late".to_owned())
         } else {

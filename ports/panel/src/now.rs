@@ -2,7 +2,6 @@
 //!
 //! In: a [`Now`], and what the cell is made of. Out: JSON. Links are capsules in the world; kinematics are the robots' own.
 
-
 use mrroc_core::nalgebra::Vector3;
 use mrroc_core::observe::layout::{BodyLayout, Figure, Layout, RobotLayout};
 use mrroc_core::pose::Pose;
@@ -89,9 +88,9 @@ impl Looks {
             JointKind::Prismatic => "prismatic",
         };
         let robots = self.robots.iter().map(|robot| {
-            let joints = robot.joints.iter().map(|of| {
-                json!({"kind": joint(of.kind), "lower": finite(of.lower), "upper": finite(of.upper)})
-            });
+            let joints = robot.joints.iter().map(
+                |of| json!({"kind": joint(of.kind), "lower": finite(of.lower), "upper": finite(of.upper)}),
+            );
             json!({
                 "name": robot.name,
                 "kind": robot.kind,
@@ -217,4 +216,3 @@ fn numbers(pose: &Pose) -> [f64; 7] {
     let (p, q) = (&pose.translation, &pose.rotation);
     [p.x, p.y, p.z, q.i, q.j, q.k, q.w].map(rounded)
 }
-

@@ -6,7 +6,8 @@ use axum::body::Body;
 use axum::http::{Response, StatusCode, header};
 
 /// What the page may do: run its own script, and connect to its own panel.
-const POLICY: &str = "default-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'; object-src 'none'";
+const POLICY: &str =
+    "default-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'; object-src 'none'";
 
 const FILES: [(&str, &str, &[u8]); 5] = [
     ("/", "text/html; charset=utf-8", include_bytes!("../web/dist/index.html")),

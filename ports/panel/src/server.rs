@@ -134,7 +134,10 @@ pub async fn serve(listener: TcpListener, panel: Arc<Panel>) -> std::io::Result<
 async fn admit(State(panel): State<Arc<Panel>>, request: Request, next: Next) -> Response<Body> {
     let way = if request.uri().path() == "/connect" { Way::Connection } else { Way::File };
     if request.method() != Method::GET {
-        return page::told(StatusCode::METHOD_NOT_ALLOWED, "the panel is only read; it is operated by its page");
+        return page::told(
+            StatusCode::METHOD_NOT_ALLOWED,
+            "the panel is only read; it is operated by its page",
+        );
     }
     let admitted = {
         let header = |name| request.headers().get(name).and_then(|value| value.to_str().ok());

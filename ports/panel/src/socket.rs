@@ -99,7 +99,11 @@ async fn write(
         let holder = panel.stand.holder();
         if told != Some(holder) {
             told = Some(holder);
-            next = Some(json!({"kind": "authority", "page": holder, "yours": holder == Some(page)}).to_string().into());
+            next = Some(
+                json!({"kind": "authority", "page": holder, "yours": holder == Some(page)})
+                    .to_string()
+                    .into(),
+            );
             continue;
         }
         next = tokio::select! {
@@ -134,7 +138,12 @@ async fn changed(shown: Option<&mut tokio::sync::watch::Receiver<crate::desk::Sh
 }
 
 /// Takes the messages of a page until it goes; why, in words that follow others.
-async fn read(hears: &mut SplitStream<WebSocket>, panel: &Arc<Panel>, page: Page, answers: &Answers) -> String {
+async fn read(
+    hears: &mut SplitStream<WebSocket>,
+    panel: &Arc<Panel>,
+    page: Page,
+    answers: &Answers,
+) -> String {
     let mut rate = Rate::begin(panel.now());
     let (mut bad, mut stopping) = (0, None::<tokio::task::JoinHandle<()>>);
     while let Some(frame) = hears.next().await {
@@ -142,7 +151,9 @@ async fn read(hears: &mut SplitStream<WebSocket>, panel: &Arc<Panel>, page: Page
             Ok(Frame::Text(text)) => text,
             Ok(Frame::Ping(_) | Frame::Pong(_)) if rate.may(panel.now()) => continue,
             Ok(Frame::Close(_)) => break,
-            Ok(Frame::Binary(_) | Frame::Ping(_) | Frame::Pong(_)) => return ": it sent what is no text".to_owned(),
+            Ok(Frame::Binary(_) | Frame::Ping(_) | Frame::Pong(_)) => {
+                return ": it sent what is no text".to_owned();
+            }
             Err(error) => return format!(": {error}"),
         };
         let may = rate.may(panel.now());
@@ -186,7 +197,12 @@ fn answer(answers: &Answers, number: u64, outcome: &str, text: &str) -> Result<(
 }
 
 /// Stops the cell, for any page with the token.
-fn stop(panel: &Arc<Panel>, page: Page, number: u64, answers: &Answers) -> Option<tokio::task::JoinHandle<()>> {
+fn stop(
+    panel: &Arc<Panel>,
+    page: Page,
+    number: u64,
+    answers: &Answers,
+) -> Option<tokio::task::JoinHandle<()>> {
     match &panel.source {
         Source::Running(desk, _) => Some(carry(panel, page, "stop", desk.stop(), number, answers)),
         Source::Over(_) => {
@@ -263,7 +279,9 @@ fn obey(panel: &Arc<Panel>, page: Page, message: Message, answers: &Answers) -> 
             Some(button) => ask("let go", Request::Press(button)),
             None => answer(answers, number, "done", "nothing is held"),
         },
-        Asked::Token(_) | Asked::Frame(_) => refused("this is a cell that runs, and the page is let in already"),
+        Asked::Token(_) | Asked::Frame(_) => {
+            refused("this is a cell that runs, and the page is let in already")
+        }
         Asked::Stop => Ok(()),
     }
 }

@@ -210,7 +210,12 @@ fn fault_201_what_does_not_come_from_the_panels_own_page_is_refused() {
         (format!("POST / HTTP/1.1\r\nHost: {host}\r\nContent-Length: 0"), "405"),
         (format!("GET /connect HTTP/1.1\r\nHost: {host}\r\n{upgrade}"), "403"),
         (format!("GET /connect HTTP/1.1\r\nHost: {host}\r\nOrigin: http://evil.example\r\n{upgrade}"), "403"),
-        (format!("GET /connect HTTP/1.1\r\nHost: evil.example\r\nOrigin: http://evil.example\r\n{upgrade}"), "403"),
+        (
+            format!(
+                "GET /connect HTTP/1.1\r\nHost: evil.example\r\nOrigin: http://evil.example\r\n{upgrade}"
+            ),
+            "403",
+        ),
         (format!("GET /connect HTTP/1.1\r\nHost: {host}\r\nOrigin: http://{host}\r\n{upgrade}"), "101"),
     ] {
         assert_eq!(served.status(&request), status, "{request}");
@@ -302,13 +307,16 @@ fn a_page_is_shown_the_links_and_the_tool_where_the_robots_own_kinematics_have_t
         doing: String::new(),
     };
     let state = looks().state(&Now { robots: vec![robot], ..Now::default() });
-    let numbers = |value: &Value| value.as_array().expect("a list").iter().map(|x| x.as_f64().expect("a number")).collect::<Vec<_>>();
+    let numbers = |value: &Value| {
+        value.as_array().expect("a list").iter().map(|x| x.as_f64().expect("a number")).collect::<Vec<_>>()
+    };
     let shown = numbers(&state["robots"][0]["tool"]);
     let at = tool.translation.vector;
     assert!((0..3).all(|i| (shown[i] - at[i]).abs() < 1e-6), "{shown:?} {at}");
     let mut flange = Vec::new();
     Irp6::nominal().frames(&joints, &mut |frame| flange = frame.translation.vector.as_slice().to_vec());
-    let last = numbers(state["robots"][0]["frames"].as_array().and_then(|frames| frames.last()).expect("a frame"));
+    let last =
+        numbers(state["robots"][0]["frames"].as_array().and_then(|frames| frames.last()).expect("a frame"));
     assert!((0..3).all(|i| (last[i] - flange[i]).abs() < 1e-6), "{last:?} {flange:?}");
     assert!(state["robots"][0]["links"].as_array().is_some_and(|links| links.len() > 2));
 }

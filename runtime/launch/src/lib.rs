@@ -11,7 +11,7 @@ pub mod files;
 pub mod network;
 mod options;
 pub mod outcome;
-mod panel;
+pub mod panel;
 mod parts;
 pub mod patience;
 mod program;
@@ -89,11 +89,7 @@ pub fn launch(
         Some(Word::External { name }) => Some((Asked::Python, name)),
         Some(Word::Certificates { folder }) => Some((Asked::Certificates, folder)),
         Some(
-            Word::Node { .. }
-            | Word::Doctor
-            | Word::Operating(_)
-            | Word::Replay { .. }
-            | Word::Panel { .. },
+            Word::Node { .. } | Word::Doctor | Word::Operating(_) | Word::Replay { .. } | Word::Panel { .. },
         )
         | None => None,
     };

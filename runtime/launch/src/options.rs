@@ -321,8 +321,7 @@ pub(super) fn split_asked(mut arguments: Vec<OsString>) -> (Option<(Asked, Strin
     let word = arguments.first().filter(|_| arguments.len() > 1 || is_panel).and_then(|word| word.to_str());
     let Some(asked) = word.and_then(Asked::of) else { return (None, arguments) };
     // The name of a recording need not follow.
-    let is_alone =
-        is_panel && arguments.get(1).is_none_or(|name| name.as_encoded_bytes().starts_with(b"-"));
+    let is_alone = is_panel && arguments.get(1).is_none_or(|name| name.as_encoded_bytes().starts_with(b"-"));
     if is_alone {
         arguments.remove(0);
         return (Some((asked, String::new())), arguments);

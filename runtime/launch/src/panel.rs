@@ -17,6 +17,9 @@ use mrroc_core::link::Clock;
 const LOOK: Duration = Duration::from_millis(50);
 const FAREWELL: u32 = 40;
 
+/// A variable of the environment of a panel whose cell is being started: it is waited for.
+pub const AWAITED: &str = "MRROC_PANEL_AWAITS";
+
 /// Whether a run can be shown.
 ///
 /// # Errors
@@ -43,7 +46,7 @@ pub(super) struct Begun(Option<Child>);
 pub(super) fn begin(arguments: impl IntoIterator<Item = OsString>) -> Begun {
     let started = std::env::current_exe().and_then(|program| {
         // In a group of its own: what is typed at the terminal is for the launcher, and the panel ends with the cell.
-        Command::new(program).args(arguments).process_group(0).spawn()
+        Command::new(program).args(arguments).env(AWAITED, "1").process_group(0).spawn()
     });
     Begun(started.inspect_err(|error| report(&format!("the panel cannot be started: {error}"))).ok())
 }

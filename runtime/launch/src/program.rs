@@ -226,7 +226,8 @@ impl Launch {
             cell.check()?;
             let recording = Some(Path::new(recording)).filter(|file| !file.as_os_str().is_empty());
             let file = self.cell.clone().map_or_else(std::env::current_exe, Ok);
-            let shown = file.map_or_else(|error| refused(&error), |file| self.parts.show(&cell, &file, recording));
+            let shown =
+                file.map_or_else(|error| refused(&error), |file| self.parts.show(&cell, &file, recording));
             return Ok(Ran::Part(shown));
         }
         if let Some((asked, robot)) = &self.asked {

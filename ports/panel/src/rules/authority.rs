@@ -101,7 +101,10 @@ mod tests {
         assert_eq!(authority.check(1, MS(0)), Err(NoAuthority::None));
         assert_eq!(authority.take(1, MS(0)), Ok(()));
         assert_eq!(authority.take(2, MS(10)), Err(NoAuthority::Another(1)));
-        assert_eq!((authority.check(1, MS(20)), authority.check(2, MS(20))), (Ok(()), Err(NoAuthority::Another(1))));
+        assert_eq!(
+            (authority.check(1, MS(20)), authority.check(2, MS(20))),
+            (Ok(()), Err(NoAuthority::Another(1)))
+        );
         // What the other page says keeps nothing alive and takes nothing away.
         authority.beat(2, MS(299));
         assert!(!authority.let_go(2));
@@ -111,7 +114,8 @@ mod tests {
     }
 
     #[test]
-    fn fault_202_authority_lapses_three_hundred_milliseconds_after_the_last_sign_of_life_and_does_not_come_back() {
+    fn fault_202_authority_lapses_three_hundred_milliseconds_after_the_last_sign_of_life_and_does_not_come_back()
+     {
         let mut authority = Authority::default();
         authority.take(1, MS(0)).expect("nobody had it");
         for i in 1..=10 {

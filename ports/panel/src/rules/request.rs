@@ -145,7 +145,10 @@ mod tests {
             (r#"{"n":3,"do":"stop"}"#, Asked::Stop),
             (r#"{"n":3,"do":"take"}"#, Asked::Take),
             (r#"{"n":3,"do":"suspend","epoch":2,"step":40}"#, Asked::Press(Button::Suspend, stamp)),
-            (r#"{"n":3,"do":"speed","rest":"50%","epoch":2,"step":40}"#, Asked::Press(Button::Speed(0.5), stamp)),
+            (
+                r#"{"n":3,"do":"speed","rest":"50%","epoch":2,"step":40}"#,
+                Asked::Press(Button::Speed(0.5), stamp),
+            ),
             (r#"{"n":3,"do":"hold","begins":true,"epoch":2,"step":40}"#, Asked::Hold(true, stamp)),
             (r#"{"n":3,"do":"hold","epoch":2,"step":40}"#, Asked::Hold(false, stamp)),
             (r#"{"n":3,"do":"release"}"#, Asked::Release),

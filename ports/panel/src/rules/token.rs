@@ -54,7 +54,9 @@ mod tests {
         let text = token.to_string();
         assert!(text.len() == 32 && text.bytes().all(|digit| digit.is_ascii_hexdigit()));
         assert!(token.is(&text) && !token.is(&other.to_string()));
-        for wrong in ["", &text[..31], &format!("{text}0"), &text.to_uppercase().replace(char::is_numeric, "x")] {
+        for wrong in
+            ["", &text[..31], &format!("{text}0"), &text.to_uppercase().replace(char::is_numeric, "x")]
+        {
             assert!(!token.is(wrong), "{wrong}");
         }
         for place in 0..32 {

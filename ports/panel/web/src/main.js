@@ -15,7 +15,7 @@ const OLD = 1000;
 
 const scene = drawn();
 const plots = {
-  joints: new Plot(by('plot-joints')), speed: new Plot(by('plot-speed'), by('speed-names')), late: new Plot(by('plot-late'), by('late-names')),
+  joints: new Plot(by('plot-joints')), speed: new Plot(by('plot-speed'), by('speed-names'), 20), late: new Plot(by('plot-late'), by('late-names')),
 };
 let layout = null, newest = null, cameAt = 0, over = '', closed = false, late = [];
 const before = new Map();

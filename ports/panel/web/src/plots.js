@@ -9,8 +9,10 @@ const MINUTE = 60;
 export const LINES = ['#0072b2', '#e69f00', '#009e73', '#cc79a7', '#56b4e9', '#d55e00', '#8a6fb8', '#7f7f7f'];
 
 export class Plot {
-  constructor(element, legend) {
+  /** `least`: a curve from 0 whose axis is at least as high as this. */
+  constructor(element, legend, least) {
     this.element = element;
+    this.least = least;
     this.legend = legend;
     this.names = [];
     this.data = [[]];
@@ -40,7 +42,7 @@ export class Plot {
     const { clientWidth: width, clientHeight: height } = this.element;
     this.plot = new uPlot({
       width: Math.max(60, width), height: Math.max(40, height),
-      scales: { x: { time: false } },
+      scales: { x: { time: false }, ...(this.least ? { y: { range: (_, low, high) => [0, Math.max(this.least, 1.1 * high)] } } : {}) },
       series: [{ label: 's', value: (_, t) => (t === null ? '' : t.toFixed(2)) }, ...series],
       axes: [{ ...axis, values: seconds, size: 22, space: 70 }, { ...axis, size: 46 }],
       legend: { show: false },

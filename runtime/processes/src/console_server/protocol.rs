@@ -169,8 +169,8 @@ mod tests {
     use super::*;
     use crate::figures::{FIGURES_WORDS, Figures};
     use mrroc_core::link::places::MAX_PROCESSES;
-    use mrroc_core::operator::button::CellState;
     use mrroc_core::nalgebra::Vector3;
+    use mrroc_core::operator::button::CellState;
     use mrroc_core::operator::state::Doing;
     use mrroc_core::pose::Pose;
     use mrroc_core::robot::MAX_JOINTS;
