@@ -12,9 +12,10 @@ const RECORDING: Parts = Parts {
     recorder: Some(&mrroc_recording::Mcap),
     replay: Some(mrroc_recording::replay_command),
     processes: None,
+    panel: None,
 };
 #[cfg(not(feature = "recording"))]
-const RECORDING: Parts = Parts { recorder: None, replay: None, processes: None };
+const RECORDING: Parts = Parts { recorder: None, replay: None, processes: None, panel: None };
 
 #[cfg(all(feature = "processes", target_os = "linux"))]
 const PROCESSES: Option<&'static dyn mrroc_launch::Processes> =
@@ -27,7 +28,12 @@ const VIEW: Option<mrroc_processes::View> = Some(mrroc_view::view);
 #[cfg(all(feature = "processes", not(feature = "view"), target_os = "linux"))]
 const VIEW: Option<mrroc_processes::View> = None;
 
-static PARTS: Parts = Parts { processes: PROCESSES, ..RECORDING };
+#[cfg(all(feature = "panel", target_os = "linux"))]
+const PANEL: Option<&'static dyn mrroc_launch::Panel> = Some(&mrroc_panel::InBrowser);
+#[cfg(not(all(feature = "panel", target_os = "linux")))]
+const PANEL: Option<&'static dyn mrroc_launch::Panel> = None;
+
+static PARTS: Parts = Parts { processes: PROCESSES, panel: PANEL, ..RECORDING };
 
 /// The main function of a task program: `cell` makes a cell from `cell.toml`, and the cell is run with the options of
 /// the command line.

@@ -11,6 +11,7 @@ pub mod files;
 pub mod network;
 mod options;
 pub mod outcome;
+pub mod panel;
 mod parts;
 pub mod patience;
 mod program;
@@ -18,6 +19,7 @@ mod running;
 mod table;
 mod telling;
 
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -36,7 +38,7 @@ use crate::table::Table;
 use crate::telling::Asked;
 
 pub use crate::options::Operating;
-pub use crate::parts::{Parts, Processes, Replays};
+pub use crate::parts::{LooksOn, Panel, Parts, Processes, Replays};
 pub use crate::program::{Launch, Ran};
 
 /// The main function of a task program: `cell` makes a cell from `cell.toml`, and this function runs it with the
@@ -70,7 +72,8 @@ pub fn launch(
             | Word::ExportUrdf { .. }
             | Word::External { .. }
             | Word::Node { .. }
-            | Word::Certificates { .. },
+            | Word::Certificates { .. }
+            | Word::Panel { .. },
         )
         | None => {}
     }
@@ -85,8 +88,14 @@ pub fn launch(
         Some(Word::ExportUrdf { robot }) => Some((Asked::Urdf, robot)),
         Some(Word::External { name }) => Some((Asked::Python, name)),
         Some(Word::Certificates { folder }) => Some((Asked::Certificates, folder)),
-        Some(Word::Node { .. } | Word::Doctor | Word::Operating(_) | Word::Replay { .. }) | None => None,
+        Some(
+            Word::Node { .. } | Word::Doctor | Word::Operating(_) | Word::Replay { .. } | Word::Panel { .. },
+        )
+        | None => None,
     };
+    if let Some(Word::Panel { recording }) = &options.word {
+        return parts.show(&cell, &path, recording.as_deref());
+    }
     if let Some((asked, name)) = asked {
         return telling::tell(&mut cell, name, asked);
     }
@@ -141,11 +150,16 @@ pub fn launch(
         };
         return if options.quiet { ExitCode::SUCCESS } else { say(&well) };
     }
+    if options.panel
+        && let Err(status) = panel::check(parts, clock, options.dry_run)
+    {
+        return status;
+    }
     if options.part.is_none() && clock.is_none() {
         return match &options.word {
             Some(Word::Replay { file, partial }) => parts.replay(cell, file, *partial, options.quiet),
             _ if options.dry_run => dry_run(cell, options.quiet),
-            _ => run(cell, picture, &options),
+            _ => run(cell, picture, &options, parts),
         };
     }
     if options.part.is_none()
@@ -154,6 +168,9 @@ pub fn launch(
     {
         return status;
     }
+    let is_shown = options.panel && options.part.is_none();
+    let _panel =
+        is_shown.then(|| panel::begin([OsString::from("panel"), "--cell".into(), path.clone().into()]));
     watched(cell, picture, path, options, parts)
 }
 

@@ -61,6 +61,9 @@ pub(super) struct Options {
     /// tool faster than 250 mm/s.
     #[arg(long, help_heading = "Processes")]
     pub(super) reduced: bool,
+    /// Show the cell in a browser, and operate it there; without --processes, show the run when it is over (feature `panel`).
+    #[arg(long)]
+    pub(super) panel: bool,
     /// Let simulated drives stand in for real ones, as in a dry run.
     #[arg(long)]
     pub(super) simulated: bool,
@@ -136,6 +139,11 @@ pub(super) enum Word {
     Certificates {
         /// A new folder.
         folder: String,
+    },
+    /// Show the cell, which runs in another terminal, or a recording of it, in a browser (feature `panel`).
+    Panel {
+        /// The recording.
+        recording: Option<PathBuf>,
     },
     #[command(flatten)]
     Operating(OperatingWord),
@@ -309,10 +317,27 @@ pub(super) enum AskedRecording {
 
 /// Splits off `calibration ROBOT`, `export-urdf ROBOT` or `external NAME` at the beginning.
 pub(super) fn split_asked(mut arguments: Vec<OsString>) -> (Option<(Asked, String)>, Vec<OsString>) {
-    let word = arguments.first().filter(|_| arguments.len() > 1).and_then(|word| word.to_str());
+    let is_panel = arguments.first().is_some_and(|word| word == "panel");
+    let word = arguments.first().filter(|_| arguments.len() > 1 || is_panel).and_then(|word| word.to_str());
     let Some(asked) = word.and_then(Asked::of) else { return (None, arguments) };
+    // The name of a recording need not follow.
+    let is_alone = is_panel && arguments.get(1).is_none_or(|name| name.as_encoded_bytes().starts_with(b"-"));
+    if is_alone {
+        arguments.remove(0);
+        return (Some((asked, String::new())), arguments);
+    }
     let name = arguments.drain(..2).next_back();
     (name.map(|name| (asked, name.to_string_lossy().into_owned())), arguments)
+}
+
+/// Splits off `--panel`.
+pub(super) fn split_panel(mut arguments: Vec<OsString>) -> (bool, Vec<OsString>) {
+    let own = arguments.iter().position(|argument| argument == "--").unwrap_or(arguments.len());
+    let at = arguments[..own].iter().position(|argument| argument == "--panel");
+    if let Some(at) = at {
+        arguments.remove(at);
+    }
+    (at.is_some(), arguments)
 }
 
 /// Splits off `replay FILE` at the beginning, or else the first `--record FILE`.

@@ -5,11 +5,14 @@
 
 use std::path::Path;
 use std::process::ExitCode;
+use std::rc::Rc;
 
 use crate::cell_file::CellFile;
 use mrroc_core::cell::{Cell, CellError, Nodes};
 use mrroc_core::fault::ProcessId;
+use mrroc_core::observe::layout::Layout;
 use mrroc_core::observe::recording::{NotRecorded, Recorder};
+use mrroc_core::observe::witness::Witness;
 
 use crate::options::Operating;
 use crate::program::{Launch, Ran};
@@ -27,6 +30,26 @@ pub struct Parts {
     pub replay: Option<Replays>,
     /// Runs cells as processes of the operating system: `--processes`.
     pub processes: Option<&'static dyn Processes>,
+    /// Shows a cell in a browser: `--panel`, `panel`.
+    pub panel: Option<&'static dyn Panel>,
+}
+
+/// Shows a cell in a browser, and lets an operator operate it there.
+pub trait Panel: core::fmt::Debug + Sync {
+    /// Shows the cell of the file at `cell`, which runs as processes, and operates it, until it ends.
+    fn attend(&self, layout: Layout, cell: &Path) -> ExitCode;
+
+    /// Shows a recording of a cell of this layout, until it is ended by a signal.
+    fn play(&self, layout: Layout, recording: &Path) -> ExitCode;
+
+    /// Begins to look on at a run on the memory link.
+    fn look_on(&self, layout: Layout) -> Rc<dyn LooksOn>;
+}
+
+/// Who looks on at a run on the memory link, and shows it afterwards.
+pub trait LooksOn: Witness {
+    /// The run is over: shows it until this process is ended by a signal.
+    fn show(&self) -> ExitCode;
 }
 
 /// Runs and operates cells as processes of the operating system.
@@ -61,6 +84,9 @@ pub trait Processes: core::fmt::Debug + Sync {
     /// [`CellError`]: what was refused, before any robot moves; or the first cause of a stop.
     fn launch(&self, cell: Cell, how: Launch) -> Result<Ran, CellError>;
 }
+
+const NO_PANEL: &str = "this program was built without the panel\n help: build it with mrroc's feature `panel`: \
+                        cargo run --release --features mrroc/panel -- --processes --panel";
 
 const NO_PROCESSES: &str = "this program was built without processes\n help: on Linux, build it with mrroc's feature `processes`: \
                             cargo run --release --features mrroc/processes -- --processes";
@@ -115,6 +141,23 @@ impl Parts {
         match self.replay {
             Some(replay) => replay(cell, file, partial, quiet),
             None => refuse(&NotRecorded::NoFeature),
+        }
+    }
+
+    /// The panel.
+    ///
+    /// # Errors
+    /// The program was built without it; that has been told.
+    pub(crate) fn panel(&self) -> Result<&'static dyn Panel, ExitCode> {
+        self.panel.ok_or_else(|| refuse(&NO_PANEL))
+    }
+
+    /// Shows a cell that runs as processes, or a recording of it, in a browser.
+    pub(crate) fn show(&self, cell: &Cell, file: &Path, recording: Option<&Path>) -> ExitCode {
+        match (self.panel(), recording) {
+            (Ok(panel), Some(recording)) => panel.play(cell.layout(), recording),
+            (Ok(panel), None) => panel.attend(cell.layout(), file),
+            (Err(status), _) => status,
         }
     }
 

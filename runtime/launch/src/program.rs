@@ -5,15 +5,18 @@
 //! this process.
 
 use std::ffi::OsString;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::rc::Rc;
 use std::time::Duration;
 
 use super::files::check_outputs;
 use super::options::{
-    AskedRecording, Word, help_beside_own, is_word, parse, split_asked, split_part, split_recording,
+    AskedRecording, Word, help_beside_own, is_word, parse, split_asked, split_panel, split_part,
+    split_recording,
 };
 use super::outcome::answered;
+use super::panel;
 use super::parts::Parts;
 use super::recorded;
 use super::telling::{self, Asked};
@@ -22,6 +25,7 @@ use mrroc_core::console::refused;
 use mrroc_core::fault::ProcessId;
 use mrroc_core::link::Clock;
 use mrroc_core::observe::NotRecorded;
+use mrroc_core::observe::witness::Witness;
 
 /// How a task program with a command line of its own runs its cell; [`launch`](crate) is for all others.
 ///
@@ -38,6 +42,8 @@ pub struct Launch {
     pub(super) recording: Option<AskedRecording>,
     /// What is asked of a robot or a sensor, by name, and nothing else.
     pub(super) asked: Option<(Asked, String)>,
+    /// Whether the cell is shown in a browser.
+    pub(super) panel: bool,
     /// By which clock the cell runs as processes; `None`: on the memory link.
     pub clock: Option<Clock>,
     /// How long a process polls for messages before it sleeps \[ns\].
@@ -74,11 +80,13 @@ impl Launch {
         let (part, arguments) = split_part(arguments.into_iter().collect());
         let (asked, arguments) = split_asked(arguments);
         let (recording, arguments) = split_recording(arguments);
+        let (panel, arguments) = split_panel(arguments);
         Launch {
             part,
             arguments,
             recording,
             asked,
+            panel,
             clock: None,
             spin: 0,
             cell: None,
@@ -89,7 +97,7 @@ impl Launch {
     }
 
     /// The program's own arguments, without `replay FILE`, `calibration ROBOT`, `export-urdf ROBOT` or `external NAME` at their beginning
-    /// and `--record FILE` among them.
+    /// and `--record FILE` and `--panel` among them.
     #[must_use]
     pub fn arguments(&self) -> &[OsString] {
         &self.arguments
@@ -158,7 +166,8 @@ impl Launch {
             | Word::ExportUrdf { .. }
             | Word::External { .. }
             | Word::Node { .. }
-            | Word::Certificates { .. } => {
+            | Word::Certificates { .. }
+            | Word::Panel { .. } => {
                 return None;
             }
             Word::Operating(word) => match word.read() {
@@ -188,7 +197,7 @@ impl Launch {
     /// the program's own work is asked for, or this is the plant of a program that is [`watching`](Launch::watching).
     #[must_use]
     pub fn is_here(&self) -> bool {
-        let only_runs = self.recording.is_none() && self.asked.is_none();
+        let only_runs = self.recording.is_none() && self.asked.is_none() && !self.panel;
         self.is_watched_plant() || self.part.is_none() && self.clock.is_none() && only_runs
     }
 
@@ -213,6 +222,14 @@ impl Launch {
         if let Some((Asked::Node, name)) = self.asked.clone() {
             return Ok(Ran::Part(self.parts.node(cell, &name, self)));
         }
+        if let Some((Asked::Panel, recording)) = &self.asked {
+            cell.check()?;
+            let recording = Some(Path::new(recording)).filter(|file| !file.as_os_str().is_empty());
+            let file = self.cell.clone().map_or_else(std::env::current_exe, Ok);
+            let shown =
+                file.map_or_else(|error| refused(&error), |file| self.parts.show(&cell, &file, recording));
+            return Ok(Ran::Part(shown));
+        }
         if let Some((asked, robot)) = &self.asked {
             cell.check()?;
             return Ok(Ran::Part(telling::tell(&mut cell, robot, *asked)));
@@ -230,9 +247,27 @@ impl Launch {
             None => {}
         }
         check_outputs(recorded(&cell)).map_err(|error| NotRecorded::Overwrites(error.to_string()))?;
+        if self.panel
+            && let Err(status) = panel::check(self.parts, self.clock, false)
+        {
+            return Ok(Ran::Part(status));
+        }
         match self.clock {
+            None if self.panel => {
+                let panel = self.parts.panel.map(|panel| panel.look_on(cell.layout()));
+                if let Some(panel) = &panel {
+                    cell = cell.witnessed_by(Rc::clone(panel) as Rc<dyn Witness>);
+                }
+                let ran = cell.run().map(Ran::Here);
+                panel.map_or(ran, |panel| Ok(Ran::Part(panel.show())))
+            }
             None => cell.run().map(Ran::Here),
-            Some(_) => self.parts.launch(cell, self),
+            Some(_) => {
+                let own = self.arguments.iter().cloned();
+                let asked = [OsString::from("panel"), OsString::new()].into_iter().chain(own);
+                let _panel = self.panel.then(|| panel::begin(asked.collect::<Vec<_>>()));
+                self.parts.launch(cell, self)
+            }
         }
     }
 }
@@ -244,7 +279,7 @@ mod tests {
     fn launch(arguments: &[&str]) -> Launch {
         Launch::new(
             arguments.iter().map(OsString::from),
-            &Parts { recorder: None, replay: None, processes: None },
+            &Parts { recorder: None, replay: None, processes: None, panel: None },
         )
     }
 

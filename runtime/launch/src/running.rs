@@ -6,6 +6,7 @@ use std::fs::OpenOptions;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::rc::Rc;
 use std::time::Duration;
 
 use super::options::Options;
@@ -15,12 +16,18 @@ use super::{Launch, Parts, Ran};
 use mrroc_core::cell::{Cell, CellError, RunPicture, RunReport};
 use mrroc_core::console::{Background, refused};
 use mrroc_core::fault::Fault;
+use mrroc_core::observe::witness::Witness;
 
 /// How long a process may compute without waiting: long enough for planning, which takes seconds.
 const STUCK: Duration = Duration::from_secs(60);
 
 /// Runs the cell to its end, and draws what moved, unless no picture is wanted.
-pub(super) fn run(mut cell: Cell, mut picture: impl RunPicture, options: &Options) -> ExitCode {
+pub(super) fn run(
+    mut cell: Cell,
+    mut picture: impl RunPicture,
+    options: &Options,
+    parts: &'static Parts,
+) -> ExitCode {
     if let Some(file) = options.picture() {
         // Checked before the run, because a run may be long.
         if let Err(error) = OpenOptions::new().append(true).create(true).open(file) {
@@ -32,11 +39,16 @@ pub(super) fn run(mut cell: Cell, mut picture: impl RunPicture, options: &Option
         let patience = Patience::begin().with_reset(cell.awaits_reset());
         cell = cell.also_on_step(patience.notes());
     }
-    match cell.end_when_stuck(STUCK).run() {
+    let panel = parts.panel.filter(|_| options.panel).map(|panel| panel.look_on(cell.layout()));
+    if let Some(panel) = &panel {
+        cell = cell.witnessed_by(Rc::clone(panel) as Rc<dyn Witness>);
+    }
+    let ended = match cell.end_when_stuck(STUCK).run() {
         Ok(report) => conclude(Ok(report), picture, options),
         Err(CellError::Fault(fault)) => conclude(Err(fault), picture, options),
-        Err(error) => cell_refused(&error),
-    }
+        Err(error) => return cell_refused(&error),
+    };
+    panel.map_or(ended, |panel| panel.show())
 }
 
 /// Runs the cell as processes, or the process that this is. The plant draws the picture, because it has the simulated
@@ -58,6 +70,7 @@ pub(super) fn watched(
         arguments: std::env::args_os().skip(1).collect(),
         recording: None,
         asked: None,
+        panel: false,
         clock: options.clock(),
         spin: options.spin,
         cell: Some(path),

@@ -26,6 +26,8 @@ pub(super) enum Asked {
     Node,
     /// To make certificates for all machines, in a folder of this name.
     Certificates,
+    /// To show it in a browser.
+    Panel,
 }
 
 impl Asked {
@@ -37,6 +39,7 @@ impl Asked {
             "external" => Some(Asked::Python),
             "node" => Some(Asked::Node),
             "certificates" => Some(Asked::Certificates),
+            "panel" => Some(Asked::Panel),
             _ => None,
         }
     }
@@ -50,7 +53,7 @@ pub(super) fn tell(cell: &mut Cell, name: &str, asked: Asked) -> ExitCode {
         Asked::Urdf => of_robot(cell, name, urdf),
         Asked::Certificates => certificates(cell, name),
         // What is no word of a robot or a sensor is asked of the processes.
-        Asked::Node => refused(&"a node is no part of a cell"),
+        Asked::Node | Asked::Panel => refused(&"that is no part of a cell"),
     }
 }
 

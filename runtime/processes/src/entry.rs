@@ -10,10 +10,11 @@ use mrroc_core::observe::Observation;
 use mrroc_core::operator::button::{Answer, Button, CellState};
 use mrroc_core::operator::state::{Doing, EcpState, MpState};
 use mrroc_core::payload::Wire;
+use mrroc_core::pose::Pose;
 use mrroc_core::robot::MAX_JOINTS;
 
 /// Where the answers begin in the entry of an MP; the fault, the name of the generator and what forbids a reset follow.
-const ANSWERS: usize = 9;
+const ANSWERS: usize = 10;
 const FAULT: usize = ANSWERS + 4 * Button::KINDS;
 const NAME: usize = FAULT + 1 + FaultWords::LEN;
 
@@ -24,7 +25,10 @@ const NAME_BYTES: usize = 72;
 const PERSISTING: usize = NAME + 1 + NAME_BYTES / 8;
 
 const _: () = assert!(PERSISTING + 1 + FaultWords::LEN <= ENTRY, "the state of an MP fits on a entry");
-const _: () = assert!(2 + 2 * MAX_JOINTS <= ENTRY, "and so does a robot's");
+/// Where the pose of a robot's tool stands in its entry.
+const TOOL: usize = 2 + 2 * MAX_JOINTS;
+
+const _: () = assert!(TOOL + Pose::LEN <= ENTRY, "and so does a robot's");
 
 /// The words of an MP's state.
 pub(super) fn of_mp(state: &MpState) -> [u64; ENTRY] {
@@ -39,6 +43,7 @@ pub(super) fn of_mp(state: &MpState) -> [u64; ENTRY] {
         state.state as u64,
         u64::from(state.reduced),
         u64::from(state.held),
+        u64::from(state.epoch),
     ]);
     for (answer, words) in state.answers.iter().zip(words[ANSWERS..FAULT].chunks_exact_mut(4)) {
         words.copy_from_slice(&[answer.number, answer.step, answer.state as u64, u64::from(answer.done)]);
@@ -98,6 +103,7 @@ fn name(words: &[u64]) -> String {
 pub(super) struct MpPanel {
     pub step: u64,
     pub period: u64,
+    pub epoch: u32,
     pub instructions: u64,
     pub doing: Doing,
     pub by: String,
@@ -126,6 +132,7 @@ impl MpPanel {
         MpPanel {
             step: words[0],
             period: words[1],
+            epoch: words[9] as u32,
             instructions: words[2],
             doing: doing(words[3]),
             by: name(&words[NAME..PERSISTING]),
@@ -141,7 +148,7 @@ impl MpPanel {
     }
 }
 
-/// The words of a robot's servo period: its time, and its joints as demanded and as measured.
+/// The words of a robot's servo period: its time, its joints as demanded and as measured, and the pose of its tool.
 pub(super) fn of_robot(seen: &Observation<'_>) -> [u64; ENTRY] {
     let mut words = [0; ENTRY];
     let joints = seen.demanded.len().min(MAX_JOINTS);
@@ -149,14 +156,34 @@ pub(super) fn of_robot(seen: &Observation<'_>) -> [u64; ENTRY] {
     for (word, q) in words[2..].iter_mut().zip(seen.demanded.iter().chain(seen.measured)) {
         *word = q.to_bits();
     }
+    seen.tool.put(&mut words[TOOL..]);
     words
 }
 
-/// What the entry of an EDP says: the time \[s\], demanded and measured joint positions [rad or m].
-pub(super) fn robot(words: &[u64; ENTRY]) -> (f64, Vec<f64>, Vec<f64>) {
-    let joints = usize::try_from(words[1]).unwrap_or(0).min(MAX_JOINTS);
-    let numbers = |from: usize| words[from..from + joints].iter().map(|word| f64::from_bits(*word)).collect();
-    (f64::from_bits(words[0]), numbers(2), numbers(2 + joints))
+/// What the entry of an EDP says.
+pub(super) struct RobotEntry {
+    /// The time \[s\].
+    pub time: f64,
+    /// Demanded and measured joint positions [rad or m].
+    pub demanded: Vec<f64>,
+    pub measured: Vec<f64>,
+    /// The pose of its tool at the measured joints, `X_WE`.
+    pub tool: Pose,
+}
+
+impl RobotEntry {
+    /// Reads an entry. A pose that is none is read as that of the origin.
+    pub fn read(words: &[u64; ENTRY]) -> RobotEntry {
+        let joints = usize::try_from(words[1]).unwrap_or(0).min(MAX_JOINTS);
+        let numbers =
+            |from: usize| words[from..from + joints].iter().map(|word| f64::from_bits(*word)).collect();
+        RobotEntry {
+            time: f64::from_bits(words[0]),
+            demanded: numbers(2),
+            measured: numbers(2 + joints),
+            tool: Pose::get(&words[TOOL..]).unwrap_or_else(|_| Pose::identity()),
+        }
+    }
 }
 
 #[cfg(test)]
@@ -188,6 +215,7 @@ mod tests {
         let mut state = MpState {
             step: 1,
             period: 2,
+            epoch: 4,
             instructions: 6,
             doing: Doing::Wait,
             by: TypeName::of::<Dwell<u8>>(),
@@ -200,7 +228,7 @@ mod tests {
         };
         state.answers[Button::Speed(0.0).kind()] = answer;
         let read = MpPanel::read(&of_mp(&state));
-        assert_eq!((read.step, read.period), (1, 2));
+        assert_eq!((read.step, read.period, read.epoch), (1, 2, 4));
         assert_eq!((read.instructions, read.doing, read.by.as_str()), (6, Doing::Wait, "Dwell"));
         assert_eq!((read.rate, read.speed, read.state), (0.25, 0.5, CellState::Suspended));
         assert_eq!(read.answers, state.answers);
@@ -212,6 +240,6 @@ mod tests {
         let read = MpPanel::read(&[u64::MAX; ENTRY]);
         assert_eq!((read.doing, read.state, read.fault), (Doing::Nothing, CellState::Idle, None));
         assert!(read.answers.iter().all(|answer| !answer.done));
-        assert_eq!(robot(&[u64::MAX; ENTRY]).1.len(), MAX_JOINTS);
+        assert_eq!(RobotEntry::read(&[u64::MAX; ENTRY]).demanded.len(), MAX_JOINTS);
     }
 }

@@ -195,6 +195,7 @@ fn messages(screen: &Screen) -> Paragraph<'static> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use mrroc_core::pose::Pose;
     use mrroc_processes::{ProcessPicture, Spread};
     use ratatui::Terminal;
     use ratatui::backend::TestBackend;
@@ -206,6 +207,7 @@ mod tests {
             state: CellState::Suspended,
             step: 1203,
             period: 2_000_000,
+            epoch: 0,
             rate: 0.25,
             speed: 0.5,
             reduced: false,
@@ -215,6 +217,7 @@ mod tests {
             by: "Swing".to_owned(),
             holder: Some(4711),
             fault: Some("mp: aborted by the operator at step 77".to_owned()),
+            help: None,
             persisting: None,
             processes: vec![
                 ProcessPicture { name: "mp".to_owned(), pid: 100, runs: true, figures },
@@ -230,6 +233,7 @@ mod tests {
                 time: 2.406,
                 demanded: vec![0.5, -1.57],
                 measured: vec![0.501, -1.572],
+                tool: Pose::identity(),
                 doing: Doing::Nothing,
                 by: String::new(),
             }],

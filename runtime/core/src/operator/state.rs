@@ -15,6 +15,8 @@ pub struct MpState {
     pub step: u64,
     /// Length of a step \[ns\].
     pub period: Nanos,
+    /// The epoch: every reset begins another one.
+    pub epoch: u32,
     /// Moves and Waits that the program has begun, since its first line.
     pub instructions: u64,
     /// What is done now.

@@ -120,6 +120,14 @@ impl Caller {
         })
     }
 
+    /// Connects to the cell of the file at `cell`, for a console that is a crate of its own.
+    ///
+    /// # Errors
+    /// No such cell runs, another user's does, or it does not answer; with what to do.
+    pub fn to(cell: &Path) -> io::Result<Caller> {
+        Caller::find(cell).map_err(io::Error::other)
+    }
+
     fn connect(address: &SocketAddrUnix, runs: Runs) -> io::Result<Caller> {
         let socket = socket_with(AddressFamily::UNIX, SocketType::STREAM, SocketFlags::CLOEXEC, None)?;
         for direction in [Timeout::Send, Timeout::Recv] {

@@ -11,6 +11,8 @@ use crate::figures::{FIGURES_WORDS, Figures};
 use mrroc_core::link::places::MAX_PROCESSES;
 use mrroc_core::operator::button::CellState;
 use mrroc_core::operator::state::Doing;
+use mrroc_core::payload::Wire;
+use mrroc_core::pose::Pose;
 use mrroc_core::robot::MAX_JOINTS;
 
 /// A line that cannot be part of a picture.
@@ -27,6 +29,8 @@ pub struct Picture {
     pub step: u64,
     /// Period of the step \[ns\].
     pub period: u64,
+    /// The epoch: every reset begins another one.
+    pub epoch: u32,
     /// The rate of path time, 0 to 1.
     pub rate: f64,
     /// The speed that the operator has set, as a share of the planned speed, 0 to 1.
@@ -46,6 +50,8 @@ pub struct Picture {
     pub holder: Option<u32>,
     /// The fault that ended the last instruction that failed.
     pub fault: Option<String>,
+    /// What to do about it, where its kind alone tells.
+    pub help: Option<String>,
     /// In a latched cell: what forbids a reset, or made the last one fail.
     pub persisting: Option<String>,
     /// The processes of the cell, in the order of their places.
@@ -78,6 +84,8 @@ pub struct RobotPicture {
     pub demanded: Vec<f64>,
     /// Measured joint positions, in the order of the joints [rad or m].
     pub measured: Vec<f64>,
+    /// The pose of its tool at the measured joints, `X_WE`; of a mounted robot, in the flange that carries it.
+    pub tool: Pose,
     /// What the program of its ECP does now.
     pub doing: Doing,
     /// The name of the generator or condition of that program's last instruction; empty before the first one, and where
@@ -88,7 +96,7 @@ pub struct RobotPicture {
 impl fmt::Display for Picture {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "picture")?;
-        writeln!(f, "cell {} {} {}", self.state.word(), self.step, self.period)?;
+        writeln!(f, "cell {} {} {} {}", self.state.word(), self.step, self.period, self.epoch)?;
         writeln!(f, "feed {} {} {} {}", self.rate, self.speed, self.reduced, self.held)?;
         writeln!(f, "instruction {} {} {}", self.instructions, self.doing.word(), self.by)?;
         if let Some(holder) = self.holder {
@@ -96,6 +104,9 @@ impl fmt::Display for Picture {
         }
         if let Some(fault) = &self.fault {
             writeln!(f, "fault {}", one_line(fault))?;
+        }
+        if let Some(help) = &self.help {
+            writeln!(f, "help {}", one_line(help))?;
         }
         if let Some(persisting) = &self.persisting {
             writeln!(f, "persisting {}", one_line(persisting))?;
@@ -112,6 +123,9 @@ impl fmt::Display for Picture {
             write!(f, "robot {} {} {}", robot.name, robot.time, robot.demanded.len())?;
             // With an exponent: however small a number is, it takes at most 24 bytes.
             robot.demanded.iter().chain(&robot.measured).try_for_each(|q| write!(f, " {q:e}"))?;
+            let mut tool = [0; Pose::LEN];
+            robot.tool.put(&mut tool);
+            tool.iter().try_for_each(|word| write!(f, " {:e}", f64::from_bits(*word)))?;
             writeln!(f, " {} {}", robot.doing.word(), robot.by)?;
         }
         writeln!(f, "end")
@@ -174,6 +188,10 @@ impl Picture {
                 self.fault = Some(rest(&mut words));
                 Some(())
             }
+            Some("help") => {
+                self.help = Some(rest(&mut words));
+                Some(())
+            }
             Some("persisting") => {
                 self.persisting = Some(rest(&mut words));
                 Some(())
@@ -193,7 +211,7 @@ impl Picture {
     fn take_cell(&mut self, words: &mut SplitAsciiWhitespace<'_>) -> Option<()> {
         let word = words.next()?;
         self.state = CellState::ALL.into_iter().find(|state| state.word() == word)?;
-        (self.step, self.period) = (number(words)?, number(words)?);
+        (self.step, self.period, self.epoch) = (number(words)?, number(words)?, number(words)?);
         Some(())
     }
 
@@ -242,5 +260,10 @@ fn robot(words: &mut SplitAsciiWhitespace<'_>) -> Option<RobotPicture> {
     let joints = number(words).filter(|&joints: &usize| joints <= MAX_JOINTS)?;
     let mut numbers = || (0..joints).map(|_| number(words)).collect::<Option<Vec<f64>>>();
     let (demanded, measured) = (numbers()?, numbers()?);
-    Some(RobotPicture { name, time, demanded, measured, doing: doing(words)?, by: rest(words) })
+    let mut tool = [0; Pose::LEN];
+    for word in &mut tool {
+        *word = number::<f64>(words)?.to_bits();
+    }
+    let tool = Pose::get(&tool).ok()?;
+    Some(RobotPicture { name, time, demanded, measured, tool, doing: doing(words)?, by: rest(words) })
 }

@@ -169,8 +169,10 @@ mod tests {
     use super::*;
     use crate::figures::{FIGURES_WORDS, Figures};
     use mrroc_core::link::places::MAX_PROCESSES;
+    use mrroc_core::nalgebra::Vector3;
     use mrroc_core::operator::button::CellState;
     use mrroc_core::operator::state::Doing;
+    use mrroc_core::pose::Pose;
     use mrroc_core::robot::MAX_JOINTS;
     use proptest::prelude::*;
 
@@ -221,6 +223,7 @@ mod tests {
                 time,
                 demanded,
                 measured,
+                tool: Pose::translation(time, -0.25, 1e-9) * Pose::rotation(Vector3::x()),
                 doing: Doing::ALL[doing],
                 by,
             },
@@ -242,6 +245,7 @@ mod tests {
                         state: CellState::ALL[state],
                         step: n[0],
                         period: n[1],
+                        epoch: n[2] as u32,
                         instructions: n[2],
                         rate,
                         speed,
@@ -250,6 +254,7 @@ mod tests {
                         doing: Doing::ALL[doing],
                         by,
                         holder,
+                        help: fault.map(|_| "give the motion more time".to_owned()),
                         fault: fault.map(|step| format!("mp: protective stop: gone at step {step}")),
                         persisting: persisting.map(|step| format!("edp: drive fault at step {step}")),
                         processes,
@@ -305,6 +310,7 @@ mod tests {
             time: 1e9,
             demanded: joints(),
             measured: joints(),
+            tool: Pose::translation(-1e-300 / 3.0, -1e-300 / 3.0, -1e-300 / 3.0),
             doing: Doing::Nothing,
             by: "G".repeat(72),
         };

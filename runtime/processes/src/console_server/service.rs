@@ -27,9 +27,9 @@ use super::presses::Flight;
 use super::protocol::{Reply, Request};
 use crate::board::StateBoard;
 use crate::control::Frame;
-use crate::entry::{MpPanel, ecp, robot};
+use crate::entry::{MpPanel, RobotEntry, ecp};
 use mrroc_core::console::complain;
-use mrroc_core::fault::{Name, ProcessId, Role};
+use mrroc_core::fault::{Fault, Name, ProcessId, Role};
 use mrroc_core::operator::button::{Button, CellState};
 use mrroc_core::operator::state::Doing;
 
@@ -333,6 +333,7 @@ impl Service {
             state: mp.state,
             step: mp.step,
             period: mp.period,
+            epoch: mp.epoch,
             rate: mp.rate,
             speed: mp.speed,
             reduced: mp.reduced,
@@ -341,6 +342,7 @@ impl Service {
             doing: mp.doing,
             by: mp.by,
             holder: holder.map(|console| console.pid),
+            help: mp.fault.as_ref().and_then(Fault::help).map(str::to_owned),
             fault: mp.fault.map(|fault| fault.to_string()),
             persisting: mp.persisting.map(|fault| fault.to_string()),
             ..Picture::default()
@@ -355,13 +357,15 @@ impl Service {
                 figures: seat.figures,
             });
             let Some(name) = seat.id.name.filter(|_| seat.id.role == Role::Edp) else { continue };
-            if let Some((time, demanded, measured)) = self.board.read(place).map(|words| robot(&words)) {
+            let entry = self.board.read(place).map(|words| RobotEntry::read(&words));
+            if let Some(RobotEntry { time, demanded, measured, tool }) = entry {
                 let (doing, by) = self.program_of(&seats, name);
                 picture.robots.push(RobotPicture {
                     name: name.to_string(),
                     time,
                     demanded,
                     measured,
+                    tool,
                     doing,
                     by,
                 });

@@ -224,7 +224,8 @@ impl<'w> Mp<'w> {
             }
             self.clock.advance(self.wanted_rate(), self.is_suspended());
             self.tell_step()?;
-            self.operating.show_step(self.state(), &self.clock, self.host.console);
+            let epoch = self.robots.epoch;
+            self.operating.show_step(self.state(), epoch, &self.clock, self.host.console);
             self.operating.show_suspension();
         }
         self.hear_news()?;

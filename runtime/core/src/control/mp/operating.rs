@@ -108,8 +108,9 @@ impl Operating {
     }
 
     /// A step begins.
-    pub fn show_step(&mut self, state: CellState, clock: &StepClock, console: &dyn Console) {
+    pub fn show_step(&mut self, state: CellState, epoch: u32, clock: &StepClock, console: &dyn Console) {
         let shown = &mut self.shown;
+        shown.epoch = epoch;
         shown.step = clock.step();
         shown.period = clock.period();
         shown.rate = clock.feed.rate();

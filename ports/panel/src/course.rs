@@ -1,0 +1,273 @@
+//! The course of a run that is over: what the cell did, fifty times a second.
+//!
+//! In: what a run on the memory link shows, or a recording. Out: the cell at any moment of it.
+
+use std::cell::RefCell;
+use std::path::Path;
+use std::process::ExitCode;
+use std::sync::Arc;
+
+use mrroc_core::fault::{Fault, FaultWords, ProcessId, Role};
+use mrroc_core::observe::layout::Layout;
+use mrroc_core::observe::witness::{STATE_WORDS, What, Witness};
+use mrroc_core::operator::state::Doing;
+use mrroc_core::payload::Wire;
+use mrroc_core::pose::Pose;
+use mrroc_core::robot::MAX_JOINTS;
+use mrroc_launch::LooksOn;
+
+use crate::now::{Looks, Now, RobotNow};
+
+/// The time between two moments that are kept \[ns\], at first.
+const EVERY: u64 = 20_000_000;
+
+/// The most moments that are kept: where there are more, every second one is dropped.
+const MOST: usize = 30_000;
+
+/// A run that is over, or that is being looked at.
+pub struct Course {
+    moments: Vec<(u64, Now)>,
+    now: Now,
+    every: u64,
+    due: u64,
+    suspended: bool,
+    aborting: bool,
+    over: bool,
+}
+
+impl Course {
+    /// Of a cell of this layout, before its first step.
+    #[must_use]
+    pub fn of(layout: &Layout) -> Course {
+        let robots = layout.robots.iter().map(|robot| RobotNow {
+            name: robot.name.clone(),
+            time: 0.0,
+            demanded: vec![f64::NAN; robot.joints.len()],
+            measured: vec![f64::NAN; robot.joints.len()],
+            tool: Pose::identity(),
+            doing: String::new(),
+        });
+        let now = Now {
+            period: u64::try_from(layout.step.as_nanos()).unwrap_or(u64::MAX),
+            state: "idle",
+            doing: "nothing",
+            speed: 1.0,
+            robots: robots.collect(),
+            bodies: vec![None; layout.bodies.len()],
+            ..Now::default()
+        };
+        Course {
+            moments: Vec::new(),
+            now,
+            every: EVERY,
+            due: 0,
+            suspended: false,
+            aborting: false,
+            over: false,
+        }
+    }
+
+    /// Whether what happens at a time of the cell \[ns\] is wanted of each robot: the moment after it is kept.
+    #[must_use]
+    pub const fn is_due(&self, time: u64) -> bool {
+        time >= self.due
+    }
+
+    /// The MP begins a step: the moment before it is kept, if it is due.
+    pub fn step(&mut self, time: u64, step: &StepSeen) {
+        self.keep(time);
+        let now = &mut self.now;
+        now.step = step.step;
+        now.rate = if step.duration > 0.0 { step.dt / step.duration } else { 0.0 };
+        now.speed = step.speed;
+        now.reduced = step.reduced;
+        (self.suspended, self.aborting) = (step.suspended, step.aborting);
+        if step.resetting {
+            (now.fault, now.epoch) = (None, now.epoch + 1);
+        }
+        self.tell();
+    }
+
+    /// Keeps the cell as it is at a time \[ns\], if it is due or the run is over.
+    fn keep(&mut self, time: u64) {
+        if time < self.due && !self.over
+            || self.now.robots.iter().any(|robot| robot.measured.iter().any(|q| q.is_nan()))
+        {
+            return;
+        }
+        self.now.time = time as f64 * 1e-9;
+        self.moments.push((time, self.now.clone()));
+        if self.moments.len() >= MOST {
+            let mut i = 0;
+            self.moments.retain(|_| {
+                i += 1;
+                i % 2 == 1
+            });
+            self.every *= 2;
+        }
+        self.due = (time / self.every + 1) * self.every;
+    }
+
+    /// A robot's joints and the pose of its tool, when it begins a step.
+    pub fn robot(&mut self, time: u64, name: &str, [demanded, measured]: [&[f64]; 2], tool: Pose) {
+        let robot = self.now.robots.iter_mut().find(|robot| robot.name == name);
+        if let Some(robot) = robot {
+            robot.time = time as f64 * 1e-9;
+            robot.demanded.iter_mut().zip(demanded).for_each(|(q, of)| *q = *of);
+            robot.measured.iter_mut().zip(measured).for_each(|(q, of)| *q = *of);
+            robot.tool = tool;
+        }
+    }
+
+    /// A body is at a place, `X_WB`.
+    pub fn body(&mut self, place: usize, pose: Pose) {
+        if let Some(body) = self.now.bodies.get_mut(place) {
+            *body = Some(pose);
+        }
+    }
+
+    /// A program begins an instruction, or has ended it.
+    pub fn instruction(&mut self, process: &str, doing: Doing, by: &str) {
+        if process == "mp" {
+            let begins = !matches!(doing, Doing::Nothing | Doing::Homing);
+            self.now.instruction += u64::from(begins);
+            self.now.doing = doing.word();
+            if doing != Doing::Nothing {
+                self.now.by = if by.is_empty() { "of each robot by its own program" } else { by }.to_owned();
+            }
+        } else if let Some(name) = process.strip_prefix("ecp ")
+            && let Some(robot) = self.now.robots.iter_mut().find(|robot| robot.name == name)
+        {
+            robot.doing =
+                if doing == Doing::Nothing { String::new() } else { format!("{} {by}", doing.word()) };
+        }
+        self.tell();
+    }
+
+    /// A process stops for a fault: the first one is kept.
+    pub fn fault(&mut self, text: String, help: Option<&str>) {
+        if self.now.fault.is_none() {
+            (self.now.fault, self.now.help) = (Some(text), help.map(str::to_owned));
+        }
+        self.tell();
+    }
+
+    /// The program of the MP is over.
+    pub fn end(&mut self, time: u64, fault: Option<(String, Option<&str>)>) {
+        if let Some((text, help)) = fault {
+            self.fault(text, help);
+        }
+        (self.over, self.now.doing) = (true, "nothing");
+        self.tell();
+        self.keep(time);
+    }
+
+    fn tell(&mut self) {
+        self.now.state = match () {
+            () if self.now.fault.is_some() => "latched",
+            () if self.aborting => "aborting",
+            () if self.suspended => "suspended",
+            () if self.now.doing == "nothing" => "idle",
+            () => "running",
+        };
+    }
+
+    /// How long it lasts \[s\].
+    #[must_use]
+    pub fn lasts(&self) -> f64 {
+        self.moments.last().map_or(0.0, |(_, now)| now.time)
+    }
+
+    /// The cell at a time \[s\]; `None` if nothing was seen.
+    #[must_use]
+    pub fn at(&self, time: f64) -> Option<&Now> {
+        let nanos = (time.clamp(0.0, 1e9) * 1e9) as u64;
+        let next = self.moments.partition_point(|(at, _)| *at <= nanos);
+        self.moments.get(next.saturating_sub(1)).map(|(_, now)| now)
+    }
+}
+
+/// What a step of the MP shows of itself.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct StepSeen {
+    pub step: u64,
+    pub dt: f64,
+    pub duration: f64,
+    pub speed: f64,
+    pub suspended: bool,
+    pub reduced: bool,
+    pub aborting: bool,
+    pub resetting: bool,
+}
+
+/// Looks on at a run on the memory link.
+pub struct OnMemory {
+    layout: Layout,
+    course: RefCell<Course>,
+}
+
+impl OnMemory {
+    /// Of a cell of this layout.
+    #[must_use]
+    pub fn of(layout: Layout) -> OnMemory {
+        OnMemory { course: RefCell::new(Course::of(&layout)), layout }
+    }
+}
+
+impl Witness for OnMemory {
+    fn see(&self, time: u64, by: ProcessId, what: &What, words: &[u64]) {
+        let mut course = self.course.borrow_mut();
+        match *what {
+            What::Step { step, dt, duration, speed, suspended, reduced, aborting, resetting, .. } => {
+                let seen = StepSeen { step, dt, duration, speed, suspended, reduced, aborting, resetting };
+                course.step(time, &seen);
+            }
+            What::Image { .. } if course.is_due(time) && words.len() >= 2 * STATE_WORDS => {
+                let Some(name) = by.name else { return };
+                let (demanded, measured) = words.split_at(STATE_WORDS);
+                let Ok(tool) = Pose::get(&measured[2 * MAX_JOINTS..]) else { return };
+                let numbers = |words: &[u64]| {
+                    <[u64; MAX_JOINTS]>::try_from(&words[..MAX_JOINTS])
+                        .unwrap_or_default()
+                        .map(f64::from_bits)
+                };
+                let (demanded, measured) = (numbers(demanded), numbers(measured));
+                course.robot(time, name.as_str(), [&demanded, &measured], tool);
+            }
+            What::Instruction { doing, by: generator, .. } => {
+                course.instruction(&by.to_string(), doing, &generator.to_string());
+            }
+            What::Body { body, .. } => {
+                let place = self.layout.bodies.iter().position(|known| known.name == body.as_str());
+                if let (Some(place), Ok(pose)) = (place, Pose::get(words)) {
+                    course.body(place, pose);
+                }
+            }
+            What::Fault { .. } if by.role == Role::Mp => {
+                if let Ok(fault) = FaultWords::get(words).map(Fault::from) {
+                    course.fault(fault.to_string(), fault.help());
+                }
+            }
+            What::End { .. } => {
+                let fault = FaultWords::get(words).ok().map(Fault::from);
+                course.end(time, fault.as_ref().map(|fault| (fault.to_string(), fault.help())));
+            }
+            _ => {}
+        }
+    }
+}
+
+impl LooksOn for OnMemory {
+    fn show(&self) -> ExitCode {
+        let course = std::mem::replace(&mut *self.course.borrow_mut(), Course::of(&self.layout));
+        crate::run::play(Arc::new(Looks::of(&self.layout)), course)
+    }
+}
+
+/// Reads the course of a recorded run.
+///
+/// # Errors
+/// Why the file is no recording of a cell of this layout.
+pub fn recorded(file: &Path, layout: &Layout) -> Result<Course, String> {
+    crate::recording::read(file, layout).map_err(|why| format!("{}: {why}", file.display()))
+}

@@ -1,0 +1,260 @@
+//! The cell's desk: this panel is one more console at it.
+//!
+//! In: what pages ask for. Out: the desk's answers, and what the cell does, twenty times a second. There are three connections, so
+//! that neither a picture nor another request ever holds up a stop.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, Sender, SyncSender, TrySendError, channel, sync_channel};
+use std::time::{Duration, Instant};
+
+use axum::extract::ws::Utf8Bytes;
+use mrroc_core::operator::LAPSE;
+use mrroc_core::operator::button::Button;
+use mrroc_launch::panel::AWAITED;
+use mrroc_processes::{Caller, Heard, Picture, ProcessPicture, Reply, Request, RobotPicture};
+use serde_json::{Value, json};
+use tokio::sync::{oneshot, watch};
+
+use crate::now::{Looks, Now, RobotNow};
+use crate::rules::request::Stamp;
+
+/// Requests that wait for the desk.
+const WAITING: usize = 16;
+
+/// How long a cell that is being started is waited for.
+const STARTING: Duration = Duration::from_secs(30);
+
+/// What the cell did last.
+#[derive(Clone, Default)]
+pub struct Shown {
+    /// For a page.
+    pub text: Option<Utf8Bytes>,
+    /// The step, and how long a step is \[ns\].
+    pub stamp: Option<(Stamp, u64)>,
+    /// Why there will be no more.
+    pub over: Option<String>,
+}
+
+/// A request, and where its answer goes.
+struct Job {
+    request: Request,
+    since: Instant,
+    answer: oneshot::Sender<Reply>,
+}
+
+/// The desk.
+#[derive(Clone)]
+pub struct Desk {
+    requests: SyncSender<Job>,
+    stops: Sender<Job>,
+}
+
+impl Desk {
+    /// Connects to the cell of a file, which may still be starting.
+    ///
+    /// # Errors
+    /// No such cell runs, or it does not answer; with what to do.
+    pub fn open(cell: &Path, looks: Arc<Looks>) -> std::io::Result<(Desk, watch::Receiver<Shown>)> {
+        let (since, is_awaited) = (Instant::now(), std::env::var_os(AWAITED).is_some());
+        let mut watching = loop {
+            match Caller::to(cell) {
+                Ok(caller) => break caller,
+                Err(error) if !is_awaited || since.elapsed() > STARTING => return Err(error),
+                Err(_) => std::thread::sleep(Duration::from_millis(100)),
+            }
+        };
+        let (show, shown) = watch::channel(Shown::default());
+        watching.asks.ask(&Request::Watch)?;
+        spawn("watches", move || watch(watching, &looks, &show))?;
+        let (requests, waiting) = sync_channel(WAITING);
+        let of = cell.to_owned();
+        spawn("asks", move || carry(&of, &waiting))?;
+        let (stops, waiting) = channel();
+        let of = cell.to_owned();
+        spawn("stops", move || stop(&of, &waiting))?;
+        Ok((Desk { requests, stops }, shown))
+    }
+
+    /// A desk of a test, which answers by a function.
+    #[cfg(test)]
+    pub fn of(answers: impl Fn(&Request) -> Reply + Send + Sync + 'static) -> Desk {
+        let answers = Arc::new(answers);
+        let (requests, waiting) = sync_channel::<Job>(WAITING);
+        let of = Arc::clone(&answers);
+        std::thread::spawn(move || waiting.iter().for_each(|job| drop(job.answer.send(of(&job.request)))));
+        let (stops, waiting) = channel::<Job>();
+        std::thread::spawn(move || {
+            waiting.iter().for_each(|job| drop(job.answer.send(answers(&job.request))))
+        });
+        Desk { requests, stops }
+    }
+
+    /// Asks for something; the answer comes within seconds.
+    pub fn ask(&self, request: Request) -> oneshot::Receiver<Reply> {
+        let (answer, answered) = oneshot::channel();
+        let job = Job { request, since: Instant::now(), answer };
+        match self.requests.try_send(job) {
+            Ok(()) => {}
+            Err(TrySendError::Full(job)) => {
+                let _ = job.answer.send(Reply::Refused("the cell is busy: ask again".to_owned()));
+            }
+            Err(TrySendError::Disconnected(job)) => {
+                let _ = job.answer.send(Reply::Refused("the panel is ending".to_owned()));
+            }
+        }
+        answered
+    }
+
+    /// Stops the cell. However much else is asked for, this does not wait for it.
+    pub fn stop(&self) -> oneshot::Receiver<Reply> {
+        let (answer, answered) = oneshot::channel();
+        // What cannot be sent drops the answer, which the page is told.
+        let job = Job { request: Request::Press(Button::Stop), since: Instant::now(), answer };
+        let _ = self.stops.send(job);
+        answered
+    }
+}
+
+fn spawn(name: &str, work: impl FnOnce() + Send + 'static) -> std::io::Result<()> {
+    std::thread::Builder::new().name(name.to_owned()).spawn(work).map(drop)
+}
+
+/// Shows what the cell does, until it ends.
+fn watch(mut caller: Caller, looks: &Looks, show: &watch::Sender<Shown>) {
+    loop {
+        match caller.hears.hear() {
+            Ok(Heard::Picture(picture)) => {
+                let stamp = Stamp { epoch: picture.epoch, step: picture.step };
+                let period = picture.period;
+                let text = looks.state(&now(picture)).to_string();
+                let shown = Shown { text: Some(text.into()), stamp: Some((stamp, period)), over: None };
+                show.send_replace(shown);
+            }
+            Ok(Heard::Reply(_)) => {}
+            Err(error) => {
+                show.send_modify(|shown| shown.over = Some(error.to_string()));
+                return;
+            }
+        }
+    }
+}
+
+/// What a picture of the desk says.
+fn now(picture: Picture) -> Now {
+    let time = picture.robots.iter().map(|robot| robot.time).fold(0.0, f64::max);
+    let by = picture.by_whom().to_owned();
+    let robot = |robot: RobotPicture| {
+        let doing = robot.motion();
+        let RobotPicture { name, time, demanded, measured, tool, .. } = robot;
+        RobotNow {
+            name,
+            time,
+            demanded,
+            measured,
+            tool,
+            doing: doing.trim_start_matches([':', ' ']).to_owned(),
+        }
+    };
+    Now {
+        time,
+        epoch: picture.epoch,
+        step: picture.step,
+        period: picture.period,
+        state: picture.state.word(),
+        doing: picture.doing.word(),
+        by,
+        instruction: picture.instructions,
+        rate: picture.rate,
+        speed: picture.speed,
+        reduced: picture.reduced,
+        held: picture.held,
+        fault: picture.fault,
+        help: picture.help,
+        persisting: picture.persisting,
+        // This panel itself is told by which page has authority.
+        holder: picture.holder.filter(|pid| *pid != std::process::id()),
+        robots: picture.robots.into_iter().map(robot).collect(),
+        bodies: Vec::new(),
+        processes: picture.processes.iter().map(process).collect(),
+    }
+}
+
+fn process(of: &ProcessPicture) -> Value {
+    let figures = &of.figures;
+    let micros = |nanos: u64| nanos as f64 * 1e-3;
+    json!({
+        "name": of.name,
+        "pid": of.pid,
+        "runs": of.runs,
+        "steps": figures.worked.count,
+        "skipped": figures.skipped,
+        "overruns": figures.overruns,
+        "late": [micros(figures.late.p50), micros(figures.late.p99), micros(figures.late.max)],
+    })
+}
+
+/// Carries requests to the desk, one after another.
+fn carry(cell: &Path, jobs: &Receiver<Job>) {
+    let mut line = Line::to(cell);
+    while let Ok(job) = jobs.recv() {
+        // A renewal that has waited is none: whoever held may have let go since.
+        let is_late =
+            matches!(job.request, Request::Press(Button::Hold(_))) && job.since.elapsed() > LAPSE / 3;
+        let reply = if is_late {
+            Reply::Refused("the renewal came too late".to_owned())
+        } else {
+            line.ask(&job.request)
+        };
+        let _ = job.answer.send(reply);
+    }
+}
+
+/// Carries stops to the desk: one for all that wait.
+fn stop(cell: &Path, jobs: &Receiver<Job>) {
+    let mut line = Line::to(cell);
+    // It is there before it is needed.
+    line.open();
+    while let Ok(job) = jobs.recv() {
+        // Those that have come by now: a stop that comes while this one is under way is one of its own.
+        let all: Vec<Job> = std::iter::once(job).chain(jobs.try_iter()).collect();
+        let reply = line.ask(&Request::Press(Button::Stop));
+        for job in all {
+            let _ = job.answer.send(reply.clone());
+        }
+    }
+}
+
+/// A connection to the desk, which is made again if it breaks.
+struct Line {
+    cell: PathBuf,
+    caller: Option<Caller>,
+}
+
+impl Line {
+    fn to(cell: &Path) -> Line {
+        Line { cell: cell.to_owned(), caller: None }
+    }
+
+    fn open(&mut self) {
+        if self.caller.is_none() {
+            self.caller = Caller::to(&self.cell).ok();
+        }
+    }
+
+    fn ask(&mut self, request: &Request) -> Reply {
+        let mut why = "the cell does not answer".to_owned();
+        // Once more on a new connection, if this one was broken.
+        for _ in 0..2 {
+            self.open();
+            match self.caller.as_mut().map(|caller| caller.ask(request)) {
+                Some(Ok(Heard::Reply(reply))) => return reply,
+                Some(Ok(Heard::Picture(_))) => return Reply::Done(String::new()),
+                Some(Err(error)) => why = error.to_string(),
+                None => {}
+            }
+            self.caller = None;
+        }
+        Reply::Refused(why)
+    }
+}

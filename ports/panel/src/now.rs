@@ -1,0 +1,218 @@
+//! What a page is shown of a cell: at this moment, or at a moment of a recording.
+//!
+//! In: a [`Now`], and what the cell is made of. Out: JSON. Links are capsules in the world; kinematics are the robots' own.
+
+use mrroc_core::nalgebra::Vector3;
+use mrroc_core::observe::layout::{BodyLayout, Figure, Layout, RobotLayout};
+use mrroc_core::pose::Pose;
+use mrroc_core::robot::JointKind;
+use serde_json::{Value, json};
+
+/// The radius of bars between the frames of a robot without a shape, as a share of its longest link, and its bounds \[m\].
+const BAR: f64 = 0.05;
+const BARS: [f64; 2] = [0.005, 0.05];
+
+/// A cell at a moment.
+#[derive(Clone, Debug, Default)]
+pub struct Now {
+    /// The cell's time \[s\].
+    pub time: f64,
+    /// The epoch and the step of the MP, and how long a step is \[ns\].
+    pub epoch: u32,
+    pub step: u64,
+    pub period: u64,
+    /// The word of its state.
+    pub state: &'static str,
+    /// The word of what is done, by which generator or condition, in which instruction.
+    pub doing: &'static str,
+    pub by: String,
+    pub instruction: u64,
+    /// The rate of path time and the speed that the operator wants, 0 to 1.
+    pub rate: f64,
+    pub speed: f64,
+    /// Whether it is at reduced speed, and whether a person holds what lets it move then.
+    pub reduced: bool,
+    pub held: bool,
+    /// The first cause of a stop, what to do about it, and what forbids a reset.
+    pub fault: Option<String>,
+    pub help: Option<String>,
+    pub persisting: Option<String>,
+    /// The process that has the control of the cell.
+    pub holder: Option<u32>,
+    /// Its robots, by name.
+    pub robots: Vec<RobotNow>,
+    /// Where its bodies are, in the order of the layout; `None`: nobody knows.
+    pub bodies: Vec<Option<Pose>>,
+    /// Its processes.
+    pub processes: Vec<Value>,
+}
+
+/// A robot at a moment.
+#[derive(Clone, Debug)]
+pub struct RobotNow {
+    pub name: String,
+    /// When it was so, the cell's time \[s\].
+    pub time: f64,
+    /// Joint positions [rad or m].
+    pub demanded: Vec<f64>,
+    pub measured: Vec<f64>,
+    /// The pose of its tool, `X_WE`; of a mounted robot, in the flange that carries it.
+    pub tool: Pose,
+    /// What its own program does.
+    pub doing: String,
+}
+
+/// What a cell looks like.
+pub struct Looks {
+    robots: Vec<RobotLayout>,
+    bodies: Vec<BodyLayout>,
+    step: f64,
+}
+
+impl Looks {
+    /// Of a cell of this layout.
+    #[must_use]
+    pub fn of(layout: &Layout) -> Looks {
+        Looks {
+            robots: layout.robots.clone(),
+            bodies: layout.bodies.clone(),
+            step: layout.step.as_secs_f64(),
+        }
+    }
+
+    /// What stays as it is. A recording lasts for some time \[s\].
+    #[must_use]
+    pub fn layout(&self, lasts: Option<f64>) -> Value {
+        let joint = |kind| match kind {
+            JointKind::Revolute => "revolute",
+            JointKind::Prismatic => "prismatic",
+        };
+        let robots = self.robots.iter().map(|robot| {
+            let joints = robot.joints.iter().map(
+                |of| json!({"kind": joint(of.kind), "lower": finite(of.lower), "upper": finite(of.upper)}),
+            );
+            json!({
+                "name": robot.name,
+                "kind": robot.kind,
+                "on": robot.mounted_on,
+                "joints": joints.collect::<Value>(),
+            })
+        });
+        let bodies = self.bodies.iter().map(|body| json!({"name": body.name, "edges": body.edges}));
+        json!({
+            "kind": "layout",
+            "lasts": lasts,
+            "step": self.step,
+            "robots": robots.collect::<Value>(),
+            "bodies": bodies.collect::<Value>(),
+        })
+    }
+
+    /// What changes.
+    #[must_use]
+    pub fn state(&self, now: &Now) -> Value {
+        let robots = now.robots.iter().filter_map(|robot| self.robot(robot, now));
+        let bodies = now.bodies.iter().map(|pose| pose.as_ref().filter(|pose| is_pose(pose)).map(numbers));
+        json!({
+            "kind": "state",
+            "time": now.time,
+            "epoch": now.epoch,
+            "step": now.step,
+            "period": now.period,
+            "state": now.state,
+            "doing": now.doing,
+            "by": now.by,
+            "instruction": now.instruction,
+            "rate": finite(now.rate),
+            "speed": finite(now.speed),
+            "reduced": now.reduced,
+            "held": now.held,
+            "fault": now.fault,
+            "help": now.help,
+            "persisting": now.persisting,
+            "holder": now.holder,
+            "robots": robots.collect::<Value>(),
+            "bodies": bodies.collect::<Value>(),
+            "processes": now.processes,
+        })
+    }
+
+    /// A robot whose place is known: its links as capsules, its frames and its tool, in the world.
+    #[allow(non_snake_case)]
+    fn robot(&self, robot: &RobotNow, now: &Now) -> Option<Value> {
+        let layout = self.robots.iter().find(|known| known.name == robot.name)?;
+        let X_WS = self.stands(layout, now, self.robots.len())?;
+        let is_measured = robot.measured.iter().all(|q| q.is_finite()) && is_pose(&robot.tool);
+        let (mut links, mut frames) = (Vec::new(), Vec::new());
+        if is_measured {
+            links = capsules(&*layout.figure, &robot.measured);
+            layout.figure.frames(&robot.measured, &mut |frame| frames.push(numbers(&(X_WS * frame))));
+        }
+        let place = |at: &Vector3<f64>| X_WS * mrroc_core::nalgebra::Point3::from(*at);
+        let links = links.iter().map(|(ends, radius)| {
+            let [a, b] = [place(&ends[0]), place(&ends[1])];
+            [a.x, a.y, a.z, b.x, b.y, b.z, *radius].map(rounded)
+        });
+        let round = |joints: &[f64]| joints.iter().map(|q| finite(rounded(*q))).collect::<Vec<_>>();
+        Some(json!({
+            "name": robot.name,
+            "time": robot.time,
+            "demanded": round(&robot.demanded),
+            "measured": round(&robot.measured),
+            "doing": robot.doing,
+            "links": links.collect::<Vec<_>>(),
+            "frames": frames,
+            "tool": is_measured.then(|| numbers(&(X_WS * robot.tool))),
+        }))
+    }
+
+    /// Where the frame is that a robot stands in, after at most so many robots that carry each other.
+    #[allow(non_snake_case)]
+    fn stands(&self, robot: &RobotLayout, now: &Now, most: usize) -> Option<Pose> {
+        let Some(carrier) = &robot.mounted_on else { return Some(Pose::identity()) };
+        let layout = self.robots.iter().find(|known| known.name == *carrier).filter(|_| most > 0)?;
+        let measured = &now.robots.iter().find(|known| known.name == *carrier)?.measured;
+        let X_WS = self.stands(layout, now, most - 1)?;
+        let mut flange = None;
+        layout.figure.frames(measured, &mut |frame| flange = Some(*frame));
+        flange.map(|X_SF| X_WS * X_SF).filter(is_pose)
+    }
+}
+
+/// The links of a robot; of one that gives no shape, bars between its frames.
+fn capsules(figure: &dyn Figure, joints: &[f64]) -> Vec<([Vector3<f64>; 2], f64)> {
+    let mut links = Vec::new();
+    figure.capsules(joints, &mut |ends, radius| links.push((ends, radius)));
+    if links.is_empty() {
+        let mut at = Vec::new();
+        figure.frames(joints, &mut |frame| at.push(frame.translation.vector));
+        let longest = at.windows(2).map(|pair| (pair[1] - pair[0]).norm()).fold(0.0, f64::max);
+        let radius = (BAR * longest).clamp(BARS[0], BARS[1]);
+        links.extend(at.windows(2).map(|pair| ([pair[0], pair[1]], radius)));
+        if let [only] = at[..] {
+            links.push(([only; 2], radius));
+        }
+    }
+    links
+}
+
+fn is_pose(pose: &Pose) -> bool {
+    let norm = pose.rotation.as_ref().norm();
+    pose.translation.vector.iter().all(|x| x.is_finite()) && (norm - 1.0).abs() < 1e-6
+}
+
+/// To a millionth: a micrometre is more than a page shows, and short texts are sooner read.
+fn rounded(x: f64) -> f64 {
+    (x * 1e6).round() / 1e6
+}
+
+/// A number that JSON can say.
+fn finite(x: f64) -> Option<f64> {
+    x.is_finite().then_some(x)
+}
+
+/// A pose as x, y, z and the quaternion x, y, z, w.
+fn numbers(pose: &Pose) -> [f64; 7] {
+    let (p, q) = (&pose.translation, &pose.rotation);
+    [p.x, p.y, p.z, q.i, q.j, q.k, q.w].map(rounded)
+}

@@ -1,0 +1,35 @@
+//! What the command line of a task program asks of this crate: `--panel`, `panel`, `panel FILE`.
+
+use std::path::Path;
+use std::process::ExitCode;
+use std::rc::Rc;
+use std::sync::Arc;
+
+use mrroc_core::console::refused;
+use mrroc_core::observe::layout::Layout;
+use mrroc_launch::{LooksOn, Panel};
+
+use crate::course::{OnMemory, recorded};
+use crate::now::Looks;
+use crate::run::{attend, play};
+
+/// The panel in a browser.
+#[derive(Clone, Copy, Debug)]
+pub struct InBrowser;
+
+impl Panel for InBrowser {
+    fn attend(&self, layout: Layout, cell: &Path) -> ExitCode {
+        attend(&layout, cell)
+    }
+
+    fn play(&self, layout: Layout, recording: &Path) -> ExitCode {
+        match recorded(recording, &layout) {
+            Ok(course) => play(Arc::new(Looks::of(&layout)), course),
+            Err(why) => refused(&why),
+        }
+    }
+
+    fn look_on(&self, layout: Layout) -> Rc<dyn LooksOn> {
+        Rc::new(OnMemory::of(layout))
+    }
+}

@@ -1,0 +1,108 @@
+//! A recording, as a page plays it.
+//!
+//! In: an MCAP file that `--record` has written. Out: the course of its run; what a page does not show is passed over.
+
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+use mcap::MessageStream;
+use mrroc_core::nalgebra::{Quaternion, Translation3, UnitQuaternion};
+use mrroc_core::observe::layout::Layout;
+use mrroc_core::operator::state::Doing;
+use mrroc_core::pose::Pose;
+use serde_json::Value;
+
+use crate::course::{Course, StepSeen};
+
+/// The largest file that is played \[bytes\].
+const LARGEST: u64 = 1 << 30;
+
+/// Reads a recording of a cell of this layout; of one that was cut off, what there is.
+///
+/// # Errors
+/// What is wrong with the file.
+pub fn read(file: &Path, layout: &Layout) -> Result<Course, String> {
+    let mut bytes = Vec::new();
+    let opened = File::open(file).and_then(|from| from.take(LARGEST + 1).read_to_end(&mut bytes));
+    opened.map_err(|error| format!("cannot be read: {error}"))?;
+    if bytes.len() as u64 > LARGEST {
+        return Err("is larger than 1 GiB\n help: record a shorter run, or fewer robots".to_owned());
+    }
+    let help = "\n help: give a file that --record has written";
+    let messages = MessageStream::new(&bytes).map_err(|error| format!("is no recording: {error}{help}"))?;
+    let mut course = Course::of(layout);
+    let (mut start, mut last) = (None, 0);
+    for message in messages {
+        // The rest of a file that was cut off.
+        let Ok(message) = message else { break };
+        let time = message.log_time.saturating_sub(*start.get_or_insert(message.log_time));
+        last = last.max(time);
+        take(&mut course, layout, time, &message.channel.topic, &message.data);
+    }
+    course.end(last, None);
+    if course.lasts() == 0.0 {
+        return Err(format!("shows no robot of this cell{help}, of this cell"));
+    }
+    Ok(course)
+}
+
+fn take(course: &mut Course, layout: &Layout, time: u64, topic: &str, data: &[u8]) {
+    let json = || serde_json::from_slice::<Value>(data).ok();
+    if topic == "/steps" {
+        let Some(json) = json() else { return };
+        let is = |name: &str| json[name].as_bool().unwrap_or(false);
+        let number = |name: &str| json[name].as_f64().unwrap_or(0.0);
+        course.step(
+            time,
+            &StepSeen {
+                step: json["step"].as_u64().unwrap_or(0),
+                dt: number("dt"),
+                duration: number("duration"),
+                speed: number("speed"),
+                suspended: is("suspended"),
+                reduced: is("reduced"),
+                aborting: is("aborting"),
+                resetting: is("resetting"),
+            },
+        );
+    } else if topic == "/instructions" {
+        let Some(json) = json() else { return };
+        let (process, by) = (json["process"].as_str().unwrap_or(""), json["by"].as_str().unwrap_or(""));
+        let word = json["doing"].as_str().unwrap_or("");
+        if let Some(doing) = Doing::ALL.into_iter().find(|doing| doing.word() == word) {
+            course.instruction(process, doing, by);
+        }
+    } else if topic == "/events" {
+        let Some(json) = json() else { return };
+        let text = json["text"].as_str().unwrap_or("").to_owned();
+        let is_mp = json["process"].as_str() == Some("mp");
+        if matches!(json["what"].as_str(), Some("fault" | "end")) && is_mp && !text.is_empty() {
+            course.fault(text, None);
+        }
+    } else if let Some(name) = topic.strip_prefix("/bodies/") {
+        let place = layout.bodies.iter().position(|body| body.name == name);
+        if let (Some(place), Some(pose)) = (place, json().and_then(|json| pose(&json["pose"]))) {
+            course.body(place, pose);
+        }
+    } else if let Some(name) = topic.strip_prefix("/robots/").filter(|name| !name.contains('/'))
+        && course.is_due(time)
+        && let Some(json) = json()
+        && let Some(tool) = pose(&json["measured"]["pose"])
+    {
+        let joints = |of: &str| {
+            let joints = json[of]["joints"].as_array().map(Vec::as_slice).unwrap_or_default();
+            joints.iter().map(|q| q.as_f64().unwrap_or(f64::NAN)).collect::<Vec<_>>()
+        };
+        course.robot(time, name, [&joints("demanded"), &joints("measured")], tool);
+    }
+}
+
+/// Reads a pose.
+fn pose(value: &Value) -> Option<Pose> {
+    let of = |part: &str, name: &str| value[part][name].as_f64();
+    let (at, turn) = (|name: &str| of("position", name), |name: &str| of("orientation", name));
+    let turned = Quaternion::new(turn("w")?, turn("x")?, turn("y")?, turn("z")?);
+    let turned = UnitQuaternion::try_new(turned, 1e-6)?;
+    Some(Pose::from_parts(Translation3::new(at("x")?, at("y")?, at("z")?), turned))
+}

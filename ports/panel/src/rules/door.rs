@@ -1,0 +1,94 @@
+//! The door: which requests come from a page of this panel.
+//!
+//! In: the headers `Host` and `Origin`. Out: whether the request is answered. A page of another site cannot connect, because its
+//! origin is another one; a name of another site that is made to lead to this machine is no host of this panel.
+
+/// The hosts by which this panel is called.
+#[derive(Clone, Debug)]
+pub struct Door {
+    hosts: [String; 3],
+}
+
+/// Why a request is not answered.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum NotAdmitted {
+    /// It calls this machine by another name.
+    #[error("this is no host of the panel: open the address that it has printed")]
+    Host,
+    /// It comes from a page of another origin, or does not say from which.
+    #[error("only pages of the panel itself connect to it")]
+    Origin,
+}
+
+/// What is asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Way {
+    /// A file of the page.
+    File,
+    /// A connection that shows and operates the cell.
+    Connection,
+}
+
+impl Door {
+    /// Of a panel at this port of the loopback interface.
+    #[must_use]
+    pub fn at(port: u16) -> Door {
+        Door { hosts: ["127.0.0.1", "localhost", "[::1]"].map(|name| format!("{name}:{port}")) }
+    }
+
+    /// Admits a request with these headers.
+    ///
+    /// # Errors
+    /// [`NotAdmitted`]
+    pub fn admit(&self, way: Way, host: Option<&str>, origin: Option<&str>) -> Result<(), NotAdmitted> {
+        let host = host.filter(|host| self.hosts.iter().any(|own| own.eq_ignore_ascii_case(host)));
+        let host = host.ok_or(NotAdmitted::Host)?;
+        match (origin, way) {
+            // Browsers say the origin of every connection that a page opens, but not of a file that is only read.
+            (None, Way::File) => Ok(()),
+            (None, Way::Connection) => Err(NotAdmitted::Origin),
+            (Some(origin), _) => {
+                let own = origin.strip_prefix("http://").is_some_and(|of| of.eq_ignore_ascii_case(host));
+                if own { Ok(()) } else { Err(NotAdmitted::Origin) }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn fault_201_a_page_of_another_origin_or_a_host_of_another_name_is_not_admitted() {
+        let door = Door::at(7411);
+        fn connection(host: Option<&str>, origin: Option<&str>) -> Result<(), NotAdmitted> {
+            Door::at(7411).admit(Way::Connection, host, origin)
+        }
+        for host in ["127.0.0.1:7411", "localhost:7411", "[::1]:7411", "LocalHost:7411"] {
+            let origin = format!("http://{host}");
+            assert_eq!(connection(Some(host), Some(&origin)), Ok(()), "{host}");
+            assert_eq!(door.admit(Way::File, Some(host), None), Ok(()), "{host}");
+        }
+        let own = Some("127.0.0.1:7411");
+        for origin in [
+            "http://evil.example",
+            "https://127.0.0.1:7411",
+            "http://127.0.0.1:7412",
+            "http://127.0.0.1",
+            "http://127.0.0.1:7411.evil.example",
+            "http://localhost:7411",
+            "null",
+            "",
+        ] {
+            assert_eq!(connection(own, Some(origin)), Err(NotAdmitted::Origin), "{origin}");
+            assert_eq!(door.admit(Way::File, own, Some(origin)), Err(NotAdmitted::Origin), "{origin}");
+        }
+        assert_eq!(connection(own, None), Err(NotAdmitted::Origin));
+        // A name that was made to lead here, the right name of another port, and none.
+        for host in [Some("evil.example:7411"), Some("127.0.0.1:80"), Some("127.0.0.1"), Some(""), None] {
+            assert_eq!(connection(host, Some("http://127.0.0.1:7411")), Err(NotAdmitted::Host), "{host:?}");
+            assert_eq!(door.admit(Way::File, host, None), Err(NotAdmitted::Host), "{host:?}");
+        }
+    }
+}

@@ -1,0 +1,207 @@
+//! What a page asks for.
+//!
+//! In: the text of a message. Out: a request, with the step for which it was made; or what is wrong with it. Each button carries the
+//! epoch and the step that the page showed when it was pressed: what is asked of a picture that is old is refused.
+
+use mrroc_core::operator::button::Button;
+use serde_json::Value;
+
+/// How much older than the newest step the step of a request may be \[ns\].
+const OLD: u64 = 1_000_000_000;
+
+/// What a page asks for.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Asked {
+    /// To be let in.
+    Token(String),
+    /// Nothing: it is there.
+    Beat,
+    /// A stop, which is never refused.
+    Stop,
+    /// Authority.
+    Take,
+    /// To give it back.
+    LetGo,
+    /// A button.
+    Press(Button, Stamp),
+    /// Robots may move while this is said again and again, at reduced speed; whether a hold begins.
+    Hold(bool, Stamp),
+    /// They may no longer.
+    Release,
+    /// What a recording shows at a time \[s\].
+    Frame(f64),
+}
+
+/// Of which step a page knew when something was asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Stamp {
+    /// The epoch.
+    pub epoch: u32,
+    /// The step.
+    pub step: u64,
+}
+
+/// A message of a page.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Message {
+    /// The number that the page gave it: the answer has the same one.
+    pub number: u64,
+    /// What is asked for.
+    pub asked: Asked,
+}
+
+/// A message that is none.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum BadMessage {
+    /// It is no JSON object, or lacks what it needs.
+    #[error("a message needs `{0}`")]
+    Lacks(&'static str),
+    /// It asks for something that there is not.
+    #[error("{0}")]
+    Unknown(String),
+}
+
+/// Why a request is refused though its page may make it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum Old {
+    /// It was made before a reset, or for another cell.
+    #[error("it was asked for before the last reset: look, and press again")]
+    Epoch,
+    /// The page showed a picture that is too old.
+    #[error("it was asked for {0} steps ago: this page is too far behind the cell; look, and press again")]
+    Step(u64),
+}
+
+impl Stamp {
+    /// Whether what was asked for at this step may still be done at another one, of steps of this length \[ns\].
+    ///
+    /// # Errors
+    /// [`Old`]
+    pub fn check(&self, newest: Stamp, period: u64) -> Result<(), Old> {
+        if self.epoch != newest.epoch {
+            return Err(Old::Epoch);
+        }
+        let behind = newest.step.saturating_sub(self.step);
+        if behind.saturating_mul(period) > OLD { Err(Old::Step(behind)) } else { Ok(()) }
+    }
+
+    fn of(json: &Value) -> Result<Stamp, BadMessage> {
+        let epoch = json["epoch"].as_u64().and_then(|epoch| u32::try_from(epoch).ok());
+        let epoch = epoch.ok_or(BadMessage::Lacks("epoch"))?;
+        let step = json["step"].as_u64().ok_or(BadMessage::Lacks("step"))?;
+        Ok(Stamp { epoch, step })
+    }
+}
+
+impl Message {
+    /// Reads a message.
+    ///
+    /// # Errors
+    /// [`BadMessage`]
+    pub fn read(text: &str) -> Result<Message, BadMessage> {
+        let json: Value = serde_json::from_str(text).map_err(|_| BadMessage::Lacks("JSON"))?;
+        if let Some(token) = json["token"].as_str() {
+            return Ok(Message { number: 0, asked: Asked::Token(token.to_owned()) });
+        }
+        let number = json["n"].as_u64().unwrap_or(0);
+        let word = json["do"].as_str().ok_or(BadMessage::Lacks("do"))?;
+        let asked = match word {
+            "beat" => Asked::Beat,
+            "stop" => Asked::Stop,
+            "take" => Asked::Take,
+            "let-go" => Asked::LetGo,
+            "hold" => Asked::Hold(json["begins"].as_bool().unwrap_or(false), Stamp::of(&json)?),
+            "release" => Asked::Release,
+            "frame" => {
+                let at = json["at"].as_f64().filter(|at| at.is_finite());
+                Asked::Frame(at.ok_or(BadMessage::Lacks("at"))?)
+            }
+            _ => {
+                let rest = json["rest"].as_str().unwrap_or("");
+                let button = Button::read(word, rest)
+                    .map_err(|bad| BadMessage::Unknown(bad.to_string().replace("\n help: ", ": ")))?;
+                Asked::Press(button, Stamp::of(&json)?)
+            }
+        };
+        Ok(Message { number, asked })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use mrroc_core::operator::Renewal;
+
+    fn read(text: &str) -> Result<Asked, BadMessage> {
+        Message::read(text).map(|message| message.asked)
+    }
+
+    #[test]
+    fn a_message_is_read_as_a_page_writes_it() {
+        let stamp = Stamp { epoch: 2, step: 40 };
+        for (text, asked) in [
+            (r#"{"token":"abc"}"#, Asked::Token("abc".to_owned())),
+            (r#"{"do":"beat"}"#, Asked::Beat),
+            (r#"{"n":3,"do":"stop"}"#, Asked::Stop),
+            (r#"{"n":3,"do":"take"}"#, Asked::Take),
+            (r#"{"n":3,"do":"suspend","epoch":2,"step":40}"#, Asked::Press(Button::Suspend, stamp)),
+            (
+                r#"{"n":3,"do":"speed","rest":"50%","epoch":2,"step":40}"#,
+                Asked::Press(Button::Speed(0.5), stamp),
+            ),
+            (r#"{"n":3,"do":"hold","begins":true,"epoch":2,"step":40}"#, Asked::Hold(true, stamp)),
+            (r#"{"n":3,"do":"hold","epoch":2,"step":40}"#, Asked::Hold(false, stamp)),
+            (r#"{"n":3,"do":"release"}"#, Asked::Release),
+            (r#"{"do":"frame","at":1.5}"#, Asked::Frame(1.5)),
+        ] {
+            assert_eq!(read(text), Ok(asked), "{text}");
+        }
+        assert_eq!(Message::read(r#"{"n":3,"do":"stop"}"#).map(|message| message.number), Ok(3));
+        // No page makes up a renewal: the panel counts them.
+        assert!(!matches!(
+            read(r#"{"do":"hold 9 9","epoch":0,"step":0}"#),
+            Ok(Asked::Press(Button::Hold(_), _))
+        ));
+        assert_eq!(Renewal::first(1).count(), 0);
+    }
+
+    #[test]
+    fn fault_203_what_is_no_message_is_refused_with_what_it_lacks() {
+        for (text, told) in [
+            ("", "JSON"),
+            ("[1, 2", "JSON"),
+            ("7", "do"),
+            ("{}", "do"),
+            (r#"{"do":7}"#, "do"),
+            (r#"{"do":"fly","epoch":0,"step":0}"#, "`fly` is no button"),
+            (r#"{"do":"resume"}"#, "epoch"),
+            (r#"{"do":"resume","epoch":-1,"step":4}"#, "epoch"),
+            (r#"{"do":"resume","epoch":1e99,"step":4}"#, "epoch"),
+            (r#"{"do":"resume","epoch":1}"#, "step"),
+            (r#"{"do":"speed","rest":"fast","epoch":1,"step":1}"#, "no speed"),
+            (r#"{"do":"frame","at":"x"}"#, "at"),
+        ] {
+            let bad = read(text).expect_err("refused").to_string();
+            assert!(bad.contains(told), "{text}: {bad}");
+        }
+        // Nested beyond all measure.
+        assert!(read(&"[".repeat(1000)).is_err());
+    }
+
+    #[test]
+    fn fault_204_what_was_asked_for_a_second_ago_or_before_a_reset_is_refused() {
+        let at = |epoch, step| Stamp { epoch, step };
+        let period = 2_000_000;
+        assert_eq!(at(1, 1000).check(at(1, 1000), period), Ok(()));
+        assert_eq!(at(1, 500).check(at(1, 1000), period), Ok(()));
+        assert_eq!(at(1, 499).check(at(1, 1000), period), Err(Old::Step(501)));
+        // The page may know of a newer step than the panel.
+        assert_eq!(at(1, 1007).check(at(1, 1000), period), Ok(()));
+        for epoch in [0, 2] {
+            assert_eq!(at(epoch, 1000).check(at(1, 1000), period), Err(Old::Epoch));
+        }
+        assert_eq!(at(1, 0).check(at(1, u64::MAX), u64::MAX), Err(Old::Step(u64::MAX)));
+        // A stop has no stamp at all.
+        assert_eq!(read(r#"{"do":"stop","epoch":"old","step":null}"#), Ok(Asked::Stop));
+    }
+}

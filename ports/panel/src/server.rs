@@ -1,0 +1,159 @@
+//! What answers browsers, on the loopback interface alone.
+//!
+//! In: connections. Out: the files of the page, and a [`socket`](crate::socket) for each page that connects. No request changes
+//! anything in the cell: that is for messages of a page that has shown the token.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::{Duration, Instant};
+
+use axum::Router;
+use axum::body::Body;
+use axum::extract::{Request, State, WebSocketUpgrade};
+use axum::http::{Method, Response, StatusCode, header};
+use axum::middleware::{Next, from_fn_with_state};
+use axum::response::IntoResponse;
+use axum::routing::get;
+use hyper::server::conn::http1;
+use hyper_util::rt::{TokioIo, TokioTimer};
+use hyper_util::service::TowerToHyperService;
+use mrroc_core::console::complain;
+use tokio::net::TcpListener;
+use tokio::sync::{Semaphore, broadcast, watch};
+
+use crate::course::Course;
+use crate::desk::{Desk, Shown};
+use crate::now::Looks;
+use crate::page;
+use crate::rules::door::{Door, Way};
+use crate::rules::token::Token;
+use crate::rules::{CONNECTIONS, LONGEST, PAGES};
+use crate::socket;
+use crate::stand::Stand;
+
+/// How long a browser may take to say what it wants.
+const HEADER: Duration = Duration::from_secs(5);
+
+/// Notes that wait for a page.
+const NOTES: usize = 32;
+
+/// What a panel shows.
+pub enum Source {
+    /// A cell that runs: where to ask, and what it does.
+    Running(Desk, watch::Receiver<Shown>),
+    /// A run that is over.
+    Over(Box<Course>),
+}
+
+/// All that pages share.
+pub struct Panel {
+    pub source: Source,
+    pub looks: Arc<Looks>,
+    pub token: Token,
+    pub stand: Stand,
+    /// Sentences for all pages.
+    pub notes: broadcast::Sender<Arc<str>>,
+    /// Places of pages.
+    pub pages: Arc<Semaphore>,
+    door: Door,
+    numbers: AtomicU64,
+    since: Instant,
+}
+
+impl Panel {
+    /// Of a source, at a port, known by a token.
+    #[must_use]
+    pub fn new(source: Source, looks: Arc<Looks>, token: Token, port: u16) -> Panel {
+        Panel {
+            source,
+            looks,
+            token,
+            stand: Stand::default(),
+            notes: broadcast::channel(NOTES).0,
+            pages: Arc::new(Semaphore::new(PAGES)),
+            door: Door::at(port),
+            numbers: AtomicU64::new(0),
+            since: Instant::now(),
+        }
+    }
+
+    /// The number of a new page.
+    pub fn number(&self) -> u64 {
+        self.numbers.fetch_add(1, Ordering::Relaxed) + 1
+    }
+
+    /// The time since the panel began.
+    pub fn now(&self) -> Duration {
+        self.since.elapsed()
+    }
+
+    /// Tells all pages and the terminal what happened.
+    pub fn note(&self, text: &str) {
+        complain(&format!("panel: {text}"));
+        // Nobody may be there.
+        let _ = self.notes.send(text.into());
+    }
+}
+
+/// Serves a panel until this future is dropped.
+///
+/// # Errors
+/// No connection can be taken any more.
+pub async fn serve(listener: TcpListener, panel: Arc<Panel>) -> std::io::Result<()> {
+    let router = Router::new()
+        .route("/connect", get(connect))
+        .fallback(|request: Request| async move { page::file(request.uri().path()) })
+        .layer(from_fn_with_state(Arc::clone(&panel), admit))
+        .with_state(panel);
+    let places = Arc::new(Semaphore::new(CONNECTIONS));
+    loop {
+        let (stream, _) = match listener.accept().await {
+            Ok(accepted) => accepted,
+            // Too few files may be open: those that are there go on.
+            Err(_) => {
+                tokio::time::sleep(Duration::from_millis(100)).await;
+                continue;
+            }
+        };
+        // One too many is closed at once.
+        let Ok(place) = Arc::clone(&places).try_acquire_owned() else { continue };
+        let _ = stream.set_nodelay(true);
+        let service = TowerToHyperService::new(router.clone());
+        tokio::spawn(async move {
+            let mut connection = http1::Builder::new();
+            connection.timer(TokioTimer::new()).header_read_timeout(HEADER).max_headers(64);
+            let served = connection.serve_connection(TokioIo::new(stream), service).with_upgrades();
+            // A browser that goes away is nobody's fault. The place of a page is kept by its socket from then on.
+            let _ = served.await;
+            drop(place);
+        });
+    }
+}
+
+/// Answers only what comes from this panel's own page.
+async fn admit(State(panel): State<Arc<Panel>>, request: Request, next: Next) -> Response<Body> {
+    let way = if request.uri().path() == "/connect" { Way::Connection } else { Way::File };
+    if request.method() != Method::GET {
+        return page::told(
+            StatusCode::METHOD_NOT_ALLOWED,
+            "the panel is only read; it is operated by its page",
+        );
+    }
+    let admitted = {
+        let header = |name| request.headers().get(name).and_then(|value| value.to_str().ok());
+        panel.door.admit(way, header(header::HOST), header(header::ORIGIN))
+    };
+    match admitted {
+        Ok(()) => next.run(request).await,
+        Err(why) => page::told(StatusCode::FORBIDDEN, &why.to_string()),
+    }
+}
+
+/// A page connects.
+async fn connect(State(panel): State<Arc<Panel>>, upgrade: WebSocketUpgrade) -> Response<Body> {
+    let Ok(place) = Arc::clone(&panel.pages).try_acquire_owned() else {
+        return page::told(StatusCode::SERVICE_UNAVAILABLE, "too many pages look on: close one of them");
+    };
+    let upgrade = upgrade.max_message_size(LONGEST).max_frame_size(LONGEST).write_buffer_size(0);
+    upgrade.on_upgrade(move |socket| socket::serve(socket, panel, place)).into_response()
+}

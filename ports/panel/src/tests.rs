@@ -1,0 +1,322 @@
+//! A panel of a cell that is not there, and pages that are no browsers: what the server does, whoever speaks to it.
+
+use core::time::Duration;
+use std::io::{Read, Write};
+use std::net::{SocketAddr, TcpStream};
+use std::sync::mpsc::{Receiver, channel};
+use std::sync::{Arc, Mutex};
+
+use mrroc_core::operator::button::Button;
+use mrroc_processes::{Reply, Request};
+use serde_json::{Value, json};
+use tokio::net::TcpListener;
+use tokio::sync::watch;
+
+use crate::desk::{Desk, Shown};
+use crate::now::{Looks, Now};
+use crate::rules::request::Stamp;
+use crate::rules::token::Token;
+use crate::server::{Panel, Source, serve};
+use crate::socket::look_after;
+
+/// A panel whose desk does all that it is asked for, and writes it down.
+struct Served {
+    address: SocketAddr,
+    token: String,
+    asked: Receiver<Request>,
+    /// Keeps what is shown.
+    _shown: watch::Sender<Shown>,
+}
+
+fn looks() -> Looks {
+    use mrroc::prelude::*;
+    use mrroc_robots::{Irp6, SimulatedIrp6, Six};
+    let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
+    let arm = RobotSetup::new("arm", Irp6::nominal(), SimulatedIrp6::new(Irp6::nominal(), &start));
+    Looks::of(&Cell::new(Duration::from_millis(2)).robot(arm).layout())
+}
+
+fn served() -> Served {
+    let looks = Arc::new(looks());
+    let text = looks.state(&Now { state: "running", step: 1000, ..Now::default() }).to_string();
+    let stamp = Stamp { epoch: 0, step: 1000 };
+    let shown = Shown { text: Some(text.into()), stamp: Some((stamp, 2_000_000)), over: None };
+    let (show, shown) = watch::channel(shown);
+    let (writes, asked) = channel();
+    let writes = Mutex::new(writes);
+    let desk = Desk::of(move |request| {
+        let _ = writes.lock().expect("not poisoned").send(*request);
+        Reply::Done(format!("{request}"))
+    });
+    let token = Token::draw().expect("random numbers");
+    let (tells, told) = channel();
+    std::thread::spawn(move || {
+        let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().expect("a runtime");
+        runtime.block_on(async {
+            let listener = TcpListener::bind("127.0.0.1:0").await.expect("a port");
+            let address = listener.local_addr().expect("an address");
+            tells.send(address).expect("heard");
+            let panel = Arc::new(Panel::new(Source::Running(desk, shown), looks, token, address.port()));
+            tokio::select! {
+                _ = serve(listener, Arc::clone(&panel)) => {}
+                () = look_after(panel) => {}
+            }
+        });
+    });
+    let address = told.recv().expect("it listens");
+    Served { address, token: token.to_string(), asked, _shown: show }
+}
+
+/// A page: a connection that was upgraded.
+struct Page(TcpStream);
+
+impl Served {
+    fn connect(&self) -> TcpStream {
+        let stream = TcpStream::connect(self.address).expect("connected");
+        stream.set_read_timeout(Some(Duration::from_secs(10))).expect("set");
+        stream
+    }
+
+    /// The status of a request with these lines of its header.
+    fn status(&self, request: &str) -> String {
+        let mut stream = self.connect();
+        stream.write_all(format!("{request}\r\n\r\n").as_bytes()).expect("sent");
+        let mut answer = [0; 12];
+        match stream.read_exact(&mut answer) {
+            Ok(()) => String::from_utf8_lossy(&answer[9..]).into_owned(),
+            Err(_) => "closed".to_owned(),
+        }
+    }
+
+    fn page(&self) -> Option<Page> {
+        let mut stream = self.connect();
+        let host = self.address;
+        let header = format!(
+            "GET /connect HTTP/1.1\r\nHost: {host}\r\nOrigin: http://{host}\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n\
+             Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n"
+        );
+        stream.write_all(header.as_bytes()).expect("sent");
+        let mut answer = Vec::new();
+        while !answer.ends_with(b"\r\n\r\n") {
+            let mut byte = [0];
+            if stream.read_exact(&mut byte).is_err() {
+                return None;
+            }
+            answer.push(byte[0]);
+        }
+        answer.starts_with(b"HTTP/1.1 101").then_some(Page(stream))
+    }
+
+    fn known(&self) -> Page {
+        let mut page = self.page().expect("a place");
+        page.say(&json!({"token": self.token}));
+        page
+    }
+}
+
+impl Page {
+    fn say(&mut self, message: &Value) {
+        let _ = self.send(0x81, message.to_string().as_bytes());
+    }
+
+    /// One frame, masked by zeros.
+    fn send(&mut self, kind: u8, bytes: &[u8]) -> std::io::Result<()> {
+        let mut frame = vec![kind];
+        match bytes.len() {
+            short @ 0..126 => frame.push(0x80 | short as u8),
+            long => {
+                frame.push(0x80 | 127);
+                frame.extend_from_slice(&(long as u64).to_be_bytes());
+            }
+        }
+        frame.extend_from_slice(&[0; 4]);
+        frame.extend_from_slice(bytes);
+        self.0.write_all(&frame)
+    }
+
+    /// The next message; `None` when the connection is over.
+    fn hear(&mut self) -> Option<Value> {
+        loop {
+            let mut head = [0; 2];
+            self.0.read_exact(&mut head).ok()?;
+            let length = match head[1] & 0x7f {
+                126 => {
+                    let mut long = [0; 2];
+                    self.0.read_exact(&mut long).ok()?;
+                    u64::from(u16::from_be_bytes(long))
+                }
+                127 => {
+                    let mut long = [0; 8];
+                    self.0.read_exact(&mut long).ok()?;
+                    u64::from_be_bytes(long)
+                }
+                short => u64::from(short),
+            };
+            let mut bytes = vec![0; usize::try_from(length).ok()?];
+            self.0.read_exact(&mut bytes).ok()?;
+            match head[0] & 0xf {
+                1 => return serde_json::from_slice(&bytes).ok(),
+                8 => return None,
+                _ => {}
+            }
+        }
+    }
+
+    /// The answer of a number.
+    fn answer(&mut self, number: u64) -> Option<Value> {
+        loop {
+            let message = self.hear()?;
+            if message["kind"] == "answer" && message["n"] == number {
+                return Some(message);
+            }
+        }
+    }
+
+    /// Whether it is disconnected.
+    fn is_over(&mut self) -> bool {
+        while self.hear().is_some() {}
+        true
+    }
+}
+
+#[test]
+fn fault_200_without_the_token_nothing_is_shown_and_nothing_is_done() {
+    let served = served();
+    for first in [
+        json!({"token": "0".repeat(32)}),
+        json!({"token": ""}),
+        json!({"n": 1, "do": "stop"}),
+        json!({"n": 1, "do": "take"}),
+    ] {
+        let mut page = served.page().expect("a place");
+        page.say(&first);
+        page.say(&json!({"n": 2, "do": "stop"}));
+        assert_eq!(page.hear(), None, "{first}");
+    }
+    assert!(served.asked.try_recv().is_err());
+    let mut page = served.known();
+    assert_eq!(page.hear().expect("the cell")["kind"], "layout");
+}
+
+#[test]
+fn fault_201_what_does_not_come_from_the_panels_own_page_is_refused() {
+    let served = served();
+    let host = served.address;
+    let upgrade = "Connection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==";
+    for (request, status) in [
+        (format!("GET / HTTP/1.1\r\nHost: {host}"), "200"),
+        (format!("GET /../Cargo.toml HTTP/1.1\r\nHost: {host}"), "404"),
+        ("GET / HTTP/1.1\r\nHost: evil.example".to_owned(), "403"),
+        (format!("POST / HTTP/1.1\r\nHost: {host}\r\nContent-Length: 0"), "405"),
+        (format!("GET /connect HTTP/1.1\r\nHost: {host}\r\n{upgrade}"), "403"),
+        (format!("GET /connect HTTP/1.1\r\nHost: {host}\r\nOrigin: http://evil.example\r\n{upgrade}"), "403"),
+        (
+            format!(
+                "GET /connect HTTP/1.1\r\nHost: evil.example\r\nOrigin: http://evil.example\r\n{upgrade}"
+            ),
+            "403",
+        ),
+        (format!("GET /connect HTTP/1.1\r\nHost: {host}\r\nOrigin: http://{host}\r\n{upgrade}"), "101"),
+    ] {
+        assert_eq!(served.status(&request), status, "{request}");
+    }
+}
+
+#[test]
+fn fault_203_huge_and_malformed_messages_floods_and_crowds_disconnect_who_sends_them_and_reach_no_desk() {
+    let served = served();
+    let mut good = served.known();
+    let mut page = served.known();
+    let _ = page.send(0x81, &vec![b'x'; 1 << 20]);
+    assert!(page.is_over());
+    let mut page = served.known();
+    let _ = page.send(0x82, &[0, 255]);
+    assert!(page.is_over());
+    let mut page = served.known();
+    for _ in 0..20 {
+        let _ = page.send(0x81, b"{]");
+    }
+    assert!(page.is_over());
+    let mut page = served.known();
+    for _ in 0..1000 {
+        page.say(&json!({"do": "beat"}));
+    }
+    assert!(page.is_over());
+    // Of a crowd some find no place, whether they know the token or not; and the first page is answered all the same.
+    let crowd: Vec<_> = (0..60).map(|_| served.page()).collect();
+    assert!(crowd.iter().any(Option::is_none) && crowd.iter().filter(|page| page.is_some()).count() <= 32);
+    good.say(&json!({"n": 4, "do": "suspend", "epoch": 0, "step": 1000}));
+    assert_eq!(good.answer(4).expect("answered")["outcome"], "refused");
+    assert!(served.asked.try_recv().is_err());
+}
+
+#[test]
+fn fault_205_a_stop_is_taken_from_every_page_whatever_it_said_before_and_whoever_has_authority() {
+    let served = served();
+    let (mut one, mut two) = (served.known(), served.known());
+    one.say(&json!({"n": 1, "do": "take"}));
+    assert_eq!(one.answer(1).expect("answered")["outcome"], "done");
+    assert_eq!(served.asked.recv(), Ok(Request::Take));
+    two.say(&json!({"n": 1, "do": "suspend", "epoch": 0, "step": 1000}));
+    let refused = two.answer(1).expect("answered");
+    assert!(refused["text"].as_str().is_some_and(|why| why.contains("has control")), "{refused}");
+    // All that a page may say is said; the stop has no step and no epoch.
+    for _ in 0..58 {
+        two.say(&json!({"do": "beat"}));
+    }
+    for n in 2..40 {
+        two.say(&json!({"n": n, "do": "stop"}));
+    }
+    assert_eq!(served.asked.recv_timeout(Duration::from_secs(10)), Ok(Request::Press(Button::Stop)));
+    assert_eq!(two.answer(2).expect("answered")["outcome"], "done");
+}
+
+#[test]
+fn fault_206_a_page_that_falls_silent_while_it_holds_lets_go_and_loses_authority() {
+    let served = served();
+    let mut page = served.known();
+    page.say(&json!({"n": 1, "do": "take"}));
+    assert_eq!(served.asked.recv(), Ok(Request::Take));
+    page.say(&json!({"n": 2, "do": "hold", "begins": true, "epoch": 0, "step": 1000}));
+    let wait = Duration::from_secs(10);
+    let held = match served.asked.recv_timeout(wait) {
+        Ok(Request::Press(Button::Hold(renewal))) => renewal.hold(),
+        // This machine was so late that authority had lapsed: there is nothing to let go of.
+        Ok(Request::Release) => return,
+        other => panic!("{other:?}"),
+    };
+    assert_eq!(served.asked.recv_timeout(wait), Ok(Request::Press(Button::LetGo(held))));
+    assert_eq!(served.asked.recv_timeout(wait), Ok(Request::Release));
+    page.say(&json!({"n": 3, "do": "resume", "epoch": 0, "step": 1000}));
+    assert_eq!(page.answer(3).expect("answered")["outcome"], "refused");
+}
+
+#[test]
+fn a_page_is_shown_the_links_and_the_tool_where_the_robots_own_kinematics_have_them() {
+    use mrroc_core::pose::Pose;
+    use mrroc_core::robot::Robot;
+    use mrroc_robots::{Irp6, Six};
+    let joints = Six::new(0.3, -1.4, 0.1, -0.2, 4.6, 0.5);
+    let tool = Irp6::nominal().forward(&joints) * Pose::translation(0.0, 0.0, 0.1);
+    let robot = crate::now::RobotNow {
+        name: "arm".to_owned(),
+        time: 0.0,
+        demanded: joints.as_slice().to_vec(),
+        measured: joints.as_slice().to_vec(),
+        tool,
+        doing: String::new(),
+    };
+    let state = looks().state(&Now { robots: vec![robot], ..Now::default() });
+    let numbers = |value: &Value| {
+        value.as_array().expect("a list").iter().map(|x| x.as_f64().expect("a number")).collect::<Vec<_>>()
+    };
+    let shown = numbers(&state["robots"][0]["tool"]);
+    let at = tool.translation.vector;
+    assert!((0..3).all(|i| (shown[i] - at[i]).abs() < 1e-6), "{shown:?} {at}");
+    let mut flange = Vec::new();
+    Irp6::nominal().frames(&joints, &mut |frame| flange = frame.translation.vector.as_slice().to_vec());
+    let last =
+        numbers(state["robots"][0]["frames"].as_array().and_then(|frames| frames.last()).expect("a frame"));
+    assert!((0..3).all(|i| (last[i] - flange[i]).abs() < 1e-6), "{last:?} {flange:?}");
+    assert!(state["robots"][0]["links"].as_array().is_some_and(|links| links.len() > 2));
+}

@@ -1,0 +1,137 @@
+// Operating: what a person presses becomes a message, and what the robots do becomes the look of the buttons.
+//
+// In: states of the cell, answers, presses. Out: messages with the epoch and the step that the page showed. A button shows what the
+// cell does, never that it was clicked.
+
+/** In which states of the cell a button does something. */
+const USEFUL = {
+  suspend: ['running'], resume: ['suspended'], abort: ['running', 'suspended', 'latched', 'acknowledged'],
+  acknowledge: ['latched'], reset: ['acknowledged'],
+};
+/** How often a page says that it is there, and that somebody holds [ms]. */
+const BEAT = 100;
+
+const by = (id) => document.getElementById(id);
+
+export class Operating {
+  constructor(link) {
+    this.link = link;
+    this.state = null;
+    this.yours = false;
+    this.held = false;
+    by('stop').addEventListener('click', () => this.stop());
+    addEventListener('keydown', (event) => {
+      if (event.key === 'Escape' && !by('door').open) this.stop();
+    });
+    by('take').addEventListener('click', () => this.press(by('take'), { do: this.yours ? 'let-go' : 'take' }));
+    for (const button of document.querySelectorAll('[data-do]')) {
+      button.addEventListener('click', () => this.press(button, { do: button.dataset.do, ...this.stamp() }));
+    }
+    by('speed').addEventListener('change', () => {
+      this.press(by('speed'), { do: 'speed', rest: `${by('speed').value}%`, ...this.stamp() });
+    });
+    by('reduced').addEventListener('click', () => {
+      this.press(by('reduced'), { do: 'reduced', rest: this.state?.reduced ? 'off' : 'on', ...this.stamp() });
+    });
+    this.holding(by('hold'));
+    setInterval(() => this.beat(), BEAT);
+  }
+
+  /** Which epoch and step this page shows. */
+  stamp() {
+    return { epoch: this.state?.epoch ?? 0, step: this.state?.step ?? 0 };
+  }
+
+  async press(button, message) {
+    button.setAttribute('aria-busy', 'true');
+    const { outcome, text } = await this.link.ask(message);
+    button.removeAttribute('aria-busy');
+    this.tell(outcome, text);
+    this.draw();
+  }
+
+  async stop() {
+    const { outcome, text } = await this.link.ask({ do: 'stop' });
+    this.tell(outcome, text);
+  }
+
+  tell(outcome, text) {
+    const answer = by('answer');
+    answer.dataset.outcome = outcome;
+    answer.textContent = outcome === 'done' ? text : `${outcome}: ${text}`;
+  }
+
+  /** A button that counts only while it is held, by a pointer or a key. */
+  holding(button) {
+    const begin = (event) => {
+      if (button.disabled || this.held || event.repeat) return;
+      event.preventDefault();
+      button.focus();
+      this.held = true;
+      if (event.pointerId !== undefined) button.setPointerCapture(event.pointerId);
+      this.link.ask({ do: 'hold', begins: true, ...this.stamp() }).then(({ outcome, text }) => {
+        if (outcome !== 'done') this.tell(outcome, text);
+      });
+    };
+    const end = () => {
+      if (!this.held) return;
+      this.held = false;
+      this.link.say({ do: 'release' });
+    };
+    button.addEventListener('pointerdown', begin);
+    button.addEventListener('keydown', (event) => {
+      if (event.key === ' ' || event.key === 'Enter') begin(event);
+    });
+    for (const event of ['pointerup', 'pointercancel', 'lostpointercapture', 'keyup', 'blur', 'contextmenu']) button.addEventListener(event, end);
+    addEventListener('blur', end);
+    addEventListener('pagehide', end);
+    document.addEventListener('visibilitychange', () => { if (document.hidden) end(); });
+    this.letGo = end;
+  }
+
+  beat() {
+    if (!this.yours || document.hidden) return;
+    this.link.say({ do: 'beat' });
+    if (this.held) this.link.say({ do: 'hold', ...this.stamp() });
+  }
+
+  /** Who has control. */
+  authority({ page, yours }) {
+    this.yours = yours;
+    if (!yours) this.letGo();
+    by('authority').textContent = yours ? 'You have control.' : page ? `Page ${page} has control.` : '';
+    this.page = page;
+    this.draw();
+  }
+
+  show(state) {
+    this.state = state;
+    this.draw();
+  }
+
+  draw() {
+    const { state, yours } = this;
+    const open = this.link.isOpen && state !== null;
+    by('take').textContent = yours ? 'Let go of control' : 'Take control';
+    by('take').setAttribute('aria-pressed', yours);
+    by('take').disabled = !open;
+    for (const button of document.querySelectorAll('[data-do]')) {
+      button.disabled = !open || !yours || !USEFUL[button.dataset.do].includes(state.state);
+    }
+    document.querySelector('[data-do="suspend"]').setAttribute('aria-pressed', state?.state === 'suspended');
+    by('speed').disabled = by('reduced').disabled = !open || !yours;
+    if (state && !yours && !this.page) {
+      by('authority').textContent = state.holder ? `The console of process ${state.holder} has control.` : 'Nobody has control.';
+    }
+    if (state) {
+      const percent = Math.round(100 * state.speed);
+      by('speed-set').textContent = `${percent} %`;
+      if (document.activeElement !== by('speed') || !yours) by('speed').value = percent;
+      by('reduced').setAttribute('aria-pressed', state.reduced);
+      by('hold').disabled = !open || !yours || !state.reduced;
+      by('hold').dataset.held = state.held;
+      by('hold').textContent = state.held ? 'Held: robots may move' : 'Hold to run';
+      by('reduced-help').hidden = !state.reduced;
+    }
+  }
+}
