@@ -230,13 +230,13 @@ def main():
             draw(model, data, options.png)
 
 
-def draw(model, data, file):
+def draw(model, data, file, lookat=(0.2, 0.5, 0.4), distance=3.0, azimuth=140):
     """Off the screen: MUJOCO_GL=egl or osmesa."""
     import zlib
 
     with mujoco.Renderer(model, 480, 640) as renderer:
         camera = mujoco.MjvCamera()
-        camera.lookat[:], camera.distance, camera.azimuth, camera.elevation = [0.2, 0.5, 0.4], 3.0, 140, -20
+        camera.lookat[:], camera.distance, camera.azimuth, camera.elevation = lookat, distance, azimuth, -20
         renderer.update_scene(data, camera)
         rows = renderer.render()
     raw = b"".join(b"\0" + row.tobytes() for row in rows)
