@@ -1,0 +1,186 @@
+//! A map that grows by contact: where the ball has been is free, what it touched is wall, and all else is unknown.
+//!
+//! ```text
+//! touched      a point and the way in which the wall lies: blocked within `SURE`, and between two touches of one wall
+//! believed     on along the wall, less and less surely: a price, no obstacle
+//! passed       free: no wall is where the ball has been, so what is believed ends there
+//! unknown      free, optimistically: planning through it is how it becomes known
+//! ```
+//!
+//! No grid of cells is known: walls are level or upright in the map's frame, straight, and passages at least [`Knowledge::passage`] wide.
+
+use nalgebra::Vector2;
+
+use crate::walls::Place;
+
+/// What is known beforehand of mazes, in \[m\].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Knowledge {
+    /// Side lengths of the frame, along x and y.
+    pub size: [f64; 2],
+    /// The ball's radius.
+    pub radius: f64,
+    /// The walls' thickness.
+    pub thickness: f64,
+    /// No passage is narrower than this.
+    pub passage: f64,
+    /// Walls are about so long at least: how far on a wall is believed to go from where it was touched.
+    pub wall: f64,
+}
+
+/// A touch of a wall.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Contact {
+    /// On the wall's surface \[m\].
+    pub at: Place,
+    /// From the ball into the wall, level or upright.
+    pub into: Vector2<f64>,
+}
+
+/// What is thought of a place.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Thought {
+    /// Nothing is known.
+    Unknown,
+    /// The ball has been there.
+    Passed,
+}
+
+/// The map.
+#[derive(Clone, Debug)]
+pub struct Map {
+    known: Knowledge,
+    /// By millimetres, row by row.
+    thoughts: Vec<Thought>,
+    columns: usize,
+    rows: usize,
+    contacts: Vec<Contact>,
+}
+
+/// Side length of a square of the occupancy map \[m\].
+pub const SQUARE: f64 = 1e-3;
+
+impl Map {
+    /// Nothing but the frame is known. Sizes up to 10 m.
+    #[must_use]
+    pub fn new(known: Knowledge) -> Self {
+        let squares = |length: f64| (length / SQUARE).ceil().clamp(1.0, 1e4) as usize;
+        let (columns, rows) = (squares(known.size[0]), squares(known.size[1]));
+        Self { known, thoughts: vec![Thought::Unknown; columns * rows], columns, rows, contacts: Vec::new() }
+    }
+
+    /// What was known beforehand.
+    #[must_use]
+    pub const fn knowledge(&self) -> &Knowledge {
+        &self.known
+    }
+
+    /// All touches, in their order.
+    #[must_use]
+    pub fn contacts(&self) -> &[Contact] {
+        &self.contacts
+    }
+
+    fn index(&self, at: &Place) -> Option<usize> {
+        let (x, y) = ((at.x / SQUARE).floor(), (at.y / SQUARE).floor());
+        let inside = x >= 0.0 && y >= 0.0 && x < self.columns as f64 && y < self.rows as f64;
+        inside.then(|| y as usize * self.columns + x as usize)
+    }
+
+    /// What is thought of a place; beyond the frame nothing is known.
+    #[must_use]
+    pub fn thought(&self, at: &Place) -> Thought {
+        self.index(at).map_or(Thought::Unknown, |index| self.thoughts[index])
+    }
+
+    /// The ball has gone straight from one place to another: nothing is there.
+    pub fn pass(&mut self, from: &Place, to: &Place) {
+        let way = to - from;
+        let steps = (way.norm() / (0.5 * SQUARE)).ceil().max(1.0);
+        // What the ball's middle half has swept: a place at the rim may be beside a wall that it slid along.
+        let reach = (0.5 * self.known.radius / SQUARE).floor() as i32;
+        for step in 0..=steps as u32 {
+            let at = from + way * (f64::from(step) / steps);
+            for dx in -reach..=reach {
+                for dy in -reach..=reach {
+                    let beside = at + Place::new(f64::from(dx), f64::from(dy)) * SQUARE;
+                    if let Some(index) = self.index(&beside) {
+                        self.thoughts[index] = Thought::Passed;
+                    }
+                }
+            }
+        }
+    }
+
+    /// The ball, its centre at `ball`, touches something while it moves along `moving`: which way does the wall lie?
+    ///
+    /// The wall is level or upright, and can only be ahead. Of the two, a wall that would lie where the ball has passed is none; of what
+    /// remains the one that is met more squarely is believed.
+    pub fn touch(&mut self, ball: &Place, moving: &Vector2<f64>) -> Contact {
+        let across = Vector2::new(moving.x.signum(), 0.0);
+        let along = Vector2::new(0.0, moving.y.signum());
+        let (better, other) = if moving.x.abs() >= moving.y.abs() { (across, along) } else { (along, across) };
+        let lies = |into: Vector2<f64>| Contact { at: ball + into * self.known.radius, into };
+        let share = moving.x.abs().min(moving.y.abs()) / moving.norm().max(1e-12);
+        let length = |contact: Contact| {
+            let beside = Vector2::new(-contact.into.y, contact.into.x);
+            self.belief(&contact, &beside) + self.belief(&contact, &-beside)
+        };
+        let (first, second) = (lies(better), lies(other));
+        // A wall that is known on this line, and goes on to here.
+        let goes_on = |contact: &Contact| {
+            self.contacts.iter().any(|one| {
+                let beside = contact.at - one.at;
+                let apart = beside.norm();
+                one.is_of_the_wall_of(contact)
+                    && one.into == contact.into
+                    && apart < self.known.wall
+                    && self.belief(one, &(beside / apart.max(1e-9))) >= apart
+            })
+        };
+        let contact = match (goes_on(&first), goes_on(&second)) {
+            (true, _) if share > 0.1 => first,
+            (_, true) => second,
+            (_, false) if share > 0.1 && length(first) < 0.5 * length(second) => second,
+            (_, false) => first,
+        };
+        self.contacts.push(contact);
+        contact
+    }
+
+    /// The same, where the wall's normal has been felt: `into` the wall.
+    pub fn touch_along(&mut self, ball: &Place, into: &Vector2<f64>) -> Contact {
+        let into = if into.x.abs() >= into.y.abs() {
+            Vector2::new(into.x.signum(), 0.0)
+        } else {
+            Vector2::new(0.0, into.y.signum())
+        };
+        let contact = Contact { at: ball + into * self.known.radius, into };
+        self.contacts.push(contact);
+        contact
+    }
+
+    /// How far on from a contact, along `beside`, a wall may go \[m\]: as far as it is believed to, or to where the ball has passed.
+    pub(crate) fn belief(&self, contact: &Contact, beside: &Vector2<f64>) -> f64 {
+        let middle = contact.at + contact.into * (0.5 * self.known.thickness);
+        let most = self.known.wall;
+        let mut s = SQUARE;
+        while s < most {
+            let at = middle + beside * s;
+            if self.index(&at).is_none() || self.thought(&at) == Thought::Passed {
+                return s;
+            }
+            s += SQUARE;
+        }
+        most
+    }
+}
+
+impl Contact {
+    /// Whether two contacts may be of one wall, by their lines.
+    #[must_use]
+    pub fn is_of_the_wall_of(&self, other: &Self) -> bool {
+        let apart = other.at - self.at;
+        self.into.dot(&other.into).abs() > 0.5 && apart.dot(&self.into).abs() < 1.5e-3
+    }
+}

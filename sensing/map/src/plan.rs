@@ -1,0 +1,256 @@
+//! Optimistic planning: the cheapest way to the goal through what is not known to be wall.
+//!
+//! ```text
+//! nodes      a lattice of `LATTICE`, eight neighbours; not within the ball's radius and a margin of a sure wall
+//! price      length, and for a believed wall its thickness of `price * P(wall)`
+//! way        A* (the crate `pathfinding`), then pulled straight where that crosses no more belief
+//! ```
+
+use nalgebra::Vector2;
+use pathfinding::prelude::astar;
+
+use crate::map::{Contact, Map};
+use crate::shortest::Region;
+use crate::walls::Place;
+
+/// Distance of the nodes \[m\].
+const LATTICE: f64 = 2.5e-3;
+
+/// A contact alone is sure to block so far to either side \[m\].
+const SURE: f64 = 2.5e-3;
+
+/// How ways are chosen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Planner {
+    /// How far the ball's surface keeps from a sure wall \[m\].
+    pub margin: f64,
+    /// What trying a place costs where a wall is sure to be, as a length \[m\]: a little more than there and back.
+    pub price: f64,
+    /// What keeping to passed places saves, as a share of length: 0 to 1.
+    pub dread: f64,
+}
+
+impl Default for Planner {
+    fn default() -> Self {
+        Self { margin: 1.2e-3, price: 0.06, dread: 0.0 }
+    }
+}
+
+/// What the lattice is made of.
+struct Lattice<'m> {
+    map: &'m Map,
+    columns: i32,
+    rows: i32,
+    blocked: Vec<bool>,
+    /// Price per length of way through the node.
+    belief: Vec<f32>,
+}
+
+/// Micrometres: costs of A* must be whole numbers.
+type Cost = u32;
+
+impl Planner {
+    /// The way from a place to a region, first and last place included; `None` where the touches leave none.
+    #[must_use]
+    pub fn way(&self, map: &Map, from: &Place, goal: &Region) -> Option<Vec<Place>> {
+        let lattice = self.lattice(map);
+        let start = lattice.nearest_free(from)?;
+        let successors = |&(x, y): &(i32, i32)| {
+            let lattice = &lattice;
+            NEIGHBOURS.iter().filter_map(move |&(dx, dy)| {
+                let next = (x + dx, y + dy);
+                let index = lattice.index(next)?;
+                if lattice.blocked[index] {
+                    return None;
+                }
+                let length = if dx == 0 || dy == 0 { LATTICE } else { LATTICE * core::f64::consts::SQRT_2 };
+                let share = 1.0 + f64::from(lattice.belief[index]);
+                Some((next, (1e6 * length * share) as Cost))
+            })
+        };
+        let left = |&(x, y): &(i32, i32)| {
+            let at = place((x, y));
+            let near = goal.nearest(&at);
+            let (dx, dy) = ((near.x - at.x).abs(), (near.y - at.y).abs());
+            // On the lattice: as many diagonals as go, and the rest straight.
+            (1e6 * (dx.max(dy) + (core::f64::consts::SQRT_2 - 1.0) * dx.min(dy))) as Cost
+        };
+        let (nodes, _) = astar(&start, successors, left, |node| goal.distance(&place(*node)) <= 0.0)?;
+        let mut places = vec![*from];
+        places.extend(nodes.into_iter().map(place));
+        Some(lattice.pulled(&places))
+    }
+
+    fn lattice<'m>(&self, map: &'m Map) -> Lattice<'m> {
+        let known = map.knowledge();
+        let nodes = |length: f64| (length / LATTICE).floor() as i32 + 1;
+        let (columns, rows) = (nodes(known.size[0]), nodes(known.size[1]));
+        let count = (columns * rows) as usize;
+        let mut lattice =
+            Lattice { map, columns, rows, blocked: vec![false; count], belief: vec![0.0; count] };
+        let keep = known.radius + self.margin;
+        let frame = 0.5 * known.thickness + keep;
+        for x in 0..columns {
+            for y in 0..rows {
+                let at = place((x, y));
+                let inside = |v: f64, length: f64| v >= frame && v <= length - frame;
+                if !(inside(at.x, known.size[0]) && inside(at.y, known.size[1]))
+                    && let Some(index) = lattice.index((x, y))
+                {
+                    lattice.blocked[index] = true;
+                }
+            }
+        }
+        let contacts = map.contacts();
+        for (number, contact) in contacts.iter().enumerate() {
+            let beside = Vector2::new(-contact.into.y, contact.into.x);
+            let middle = contact.at + contact.into * (0.5 * known.thickness);
+            for beside in [beside, -beside] {
+                let belief = map.belief(contact, &beside);
+                // Sure until the next touch of the same wall, if no passage fits between.
+                let next = contacts.iter().enumerate().filter(|(other, _)| *other != number).filter_map(|(_, one)| {
+                    let s = (one.at - contact.at).dot(&beside);
+                    (one.is_of_the_wall_of(contact) && s > 0.0 && s < known.passage).then_some(s)
+                });
+                let joined = next.fold(f64::INFINITY, f64::min);
+                let sure = if joined < belief { joined } else { SURE.min(belief) };
+                lattice.block(&middle, &(middle + beside * sure), keep + 0.5 * known.thickness);
+                if joined >= belief {
+                    lattice.believe(&middle, &beside, sure, belief, known.wall, self.price, keep + 0.5 * known.thickness);
+                }
+            }
+        }
+        lattice
+    }
+}
+
+const NEIGHBOURS: [(i32, i32); 8] = [(1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1)];
+
+fn place((x, y): (i32, i32)) -> Place {
+    Place::new(f64::from(x), f64::from(y)) * LATTICE
+}
+
+fn node(at: &Place) -> (i32, i32) {
+    ((at.x / LATTICE).round() as i32, (at.y / LATTICE).round() as i32)
+}
+
+impl Lattice<'_> {
+    fn index(&self, (x, y): (i32, i32)) -> Option<usize> {
+        (x >= 0 && y >= 0 && x < self.columns && y < self.rows).then(|| (y * self.columns + x) as usize)
+    }
+
+    /// Visits the nodes of a rectangle around two places.
+    fn around(&mut self, a: &Place, b: &Place, within: f64, mut visit: impl FnMut(&mut Self, usize, Place)) {
+        let reach = Place::new(within, within);
+        let (low, high) = (node(&(a.inf(b) - reach)), node(&(a.sup(b) + reach)));
+        for x in low.0..=high.0 {
+            for y in low.1..=high.1 {
+                if let Some(index) = self.index((x, y)) {
+                    visit(self, index, place((x, y)));
+                }
+            }
+        }
+    }
+
+    fn block(&mut self, a: &Place, b: &Place, within: f64) {
+        let (a, b) = (*a, *b);
+        self.around(&a, &b, within, |lattice, index, at| {
+            if distance(&a, &b, &at) < within {
+                lattice.blocked[index] = true;
+            }
+        });
+    }
+
+    /// The chance that the wall goes on decreases evenly to where it is no longer believed.
+    #[allow(clippy::too_many_arguments)]
+    fn believe(&mut self, middle: &Place, beside: &Vector2<f64>, sure: f64, to: f64, wall: f64, price: f64, within: f64) {
+        let (middle, beside) = (*middle, *beside);
+        let end = middle + beside * to;
+        self.around(&middle, &end, within, |lattice, index, at| {
+            let s = (at - middle).dot(&beside);
+            let off = (at - middle - beside * s).norm();
+            if s >= sure && s <= to && off <= within {
+                let chance = 1.0 - s / wall;
+                let density = (price * chance / (2.0 * within)) as f32;
+                lattice.belief[index] = lattice.belief[index].max(density);
+            }
+        });
+    }
+
+    /// The nearest free node, without crossing what is blocked for long.
+    fn nearest_free(&self, from: &Place) -> Option<(i32, i32)> {
+        let (cx, cy) = node(from);
+        let mut best: Option<((i32, i32), f64)> = None;
+        for x in cx - 4..=cx + 4 {
+            for y in cy - 4..=cy + 4 {
+                let Some(index) = self.index((x, y)) else { continue };
+                let away = (place((x, y)) - from).norm();
+                if !self.blocked[index]
+                    && best.is_none_or(|(_, least)| away < least)
+                    && self.crosses_no_contact(from, &place((x, y)))
+                {
+                    best = Some(((x, y), away));
+                }
+            }
+        }
+        best.map(|(node, _)| node)
+    }
+
+    fn crosses_no_contact(&self, from: &Place, to: &Place) -> bool {
+        self.map.contacts().iter().all(|contact: &Contact| {
+            let side = |at: &Place| (at - contact.at).dot(&contact.into);
+            let beside = Vector2::new(-contact.into.y, contact.into.x);
+            let (a, b) = (side(from), side(to));
+            let near = ((from + to) * 0.5 - contact.at).dot(&beside).abs() < 6e-3;
+            !(near && a < 0.0 && b > 0.0)
+        })
+    }
+
+    /// What a straight way costs beyond its length; `None` where it is blocked.
+    fn price(&self, from: &Place, to: &Place) -> Option<f64> {
+        let way = to - from;
+        let steps = (way.norm() / (0.4 * LATTICE)).ceil().max(1.0);
+        let mut price = 0.0;
+        for i in 1..=steps as u32 {
+            let at = from + way * (f64::from(i) / steps);
+            let index = self.index(node(&at))?;
+            if self.blocked[index] {
+                return None;
+            }
+            price += f64::from(self.belief[index]) * way.norm() / steps;
+        }
+        Some(price)
+    }
+
+    /// Leaves out places where straight on is no dearer.
+    fn pulled(&self, places: &[Place]) -> Vec<Place> {
+        let mut way = vec![places[0]];
+        let mut at = 0;
+        while at + 1 < places.len() {
+            let mut next = at + 1;
+            let mut so_far = self.price(&places[at], &places[next]).unwrap_or(0.0);
+            let mut last = next;
+            while last + 1 < places.len() {
+                so_far += self.price(&places[last], &places[last + 1]).unwrap_or(0.0);
+                last += 1;
+                match self.price(&places[at], &places[last]) {
+                    Some(price) if price <= so_far * 1.02 + 1e-4 => next = last,
+                    Some(_) => {}
+                    None if (places[last] - places[at]).norm() > 0.02 => break,
+                    None => {}
+                }
+            }
+            way.push(places[next]);
+            at = next;
+        }
+        way
+    }
+}
+
+/// How far a place is from a straight piece \[m\].
+fn distance(a: &Place, b: &Place, at: &Place) -> f64 {
+    let way = b - a;
+    let length = way.norm_squared();
+    let s = if length > 0.0 { ((at - a).dot(&way) / length).clamp(0.0, 1.0) } else { 0.0 };
+    (at - a - way * s).norm()
+}
