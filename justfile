@@ -86,6 +86,16 @@ sorting-whole SEEDS="1000":
     cargo run --release -p sorting -- --sweep {{SEEDS}}
     MRROC_WHOLE=1 cargo test --release -p sorting
 
+# Parts on a belt below a camera: so many at each of three speeds and three arrival rates, and recognition of others; sorting/scatter.svg.
+sorting-camera PARTS="500":
+    cargo run --release -p sorting -- --sensor camera --sweep {{PARTS}}
+    cargo run --release -p sorting -- --sensor camera --examine 2400
+
+# Trains the network of the sorting task's camera anew; needs PyPI's numpy, scikit-learn and onnx.
+sorting-train:
+    cargo run --release -p sorting -- --data-set target/parts.csv --parts 24000 --seed 101
+    python3 sensing/training/train.py target/parts.csv tasks/sorting/assets/parts.onnx
+
 # All that tests try of which `cargo test` takes a share: moments of the transfer, steps of small cells, damaged inputs.
 test-whole:
     MRROC_WHOLE=1 cargo test -p transfer -p mrroc-tests --test all

@@ -3,8 +3,9 @@
 //! | module | in | out |
 //! |---|---|---|
 //! | [`scene`] | – | what sensors see of a world: convex solids that move |
-//! | [`physics`] | a scene | what a sensor gives: a switched output, a code |
-//! | [`aggregation`] | what a sensor gives, over time | the reading `f_v` makes of it: edges, passages, distances |
+//! | [`form`], [`view`], [`camera`] | – | what a camera sees: forms over a belt; how its pixels lie on that |
+//! | [`physics`] | a scene, a view | what a sensor gives: a switched output, a code, an image |
+//! | [`aggregation`] | what a sensor gives, over time | the reading `f_v` makes of it: edges, passages, distances, parts |
 //! | [`virtual_sensors`] | both | the virtual sensors of a cell, in any of the three modes of a VSP |
 //!
 //! Physics and aggregation know neither each other nor a cell: a real input card feeds the same aggregation, and a test of one's own

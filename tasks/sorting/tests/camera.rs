@@ -16,7 +16,7 @@ fn whole() -> bool {
 
 #[test]
 fn parts_that_no_training_has_seen_are_recognised_and_strangers_rejected() {
-    let count = if whole() { 2400 } else { 60 };
+    let count = if whole() { 2400 } else { 48 };
     let classifier = Box::new(network().expect("a network"));
     let trials = examine(count, 2_000_000, 6, classifier, |_, _| ()).expect("light");
     println!("{}", examination(&trials));
@@ -65,7 +65,7 @@ fn images_in_files_are_judged_as_those_in_memory() {
 
 #[test]
 fn parts_seen_by_the_camera_go_to_the_bins_of_their_kinds() {
-    let (parts, speeds): (usize, &[f64]) = if whole() { (500, &[0.05, 0.1, 0.15]) } else { (7, &[0.1]) };
+    let (parts, speeds): (usize, &[f64]) = if whole() { (500, &[0.05, 0.1, 0.15]) } else { (5, &[0.1]) };
     for &speed in speeds {
         let settings = Settings::of(speed, parts, Settings::CYCLE / 0.6, 4);
         let outcome = settings.run().expect("a cell");

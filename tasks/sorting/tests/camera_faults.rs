@@ -141,7 +141,7 @@ fn fault_192_a_vsp_of_the_camera_cell_that_is_killed_in_mid_pick_stops_all_robot
 fn fault_193_a_belt_that_stops_or_turns_back_is_followed_by_its_encoder_or_the_part_is_missed() {
     let mut sorted = 0;
     for share in [0.0, -0.8] {
-        for time in moments(1.9) {
+        for time in moments(3.6) {
             let case = format!("share {share} from {time} s");
             let changed = Settings { change: Some((time, share)), ..settings() };
             let (fate, fault) = judged(changed.ready().expect("a cell"), &case);

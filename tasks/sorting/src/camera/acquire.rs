@@ -32,12 +32,13 @@ pub struct Acquire {
     yaw: f64,
     turning: f64,
     phase: Phase,
-    /// How long the part has been between the fingers \[s\].
+    /// How long the part has been between the fingers, and for how long the tool has been about it \[s\].
     held: f64,
+    age: f64,
 }
 
 impl Acquire {
-    /// The hand waits so long for a part \[s\].
+    /// Hand and arm wait so long for a part \[s\].
     pub const PATIENCE: f64 = 9.0;
     /// A part comes between the fingers within this time, or it is not there \[s\].
     const COMING: f64 = 1.2;
@@ -57,7 +58,15 @@ impl Acquire {
     /// A part at a place in the belt's frame.
     #[must_use]
     pub fn new(place: Place) -> Self {
-        Self { place, tool: Pursuit::default(), yaw: 0.0, turning: 0.0, phase: Phase::Above, held: 0.0 }
+        Self {
+            place,
+            tool: Pursuit::default(),
+            yaw: 0.0,
+            turning: 0.0,
+            phase: Phase::Above,
+            held: 0.0,
+            age: 0.0,
+        }
     }
 
     /// The angle of the tool about z of the world \[rad\].
@@ -126,6 +135,7 @@ impl Acquire {
                 "the barrier between the fingers is covered where nothing can be: clean it, or mend it",
             ));
         }
+        self.age += t.dt;
         self.turn(t.dt);
         let (mut place, mut moving) = (Vector3::new(s, self.place.across, HIGH), belt.speed);
         if s < FIRST {
@@ -141,7 +151,7 @@ impl Acquire {
                 let drifting = (self.tool.velocity.x - moving).abs();
                 let askew = (self.place.yaw - self.yaw).abs();
                 let (near, slow, straight) = Self::NEAR;
-                if s > LAST {
+                if s > LAST || self.age > Self::PATIENCE {
                     self.phase = Phase::Up(self.tool.at.x, self.tool.at.y);
                 } else if s >= FIRST && off < near && drifting < slow && askew < straight {
                     self.phase = Phase::Down(0.0);

@@ -70,6 +70,10 @@ impl Queue {
 
     /// The task to take the next part; `None` when no more come.
     pub fn next(&mut self) -> Option<Task> {
+        // A belt that stands brings nothing, even if a part waits on it.
+        if self.quiet > self.patience {
+            return None;
+        }
         let OnBelt { number, class, along, across, angle, .. } = self.waiting.pop_front()?;
         let turned = angle + self.grips.get(class as usize).copied().unwrap_or_default();
         // Fingers do not mind half a turn, and between 0 and a half the wrist can follow all along the belt; y of the belt's frame is against x of the world.

@@ -100,6 +100,24 @@ pub fn examine(
     seed: u64,
     stranger: usize,
     classifier: Box<dyn Classifier>,
+    show: impl FnMut(&[u8], &[Found]),
+) -> Result<Vec<Trial>, Blind> {
+    trials(count, seed, stranger, APART, classifier, show)
+}
+
+/// Where things are put below the camera along the belt, and by how much they may be off that \[m\].
+type Places = (&'static [f64], f64);
+/// Two in an image: all of both is in sight.
+const APART: Places = (&[-0.075, 0.075], 0.02);
+/// Three in an image, of which some stick out of it or touch: enough to learn from.
+const CROWDED: Places = (&[-0.112, 0.0, 0.112], 0.004);
+
+fn trials(
+    count: usize,
+    seed: u64,
+    stranger: usize,
+    places: Places,
+    classifier: Box<dyn Classifier>,
     mut show: impl FnMut(&[u8], &[Found]),
 ) -> Result<Vec<Trial>, Blind> {
     const IMAGES: usize = 12;
@@ -123,7 +141,9 @@ pub fn examine(
             vision.teach(&image)?;
         }
         images += 1;
-        let scene = passing(&kinds, &strangers, trials.len(), stranger, &mut random);
+        let from = trials.len();
+        let strange = |number: usize| stranger > 0 && number.is_multiple_of(stranger);
+        let scene = passing(&kinds, &strangers, (from..).map(strange), places, &mut random);
         imager.expose(&scene, 0.0, &mut image);
         let found = vision.look(&image)?;
         show(&image, &found);
@@ -133,13 +153,18 @@ pub fn examine(
     Ok(trials)
 }
 
-/// Two things anywhere in sight, apart from each other.
-fn passing(kinds: &[Kind], strangers: &[Kind], from: usize, stranger: usize, random: &mut Noise) -> Passing {
+/// Things at these places, each a stranger or not.
+fn passing(
+    kinds: &[Kind],
+    strangers: &[Kind],
+    strange: impl Iterator<Item = bool>,
+    (places, jitter): Places,
+    random: &mut Noise,
+) -> Passing {
     let mut parts = Vec::new();
-    for (place, number) in [-0.075, 0.075].into_iter().zip(from..) {
+    for (place, is_stranger) in places.iter().zip(strange) {
         let pick =
             |count: usize, random: &mut Noise| ((random.uniform() * count as f64) as usize).min(count - 1);
-        let is_stranger = stranger > 0 && number % stranger == 0;
         let kind = (!is_stranger).then(|| pick(kinds.len(), random));
         let scale = 1.0 + random.between(-TOLERANCE, TOLERANCE);
         let form = match kind {
@@ -151,7 +176,7 @@ fn passing(kinds: &[Kind], strangers: &[Kind], from: usize, stranger: usize, ran
         let corners: Vec<_> = form.corners().collect();
         let (least, most) = corners.iter().fold((corners[0], corners[0]), |(a, b), c| (a.inf(c), b.sup(c)));
         let middle = nalgebra::Rotation2::new(angle) * (0.5 * (least + most)).xy();
-        let x = CAMERA[0] + place + random.between(-0.02, 0.02) - middle.x;
+        let x = CAMERA[0] + place + random.between(-jitter, jitter) - middle.x;
         let y = random.between(-ACROSS, ACROSS) - middle.y;
         let reflectance = random.between(REFLECTANCE[0], REFLECTANCE[1]);
         parts.push(Lying { kind, form, pose: lying(x, y, angle), angle, reflectance });
@@ -204,7 +229,7 @@ impl Classifier for Untrained {
 /// # Errors
 /// None, as long as there is light.
 pub fn data_set(count: usize, seed: u64) -> Result<String, Blind> {
-    let trials = examine(count, seed, 0, Box::new(Untrained), |_, _| ())?;
+    let trials = trials(count, seed, 0, CROWDED, Box::new(Untrained), |_, _| ())?;
     let mut table = String::new();
     for trial in trials.iter().filter(|trial| trial.features != [0.0; FEATURES]) {
         let _ = write!(table, "{}", trial.kind.unwrap_or_default());

@@ -6,6 +6,7 @@ use nalgebra::{Translation3, UnitQuaternion, Vector3};
 use super::Bench;
 use super::bench::at;
 use crate::models::GRAVITY;
+use crate::simulation::grasp::body::Face;
 use crate::simulation::grasp::{Body, Grasp, Pads, Table, World};
 
 const MASS: f64 = 0.3;
@@ -92,4 +93,19 @@ fn a_finger_that_comes_down_on_a_body_is_told() {
         bench.tick();
     }
     assert_eq!(bench.hands[0].0.crashes(), 1);
+}
+
+#[test]
+fn a_prism_over_a_rectangle_is_the_block() {
+    let block = Body::block(MASS, EDGES);
+    let [x, y, z] = EDGES.map(|edge| 0.5 * edge);
+    let outline = [[-x, -y], [x, -y], [x, y], [-x, y]];
+    let prism = Body::prism(MASS, block.inertia, &outline, [-z, z]);
+    assert_eq!((prism.faces.len(), prism.points.len()), (6, 8));
+    for face in &block.faces {
+        let same =
+            |of: &&Face| (of.normal - face.normal).norm() < 1e-12 && (of.offset - face.offset).abs() < 1e-12;
+        assert_eq!(prism.faces.iter().filter(same).count(), 1, "{face:?}");
+    }
+    assert!(block.points.iter().all(|point| prism.points.contains(point)));
 }
