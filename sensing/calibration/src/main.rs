@@ -16,6 +16,9 @@ use mrroc_launch::files;
 /// The longest table of touches \[bytes\].
 const MOST: u64 = 1 << 20;
 
+/// What is left of positions is a mistake, and no measurement \[m\].
+const WRONG: f64 = 5e-3;
+
 const HELP: &str = "\
 calibrate: the true dimensions of an arm, from what an instrument measured of it
 
@@ -188,6 +191,12 @@ fn hand(what: &str, arguments: &[String]) -> Result<String, Failed> {
         let list = found.unseen.join("; ");
         let help = "turn the hand about other axes, too, by 30 degrees or more";
         return Err(Failed::Before(format!("{data}: these poses do not tell all: {list}\n help: {help}")));
+    }
+    if found.left[0] > WRONG {
+        let help =
+            "compare the order of the angles, the units, and whether the poses are those of the flange";
+        let what = format!("these poses do not fit: {:.1} mm rms are left", 1e3 * found.left[0]);
+        return Err(Failed::Before(format!("{data}: {what}\n help: {help}")));
     }
     let out = out.unwrap_or_else(|| format!("{name}.toml"));
     write(&out, &found.text(name, &today()))?;
