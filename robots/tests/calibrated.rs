@@ -156,3 +156,41 @@ fn fault_180_the_calibration_of_another_arm_is_refused_before_anything_moves() {
     }
     std::fs::remove_dir_all(folder).expect("removed");
 }
+
+/// `base = ".."` names a file that `calibrate` has written.
+#[test]
+fn fault_181_a_base_that_is_in_no_file_is_refused_before_anything_moves() {
+    let folder = std::env::temp_dir().join(format!("mrroc-base-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).expect("a folder");
+    let frame =
+        |position: &str| format!("[frames.base]\nposition = {position}\nrotation_vector = [0.0, 0.0, 1.5]\n");
+    for (name, text) in [
+        ("right.toml", frame("[1.0, 2, 3.0]")),
+        ("none.toml", "model = \"base\"\n".to_owned()),
+        ("text.toml", "a base\n".to_owned()),
+        ("two.toml", frame("[1.0, 2.0]")),
+        ("nan.toml", frame("[1.0, nan, 2.0]")),
+        ("far.toml", frame("[1e9, 0.0, 0.0]")),
+    ] {
+        std::fs::write(folder.join(name), text).expect("written");
+    }
+    let cell = folder.join("cell.toml").display().to_string();
+    let read = |file: &str| {
+        let text = format!("step_ms = 2\nstop_ms = 3000\n[robots.arm]\nbase = {file:?}\n{IRP6}");
+        CellFile::parse(&cell, &text)
+    };
+    let right = read("right.toml").expect("in order");
+    assert!(right.cell(&simulated()).is_ok());
+    for (file, told) in [
+        ("none.toml", "it has no table [frames.base]"),
+        ("text.toml", "it is no TOML"),
+        ("two.toml", "`position` of [frames.base] is not three numbers"),
+        ("nan.toml", "`position` of [frames.base] is not three numbers"),
+        ("far.toml", "`position` of [frames.base] is not three numbers"),
+        ("nothing.toml", "it cannot be read"),
+    ] {
+        let why = read(file).expect_err(file).to_string();
+        assert!(why.contains(told) && why.contains("cell.toml:4:8"), "{why}");
+    }
+    std::fs::remove_dir_all(folder).expect("removed");
+}

@@ -12,6 +12,8 @@
 //! | [`Problem`], [`Fit`] | blocks and measurements; what came of them |
 //! | [`choose`], [`Aim`] | which postures to measure |
 //! | [`data`], [`trials`] | tables of measurements of others; how much of an arm they can tell |
+//! | [`tip`], [`hand_eye`] | the tip of a tool, and a camera, on a flange |
+//! | [`Touches`] | one base in another, from points that both arms touch |
 //! | [`file`](mod@file) | the file that is written for `cell.toml` |
 //!
 //! The command `calibrate` does all this from a table of measurements, without a cell and without a program: see the book,
@@ -20,11 +22,13 @@
 mod arm;
 mod chain;
 mod choice;
+pub mod columns;
 pub mod data;
 mod device;
 mod equations;
 pub mod file;
 mod fit;
+mod hand;
 mod information;
 mod irp6;
 mod least_squares;
@@ -34,6 +38,7 @@ mod problem;
 pub mod report;
 mod scatter;
 mod start;
+mod touches;
 pub mod trials;
 
 pub use arm::{Arm, between, displaced};
@@ -41,9 +46,11 @@ pub use chain::{Chain, ChainArm, Detail, DhRow, Joint, Tolerances};
 pub use choice::{Aim, Choice, choose, judge};
 pub use device::{Angles, Device, Distance, FullPose, Plane, Points, Touch};
 pub use fit::{Fit, Found, Indistinct, NoFit};
+pub use hand::{InHand, PoseArm, hand_eye, tip};
 pub use information::{Information, Unseen, covariance};
 pub use irp6::Irp6Arm;
 pub use least_squares::{LeastSquares, Minimum, NoMinimum, Settings, minimise};
 pub use loss::Loss;
 pub use parameter::{Parameter, Unit};
 pub use problem::{ArmId, Compliance, FrameId, Freedom, InstrumentId, Noise, PostureId, Problem, TargetId};
+pub use touches::{TouchedBase, Touches, WrongTouches};

@@ -3,7 +3,8 @@
 //! The task itself is small: [`mp`] coordinates, [`ecp`] is what each robot does, [`generators`] how they move, [`orders`]
 //! what the coordinator tells the robots. [`first`] is the same task as it was begun, with generators of the library alone;
 //! [`sensed`] is the same with force sensors, [`clear`] keeps the arms apart. The rest surrounds it: [`places`] says where things are, [`plant`] what
-//! simulated robots do, [`witness`] measures.
+//! simulated robots do, [`witness`] measures, [`touching`] is how
+//! the arms' bases are calibrated.
 
 pub mod clear;
 pub mod ecp;
@@ -20,6 +21,7 @@ pub mod plant;
 pub mod sensed;
 pub mod slow_fingers;
 pub mod summary;
+pub mod touching;
 pub mod variant;
 pub mod witness;
 

@@ -15,6 +15,7 @@ use mrroc_pictures::Film;
 use transfer::options::{Options, Talk, parse};
 use transfer::pictures::{film, filmed, plot};
 use transfer::summary::Summary;
+use transfer::touching::touches;
 use transfer::variant::Variant;
 
 fn main() -> ExitCode {
@@ -26,6 +27,9 @@ fn main() -> ExitCode {
         Ok(options) => options,
         Err(answer) => return Launch::answer(&answer),
     };
+    if let Some(path) = &options.touches {
+        return touched(path);
+    }
     let file = match &options.cell {
         Some(path) => CellFile::read(path),
         None => transfer::file(),
@@ -66,6 +70,18 @@ fn main() -> ExitCode {
             complain(&format!("error: {error}"));
             ExitCode::FAILURE
         }
+    }
+}
+
+/// Writes what the arms' controllers say where both touch the same points.
+fn touched(path: &Path) -> ExitCode {
+    let mut text = String::from("point,arm,x_mm,y_mm,z_mm\n");
+    for (point, arm, at) in touches(1) {
+        text += &format!("{point},{arm},{:.4},{:.4},{:.4}\n", 1e3 * at.x, 1e3 * at.y, 1e3 * at.z);
+    }
+    match std::fs::write(path, text) {
+        Ok(()) => say(&format!("see {}\n", path.display())),
+        Err(error) => refused(&unwritable(path, &error)),
     }
 }
 

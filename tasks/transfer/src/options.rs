@@ -31,6 +31,8 @@ pub struct Options {
     pub out: PathBuf,
     /// Whether the cell of the run that is drawn runs as processes of the operating system instead, and in whose time.
     pub processes: Option<Clock>,
+    /// Where to write what the arms' controllers say where both touch the same points, instead of all else.
+    pub touches: Option<PathBuf>,
     /// What is said.
     pub talk: Talk,
 }
@@ -54,6 +56,10 @@ struct Arguments {
     /// The cell [default: the task's own cell.toml].
     #[arg(long, value_name = "FILE")]
     cell: Option<PathBuf>,
+    /// Only write what the arms' controllers say where both touch the same
+    /// points, for `calibrate bases`.
+    #[arg(long, value_name = "FILE")]
+    touches: Option<PathBuf>,
     /// Where the pictures go.
     #[arg(long, value_name = "DIR", default_value = "transfer")]
     out: PathBuf,
@@ -96,6 +102,7 @@ pub fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Options, c
         sensors: if read.no_sensor { Sensors::Unused } else { Sensors::Used },
         cell: read.cell,
         out: read.out,
+        touches: read.touches,
         processes: match (read.processes, read.lock_step) {
             (_, true) => Some(Clock::Virtual),
             (true, false) => Some(Clock::Real),

@@ -29,6 +29,13 @@ pub const OPEN: f64 = 0.075;
 /// See [`OPEN`].
 pub const CLOSED: f64 = 0.057;
 
+/// Where Polycrank's base is believed to be: that of cell.toml.
+#[must_use]
+pub fn polycrank_base() -> Pose {
+    let turned = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), core::f64::consts::PI);
+    Pose::from_parts(Translation3::new(1.8, -0.3, -0.45), turned)
+}
+
 /// Where the table's middle is: half-way between where the bar lies first and last.
 #[must_use]
 pub fn table() -> Pose {

@@ -49,6 +49,8 @@ pub struct Plant {
     hands: Rc<RefCell<Vec<(String, Hand)>>>,
     /// Where Polycrank's base truly is, in the frame where it is believed to be.
     error: Pose,
+    /// Where it truly is in the world, whatever is believed.
+    base: Option<Pose>,
 }
 
 impl Plant {
@@ -58,7 +60,14 @@ impl Plant {
     /// A figure of `places.rs` is out of range.
     pub fn new(error: Pose) -> Result<Plant, WorldError> {
         let world = World::new(&Body::block(MASS, EDGES).at(bar()))?.with_table(Table::at(TABLE))?;
-        Ok(Plant { world, hands: Rc::default(), error })
+        Ok(Plant { world, hands: Rc::default(), error, base: None })
+    }
+
+    /// The same with Polycrank's base here, whatever a cell's file believes.
+    #[must_use]
+    #[allow(non_snake_case)]
+    pub fn with_base(self, X_WB: Pose) -> Plant {
+        Plant { base: Some(X_WB), ..self }
     }
 
     /// The kinds of `cell.toml`, with drives in this world.
@@ -72,7 +81,8 @@ impl Plant {
                 rnt.arm(entry, Rnt::new().with_base(entry.base()), Rnt::new().with_base(entry.base()))
             })
             .with("polycrank", move |entry| {
-                let truly = Polycrank::new().with_base(entry.base() * polycrank.error);
+                let base = polycrank.base.unwrap_or_else(|| entry.base() * polycrank.error);
+                let truly = Polycrank::new().with_base(base);
                 polycrank.arm(entry, Polycrank::new().with_base(entry.base()), truly)
             })
             .with("hand", move |entry| hand.hand(entry))

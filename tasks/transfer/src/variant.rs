@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use mrroc::cell::RunReport;
 use mrroc::prelude::*;
 
-use crate::places::{EDGES, TABLE_EDGES, table};
+use crate::places::{EDGES, TABLE_EDGES, polycrank_base, table};
 use crate::plant::{Plant, calibration_error, drives};
 use crate::witness::{Seen, Witness};
 use crate::{cell, clear, mp, sensed};
@@ -29,7 +29,7 @@ pub enum Variant {
 pub enum Bases {
     /// Where programs believe that they are.
     Calibrated,
-    /// Polycrank's is off by [`calibration_error`].
+    /// Polycrank's is off by [`calibration_error`] from where the task's own cell.toml has it.
     Off,
 }
 
@@ -80,7 +80,11 @@ impl Variant {
             Bases::Calibrated => Pose::identity(),
             Bases::Off => calibration_error(),
         };
-        let plant = Plant::new(error).map_err(|bad| Fault::thrown(&bad.to_string()))?;
+        let mut plant = Plant::new(error).map_err(|bad| Fault::thrown(&bad.to_string()))?;
+        if bases == Bases::Off {
+            // It stays there when another cell's file believes better.
+            plant = plant.with_base(polycrank_base() * error);
+        }
         let world = plant.world.clone();
         let cell = cell(file, &plant.kinds())?
             .shows_body("bar", EDGES, move || world.body().pose)

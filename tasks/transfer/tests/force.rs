@@ -3,9 +3,12 @@
 use mrroc::cell::CellError;
 use mrroc::fault::FaultKind;
 use mrroc::pose::Wrench;
+use mrroc::prelude::CellFile;
+use mrroc_calibration::Touches;
 use mrroc_robots::grasp::SimulatedWrist;
 use nalgebra::Vector3;
 use transfer::places::{bar, legs};
+use transfer::touching::touches;
 use transfer::variant::{Bases, Ready, Sensors, Variant};
 use transfer::witness::{Seen, Witness};
 use transfer::{cell, file, plant, sensed};
@@ -107,6 +110,30 @@ fn bases_where_they_are_believed_to_be_leave_what_the_drives_are_off_by() {
     // 0.15 mm, about k d / 2.
     assert!(seen.measured.distance < 1.5e-4 && seen.measured.angle < 3e-4, "{:?}", seen.measured);
     assert!(seen.internal < 0.5 * K * 1.5e-4, "{}", seen.internal);
+}
+
+/// The same program, and no sensor: what has changed is `base = ".."` of Polycrank in cell.toml.
+#[test]
+fn bases_from_touched_points_leave_the_bar_the_force_that_true_ones_leave() {
+    let (before, _) = run(Bases::Off, Sensors::Unused);
+    assert!(before.internal > 25.0, "{}", before.internal);
+    let folder = std::env::temp_dir().join(format!("mrroc-touched-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).expect("a folder");
+    // As `transfer --touches` writes it and `calibrate bases` reads it.
+    let table = Touches::text(&touches(1));
+    let found = Touches::parse(&table).expect("a table").base("polycrank", "rnt").expect("a base");
+    std::fs::write(folder.join("polycrank.base.toml"), found.text("polycrank", "rnt", "2026-11-24"))
+        .expect("written");
+    let believed = "base = { position = [1.8, -0.3, -0.45], zyz = [3.141592653589793, 0.0, 0.0] }";
+    let text = include_str!("../cell.toml").replace(believed, "base = \"polycrank.base.toml\"");
+    assert!(text.contains("polycrank.base.toml"), "cell.toml has another base");
+    let name = folder.join("cell.toml").display().to_string();
+    let file = CellFile::parse(&name, &text).expect("in order");
+    let variant = Variant::Bar { bases: Bases::Off, sensors: Sensors::Unused };
+    let after = variant.watched(&file, |cell, _| cell).expect("within all limits");
+    println!("{} N before, {} N after; {found}", before.internal, after.internal);
+    assert!(after.is_held() && after.internal <= 4.0, "{} N", after.internal);
+    std::fs::remove_dir_all(folder).expect("removed");
 }
 
 #[test]

@@ -1,10 +1,16 @@
 //! Entries `[robots.NAME]`.
 
+use std::io::Read;
+use std::path::Path;
 use std::rc::Rc;
 
+use mrroc_core::nalgebra::{UnitQuaternion, Vector3};
+use mrroc_core::pose::Pose;
 use mrroc_core::robot::{Load, Tool};
 use mrroc_core::suggestion::suggestion;
-use toml::de::DeTable;
+use toml::de::{DeTable, DeValue};
+
+use crate::files;
 
 use super::super::entry::{At, Description, RobotEntry};
 use super::{Entry, Reader, Value};
@@ -33,6 +39,43 @@ pub(in super::super) const ROBOT_KEYS: [&str; 21] = [
     "coupled",
 ];
 
+/// The largest file with a base \[bytes\].
+const MOST: u64 = 1 << 20;
+
+/// Farther from the world's origin a base is not \[m\].
+const FARTHEST: f64 = 1e3;
+
+fn read_base(path: &Path) -> Result<Pose, String> {
+    let mut text = String::new();
+    let file = files::open(path).map_err(|why| format!("it cannot be read: {why}"))?;
+    file.take(MOST).read_to_string(&mut text).map_err(|why| format!("it cannot be read: {why}"))?;
+    let table = DeTable::parse(&text).map_err(|_| "it is no TOML".to_owned())?;
+    let frame = table.get_ref().get("frames").and_then(|frames| frames.get_ref().get("base"));
+    let frame = frame.ok_or("it has no table [frames.base]")?;
+    let three = |key: &str| -> Result<Vector3<f64>, String> {
+        let list = frame.get_ref().get(key).and_then(|value| value.get_ref().as_array());
+        let numbers =
+            list.map(|list| list.iter().map(|value| number(value.get_ref())).collect::<Option<Vec<f64>>>());
+        let three = numbers.flatten().filter(|three| three.iter().all(|number| number.abs() <= FARTHEST));
+        match three.as_deref() {
+            Some([x, y, z]) => Ok(Vector3::new(*x, *y, *z)),
+            _ => Err(format!("`{key}` of [frames.base] is not three numbers up to {FARTHEST}")),
+        }
+    };
+    Ok(Pose::from_parts(
+        three("position")?.into(),
+        UnitQuaternion::from_scaled_axis(three("rotation_vector")?),
+    ))
+}
+
+fn number(value: &DeValue<'_>) -> Option<f64> {
+    match value {
+        DeValue::Float(float) => float.as_str().parse().ok(),
+        DeValue::Integer(integer) => integer.as_str().parse().ok(),
+        _ => None,
+    }
+}
+
 impl Reader {
     pub(super) fn robot(
         &mut self,
@@ -44,7 +87,10 @@ impl Reader {
         let start =
             table.get("start").and_then(|value| self.numbers(value, "a list of joint positions [rad or m]"));
         let homed = table.get("homed").and_then(|value| self.truth(value, "true or false"));
-        let base = table.get("base").and_then(|value| self.pose(value));
+        let base = table.get("base").and_then(|value| match value.get_ref().as_str() {
+            Some(file) => self.calibrated_base(value, file),
+            None => self.pose(value),
+        });
         let tool = table.get("tool").and_then(|value| self.tool_of_robot(value, tools));
         let inputs = table.get("inputs").map_or_else(Vec::new, |value| self.inputs(value));
         let outputs = table.get("outputs").map_or_else(Vec::new, |value| self.outputs(value));
@@ -77,6 +123,21 @@ impl Reader {
             plant,
             description,
         })
+    }
+
+    /// Reads the base from a file that a calibration has written: `position` and `rotation_vector` of its table `[frames.base]`.
+    fn calibrated_base(&mut self, value: &Value<'_>, file: &str) -> Option<Pose> {
+        let path = Path::new(&self.source.file).parent().unwrap_or(Path::new("")).join(file);
+        match read_base(&path) {
+            Ok(base) => Some(base),
+            Err(why) => {
+                let what = format!("the base in {}: {why}", path.display());
+                let help =
+                    "name a file that `calibrate` has written, or write { position = [x, y, z], zyz = [..] }";
+                self.complain(&value.span(), what, help.to_owned());
+                None
+            }
+        }
     }
 
     /// Reads the tool at the start: a pose, or the name of one of the cell's tools.

@@ -1,0 +1,60 @@
+//! Both arms touch the same points with a tip, one after the other: what their controllers say then, for `calibrate bases`.
+//!
+//! Each arm is taken by hand or by jogging until its tip is in a small cone on the table. What is simulated is where its controller believes the
+//! tip to be then: in its own base, which is elsewhere than programs believe, and off by what a person misses a cone by.
+
+use mrroc::pose::Pose;
+use nalgebra::{Point3, Vector3};
+
+use crate::places::{TABLE, polycrank_base, table};
+use crate::plant::calibration_error;
+
+/// By how much a tip is off in a cone, as a standard deviation along each axis \[m\] (assumed).
+pub const MISSED: f64 = 3e-5;
+
+/// Points on posts of different heights about the table, as far apart as both arms reach \[m\].
+#[must_use]
+pub fn points() -> [Vector3<f64>; 6] {
+    let middle = table().translation;
+    let at = |x: f64, y: f64, height: f64| Vector3::new(middle.x + x, middle.y + y, TABLE + height);
+    [
+        at(-0.25, -0.35, 0.02),
+        at(0.25, -0.35, 0.12),
+        at(0.25, 0.35, 0.02),
+        at(-0.25, 0.35, 0.12),
+        at(0.0, 0.0, 0.2),
+        at(0.0, -0.1, 0.02),
+    ]
+}
+
+/// By point and arm what the arm's controller says of its tip, in its base \[m\]; Polycrank's base is off by [`calibration_error`].
+#[must_use]
+pub fn touches(seed: u64) -> Vec<(String, String, Vector3<f64>)> {
+    let bases = [("rnt", Pose::identity()), ("polycrank", polycrank_base() * calibration_error())];
+    let mut noise = Noise(seed);
+    let mut all = Vec::new();
+    for (i, point) in points().into_iter().enumerate() {
+        for (arm, base) in bases {
+            let missed = Vector3::from_fn(|_, _| noise.next() * MISSED);
+            let said = (base.inverse() * Point3::from(point + missed)).coords;
+            all.push((format!("P{}", i + 1), arm.to_owned(), said));
+        }
+    }
+    all
+}
+
+/// SplitMix64, and the sum of twelve of its numbers, which is nearly normally distributed.
+struct Noise(u64);
+
+impl Noise {
+    fn next(&mut self) -> f64 {
+        let uniform = |_| {
+            self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+            let mut z = self.0;
+            z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+            z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+            ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        (0..12).map(uniform).sum::<f64>() - 6.0
+    }
+}
