@@ -63,11 +63,13 @@ fn arm(mp: &mut Mp) -> Result<(), Fault> {
 fn line(file: &CellFile) -> Result<Cell, CellError> {
     let kinds = mrroc_robots::simulated();
     let dispensable = std::env::var(DISPENSABLE).ok();
+    // Whether a console resets the left cell, or its own program.
+    let is_operated = dispensable.as_deref() == Some("operated");
     let mut latched = 0;
     let left = file.lower("left")?.cell(&kinds)?.program(arm).on_step(move |_, operator| {
         // Its operator comes after 200 steps.
         latched += u32::from(operator.latch() == Latch::Latched);
-        if latched == 200 {
+        if latched == 200 && !is_operated {
             let _ = operator.acknowledge().and_then(|()| operator.reset());
         }
     });
@@ -77,7 +79,7 @@ fn line(file: &CellFile) -> Result<Cell, CellError> {
         if dispensable.is_some() {
             mp.go_on_without(&left)?;
         }
-        if dispensable.as_deref() == Some("resets") {
+        if matches!(dispensable.as_deref(), Some("resets" | "operated")) {
             mp.move_robots((&mut left, &mut right), (), fetch {})?;
             mp.left_out(&left).ok_or(Fault::thrown("the left cell took part"))?;
             mp.wait_until((&mut left,), (), is_back {})?;

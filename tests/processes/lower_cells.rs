@@ -96,10 +96,15 @@ fn fault_166_a_lower_mp_that_is_killed_as_a_process_stops_all_cells_or_is_gone_o
     assert!(said.contains("note: mp left: "), "{said}");
 }
 
+/// Whether an arm has had some demands; that of a latched cell has none.
+fn one_has_moved(launch: &mut Launch) -> bool {
+    ARMS.iter().any(|arm| launch.record(arm).len() >= 100)
+}
+
 /// Runs the line, under what `operate` does as soon as its arms move, until the machine is in time; how it ended.
 fn operated(place: &Place, variables: &[(&str, &str)], operate: impl Fn(&mut Launch)) -> Option<Launch> {
     for _ in 0..5 {
-        let mut launch = start_until(|| place.start_with(variables, "operated", REAL), have_moved(100));
+        let mut launch = start_until(|| place.start_with(variables, "operated", REAL), one_has_moved);
         operate(&mut launch);
         let status = launch.end().code();
         launch.assert_nothing_left(&[]);
@@ -149,6 +154,58 @@ fn fault_163_a_console_suspends_and_resumes_all_cells_of_a_plant_of_processes() 
     };
     if let Some(launch) = operated(&place, &[], operate) {
         assert_ends_where_it_would_have(&place, &launch, &[]);
+    }
+}
+
+#[test]
+fn fault_210_a_console_of_a_lower_cell_resets_it_and_slows_down_no_other() {
+    let place = place(106);
+    let variables = [(DISPENSABLE, "operated")];
+    let operate = |launch: &mut Launch| {
+        let latched = |launch: &mut Launch| {
+            launch.end_if_over().is_some()
+                || ask(&place, &["status", "--of", "left"]).1.starts_with("latched: ")
+        };
+        wait_until(|| latched(launch));
+        if launch.end_if_over().is_some() {
+            // Late: it has ended.
+            return;
+        }
+        let (status, said) = ask(&place, &["status"]);
+        assert!(status == Some(0) && said.contains("\ncell left: latched: "), "{said}");
+        assert!(said.contains("there is no part") && said.contains("\ncell right: "), "{said}");
+        let (_, said) = ask(&place, &["--of", "left", "status"]);
+        assert!(
+            said.contains("edp left.arm") && !said.contains("right") && !said.contains("plant"),
+            "{said}"
+        );
+        let (status, said) = ask(&place, &["reset", "--of", "middle"]);
+        assert!(
+            status == Some(1) && said.contains("no lower cell `middle`: there are left, right"),
+            "{said}"
+        );
+        // That of the plant has nothing to reset, and that of the right cell neither.
+        for of in [&["reset"][..], &["reset", "--of", "right"]] {
+            assert_eq!(ask(&place, of).0, Some(1), "{of:?}");
+        }
+        assert!(latched(launch));
+        done(&place, &["speed", "50%", "--of", "right"], "speed 50%: step ");
+        let (_, said) = ask(&place, &["status"]);
+        let speeds: Vec<_> = said.lines().filter(|line| line.trim_start().starts_with("speed ")).collect();
+        assert!(speeds.len() == 3 && speeds[2].contains("speed 50 %"), "{said}");
+        assert!(speeds[..2].iter().all(|line| line.contains("speed 100 %")), "{said}");
+        done(&place, &["speed", "100%", "--of", "right"], "speed 100%: step ");
+        done(&place, &["acknowledge", "--of", "left"], "acknowledged: step ");
+        done(&place, &["reset", "--of", "left"], "resetting: step ");
+    };
+    if let Some(launch) = operated(&place, &variables, operate) {
+        let said = launch.said();
+        assert!(
+            said.contains("error: left: the cell has stopped: ") && said.contains("`reset --of left`"),
+            "{said}"
+        );
+        assert!(!said.contains("error: right: "), "{said}");
+        assert_ends_where_it_would_have(&place, &launch, &[(DISPENSABLE, "resets")]);
     }
 }
 

@@ -42,7 +42,7 @@ pub const CHANGE: &str = "MRROC_TEST_CHANGE";
 /// The variable that makes a picture take nothing of what processes show it.
 pub const TAKES_NOTHING: &str = "MRROC_TEST_TAKES_NOTHING";
 /// The variable that lets the MP of [`LINE`] go on without its left cell; `resets`: that one has a fault at first, and its operator
-/// resets it.
+/// resets it; `operated`: a console does.
 pub const DISPENSABLE: &str = "MRROC_TEST_DISPENSABLE";
 /// How long the arms of [`SOAK`] move \[s\].
 pub const SECONDS: &str = "MRROC_SOAK";

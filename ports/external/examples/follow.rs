@@ -33,6 +33,7 @@ impl Sensor for Camera {
 }
 // ANCHOR_END: kind
 
+// ANCHOR: stand-in
 /// In the camera's place where nothing real is looked at: a part that goes to and fro, once in four seconds.
 struct Belt;
 
@@ -44,6 +45,7 @@ impl VirtualSensor for Belt {
         Ok(Part { direction: 0.3 * (core::f64::consts::FRAC_PI_2 * t).sin(), seen: true })
     }
 }
+// ANCHOR_END: stand-in
 
 fn main() -> std::process::ExitCode {
     mrroc_runtime::launch(cell, mrroc_pictures::Film::new())
@@ -66,6 +68,7 @@ fn watch(mp: &mut Mp) -> Result<(), Fault> {
     Ok(())
 }
 
+// ANCHOR: read
 /// The part is in the image.
 struct Seen;
 
@@ -73,6 +76,7 @@ struct Seen;
 fn seen(_: &mut Seen, camera: &Reading<(Camera,)>) -> bool {
     camera.0.reading().is_some_and(|part| part.seen)
 }
+// ANCHOR_END: read
 
 /// Turns the column to the part, at most 0.5 rad/s and 1 rad/s².
 struct Follow {

@@ -62,9 +62,15 @@ pub fn launch(
     match &options.word {
         Some(Word::Doctor) => return parts.examine_with(&path),
         Some(Word::Operating(word)) => {
-            return word
-                .read()
-                .map_or_else(|error| refused(&error), |operating| parts.operate(&path, operating));
+            return word.read().map_or_else(
+                |error| refused(&error),
+                |operating| parts.operate(&path, options.of, operating),
+            );
+        }
+        _ if options.of.is_some() => {
+            return refused(
+                &"--of names the cell that is asked\n help: it goes with status, suspend, reset and the like",
+            );
         }
         Some(
             Word::Replay { .. }

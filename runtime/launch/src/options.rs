@@ -69,6 +69,9 @@ pub(super) struct Options {
     pub(super) simulated: bool,
     #[command(flatten)]
     pub(super) recording: RecordingOption,
+    /// The lower cell that is asked, by its name: press, line.press.
+    #[arg(long, value_name = "CELL", global = true, value_parser = lower_cell, help_heading = "Processes")]
+    pub(super) of: Option<Name>,
     /// Print errors only.
     #[arg(short, long, global = true)]
     pub(super) quiet: bool,
@@ -274,6 +277,11 @@ pub(super) fn is_word(word: &OsStr) -> bool {
     word.to_str().is_some_and(Word::has_subcommand)
 }
 
+/// The name of a lower cell.
+fn lower_cell(text: &str) -> Result<Name, String> {
+    Name::of_process(text).map_err(|error| error.to_string())
+}
+
 /// Microseconds, as nanoseconds.
 fn nanoseconds(text: &str) -> Result<u64, &'static str> {
     let micros = text.parse::<u32>().map_err(|_| "write a whole number of microseconds: --spin 20")?;
@@ -429,6 +437,7 @@ mod tests {
             (&["--processes", "--spin"], "a value is required for '--spin <US>'"),
             (&["--spin", "1.5"], "write a whole number of microseconds: --spin 20"),
             (&["-x"], "unexpected argument '-x'"),
+            (&["status", "--of", "a b"], "`a b` is no name"),
         ] {
             let error = parse(arguments.iter().map(OsString::from)).expect_err("refused");
             assert_eq!(error.exit_code(), 2);
@@ -508,6 +517,10 @@ mod tests {
         assert_eq!(asked(&["console"]), Ok(Some(Operating::Console)));
         assert_eq!(asked(&["view", "--cell", "c"]), Ok(Some(Operating::View)));
         assert_eq!(options(&["view", "--cell", "c"]).cell, Some(PathBuf::from("c")));
+        for of in [&["--of", "line.press", "reset"], &["reset", "--of", "line.press"]] {
+            assert_eq!(asked(of), Ok(Some(Operating::Press(Button::Reset))));
+            assert_eq!(options(of).of, Name::of_process("line.press").ok());
+        }
         let half = Ok(Some(Operating::Press(Button::Speed(0.5))));
         for speed in [
             &["speed", "50%"][..],

@@ -9,7 +9,7 @@ use std::rc::Rc;
 
 use crate::cell_file::CellFile;
 use mrroc_core::cell::{Cell, CellError, Nodes};
-use mrroc_core::fault::ProcessId;
+use mrroc_core::fault::{Name, ProcessId};
 use mrroc_core::observe::layout::Layout;
 use mrroc_core::observe::recording::{NotRecorded, Recorder};
 use mrroc_core::observe::witness::Witness;
@@ -60,8 +60,8 @@ pub trait Processes: core::fmt::Debug + Sync {
     /// Prints what the links between the machines of the cell in the file at `cell` can do.
     fn examine_links(&self, nodes: &Nodes, cell: &Path) -> ExitCode;
 
-    /// Carries out what an operator wants of the cell of the file at `cell`, which runs already.
-    fn operate(&self, cell: &Path, operating: Operating) -> ExitCode;
+    /// Carries out what an operator wants of the cell of the file at `cell`, which runs already, or of the lower cell `of` in it.
+    fn operate(&self, cell: &Path, of: Option<Name>, operating: Operating) -> ExitCode;
 
     /// Runs one process of a cell for its launcher.
     ///
@@ -106,8 +106,9 @@ impl Parts {
         }
     }
 
-    pub(crate) fn operate(&self, cell: &Path, operating: Operating) -> ExitCode {
-        self.processes.map_or_else(|| refuse(&NO_PROCESSES), |processes| processes.operate(cell, operating))
+    pub(crate) fn operate(&self, cell: &Path, of: Option<Name>, operating: Operating) -> ExitCode {
+        self.processes
+            .map_or_else(|| refuse(&NO_PROCESSES), |processes| processes.operate(cell, of, operating))
     }
 
     pub(crate) fn take_part(

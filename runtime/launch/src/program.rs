@@ -176,7 +176,12 @@ impl Launch {
             },
         };
         let file = options.cell.or_else(|| self.cell.clone()).map_or_else(std::env::current_exe, Ok);
-        Some(file.map_or_else(|error| refused(&error), |file| self.parts.operate(&file, operating)))
+        Some(
+            file.map_or_else(
+                |error| refused(&error),
+                |file| self.parts.operate(&file, options.of, operating),
+            ),
+        )
     }
 
     /// The sections of the help on the words that [`operate`](Launch::operate) carries out, on `replay FILE` and on

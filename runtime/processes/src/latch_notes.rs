@@ -3,12 +3,21 @@
 //! In: what the MP shows on the state board. Out: a text, once for each stop and for each reset that fails.
 
 use super::entry::MpPanel;
-use mrroc_core::fault::Fault;
+use mrroc_core::fault::{Fault, Name};
 use mrroc_core::operator::button::{Button, CellState};
 
 /// What a person can do at a cell that awaits its reset.
 const WAITS: &str = "nothing moves until it is reset. From another terminal: `acknowledge`, then `reset`, starts its programs again; \
      `abort`, or Ctrl-C here, ends it";
+
+/// The same of a lower cell.
+fn waits(cell: Option<Name>) -> String {
+    let Some(cell) = cell else { return WAITS.to_owned() };
+    format!(
+        "nothing moves in it until it is reset. From another terminal: `acknowledge --of {cell}`, then `reset --of {cell}`, starts its \
+         program again; one that was stopped from above is reset from there"
+    )
+}
 
 /// What was told of a stop.
 struct Told {
@@ -21,6 +30,8 @@ struct Told {
 /// What was told of the cell.
 pub(super) struct LatchNotes {
     awaits_reset: bool,
+    /// The lower cell that it is.
+    cell: Option<Name>,
     /// The reset that was carried out last.
     reset: u64,
     told: Option<Told>,
@@ -29,7 +40,17 @@ pub(super) struct LatchNotes {
 impl LatchNotes {
     /// Of a cell that awaits a reset after a fault, or ends: then its end tells the fault.
     pub const fn new(awaits_reset: bool) -> LatchNotes {
-        LatchNotes { awaits_reset, reset: 0, told: None }
+        LatchNotes { awaits_reset, cell: None, reset: 0, told: None }
+    }
+
+    /// Of a lower cell that awaits a reset after a fault.
+    pub const fn of_lower(cell: Name) -> LatchNotes {
+        LatchNotes { awaits_reset: true, cell: Some(cell), reset: 0, told: None }
+    }
+
+    /// The lower cell that it is.
+    pub const fn cell(&self) -> Option<Name> {
+        self.cell
     }
 
     /// What is to be said now, if anything is.
@@ -59,22 +80,27 @@ impl LatchNotes {
             (None, persisting) => {
                 let why =
                     persisting.as_ref().map(|why| format!("\n a reset would be refused: {}", advised(why)));
-                Some(stopped(mp, &why.unwrap_or_default()))
+                Some(self.stopped(mp, &why.unwrap_or_default()))
             }
             (Some(told), Some(why)) if told.reset != reset => {
-                Some(format!("error: the reset failed: {}\n {WAITS}", advised(why)))
+                Some(format!("error: {}the reset failed: {}\n {}", self.of(), advised(why), waits(self.cell)))
             }
             (Some(told), Some(why)) if told.persisting.as_ref() != Some(why) => {
-                Some(format!("note: a reset would be refused: {}", advised(why)))
+                Some(format!("note: {}a reset would be refused: {}", self.of(), advised(why)))
             }
             (Some(_), _) => None,
         }
     }
-}
 
-fn stopped(mp: &MpPanel, why: &str) -> String {
-    let cause = mp.fault.as_ref().map_or_else(|| "it does not say for what".to_owned(), advised);
-    format!("error: the cell has stopped: {cause}{why}\n {WAITS}")
+    fn stopped(&self, mp: &MpPanel, why: &str) -> String {
+        let cause = mp.fault.as_ref().map_or_else(|| "it does not say for what".to_owned(), advised);
+        format!("error: {}the cell has stopped: {cause}{why}\n {}", self.of(), waits(self.cell))
+    }
+
+    /// Whose it is, before other words.
+    fn of(&self) -> String {
+        self.cell.map_or_else(String::new, |cell| format!("{cell}: "))
+    }
 }
 
 /// A fault and what to do about it.

@@ -85,6 +85,7 @@ pub(crate) fn launch(cell: Cell, plan: &Plan) -> Result<Launched, LaunchError> {
     let _output = Background::begin().map_err(LaunchError::Output)?;
     let stop = cell.stop_limit();
     let awaits_reset = cell.awaits_reset();
+    let cells_that_await_reset = cell.cells_that_await_reset();
     let computing = cell.patience().unwrap_or(COMPUTING);
     let hardware = cell.hardware();
     let recorder = cell.recorder();
@@ -117,8 +118,10 @@ pub(crate) fn launch(cell: Cell, plan: &Plan) -> Result<Launched, LaunchError> {
                     Some((board, shown)) => {
                         let console_server = open_console_server(&session, shown, &process_set)?;
                         let patience = Patience { stop, computing };
-                        let notes = LatchNotes::new(awaits_reset);
-                        Supervision::new(&process_set, &signals, &console_server, &board, (patience, notes))
+                        let lower =
+                            cells_that_await_reset.iter().map(|cell| LatchNotes::of_lower(*cell)).collect();
+                        let notes = (LatchNotes::new(awaits_reset), lower);
+                        Supervision::new(&process_set, &signals, &console_server, &board, patience, notes)
                             .run(plan.watched)
                     }
                     None => pace(&process_set, &signals, stop)?,

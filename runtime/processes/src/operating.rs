@@ -9,19 +9,20 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use mrroc_core::console::{refused, say};
+use mrroc_core::fault::Name;
 use mrroc_core::operator::state::Doing;
 use mrroc_launch::Operating;
 use mrroc_launch::outcome::report;
 
-use crate::console_server::{Caller, Heard, Picture, Reply, Request};
+use crate::console_server::{Addressed, Caller, Heard, Picture, Reply, Request};
 use crate::figures::Figures;
 use crate::holding::hold;
 use crate::part::View;
 
-/// Sends a request to the running cell of the file at `cell`, and prints the answer.
-pub(super) fn operate(cell: &Path, operating: Operating, view: Option<View>) -> ExitCode {
+/// Sends a request to the running cell of the file at `cell`, or to the lower cell `of` in it, and prints the answer.
+pub(super) fn operate(cell: &Path, of: Option<Name>, operating: Operating, view: Option<View>) -> ExitCode {
     let caller = match Caller::find(cell) {
-        Ok(caller) => caller,
+        Ok(caller) => caller.of(of),
         Err(error) => return refused(&error),
     };
     match operating {
@@ -76,11 +77,18 @@ fn tell(reply: &Reply) -> ExitCode {
     }
 }
 
-/// Sends one request for each line, over one connection, which may hold the control token until it ends.
+/// Sends one request for each line, over one connection, which may hold the control token until it ends. A line `of press reset`
+/// is for a lower cell, whichever the connection is for.
 fn converse(mut caller: Caller) -> ExitCode {
+    let own = caller.asks.cell();
     for line in io::stdin().lock().lines() {
         let Ok(line) = line else { break };
-        match Request::read(line.as_bytes()) {
+        let addressed = Addressed::read(line.as_bytes());
+        let request = addressed.map(|Addressed { cell, request }| {
+            caller.asks.of(cell.or(own));
+            request
+        });
+        match request {
             // A console prints one answer after another: it asks again for each picture.
             Ok(Request::Watch) => {
                 let _ = tell(&Reply::Refused("write status, or start the view".to_owned()));
@@ -131,6 +139,13 @@ fn describe(picture: &Picture) -> String {
     line(format_args!("last fault: {}", picture.fault.as_deref().unwrap_or("none")));
     if let Some(persisting) = &picture.persisting {
         line(format_args!("a reset failed or would be refused: {persisting}"));
+    }
+    for cell in &picture.cells {
+        let (step, period, fault) = (cell.step, millis(cell.period), cell.fault.as_deref().unwrap_or("none"));
+        let (word, doing) = (cell.state.word(), cell.doing.word());
+        let (rate, speed) = (cell.rate, 100.0 * cell.speed);
+        line(format_args!("cell {}: {word}: step {step} of {period} ms, {doing} {}", cell.name, cell.by));
+        line(format_args!("  speed {speed:.0} %, rate {rate:.3}; last fault: {fault}"));
     }
     line(format_args!(
         "{:>8} {:28} {:>8} {:>8} {:>8} {:>18}",

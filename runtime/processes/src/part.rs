@@ -9,7 +9,7 @@ use std::rc::Rc;
 
 use mrroc_core::cell::{Cell, CellError, Nodes, Permission};
 use mrroc_core::console::{Background, complain, refused, say};
-use mrroc_core::fault::{ProcessId, Role};
+use mrroc_core::fault::{Name, ProcessId, Role};
 use mrroc_core::link::Clock;
 use mrroc_core::observe::recording::{Recorder, RunRecord};
 use mrroc_core::observe::ring::Ring;
@@ -47,8 +47,8 @@ impl Processes for OverSharedMemory {
         say(&link::examine(nodes, cell))
     }
 
-    fn operate(&self, cell: &Path, operating: Operating) -> ExitCode {
-        operate(cell, operating, self.view)
+    fn operate(&self, cell: &Path, of: Option<Name>, operating: Operating) -> ExitCode {
+        operate(cell, of, operating, self.view)
     }
 
     fn take_part(

@@ -22,7 +22,7 @@ use super::session::is_stopped;
 use super::signals::{Signals, stop_until_continued};
 use crate::iceoryx::monotonic;
 use mrroc_core::console::{complain, wait_until_written};
-use mrroc_core::fault::{Fault, FaultKind, ProcessId, Role};
+use mrroc_core::fault::{Fault, FaultKind, Name, ProcessId, Role};
 use mrroc_core::link::Nanos;
 use mrroc_core::operator::button::{Button, CellState};
 use mrroc_core::operator::state::Doing;
@@ -74,6 +74,8 @@ pub(super) struct Supervision<'a> {
     rounds_at_rest: u32,
     mp_watch: MpWatch,
     latch_notes: LatchNotes,
+    /// Those of lower cells, with the places of their MPs.
+    lower_notes: Vec<(usize, LatchNotes)>,
     /// Whether the cell is ended because its MP stands still.
     mp_is_still: bool,
     /// When the launcher last showed that it supervises.
@@ -87,8 +89,17 @@ impl<'a> Supervision<'a> {
         signals: &'a Signals,
         console_server: &'a ConsoleServer,
         board: &'a StateBoard,
-        (patience, latch_notes): (Patience, LatchNotes),
+        patience: Patience,
+        (latch_notes, lower_notes): (LatchNotes, Vec<LatchNotes>),
     ) -> Self {
+        let at = |cell: Option<Name>| {
+            process_set
+                .members
+                .iter()
+                .position(|member| member.id == ProcessId { name: cell, ..ProcessId::MP })
+        };
+        let lower_notes =
+            lower_notes.into_iter().filter_map(|notes| Some((at(notes.cell())?, notes))).collect();
         Supervision {
             process_set,
             signals,
@@ -103,6 +114,7 @@ impl<'a> Supervision<'a> {
             rounds_at_rest: 0,
             mp_watch: MpWatch::new(patience.computing),
             latch_notes,
+            lower_notes,
             mp_is_still: false,
             beat: Instant::now(),
         }
@@ -170,7 +182,11 @@ impl<'a> Supervision<'a> {
     }
 
     fn pass_presses_on(&mut self) {
-        for press in self.console_server.presses() {
+        for (mp, press) in self.console_server.presses() {
+            if mp != ProcessId::MP {
+                self.process_set.tell_mp_of(mp, &press);
+                continue;
+            }
             if let Frame::Press { button: Button::Stop, number } = press {
                 self.mp_watch.note_stop(number);
             }
@@ -266,6 +282,15 @@ impl<'a> Supervision<'a> {
         let mp = self.panel().unwrap_or_default();
         if let Some(told) = self.latch_notes.look(&mp) {
             complain(&told);
+        }
+        for (place, notes) in &mut self.lower_notes {
+            let lower = self.board.read(*place).map(|words| MpPanel::read(&words)).unwrap_or_default();
+            // One that was stopped from above is reset from there, and told of there.
+            let is_of_above =
+                lower.persisting.as_ref().is_some_and(|why| why.kind() == FaultKind::StoppedByCell);
+            if let Some(told) = notes.look(&lower).filter(|_| !is_of_above) {
+                complain(&told);
+            }
         }
         let stopped = mp.answers[Button::Stop.kind()].number;
         let progress = MpProgress { step: mp.step, instructions: mp.instructions };

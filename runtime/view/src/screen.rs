@@ -90,8 +90,15 @@ fn head(picture: &Picture, over: Option<&str>) -> Paragraph<'static> {
             Span::styled(format!(" {state} "), badge),
             Span::raw(format!("  step {} of {} ms   {holder}", picture.step, millis(picture.period))),
         ]),
-        Line::from(instruction),
+        Line::from(instruction + &cells(picture)),
     ])
+}
+
+/// The states of its lower cells, behind other words; nothing where it has none.
+fn cells(picture: &Picture) -> String {
+    let states: Vec<_> =
+        picture.cells.iter().map(|cell| format!("{} {}", cell.name, cell.state.word())).collect();
+    if states.is_empty() { String::new() } else { format!("   cells: {}", states.join(", ")) }
 }
 
 /// The rate of path time, and the speed that is set.
@@ -196,7 +203,7 @@ fn messages(screen: &Screen) -> Paragraph<'static> {
 mod tests {
     use super::*;
     use mrroc_core::pose::Pose;
-    use mrroc_processes::{ProcessPicture, Spread};
+    use mrroc_processes::{CellPicture, ProcessPicture, Spread};
     use ratatui::Terminal;
     use ratatui::backend::TestBackend;
 
@@ -219,6 +226,7 @@ mod tests {
             fault: Some("mp: aborted by the operator at step 77".to_owned()),
             help: None,
             persisting: None,
+            cells: Vec::new(),
             processes: vec![
                 ProcessPicture { name: "mp".to_owned(), pid: 100, runs: true, figures },
                 ProcessPicture {
@@ -287,6 +295,15 @@ mod tests {
         assert!(line("vsp count").contains("101") && line("vsp count").contains("ended"));
         assert!(line("left ").contains("0.5000  -1.5700"));
         assert!(line("2.406 s").contains("0.0010  -0.0020"));
+    }
+
+    #[test]
+    fn lower_cells_are_shown_with_their_states() {
+        let mut own = picture();
+        let state = CellState::Latched;
+        own.cells = vec![CellPicture { name: "press".to_owned(), state, ..CellPicture::default() }];
+        let lines = drawn(&Screen { picture: Some(own), reply: None, over: None }, (200, 24));
+        assert!(lines.iter().any(|line| line.contains("cells: press latched")), "{lines:#?}");
     }
 
     #[test]

@@ -138,8 +138,14 @@ def _put(shape: Any, value: Any, words: list) -> None:
         for item in value:
             _put(shape[1], item, words)
     else:
-        for item, part in zip(value, shape[2], strict=True):
-            _put(part, item, words)
+        names = shape[1]._fields
+        if not isinstance(value, (tuple, list)) or len(value) != len(names):
+            raise ValueError(f"{shape[1].__name__} has the fields {', '.join(names)}, which {value!r} does not say")
+        for name, item, part in zip(names, value, shape[2]):
+            try:
+                _put(part, item, words)
+            except (struct.error, TypeError) as error:
+                raise ValueError(f"{shape[1].__name__}.{name} cannot be {item!r}: {error}") from None
 
 
 def _get(shape: Any, words: Iterator) -> Any:

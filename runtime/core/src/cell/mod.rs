@@ -128,6 +128,19 @@ impl Cell {
         self.coordination.after_fault == AfterFault::AwaitReset
     }
 
+    /// The lower cells that await a reset of their own after a fault, and theirs, by their names in this cell.
+    pub fn cells_that_await_reset(&self) -> Vec<Name> {
+        let mut found = Vec::new();
+        for lower in &self.parts.cells {
+            let Ok(name) = Name::new(&lower.name) else { continue };
+            found.extend(lower.cell.awaits_reset().then_some(name));
+            found.extend(
+                lower.cell.cells_that_await_reset().into_iter().filter_map(|own| own.within(name).ok()),
+            );
+        }
+        found
+    }
+
     /// Adds a robot.
     #[must_use]
     pub fn robot<R: Robot>(mut self, setup: RobotSetup<R>) -> Cell {

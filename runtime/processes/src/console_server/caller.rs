@@ -11,10 +11,11 @@ use std::time::{Duration, Instant};
 use rustix::net::sockopt::{Timeout, set_socket_timeout, socket_peercred};
 use rustix::net::{AddressFamily, SocketAddrUnix, SocketFlags, SocketType, connect, socket_with};
 
-use super::protocol::{Heard, Request};
+use super::protocol::{Addressed, Heard, Request};
 use super::service::SOCKET;
 use crate::identity::{CellId, Holder};
 use crate::session::{SessionError, is_stopped, is_used, sessions_of};
+use mrroc_core::fault::Name;
 
 /// How long a console waits for the cell to take its connection, its request, and to answer.
 pub(super) const PATIENCE: Duration = Duration::from_secs(5);
@@ -74,6 +75,8 @@ type Runs = Box<dyn Fn() -> bool + Send>;
 /// The direction from a console to the console server.
 pub struct Asks {
     stream: UnixStream,
+    /// The lower cell that is asked; the uppermost one if none.
+    cell: Option<Name>,
     /// The number of the launcher's process.
     launcher: Option<u32>,
 }
@@ -137,8 +140,14 @@ impl Caller {
         let launcher =
             socket_peercred(&socket).ok().map(|peer| peer.pid.as_raw_nonzero().get().unsigned_abs());
         let stream = UnixStream::from(socket);
-        let asks = Asks { stream: stream.try_clone()?, launcher };
+        let asks = Asks { stream: stream.try_clone()?, cell: None, launcher };
         Ok(Caller { asks, hears: Hears { stream: BufReader::new(stream), launcher, runs } })
+    }
+
+    /// The same connection, to ask a lower cell.
+    pub(crate) fn of(mut self, cell: Option<Name>) -> Caller {
+        self.asks.of(cell);
+        self
     }
 
     /// Sends a request and waits for its answer.
@@ -155,12 +164,23 @@ impl Caller {
 }
 
 impl Asks {
+    /// From now on asks this lower cell, or the uppermost one.
+    pub(crate) fn of(&mut self, cell: Option<Name>) {
+        self.cell = cell;
+    }
+
+    /// The lower cell that it asks.
+    pub(crate) const fn cell(&self) -> Option<Name> {
+        self.cell
+    }
+
     /// Sends a request.
     ///
     /// # Errors
     /// The cell does not take it in time, or the console server is gone.
     pub fn ask(&mut self, request: &Request) -> io::Result<()> {
-        let sent = self.stream.write_all(format!("{request}\n").as_bytes());
+        let line = Addressed { cell: self.cell, request: *request };
+        let sent = self.stream.write_all(format!("{line}\n").as_bytes());
         sent.map_err(|error| told(error, self.launcher))
     }
 }

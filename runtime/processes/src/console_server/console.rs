@@ -30,6 +30,9 @@ pub(super) struct Console {
     pub id: u64,
     pub pid: u32,
     pub asked: Asked,
+    /// Which MP its last request is for, and which one it watches, by the places of their desks.
+    pub desk: usize,
+    pub watched: usize,
     /// When it gets its next picture, if it watches.
     pub watches: Option<Instant>,
     /// Whether it is served; one that waits for a place may only stop the cell.
@@ -56,6 +59,8 @@ impl Console {
             id,
             pid,
             asked: Asked::Nothing,
+            desk: 0,
+            watched: 0,
             watches: None,
             is_served: false,
             has_asked: false,

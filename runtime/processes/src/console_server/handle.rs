@@ -13,14 +13,13 @@ use std::sync::mpsc::{Receiver, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 
-use super::service::{SOCKET, Service};
+use super::service::{Desk, SOCKET, Service};
 use crate::board::StateBoard;
 use crate::control::Frame;
 use crate::figures::Figures;
 use crate::identity::{self, CellId};
 use mrroc_core::console::complain;
 use mrroc_core::fault::ProcessId;
-use mrroc_core::operator::button::Button;
 
 /// A process of the cell, and whether it runs.
 pub(super) struct Seat {
@@ -32,7 +31,7 @@ pub(super) struct Seat {
 
 /// The console server of a running cell.
 pub(crate) struct ConsoleServer {
-    presses: Receiver<Frame>,
+    presses: Receiver<(ProcessId, Frame)>,
     wakes: UnixStream,
     seats: Arc<Mutex<Vec<Seat>>>,
     /// The thread ends when this end of the socket is closed.
@@ -62,8 +61,9 @@ impl ConsoleServer {
             }
         }
         listeners.iter().try_for_each(|listener| listener.set_nonblocking(true))?;
-        let seats =
+        let seats: Vec<_> =
             process_set.map(|(id, pid)| Seat { id, pid, runs: true, figures: Figures::default() }).collect();
+        let desks = Desk::of(seats.iter().map(|seat| seat.id));
         let seats = Arc::new(Mutex::new(seats));
         let (wakes, waker) = UnixStream::pair()?;
         wakes.set_nonblocking(true)?;
@@ -78,12 +78,9 @@ impl ConsoleServer {
             presses: sender,
             waker,
             consoles: Vec::new(),
-            flights: [None; Button::KINDS],
+            desks,
             ids: 0,
-            presses_made: 0,
-            holder: None,
             strangers: BTreeSet::new(),
-            drawn: None,
         };
         let thread =
             std::thread::Builder::new().name("console_server".to_owned()).spawn(move || service.run())?;
@@ -95,8 +92,8 @@ impl ConsoleServer {
         self.wakes.as_fd()
     }
 
-    /// Takes the presses that have come; they are for the MP.
-    pub fn presses(&self) -> impl Iterator<Item = Frame> {
+    /// Takes the presses that have come, each with the MP that it is for.
+    pub fn presses(&self) -> impl Iterator<Item = (ProcessId, Frame)> {
         drop((&self.wakes).read(&mut [0; 64]));
         self.presses.try_iter()
     }

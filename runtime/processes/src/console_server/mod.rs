@@ -18,6 +18,7 @@ mod service;
 
 pub use caller::{Asks, Caller, ENDED, Hears};
 pub(super) use handle::ConsoleServer;
-pub use picture::{Picture, ProcessPicture, RobotPicture};
+pub use picture::{CellPicture, Picture, ProcessPicture, RobotPicture};
+pub(super) use protocol::Addressed;
 pub use protocol::{Heard, MAX_REQUEST, Reply, Request};
 pub(super) use service::CONNECTIONS;

@@ -54,10 +54,35 @@ pub struct Picture {
     pub help: Option<String>,
     /// In a latched cell: what forbids a reset, or made the last one fail.
     pub persisting: Option<String>,
+    /// Its lower cells, and theirs.
+    pub cells: Vec<CellPicture>,
     /// The processes of the cell, in the order of their places.
     pub processes: Vec<ProcessPicture>,
     /// The robots of the cell.
     pub robots: Vec<RobotPicture>,
+}
+
+/// One lower cell.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct CellPicture {
+    /// Its name: `press`, `line.press`.
+    pub name: String,
+    /// Whether its MP is idle, runs an instruction, or is latched after a fault.
+    pub state: CellState,
+    /// Index of its MP's step.
+    pub step: u64,
+    /// Period of that step \[ns\].
+    pub period: u64,
+    /// The rate of its path time, 0 to 1.
+    pub rate: f64,
+    /// The speed that its own operator has set, as a share of the planned speed, 0 to 1.
+    pub speed: f64,
+    /// The kind of its present instruction.
+    pub doing: Doing,
+    /// The name of the present instruction's generator or condition.
+    pub by: String,
+    /// The fault that ended its last instruction that failed.
+    pub fault: Option<String>,
 }
 
 /// One process of the cell.
@@ -110,6 +135,18 @@ impl fmt::Display for Picture {
         }
         if let Some(persisting) = &self.persisting {
             writeln!(f, "persisting {}", one_line(persisting))?;
+        }
+        for cell in &self.cells {
+            let CellPicture { name, step, period, rate, speed, by, .. } = cell;
+            writeln!(
+                f,
+                "lower {name} {} {step} {period} {rate} {speed} {} {by}",
+                cell.state.word(),
+                cell.doing.word()
+            )?;
+            if let Some(fault) = &cell.fault {
+                writeln!(f, "lower-fault {}", one_line(fault))?;
+            }
         }
         for process in &self.processes {
             let state = if process.runs { "runs" } else { "ended" };
@@ -196,6 +233,10 @@ impl Picture {
                 self.persisting = Some(rest(&mut words));
                 Some(())
             }
+            Some("lower") => lower(&mut words)
+                .filter(|_| self.cells.len() < MAX_PROCESSES)
+                .map(|cell| self.cells.push(cell)),
+            Some("lower-fault") => self.cells.last_mut().map(|cell| cell.fault = Some(rest(&mut words))),
             Some("process") => process(&mut words)
                 .filter(|_| self.processes.len() < MAX_PROCESSES)
                 .map(|process| self.processes.push(process)),
@@ -209,8 +250,7 @@ impl Picture {
     }
 
     fn take_cell(&mut self, words: &mut SplitAsciiWhitespace<'_>) -> Option<()> {
-        let word = words.next()?;
-        self.state = CellState::ALL.into_iter().find(|state| state.word() == word)?;
+        self.state = state(words)?;
         (self.step, self.period, self.epoch) = (number(words)?, number(words)?, number(words)?);
         Some(())
     }
@@ -228,6 +268,11 @@ impl Picture {
     }
 }
 
+fn state(words: &mut SplitAsciiWhitespace<'_>) -> Option<CellState> {
+    let word = words.next()?;
+    CellState::ALL.into_iter().find(|state| state.word() == word)
+}
+
 fn doing(words: &mut SplitAsciiWhitespace<'_>) -> Option<Doing> {
     let word = words.next()?;
     Doing::ALL.into_iter().find(|doing| doing.word() == word)
@@ -239,6 +284,20 @@ fn number<T: FromStr>(words: &mut SplitAsciiWhitespace<'_>) -> Option<T> {
 
 fn rest(words: &mut SplitAsciiWhitespace<'_>) -> String {
     words.collect::<Vec<_>>().join(" ")
+}
+
+fn lower(words: &mut SplitAsciiWhitespace<'_>) -> Option<CellPicture> {
+    Some(CellPicture {
+        name: words.next()?.to_owned(),
+        state: state(words)?,
+        step: number(words)?,
+        period: number(words)?,
+        rate: number(words)?,
+        speed: number(words)?,
+        doing: doing(words)?,
+        by: rest(words),
+        fault: None,
+    })
 }
 
 fn process(words: &mut SplitAsciiWhitespace<'_>) -> Option<ProcessPicture> {

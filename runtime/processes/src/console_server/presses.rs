@@ -27,10 +27,10 @@ pub(super) struct Flight {
 
 impl Service {
     /// Answers consoles whose presses were carried out or refused.
-    pub(super) fn look_after_presses(&mut self) {
-        let mp = self.mp();
-        let over = !self.mp_runs();
-        for (kind, flight) in self.flights.iter_mut().enumerate() {
+    pub(super) fn look_after_presses(&mut self, desk: usize) {
+        let mp = self.mp(desk);
+        let over = !self.mp_runs(desk);
+        for (kind, flight) in self.desks[desk].flights.iter_mut().enumerate() {
             let Some(Flight { number, button, since }) = *flight else { continue };
             let answer = mp.as_ref().map(|mp| mp.answers[kind]).filter(|answer| answer.number == number);
             let persisting = mp.as_ref().and_then(|mp| mp.persisting.as_ref());
@@ -43,29 +43,31 @@ impl Service {
             // A late press may still be carried out, but the next press does not wait for it.
             *flight = None;
             let asked = Asked::Answer(kind, number);
-            self.consoles.iter_mut().filter(|console| console.asked == asked).for_each(|c| c.answer(&reply));
+            let waits = |console: &&mut Console| console.asked == asked && console.desk == desk;
+            self.consoles.iter_mut().filter(waits).for_each(|console| console.answer(&reply));
         }
     }
 
     /// Sends the first waiting button of each kind to the MP, unless a press of that kind is under way.
-    pub(super) fn press(&mut self) {
+    pub(super) fn press(&mut self, desk: usize) {
+        let at = &mut self.desks[desk];
         for kind in 0..Button::KINDS {
             let waits = |console: &Console| match console.asked {
-                Asked::Press(button) if button.kind() == kind => Some(button),
+                Asked::Press(button) if button.kind() == kind && console.desk == desk => Some(button),
                 Asked::Press(_) | Asked::Answer(..) | Asked::Nothing => None,
             };
-            if self.flights[kind].is_some() {
+            if at.flights[kind].is_some() {
                 continue;
             }
             let Some(button) = self.consoles.iter().find_map(waits) else { continue };
-            self.presses_made += 1;
-            let number = self.presses_made;
+            at.presses_made += 1;
+            let number = at.presses_made;
             // Sending fails only when the launcher is gone, which closes the console server as well.
-            drop(self.presses.send(Frame::Press { number, button }));
+            drop(self.presses.send((at.mp, Frame::Press { number, button })));
             drop(self.waker.write(&[1]));
-            self.flights[kind] = Some(Flight { number, button, since: Instant::now() });
+            at.flights[kind] = Some(Flight { number, button, since: Instant::now() });
             for console in &mut self.consoles {
-                if console.asked == Asked::Press(button) {
+                if console.asked == Asked::Press(button) && console.desk == desk {
                     console.asked = Asked::Answer(kind, number);
                 }
             }

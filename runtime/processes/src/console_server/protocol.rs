@@ -9,6 +9,7 @@
 //! | `take`, `release` | takes or returns the token; the end of a console returns it as well |
 //! | `status` | a picture |
 //! | `watch` | a picture, and from then on up to 20 pictures a second between the answers |
+//! | `of press suspend` | any of these, of the lower cell `press`; each cell has a control token of its own |
 //!
 //! An answer is one line, `done TEXT`, `refused TEXT` or `pending TEXT`. A picture is many lines, from `picture` to
 //! `end`.
@@ -17,6 +18,7 @@ use core::fmt;
 use std::io::{self, BufRead, ErrorKind};
 
 use super::picture::Picture;
+use mrroc_core::fault::Name;
 use mrroc_core::operator::button::Button;
 
 /// The longest request, without its line end \[bytes\].
@@ -80,6 +82,39 @@ impl fmt::Display for Request {
             Request::Take => f.write_str("take"),
             Request::Release => f.write_str("release"),
             Request::Press(button) => button.fmt(f),
+        }
+    }
+}
+
+/// A request, and the lower cell that it is for; the uppermost one if none is named.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Addressed {
+    pub cell: Option<Name>,
+    pub request: Request,
+}
+
+impl Addressed {
+    /// Reads a request, which may name a cell.
+    ///
+    /// # Errors
+    /// As [`Request::read`].
+    pub fn read(line: &[u8]) -> Result<Addressed, String> {
+        let Some(rest) = line.trim_ascii_start().strip_prefix(b"of ") else {
+            return Ok(Addressed { cell: None, request: Request::read(line)? });
+        };
+        let rest = rest.trim_ascii_start();
+        let (name, request) =
+            rest.split_at(rest.iter().position(u8::is_ascii_whitespace).unwrap_or(rest.len()));
+        let name = Name::of_process(&String::from_utf8_lossy(name)).map_err(|error| error.to_string())?;
+        Ok(Addressed { cell: Some(name), request: Request::read(request)? })
+    }
+}
+
+impl fmt::Display for Addressed {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.cell {
+            Some(cell) => write!(f, "of {cell} {}", self.request),
+            None => self.request.fmt(f),
         }
     }
 }
@@ -165,7 +200,7 @@ fn read_line(from: &mut impl BufRead) -> io::Result<Option<String>> {
 #[cfg(test)]
 mod tests {
     use super::super::console::MAX_OUTPUT;
-    use super::super::picture::{ProcessPicture, RobotPicture};
+    use super::super::picture::{CellPicture, ProcessPicture, RobotPicture};
     use super::*;
     use crate::figures::{FIGURES_WORDS, Figures};
     use mrroc_core::link::places::MAX_PROCESSES;
@@ -194,6 +229,33 @@ mod tests {
             let refused = Request::read(line).expect_err("no request");
             assert!(refused.contains(told) && !refused.contains('\n'), "{refused}");
         }
+    }
+
+    #[test]
+    fn a_request_may_name_the_cell_that_it_is_for() {
+        for (line, cell, request) in [
+            ("of press suspend", Some("press"), Request::Press(Button::Suspend)),
+            (" of  line.press  status", Some("line.press"), Request::Status),
+            ("watch", None, Request::Watch),
+        ] {
+            let cell = cell.map(|name| Name::of_process(name).expect("a name"));
+            let read = Addressed::read(line.as_bytes()).expect("a request");
+            assert_eq!(read, Addressed { cell, request });
+            assert_eq!(Addressed::read(read.to_string().as_bytes()), Ok(read));
+        }
+        for (line, told) in [
+            ("of", "no request"),
+            ("of press", "no request"),
+            ("of a:b stop", "is no name"),
+            ("of x y", "no request"),
+        ] {
+            let refused = Addressed::read(line.as_bytes()).expect_err("no request");
+            assert!(refused.contains(told), "{refused}");
+        }
+        // With the longest names and numbers it is no longer than a request may be.
+        let cell = Name::of_process(&"x".repeat(24)).ok();
+        let button = Button::read("hold", &format!("{0} {0}", u64::MAX)).expect("a hold");
+        assert!(Addressed { cell, request: Request::Press(button) }.to_string().len() <= MAX_REQUEST);
     }
 
     fn name() -> impl Strategy<Value = String> {
@@ -228,9 +290,22 @@ mod tests {
                 by,
             },
         );
+        let cell = (name(), 0..CellState::ALL.len(), any::<[u64; 2]>(), 0.0..=1.0, any::<Option<u8>>())
+            .prop_map(|(name, state, [step, period], rate, fault)| CellPicture {
+                name,
+                state: CellState::ALL[state],
+                step,
+                period,
+                rate,
+                speed: 0.5 * rate,
+                doing: Doing::Wait,
+                by: "Job".to_owned(),
+                fault: fault.map(|step| format!("edp arm: drive fault at step {step}")),
+            });
         (
             (0..CellState::ALL.len(), any::<[u64; 3]>(), 0.0..=1.0, 0.0..=1.0, any::<[bool; 2]>()),
             (0..Doing::ALL.len(), "[A-Za-z]{0,24}", any::<Option<u32>>(), any::<[Option<u8>; 2]>()),
+            proptest::collection::vec(cell, 0..8),
             proptest::collection::vec(process, 0..64),
             proptest::collection::vec(robot, 0..32),
         )
@@ -238,6 +313,7 @@ mod tests {
                 |(
                     (state, n, rate, speed, [reduced, held]),
                     (doing, by, holder, [fault, persisting]),
+                    cells,
                     processes,
                     robots,
                 )| {
@@ -257,6 +333,7 @@ mod tests {
                         help: fault.map(|_| "give the motion more time".to_owned()),
                         fault: fault.map(|step| format!("mp: protective stop: gone at step {step}")),
                         persisting: persisting.map(|step| format!("edp: drive fault at step {step}")),
+                        cells,
                         processes,
                         robots,
                     }

@@ -22,9 +22,9 @@ use rustix::net::sockopt::socket_peercred;
 
 use super::console::{Asked, Console};
 use super::handle::Seat;
-use super::picture::{Picture, ProcessPicture, RobotPicture};
+use super::picture::{CellPicture, Picture, ProcessPicture, RobotPicture};
 use super::presses::Flight;
-use super::protocol::{Reply, Request};
+use super::protocol::{Addressed, Reply, Request};
 use crate::board::StateBoard;
 use crate::control::Frame;
 use crate::entry::{MpPanel, RobotEntry, ecp};
@@ -72,37 +72,67 @@ pub(super) struct Service {
     pub end: UnixStream,
     pub board: StateBoard,
     pub seats: Arc<Mutex<Vec<Seat>>>,
-    pub presses: Sender<Frame>,
+    pub presses: Sender<(ProcessId, Frame)>,
     pub waker: UnixStream,
     pub consoles: Vec<Console>,
+    /// The MPs that can be asked, the uppermost one first.
+    pub desks: Vec<Desk>,
+    pub ids: u64,
+    /// Users whose consoles were refused; each is reported once.
+    pub strangers: BTreeSet<u32>,
+}
+
+/// What consoles ask of one MP: that of the cell, or that of a lower one.
+pub(super) struct Desk {
+    pub mp: ProcessId,
     /// The presses under way, by their kinds.
     pub flights: [Option<Flight>; Button::KINDS],
-    pub ids: u64,
     pub presses_made: u64,
     /// The console that holds the control token.
     pub holder: Option<u64>,
-    /// Users whose consoles were refused; each is reported once.
-    pub strangers: BTreeSet<u32>,
     /// The picture of the present round, as text.
     pub drawn: Option<Arc<str>>,
+}
+
+impl Desk {
+    /// The desks of the MPs among these processes.
+    pub fn of(processes: impl Iterator<Item = ProcessId>) -> Vec<Desk> {
+        let mps = processes.filter(|id| id.role == Role::Mp);
+        let desk =
+            |mp| Desk { mp, flights: [None; Button::KINDS], presses_made: 0, holder: None, drawn: None };
+        let mut desks: Vec<_> = mps.map(desk).collect();
+        desks.sort_by_key(|desk| desk.mp.name.is_some());
+        desks
+    }
+
+    /// Whether a process is one of its cell.
+    fn has(&self, process: ProcessId) -> bool {
+        let mut cell = process.cell();
+        while let Some(name) = cell.filter(|_| cell != self.mp.name) {
+            cell = name.cell();
+        }
+        cell == self.mp.name
+    }
 }
 
 impl Service {
     /// Serves until the handle of the console server is dropped.
     pub fn run(mut self) {
         while self.wait() {
-            self.drawn = None;
+            self.desks.iter_mut().for_each(|desk| desk.drawn = None);
             self.accept();
             self.give_places();
             for i in 0..self.consoles.len() {
                 self.serve(i);
             }
-            self.look_after_presses();
-            self.press();
+            for desk in 0..self.desks.len() {
+                self.look_after_presses(desk);
+                self.press(desk);
+            }
             self.show();
             self.consoles.retain(|console| !console.is_over());
             let there = |id| self.consoles.iter().any(|console| console.id == id);
-            self.holder = self.holder.filter(|&id| there(id));
+            self.desks.iter_mut().for_each(|desk| desk.holder = desk.holder.filter(|&id| there(id)));
             std::thread::sleep(ROUND);
         }
     }
@@ -217,7 +247,16 @@ impl Service {
     /// Answers a console's request, or notes the press that it waits for.
     fn serve(&mut self, i: usize) {
         let Some(line) = self.consoles[i].line() else { return };
-        let request = Request::read(&line);
+        let (desk, request) = match Addressed::read(&line) {
+            Ok(Addressed { cell, request }) => {
+                match self.desks.iter().position(|desk| desk.mp.name == cell) {
+                    Some(desk) => (desk, Ok(request)),
+                    None => (0, Err(self.no_cell(cell))),
+                }
+            }
+            Err(refused) => (0, Err(refused)),
+        };
+        self.consoles[i].desk = desk;
         if !self.consoles[i].is_served && !matches!(request, Ok(Request::Press(Button::Stop | Button::Abort)))
         {
             return self.consoles[i].dismiss(&Reply::Refused(TOO_MANY.to_owned()));
@@ -225,26 +264,27 @@ impl Service {
         let answer = match request {
             Err(refused) => Some(Reply::Refused(refused)),
             Ok(Request::Status) => {
-                let picture = self.drawn();
+                let picture = self.drawn(desk);
                 return self.consoles[i].write(&picture);
             }
             Ok(Request::Watch) => {
                 self.consoles[i].watches = Some(Instant::now());
+                self.consoles[i].watched = desk;
                 None
             }
             Ok(Request::Take) => Some(
-                self.take(i)
+                self.take(i, desk)
                     .err()
                     .unwrap_or_else(|| Reply::Done("this console holds the control token".to_owned())),
             ),
-            Ok(Request::Release) if self.holder == Some(self.consoles[i].id) => {
-                self.holder = None;
+            Ok(Request::Release) if self.desks[desk].holder == Some(self.consoles[i].id) => {
+                self.desks[desk].holder = None;
                 Some(Reply::Done("nobody holds the control token".to_owned()))
             }
             Ok(Request::Release) => {
                 Some(Reply::Refused("this console does not hold the control token".to_owned()))
             }
-            Ok(Request::Press(button)) => self.may_press(i, button).err(),
+            Ok(Request::Press(button)) => self.may_press(i, desk, button).err(),
         };
         if let Some(answer) = answer {
             self.consoles[i].answer(&answer);
@@ -252,29 +292,29 @@ impl Service {
     }
 
     /// Gives a console the control token, unless another one holds it.
-    fn take(&mut self, i: usize) -> Result<(), Reply> {
+    fn take(&mut self, i: usize, desk: usize) -> Result<(), Reply> {
         let id = self.consoles[i].id;
-        let holds =
-            |console: &&Console| Some(console.id) == self.holder && console.id != id && !console.is_over();
+        let holder = self.desks[desk].holder;
+        let holds = |console: &&Console| Some(console.id) == holder && console.id != id && !console.is_over();
         match self.consoles.iter().find(holds) {
             Some(holder) => {
                 let text = format!("the console of process {} holds the control token", holder.pid);
                 Err(Reply::Refused(text))
             }
             None => {
-                self.holder = Some(id);
+                self.desks[desk].holder = Some(id);
                 Ok(())
             }
         }
     }
 
-    fn may_press(&mut self, i: usize, button: Button) -> Result<(), Reply> {
+    fn may_press(&mut self, i: usize, desk: usize, button: Button) -> Result<(), Reply> {
         if !matches!(button, Button::Stop | Button::Abort) {
-            self.take(i)?;
+            self.take(i, desk)?;
         }
         // An abort that is kept until the next instruction begins would abort an instruction that the operator did not
         // mean.
-        if button == Button::Abort && self.mp().is_some_and(|mp| mp.state == CellState::Idle) {
+        if button == Button::Abort && self.mp(desk).is_some_and(|mp| mp.state == CellState::Idle) {
             return Err(Reply::Refused(CellState::Idle.reason(button).to_owned()));
         }
         self.consoles[i].asked = Asked::Press(button);
@@ -288,11 +328,14 @@ impl Service {
         if !self.consoles.iter().any(due) {
             return;
         }
-        let picture = self.drawn();
-        for console in self.consoles.iter_mut().filter(|console| due(console)) {
-            console.watches = Some(now + PICTURE);
-            if !console.is_written_to() {
-                console.write(&picture);
+        for i in 0..self.consoles.len() {
+            if due(&self.consoles[i]) {
+                let picture = self.drawn(self.consoles[i].watched);
+                let console = &mut self.consoles[i];
+                console.watches = Some(now + PICTURE);
+                if !console.is_written_to() {
+                    console.write(&picture);
+                }
             }
         }
     }
@@ -302,20 +345,32 @@ impl Service {
         self.seats.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    pub fn mp_runs(&self) -> bool {
-        self.seats().iter().any(|seat| seat.id == ProcessId::MP && seat.runs)
+    pub fn mp_runs(&self, desk: usize) -> bool {
+        let mp = self.desks[desk].mp;
+        self.seats().iter().any(|seat| seat.id == mp && seat.runs)
     }
 
     /// What the MP shows on the state board.
-    pub fn mp(&self) -> Option<MpPanel> {
-        let place = self.seats().iter().position(|seat| seat.id == ProcessId::MP)?;
+    pub fn mp(&self, desk: usize) -> Option<MpPanel> {
+        let mp = self.desks[desk].mp;
+        let place = self.seats().iter().position(|seat| seat.id == mp)?;
         self.board.read(place).map(|words| MpPanel::read(&words))
     }
 
+    /// Why no cell of this name can be asked.
+    fn no_cell(&self, cell: Option<Name>) -> String {
+        let cell = cell.map_or_else(String::new, |cell| cell.to_string());
+        let names: Vec<_> = self.desks.iter().filter_map(|desk| Some(desk.mp.name?.to_string())).collect();
+        match names.is_empty() {
+            true => format!("there is no lower cell `{cell}` here, nor any other"),
+            false => format!("there is no lower cell `{cell}`: there are {}", names.join(", ")),
+        }
+    }
+
     /// The picture as text, drawn once a round however many consoles ask for it.
-    fn drawn(&mut self) -> Arc<str> {
-        let drawn = self.drawn.take().unwrap_or_else(|| self.picture().to_string().into());
-        self.drawn.insert(drawn).clone()
+    fn drawn(&mut self, desk: usize) -> Arc<str> {
+        let drawn = self.desks[desk].drawn.take().unwrap_or_else(|| self.picture(desk).to_string().into());
+        self.desks[desk].drawn.insert(drawn).clone()
     }
 
     /// What the program of a robot's ECP shows on the state board: what it does, and by which generator or condition.
@@ -326,9 +381,30 @@ impl Service {
         shown.map(|words| ecp(&words)).unwrap_or_default()
     }
 
-    fn picture(&self) -> Picture {
-        let mp = self.mp().unwrap_or_default();
-        let holder = self.consoles.iter().find(|console| Some(console.id) == self.holder);
+    /// What the lower cells of a cell do.
+    fn cells(&self, of: &Desk) -> Vec<CellPicture> {
+        let lower = |(place, desk): (usize, &Desk)| {
+            let name = desk.mp.name.filter(|_| desk.mp != of.mp && of.has(desk.mp))?;
+            let mp = self.mp(place).unwrap_or_default();
+            Some(CellPicture {
+                name: name.to_string(),
+                state: mp.state,
+                step: mp.step,
+                period: mp.period,
+                rate: mp.rate,
+                speed: mp.speed,
+                doing: mp.doing,
+                by: mp.by,
+                fault: mp.fault.map(|fault| fault.to_string()),
+            })
+        };
+        self.desks.iter().enumerate().filter_map(lower).collect()
+    }
+
+    fn picture(&self, desk: usize) -> Picture {
+        let mp = self.mp(desk).unwrap_or_default();
+        let desk = &self.desks[desk];
+        let holder = self.consoles.iter().find(|console| Some(console.id) == desk.holder);
         let mut picture = Picture {
             state: mp.state,
             step: mp.step,
@@ -345,10 +421,11 @@ impl Service {
             help: mp.fault.as_ref().and_then(Fault::help).map(str::to_owned),
             fault: mp.fault.map(|fault| fault.to_string()),
             persisting: mp.persisting.map(|fault| fault.to_string()),
+            cells: self.cells(desk),
             ..Picture::default()
         };
         let seats = self.seats();
-        for (place, seat) in seats.iter().enumerate() {
+        for (place, seat) in seats.iter().enumerate().filter(|(_, seat)| desk.has(seat.id)) {
             let name = seat.id.to_string();
             picture.processes.push(ProcessPicture {
                 name,
