@@ -36,6 +36,5 @@ pub fn arm(ecp: &mut Ecp<Irp6>) -> Result<(), Fault> {
             ecp.move_robot((), StraightLine::to(tool(x, y, HIGH), free()))?;
             ecp.move_robot((), StraightLine::to(tool(x, y, LOW), careful())).map(drop)
         }
-        Task::Seek { .. } => Ok(()),
     })
 }

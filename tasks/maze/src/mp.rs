@@ -50,11 +50,17 @@ pub fn coordinate(mp: &mut Mp, told: &Told, map: &Rc<RefCell<Map>>) -> Result<()
     let [width, height] = known.size;
     let beside = said(known.size) * Point3::new(-0.012, -0.012, 0.0);
     let mut sides = [Vector2::zeros(); 3];
-    for (side, (along, to)) in sides.iter_mut().zip([(0.15 * height, [0.02, 0.0]), (0.9 * height, [0.02, 0.0]), (0.5 * width, [0.0, 0.02])]) {
+    for (side, (along, to)) in sides.iter_mut().zip([
+        (0.15 * height, [0.02, 0.0]),
+        (0.9 * height, [0.02, 0.0]),
+        (0.5 * width, [0.0, 0.02]),
+    ]) {
         let from = if to[0] > 0.0 { [beside.x, beside.y + along] } else { [beside.x + along, beside.y] };
         have(Task::Hop { x: from[0], y: from[1] })?;
         let (_, touch) = have(Task::Go { x: from[0] + to[0], y: from[1] + to[1] })?;
-        *side = touch.ok_or_else(|| Fault::thrown("the maze is not where it is said to stand: look for it, and correct its place"))?;
+        *side = touch.ok_or_else(|| {
+            Fault::thrown("the maze is not where it is said to stand: look for it, and correct its place")
+        })?;
     }
     let maze = found([sides[0], sides[1]], sides[2], BALL + 0.5 * THICKNESS, MIDDLE[2]);
     let there = |place: &Place| (maze * Point3::new(place.x, place.y, 0.0)).coords.xy();
@@ -64,7 +70,9 @@ pub fn coordinate(mp: &mut Mp, told: &Told, map: &Rc<RefCell<Map>>) -> Result<()
     while told.goal.distance(&back(&at)) > 0.0 {
         let way = Planner::default().way(&map.borrow(), &back(&at), &told.goal);
         let Some(way) = way.filter(|_| map.borrow().contacts().len() < told.most) else {
-            return Err(Fault::thrown("no way to the exit is left by what was touched: look at the maze, or tell another exit"));
+            return Err(Fault::thrown(
+                "no way to the exit is left by what was touched: look at the maze, or tell another exit",
+            ));
         };
         let leg = there(&way[1]);
         let (next, touch) = have(Task::Go { x: leg.x, y: leg.y })?;

@@ -19,11 +19,4 @@ pub enum Task {
         /// [m, W].
         y: f64,
     },
-    /// Alone, without a map: to the exit, by what is touched alone.
-    Seek {
-        /// [m, W].
-        x: f64,
-        /// [m, W].
-        y: f64,
-    },
 }

@@ -86,7 +86,8 @@ impl Ready {
         let cell = sense(&plant, &file, file.cell(&plant.kinds())?)?;
         let told = Told { start: start(maze), goal: goal(maze), most: 40 * maze.columns() * maze.rows() };
         let walls = plant.world().borrow().walls.clone();
-        let shortest = Inflated::by(&walls, BALL).shortest(&told.start, &told.goal).map_or(0.0, |(length, _)| length);
+        let shortest =
+            Inflated::by(&walls, BALL).shortest(&told.start, &told.goal).map_or(0.0, |(length, _)| length);
         let map = Rc::new(RefCell::new(Map::new(Knowledge {
             size: [maze.columns() as f64 * PITCH, maze.rows() as f64 * PITCH],
             radius: BALL,

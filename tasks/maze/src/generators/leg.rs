@@ -31,7 +31,12 @@ impl Leg {
 
 #[generator(ecp)]
 impl Leg {
-    fn first_step(&mut self, e: &State<Irp6>, v: &Reading<(TouchProbe,)>, t: Tick) -> Result<Step<Irp6>, Fault> {
+    fn first_step(
+        &mut self,
+        e: &State<Irp6>,
+        v: &Reading<(TouchProbe,)>,
+        t: Tick,
+    ) -> Result<Step<Irp6>, Fault> {
         let line = LinePath::new(e.demanded().pose, self.goal);
         let profile = line.profile(self.limits).map_err(|error| Fault::thrown(&error.to_string()))?;
         self.path = Some((line, ProfileCursor::new(profile)));

@@ -30,15 +30,13 @@ pub struct World {
     pub stylus: Stylus,
     /// The drives' time \[s\].
     pub time: f64,
-    /// Whether the switch is closed, and when that changed last \[s\] ..
-    pub closed: bool,
-    /// .. and when it closed first after it had been open for [`Self::QUIET`] \[s\].
+    /// When the switch closed first after it had been open for [`Self::QUIET`] \[s\] ..
     pub onset: f64,
-    /// When it was closed last \[s\].
+    /// .. and when it was closed last \[s\].
     pub last: f64,
     /// Whether the switch answers at all: an injected fault.
     pub dead: bool,
-    /// The stylus is bent when the switch should be closed, and the ball's places, to be drawn.
+    /// The ball's places between the walls, to be drawn [m, M].
     pub trace: Vec<Place>,
 }
 
@@ -51,7 +49,6 @@ impl World {
         let p = self.X_WM.inverse_transform_point(&(*tip).into());
         if p.z > HEIGHT + BALL {
             self.stylus.lift();
-            self.closed = false;
             return;
         }
         let closed = self.stylus.move_to(&Place::new(p.x, p.y), &self.walls, self.time) && !self.dead;
@@ -61,7 +58,11 @@ impl World {
             }
             self.last = self.time;
         }
-        self.closed = closed;
+        if p.x < 0.0 || p.y < 0.0 {
+            // Beside the maze, which is looked for: its way begins within.
+            self.stylus.way = 0.0;
+            self.trace.clear();
+        }
         if let Some(ball) = self.stylus.ball()
             && self.trace.last().is_none_or(|last| (last - ball).norm() > 3e-4)
         {

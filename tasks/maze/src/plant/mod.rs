@@ -37,7 +37,6 @@ impl Plant {
             walls: Walls::of(maze, PITCH, THICKNESS),
             stylus: Stylus::new(BALL, seed),
             time: 0.0,
-            closed: false,
             onset: 0.0,
             last: 0.0,
             dead: false,

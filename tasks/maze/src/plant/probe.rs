@@ -57,12 +57,16 @@ impl VirtualSensor for Probe {
     type Kind = TouchProbe;
 
     fn aggregate(&mut self, order: &ReadingOrder<()>) -> Result<Touch, Fault> {
-        let arm = order.robot.ok_or_else(|| Fault::thrown("the touch probe got no state of its arm: write `of`"))?;
+        let arm = order
+            .robot
+            .ok_or_else(|| Fault::thrown("the touch probe got no state of its arm: write `of`"))?;
         let world = self.world.borrow();
         let bent = world.stylus.deflection().norm();
         if bent > TRAVEL {
             let fault = Fault::new(FaultKind::SensorFailed).exceeds(bent, TRAVEL, "m");
-            return Err(fault.text("the stylus is bent beyond its over-travel: slow down, or look what it hit"));
+            return Err(
+                fault.text("the stylus is bent beyond its over-travel: slow down, or look what it hit")
+            );
         }
         let now = (arm.pose.translation.vector, world.time);
         let touching = world.last > 0.0 && world.time - world.last <= World::QUIET;

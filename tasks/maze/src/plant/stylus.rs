@@ -81,7 +81,9 @@ impl Stylus {
         // It follows its seat, and is kept out of walls; two of them meet in a corner.
         let mut ball = *p;
         for _ in 0..4 {
-            let Some(wall) = walls.near(&ball).find(|wall| wall.distance(&ball) < self.radius - 1e-9) else { break };
+            let Some(wall) = walls.near(&ball).find(|wall| wall.distance(&ball) < self.radius - 1e-9) else {
+                break;
+            };
             let nearest = wall.nearest(&ball);
             let away = ball - nearest;
             ball = if away.norm() > 1e-12 {
@@ -90,10 +92,26 @@ impl Stylus {
                 // The seat is within the wall: out by the side on which the ball was.
                 let out = before - wall.nearest(&before);
                 let out = if out.norm() > 1e-12 { out.normalize() } else { Vector2::x() };
-                let out = if out.x.abs() > out.y.abs() { Vector2::new(out.x.signum(), 0.0) } else { Vector2::new(0.0, out.y.signum()) };
+                let out = if out.x.abs() > out.y.abs() {
+                    Vector2::new(out.x.signum(), 0.0)
+                } else {
+                    Vector2::new(0.0, out.y.signum())
+                };
                 let edge = Place::new(
-                    if out.x > 0.0 { wall.upper.x } else if out.x < 0.0 { wall.lower.x } else { ball.x },
-                    if out.y > 0.0 { wall.upper.y } else if out.y < 0.0 { wall.lower.y } else { ball.y },
+                    if out.x > 0.0 {
+                        wall.upper.x
+                    } else if out.x < 0.0 {
+                        wall.lower.x
+                    } else {
+                        ball.x
+                    },
+                    if out.y > 0.0 {
+                        wall.upper.y
+                    } else if out.y < 0.0 {
+                        wall.lower.y
+                    } else {
+                        ball.y
+                    },
                 );
                 edge + out * self.radius
             };
@@ -152,13 +170,17 @@ mod tests {
     #[test]
     fn the_switch_closes_at_another_force_in_each_direction_within_the_lobing() {
         let walls = room();
-        for (direction, lobe) in [(Vector2::new(0.0, 1.0), 0.0), (Vector2::new(-1.0, 0.0), -1.0), (Vector2::new(1.0, 0.0), 1.0)] {
+        for (direction, lobe) in
+            [(Vector2::new(0.0, 1.0), 0.0), (Vector2::new(-1.0, 0.0), -1.0), (Vector2::new(1.0, 0.0), 1.0)]
+        {
             let from = Place::new(if direction.x > 0.0 { 0.04 } else { 0.0125 }, 0.0125);
             let mut stylus = Stylus::new(0.002, 1);
             let mut closed = None;
             for i in 0..30_000 {
                 // Slowly: the switch is quiet at every place.
-                if stylus.move_to(&(from + direction * (5e-7 * f64::from(i))), &walls, f64::from(i)) && closed.is_none() {
+                if stylus.move_to(&(from + direction * (5e-7 * f64::from(i))), &walls, f64::from(i))
+                    && closed.is_none()
+                {
                     closed = Some(STIFFNESS * stylus.deflection().norm());
                 }
             }
