@@ -199,15 +199,4 @@ mod tests {
         // To the dead end at the right and back along the inner wall: 4 cells there, 4 back, and in.
         assert_eq!(open.cells_by_the_left_hand(), Some(9));
     }
-
-    #[test]
-    #[ignore = "shows figures"]
-    fn figures() {
-        let mazes: Vec<_> = (0..500).map(|seed| Layout::random(16, seed)).collect();
-        let mut cells: Vec<_> = mazes.iter().filter_map(Layout::cells_to_goal).collect();
-        cells.sort_unstable();
-        let left = mazes.iter().filter(|maze| maze.cells_by_the_left_hand().is_some()).count();
-        println!("{} cells {} .. {}, left hand {left}", cells[250], cells[0], cells[499]);
-        println!("{}", mazes[0]);
-    }
 }

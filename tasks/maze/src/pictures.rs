@@ -65,11 +65,10 @@ pub fn film(outcome: &Outcome, walls: &Walls, [columns, rows]: [usize; 2]) -> St
     }
     let _ = writeln!(
         svg,
-        "</g>\n<text x=\"0\" y=\"{:.1}\">{} touches (red), {:.2} times the shortest way; the ball is {:.0} mm thick</text>\n</svg>",
+        "</g>\n<text x=\"0\" y=\"{:.1}\">{} touches (red); way {:.2} x the shortest</text>\n</svg>",
         height + 12.0,
         outcome.contacts.len(),
-        outcome.ratio(),
-        2e3 * BALL
+        outcome.ratio()
     );
     svg
 }

@@ -1,16 +1,19 @@
 #!/usr/bin/env python3
-"""Shortest paths of a ball in the mazes of this folder, by shapely and pyvisgraph: writes shortest.csv.
+"""Shortest paths of a ball in the mazes of this folder, by shapely: writes shortest.csv.
 
-    python3 -m venv venv && venv/bin/pip install pyvisgraph shapely tqdm && venv/bin/python shortest.py
+    python3 -m venv venv && venv/bin/pip install shapely && venv/bin/python shortest.py
 
-Walls are inflated as `src/shortest.rs` does: each box by the ball's radius, with three vertices at each corner; then united by shapely.
+Walls are inflated as `src/shortest.rs` does: each box by the ball's radius, with three vertices at each corner; then united by shapely. Of the
+vertices of the union each pair is tried, whether the line between them keeps out of it, and Dijkstra's algorithm finds the shortest way.
+(pyvisgraph 0.2 was tried first: it gave ways through walls here.)
 The goal is a point here: the middle of its cell.
 """
+import heapq
 import math
 import pathlib
 
-import pyvisgraph as vg
-from shapely.geometry import Polygon, box
+from shapely import prepare
+from shapely.geometry import LineString, Polygon
 from shapely.ops import unary_union
 
 PITCH, THICKNESS, RADIUS = 0.025, 0.002, 0.002
@@ -35,6 +38,8 @@ def read(path):
         y = (rows - number / 2) * PITCH
         for x in range(columns + 1):
             left = x * PITCH
+            if number % 2 == 0:
+                walls.append(inflated(left - h, y - h, left + h, y + h))
             if number % 2 == 0 and line[4 * x + 1:4 * x + 4] == "---":
                 walls.append(inflated(left - h, y - h, left + PITCH + h, y + h))
             if number % 2 == 1:
@@ -46,21 +51,33 @@ def read(path):
     return unary_union(walls), places, columns * PITCH, rows * PITCH
 
 
+def shortest(walls, start, goal):
+    inside = walls.buffer(-1e-10)
+    prepare(inside)
+    polygons = walls.geoms if walls.geom_type == "MultiPolygon" else [walls]
+    rings = [ring for polygon in polygons for ring in [polygon.exterior, *polygon.interiors]]
+    nodes = [start, goal, *{point for ring in rings for point in ring.coords}]
+    best = {0: 0.0}
+    queue = [(0.0, 0)]
+    while queue:
+        length, at = heapq.heappop(queue)
+        if at == 1:
+            return length
+        if length > best[at]:
+            continue
+        for to in range(len(nodes)):
+            further = length + math.dist(nodes[at], nodes[to])
+            if further < best.get(to, math.inf) and not inside.intersects(LineString([nodes[at], nodes[to]])):
+                best[to] = further
+                heapq.heappush(queue, (further, to))
+    return math.nan
+
+
 def main():
     out = ["maze,length"]
     for path in sorted(HERE.glob("*.txt")):
         walls, places, width, height = read(path)
-        polygons = walls.geoms if walls.geom_type == "MultiPolygon" else [walls]
-        rings = []
-        for polygon in polygons:
-            # What is outside of the frame is of no interest; its holes are where the ball may be.
-            if not polygon.bounds[0] < 0:
-                rings.append(polygon.exterior)
-            rings.extend(polygon.interiors)
-        graph = vg.VisGraph()
-        graph.build([[vg.Point(round(x, 12), round(y, 12)) for x, y in ring.coords[:-1]] for ring in rings], status=False)
-        way = graph.shortest_path(vg.Point(*places["S"]), vg.Point(*places["G"]))
-        length = sum(math.dist((a.x, a.y), (b.x, b.y)) for a, b in zip(way, way[1:]))
+        length = shortest(walls, places["S"], places["G"])
         out.append(f"{path.stem},{length:.12f}")
     (HERE / "shortest.csv").write_text("\n".join(out) + "\n")
 

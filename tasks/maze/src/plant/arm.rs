@@ -61,7 +61,7 @@ impl World {
         if p.x < 0.0 || p.y < 0.0 {
             // Beside the maze, which is looked for: its way begins within.
             self.stylus.way = 0.0;
-            self.trace.clear();
+            return;
         }
         if let Some(ball) = self.stylus.ball()
             && self.trace.last().is_none_or(|last| (last - ball).norm() > 3e-4)
