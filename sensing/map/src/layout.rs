@@ -201,11 +201,15 @@ impl FromStr for Layout {
         };
         let width = first.len();
         if width < 5 || width % 4 != 1 {
-            let what = format!("a row of {width} characters: posts `o` are four columns apart, as in `o---o---o`");
+            let what =
+                format!("a row of {width} characters: posts `o` are four columns apart, as in `o---o---o`");
             return wrong(0, width.saturating_sub(1), what);
         }
         if lines.len() < 3 || lines.len() % 2 == 0 {
-            let what = format!("{} rows: rows of posts and of cells take turns, and posts are first and last", lines.len());
+            let what = format!(
+                "{} rows: rows of posts and of cells take turns, and posts are first and last",
+                lines.len()
+            );
             return wrong(lines.len() - 1, 0, what);
         }
         let (columns, rows) = ((width - 1) / 4, (lines.len() - 1) / 2);
@@ -216,7 +220,11 @@ impl FromStr for Layout {
         let (mut start, mut goals) = (None, Vec::new());
         for (number, line) in lines.iter().enumerate() {
             if line.len() > width {
-                return wrong(number, width, format!("the row goes on after column {width}, where the first one ends"));
+                return wrong(
+                    number,
+                    width,
+                    format!("the row goes on after column {width}, where the first one ends"),
+                );
             }
             let at = |column: usize| line.get(column).copied().unwrap_or(' ');
             let group = |column: usize| [at(column), at(column + 1), at(column + 2)];
@@ -232,7 +240,11 @@ impl FromStr for Layout {
                     (false, '|') => layout.upright[y * (columns + 1) + x] = true,
                     (false, ' ') => layout.upright[y * (columns + 1) + x] = false,
                     (false, other) => {
-                        return wrong(number, column, format!("`{other}` where a wall `|` or a blank must be"));
+                        return wrong(
+                            number,
+                            column,
+                            format!("`{other}` where a wall `|` or a blank must be"),
+                        );
                     }
                 }
                 if x == columns {
@@ -242,7 +254,11 @@ impl FromStr for Layout {
                     (true, ['-', '-', '-']) => layout.level[y * columns + x] = true,
                     (true | false, [' ', ' ', ' ']) if of_posts => layout.level[y * columns + x] = false,
                     (true, _) => {
-                        return wrong(number, column + 1, "a wall is `---`, and an opening three blanks".into());
+                        return wrong(
+                            number,
+                            column + 1,
+                            "a wall is `---`, and an opening three blanks".into(),
+                        );
                     }
                     (false, [' ', inside, ' ']) => match inside {
                         ' ' => {}
@@ -257,7 +273,11 @@ impl FromStr for Layout {
                         }
                     },
                     (false, _) => {
-                        return wrong(number, column + 1, "a cell is three columns wide: `S` or `G` is in its middle".into());
+                        return wrong(
+                            number,
+                            column + 1,
+                            "a cell is three columns wide: `S` or `G` is in its middle".into(),
+                        );
                     }
                 }
             }
@@ -269,7 +289,13 @@ impl FromStr for Layout {
         };
         let mut goal = match goals.first() {
             Some(&cell) => Goal { lower: cell, upper: cell },
-            None => return wrong(end, 0, "no goal: write `G` into a cell, or into several that form a rectangle".into()),
+            None => {
+                return wrong(
+                    end,
+                    0,
+                    "no goal: write `G` into a cell, or into several that form a rectangle".into(),
+                );
+            }
         };
         for &(x, y) in &goals {
             goal.lower = (goal.lower.0.min(x), goal.lower.1.min(y));
@@ -284,7 +310,11 @@ impl FromStr for Layout {
         for x in 0..columns {
             for (y, line) in [(0, end), (rows, 0)] {
                 if !layout.has_level(x, y) {
-                    return wrong(line, 4 * x + 1, "the maze is open here: write `---`, its frame is closed".into());
+                    return wrong(
+                        line,
+                        4 * x + 1,
+                        "the maze is open here: write `---`, its frame is closed".into(),
+                    );
                 }
             }
         }
@@ -292,7 +322,11 @@ impl FromStr for Layout {
             for x in [0, columns] {
                 if !layout.has_upright(x, y) {
                     let line = 2 * (rows - y) - 1;
-                    return wrong(line, 4 * x, "the maze is open here: write `|`, its frame is closed".into());
+                    return wrong(
+                        line,
+                        4 * x,
+                        "the maze is open here: write `|`, its frame is closed".into(),
+                    );
                 }
             }
         }

@@ -1,4 +1,31 @@
-//! World models of mazes.
+//! World models of mazes, for robots that find their way by touch, and for judging how well they do.
+//!
+//! ```text
+//! text  -> Layout -> Walls -> Inflated -> the shortest path of a ball, to judge by
+//! touches, passed ways -> Map -> Planner -> a way through what is not known to be wall
+//! ```
+//!
+//! It knows no robot and no runtime. [`Layout`] reads and writes the text format of micromouse contests, and draws mazes by chance.
+//!
+//! ```
+//! use mrroc_map::{Inflated, Knowledge, Layout, Map, Place, Planner, Region, Walls};
+//!
+//! let maze: Layout = "o---o---o\n| S | G |\no   o   o\n|       |\no---o---o".parse()?;
+//! let walls = Walls::of(&maze, 0.025, 0.002);
+//! let start = Place::new(0.0125, 0.0375);
+//! let goal = Region { lower: Place::new(0.029, 0.029), upper: Place::new(0.046, 0.046) };
+//! let (shortest, _) = Inflated::by(&walls, 0.002).shortest(&start, &goal).expect("a way");
+//!
+//! // Nothing is known: straight through the wall between. Its touch shows a way around.
+//! let known = Knowledge { size: [0.05, 0.05], radius: 0.002, thickness: 0.002, passage: 0.015, wall: 0.025 };
+//! let mut map = Map::new(known);
+//! let way = Planner::default().way(&map, &start, &goal).expect("all may be free");
+//! assert!(way.last().is_some_and(|end| goal.distance(end) == 0.0));
+//! map.touch(&Place::new(0.022, 0.0375), &Place::new(1.0, 0.0));
+//! let around = Planner::default().way(&map, &Place::new(0.0205, 0.0375), &goal).expect("a way");
+//! assert!(around.len() > 2 && shortest < 0.05);
+//! # Ok::<(), mrroc_map::LayoutError>(())
+//! ```
 
 mod layout;
 mod map;
@@ -7,8 +34,8 @@ mod random;
 mod shortest;
 mod walls;
 
-pub use layout::{Goal, Layout, LayoutError, Side};
-pub use map::{Contact, Knowledge, Map, Thought};
+pub use layout::{Goal, LARGEST, Layout, LayoutError, Side};
+pub use map::{Contact, Knowledge, Map, SQUARE, Thought};
 pub use plan::Planner;
 pub use random::Chance;
 pub use shortest::{Inflated, Region};

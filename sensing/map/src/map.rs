@@ -119,7 +119,8 @@ impl Map {
     pub fn touch(&mut self, ball: &Place, moving: &Vector2<f64>) -> Contact {
         let across = Vector2::new(moving.x.signum(), 0.0);
         let along = Vector2::new(0.0, moving.y.signum());
-        let (better, other) = if moving.x.abs() >= moving.y.abs() { (across, along) } else { (along, across) };
+        let (better, other) =
+            if moving.x.abs() >= moving.y.abs() { (across, along) } else { (along, across) };
         let lies = |into: Vector2<f64>| Contact { at: ball + into * self.known.radius, into };
         let share = moving.x.abs().min(moving.y.abs()) / moving.norm().max(1e-12);
         let length = |contact: Contact| {
@@ -144,18 +145,6 @@ impl Map {
             (_, false) if share > 0.1 && length(first) < 0.5 * length(second) => second,
             (_, false) => first,
         };
-        self.contacts.push(contact);
-        contact
-    }
-
-    /// The same, where the wall's normal has been felt: `into` the wall.
-    pub fn touch_along(&mut self, ball: &Place, into: &Vector2<f64>) -> Contact {
-        let into = if into.x.abs() >= into.y.abs() {
-            Vector2::new(into.x.signum(), 0.0)
-        } else {
-            Vector2::new(0.0, into.y.signum())
-        };
-        let contact = Contact { at: ball + into * self.known.radius, into };
         self.contacts.push(contact);
         contact
     }

@@ -26,13 +26,11 @@ pub struct Planner {
     pub margin: f64,
     /// What trying a place costs where a wall is sure to be, as a length \[m\]: a little more than there and back.
     pub price: f64,
-    /// What keeping to passed places saves, as a share of length: 0 to 1.
-    pub dread: f64,
 }
 
 impl Default for Planner {
     fn default() -> Self {
-        Self { margin: 1.2e-3, price: 0.06, dread: 0.0 }
+        Self { margin: 1.2e-3, price: 0.012 }
     }
 }
 
@@ -77,7 +75,11 @@ impl Planner {
         };
         let (nodes, _) = astar(&start, successors, left, |node| goal.distance(&place(*node)) <= 0.0)?;
         let mut places = vec![*from];
-        places.extend(nodes.into_iter().map(place));
+        // It may stand on the first node.
+        places.extend(nodes.into_iter().map(place).skip_while(|at| (at - from).norm() < 0.1 * LATTICE));
+        if places.len() == 1 {
+            places.push(goal.nearest(from));
+        }
         Some(lattice.pulled(&places))
     }
 
@@ -108,15 +110,18 @@ impl Planner {
             for beside in [beside, -beside] {
                 let belief = map.belief(contact, &beside);
                 // Sure until the next touch of the same wall, if no passage fits between.
-                let next = contacts.iter().enumerate().filter(|(other, _)| *other != number).filter_map(|(_, one)| {
-                    let s = (one.at - contact.at).dot(&beside);
-                    (one.is_of_the_wall_of(contact) && s > 0.0 && s < known.passage).then_some(s)
-                });
+                let next = contacts.iter().enumerate().filter(|(other, _)| *other != number).filter_map(
+                    |(_, one)| {
+                        let s = (one.at - contact.at).dot(&beside);
+                        (one.is_of_the_wall_of(contact) && s > 0.0 && s < known.passage).then_some(s)
+                    },
+                );
                 let joined = next.fold(f64::INFINITY, f64::min);
                 let sure = if joined < belief { joined } else { SURE.min(belief) };
                 lattice.block(&middle, &(middle + beside * sure), keep + 0.5 * known.thickness);
                 if joined >= belief {
-                    lattice.believe(&middle, &beside, sure, belief, known.wall, self.price, keep + 0.5 * known.thickness);
+                    let dear = |s: f64| self.price * (1.0 - s / known.wall);
+                    lattice.believe(&middle, &beside, [sure, belief], keep + 0.5 * known.thickness, dear);
                 }
             }
         }
@@ -161,17 +166,22 @@ impl Lattice<'_> {
         });
     }
 
-    /// The chance that the wall goes on decreases evenly to where it is no longer believed.
-    #[allow(clippy::too_many_arguments)]
-    fn believe(&mut self, middle: &Place, beside: &Vector2<f64>, sure: f64, to: f64, wall: f64, price: f64, within: f64) {
+    /// What crossing a believed wall costs, `dear` at so far from its touch, is spread over its thickness.
+    fn believe(
+        &mut self,
+        middle: &Place,
+        beside: &Vector2<f64>,
+        [sure, to]: [f64; 2],
+        within: f64,
+        dear: impl Fn(f64) -> f64,
+    ) {
         let (middle, beside) = (*middle, *beside);
         let end = middle + beside * to;
         self.around(&middle, &end, within, |lattice, index, at| {
             let s = (at - middle).dot(&beside);
             let off = (at - middle - beside * s).norm();
             if s >= sure && s <= to && off <= within {
-                let chance = 1.0 - s / wall;
-                let density = (price * chance / (2.0 * within)) as f32;
+                let density = (dear(s) / (2.0 * within)) as f32;
                 lattice.belief[index] = lattice.belief[index].max(density);
             }
         });

@@ -75,7 +75,8 @@ impl Layout {
         let mut entered = false;
         while let Some(&cell) = way.last() {
             let is_open = |side: &Side| {
-                maze.beyond(cell, *side).is_some_and(|next| !seen[index(next)]) && (cell != (0, 0) || *side == Side::Up)
+                maze.beyond(cell, *side).is_some_and(|next| !seen[index(next)])
+                    && (cell != (0, 0) || *side == Side::Up)
             };
             let sides: Vec<Side> = Side::ALL.into_iter().filter(is_open).collect();
             if sides.is_empty() {
@@ -145,7 +146,10 @@ impl Layout {
                 return None;
             }
             // Left, ahead, right, back.
-            let side = [1, 0, 3, 2].map(|turn| heading.turned(turn)).into_iter().find(|side| self.next(cell, *side).is_some())?;
+            let side = [1, 0, 3, 2]
+                .map(|turn| heading.turned(turn))
+                .into_iter()
+                .find(|side| self.next(cell, *side).is_some())?;
             cell = self.next(cell, side)?;
             heading = side;
             passed += 1;
@@ -167,11 +171,15 @@ mod tests {
             assert_eq!(sides, [true, false, true, true], "{seed}");
             for x in 0..=16 {
                 for y in 0..=16 {
-                    assert!(maze.walls_at(x, y) > 0 || (x, y) == (8, 8), "seed {seed}: nothing at post {x} {y}\n{maze}");
+                    assert!(
+                        maze.walls_at(x, y) > 0 || (x, y) == (8, 8),
+                        "seed {seed}: nothing at post {x} {y}\n{maze}"
+                    );
                 }
             }
             let entrances = Side::ALL.map(|side| {
-                (7..=8).flat_map(|x| (7..=8).map(move |y| (x, y)))
+                (7..=8)
+                    .flat_map(|x| (7..=8).map(move |y| (x, y)))
                     .filter(|cell| maze.next(*cell, side).is_some_and(|next| !maze.goal().contains(next)))
                     .count()
             });
@@ -184,19 +192,11 @@ mod tests {
         let ring = "o---o---o---o\n|           |\no   o---o   o\n| S   G |   |\no   o---o   o\n|           |\no---o---o---o";
         let maze: Layout = ring.parse().expect("a maze");
         assert_eq!((maze.cells_to_goal(), maze.cells_by_the_left_hand()), (Some(1), None));
-        let open: Layout = ring.replace("o   o---o   o\n|           |\no-", "o   o---o---o\n|           |\no-").parse().expect("a maze");
+        let open: Layout = ring
+            .replace("o   o---o   o\n|           |\no-", "o   o---o---o\n|           |\no-")
+            .parse()
+            .expect("a maze");
         // To the dead end at the right and back along the inner wall: 4 cells there, 4 back, and in.
         assert_eq!(open.cells_by_the_left_hand(), Some(9));
-    }
-
-    #[test]
-    #[ignore = "shows figures"]
-    fn figures() {
-        let mazes: Vec<_> = (0..500).map(|seed| Layout::random(16, seed)).collect();
-        let mut cells: Vec<_> = mazes.iter().filter_map(Layout::cells_to_goal).collect();
-        cells.sort_unstable();
-        let left = mazes.iter().filter(|maze| maze.cells_by_the_left_hand().is_some()).count();
-        println!("{} cells {} .. {}, left hand {left}", cells[250], cells[0], cells[499]);
-        println!("{}", mazes[0]);
     }
 }

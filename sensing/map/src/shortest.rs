@@ -100,7 +100,10 @@ impl<'w> Inflated<'w> {
         for polygon in &polygons {
             for i in 0..VERTICES {
                 let at = polygon[i];
-                let covered = walls.of_cell(walls.cell(&at)).iter().any(|other| contains(&polygons[*other as usize], &at));
+                let covered = walls
+                    .of_cell(walls.cell(&at))
+                    .iter()
+                    .any(|other| contains(&polygons[*other as usize], &at));
                 if !covered {
                     vertices.push([polygon[(i + VERTICES - 1) % VERTICES], at, polygon[(i + 1) % VERTICES]]);
                 }
@@ -123,10 +126,16 @@ impl<'w> Inflated<'w> {
             let (left, right) = ((x as f64 - 1.0) * pitch, x as f64 * pitch);
             let at = |border: f64| from.y + way.y * ((border - from.x) / way.x).clamp(0.0, 1.0);
             let (a, b) = if way.x.abs() > 1e-12 { (at(left), at(right)) } else { (from.y, to.y) };
-            let (low, high) = (self.walls.cell(&Place::new(0.0, a.min(b))).1, self.walls.cell(&Place::new(0.0, a.max(b))).1);
+            let (low, high) = (
+                self.walls.cell(&Place::new(0.0, a.min(b))).1,
+                self.walls.cell(&Place::new(0.0, a.max(b))).1,
+            );
             for y in low.min(high)..=high.min(fy.max(ty)).max(low) {
-                let blocked =
-                    self.walls.of_cell((x, y)).iter().any(|wall| crosses(&self.polygons[*wall as usize], from, to));
+                let blocked = self
+                    .walls
+                    .of_cell((x, y))
+                    .iter()
+                    .any(|wall| crosses(&self.polygons[*wall as usize], from, to));
                 if blocked {
                     return false;
                 }
@@ -250,7 +259,11 @@ mod tests {
                 for i in 0..=50 {
                     let at = leg[0] + (leg[1] - leg[0]) * (f64::from(i) / 50.0);
                     // Chords cut 8 % of the radius off at the most: 1 - cos(22.5 degrees).
-                    assert!(walls.clearance(&at) > 0.002 * 0.9238, "seed {seed}: {at} {}", walls.clearance(&at));
+                    assert!(
+                        walls.clearance(&at) > 0.002 * 0.9238,
+                        "seed {seed}: {at} {}",
+                        walls.clearance(&at)
+                    );
                 }
             }
         }

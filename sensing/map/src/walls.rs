@@ -80,7 +80,8 @@ impl Walls {
         let goal = maze.goal();
         for x in 0..=columns {
             for y in 0..=rows {
-                let within = (goal.lower.0 + 1..=goal.upper.0).contains(&x) && (goal.lower.1 + 1..=goal.upper.1).contains(&y);
+                let within = (goal.lower.0 + 1..=goal.upper.0).contains(&x)
+                    && (goal.lower.1 + 1..=goal.upper.1).contains(&y);
                 if maze.walls_at(x, y) == 0 && !within {
                     lay(post(x, y), post(x, y));
                 }
@@ -115,7 +116,8 @@ impl Walls {
 
     /// The cell of the index of a place.
     pub(crate) fn cell(&self, at: &Place) -> (usize, usize) {
-        let cell = |v: f64, last: usize| ((v / self.pitch).floor() + 1.0).clamp(0.0, last as f64 + 1.0) as usize;
+        let cell =
+            |v: f64, last: usize| ((v / self.pitch).floor() + 1.0).clamp(0.0, last as f64 + 1.0) as usize;
         (cell(at.x, self.columns), cell(at.y, self.rows))
     }
 

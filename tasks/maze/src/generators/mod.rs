@@ -1,0 +1,5 @@
+//! How the arm moves.
+
+mod leg;
+
+pub use leg::Leg;

@@ -1,0 +1,28 @@
+//! A robot finds its way out of a maze by touch: the reactive task of the MRROC++ paper, whose world model grows by collisions.
+//!
+//! The task itself is small: [`mp`] plans by a map that grows, [`ecp`] is what the arm does, [`generators`] how it moves, [`orders`] what
+//! it is told, [`found`] where the maze stands. The rest surrounds it: [`places`] says where things are, [`plant`] what the simulated
+//! arm and probe do, [`run`] is one run, [`summary`] many.
+
+pub mod ecp;
+pub mod found;
+pub mod generators;
+pub mod mp;
+pub mod options;
+pub mod orders;
+pub mod pictures;
+pub mod places;
+pub mod plant;
+pub mod run;
+pub mod summary;
+
+use mrroc::cell_file::CellFileError;
+use mrroc::prelude::*;
+
+/// The cell of the task, `cell.toml`.
+///
+/// # Errors
+/// None: the file is right.
+pub fn file() -> Result<CellFile, CellFileError> {
+    CellFile::parse("cell.toml", include_str!("../cell.toml"))
+}

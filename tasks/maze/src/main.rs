@@ -1,0 +1,110 @@
+//! A robot finds its way out of a maze by touch: `cargo run --release -p maze -- --help`.
+
+use std::error::Error;
+use std::fs;
+use std::io;
+use std::path::Path;
+use std::process::ExitCode;
+
+use maze::options::{Options, parse};
+use maze::pictures::film;
+use maze::run::Ready;
+use maze::summary::{Row, Summary};
+use mrroc::console::{complain, refused, say};
+use mrroc::launch::Launch;
+use mrroc_map::Layout;
+
+/// The maze that is solved where none is named.
+const SHIPPED: &str = include_str!("../mazes/islands.txt");
+
+fn main() -> ExitCode {
+    let options = match parse(std::env::args_os().skip(1)) {
+        Ok(options) => options,
+        Err(answer) => return Launch::answer(&answer),
+    };
+    let mazes = match mazes(&options) {
+        Ok(mazes) => mazes,
+        Err(message) => return refused(&message),
+    };
+    let ran = if options.sweep.is_some() || options.random.is_some() {
+        let summary = Summary::sweep(&mazes);
+        Ok((summary.faults(), summary.to_string()))
+    } else {
+        one(&options, &mazes[0])
+    };
+    match ran {
+        Ok((faults, text)) => {
+            let said = if options.quiet { ExitCode::SUCCESS } else { say(&text) };
+            if faults == 0 { said } else { ExitCode::FAILURE }
+        }
+        Err(error) => {
+            complain(&format!("error: {error}"));
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// The mazes that are asked for, at least one, with their names.
+fn mazes(options: &Options) -> Result<Vec<(String, Layout)>, String> {
+    if let Some(count) = options.random {
+        return Ok((0..u64::from(count))
+            .map(|seed| (format!("seed {seed}"), Layout::random(16, seed)))
+            .collect());
+    }
+    if let Some(folder) = &options.sweep {
+        let unread = |error: io::Error| {
+            format!("{}: cannot be read: {error}\n help: name a folder with mazes", folder.display())
+        };
+        let mut files: Vec<_> =
+            fs::read_dir(folder).map_err(unread)?.filter_map(|entry| Some(entry.ok()?.path())).collect();
+        files.retain(|file| {
+            file.is_file() && file.extension().is_some_and(|end| end == "txt" || end == "maz")
+        });
+        files.sort();
+        if files.is_empty() {
+            return Err(format!(
+                "{}: no file *.txt or *.maz\n help: name a folder with mazes",
+                folder.display()
+            ));
+        }
+        return files.iter().map(|file| read(file)).collect();
+    }
+    match &options.file {
+        Some(file) => Ok(vec![read(file)?]),
+        None => Ok(vec![(
+            "islands".to_owned(),
+            SHIPPED.parse().map_err(|error| format!("islands.txt: {error}"))?,
+        )]),
+    }
+}
+
+fn read(file: &Path) -> Result<(String, Layout), String> {
+    let shown = file.display();
+    let text = fs::read_to_string(file).map_err(|error| {
+        format!(
+            "{shown}: cannot be read: {error}\n help: name a maze in the text format of micromouse contests"
+        )
+    })?;
+    let maze = text.parse().map_err(|error| format!("{shown}: {error}"))?;
+    Ok((file.file_stem().unwrap_or_default().to_string_lossy().into_owned(), maze))
+}
+
+/// One run, and its film.
+fn one(options: &Options, (name, layout): &(String, Layout)) -> Result<(usize, String), Box<dyn Error>> {
+    let ready = Ready::new(layout, options.seed.into())?;
+    let walls = ready.plant.world().borrow().walls.clone();
+    let outcome = ready.run();
+    let file = options.out.join("maze.svg");
+    let drawn = film(&outcome, &walls, [layout.columns(), layout.rows()]);
+    fs::create_dir_all(&options.out).and_then(|()| fs::write(&file, drawn)).map_err(|error| {
+        format!(
+            "{}: cannot be written: {error}\n help: give a folder that can be written by --out",
+            file.display()
+        )
+    })?;
+    if let Err(error) = outcome.report {
+        return Err(error.to_string().into());
+    }
+    let summary = Summary(vec![Row::of(name, layout, &outcome)]);
+    Ok((summary.faults(), format!("{summary}see {}\n", file.display())))
+}

@@ -1,0 +1,82 @@
+//! A film of the map growing: walls as they are, pale; what was touched, as it was; the ball and its way.
+
+use std::fmt::Write as _;
+
+use mrroc_map::{Contact, Place, Walls};
+
+use crate::places::{BALL, PITCH};
+use crate::run::Outcome;
+
+/// How long the film takes \[s\].
+const FILM: f64 = 24.0;
+
+/// An SVG of a run in a maze of so many columns and rows. It is drawn in millimetres, and repeats itself.
+#[must_use]
+pub fn film(outcome: &Outcome, walls: &Walls, [columns, rows]: [usize; 2]) -> String {
+    let (width, height) = (columns as f64 * PITCH * 1e3, rows as f64 * PITCH * 1e3);
+    let mut svg = format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"-6 -6 {:.0} {:.0}\" font-family=\"sans-serif\" font-size=\"7\">\n\
+         <title>the map of a maze grows by touches</title>\n\
+         <rect x=\"-6\" y=\"-6\" width=\"100%\" height=\"100%\" fill=\"white\"/>\n\
+         <g transform=\"translate(0 {height:.1}) scale(1 -1)\">\n",
+        width + 12.0,
+        height + 24.0
+    );
+    for wall in walls.boxes() {
+        let (at, size) = (wall.lower * 1e3, (wall.upper - wall.lower) * 1e3);
+        let _ = writeln!(
+            svg,
+            "<rect x=\"{:.1}\" y=\"{:.1}\" width=\"{:.1}\" height=\"{:.1}\" fill=\"#d8d8d8\"/>",
+            at.x, at.y, size.x, size.y
+        );
+    }
+    // How far along the way each touch is, as a share.
+    let mut lengths = vec![0.0];
+    for leg in outcome.trace.windows(2) {
+        lengths.push(lengths[lengths.len() - 1] + (leg[1] - leg[0]).norm());
+    }
+    let whole = lengths[lengths.len() - 1].max(1e-9);
+    let points: Vec<String> =
+        outcome.trace.iter().map(|at| format!("{:.1},{:.1}", 1e3 * at.x, 1e3 * at.y)).collect();
+    let _ = writeln!(
+        svg,
+        "<polyline points=\"{}\" fill=\"none\" stroke=\"#2a6fb0\" stroke-width=\"0.8\" stroke-linejoin=\"round\" pathLength=\"1\" \
+         stroke-dasharray=\"1 1\" stroke-dashoffset=\"0\"><animate attributeName=\"stroke-dashoffset\" values=\"1;0;0\" keyTimes=\"0;0.9;1\" \
+         dur=\"{FILM}s\" repeatCount=\"indefinite\"/></polyline>",
+        points.join(" ")
+    );
+    let mut from = 0;
+    for contact in &outcome.contacts {
+        let (next, share) = when(&outcome.trace, &lengths, whole, from, contact);
+        from = next;
+        let side = Place::new(-contact.into.y, contact.into.x) * 2.5e-3;
+        let (a, b) = ((contact.at - side) * 1e3, (contact.at + side) * 1e3);
+        let share = (0.9 * share).clamp(1e-3, 0.899);
+        let _ = writeln!(
+            svg,
+            "<line x1=\"{:.1}\" y1=\"{:.1}\" x2=\"{:.1}\" y2=\"{:.1}\" stroke=\"#c03a2b\" stroke-width=\"1.6\"><animate attributeName=\"opacity\" \
+             values=\"0;0;1;1\" keyTimes=\"0;{share:.4};{:.4};1\" dur=\"{FILM}s\" repeatCount=\"indefinite\"/></line>",
+            a.x,
+            a.y,
+            b.x,
+            b.y,
+            share + 0.01
+        );
+    }
+    let _ = writeln!(
+        svg,
+        "</g>\n<text x=\"0\" y=\"{:.1}\">{} touches (red); way {:.2} x the shortest</text>\n</svg>",
+        height + 12.0,
+        outcome.contacts.len(),
+        outcome.ratio()
+    );
+    svg
+}
+
+/// Where on the trace the ball touched, not before `from`: the index, and the share of the way.
+fn when(trace: &[Place], lengths: &[f64], whole: f64, from: usize, contact: &Contact) -> (usize, f64) {
+    let ball = contact.at - contact.into * BALL;
+    let near = |i: &usize| (trace[*i] - ball).norm() < 1e-3;
+    let found = (from..trace.len()).find(near).unwrap_or(from);
+    (found, lengths.get(found).copied().unwrap_or(0.0) / whole)
+}

@@ -1,0 +1,91 @@
+//! The touch probe: a virtual sensor that tells whether the ball touches, and where it did.
+
+use std::cell::RefCell;
+use std::rc::Rc;
+
+use mrroc::fault::FaultKind;
+use mrroc::prelude::*;
+use nalgebra::Vector3;
+
+use super::arm::World;
+use super::stylus::TRAVEL;
+
+/// The kind of sensor: a ball on a spring with a switch.
+#[derive(Clone, Copy, Debug)]
+pub struct TouchProbe;
+
+impl Sensor for TouchProbe {
+    const KIND: &'static str = "touch probe";
+    type Reading = Touch;
+    type Configuration = ();
+}
+
+/// What the probe says.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Payload)]
+pub struct Touch {
+    /// Whether it touches: the switch is closed, or has been within the time in which it bounces.
+    pub touching: bool,
+    /// How many touches there were.
+    pub touches: u32,
+    /// Where the last one was, as the encoders saw the ball's seat when the switch closed first [m, W].
+    pub x: f64,
+    /// See `x`.
+    pub y: f64,
+    /// How long ago that was \[s\].
+    pub since: f64,
+}
+
+/// Makes readings of the switch.
+#[derive(Debug)]
+pub struct Probe {
+    world: Rc<RefCell<World>>,
+    /// Where the encoders saw the ball at the reading before, and when.
+    before: Option<(Vector3<f64>, f64)>,
+    touch: Touch,
+    onset: f64,
+}
+
+impl Probe {
+    /// The probe of this world.
+    #[must_use]
+    pub fn new(world: Rc<RefCell<World>>) -> Self {
+        Self { world, before: None, touch: Touch::default(), onset: 0.0 }
+    }
+}
+
+impl VirtualSensor for Probe {
+    type Kind = TouchProbe;
+
+    fn aggregate(&mut self, order: &ReadingOrder<()>) -> Result<Touch, Fault> {
+        let arm = order
+            .robot
+            .ok_or_else(|| Fault::thrown("the touch probe got no state of its arm: write `of`"))?;
+        let world = self.world.borrow();
+        let bent = world.stylus.deflection().norm();
+        if bent > TRAVEL {
+            let fault = Fault::new(FaultKind::SensorFailed).exceeds(bent, TRAVEL, "m");
+            return Err(
+                fault.text("the stylus is bent beyond its over-travel: slow down, or look what it hit")
+            );
+        }
+        let now = (arm.pose.translation.vector, world.time);
+        let touching = world.last > 0.0 && world.time - world.last <= World::QUIET;
+        if world.onset > self.onset {
+            self.onset = world.onset;
+            // The arm moved evenly since the reading before.
+            let (was, then) = self.before.unwrap_or(now);
+            let passed = now.1 - then;
+            let share = if passed > 0.0 { ((self.onset - then) / passed).clamp(0.0, 1.0) } else { 1.0 };
+            let at = was + (now.0 - was) * share;
+            self.touch = Touch { touches: self.touch.touches + 1, x: at.x, y: at.y, ..self.touch };
+        }
+        self.before = Some(now);
+        self.touch.touching = touching;
+        self.touch.since = world.time - self.onset;
+        Ok(self.touch)
+    }
+
+    fn is_simulated(&self) -> bool {
+        true
+    }
+}

@@ -1,0 +1,145 @@
+//! What many runs came to.
+
+use core::fmt;
+
+use mrroc_map::Layout;
+
+use crate::run::{Outcome, Ready};
+
+/// A run, in figures.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Row {
+    /// Which maze.
+    pub name: String,
+    /// The ball's way through the shortest one.
+    pub ratio: f64,
+    /// How many touches.
+    pub touches: usize,
+    /// The largest deflection of the stylus \[m\].
+    pub travel: f64,
+    /// Simulated time, and time of the clock on the wall \[s\].
+    pub time: f64,
+    /// See `time`.
+    pub wall: f64,
+    /// Whether the left-hand rule gets there without a map, in cells.
+    pub by_hand: bool,
+    /// The fault that ended it.
+    pub fault: Option<String>,
+}
+
+/// Many of them.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Summary(pub Vec<Row>);
+
+/// The `share` quantile, the lower one between two; 0 of nothing.
+#[must_use]
+pub fn quantile(values: impl IntoIterator<Item = f64>, share: f64) -> f64 {
+    let mut values: Vec<f64> = values.into_iter().collect();
+    values.sort_by(f64::total_cmp);
+    let last = values.len().saturating_sub(1);
+    values.get((share * last as f64).floor() as usize).copied().unwrap_or(0.0)
+}
+
+impl Row {
+    /// Of this run.
+    #[must_use]
+    pub fn of(name: &str, maze: &Layout, outcome: &Outcome) -> Self {
+        Self {
+            name: name.to_owned(),
+            ratio: outcome.ratio(),
+            touches: outcome.contacts.len(),
+            travel: outcome.travel,
+            time: outcome.report.as_ref().map_or(0.0, |report| report.time.as_secs_f64()),
+            wall: outcome.wall.as_secs_f64(),
+            by_hand: maze.cells_by_the_left_hand().is_some(),
+            fault: outcome.report.as_ref().err().map(ToString::to_string),
+        }
+    }
+}
+
+impl Summary {
+    /// Runs all these mazes, with their numbers as seeds.
+    #[must_use]
+    pub fn sweep(mazes: &[(String, Layout)]) -> Self {
+        let run = |(number, (name, maze)): (usize, &(String, Layout))| match Ready::new(maze, number as u64) {
+            Ok(ready) => Row::of(name, maze, &ready.run()),
+            Err(error) => Row {
+                name: name.clone(),
+                ratio: 0.0,
+                touches: 0,
+                travel: 0.0,
+                time: 0.0,
+                wall: 0.0,
+                by_hand: false,
+                fault: Some(error.to_string()),
+            },
+        };
+        Self(mazes.iter().enumerate().map(run).collect())
+    }
+
+    /// Those that found the exit.
+    pub fn found(&self) -> impl Iterator<Item = &Row> {
+        self.0.iter().filter(|row| row.fault.is_none())
+    }
+
+    /// How many ended with a fault.
+    #[must_use]
+    pub fn faults(&self) -> usize {
+        self.0.len() - self.found().count()
+    }
+}
+
+impl fmt::Display for Summary {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.0.len() <= 30 {
+            writeln!(
+                f,
+                "{:<24} {:>9} {:>8} {:>10} {:>9} {:>10}",
+                "maze", "way", "touches", "travel", "time", "left hand"
+            )?;
+            for row in &self.0 {
+                let hand = if row.by_hand { "gets there" } else { "goes round" };
+                writeln!(
+                    f,
+                    "{:<24} {:>7.2} x {:>8} {:>7.2} mm {:>7.1} s {hand:>10}",
+                    row.name,
+                    row.ratio,
+                    row.touches,
+                    1e3 * row.travel,
+                    row.time
+                )?;
+            }
+        }
+        for row in &self.0 {
+            if let Some(fault) = &row.fault {
+                writeln!(f, "{}: {fault}", row.name)?;
+            }
+        }
+        let of = |share: f64, figure: fn(&Row) -> f64| quantile(self.found().map(figure), share);
+        let sum = |figure: fn(&Row) -> f64| self.found().map(figure).sum::<f64>();
+        writeln!(
+            f,
+            "{} of {} mazes: the exit was found; {} faults",
+            self.found().count(),
+            self.0.len(),
+            self.faults()
+        )?;
+        writeln!(
+            f,
+            "way, times the shortest: median {:.2}, p95 {:.2}, worst {:.2}",
+            of(0.5, |row| row.ratio),
+            of(0.95, |row| row.ratio),
+            of(1.0, |row| row.ratio)
+        )?;
+        writeln!(
+            f,
+            "touches: median {}, p95 {}; stylus bent by at most {:.2} mm of 4 mm",
+            of(0.5, |row| row.touches as f64),
+            of(0.95, |row| row.touches as f64),
+            1e3 * of(1.0, |row| row.travel)
+        )?;
+        let hands = self.0.iter().filter(|row| row.by_hand).count();
+        writeln!(f, "without a map the left-hand rule gets to {hands} of {}", self.0.len())?;
+        writeln!(f, "{:.0} times faster than real time", sum(|row| row.time) / sum(|row| row.wall).max(1e-9))
+    }
+}

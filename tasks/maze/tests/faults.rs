@@ -1,0 +1,88 @@
+//! Faults of the maze task: each is named, and the arm stops.
+
+use maze::plant::{Plant, Probe, Touch, TouchProbe};
+use maze::run::Ready;
+use mrroc::prelude::*;
+use mrroc_map::Layout;
+
+fn comb() -> Layout {
+    include_str!("../mazes/comb.txt").parse().expect("a maze")
+}
+
+/// A probe that fails from a step on.
+struct Failing {
+    probe: Probe,
+    plant: Plant,
+    from: u64,
+    how: How,
+}
+
+#[derive(Clone, Copy)]
+enum How {
+    /// It gives no readings any more.
+    Lost,
+    /// Its switch no longer closes.
+    Dead,
+}
+
+impl VirtualSensor for Failing {
+    type Kind = TouchProbe;
+
+    fn aggregate(&mut self, order: &ReadingOrder<()>) -> Result<Touch, Fault> {
+        if order.step >= self.from {
+            match self.how {
+                How::Lost => return Err(Fault::thrown("the cable of the probe is off")),
+                How::Dead => self.plant.world().borrow_mut().dead = true,
+            }
+        }
+        self.probe.aggregate(order)
+    }
+
+    fn is_simulated(&self) -> bool {
+        true
+    }
+}
+
+/// Runs with a probe that fails from a step on: the fault, and the largest deflection of the stylus \[m\].
+fn failing(from: u64, how: How) -> (String, f64) {
+    let ready = Ready::sensed_by(&comb(), 1, |plant, file, cell| {
+        let failing = Failing { probe: plant.probe(), plant: plant.clone(), from, how };
+        Ok(cell.sensor(file.sensor("probe", failing)?))
+    });
+    let outcome = ready.expect("a cell").run();
+    (outcome.report.expect_err("a fault").to_string(), outcome.travel)
+}
+
+/// Steps of 4 ms into the run: while the frame is looked for, and in legs between the walls.
+const STEPS: [u64; 4] = [1200, 2500, 3000, 3500];
+
+#[test]
+fn fault_220_a_probe_whose_switch_no_longer_closes_stops_the_arm_at_its_over_travel() {
+    for from in STEPS {
+        let (fault, travel) = failing(from, How::Dead);
+        assert!(fault.contains("over-travel") || fault.contains("not where it is said"), "{fault}");
+        // 4 mm, on by 60 mm/s for the two steps until the arm brakes, and by v²/2a with a > 0.8 m/s².
+        assert!(
+            travel < 4e-3 + 0.06 * 4.0 * 4e-3 + 0.06 * 0.06 / 1.6,
+            "{travel} m, from step {from}: {fault}"
+        );
+    }
+}
+
+#[test]
+fn fault_221_a_probe_that_is_lost_in_mid_leg_is_a_named_fault_and_the_arm_stops() {
+    for from in STEPS {
+        let (fault, travel) = failing(from, How::Lost);
+        assert!(fault.contains("probe") && fault.contains("cable"), "{fault}");
+        assert!(travel < 4e-3, "{travel} m, from step {from}");
+    }
+}
+
+#[test]
+fn fault_222_a_maze_without_a_way_ends_with_a_fault_that_says_so() {
+    let closed: Layout = "o---o---o\n|   | G |\no   o---o\n| S     |\no---o---o".parse().expect("a maze");
+    let outcome = Ready::new(&closed, 2).expect("a cell").run();
+    let fault = outcome.report.expect_err("no way").to_string();
+    assert!(fault.contains("no way to the exit"), "{fault}");
+    assert!(outcome.travel < 4e-3 && outcome.contacts.len() < 160, "{} touches", outcome.contacts.len());
+}

@@ -1,0 +1,5 @@
+//! The maze task: what it keeps, and what faults do to it.
+
+mod faults;
+mod lines;
+mod runs;
