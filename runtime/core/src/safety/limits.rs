@@ -7,7 +7,7 @@
 //!
 //! An [`Acceptor`] is put together from the robot with its limits ([`checks`]), the state demanded last ([`state`]), the path
 //! and the way back to it ([`path`]), the motion that is under way ([`motion`]) and its pace ([`rates`]). What it does in a
-//! step is here for a demand, in [`missing`] where there is none, in [`resting`] on the way to a standstill; [`ways`] finds
+//! step is here for a demand, in [`missing`] where there is none, in [`out_of_step`] for one of another step, in [`resting`] on the way to a standstill; [`ways`] finds
 //! the state at the end of a step for all of them.
 
 use core::marker::PhantomData;
@@ -37,6 +37,7 @@ mod checks;
 mod goals;
 mod missing;
 mod motion;
+mod out_of_step;
 mod path;
 mod poses;
 pub(crate) mod rates;

@@ -41,6 +41,15 @@ struct Undone<J> {
     together: Option<BrakingLaw>,
 }
 
+/// What became of a demand.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Taken {
+    /// It is that of the next step.
+    InStep,
+    /// It was for another one, and tells where the path is.
+    OutOfStep,
+}
+
 /// The demands of a robot.
 pub(super) struct DemandedPath<R: Robot> {
     pub acceptor: Acceptor<R>,
@@ -61,6 +70,10 @@ pub(super) struct DemandedPath<R: Robot> {
     pub seconds: f64,
     /// Missing demands that are bridged, of a robot that moves by itself.
     budget: u32,
+    /// Whether a demand of another step has come that has not been followed yet.
+    heard: bool,
+    /// By how many steps the demands of this motion were early when it began.
+    lead: i64,
 }
 
 impl<R: Robot> DemandedPath<R> {
@@ -78,6 +91,8 @@ impl<R: Robot> DemandedPath<R> {
             period,
             seconds: period.as_secs_f64(),
             budget: missed_step_budget(period),
+            heard: false,
+            lead: 0,
         }
     }
 
@@ -132,6 +147,69 @@ impl<R: Robot> DemandedPath<R> {
         self.next = Some(accepted.map_err(|fault| if first { fault.of_first_demand() } else { fault })?);
         self.move_together(together);
         self.mode = Mode::Moving { missed: 0 };
+        self.heard = false;
+        Ok(())
+    }
+
+    /// Takes a demand, which `request` brings, where step `due` is the next one: for that step, or for what it says of the path.
+    ///
+    /// # Errors
+    /// The first limit that it breaks; nothing is changed then.
+    pub fn take(&mut self, demand: &Demand<R>, request: &Message, due: u64) -> Result<Taken, Fault> {
+        let step = request.header.step;
+        let alone = law_together(demand, request).is_none() && self.goes_on_out_of_step();
+        if alone && self.is_moving() {
+            let behind = self.behind(step, due);
+            if behind == -1 && self.next.is_none() {
+                self.accept(demand, request)?;
+                return Ok(Taken::InStep);
+            }
+            if behind.unsigned_abs() > u64::from(self.budget) {
+                self.acceptor.note_late(demand)?;
+            } else {
+                self.hear(demand, request, behind)?;
+            }
+            return Ok(Taken::OutOfStep);
+        }
+        self.lead = 0;
+        // A step that is over has been bridged, and its demand is never made up for.
+        if step < due {
+            self.note_late(demand, request, due)?;
+            return Ok(Taken::OutOfStep);
+        }
+        self.accept(demand, request)?;
+        if alone {
+            self.lead = (step - due).cast_signed();
+        }
+        Ok(Taken::InStep)
+    }
+
+    /// Whether it goes by demands of other steps than the next one.
+    fn goes_on_out_of_step(&self) -> bool {
+        self.together.is_none() && self.acceptor.goes_on_out_of_step()
+    }
+
+    /// Whether there is nothing that another demand could say: a step has one demand, and one that came twice, or again in place
+    /// of another, would be a step of its own.
+    pub fn is_settled(&self) -> bool {
+        self.next.is_some() && !(self.is_moving() && self.goes_on_out_of_step())
+    }
+
+    /// How many steps a demand of `step` is behind the state that was accepted last, where `due` is the next step.
+    fn behind(&self, step: u64, due: u64) -> i64 {
+        let accepted = due.cast_signed() - i64::from(self.next.is_none());
+        accepted.saturating_sub(step.cast_signed().saturating_sub(self.lead))
+    }
+
+    /// Goes by a demand of another step.
+    ///
+    /// # Errors
+    /// As of [`take`](Self::take).
+    fn hear(&mut self, demand: &Demand<R>, request: &Message, behind: i64) -> Result<(), Fault> {
+        let header = &request.header;
+        let dt = header.dt / header.duration * self.seconds;
+        self.acceptor.slow_tool(request.is(flag::REDUCED));
+        self.heard |= self.acceptor.hear(demand, dt, self.seconds, behind as f64)?;
         Ok(())
     }
 
@@ -155,17 +233,22 @@ impl<R: Robot> DemandedPath<R> {
     ///
     /// # Errors
     /// What is wrong with the demand itself.
-    pub fn note_late(&mut self, demand: &Demand<R>, request: &Message, due: u64) -> Result<(), Fault> {
+    fn note_late(&mut self, demand: &Demand<R>, request: &Message, due: u64) -> Result<(), Fault> {
+        let together = law_together(demand, request);
+        let alone = together.is_none() && self.acceptor.goes_on_out_of_step();
         let begins = request.is(flag::FIRST) && matches!(self.mode, Mode::Holding);
         if !begins {
             return self.acceptor.note_late(demand);
         }
         let missed = due.saturating_sub(request.header.step);
-        self.move_together(law_together(demand, request));
+        self.move_together(together);
         let period = self.seconds;
         let begun = self.acceptor.begin_late(demand, period, missed as f64, self.together.is_some());
         begun.map_err(Fault::of_first_demand)?;
         self.mode = Mode::Moving { missed: u32::try_from(missed).unwrap_or(u32::MAX) };
+        if alone && missed <= u64::from(self.budget) {
+            self.hear(demand, request, self.behind(request.header.step, due))?;
+        }
         Ok(())
     }
 
@@ -175,12 +258,20 @@ impl<R: Robot> DemandedPath<R> {
         self.together = law;
     }
 
-    /// Counts the demand that is missing in the step that begins, if one is.
+    /// Counts the demand that is missing in the step that begins, if one is. One of another step that has come since the last
+    /// one is followed as far as it tells the path.
     ///
     /// # Errors
     /// `PeerLost` when more are missing than are bridged.
     pub fn count_missing(&mut self) -> Result<(), Fault> {
         let budget = self.missed_step_budget();
+        if self.next.is_none() && self.is_moving() && core::mem::take(&mut self.heard) {
+            self.next = self.acceptor.go_on_along_path(self.seconds);
+            if self.next.is_some() {
+                self.mode = Mode::Moving { missed: 0 };
+                return Ok(());
+            }
+        }
         match &mut self.mode {
             Mode::Moving { missed } if self.next.is_none() => {
                 *missed = missed.saturating_add(1);
@@ -229,7 +320,7 @@ impl<R: Robot> DemandedPath<R> {
             return accepted;
         }
         self.together = None;
-        self.acceptor.extrapolate(period)
+        self.acceptor.go_on_along_path(period).unwrap_or_else(|| self.acceptor.extrapolate(period))
     }
 
     /// The next state on the way to a standstill on the screw, displaced by `D` in the world.

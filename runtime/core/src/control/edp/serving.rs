@@ -16,7 +16,7 @@ use crate::safety::latch::Admission;
 use crate::safety::rate::RateHeadroom;
 
 use super::Edp;
-use super::path::Mode;
+use super::path::{Mode, Taken};
 
 impl<R: Robot> Edp<'_, R> {
     /// Serves what has been asked for.
@@ -111,9 +111,7 @@ impl<R: Robot> Edp<'_, R> {
     }
 
     fn demand(&mut self) -> Result<(), Fault> {
-        let step = self.answers.request.header.step;
-        // A step has one demand: one that came twice, or again in place of another, would be a step of its own.
-        if self.path.next.is_some() {
+        if self.path.is_settled() {
             return Ok(());
         }
         if self.answers.request.is(flag::FIRST) {
@@ -125,15 +123,13 @@ impl<R: Robot> Edp<'_, R> {
             self.servo.order_regulators(sets)?;
         }
         self.signals.check(demand)?;
-        // A step that is over has been bridged, and its demand is never made up for. The tool, the regulators and the outputs
-        // that were chosen with it are in force all the same, and a path that ends with this demand ends there.
-        if step < self.clock.due {
-            self.signals.accept(demand);
-            return self.path.note_late(demand, &self.answers.request, self.clock.due);
-        }
-        self.path.accept(demand, &self.answers.request)?;
+        // The tool, the regulators and the outputs that were chosen with it are in force all the same where it is not that of the
+        // next step, and a path that ends with this demand ends there.
+        let taken = self.path.take(demand, &self.answers.request, self.clock.due)?;
         self.signals.accept(demand);
-        self.servo.accept(&demand.coordinates);
+        if taken == Taken::InStep {
+            self.servo.accept(&demand.coordinates);
+        }
         Ok(())
     }
 

@@ -18,8 +18,10 @@ pub(super) const FARTHEST: f64 = 8.0;
 pub(super) struct CatchingUp<J> {
     /// The path's velocity at the end of its last step.
     pub velocity: J,
+    /// The path's acceleration on the way there.
+    pub acceleration: J,
     /// The longest time between two demands since the robot left the path \[s\].
-    gap: f64,
+    pub gap: f64,
 }
 
 /// A demand that is to be reached, and what the robot was told last.
@@ -45,12 +47,7 @@ impl<J: JointVector> CatchingUp<J> {
         let h = late.duration;
         let t = late.time;
         let gap = known.map_or(t, |known| known.gap.max(t));
-        // The mean of the path's last step, not of the whole time.
-        let path_velocity = J::from_joints(|i| {
-            let fastest = limits.velocity[i];
-            let velocity = late.path_velocity[i];
-            (velocity + late.path_acceleration[i] * 0.5 * (t - h)).clamp(-fastest, fastest)
-        });
+        let path_velocity = Self::velocity_at_end(late.path_velocity, late.path_acceleration, t - h, limits);
         let mut position = *late.demand;
         let mut is_on_path = true;
         for i in 0..J::LEN {
@@ -75,7 +72,16 @@ impl<J: JointVector> CatchingUp<J> {
             // Where an offset ends in this step, its velocity ends in the next one.
             is_on_path &= off.abs() <= round_off && offset.abs() <= round_off;
         }
-        Some((position, (!is_on_path).then_some(CatchingUp { velocity: path_velocity, gap })))
+        let left = CatchingUp { velocity: path_velocity, acceleration: *late.path_acceleration, gap };
+        Some((position, (!is_on_path).then_some(left)))
+    }
+
+    /// The path's velocity in its last step, where `mean` is that of a time which is longer than a step by so much \[s\].
+    pub fn velocity_at_end(mean: &J, acceleration: &J, longer: f64, limits: &Limits<J>) -> J {
+        J::from_joints(|i| {
+            let fastest = limits.velocity[i];
+            (mean[i] + acceleration[i] * 0.5 * longer).clamp(-fastest, fastest)
+        })
     }
 }
 

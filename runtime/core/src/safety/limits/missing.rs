@@ -95,11 +95,12 @@ impl<R: Robot> Acceptor<R> {
         self.next(&position, duration, false)?;
         self.motion.tool = tool;
         self.motion.starting = false;
+        let from = self.end_of_path().unwrap_or(self.state.position);
         self.track.path = Path {
             missing: missed * duration,
             on_screw: together,
             late: Some(position),
-            ..Path::after(self.state.position, R::Joints::zeros(), duration)
+            ..Path::after(from, R::Joints::zeros(), duration)
         };
         Ok(())
     }

@@ -20,7 +20,7 @@ pub(super) struct Path<J> {
     pub velocity: J,
     /// The time of which that is the mean \[s\].
     pub span: f64,
-    /// For how long demands have been missing since \[s\].
+    /// For how long demands have been missing since \[s\]; below 0 where that demand was of a step that is still to come.
     pub missing: f64,
     /// Whether that time was bridged on a screw.
     pub on_screw: bool,
@@ -78,10 +78,14 @@ impl<J: JointVector> Track<J> {
 
     /// Where the path is, and its velocity, for a robot in this state.
     pub fn demanded(&self, state: &JointState<J>) -> (J, J) {
-        let velocity = match &self.off_path {
-            Some(OffPath::Joints(path)) => path.velocity,
-            Some(OffPath::Together(_)) => self.path.velocity,
-            None => return (state.position, state.velocity),
+        let velocity = match (&self.off_path, &self.path.late) {
+            // Who made that demand goes on from it, in whichever step it came.
+            (Some(OffPath::Joints(path)), Some(late)) => return (*late, path.velocity),
+            (off_path, _) => match off_path {
+                Some(OffPath::Joints(path)) => path.velocity,
+                Some(OffPath::Together(_)) => self.path.velocity,
+                None => return (state.position, state.velocity),
+            },
         };
         (self.path.position + velocity * self.path.missing, velocity)
     }
@@ -109,7 +113,8 @@ impl<J: JointVector> Track<J> {
     /// that is the mean \[s\].
     #[inline]
     pub fn mean_to(&self, demand: &J, duration: f64) -> (J, f64) {
-        let span = self.path.missing + duration;
+        // A path that ends before the step of its last demand ends there.
+        let span = self.path.missing.max(0.0) + duration;
         ((*demand - self.path.position) * span.recip(), span)
     }
 

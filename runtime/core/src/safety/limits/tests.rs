@@ -10,6 +10,7 @@ use super::*;
 mod bounds;
 mod goals;
 mod late;
+mod out_of_step;
 mod rates;
 mod words;
 

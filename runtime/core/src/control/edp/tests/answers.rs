@@ -374,3 +374,29 @@ fn fault_83_drives_that_come_on_and_cannot_be_read_stay_latched() {
     assert_eq!(ask(&mut edp, RequestKind::Reset, 0, 2).header.kind, Kind::Reply);
     assert_eq!(edp.path.acceptor.demanded().0[0], 0.25);
 }
+
+#[test]
+fn fault_152_demands_that_are_all_late_are_not_missing_and_after_the_last_one_twenty_steps_are_bridged() {
+    for late in [1, 3, 15] {
+        let (mut edp, _) = edp(MS);
+        let mut last = 0;
+        for _ in 0..300 {
+            let due = edp.clock.due;
+            if due >= late {
+                let flags = if last == 0 { flag::FIRST } else { 0 };
+                let reply = demand(&mut edp, &x(1e-6 * f64::from(last + 1)), flags, due - late);
+                assert_eq!(reply.header.kind, Kind::Reply, "{late} steps late, in step {due}");
+                last += 1;
+            }
+            edp.begin_step();
+            assert!(last == 0 || edp.path.is_moving(), "{late} steps late, in step {due}");
+        }
+        let mut bridged = 0;
+        while edp.path.is_moving() {
+            edp.begin_step();
+            bridged += 1;
+        }
+        assert_eq!(bridged - 1, 20, "{late} steps late");
+        assert_eq!(edp.answers.fault.as_ref().map(Fault::kind), Some(FaultKind::PeerLost));
+    }
+}

@@ -31,10 +31,10 @@ impl Course for Trapezoid {
 }
 
 /// A quintic of the first joint, whose acceleration changes all the time; the second joint turns by half of it.
-struct Quintic {
+pub(super) struct Quintic {
     /// Its length [m] and its duration \[s\].
-    length: f64,
-    duration: f64,
+    pub length: f64,
+    pub duration: f64,
 }
 
 impl Course for Quintic {
@@ -58,7 +58,7 @@ struct Went {
 }
 
 /// A path from rest to rest.
-trait Course {
+pub(super) trait Course {
     /// In which time \[s\].
     fn duration(&self) -> f64;
     /// Where it is at a time.
