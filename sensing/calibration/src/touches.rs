@@ -136,10 +136,8 @@ impl Touches {
             return Err(WrongTouches::TooFew { a, b, count: common.len(), arms: arms.join(", ") });
         }
         let n = common.len() as f64;
-        let middle = |part: fn(&(&str, Vector3<f64>, Vector3<f64>)) -> Vector3<f64>| -> Vector3<f64> {
-            common.iter().map(part).sum::<Vector3<f64>>() / n
-        };
-        let (from, to) = (middle(|one| one.1), middle(|one| one.2));
+        let from = common.iter().map(|one| one.1).sum::<Vector3<f64>>() / n;
+        let to = common.iter().map(|one| one.2).sum::<Vector3<f64>>() / n;
         let spread: Matrix3<f64> = common.iter().map(|one| (one.2 - to) * (one.2 - to).transpose()).sum();
         let mut extents: Vec<f64> =
             spread.symmetric_eigenvalues().iter().map(|of| of.max(0.0).sqrt()).collect();
