@@ -13,7 +13,8 @@ use std::sync::mpsc::{Receiver, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 
-use super::service::{Desk, SOCKET, Service};
+use super::desk::Desk;
+use super::service::{SOCKET, Service};
 use crate::board::StateBoard;
 use crate::control::Frame;
 use crate::figures::Figures;

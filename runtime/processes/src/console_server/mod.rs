@@ -5,11 +5,12 @@
 //! cell.
 //!
 //! [`protocol`] defines what the two sides write and [`picture`] the state of the cell that is shown. On the launcher's
-//! side [`service`] is the server's thread, [`handle`] the launcher's handle of it, [`console`] one connection, and
-//! [`presses`] the way of presses to the MP and back. [`caller`] is the console's side.
+//! side [`service`] is the server's thread, [`handle`] the launcher's handle of it, [`console`] one connection, [`desk`]
+//! what is asked of one MP, and [`presses`] the way of presses to the MP and back. [`caller`] is the console's side.
 
 mod caller;
 mod console;
+mod desk;
 mod handle;
 mod picture;
 mod presses;

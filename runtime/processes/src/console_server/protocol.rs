@@ -254,7 +254,7 @@ mod tests {
         }
         // With the longest names and numbers it is no longer than a request may be.
         let cell = Name::of_process(&"x".repeat(24)).ok();
-        let button = Button::read("hold", &format!("{0} {0}", u64::MAX)).expect("a hold");
+        let button = Button::read("hold", &format!("{} {}", u64::MAX >> 16, u16::MAX)).expect("a hold");
         assert!(Addressed { cell, request: Request::Press(button) }.to_string().len() <= MAX_REQUEST);
     }
 

@@ -21,9 +21,9 @@ use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::net::sockopt::socket_peercred;
 
 use super::console::{Asked, Console};
+use super::desk::Desk;
 use super::handle::Seat;
 use super::picture::{CellPicture, Picture, ProcessPicture, RobotPicture};
-use super::presses::Flight;
 use super::protocol::{Addressed, Reply, Request};
 use crate::board::StateBoard;
 use crate::control::Frame;
@@ -80,39 +80,6 @@ pub(super) struct Service {
     pub ids: u64,
     /// Users whose consoles were refused; each is reported once.
     pub strangers: BTreeSet<u32>,
-}
-
-/// What consoles ask of one MP: that of the cell, or that of a lower one.
-pub(super) struct Desk {
-    pub mp: ProcessId,
-    /// The presses under way, by their kinds.
-    pub flights: [Option<Flight>; Button::KINDS],
-    pub presses_made: u64,
-    /// The console that holds the control token.
-    pub holder: Option<u64>,
-    /// The picture of the present round, as text.
-    pub drawn: Option<Arc<str>>,
-}
-
-impl Desk {
-    /// The desks of the MPs among these processes.
-    pub fn of(processes: impl Iterator<Item = ProcessId>) -> Vec<Desk> {
-        let mps = processes.filter(|id| id.role == Role::Mp);
-        let desk =
-            |mp| Desk { mp, flights: [None; Button::KINDS], presses_made: 0, holder: None, drawn: None };
-        let mut desks: Vec<_> = mps.map(desk).collect();
-        desks.sort_by_key(|desk| desk.mp.name.is_some());
-        desks
-    }
-
-    /// Whether a process is one of its cell.
-    fn has(&self, process: ProcessId) -> bool {
-        let mut cell = process.cell();
-        while let Some(name) = cell.filter(|_| cell != self.mp.name) {
-            cell = name.cell();
-        }
-        cell == self.mp.name
-    }
 }
 
 impl Service {
