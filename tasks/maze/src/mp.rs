@@ -48,14 +48,13 @@ pub fn coordinate(mp: &mut Mp, told: &Told, map: &Rc<RefCell<Map>>) -> Result<()
     };
     let known = *map.borrow().knowledge();
     let [width, height] = known.size;
-    let beside = said(known.size) * Point3::new(-0.012, -0.012, 0.0);
+    let corner = said(known.size).translation;
     let mut sides = [Vector2::zeros(); 3];
-    for (side, (along, to)) in sides.iter_mut().zip([
-        (0.15 * height, [0.02, 0.0]),
-        (0.9 * height, [0.02, 0.0]),
-        (0.5 * width, [0.0, 0.02]),
-    ]) {
-        let from = if to[0] > 0.0 { [beside.x, beside.y + along] } else { [beside.x + along, beside.y] };
+    // Twice from the left, once from below: from 12 mm beside the frame, for 20 mm at most.
+    let places = [(-0.012, 0.15 * height), (-0.012, 0.85 * height), (0.5 * width, -0.012)];
+    for (side, (x, y)) in sides.iter_mut().zip(places) {
+        let from = [corner.x + x, corner.y + y];
+        let to = if x < 0.0 { [0.02, 0.0] } else { [0.0, 0.02] };
         have(Task::Hop { x: from[0], y: from[1] })?;
         let (_, touch) = have(Task::Go { x: from[0] + to[0], y: from[1] + to[1] })?;
         *side = touch.ok_or_else(|| {

@@ -5,8 +5,9 @@ use maze::run::Ready;
 use mrroc::prelude::*;
 use mrroc_map::Layout;
 
-fn comb() -> Layout {
-    include_str!("../mazes/comb.txt").parse().expect("a maze")
+/// Undisturbed it takes 6,700 steps and 32 touches.
+fn islands() -> Layout {
+    include_str!("../mazes/islands.txt").parse().expect("a maze")
 }
 
 /// A probe that fails from a step on.
@@ -45,7 +46,7 @@ impl VirtualSensor for Failing {
 
 /// Runs with a probe that fails from a step on: the fault, and the largest deflection of the stylus \[m\].
 fn failing(from: u64, how: How) -> (String, f64) {
-    let ready = Ready::sensed_by(&comb(), 1, |plant, file, cell| {
+    let ready = Ready::sensed_by(&islands(), 0, |plant, file, cell| {
         let failing = Failing { probe: plant.probe(), plant: plant.clone(), from, how };
         Ok(cell.sensor(file.sensor("probe", failing)?))
     });
@@ -54,7 +55,7 @@ fn failing(from: u64, how: How) -> (String, f64) {
 }
 
 /// Steps of 4 ms into the run: while the frame is looked for, and in legs between the walls.
-const STEPS: [u64; 4] = [1200, 2500, 3000, 3500];
+const STEPS: [u64; 4] = [1200, 3200, 4000, 5000];
 
 #[test]
 fn fault_220_a_probe_whose_switch_no_longer_closes_stops_the_arm_at_its_over_travel() {
