@@ -35,7 +35,7 @@ pub struct Options {
     /// rates.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub sweep: Option<u32>,
-    /// Camera: mean time between two parts [s]; by default the arm has to work for 60 % of the time.
+    /// Camera: mean time between two parts in seconds; by default the arm has to work for 60 % of the time.
     #[arg(long, value_name = "SECONDS", value_parser = interval)]
     pub every: Option<f64>,
     /// Camera: parts come quite at random, as Poisson's law says; else at least 70 % of the mean time after another.

@@ -110,7 +110,7 @@ impl Vision {
         let ground = |index: usize| {
             let at = plane.place(index);
             // To the neighbours; at the edges to those on the other side.
-            let right = if (index + 1) % width == 0 {
+            let right = if (index + 1).is_multiple_of(width) {
                 at - plane.place(index - 1)
             } else {
                 plane.place(index + 1) - at
@@ -268,7 +268,8 @@ impl Vision {
                 }
             }
         }
-        let own = |index: &&usize| **index / width % step == 0 && **index % width % step == 0;
+        let own =
+            |index: &&usize| [**index / width, **index % width].iter().all(|at| at.is_multiple_of(step));
         let all = blob.pixels.iter().filter(own).count();
         let common = pixels.iter().filter(|index| blob.pixels.binary_search(index).is_ok()).count();
         let joint = (all + pixels.len() - common).max(1);

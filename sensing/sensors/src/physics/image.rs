@@ -158,7 +158,7 @@ impl Imager {
                 radiance += belt * (1.0 - f32::from(met) / rays);
             }
             let electrons = FULL * radiance * bright * light;
-            if index % 4 == 0 {
+            if index.is_multiple_of(4) {
                 spread = (bits.uniform() * (1_u64 << 53) as f64) as u64;
             }
             let normal = self.normals[(spread as usize) & 8191];

@@ -19,7 +19,7 @@ pub fn coordinate(mp: &mut Mp, drive: Uneven, mut queue: Queue) -> Result<Queue,
     queue = mp.move_robots((&mut arm.0, &mut arm.1), (&mut camera,), Tell(Task::Return, queue))?.1;
     loop {
         queue = mp.wait_until((&mut arm.0, &mut arm.1), (&mut camera,), Ready(queue))?.0;
-        let Some(pick) = queue.next() else {
+        let Some(pick) = queue.pick() else {
             return mp.end_robot(&mut belt).map(|()| queue);
         };
         for task in [pick, Task::Release] {

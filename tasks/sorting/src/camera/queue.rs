@@ -69,7 +69,7 @@ impl Queue {
     }
 
     /// The task to take the next part; `None` when no more come.
-    pub fn next(&mut self) -> Option<Task> {
+    pub fn pick(&mut self) -> Option<Task> {
         // A belt that stands brings nothing, even if a part waits on it.
         if self.quiet > self.patience {
             return None;

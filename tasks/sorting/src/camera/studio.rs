@@ -126,15 +126,15 @@ fn trials(
     let believed = camera();
     let mut vision = Vision::new(believed.clone(), classes(), classifier);
     let mut imager: Option<Imager> = None;
-    let (mut trials, mut image, mut images) = (Vec::new(), Vec::new(), 0);
+    let (mut trials, mut image, mut images) = (Vec::new(), Vec::new(), 0_usize);
     while trials.len() < count {
-        if images % IMAGES == 0 {
+        if images.is_multiple_of(IMAGES) {
             // Other light, another belt, a camera that is a little elsewhere.
             let seed = (random.uniform() * 1e15) as u64;
             imager = Some(Imager::over(misplaced(&believed, &mut random), seed));
         }
         let Some(imager) = &mut imager else { break };
-        if images % IMAGES == 0 {
+        if images.is_multiple_of(IMAGES) {
             let empty = Passing { parts: Vec::new(), speed: 0.1, run: 0.0 };
             imager.expose(&empty, 0.0, &mut image);
             show(&image, &[]);
