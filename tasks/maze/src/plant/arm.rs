@@ -34,8 +34,6 @@ pub struct World {
     pub onset: f64,
     /// .. and when it was closed last \[s\].
     pub last: f64,
-    /// Whether the switch answers at all: an injected fault.
-    pub dead: bool,
     /// The ball's places between the walls, to be drawn [m, M].
     pub trace: Vec<Place>,
 }
@@ -51,7 +49,7 @@ impl World {
             self.stylus.lift();
             return;
         }
-        let closed = self.stylus.move_to(&Place::new(p.x, p.y), &self.walls, self.time) && !self.dead;
+        let closed = self.stylus.move_to(&Place::new(p.x, p.y), &self.walls, self.time);
         if closed {
             if self.time - self.last > Self::QUIET {
                 self.onset = self.time;

@@ -39,7 +39,6 @@ impl Plant {
             time: 0.0,
             onset: 0.0,
             last: 0.0,
-            dead: false,
             trace: Vec::new(),
         };
         Self(Rc::new(RefCell::new(world)))
