@@ -184,3 +184,29 @@ pub fn following(sensor: impl VirtualSensor<Kind = Place>, mode: VspMode) -> Cel
 pub fn sensing() -> Cell {
     following(Path, VspMode::Interactive)
 }
+
+/// Both robots by their own programs, there and back.
+pub fn nudged(mp: &mut Mp) -> Result<(), Fault> {
+    let (mut a, mut b) = both(mp)?;
+    mp.move_robots((&mut a, &mut b), (), Nudging(Phase::Approach))?;
+    mp.move_robots((&mut a, &mut b), (), Nudging(Phase::Retreat)).map(drop)
+}
+
+/// Both gantries along x together, led by poses.
+struct PosedTwin(Smooth);
+
+#[generator(mp)]
+fn posed_twin(c: &mut PosedTwin, t: Tick) -> Step<(Gantry, Gantry)> {
+    c.0.advance(t.dt).map_or(Step::Done, |x| {
+        let pose = Pose::translation(x, 0.0, 0.0);
+        Step::Next((Demand::pose(pose), Demand::pose(pose)))
+    })
+}
+
+/// Two robots that one Move leads by poses.
+pub fn posed(step: core::time::Duration) -> Cell {
+    Cell::new(step).robot(gantry("a", MS)).robot(gantry("b", MS)).program(|mp| {
+        let (mut a, mut b) = both(mp)?;
+        mp.move_robots((&mut a, &mut b), (), PosedTwin(Smooth::to(0.05, 0.4))).map(drop)
+    })
+}

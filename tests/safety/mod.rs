@@ -11,3 +11,4 @@ mod summary;
 mod sweeps;
 mod tasks;
 mod wall_clock;
+mod wires;

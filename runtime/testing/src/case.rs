@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use mrroc_core::fault::ProcessId;
+use mrroc_core::fault::{Name, ProcessId};
 
 /// A direction of a link between two processes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -32,6 +32,17 @@ pub enum LinkFault {
     /// One to three bits of each message are inverted, with a correct checksum, as by a sender that computes wrongly.
     /// The drives' limits must still hold; where the program ends is not checked.
     Forge,
+    /// Messages are late, and lost, as on this wire.
+    Wire(Wire),
+}
+
+/// A wire of a network: what it does to each message by itself, so that later ones overtake earlier ones.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Wire {
+    /// The shortest and the longest time that a message takes \[us\].
+    pub takes_us: [u32; 2],
+    /// How many of a thousand messages are lost.
+    pub lost_per_mille: u32,
 }
 
 /// What the operator does.
@@ -56,6 +67,9 @@ pub enum Injected {
     Stall(ProcessId, u32),
     /// The link does this to the messages that are sent in so many steps.
     Link(Channel, LinkFault, u32),
+    /// The ECP of this robot, or every one, is at the other end of this wire, seen from the MP, for the messages that are sent in
+    /// so many steps.
+    Apart(Option<Name>, Wire, u32),
     /// The operator presses a button.
     Press(Press),
     /// The cell is built with a fault of this name.
@@ -78,7 +92,7 @@ impl Case {
     pub(super) const fn end(&self) -> u64 {
         let steps = match self.injected {
             Injected::Kill(_) | Injected::Own(_) => return u64::MAX,
-            Injected::Stall(_, steps) | Injected::Link(_, _, steps) => steps,
+            Injected::Stall(_, steps) | Injected::Link(_, _, steps) | Injected::Apart(_, _, steps) => steps,
             Injected::Press(_) => 1,
         };
         self.at.saturating_add(steps as u64)
@@ -96,6 +110,13 @@ impl fmt::Display for Channel {
     }
 }
 
+impl fmt::Display for Wire {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [least, most] = self.takes_us.map(|us| f64::from(us) * 1e-3);
+        write!(f, "{least} to {most} ms, {} % lost", f64::from(self.lost_per_mille) * 0.1)
+    }
+}
+
 impl fmt::Display for LinkFault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -106,6 +127,7 @@ impl fmt::Display for LinkFault {
             LinkFault::Corrupt => f.write_str("corrupt"),
             LinkFault::Replay => f.write_str("replay"),
             LinkFault::Forge => f.write_str("forge"),
+            LinkFault::Wire(wire) => wire.fmt(f),
         }
     }
 }
@@ -116,6 +138,14 @@ impl fmt::Display for Injected {
             Injected::Kill(process) => write!(f, "kill {process}"),
             Injected::Stall(process, steps) => write!(f, "stall {process} for {steps} steps"),
             Injected::Link(channel, fault, steps) => write!(f, "{fault}, {steps} steps of {channel}"),
+            Injected::Apart(whom, wire, steps) => {
+                match *steps {
+                    u32::MAX => f.write_str("apart")?,
+                    steps => write!(f, "apart for {steps} steps")?,
+                }
+                whom.as_ref().map_or(Ok(()), |whom| write!(f, ", {}", whom.as_str()))?;
+                write!(f, ": {wire}")
+            }
             Injected::Press(Press::SuspendAndResume(steps)) => {
                 write!(f, "suspend, resume after {steps} steps")
             }

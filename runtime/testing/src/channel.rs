@@ -57,6 +57,13 @@ impl Direction {
             }
             LinkFault::Reorder => self.put(now + step, envelope),
             LinkFault::Delay(steps) => self.put(now + u64::from(steps) * step, envelope),
+            LinkFault::Wire(wire) => {
+                self.remember(envelope);
+                if random.below(1000) >= u64::from(wire.lost_per_mille) {
+                    let [least, most] = wire.takes_us.map(|us| u64::from(us) * 1000);
+                    self.put(now + least + random.below(most.saturating_sub(least) + 1), envelope);
+                }
+            }
             LinkFault::Corrupt => {
                 let damaged = (0..=random.below(3))
                     .fold(envelope, |damaged, _| damaged.damaged(random.next(), 1 << random.below(64)));

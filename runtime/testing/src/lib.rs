@@ -80,7 +80,7 @@ mod sweep;
 mod trial;
 mod verdict;
 
-pub use case::{Case, Channel, Injected, LinkFault, Press};
+pub use case::{Case, Channel, Injected, LinkFault, Press, Wire};
 pub use drive::{DriveTrouble, FaultyDrive};
 pub use operator::{OperatorReport, RandomOperator};
 pub use report::{Failure, SweepReport, Tally};

@@ -128,7 +128,7 @@ fn name(injected: &Injected) -> String {
             let roles = format!("{from:?} → {to:?}").to_lowercase();
             format!("{fault}, {steps} steps of {roles}")
         }
-        Injected::Press(_) | Injected::Own(_) => injected.to_string(),
+        Injected::Apart(..) | Injected::Press(_) | Injected::Own(_) => injected.to_string(),
     }
 }
 

@@ -5,7 +5,7 @@ use core::cell::{Cell, RefCell};
 use super::case::{Case, Channel, Injected, LinkFault};
 use super::forks::Forks;
 use super::random::Random;
-use mrroc_core::fault::ProcessId;
+use mrroc_core::fault::{ProcessId, Role};
 use mrroc_core::link::Nanos;
 
 /// How long a trial goes on.
@@ -91,8 +91,15 @@ impl Stage {
 
     /// What the case does to the messages of a channel, if anything.
     pub fn fault_of(&self, channel: Channel) -> Option<LinkFault> {
-        match self.case.get() {
-            Some(Case { injected: Injected::Link(at, fault, _), .. }) if at == channel => Some(fault),
+        match self.case.get()?.injected {
+            Injected::Link(at, fault, _) if at == channel => Some(fault),
+            Injected::Apart(whom, wire, _) => {
+                let Channel { from, to } = channel;
+                let is_apart = |a: ProcessId, b: ProcessId| {
+                    a == ProcessId::MP && b.role == Role::Ecp && (whom.is_none() || b.name == whom)
+                };
+                (is_apart(from, to) || is_apart(to, from)).then_some(LinkFault::Wire(wire))
+            }
             _ => None,
         }
     }

@@ -5,19 +5,21 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use super::case::{Case, Injected, LinkFault, Press};
+use super::case::{Case, Injected, LinkFault, Press, Wire};
 use super::forks::{Forks, end_copy};
 use super::report::SweepReport;
 use super::stage::Lasting;
 use super::trial::{Part, Trial, attempt};
 use super::verdict::{Verdict, judge};
 use mrroc_core::cell::{Cell, CellError};
+use mrroc_core::fault::Name;
 
 /// A kind of fault that a sweep injects into every process, into every link, or by the operator.
 enum Deed<'c> {
     Kill,
     Stall(u32),
     Link(LinkFault, u32),
+    Apart(Option<Name>, Wire, u32),
     Press(Press),
     Own(&'static str, Box<dyn Fn(u64) -> Cell + Sync + 'c>),
 }
@@ -103,6 +105,12 @@ impl<'c> Sweep<'c> {
     #[must_use]
     pub fn links(self, fault: LinkFault, steps: u32) -> Self {
         self.with(Deed::Link(fault, steps))
+    }
+
+    /// Puts the ECP of a robot, or every one, at the other end of a wire, seen from the MP, for so many steps.
+    #[must_use]
+    pub fn apart(self, whom: Option<Name>, wire: Wire, steps: u32) -> Self {
+        self.with(Deed::Apart(whom, wire, steps))
     }
 
     /// Lets the operator press a button.
@@ -224,7 +232,12 @@ impl<'c> Sweep<'c> {
     fn cell_of(&self, case: &Case) -> Cell {
         let own = self.deeds.iter().find_map(|deed| match deed {
             Deed::Own(name, cell) if case.injected == Injected::Own(name) => Some(cell(case.at)),
-            Deed::Own(..) | Deed::Kill | Deed::Stall(_) | Deed::Link(..) | Deed::Press(_) => None,
+            Deed::Own(..)
+            | Deed::Kill
+            | Deed::Stall(_)
+            | Deed::Link(..)
+            | Deed::Apart(..)
+            | Deed::Press(_) => None,
         });
         own.unwrap_or_else(|| (self.cell)())
     }
@@ -241,6 +254,7 @@ impl<'c> Sweep<'c> {
                 &Deed::Link(fault, steps) => {
                     injected.extend(calm.channels.iter().map(|&at| Injected::Link(at, fault, steps)));
                 }
+                &Deed::Apart(whom, wire, steps) => injected.push(Injected::Apart(whom, wire, steps)),
                 &Deed::Press(press) => injected.push(Injected::Press(press)),
                 &Deed::Own(name, _) => injected.push(Injected::Own(name)),
             }

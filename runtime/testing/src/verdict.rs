@@ -115,7 +115,12 @@ fn stands(case: &Case, trial: &Trial, (cause, noticed): (u64, u64)) -> Verdict {
     let is_sound = matches!(&trial.outcome, Err(CellError::Fault(fault)) if fault.leaves_demands_sound());
     let on_path = is_sound || matches!(case.injected, Injected::Press(_));
     let stop = trial.stop_steps;
-    let mut worst = (0, stop + MESSAGES);
+    // Words of a stop that come from the other end of a wire are as late as all others, and so was the last demand.
+    let messages = match case.injected {
+        Injected::Apart(_, wire, _) => MESSAGES + 2 * (u64::from(wire.takes_us[1]) * 1000).div_ceil(step),
+        _ => MESSAGES,
+    };
+    let mut worst = (0, stop + messages);
     for robot in &trial.robots {
         // A robot whose EDP was killed is braked by its drives; a robot whose EDP stood still brakes when the EDP goes
         // on.
@@ -125,7 +130,7 @@ fn stands(case: &Case, trial: &Trial, (cause, noticed): (u64, u64)) -> Verdict {
             _ => cause,
         };
         let bound = if on_path { (trial.rate_steps + delay(trial).div_ceil(step)).max(stop) } else { stop }
-            + MESSAGES;
+            + messages;
         let steps = robot.stood().div_ceil(step).saturating_sub(from);
         if steps > bound {
             let name = &robot.name;
@@ -135,7 +140,7 @@ fn stands(case: &Case, trial: &Trial, (cause, noticed): (u64, u64)) -> Verdict {
             worst = (steps, bound);
         }
         // On its path, a robot that has just begun its motion becomes faster before it becomes slower.
-        let settling = if on_path { bound } else { MESSAGES };
+        let settling = if on_path { bound } else { messages };
         let settled: Nanos = (noticed.max(case.at) + settling) * step + delay(trial);
         if let Some((began, _)) =
             robot.episodes.iter().find(|(began, _)| *began > settled && *began > from * step)

@@ -90,7 +90,7 @@ fn a_demand_that_is_not_newer_than_what_is_known_says_nothing() {
     let mut acceptor = acceptor(Turntable::new());
     acceptor.accept(&joints(1e-6, 0.0), T, T).expect("slow");
     let before = acceptor.demanded();
-    assert_eq!(acceptor.hear(&joints(9e-6, 0.0), T, T, 0.0).expect("old"), false);
+    assert!(!acceptor.hear(&joints(9e-6, 0.0), T, T, 0.0).expect("old"));
     assert_eq!(acceptor.demanded(), before);
     // What breaks a limit is refused, whenever it comes.
     let jump = acceptor.hear(&joints(0.1, 0.0), T, T, -1.0).expect_err("a jump");
