@@ -78,14 +78,16 @@ impl<J: JointVector> Track<J> {
 
     /// Where the path is, and its velocity, for a robot in this state.
     pub fn demanded(&self, state: &JointState<J>) -> (J, J) {
-        let velocity = match (&self.off_path, &self.path.late) {
-            // Who made that demand goes on from it, in whichever step it came.
-            (Some(OffPath::Joints(path)), Some(late)) => return (*late, path.velocity),
-            (off_path, _) => match off_path {
-                Some(OffPath::Joints(path)) => path.velocity,
-                Some(OffPath::Together(_)) => self.path.velocity,
-                None => return (state.position, state.velocity),
-            },
+        let velocity = match &self.off_path {
+            Some(OffPath::Joints(path)) => {
+                // Who made a late demand goes on from it, in whichever step it came.
+                if let Some(late) = self.path.late {
+                    return (late, path.velocity);
+                }
+                path.velocity
+            }
+            Some(OffPath::Together(_)) => self.path.velocity,
+            None => return (state.position, state.velocity),
         };
         (self.path.position + velocity * self.path.missing, velocity)
     }
