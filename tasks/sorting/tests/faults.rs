@@ -1,6 +1,6 @@
 //! Faults of the belt and of sensors: a named fault, or a part that passes; never a wrong grasp.
 //!
-//! A share of the moments; `MRROC_WHOLE=1` takes every tenth of a second and more parts.
+//! A share of the moments; `MRROC_WHOLE=1` takes all of them, and more parts.
 
 use mrroc::fault::{Name, ProcessId, Role};
 use mrroc::prelude::*;
@@ -47,11 +47,16 @@ fn moments(step: f64) -> impl Iterator<Item = f64> {
     (0..).map(move |i| held - 4.0 + step * f64::from(i)).take_while(move |time| *time < held + 0.5)
 }
 
+/// All of these in a whole sweep, else a share.
+fn share<'a>(whole: &'a [f64], share: &'a [f64]) -> &'a [f64] {
+    if std::env::var_os("MRROC_WHOLE").is_some() { whole } else { share }
+}
+
 /// A belt that goes on at a share of its speed, from each moment on, with parts of several lengths.
 fn belt_changes(share: f64) {
     let mut passed = 0;
     let whole = std::env::var_os("MRROC_WHOLE").is_some();
-    let (seeds, step): (&[u64], f64) = if whole { (&[SEED, 4, 8, 11, 15], 0.1) } else { (&[SEED, 8], 0.5) };
+    let (seeds, step): (&[u64], f64) = if whole { (&[SEED, 4, 8, 11, 15], 0.1) } else { (&[SEED, 8], 1.0) };
     for &seed in seeds {
         for time in moments(step) {
             let settings = Settings { change: Some((time, share)), seed, ..settings() };
@@ -98,7 +103,7 @@ fn fault_172_a_dead_barrier_of_the_gate_makes_missed_parts_and_no_grasp_beside_t
             // Dead from the beginning.
             assert_eq!(judged(with_barrier(Some(number), 0.0, stuck), &case), (Fate::Missed, None), "{case}");
             // Dying while the part is at the gate, and after it.
-            for before in [4.0, 3.5, 3.0, 2.5, 1.0] {
+            for before in share(&[4.0, 3.5, 3.0, 2.5, 1.0], &[3.5, 2.5]) {
                 let (_, fault) = judged(with_barrier(Some(number), held - before, stuck), &case);
                 assert_eq!(fault, None, "{case}");
             }
@@ -128,7 +133,7 @@ fn fault_173_a_barrier_between_the_fingers_that_is_always_covered_is_a_named_fau
 fn fault_174_a_sensor_that_is_lost_in_mid_pick_is_a_named_fault_or_not_needed_any_more() {
     let held = undisturbed().time;
     for name in ["gate", "range", "fingers"] {
-        for before in [3.0, 1.6, 0.8, 0.2, -0.3] {
+        for before in share(&[3.0, 1.6, 0.8, 0.2, -0.3], &[1.6, 0.2]) {
             let at = ((held - before) / 4e-3) as u64;
             let sense = |plant: &Plant, file: &CellFile, cell: Cell| {
                 let step = file.step().as_secs_f64();
