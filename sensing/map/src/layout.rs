@@ -85,7 +85,8 @@ impl Layout {
         assert!(start.0 < columns && start.1 < rows, "the start is outside");
         assert!(goal.upper.0 < columns && goal.upper.1 < rows, "the goal is outside");
         let level = (0..(rows + 1) * columns).map(|i| i < columns || i >= rows * columns).collect();
-        let upright = (0..rows * (columns + 1)).map(|i| i % (columns + 1) % columns == 0).collect();
+        let upright =
+            (0..rows * (columns + 1)).map(|i| (i % (columns + 1)).is_multiple_of(columns)).collect();
         Self { columns, rows, level, upright, start, goal }
     }
 
@@ -205,7 +206,7 @@ impl FromStr for Layout {
                 format!("a row of {width} characters: posts `o` are four columns apart, as in `o---o---o`");
             return wrong(0, width.saturating_sub(1), what);
         }
-        if lines.len() < 3 || lines.len() % 2 == 0 {
+        if lines.len() < 3 || lines.len().is_multiple_of(2) {
             let what = format!(
                 "{} rows: rows of posts and of cells take turns, and posts are first and last",
                 lines.len()

@@ -191,8 +191,8 @@ impl<'w> Inflated<'w> {
                 }
             };
             offer(1, goal.nearest(&at), 0.0);
-            for next in 2..count {
-                let to = self.vertices[next - 2][1];
+            for (next, vertex) in (2..count).zip(&self.vertices) {
+                let to = vertex[1];
                 let way = to - at;
                 if !done[next] && supports(next, &way) && (number == 0 || supports(number, &way)) {
                     offer(next, to, left(&to));

@@ -103,7 +103,7 @@ fn fault_172_a_dead_barrier_of_the_gate_makes_missed_parts_and_no_grasp_beside_t
             // Dead from the beginning.
             assert_eq!(judged(with_barrier(Some(number), 0.0, stuck), &case), (Fate::Missed, None), "{case}");
             // Dying while the part is at the gate, and after it.
-            for before in share(&[4.0, 3.5, 3.0, 2.5, 1.0], &[3.5, 2.5]) {
+            for &before in share(&[4.0, 3.5, 3.0, 2.5, 1.0], &[3.5, 2.5]) {
                 let (_, fault) = judged(with_barrier(Some(number), held - before, stuck), &case);
                 assert_eq!(fault, None, "{case}");
             }
@@ -133,7 +133,7 @@ fn fault_173_a_barrier_between_the_fingers_that_is_always_covered_is_a_named_fau
 fn fault_174_a_sensor_that_is_lost_in_mid_pick_is_a_named_fault_or_not_needed_any_more() {
     let held = undisturbed().time;
     for name in ["gate", "range", "fingers"] {
-        for before in share(&[3.0, 1.6, 0.8, 0.2, -0.3], &[1.6, 0.2]) {
+        for &before in share(&[3.0, 1.6, 0.8, 0.2, -0.3], &[1.6, 0.2]) {
             let at = ((held - before) / 4e-3) as u64;
             let sense = |plant: &Plant, file: &CellFile, cell: Cell| {
                 let step = file.step().as_secs_f64();

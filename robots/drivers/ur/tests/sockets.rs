@@ -214,6 +214,7 @@ fn fault_90_a_network_that_takes_no_more_set_points_is_told_as_communication_los
 
 /// Drives whose script a person starts at the pendant, over and over until they are open: before they listen it ends at once. The pendant
 /// must know their port before; nothing, if somebody else has taken it meanwhile.
+#[expect(clippy::disallowed_methods, reason = "who takes a lock again at once leaves it to nobody else")]
 fn opened_from_the_pendant() -> Option<(Server, Drives)> {
     let (server, settings) = served();
     let free = std::net::TcpListener::bind(SocketAddr::new(settings.robot, 0)).expect("a port");
@@ -233,7 +234,6 @@ fn opened_from_the_pendant() -> Option<(Server, Drives)> {
                         controller.press(Press::Play);
                     }
                 });
-                // Who takes a lock again at once leaves it to nobody else.
                 std::thread::sleep(Duration::from_millis(1));
             }
         });
