@@ -212,11 +212,17 @@ async function does(page, name, word) {
 /** The tool of each arm is drawn where its URDF says, within two pixels. */
 async function look(page, name) {
   const status = execFileSync(program, ['status', '--cell', cell], { encoding: 'utf8' });
-  const { view, projection } = await page.evaluate(() => window.mrrocPanel.camera());
   const transposed = (list) => [0, 1, 2, 3].map((row) => [0, 1, 2, 3].map((column) => list[4 * column + row]));
   const box = await page.locator('#scene').boundingBox();
-  const found = await page.evaluate(() => window.mrrocPanel.marks());
-  await page.waitForTimeout(300);
+  // Nothing moves: the picture is that of the robots where two of them, half a second apart, show the same.
+  let found;
+  for (let before = null, trial = 0; ; before = JSON.stringify(found), trial++) {
+    found = await page.evaluate(() => window.mrrocPanel.marks());
+    if (found.length === 2 && JSON.stringify(found) === before) break;
+    check(trial < 30, `two tools are drawn, and stand: ${JSON.stringify(found)}`);
+    await page.waitForTimeout(500);
+  }
+  const { view, projection } = await page.evaluate(() => window.mrrocPanel.camera());
   for (const robot of ['left', 'right']) {
     const measured = status.match(new RegExp(`^${robot} at[^]*?measured([^\\n]*)`, 'm'))[1].trim().split(/\s+/).map(Number);
     const urdf = execFileSync(program, ['export-urdf', robot, '--cell', cell], { encoding: 'utf8' });
