@@ -24,11 +24,16 @@ use crate::socket::look_after;
 /// How long pages are told of the end of a cell.
 const FAREWELL: Duration = Duration::from_millis(500);
 
+/// The nice value of who comes last.
+const LAST: i32 = 19;
+
 /// The port that is asked for by this variable of the environment; otherwise the system gives one that is free.
 const PORT: &str = "MRROC_PANEL_PORT";
 
 /// Shows a cell that runs, until it ends.
 pub fn attend(layout: &Layout, cell: &Path) -> ExitCode {
+    // It takes the time that the cell leaves. Where it may not be set, it is shown all the same.
+    let _ = rustix::process::setpriority_process(None, LAST);
     let looks = Arc::new(Looks::of(layout));
     match Desk::open(cell, Arc::clone(&looks)) {
         Ok((desk, shown)) => begin(looks, Source::Running(desk, shown)),
