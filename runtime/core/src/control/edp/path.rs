@@ -115,17 +115,22 @@ impl<R: Robot> DemandedPath<R> {
         matches!(self.mode, Mode::Holding) && self.acceptor.is_at_its_end()
     }
 
-    /// Accepts a demand, which `request` brings, for the step that is about to begin.
+    /// Accepts a demand, which `request` brings, for the step that is about to begin, with the law by which the robot brakes
+    /// together with others.
     ///
     /// # Errors
     /// The first limit that it breaks; nothing is changed then.
-    pub fn accept(&mut self, demand: &Demand<R>, request: &Message) -> Result<(), Fault> {
+    fn accept(
+        &mut self,
+        demand: &Demand<R>,
+        request: &Message,
+        together: Option<BrakingLaw>,
+    ) -> Result<(), Fault> {
         let header = &request.header;
         let missed = match self.mode {
             Mode::Moving { missed } => Some(missed),
             Mode::Holding | Mode::Braking(_) | Mode::OnScrew(_) | Mode::Off => None,
         };
-        let together = law_together(demand, request);
         // That of an earlier demand is over with the step that the demand was for.
         self.undone.is_kept = together.is_some();
         if self.undone.is_kept {
@@ -157,11 +162,12 @@ impl<R: Robot> DemandedPath<R> {
     /// The first limit that it breaks; nothing is changed then.
     pub fn take(&mut self, demand: &Demand<R>, request: &Message, due: u64) -> Result<Taken, Fault> {
         let step = request.header.step;
-        let alone = law_together(demand, request).is_none() && self.goes_on_out_of_step();
+        let together = law_together(demand, request);
+        let alone = together.is_none() && self.goes_on_out_of_step();
         if alone && self.is_moving() {
             let behind = self.behind(step, due);
             if behind == -1 && self.next.is_none() {
-                self.accept(demand, request)?;
+                self.accept(demand, request, together)?;
                 return Ok(Taken::InStep);
             }
             if behind.unsigned_abs() > u64::from(self.budget) {
@@ -174,10 +180,10 @@ impl<R: Robot> DemandedPath<R> {
         self.lead = 0;
         // A step that is over has been bridged, and its demand is never made up for.
         if step < due {
-            self.note_late(demand, request, due)?;
+            self.note_late(demand, request, due, together)?;
             return Ok(Taken::OutOfStep);
         }
-        self.accept(demand, request)?;
+        self.accept(demand, request, together)?;
         if alone {
             self.lead = (step - due).cast_signed();
         }
@@ -233,14 +239,19 @@ impl<R: Robot> DemandedPath<R> {
     ///
     /// # Errors
     /// What is wrong with the demand itself.
-    fn note_late(&mut self, demand: &Demand<R>, request: &Message, due: u64) -> Result<(), Fault> {
-        let together = law_together(demand, request);
-        let alone = together.is_none() && self.acceptor.goes_on_out_of_step();
+    fn note_late(
+        &mut self,
+        demand: &Demand<R>,
+        request: &Message,
+        due: u64,
+        together: Option<BrakingLaw>,
+    ) -> Result<(), Fault> {
         let begins = request.is(flag::FIRST) && matches!(self.mode, Mode::Holding);
         if !begins {
             return self.acceptor.note_late(demand);
         }
         let missed = due.saturating_sub(request.header.step);
+        let alone = together.is_none() && self.acceptor.goes_on_out_of_step();
         self.move_together(together);
         let period = self.seconds;
         let begun = self.acceptor.begin_late(demand, period, missed as f64, self.together.is_some());
