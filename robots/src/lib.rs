@@ -55,4 +55,6 @@ pub use models::{
     NoCalibration, NoJoints, One, Overload, Polycrank, Rnt, Screw, Serial, SerialBuilder, SerialOutline,
     Seven, Shafts, Six, Transmission, TwoFingers, UrdfError, UrdfText,
 };
-pub use simulation::{Plant, Regulator, RegulatorSet, Shaft, Simulated, SimulatedIrp6, Unhomed, grasp};
+pub use simulation::{
+    Plant, Regulator, RegulatorSet, Shaft, Simulated, SimulatedIrp6, Surrounded, Surroundings, Unhomed, grasp,
+};

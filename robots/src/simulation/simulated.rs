@@ -5,12 +5,13 @@ use core::time::Duration;
 use std::rc::Rc;
 
 use mrroc::fault::Excess;
+use mrroc::pose::{Pose, Wrench};
 use mrroc::robot::{DriveFault, Driver, Measured, Regulators, SimulatedDrives};
-use nalgebra::SVector;
+use nalgebra::{SVector, Vector6};
 
 use super::plant::{Coupling, PERIOD, Plant};
 use super::regulator::{Regulator, RegulatorSet};
-use crate::models::{Driven, Irp6, MotorData, MotorLimits, Overload, Shafts};
+use crate::models::{Driven, Irp6, Kinematics, MotorData, MotorLimits, Overload, Shafts};
 
 /// Share of a period's current in the mean that trips the amplifier: time constant 50 ms (assumed).
 const CURRENT_SHARE: f64 = PERIOD / 0.05;
@@ -127,6 +128,17 @@ impl<const N: usize, R: Driven<N>> Simulated<R, N> {
         self.shaft.clone()
     }
 
+    /// The true joint state at the end of the last servo period, as of [`shaft`](Self::shaft).
+    #[must_use]
+    pub fn state(&self) -> Measured<SVector<f64, N>> {
+        if self.is_seen() { self.shaft.state() } else { self.true_shafts().joints }
+    }
+
+    /// Whether somebody else looks at the true joints.
+    fn is_seen(&self) -> bool {
+        Rc::strong_count(&self.shaft.0) > 1
+    }
+
     /// What the true shafts say of the joints.
     fn true_shafts(&self) -> Shafts<N> {
         let drives = &self.drives;
@@ -162,6 +174,26 @@ impl<const N: usize, R: Driven<N>> Simulated<R, N> {
         if joint < N {
             self.pushes[joint] = torque;
         }
+    }
+
+    /// Pushes all motors as a wrench on a tool does, until the next call: `F_E` [N, N m] at the origin of E, along the world's axes.
+    #[allow(non_snake_case)]
+    pub fn push_tool(&mut self, X_FE: &Pose, F_E: &Wrench)
+    where
+        R: Kinematics<N>,
+    {
+        if *F_E == Wrench::default() {
+            self.pushes = SVector::zeros();
+            return;
+        }
+        let q = self.state().position;
+        // From the tool's origin to the flange's, where the Jacobian is taken.
+        let lever = self.robot.forward(&q).rotation * X_FE.translation.vector;
+        let f = F_E.force;
+        let t = F_E.torque + lever.cross(&F_E.force);
+        let torques = self.robot.jacobian(&q).tr_mul(&Vector6::new(f.x, f.y, f.z, t.x, t.y, t.z));
+        // A drive's load counts against its motion.
+        self.pushes = -self.robot.motor_torques(&self.robot.motors(&q), &torques);
     }
 
     /// Resets the trip and powers the drives where they stand, holding their load.
@@ -297,8 +329,7 @@ impl<const N: usize, R: Driven<N>> Simulated<R, N> {
             &SVector::from_fn(|i, _| drives[i].speed),
         );
         self.measured = measured.joints;
-        if Rc::strong_count(&self.shaft.0) == 1 {
-            // Nobody else looks at the true joints.
+        if !self.is_seen() {
             self.loads = self.robot.loads(&SVector::from_fn(|i, _| drives[i].plant.angle()));
             return;
         }

@@ -7,10 +7,8 @@
 //! load     -sum f . u, over all points of bodies on it, through the transmission on the motor
 //! ```
 
-use core::time::Duration;
-
 use mrroc::pose::Pose;
-use mrroc::robot::{DriveFault, Driver, Measured, Regulators, Robot, SimulatedDrives};
+use mrroc::robot::{Driver, Robot};
 use nalgebra::Vector3;
 
 use super::contact::Table;
@@ -18,7 +16,8 @@ use super::error::{WorldError, positive};
 use super::motion::{Motion, Nanos, seconds};
 use super::world::World;
 use crate::models::{Conveyor, Driven, One};
-use crate::simulation::simulated::{Shaft, Simulated};
+use crate::simulation::simulated::Simulated;
+use crate::simulation::surroundings::{Surrounded, Surroundings};
 
 /// The surface of a belt, in the base frame B of its conveyor: the plane z = 0, along x.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -139,93 +138,34 @@ impl BeltState {
 }
 
 /// The drive of a conveyor in a [`World`]: the belt moves as its true joint does, and its motor bears the friction of the bodies on it.
+pub type Conveying = Surrounded<Conveyor, 1, Carried>;
+
+/// The bodies on a belt.
 #[derive(Debug)]
-pub struct Conveying {
-    drive: Simulated<Conveyor, 1>,
-    shaft: Shaft<1>,
+pub struct Carried {
     world: World,
     index: usize,
 }
 
 impl Conveying {
     pub(super) fn new(world: &World, drive: Simulated<Conveyor, 1>, belt: Belt) -> Result<Self, WorldError> {
-        let shaft = drive.shaft();
         let base = drive.robot().forward(&One::zeros());
-        let at = drive.robot().forward(&shaft.state().position);
+        let at = drive.robot().forward(&drive.state().position);
         let index = world.add_belt(belt, drive.period(), base, at)?;
-        Ok(Self { drive, shaft, world: world.clone(), index })
+        Ok(Surrounded::by(drive, Carried { world: world.clone(), index }))
     }
+}
 
-    /// The drive, to jam it or to reset a trip.
-    #[must_use]
-    pub const fn drive_mut(&mut self) -> &mut Simulated<Conveyor, 1> {
-        &mut self.drive
-    }
-
-    /// A view of the belt's true joint.
-    #[must_use]
-    pub fn shaft(&self) -> Shaft<1> {
-        self.shaft.clone()
-    }
-
-    /// One servo period of the drive, in the world.
-    fn in_world<T>(&mut self, period: impl FnOnce(&mut Simulated<Conveyor, 1>) -> T) -> T {
+impl Surroundings<Conveyor, 1> for Carried {
+    fn begin(&mut self, drive: &mut Simulated<Conveyor, 1>) {
         let force = self.world.begin_belt(self.index);
-        let robot = self.drive.robot();
-        let q = self.shaft.state().position;
-        let at_motor = robot.motor_torques(&robot.motors(&q), &One::new(force));
+        let robot = drive.robot();
+        let at_motor = robot.motor_torques(&robot.motors(&drive.state().position), &One::new(force));
         // A drive's load counts against its motion.
-        self.drive.push(0, -at_motor[0]);
-        let outcome = period(&mut self.drive);
-        self.world.end_belt(self.index, self.drive.robot().forward(&self.shaft.state().position));
-        outcome
-    }
-}
-
-impl Driver<Conveyor> for Conveying {
-    fn period(&self) -> Duration {
-        self.drive.period()
+        drive.push(0, -at_motor[0]);
     }
 
-    fn measured(&self) -> Result<Measured<One>, DriveFault> {
-        self.drive.measured()
-    }
-
-    fn tick(&mut self, demanded: &One) -> Result<Measured<One>, DriveFault> {
-        self.in_world(|drive| drive.tick(demanded))
-    }
-
-    fn motor_currents(&self) -> Option<One> {
-        self.drive.motor_currents()
-    }
-
-    fn simulation(&mut self) -> Option<&mut dyn SimulatedDrives<Conveyor>> {
-        Some(self)
-    }
-
-    fn has_brakes(&self) -> bool {
-        self.drive.has_brakes()
-    }
-
-    fn switch_off(&mut self) {
-        self.drive.switch_off();
-    }
-
-    fn switch_on(&mut self) -> Result<(), DriveFault> {
-        self.drive.switch_on()
-    }
-
-    fn has_regulator(&self, joint: usize, set: u8) -> bool {
-        self.drive.has_regulator(joint, set)
-    }
-
-    fn choose_regulators(&mut self, sets: &Regulators) {
-        self.drive.choose_regulators(sets);
-    }
-}
-
-impl SimulatedDrives<Conveyor> for Conveying {
-    fn brake(&mut self) -> Measured<One> {
-        self.in_world(Simulated::brake)
+    fn end(&mut self, drive: &Simulated<Conveyor, 1>) {
+        self.world.end_belt(self.index, drive.robot().forward(&drive.state().position));
     }
 }

@@ -4,16 +4,14 @@
 //! q -> X_WE -> seat of the stylus in M -> stylus -> F on the tool -> J^T F on the joints -> motors -> q
 //! ```
 
-use core::time::Duration;
 use std::cell::RefCell;
 use std::rc::Rc;
 
-use mrroc::pose::Pose;
-use mrroc::robot::{DriveFault, Driver, Measured, Regulators, Robot as _, SimulatedDrives};
+use mrroc::pose::{Pose, Wrench};
+use mrroc::robot::Robot as _;
 use mrroc_map::{Place, Walls};
-use mrroc_robots::models::{Driven, Kinematics};
-use mrroc_robots::{Irp6, Shaft, Simulated, SimulatedIrp6, Six};
-use nalgebra::{Vector3, Vector6};
+use mrroc_robots::{Irp6, SimulatedIrp6, Surrounded, Surroundings};
+use nalgebra::Vector3;
 
 use super::stylus::{STIFFNESS, Stylus};
 use crate::places::{BALL, HEIGHT};
@@ -75,102 +73,46 @@ const TIMES: u32 = 4;
 const SUB: f64 = 0.002 / TIMES as f64;
 
 /// An IRp-6 with a stylus.
+pub type Probing = Surrounded<Irp6, 6, Touching>;
+
+/// What the arm's stylus is among.
 #[derive(Debug)]
 #[allow(non_snake_case)]
-pub struct Probing {
-    arm: SimulatedIrp6,
-    shaft: Shaft,
+pub struct Touching {
     world: Rc<RefCell<World>>,
     X_FE: Pose,
     tip: Vector3<f64>,
 }
 
-impl Probing {
-    /// These drives, in this world.
-    #[must_use]
-    #[allow(non_snake_case)]
-    pub fn new(arm: SimulatedIrp6, X_FE: Pose, world: Rc<RefCell<World>>) -> Self {
-        let shaft = arm.shaft();
-        let tip = (arm.robot().forward(&shaft.state().position) * X_FE).translation.vector;
-        Self { arm, shaft, world, X_FE, tip }
-    }
+/// These drives, in this world.
+#[must_use]
+#[allow(non_snake_case)]
+pub fn probing(arm: SimulatedIrp6, X_FE: Pose, world: Rc<RefCell<World>>) -> Probing {
+    let tip = tip(&arm, &X_FE);
+    Surrounded::by(arm, Touching { world, X_FE, tip })
+}
 
-    fn load(&mut self) {
+/// Where the seat of the stylus is \[m\].
+#[allow(non_snake_case)]
+fn tip(arm: &SimulatedIrp6, X_FE: &Pose) -> Vector3<f64> {
+    (arm.robot().forward(&arm.state().position) * X_FE).translation.vector
+}
+
+impl Surroundings<Irp6, 6> for Touching {
+    fn begin(&mut self, arm: &mut SimulatedIrp6) {
         let world = self.world.borrow();
         let bent = world.stylus.deflection();
-        if bent.norm_squared() == 0.0 {
-            (0..6).for_each(|i| self.arm.push(i, 0.0));
-            return;
-        }
         let force = world.X_WM.rotation * Vector3::new(-STIFFNESS * bent.x, -STIFFNESS * bent.y, 0.0);
-        let q = self.shaft.state().position;
-        let robot = self.arm.robot();
-        let lever = robot.forward(&q).rotation * self.X_FE.translation.vector;
-        let torque = lever.cross(&force);
-        let wrench = Vector6::new(force.x, force.y, force.z, torque.x, torque.y, torque.z);
-        let at_motors = robot.motor_torques(&robot.motors(&q), &robot.jacobian(&q).tr_mul(&wrench));
-        // A drive's load counts against its motion.
-        (0..6).for_each(|i| self.arm.push(i, -at_motors[i]));
+        arm.push_tool(&self.X_FE, &Wrench { force, torque: Vector3::zeros() });
     }
 
-    fn in_world<T>(&mut self, period: impl FnOnce(&mut SimulatedIrp6) -> T) -> T {
-        self.load();
-        let outcome = period(&mut self.arm);
-        let tip = (self.arm.robot().forward(&self.shaft.state().position) * self.X_FE).translation.vector;
+    fn end(&mut self, arm: &SimulatedIrp6) {
+        let tip = tip(arm, &self.X_FE);
         let mut world = self.world.borrow_mut();
         for i in 1..=TIMES {
             let share = f64::from(i) / f64::from(TIMES);
             world.step(&(self.tip + (tip - self.tip) * share));
         }
         self.tip = tip;
-        outcome
-    }
-}
-
-impl Driver<Irp6> for Probing {
-    fn period(&self) -> Duration {
-        self.arm.period()
-    }
-
-    fn measured(&self) -> Result<Measured<Six>, DriveFault> {
-        self.arm.measured()
-    }
-
-    fn tick(&mut self, demanded: &Six) -> Result<Measured<Six>, DriveFault> {
-        self.in_world(|arm| arm.tick(demanded))
-    }
-
-    fn motor_currents(&self) -> Option<Six> {
-        self.arm.motor_currents()
-    }
-
-    fn simulation(&mut self) -> Option<&mut dyn SimulatedDrives<Irp6>> {
-        Some(self)
-    }
-
-    fn has_brakes(&self) -> bool {
-        self.arm.has_brakes()
-    }
-
-    fn switch_off(&mut self) {
-        self.arm.switch_off();
-    }
-
-    fn switch_on(&mut self) -> Result<(), DriveFault> {
-        self.arm.switch_on()
-    }
-
-    fn has_regulator(&self, joint: usize, set: u8) -> bool {
-        self.arm.has_regulator(joint, set)
-    }
-
-    fn choose_regulators(&mut self, sets: &Regulators) {
-        self.arm.choose_regulators(sets);
-    }
-}
-
-impl SimulatedDrives<Irp6> for Probing {
-    fn brake(&mut self) -> Measured<Six> {
-        self.in_world(Simulated::brake)
     }
 }

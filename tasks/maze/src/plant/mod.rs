@@ -13,7 +13,7 @@ use mrroc_map::{Chance, Layout, Walls};
 use mrroc_robots::{Irp6, SimulatedIrp6};
 use nalgebra::Vector3;
 
-pub use arm::{Probing, World};
+pub use arm::{Probing, World, probing};
 pub use probe::{Probe, Touch, TouchProbe};
 
 use crate::places::{BALL, LOOSE, PITCH, THICKNESS, TURNED, said};
@@ -57,7 +57,7 @@ impl Plant {
         Kinds::new().with("arm", move |entry| {
             let robot = Irp6::nominal().with_base(entry.base());
             let drives = SimulatedIrp6::new(robot.clone(), &entry.start(&robot)?);
-            let drives = Probing::new(drives, entry.tool(), Rc::clone(&world));
+            let drives = probing(drives, entry.tool(), Rc::clone(&world));
             Ok(RobotSetup::new(entry.name(), robot, drives))
         })
     }
