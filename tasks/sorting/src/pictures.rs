@@ -1,15 +1,14 @@
 //! Pictures: the arm at the belt, moving; where grasps were off the middle; what became of each part, over time.
 
-use core::cell::Cell as Shared;
 use std::io;
 use std::path::Path;
-use std::rc::Rc;
 
 use mrroc::cell::RunPicture;
 use mrroc::prelude::*;
 use mrroc_pictures::Film;
 use mrroc_pictures::svg::palette::{GREY, HIGHLIGHT, INK, REGION, WHITE, joint};
 use mrroc_pictures::svg::{Area, Axes, Look, Page, Range, Svg, TextStyle};
+use mrroc_robots::grasp::World;
 use nalgebra::Vector2;
 
 use crate::parts::{Arrival, FEED};
@@ -19,29 +18,39 @@ use crate::summary::Summary;
 use crate::witness::Fate;
 
 const WIDTH: f64 = 1200.0;
-const MARGIN: f64 = 70.0;
+pub(crate) const MARGIN: f64 = 70.0;
+
+/// A film of the belt.
+pub(crate) fn of_belt() -> Film {
+    let [from, to, width] = SURFACE;
+    let belt = Pose::translation(BELT[0], BELT[1] + 0.5 * (from + to), -0.01);
+    // The hand is on the arm, and the belt's mark runs away: both are drawn as bodies.
+    Film::new().without(&["hand", "belt"]).with_block([width, to - from, 0.02], move || belt)
+}
+
+/// Where what is at `X_PQ` of a part is. Before the part comes and after it has gone it is where it was seen last, or out of the way below
+/// the belt, at `feed` along it \[m\].
+#[allow(non_snake_case)]
+pub(crate) fn seen(world: &World, number: usize, X_PQ: Pose, feed: f64) -> impl FnMut() -> Pose + 'static {
+    let (world, mut seen) = (world.clone(), Pose::translation(BELT[0], BELT[1] + feed, -0.05));
+    move || {
+        seen = world.body_of(number).map_or(seen, |state| state.pose * X_PQ);
+        seen
+    }
+}
 
 /// Runs a cell and films it, from above, from the side and in space.
 ///
 /// # Errors
 /// The film cannot be written.
 pub fn filmed(mut ready: Ready, file: &Path) -> io::Result<Outcome> {
-    let [from, to, width] = SURFACE;
-    let belt = Pose::translation(BELT[0], BELT[1] + 0.5 * (from + to), -0.01);
-    // The hand is on the arm, and the belt's mark runs away: both are drawn as bodies.
-    let mut film = Film::new().without(&["hand", "belt"]).with_block([width, to - from, 0.02], move || belt);
+    let mut film = of_belt();
     for [x, y, z] in TRAYS {
         film = film.with_block(TRAY, move || Pose::translation(x, y, z));
     }
     for (number, part) in ready.parts.iter().enumerate() {
-        let world = ready.plant.world.clone();
-        let length = part.shape.length();
-        // Before it comes and after it has gone it is where it was seen last, or out of the way below.
-        let seen = Rc::new(Shared::new(part.body_pose()));
-        film = film.with_block([length, PART[0], PART[1]], move || {
-            seen.set(world.body_of(number).map_or(seen.get(), |state| state.pose));
-            seen.get()
-        });
+        let seen = seen(&ready.plant.world, number, Pose::identity(), FEED);
+        film = film.with_block([part.shape.length(), PART[0], PART[1]], seen);
     }
     ready.cell = film.watch(ready.cell);
     let outcome = ready.run();
@@ -133,14 +142,8 @@ pub fn time_line(outcome: &Outcome, parts: &[Arrival]) -> String {
     })
 }
 
-fn heading(svg: &mut Svg, title: &str, below: &str) {
+/// A title, and a line below it.
+pub(crate) fn heading(svg: &mut Svg, title: &str, below: &str) {
     svg.text(Vector2::new(MARGIN, 42.0), TextStyle::new(22.0, INK).bold(), title);
     svg.text(Vector2::new(MARGIN, 66.0), TextStyle::new(13.0, GREY), below);
-}
-
-impl Arrival {
-    /// Where it is before it comes: below the belt, where it is not seen from above.
-    fn body_pose(&self) -> Pose {
-        Pose::translation(BELT[0], BELT[1] + FEED, -0.05)
-    }
 }

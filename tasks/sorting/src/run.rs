@@ -162,10 +162,4 @@ impl Outcome {
     pub fn count(&self, fate: Fate) -> usize {
         self.fates.iter().filter(|of| **of == fate).count()
     }
-
-    /// How many times faster than real time it was; 0 of one that ended with a fault.
-    #[must_use]
-    pub fn pace(&self) -> f64 {
-        self.report.as_ref().map_or(0.0, |report| report.time.as_secs_f64() / self.wall.as_secs_f64())
-    }
 }

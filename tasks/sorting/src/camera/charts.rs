@@ -1,59 +1,42 @@
 //! Pictures of runs with the camera: the cell, moving; which kinds were taken for which; where grasps were off; parts over time.
 
-use core::cell::Cell as Shared;
 use std::io;
 use std::path::Path;
-use std::rc::Rc;
 
 use mrroc::cell::RunPicture;
 use mrroc::prelude::*;
-use mrroc_pictures::Film;
 use mrroc_pictures::svg::palette::{GREY, HIGHLIGHT, INK, REGION, WHITE, joint};
-use mrroc_pictures::svg::{Area, Axes, Look, Page, Range, Svg, TextStyle};
+use mrroc_pictures::svg::{Area, Axes, Look, Page, Range, TextStyle};
 use nalgebra::{Point3, Vector2};
 
 use super::kinds::{KINDS, kinds};
 use super::layout::{BINS, FEED, bin};
 use super::run::{Outcome, Ready};
 use super::summary::{Confusion, Table};
-use crate::places::{BELT, SURFACE, TRAY, TRAYS};
+use crate::pictures::{MARGIN, heading, of_belt, seen};
+use crate::places::{TRAY, TRAYS};
 use crate::witness::Fate;
 
 const WIDTH: f64 = 1000.0;
-const MARGIN: f64 = 70.0;
-
-fn heading(svg: &mut Svg, title: &str, below: &str) {
-    svg.text(Vector2::new(MARGIN, 42.0), TextStyle::new(22.0, INK).bold(), title);
-    svg.text(Vector2::new(MARGIN, 66.0), TextStyle::new(13.0, GREY), below);
-}
 
 /// Runs a cell and films it, from above, from the side and in space. Parts are drawn as the boxes that hold them.
 ///
 /// # Errors
 /// The film cannot be written.
 pub fn filmed(mut ready: Ready, file: &Path) -> io::Result<Outcome> {
-    let [from, to, width] = SURFACE;
-    let belt = Pose::translation(BELT[0], BELT[1] + 0.5 * (from + to), -0.01);
-    let mut film = Film::new().without(&["hand", "belt"]).with_block([width, to - from, 0.02], move || belt);
+    let mut film = of_belt();
     for number in 0..BINS {
         let ([x, y], [dx, dy]) = bin(number);
         let z = TRAYS[number / 4][2];
         film = film.with_block([2.0 * dx, 2.0 * dy, TRAY[2]], move || Pose::translation(x, y, z));
     }
     for (number, part) in ready.parts.iter().enumerate() {
-        let world = ready.plant.world.clone();
         let corners: Vec<_> = part.form.corners().collect();
         let (least, most) = corners.iter().fold((corners[0], corners[0]), |(a, b), c| (a.inf(c), b.sup(c)));
         let (edges, middle) = (most - least, 0.5 * (least + most));
         let at = part.X_BP * Point3::from(middle);
-        // Before it comes and after it has gone it is where it was seen last, or out of the way below.
-        let seen = Rc::new(Shared::new(Pose::translation(BELT[0], BELT[1] + FEED, -0.05)));
-        film = film.with_block(edges.into(), move || {
-            let pose =
-                |state: mrroc_robots::grasp::BodyState| state.pose * Pose::translation(at.x, at.y, at.z);
-            seen.set(world.body_of(number).map_or(seen.get(), pose));
-            seen.get()
-        });
+        let seen = seen(&ready.plant.world, number, Pose::translation(at.x, at.y, at.z), FEED);
+        film = film.with_block(edges.into(), seen);
     }
     ready.cell = film.watch(ready.cell);
     let outcome = ready.run();

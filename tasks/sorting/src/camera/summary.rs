@@ -144,9 +144,7 @@ impl Line {
             wall: outcome.wall.as_secs_f64(),
         }
     }
-}
 
-impl Line {
     /// Counts the runs of another line with this one's.
     pub fn join(&mut self, other: Self) {
         self.parts += other.parts;
