@@ -6,12 +6,15 @@
 use std::ffi::OsString;
 use std::os::unix::process::CommandExt;
 use std::process::{Child, Command, ExitCode};
+use std::rc::Rc;
 use std::time::Duration;
 
 use super::outcome::report;
-use super::parts::Parts;
+use super::parts::{LooksOn, Panel, Parts};
+use mrroc_core::cell::Cell;
 use mrroc_core::console::refused;
 use mrroc_core::link::Clock;
+use mrroc_core::observe::witness::Witness;
 
 /// How often it is looked whether the panel has ended with its cell, and how many times at most.
 const LOOK: Duration = Duration::from_millis(50);
@@ -35,6 +38,13 @@ pub(super) fn check(parts: &Parts, clock: Option<Clock>, is_dry: bool) -> Result
         return Err(refused(&"a dry run has no panel\n help: leave out --dry-run, or --panel"));
     }
     Ok(())
+}
+
+/// Lets the panel look on at a run on the memory link, if there is one; it shows the run when that is over.
+pub(super) fn look_on(panel: Option<&'static dyn Panel>, cell: Cell) -> (Option<Rc<dyn LooksOn>>, Cell) {
+    let Some(panel) = panel.map(|panel| panel.look_on(cell.layout())) else { return (None, cell) };
+    let witness = Rc::clone(&panel) as Rc<dyn Witness>;
+    (Some(panel), cell.witnessed_by(witness))
 }
 
 /// The process that has the panel: it ends with its cell, and not later than who started it.

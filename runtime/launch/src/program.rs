@@ -7,7 +7,6 @@
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::rc::Rc;
 use std::time::Duration;
 
 use super::files::check_outputs;
@@ -25,7 +24,6 @@ use mrroc_core::console::refused;
 use mrroc_core::fault::ProcessId;
 use mrroc_core::link::Clock;
 use mrroc_core::observe::NotRecorded;
-use mrroc_core::observe::witness::Witness;
 
 /// How a task program with a command line of its own runs its cell; [`launch`](crate) is for all others.
 ///
@@ -258,15 +256,11 @@ impl Launch {
             return Ok(Ran::Part(status));
         }
         match self.clock {
-            None if self.panel => {
-                let panel = self.parts.panel.map(|panel| panel.look_on(cell.layout()));
-                if let Some(panel) = &panel {
-                    cell = cell.witnessed_by(Rc::clone(panel) as Rc<dyn Witness>);
-                }
+            None => {
+                let (panel, cell) = panel::look_on(self.parts.panel.filter(|_| self.panel), cell);
                 let ran = cell.run().map(Ran::Here);
                 panel.map_or(ran, |panel| Ok(Ran::Part(panel.show())))
             }
-            None => cell.run().map(Ran::Here),
             Some(_) => {
                 let own = self.arguments.iter().cloned();
                 let asked = [OsString::from("panel"), OsString::new()].into_iter().chain(own);

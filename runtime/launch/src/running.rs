@@ -6,17 +6,16 @@ use std::fs::OpenOptions;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::rc::Rc;
 use std::time::Duration;
 
 use super::options::Options;
 use super::outcome::{cell_refused, note, report, stopped, tell};
+use super::panel;
 use super::patience::Patience;
 use super::{Launch, Parts, Ran};
 use mrroc_core::cell::{Cell, CellError, RunPicture, RunReport};
 use mrroc_core::console::{Background, refused};
 use mrroc_core::fault::Fault;
-use mrroc_core::observe::witness::Witness;
 
 /// How long a process may compute without waiting: long enough for planning, which takes seconds.
 const STUCK: Duration = Duration::from_secs(60);
@@ -39,10 +38,7 @@ pub(super) fn run(
         let patience = Patience::begin().with_reset(cell.awaits_reset());
         cell = cell.also_on_step(patience.notes());
     }
-    let panel = parts.panel.filter(|_| options.panel).map(|panel| panel.look_on(cell.layout()));
-    if let Some(panel) = &panel {
-        cell = cell.witnessed_by(Rc::clone(panel) as Rc<dyn Witness>);
-    }
+    let (panel, cell) = panel::look_on(parts.panel.filter(|_| options.panel), cell);
     let ended = match cell.end_when_stuck(STUCK).run() {
         Ok(report) => conclude(Ok(report), picture, options),
         Err(CellError::Fault(fault)) => conclude(Err(fault), picture, options),
