@@ -2,7 +2,9 @@
 
 use mrroc::console::quoted;
 use mrroc::pose::Pose;
-use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use nalgebra::{UnitQuaternion, Vector3};
+
+use crate::data::rotation::Spelling;
 
 /// A line that cannot be read.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -16,16 +18,9 @@ pub struct WrongLine {
     pub help: String,
 }
 
-/// How three angles `a`, `b`, `c` make an orientation.
+/// How three angles `a`, `b`, `c` make an orientation: turns one after another, each about an axis as turned before. `zyx` are A, B, C of KUKA.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Angles {
-    /// Turns about z, then about the new y, then about the new x: A, B, C of KUKA.
-    Zyx,
-    /// Turns about x, then about the new y, then about the new z.
-    Xyz,
-    /// Turns about z, then about the new y, then about the new z.
-    Zyz,
-}
+pub struct Angles(Spelling);
 
 /// A table.
 #[derive(Clone, Debug)]
@@ -108,12 +103,8 @@ impl<'t> Columns<'t> {
             let of = |name: &str| self.numbers(&format!("{prefix}{name}"));
             let (w, x, y, z) = (of("qw")?, of("qx")?, of("qy")?, of("qz")?);
             let read = |i: usize| {
-                let read = Quaternion::new(w[i], x[i], y[i], z[i]);
-                if (read.norm() - 1.0).abs() < 1e-2 {
-                    return Ok(UnitQuaternion::new_normalize(read));
-                }
-                let what = format!("a quaternion of length {:.4}, not 1", read.norm());
-                Err(wrong(self.rows[i].0, what, "compare the order of its columns"))
+                let read = Spelling::Wxyz.read(&[w[i], x[i], y[i], z[i]]);
+                read.map_err(|what| wrong(self.rows[i].0, what, "compare the order of its columns"))
             };
             (0..w.len()).map(read).collect::<Result<_, _>>()?
         } else if begins("rx_") {
@@ -124,7 +115,8 @@ impl<'t> Columns<'t> {
                 let help = "say how by --angles zyx (A, B, C of KUKA), xyz or zyz, each about the axes as turned before";
                 wrong(self.line, "three angles may make an orientation in many ways".to_owned(), help)
             })?;
-            three.into_iter().map(|angles| order.turn(&angles)).collect()
+            let turns = three.iter().map(|angles| order.0.read(angles.as_slice()));
+            turns.collect::<Result<_, _>>().map_err(|what| wrong(self.line, what, "compare the columns"))?
         } else {
             let what = format!("no columns of an orientation `{prefix}..`");
             let help = "write rx_rad,ry_rad,rz_rad (a rotation vector), qw,qx,qy,qz, or a_deg,b_deg,c_deg with --angles";
@@ -154,25 +146,11 @@ impl<'t> Columns<'t> {
 }
 
 impl Angles {
-    /// The order of this name.
+    /// The order of this name: `zyx`, `xyz` or `zyz`.
     #[must_use]
     pub fn named(name: &str) -> Option<Self> {
-        match name {
-            "zyx" => Some(Self::Zyx),
-            "xyz" => Some(Self::Xyz),
-            "zyz" => Some(Self::Zyz),
-            _ => None,
-        }
-    }
-
-    fn turn(self, angles: &Vector3<f64>) -> UnitQuaternion<f64> {
-        let axes = match self {
-            Self::Zyx => [Vector3::z(), Vector3::y(), Vector3::x()],
-            Self::Xyz => [Vector3::x(), Vector3::y(), Vector3::z()],
-            Self::Zyz => [Vector3::z(), Vector3::y(), Vector3::z()],
-        };
-        let turn = |i: usize| UnitQuaternion::from_scaled_axis(axes[i] * angles[i]);
-        turn(0) * turn(1) * turn(2)
+        let known = ["zyx", "xyz", "zyz"].contains(&name);
+        known.then(|| Spelling::parse(&format!("euler {name} moving"))).flatten().map(Self)
     }
 }
 

@@ -6,7 +6,7 @@
 mod header;
 mod mistake;
 mod robot;
-mod rotation;
+pub(crate) mod rotation;
 mod section;
 mod table;
 

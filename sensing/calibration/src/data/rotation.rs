@@ -4,7 +4,7 @@ use nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3};
 
 /// A way to write an orientation in columns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Spelling {
+pub(crate) enum Spelling {
     /// Quaternion, scalar first or last.
     Wxyz,
     Xyzw,
@@ -18,7 +18,7 @@ pub(super) enum Spelling {
 
 /// Whether the axes of successive turns move with the body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Turning {
+pub(crate) enum Turning {
     Moving,
     Fixed,
 }
@@ -28,7 +28,7 @@ pub(super) const HELP: &str = "write \"quaternion wxyz\", \"quaternion xyzw\", \
                                turns in their order, about axes that move with the body or stay, such as \"euler zyx moving\" or \"euler xyz fixed\"";
 
 impl Spelling {
-    pub(super) fn parse(text: &str) -> Option<Self> {
+    pub(crate) fn parse(text: &str) -> Option<Self> {
         match text {
             "quaternion wxyz" => return Some(Self::Wxyz),
             "quaternion xyzw" => return Some(Self::Xyzw),
@@ -63,7 +63,7 @@ impl Spelling {
     }
 
     /// The orientation, or why there is none.
-    pub(super) fn read(self, numbers: &[f64]) -> Result<UnitQuaternion<f64>, String> {
+    pub(crate) fn read(self, numbers: &[f64]) -> Result<UnitQuaternion<f64>, String> {
         match self {
             Self::Wxyz => quaternion(numbers[0], &numbers[1..]),
             Self::Xyzw => quaternion(numbers[3], numbers),
