@@ -97,21 +97,14 @@ impl Stylus {
                 } else {
                     Vector2::new(0.0, out.y.signum())
                 };
+                let side = |out: f64, lower: f64, upper: f64, within: f64| match out {
+                    out if out > 0.0 => upper,
+                    out if out < 0.0 => lower,
+                    _ => within,
+                };
                 let edge = Place::new(
-                    if out.x > 0.0 {
-                        wall.upper.x
-                    } else if out.x < 0.0 {
-                        wall.lower.x
-                    } else {
-                        ball.x
-                    },
-                    if out.y > 0.0 {
-                        wall.upper.y
-                    } else if out.y < 0.0 {
-                        wall.lower.y
-                    } else {
-                        ball.y
-                    },
+                    side(out.x, wall.lower.x, wall.upper.x, ball.x),
+                    side(out.y, wall.lower.y, wall.upper.y, ball.y),
                 );
                 edge + out * self.radius
             };
