@@ -367,6 +367,19 @@ impl<'a> Exchange<'a> {
         Ok(())
     }
 
+    /// Ends what was asked for by a connection that is gone: a homing that was cut off goes on, and another one beside it fails.
+    fn end_others(&mut self) -> Result<(), DriveFault> {
+        let id = self.ask(Request::Stop)?;
+        self.flight = Some(Flight { id, motion: Motion::Homing, stop: Some(id), since: Instant::now() });
+        while let Some(flight) = self.flight {
+            if flight.since.elapsed() > self.settings.patience {
+                return Err(ENDLESS);
+            }
+            self.hear()?;
+        }
+        Ok(())
+    }
+
     fn first_state(&mut self) -> Result<State, DriveFault> {
         loop {
             self.hear()?;
@@ -386,6 +399,7 @@ impl<'a> Exchange<'a> {
             while !self.watch.is_asked() {
                 self.hear()?;
             }
+            self.end_others()?;
             self.begin(Motion::Homing, Request::Homing)?;
             let mut is_stopped = false;
             while let Some(flight) = self.flight {

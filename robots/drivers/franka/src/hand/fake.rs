@@ -27,7 +27,8 @@ pub const STOP: u16 = 4;
 #[derive(Clone, Copy, Debug)]
 pub struct Motion {
     request: u16,
-    id: u32,
+    /// Who waits for its end.
+    id: Option<u32>,
     to: f64,
     speed: f64,
     /// Between which openings something counts as grasped \[m\].
@@ -102,7 +103,7 @@ impl Fingers {
         const ABORTED: u16 = 3;
         self.asked.push((request, numbers.clone()));
         if request == STOP {
-            let ended = self.motion.take().map(|motion| (motion.request, motion.id, ABORTED));
+            let ended = self.motion.take().and_then(|motion| Some((motion.request, motion.id?, ABORTED)));
             self.is_grasped = false;
             return ended.into_iter().chain([(request, id, DONE)]).collect();
         }
@@ -112,14 +113,14 @@ impl Fingers {
         let reaches = |width: f64| (0.0..=self.max_width).contains(&width) && self.max_width > 0.0;
         let none = (0.0, 0.0);
         let motion = match (request, &numbers[..]) {
-            (HOMING, []) => Motion { request, id, to: STROKE, speed: 0.1 * self.haste, band: none },
+            (HOMING, []) => Motion { request, id: Some(id), to: STROKE, speed: 0.1 * self.haste, band: none },
             (MOVE, &[to, speed]) if reaches(to) && speed > 0.0 => {
-                Motion { request, id, to, speed, band: none }
+                Motion { request, id: Some(id), to, speed, band: none }
             }
             (GRASP, &[width, inner, outer, speed, force])
                 if reaches(width) && inner >= 0.0 && outer >= 0.0 && speed > 0.0 && force > 0.0 =>
             {
-                Motion { request, id, to: 0.0, speed, band: (width - inner, width + outer) }
+                Motion { request, id: Some(id), to: 0.0, speed, band: (width - inner, width + outer) }
             }
             _ => return vec![(request, id, FAILED)],
         };
@@ -150,7 +151,7 @@ impl Fingers {
             _ => return None,
         };
         self.motion = None;
-        Some((motion.request, motion.id, status))
+        Some((motion.request, motion.id?, status))
     }
 
     fn state(&self, count: u32) -> Vec<u8> {
@@ -184,7 +185,11 @@ impl Fake {
         let of_thread = fake.clone();
         std::thread::spawn(move || {
             for socket in listener.incoming() {
-                of_thread.look(|fingers| fingers.connections += 1);
+                of_thread.look(|fingers| {
+                    fingers.connections += 1;
+                    // What goes on is answered to nobody.
+                    fingers.motion = fingers.motion.map(|motion| Motion { id: None, ..motion });
+                });
                 // The other end hangs up when it likes.
                 drop(socket.and_then(|socket| of_thread.serve(socket)));
             }

@@ -3,7 +3,8 @@
 #![expect(clippy::disallowed_methods, reason = "the exchange has a thread of its own, which tests wait for")]
 
 use core::time::Duration;
-use std::net::TcpListener;
+use std::io::Write;
+use std::net::{TcpListener, TcpStream};
 
 use mrroc::robot::{DriveFault, Driver, Homing, Recovery, Regulators, Search, StopCause};
 use mrroc_counting_allocator::{Counting, count};
@@ -210,7 +211,7 @@ fn fault_113_homing_homes_a_hand_that_is_not_homed_and_no_other() {
             }
         });
         let is_homed = max_width > 0.0;
-        assert_eq!(asked(&hand), if is_homed { vec![] } else { vec![(HOMING, vec![])] });
+        assert_eq!(asked(&hand), if is_homed { vec![] } else { vec![(STOP, vec![]), (HOMING, vec![])] });
         assert_eq!(drives.held(), Some(One::new(if is_homed { 0.03 } else { STROKE })));
         go(&mut drives, 0.05, if is_homed { 0.05 } else { 0.0 });
     }
@@ -222,9 +223,29 @@ fn fault_113_a_homing_that_is_asked_for_no_more_is_stopped() {
     let Ok(Search::Searching(homing)) = search(HandHoming::new(settings(&hand))) else {
         panic!("it takes longer than a period")
     };
-    until(|| (asked(&hand).len() == 2).then_some(()));
-    assert_eq!(asked(&hand), [(HOMING, vec![]), (STOP, vec![])]);
+    until(|| (asked(&hand).len() == 3).then_some(()));
+    assert_eq!(asked(&hand), [(STOP, vec![]), (HOMING, vec![]), (STOP, vec![])]);
     drop(homing);
+}
+
+#[test]
+fn fault_113_a_homing_that_a_lost_connection_has_begun_is_ended_before_the_next_one() {
+    let hand = fake(Fingers { max_width: 0.0, width: 0.0, haste: 0.1, ..Fingers::open() });
+    // As of a process that was killed: the hand goes on.
+    let mut socket = TcpStream::connect(hand.address).expect("it listens");
+    socket.write_all(&[1, 0, 2, 0, 0, 0, 10, 0, 0, 0]).expect("it reads");
+    until(|| (asked(&hand) == [(HOMING, vec![])]).then_some(()));
+    drop(socket);
+    hand.look(|fingers| fingers.haste = 10.0);
+    let mut homing = Some(HandHoming::new(settings(&hand)));
+    until(|| match search(homing.take()?).expect("the one before was ended") {
+        Search::Found(_) => Some(()),
+        Search::Searching(on) => {
+            homing = Some(on);
+            None
+        }
+    });
+    assert_eq!(asked(&hand), [(HOMING, vec![]), (STOP, vec![]), (HOMING, vec![])]);
 }
 
 #[test]
