@@ -111,10 +111,6 @@ def run(*command):
     subprocess.run(command, check=True)
 
 
-class Late(Exception):
-    """This machine was."""
-
-
 class Shortfall(Exception):
     """What is not as it should be."""
 

@@ -15,12 +15,13 @@ import threading
 import time
 from pathlib import Path
 
+sys.path.append(str(Path(__file__).resolve().parent.parent))
+from late import late  # noqa: E402
+
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent.parent.parent
 ADDRESS = "127.0.0.1"
 PART = 0.03
-# What a machine says that is too busy for a cell, or for a server in Python.
-LATE = re.compile("steps were missed|other end is gone|launcher stands still|no state came|is run by process")
 REQUESTS = ["connect", "homing", "grasp", "move", "stop"]
 
 
@@ -192,9 +193,11 @@ def cell(times=1, homed=True):
             timeout=120,
         )
         said = done.stdout + done.stderr
-        if not LATE.search(said):
+        # The last is said of a hand in Python.
+        why = late(said, "no state came")
+        if not why:
             break
-        print("hand: late,", LATE.search(said)[0], file=sys.stderr)
+        print("hand: late,", why, file=sys.stderr)
     return said, done.returncode
 
 

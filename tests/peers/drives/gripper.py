@@ -14,12 +14,14 @@ import asyncio
 import json
 import os
 import pathlib
-import re
 import signal
 import subprocess
 import sys
 import tempfile
 import time
+
+sys.path.append(str(pathlib.Path(__file__).resolve().parent.parent))
+from late import late  # noqa: E402
 
 REQUEST, STATUS, UNIT = 0x03E8, 0x07D0, 9
 CLOSE, OPEN, PART = 203, 16, 120  # 10 mm, 80 mm and 41 mm, in the gripper's numbers
@@ -127,8 +129,8 @@ class Server:
         return json.loads(self.process.communicate()[0].strip() or "{}")
 
 
-# What a machine says that is too busy for a cell, or for a server in Python.
-LATE = re.compile("after late demands|steps were missed|other end is gone|launcher stands still|no answer came|no reading came")
+# What a server in Python causes that is given too little time.
+TOO_SLOW = ["no answer came", "no reading came"]
 
 
 def run(program, cell, *options, **how):
@@ -137,9 +139,10 @@ def run(program, cell, *options, **how):
         server = Server(options)
         said, status = once(program, cell, server, **how)
         seen = server.end()
-        if not LATE.search(said):
+        why = late(said, *TOO_SLOW)
+        if not why:
             break
-        print("gripper: late,", LATE.search(said)[0], file=sys.stderr)
+        print("gripper: late,", why, file=sys.stderr)
     return said, status, seen
 
 
@@ -214,7 +217,7 @@ def judge_transfer(program, cell):
     """What falls short in the transfer: its hand closes on the bar before the arms carry it, and opens after that."""
     wrong = []
     said, status, seen = run(program, cell, "--part", str(BAR), "--clear", str(CLEAR))
-    if LATE.search(said):
+    if late(said, *TOO_SLOW):
         sys.exit(75)
     print("gripper: transfer:", json.dumps(seen))
     # The arms carry the bar for more than 5 s between the two.
@@ -225,7 +228,7 @@ def judge_transfer(program, cell):
     # Lost in motion, all robots stop.
     said, status, _ = run(program, cell, "--part", str(BAR), "--clear", str(CLEAR), kill_after=6.0)
     print("gripper: transfer:", next((line for line in said.splitlines() if line.startswith("error")), "no error"))
-    if LATE.search(said):
+    if late(said, *TOO_SLOW):
         sys.exit(75)
     if status <= 0 or "polycrank-hand: stopped at the robot: communication lost" not in said:
         wrong.append("a lost hand")

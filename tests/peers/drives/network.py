@@ -16,7 +16,8 @@ from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
 sys.path.append(str(HERE.parent))
-from wire import Bad, Clear, Late, Namespace, Shortfall, Wire, begin_in_namespace, has  # noqa: E402
+from late import Late, late  # noqa: E402
+from wire import Bad, Clear, Namespace, Shortfall, Wire, begin_in_namespace, has  # noqa: E402
 
 ROOT = HERE.parent.parent.parent
 CELL, ROBOT = "10.77.0.1", "10.77.0.2"
@@ -53,7 +54,6 @@ def is_set_point(packet):
     return port == SET_POINTS and len(packet) > head + (packet[head + 12] >> 4) * 4
 
 
-LATE = ["steps were missed", "the process at the other end is gone", "after late demands"]
 
 
 class Bench:
@@ -154,7 +154,7 @@ def ur_loses_packets(bench, times):
         lost = bench.wire.lost - lost
         survived += ended == 0
         # The cell's own processes were too late for one another, whatever the network did.
-        if ended != 0 and any(late in words for late in LATE):
+        if ended != 0 and late(words):
             raise Late(words)
         how = "nothing stopped" if ended == 0 else "communication lost"
         print(f"ur: {loss:.1%} of the packets lost, {lost} in all: {how}, the longest gap was {gap_ms(told)} ms")
@@ -243,8 +243,8 @@ def main():
         for part in PARTS:
             if options.only in (None, part.__name__):
                 part(bench, options.times)
-    except Late as late:
-        print(f"network: {late}")
+    except Late as why:
+        print(f"network: {why}")
         sys.exit(75)
     except Shortfall as shortfall:
         sys.exit(f"network: {shortfall}")

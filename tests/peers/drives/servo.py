@@ -9,18 +9,17 @@ import tempfile
 import time
 from pathlib import Path
 
+sys.path.append(str(Path(__file__).resolve().parent.parent))
+from late import Late, late  # noqa: E402
+
 PAGE = Path(__file__).resolve().parents[2] / "tutorial/tcp_servo"
-# What a cell says when this machine gave its processes, or the servo, too little time.
-LATE = ["too many steps were missed", "the process at the other end is gone", "has said nothing for", "following error"]
-
-
-class Late(Exception):
-    """This machine was too late."""
+# What a servo in Python causes that is given too little time.
+TOO_SLOW = ["has said nothing for", "following error"]
 
 
 def has(condition, said):
     if not condition:
-        raise Late(said) if any(late in said for late in LATE) else SystemExit(f"servo: {said}")
+        raise Late(said) if late(said, *TOO_SLOW) else SystemExit(f"servo: {said}")
 
 
 class Servo:

@@ -6,7 +6,6 @@ end in the simulation of this project, run the same twice to the bit, and stop w
 
 import json
 import os
-import re
 import signal
 import struct
 import subprocess
@@ -18,7 +17,7 @@ from pathlib import Path
 
 import numpy as np
 
-from sensor import nothing_left
+from sensor import JUMPS, Late, late, nothing_left
 
 ROOT = Path(__file__).resolve().parents[3]
 PLANT = ROOT / "target/debug/examples/plant"
@@ -32,10 +31,6 @@ DELAY = 1
 
 sys.path.insert(0, str(EXAMPLES))
 import mujoco_arms  # noqa: E402
-
-
-class Late(Exception):
-    """This machine was late by more than the cell bears."""
 
 
 def check(is_so, what):
@@ -201,11 +196,6 @@ def lock_step(folder, make):
     )
 
 
-def is_late(said):
-    """Whether a cell ended because this machine was late."""
-    return bool(re.search("too many steps|demanded (acceleration|velocity)|late demands", said))
-
-
 def stands_after(run, arms, last):
     """The last demand that moved came within the bound after the last period that was simulated."""
     bound, latest = 1 + BRAKING + 2 * DELAY + 2, 0
@@ -226,7 +216,7 @@ def killed(folder, how, *options):
         mujoco.wait_for(300, arms, running)
         mujoco.process.send_signal(how)
         status, said = ended(running)
-    if "--processes" in options and is_late(said):
+    if "--processes" in options and late(said, *JUMPS):
         raise Late
     # In real time the arms notice at the same time that it is late, and only one of them removes what it left.
     told = ["its simulator has ended: start it again"] if how == signal.SIGKILL else []
@@ -252,7 +242,7 @@ def driver_killed(folder):
             if words[1:3] == [b"edp", b"right"] and str(folder).encode() in b" ".join(words):
                 os.kill(int(path.parent.name), signal.SIGKILL)
         status, said = ended(running)
-    if is_late(said):
+    if late(said, *JUMPS):
         raise Late
     check(status == 1 and "simulator" not in said.replace("answers of the simulator", ""), f"an EDP was killed: {status}: {said}")
     rows = mujoco.rows(arms)["left"]
@@ -269,7 +259,7 @@ def real_time(folder):
         status, said = ended(cell_of(folder, cell, "--processes"))
     rows = mujoco.rows(arms)["left"]
     if status != 0:
-        if is_late(said) or "too late for real time" in said:
+        if late(said, *JUMPS) or "too late for real time" in said:
             raise Late
         raise SystemExit(f"plant: the cell ended with {status}: {said}")
     # The module counts what both arms found late.

@@ -20,7 +20,8 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent.parent.parent
 sys.path.append(str(HERE.parent))
-from wire import Bad, Clear, Cut, Late, Namespace, Shortfall, Wire, begin_in_namespace, has  # noqa: E402
+from late import Late, late  # noqa: E402
+from wire import Bad, Clear, Cut, Namespace, Shortfall, Wire, begin_in_namespace, has  # noqa: E402
 
 PROGRAM = ROOT / "target/debug/examples/transfer"
 JOINTS = {"rnt": 6, "polycrank": 7}
@@ -29,7 +30,7 @@ STEP, LONG_STEP = 0.004, 0.02
 # The longest stop that the cell allows any joint [s].
 STOP = 0.6
 # What says that steps were missed though the wire did nothing.
-LATE = ["steps were missed", "the process at the other end is gone", "after late demands", "is lost: the link is down"]
+LINK = "is lost: the link is down"
 
 
 # In CI some of all cuts and wires.
@@ -208,7 +209,7 @@ def reaches_its_end(bench):
     node = bench.node()
     try:
         status, words = ended(bench.run())
-        if status != 0 and any(late in words for late in LATE):
+        if status != 0 and late(words, LINK):
             raise Late(words)
         has(status == 0, f"the transfer on two machines ended with {status}: {words}")
         off = compared(bench, expected)
@@ -316,7 +317,7 @@ def bad_wire(bench):
                 survived += 1
                 print(f"bad wire: {how}: at its end, {compared(bench, expected):.1e} rad off")
             else:
-                has(status == 1 and any(late in words for late in LATE), f"{how}: it ended with {status}: {words}")
+                has(status == 1 and late(words, LINK), f"{how}: it ended with {status}: {words}")
                 nothing_left(bench)
                 cause = next((line for line in words.splitlines() if line.startswith("error: ")), "")
                 print(f"bad wire: {how}: stopped in order, and told: {cause.removeprefix('error: ')}")
@@ -386,7 +387,7 @@ def joins_twice(bench):
         has(not list(trace.iterdir()), "the second cell has robots that run")
         print(f"second launcher: refused: {words.splitlines()[0].removeprefix('error: ')}")
         status, words = ended(cell)
-        if status != 0 and any(late in words for late in LATE):
+        if status != 0 and late(words, LINK):
             raise Late(words)
         has(status == 0, f"the first cell was disturbed: {words}")
         nothing_left(bench)
@@ -430,8 +431,8 @@ def main():
         for part in PARTS:
             if options.only in (None, part.__name__):
                 part(bench)
-    except Late as late:
-        print(f"nodes: late: {late}")
+    except Late as why:
+        print(f"nodes: late: {why}")
         sys.exit(75)
     except Shortfall as shortfall:
         sys.exit(f"nodes: {shortfall}")
