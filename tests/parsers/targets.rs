@@ -106,18 +106,24 @@ pub fn rtde(bytes: &[u8]) {
     }
 }
 
-/// What answers a gripper's driver.
+/// What answers the drivers of a gripper, and of a device with inputs and outputs.
 pub fn modbus(bytes: &[u8]) {
-    use mrroc_robotiq::modbus::{Asked, Question};
+    use mrroc_modbus::message::{Asked, Question, Table};
     use mrroc_robotiq::registers::Status;
 
-    for what in [Asked::Read(0x07d0, 3), Asked::Write(0x03e8, [0x0900, 0x00ff, 0xffff])] {
+    for what in [
+        Asked::Read(Table::InputRegisters, 0x07d0, 3),
+        Asked::Write(0x03e8, [0x0900, 0x00ff, 0xffff]),
+        Asked::Read(Table::DiscreteInputs, 0, 13),
+        Asked::Switch(16, true),
+    ] {
         let question = Question { transaction: 0xd605, unit: 9, what };
-        let Some(registers) = told(question.answer(bytes)).flatten() else { continue };
-        if let &[a, b, c] = registers.as_slice() {
+        let Some(answer) = told(question.answer(bytes)).flatten() else { continue };
+        if let &[a, b, c] = answer.registers() {
             let status = Status::new([a, b, c]);
             assert!(status.is_active() || status.stop().is_some(), "one that is not active is stopped");
         }
+        assert!(answer.registers().len() == 3 || answer.bits() < 1 << 13, "{answer:?}");
     }
 }
 

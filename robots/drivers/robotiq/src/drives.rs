@@ -13,9 +13,6 @@ use mrroc_robots::{One, TwoFingers};
 
 use crate::exchange::{CLOSED, Heard, Inactive, Link};
 
-/// The port of Modbus TCP.
-pub const PORT: u16 = 502;
-
 /// How the gripper's numbers belong to openings: linear between two of them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Openings {

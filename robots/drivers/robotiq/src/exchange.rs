@@ -16,10 +16,10 @@ use std::time::Instant;
 
 use mrroc::robot::{DriveFault, RobotStop, StopCause};
 use mrroc_driver_kit::{Handed, Number, Speed, Talk, Watch};
+use mrroc_modbus::client::{Broken, Client, lost};
+use mrroc_modbus::message::{Asked, NoAnswer, Table};
 
-use crate::client::{Broken, Client};
 use crate::drives::RobotiqSettings;
-use crate::modbus::{Asked, NoAnswer};
 use crate::registers::{Fingers, REQUEST, Request, STATUS, Status};
 
 /// The shortest time from one exchange to the next: a gripper takes 200 a second at most.
@@ -146,20 +146,6 @@ impl Link {
 
 pub(crate) const CLOSED: DriveFault = DriveFault::Other("the gripper is not connected");
 
-const fn lost(name: &'static str) -> DriveFault {
-    DriveFault::Stopped(RobotStop::new(StopCause::CommunicationLost).named(name))
-}
-
-impl From<Broken> for DriveFault {
-    fn from(broken: Broken) -> DriveFault {
-        match broken {
-            // It is connected well, and is no gripper, or not the unit that was said.
-            Broken::NoAnswer(why @ NoAnswer::Exception(_)) if !why.passes() => DriveFault::Other(why.name()),
-            _ => lost(broken.name()),
-        }
-    }
-}
-
 /// What goes on in the thread.
 struct Exchange<'a> {
     shared: &'a Shared,
@@ -199,8 +185,8 @@ impl Exchange<'_> {
     }
 
     fn read(&mut self) -> Result<Status, Broken> {
-        let registers = self.client.ask(Asked::Read(STATUS, 3))?;
-        let &[a, b, c] = registers.as_slice() else { return Err(NoAnswer::Length.into()) };
+        let answer = self.client.ask(Asked::Read(Table::InputRegisters, STATUS, 3))?;
+        let &[a, b, c] = answer.registers() else { return Err(NoAnswer::Length.into()) };
         Ok(Status::new([a, b, c]))
     }
 

@@ -5,9 +5,7 @@
 //! (`tests/peers/drives`).
 //!
 //! A thread of its own exchanges registers with the gripper, at most 200 times a second. The servo periods of the EDP hand
-//! it the newest position and take its newest reading; they never wait for it. The protocol is written here, because what a
-//! gripper needs of it, two kinds of messages, is shorter than the asynchronous runtime around a library's client, and every
-//! limit on what comes stays in sight.
+//! it the newest position and take its newest reading; they never wait for it. The messages are those of `mrroc-modbus`.
 //!
 //! **Activation.** After each loss of its power a gripper must be activated, and then its fingers open and close as far as
 //! they can: they let fall what they hold, and pinch what is between them. So nothing does it by itself. A gripper that is
@@ -27,10 +25,8 @@
 //! let kinds = with_robotiq(mrroc_robots::simulated());
 //! ```
 
-mod client;
 mod drives;
 mod exchange;
-pub mod modbus;
 pub mod registers;
 #[cfg(test)]
 mod tests;
@@ -39,7 +35,9 @@ use mrroc::cell::RobotSetup;
 use mrroc_launch::cell_file::Kinds;
 use mrroc_robots::{One, Simulated, TwoFingers};
 
-pub use drives::{Activation, Openings, PORT, Robotiq, RobotiqSettings};
+pub use mrroc_modbus::PORT;
+
+pub use drives::{Activation, Openings, Robotiq, RobotiqSettings};
 
 /// Adds the kind `robotiq-2f85`: [`TwoFingers`] at an `address`, on port 502 unless it says another one. Simulated drives,
 /// from `start` on, stand in where nothing real may move. With `homed = false` a gripper that is not active is activated

@@ -1,6 +1,6 @@
 //! A connection with a device that speaks Modbus TCP. It blocks, so it belongs to a thread of its own.
 //!
-//! In: questions. Out: registers, within a time that is declared here, or why there are none.
+//! In: questions. Out: answers, within a time that is declared here, or why there are none.
 
 #![expect(
     clippy::disallowed_methods,
@@ -12,7 +12,9 @@ use std::io::{ErrorKind, Read, Write};
 use std::net::{SocketAddr, TcpStream};
 use std::time::Instant;
 
-use crate::modbus::{Asked, MAX_FRAME, NoAnswer, Question, Registers};
+use mrroc::robot::{DriveFault, RobotStop, StopCause};
+
+use crate::message::{Answer, Asked, MAX_FRAME, NoAnswer, Question};
 
 /// How long a device may take to accept the connection.
 pub const CONNECT: Duration = Duration::from_secs(1);
@@ -39,12 +41,29 @@ pub enum Broken {
 
 impl Broken {
     /// The same as a text that lasts.
+    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Broken::Unreachable => "nothing accepts a connection at its address",
             Broken::Closed => "the connection was closed",
             Broken::Silent => "no answer came in time",
             Broken::NoAnswer(why) => why.name(),
+        }
+    }
+}
+
+/// A connection that is lost, by its name.
+#[must_use]
+pub const fn lost(name: &'static str) -> DriveFault {
+    DriveFault::Stopped(RobotStop::new(StopCause::CommunicationLost).named(name))
+}
+
+impl From<Broken> for DriveFault {
+    fn from(broken: Broken) -> DriveFault {
+        match broken {
+            // It is connected well, and is another device, or not the unit that was said.
+            Broken::NoAnswer(why @ NoAnswer::Exception(_)) if !why.passes() => DriveFault::Other(why.name()),
+            _ => lost(broken.name()),
         }
     }
 }
@@ -72,6 +91,7 @@ impl Client {
     }
 
     /// The socket, to be shut down while this waits for an answer.
+    #[must_use]
     pub fn socket(&self) -> Option<TcpStream> {
         self.socket.try_clone().ok()
     }
@@ -80,7 +100,7 @@ impl Client {
     ///
     /// # Errors
     /// Why there is none. Only after a refusal that [passes](NoAnswer::passes) may something be asked again.
-    pub fn ask(&mut self, what: Asked) -> Result<Registers, Broken> {
+    pub fn ask(&mut self, what: Asked) -> Result<Answer, Broken> {
         self.transaction = self.transaction.wrapping_add(1);
         let question = Question { transaction: self.transaction, unit: self.unit, what };
         let until = Instant::now() + self.patience;
@@ -96,8 +116,8 @@ impl Client {
                 Err(why) if why.kind() == ErrorKind::Interrupted => 0,
                 Err(why) => return Err(broken(why)),
             };
-            if let Some(registers) = question.answer(&came[..len])? {
-                return Ok(registers);
+            if let Some(answer) = question.answer(&came[..len])? {
+                return Ok(answer);
             }
             if left.is_zero() {
                 return Err(Broken::Silent);

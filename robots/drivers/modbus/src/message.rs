@@ -1,7 +1,7 @@
-//! Messages of Modbus TCP: a question about a few registers, and its answer.
+//! Messages of Modbus TCP: a question about a few bits or registers, and its answer.
 //!
-//! In: which registers to write or to read; the bytes that came. Out: the bytes of a question; registers, or why those bytes
-//! are no answer to it. Nothing is allocated, and no frame may be longer than the protocol allows.
+//! In: what to write or to read; the bytes that came. Out: the bytes of a question; bits or registers, or why those bytes are no answer
+//! to it. Nothing is allocated, and no frame may be longer than the protocol allows. (Modbus Application Protocol 1.1b3.)
 
 /// The most bytes that a frame may have: 7 of the header, and 253 of the message in it.
 pub const MAX_FRAME: usize = 260;
@@ -11,6 +11,9 @@ const HEADER: usize = 7;
 
 /// Registers that a question may be about. The protocol allows 123; a gripper has three each way.
 pub const MAX_REGISTERS: usize = 8;
+
+/// Bits that a question may be about. The protocol allows 2000.
+pub const MAX_BITS: u16 = 32;
 
 /// Why what came is no answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -83,20 +86,58 @@ pub struct Question {
     pub what: Asked,
 }
 
-/// What is asked of a unit.
+/// What is asked of a unit. Bits and registers are counted from 0, as the messages count them and not as many manuals do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Asked {
-    /// Write these registers, from this one on (function 16).
+    /// Read so many of these bits or registers, from this one on: at most [`MAX_BITS`] or [`MAX_REGISTERS`].
+    Read(Table, u16, u16),
+    /// Switch this coil (function 5).
+    Switch(u16, bool),
+    /// Write this holding register (function 6).
+    Set(u16, u16),
+    /// Write three holding registers, from this one on (function 16).
     Write(u16, [u16; 3]),
-    /// Read so many input registers, from this one on (function 4), at most [`MAX_REGISTERS`].
-    Read(u16, u16),
+}
+
+/// What a device has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Table {
+    /// Bits that may be written: digital outputs (function 1).
+    Coils,
+    /// Bits that may only be read: digital inputs (function 2).
+    DiscreteInputs,
+    /// Registers that may be written: analog outputs (function 3).
+    HoldingRegisters,
+    /// Registers that may only be read: analog inputs (function 4).
+    InputRegisters,
+}
+
+impl Table {
+    const fn has_bits(self) -> bool {
+        matches!(self, Table::Coils | Table::DiscreteInputs)
+    }
 }
 
 impl Asked {
     const fn function(self) -> u8 {
         match self {
+            Asked::Read(Table::Coils, ..) => 0x01,
+            Asked::Read(Table::DiscreteInputs, ..) => 0x02,
+            Asked::Read(Table::HoldingRegisters, ..) => 0x03,
+            Asked::Read(Table::InputRegisters, ..) => 0x04,
+            Asked::Switch(..) => 0x05,
+            Asked::Set(..) => 0x06,
             Asked::Write(..) => 0x10,
-            Asked::Read(..) => 0x04,
+        }
+    }
+
+    /// What is asked about, and a second word: how many, or the value.
+    const fn words(self) -> [u16; 2] {
+        match self {
+            Asked::Read(_, first, count) => [first, count],
+            Asked::Switch(at, on) => [at, if on { 0xff00 } else { 0 }],
+            Asked::Set(at, value) => [at, value],
+            Asked::Write(first, words) => [first, words.len() as u16],
         }
     }
 }
@@ -121,18 +162,24 @@ impl Bytes {
     }
 }
 
-/// The registers of an answer.
+/// The bits or registers of an answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Registers {
+pub struct Answer {
     words: [u16; MAX_REGISTERS],
     len: usize,
 }
 
-impl Registers {
-    /// They; none after a question that writes.
+impl Answer {
+    /// The registers; none after a question that writes.
     #[must_use]
-    pub fn as_slice(&self) -> &[u16] {
+    pub fn registers(&self) -> &[u16] {
         &self.words[..self.len]
+    }
+
+    /// The bits, the first one in the lowest; 0 after a question that asks for none.
+    #[must_use]
+    pub const fn bits(&self) -> u32 {
+        self.words[0] as u32 | (self.words[1] as u32) << 16
     }
 }
 
@@ -144,31 +191,25 @@ impl Question {
         // Bytes that follow the length: the unit, and the message.
         let length: u16 = match self.what {
             Asked::Write(_, words) => 7 + 2 * words.len() as u16,
-            Asked::Read(..) => 6,
+            Asked::Read(..) | Asked::Switch(..) | Asked::Set(..) => 6,
         };
         for word in [self.transaction, 0, length] {
             frame.push(&word.to_be_bytes());
         }
         frame.push(&[self.unit, self.what.function()]);
-        match self.what {
-            Asked::Write(first, words) => {
-                frame.push(&first.to_be_bytes());
-                frame.push(&[0, words.len() as u8, 2 * words.len() as u8]);
-                words.iter().for_each(|word| frame.push(&word.to_be_bytes()));
-            }
-            Asked::Read(first, count) => {
-                frame.push(&first.to_be_bytes());
-                frame.push(&count.to_be_bytes());
-            }
+        self.what.words().iter().for_each(|word| frame.push(&word.to_be_bytes()));
+        if let Asked::Write(_, words) = self.what {
+            frame.push(&[2 * words.len() as u8]);
+            words.iter().for_each(|word| frame.push(&word.to_be_bytes()));
         }
         frame
     }
 
-    /// Reads what came: the registers when the whole answer is there, and `None` while more must come.
+    /// Reads what came: bits or registers when the whole answer is there, and `None` while more must come.
     ///
     /// # Errors
     /// It is not the answer, or a refusal.
-    pub fn answer(&self, came: &[u8]) -> Result<Option<Registers>, NoAnswer> {
+    pub fn answer(&self, came: &[u8]) -> Result<Option<Answer>, NoAnswer> {
         let word = |at: usize| Some(u16::from_be_bytes([*came.get(at)?, *came.get(at + 1)?]));
         let (Some(transaction), Some(protocol), Some(length)) = (word(0), word(2), word(4)) else {
             return Ok(None);
@@ -197,33 +238,39 @@ impl Question {
         if function != self.what.function() {
             return Err(NoAnswer::Question);
         }
-        self.registers(message).map(Some)
+        self.content(message).map(Some)
     }
 
-    fn registers(&self, message: &[u8]) -> Result<Registers, NoAnswer> {
-        let mut registers = Registers { words: [0; MAX_REGISTERS], len: 0 };
-        match self.what {
-            Asked::Write(first, words) => {
-                let echo = [first.to_be_bytes(), (words.len() as u16).to_be_bytes()];
-                match message.len() {
-                    4 if message == echo.as_flattened() => Ok(registers),
-                    4 => Err(NoAnswer::Question),
-                    _ => Err(NoAnswer::Length),
-                }
-            }
-            Asked::Read(_, count) => {
-                let count = usize::from(count);
-                let words = message.split_first().filter(|(bytes, words)| {
-                    usize::from(**bytes) == words.len() && words.len() == 2 * count && count <= MAX_REGISTERS
-                });
-                let (_, words) = words.ok_or(NoAnswer::Length)?;
-                for (to, word) in registers.words.iter_mut().zip(words.chunks_exact(2)) {
-                    *to = u16::from_be_bytes([word[0], word[1]]);
-                }
-                registers.len = count;
-                Ok(registers)
-            }
+    fn content(&self, message: &[u8]) -> Result<Answer, NoAnswer> {
+        let mut answer = Answer { words: [0; MAX_REGISTERS], len: 0 };
+        let Asked::Read(table, _, count) = self.what else {
+            // What was written comes back.
+            let echo = self.what.words().map(u16::to_be_bytes);
+            return match message.len() {
+                4 if message == echo.as_flattened() => Ok(answer),
+                4 => Err(NoAnswer::Question),
+                _ => Err(NoAnswer::Length),
+            };
+        };
+        let len = if table.has_bits() { usize::from(count.div_ceil(8)) } else { 2 * usize::from(count) };
+        let most = if table.has_bits() { count <= MAX_BITS } else { usize::from(count) <= MAX_REGISTERS };
+        let said = message
+            .split_first()
+            .filter(|(bytes, said)| usize::from(**bytes) == said.len() && said.len() == len && most);
+        let (_, said) = said.ok_or(NoAnswer::Length)?;
+        if table.has_bits() {
+            let mut bytes = [0; 4];
+            bytes[..len].copy_from_slice(said);
+            // Bits beyond those that were asked for are padding.
+            let bits = u32::from_le_bytes(bytes) & (u64::MAX << count ^ u64::MAX) as u32;
+            (answer.words[0], answer.words[1]) = (bits as u16, (bits >> 16) as u16);
+            return Ok(answer);
         }
+        for (to, word) in answer.words.iter_mut().zip(said.chunks_exact(2)) {
+            *to = u16::from_be_bytes([word[0], word[1]]);
+        }
+        answer.len = usize::from(count);
+        Ok(answer)
     }
 }
 
@@ -231,7 +278,8 @@ impl Question {
 mod tests {
     use super::*;
 
-    const READ: Question = Question { transaction: 0xd605, unit: 2, what: Asked::Read(0, 3) };
+    const READ: Question =
+        Question { transaction: 0xd605, unit: 2, what: Asked::Read(Table::InputRegisters, 0, 3) };
     const WRITE: Question =
         Question { transaction: 0x34ab, unit: 2, what: Asked::Write(0, [0x0900, 0x00ff, 0xffff]) };
     const READING: [u8; 15] = [0xd6, 5, 0, 0, 0, 9, 2, 4, 6, 0xf9, 0, 0, 0, 0x0d, 0];
@@ -245,9 +293,9 @@ mod tests {
             [0x34, 0xab, 0, 0, 0, 13, 2, 16, 0, 0, 0, 3, 6, 9, 0, 0, 0xff, 0xff, 0xff]
         );
         let written = WRITE.answer(&[0x34, 0xab, 0, 0, 0, 6, 2, 16, 0, 0, 0, 3]);
-        assert_eq!(written.map(|answer| answer.map(|answer| answer.as_slice().len())), Ok(Some(0)));
+        assert_eq!(written.map(|answer| answer.map(|answer| answer.registers().len())), Ok(Some(0)));
         let read = READ.answer(&READING).expect("an answer").expect("whole");
-        assert_eq!(read.as_slice(), [0xf900, 0, 0x0d00]);
+        assert_eq!(read.registers(), [0xf900, 0, 0x0d00]);
     }
 
     #[test]
@@ -279,5 +327,48 @@ mod tests {
         assert!(!NoAnswer::Exception(2).passes() && NoAnswer::Exception(11).passes());
         // Other registers than were written.
         assert_eq!(WRITE.answer(&[0x34, 0xab, 0, 0, 0, 6, 2, 16, 0, 1, 0, 3]), Err(NoAnswer::Question));
+    }
+
+    /// The examples of the specification (Modbus Application Protocol 1.1b3, 6.1, 6.2, 6.3, 6.5 and 6.6), in a frame of TCP.
+    #[test]
+    fn bits_and_single_values_are_those_of_the_specification() {
+        let question = |what| Question { transaction: 1, unit: 1, what };
+        let framed = |message: &[u8]| [&[0, 1, 0, 0, 0, message.len() as u8 + 1, 1], message].concat();
+        let coils = question(Asked::Read(Table::Coils, 0x13, 0x13));
+        assert_eq!(coils.bytes().as_slice(), framed(&[1, 0, 0x13, 0, 0x13]));
+        let read =
+            coils.answer(&framed(&[1, 3, 0xcd, 0x6b, 5])).map(|answer| answer.map(|answer| answer.bits()));
+        assert_eq!(read, Ok(Some(0x05_6bcd)));
+        let inputs = question(Asked::Read(Table::DiscreteInputs, 0xc4, 0x16));
+        assert_eq!(inputs.bytes().as_slice(), framed(&[2, 0, 0xc4, 0, 0x16]));
+        // What pads the last byte counts for nothing.
+        for last in [0x35, 0xf5] {
+            let read = inputs.answer(&framed(&[2, 3, 0xac, 0xdb, last]));
+            assert_eq!(read.map(|answer| answer.map(|answer| answer.bits())), Ok(Some(0x35_dbac)));
+        }
+        let holding = question(Asked::Read(Table::HoldingRegisters, 0x6b, 3));
+        assert_eq!(holding.bytes().as_slice(), framed(&[3, 0, 0x6b, 0, 3]));
+        let read =
+            holding.answer(&framed(&[3, 6, 2, 0x2b, 0, 0, 0, 0x64])).expect("an answer").expect("whole");
+        assert_eq!(read.registers(), [555, 0, 100]);
+        // What is written comes back.
+        for (what, message) in [
+            (Asked::Switch(0xac, true), [5, 0, 0xac, 0xff, 0]),
+            (Asked::Switch(0xac, false), [5, 0, 0xac, 0, 0]),
+            (Asked::Set(1, 3), [6, 0, 1, 0, 3]),
+        ] {
+            let asked = question(what);
+            assert_eq!(asked.bytes().as_slice(), framed(&message));
+            assert!(matches!(asked.answer(&framed(&message)), Ok(Some(_))));
+            let mut other = message;
+            other[2] ^= 1;
+            assert_eq!(asked.answer(&framed(&other)), Err(NoAnswer::Question));
+        }
+        // More than was asked for.
+        assert_eq!(coils.answer(&framed(&[1, 4, 0xcd, 0x6b, 5, 0])), Err(NoAnswer::Length));
+        assert_eq!(
+            question(Asked::Read(Table::Coils, 0, 33)).answer(&framed(&[1, 5, 0, 0, 0, 0, 0])),
+            Err(NoAnswer::Length)
+        );
     }
 }

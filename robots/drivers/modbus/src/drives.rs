@@ -1,0 +1,174 @@
+//! The drives of a device without joints: nothing moves, and its outputs switch.
+
+#![expect(clippy::disallowed_methods, reason = "before the cell runs, the device is waited for")]
+
+use core::time::Duration;
+use std::net::SocketAddr;
+
+use mrroc::robot::{
+    Channel, Channels, DriveFault, Driver, Measured, Outputs, Recovery, Robot, Signals, Value,
+};
+use mrroc_robots::NoJoints;
+
+use crate::exchange::{CLOSED, Link};
+use crate::layout::Layout;
+
+/// A device at an address.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ModbusIoSettings {
+    /// Where it, or the gateway before it, listens.
+    pub address: SocketAddr,
+    /// Its unit there: 1 by default.
+    pub unit: u8,
+    /// Where its inputs and outputs are.
+    pub layout: Layout,
+    /// How long its answer to a question may take, 200 ms by default: then the connection counts as lost, and where a gateway is only busy,
+    /// after five times as long. The cell does not count this in the time of its stops.
+    pub patience: Duration,
+    /// How often the EDP looks at what was exchanged, 2 ms by default; it divides the step, or the step divides it.
+    pub period: Duration,
+}
+
+impl ModbusIoSettings {
+    /// With the defaults.
+    #[must_use]
+    pub const fn new(address: SocketAddr, layout: Layout) -> ModbusIoSettings {
+        ModbusIoSettings {
+            address,
+            unit: 1,
+            layout,
+            patience: Duration::from_millis(200),
+            period: Duration::from_millis(2),
+        }
+    }
+}
+
+const BEYOND: DriveFault =
+    DriveFault::Other("an analog output was told a value that its register cannot say: is its scale right?");
+
+/// The drives of any robot without joints, by Modbus TCP.
+#[derive(Debug)]
+pub struct ModbusIo {
+    settings: ModbusIoSettings,
+    link: Option<Link>,
+    /// What programs have told outputs so far.
+    told: Outputs,
+    is_beyond: bool,
+    /// Whether the link is one that a reset has begun.
+    recovers: bool,
+}
+
+impl ModbusIo {
+    /// Drives that connect to nothing before they are opened.
+    #[must_use]
+    pub const fn new(settings: ModbusIoSettings) -> ModbusIo {
+        ModbusIo { settings, link: None, told: Outputs::NONE, is_beyond: false, recovers: false }
+    }
+
+    fn heard(&self) -> Result<Signals, DriveFault> {
+        self.link.as_ref().ok_or(CLOSED)?.heard()?.ok_or(CLOSED)
+    }
+
+    fn measured_now(&self) -> Result<Measured<NoJoints>, DriveFault> {
+        self.heard()?;
+        Ok(Measured { position: NoJoints::zeros(), velocity: NoJoints::zeros() })
+    }
+
+    fn begin(&self) -> Result<Link, DriveFault> {
+        let link = Link::begin(&self.settings)?;
+        link.tell(&self.told, &self.settings.layout);
+        Ok(link)
+    }
+}
+
+impl<R: Robot<Joints = NoJoints>> Driver<R> for ModbusIo {
+    fn period(&self) -> Duration {
+        self.settings.period
+    }
+
+    fn hardware(&self) -> Option<String> {
+        Some(format!("Modbus device {} unit {}", self.settings.address, self.settings.unit))
+    }
+
+    fn open(&mut self) -> Result<(), DriveFault> {
+        // A gateway may have room for one connection.
+        self.link = None;
+        let link = self.begin()?;
+        while link.heard()?.is_none() {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        self.link = Some(link);
+        Ok(())
+    }
+
+    fn close(&mut self) {
+        self.link = None;
+    }
+
+    fn held(&self) -> Option<NoJoints> {
+        self.link.as_ref().map(|_| NoJoints::zeros())
+    }
+
+    fn measured(&self) -> Result<Measured<NoJoints>, DriveFault> {
+        self.measured_now()
+    }
+
+    fn tick(&mut self, _: &NoJoints) -> Result<Measured<NoJoints>, DriveFault> {
+        if core::mem::take(&mut self.is_beyond) {
+            return Err(BEYOND);
+        }
+        self.measured_now()
+    }
+
+    fn channels(&self) -> Channels {
+        self.settings.layout.channels()
+    }
+
+    fn signals(&self) -> Signals {
+        self.heard().unwrap_or(Signals::OFF)
+    }
+
+    fn switch_outputs(&mut self, told: &Outputs) {
+        let scale = self.settings.layout.analog_output;
+        let beyond = |(channel, value)| match (channel, value) {
+            (Channel::Analog(_), Value::Analog(value)) => scale.register(value).is_none(),
+            _ => false,
+        };
+        if told.iter().any(beyond) {
+            self.is_beyond = true;
+            return;
+        }
+        self.told = *told;
+        if let Some(link) = &self.link {
+            link.tell(told, &self.settings.layout);
+        }
+    }
+
+    /// Connects again, if the exchange has ended. Outputs are then told what they were told last.
+    fn recover(&mut self) -> Result<Recovery, DriveFault> {
+        match self.link.as_ref().map(Link::heard) {
+            Some(Ok(Some(_))) => {
+                self.recovers = false;
+                return Ok(Recovery::Over);
+            }
+            Some(Ok(None)) => return Ok(Recovery::GoesOn),
+            Some(Err(fault)) if self.recovers => {
+                self.recovers = false;
+                return Err(fault);
+            }
+            Some(Err(_)) | None => {}
+        }
+        // A thread that waits for an answer ends soon, and is not waited for here.
+        if let Some(link) = self.link.as_ref().filter(|link| !link.is_over()) {
+            link.hang_up();
+            return Ok(Recovery::GoesOn);
+        }
+        self.link = Some(self.begin()?);
+        self.recovers = true;
+        Ok(Recovery::GoesOn)
+    }
+
+    fn switch_on(&mut self) -> Result<(), DriveFault> {
+        self.heard().map(drop)
+    }
+}
