@@ -23,6 +23,7 @@ use rustix::process::{Signal, set_parent_process_death_signal};
 use super::identity::{Identity, keys};
 use super::message::Said;
 use super::sending::{Post, Sending, join};
+use super::silence::{SILENT, Silences};
 use crate::control::{Control, Frame};
 use crate::iceoryx::{Fabric, Incoming, Seal, Seals, StandIn, Where, monotonic};
 use crate::identity::CellId;
@@ -61,6 +62,7 @@ struct Hub {
     incoming: OnceLock<Incoming>,
     wires: OnceLock<Arc<dyn Wires>>,
     session: u64,
+    silences: Silences,
 }
 
 impl Hub {
@@ -79,6 +81,9 @@ impl Hears for Hub {
                 }
             }
             Some((session, Said::Ping(sent))) => {
+                if session == self.session {
+                    self.silences.heard(from, monotonic());
+                }
                 // At once, and not behind what else is said: by the answers a node keeps its steps.
                 if let Some(wires) = self.wires.get() {
                     wires.send(from, &Said::Pong(sent, monotonic()).to_bytes(session));
@@ -152,6 +157,7 @@ fn carry(
         incoming: OnceLock::new(),
         wires: OnceLock::new(),
         session: seal.session,
+        silences: Silences::of(nodes.all().len()),
     });
     let folder = keys(file);
     let joining = Joining { nodes: &nodes, me: places.me, side: Side::Calls, keys: &folder };
@@ -318,7 +324,14 @@ impl Carrier {
             && self.far.len() == expected
             && self.far.iter().all(|(_, far)| matches!(far, Far::Ended)))
         {
-            let Ok(event) = events.recv() else { break };
+            let event = match events.recv_timeout(SILENT / 20) {
+                Ok(event) => event,
+                Err(RecvTimeoutError::Timeout) => match self.hub.silences.fallen_silent(monotonic()) {
+                    Some(node) => Event::Lost(node),
+                    None => continue,
+                },
+                Err(RecvTimeoutError::Disconnected) => break,
+            };
             match event {
                 Event::Launcher(Ok(Frame::Connect)) => {
                     if let Some(stand_in) = stand_in.take() {
