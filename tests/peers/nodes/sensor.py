@@ -251,6 +251,8 @@ def stopped(bench, mode, told, kill=False, cut=False):
     oldest = max(age for _, age, _ in run.readings)
     has(oldest <= STALE, f"{name}: it moved by a reading of {oldest} steps, at most {STALE} are allowed")
     moved, bound = run.last_motion() - at, 1 + BRAKING + 2 * DELAY
+    if bound < moved <= bound + STALE:
+        raise Late(f"{name}: it moved for {moved} of {bound} steps")
     has(moved <= bound, f"{name}: it moved for {moved} steps after its fault, at most {bound} are allowed")
     print(
         f"sensor elsewhere: {name}: the last demand that moved came {moved} of {bound} steps after the fault, which came with a reading "
