@@ -23,7 +23,7 @@ use zenoh::{Session, Wait};
 const SIZE: usize = 8 * 79 + 16;
 
 /// How many round trips of each kind count, and how many are warm-up.
-const COUNTED: usize = 2000;
+const COUNTED: usize = 600;
 const WARM_UP: usize = 100;
 
 fn main() -> ExitCode {

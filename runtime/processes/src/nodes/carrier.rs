@@ -14,7 +14,7 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
-use mrroc_core::cell::{Cell, Nodes, Realtime};
+use mrroc_core::cell::{Cell, Node, Nodes, Realtime};
 use mrroc_core::fault::ProcessId;
 use mrroc_core::link::Clock;
 use mrroc_launch::network::{Hears, Joining, Side, Wires, network};
@@ -207,7 +207,7 @@ fn meet(
             return Err(missing
                 .map(|&node| match &busy[node] {
                     Some(why) => format!("node {}: {why}", name(node)),
-                    None => absent(nodes, node, there[node]),
+                    None => absent(&nodes.all()[node], there[node]),
                 })
                 .collect::<Vec<_>>()
                 .join("\n"));
@@ -245,8 +245,7 @@ fn meet(
 pub(super) const BUSY: &str = "it has processes of another run";
 
 /// Why a node has not answered, and what to do.
-fn absent(nodes: &Nodes, node: usize, is_there: bool) -> String {
-    let node = &nodes.all()[node];
+pub(super) fn absent(node: &Node, is_there: bool) -> String {
     let (name, address) = (node.name.as_str(), node.address);
     if is_there {
         return format!("node {name} at {address} does not answer\n help: is its machine too busy?");
