@@ -180,6 +180,12 @@ fn fault_121_a_program_of_another_needs_an_age_a_rate_and_bounds() {
         ),
         (SENSOR, &format!("{TABLE}\nper_second = [0.0]"), "a change that is not above 0"),
         (SENSOR, &format!("{TABLE}\nport = \"my camera\""), "write port = \"..\" with such a name"),
+        (SENSOR, &format!("{TABLE}\naddress = \"192.168.1.2\""), "is no address of a network with a port"),
+        (
+            SENSOR,
+            &format!("{TABLE}\naddress = \"0.0.0.0:7449\""),
+            "is no address at which a program could find",
+        ),
         (SENSOR, &format!("{TABLE}\nrate = 3"), "did you mean `rate_hz`?"),
         ("mode = \"free running\"\nperiod_ms = 4", TABLE, "and no `stale_after_ms`"),
         ("stale_after_ms = 100", TABLE, "for which nobody waits"),
@@ -194,6 +200,14 @@ fn fault_121_a_program_of_another_needs_an_age_a_rate_and_bounds() {
     let told = file.external("t").map(drop).expect_err("no such sensor").to_string();
     assert!(told.contains("[sensors.t], which is not there"), "{told}");
     let external = file.external("s").expect("it is there");
+    assert_eq!((external.address(), file.doors().count()), (None, 0));
+    let elsewhere = cell(SENSOR, &format!("{TABLE}\naddress = \"192.168.1.2:7449\""));
+    let elsewhere = CellFile::parse("cell.toml", &elsewhere).expect("nothing is wrong with it");
+    let door = elsewhere.doors().next().expect("its program is on another machine");
+    assert_eq!(
+        (door.name(), door.address()),
+        ("s", Some(std::net::SocketAddr::from(([192, 168, 1, 2], 7449))))
+    );
     let told = external.believable(&["x".to_owned(), "y".to_owned()]).expect_err("two numbers").to_string();
     assert!(
         told.contains("`least` has 1 numbers, a reading has 2")

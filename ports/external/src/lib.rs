@@ -78,6 +78,22 @@
 //! version or layout, or with a number beyond what `cell.toml` allows, is a fault of the sensor, `SensorFailed`, until one
 //! comes that is none.
 //!
+//! # From another machine
+//!
+//! With `address` in `[sensors.NAME.external]` the port is reached over [zenoh](https://zenoh.io) 1, by TLS with certificates of
+//! both sides, peer to peer at that address, with low-latency transport and without scouting. A program declares the liveliness token
+//! `mrroc/@sensor/NAME/@program/NUMBER` with a number of its own (1 to 2^63), subscribes to `mrroc/@sensor/NAME/orders` and puts to
+//! `mrroc/@sensor/NAME/readings`. The messages are those above, with some words before them:
+//!
+//! | offset | type | of a reading, 568 bytes | of an order, 560 bytes; 16 bytes while there is none |
+//! |---|---|---|---|
+//! | 0 | `u64` | the program's number | the number of the program whose readings count, 0 for none; a program that finds another one's has to end |
+//! | 8 | `u64` | that of the newest order that has come, 0 before | when it was sent, by the clock of the cell's machine \[ns\] |
+//! | 16 | `u64` | when that order came, `CLOCK_MONOTONIC` of the program's machine \[ns\] | here the message begins |
+//!
+//! The message of a reading has its time by the clock of the program's machine. The difference of the two clocks is taken from those
+//! words, so that a reading counts as older by the time that an order needs to the program, and never as newer than it is.
+//!
 //! # The port of a simulator
 //!
 //! For each robot in it two services as above, `mrroc/PORT/ROBOT/orders`, of which 64 messages are kept, and
@@ -142,6 +158,7 @@
 //! | 48 | `f64` | the speed that the operator wants, 0 to 1 |
 //! | 56 | `[u8; 240]` | the first fault since the last reset, as text, and zeros |
 
+mod door;
 mod message;
 mod numbers;
 mod onlookers;
@@ -153,6 +170,8 @@ mod tests;
 
 use core::fmt;
 use core::marker::PhantomData;
+use core::time::Duration;
+use std::net::SocketAddr;
 use std::path::PathBuf;
 
 use mrroc::cell::{CellError, SensorSetup};
@@ -160,16 +179,22 @@ use mrroc::fault::{Fault, FaultKind};
 use mrroc::payload::Wire;
 use mrroc::sensor::{EffectorState, ReadingOrder, Sensor, VirtualSensor};
 use mrroc_launch::cell_file::{CellFile, ExternalEntry};
+use mrroc_launch::network::doors_by;
 
 pub use onlookers::Onlookers;
 pub use plant::plant;
 
+use door::Opened;
 use message::{Foreign, Message, VERSION};
 use numbers::Numbers;
 use port::{Port, monotonic};
 
 /// Words of an order that say the configuration.
 const CONFIGURATION_WORDS: usize = 16;
+
+/// How long a cell waits for the program before it begins \[ns\], and how often it looks.
+const PATIENCE: u64 = 10_000_000_000;
+const LOOK: Duration = Duration::from_millis(5);
 
 /// A sensor whose readings a program of another sends.
 pub struct External<K: Sensor> {
@@ -181,6 +206,12 @@ pub struct External<K: Sensor> {
     /// The step of the cell \[ns\].
     step: u64,
     numbers: Numbers,
+    /// How long the program may take to send something before the cell begins without it \[ns\].
+    patience: u64,
+    /// Of a program on another machine: where it calls, and the cell file.
+    elsewhere: Option<(SocketAddr, PathBuf)>,
+    // It ends before the port, which removes what a killed one leaves.
+    door: Option<Opened>,
     port: Option<Port>,
     /// The last message that was believed.
     last: Option<Message>,
@@ -204,6 +235,7 @@ impl<K: Sensor> External<K> {
     where
         K::Configuration: Default,
     {
+        doors_by(door::keep);
         file.sensor(name, Self::new(file.external(name)?)?)
     }
 
@@ -218,6 +250,9 @@ impl<K: Sensor> External<K> {
             rate: entry.rate(),
             step: u64::try_from(entry.step().as_nanos()).unwrap_or(u64::MAX).max(1),
             numbers,
+            patience: PATIENCE,
+            elsewhere: entry.address().map(|address| (address, entry.cell_file().to_owned())),
+            door: None,
             port: None,
             last: None,
             newest: None,
@@ -256,6 +291,16 @@ impl<K: Sensor> External<K> {
         }
     }
 
+    /// Waits for a first message, so that programs and cell can be started in either order. What is wrong with it is told later, and
+    /// if none comes, that is told by whoever reads the sensor.
+    fn await_program(&self) {
+        let until = monotonic().saturating_add(self.patience);
+        let has_come = || self.port.as_ref().is_none_or(|port| port.newest().is_some());
+        while !has_come() && monotonic() < until {
+            std::thread::sleep(LOOK);
+        }
+    }
+
     fn believe(&self, message: &Message, now: u64) -> Result<K::Reading, Fault> {
         let fault = |text: &str| Fault::new(FaultKind::SensorFailed).text(text);
         let (layout, len) = (<K::Reading as Wire>::LAYOUT, <K::Reading as Wire>::LEN);
@@ -288,12 +333,22 @@ impl<K: Sensor> VirtualSensor for External<K> {
     type Kind = K;
 
     fn hardware(&self) -> Option<String> {
-        Some(format!("external port {}", self.port_name))
+        Some(match &self.elsewhere {
+            None => format!("external port {}", self.port_name),
+            Some((address, _)) => {
+                format!("external port {}, from another machine at {address}", self.port_name)
+            }
+        })
     }
 
     fn open(&mut self) -> Result<(), Fault> {
         let port = Port::open(&self.folder, &self.port_name);
-        self.port = Some(port.map_err(|why| Fault::new(FaultKind::SensorFailed).text(&why))?);
+        let failed = |why: String| Fault::new(FaultKind::SensorFailed).text(&why);
+        self.port = Some(port.map_err(failed)?);
+        if let Some((_, cell)) = &self.elsewhere {
+            self.door = Some(Opened::start(cell, &self.name).map_err(failed)?);
+        }
+        self.await_program();
         Ok(())
     }
 
@@ -317,6 +372,11 @@ impl<K: Sensor> VirtualSensor for External<K> {
     }
 
     fn python(&self) -> Option<String> {
-        Some(python::module::<K>(&self.name, &self.port_name, self.rate))
+        Some(python::module::<K>(
+            &self.name,
+            &self.port_name,
+            self.rate,
+            self.elsewhere.as_ref().map(|(address, _)| *address),
+        ))
     }
 }

@@ -89,6 +89,48 @@ impl Drop for Port {
     }
 }
 
+/// The ends that a program has of a port; one program at a time has them.
+pub(crate) struct ProgramEnds {
+    readings: Publisher<ipc::Service, Message, ()>,
+    orders: Subscriber<ipc::Service, Message, ()>,
+    node: Node<ipc::Service>,
+}
+
+impl ProgramEnds {
+    /// # Errors
+    /// Another program sends what the sensor reads.
+    pub fn open(node: Node<ipc::Service>, name: &str) -> Result<ProgramEnds, String> {
+        let (orders, readings) = (service(&node, name, "orders")?, service(&node, name, "readings")?);
+        let readings = readings.publisher_builder().create();
+        let taken = "a program of this machine sends what the sensor reads, which has one on another machine\n help: end it";
+        Ok(ProgramEnds {
+            readings: readings.map_err(|_| format!("port `{name}`: {taken}"))?,
+            orders: orders
+                .subscriber_builder()
+                .create()
+                .map_err(|error| format!("port `{name}`: {error}"))?,
+            node,
+        })
+    }
+
+    /// Sends a reading.
+    pub fn send(&self, reading: Message) {
+        // Nobody may be there to take it, which is nobody's fault.
+        let _ = self.readings.send_copy(reading);
+    }
+
+    /// The newest order since the last call.
+    pub fn newest(&self) -> Option<Message> {
+        self.orders.receive().ok().flatten().map(|sample| *sample)
+    }
+}
+
+impl Drop for ProgramEnds {
+    fn drop(&mut self) {
+        self.node.try_cleanup_dead_nodes();
+    }
+}
+
 /// What this process has of the ports of a folder.
 pub(crate) struct Ends {
     pub node: Node<ipc::Service>,

@@ -3,6 +3,7 @@
 //! In: the shapes of a sensor's readings and configurations. Out: the text of a module.
 
 use core::fmt::Write;
+use std::net::SocketAddr;
 
 use mrroc::payload::{Shape, Wire};
 use mrroc::robot::MAX_JOINTS;
@@ -10,6 +11,10 @@ use mrroc::sensor::Sensor;
 
 /// The module without what differs from sensor to sensor.
 const MODULE: &str = include_str!("python/port.py");
+
+/// The port itself, on the cell's machine and on another one.
+const HERE: &str = include_str!("python/here.py");
+const ELSEWHERE: &str = include_str!("python/elsewhere.py");
 
 /// What it has in common with that of a simulator.
 const ENDS: &str = include_str!("python/ends.py");
@@ -21,20 +26,36 @@ const KEYWORDS: [&str; 35] = [
     "lambda", "nonlocal", "not", "or", "pass", "raise", "return", "try", "while", "with", "yield",
 ];
 
-/// The module of the sensor `name` at a port, whose program sends so many readings a second.
-pub(crate) fn module<K: Sensor>(name: &str, port: &str, rate: f64) -> String {
+/// The module of the sensor `name` at a port, whose program sends so many readings a second, from another machine if the cell
+/// waits for it at an address.
+pub(crate) fn module<K: Sensor>(name: &str, port: &str, rate: f64, address: Option<SocketAddr>) -> String {
     let (reading, configuration) =
         (fields(<K::Reading as Wire>::SHAPE), fields(<K::Configuration as Wire>::SHAPE));
     let mut classes = String::new();
     let read = class("Reading", "What the sensor reads.", &reading, &mut classes);
     let chosen = class("Configuration", "What the cell chooses with an order.", &configuration, &mut classes);
     let _ = write!(classes, "\nREADING = {read}\nCONFIGURATION = {chosen}\n");
+    let (needs, library, port_class, ends) = match address {
+        None => ("iceoryx2==0.10.0, on the cell's machine", "iceoryx2 as iox2", HERE, ENDS),
+        Some(_) => ("eclipse-zenoh==1.10.2, on any machine", "zenoh", ELSEWHERE, ""),
+    };
+    let imports: &[&str] =
+        if address.is_some() { &["json", "os", "secrets", "struct", "time"] } else { &["os", "struct"] };
+    let imports: String = imports.iter().map(|module| format!("import {module}\n")).collect();
+    let place = match address {
+        None => format!("PORT = \"{port}\""),
+        Some(address) => format!("SENSOR = \"{name}\"\nADDRESS = \"{address}\"  # of the cell"),
+    };
     MODULE
-        .replace("@ENDS@", ENDS.trim_end())
+        .replace("@NEEDS@", needs)
+        .replace("@LIBRARY@", library)
+        .replace("@IMPORTS@", &imports)
+        .replace("@PLACE@", &place)
+        .replace("@PORT_CLASS@", port_class.trim_end())
+        .replace("@ENDS@", ends.trim_end())
         .replace("@CLASSES@", &classes)
         .replace("@EXAMPLE@", &arguments("Reading", &reading))
         .replace("@NAME@", name)
-        .replace("@PORT@", port)
         .replace("@RATE@", &format!("{rate:?}"))
         .replace("@LAYOUT@", &format!("0x{:016X}", <K::Reading as Wire>::LAYOUT))
         .replace("@MAX_JOINTS@", &MAX_JOINTS.to_string())

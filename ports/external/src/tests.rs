@@ -56,6 +56,7 @@ impl Folder {
         let mut sensor =
             External::<Camera>::new(file.external("camera").expect("it is there")).expect("one bound");
         sensor.folder.clone_from(&self.0);
+        sensor.patience = 0;
         sensor
     }
 

@@ -6,6 +6,8 @@
 
 use serde_json::{Value, json};
 
+use crate::certificates::program;
+
 /// The key of what `from` sends to `to`.
 pub(crate) fn way(from: &str, to: &str) -> String {
     format!("mrroc/{from}/{to}")
@@ -15,6 +17,53 @@ pub(crate) fn way(from: &str, to: &str) -> String {
 pub(crate) fn alive(node: &str) -> String {
     // `alive` is no name of a node here: a node's own keys have its name in this place, and `@` is in no name.
     format!("mrroc/@alive/{node}")
+}
+
+/// The key below which everything of a sensor's door is.
+fn of_sensor(sensor: &str) -> String {
+    // `@sensor` is in no name of a node.
+    format!("mrroc/@sensor/{sensor}")
+}
+
+/// The keys of a door: the orders of the cell, the readings of the program, and the programs that are there.
+pub(crate) struct DoorKeys {
+    pub orders: String,
+    pub readings: String,
+    /// Without the program's number.
+    pub programs: String,
+}
+
+impl DoorKeys {
+    pub fn of(sensor: &str) -> DoorKeys {
+        let base = of_sensor(sensor);
+        let key = |last: &str| format!("{base}/{last}");
+        DoorKeys { orders: key("orders"), readings: key("readings"), programs: key("@program") }
+    }
+}
+
+/// The rules of the door of a sensor: it hears who has the certificate of that sensor's program, and nobody else.
+pub(crate) fn at_door(sensor: &str) -> Value {
+    let DoorKeys { orders, readings, programs } = DoorKeys::of(sensor);
+    let programs = format!("{programs}/*");
+    let rule = |id: &str, flow: &str, messages: Value, keys: Value| json!({ "id": id, "permission": "allow", "flows": [flow], "messages": messages, "key_exprs": keys });
+    json!({
+        "enabled": true,
+        "default_permission": "deny",
+        "rules": [
+            rule("orders", "egress", json!(["put"]), json!([orders])),
+            rule("ears", "egress", json!(["declare_subscriber", "declare_liveliness_subscriber", "liveliness_query"]),
+                json!([readings, programs])),
+            rule("words", "ingress", json!(["put"]), json!([readings])),
+            rule("life", "ingress", json!(["liveliness_token", "reply"]), json!([programs])),
+            rule("its ears", "ingress", json!(["declare_subscriber"]), json!([orders])),
+        ],
+        "subjects": [
+            { "id": "program", "cert_common_names": [program(sensor)] },
+        ],
+        "policies": [
+            { "rules": ["orders", "ears", "words", "life", "its ears"], "subjects": ["program"] },
+        ],
+    })
 }
 
 /// The rules of the node `me`, among the others.

@@ -12,7 +12,8 @@
 //! }
 //! ```
 //!
-//! [`Zenoh`] joins a node to the others (`session`), `certificates` are made by `PROGRAM certificates FOLDER`, and `access`
+//! [`Zenoh`] joins a node to the others (`session`), and opens the `door` of a sensor whose program is on another machine;
+//! `certificates` are made by `PROGRAM certificates FOLDER`, and `access`
 //! says which node may say what. What nodes say to one another, and when robots stop, is none of this crate's business:
 //! that is in `mrroc-processes`.
 
@@ -20,6 +21,7 @@
 
 mod access;
 mod certificates;
+mod door;
 mod session;
 #[cfg(test)]
 mod tests;
@@ -27,8 +29,7 @@ mod tests;
 use std::path::Path;
 use std::sync::Arc;
 
-use mrroc_core::cell::Node;
-use mrroc_launch::network::{Hears, Joining, Network, Wires};
+use mrroc_launch::network::{Answers, Certified, Door, Doorway, Hears, Joining, Network, Wires};
 
 /// The network of zenoh.
 #[derive(Clone, Copy, Debug)]
@@ -39,7 +40,11 @@ impl Network for Zenoh {
         session::join(joining, hears).map(|wires| Box::new(wires) as Box<dyn Wires>)
     }
 
-    fn certify(&self, nodes: &[Node], folder: &Path) -> Result<String, String> {
-        certificates::make(nodes, folder).map_err(|error| format!("{}: {error}", folder.display()))
+    fn certify(&self, whom: &Certified<'_>, folder: &Path) -> Result<String, String> {
+        certificates::make(whom, folder).map_err(|error| format!("{}: {error}", folder.display()))
+    }
+
+    fn open_door(&self, door: &Door<'_>, hears: Arc<dyn Answers>) -> Result<Box<dyn Doorway>, String> {
+        door::open(door, hears).map(|door| Box::new(door) as Box<dyn Doorway>)
     }
 }

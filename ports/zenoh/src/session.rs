@@ -7,6 +7,8 @@
 
 use std::path::Path;
 use std::sync::Arc;
+use std::sync::mpsc::channel;
+use std::time::Duration;
 
 use mrroc_core::cell::Nodes;
 use mrroc_launch::network::{Hears, Joining, Side, Wires};
@@ -27,28 +29,65 @@ const LEASE_MS: u64 = 300;
 const CALL_MS: u64 = 200;
 const CALL_MOST_MS: u64 = 1000;
 
+/// How long a session may take to say farewell. zenoh itself takes 10 s for it where a cable is pulled, and as long again for each
+/// word that waits for a peer that takes none: the end of the process says the same.
+const FAREWELL: Duration = Duration::from_secs(1);
+
+/// What the kernel keeps of what a pulled cable does not take, per connection \[bytes\]: more than a node says within the lease. A
+/// writer that waits for the peer holds zenoh's lock on the connection, and then nobody hears before TCP gives up that it is lost.
+const KEPT: u32 = 1 << 20;
+
 /// The ways to the other nodes, as long as it lives.
-pub(crate) struct Zenoh {
-    /// By the nodes' places; none to itself.
-    publishers: Vec<Option<Publisher<'static>>>,
-    _ears: Vec<Subscriber<()>>,
-    _token: LivelinessToken,
+pub(crate) struct Zenoh(Parting<Ways>);
+
+/// What is closed in a thread of its own, which is waited for no longer than [`FAREWELL`].
+pub(crate) struct Parting<P: Send + 'static> {
+    parts: Option<P>,
     session: Session,
 }
 
-impl Wires for Zenoh {
-    fn send(&self, to: usize, bytes: &[u8]) {
-        if let Some(publisher) = self.publishers.get(to).and_then(Option::as_ref) {
-            // What cannot be sent is lost, as it would be in a cable.
-            let _ = publisher.put(bytes).wait();
+impl<P: Send + 'static> Parting<P> {
+    /// What a session has declared, and the session.
+    pub fn new(parts: P, session: Session) -> Parting<P> {
+        Parting { parts: Some(parts), session }
+    }
+
+    /// What the session has declared.
+    pub const fn parts(&self) -> Option<&P> {
+        self.parts.as_ref()
+    }
+}
+
+impl<P: Send + 'static> Drop for Parting<P> {
+    fn drop(&mut self) {
+        let (parts, session) = (self.parts.take(), self.session.clone());
+        let (tells, told) = channel();
+        let closing = std::thread::Builder::new().name("closes".to_owned()).spawn(move || {
+            // A session that is closed twice, or whose connections are gone, has nothing left to close.
+            let _ = session.close().wait();
+            drop(parts);
+            let _ = tells.send(());
+        });
+        if closing.is_ok() {
+            let _ = told.recv_timeout(FAREWELL);
         }
     }
 }
 
-impl Drop for Zenoh {
-    fn drop(&mut self) {
-        // A session that is closed twice, or whose connections are gone, has nothing left to close.
-        let _ = self.session.close().wait();
+struct Ways {
+    /// By the nodes' places; none to itself.
+    publishers: Vec<Option<Publisher<'static>>>,
+    _ears: Vec<Subscriber<()>>,
+    _token: LivelinessToken,
+}
+
+impl Wires for Zenoh {
+    fn send(&self, to: usize, bytes: &[u8]) {
+        let publisher = self.0.parts().and_then(|ways| ways.publishers.get(to)?.as_ref());
+        if let Some(publisher) = publisher {
+            // What cannot be sent is lost, as it would be in a cable.
+            let _ = publisher.put(bytes).wait();
+        }
     }
 }
 
@@ -57,7 +96,7 @@ pub(crate) fn join(joining: &Joining<'_>, hears: Arc<dyn Hears>) -> Result<Zenoh
     let Joining { nodes, me, side, keys } = *joining;
     let Some(own) = nodes.all().get(me) else { return Err("no such node".to_owned()) };
     let name = own.name.as_str();
-    let files = Files::of(name, keys)?;
+    let files = Files::of(name, keys, name).map_err(|error| format!("node {error}"))?;
     let config = Config::from_json5(&config(nodes, me, side, &files).to_string())
         .map_err(|error| error.to_string())?;
     let session = zenoh::open(config).wait().map_err(|error| {
@@ -97,10 +136,10 @@ pub(crate) fn join(joining: &Joining<'_>, hears: Arc<dyn Hears>) -> Result<Zenoh
         ears.push(looks.wait().map_err(failed)?);
     }
     let token = session.liveliness().declare_token(alive(name)).wait().map_err(failed)?;
-    Ok(Zenoh { publishers, _ears: ears, _token: token, session })
+    Ok(Zenoh(Parting::new(Ways { publishers, _ears: ears, _token: token }, session)))
 }
 
-/// zenoh's configuration.
+/// zenoh's configuration of a node.
 fn config(nodes: &Nodes, me: usize, side: Side, files: &Files) -> Value {
     let endpoint = |node: &mrroc_core::cell::Node| format!("tls/{}", node.address);
     let all = || nodes.all().iter().enumerate();
@@ -112,6 +151,11 @@ fn config(nodes: &Nodes, me: usize, side: Side, files: &Files) -> Value {
     };
     let name = nodes.all()[me].name.as_str();
     let others = nodes.all().iter().map(|node| node.name.as_str()).filter(|other| *other != name);
+    settings(&listen, &connect, control(name, others), files)
+}
+
+/// zenoh's configuration of who waits at these places, or calls those, and lets in what `access` says.
+pub(crate) fn settings(listen: &[String], connect: &[String], access: Value, files: &Files) -> Value {
     let path = |path: &Path| path.to_string_lossy().into_owned();
     json!({
         "mode": "peer",
@@ -130,6 +174,7 @@ fn config(nodes: &Nodes, me: usize, side: Side, files: &Files) -> Value {
                 "protocols": ["tls"],
                 "tx": { "lease": LEASE_MS, "keep_alive": 4 },
                 "tls": {
+                    "so_sndbuf": KEPT,
                     "root_ca_certificate": path(&files.authority),
                     "listen_private_key": path(&files.key),
                     "listen_certificate": path(&files.certificate),
@@ -142,6 +187,6 @@ fn config(nodes: &Nodes, me: usize, side: Side, files: &Files) -> Value {
                 },
             },
         },
-        "access_control": control(name, others),
+        "access_control": access,
     })
 }

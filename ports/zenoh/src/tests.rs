@@ -8,9 +8,11 @@ use std::time::Duration;
 
 use mrroc_core::cell::{Node, Nodes};
 use mrroc_core::fault::Name;
-use mrroc_launch::network::{Hears, Joining, Network, Side, Wires};
+use mrroc_launch::network::{Answers, Certified, Door, Hears, Joining, Network, Side, Wires};
+use zenoh::Wait;
 
 use crate::Zenoh;
+use crate::certificates::Files;
 
 /// What a node has heard.
 #[derive(Debug, PartialEq)]
@@ -57,7 +59,9 @@ impl Bench {
         };
         let nodes = ["a", "b", "c"].into_iter().zip(&ports).map(node).collect();
         let nodes = Nodes::new(nodes, 0, 0);
-        Zenoh.certify(nodes.all(), &folder).expect("certificates");
+        let doors =
+            vec![("camera", nodes.all()[2].address, Some("c")), ("laser", nodes.all()[1].address, Some("b"))];
+        Zenoh.certify(&Certified { nodes: nodes.all(), doors }, &folder).expect("certificates");
         Bench { nodes, folder }
     }
 
@@ -209,7 +213,8 @@ fn keys_are_their_owners_alone_and_one_that_others_may_read_is_refused() {
         bench.join_as(1, Side::Waits, &bench.nodes, bench.folder.join("a")).map(drop).expect_err("none");
     assert!(none.contains("node b has no ") && none.contains("certificates FOLDER"), "{none}");
     // No certificate is written over another one.
-    assert!(Zenoh.certify(bench.nodes.all(), &bench.folder).is_err());
+    let whom = Certified { nodes: bench.nodes.all(), doors: Vec::new() };
+    assert!(Zenoh.certify(&whom, &bench.folder).is_err());
 }
 
 #[test]
@@ -223,4 +228,127 @@ fn fault_146_a_node_that_is_gone_is_told_and_found_again() {
     // It is called again; whether it is taken in again is not the network's to say.
     let (_b, _b_hears) = bench.join(1, Side::Waits);
     until(&a_hears, &Heard::There(1));
+}
+
+/// Who is held up where it hears, as by a word that it has to say to a peer that takes none.
+struct HeldUp {
+    told: Mutex<Sender<()>>,
+    until: Mutex<Receiver<()>>,
+}
+
+impl Hears for HeldUp {
+    fn came(&self, _: usize, _: &[u8]) {
+        let _ = self.told.lock().expect("whole").send(());
+        let _ = self.until.lock().expect("whole").recv();
+    }
+    fn is_there(&self, _: usize) {}
+    fn is_lost(&self, _: usize) {}
+}
+
+#[test]
+fn fault_159_a_node_that_is_held_up_by_the_network_has_ended_soon() {
+    let bench = Bench::new("farewell");
+    let (b, b_hears) = bench.join(1, Side::Waits);
+    let ((tells, told), (_holds, until_then)) = (channel(), channel());
+    let held_up = HeldUp { told: Mutex::new(tells), until: Mutex::new(until_then) };
+    let keys = bench.folder.join("a");
+    let joining = Joining { nodes: &bench.nodes, me: 0, side: Side::Calls, keys: &keys };
+    let a = Zenoh.join(&joining, Arc::new(held_up)).expect("joined");
+    until(&b_hears, &Heard::There(0));
+    b.send(0, b"x");
+    told.recv_timeout(SOON).expect("a hears it");
+    let (tells, told) = channel();
+    std::thread::spawn(move || {
+        drop(a);
+        let _ = tells.send(());
+    });
+    // Its own limit is 1 s; zenoh's is 10 s.
+    assert_eq!(told.recv_timeout(Duration::from_secs(8)), Ok(()), "it still says farewell");
+}
+
+/// Who hears at a door.
+struct Porter(Mutex<Sender<AtDoor>>);
+
+#[derive(Debug, PartialEq)]
+enum AtDoor {
+    Came(Vec<u8>),
+    There(u64),
+    Lost(u64),
+}
+
+impl Answers for Porter {
+    fn came(&self, bytes: &[u8]) {
+        let _ = self.0.lock().expect("whole").send(AtDoor::Came(bytes.to_vec()));
+    }
+    fn is_there(&self, program: u64) {
+        let _ = self.0.lock().expect("whole").send(AtDoor::There(program));
+    }
+    fn is_lost(&self, program: u64) {
+        let _ = self.0.lock().expect("whole").send(AtDoor::Lost(program));
+    }
+}
+
+/// A program that calls an address with a certificate of a folder, as Python would.
+fn program(bench: &Bench, (folder, name): (&str, &str), place: usize) -> zenoh::Session {
+    let files = Files::of(name, &bench.folder.join(folder), folder).expect("certificates");
+    let endpoint = format!("tls/{}", bench.nodes.all()[place].address);
+    let open = serde_json::json!({ "enabled": false });
+    let config = crate::session::settings(&[], &[endpoint], open, &files).to_string();
+    zenoh::open(zenoh::Config::from_json5(&config).expect("a configuration")).wait().expect("a session")
+}
+
+#[test]
+fn fault_211_the_certificate_of_a_sensors_program_opens_the_door_of_that_sensor_and_nothing_else() {
+    let bench = Bench::new("door");
+    let (tells, hears) = channel();
+    let porter = Arc::new(Porter(Mutex::new(tells)));
+    let keys = bench.folder.join("c");
+    let door = Door { sensor: "camera", address: bench.nodes.all()[2].address, keys: &keys };
+    let door = Zenoh.open_door(&door, porter).expect("opened");
+    let says = |session: &zenoh::Session, who: u64| {
+        let token = session.liveliness().declare_token(format!("mrroc/@sensor/camera/@program/{who}")).wait();
+        for _ in 0..25 {
+            session.put("mrroc/@sensor/camera/readings", who.to_le_bytes()).wait().expect("put");
+            std::thread::sleep(Duration::from_millis(20));
+        }
+        token
+    };
+    // A node's certificate, the one of another sensor's program, that of a door.
+    let strangers = [("b", "b"), ("sensor.laser", "sensor.laser"), ("b", "door.laser")]
+        .map(|who| program(&bench, who, 2));
+    let _tokens =
+        strangers.iter().enumerate().map(|(who, session)| says(session, who as u64 + 1)).collect::<Vec<_>>();
+    assert_eq!(hears.recv_timeout(A_WHILE), Err(std::sync::mpsc::RecvTimeoutError::Timeout));
+    let camera = program(&bench, ("sensor.camera", "sensor.camera"), 2);
+    let (orders, ordered) = channel();
+    let listens = camera.declare_subscriber("mrroc/@sensor/camera/orders").callback(move |sample| {
+        let _ = orders.send(sample.payload().to_bytes().to_vec());
+    });
+    let _listens = listens.wait().expect("declared");
+    let _token = says(&camera, 7);
+    let mut awaited = vec![AtDoor::There(7), AtDoor::Came(7_u64.to_le_bytes().to_vec())];
+    while !awaited.is_empty() {
+        let heard = hears.recv_timeout(SOON).expect("the program of the sensor is heard");
+        assert!(
+            heard == AtDoor::There(7) || heard == AtDoor::Came(7_u64.to_le_bytes().to_vec()),
+            "{heard:?}"
+        );
+        awaited.retain(|awaited| *awaited != heard);
+    }
+    let sent = std::time::Instant::now();
+    while ordered.recv_timeout(Duration::from_millis(20)) != Ok(b"order".to_vec()) {
+        assert!(sent.elapsed() < SOON, "no order comes");
+        door.send(b"order");
+    }
+    // At a node it is nobody.
+    let (_b, b_hears) = bench.join(1, Side::Waits);
+    let at_node = program(&bench, ("sensor.camera", "sensor.camera"), 1);
+    let _alive = at_node.liveliness().declare_token("mrroc/@alive/a").wait();
+    for _ in 0..25 {
+        at_node.put("mrroc/a/b", b"go".as_slice()).wait().expect("put");
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    assert_eq!(all(&b_hears), [], "node b has heard the program of a sensor");
+    camera.close().wait().expect("closed");
+    while hears.recv_timeout(SOON).expect("it is gone") != AtDoor::Lost(7) {}
 }

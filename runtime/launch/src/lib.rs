@@ -79,6 +79,7 @@ pub fn launch(
             | Word::External { .. }
             | Word::Node { .. }
             | Word::Certificates { .. }
+            | Word::Door { .. }
             | Word::Panel { .. },
         )
         | None => {}
@@ -94,6 +95,7 @@ pub fn launch(
         Some(Word::ExportUrdf { robot }) => Some((Asked::Urdf, robot)),
         Some(Word::External { name }) => Some((Asked::Python, name)),
         Some(Word::Certificates { folder }) => Some((Asked::Certificates, folder)),
+        Some(Word::Door { name }) => Some((Asked::Door, name)),
         Some(
             Word::Node { .. } | Word::Doctor | Word::Operating(_) | Word::Replay { .. } | Word::Panel { .. },
         )
@@ -103,7 +105,7 @@ pub fn launch(
         return parts.show(&cell, &path, recording.as_deref());
     }
     if let Some((asked, name)) = asked {
-        return telling::tell(&mut cell, name, asked);
+        return telling::tell(&mut cell, &path, name, asked);
     }
     if options.simulates() && !options.check {
         cell = match cell.simulated() {

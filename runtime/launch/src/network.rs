@@ -4,10 +4,15 @@
 //! has sent it, because a network lets nobody speak for another node.
 
 use std::fmt::Debug;
+use std::net::SocketAddr;
 use std::path::Path;
+use std::process::ExitCode;
 use std::sync::{Arc, OnceLock};
 
 use mrroc_core::cell::{Node, Nodes};
+use mrroc_core::console::refused;
+
+use crate::cell_file::{CellFile, ExternalEntry};
 
 static NETWORK: OnceLock<&'static dyn Network> = OnceLock::new();
 
@@ -22,6 +27,60 @@ pub fn nodes_over(network: &'static dyn Network) {
 #[must_use]
 pub fn network() -> Option<&'static dyn Network> {
     NETWORK.get().copied()
+}
+
+/// What keeps a door: the way of programs on other machines to the sensors of this one.
+pub type Doorkeeper = fn(&ExternalEntry, &'static dyn Network) -> Result<(), String>;
+
+static DOORKEEPER: OnceLock<Doorkeeper> = OnceLock::new();
+
+/// Has the doors of this program's sensors kept by `keeper`: the crate of the sensors calls it. What is given later counts for
+/// nothing.
+pub fn doors_by(keeper: Doorkeeper) {
+    // Only the first one can be set.
+    let _ = DOORKEEPER.set(keeper);
+}
+
+/// What a program without a network is told.
+pub(crate) const NO_NETWORK: &str = "this program has no network to other machines\n help: depend on mrroc-zenoh, and write \
+     mrroc::launch::nodes_over(&mrroc_zenoh::Zenoh) as the first line of main";
+
+/// Keeps the door of the sensor `name` of a cell file, until the process that has started this one is gone.
+pub(crate) fn keep_door(cell: &Path, name: &str) -> ExitCode {
+    let Some(network) = network() else { return refused(&NO_NETWORK) };
+    let Some(keep) = DOORKEEPER.get() else {
+        return refused(&format!(
+            "sensor `{name}` has no door\n help: give it `External` of mrroc-external in the program"
+        ));
+    };
+    let file = match CellFile::read(cell) {
+        Ok(file) => file,
+        Err(error) => return refused(&error),
+    };
+    match file.external(name).map_err(|error| error.to_string()).and_then(|entry| keep(entry, network)) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => refused(&error),
+    }
+}
+
+/// The door of one sensor: where the program that sends its readings calls from another machine.
+#[derive(Clone, Copy, Debug)]
+pub struct Door<'a> {
+    /// The sensor.
+    pub sensor: &'a str,
+    /// Where it is called.
+    pub address: SocketAddr,
+    /// The folder with the door's certificate.
+    pub keys: &'a Path,
+}
+
+/// What a network makes certificates for.
+#[derive(Clone, Debug)]
+pub struct Certified<'a> {
+    /// The machines of the cell; none for a cell on one.
+    pub nodes: &'a [Node],
+    /// Of each sensor whose program is on another machine: its name, where it is called, and which node it is on.
+    pub doors: Vec<(&'a str, SocketAddr, Option<&'a str>)>,
 }
 
 /// Whether a node calls the others or waits to be called.
@@ -54,11 +113,19 @@ pub trait Network: Debug + Sync {
     /// Why this node cannot join, and what to do.
     fn join(&self, joining: &Joining<'_>, hears: Arc<dyn Hears>) -> Result<Box<dyn Wires>, String>;
 
-    /// Makes certificates for these nodes, in a folder that is not there or empty. Returns what was made and where to put it.
+    /// Makes certificates for these nodes and doors, in a folder that is not there or empty. Returns what was made and where to
+    /// put it.
     ///
     /// # Errors
     /// What could not be made.
-    fn certify(&self, nodes: &[Node], folder: &Path) -> Result<String, String>;
+    fn certify(&self, whom: &Certified<'_>, folder: &Path) -> Result<String, String>;
+
+    /// Opens the door of a sensor. Only who has the certificate of that sensor is heard. What happens is told to `hears` by threads
+    /// of the network.
+    ///
+    /// # Errors
+    /// Why it cannot be opened, and what to do.
+    fn open_door(&self, door: &Door<'_>, hears: Arc<dyn Answers>) -> Result<Box<dyn Doorway>, String>;
 }
 
 /// Who hears what comes from other nodes. It is called in threads of the network, and must not wait.
@@ -71,6 +138,24 @@ pub trait Hears: Send + Sync {
 
     /// A node is gone, or cannot be reached any more.
     fn is_lost(&self, node: usize);
+}
+
+/// Who hears at a door. It is called in threads of the network, and must not wait.
+pub trait Answers: Send + Sync {
+    /// This has come from a program with the certificate of the sensor.
+    fn came(&self, bytes: &[u8]);
+
+    /// The program of this number is there.
+    fn is_there(&self, program: u64);
+
+    /// The program of this number has ended, or cannot be reached any more.
+    fn is_lost(&self, program: u64);
+}
+
+/// The way through a door to the programs at it.
+pub trait Doorway: Send + Sync {
+    /// Sends this to all of them; what is sent to none is lost.
+    fn send(&self, bytes: &[u8]);
 }
 
 /// The way to the other nodes.

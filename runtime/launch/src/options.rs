@@ -138,10 +138,16 @@ pub(super) enum Word {
         /// The node.
         name: String,
     },
-    /// Make certificates for the machines of the cell.
+    /// Make certificates for the machines of the cell, and for programs elsewhere that send what its sensors read.
     Certificates {
         /// A new folder.
         folder: String,
+    },
+    /// Keep the door of a sensor whose program is on another machine: its process starts this.
+    #[command(hide = true)]
+    Door {
+        /// The sensor.
+        name: String,
     },
     /// Show the cell, which runs in another terminal, or a recording of it, in a browser (feature `panel`).
     Panel {

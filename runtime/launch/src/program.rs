@@ -165,6 +165,7 @@ impl Launch {
             | Word::External { .. }
             | Word::Node { .. }
             | Word::Certificates { .. }
+            | Word::Door { .. }
             | Word::Panel { .. } => {
                 return None;
             }
@@ -235,7 +236,12 @@ impl Launch {
         }
         if let Some((asked, robot)) = &self.asked {
             cell.check()?;
-            return Ok(Ran::Part(telling::tell(&mut cell, robot, *asked)));
+            return Ok(Ran::Part(telling::tell(
+                &mut cell,
+                self.cell.as_deref().unwrap_or(Path::new("")),
+                robot,
+                *asked,
+            )));
         }
         if let Some((process, session)) = &self.part {
             cell.check()?;

@@ -8,10 +8,12 @@ use std::process::ExitCode;
 
 use mrroc_core::cell::{AnyRobot, Cell};
 use mrroc_core::console::{refused, say};
+use mrroc_core::fault::{Name, ProcessId, Role};
 use mrroc_core::suggestion::suggestion;
 
+use super::cell_file::CellFile;
 use super::external;
-use super::network::network;
+use super::network::{Certified, NO_NETWORK, keep_door, network};
 
 /// What a part of the cell is asked for instead of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,6 +28,8 @@ pub(super) enum Asked {
     Node,
     /// To make certificates for all machines, in a folder of this name.
     Certificates,
+    /// To keep the door of a sensor, for the process of that sensor.
+    Door,
     /// To show it in a browser.
     Panel,
 }
@@ -39,6 +43,7 @@ impl Asked {
             "external" => Some(Asked::Python),
             "node" => Some(Asked::Node),
             "certificates" => Some(Asked::Certificates),
+            "door" => Some(Asked::Door),
             "panel" => Some(Asked::Panel),
             _ => None,
         }
@@ -46,29 +51,39 @@ impl Asked {
 }
 
 /// Prints what the robot, or the sensor, of this name tells. Nothing moves.
-pub(super) fn tell(cell: &mut Cell, name: &str, asked: Asked) -> ExitCode {
+pub(super) fn tell(cell: &mut Cell, file: &Path, name: &str, asked: Asked) -> ExitCode {
     match asked {
         Asked::Python => external::tell(cell, name),
         Asked::Calibration => of_robot(cell, name, calibration),
         Asked::Urdf => of_robot(cell, name, urdf),
-        Asked::Certificates => certificates(cell, name),
+        Asked::Certificates => certificates(cell, file, name),
+        Asked::Door => keep_door(file, name),
         // What is no word of a robot or a sensor is asked of the processes.
         Asked::Node | Asked::Panel => refused(&"that is no part of a cell"),
     }
 }
 
-/// Makes certificates for the machines of the cell.
-fn certificates(cell: &Cell, folder: &str) -> ExitCode {
-    let Some(nodes) = cell.nodes() else {
-        return refused(&"cell.toml has no nodes\n help: write a table [nodes.NAME] for each machine");
-    };
-    let Some(network) = network() else {
+/// Makes certificates for the machines of the cell, and for programs on other machines that send what its sensors read.
+fn certificates(cell: &Cell, file: &Path, folder: &str) -> ExitCode {
+    // A program with a command line of its own may have no cell file.
+    let file = CellFile::read(file).ok();
+    let doors: Vec<_> = file.iter().flat_map(CellFile::doors).collect();
+    let nodes = cell.nodes();
+    if nodes.is_none() && doors.is_empty() {
         return refused(
-            &"this program has no network between nodes\n help: depend on mrroc-zenoh, and write \
-              mrroc::launch::nodes_over(&mrroc_zenoh::Zenoh) as the first line of main",
+            &"cell.toml has no nodes\n help: write a table [nodes.NAME] for each machine, or `address` into \
+              [sensors.NAME.external] for a program on another one",
         );
+    }
+    let Some(network) = network() else { return refused(&NO_NETWORK) };
+    let place = |name: &str| {
+        let (nodes, id) = (nodes?, ProcessId::new(Role::Vsp, Name::new(name).ok()?));
+        nodes.all().get(nodes.of(id)?).map(|node| node.name.as_str())
     };
-    match network.certify(nodes.all(), Path::new(folder)) {
+    let doors =
+        doors.iter().filter_map(|door| Some((door.name(), door.address()?, place(door.name())))).collect();
+    let whom = Certified { nodes: nodes.map_or(&[], |nodes| nodes.all()), doors };
+    match network.certify(&whom, Path::new(folder)) {
         Ok(told) => say(&told),
         Err(error) => refused(&error),
     }

@@ -306,13 +306,13 @@ def bad_wire(bench):
     survived = 0
     try:
         # Each way, each packet by itself: 0.0075 s are 15 ms to and fro.
-        wires = [(0.0, 0.0025), (0.0, 0.0075), (0.01, 0.0)]
-        for loss, delay in wires if not LONG else 4 * [*wires, (0.02, 0.0), (0.05, 0.0)]:
+        wires = [(0.0, 0.0025), (0.0, 0.0075), (0.01, 0.0), (0.02, 0.0), (0.05, 0.0)]
+        for loss, delay in 4 * wires if LONG else [(0.005, 0.005)]:
             bench.way(Bad(loss, delay))
             cell = bench.run(**settings)
             status, words = ended(cell)
             bench.way(Clear())
-            how = f"{loss:.0%} lost, up to {delay * 1e3:.0f} ms late"
+            how = f"{loss:.1%} lost, up to {delay * 1e3:.0f} ms late"
             if status == 0:
                 survived += 1
                 print(f"bad wire: {how}: at its end, {compared(bench, expected):.1e} rad off")
@@ -322,7 +322,7 @@ def bad_wire(bench):
                 cause = next((line for line in words.splitlines() if line.startswith("error: ")), "")
                 print(f"bad wire: {how}: stopped in order, and told: {cause.removeprefix('error: ')}")
             time.sleep(1.0)
-        if survived == 0:
+        if LONG and survived == 0:
             raise Late("no loose motion survived")
     finally:
         bench.way(Clear())

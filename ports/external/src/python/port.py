@@ -1,4 +1,4 @@
-"""What the sensor `@NAME@` of a cell reads, sent by a program of yours. Needs iceoryx2==0.10.0, on the cell's machine.
+"""What the sensor `@NAME@` of a cell reads, sent by a program of yours. Needs @NEEDS@.
 
     with Port() as port:
         port.send(Reading(@EXAMPLE@), time.monotonic_ns())
@@ -7,14 +7,12 @@ This file is made by `cargo run -- external @NAME@`; make it anew when the senso
 """
 
 import ctypes
-import os
-import struct
-from enum import IntEnum
+@IMPORTS@from enum import IntEnum
 from typing import Any, Iterator, NamedTuple, Optional
 
-import iceoryx2 as iox2
+import @LIBRARY@
 
-PORT = "@PORT@"
+@PLACE@
 RATE_HZ = @RATE@  # how many readings a second the cell expects
 VERSION = 1
 LAYOUT = @LAYOUT@  # of a reading
@@ -61,51 +59,22 @@ class _Message(ctypes.Structure):
         return "mrroc_external_1"
 
 
-class Port:
-    """The two ends that this program has of the port; one program at a time may send."""
+@PORT_CLASS@
 
-    def __init__(self) -> None:
-        self._node = _node()
-        try:
-            self._readings = self._service("readings").publisher_builder().create()
-        except iox2.PublisherCreateError:
-            raise SecondWriter(f"another program sends what `{PORT}` reads; end it first") from None
-        self._orders = self._service("orders").subscriber_builder().create()
-        self._order = None
 
-    def _service(self, direction: str) -> Any:
-        return _channel(self._node, f"mrroc/{PORT}/{direction}", _Message, 1)
+def _message(reading: Reading, measured_at: int, order: Optional[Order]) -> _Message:
+    words = words_of(reading)
+    message = _Message(VERSION, len(words), LAYOUT, order.step if order else 0, measured_at)
+    message.words[: len(words)] = words
+    return message
 
-    def order(self) -> Optional[Order]:
-        """The newest order of the cell; None before the first one."""
-        while (sample := self._orders.receive()) is not None:
-            message = sample.payload().contents
-            if message.version != VERSION:
-                raise OtherMessages(f"the cell has version {message.version} of the port, this module {VERSION}")
-            words = list(message.words[: message.len])
-            robot = _robot(words[CONFIGURATION_WORDS:])
-            configuration = _get(CONFIGURATION, iter(words))
-            self._order = Order(message.step, message.time, configuration, robot)
-        return self._order
 
-    def send(self, reading: Reading, measured_at: int, order: Optional[Order] = None) -> None:
-        """Sends what was measured at a time of time.monotonic_ns(), for an order if it was measured for one."""
-        words = words_of(reading)
-        message = _Message(VERSION, len(words), LAYOUT, order.step if order else 0, measured_at)
-        message.words[: len(words)] = words
-        self._readings.send_copy(message)
-
-    def close(self) -> None:
-        """Gives the port back."""
-        for end in (self._readings, self._orders):
-            end.delete()
-        del self._readings, self._orders, self._node
-
-    def __enter__(self) -> "Port":
-        return self
-
-    def __exit__(self, *_: Any) -> None:
-        self.close()
+def _order(message: _Message) -> Order:
+    if message.version != VERSION:
+        raise OtherMessages(f"the cell has version {message.version} of the port, this module {VERSION}")
+    words = list(message.words[: message.len])
+    robot = _robot(words[CONFIGURATION_WORDS:])
+    return Order(message.step, message.time, _get(CONFIGURATION, iter(words)), robot)
 
 
 def words_of(reading: Reading) -> list:

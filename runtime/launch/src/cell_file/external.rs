@@ -2,6 +2,8 @@
 
 use core::ops::Range;
 use core::time::Duration;
+use std::net::SocketAddr;
+use std::path::Path;
 use std::rc::Rc;
 
 use mrroc_core::cell::CellError;
@@ -16,6 +18,7 @@ pub struct ExternalEntry {
     pub(super) source: Rc<Source>,
     pub(super) name: String,
     pub(super) port: String,
+    pub(super) address: Option<SocketAddr>,
     pub(super) span: Range<usize>,
     pub(super) step: Duration,
     pub(super) stale_after: Duration,
@@ -47,6 +50,18 @@ impl ExternalEntry {
     #[must_use]
     pub fn port(&self) -> &str {
         &self.port
+    }
+
+    /// `address`: where this machine waits for the program, which is on another one; `None` for a program on this machine.
+    #[must_use]
+    pub const fn address(&self) -> Option<SocketAddr> {
+        self.address
+    }
+
+    /// The path of the cell file, as it was given.
+    #[must_use]
+    pub fn cell_file(&self) -> &Path {
+        Path::new(&self.source.file)
     }
 
     /// The step of the cell, `Ts`.

@@ -258,6 +258,12 @@ impl CellFile {
         entry.ok_or_else(|| self.source.missing("sensors", &format!("{name}.external"), there()).into())
     }
 
+    /// The sensors whose programs are on other machines.
+    pub fn doors(&self) -> impl Iterator<Item = &ExternalEntry> {
+        let external = self.sensors.iter().filter_map(|sensor| sensor.external.as_ref());
+        external.filter(|external| external.address().is_some())
+    }
+
     /// The set-up of the virtual sensor that the file calls `name`, computed by `sensor`.
     ///
     /// # Errors

@@ -23,6 +23,7 @@ use super::message::Said;
 use super::phase::Phase;
 use super::run::Run;
 use super::sending::{Post, join};
+use super::silence::Silences;
 use crate::capacity;
 use crate::control::Frame;
 use crate::iceoryx::{Fabric, Incoming, Where, monotonic};
@@ -64,6 +65,8 @@ pub(super) struct Hub {
     post: OnceLock<Post>,
     wires: OnceLock<Arc<dyn Wires>>,
     pub(super) phase: Mutex<Phase>,
+    /// How long the launcher's node has said nothing.
+    pub(super) silences: Silences,
 }
 
 impl Hub {
@@ -99,7 +102,10 @@ impl Hears for Hub {
                     wires.send(from, &Said::Pong(sent, now).to_bytes(session));
                 }
             }
-            Some((_, Said::Pong(sent, answered))) => self.phase(|phase| phase.hear(sent, answered, now)),
+            Some((_, Said::Pong(sent, answered))) => {
+                self.silences.heard(from, now);
+                self.phase(|phase| phase.hear(sent, answered, now));
+            }
             Some((session, said)) => self.tell(Event::Came(from, session, said)),
             None => {}
         }
@@ -170,6 +176,7 @@ impl Agent {
             post: OnceLock::new(),
             wires: OnceLock::new(),
             phase: Mutex::new(Phase::new()),
+            silences: Silences::of(nodes.all().len()),
         });
         let folder = keys(&file);
         let joining = Joining { nodes: &nodes, me, side: Side::Waits, keys: &folder };

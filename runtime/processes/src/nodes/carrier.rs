@@ -14,7 +14,7 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
-use mrroc_core::cell::{Cell, Nodes, Realtime};
+use mrroc_core::cell::{Cell, Node, Nodes, Realtime};
 use mrroc_core::fault::ProcessId;
 use mrroc_core::link::Clock;
 use mrroc_launch::network::{Hears, Joining, Side, Wires, network};
@@ -23,6 +23,7 @@ use rustix::process::{Signal, set_parent_process_death_signal};
 use super::identity::{Identity, keys};
 use super::message::Said;
 use super::sending::{Post, Sending, join};
+use super::silence::{SILENT, Silences};
 use crate::control::{Control, Frame};
 use crate::iceoryx::{Fabric, Incoming, Seal, Seals, StandIn, Where, monotonic};
 use crate::identity::CellId;
@@ -61,6 +62,7 @@ struct Hub {
     incoming: OnceLock<Incoming>,
     wires: OnceLock<Arc<dyn Wires>>,
     session: u64,
+    silences: Silences,
 }
 
 impl Hub {
@@ -79,6 +81,9 @@ impl Hears for Hub {
                 }
             }
             Some((session, Said::Ping(sent))) => {
+                if session == self.session {
+                    self.silences.heard(from, monotonic());
+                }
                 // At once, and not behind what else is said: by the answers a node keeps its steps.
                 if let Some(wires) = self.wires.get() {
                     wires.send(from, &Said::Pong(sent, monotonic()).to_bytes(session));
@@ -152,6 +157,7 @@ fn carry(
         incoming: OnceLock::new(),
         wires: OnceLock::new(),
         session: seal.session,
+        silences: Silences::of(nodes.all().len()),
     });
     let folder = keys(file);
     let joining = Joining { nodes: &nodes, me: places.me, side: Side::Calls, keys: &folder };
@@ -201,7 +207,7 @@ fn meet(
             return Err(missing
                 .map(|&node| match &busy[node] {
                     Some(why) => format!("node {}: {why}", name(node)),
-                    None => absent(nodes, node, there[node]),
+                    None => absent(&nodes.all()[node], there[node]),
                 })
                 .collect::<Vec<_>>()
                 .join("\n"));
@@ -239,8 +245,7 @@ fn meet(
 pub(super) const BUSY: &str = "it has processes of another run";
 
 /// Why a node has not answered, and what to do.
-fn absent(nodes: &Nodes, node: usize, is_there: bool) -> String {
-    let node = &nodes.all()[node];
+pub(super) fn absent(node: &Node, is_there: bool) -> String {
     let (name, address) = (node.name.as_str(), node.address);
     if is_there {
         return format!("node {name} at {address} does not answer\n help: is its machine too busy?");
@@ -318,7 +323,14 @@ impl Carrier {
             && self.far.len() == expected
             && self.far.iter().all(|(_, far)| matches!(far, Far::Ended)))
         {
-            let Ok(event) = events.recv() else { break };
+            let event = match events.recv_timeout(SILENT / 20) {
+                Ok(event) => event,
+                Err(RecvTimeoutError::Timeout) => match self.hub.silences.fallen_silent(monotonic()) {
+                    Some(node) => Event::Lost(node),
+                    None => continue,
+                },
+                Err(RecvTimeoutError::Disconnected) => break,
+            };
             match event {
                 Event::Launcher(Ok(Frame::Connect)) => {
                     if let Some(stand_in) = stand_in.take() {

@@ -8,11 +8,11 @@ use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use mrroc_core::cell::{Node, Nodes};
+use mrroc_core::cell::Nodes;
 use mrroc_core::link::Nanos;
 use mrroc_launch::network::{Hears, Joining, Side, Wires, network};
 
-use super::carrier::NO_NETWORK;
+use super::carrier::{NO_NETWORK, absent};
 use super::identity::keys;
 use super::message::Said;
 use super::phase::{Figures, Phase};
@@ -96,27 +96,18 @@ pub(crate) fn examine(nodes: &Nodes, file: &Path) -> String {
     std::thread::sleep(LAST);
     let phases = ear.phases.lock().unwrap_or_else(PoisonError::into_inner);
     let mut told = String::new();
-    for (node, phase) in others.into_iter().map(|node| (&nodes.all()[node], &phases[node])) {
+    for place in others {
+        let (node, figures) = (&nodes.all()[place], phases[place].figures());
+        let is_silent = figures.asked == figures.lost;
+        let described = if is_silent { absent(node, ear.is(place)) } else { describe(&figures) };
         // Writing to a text does not fail.
-        let _ = writeln!(
-            told,
-            "{:<16}{}",
-            format!("to node {}", node.name.as_str()),
-            describe(node, &phase.figures())
-        );
+        let _ = writeln!(told, "{:<16}{}", format!("to node {}", node.name.as_str()), described);
     }
     told
 }
 
 /// `0.61 ms (half), ..; no step is missed from 2 ms on, and a tight Move goes on from 1 ms on`.
-fn describe(node: &Node, figures: &Figures) -> String {
-    if figures.asked == figures.lost {
-        return format!(
-            "nobody answers at {}\n help: start it there: PROGRAM node {}",
-            node.address,
-            node.name.as_str()
-        );
-    }
+fn describe(figures: &Figures) -> String {
     let ms = |nanos: Nanos| nanos as f64 * 1e-6;
     let [half, most, nearly_all] = figures.round_trip;
     let (all, tight) = steps(nearly_all);
@@ -141,7 +132,9 @@ fn steps(round_trip: Nanos) -> (u64, u64) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use mrroc_core::cell::Node;
     use mrroc_core::fault::Name;
+    use std::net::TcpListener;
 
     #[test]
     fn the_step_that_a_link_carries_is_as_long_as_its_round_trip_and_half_of_it_for_a_tight_move() {
@@ -153,19 +146,25 @@ mod tests {
 
     #[test]
     fn a_link_is_told_with_its_step_and_a_node_that_does_not_answer_with_what_to_do() {
-        let node = Node { name: Name::new("b").expect("a name"), address: ([10, 0, 0, 2], 7447).into() };
         let figures = Figures {
             asked: 1000,
             lost: 2,
             round_trip: [610_000, 1_200_000, 2_600_000],
             ..Figures::default()
         };
-        let told = describe(&node, &figures);
+        let told = describe(&figures);
         assert!(
             told.contains("2.60 ms (99.9 %), 2 of 1000 lost") && told.contains("from step_ms = 4 on"),
             "{told}"
         );
-        let silent = describe(&node, &Figures { asked: 0, ..Figures::default() });
-        assert!(silent.contains("nobody answers at 10.0.0.2:7447") && silent.contains("node b"), "{silent}");
+        // Where something else waits, the node need not be started.
+        let other = TcpListener::bind("127.0.0.1:0").expect("a port");
+        let node = |address| Node { name: Name::new("b").expect("a name"), address };
+        let node = node(other.local_addr().expect("an address"));
+        let told = absent(&node, false);
+        assert!(told.contains("is not node b of this cell: its certificate"), "{told}");
+        drop(other);
+        let told = absent(&node, false);
+        assert!(told.contains("nobody answers at 127.0.0.1:") && told.contains("PROGRAM node b"), "{told}");
     }
 }

@@ -26,3 +26,4 @@ mod phase;
 mod pings;
 mod run;
 mod sending;
+mod silence;

@@ -23,7 +23,7 @@ use super::phase::{Figures, Phase};
 use super::pings::Pings;
 use super::sending::Sending;
 use crate::control::Frame;
-use crate::iceoryx::{Seal, Seals, StandIn};
+use crate::iceoryx::{Seal, Seals, StandIn, monotonic};
 use crate::launcher::make_shared;
 use crate::process_set::{CLOSING, Member};
 use crate::session::{Private, Session, prefix};
@@ -80,6 +80,7 @@ impl<'a> Run<'a> {
         let stand_in = stand_in.map_err(|error| text(&error))?;
         drop(private);
         *agent.hub.phase.lock().unwrap_or_else(PoisonError::into_inner) = Phase::new();
+        agent.hub.silences.forget();
         let pings = Pings::begin(agent, between.session, board).map_err(|error| text(&error))?;
         let mut run = Run {
             agent,
@@ -156,6 +157,11 @@ impl<'a> Run<'a> {
                         ));
                     }
                     self.hang_up();
+                }
+                Err(RecvTimeoutError::Timeout)
+                    if self.agent.hub.silences.fallen_silent(monotonic()) == Some(self.agent.mp()) =>
+                {
+                    self.agent.hub.tell(Event::Lost(self.agent.mp()));
                 }
                 Ok(_) | Err(RecvTimeoutError::Timeout) => {}
                 Err(RecvTimeoutError::Disconnected) => self.hang_up(),

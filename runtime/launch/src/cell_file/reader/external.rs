@@ -1,6 +1,7 @@
 //! Tables `[sensors.NAME.external]`.
 
 use core::time::Duration;
+use std::net::SocketAddr;
 use std::rc::Rc;
 
 use mrroc_core::fault::Name;
@@ -11,7 +12,8 @@ use super::super::entry::At;
 use super::super::external::ExternalEntry;
 use super::{Reader, Value};
 
-pub(in super::super) const EXTERNAL_KEYS: [&str; 5] = ["port", "rate_hz", "least", "largest", "per_second"];
+pub(in super::super) const EXTERNAL_KEYS: [&str; 6] =
+    ["port", "address", "rate_hz", "least", "largest", "per_second"];
 
 /// What the sensor's own table says that matters here.
 pub(super) struct Around<'a> {
@@ -47,6 +49,7 @@ impl Reader {
                 })
             }
         };
+        let address = table.get("address").map(|value| self.address_of_door(value));
         let mut required = |key: &str, example: &str| {
             let value = table.get(key);
             if value.is_none() {
@@ -95,6 +98,7 @@ impl Reader {
             source: Rc::clone(&self.source),
             name: name.clone(),
             port: port?,
+            address: address.map_or(Some(None), |address| address.map(Some))?,
             span: value.span(),
             step: around.step,
             stale_after,
@@ -103,6 +107,20 @@ impl Reader {
             largest,
             per_second,
         })
+    }
+
+    fn address_of_door(&mut self, value: &Value<'_>) -> Option<SocketAddr> {
+        const ADDRESS: &str = "\"192.168.1.2:7449\", the address of the sensor's machine in the network of the program, and a port";
+        let text = self.text(value, ADDRESS)?;
+        let wrong = match text.parse::<SocketAddr>() {
+            Err(_) => format!("`{text}` is no address of a network with a port"),
+            Ok(address) if address.ip().is_unspecified() || address.port() == 0 => {
+                format!("`{text}` is no address at which a program could find the sensor")
+            }
+            Ok(address) => return Some(address),
+        };
+        self.complain(&value.span(), wrong, format!("write address = {ADDRESS}"));
+        None
     }
 
     fn rate(&mut self, value: &Value<'_>) -> Option<At<f64>> {

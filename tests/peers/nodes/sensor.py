@@ -1,0 +1,306 @@
+"""A cell whose sensor is a Python program on another machine: in a network namespace of its own, where this machine permits that with a
+clock of its own (a day ahead), behind a wire that delays packets by up to 2 ms; on loopback else. The program is PyPI's zenoh.
+
+In: the example `camera`, built. Out: exit status 0 if the readings that the cell read are those that were sent, to the bit, none of
+them younger than it is, and if the robot stood within its bound after each end of them; 75 where this machine was too late.
+"""
+
+import math
+import os
+import random
+import re
+import shutil
+import signal
+import struct
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+ROOT = HERE.parent.parent.parent
+sys.path.append(str(HERE.parent))
+from wire import Bad, Cut, Late, Namespace, Shortfall, Wire, begin_in_namespace, has  # noqa: E402
+
+PROGRAM = ROOT / "target/debug/examples/camera"
+LONG = os.environ.get("MRROC_LONG") == "1"
+STEP = 0.004
+STALE = 25  # steps: 100 ms
+# The joint that moves, at 0.5 rad/s: its braking time at 7 rad/s² is 0.214 s by `--check`.
+BRAKING = 54
+# Of the EDP, in steps.
+DELAY = 1
+# How much further the clock of the other machine is [s].
+AHEAD = 86400
+# The longest way of a packet on the wire, each way [s].
+WAY = 0.002
+LATE = ("the process at the other end is gone", "too many steps were missed", "demanded acceleration", "demanded velocity")
+
+
+def program(mode, log):
+    """The program of another, in a process of its own on the other machine."""
+    import camera_port as port
+
+    rng = random.Random(7)
+    try:
+        with port.Port() as ends, open(log, "w", buffering=1) as sent:
+            if mode == "rival":
+                sent.write("\n")
+                while not any(line.endswith(" 1") for line in Path(log).with_name("plain.sent").read_text().splitlines()):
+                    time.sleep(0.02)
+            began, hiccup = time.monotonic(), False
+            while True:
+                now, wall, t = time.monotonic_ns(), time.time_ns(), time.monotonic() - began
+                # Noise in every bit, slower than 2 rad/s.
+                reading = port.Reading(0.2 * math.sin(t) + 1e-3 * rng.random(), True)
+                if t > 1.5 and mode == "hiccup" and not hiccup:
+                    hiccup = True
+                    time.sleep(0.2)
+                order = ends.order()
+                if t > 1.5 and mode == "other size":
+                    ends._readings.put(struct.pack("<QQQ", ends._program, *ends._newest()) + bytes(100))
+                else:
+                    bad = t > 1.5 and mode == "other version"
+                    port.VERSION += bad
+                    ends.send(reading, now, order)
+                    port.VERSION -= bad
+                sent.write(f"{bits(reading.direction)} {wall} {ends._came is not None:d}\n")
+                time.sleep(max(0.0, 1 / port.RATE_HZ - (time.monotonic_ns() - now) / 1e9))
+    except (port.SecondWriter, port.OtherMessages, OSError) as error:
+        print(error)
+        raise SystemExit(3) from None
+
+
+class Bench:
+    """A machine with the cell, and one with the program: a folder each."""
+
+    def __init__(self):
+        self.folder = Path(tempfile.mkdtemp(prefix="mrn"))
+        self.wire, self.namespaces, self.clock, address = None, [None, None], 0, "127.0.0.1"
+        if os.environ.get("MRROC_NAMESPACE") == "1":
+            address = "10.79.0.1"
+            self.wire = Wire(1)
+            self.wire.way = Bad(0.0, WAY)
+            self.namespaces = [Namespace("wire0", address, "10.79.0.2"), Namespace("wire1", "10.79.0.2", address)]
+            self.wire.start()
+            own_clock = subprocess.run(["unshare", "-T", "--monotonic", str(AHEAD), "--fork", "true"], capture_output=True)
+            self.clock = AHEAD if own_clock.returncode == 0 else 0
+        for name in ("cell", "there", "stranger"):
+            (self.folder / name).mkdir()
+        text = (ROOT / "ports/external/examples/cell.toml").read_text().replace("step_ms = 2", f"step_ms = {STEP * 1e3:.0f}")
+        self.cell_file = self.folder / "cell/cell.toml"
+        self.cell_file.write_text(text.replace("rate_hz", f'address = "{address}:7449"\nrate_hz'))
+        self.certify("keys")
+        shutil.copytree(self.folder / "keys/cell", self.folder / "cell/certificates")
+        module = self.ask("external", "camera")
+        for name, keys in (("there", "keys"), ("stranger", "others")):
+            if name == "stranger":
+                self.certify(keys)
+            (self.folder / name / "camera_port.py").write_bytes(module)
+            shutil.copytree(self.folder / keys / "sensor.camera", self.folder / name / "certificates")
+
+    def ask(self, *words):
+        done = subprocess.run([PROGRAM, "--cell", self.cell_file, *words], capture_output=True)
+        has(done.returncode == 0, f"{words}: {done.stderr.decode()}")
+        return done.stdout
+
+    def certify(self, folder):
+        self.ask("certificates", self.folder / folder)
+
+    def within(self, place, *command):
+        return self.namespaces[place].within(*command) if self.namespaces[place] else list(command)
+
+    def program(self, mode, home="there"):
+        """The program; when it returns it has begun to send."""
+        log = self.folder / f"{mode}.sent"
+        log.unlink(missing_ok=True)
+        clock = ["unshare", "-T", "--monotonic", str(self.clock), "--fork", "--kill-child=KILL"] if self.clock else []
+        command = self.within(1, *clock, sys.executable, __file__, "program", mode, str(log))
+        environment = {**os.environ, "PYTHONPATH": str(self.folder / home)}
+        process = subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, text=True)
+        while process.poll() is None and not (log.exists() and log.stat().st_size):
+            time.sleep(0.01)
+        return process
+
+    def cell(self):
+        command = self.within(0, PROGRAM, "--cell", self.cell_file, "--processes", "--no-picture", "--quiet")
+        environment = {**os.environ, "MRROC_PORTS": str(self.folder / "ports"), "MRROC_SECONDS": "2", "MRROC_TRACE": str(self.folder / "trace")}
+        shutil.rmtree(self.folder / "trace", ignore_errors=True)
+        (self.folder / "trace").mkdir()
+        return subprocess.Popen([str(word) for word in command], env=environment, cwd=self.folder, stderr=subprocess.PIPE, text=True)
+
+    def close(self):
+        if self.wire:
+            self.wire.ended = True
+            self.wire.join()
+            for namespace in self.namespaces:
+                namespace.close()
+        shutil.rmtree(self.folder)
+
+
+def end(process):
+    """Ends a program at once: it is on a machine that nobody tidies."""
+    if process.poll() is None:
+        process.kill()
+    process.wait(timeout=30)
+
+
+def ended(running):
+    _, said = running.communicate(timeout=60)
+    if any(kind in said for kind in LATE):
+        raise Late(said)
+    return running.returncode, said
+
+
+def bits(number):
+    return struct.pack(">d", number).hex()
+
+
+class Run:
+    """What the cell wrote down."""
+
+    def __init__(self, bench):
+        def rows(name, form):
+            file = bench.folder / "trace" / name
+            bytes = file.read_bytes() if file.exists() else b""
+            return [row for row in struct.iter_unpack(form, bytes[: len(bytes) // struct.calcsize(form) * struct.calcsize(form)])]
+
+        # Of each step of the Move: when it was by the wall clock [ns], how old the reading was [steps], and its bits.
+        self.readings = [(now, age, f"{word:016x}") for now, age, word in rows("readings", "<QQQ")]
+        self.demands = rows("demands", "<dd")
+
+    def last_motion(self):
+        """The last step in which the demand changed."""
+        pairs = zip(self.demands, self.demands[1:])
+        return max((round(after[0] / STEP) for before, after in pairs if before[1] != after[1]), default=0)
+
+
+def sent(bench, mode):
+    """What was sent once the cell was there: the bits, and when it was measured by the wall clock, which both machines share [ns]."""
+    lines = [line.split() for line in (bench.folder / f"{mode}.sent").read_text().splitlines()]
+    return {word: int(at) for word, at, heard in lines if heard == "1"}
+
+
+def nothing_left(bench):
+    left = [path for path in (bench.folder / "ports").rglob("*") if path.is_file()]
+    has(not left, f"files are left: {left}")
+    for entry in Path("/proc").iterdir():
+        try:
+            words = (entry / "cmdline").read_bytes()
+        except OSError:
+            continue
+        has(not (b"door" in words and str(bench.cell_file).encode() in words), f"a door is left: {words}")
+
+
+def equal(bench):
+    """Readings are those that were sent; a second program, and one with a certificate of another authority, disturb nothing."""
+    first, stranger, second = bench.program("plain"), bench.program("stranger", home="stranger"), bench.program("rival")
+    try:
+        running = bench.cell()
+        status, said = ended(running)
+        has(stranger.poll() is None, "the stranger has ended")
+        try:
+            told, _ = second.communicate(timeout=3)
+        except subprocess.TimeoutExpired:
+            told = "nothing"
+    finally:
+        for process in (first, stranger, second):
+            end(process)
+    has(status == 0, f"the cell ended with {status}: {said}")
+    has(second.returncode == 3 and "another program sends" in told, f"a second program was let in: {told}")
+    has(not sent(bench, "stranger"), "who has a certificate of another authority has got an order")
+    run, wrote = Run(bench), sent(bench, "plain")
+    read = {word for _, _, word in run.readings}
+    has(read <= set(wrote), "a reading was never sent")
+    has(len(read) > 20, f"{len(read)} readings")
+    # How much older each counted in each step than it was when that step had it. It was taken up to a step before that.
+    older = sorted(age * STEP - (now - wrote[word]) / 1e9 for now, age, word in run.readings)
+    least, middle = older[len(older) // 20], older[len(older) // 2]
+    if least < -0.01 or middle > 0.05:
+        raise Late(f"readings count as {least * 1e3:.1f} to {middle * 1e3:.1f} ms older than they are")
+    clock = f"{bench.clock} s apart" if bench.clock else "one for both"
+    print(
+        f"sensor elsewhere: {len(read)} readings equal to the bit, clocks {clock}; they count as {middle * 1e3:.1f} ms older than they are (half), "
+        f"{least * 1e3:.1f} ms (5 %); oldest {max(age for _, age, _ in run.readings)} steps; a second program and a stranger were refused"
+    )
+
+
+def stopped(bench, mode, told, kill=False, cut=False):
+    """The readings end in some way, and the robot with them."""
+    name = "kill -9" if kill else "cable pulled" if cut else mode
+    python = bench.program("plain" if kill or cut else mode)
+    try:
+        running = bench.cell()
+        if kill or cut:
+            time.sleep(1.5)
+        if kill:
+            python.kill()
+        if cut:
+            bench.wire.way = Cut()
+        status, said = ended(running)
+        if "no part was ever seen" in said or "nothing yet" in said:
+            raise Late(said)
+    finally:
+        end(python)
+        if bench.wire:
+            bench.wire.way = Bad(0.0, WAY)
+    has(status == 1 and told in said, f"{name}: the cell ended with {status}: {said}")
+    run = Run(bench)
+    at = int(re.search(r"at step (\d+)", said)[1])
+    oldest = max(age for _, age, _ in run.readings)
+    has(oldest <= STALE, f"{name}: it moved by a reading of {oldest} steps, at most {STALE} are allowed")
+    moved, bound = run.last_motion() - at, 1 + BRAKING + 2 * DELAY
+    if bound < moved <= bound + STALE:
+        raise Late(f"{name}: it moved for {moved} of {bound} steps")
+    has(moved <= bound, f"{name}: it moved for {moved} steps after its fault, at most {bound} are allowed")
+    print(
+        f"sensor elsewhere: {name}: the last demand that moved came {moved} of {bound} steps after the fault, which came with a reading "
+        f"of at most {STALE} + 1 steps"
+    )
+
+
+def main():
+    begin_in_namespace()
+    cases = {
+        "equal": equal,
+        "kill -9": lambda bench: stopped(bench, "plain", "too old", kill=True),
+        "other size": lambda bench: stopped(bench, "other size", "another version of the port"),
+        "cable pulled": lambda bench: stopped(bench, "plain", "too old", cut=True),
+        "hiccup": lambda bench: stopped(bench, "hiccup", "too old"),
+        "other version": lambda bench: stopped(bench, "other version", "another version of the port"),
+    }
+    short = ["equal", "kill -9", "other size"]
+    bench = Bench()
+    late = None
+    try:
+        for name in cases if LONG else short:
+            if name == "cable pulled" and not bench.wire:
+                print("sensor elsewhere: cable pulled: skipped: no namespaces")
+                continue
+            for _ in range(3):
+                try:
+                    cases[name](bench)
+                    nothing_left(bench)
+                    break
+                except Late as error:
+                    late = f"{name}: {error}"
+            else:
+                print(f"nodes: late: {late}")
+                sys.exit(75)
+    except Shortfall as shortfall:
+        sys.exit(f"nodes: {shortfall}")
+    finally:
+        bench.close()
+
+
+if __name__ == "__main__":
+    if sys.argv[1:2] == ["program"]:
+        # It ends as by Ctrl-C, which a background process of a shell does not hear.
+        signal.signal(signal.SIGTERM, signal.default_int_handler)
+        try:
+            program(*sys.argv[2:])
+        except KeyboardInterrupt:
+            pass
+    else:
+        main()
