@@ -53,7 +53,7 @@ const CRATES: &[(&str, &[&str])] = &[
     ("ports/external", &["mrroc-core", "mrroc-launch"]),
     ("ports/panel", &["mrroc-core", "mrroc-launch", "mrroc-processes"]),
     ("sensing/sensors", &["mrroc-core"]),
-    ("sensing/calibration", &["mrroc-core", "mrroc-launch", "mrroc-robots"]),
+    ("sensing/calibration", &["mrroc-core", "mrroc-launch", "mrroc-robots", "mrroc-sensors"]),
     ("ports/zenoh", &["mrroc-core", "mrroc-launch"]),
     ("generators-lib", &["mrroc-core"]),
     ("pictures", &["mrroc-core"]),
