@@ -54,6 +54,7 @@ const CRATES: &[(&str, &[&str])] = &[
     ("ports/panel", &["mrroc-core", "mrroc-launch", "mrroc-processes"]),
     ("sensing/sensors", &["mrroc-core"]),
     ("sensing/calibration", &["mrroc-core", "mrroc-launch", "mrroc-robots", "mrroc-sensors"]),
+    ("sensing/geocom", &["mrroc-core", "mrroc-driver-kit"]),
     ("ports/zenoh", &["mrroc-core", "mrroc-launch"]),
     ("generators-lib", &["mrroc-core"]),
     ("pictures", &["mrroc-core"]),
