@@ -39,10 +39,11 @@ pub struct Choice {
     pub smallest: f64,
 }
 
-/// What is believed at least of what has no tolerance: that it is within a decimetre, 0.1 rad, 1 %.
+/// What is believed at least of what has no tolerance: that it is within a decimetre, 0.1 rad, 100 pixels, 1 %.
 fn believed(unit: Unit) -> f64 {
     match unit {
         Unit::Metre | Unit::Radian => 0.1,
+        Unit::Pixel => 100.0,
         Unit::One => 0.01,
         Unit::RadianPerNewtonMetre => 1e-4,
     }

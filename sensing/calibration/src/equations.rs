@@ -269,6 +269,7 @@ impl<'p> Equations<'p> {
         }
         let mut row = 0;
         let mut slopes = DMatrix::zeros(0, 0);
+        let mut foretold = Vec::new();
         for i in &self.used {
             let measurement = &problem.measurements[*i];
             let instrument = &problem.instruments[measurement.instrument.0];
@@ -285,10 +286,9 @@ impl<'p> Equations<'p> {
             let constants = &at_values.instruments[measurement.instrument.0];
             let device = problem.device_of(*i);
             let k = device.residuals();
-            let mut foretold = [0.0; 16];
-            let foretold = &mut foretold[..device.readings()];
-            device.predict(&seen, constants, foretold);
-            device.difference(&measurement.read, foretold, &mut residuals[row..row + k]);
+            foretold.resize(device.readings(), 0.0);
+            device.predict(&seen, constants, &mut foretold);
+            device.difference(&measurement.read, &foretold, &mut residuals[row..row + k]);
             let sigma = &self.sigma[measurement.instrument.0];
             for (residual, sigma) in residuals[row..row + k].iter_mut().zip(sigma) {
                 *residual /= sigma;

@@ -194,7 +194,7 @@ impl Problem {
         Indistinct { fixed: self.parameter(slots[unseen.fixed]), with }
     }
 
-    /// The noise of the instruments that do not know theirs, one number for lengths and one for angles each.
+    /// The noise of the instruments that do not know theirs, one number for lengths, one for angles and one for pixels each.
     fn find_noise(
         &self,
         equations: &Equations<'_>,
@@ -223,7 +223,7 @@ impl Problem {
             if matches!(instrument.noise, Noise::Known(_)) {
                 continue;
             }
-            for unit in [Unit::Metre, Unit::Radian] {
+            for unit in [Unit::Metre, Unit::Radian, Unit::Pixel] {
                 let of = (0..instrument.device.residuals()).filter(|j| instrument.device.unit(*j) == unit);
                 let of: Vec<usize> = of.collect();
                 let own = raw.iter().filter(|(m, _)| self.measurements[*m].instrument.0 == i);

@@ -37,17 +37,32 @@ impl Arm for PoseArm {
 /// What was found on a flange.
 #[derive(Clone, Debug)]
 pub struct InHand {
-    /// Where it is on the flange; of a tip the position alone.
+    /// Where it is on the flange, or in the arm's base; of a tip the position alone.
     pub frame: Pose,
     /// The standard deviations of x, y, z \[m\], and of turns about its own axes \[rad\] if they were found.
     pub sigma: Vec<f64>,
     /// Root mean squares of what is left of positions \[m\], and of orientations \[rad\].
     pub left: [f64; 2],
+    /// The same of pixels, if it was found from these.
+    pub pixels: Option<f64>,
     /// What these poses do not tell, by name.
     pub unseen: Vec<String>,
 }
 
 impl InHand {
+    /// A pose in the arm's base, of what stands beside the arm.
+    #[must_use]
+    pub fn base_text(&self, name: &str, made: &str) -> String {
+        let (p, v) = (self.frame.translation.vector, self.frame.rotation.scaled_axis());
+        format!(
+            "# The {name} in the arm's base, found on {made}. m, rad.\n[frames.{name}]\nposition = {:?}\nrotation_vector = {:?}\n\
+             # Standard deviations of x, y, z, and of turns about its own axes.\n# sigma = {:?}\n",
+            [p.x, p.y, p.z],
+            [v.x, v.y, v.z],
+            self.sigma
+        )
+    }
+
     /// A pose as `cell.toml` writes it, for a table `[tools.NAME]`.
     #[must_use]
     pub fn text(&self, name: &str, made: &str) -> String {
@@ -74,6 +89,9 @@ impl fmt::Display for InHand {
         told(f, "position [mm]", [p.x, p.y, p.z], &self.sigma[..self.sigma.len().min(3)], 1e3)?;
         if self.sigma.len() > 3 {
             told(f, "rotation vector [rad]", [v.x, v.y, v.z], &self.sigma[3..], 1.0)?;
+        }
+        if let Some(pixels) = self.pixels {
+            return writeln!(f, "left: {pixels:.3} px rms");
         }
         write!(f, "left: {:.3} mm rms", 1e3 * self.left[0])?;
         if self.sigma.len() > 3 {
@@ -138,12 +156,12 @@ pub fn hand_eye(seen: &[(Pose, Pose)]) -> Result<InHand, NoFit> {
     Ok(in_hand(&fit, fit.frame(problem.place_of(camera)), "camera "))
 }
 
-fn posture(problem: &mut Problem, arm: ArmId, flange: &Pose) -> crate::PostureId {
+pub(crate) fn posture(problem: &mut Problem, arm: ArmId, flange: &Pose) -> crate::PostureId {
     let (p, v) = (flange.translation.vector, flange.rotation.scaled_axis());
     problem.posture(arm, &[p.x, p.y, p.z, v.x, v.y, v.z])
 }
 
-fn in_hand(fit: &Fit, frame: Pose, name: &str) -> InHand {
+pub(crate) fn in_hand(fit: &Fit, frame: Pose, name: &str) -> InHand {
     let mut sums = [(0.0, 0.0_f64); 2];
     for (_, _, raw) in fit.residuals() {
         for (sum, part) in sums.iter_mut().zip(raw.chunks(3)) {
@@ -156,6 +174,7 @@ fn in_hand(fit: &Fit, frame: Pose, name: &str) -> InHand {
         frame,
         sigma: found.map(|one| one.sigma).collect(),
         left: sums.map(|(sum, count)| (sum / count.max(1.0)).sqrt()),
+        pixels: None,
         unseen: fit.unseen().iter().map(ToString::to_string).collect(),
     }
 }

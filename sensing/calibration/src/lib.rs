@@ -8,11 +8,12 @@
 //! | [`minimise`], [`LeastSquares`], [`Loss`] | Levenberg-Marquardt for dense problems, with robust losses |
 //! | [`Information`], [`covariance`] | rank, what cannot be told apart, covariance |
 //! | [`Arm`], [`ChainArm`], [`Irp6Arm`] | robots by displacements behind their joints, or by physical parameters |
-//! | [`Device`]: [`Points`], [`Angles`], [`Distance`], [`Plane`], [`Touch`], [`FullPose`] | what instruments read |
+//! | [`Device`]: [`Points`], [`Angles`], [`Distance`], [`Plane`], [`Touch`], [`FullPose`], [`Pixels`] | what instruments read |
 //! | [`Problem`], [`Fit`] | blocks and measurements; what came of them |
 //! | [`choose`], [`Aim`] | which postures to measure |
 //! | [`data`], [`trials`] | tables of measurements of others; how much of an arm they can tell |
-//! | [`tip`], [`hand_eye`] | the tip of a tool, and a camera, on a flange |
+//! | [`tip`], [`hand_eye`], [`eye`] | the tip of a tool, and a camera, on a flange; a camera beside an arm |
+//! | [`intrinsics`], [`photo`] | a camera, from photos of a chessboard |
 //! | [`Touches`] | one base in another, from points that both arms touch |
 //! | [`file`](mod@file) | the file that is written for `cell.toml` |
 //!
@@ -26,14 +27,18 @@ pub mod columns;
 pub mod data;
 mod device;
 mod equations;
+mod eye;
 pub mod file;
 mod fit;
 mod hand;
 mod information;
+mod intrinsics;
 mod irp6;
 mod least_squares;
 mod loss;
 mod parameter;
+pub mod photo;
+mod pixels;
 mod problem;
 pub mod report;
 mod scatter;
@@ -45,12 +50,15 @@ pub use arm::{Arm, between, displaced};
 pub use chain::{Chain, ChainArm, Detail, DhRow, Joint, Tolerances};
 pub use choice::{Aim, Choice, choose, judge};
 pub use device::{Angles, Device, Distance, FullPose, Plane, Points, Touch};
+pub use eye::{Eye, Seen, eye};
 pub use fit::{Fit, Found, Indistinct, NoFit};
 pub use hand::{InHand, PoseArm, hand_eye, tip};
 pub use information::{Information, Unseen, covariance};
+pub use intrinsics::{Intrinsics, board_in_camera, camera_of, intrinsics};
 pub use irp6::Irp6Arm;
 pub use least_squares::{LeastSquares, Minimum, NoMinimum, Settings, minimise};
 pub use loss::Loss;
 pub use parameter::{Parameter, Unit};
+pub use pixels::Pixels;
 pub use problem::{ArmId, Compliance, FrameId, Freedom, InstrumentId, Noise, PostureId, Problem, TargetId};
 pub use touches::{TouchedBase, Touches, WrongTouches};

@@ -9,6 +9,8 @@ pub enum Unit {
     Metre,
     /// Radians; shown in mrad.
     Radian,
+    /// Pixels of an image.
+    Pixel,
     /// A ratio; shown in parts per million.
     One,
     /// Compliances of joints [rad/(N m)]; shown in µrad/(N m).
@@ -22,6 +24,7 @@ impl Unit {
         match self {
             Unit::Metre => ("mm", 1e3),
             Unit::Radian => ("mrad", 1e3),
+            Unit::Pixel => ("px", 1.0),
             Unit::One => ("ppm", 1e6),
             Unit::RadianPerNewtonMetre => ("urad/Nm", 1e6),
         }
@@ -33,6 +36,7 @@ impl fmt::Display for Unit {
         f.write_str(match self {
             Unit::Metre => "m",
             Unit::Radian => "rad",
+            Unit::Pixel => "pixel",
             Unit::One => "1",
             Unit::RadianPerNewtonMetre => "rad/(N m)",
         })

@@ -1,6 +1,7 @@
 //! What a program makes of what sensors give: `f_v` (eq. 14), without a cell and without physics.
 
 mod blobs;
+mod chessboard;
 mod debounce;
 mod features;
 mod lateral;
@@ -10,6 +11,7 @@ mod passages;
 mod vision;
 
 pub use blobs::{Blob, Blobs};
+pub use chessboard::{Board, Grey, NoBoard, refine};
 pub use debounce::{Debounce, Edge};
 pub use features::{FEATURES, Moments, features};
 pub use lateral::{Lateral, Laterals};

@@ -72,7 +72,8 @@ impl Camera {
 
 impl Lens {
     /// The distorted (a', b'), and its derivatives by (a, b).
-    fn distort(&self, at: &Vector2<f64>) -> (Vector2<f64>, Matrix2<f64>) {
+    #[must_use]
+    pub fn distort(&self, at: &Vector2<f64>) -> (Vector2<f64>, Matrix2<f64>) {
         let ([k1, k2, k3], [p1, p2]) = (self.radial, self.tangential);
         let (a, b) = (at.x, at.y);
         let q = a * a + b * b;

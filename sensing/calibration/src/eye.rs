@@ -1,0 +1,68 @@
+//! Where a camera is, on a flange or beside an arm, from what it sees of a board: the pixels of its corners.
+//!
+//! In: poses of the flange as a controller tells them, each with where the camera saw the corners. Out: the camera's place with standard deviations. The start is
+//! that of [`hand_eye`](crate::hand_eye), from poses of the board; then pixels count, as the camera has them.
+
+use mrroc::pose::Pose;
+use mrroc_sensors::aggregation::Board;
+use mrroc_sensors::camera::Camera;
+use nalgebra::Vector2;
+
+use crate::fit::NoFit;
+use crate::hand::{InHand, PoseArm, hand_eye, in_hand, posture};
+use crate::intrinsics::board_in_camera;
+use crate::least_squares::Settings;
+use crate::pixels::Pixels;
+use crate::problem::{Freedom, Noise, Problem};
+
+/// Where a camera is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Eye {
+    /// On the flange; the board is fixed in the world.
+    OnFlange,
+    /// Fixed in the world; the board is on the flange.
+    Fixed,
+}
+
+/// What a camera saw in one posture.
+#[derive(Clone, Debug)]
+pub struct Seen {
+    /// Where the flange was, in the arm's base.
+    pub flange: Pose,
+    /// Where the corners were seen \[pixel\], in the order of [`Board::points`].
+    pub corners: Vec<Vector2<f64>>,
+}
+
+/// Where the camera is: on the flange, or in the arm's base. What is left are pixels.
+///
+/// # Errors
+/// [`NoFit`].
+pub fn eye(camera: &Camera, board: &Board, mounted: Eye, seen: &[Seen]) -> Result<InHand, NoFit> {
+    let boards: Option<Vec<Pose>> =
+        seen.iter().map(|one| board_in_camera(camera, board, &one.corners)).collect();
+    let boards = boards.ok_or(NoFit::Empty)?;
+    // A camera beside the arm is one on the flange to who stands there.
+    let flange = |one: &Seen| match mounted {
+        Eye::OnFlange => one.flange,
+        Eye::Fixed => one.flange.inverse(),
+    };
+    let pairs: Vec<(Pose, Pose)> = seen.iter().map(flange).zip(boards).collect();
+    let start = hand_eye(&pairs)?.frame;
+    let (first, in_camera) = pairs.first().ok_or(NoFit::Empty)?;
+    let mut problem = Problem::new();
+    let arm = problem.arm("arm", PoseArm, Pose::identity(), Freedom::FIXED);
+    let target = problem.target("board", None, *first * start * in_camera, Freedom::FRAME);
+    let device = Pixels::of(*camera, board.points());
+    let noise = Noise::Unknown(vec![0.5; 2 * board.corners[0] * board.corners[1]]);
+    let id = problem.instrument("camera", device, Some(arm), start, Freedom::FRAME, noise);
+    for (one, (flange, _)) in seen.iter().zip(&pairs) {
+        let posture = posture(&mut problem, arm, flange);
+        let read: Vec<f64> = one.corners.iter().flat_map(|at| [at.x, at.y]).collect();
+        problem.measure(id, target, &[posture], &read);
+    }
+    let fit = problem.fit(&Settings { tolerance: 1e-12, ..Settings::default() })?;
+    let found = in_hand(&fit, fit.frame(problem.place_of(id)), "camera ");
+    let raw = fit.residuals().flat_map(|(_, _, raw)| raw);
+    let (sum, count) = raw.fold((0.0, 0.0_f64), |(sum, count), one| (sum + one * one, count + 0.5));
+    Ok(InHand { left: [0.0; 2], pixels: Some((sum / count.max(1.0)).sqrt()), ..found })
+}

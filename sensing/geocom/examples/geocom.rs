@@ -1,0 +1,50 @@
+//! A simulated instrument on a serial port, or sights by one.
+//!
+//! ```text
+//! cargo run -p mrroc-geocom --example geocom -- instrument /dev/pts/3
+//! cargo run -p mrroc-geocom --example geocom -- sight /dev/ttyUSB0 0.7 -0.3     # about where, rad: in both faces
+//! ```
+
+use std::error::Error;
+use std::time::Duration;
+
+use mrroc_geocom::{Client, Face, Line, Patience, Simulated, Targets, Wire};
+
+/// What the simulated one sees.
+const DIRECTIONS: [[f64; 2]; 2] = [[0.7, -0.3], [-2.0, 0.1]];
+const AXES: [f64; 3] = [4e-5, -7e-5, 6e-5];
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    match &arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
+        ["instrument", port] => {
+            let mut line = Line::open(port, 9600)?;
+            let mut instrument = Simulated::new(Targets { directions: DIRECTIONS.to_vec(), axes: AXES });
+            println!("ready");
+            loop {
+                let Some(asked) = line.receive(Duration::from_secs(1))? else { continue };
+                // So that a judge sees what a compensator out of range does.
+                match &*asked {
+                    "tilt" => instrument.is_level = false,
+                    "level" => instrument.is_level = true,
+                    _ => {
+                        if let Some(answer) = instrument.answer(&asked) {
+                            line.send(&answer)?;
+                        }
+                    }
+                }
+            }
+        }
+        ["sight", port, hz, v] => {
+            let mut client = Client::new(Line::open(port, 9600)?, Patience::default());
+            client.greet()?;
+            let about = [hz.parse()?, v.parse()?];
+            for face in [Face::One, Face::Two] {
+                let [hz, v] = client.sight(about, face)?.angles;
+                println!("{face:?} {hz:.9} {v:.9}");
+            }
+            Ok(())
+        }
+        _ => Err("write `instrument PORT` or `sight PORT HZ V`".into()),
+    }
+}
