@@ -9,7 +9,7 @@
 //! | [`aggregation`] | what a sensor gives, over time | the reading `f_v` makes of it: edges, passages, distances, parts |
 //! | [`virtual_sensors`] | both | the virtual sensors of a cell, in any of the three modes of a VSP |
 //!
-//! Physics and aggregation know neither each other nor a cell: a real input card feeds the same aggregation, and a test of one's own
+//! Physics and aggregation know neither each other (but for its random numbers) nor a cell: a real input card feeds the same aggregation, and a test of one's own
 //! reads the same physics.
 //!
 //! ```

@@ -11,11 +11,13 @@
 //! Not in it: sound that meets two surfaces on its way, and what is soft.
 
 mod air;
+mod array;
 mod piston;
 mod transducer;
 mod waveform;
 
 pub use air::Air;
+pub use array::Array;
 pub use piston::Piston;
 pub use transducer::{Transducer, Window};
 pub use waveform::{Echo, Waveform};

@@ -155,6 +155,12 @@ impl Transducer {
     /// What is heard, and its first echo.
     pub fn hear(&self, wave: &mut Waveform, gain: f64) -> Option<Echo> {
         wave.pulse(&self.shape, self.gate[0]);
+        self.detect(wave, gain)
+    }
+
+    /// The first echo in what was heard, so many times as loud.
+    #[must_use]
+    pub fn detect(&self, wave: &Waveform, gain: f64) -> Option<Echo> {
         let (bins, amplitude) = wave.first(self.threshold / gain)?;
         let range = self.gate[0] + bins * Waveform::BIN;
         Some(Echo { time: 2.0 * range / self.air.speed(), amplitude: amplitude * gain })

@@ -7,8 +7,10 @@ use super::Air;
 pub struct Waveform {
     /// Real and imaginary parts of what each bin sends back.
     pub(super) points: Vec<[f64; 2]>,
-    /// Magnitude of what is heard, bin by bin.
-    pub(super) heard: Vec<f64>,
+    /// What is heard, bin by bin: real and imaginary parts ..
+    waves: Vec<[f64; 2]>,
+    /// .. and magnitude.
+    heard: Vec<f64>,
 }
 
 /// The first echo.
@@ -27,7 +29,7 @@ impl Waveform {
     /// What is listened to, from one range to another \[m\]; what comes from so many bins beyond is heard, too, if only with its beginning.
     pub(super) fn empty(from: f64, to: f64, beyond: usize) -> Self {
         let bins = ((to - from) / Self::BIN).ceil() as usize + 1;
-        Self { points: vec![[0.0; 2]; bins + beyond], heard: vec![0.0; bins] }
+        Self { points: vec![[0.0; 2]; bins + beyond], waves: vec![[0.0; 2]; bins], heard: vec![0.0; bins] }
     }
 
     /// The pressure heard from each bin, of 1 a metre before the source.
@@ -52,7 +54,7 @@ impl Waveform {
     /// A point becomes a pulse of this shape, beginning with its middle; what is farther is weaker, from `from` \[m\] on.
     pub(super) fn pulse(&mut self, shape: &[f64], from: f64) {
         let bins = self.points.len();
-        for (bin, heard) in self.heard.iter_mut().enumerate() {
+        for (bin, (wave, heard)) in self.waves.iter_mut().zip(&mut self.heard).enumerate() {
             let first = (bin + 1).saturating_sub(shape.len());
             let last = (bin + shape.len()).min(bins);
             let (mut re, mut im) = (0.0, 0.0);
@@ -61,7 +63,15 @@ impl Waveform {
                 re += weight * point[0];
                 im += weight * point[1];
             }
-            *heard = re.hypot(im) * Air::left(from + bin as f64 * Self::BIN);
+            *wave = [re, im].map(|part| part * Air::left(from + bin as f64 * Self::BIN));
+            *heard = (wave[0] * wave[0] + wave[1] * wave[1]).sqrt();
+        }
+    }
+
+    /// Becomes what two others are together, as they were heard.
+    pub fn join(&mut self, one: &Self, two: &Self) {
+        for (heard, (a, b)) in self.heard.iter_mut().zip(one.waves.iter().zip(&two.waves)) {
+            *heard = ((a[0] + b[0]).powi(2) + (a[1] + b[1]).powi(2)).sqrt();
         }
     }
 
