@@ -22,6 +22,9 @@ use crate::form::Form;
 use crate::physics::Noise;
 use crate::ultrasound::{Air, Array, Waveform};
 
+/// What is so high is no belt \[m\].
+const RAISED: f64 = 0.008;
+
 /// A thing that passed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Heard {
@@ -51,8 +54,19 @@ struct Map {
     likely: Vec<[f32; Map::HEIGHTS]>,
     /// The mean of the logarithms of that, of what is heard there.
     usual: Vec<f32>,
+    /// How loud the bare belt and what stands out of it are there in the mean; NaN where they are not heard.
+    loud: Vec<[f32; 2]>,
     /// The middle of what stands out of the belt \[m, P\].
     centre: Vector2<f64>,
+}
+
+/// What a map says of something heard at a place.
+struct At {
+    /// Logarithm of how likely it is, and the mean of that there.
+    likely: f32,
+    usual: f32,
+    /// Whether something stands out of the belt there at times.
+    is_raised: bool,
 }
 
 /// Tells parts by reliefs.
@@ -80,11 +94,15 @@ impl Map {
     const LOWEST: f64 = -0.012;
     const WIDE: f64 = 1e-3;
     /// So many pings make a place.
-    const PINGS: usize = 16;
+    const PINGS: usize = 32;
     /// How likely it is that a height is any other one.
-    const STRAY: f64 = 0.02;
+    const STRAY: f64 = 0.05;
     /// Standard deviation of heights besides noise \[m\]: sizes of parts, transducers, the belt's own height.
-    const BLUR: f64 = 8e-4;
+    const BLUR: f64 = 1e-3;
+    /// What the places beside one add to it, each.
+    const BESIDE: f32 = 0.1;
+    /// Standard deviation of loudness, and the greatest and the usual penalty for it.
+    const LOUD: [f32; 3] = [0.07, 3.0, 0.2];
 
     fn of(form: &Form, array: &Array) -> Self {
         let transducer = array.transducer(Air { celsius: 20.0 });
@@ -111,9 +129,11 @@ impl Map {
             rows,
             likely: Vec::with_capacity(columns * rows + 1),
             usual: Vec::with_capacity(columns * rows + 1),
+            loud: Vec::with_capacity(columns * rows + 1),
             centre: Vector2::zeros(),
         };
         let (mut wave, mut heard) = (bare.clone(), bare.clone());
+        let belt = transducer.hear(&mut wave, 1.0).map_or(1.0, |echo| echo.amplitude);
         let mut raised = 0.0;
         for index in 0..=columns * rows {
             let at = lower + Vector2::new((index % columns) as f64, (index / columns) as f64) * Self::STEP;
@@ -126,23 +146,25 @@ impl Map {
             let heights = noises.iter().filter_map(|noise| {
                 heard.join(&wave, noise);
                 let echo = transducer.detect(&heard, 1.0)?;
-                Some(height - 0.5 * transducer.air().speed() * transducer.middle(&echo))
+                let z = height - 0.5 * transducer.air().speed() * transducer.middle(&echo);
+                Some([z, echo.amplitude / belt])
             });
-            let heights: Vec<f64> = heights.collect();
-            let above = heights.iter().filter(|z| **z > 0.008).count() as f64;
+            let heights: Vec<[f64; 2]> = heights.collect();
+            let above = heights.iter().filter(|[z, _]| *z > RAISED).count() as f64;
             map.centre += at * above;
             raised += above;
             map.add(&heights);
         }
+        map.blur();
         map.centre /= f64::max(raised, 1.0);
         map
     }
 
-    /// Adds a place at which these heights were heard.
-    fn add(&mut self, heights: &[f64]) {
+    /// Adds a place at which these heights were heard, so loud.
+    fn add(&mut self, heights: &[[f64; 2]]) {
         let mut likely = [Self::STRAY / Self::HEIGHTS as f64; Self::HEIGHTS];
         let share = (1.0 - Self::STRAY) / heights.len().max(1) as f64;
-        for z in heights {
+        for [z, _] in heights {
             let bell = |bin: usize| {
                 let off = (Self::LOWEST + (bin as f64 + 0.5) * Self::WIDE - z) / Self::BLUR;
                 (-0.5 * off * off).exp()
@@ -150,19 +172,42 @@ impl Map {
             let sum: f64 = (0..Self::HEIGHTS).map(bell).sum();
             likely.iter_mut().enumerate().for_each(|(bin, likely)| *likely += share * bell(bin) / f64::max(sum, 1e-9));
         }
-        let usual = likely.iter().map(|p| p * p.ln()).sum::<f64>() / likely.iter().sum::<f64>();
         self.likely.push(likely.map(|p| p as f32));
-        self.usual.push(usual as f32);
+        let mean = |is_raised: bool| {
+            let of = heights.iter().filter(|[z, _]| (*z > RAISED) == is_raised).map(|[_, loud]| loud);
+            (of.clone().sum::<f64>() / of.count() as f64) as f32
+        };
+        self.loud.push([mean(false), mean(true)]);
     }
 
-    /// How likely a height is at a place of P, and the mean of its logarithm there.
-    fn at(&self, place: &Vector2<f64>, height: f64) -> (f32, f32) {
+    /// Adds to each place what is beside it, as transducers and parts are never quite where they are believed to be.
+    fn blur(&mut self) {
+        let sharp = self.likely.clone();
+        for row in 1..self.rows.saturating_sub(1) {
+            for column in 1..self.columns.saturating_sub(1) {
+                let index = row * self.columns + column;
+                let beside = [index - 1, index + 1, index - self.columns, index + self.columns];
+                for bin in 0..Self::HEIGHTS {
+                    let others: f32 = beside.iter().map(|other| sharp[*other][bin]).sum();
+                    self.likely[index][bin] = (1.0 - 4.0 * Self::BESIDE) * sharp[index][bin] + Self::BESIDE * others;
+                }
+            }
+        }
+        let usual = |likely: &[f32; Self::HEIGHTS]| {
+            likely.iter().map(|p| p * p.ln()).sum::<f32>() / likely.iter().sum::<f32>()
+        };
+        self.usual = self.likely.iter().map(usual).collect();
+    }
+
+    /// What is known of a height and its loudness at a place of P.
+    fn at(&self, place: &Vector2<f64>, [height, loud]: [f64; 2]) -> At {
         let bin = ((height - Self::LOWEST) / Self::WIDE).clamp(0.0, Self::HEIGHTS as f64 - 1.0) as usize;
         let last = self.columns * self.rows;
         let at = (place - self.lower) / Self::STEP;
         let (column, row) = (at.x.max(0.0) as usize, at.y.max(0.0) as usize);
         if at.x < 0.0 || at.y < 0.0 || column + 1 >= self.columns || row + 1 >= self.rows {
-            return (self.likely[last][bin], self.usual[last]);
+            let likely = self.likely[last][bin].ln() - Self::penalty(loud as f32 - 1.0);
+            return At { likely, usual: self.usual[last] - Self::LOUD[2], is_raised: false };
         }
         let index = row * self.columns + column;
         let (x, y) = (at.x.fract() as f32, at.y.fract() as f32);
@@ -172,12 +217,25 @@ impl Map {
             (index + self.columns, (1.0 - x) * y),
             (index + self.columns + 1, x * y),
         ];
-        let (mut likely, mut usual) = (0.0, 0.0);
+        let (mut likely, mut usual, mut mean, mut known, mut raised) = (0.0, 0.0, 0.0, 0.0, 0.0);
+        let which = usize::from(height > RAISED);
         for (index, share) in corners {
             likely += share * self.likely[index][bin];
             usual += share * self.usual[index];
+            let loud = self.loud[index][which];
+            raised += if self.loud[index][1].is_finite() { share } else { 0.0 };
+            if loud.is_finite() {
+                mean += share * loud;
+                known += share;
+            }
         }
-        (likely, usual)
+        let penalty = if known > 0.0 { Self::penalty(loud as f32 - mean / known) } else { Self::LOUD[2] };
+        At { likely: likely.ln() - penalty, usual: usual - Self::LOUD[2], is_raised: raised > 0.5 }
+    }
+
+    /// For a loudness that is off: half of a square in the mean.
+    fn penalty(off: f32) -> f32 {
+        (0.5 * (off / Self::LOUD[0]).powi(2)).min(Self::LOUD[1])
     }
 }
 
@@ -185,7 +243,7 @@ impl Hearing {
     /// The classifier is believed from this score on ..
     pub const SCORE: f64 = 0.7;
     /// .. and its class up to this misfit.
-    pub const MISFIT: f64 = 1.0;
+    pub const MISFIT: f64 = 1.2;
     /// Angles that are tried in a turn, and how many of them are followed.
     const ANGLES: usize = 48;
     const FOLLOWED: usize = 4;
@@ -232,7 +290,7 @@ impl Hearing {
     #[must_use]
     pub fn lay(&self, class: usize, relief: &Relief) -> (f64, Vector2<f64>, f64) {
         let (map, turns) = (self.map(class), self.classes[class].turns);
-        let raised = relief.samples.iter().filter(|sample| sample.heard.is_some_and(|[z, _]| z > 0.008));
+        let raised = relief.samples.iter().filter(|sample| sample.heard.is_some_and(|[z, _]| z > RAISED));
         let (mut sum, mut count) = (Vector2::zeros(), 0.0);
         for sample in raised {
             sum += Vector2::new(sample.along, sample.across);
@@ -256,20 +314,24 @@ impl Hearing {
         let followed = starts.into_iter().map(|start| descend(start, turns > 0, unlikely));
         let (_, place, angle) =
             followed.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((f64::INFINITY, middle, 0.0));
-        let [unlikely, usually] = Self::unlikely(map, &relief.samples, &place, angle);
-        ((unlikely - usually) / f64::max(count, 1.0), place, angle - period * (angle / period).round())
+        let [_, excess, places] = Self::unlikely(map, &relief.samples, &place, angle);
+        (excess / f64::max(places, 1.0), place, angle - period * (angle / period).round())
     }
 
-    /// How unlikely heights are there, as the sum of logarithms, and how unlikely those that are heard there usually are. What was lost says nothing.
-    fn unlikely(map: &Map, samples: &[Sample], place: &Vector2<f64>, angle: f64) -> [f64; 2] {
+    /// How unlikely what was heard is there, as a sum of logarithms; by how much more unlikely than usually it is where something stands out
+    /// of the belt, or should; and at how many places that is. What was lost says nothing.
+    fn unlikely(map: &Map, samples: &[Sample], place: &Vector2<f64>, angle: f64) -> [f64; 3] {
         let turn = Rotation2::new(-angle);
-        let mut sums = [0.0; 2];
+        let mut sums = [0.0; 3];
         for sample in samples {
-            let Some([z, _]) = sample.heard else { continue };
+            let Some(heard) = sample.heard else { continue };
             let at = turn * (Vector2::new(sample.along, sample.across) - place);
-            let (likely, usual) = map.at(&at, z);
-            sums[0] -= f64::from(likely.ln());
-            sums[1] -= f64::from(usual);
+            let At { likely, usual, is_raised } = map.at(&at, heard);
+            sums[0] -= f64::from(likely);
+            if is_raised || heard[0] > RAISED {
+                sums[1] += f64::from(usual - likely);
+                sums[2] += 1.0;
+            }
         }
         sums
     }

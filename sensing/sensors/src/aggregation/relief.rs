@@ -99,7 +99,7 @@ impl Reliefs {
     /// A transducer that hears nothing so often, over so much belt \[m\], is dead.
     const DEAF: (u32, f64) = (24, 0.15);
     /// How much of a bare belt's echo changes what is known of it.
-    const FOLLOW: f64 = 0.1;
+    const FOLLOW: f64 = 0.3;
     /// The belt may be heard so far from where it was first \[m\]: 15 K.
     const MOVED: f64 = 6.5e-3;
     /// So many samples are kept at most.

@@ -54,7 +54,7 @@ impl Conditions {
 
 /// How long the belt is bare before a part comes below the matrix, and how far it runs until it has passed \[s, m\].
 const BARE: f64 = 0.7;
-const PASSING: f64 = 0.34;
+const PASSING: f64 = 0.44;
 /// Parts that pass one matrix, before another is taken.
 const SAME: usize = 12;
 
