@@ -80,6 +80,8 @@ pub struct Reliefs {
     bare: Vec<Bare>,
     /// Mean of the times of the bare belt, when it was learned.
     learned: Option<f64>,
+    /// Of the newest pings: how many heard something else than the belt, as a share, and the mean of their heights \[m\].
+    elsewhere: [f64; 2],
     samples: VecDeque<Sample>,
     /// The belt before this is done with, along the belt \[m\].
     done: f64,
@@ -100,6 +102,8 @@ impl Reliefs {
     const DEAF: (u32, f64) = (24, 0.15);
     /// How much of a bare belt's echo changes what is known of it.
     const FOLLOW: f64 = 0.3;
+    /// Of the newest pings, and of how many, at most this share may hear something else than the belt: no part is as large as the matrix.
+    const ELSEWHERE: (f64, f64) = (0.95, 64.0);
     /// The belt may be heard so far from where it was first \[m\]: 15 K.
     const MOVED: f64 = 6.5e-3;
     /// So many samples are kept at most.
@@ -110,7 +114,7 @@ impl Reliefs {
     pub fn by(array: Array) -> Self {
         let transducer = array.transducer(Air { celsius: 20.0 });
         let bare = vec![Bare::default(); array.places.len()];
-        Self { array, transducer, bare, learned: None, samples: VecDeque::new(), done: f64::INFINITY }
+        Self { array, transducer, bare, learned: None, elsewhere: [0.0; 2], samples: VecDeque::new(), done: f64::INFINITY }
     }
 
     /// The array, as it is believed to be.
@@ -148,7 +152,14 @@ impl Reliefs {
             }
             let height = place.z * (1.0 - middle / bare.time);
             let loud = echo.amplitude / bare.amplitude;
-            if height.abs() < 0.5 * Self::RAISED && (loud - 1.0).abs() < 0.15 {
+            let is_belt = height.abs() < 0.5 * Self::RAISED;
+            let [share, mean] = &mut self.elsewhere;
+            *share += (f64::from(u8::from(!is_belt)) - *share) / Self::ELSEWHERE.1;
+            *mean += (height - *mean) / Self::ELSEWHERE.1;
+            if *share > Self::ELSEWHERE.0 {
+                return Err(Deaf::Belt { off_mm: 1e3 * *mean, limit_mm: 1e3 * Self::MOVED });
+            }
+            if is_belt && (loud - 1.0).abs() < 0.15 {
                 bare.time += Self::FOLLOW * (middle - bare.time);
                 bare.amplitude += Self::FOLLOW * (echo.amplitude - bare.amplitude);
             }
@@ -165,8 +176,8 @@ impl Reliefs {
             None
         };
         if let Some(learned) = self.learned {
-            // Warm air brings the belt nearer: as much as its echo comes sooner.
-            let off = place.z * (self.mean() / learned - 1.0);
+            // Warm air brings the belt nearer, and so higher: as much as its echo comes sooner.
+            let off = place.z * (1.0 - self.mean() / learned);
             if off.abs() > Self::MOVED {
                 return Err(Deaf::Belt { off_mm: 1e3 * off, limit_mm: 1e3 * Self::MOVED });
             }
