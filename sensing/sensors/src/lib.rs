@@ -4,11 +4,12 @@
 //! |---|---|---|
 //! | [`scene`] | – | what sensors see of a world: convex solids that move |
 //! | [`form`], [`view`], [`camera`] | – | what a camera sees: forms over a belt; how its pixels lie on that |
+//! | [`ultrasound`] | – | what surfaces send back to a transducer, and what its detector makes of that |
 //! | [`physics`] | a scene, a view | what a sensor gives: a switched output, a code, an image |
 //! | [`aggregation`] | what a sensor gives, over time | the reading `f_v` makes of it: edges, passages, distances, parts |
 //! | [`virtual_sensors`] | both | the virtual sensors of a cell, in any of the three modes of a VSP |
 //!
-//! Physics and aggregation know neither each other nor a cell: a real input card feeds the same aggregation, and a test of one's own
+//! Physics and aggregation know neither each other (but for its random numbers) nor a cell: a real input card feeds the same aggregation, and a test of one's own
 //! reads the same physics.
 //!
 //! ```
@@ -31,5 +32,6 @@ pub mod camera;
 pub mod form;
 pub mod physics;
 pub mod scene;
+pub mod ultrasound;
 pub mod view;
 pub mod virtual_sensors;

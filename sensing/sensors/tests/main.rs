@@ -4,3 +4,4 @@ mod camera;
 mod gate;
 mod physics;
 mod scene;
+mod ultrasound;

@@ -7,6 +7,7 @@
 pub mod camera;
 pub mod ecp;
 pub mod generators;
+pub mod matrix;
 pub mod mp;
 pub mod options;
 pub mod orders;

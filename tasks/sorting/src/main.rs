@@ -8,6 +8,7 @@ use std::process::ExitCode;
 use mrroc::console::{complain, refused, say};
 use mrroc::launch::Launch;
 use sorting::camera::command;
+use sorting::matrix;
 use sorting::options::{Options, SensorKind, parse};
 use sorting::pictures::{filmed, scatter, time_line};
 use sorting::run::{Sensing, Settings};
@@ -24,8 +25,8 @@ fn main() -> ExitCode {
     if let Err(error) = std::fs::create_dir_all(&options.out) {
         return refused(&unwritable(&options.out, &error));
     }
-    if options.sensor == SensorKind::Camera || options.data_set.is_some() || options.images.is_some() {
-        return by_camera(&options);
+    if options.sensor != SensorKind::Infrared || options.data_set.is_some() || options.images.is_some() {
+        return overhead(&options);
     }
     let ran = match options.sweep {
         Some(seeds) => sweep(&options, seeds.into()),
@@ -44,9 +45,14 @@ fn main() -> ExitCode {
     }
 }
 
-/// What the camera is asked for.
-fn by_camera(options: &Options) -> ExitCode {
-    let ran = if let Some(file) = &options.data_set {
+/// What the sensor over the belt is asked for.
+fn overhead(options: &Options) -> ExitCode {
+    let is_matrix = options.sensor == SensorKind::Ultrasonic;
+    let ran = if let Some(file) = options.data_set.as_ref().filter(|_| is_matrix) {
+        matrix::command::collect(options, file)
+    } else if let Some(count) = options.examine.filter(|_| is_matrix) {
+        matrix::command::test_recognition(options, count as usize)
+    } else if let Some(file) = &options.data_set {
         command::collect(options, file)
     } else if let Some(folder) = &options.images {
         command::judge(options, folder)

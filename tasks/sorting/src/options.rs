@@ -11,7 +11,7 @@ use clap::{Parser, ValueEnum};
 #[command(
     name = "sorting",
     about = "Parts on a moving belt are sensed, acquired and sorted by a simulated arm: prints what was measured, and draws it",
-    after_help = "Exit status: 0 if every part was sorted or passed, none wrongly, 1 if not,\n2 if the command line was refused; then nothing has moved.\n\nExamples:\n  sorting --belt 0.1 --parts 20\n  sorting --first-edge          led by the first edge alone: misses most parts\n  sorting --sweep 1000          so many seeds over all speeds, beside open loop\n  sorting --sensor camera --belt 0.1 --parts 200\n  sorting --sensor camera --examine 2000",
+    after_help = "Exit status: 0 if every part was sorted or passed, none wrongly, 1 if not,\n2 if the command line was refused; then nothing has moved.\n\nExamples:\n  sorting --belt 0.1 --parts 20\n  sorting --first-edge          led by the first edge alone: misses most parts\n  sorting --sweep 1000          so many seeds over all speeds, beside open loop\n  sorting --sensor camera --belt 0.1 --parts 200\n  sorting --sensor camera --examine 2000\n  sorting --sensor ultrasonic --belt 0.1 --parts 200",
     args_override_self = true,
     max_term_width = 80
 )]
@@ -31,23 +31,23 @@ pub struct Options {
     /// The arm is led by the first edge of each part alone.
     #[arg(long)]
     pub first_edge: bool,
-    /// Infrared: one part for each of so many seeds, over all speeds. Camera: so many parts at each of three speeds and three arrival
-    /// rates.
+    /// Infrared: one part for each of so many seeds, over all speeds. Camera, ultrasonic: so many parts at each of three speeds and
+    /// three arrival rates.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub sweep: Option<u32>,
-    /// Camera: mean time between two parts in seconds; by default the arm has to work for 60 % of the time.
+    /// Camera, ultrasonic: mean time between two parts in seconds; by default the arm has to work for 60 % of the time.
     #[arg(long, value_name = "SECONDS", value_parser = interval)]
     pub every: Option<f64>,
-    /// Camera: parts come quite at random, as Poisson's law says; else at least 70 % of the mean time after another.
+    /// Camera, ultrasonic: parts come quite at random, as Poisson's law says; else at least 70 % of the mean time after another.
     #[arg(long)]
     pub poisson: bool,
-    /// Camera: recognise so many parts, one in ten a stranger, without a cell.
+    /// Camera, ultrasonic: recognise so many parts, one in ten a stranger, without a cell.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub examine: Option<u32>,
     /// Camera: judge the images of a folder, PNG files of 768 x 576 grey pixels; `empty.png` is that of the empty belt.
     #[arg(long, value_name = "DIR")]
     pub images: Option<PathBuf>,
-    /// Camera: write the features of --parts parts, to train a network by.
+    /// Camera, ultrasonic: write the features of --parts parts, to train a network by.
     #[arg(long, value_name = "FILE")]
     pub data_set: Option<PathBuf>,
     /// Where the pictures go.
@@ -65,6 +65,8 @@ pub enum SensorKind {
     Infrared,
     /// A camera over the belt, and the belt's encoder: eight kinds of parts, a queue.
     Camera,
+    /// An ultrasonic matrix in place of the camera.
+    Ultrasonic,
 }
 
 /// A speed that the task is made for.

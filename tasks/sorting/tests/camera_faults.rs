@@ -5,7 +5,7 @@ use core::cell::OnceCell;
 use mrroc::fault::{Name, ProcessId, Role};
 use mrroc::prelude::*;
 use mrroc::testing::{Case, FaultySensor, Injected, SensorFault, Sweep};
-use mrroc_sensors::aggregation::Network;
+use mrroc_sensors::aggregation::{FEATURES, Network};
 use mrroc_sensors::physics::{Dark, Stuck};
 use mrroc_sensors::virtual_sensors::{CameraSensor, Encoder, FingerBarrier};
 use sorting::camera::layout::BEAM;
@@ -202,8 +202,8 @@ fn fault_196_a_finger_barrier_that_is_always_open_makes_missed_parts_and_one_alw
 #[test]
 fn fault_197_a_network_of_other_classes_or_no_network_is_refused() {
     let bytes = include_bytes!("../assets/parts.onnx");
-    let other = Network::read(bytes.to_vec(), 9).expect_err("eight classes").to_string();
+    let other = Network::read(bytes.to_vec(), FEATURES, 9).expect_err("eight classes").to_string();
     assert!(other.contains("9 classes") && other.contains("train it anew"), "{other}");
-    let broken = Network::read(bytes[..bytes.len() / 2].to_vec(), 8).expect_err("half a file").to_string();
+    let broken = Network::read(bytes[..bytes.len() / 2].to_vec(), FEATURES, 8).expect_err("half a file").to_string();
     assert!(broken.contains("cannot be read"), "{broken}");
 }

@@ -4,4 +4,6 @@ mod camera;
 mod camera_faults;
 mod faults;
 mod lines;
+mod matrix;
+mod matrix_faults;
 mod sorting;

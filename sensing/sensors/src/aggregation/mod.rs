@@ -4,18 +4,24 @@ mod blobs;
 mod chessboard;
 mod debounce;
 mod features;
+mod hearing;
 mod lateral;
 #[cfg(feature = "networks")]
 mod network;
 mod passages;
+mod relief;
+mod relief_features;
 mod vision;
 
 pub use blobs::{Blob, Blobs};
 pub use chessboard::{Board, Grey, NoBoard, refine};
 pub use debounce::{Debounce, Edge};
 pub use features::{FEATURES, Moments, features};
+pub use hearing::{Heard, Hearing};
 pub use lateral::{Lateral, Laterals};
 #[cfg(feature = "networks")]
 pub use network::{Network, NetworkError};
 pub use passages::{Passage, Passages};
+pub use relief::{Deaf, Relief, Reliefs, Sample};
+pub use relief_features::{RELIEF_FEATURES, relief_features};
 pub use vision::{Blind, Classifier, Found, PartClass, Vision};

@@ -5,10 +5,9 @@ use rten_tensor::NdTensor;
 use rten_tensor::prelude::*;
 use thiserror::Error;
 
-use super::features::FEATURES;
 use super::vision::Classifier;
 
-/// A network with one input of 1 x [`FEATURES`] values and one output of a score for each class, 0 to 1.
+/// A network with one input of 1 x so many features and one output of a score for each class, 0 to 1.
 pub struct Network {
     model: Model,
 }
@@ -28,8 +27,10 @@ pub enum NetworkError {
         outputs: usize,
     },
     /// It does not take the features, or gives no scores for these classes.
-    #[error("the network does not make scores of {classes} classes of {FEATURES} features: train it anew")]
+    #[error("the network does not make scores of {classes} classes of {features} features: train it anew")]
     Shape {
+        /// How many features it is to take.
+        features: usize,
         /// How many classes there are.
         classes: usize,
     },
@@ -42,25 +43,25 @@ impl core::fmt::Debug for Network {
 }
 
 impl Network {
-    /// Reads an ONNX file's bytes, of a network for so many classes.
+    /// Reads an ONNX file's bytes, of a network that tells so many classes by so many features.
     ///
     /// # Errors
     /// [`NetworkError`] for what does not fit.
-    pub fn read(bytes: Vec<u8>, classes: usize) -> Result<Self, NetworkError> {
+    pub fn read(bytes: Vec<u8>, features: usize, classes: usize) -> Result<Self, NetworkError> {
         let model = Model::load(bytes).map_err(|error| NetworkError::Unreadable(error.to_string()))?;
         let (inputs, outputs) = (model.input_ids().len(), model.output_ids().len());
         if (inputs, outputs) != (1, 1) {
             return Err(NetworkError::Ends { inputs, outputs });
         }
         let mut network = Self { model };
-        let fits = network.classify(&[0.0; FEATURES]).is_some_and(|scores| scores.len() == classes);
-        if fits { Ok(network) } else { Err(NetworkError::Shape { classes }) }
+        let fits = network.classify(&vec![0.0; features]).is_some_and(|scores| scores.len() == classes);
+        if fits { Ok(network) } else { Err(NetworkError::Shape { features, classes }) }
     }
 }
 
 impl Classifier for Network {
-    fn classify(&mut self, features: &[f32; FEATURES]) -> Option<Vec<f32>> {
-        let input = NdTensor::from_data([1, FEATURES], features.to_vec());
+    fn classify(&mut self, features: &[f32]) -> Option<Vec<f32>> {
+        let input = NdTensor::from_data([1, features.len()], features.to_vec());
         let run = self.model.run_one(input.view().into(), None);
         let scores: NdTensor<f32, 2> = run.ok()?.try_into().ok()?;
         let scores: Vec<f32> = scores.iter().copied().collect();

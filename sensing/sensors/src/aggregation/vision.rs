@@ -34,7 +34,7 @@ pub struct PartClass {
 /// Tells classes by features.
 pub trait Classifier {
     /// How likely each class is, 0 to 1, in the order of the classes; `None` where it could not tell.
-    fn classify(&mut self, features: &[f32; FEATURES]) -> Option<Vec<f32>>;
+    fn classify(&mut self, features: &[f32]) -> Option<Vec<f32>>;
 }
 
 /// A thing in an image.

@@ -14,54 +14,11 @@ use mrroc::pose::Pose;
 use mrroc::prelude::*;
 use mrroc::sensor::Frames;
 
+use super::parts::{OnBelt, PartSensor, Spotted};
 use super::sampled::Sampled;
 use crate::aggregation::{Found, Vision};
 use crate::physics::{Imager, LightBarrier};
 use crate::view::View;
-
-/// The kind of sensor: parts that a camera sees on a belt.
-#[derive(Clone, Copy, Debug)]
-pub struct PartCamera;
-
-impl Sensor for PartCamera {
-    const KIND: &'static str = "part camera";
-    type Reading = Spotted;
-    type Configuration = ();
-}
-
-/// A part on a belt.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Payload)]
-pub struct OnBelt {
-    /// Its number, from 1 on; parts are counted as they are seen.
-    pub number: u32,
-    /// Its class, by its place in the list of classes.
-    pub class: u32,
-    /// How likely that is, 0 to 1.
-    pub score: f64,
-    /// Where its frame is on the belt, which it goes with: along the belt where that had run 0 ..
-    pub along: f64,
-    /// .. and across it \[m\].
-    pub across: f64,
-    /// Its angle about z \[rad\].
-    pub angle: f64,
-}
-
-/// What a camera says of the newest parts.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Payload)]
-pub struct Spotted {
-    /// Images that have been taken, without that of the empty belt.
-    pub images: u32,
-    /// Things that were no known parts.
-    pub unknown: u32,
-    /// Parts that have been seen.
-    pub parts: u32,
-    /// How far the belt has run at the step of the reading \[m\].
-    pub way: f64,
-    /// How fast it is [m/s].
-    pub speed: f64,
-    /// The newest parts, the latest first; number 0 where there are fewer.
-    pub newest: [OnBelt; 6],
-}
 
 /// What makes a camera take an image.
 #[derive(Debug)]
@@ -187,7 +144,7 @@ impl<S: View + 'static> CameraSensor<S> {
 }
 
 impl<S: View + 'static> VirtualSensor for CameraSensor<S> {
-    type Kind = PartCamera;
+    type Kind = PartSensor;
 
     fn aggregate(&mut self, order: &ReadingOrder<()>) -> Result<Spotted, Fault> {
         let belt = order.robot.ok_or_else(|| {

@@ -1,11 +1,12 @@
 //! The virtual sensors of a belt: a gate of two light barriers, a range finder across it, a barrier between the fingers, a
-//! camera over it and its encoder.
+//! camera or an ultrasonic matrix over it, and its encoder.
 //!
 //! | sensor | reading | mode that suits it |
 //! |---|---|---|
 //! | [`GateSensor`] | [`Gate`]: parts that have passed, speed, length | free running: its barriers are sampled at 1 kHz |
 //! | [`RangeFinder`] | [`Across`]: where parts lie across the belt | with delay: a value takes 38 ms |
 //! | [`CameraSensor`] | [`Spotted`]: parts, by class and place in the belt's frame | with delay: an image takes 60 ms |
+//! | [`MatrixSensor`] | [`Spotted`], as of a camera | with delay: a part takes 60 ms; it pings by itself, whoever asks |
 //! | [`Encoder`] | [`Run`]: how far the belt has run | interactive |
 //! | [`FingerBarrier`] | [`Between`]: whether something is between the fingers | interactive: in every step |
 //!
@@ -16,12 +17,16 @@ mod camera;
 mod encoder;
 mod fingers;
 mod gate;
+mod matrix;
+mod parts;
 mod range;
 mod sampled;
 
-pub use camera::{CameraSensor, OnBelt, Onlooker, PartCamera, Spotted, Trigger};
+pub use camera::{CameraSensor, Onlooker, Trigger};
 pub use encoder::{Encoder, Run};
 pub use fingers::{Between, FingerBarrier, Fingers, Tool};
 pub use gate::{Gate, GateReading, GateSensor};
+pub use matrix::{Listener, MatrixSensor};
+pub use parts::{OnBelt, PartSensor, Spotted};
 pub use range::{Across, AcrossReading, RangeFinder};
 pub use sampled::Sampled;

@@ -1,4 +1,4 @@
-//! What the command line asks of the task with the camera.
+//! What the command line asks of the task with something over the belt.
 
 use std::error::Error;
 use std::fmt::Write as _;
@@ -11,10 +11,11 @@ use super::charts::{confusion, filmed, scatter, time_line};
 use super::kinds::classes;
 use super::layout::camera;
 use super::picture::{draw, read, write};
-use super::run::{Outcome, Settings, network};
+use super::run::{Outcome, Overhead, Settings, network};
 use super::studio::{data_set, examine};
 use super::summary::{Confusion, Line, Table, examination};
-use crate::options::Options;
+use crate::matrix::picture::{echoes, reliefs};
+use crate::options::{Options, SensorKind};
 
 /// So many parts are filmed, and so many images drawn.
 const FILMED: usize = 4;
@@ -33,7 +34,8 @@ const LOADS: [f64; 3] = [0.4, 0.6, 0.8];
 /// What there is to say, and whether all is well: no part in a wrong bin, no finger on a part.
 pub type Said = Result<(String, bool), Box<dyn Error>>;
 
-fn save(folder: &Path, name: &str, text: &str) -> Result<(), String> {
+/// Writes a picture.
+pub(crate) fn save(folder: &Path, name: &str, text: &str) -> Result<(), String> {
     let file = folder.join(name);
     std::fs::write(&file, text).map_err(|error| format!("{}: cannot be written: {error}", file.display()))
 }
@@ -130,6 +132,14 @@ fn run(settings: &Settings, quiet: bool, keep: usize) -> Result<(Outcome, Kept),
     Ok((outcome, kept))
 }
 
+/// What is over the belt.
+const fn overhead(options: &Options) -> Overhead {
+    match options.sensor {
+        SensorKind::Ultrasonic => Overhead::Matrix,
+        SensorKind::Camera | SensorKind::Infrared => Overhead::Camera,
+    }
+}
+
 fn regular(options: &Options) -> f64 {
     if options.poisson { 0.0 } else { Settings::REGULAR }
 }
@@ -146,7 +156,7 @@ struct Kept {
 pub fn sort(options: &Options) -> Said {
     let (parts, seed) = (options.parts as usize, options.seed.into());
     let every = options.every.unwrap_or(Settings::CYCLE / 0.6);
-    let settings = Settings { regular: regular(options), ..Settings::of(options.belt, parts, every, seed) };
+    let settings = Settings { regular: regular(options), ..Settings::of(options.belt, parts, every, seed).below(overhead(options)) };
     let way = parts as f64 * every * options.belt * 1.2;
     if way > LONGEST {
         return Err(format!(
@@ -160,6 +170,14 @@ pub fn sort(options: &Options) -> Said {
     for (number, (image, found)) in kept.looks.borrow().images.iter().enumerate() {
         draw(&folder.join(format!("image-{number}.png")), image, found, &plane)?;
     }
+    let drawn = match settings.overhead {
+        Overhead::Camera => "image-0.png",
+        Overhead::Matrix => {
+            save(folder, "reliefs.svg", &reliefs(&kept.looks.borrow().reliefs))?;
+            save(folder, "echoes.svg", &echoes(&kept.looks.borrow().traces))?;
+            "reliefs.svg"
+        }
+    };
     let mut counts = Confusion::default();
     outcome.looks.iter().for_each(|look| counts.add(Some(kept.parts[look.part].1), look.taken));
     save(folder, "confusion.svg", &confusion(&counts))?;
@@ -176,7 +194,7 @@ pub fn sort(options: &Options) -> Said {
     save(folder, "scatter.svg", &scatter(&table))?;
     let out = folder.display();
     let text = format!(
-        "{table}see {out}/belt.svg, {out}/image-0.png, {out}/confusion.svg, {out}/scatter.svg, {out}/time-line.svg\n"
+        "{table}see {out}/belt.svg, {out}/{drawn}, {out}/confusion.svg, {out}/scatter.svg, {out}/time-line.svg\n"
     );
     Ok((text, line.wrong == 0 && line.crashes == 0))
 }
@@ -193,7 +211,7 @@ pub fn sweep(options: &Options, parts: usize) -> Said {
             for first in (0..parts).step_by(RUN) {
                 let seed = u64::from(options.seed) + (first / RUN) as u64;
                 let settings = Settings::of(speed, RUN.min(parts - first), line.every, seed);
-                let settings = Settings { regular: regular(options), ..settings };
+                let settings = Settings { regular: regular(options), ..settings.below(overhead(options)) };
                 let (outcome, _) = run(&settings, options.quiet, 0)?;
                 if let Err(error) = &outcome.report {
                     return Err(error.to_string().into());

@@ -113,6 +113,12 @@ impl Kind {
         Self { class: PartClass { name, form: Form::new(pieces), turns }, outline, height, grip: 0.0 }
     }
 
+    /// The convex outline of what the fingers touch, anticlockwise \[m, P\].
+    #[must_use]
+    pub fn outline(&self) -> &[[f64; 2]] {
+        &self.outline
+    }
+
     /// Its form and its body, `scale` times as large, and where P is in the body's frame B, whose axes are those of P.
     #[must_use]
     pub fn made(&self, scale: f64) -> (Form, Body, Vector3<f64>) {

@@ -6,7 +6,7 @@ use std::rc::Rc;
 
 use mrroc::generator::{Class, Condition, Generator, Level, Uses};
 use mrroc::prelude::*;
-use mrroc_sensors::virtual_sensors::{OnBelt, PartCamera, Spotted};
+use mrroc_sensors::virtual_sensors::{OnBelt, PartSensor, Spotted};
 
 use super::kinds::{KINDS, kinds};
 use super::layout::{FIRST, LAST};
@@ -88,7 +88,7 @@ pub struct Ready(pub Queue);
 // By hand, as `Tell`: the queue goes on in every step, whatever the coordinator is about.
 impl Condition for Ready {
     type Robots = Arm;
-    type Sensors = (PartCamera,);
+    type Sensors = (PartSensor,);
     type Order = ();
     const CLASS: Class =
         Class::new(Level::Mp, Uses { state: true, sensors: true, tick: true, ..Uses::NOTHING });
@@ -97,7 +97,7 @@ impl Condition for Ready {
         &mut self,
         _: &Order<()>,
         _: &State<Arm>,
-        v: &Reading<(PartCamera,)>,
+        v: &Reading<(PartSensor,)>,
         t: Tick,
     ) -> Result<bool, Fault> {
         self.0.take(&v.0.reading().unwrap_or_default(), t.duration);
@@ -111,7 +111,7 @@ pub struct Tell(pub Task, pub Queue);
 impl Generator for Tell {
     type Robots = Arm;
     type Language = Task;
-    type Sensors = (PartCamera,);
+    type Sensors = (PartSensor,);
     type Order = ();
     const CLASS: Class =
         Class::new(Level::Mp, Uses { state: true, sensors: true, tick: true, ..Uses::NOTHING });
@@ -121,7 +121,7 @@ impl Generator for Tell {
         &mut self,
         c0: &Order<()>,
         e: &State<Arm>,
-        v: &Reading<(PartCamera,)>,
+        v: &Reading<(PartSensor,)>,
         t: Tick,
     ) -> Result<Step<Arm, Task>, Fault> {
         self.next_step(c0, e, v, t)
@@ -131,7 +131,7 @@ impl Generator for Tell {
         &mut self,
         _: &Order<()>,
         _: &State<Arm>,
-        v: &Reading<(PartCamera,)>,
+        v: &Reading<(PartSensor,)>,
         t: Tick,
     ) -> Result<Step<Arm, Task>, Fault> {
         self.1.take(&v.0.reading().unwrap_or_default(), t.duration);

@@ -1,4 +1,4 @@
-//! One run with the camera: a belt, a seed, some parts.
+//! One run with a sensor over the belt: a belt, a seed, some parts.
 
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -9,7 +9,8 @@ use mrroc::cell_file::{CellFile, CellFileError};
 use mrroc::prelude::*;
 use mrroc::robot::RobotView;
 use mrroc_robots::grasp::{Hand, Sink, Touch, Whereabouts, World};
-use mrroc_sensors::aggregation::{Found, Network, NetworkError, Vision};
+use mrroc_robots::{Irp6, TwoFingers};
+use mrroc_sensors::aggregation::{FEATURES, Found, Heard, Network, NetworkError, Relief, Vision};
 use mrroc_sensors::physics::{Imager, LightBarrier, Noise};
 use mrroc_sensors::view::View as _;
 use mrroc_sensors::virtual_sensors::{CameraSensor, Encoder, Sampled, Trigger};
@@ -24,6 +25,7 @@ use super::sight::Sight;
 use super::studio::misplaced;
 use super::{ecp, mp};
 use crate::generators::Uneven;
+use crate::matrix::{self, run::Trace};
 use crate::places::{BELT, SURFACE, TRAY, TRAYS};
 use crate::plant::Plant;
 use crate::progress::Progress;
@@ -50,6 +52,33 @@ pub struct Settings {
     pub stranger: Option<usize>,
     /// When the belt stops or turns back \[s\], and at which share of its speed it goes on.
     pub change: Option<(f64, f64)>,
+    /// What is over the belt.
+    pub overhead: Overhead,
+}
+
+/// What is over the belt and tells of parts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Overhead {
+    /// A camera.
+    Camera,
+    /// An ultrasonic matrix.
+    Matrix,
+}
+
+/// The programs of a cell.
+#[derive(Clone, Copy, Debug)]
+pub struct Programs {
+    /// The coordinator's.
+    pub coordinate: fn(&mut Mp, &str, Uneven, Queue) -> Result<Queue, Fault>,
+    /// The arm's.
+    pub arm: fn(&mut Ecp<Irp6>) -> Result<(), Fault>,
+    /// The hand's.
+    pub hand: fn(&mut Ecp<TwoFingers>) -> Result<(), Fault>,
+}
+
+impl Programs {
+    /// Those of this task, whatever is over the belt.
+    pub const SORTING: Self = Self { coordinate: mp::coordinate, arm: ecp::arm, hand: ecp::hand };
 }
 
 /// A cell that is ready to run.
@@ -64,22 +93,28 @@ pub struct Ready {
     pub looks: Rc<RefCell<Looks>>,
     /// How far it has come.
     pub progress: Progress,
+    /// Its programs.
+    pub programs: Programs,
     grips: Rc<RefCell<Vec<Grip>>>,
     late: Rc<RefCell<Vec<u32>>>,
 }
 
-/// What came of the images.
+/// What came of the images, or reliefs.
 #[derive(Default)]
 pub struct Looks {
     /// Things that were found, and what they truly were.
     pub all: Vec<Look>,
     /// The first images, and what was found in them.
     pub images: Vec<(Vec<u8>, Vec<Found>)>,
-    /// So many images are kept.
+    /// The first reliefs, and what was made of them.
+    pub reliefs: Vec<(Relief, Heard)>,
+    /// What one transducer heard while the first part passed.
+    pub traces: Vec<Trace>,
+    /// So many images or reliefs are kept.
     pub keep: usize,
 }
 
-/// A thing that was found in an image.
+/// A thing that was found in an image or a relief.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Look {
     /// Which part it was.
@@ -135,11 +170,11 @@ pub fn file() -> Result<CellFile, CellFileError> {
 /// # Errors
 /// None: the file is right.
 pub fn network() -> Result<Network, NetworkError> {
-    Network::read(include_bytes!("../../assets/parts.onnx").to_vec(), KINDS)
+    Network::read(include_bytes!("../../assets/parts.onnx").to_vec(), FEATURES, KINDS)
 }
 
 /// A fault that says what is wrong with a figure.
-fn wrong(error: &impl core::fmt::Display) -> Fault {
+pub(crate) fn wrong(error: &impl core::fmt::Display) -> Fault {
     Fault::thrown(&error.to_string())
 }
 
@@ -147,15 +182,26 @@ impl Settings {
     /// Parts that come every so many seconds in the mean.
     #[must_use]
     pub const fn of(speed: f64, parts: usize, every: f64, seed: u64) -> Self {
-        Self { speed, seed, parts, every, regular: Self::REGULAR, stranger: None, change: None }
+        Self { speed, seed, parts, every, regular: Self::REGULAR, stranger: None, change: None, overhead: Overhead::Camera }
+    }
+
+    /// The same with something else over the belt.
+    #[must_use]
+    pub const fn below(self, overhead: Overhead) -> Self {
+        Self { overhead, ..self }
     }
 
     /// The time that the arm needs for a part in the mean: measured where parts never wait for it nor it for them \[s\].
     pub const CYCLE: f64 = 8.0;
     /// A feeder lets no two parts come within this share of the mean time between them.
     pub const REGULAR: f64 = 0.7;
-    /// Parts are at least so far apart \[m\].
-    pub const SPACING: f64 = 0.16;
+    /// Parts are at least so far apart \[m\]; what edges send back must not run together.
+    const fn spacing(&self) -> f64 {
+        match self.overhead {
+            Overhead::Camera => 0.16,
+            Overhead::Matrix => 0.2,
+        }
+    }
 
     /// When the first part comes \[s\]: the belt has its speed, and the camera has seen it empty.
     #[must_use]
@@ -168,15 +214,18 @@ impl Settings {
     /// # Errors
     /// What is wrong with the cell's file or a figure.
     pub fn ready(&self) -> Result<Ready, CellError> {
-        self.sensed_by(
-            |camera| camera,
-            |file, cell, camera, plant| {
-                let step = file.step().as_secs_f64();
-                let cell =
-                    cell.sensor(file.sensor("camera", camera)?).sensor(file.sensor("encoder", Encoder)?);
-                Ok(cell.sensor(file.sensor("fingers", plant.fingers_before(BEAM, step))?))
-            },
-        )
+        match self.overhead {
+            Overhead::Camera => self.sensed_by(
+                |camera| camera,
+                |file, cell, camera, plant| {
+                    let step = file.step().as_secs_f64();
+                    let cell =
+                        cell.sensor(file.sensor("camera", camera)?).sensor(file.sensor("encoder", Encoder)?);
+                    Ok(cell.sensor(file.sensor("fingers", plant.fingers_before(BEAM, step))?))
+                },
+            ),
+            Overhead::Matrix => self.heard_by(|matrix| matrix, matrix::run::sensors),
+        }
     }
 
     /// The cell with another camera, and sensors that `sense` puts into it.
@@ -188,9 +237,23 @@ impl Settings {
         look: impl FnOnce(CameraSensor<Sight>) -> CameraSensor<Sight>,
         sense: impl FnOnce(&CellFile, Cell, CameraSensor<Sight>, &Plant) -> Result<Cell, CellError>,
     ) -> Result<Ready, CellError> {
-        let file = file()?;
+        self.prepare("camera", file()?, |file, cell, plant, parts, looks| {
+            sense(file, cell, look(self.camera(plant, parts, looks)?), plant)
+        })
+    }
+
+    /// The cell of a file with sensors that `sense` puts into it, among them one of this name that tells of parts.
+    ///
+    /// # Errors
+    /// What is wrong with the cell's file or a figure.
+    pub fn prepare(
+        &self,
+        eye: &'static str,
+        file: CellFile,
+        sense: impl FnOnce(&CellFile, Cell, &Plant, &Rc<[Coming]>, &Rc<RefCell<Looks>>) -> Result<Cell, CellError>,
+    ) -> Result<Ready, CellError> {
         let slowest = (1.0 - 1.1 * Uneven::OFF) * self.speed;
-        let gap = Self::SPACING / slowest;
+        let gap = self.spacing() / slowest;
         let apart = gap.max(self.regular * self.every);
         let parts = coming(self.parts, self.first(), self.every, apart, self.seed, self.stranger);
         let parts: Rc<[Coming]> = parts.into();
@@ -202,19 +265,19 @@ impl Settings {
         let plant = Plant::of(world, scene, self.seed.wrapping_mul(1000));
         let cell = file.cell(&plant.kinds())?;
         let looks = Rc::<RefCell<Looks>>::default();
-        let camera = look(self.camera(&plant, &parts, &looks)?);
-        let cell = sense(&file, cell, camera, &plant)?;
+        let cell = sense(&file, cell, &plant, &parts, &looks)?;
         let patience = 8.0 * self.every.max(gap) + (LAST - FEED) / slowest + self.first();
         let Self { speed, seed, change, parts: count, .. } = *self;
         let late = Rc::<RefCell<Vec<u32>>>::default();
         let missed = late.clone();
-        let cell = cell.ecp("arm", ecp::arm).ecp("hand", ecp::hand).program(move |mp| {
+        let programs = Programs::SORTING;
+        let cell = cell.ecp("arm", programs.arm).ecp("hand", programs.hand).program(move |mp| {
             let belt = Uneven::about(speed, seed.wrapping_add(77));
             let belt = match change {
                 Some((time, share)) => belt.changing(time, share),
                 None => belt,
             };
-            let queue = mp::coordinate(mp, belt, Queue::of(count as u32, patience))?;
+            let queue = (programs.coordinate)(mp, eye, belt, Queue::of(count as u32, patience))?;
             missed.replace(queue.late);
             Ok(())
         });
@@ -222,7 +285,7 @@ impl Settings {
         let grips = Rc::<RefCell<Vec<Grip>>>::default();
         let progress = Progress::of(plant.world.clone(), parts.len());
         let cell = cell.guard(1, watch(hand, parts.clone(), grips.clone(), progress.look()));
-        Ok(Ready { cell, plant, parts, looks, progress, grips, late })
+        Ok(Ready { cell, plant, parts, looks, progress, programs, grips, late })
     }
 
     /// The camera, and who compares what it finds with what there is.
@@ -302,29 +365,39 @@ fn compare(
         if looks.images.len() < looks.keep {
             looks.images.push((image.to_vec(), found.to_vec()));
         }
-        // A part on a belt that runs evenly keeps its place in the belt's frame.
         let run = sight.surface(0.0);
         for thing in found {
-            let mut nearest: Option<(f64, Look)> = None;
-            world.each_body(|number, state| {
-                let part = &parts[number];
-                let truly = part.place(&state.pose);
-                let along = thing.place.x - way - (truly.translation.x - run);
-                let across = thing.place.y - truly.translation.y;
-                let look = Look {
-                    part: number,
-                    taken: thing.class,
-                    off: [along, across],
-                    turned: turned(thing.angle, angle(&truly), turns.get(part.kind).copied().unwrap_or(0)),
-                };
-                let distance = along.hypot(across);
-                if nearest.is_none_or(|(least, _)| distance < least) {
-                    nearest = Some((distance, look));
-                }
-            });
-            looks.all.extend(nearest.map(|(_, look)| look));
+            let place = [thing.place.x - way, thing.place.y];
+            looks.all.extend(nearest(&world, &parts, &turns, run, thing.class, place, thing.angle));
         }
     }
+}
+
+/// The part that is nearest to a place on a belt that has truly run `run` \[m\], and how far what was told of it is off. A part on a belt that
+/// runs evenly keeps its place in the belt's frame.
+pub fn nearest(
+    world: &World,
+    parts: &[Coming],
+    turns: &[u32],
+    run: f64,
+    taken: Option<usize>,
+    place: [f64; 2],
+    told: f64,
+) -> Option<Look> {
+    let mut nearest: Option<(f64, Look)> = None;
+    world.each_body(|number, state| {
+        let part = &parts[number];
+        let truly = part.place(&state.pose);
+        let along = place[0] - (truly.translation.x - run);
+        let across = place[1] - truly.translation.y;
+        let turned = turned(told, angle(&truly), turns.get(part.kind).copied().unwrap_or(0));
+        let look = Look { part: number, taken, off: [along, across], turned };
+        let distance = along.hypot(across);
+        if nearest.is_none_or(|(least, _)| distance < least) {
+            nearest = Some((distance, look));
+        }
+    });
+    nearest.map(|(_, look)| look)
 }
 
 impl Ready {

@@ -20,25 +20,46 @@ pub const TOLERANCE: f64 = 0.007;
 /// .. and how much light it scatters.
 pub const REFLECTANCE: [f64; 2] = [0.45, 0.95];
 
-/// A part below the camera.
-struct Lying {
-    kind: Option<usize>,
-    form: Form,
-    pose: Pose,
-    angle: f64,
-    reflectance: f64,
+/// A part on the belt.
+pub struct Lying {
+    /// Its kind; `None` of a stranger.
+    pub kind: Option<usize>,
+    /// In its frame P.
+    pub form: Form,
+    /// `X_FP`.
+    pub pose: Pose,
+    /// About z \[rad\].
+    pub angle: f64,
+    /// How much light it scatters, 0 to 1.
+    pub reflectance: f64,
 }
 
-/// Parts that pass the camera at a speed [m/s].
-struct Passing {
-    parts: Vec<Lying>,
-    speed: f64,
-    run: f64,
+impl Lying {
+    /// A part whose middle is at a place, so that all of it is about that, whatever its frame is.
+    #[must_use]
+    pub fn of(kind: Option<usize>, form: Form, [x, y]: [f64; 2], angle: f64, reflectance: f64) -> Self {
+        let corners: Vec<_> = form.corners().collect();
+        let (least, most) = corners.iter().fold((corners[0], corners[0]), |(a, b), c| (a.inf(c), b.sup(c)));
+        let middle = nalgebra::Rotation2::new(angle) * (0.5 * (least + most)).xy();
+        Self { kind, form, pose: lying(x - middle.x, y - middle.y, angle), angle, reflectance }
+    }
+}
+
+/// Parts that pass a sensor at a speed [m/s].
+pub struct Passing {
+    /// Those.
+    pub parts: Vec<Lying>,
+    /// [m/s].
+    pub speed: f64,
+    /// How far the belt has run \[m\].
+    pub run: f64,
+    /// \[s\].
+    pub now: f64,
 }
 
 impl Scene for Passing {
     fn now(&self) -> f64 {
-        0.0
+        self.now
     }
 
     fn each_solid(&self, _: &mut dyn FnMut(&Solid<'_>)) {}
@@ -135,7 +156,7 @@ fn trials(
         }
         let Some(imager) = &mut imager else { break };
         if images.is_multiple_of(IMAGES) {
-            let empty = Passing { parts: Vec::new(), speed: 0.1, run: 0.0 };
+            let empty = Passing { parts: Vec::new(), speed: 0.1, run: 0.0, now: 0.0 };
             imager.expose(&empty, 0.0, &mut image);
             show(&image, &[]);
             vision.teach(&image)?;
@@ -172,16 +193,12 @@ fn passing(
             None => strangers[pick(strangers.len(), random)].class.form.scaled(scale),
         };
         let angle = random.between(-PI, PI);
-        // The middle of the form comes to the place, so that all of it is in sight.
-        let corners: Vec<_> = form.corners().collect();
-        let (least, most) = corners.iter().fold((corners[0], corners[0]), |(a, b), c| (a.inf(c), b.sup(c)));
-        let middle = nalgebra::Rotation2::new(angle) * (0.5 * (least + most)).xy();
-        let x = CAMERA[0] + place + random.between(-jitter, jitter) - middle.x;
-        let y = random.between(-ACROSS, ACROSS) - middle.y;
+        let x = CAMERA[0] + place + random.between(-jitter, jitter);
+        let y = random.between(-ACROSS, ACROSS);
         let reflectance = random.between(REFLECTANCE[0], REFLECTANCE[1]);
-        parts.push(Lying { kind, form, pose: lying(x, y, angle), angle, reflectance });
+        parts.push(Lying::of(kind, form, [x, y], angle, reflectance));
     }
-    Passing { parts, speed: random.between(0.0, 0.2), run: random.between(0.0, 10.0) }
+    Passing { parts, speed: random.between(0.0, 0.2), run: random.between(0.0, 10.0), now: 0.0 }
 }
 
 fn judged(part: &Lying, kinds: &[Kind], found: &[Found]) -> Trial {
@@ -219,7 +236,7 @@ fn judged(part: &Lying, kinds: &[Kind], found: &[Found]) -> Trial {
 pub struct Untrained;
 
 impl Classifier for Untrained {
-    fn classify(&mut self, _: &[f32; FEATURES]) -> Option<Vec<f32>> {
+    fn classify(&mut self, _: &[f32]) -> Option<Vec<f32>> {
         None
     }
 }

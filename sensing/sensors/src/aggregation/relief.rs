@@ -1,0 +1,230 @@
+//! What passes below ultrasonic transducers, as a relief: a height for each ping, at its place on the belt.
+//!
+//! ```text
+//! echo -> its middle, without the threshold's walk -> height = h (1 - t / t of the belt)        the speed of sound goes out of it
+//!      -> place of the transducer - way of the belt at the ping                                 in the belt's own frame
+//!      -> things: places that stand out of the belt, with a strip of bare belt before and behind
+//! ```
+//!
+//! Each transducer hears the belt between parts, and so knows what its temperature, its height and its loudness are now.
+
+use std::collections::VecDeque;
+
+use crate::ultrasound::{Air, Array, Echo, Transducer};
+use thiserror::Error;
+
+/// What a ping said.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Sample {
+    /// Where its transducer was along the belt, where that had run 0 \[m\] ..
+    pub along: f64,
+    /// .. and across it \[m\].
+    pub across: f64,
+    /// How high what it met is over the belt \[m\], and how loud, of what the bare belt is; `None` where nothing was heard.
+    pub heard: Option<[f64; 2]>,
+}
+
+/// The samples of a thing, and of the belt about it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Relief {
+    /// Those.
+    pub samples: Vec<Sample>,
+    /// How much of the belt each stands for \[m²\].
+    pub area: f64,
+    /// How long the thing is, with what its edges send back \[m\].
+    pub length: f64,
+}
+
+/// Why nothing can be heard.
+#[derive(Clone, Copy, Debug, Error, PartialEq)]
+pub enum Deaf {
+    /// A transducer hears neither belt nor parts.
+    #[error("ultrasonic transducer {number} of {of} heard no echo in {count} pings over {way_mm:.0} mm of belt: dead, loose or covered?")]
+    Transducer {
+        /// Which one, from 1 on.
+        number: usize,
+        /// How many there are.
+        of: usize,
+        /// So many pings.
+        count: u32,
+        /// And so much belt \[mm\].
+        way_mm: f64,
+    },
+    /// The belt is not where it was.
+    #[error("the belt is heard {off_mm:+.1} mm from where it was, at most {limit_mm:.0} mm: is the air hot or cold, or has the matrix been moved?")]
+    Belt {
+        /// How far off \[mm\].
+        off_mm: f64,
+        /// What is allowed \[mm\].
+        limit_mm: f64,
+    },
+}
+
+/// What a transducer hears of the bare belt.
+#[derive(Clone, Copy, Debug, Default)]
+struct Bare {
+    /// Time of the echo's middle \[s\], and its amplitude.
+    time: f64,
+    amplitude: f64,
+    count: u32,
+    /// Pings without an echo, and where the belt was at the first of them \[m\].
+    unheard: u32,
+    from: f64,
+}
+
+/// Makes reliefs of echoes.
+#[derive(Clone, Debug)]
+pub struct Reliefs {
+    array: Array,
+    transducer: Transducer,
+    bare: Vec<Bare>,
+    /// Mean of the times of the bare belt, when it was learned.
+    learned: Option<f64>,
+    /// Of the newest pings: how many heard something else than the belt, as a share, and the mean of their heights \[m\].
+    elsewhere: [f64; 2],
+    samples: VecDeque<Sample>,
+    /// The belt before this is done with, along the belt \[m\].
+    done: f64,
+}
+
+impl Reliefs {
+    /// What is so high is no belt \[m\].
+    const RAISED: f64 = 0.008;
+    /// Things are apart where so much belt is bare between them \[m\].
+    const APART: f64 = 0.03;
+    /// So much belt about a thing goes with it \[m\].
+    const ABOUT: f64 = 0.02;
+    /// What has fewer samples than this is noise.
+    const FEWEST: usize = 6;
+    /// Pings by which a transducer learns the bare belt.
+    const LEARNING: u32 = 4;
+    /// A transducer that hears nothing so often, over so much belt \[m\], is dead.
+    const DEAF: (u32, f64) = (24, 0.15);
+    /// How much of a bare belt's echo changes what is known of it.
+    const FOLLOW: f64 = 0.3;
+    /// Of the newest pings, and of how many, at most this share may hear something else than the belt: no part is as large as the matrix.
+    const ELSEWHERE: (f64, f64) = (0.95, 64.0);
+    /// The belt may be heard so far from where it was first \[m\]: 15 K.
+    const MOVED: f64 = 6.5e-3;
+    /// So many samples are kept at most.
+    const KEPT: usize = 4096;
+
+    /// By an array, as it is believed to be.
+    #[must_use]
+    pub fn by(array: Array) -> Self {
+        let transducer = array.transducer(Air { celsius: 20.0 });
+        let bare = vec![Bare::default(); array.places.len()];
+        Self { array, transducer, bare, learned: None, elsewhere: [0.0; 2], samples: VecDeque::new(), done: f64::INFINITY }
+    }
+
+    /// The array, as it is believed to be.
+    #[must_use]
+    pub const fn array(&self) -> &Array {
+        &self.array
+    }
+
+    /// Whether it knows the bare belt.
+    #[must_use]
+    pub const fn is_taught(&self) -> bool {
+        self.learned.is_some()
+    }
+
+    /// Takes what a transducer heard, when the belt had run `way` \[m\].
+    ///
+    /// # Errors
+    /// [`Deaf`].
+    pub fn take(&mut self, number: usize, echo: Option<Echo>, way: f64) -> Result<(), Deaf> {
+        let place = self.array.places[number];
+        let (of, bare) = (self.bare.len(), &mut self.bare[number]);
+        let along = place.x - way;
+        let heard = if let Some(echo) = echo {
+            bare.unheard = 0;
+            let middle = self.transducer.middle(&echo);
+            if bare.count < Self::LEARNING {
+                bare.count += 1;
+                let share = f64::from(bare.count).recip();
+                bare.time += share * (middle - bare.time);
+                bare.amplitude += share * (echo.amplitude - bare.amplitude);
+                if self.learned.is_none() && self.bare.iter().all(|bare| bare.count >= Self::LEARNING) {
+                    self.learned = Some(self.mean());
+                }
+                return Ok(());
+            }
+            let height = place.z * (1.0 - middle / bare.time);
+            let loud = echo.amplitude / bare.amplitude;
+            let is_belt = height.abs() < 0.5 * Self::RAISED;
+            let [share, mean] = &mut self.elsewhere;
+            *share += (f64::from(u8::from(!is_belt)) - *share) / Self::ELSEWHERE.1;
+            *mean += (height - *mean) / Self::ELSEWHERE.1;
+            if *share > Self::ELSEWHERE.0 {
+                return Err(Deaf::Belt { off_mm: 1e3 * *mean, limit_mm: 1e3 * Self::MOVED });
+            }
+            if is_belt && (loud - 1.0).abs() < 0.15 {
+                bare.time += Self::FOLLOW * (middle - bare.time);
+                bare.amplitude += Self::FOLLOW * (echo.amplitude - bare.amplitude);
+            }
+            Some([height, loud])
+        } else {
+            if bare.unheard == 0 {
+                bare.from = way;
+            }
+            bare.unheard += 1;
+            let run = (way - bare.from).abs();
+            if bare.unheard >= Self::DEAF.0 && (run >= Self::DEAF.1 || bare.count < Self::LEARNING) {
+                return Err(Deaf::Transducer { number: number + 1, of, count: bare.unheard, way_mm: 1e3 * run });
+            }
+            None
+        };
+        if let Some(learned) = self.learned {
+            // Warm air brings the belt nearer, and so higher: as much as its echo comes sooner.
+            let off = place.z * (1.0 - self.mean() / learned);
+            if off.abs() > Self::MOVED {
+                return Err(Deaf::Belt { off_mm: 1e3 * off, limit_mm: 1e3 * Self::MOVED });
+            }
+            if along < self.done {
+                self.samples.push_back(Sample { along, across: place.y, heard });
+            }
+            if self.samples.len() > Self::KEPT {
+                self.samples.pop_front();
+            }
+        }
+        Ok(())
+    }
+
+    fn mean(&self) -> f64 {
+        self.bare.iter().map(|bare| bare.time).sum::<f64>() / self.bare.len() as f64
+    }
+
+    /// Where the last row of the array is on a belt that has run `way` \[m\]: what is before that has been below all of them.
+    fn frontier(&self, way: f64) -> f64 {
+        self.array.places.iter().map(|place| place.x).fold(f64::NEG_INFINITY, f64::max) - way
+    }
+
+    /// The next thing that has wholly passed on a belt that has run `way` \[m\].
+    pub fn passed(&mut self, way: f64) -> Option<Relief> {
+        let frontier = self.frontier(way);
+        let raised = |sample: &&Sample| sample.along > frontier && sample.heard.is_some_and(|[z, _]| z > Self::RAISED);
+        let mut raised: Vec<f64> = self.samples.iter().filter(raised).map(|sample| sample.along).collect();
+        raised.sort_unstable_by(|a, b| b.total_cmp(a));
+        let first = *raised.first()?;
+        let gap = raised.windows(2).position(|two| two[0] - two[1] > Self::APART);
+        let count = gap.map_or(raised.len(), |place| place + 1);
+        let last = raised[count - 1];
+        if last - frontier <= Self::APART {
+            return None;
+        }
+        let (low, high) = (last - Self::ABOUT, first + Self::ABOUT);
+        let within = |sample: &&Sample| (low..=high).contains(&sample.along);
+        let samples: Vec<Sample> = self.samples.iter().filter(within).copied().collect();
+        let keep = last - 0.5 * Self::APART;
+        self.done = self.done.min(keep);
+        self.samples.retain(|sample| sample.along < keep);
+        if count < Self::FEWEST {
+            return self.passed(way);
+        }
+        let across = self.array.places.iter().map(|place| place.y);
+        let width = across.clone().fold(f64::NEG_INFINITY, f64::max) - across.fold(f64::INFINITY, f64::min);
+        let area = (high - low) * width / samples.len().max(1) as f64;
+        Some(Relief { samples, area, length: first - last })
+    }
+}

@@ -1,0 +1,176 @@
+//! A transducer that sends a ping and hears what comes back.
+
+use core::f64::consts::TAU;
+
+use super::{Air, Echo, Piston, Waveform};
+
+/// A part of the directions of a transducer: those of the rays (u, v, 1) of its frame T, whose z is its axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Window {
+    /// From, to.
+    pub u: [f64; 2],
+    /// From, to.
+    pub v: [f64; 2],
+}
+
+impl Window {
+    /// All directions that matter: to 48° to each side.
+    pub const ALL: Self = Self { u: [-1.1, 1.1], v: [-1.1, 1.1] };
+}
+
+/// A transducer with its pulse and its detector, in air of a temperature.
+#[derive(Clone, Debug)]
+pub struct Transducer {
+    piston: Piston,
+    air: Air,
+    /// What is listened to \[m\].
+    gate: [f64; 2],
+    threshold: f64,
+    /// Squares of the directivity over the square of the sine.
+    beam: Vec<f64>,
+    /// cos and -sin over a turn.
+    turn: Vec<[f64; 2]>,
+    /// The pulse, from its middle on, in bins.
+    shape: Vec<f64>,
+}
+
+impl Transducer {
+    /// Standard deviation of the pulse, a Gaussian burst \[s\].
+    pub const PULSE: f64 = 50e-6;
+    const BEAM: usize = 1024;
+    const TURN: usize = 4096;
+
+    /// In air of this temperature; it listens to what comes from these ranges \[m\], and reports what passes a pressure, of 1 a metre before the source.
+    #[must_use]
+    pub fn new(piston: Piston, air: Air, gate: [f64; 2], threshold: f64) -> Self {
+        let k = TAU * piston.frequency / air.speed();
+        let square = |i: usize| piston.directivity(i as f64 / Self::BEAM as f64, k).powi(2);
+        let turn = |i: usize| (i as f64 / Self::TURN as f64 * TAU).sin_cos();
+        let sigma = 0.5 * air.speed() * Self::PULSE / Waveform::BIN;
+        let shape = |i: usize| (-0.5 * (i as f64 / sigma).powi(2)).exp();
+        Self {
+            piston,
+            air,
+            gate,
+            threshold,
+            beam: (0..=Self::BEAM + 1).map(square).collect(),
+            turn: (0..Self::TURN).map(turn).map(|(sin, cos)| [cos, -sin]).collect(),
+            shape: (0..(3.5 * sigma) as usize).map(shape).collect(),
+        }
+    }
+
+    /// The air it is in.
+    #[must_use]
+    pub const fn air(&self) -> Air {
+        self.air
+    }
+
+    /// The same in other air.
+    #[must_use]
+    pub fn in_air(&self, air: Air) -> Self {
+        Self::new(self.piston, air, self.gate, self.threshold)
+    }
+
+    /// What its detector reports \[pressure, of 1 a metre before the source\].
+    #[must_use]
+    pub const fn threshold(&self) -> f64 {
+        self.threshold
+    }
+
+    /// What is listened to \[m\].
+    #[must_use]
+    pub const fn gate(&self) -> [f64; 2] {
+        self.gate
+    }
+
+    /// Wave number [1/m].
+    #[must_use]
+    pub fn wave_number(&self) -> f64 {
+        TAU * self.piston.frequency / self.air.speed()
+    }
+
+    /// The sum of the squares of the pulse, over its bins: by how much it raises the power of noise.
+    #[must_use]
+    pub fn gain(&self) -> f64 {
+        2.0 * self.shape.iter().map(|w| w * w).sum::<f64>() - 1.0
+    }
+
+    /// Silence.
+    #[must_use]
+    pub fn silence(&self) -> Waveform {
+        Waveform::empty(self.gate[0], self.gate[1], self.shape.len())
+    }
+
+    /// Adds what comes back from a part of its directions, in steps of `step`. `meet` says of a ray (u, v, 1) where it meets something, and
+    /// where it would meet what is behind, of which that is taken off; both in lengths of the ray.
+    pub fn add(
+        &self,
+        wave: &mut Waveform,
+        window: Window,
+        step: f64,
+        meet: impl Fn(f64, f64) -> (Option<f64>, Option<f64>),
+    ) {
+        let k = self.wave_number();
+        let pressure = k / TAU * step * step;
+        let turns = 2.0 * k / TAU * Self::TURN as f64;
+        let aligned = |[from, to]: [f64; 2]| ((from / step).floor() as i64, (to / step).ceil() as i64);
+        let ((u0, u1), (v0, v1)) = (aligned(window.u), aligned(window.v));
+        let place = |i: i64| (i as f64 + 0.5) * step;
+        for u in (u0..u1).map(place) {
+            for v in (v0..v1).map(place) {
+                let (hit, behind) = meet(u, v);
+                if hit.is_none() && behind.is_none() || hit == behind {
+                    continue;
+                }
+                let square = 1.0 + u * u + v * v;
+                let length = square.sqrt();
+                let at = (1.0 - 1.0 / square) * Self::BEAM as f64;
+                let (low, share) = (at as usize, at.fract());
+                let beam = self.beam[low] + share * (self.beam[low + 1] - self.beam[low]);
+                let amplitude = pressure * beam / (square * length);
+                let mut put = |way: f64, amplitude: f64| {
+                    let range = way * length;
+                    let at = (range - self.gate[0]) / Waveform::BIN;
+                    if at < 0.0 || at as usize + 1 >= wave.points.len() {
+                        return;
+                    }
+                    let [cos, sin] = self.turn[(range * turns) as usize % Self::TURN];
+                    let (low, share) = (at as usize, at.fract());
+                    for (bin, share) in [(low, 1.0 - share), (low + 1, share)] {
+                        let [re, im] = &mut wave.points[bin];
+                        *re += amplitude * share * cos;
+                        *im += amplitude * share * sin;
+                    }
+                };
+                if let Some(way) = hit {
+                    put(way, amplitude);
+                }
+                if let Some(way) = behind {
+                    put(way, -amplitude);
+                }
+            }
+        }
+    }
+
+    /// What is heard, and its first echo.
+    pub fn hear(&self, wave: &mut Waveform, gain: f64) -> Option<Echo> {
+        wave.pulse(&self.shape, self.gate[0]);
+        self.detect(wave, gain)
+    }
+
+    /// The first echo in what was heard, so many times as loud.
+    #[must_use]
+    pub fn detect(&self, wave: &Waveform, gain: f64) -> Option<Echo> {
+        let (bins, amplitude) = wave.first(self.threshold / gain)?;
+        let range = self.gate[0] + bins * Waveform::BIN;
+        Some(Echo { time: 2.0 * range / self.air.speed(), amplitude: amplitude * gain })
+    }
+
+    /// When the middle of an echo came \[s\]: a weak one passes the threshold later than a strong one. That is its walk, which is known of
+    /// a Gaussian burst.
+    #[must_use]
+    pub fn middle(&self, echo: &Echo) -> f64 {
+        let over = (echo.amplitude / self.threshold).max(1.0);
+        echo.time + Self::PULSE * (2.0 * over.ln()).sqrt()
+    }
+}

@@ -1,0 +1,47 @@
+//! What a sensor over a belt says of the parts that come, whatever it is.
+
+use mrroc::prelude::*;
+
+/// The kind of sensor: one that tells which parts come on a belt. Programs that ask for it do not mind by what it sees or hears them.
+#[derive(Clone, Copy, Debug)]
+pub struct PartSensor;
+
+impl Sensor for PartSensor {
+    const KIND: &'static str = "parts on a belt";
+    type Reading = Spotted;
+    type Configuration = ();
+}
+
+/// A part on a belt.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Payload)]
+pub struct OnBelt {
+    /// Its number, from 1 on; parts are counted as they are found.
+    pub number: u32,
+    /// Its class, by its place in the list of classes.
+    pub class: u32,
+    /// How likely that is, 0 to 1.
+    pub score: f64,
+    /// Where its frame is on the belt, which it goes with: along the belt where that had run 0 ..
+    pub along: f64,
+    /// .. and across it \[m\].
+    pub across: f64,
+    /// Its angle about z \[rad\].
+    pub angle: f64,
+}
+
+/// What is said of the newest parts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Payload)]
+pub struct Spotted {
+    /// Images that have been judged, without that of the empty belt.
+    pub images: u32,
+    /// Things that were no known parts.
+    pub unknown: u32,
+    /// Parts that have been found.
+    pub parts: u32,
+    /// How far the belt has run at the step of the reading \[m\].
+    pub way: f64,
+    /// How fast it is [m/s].
+    pub speed: f64,
+    /// The newest parts, the latest first; number 0 where there are fewer.
+    pub newest: [OnBelt; 6],
+}

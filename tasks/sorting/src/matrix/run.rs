@@ -1,0 +1,130 @@
+//! The matrix in the cell.
+
+use std::cell::RefCell;
+use std::rc::Rc;
+
+use mrroc::cell_file::{CellFile, CellFileError};
+use mrroc::prelude::*;
+use mrroc_robots::grasp::World;
+use mrroc_sensors::aggregation::{Heard, Hearing, Network, NetworkError, RELIEF_FEATURES, Relief, Reliefs};
+use mrroc_sensors::physics::Sounders;
+use mrroc_sensors::ultrasound::{Air, Echo};
+use mrroc_sensors::view::View as _;
+use mrroc_sensors::virtual_sensors::{Encoder, Listener, MatrixSensor};
+
+use super::layout::array;
+use crate::camera::acquire::Acquire;
+use crate::camera::arrivals::Coming;
+use crate::camera::kinds::{KINDS, classes, kinds};
+use crate::camera::layout::BEAM;
+use crate::camera::run::{Looks, Ready, Settings, nearest, wrong};
+use crate::camera::sight::Sight;
+use crate::plant::Plant;
+
+/// What a transducer heard after one ping.
+#[derive(Clone, Debug)]
+pub struct Trace {
+    /// \[s\].
+    pub time: f64,
+    /// The pressure over the range, as [`Waveform`](mrroc_sensors::ultrasound::Waveform) has it.
+    pub heard: Vec<f64>,
+    /// Its first echo.
+    pub echo: Option<Echo>,
+}
+
+/// The cell of the task with the matrix, `cell-matrix.toml`.
+///
+/// # Errors
+/// None: the file is right.
+pub fn file() -> Result<CellFile, CellFileError> {
+    CellFile::parse("cell-matrix.toml", include_str!("../../cell-matrix.toml"))
+}
+
+/// The network that tells the kinds by their reliefs, `assets/reliefs.onnx`.
+///
+/// # Errors
+/// None: the file is right.
+pub fn network() -> Result<Network, NetworkError> {
+    Network::read(include_bytes!("../../assets/reliefs.onnx").to_vec(), RELIEF_FEATURES, KINDS)
+}
+
+/// Puts the sensors of the task into a cell.
+///
+/// # Errors
+/// What is wrong with their tables.
+pub fn sensors(file: &CellFile, cell: Cell, matrix: MatrixSensor<Sight>, plant: &Plant) -> Result<Cell, CellError> {
+    let step = file.step().as_secs_f64();
+    let cell = cell.sensor(file.sensor("matrix", matrix)?).sensor(file.sensor("encoder", Encoder)?);
+    Ok(cell.sensor(file.sensor("fingers", plant.fingers_before(BEAM, step))?))
+}
+
+impl Settings {
+    /// The cell with another matrix, and sensors that `sense` puts into it.
+    ///
+    /// # Errors
+    /// What is wrong with the cell's file or a figure.
+    pub fn heard_by(
+        &self,
+        change: impl FnOnce(MatrixSensor<Sight>) -> MatrixSensor<Sight>,
+        sense: impl FnOnce(&CellFile, Cell, MatrixSensor<Sight>, &Plant) -> Result<Cell, CellError>,
+    ) -> Result<Ready, CellError> {
+        self.prepare("matrix", file()?, |file, cell, plant, parts, looks| {
+            sense(file, cell, change(self.matrix(plant, parts, looks)?), plant)
+        })
+    }
+
+    /// The matrix, and who compares what it finds with what there is.
+    fn matrix(
+        &self,
+        plant: &Plant,
+        parts: &Rc<[Coming]>,
+        looks: &Rc<RefCell<Looks>>,
+    ) -> Result<MatrixSensor<Sight>, CellError> {
+        let array = array();
+        let sight = Sight::of(plant.world.clone(), parts.clone(), plant.shaft());
+        let sounders = Sounders::over(&array, Air { celsius: 20.0 }, self.seed.wrapping_add(5));
+        let network = network().map_err(|error| wrong(&error))?;
+        let hearing = Hearing::new(&array, classes(), Box::new(network));
+        let witness = Witness {
+            sight: sight.clone(),
+            world: plant.world.clone(),
+            parts: parts.clone(),
+            looks: looks.clone(),
+            turns: kinds().iter().map(|kind| kind.class.turns).collect(),
+        };
+        let matrix = MatrixSensor::new(sight, sounders, Reliefs::by(array), hearing, Acquire::LATCH);
+        Ok(matrix.watched(Box::new(witness)))
+    }
+}
+
+/// Compares what is heard of a part with where it truly is in the frame of the true belt.
+struct Witness {
+    sight: Sight,
+    world: World,
+    parts: Rc<[Coming]>,
+    looks: Rc<RefCell<Looks>>,
+    turns: Vec<u32>,
+}
+
+impl Witness {
+    /// Whose traces are kept: one in the middle.
+    const TRACED: usize = 12;
+}
+
+impl Listener for Witness {
+    fn pinged(&mut self, number: usize, time: f64, echo: Option<Echo>, sounders: &Sounders) {
+        let looks = &mut *self.looks.borrow_mut();
+        if number == Self::TRACED && looks.keep > 0 && looks.reliefs.is_empty() {
+            looks.traces.push(Trace { time, heard: sounders.wave().heard().to_vec(), echo });
+        }
+    }
+
+    fn judged(&mut self, relief: &Relief, heard: &Heard) {
+        let looks = &mut *self.looks.borrow_mut();
+        if looks.reliefs.len() < looks.keep {
+            looks.reliefs.push((relief.clone(), heard.clone()));
+        }
+        let (run, place) = (self.sight.surface(0.0), [heard.place.x, heard.place.y]);
+        looks.all.extend(nearest(&self.world, &self.parts, &self.turns, run, heard.class, place, heard.angle));
+    }
+}

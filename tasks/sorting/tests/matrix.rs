@@ -1,0 +1,86 @@
+//! With the matrix: recognition, places, grasps. `MRROC_LONG=1` tries what `just sorting-matrix` does.
+
+use sorting::camera::kinds::KINDS;
+use sorting::camera::run::{Overhead, Programs, Settings};
+use sorting::camera::summary::{Line, Table};
+use sorting::matrix::command::{counted, examination, rms};
+use sorting::matrix::run::network;
+use sorting::matrix::studio::{Conditions, Trial, examine};
+use sorting::summary::quantile;
+use sorting::witness::Fate;
+
+fn long() -> bool {
+    std::env::var_os("MRROC_LONG").is_some()
+}
+
+/// Parts and strangers that no training has heard; so many of the parts are to be recognised.
+fn examined(conditions: &Conditions, count: usize, share: f64) {
+    let conditions = Conditions { stranger: 9, ..*conditions };
+    let count = if long() { 2250 } else { count };
+    let trials = examine(count, 3_000_000, &conditions, Box::new(network().expect("a network")), |_, _, _| ());
+    let trials = trials.expect("it hears");
+    println!("{}", examination(&trials));
+    let counts = counted(&trials);
+    let [right, misnamed, rejected] = counts.counts();
+    assert_eq!(misnamed, 0, "misnamed");
+    assert!(f64::from(right) >= share * f64::from(right + rejected), "{right} right, {rejected} rejected");
+    // Not one stranger has a name.
+    let row = counts.0[KINDS];
+    assert!(row[KINDS] > 0 && row[..KINDS].iter().all(|count| *count == 0), "{row:?}");
+    let known = || trials.iter().filter(|trial: &&Trial| trial.heard.as_ref().is_some_and(|heard| heard.class.is_some()));
+    let off: Vec<f64> = known().map(|trial| trial.off[0].hypot(trial.off[1])).collect();
+    let turned: Vec<f64> = known().map(|trial| trial.turned.to_degrees()).collect();
+    assert!(rms(&off) <= 2e-3 && quantile(&turned, 0.95) <= 5.0, "{} m, {} deg", rms(&off), quantile(&turned, 0.95));
+}
+
+#[test]
+fn parts_that_no_training_has_heard_are_recognised_and_strangers_rejected() {
+    examined(&Conditions::USUAL, 11, 0.98);
+}
+
+#[test]
+fn a_tenth_of_the_echoes_may_be_lost_and_the_air_be_warmer_or_colder_by_5_kelvin() {
+    examined(&Conditions::HARD, 11, if long() { 0.95 } else { 0.88 });
+}
+
+#[test]
+fn parts_heard_by_the_matrix_go_to_the_bins_of_their_kinds() {
+    let (parts, speeds): (usize, &[f64]) = if long() { (200, &[0.05, 0.1, 0.15]) } else { (1, &[0.1]) };
+    for &speed in speeds {
+        let settings = Settings::of(speed, parts, Settings::CYCLE / 0.6, 4).below(Overhead::Matrix);
+        let outcome = settings.run().expect("a cell");
+        let line = Line::of(&settings, &outcome);
+        println!("{}", Table(vec![line.clone()]));
+        assert!(outcome.report.is_ok(), "{:?}", outcome.report);
+        assert_eq!((line.wrong, line.crashes), (0, 0));
+        // What is not recognised passes; there are no other misses.
+        let least = if long() { 0.97 } else { 1.0 };
+        assert!(outcome.count(Fate::Sorted) as f64 >= least * parts as f64, "{:?}", line.missed);
+        assert!(rms(&line.places) <= 2e-3, "{} m", rms(&line.places));
+    }
+}
+
+#[test]
+fn camera_and_matrix_have_the_same_programs_and_cells_but_for_the_sensor() {
+    let [camera, matrix] = [Overhead::Camera, Overhead::Matrix]
+        .map(|overhead| Settings::of(0.1, 1, 10.0, 1).below(overhead).ready().expect("a cell").programs);
+    for of in [camera, matrix] {
+        let Programs { coordinate, arm, hand } = Programs::SORTING;
+        assert!(std::ptr::fn_addr_eq(of.coordinate, coordinate));
+        assert!(std::ptr::fn_addr_eq(of.arm, arm) && std::ptr::fn_addr_eq(of.hand, hand));
+    }
+    // The files of the cells differ in the one table.
+    let tables = |text: &str| -> Vec<String> {
+        let lines = text.lines().filter(|line| !line.starts_with('#') && !line.trim().is_empty());
+        lines.map(|line| line.replace("[sensors.matrix]", "[sensors.camera]")).collect()
+    };
+    let files = [include_str!("../cell-camera.toml"), include_str!("../cell-matrix.toml")];
+    assert_eq!(tables(files[0]), tables(files[1]));
+}
+
+#[test]
+fn the_same_seed_gives_the_same_run_with_the_matrix_to_the_bit() {
+    let settings = Settings::of(0.12, 1, 10.0, 9).below(Overhead::Matrix);
+    let [one, two] = [(), ()].map(|()| settings.run().expect("a cell"));
+    assert!(!one.looks.is_empty() && (one.grips, one.looks) == (two.grips, two.looks));
+}

@@ -1,0 +1,159 @@
+//! Faults of the matrix's cell: a named fault, or a part that passes; never a wrong grasp.
+
+use core::cell::OnceCell;
+
+use mrroc::fault::{Name, ProcessId, Role};
+use mrroc::prelude::*;
+use mrroc::testing::{Case, FaultySensor, Injected, SensorFault, Sweep};
+use mrroc_sensors::aggregation::{Hearing, Reliefs};
+use mrroc_sensors::physics::{Silent, Sounders};
+use mrroc_sensors::ultrasound::Air;
+use mrroc_sensors::virtual_sensors::MatrixSensor;
+use nalgebra::Vector3;
+use sorting::camera::kinds::{classes, kinds};
+use sorting::camera::run::{Overhead, Ready, Settings};
+use sorting::camera::sight::Sight;
+use sorting::camera::studio::{Lying, Passing};
+use sorting::matrix::layout::{MATRIX, array};
+use sorting::matrix::run::{network, sensors};
+use sorting::witness::Fate;
+
+const STEP: f64 = 4e-3;
+
+/// The first two cases, or all of them.
+fn some<T>(cases: impl IntoIterator<Item = T>) -> impl Iterator<Item = T> {
+    let count = if std::env::var_os("MRROC_LONG").is_some() { usize::MAX } else { 2 };
+    cases.into_iter().take(count)
+}
+
+fn settings() -> Settings {
+    Settings::of(0.12, 1, 2.0, 3).below(Overhead::Matrix)
+}
+
+thread_local! {
+    static HELD: OnceCell<f64> = const { OnceCell::new() };
+}
+
+/// When the undisturbed run gets hold of its part \[s\].
+fn held() -> f64 {
+    HELD.with(|held| {
+        *held.get_or_init(|| {
+            let outcome = settings().run().expect("a cell");
+            assert_eq!(outcome.count(Fate::Sorted), 1, "{outcome:?}");
+            outcome.grips[0].time
+        })
+    })
+}
+
+/// Runs, and checks that there was no wrong grasp; what became of the part, and the fault.
+fn judged(ready: Ready, case: &str) -> (Fate, Option<String>) {
+    let outcome = ready.run();
+    let fault = outcome.report.as_ref().err().map(ToString::to_string);
+    assert_eq!((outcome.count(Fate::Wrong), outcome.crashes), (0, 0), "{case}: {outcome:?}");
+    for grip in &outcome.grips {
+        // Within that each pad of 24 mm lies on the shortest face, 30 mm, with half of its width.
+        assert!(grip.off.abs() < 6e-3, "{case}: grasped {} m off the middle", grip.off);
+    }
+    (outcome.fates[0], fault)
+}
+
+/// The cell with a matrix that is changed.
+fn with_matrix(change: impl FnOnce(&mut MatrixSensor<Sight>)) -> Ready {
+    let changed = |mut matrix: MatrixSensor<Sight>| {
+        change(&mut matrix);
+        matrix
+    };
+    settings().heard_by(changed, sensors).expect("a cell")
+}
+
+#[test]
+fn fault_198_a_dead_transducer_or_a_dead_matrix_is_a_named_fault() {
+    // Dead from the beginning, or from before the part comes.
+    for (from, silent) in some([(0.0, Silent::All), (1.0, Silent::One(17)), (0.0, Silent::One(17))]) {
+        let ready = with_matrix(|matrix| matrix.sounders().silence(from, silent));
+        let (fate, fault) = judged(ready, &format!("{silent:?} from {from} s"));
+        let text = fault.expect("a fault");
+        assert!(text.contains("ultrasonic transducer") && text.contains("dead, loose or covered?"), "{text}");
+        assert!(silent == Silent::All || text.contains("transducer 18 of 32"), "{text}");
+        assert_eq!(fate, Fate::Missed, "{silent:?}");
+    }
+}
+
+#[test]
+fn fault_199_echoes_that_are_lost_make_missed_parts_at_most() {
+    for lost in some([0.1, 0.6, 0.3]) {
+        let ready = with_matrix(|matrix| *matrix.sounders() = matrix.sounders().clone().losing(lost));
+        let (fate, fault) = judged(ready, &format!("{lost} lost"));
+        assert_eq!(fault, None);
+        assert!(fate == Fate::Sorted || lost > 0.1, "{lost}");
+    }
+}
+
+#[test]
+fn fault_214_air_that_changes_is_followed_or_a_named_fault() {
+    let held = held();
+    // Before the part comes, and while it is below the matrix.
+    for (time, kelvin, named) in some([(1.0, 30.0, true), (held - 6.0, 5.0, false), (1.0, -5.0, false), (1.0, -30.0, true)]) {
+        let ready = with_matrix(|matrix| matrix.sounders().warm(time, Air { celsius: 20.0 + kelvin }));
+        let (fate, fault) = judged(ready, &format!("{kelvin} K at {time} s"));
+        assert_eq!(fault.is_some(), named, "{kelvin} K at {time} s: {fault:?}");
+        if let Some(text) = fault {
+            assert!(text.contains("mm from where it was") && fate == Fate::Missed, "{text}");
+        }
+    }
+}
+
+#[test]
+fn fault_215_an_encoder_whose_count_stands_makes_missed_parts() {
+    // Of all kinds and at any angle: what passes a matrix that believes the belt to stand.
+    let kinds = kinds();
+    for (kind, of) in some(kinds.iter().enumerate()) {
+        let mut passing = Passing {
+            parts: vec![Lying::of(Some(kind), of.class.form.clone(), [MATRIX[0] - 0.25, 0.01], 0.7, 0.5)],
+            speed: 0.1,
+            run: 0.0,
+            now: 0.0,
+        };
+        let begin: Vector3<f64> = passing.parts[0].pose.translation.vector;
+        let array = array();
+        let mut sounders = Sounders::over(&array, Air { celsius: 20.0 }, 8);
+        let mut reliefs = Reliefs::by(array.clone());
+        let mut hearing = Hearing::new(&array, classes(), Box::new(network().expect("a network")));
+        for ping in 1_u32..1000 {
+            passing.now = f64::from(ping) * array.period;
+            passing.run = passing.speed * passing.now;
+            passing.parts[0].pose.translation.vector.x = begin.x + passing.run;
+            let number = array.turn(ping.into());
+            let echo = sounders.ping(&passing, number, passing.now);
+            reliefs.take(number, echo, 0.0).expect("it hears");
+            if let Some(relief) = reliefs.passed(0.0) {
+                assert_eq!(hearing.judge(&relief).class, None, "{}", of.class.name);
+            }
+        }
+    }
+}
+
+#[test]
+fn fault_216_a_sensor_of_the_matrix_cell_that_is_lost_or_killed_in_mid_pick_is_a_named_fault_or_not_needed_any_more() {
+    let held = held();
+    for (name, before) in [("matrix", 3.0), ("matrix", 0.5)] {
+        let sense = |file: &CellFile, cell: Cell, matrix: MatrixSensor<Sight>, plant: &sorting::plant::Plant| {
+            let step = ((held - before) / STEP) as u64;
+            let matrix = FaultySensor::new(matrix, SensorFault::Off, step, u64::MAX);
+            let cell = cell.sensor(file.sensor("matrix", matrix)?);
+            let cell = cell.sensor(file.sensor("encoder", mrroc_sensors::virtual_sensors::Encoder)?);
+            Ok(cell.sensor(file.sensor("fingers", plant.fingers_before(sorting::camera::layout::BEAM, STEP))?))
+        };
+        let ready = settings().heard_by(|matrix| matrix, sense).expect("a cell");
+        let (fate, fault) = judged(ready, &format!("{name} lost {before} s before the grasp"));
+        match fault {
+            Some(text) => assert!(text.contains(name), "{text}"),
+            None => assert_eq!(fate, Fate::Sorted),
+        }
+    }
+    let sweep = Sweep::new(|| settings().ready().expect("a cell").cell);
+    let process = ProcessId::new(Role::Vsp, Name::new("matrix").expect("a name"));
+    // Judged: limits, the cause, standstill within the bound, and that no gripper opens.
+    let report = sweep.repeat(&Case { injected: Injected::Kill(process), at: ((held - 0.4) / STEP) as u64, seed: 1 });
+    assert!(report.is_clean(), "{report}");
+}
