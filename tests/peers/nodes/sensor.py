@@ -274,7 +274,7 @@ def main():
     }
     short = ["equal", "kill -9", "other size"]
     bench = Bench()
-    late = None
+    why = None
     try:
         for name in cases if LONG else short:
             if name == "cable pulled" and not bench.wire:
@@ -286,9 +286,9 @@ def main():
                     nothing_left(bench)
                     break
                 except Late as error:
-                    late = f"{name}: {error}"
+                    why = f"{name}: {error}"
             else:
-                print(f"nodes: late: {late}")
+                print(f"nodes: late: {why}")
                 sys.exit(75)
     except Shortfall as shortfall:
         sys.exit(f"nodes: {shortfall}")
