@@ -16,8 +16,12 @@ use mrroc_robots::SimulatedIrp6;
 
 /// The transfer's arms and hands, with nothing between them and without the guard, which has tests of its own.
 pub fn transfer() -> Cell {
-    let file = transfer::file().expect("in order");
-    let cell = transfer::cell(&file, &transfer::plant::drives()).expect("in order");
+    transfer_of(&transfer::file().expect("in order"))
+}
+
+/// The same of this file.
+pub fn transfer_of(file: &CellFile) -> Cell {
+    let cell = transfer::cell(file, &transfer::plant::drives()).expect("in order");
     cell.guard(u32::MAX, |_| Ok(())).program(transfer::mp::coordinate)
 }
 

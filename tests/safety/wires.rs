@@ -1,10 +1,13 @@
 //! Robots whose MP is on another machine, at the other end of a wire on which messages are late and lost: under the virtual clock.
 
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 use mrroc::fault::{Name, ProcessId, Role};
 use mrroc::prelude::*;
+use mrroc::robot::JointVector;
 use mrroc::testing::{Case, Channel, Injected, LinkFault, Sweep, SweepReport, Wire};
+use mrroc_robots::{Polycrank, Rnt};
 use mrroc_tests::{Gantry, MS};
 
 use super::cells::{Phase, Smooth, gantry, nudged, posed};
@@ -106,5 +109,107 @@ fn fault_154_a_tight_move_bears_a_delay_of_less_than_two_steps_and_beyond_all_ro
         assert!(borne.is_clean() && borne.total().survived == 1, "{step:?}, order: {borne}");
         let beyond = tight(step, true, step + grace + little, 3);
         assert!(beyond.is_clean() && beyond.total().stopped == 1, "{step:?}, order: {beyond}");
+    }
+}
+
+/// Where both flanges are at the end of every servo period: the time [us], and the poses.
+#[derive(Default)]
+struct Trace {
+    flanges: [Vec<(u64, Pose)>; 2],
+}
+
+impl Trace {
+    /// The pose of the second flange in the first one, and where the first one is, at each time that both have.
+    fn relative(&self) -> Vec<(u64, Pose, Pose)> {
+        let [rnt, polycrank] = &self.flanges;
+        let both = rnt.iter().filter_map(|&(time, a)| {
+            let at = polycrank.binary_search_by_key(&time, |&(time, _)| time).ok()?;
+            Some((time, a.inv_mul(&polycrank[at].1), a))
+        });
+        both.collect()
+    }
+}
+
+/// Distance \[m\] or angle \[rad\] between poses, the larger one.
+fn apart(a: &Pose, b: &Pose) -> f64 {
+    let by = a.inv_mul(b);
+    by.translation.vector.norm().max(by.rotation.angle())
+}
+
+/// The transfer in steps of so many milliseconds.
+fn transfer_in(step_ms: u64) -> CellFile {
+    let text = include_str!("../../tasks/transfer/cell.toml");
+    let text = text.replace("step_ms = 2", &format!("step_ms = {step_ms}"));
+    CellFile::parse("cell.toml", &text).expect("in order")
+}
+
+/// The traces of runs.
+type Traces = Mutex<Vec<Arc<Mutex<Trace>>>>;
+
+/// The transfer, each cell of which is written down in a trace of its own.
+fn traced(step_ms: u64, traces: &Traces) -> Cell {
+    let trace = Arc::new(Mutex::new(Trace::default()));
+    traces.lock().unwrap_or_else(PoisonError::into_inner).push(Arc::clone(&trace));
+    let file = transfer_in(step_ms);
+    let base = |name: &str| file.robots().iter().find(|entry| entry.name() == name).expect("named").base();
+    let (rnt, polycrank) = (Rnt::new().with_base(base("rnt")), Polycrank::new().with_base(base("polycrank")));
+    super::tasks::transfer_of(&file).watch(move |seen| {
+        let (place, pose) = match seen.robot {
+            "rnt" => (0, rnt.forward(&<Rnt as Robot>::Joints::from_joints(|i| seen.demanded[i]))),
+            "polycrank" => {
+                (1, polycrank.forward(&<Polycrank as Robot>::Joints::from_joints(|i| seen.demanded[i])))
+            }
+            _ => return,
+        };
+        let time = (seen.time * 1e6).round() as u64;
+        trace.lock().unwrap_or_else(PoisonError::into_inner).flanges[place].push((time, pose));
+    })
+}
+
+/// Cuts the wire to an arm in every `every`-th step of the transfer: how often while both arms carry, and by how much their
+/// relative pose is off then at most \[m, rad\].
+fn cut(step_ms: u64, arm: &str, every: u64) -> (usize, f64) {
+    let lost = Wire { takes_us: [0, 0], lost_per_mille: 1000 };
+    let traces = Traces::default();
+    let sweep = Sweep::new(|| traced(step_ms, &traces)).apart(Name::new(arm).ok(), lost, u32::MAX);
+    let report = sweep.every(every).run();
+    assert!(report.is_clean() && report.total().stopped > 2, "{report}");
+    let traces = traces.into_inner().expect("whole");
+    // Undisturbed, twice; then one cut after the other, the first in step 1.
+    let calm = traces[0].lock().expect("whole").relative();
+    // Where the arms are carrying: both move, and one stands still in the other.
+    let carries = |i: usize| {
+        i > 2 && i + 2 < calm.len() && {
+            let (a, b) = (&calm[i - 2], &calm[i + 2]);
+            apart(&a.2, &b.2) > 1e-5 && apart(&a.1, &b.1) < 1e-8
+        }
+    };
+    let (mut cuts, mut worst) = (0, 0.0_f64);
+    for (n, trace) in traces.iter().skip(2).enumerate() {
+        let began = (1 + n as u64 * every) * step_ms * 1000;
+        let trace = trace.lock().expect("whole").relative();
+        let at = trace.iter().position(|(time, ..)| *time >= began).unwrap_or(0);
+        if carries(at) {
+            let before = trace[at - 1].1;
+            let off = trace[at..].iter().map(|(_, relative, _)| apart(relative, &before)).fold(0.0, f64::max);
+            (cuts, worst) = (cuts + 1, worst.max(off));
+        }
+    }
+    println!(
+        "steps of {step_ms} ms, {arm}: {cuts} cuts while both carry, off by {worst:.1e} m or rad at most"
+    );
+    (cuts, worst)
+}
+
+#[test]
+fn fault_153_a_wire_that_is_cut_in_a_tight_move_stops_both_arms_on_their_common_screw() {
+    let cases: &[_] = if is_long() {
+        &[(1, "polycrank", 50), (2, "polycrank", 50), (2, "rnt", 50), (4, "polycrank", 50)]
+    } else {
+        &[(2, "polycrank", 2267)]
+    };
+    for &(step_ms, arm, every) in cases {
+        let (cuts, worst) = cut(step_ms, arm, every);
+        assert!(cuts > 1 && worst <= 1e-6, "steps of {step_ms} ms, {arm}: {cuts} cuts, {worst}");
     }
 }

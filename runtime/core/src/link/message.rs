@@ -79,7 +79,8 @@ pub mod flag {
     pub const SUSPENDED: u32 = 1 << 7;
     /// The robot's drives still look for their reference marks: it has no state yet.
     pub const HOMING: u32 = 1 << 8;
-    /// The order is one of several robots that move together: without the next ones each stops on its screw.
+    /// The order is one of several robots that move together: without the next ones each stops on its screw. In a reply: the robot
+    /// does so.
     pub const TOGETHER: u32 = 1 << 9;
     /// The robot still moves on its path but is to stop on it. Body: the fault, in place of the image.
     pub const TROUBLE: u32 = 1 << 10;
@@ -89,6 +90,9 @@ pub mod flag {
     pub const REDUCED: u32 = 1 << 13;
     /// An abort ends the instruction: the robot's outputs take the values that the cell declares for a stop.
     pub const ABORTED: u32 = 1 << 14;
+    /// In an order to stop: a robot has not answered the order of the step before, of several that move together. Whether that
+    /// has come to it is not known.
+    pub const UNANSWERED: u32 = 1 << 15;
     /// The robot still recovers, or its EDP has not answered whether it does.
     pub const RECOVERS: u32 = 1 << 12;
 }

@@ -39,6 +39,11 @@ pub struct Waiting {
 }
 
 impl Waiting {
+    /// The same, at most until `time` \[ns\].
+    pub fn until(self, time: Nanos) -> Waiting {
+        Waiting { until: self.until.min(time), ..self }
+    }
+
     /// Waits for something to come, if there is time left; where it is due the request is sent again.
     ///
     /// # Errors

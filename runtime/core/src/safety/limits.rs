@@ -20,7 +20,7 @@ use crate::model::pose::Pose;
 use crate::model::robot::Robot;
 use crate::safety::braking::BrakingLaw;
 use crate::safety::rate::RateHeadroom;
-use crate::safety::screw::Screw;
+use crate::safety::screw::Bridging;
 
 use checks::{CheckedStep, Checks, Proposed, Standstill};
 pub(crate) use goals::GOAL;
@@ -168,9 +168,14 @@ impl<R: Robot> Acceptor<R> {
         rates::braking_law(&self.state, self.checks.robot.limits(), period)
     }
 
-    /// The displacement of the last step in the world.
-    pub fn screw(&self, duration: f64) -> Screw {
-        self.track.screw(&self.checks.robot, duration)
+    /// How the robot goes on with those that it moves together with while demands are missing.
+    pub fn bridging(&self, duration: f64) -> Bridging {
+        self.track.bridging(&self.state, &self.checks.robot, duration)
+    }
+
+    /// How it would go on from what it knew before.
+    pub fn bridging_before(&self, before: &Before<R::Joints>, duration: f64) -> Bridging {
+        before.track.bridging(&before.state, &self.checks.robot, duration)
     }
 
     /// What it knows now.

@@ -27,6 +27,9 @@ pub(crate) struct Screw {
 }
 
 impl Screw {
+    /// No displacement.
+    pub const NONE: Screw = Screw { turn: Vector3::new(0.0, 0.0, 0.0), way: Vector3::new(0.0, 0.0, 0.0) };
+
     /// The screw that leads from one pose to another one.
     pub fn between(from: &Pose, to: &Pose) -> Screw {
         #[allow(non_snake_case)]
@@ -88,6 +91,45 @@ impl Mul<f64> for Screw {
 
     fn mul(self, factor: f64) -> Screw {
         Screw { turn: self.turn * factor, way: self.way * factor }
+    }
+}
+
+/// How robots that move together go on through steps without demands: along the path's last screw, as it changed last. All of
+/// them know both by their own flanges. None goes back where a path that slows down would come to a standstill.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Bridging {
+    /// The screw of the last step.
+    pub screw: Screw,
+    /// By how much it changes in a step.
+    bend: Screw,
+    /// How large it was when the path was known last.
+    known: f64,
+}
+
+impl Bridging {
+    /// After a step with the displacement `screw`, which `bend` has led to from that of the step before.
+    pub fn after(screw: Screw, bend: Screw) -> Bridging {
+        Bridging { screw, bend, known: screw.size() }
+    }
+
+    /// The same, which goes on at its present velocity.
+    pub const fn steady(self) -> Bridging {
+        Bridging { bend: Screw::NONE, ..self }
+    }
+
+    /// A step later.
+    pub fn advanced(self) -> Bridging {
+        let screw = self.screw + self.bend;
+        let goes_on = self.screw.turn.dot(&screw.turn) + self.screw.way.dot(&screw.way) > 0.0;
+        if goes_on { Bridging { screw, ..self } } else { Bridging { screw: Screw::NONE, ..self.steady() } }
+    }
+
+    /// The law by which robots brake from here that may brake by `law` at the speed which the path had: a robot that has become
+    /// faster meanwhile slows down by as much in a second, which is a smaller share of its speed.
+    pub fn eased(&self, law: BrakingLaw) -> BrakingLaw {
+        let size = self.screw.size();
+        let share = if size > self.known { self.known / size } else { 1.0 };
+        BrakingLaw { fall: law.fall * share, bend: law.bend * share }
     }
 }
 

@@ -20,9 +20,10 @@ pub fn missed_step_budget(step: Duration) -> u32 {
     u32::try_from(20_000_000_u128.div_ceil(step)).unwrap_or(u32::MAX)
 }
 
-/// Missed steps that an EDP goes on for along the screw of robots that move together: what one of them loses and the others
-/// do not strains what they hold.
-pub(crate) const TOGETHER_BUDGET: u32 = 1;
+/// Missed steps that an EDP goes on for along the screw of robots that move together. An MP that has had no answer from one of
+/// them for so many steps stops all: each of them begins in the same step, whether the order of the first of these steps has
+/// come to it or not (decision 42). More would strain what they hold; steps of 20 ms and more leave time for a single one.
+pub(crate) const TOGETHER_BUDGET: u32 = 2;
 
 /// Time between a lost peer and the start of braking \[s\].
 pub(crate) fn detection_time(step: Duration) -> f64 {

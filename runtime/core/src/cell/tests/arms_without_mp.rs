@@ -120,7 +120,7 @@ fn grasp(c: &mut Carry, e: &State<(Arm, Arm)>, t: Tick) -> Step<(Arm, Arm)> {
 
 pub(super) const DURATION: f64 = 0.5;
 
-fn program(mp: &mut Mp) -> Result<(), Fault> {
+pub(super) fn program(mp: &mut Mp) -> Result<(), Fault> {
     let (mut left, mut right) = (mp.robot::<Arm>("left")?, mp.robot::<Arm>("right")?);
     mp.move_robots((&mut left, &mut right), (), Carry { t: 0.0, from: [Pose::identity(); 2] }).map(drop)
 }
@@ -245,25 +245,29 @@ fn fault_03_arms_whose_mp_dies_in_any_step_keep_their_relative_pose_until_they_s
     }
     println!("worst relative pose error {worst:.1e} m or rad, longest stop {longest} steps");
     // L + 1 + T_b, and a step in which the last demand is followed.
-    assert!(longest <= 2 + braking + 1, "{longest} steps");
+    assert!(longest <= 3 + braking + 1, "{longest} steps");
 }
 
 #[test]
-fn fault_03_arms_whose_mp_dies_begin_to_brake_two_steps_after_its_last_order() {
+fn fault_03_arms_whose_mp_dies_begin_to_brake_three_steps_after_its_last_order() {
     for k in [100, 180, 250, 320, 400] {
+        let calm = run(Upset::Dies(u64::MAX));
         let traces = run(Upset::Dies(k));
-        for trace in &traces {
+        for (trace, calm) in traces.iter().zip(&calm) {
             let way = |step: usize| apart(&trace[step - 1], &trace[step]);
-            let last = (1..trace.len()).rfind(|&step| way(step) > 0.0).expect("it moved");
-            // The demands of the path differ from step to step; on the screw the first one does not.
-            let same =
-                (k as usize - 3..k as usize + 3).find(|&step| (way(step + 1) - way(step)).abs() < 1e-12);
-            let first = same.unwrap_or_else(|| panic!("dies in step {k}: no step is bridged")) + 1;
+            let bend = |step: usize| way(step + 1) - way(step);
+            let first = (1..trace.len()).find(|&i| trace[i] != calm[i]).expect("the path ends");
+            assert!((k as usize - 3..k as usize + 3).contains(&first), "dies in step {k}: {first}");
+            // The path changes its speed by another amount in each step; without demands that is the last one, for two steps.
+            for bridged in [first, first + 1] {
+                let change = bend(bridged - 1) - bend(bridged - 2);
+                assert!(change.abs() < 1e-11, "dies in step {k}: {change} m in step {bridged}");
+            }
+            // The slowest joint brakes with 8 m/s² or 16 rad/s²: by 8e-6 m in a step, whatever the path does.
             assert!(
-                way(first + 1) < way(first) - 1e-9,
-                "dies in step {k}: no braking after one bridged step"
+                way(first + 2) < way(first + 1) - 1e-6,
+                "dies in step {k}: no braking after two bridged steps"
             );
-            assert!(last > first);
         }
     }
 }
@@ -295,7 +299,9 @@ fn fault_06_arms_whose_mp_is_late_keep_their_relative_pose_and_come_back_onto_th
         assert!(worst <= 1e-6, "late in step {step}, {again}: {worst}");
     }
     println!("worst relative pose error {worst:.1e} m or rad, {farthest:.1e} off the path");
-    // By the cubic, 4/27 of 100 steps at twice what a step's acceleration makes, and the offset that it begins with.
-    let bound = (4.0 / 27.0 * 200.0 + 3.0) * 3.0_f64.sqrt() * 11.1e-6;
-    assert!(farthest > 1e-5 && farthest < bound, "{farthest}, bound {bound}");
+    // By the cubic, 4/27 of 50 steps at what the path's acceleration changes by in a step (`60/T³` of 0.55 rad and of 0.1 m, in the
+    // flange by less than √3 times as much), and the offset that it begins with; twice, where it is late again.
+    let third_difference = 3.0_f64.sqrt() * 60.0 * 0.55 * (1e-3 / DURATION).powi(3);
+    let bound = 2.0 * (4.0 / 27.0 * 50.0 + 3.0) * third_difference;
+    assert!(farthest > 1e-6 && farthest < bound, "{farthest}, bound {bound}");
 }

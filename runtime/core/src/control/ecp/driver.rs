@@ -13,8 +13,13 @@ use crate::model::robot::Robot;
 use crate::model::wire::Wire;
 
 /// What the MP's orders tell an EDP by their flags.
-const PASSED_ON: u32 =
-    flag::WANT_STATE | flag::SUSPENDED | flag::TOGETHER | flag::RECOVER | flag::REDUCED | flag::ABORTED;
+const PASSED_ON: u32 = flag::WANT_STATE
+    | flag::SUSPENDED
+    | flag::TOGETHER
+    | flag::RECOVER
+    | flag::REDUCED
+    | flag::ABORTED
+    | flag::UNANSWERED;
 
 /// One robot's EDP as its ECP sees it.
 pub(super) struct DriverPort<R: Robot> {

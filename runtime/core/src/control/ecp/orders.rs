@@ -245,7 +245,8 @@ impl Orders {
         let answer = &mut self.answer;
         answer.header.answer(&self.order.header);
         answer.header.kind = Kind::Reply;
-        answer.header.flags = flags | driver.header.flags & (flag::STANDSTILL | flag::HOMING);
+        answer.header.flags =
+            flags | driver.header.flags & (flag::STANDSTILL | flag::HOMING | flag::TOGETHER);
         answer.header.headroom = driver.header.headroom;
         answer.header.law = driver.header.law;
         answer.header.len = 0;

@@ -14,7 +14,7 @@ use crate::model::pose::Pose;
 use crate::model::robot::Robot;
 use crate::safety::braking::{Braking, BrakingLaw};
 use crate::safety::limits::{AcceptedDemand, Acceptor, Before};
-use crate::safety::screw::{Screw, ScrewBraking};
+use crate::safety::screw::{Bridging, ScrewBraking};
 use crate::safety::stopping::{TOGETHER_BUDGET, detection_time, missed_step_budget};
 
 /// What a robot does.
@@ -35,6 +35,8 @@ pub(super) enum Mode<J> {
 struct Undone<J> {
     /// Whether that is known, and the demand may be taken back.
     is_kept: bool,
+    /// The step of the demand, of a robot that moves together with others.
+    step: Option<u64>,
     acceptor: Before<J>,
     /// Demands that were missing, of a robot that moved.
     missed: Option<u32>,
@@ -61,7 +63,7 @@ pub(super) struct DemandedPath<R: Robot> {
     /// How the robot brakes with those that it moves together with.
     together: Option<BrakingLaw>,
     /// The screw on which it does; known once a demand is missing.
-    screw: Option<Screw>,
+    bridging: Option<Bridging>,
     /// The tool of a robot that has just been set up, `X_FE`.
     first_tool: Pose,
     /// Length of a step.
@@ -81,12 +83,18 @@ impl<R: Robot> DemandedPath<R> {
     pub fn new(robot: R, tool: Pose, position: R::Joints, period: Duration) -> Self {
         let acceptor = Acceptor::new(robot, tool, position, detection_time(period));
         DemandedPath {
-            undone: Undone { is_kept: false, acceptor: acceptor.before(), missed: None, together: None },
+            undone: Undone {
+                is_kept: false,
+                step: None,
+                acceptor: acceptor.before(),
+                missed: None,
+                together: None,
+            },
             acceptor,
             mode: Mode::Holding,
             next: None,
             together: None,
-            screw: None,
+            bridging: None,
             first_tool: tool,
             period,
             seconds: period.as_secs_f64(),
@@ -133,6 +141,7 @@ impl<R: Robot> DemandedPath<R> {
         };
         // That of an earlier demand is over with the step that the demand was for.
         self.undone.is_kept = together.is_some();
+        self.undone.step = together.map(|_| header.step);
         if self.undone.is_kept {
             self.acceptor.keep(&mut self.undone.acceptor);
             self.undone.missed = missed;
@@ -230,7 +239,7 @@ impl<R: Robot> DemandedPath<R> {
         self.next = None;
         self.acceptor.take_back(&undone.acceptor);
         self.together = undone.together;
-        self.screw = None;
+        self.bridging = None;
         self.mode = undone.missed.map_or(Mode::Holding, |missed| Mode::Moving { missed });
     }
 
@@ -265,7 +274,7 @@ impl<R: Robot> DemandedPath<R> {
 
     /// Keeps how the robot brakes with those that it moves together with.
     fn move_together(&mut self, law: Option<BrakingLaw>) {
-        self.screw = None;
+        self.bridging = None;
         self.together = law;
     }
 
@@ -297,7 +306,12 @@ impl<R: Robot> DemandedPath<R> {
 
     /// Missing demands that are bridged.
     fn missed_step_budget(&self) -> u32 {
-        if self.together.is_some() { TOGETHER_BUDGET } else { self.budget }
+        if self.together.is_some() { self.budget_together() } else { self.budget }
+    }
+
+    /// The same, of a robot that moves together with others.
+    fn budget_together(&self) -> u32 {
+        self.budget.min(TOGETHER_BUDGET)
     }
 
     /// The demand of the step that begins: the one that came, or what replaces it.
@@ -325,10 +339,14 @@ impl<R: Robot> DemandedPath<R> {
         if self.together.is_some() && self.acceptor.stands() {
             return self.acceptor.stand_by(period);
         }
-        if let Some(screw) = self.learn_screw(period)
-            && let Ok(Ok(accepted)) = guarded(|| self.acceptor.go_on(&screw.part(1.0), period))
-        {
-            return accepted;
+        if let Some(bridging) = self.learn_bridging(period) {
+            // Where a limit forbids that the path goes on as it changed last, its velocity is held.
+            for next in [bridging, bridging.steady()].map(Bridging::advanced) {
+                if let Ok(Ok(accepted)) = guarded(|| self.acceptor.go_on(&next.screw.part(1.0), period)) {
+                    self.bridging = Some(next);
+                    return accepted;
+                }
+            }
         }
         self.together = None;
         self.acceptor.go_on_along_path(period).unwrap_or_else(|| self.acceptor.extrapolate(period))
@@ -377,14 +395,35 @@ impl<R: Robot> DemandedPath<R> {
         }
     }
 
+    /// A stop comes because a robot that this one moves together with has not answered the order of `step`. Whether that order has
+    /// come to it is not known, so all brake as they would without it: from the screw, and by the law, of the step before, after
+    /// as many steps as a robot bridges that has not got it.
+    pub fn brake_without(&mut self, step: u64) {
+        let period = self.seconds;
+        if let Mode::Moving { missed } = self.mode
+            && self.next.is_none()
+            && self.undone.step == Some(step)
+            && self.undone.missed == Some(0)
+            && let Some(law) = self.undone.together
+            && let Ok(before) = guarded(|| self.acceptor.bridging_before(&self.undone.acceptor, period))
+        {
+            self.together = Some(law);
+            let bridged = missed.saturating_add(1).min(self.budget_together());
+            self.bridging = Some((0..bridged).fold(before, |bridging, _| bridging.advanced()));
+        }
+        self.brake();
+    }
+
     /// The way to a standstill from the state demanded last.
     fn way_to_rest(&mut self) -> Mode<R::Joints> {
         let period = self.seconds;
         // Where the law lets all robots stand in the next step, none goes on for the others' sake.
-        if let Some(law) = self.together.filter(|law| !law.stops_at_once(period))
-            && let Some(screw) = self.learn_screw(period)
+        if let Some(law) = self.together
+            && let Some(bridging) = self.learn_bridging(period)
+            && let law = bridging.eased(law)
+            && !law.stops_at_once(period)
         {
-            return Mode::OnScrew(ScrewBraking::new(screw, law));
+            return Mode::OnScrew(ScrewBraking::new(bridging.screw, law));
         }
         if self.acceptor.stop_at_once(period) {
             return Mode::Holding;
@@ -392,13 +431,18 @@ impl<R: Robot> DemandedPath<R> {
         Mode::Braking(self.acceptor.braking())
     }
 
-    /// The screw of the last demands, of a robot that moves together with others.
-    fn learn_screw(&mut self, period: f64) -> Option<Screw> {
+    /// How a robot that moves together with others has gone on since the last demand.
+    fn learn_bridging(&mut self, period: f64) -> Option<Bridging> {
         self.together?;
-        if self.screw.is_none() {
-            self.screw = guarded(|| self.acceptor.screw(period)).ok();
+        if self.bridging.is_none() {
+            self.bridging = guarded(|| self.acceptor.bridging(period)).ok();
         }
-        self.screw
+        self.bridging
+    }
+
+    /// Whether the robot goes on, and brakes, with those that it moves together with.
+    pub const fn is_together(&self) -> bool {
+        self.together.is_some()
     }
 }
 

@@ -91,13 +91,24 @@ impl<R: Robot> Edp<'_, R> {
             }
             RequestKind::Stop => {
                 self.signals.stop(&mut self.servo)?;
-                self.path.brake();
+                self.brake();
                 self.switch_off();
                 self.recover();
                 Ok(())
             }
             RequestKind::Reset => self.reset(),
         }
+    }
+
+    /// Comes to a standstill; where another robot of a tight Move is silent, with that one.
+    fn brake(&mut self) {
+        let request = &self.answers.request;
+        if !request.is(flag::UNANSWERED) {
+            return self.path.brake();
+        }
+        // The order that was not answered is that of the MP's step before.
+        let steps = (request.header.duration / self.path.seconds).round() as u64;
+        self.path.brake_without(request.header.step.saturating_sub(steps));
     }
 
     /// A robot that does not stand where it was last told to stand must not start.
@@ -146,6 +157,7 @@ impl<R: Robot> Edp<'_, R> {
     fn tell_path(&mut self) {
         let acceptor = &self.path.acceptor;
         let header = &mut self.answers.reply.header;
+        header.flags |= if self.path.is_together() { flag::TOGETHER } else { 0 };
         header.headroom = RateHeadroom { most: self.servo.speed_scaling(), ..acceptor.headroom() };
         header.law = acceptor.braking_law(self.path.seconds);
         if self.answers.request.is(flag::WANT_STATE) {

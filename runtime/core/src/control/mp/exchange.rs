@@ -8,6 +8,7 @@ use crate::link::message::{Kind, OrderKind, flag};
 use crate::model::fault::{Fault, FaultKind};
 use crate::model::list::{SensorList, SensorsOf};
 use crate::safety::braking::BrakingLaw;
+use crate::safety::stopping::TOGETHER_BUDGET;
 
 use super::background::Background;
 use super::{Mp, stops};
@@ -190,9 +191,15 @@ impl Mp<'_> {
     ///
     /// The last one is waited for first: mostly the others have answered by then, and the MP wakes once in a step. Meanwhile the
     /// MP above, if there is one, gets its answers.
+    ///
+    /// Of robots that move together, one that has not got its order begins to brake when this wait is over, and the others must be
+    /// told in that step.
     pub(super) fn await_answers(&mut self, indices: &[usize]) -> Result<(), Fault> {
-        let Mp { robots, upper, host, sensing, .. } = self;
-        let waiting = sensing.patience.begin(host.waiter);
+        let Mp { robots, upper, host, sensing, clock, .. } = self;
+        let mut waiting = sensing.patience.begin(host.waiter);
+        if indices.iter().any(|&index| robots[index].is_together()) {
+            waiting = waiting.until((clock.step() + u64::from(TOGETHER_BUDGET)) * clock.period());
+        }
         for &index in indices.iter().rev() {
             let robot = &mut robots[index];
             let mut waiting = waiting;

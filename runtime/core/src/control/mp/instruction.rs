@@ -160,6 +160,7 @@ impl Mp<'_> {
         // One step for the order to arrive, one for the answer.
         let limit = self.robots.stop_steps() + 2;
         let began = self.clock.step();
+        let mut flags = if self.robots.leave_unanswered() { flag::UNANSWERED } else { 0 };
         // In the step of the fault itself, where that is not over: no robot has begun to move for it yet, and none goes on
         // alone.
         self.keep_unless_late();
@@ -168,7 +169,8 @@ impl Mp<'_> {
                 return;
             }
             // Every reply is a fault now; what counts is that the robots stand.
-            let answered = self.exchange(&all, OrderKind::Stop, 0);
+            let answered = self.exchange(&all, OrderKind::Stop, flags);
+            flags = 0;
             if answered.is_err_and(|error| error.is_orderly()) {
                 return;
             }

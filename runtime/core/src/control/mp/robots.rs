@@ -119,6 +119,12 @@ impl RobotPort {
         self.client.receive(&mut self.reply) && to(&self.reply.header) == to(&self.order.header)
     }
 
+    /// Whether its last order is one of a tight Move, and its EDP went on with the others by the order before.
+    #[inline]
+    pub(super) const fn is_together(&self) -> bool {
+        self.order.is(flag::TOGETHER) && self.reply.is(flag::TOGETHER)
+    }
+
     /// What its EDP reported in the last exchange, if it was asked.
     pub(super) fn view(&self) -> Option<RobotView> {
         let words = self.reply.is(flag::STATE).then(|| self.reply.words())?;
@@ -247,6 +253,11 @@ impl RobotPorts {
     /// Whether all robots of a list have a flag in their last reply.
     pub fn all_say(&self, indices: &[usize], flag: u32) -> bool {
         indices.iter().all(|&index| self.ports[index].reply.is(flag))
+    }
+
+    /// Whether a robot has not answered the last order of a tight Move.
+    pub fn leave_unanswered(&self) -> bool {
+        self.ports.iter().any(|robot| robot.is_silent && robot.order.is(flag::TOGETHER))
     }
 
     /// Whether any robot has been handed over moving.

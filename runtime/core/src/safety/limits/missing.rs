@@ -48,6 +48,7 @@ impl<R: Robot> Acceptor<R> {
     #[allow(non_snake_case)]
     pub fn go_on(&mut self, D: &Pose, duration: f64) -> Result<AcceptedDemand<R>, Fault> {
         let displaced = self.displaced(D, duration)?;
+        self.check_tool(&self.motion.tool, &displaced.position, duration)?;
         self.state.go_to(displaced.position, displaced.velocity, duration);
         self.track.bridge_on_screw(duration);
         self.pace.period = duration;
@@ -60,9 +61,11 @@ impl<R: Robot> Acceptor<R> {
     /// As of [`go_on`](Acceptor::go_on).
     #[allow(non_snake_case)]
     pub fn slow_down(&mut self, D: &Pose, duration: f64) -> Result<AcceptedDemand<R>, Fault> {
-        let accepted = self.go_on(D, duration)?;
+        let displaced = self.displaced(D, duration)?;
+        self.state.go_to(displaced.position, displaced.velocity, duration);
+        self.pace.period = duration;
         self.track = Track::at(self.state.position, self.state.velocity, duration);
-        Ok(accepted)
+        Ok(AcceptedDemand::new(displaced.position))
     }
 
     /// Whether the robot stands, and so does its path.

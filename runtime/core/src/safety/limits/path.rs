@@ -5,7 +5,7 @@
 
 use crate::model::joints::JointVector;
 use crate::model::robot::{Limits, Robot};
-use crate::safety::screw::Screw;
+use crate::safety::screw::{Bridging, Screw};
 
 use super::catching_up::CatchingUp;
 use super::rejoining::Rejoining;
@@ -120,8 +120,24 @@ impl<J: JointVector> Track<J> {
         ((*demand - self.path.position) * span.recip(), span)
     }
 
+    /// How robots that move together go on from here, one of which is in this state.
+    pub fn bridging<R: Robot<Joints = J>>(
+        &self,
+        state: &JointState<J>,
+        robot: &R,
+        duration: f64,
+    ) -> Bridging {
+        let screw = self.screw(robot, duration);
+        // One that comes back by its own joints has a change of its own.
+        let bend = match &self.off_path {
+            Some(OffPath::Joints(_)) => Screw::NONE,
+            Some(OffPath::Together(_)) | None => state.bend(robot, duration),
+        };
+        Bridging::after(screw, bend)
+    }
+
     /// The displacement of the last step in the world: the path's, and that of the way back to it.
-    pub fn screw<R: Robot<Joints = J>>(&self, robot: &R, duration: f64) -> Screw {
+    fn screw<R: Robot<Joints = J>>(&self, robot: &R, duration: f64) -> Screw {
         match &self.off_path {
             Some(OffPath::Together(way)) => self.path_screw(robot, duration) + way.change(),
             Some(OffPath::Joints(_)) | None => self.path_screw(robot, duration),

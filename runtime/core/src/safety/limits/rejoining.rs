@@ -1,6 +1,6 @@
 //! How robots that move together come back onto their path when all of them had no demand.
 //!
-//! In: the screws of the path before and over the time without demands. Out: the displacement of the body from its path, in
+//! In: the screws of the path before and over the time without demands, and those by which that time was bridged. Out: the displacement of the body from its path, in
 //! the world, step by step until it is zero. All arms of one body know these screws, each by its own flange
 //! ([`together`](crate::safety::screw)), so all of them are displaced alike and keep their relative pose.
 
@@ -11,6 +11,16 @@ use crate::safety::screw::Screw;
 /// fast. The first acceleration on the way back is `4/50` of the path's, and a little more for the displacement itself: a path
 /// that uses nine tenths of a limit leaves as much as that.
 const STEPS: f64 = 50.0;
+
+/// How robots and their path have gone on.
+pub(super) struct Gone {
+    /// The path's screw in its last step before the time without demands, and over that time and the step of the late demand.
+    pub last: Screw,
+    pub over: Screw,
+    /// The robots' over that time, from where the path was before, and in its last step.
+    pub bridged: Screw,
+    pub change: Screw,
+}
 
 /// A way back to the path: the displacement from the path is a cubic polynomial in time. It begins with the displacement, and
 /// its change, that bridging left, and ends at rest without a displacement.
@@ -29,20 +39,17 @@ pub(super) struct Rejoining {
 }
 
 impl Rejoining {
-    /// After `missed` steps bridged by the screw `last` of the path, in a time in which the path has gone by `over`, from the
-    /// way back on which the robots were.
-    pub fn after(known: Option<&Rejoining>, last: Screw, over: Screw, missed: f64) -> Rejoining {
+    /// After `missed` steps without demands, from the way back on which the robots were.
+    pub fn after(known: Option<&Rejoining>, gone: &Gone, missed: f64) -> Rejoining {
+        let Gone { last, over, bridged, change } = *gone;
         // Both are screws of the middles of their times: the path's changes by this in each step.
         let bend = (over * (1.0 + missed).recip() - last) * (0.5 * (missed + 2.0)).recip();
-        let mut from = bend * (-0.5 * missed * (missed + 1.0));
-        let mut change = bend * -missed;
+        let from = bridged - last * missed - bend * (0.5 * missed * (missed + 1.0));
+        let change = change - last - bend * missed;
         let path = last + bend * (missed + 1.0);
-        let mut bend = bend.size();
-        if let Some(known) = known {
-            from = from + known.offset(known.step) + known.change() * missed;
-            change = change + known.change();
-            bend = bend.max(known.bend);
-        }
+        // What bridged it may have bent where the path does not.
+        let bend = bend.size().max(change.size() / missed.max(1.0));
+        let bend = known.map_or(bend, |known| bend.max(known.bend));
         // One that does not bend comes to no offset.
         let steps = if bend > 0.0 { STEPS * (change.size() / bend).max(1.0) } else { 1.0 };
         Rejoining { from, change, path, bend, step: 1.0, steps }

@@ -3,6 +3,8 @@
 //! In: accepted positions and velocities. Out: the same, with the acceleration that they make of the step.
 
 use crate::model::joints::JointVector;
+use crate::model::robot::Robot;
+use crate::safety::screw::Screw;
 
 /// Where the joints are demanded to be, and how they move there.
 #[derive(Clone, Copy, Debug)]
@@ -30,6 +32,19 @@ impl<J: JointVector> JointState<J> {
     /// The acceleration that brings it to a velocity in a step of `duration` \[s\].
     pub fn acceleration_to(&self, velocity: &J, duration: f64) -> J {
         (*velocity - self.velocity) * duration.recip()
+    }
+
+    /// The displacement of the flange in the last step of `duration` \[s\], in the world.
+    pub fn screw<R: Robot<Joints = J>>(&self, robot: &R, duration: f64) -> Screw {
+        let before = self.position - self.velocity * duration;
+        Screw::between(&robot.forward(&before), &robot.forward(&self.position))
+    }
+
+    /// By how much that displacement differs from the one of the step before.
+    pub fn bend<R: Robot<Joints = J>>(&self, robot: &R, duration: f64) -> Screw {
+        let velocity = self.velocity - self.acceleration * duration;
+        let before = JointState { position: self.position - self.velocity * duration, velocity, ..*self };
+        self.screw(robot, duration) - before.screw(robot, duration)
     }
 
     /// A step of `duration` \[s\] at `velocity` ends at `position`.

@@ -296,7 +296,7 @@ fn a_screw_is_that_of_the_last_step_in_the_world_and_is_gone_on_along() {
         (acceptor.state.position, Two::new(0.2, 0.5));
     let before = Pose::new(Vector3::new(0.2 - 0.2e-3, 0.0, 0.0), Vector3::new(0.0, 0.0, 0.1 - 0.5e-3));
     let after = Pose::new(Vector3::new(0.2, 0.0, 0.0), Vector3::new(0.0, 0.0, 0.1));
-    let off = acceptor.screw(T).part(1.0).inv_mul(&(after * before.inverse()));
+    let off = acceptor.bridging(T).screw.part(1.0).inv_mul(&(after * before.inverse()));
     assert!(off.translation.vector.norm() + off.rotation.imag().norm() < 1e-14, "{off}");
 
     // 0.305 m/s and 0.39 rad/s from 0.3 m/s and 0.4 rad/s; the turn is about z of the world.

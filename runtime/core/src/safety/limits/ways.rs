@@ -10,7 +10,7 @@ use crate::safety::screw::Screw;
 use super::Acceptor;
 use super::catching_up::{CatchingUp, Late};
 use super::path::{OffPath, Track};
-use super::rejoining::Rejoining;
+use super::rejoining::{Gone, Rejoining};
 
 /// A state for the end of a step.
 pub(super) struct Next<J> {
@@ -46,13 +46,16 @@ impl<R: Robot> Acceptor<R> {
         let with_others =
             self.track.path.on_screw && !matches!(self.track.off_path, Some(OffPath::Joints(_)));
         let rejoin = || {
-            let over = Screw::between(
-                &self.checks.robot.forward(&self.track.path.position),
-                &self.checks.robot.forward(demand),
-            );
-            let way =
-                Rejoining::after(way, self.track.path_screw(&self.checks.robot, duration), over, missed);
-            self.beside(demand, way, duration)
+            let robot = &self.checks.robot;
+            let [from, to, at] =
+                [&self.track.path.position, demand, &self.state.position].map(|joints| robot.forward(joints));
+            let gone = Gone {
+                last: self.track.path_screw(robot, duration),
+                over: Screw::between(&from, &to),
+                bridged: Screw::between(&from, &at),
+                change: self.state.screw(robot, duration),
+            };
+            self.beside(demand, Rejoining::after(way, &gone, missed), duration)
         };
         if all_missed && with_others {
             return rejoin();

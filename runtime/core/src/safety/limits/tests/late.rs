@@ -340,7 +340,7 @@ fn an_offset_ends_in_the_fewest_steps_that_the_acceleration_allows() {
 fn on_a_screw() -> Acceptor<Turntable> {
     let mut acceptor = acceptor(Turntable::new());
     acceptor.accept(&joints(1e-6, 0.0), T, T).expect("slow");
-    let screw = acceptor.screw(T);
+    let screw = acceptor.bridging(T).screw;
     acceptor.go_on(&screw.part(1.0), T).expect("within the limits");
     acceptor
 }
@@ -359,7 +359,7 @@ fn an_arm_that_missed_a_demand_alone_goes_straight_to_the_next_and_arms_that_all
     // 12 m/s² are too much at once: whether the others missed it, too, is not known.
     let mut unknown = acceptor(Turntable::new());
     unknown.accept(&joints(2e-6, 0.0), T, T).expect("slow");
-    let screw = unknown.screw(T);
+    let screw = unknown.bridging(T).screw;
     unknown.go_on(&screw.part(1.0), T).expect("within the limits");
     unknown.accept(&joints(18e-6, 0.0), 2.0 * T, T).expect("on the way back");
     assert!(matches!(unknown.track.off_path, Some(OffPath::Together(_))));
