@@ -14,6 +14,9 @@ use crate::error::Error;
 const PROGRAM: &str = include_str!("external/program.py");
 const TEST: &str = include_str!("external/test.py");
 
+/// What a program on the cell's machine needs.
+const PACKAGE: &str = "iceoryx2==0.10.0";
+
 /// The folder of the Python files in a project.
 const FOLDER: &str = "python";
 
@@ -53,6 +56,8 @@ fn files(sensor: &str, module: &str, project: &Path) -> Result<String, Error> {
         let help = "bring mrroc-new and the project's mrroc to the same version";
         Error::refused("the project's program prints no module of this version", help)
     })?;
+    // What it needs of PyPI: another package for a program on another machine.
+    let needs = module.split("Needs ").nth(1).and_then(|rest| rest.split(',').next()).unwrap_or(PACKAGE);
     let folder = project.join(FOLDER);
     let failed = |path: &Path| {
         let what = format!("{} cannot be written", path.display());
@@ -67,7 +72,7 @@ fn files(sensor: &str, module: &str, project: &Path) -> Result<String, Error> {
         (format!("test_{sensor}.py"), TEST, "its test"),
     ] {
         let path = folder.join(&name);
-        let text = text.replace("@NAME@", sensor).replace("@EXAMPLE@", example);
+        let text = text.replace("@NAME@", sensor).replace("@EXAMPLE@", example).replace("@NEEDS@", needs);
         match fs::File::create_new(&path)
             .and_then(|mut file| io::Write::write_all(&mut file, text.as_bytes()))
         {
@@ -78,8 +83,14 @@ fn files(sensor: &str, module: &str, project: &Path) -> Result<String, Error> {
             Err(error) => return Err(failed(&path)(error)),
         }
     }
+    if needs != PACKAGE {
+        said += &format!(
+            "\nCopy {FOLDER} to the program's machine, and there as {FOLDER}/certificates what `cargo run -- certificates keys` puts \
+             into keys/sensor.{sensor}.\n"
+        );
+    }
     Ok(format!(
-        "{said}\nNow:\n  python3 -m venv venv && venv/bin/pip install iceoryx2==0.10.0\n  venv/bin/python {FOLDER}/{sensor}.py\n  \
+        "{said}\nNow:\n  python3 -m venv venv && venv/bin/pip install {needs}\n  venv/bin/python {FOLDER}/{sensor}.py\n  \
          cargo run --release -- --processes    # in another terminal\n"
     ))
 }
@@ -107,6 +118,19 @@ mod tests {
         let said = files("camera", MODULE, project.path()).expect("it can be written");
         assert!(said.contains("python/camera.py is yours already"), "{said}");
         assert_eq!((read("camera.py").as_str(), read("camera_port.py").as_str()), ("mine", MODULE));
+    }
+
+    #[test]
+    fn a_program_on_another_machine_is_told_what_it_needs_and_where_its_certificates_go() {
+        let project = tempfile::tempdir().expect("a folder");
+        let module = MODULE.replacen("..", "Needs eclipse-zenoh==1.10.2, on any machine.", 1);
+        let said = files("camera", &module, project.path()).expect("it can be written");
+        assert!(
+            said.contains("pip install eclipse-zenoh==1.10.2") && said.contains("keys/sensor.camera"),
+            "{said}"
+        );
+        let program = fs::read_to_string(project.path().join("python/camera.py")).expect("a file");
+        assert!(program.contains("Needs eclipse-zenoh==1.10.2:"), "{program}");
     }
 
     #[test]

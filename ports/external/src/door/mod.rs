@@ -5,7 +5,7 @@
 //! the program, and readings to the port. So there is one adapter with one set of rules, no process with steps has a thread of
 //! the network in it, and iceoryx2 lets no second program of this machine write beside the door.
 //!
-//! The sensor's process starts the door as `PROGRAM --cell FILE door NAME` when it opens, and holds the other end of its standard
+//! The sensor's process starts the door as `PROGRAM door NAME --cell FILE` when it opens, and holds the other end of its standard
 //! input: the door ends with it, however that ends.
 
 mod clock;
@@ -54,9 +54,8 @@ impl Opened {
     pub fn start(cell: &Path, sensor: &str) -> Result<Opened, String> {
         let start = || {
             Command::new(std::env::current_exe()?)
-                .arg("--cell")
+                .args(["door", sensor, "--cell"])
                 .arg(cell)
-                .args(["door", sensor])
                 .stdin(Stdio::piped())
                 .stdout(Stdio::piped())
                 // Ctrl-C is for the cell: a door that ended at once would be a sensor that is lost.

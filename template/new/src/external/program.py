@@ -1,4 +1,4 @@
-"""Measures what the sensor `@NAME@` of the cell reads, and sends it. Needs iceoryx2==0.10.0:
+"""Measures what the sensor `@NAME@` of the cell reads, and sends it. Needs @NEEDS@:
 
     python3 @NAME@.py
 """
