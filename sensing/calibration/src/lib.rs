@@ -7,7 +7,7 @@
 //! |---|---|
 //! | [`minimise`], [`LeastSquares`], [`Loss`] | Levenberg-Marquardt for dense problems, with robust losses |
 //! | [`Information`], [`covariance`] | rank, what cannot be told apart, covariance |
-//! | [`Arm`], [`ChainArm`], [`Irp6Arm`] | robots by displacements behind their joints, or by physical parameters |
+//! | [`Arm`], [`ChainArm`], [`Irp6Arm`], [`RntArm`] | robots by displacements behind their joints, or by physical parameters |
 //! | [`Device`]: [`Points`], [`Angles`], [`Distance`], [`Plane`], [`Touch`], [`FullPose`], [`Pixels`] | what instruments read |
 //! | [`Problem`], [`Fit`] | blocks and measurements; what came of them |
 //! | [`choose`], [`Aim`] | which postures to measure |
@@ -41,6 +41,7 @@ pub mod photo;
 mod pixels;
 mod problem;
 pub mod report;
+mod rnt;
 mod scatter;
 mod start;
 mod touches;
@@ -50,7 +51,7 @@ pub use arm::{Arm, between, displaced};
 pub use chain::{Chain, ChainArm, Detail, DhRow, Joint, Tolerances};
 pub use choice::{Aim, Choice, choose, judge};
 pub use device::{Angles, Device, Distance, FullPose, Plane, Points, Touch};
-pub use eye::{Eye, Seen, eye};
+pub use eye::{Eye, Seen, eye, square_seen};
 pub use fit::{Fit, Found, Indistinct, NoFit};
 pub use hand::{InHand, PoseArm, hand_eye, tip};
 pub use information::{Information, Unseen, covariance};
@@ -61,4 +62,5 @@ pub use loss::Loss;
 pub use parameter::{Parameter, Unit};
 pub use pixels::Pixels;
 pub use problem::{ArmId, Compliance, FrameId, Freedom, InstrumentId, Noise, PostureId, Problem, TargetId};
+pub use rnt::RntArm;
 pub use touches::{TouchedBase, Touches, WrongTouches};

@@ -7,7 +7,7 @@ use mrroc::pose::Pose;
 use mrroc_calibration::columns::{Angles, Columns, WrongLine};
 use mrroc_calibration::file::today;
 use mrroc_calibration::photo::Photo;
-use mrroc_calibration::{Eye, Seen, Touches, camera_of, eye, hand_eye, intrinsics, tip};
+use mrroc_calibration::{Eye, Seen, Touches, camera_of, eye, hand_eye, intrinsics, square_seen, tip};
 use mrroc_launch::files;
 use mrroc_sensors::aggregation::Board;
 use mrroc_sensors::camera::Camera;
@@ -181,6 +181,15 @@ pub fn hand(what: &str, arguments: &[String]) -> Result<String, Failed> {
             let photos = columns.texts("photo").map_err(wrong)?;
             let seen;
             (seen, left_out) = photographed(&camera, &board, Path::new(&data), &flanges, &photos)?;
+            if let Ok(Some(square)) = square_seen(&camera, &board, mounted, &seen) {
+                let [own, believed] = [square, board.square].map(|side| 1e3 * side);
+                let what = format!(
+                    "the arm's motions say that a square of the board is {own:.3} mm, and not {believed:.3} mm"
+                );
+                let help =
+                    "measure the board with a calliper, over many squares; or compare the unit of the poses";
+                return Err(Failed::Before(format!("{data}: {what}\n help: {help}")));
+            }
             eye(&camera, &board, mounted, &seen)
         }
         (_, None, None) => {

@@ -2,7 +2,9 @@
 //! `mrroc-sensors` makes, of which the truth is known.
 
 use mrroc::pose::Pose;
-use mrroc_calibration::{Eye, Intrinsics, Seen as SeenBy, board_in_camera, camera_of, eye, intrinsics};
+use mrroc_calibration::{
+    Eye, Intrinsics, Seen as SeenBy, board_in_camera, camera_of, eye, intrinsics, square_seen,
+};
 use mrroc_sensors::aggregation::{Board, Grey, NoBoard};
 use mrroc_sensors::camera::{Camera, Lens, Plane};
 use mrroc_sensors::form::{Form, Piece};
@@ -240,6 +242,11 @@ fn a_camera_on_the_hand_or_beside_the_arm_is_found_from_pixels() {
         let off = eye_pose.inv_mul(&found.frame);
         assert!(off.translation.vector.norm() < 1e-7 && off.rotation.angle() < 1e-7, "{mounted:?} {off}");
         assert!(found.unseen.is_empty() && found.pixels < Some(1e-6), "{found:?}");
+        // A board that was printed at 96 % is found, and its true size.
+        assert_eq!(square_seen(&CAMERA, &BOARD, mounted, &seen), Ok(None));
+        let believed = Board { square: 0.026, ..BOARD };
+        let square = square_seen(&CAMERA, &believed, mounted, &seen).expect("a size").expect("another one");
+        assert!((square - 0.025).abs() < 2e-6, "{mounted:?} {square}");
     }
     let in_camera = in_camera[3];
     let back = board_in_camera(&CAMERA, &BOARD, &pixels(&in_camera)).expect("a pose").inv_mul(&in_camera);

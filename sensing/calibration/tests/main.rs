@@ -1,5 +1,6 @@
 //! Tests of the solver and of problems.
 
+mod arms;
 mod camera;
 #[path = "support/case.rs"]
 mod case;
