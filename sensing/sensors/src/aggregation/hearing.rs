@@ -112,7 +112,7 @@ impl Map {
         let (mut random, deviation) = (Noise::seeded(1), array.noise(&transducer));
         let mut noise = || {
             let mut wave = transducer.silence();
-            wave.disturb(|| [random.normal(), random.normal()].map(|x| x * deviation));
+            wave.disturb(|| random.normals().map(|x| x * deviation));
             let _ = transducer.hear(&mut wave, 1.0);
             wave
         };

@@ -115,7 +115,7 @@ impl Sounders {
             array.add(transducer, wave, place, (form, X_FP), Array::FINE, hides);
         }
         let (noise, random) = (self.noise, &mut self.random);
-        wave.disturb(|| [random.normal(), random.normal()].map(|x| x * noise));
+        wave.disturb(|| random.normals().map(|x| x * noise));
         let echo = transducer.hear(wave, self.gains[number]);
         let lost = self.lost > 0.0 && self.random.uniform() <= self.lost;
         let dead = self.silent.is_some_and(|(from, silent)| {
