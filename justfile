@@ -91,6 +91,16 @@ sorting-camera PARTS="500":
     cargo run --release -p sorting -- --sensor camera --sweep {{PARTS}}
     cargo run --release -p sorting -- --sensor camera --examine 2400
 
+# Parts on a belt below an ultrasonic matrix: recognition of others, faults, runs at three speeds; minutes.
+sorting-matrix:
+    MRROC_LONG=1 cargo test --release -p sorting --test all -- matrix --nocapture
+    cargo run --release -p sorting -- --sensor ultrasonic --examine 2250
+
+# Trains the network of the sorting task's matrix anew; needs PyPI's numpy, scikit-learn and onnx.
+sorting-train-matrix:
+    cargo run --release -p sorting -- --sensor ultrasonic --data-set target/reliefs.csv --parts 3700 --seed 101
+    python3 sensing/training/train.py target/reliefs.csv tasks/sorting/assets/reliefs.onnx
+
 # Trains the network of the sorting task's camera anew; needs PyPI's numpy, scikit-learn and onnx.
 sorting-train:
     cargo run --release -p sorting -- --data-set target/parts.csv --parts 24000 --seed 101

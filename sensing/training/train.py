@@ -1,8 +1,11 @@
 #!/usr/bin/env python3
-"""Trains the network by which the sorting task's camera tells its eight kinds of parts.
+"""Trains the networks by which the sorting task's camera and matrix tell their eight kinds of parts.
 
     cargo run --release -p sorting -- --data-set train.csv --parts 24000 --seed 101
     python3 sensing/training/train.py train.csv tasks/sorting/assets/parts.onnx
+
+    cargo run --release -p sorting -- --sensor ultrasonic --data-set train.csv --parts 3700 --seed 101
+    python3 sensing/training/train.py train.csv tasks/sorting/assets/reliefs.onnx
 
 Needs numpy, scikit-learn and onnx (PyPI). One hidden layer of 24, rectified; scores by softmax. The features are brought to mean 0 and
 deviation 1; that is folded into the first layer, so that the network takes them as they are. A line of the table is a kind and the

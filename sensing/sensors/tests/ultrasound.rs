@@ -20,8 +20,11 @@ fn pressure(of: &Transducer, step: f64, window: Window, meet: impl Fn(f64, f64) 
     let mut wave = of.silence();
     of.add(&mut wave, window, step, |u, v| (meet(u, v), None));
     let _ = of.hear(&mut wave, 1.0);
-    let compensated =
-        wave.heard().iter().zip(0..).map(|(p, bin)| p / Air::left(of.gate()[0] + f64::from(bin) * Waveform::BIN));
+    let compensated = wave
+        .heard()
+        .iter()
+        .zip(0..)
+        .map(|(p, bin)| p / Air::left(of.gate()[0] + f64::from(bin) * Waveform::BIN));
     compensated.fold(0.0, f64::max)
 }
 
@@ -149,7 +152,8 @@ fn sheets_that_face_the_sensor_are_detected_at_the_angles_that_others_measured()
     };
     let threshold = heard(4.0, 0.0);
     let angle = |range: f64| {
-        let found = (0..450).map(|i| 0.1 * f64::from(i)).take_while(|angle| heard(range, *angle) >= threshold);
+        let found =
+            (0..450).map(|i| 0.1 * f64::from(i)).take_while(|angle| heard(range, *angle) >= threshold);
         found.last().unwrap_or_default()
     };
     let angles: Vec<f64> = [1.25, 1.5, 1.75, 2.0, 2.25, 2.5].into_iter().map(angle).collect();

@@ -204,6 +204,7 @@ fn fault_197_a_network_of_other_classes_or_no_network_is_refused() {
     let bytes = include_bytes!("../assets/parts.onnx");
     let other = Network::read(bytes.to_vec(), FEATURES, 9).expect_err("eight classes").to_string();
     assert!(other.contains("9 classes") && other.contains("train it anew"), "{other}");
-    let broken = Network::read(bytes[..bytes.len() / 2].to_vec(), FEATURES, 8).expect_err("half a file").to_string();
+    let broken =
+        Network::read(bytes[..bytes.len() / 2].to_vec(), FEATURES, 8).expect_err("half a file").to_string();
     assert!(broken.contains("cannot be read"), "{broken}");
 }

@@ -1,10 +1,11 @@
 //! With the matrix: recognition, places, grasps. `MRROC_LONG=1` tries what `just sorting-matrix` does.
 
+use mrroc::prelude::*;
 use sorting::camera::kinds::KINDS;
 use sorting::camera::run::{Overhead, Programs, Settings};
 use sorting::camera::summary::{Line, Table};
 use sorting::matrix::command::{counted, examination, rms};
-use sorting::matrix::run::network;
+use sorting::matrix::run::{network, sensors};
 use sorting::matrix::studio::{Conditions, Trial, examine};
 use sorting::summary::quantile;
 use sorting::witness::Fate;
@@ -17,7 +18,8 @@ fn long() -> bool {
 fn examined(conditions: &Conditions, count: usize, share: f64) {
     let conditions = Conditions { stranger: 9, ..*conditions };
     let count = if long() { 2250 } else { count };
-    let trials = examine(count, 3_000_000, &conditions, Box::new(network().expect("a network")), |_, _, _| ());
+    let trials =
+        examine(count, 3_000_000, &conditions, Box::new(network().expect("a network")), |_, _, _| ());
     let trials = trials.expect("it hears");
     println!("{}", examination(&trials));
     let counts = counted(&trials);
@@ -27,10 +29,17 @@ fn examined(conditions: &Conditions, count: usize, share: f64) {
     // Not one stranger has a name.
     let row = counts.0[KINDS];
     assert!(row[KINDS] > 0 && row[..KINDS].iter().all(|count| *count == 0), "{row:?}");
-    let known = || trials.iter().filter(|trial: &&Trial| trial.heard.as_ref().is_some_and(|heard| heard.class.is_some()));
+    let known = || {
+        trials.iter().filter(|trial: &&Trial| trial.heard.as_ref().is_some_and(|heard| heard.class.is_some()))
+    };
     let off: Vec<f64> = known().map(|trial| trial.off[0].hypot(trial.off[1])).collect();
     let turned: Vec<f64> = known().map(|trial| trial.turned.to_degrees()).collect();
-    assert!(rms(&off) <= 2e-3 && quantile(&turned, 0.95) <= 5.0, "{} m, {} deg", rms(&off), quantile(&turned, 0.95));
+    assert!(
+        rms(&off) <= 2e-3 && quantile(&turned, 0.95) <= 5.0,
+        "{} m, {} deg",
+        rms(&off),
+        quantile(&turned, 0.95)
+    );
 }
 
 #[test]
@@ -76,6 +85,23 @@ fn camera_and_matrix_have_the_same_programs_and_cells_but_for_the_sensor() {
     };
     let files = [include_str!("../cell-camera.toml"), include_str!("../cell-matrix.toml")];
     assert_eq!(tables(files[0]), tables(files[1]));
+}
+
+#[test]
+fn the_matrix_tells_the_same_place_in_each_mode_of_a_vsp() {
+    let text = include_str!("../cell-matrix.toml");
+    let table = "readers = []\nmode = \"with delay\"";
+    assert!(text.contains(table));
+    let modes = ["free running\"\nperiod_ms = 4 #", "interactive"];
+    for mode in modes.iter().take(if long() { 2 } else { 1 }) {
+        let text = text.replace(table, &format!("readers = []\nmode = \"{mode}\""));
+        let file = CellFile::parse("cell-matrix.toml", &text).expect("a file");
+        let settings = Settings::of(0.1, 1, 10.0, 4).below(Overhead::Matrix);
+        let outcome = settings.heard_in(file, |matrix| matrix, sensors).expect("a cell").run();
+        let line = Line::of(&settings, &outcome);
+        assert_eq!((outcome.count(Fate::Sorted), line.crashes), (1, 0), "{mode}: {outcome:?}");
+        assert!(line.places[0] < 3e-3, "{mode}: {:?}", line.places);
+    }
 }
 
 #[test]

@@ -93,7 +93,9 @@ fn fault_199_echoes_that_are_lost_make_missed_parts_at_most() {
 fn fault_214_air_that_changes_is_followed_or_a_named_fault() {
     let held = held();
     // Before the part comes, and while it is below the matrix.
-    for (time, kelvin, named) in some([(1.0, 30.0, true), (held - 6.0, 5.0, false), (1.0, -5.0, false), (1.0, -30.0, true)]) {
+    for (time, kelvin, named) in
+        some([(1.0, 30.0, true), (held - 6.0, 5.0, false), (1.0, -5.0, false), (1.0, -30.0, true)])
+    {
         let ready = with_matrix(|matrix| matrix.sounders().warm(time, Air { celsius: 20.0 + kelvin }));
         let (fate, fault) = judged(ready, &format!("{kelvin} K at {time} s"));
         assert_eq!(fault.is_some(), named, "{kelvin} K at {time} s: {fault:?}");
@@ -134,16 +136,20 @@ fn fault_215_an_encoder_whose_count_stands_makes_missed_parts() {
 }
 
 #[test]
-fn fault_216_a_sensor_of_the_matrix_cell_that_is_lost_or_killed_in_mid_pick_is_a_named_fault_or_not_needed_any_more() {
+fn fault_216_a_sensor_of_the_matrix_cell_that_is_lost_or_killed_in_mid_pick_is_a_named_fault_or_not_needed_any_more()
+ {
     let held = held();
     for (name, before) in [("matrix", 3.0), ("matrix", 0.5)] {
-        let sense = |file: &CellFile, cell: Cell, matrix: MatrixSensor<Sight>, plant: &sorting::plant::Plant| {
-            let step = ((held - before) / STEP) as u64;
-            let matrix = FaultySensor::new(matrix, SensorFault::Off, step, u64::MAX);
-            let cell = cell.sensor(file.sensor("matrix", matrix)?);
-            let cell = cell.sensor(file.sensor("encoder", mrroc_sensors::virtual_sensors::Encoder)?);
-            Ok(cell.sensor(file.sensor("fingers", plant.fingers_before(sorting::camera::layout::BEAM, STEP))?))
-        };
+        let sense =
+            |file: &CellFile, cell: Cell, matrix: MatrixSensor<Sight>, plant: &sorting::plant::Plant| {
+                let step = ((held - before) / STEP) as u64;
+                let matrix = FaultySensor::new(matrix, SensorFault::Off, step, u64::MAX);
+                let cell = cell.sensor(file.sensor("matrix", matrix)?);
+                let cell = cell.sensor(file.sensor("encoder", mrroc_sensors::virtual_sensors::Encoder)?);
+                Ok(cell.sensor(
+                    file.sensor("fingers", plant.fingers_before(sorting::camera::layout::BEAM, STEP))?,
+                ))
+            };
         let ready = settings().heard_by(|matrix| matrix, sense).expect("a cell");
         let (fate, fault) = judged(ready, &format!("{name} lost {before} s before the grasp"));
         match fault {
@@ -154,6 +160,7 @@ fn fault_216_a_sensor_of_the_matrix_cell_that_is_lost_or_killed_in_mid_pick_is_a
     let sweep = Sweep::new(|| settings().ready().expect("a cell").cell);
     let process = ProcessId::new(Role::Vsp, Name::new("matrix").expect("a name"));
     // Judged: limits, the cause, standstill within the bound, and that no gripper opens.
-    let report = sweep.repeat(&Case { injected: Injected::Kill(process), at: ((held - 0.4) / STEP) as u64, seed: 1 });
+    let report =
+        sweep.repeat(&Case { injected: Injected::Kill(process), at: ((held - 0.4) / STEP) as u64, seed: 1 });
     assert!(report.is_clean(), "{report}");
 }

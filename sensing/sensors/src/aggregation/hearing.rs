@@ -112,7 +112,7 @@ impl Map {
         let (mut random, deviation) = (Noise::seeded(1), array.noise(&transducer));
         let mut noise = || {
             let mut wave = transducer.silence();
-            wave.disturb(|| [random.normal(), random.normal()].map(|x| x * deviation));
+            wave.disturb(|| random.normals().map(|x| x * deviation));
             let _ = transducer.hear(&mut wave, 1.0);
             wave
         };
@@ -140,7 +140,9 @@ impl Map {
             wave.start_from(&bare);
             if index < columns * rows {
                 let place = Vector3::new(at.x, at.y, height);
-                over.add(&transducer, &mut wave, &place, (form, &Pose::identity()), Self::COARSE, |_, _| false);
+                over.add(&transducer, &mut wave, &place, (form, &Pose::identity()), Self::COARSE, |_, _| {
+                    false
+                });
             }
             let _ = transducer.hear(&mut wave, 1.0);
             let heights = noises.iter().filter_map(|noise| {
@@ -170,7 +172,10 @@ impl Map {
                 (-0.5 * off * off).exp()
             };
             let sum: f64 = (0..Self::HEIGHTS).map(bell).sum();
-            likely.iter_mut().enumerate().for_each(|(bin, likely)| *likely += share * bell(bin) / f64::max(sum, 1e-9));
+            likely
+                .iter_mut()
+                .enumerate()
+                .for_each(|(bin, likely)| *likely += share * bell(bin) / f64::max(sum, 1e-9));
         }
         self.likely.push(likely.map(|p| p as f32));
         let mean = |is_raised: bool| {
@@ -187,9 +192,9 @@ impl Map {
             for column in 1..self.columns.saturating_sub(1) {
                 let index = row * self.columns + column;
                 let beside = [index - 1, index + 1, index - self.columns, index + self.columns];
-                for bin in 0..Self::HEIGHTS {
+                for (bin, likely) in self.likely[index].iter_mut().enumerate() {
                     let others: f32 = beside.iter().map(|other| sharp[*other][bin]).sum();
-                    self.likely[index][bin] = (1.0 - 4.0 * Self::BESIDE) * sharp[index][bin] + Self::BESIDE * others;
+                    *likely = (1.0 - 4.0 * Self::BESIDE) * sharp[index][bin] + Self::BESIDE * others;
                 }
             }
         }
@@ -297,7 +302,8 @@ impl Hearing {
             count += 1.0;
         }
         let middle = sum / f64::max(count, 1.0);
-        let unlikely = |place: &Vector2<f64>, angle: f64| Self::unlikely(map, &relief.samples, place, angle)[0];
+        let unlikely =
+            |place: &Vector2<f64>, angle: f64| Self::unlikely(map, &relief.samples, place, angle)[0];
         let (tried, period) = match turns {
             0 => (1, TAU),
             turns => (Self::ANGLES / turns as usize, TAU / f64::from(turns)),

@@ -39,7 +39,9 @@ pub struct Relief {
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 pub enum Deaf {
     /// A transducer hears neither belt nor parts.
-    #[error("ultrasonic transducer {number} of {of} heard no echo in {count} pings over {way_mm:.0} mm of belt: dead, loose or covered?")]
+    #[error(
+        "ultrasonic transducer {number} of {of} heard no echo in {count} pings over {way_mm:.0} mm of belt: dead, loose or covered?"
+    )]
     Transducer {
         /// Which one, from 1 on.
         number: usize,
@@ -51,7 +53,9 @@ pub enum Deaf {
         way_mm: f64,
     },
     /// The belt is not where it was.
-    #[error("the belt is heard {off_mm:+.1} mm from where it was, at most {limit_mm:.0} mm: is the air hot or cold, or has the matrix been moved?")]
+    #[error(
+        "the belt is heard {off_mm:+.1} mm from where it was, at most {limit_mm:.0} mm: is the air hot or cold, or has the matrix been moved?"
+    )]
     Belt {
         /// How far off \[mm\].
         off_mm: f64,
@@ -114,7 +118,15 @@ impl Reliefs {
     pub fn by(array: Array) -> Self {
         let transducer = array.transducer(Air { celsius: 20.0 });
         let bare = vec![Bare::default(); array.places.len()];
-        Self { array, transducer, bare, learned: None, elsewhere: [0.0; 2], samples: VecDeque::new(), done: f64::INFINITY }
+        Self {
+            array,
+            transducer,
+            bare,
+            learned: None,
+            elsewhere: [0.0; 2],
+            samples: VecDeque::new(),
+            done: f64::INFINITY,
+        }
     }
 
     /// The array, as it is believed to be.
@@ -171,7 +183,12 @@ impl Reliefs {
             bare.unheard += 1;
             let run = (way - bare.from).abs();
             if bare.unheard >= Self::DEAF.0 && (run >= Self::DEAF.1 || bare.count < Self::LEARNING) {
-                return Err(Deaf::Transducer { number: number + 1, of, count: bare.unheard, way_mm: 1e3 * run });
+                return Err(Deaf::Transducer {
+                    number: number + 1,
+                    of,
+                    count: bare.unheard,
+                    way_mm: 1e3 * run,
+                });
             }
             None
         };
@@ -203,7 +220,8 @@ impl Reliefs {
     /// The next thing that has wholly passed on a belt that has run `way` \[m\].
     pub fn passed(&mut self, way: f64) -> Option<Relief> {
         let frontier = self.frontier(way);
-        let raised = |sample: &&Sample| sample.along > frontier && sample.heard.is_some_and(|[z, _]| z > Self::RAISED);
+        let raised =
+            |sample: &&Sample| sample.along > frontier && sample.heard.is_some_and(|[z, _]| z > Self::RAISED);
         let mut raised: Vec<f64> = self.samples.iter().filter(raised).map(|sample| sample.along).collect();
         raised.sort_unstable_by(|a, b| b.total_cmp(a));
         let first = *raised.first()?;

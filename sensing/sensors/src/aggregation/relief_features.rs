@@ -25,20 +25,24 @@ pub fn relief_features(relief: &Relief) -> [f32; RELIEF_FEATURES] {
     let spots: Vec<Spot> = relief
         .samples
         .iter()
-        .filter_map(|sample| sample.heard.map(|[z, loud]| (Vector2::new(sample.along, sample.across), z, loud)))
+        .filter_map(|sample| {
+            sample.heard.map(|[z, loud]| (Vector2::new(sample.along, sample.across), z, loud))
+        })
         .collect();
     // What was lost is made up for by what is about it.
     let share = spots.len() as f64 / relief.samples.len().max(1) as f64;
     let area = relief.area / share.max(0.1);
     let above = |level: f64| {
-        let places = spots.iter().filter(move |spot| spot.1 > level).map(move |spot| ([spot.0.x, spot.0.y], area));
+        let places =
+            spots.iter().filter(move |spot| spot.1 > level).map(move |spot| ([spot.0.x, spot.0.y], area));
         Moments::of(places)
     };
     let levels = LEVELS.map(above);
-    let [all, .., ] = levels;
+    let [all, ..] = levels;
     let centre = all.centre;
 
-    let (mut count, mut height, mut square, mut loud) = ([0.0; RINGS], [0.0; RINGS], [0.0; RINGS], [0.0; RINGS]);
+    let (mut count, mut height, mut square, mut loud) =
+        ([0.0; RINGS], [0.0; RINGS], [0.0; RINGS], [0.0; RINGS]);
     let mut waves = [Vector2::<f64>::zeros(); 3];
     let (mut sum, mut loudness, mut loud_square) = (0.0, 0.0, 0.0);
     for (at, z, strength) in &spots {
@@ -67,7 +71,14 @@ pub fn relief_features(relief: &Relief) -> [f32; RELIEF_FEATURES] {
     let [long, short] = all.extent();
     let [long_high, short_high] = levels[4].extent();
     let mean = loudness / sum;
-    let shape = [long / UNIT, short / UNIT, long_high / UNIT, short_high / UNIT, mean, (loud_square / sum - mean * mean).max(0.0).sqrt()];
+    let shape = [
+        long / UNIT,
+        short / UNIT,
+        long_high / UNIT,
+        short_high / UNIT,
+        mean,
+        (loud_square / sum - mean * mean).max(0.0).sqrt(),
+    ];
     let sizes = levels.iter().map(|level| level.area.sqrt() / UNIT);
     let shifts = [2, 5].map(|level: usize| {
         let level = &levels[level];
@@ -80,7 +91,8 @@ pub fn relief_features(relief: &Relief) -> [f32; RELIEF_FEATURES] {
     });
     let louds = (0..RINGS).map(|ring| loud[ring] / count[ring]);
     let waves = waves.map(|wave| wave.norm() / sum);
-    let values = shape.into_iter().chain(sizes).chain(shifts).chain(rings).chain(rough).chain(louds).chain(waves);
+    let values =
+        shape.into_iter().chain(sizes).chain(shifts).chain(rings).chain(rough).chain(louds).chain(waves);
     let mut features = [0.0_f32; RELIEF_FEATURES];
     features.iter_mut().zip(values).for_each(|(feature, value)| *feature = value as f32);
     features

@@ -27,6 +27,13 @@ impl Noise {
         lower + (upper - lower) * self.uniform()
     }
 
+    /// Two that are independent, each of mean 0 and standard deviation 1.
+    pub fn normals(&mut self) -> [f64; 2] {
+        let radius = (-2.0 * self.uniform().ln()).sqrt();
+        let (sin, cos) = (TAU * self.uniform()).sin_cos();
+        [radius * cos, radius * sin]
+    }
+
     /// Of mean 0 and standard deviation 1.
     pub fn normal(&mut self) -> f64 {
         let radius = (-2.0 * self.uniform().ln()).sqrt();

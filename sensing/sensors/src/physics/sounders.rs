@@ -108,14 +108,13 @@ impl Sounders {
                 near.iter().enumerate().any(|(other, (form, X_FP))| {
                     let X_PF = X_FP.inverse();
                     let eye = (X_PF * Point3::from(*place)).coords;
-                    other != this
-                        && form.hit(&eye, &(X_PF.rotation * ray)).is_some_and(|hit| hit.way < way)
+                    other != this && form.hit(&eye, &(X_PF.rotation * ray)).is_some_and(|hit| hit.way < way)
                 })
             };
             array.add(transducer, wave, place, (form, X_FP), Array::FINE, hides);
         }
         let (noise, random) = (self.noise, &mut self.random);
-        wave.disturb(|| [random.normal(), random.normal()].map(|x| x * noise));
+        wave.disturb(|| random.normals().map(|x| x * noise));
         let echo = transducer.hear(wave, self.gains[number]);
         let lost = self.lost > 0.0 && self.random.uniform() <= self.lost;
         let dead = self.silent.is_some_and(|(from, silent)| {

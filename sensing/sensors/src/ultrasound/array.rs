@@ -97,7 +97,8 @@ impl Array {
         others: impl Fn(&Vector3<f64>, f64) -> bool,
     ) {
         // Frame T looks down: its x is that of F, its y too, so that it is left-handed; nothing here minds.
-        let mut window = Window { u: [f64::INFINITY, f64::NEG_INFINITY], v: [f64::INFINITY, f64::NEG_INFINITY] };
+        let mut window =
+            Window { u: [f64::INFINITY, f64::NEG_INFINITY], v: [f64::INFINITY, f64::NEG_INFINITY] };
         for corner in form.corners() {
             let at = (X_FP * Point3::from(corner)).coords - place;
             let depth = (-at.z).max(1e-3);

@@ -30,7 +30,7 @@ pub struct Transducer {
     beam: Vec<f64>,
     /// cos and -sin over a turn.
     turn: Vec<[f64; 2]>,
-    /// The pulse, from its middle on, in bins.
+    /// The pulse, in bins, its middle in the middle.
     shape: Vec<f64>,
 }
 
@@ -47,7 +47,8 @@ impl Transducer {
         let square = |i: usize| piston.directivity(i as f64 / Self::BEAM as f64, k).powi(2);
         let turn = |i: usize| (i as f64 / Self::TURN as f64 * TAU).sin_cos();
         let sigma = 0.5 * air.speed() * Self::PULSE / Waveform::BIN;
-        let shape = |i: usize| (-0.5 * (i as f64 / sigma).powi(2)).exp();
+        let half = (3.5 * sigma) as usize;
+        let shape = |i: usize| (-0.5 * ((i as f64 - half as f64) / sigma).powi(2)).exp();
         Self {
             piston,
             air,
@@ -55,7 +56,7 @@ impl Transducer {
             threshold,
             beam: (0..=Self::BEAM + 1).map(square).collect(),
             turn: (0..Self::TURN).map(turn).map(|(sin, cos)| [cos, -sin]).collect(),
-            shape: (0..(3.5 * sigma) as usize).map(shape).collect(),
+            shape: (0..=2 * half).map(shape).collect(),
         }
     }
 
@@ -92,13 +93,13 @@ impl Transducer {
     /// The sum of the squares of the pulse, over its bins: by how much it raises the power of noise.
     #[must_use]
     pub fn gain(&self) -> f64 {
-        2.0 * self.shape.iter().map(|w| w * w).sum::<f64>() - 1.0
+        self.shape.iter().map(|w| w * w).sum()
     }
 
     /// Silence.
     #[must_use]
     pub fn silence(&self) -> Waveform {
-        Waveform::empty(self.gate[0], self.gate[1], self.shape.len())
+        Waveform::empty(self.gate[0], self.gate[1], self.shape.len() / 2)
     }
 
     /// Adds what comes back from a part of its directions, in steps of `step`. `meet` says of a ray (u, v, 1) where it meets something, and

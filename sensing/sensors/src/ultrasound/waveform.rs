@@ -51,19 +51,24 @@ impl Waveform {
         }
     }
 
-    /// A point becomes a pulse of this shape, beginning with its middle; what is farther is weaker, from `from` \[m\] on.
+    /// A point becomes a pulse of this shape, with its middle in the middle; what is farther is weaker, from `from` \[m\] on.
     pub(super) fn pulse(&mut self, shape: &[f64], from: f64) {
-        let bins = self.points.len();
-        for (bin, (wave, heard)) in self.waves.iter_mut().zip(&mut self.heard).enumerate() {
-            let first = (bin + 1).saturating_sub(shape.len());
-            let last = (bin + shape.len()).min(bins);
-            let (mut re, mut im) = (0.0, 0.0);
-            for (point, place) in self.points[first..last].iter().zip(first..) {
-                let weight = shape[place.abs_diff(bin)];
-                re += weight * point[0];
-                im += weight * point[1];
+        let half = shape.len() / 2;
+        self.waves.fill([0.0; 2]);
+        for (bin, [re, im]) in self.points.iter().copied().enumerate() {
+            let first = bin.saturating_sub(half);
+            let last = (bin + half + 1).min(self.waves.len());
+            if first < last {
+                let weights = &shape[first + half - bin..];
+                for (wave, weight) in self.waves[first..last].iter_mut().zip(weights) {
+                    *wave = [wave[0] + weight * re, wave[1] + weight * im];
+                }
             }
-            *wave = [re, im].map(|part| part * Air::left(from + bin as f64 * Self::BIN));
+        }
+        let (mut left, each) = (Air::left(from), Air::left(Self::BIN));
+        for (wave, heard) in self.waves.iter_mut().zip(&mut self.heard) {
+            *wave = wave.map(|part| part * left);
+            left *= each;
             *heard = (wave[0] * wave[0] + wave[1] * wave[1]).sqrt();
         }
     }

@@ -59,7 +59,18 @@ impl<S: View + 'static> MatrixSensor<S> {
     #[must_use]
     pub fn new(scene: S, sounders: Sounders, reliefs: Reliefs, hearing: Hearing, latch: f64) -> Self {
         let (processed, reading) = (VecDeque::new(), Spotted::default());
-        Self { scene, sounders, reliefs, hearing, latch, pings: 0, processed, found: 0, reading, listener: None }
+        Self {
+            scene,
+            sounders,
+            reliefs,
+            hearing,
+            latch,
+            pings: 0,
+            processed,
+            found: 0,
+            reading,
+            listener: None,
+        }
     }
 
     /// The same, with somebody who looks on.

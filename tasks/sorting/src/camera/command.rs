@@ -156,7 +156,10 @@ struct Kept {
 pub fn sort(options: &Options) -> Said {
     let (parts, seed) = (options.parts as usize, options.seed.into());
     let every = options.every.unwrap_or(Settings::CYCLE / 0.6);
-    let settings = Settings { regular: regular(options), ..Settings::of(options.belt, parts, every, seed).below(overhead(options)) };
+    let settings = Settings {
+        regular: regular(options),
+        ..Settings::of(options.belt, parts, every, seed).below(overhead(options))
+    };
     let way = parts as f64 * every * options.belt * 1.2;
     if way > LONGEST {
         return Err(format!(

@@ -182,7 +182,16 @@ impl Settings {
     /// Parts that come every so many seconds in the mean.
     #[must_use]
     pub const fn of(speed: f64, parts: usize, every: f64, seed: u64) -> Self {
-        Self { speed, seed, parts, every, regular: Self::REGULAR, stranger: None, change: None, overhead: Overhead::Camera }
+        Self {
+            speed,
+            seed,
+            parts,
+            every,
+            regular: Self::REGULAR,
+            stranger: None,
+            change: None,
+            overhead: Overhead::Camera,
+        }
     }
 
     /// The same with something else over the belt.

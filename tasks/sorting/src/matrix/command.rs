@@ -32,7 +32,9 @@ pub fn collect(options: &Options, file: &Path) -> Said {
 #[must_use]
 pub fn counted(trials: &[Trial]) -> Confusion {
     let mut counts = Confusion::default();
-    trials.iter().for_each(|trial| counts.add(trial.kind, trial.heard.as_ref().and_then(|heard| heard.class)));
+    trials
+        .iter()
+        .for_each(|trial| counts.add(trial.kind, trial.heard.as_ref().and_then(|heard| heard.class)));
     counts
 }
 
@@ -59,7 +61,10 @@ pub fn test_recognition(options: &Options, count: usize) -> Said {
         text += &format!("{name}: {}", examination(&trials));
     }
     let folder = options.out.display();
-    Ok((format!("{text}see {folder}/confusion-usual.svg, {folder}/reliefs-usual.svg and those of -hard\n"), well))
+    Ok((
+        format!("{text}see {folder}/confusion-usual.svg, {folder}/reliefs-usual.svg and those of -hard\n"),
+        well,
+    ))
 }
 
 /// What an examination says.
@@ -70,7 +75,9 @@ pub fn examination(trials: &[Trial]) -> String {
     let all = right + misnamed + rejected;
     let known: Vec<_> = trials
         .iter()
-        .filter(|trial| trial.kind.is_some() && trial.heard.as_ref().and_then(|heard| heard.class) == trial.kind)
+        .filter(|trial| {
+            trial.kind.is_some() && trial.heard.as_ref().and_then(|heard| heard.class) == trial.kind
+        })
         .collect();
     let off: Vec<f64> = known.iter().map(|trial| trial.off[0].hypot(trial.off[1])).collect();
     let turned: Vec<f64> = known.iter().map(|trial| trial.turned.to_degrees()).collect();
@@ -88,9 +95,12 @@ pub fn examination(trials: &[Trial]) -> String {
         quantile(&turned, 0.95),
         quantile(&turned, 1.0),
     );
-    let misfit = |is_known: bool, trial: &&Trial| (trial.kind.is_some() == is_known).then(|| trial.heard.as_ref().map(|h: &Heard| h.misfit));
+    let misfit = |is_known: bool, trial: &&Trial| {
+        (trial.kind.is_some() == is_known).then(|| trial.heard.as_ref().map(|h: &Heard| h.misfit))
+    };
     let misfits: Vec<f64> = trials.iter().filter_map(|trial| misfit(true, &trial).flatten()).collect();
-    let strange = trials.iter().filter_map(|trial| misfit(false, &trial).flatten()).fold(f64::INFINITY, f64::min);
+    let strange =
+        trials.iter().filter_map(|trial| misfit(false, &trial).flatten()).fold(f64::INFINITY, f64::min);
     text += &format!(
         "misfit of parts {:.2} (p95), {:.2} at most; of strangers at least {strange:.2}\n",
         quantile(&misfits, 0.95),
@@ -98,11 +108,17 @@ pub fn examination(trials: &[Trial]) -> String {
     );
     let names = kinds();
     let name = |kind: Option<usize>| kind.map_or("none of the kinds", |kind| names[kind].class.name);
-    let wrong = trials.iter().filter(|trial| trial.heard.as_ref().and_then(|heard| heard.class) != trial.kind);
+    let wrong =
+        trials.iter().filter(|trial| trial.heard.as_ref().and_then(|heard| heard.class) != trial.kind);
     for trial in wrong.take(12) {
-        let (score, misfit) = trial.heard.as_ref().map_or((0.0, f64::NAN), |heard| (heard.score, heard.misfit));
+        let (score, misfit) =
+            trial.heard.as_ref().map_or((0.0, f64::NAN), |heard| (heard.score, heard.misfit));
         let taken = trial.heard.as_ref().and_then(|heard| heard.class);
-        text += &format!("{} taken for {}: score {score:.2}, misfit {misfit:.2}\n", name(trial.kind), name(taken));
+        text += &format!(
+            "{} taken for {}: score {score:.2}, misfit {misfit:.2}\n",
+            name(trial.kind),
+            name(taken)
+        );
     }
     text
 }

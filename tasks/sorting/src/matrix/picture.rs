@@ -29,7 +29,7 @@ pub fn reliefs(all: &[(Relief, Heard)]) -> String {
     let kinds = kinds();
     let rows = all.len().div_ceil(COLUMNS).max(1);
     Page::new("What the matrix heard", WIDTH, 110.0 + (SIDE + 44.0) * rows as f64).draw(|svg| {
-        let text = "each dot is a ping at its place on the belt, 20 cm square: the darker, the higher; a cross: no echo. Outline and axes: the part that was found";
+        let text = "a dot for each ping, the darker the higher, on 20 cm of belt; a cross: no echo. Outline and axes: what was found";
         heading(svg, "What the matrix heard", text);
         for (number, (relief, heard)) in all.iter().enumerate() {
             let x = MARGIN + (SIDE + 16.0) * (number % COLUMNS) as f64;
@@ -86,7 +86,7 @@ pub fn echoes(traces: &[Trace]) -> String {
     let transducer = array().transducer(Air { celsius: 20.0 });
     let [from, to] = transducer.gate();
     Page::new("Echoes of one transducer", WIDTH, 640.0).draw(|svg| {
-        let text = "pressure after each ping over the range from which it comes, newest on top; dots: the threshold is passed, crosses: the echo's middle, its walk taken off";
+        let text = "one line for each ping, the newest on top; dots: the threshold is passed; crosses: the echo's middle, without the walk";
         heading(svg, "Echoes while a part passes", text);
         let frame = Area { x: MARGIN, y: 110.0, width: WIDTH - 2.0 * MARGIN, height: 470.0 };
         let shown = &traces[traces.len().saturating_sub(MOST)..];
@@ -112,5 +112,6 @@ pub fn echoes(traces: &[Trace]) -> String {
             }
         }
         svg.text(Vector2::new(frame.right(), frame.bottom() + 36.0), TextStyle::new(12.0, GREY).end(), "range [mm]; the belt is at 250");
+        svg.text(Vector2::new(MARGIN - 44.0, 104.0), TextStyle::new(12.0, GREY), "ping");
     })
 }

@@ -52,7 +52,12 @@ pub fn network() -> Result<Network, NetworkError> {
 ///
 /// # Errors
 /// What is wrong with their tables.
-pub fn sensors(file: &CellFile, cell: Cell, matrix: MatrixSensor<Sight>, plant: &Plant) -> Result<Cell, CellError> {
+pub fn sensors(
+    file: &CellFile,
+    cell: Cell,
+    matrix: MatrixSensor<Sight>,
+    plant: &Plant,
+) -> Result<Cell, CellError> {
     let step = file.step().as_secs_f64();
     let cell = cell.sensor(file.sensor("matrix", matrix)?).sensor(file.sensor("encoder", Encoder)?);
     Ok(cell.sensor(file.sensor("fingers", plant.fingers_before(BEAM, step))?))
@@ -68,7 +73,20 @@ impl Settings {
         change: impl FnOnce(MatrixSensor<Sight>) -> MatrixSensor<Sight>,
         sense: impl FnOnce(&CellFile, Cell, MatrixSensor<Sight>, &Plant) -> Result<Cell, CellError>,
     ) -> Result<Ready, CellError> {
-        self.prepare("matrix", file()?, |file, cell, plant, parts, looks| {
+        self.heard_in(file()?, change, sense)
+    }
+
+    /// The same with the cell of another file.
+    ///
+    /// # Errors
+    /// What is wrong with the cell's file or a figure.
+    pub fn heard_in(
+        &self,
+        file: CellFile,
+        change: impl FnOnce(MatrixSensor<Sight>) -> MatrixSensor<Sight>,
+        sense: impl FnOnce(&CellFile, Cell, MatrixSensor<Sight>, &Plant) -> Result<Cell, CellError>,
+    ) -> Result<Ready, CellError> {
+        self.prepare("matrix", file, |file, cell, plant, parts, looks| {
             sense(file, cell, change(self.matrix(plant, parts, looks)?), plant)
         })
     }
@@ -125,6 +143,14 @@ impl Listener for Witness {
             looks.reliefs.push((relief.clone(), heard.clone()));
         }
         let (run, place) = (self.sight.surface(0.0), [heard.place.x, heard.place.y]);
-        looks.all.extend(nearest(&self.world, &self.parts, &self.turns, run, heard.class, place, heard.angle));
+        looks.all.extend(nearest(
+            &self.world,
+            &self.parts,
+            &self.turns,
+            run,
+            heard.class,
+            place,
+            heard.angle,
+        ));
     }
 }

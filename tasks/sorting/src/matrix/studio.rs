@@ -117,7 +117,9 @@ pub fn examine(
             sounders.warm(0.0, Air { celsius: *celsius });
         }
         let part = &passing.parts[0];
-        let off = judged.as_ref().map_or([0.0; 2], |heard: &Heard| [heard.place.x - truly.x, heard.place.y - truly.y]);
+        let off = judged
+            .as_ref()
+            .map_or([0.0; 2], |heard: &Heard| [heard.place.x - truly.x, heard.place.y - truly.y]);
         let turns = part.kind.map_or(0, |kind| kinds[kind].class.turns);
         let turned = judged.as_ref().map_or(0.0, |heard| turned(heard.angle, part.angle, turns));
         trials.push(Trial { kind: part.kind, heard: judged, off, turned });
