@@ -24,7 +24,7 @@ CELL = ROOT / "ports/external/examples/cell.toml"
 SECONDS = os.environ.get("MRROC_SECONDS", "2")
 STEP = 0.002
 STALE = 50  # steps: 100 ms
-LATE = ("the process at the other end is gone", "too many steps were missed", "demanded acceleration", "demanded velocity")
+LATE = ("the process at the other end is gone", "too many steps were missed", "demanded acceleration", "demanded velocity", "demanded motor speed")
 # The joint that moves, at 0.5 rad/s: its braking time at 7 rad/s² is 0.214 s by `--check`.
 BRAKING = 107
 DELAY = 1

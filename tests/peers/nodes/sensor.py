@@ -35,7 +35,7 @@ DELAY = 1
 AHEAD = 86400
 # The longest way of a packet on the wire, each way [s].
 WAY = 0.002
-LATE = ("the process at the other end is gone", "too many steps were missed", "demanded acceleration", "demanded velocity")
+LATE = ("the process at the other end is gone", "too many steps were missed", "demanded acceleration", "demanded velocity", "demanded motor speed")
 
 
 def program(mode, log):
