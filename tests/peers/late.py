@@ -26,5 +26,10 @@ def late(said, *more):
     return found and found[0]
 
 
+def skipped(said):
+    """Steps and periods that the processes of a cell have left out, by the table at its end: for so much longer robots go on as before."""
+    return sum(map(int, re.findall(r"^(?:mp|plant|(?:ecp|edp|vsp) \S+) +\d+ +(\d+) ", said, re.M)))
+
+
 if __name__ == "__main__":
     sys.exit(not late(sys.stdin.read()))

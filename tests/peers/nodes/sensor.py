@@ -37,7 +37,7 @@ AHEAD = 86400
 # The longest way of a packet on the wire, each way [s].
 WAY = 0.002
 # What is demanded after late steps by one that follows a sensor.
-JUMPS = ["demanded (acceleration|velocity)"]
+JUMPS = ["demanded (acceleration|velocity|motor speed)"]
 
 
 def program(mode, log):
