@@ -15,6 +15,9 @@ use crate::least_squares::Settings;
 use crate::pixels::Pixels;
 use crate::problem::{Freedom, Noise, Problem};
 
+/// What is left of corners at most, where a board of another size explains them \[pixel\].
+const FITS: f64 = 2.0;
+
 /// Where a camera is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Eye {
@@ -33,7 +36,8 @@ pub struct Seen {
     pub corners: Vec<Vector2<f64>>,
 }
 
-/// Where the camera is: on the flange, or in the arm's base. What is left are pixels.
+/// Where the camera is: on the flange, or in the arm's base. What is left are pixels. The camera counts as known: what its own calibration is unsure of is
+/// not in the standard deviations.
 ///
 /// # Errors
 /// [`NoFit`].
@@ -68,7 +72,7 @@ pub fn eye(camera: &Camera, board: &Board, mounted: Eye, seen: &[Seen]) -> Resul
 }
 
 /// The side of a square \[m\] with which what a camera saw fits best, beside that of the board; `None` unless it is another one without doubt: more than
-/// 0.1 % and five standard deviations from it. It is looked for between 0.7 and 1.4 of what is believed.
+/// 0.1 % and five standard deviations from it, and what is left then is below 2 pixels: where nothing fits, the board is not to blame. It is looked for between 0.7 and 1.4 of what is believed.
 ///
 /// # Errors
 /// [`NoFit`].
@@ -102,5 +106,6 @@ pub fn square_seen(
     let (log, least) = if left_a < left_b { (a, left_a) } else { (b, left_b) };
     // The sum of squares, in units of their variance, that the other size takes away.
     let squares = 2.0 * corners as f64 * ((left(0.0)? / least).powi(2) - 1.0);
-    Ok((log.abs() > 1e-3 && squares > 25.0).then(|| board.square * log.exp()))
+    let fits = least < FITS;
+    Ok((fits && log.abs() > 1e-3 && squares > 25.0).then(|| board.square * log.exp()))
 }

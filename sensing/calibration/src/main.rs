@@ -137,11 +137,22 @@ fn run(options: &Options) -> Result<String, Failed> {
         return Err(Failed::Before("--out is the file of the data\n help: write another name".to_owned()));
     }
     let wanted = options.detail.or(data.detail());
-    let trials = trials(&data, wanted).map_err(|why| late(&why))?;
+    let name = |path: &Path| path.display().to_string();
+    let file = name(&options.data);
+    let of_another = |what: &dyn std::fmt::Display| {
+        let help = "compare the units, the order and the signs of the joints' columns, the units of the measures, and the description of the arm";
+        Failed::Before(format!("{file}: {what}\n help: {help}"))
+    };
+    let trials = trials(&data, wanted).map_err(|why| of_another(&why))?;
     let chosen = chosen(&trials, wanted);
     let trial = &trials[chosen];
+    if !trial.is_of_this_arm() {
+        let left = 1e3 * trial.within.rms;
+        return Err(of_another(&format!(
+            "these measurements are not of the arm as it is described: {left:.0} mm (or mrad) rms are left"
+        )));
+    }
     let scales = scales(&data, trial).map_err(|why| late(&why))?;
-    let name = |path: &Path| path.display().to_string();
     let tested = test.as_ref().map(|test| {
         let errors = |trial: &Trial| {
             let other = data.with_rows_of(test, trial).map_err(|why| before(&why))?;
@@ -152,7 +163,6 @@ fn run(options: &Options) -> Result<String, Failed> {
         Ok::<_, Failed>((file, errors(&trials[0])?, errors(trial)?))
     });
     let test = tested.transpose()?;
-    let file = name(&options.data);
     let report = Report { data: &data, file: &file, trials: &trials, chosen, scales: &scales, test };
     let mut frames = vec![("base".to_owned(), trial.fit.frame(trial.stated.base))];
     let named =

@@ -19,10 +19,10 @@ const AXIS: f64 = 1e-3;
 /// The dimensions, their design [m, rad], and what each may be off by. Points are those of the arm's plane, from the shoulder's axis forwards and upwards: feet 0.40 m
 /// away at -20 degrees, and 0.55 m at 250 degrees.
 const DESIGN: [(&str, f64, f64); 22] = [
-    ("shoulder actuator's foot x", 0.375_877_048_314_363_36, LENGTH),
+    ("shoulder actuator's foot x", 0.375_877_048_314_363_4, LENGTH),
     ("shoulder actuator's foot z", -0.136_808_057_330_267_5, LENGTH),
-    ("elbow actuator's foot x", -0.188_111_077_829_117_8, LENGTH),
-    ("elbow actuator's foot z", -0.516_830_937_432_249_6, LENGTH),
+    ("elbow actuator's foot x", -0.188_111_078_829_117_7, LENGTH),
+    ("elbow actuator's foot z", -0.516_830_941_432_249_7, LENGTH),
     ("crank", 0.25, LENGTH),
     ("rocker", 0.20, LENGTH),
     ("rod", 0.52, LENGTH),

@@ -97,6 +97,18 @@ impl Trial {
     }
 }
 
+/// Errors beyond which measurements are not those of the arm as it is described [m, or rad of angles alone].
+const OTHER: f64 = 0.05;
+
+impl Trial {
+    /// Whether its measurements may be those of the arm as it is described: no more than 50 mm (50 mrad) rms are left. Units, signs or the order of columns are
+    /// wrong otherwise.
+    #[must_use]
+    pub fn is_of_this_arm(&self) -> bool {
+        self.within.rms < OTHER
+    }
+}
+
 /// How residuals count, and when the iteration ends.
 #[must_use]
 pub fn settings() -> Settings {

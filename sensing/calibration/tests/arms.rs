@@ -98,10 +98,10 @@ fn calibrated(
     let bar = ends.map(|end| problem.target("end", None, at(end.into()), Freedom::POINT));
     problem.bar(bar, 1.0, 5e-6);
     for _ in 0..12 {
-        for i in 0..2 {
+        for (i, instrument) in instruments.iter().enumerate() {
             for (target, end) in bar.iter().zip(&ends) {
                 let read = sight(i, end, &mut random);
-                problem.measure(instruments[i], *target, &[], &read);
+                problem.measure(*instrument, *target, &[], &read);
             }
         }
     }
@@ -109,10 +109,10 @@ fn calibrated(
         let q = draw(&mut random);
         let posture = problem.posture(arm, &q);
         let flange = base * rest(&q, &mut random);
-        for i in 0..2 {
+        for (i, instrument) in instruments.iter().enumerate() {
             for (target, ball) in targets.iter().zip(&balls) {
                 let read = sight(i, &(flange * Point3::from(*ball)).coords, &mut random);
-                problem.measure(instruments[i], *target, &[posture], &read);
+                problem.measure(*instrument, *target, &[posture], &read);
             }
         }
     }

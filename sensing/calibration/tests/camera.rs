@@ -247,6 +247,9 @@ fn a_camera_on_the_hand_or_beside_the_arm_is_found_from_pixels() {
         let believed = Board { square: 0.026, ..BOARD };
         let square = square_seen(&CAMERA, &believed, mounted, &seen).expect("a size").expect("another one");
         assert!((square - 0.025).abs() < 2e-6, "{mounted:?} {square}");
+        // Of poses that are those of something else the board is not accused.
+        let other = if mounted == Eye::Fixed { Eye::OnFlange } else { Eye::Fixed };
+        assert_eq!(square_seen(&CAMERA, &BOARD, other, &seen), Ok(None));
     }
     let in_camera = in_camera[3];
     let back = board_in_camera(&CAMERA, &BOARD, &pixels(&in_camera)).expect("a pose").inv_mul(&in_camera);

@@ -68,6 +68,24 @@ fn a_board_whose_scale_is_wrong_is_found_and_a_tracker_is_not_accused() {
     assert!(!scale.is_wrong(), "{scale:?}");
 }
 
+#[test]
+fn measurements_in_other_units_are_not_taken_for_those_of_the_arm() {
+    let file = folder().join("changed.csv").display().to_string();
+    let good = std::fs::read_to_string(folder().join("arm.csv")).expect("a file");
+    let fit = |from: &str, to: &str| {
+        let data = Data::parse(&file, &good.replace(from, to)).expect("units that there are");
+        Trial::of(&data, Detail::Frames, 1.0, Scales::Declared)
+    };
+    assert!(fit("", "").is_ok_and(|trial| trial.is_of_this_arm()));
+    for (from, to) in [
+        ("unit = \"deg\"", "unit = \"rad\""),
+        ("unit = \"mm\"", "unit = \"m\""),
+        ("unit = \"mm\"", "unit = \"cm\""),
+    ] {
+        assert!(fit(from, to).map_or(true, |trial| !trial.is_of_this_arm()), "{to}");
+    }
+}
+
 /// Each mistake of a text, where it is, and a part of what is said of it.
 #[test]
 fn every_mistake_is_told_with_its_line_and_column() {
