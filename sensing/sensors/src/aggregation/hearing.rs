@@ -73,6 +73,7 @@ struct At {
 pub struct Hearing {
     classes: Vec<PartClass>,
     maps: Vec<OnceCell<Map>>,
+    limits: Vec<f64>,
     array: Array,
     classifier: Box<dyn Classifier>,
 }
@@ -247,7 +248,7 @@ impl Map {
 impl Hearing {
     /// The classifier is believed from this score on ..
     pub const SCORE: f64 = 0.7;
-    /// .. and its class up to this misfit.
+    /// .. and its class up to this misfit, if no other limit is given.
     pub const MISFIT: f64 = 1.2;
     /// Angles that are tried in a turn, and how many of them are followed.
     const ANGLES: usize = 48;
@@ -257,7 +258,15 @@ impl Hearing {
     #[must_use]
     pub fn new(array: &Array, classes: Vec<PartClass>, classifier: Box<dyn Classifier>) -> Self {
         let maps = classes.iter().map(|_| OnceCell::new()).collect();
-        Self { classes, maps, array: array.clone(), classifier }
+        let limits = vec![Self::MISFIT; classes.len()];
+        Self { classes, maps, limits, array: array.clone(), classifier }
+    }
+
+    /// The same, with a limit of the misfit for each class, in their order: what true parts of that class hardly ever have.
+    #[must_use]
+    pub fn with_limits(mut self, limits: &[f64]) -> Self {
+        self.limits.iter_mut().zip(limits).for_each(|(of, limit)| *of = *limit);
+        self
     }
 
     /// The classes.
@@ -287,7 +296,7 @@ impl Hearing {
         };
         let (misfit, place, angle) = self.lay(class, relief);
         let score = f64::from(score);
-        let known = score >= Self::SCORE && misfit <= Self::MISFIT;
+        let known = score >= Self::SCORE && misfit <= self.limits[class];
         Heard { class: known.then_some(class), score, misfit, place, angle, features }
     }
 

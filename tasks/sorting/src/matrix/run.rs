@@ -12,7 +12,7 @@ use mrroc_sensors::ultrasound::{Air, Echo};
 use mrroc_sensors::view::View as _;
 use mrroc_sensors::virtual_sensors::{Encoder, Listener, MatrixSensor};
 
-use super::layout::array;
+use super::layout::{LIMITS, array};
 use crate::camera::acquire::Acquire;
 use crate::camera::arrivals::Coming;
 use crate::camera::kinds::{KINDS, classes, kinds};
@@ -102,7 +102,7 @@ impl Settings {
         let sight = Sight::of(plant.world.clone(), parts.clone(), plant.shaft());
         let sounders = Sounders::over(&array, Air { celsius: 20.0 }, self.seed.wrapping_add(5));
         let network = network().map_err(|error| wrong(&error))?;
-        let hearing = Hearing::new(&array, classes(), Box::new(network));
+        let hearing = Hearing::new(&array, classes(), Box::new(network)).with_limits(&LIMITS);
         let witness = Witness {
             sight: sight.clone(),
             world: plant.world.clone(),

@@ -7,7 +7,7 @@ use mrroc_sensors::aggregation::{Classifier, Deaf, Heard, Hearing, RELIEF_FEATUR
 use mrroc_sensors::physics::{Noise, Sounders};
 use mrroc_sensors::ultrasound::Air;
 
-use super::layout::{MATRIX, array};
+use super::layout::{LIMITS, MATRIX, array};
 use crate::camera::kinds::{Kind, classes, kinds, strangers, turned};
 use crate::camera::layout::ACROSS;
 use crate::camera::studio::{Lying, Passing, TOLERANCE};
@@ -72,7 +72,7 @@ pub fn examine(
     let mut random = Noise::seeded(seed);
     let (kinds, strangers) = (kinds(), strangers());
     let array = array();
-    let mut hearing = Hearing::new(&array, classes(), classifier);
+    let mut hearing = Hearing::new(&array, classes(), classifier).with_limits(&LIMITS);
     let mut trials = Vec::new();
     let mut sounders = None;
     while trials.len() < count {
