@@ -49,7 +49,11 @@ const CRATES: &[(&str, &[&str])] = &[
     ("robots/drivers/kuka", &["mrroc-core", "mrroc-driver-kit", "mrroc-launch", "mrroc-robots"]),
     ("robots/drivers/ur", &["mrroc-core", "mrroc-driver-kit", "mrroc-launch", "mrroc-robots"]),
     ("robots/drivers/ur-controller", &["mrroc-core", "mrroc-driver-kit", "mrroc-robots", "mrroc-ur"]),
-    ("robots/drivers/robotiq", &["mrroc-core", "mrroc-driver-kit", "mrroc-launch", "mrroc-robots"]),
+    ("robots/drivers/modbus", &["mrroc-core", "mrroc-driver-kit", "mrroc-launch", "mrroc-robots"]),
+    (
+        "robots/drivers/robotiq",
+        &["mrroc-core", "mrroc-driver-kit", "mrroc-launch", "mrroc-modbus", "mrroc-robots"],
+    ),
     ("ports/external", &["mrroc-core", "mrroc-launch"]),
     ("ports/panel", &["mrroc-core", "mrroc-launch", "mrroc-processes"]),
     ("sensing/sensors", &["mrroc-core"]),

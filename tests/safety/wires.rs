@@ -193,6 +193,9 @@ fn cut(step_ms: u64, arm: &str, every: u64) -> (usize, f64) {
             let before = trace[at - 1].1;
             let off = trace[at..].iter().map(|(_, relative, _)| apart(relative, &before)).fold(0.0, f64::max);
             (cuts, worst) = (cuts + 1, worst.max(off));
+            if off > 1e-6 {
+                println!("cut in step {}: off by {off:.1e} m or rad", 1 + n as u64 * every);
+            }
         }
     }
     println!(
