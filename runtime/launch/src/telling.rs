@@ -66,7 +66,13 @@ pub(super) fn tell(cell: &mut Cell, file: &Path, name: &str, asked: Asked) -> Ex
 /// Makes certificates for the machines of the cell, and for programs on other machines that send what its sensors read.
 fn certificates(cell: &Cell, file: &Path, folder: &str) -> ExitCode {
     // A program with a command line of its own may have no cell file.
-    let file = CellFile::read(file).ok();
+    let file = match file.exists() {
+        false => None,
+        true => match CellFile::read(file) {
+            Ok(file) => Some(file),
+            Err(error) => return refused(&error),
+        },
+    };
     let doors: Vec<_> = file.iter().flat_map(CellFile::doors).collect();
     let nodes = cell.nodes();
     if nodes.is_none() && doors.is_empty() {

@@ -66,6 +66,10 @@ pub struct Measured {
     pub face: Face,
 }
 
+/// Lines that are thrown away before a question, and answers to others that are passed over after it: more is no instrument.
+const MOST_BEFORE: usize = 64;
+const MOST_OTHERS: usize = 8;
+
 /// Who asks.
 #[derive(Debug)]
 pub struct Client<W> {
@@ -97,9 +101,16 @@ impl<W: Wire> Client<W> {
     /// [`Trouble`].
     pub fn sight(&mut self, about: [f64; 2], face: Face) -> Result<Measured, Trouble> {
         let turn = self.patience.turn;
-        let now = self.ask(2026, &[], self.patience.answer)?;
-        if face_of(now.number(0))? != face {
-            self.ask(9028, &[0.0, 0.0, 0.0], turn)?;
+        for _ in 0..self.patience.times.max(1) {
+            if face_of(self.ask(2026, &[], self.patience.answer)?.number(0))? == face {
+                break;
+            }
+            // It turns the telescope over each time, so it is asked again only where the face says that it has not.
+            match self.ask_once(9028, &[0.0, 0.0, 0.0], turn, true) {
+                Ok(_) | Err(Trouble::Silent | Trouble::Garbled) => {}
+                Err(Trouble::Refused(code)) if code.is_busy() => {}
+                Err(other) => return Err(other),
+            }
         }
         let [hz, v] = to_circles(about, face);
         // Position mode: normal; with target recognition.
@@ -119,12 +130,13 @@ impl<W: Wire> Client<W> {
         Ok(Measured { angles: from_circles([hz, v], face), face })
     }
 
-    /// Asks until there is an answer: again after silence, after one that cannot be understood, and while the instrument is busy. All that is asked here may be
+    /// Asks until there is an answer: again after silence, after one that cannot be understood, and while the instrument is busy. What is asked here may be
     /// asked twice. An answer to an earlier question is not taken, nor one without a checksum of an instrument that knows them.
     fn ask(&mut self, rpc: u32, parameters: &[f64], patience: Duration) -> Result<Answer, Trouble> {
         let mut trouble = Trouble::Silent;
-        for _ in 0..self.patience.times.max(1) {
-            match self.ask_once(rpc, parameters, patience) {
+        let times = self.patience.times.max(1);
+        for time in 1..=times {
+            match self.ask_once(rpc, parameters, patience, time < times) {
                 Err(Trouble::Refused(code)) if code.is_busy() => trouble = Trouble::Refused(code),
                 Err(again @ (Trouble::Silent | Trouble::Garbled)) => trouble = again,
                 other => return other,
@@ -133,21 +145,40 @@ impl<W: Wire> Client<W> {
         Err(trouble)
     }
 
-    fn ask_once(&mut self, rpc: u32, parameters: &[f64], patience: Duration) -> Result<Answer, Trouble> {
+    /// Asks once; with a checksum, where it is not known whether the instrument knows them, if `guess` says so.
+    fn ask_once(
+        &mut self,
+        rpc: u32,
+        parameters: &[f64],
+        patience: Duration,
+        guess: bool,
+    ) -> Result<Answer, Trouble> {
         self.transaction = (self.transaction + 1) % 8;
-        let checked = self.checks != Some(false);
+        let checked = self.checks.unwrap_or(guess);
         let request =
             Request { rpc, transaction: self.transaction, checked, parameters: parameters.to_vec() };
         // What came before it is no answer to it.
-        while self.wire.receive(Duration::ZERO)?.is_some() {}
+        let mut before = 0;
+        while self.wire.receive(Duration::ZERO)?.is_some() {
+            before += 1;
+            if before > MOST_BEFORE {
+                return Err(Trouble::Garbled);
+            }
+        }
         self.wire.send(&request.to_string())?;
-        while let Some(line) = self.wire.receive(patience)? {
+        for _ in 0..MOST_OTHERS {
+            let Some(line) = self.wire.receive(patience)? else { break };
             let answer = Answer::parse(&line).ok_or(Trouble::Garbled)?;
-            if answer.transaction != self.transaction && answer.transport == Code::OK {
+            // What an instrument could not read it may answer without a number.
+            if answer.transaction != self.transaction
+                && (answer.transport == Code::OK || answer.transaction != 0)
+            {
                 continue;
             }
-            let checks = *self.checks.get_or_insert(answer.checked);
-            if checks && !answer.checked || answer.transport.is_of_lines() {
+            if answer.transport == Code::OK {
+                self.checks.get_or_insert(answer.checked);
+            }
+            if self.checks == Some(true) && !answer.checked || answer.transport.is_of_lines() {
                 return Err(Trouble::Garbled);
             }
             return match (answer.transport, answer.code) {

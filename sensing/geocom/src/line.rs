@@ -62,10 +62,15 @@ impl<F: AsFd> Wire for Line<F> {
         let text = format!("{line}\r\n");
         let (mut rest, until) = (text.as_bytes(), Instant::now() + Duration::from_secs(2));
         while !rest.is_empty() {
-            if !self.is_ready(PollFlags::OUT, until)? && Instant::now() >= until {
+            let is_ready = self.is_ready(PollFlags::OUT, until)?;
+            if Instant::now() >= until {
                 return Err(Trouble::Silent);
             }
+            if !is_ready {
+                continue;
+            }
             match rustix::io::write(&self.connection, rest) {
+                Ok(0) => return Err(Trouble::Closed),
                 Ok(count) => rest = &rest[count.min(rest.len())..],
                 Err(Errno::AGAIN | Errno::INTR) => {}
                 Err(_) => return Err(Trouble::Closed),
@@ -75,11 +80,15 @@ impl<F: AsFd> Wire for Line<F> {
     }
 
     fn receive(&mut self, patience: Duration) -> Result<Option<String>, Trouble> {
-        let until = Instant::now() + patience;
+        let (until, mut empty) = (Instant::now() + patience, 0);
         loop {
             if let Some(end) = self.begun.iter().position(|byte| matches!(byte, b'\n' | b'\r')) {
                 let line: Vec<u8> = self.begun.drain(..=end).take(end).collect();
                 if line.is_empty() {
+                    empty += 1;
+                    if empty > LONGEST {
+                        return Err(Trouble::Garbled);
+                    }
                     continue;
                 }
                 return Ok(Some(String::from_utf8_lossy(&line).into_owned()));

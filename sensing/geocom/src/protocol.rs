@@ -96,7 +96,7 @@ impl Answer {
     pub fn parse(line: &str) -> Option<Self> {
         let ([transport, transaction], tail, checked) = parts(line, "%R1P,")?;
         let mut tail = tail.split(',');
-        let code = Code(tail.next()?.parse().ok()?);
+        let code = Code(u32::from(tail.next()?.parse::<u16>().ok()?));
         let values = tail.map(str::to_owned).collect();
         Some(Self { transport: Code(transport), transaction, checked, code, values })
     }

@@ -1,11 +1,12 @@
 //! The instrument as a virtual sensor: what it is told to sight as an order, what it reads as a reading.
 //!
-//! A thread of its own asks the instrument, which takes seconds; a step only looks what has come. What both hand over are atomics: the step tells what to sight, then its
+//! A thread of its own asks the instrument, which takes seconds; a step only looks at what has come. What both hand over are atomics: the step tells what to sight, then its
 //! number; the thread tells what came of it, then the same number.
 
-use core::sync::atomic::{AtomicU32, Ordering};
+use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use core::time::Duration;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use mrroc::fault::FaultKind;
 use mrroc::prelude::*;
@@ -29,7 +30,7 @@ impl Sensor for Sighting {
 /// What to sight.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Payload)]
 pub struct Sight {
-    /// Which one, from 1; a new number is a new sight. 0: nothing.
+    /// Which one, from 1; a new number is a new sight. 0: nothing. A program begins with 0, which forgets the last sight.
     pub index: u32,
     /// Where the target is about: horizontal angle from x to y \[rad\].
     pub hz: f64,
@@ -64,9 +65,46 @@ struct Shared {
     read: [Number; 2],
     /// 0, or what was wrong: see [`number_of`].
     trouble: AtomicU32,
+    ends: Arc<AtomicBool>,
 }
 
-impl Handed for Shared {}
+impl Handed for Shared {
+    fn hang_up(&self) {
+        self.ends.store(true, Ordering::Release);
+    }
+}
+
+/// How long the end of the cell is not noticed while an answer is waited for.
+const SLICE: Duration = Duration::from_millis(100);
+
+/// A wire on which nothing is waited for any more when the cell ends.
+struct UntilTheEnd<W> {
+    wire: W,
+    ends: Arc<AtomicBool>,
+}
+
+impl<W: Wire> Wire for UntilTheEnd<W> {
+    fn send(&mut self, line: &str) -> Result<(), Trouble> {
+        self.wire.send(line)
+    }
+
+    fn receive(&mut self, patience: Duration) -> Result<Option<String>, Trouble> {
+        let mut left = patience;
+        loop {
+            if self.ends.load(Ordering::Acquire) {
+                return Err(Trouble::Closed);
+            }
+            let slice = left.min(SLICE);
+            if let Some(line) = self.wire.receive(slice)? {
+                return Ok(Some(line));
+            }
+            left -= slice;
+            if left.is_zero() {
+                return Ok(None);
+            }
+        }
+    }
+}
 
 /// How often the thread looks for a new order.
 const PAUSE: Duration = Duration::from_millis(2);
@@ -78,13 +116,16 @@ pub struct Theodolite {
     baud: u32,
     patience: Patience,
     talk: Option<Talk<Shared, Trouble>>,
+    /// What was ordered last, and how many sights were by then.
+    ordered: Sight,
+    count: u32,
 }
 
 impl Theodolite {
     /// On such a port (`/dev/ttyUSB0`), at its speed \[baud\], 9600 of most. It is opened when the cell begins.
     #[must_use]
     pub fn on(port: impl Into<PathBuf>, baud: u32, patience: Patience) -> Self {
-        Self { port: port.into(), baud, patience, talk: None }
+        Self { port: port.into(), baud, patience, talk: None, ordered: Sight::default(), count: 0 }
     }
 
     /// Over a connection that is open already.
@@ -93,12 +134,13 @@ impl Theodolite {
     /// [`Trouble`]: the instrument does not answer; or this machine starts no more threads.
     pub fn over(wire: impl Wire + Send + 'static, patience: Patience) -> Result<Self, Trouble> {
         let talk = Some(begin(wire, patience)?);
-        Ok(Self { port: PathBuf::new(), baud: 0, patience, talk })
+        Ok(Self { port: PathBuf::new(), baud: 0, patience, talk, ordered: Sight::default(), count: 0 })
     }
 }
 
 fn begin(wire: impl Wire + Send + 'static, patience: Patience) -> Result<Talk<Shared, Trouble>, Trouble> {
-    let mut client = Client::new(wire, patience);
+    let ends = Arc::new(AtomicBool::new(false));
+    let mut client = Client::new(UntilTheEnd { wire, ends: Arc::clone(&ends) }, patience);
     client.greet()?;
     let work = move |shared: &Shared, watch: &Watch| {
         while !watch.ends() {
@@ -124,7 +166,8 @@ fn begin(wire: impl Wire + Send + 'static, patience: Patience) -> Result<Talk<Sh
         }
         Ok(())
     };
-    Talk::begin("theodolite", Shared::default(), Trouble::Closed, work).map_err(|_| Trouble::Closed)
+    Talk::begin("theodolite", Shared { ends, ..Shared::default() }, Trouble::Closed, work)
+        .map_err(|_| Trouble::Closed)
 }
 
 /// Troubles as numbers: codes of the instrument as they are, which are below 65536.
@@ -159,25 +202,30 @@ impl VirtualSensor for Theodolite {
     fn aggregate(&mut self, order: &ReadingOrder<Sight>) -> Result<Angles, Fault> {
         let Some(talk) = &self.talk else { return Err(fault(Trouble::Closed)) };
         let (shared, sight) = (talk.handed(), order.configuration);
-        let (asked, done) = (shared.asked.load(Ordering::Relaxed), shared.done.load(Ordering::Acquire));
-        let read = asked == done && sight.index == done && sight.index != 0;
-        if let Some(trouble) = trouble_of(shared.trouble.load(Ordering::Relaxed)).filter(|_| read) {
-            return Err(fault(trouble));
+        let nothing = Angles { index: sight.index, ..Angles::default() };
+        let is_read = shared.done.load(Ordering::Acquire) == self.count;
+        if is_read && sight.index != 0 && sight == self.ordered {
+            if let Some(trouble) = trouble_of(shared.trouble.load(Ordering::Relaxed)) {
+                // Whoever orders it again has it tried again.
+                self.ordered = Sight::default();
+                return Err(fault(trouble));
+            }
+            let [hz, v] = [shared.read[0].get(), shared.read[1].get()];
+            return Ok(Angles { index: sight.index, hz, v, turned: sight.turned, settled: true });
         }
         talk.goes_on().map_err(fault)?;
-        let nothing = Angles { index: sight.index, ..Angles::default() };
-        if sight.index == 0 || asked != done {
+        if !is_read {
             return Ok(nothing);
         }
-        if read {
-            let [hz, v] = [shared.read[0].get(), shared.read[1].get()];
-            let turned = shared.turned.load(Ordering::Relaxed) != 0;
-            return Ok(Angles { index: done, hz, v, turned, settled: true });
+        if sight.index == 0 {
+            self.ordered = Sight::default();
+            return Ok(nothing);
         }
         shared.about[0].set(sight.hz);
         shared.about[1].set(sight.v);
         shared.turned.store(u32::from(sight.turned), Ordering::Relaxed);
-        shared.asked.store(sight.index, Ordering::Release);
+        (self.ordered, self.count) = (sight, self.count.wrapping_add(1));
+        shared.asked.store(self.count, Ordering::Release);
         Ok(nothing)
     }
 
@@ -187,7 +235,7 @@ impl VirtualSensor for Theodolite {
 
     fn open(&mut self) -> Result<(), Fault> {
         if self.talk.is_some() && !self.port.as_os_str().is_empty() {
-            self.talk = None;
+            (self.talk, self.ordered, self.count) = (None, Sight::default(), 0);
         }
         if self.talk.is_none() {
             let line = Line::open(&self.port, self.baud).map_err(|why| {

@@ -128,7 +128,7 @@ fn an_edge_gives_half_of_the_pressure_and_fades_as_fresnel_says() {
 
 #[test]
 fn a_slanted_sheet_is_silent() {
-    // By 30 degrees the mirror image is out of the beam: D(30°)^2 of 0.16, and the sheet ends.
+    // By 30 degrees the mirror image is out of the beam: D(30°)^2 of 0.14, and the sheet ends.
     let transducer = small([0.15, 0.4]);
     let slope = 30_f64.to_radians().tan();
     let sheet = |u: f64, _: f64| {

@@ -21,7 +21,6 @@ from late import late  # noqa: E402
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent.parent.parent
 PYTHONS = {name: f"target/peers/{name}/bin/python" for name in ("franka-sim", "franky-sim")}
-# What a cell says when this machine gave its processes, or the simulator, too little time.
 # What a simulator in Python causes that is given too little time.
 TOO_SLOW = ["has said nothing for", "farther than 0.1 rad"]
 EXAMPLES = "robots/drivers/franka/examples"

@@ -54,8 +54,6 @@ def is_set_point(packet):
     return port == SET_POINTS and len(packet) > head + (packet[head + 12] >> 4) * 4
 
 
-
-
 class Bench:
     """Both ends, the wire, and a folder for cell files."""
 

@@ -21,7 +21,9 @@ impl Clock {
     /// Hears, at a time `now`, that what was sent here came there.
     pub fn heard(&mut self, sent: u64, came: u64, now: u64) {
         if now.saturating_sub(self.began) > WINDOW {
-            self.bounds = [None, self.bounds[0]];
+            // After a long silence clocks may have drifted by more than an old bound allows for.
+            let is_recent = now.saturating_sub(self.began) <= 2 * WINDOW;
+            self.bounds = [None, self.bounds[0].filter(|_| is_recent)];
             self.began = now;
         }
         self.bounds[0] = self.bounds[0].max(Some(i128::from(sent) - i128::from(came)));
@@ -42,7 +44,8 @@ mod tests {
     const MS: u64 = 1_000_000;
 
     #[test]
-    fn a_time_of_another_machine_is_never_later_than_it_was_and_earlier_by_the_shortest_way_there() {
+    fn fault_212_a_time_of_another_machine_is_never_later_than_it_was_and_earlier_by_the_shortest_way_there()
+    {
         // There it is 7 s later, or 7 s earlier; ways take 1 to 9 ms.
         for offset in [7_000 * MS, 0, (-7_000_i64 * MS as i64).cast_unsigned()] {
             let there = |here: u64| here.wrapping_add(offset);
@@ -73,6 +76,16 @@ mod tests {
             clock.heard(now, now + 5_001 * MS, now + 2 * MS);
         }
         assert_eq!(clock.here(60_001 * MS), Some(55_000 * MS));
+    }
+
+    #[test]
+    fn fault_212_a_bound_of_before_a_long_silence_makes_no_reading_newer_than_it_is() {
+        let mut clock = Clock::default();
+        clock.heard(10_000 * MS, 10_001 * MS, 10_002 * MS);
+        // An hour later the other clock is ahead by 180 ms: 50 ppm.
+        let later = 3_610_000 * MS;
+        clock.heard(later, later + 181 * MS, later + 2 * MS);
+        assert_eq!(clock.here(later + 180 * MS), Some(later - MS));
     }
 
     #[test]

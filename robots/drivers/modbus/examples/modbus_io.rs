@@ -4,7 +4,6 @@
 //!
 //! `MRROC_TIMES` says how often, once by default.
 
-use mrroc_generators::conditions::elapsed;
 use mrroc_generators::generators::Tell;
 use mrroc_modbus::{Layout, Scale, with_modbus_io};
 use mrroc_robots::{IoBlock, simulated};
@@ -40,6 +39,14 @@ fn reads(c: &mut Reads, e: &State<(IoBlock,)>) -> bool {
     e.0.value(c.0) == c.1
 }
 
+/// Holds when an analog input reads more than this [V].
+struct Above(Input<f64>, f64);
+
+#[condition(mp)]
+fn above(c: &mut Above, e: &State<(IoBlock,)>) -> bool {
+    e.0.value(c.0) > c.1
+}
+
 fn switch(mp: &mut Mp) -> Result<(), Fault> {
     let mut cabinet = mp.robot::<IoBlock>("cabinet")?;
     let times = std::env::var("MRROC_TIMES").ok().and_then(|times| times.parse().ok()).unwrap_or(1);
@@ -48,7 +55,7 @@ fn switch(mp: &mut Mp) -> Result<(), Fault> {
     }
     let (level, pressure) = (cabinet.output::<f64>("level")?, cabinet.input::<f64>("pressure")?);
     mp.move_robot(&mut cabinet, (), Tell::output(level, 2.5))?;
-    mp.wait_until((&mut cabinet,), (), elapsed(0.2))?;
+    mp.wait_at_most((&mut cabinet,), (), Above(pressure, 2.4), 2500)?;
     println!("pressure: {:.3} V", cabinet.value(pressure));
     Ok(())
 }

@@ -134,10 +134,8 @@ impl<R: Robot<Joints = NoJoints>> Driver<R> for ModbusIo {
             (Channel::Analog(_), Value::Analog(value)) => scale.register(value).is_none(),
             _ => false,
         };
-        if told.iter().any(beyond) {
-            self.is_beyond = true;
-            return;
-        }
+        // The others are switched all the same: a stop may be what switches them.
+        self.is_beyond |= told.iter().any(beyond);
         self.told = *told;
         if let Some(link) = &self.link {
             link.tell(told, &self.settings.layout);

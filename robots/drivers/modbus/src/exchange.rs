@@ -29,7 +29,7 @@ const PAUSE: Duration = Duration::from_millis(5);
 /// Exchanges after which an output must be as it was told.
 const ECHOES: u32 = 20;
 
-/// An exchange is a question for each kind of signal, and one for each output that changes.
+/// Questions of the readings of an exchange, and one more; each output that is written counts as heard by itself.
 const QUESTIONS: u32 = 5;
 
 /// What the thread and the drives hand to each other.
@@ -134,25 +134,36 @@ struct Exchange<'a> {
     layout: &'a Layout,
     client: Client,
     patience: Duration,
-    /// Exchanges in a row in which an output was not as it was told.
+    /// Which digital outputs were written by now, and what; and the registers of analog ones.
+    written: (u32, u32),
+    written_analog: [Option<u16>; ANALOG],
+    /// Exchanges in a row in which an output was not as it had been written.
     unswitched: u32,
 }
 
 fn exchange(shared: &Shared, watch: &Watch, settings: &ModbusIoSettings) -> Result<(), DriveFault> {
     let client = Client::connect(settings.address, settings.unit, settings.patience)?;
     if let Some(socket) = client.socket() {
-        // The first of it.
+        // It was empty: nobody else sets it.
         let _ = shared.socket.set(socket);
     }
     let patience = settings.patience * QUESTIONS;
-    let mut exchange = Exchange { shared, watch, layout: &settings.layout, client, patience, unswitched: 0 };
+    let mut exchange = Exchange {
+        shared,
+        watch,
+        layout: &settings.layout,
+        client,
+        patience,
+        written: (0, 0),
+        written_analog: [None; ANALOG],
+        unswitched: 0,
+    };
     exchange.go_on()
 }
 
 impl Exchange<'_> {
     fn go_on(&mut self) -> Result<(), DriveFault> {
-        let began = Instant::now();
-        let mut next = began;
+        let mut next = Instant::now();
         loop {
             if self.watch.ends() {
                 return Err(CLOSED);
@@ -181,6 +192,15 @@ impl Exchange<'_> {
         self.client.ask(Asked::Read(table, range.start, count)).map(Some)
     }
 
+    /// Writes an output. The device answers, so nothing is lost while many are written.
+    fn write(&mut self, what: Asked) -> Result<(), Broken> {
+        self.client.ask(what)?;
+        if self.watch.has_heard() {
+            self.watch.hear();
+        }
+        Ok(())
+    }
+
     /// Reads everything, and switches what is not as it was told.
     fn once(&mut self) -> Result<(), Broken> {
         let (layout, shared) = (self.layout, self.shared);
@@ -197,21 +217,26 @@ impl Exchange<'_> {
             shared.outputs.store(read.bits(), Ordering::Relaxed);
             let told = shared.told.load(Ordering::Relaxed);
             let (which, values) = ((told >> 32) as u32, told as u32);
+            differs |= (read.bits() ^ self.written.1) & self.written.0 != 0;
             let wrong = (read.bits() ^ values) & which;
             for bit in (0..32).filter(|bit| wrong >> bit & 1 != 0) {
-                differs = true;
                 let coil = layout.digital_outputs.start + bit;
-                self.client.ask(Asked::Switch(coil, values >> bit & 1 != 0))?;
+                self.write(Asked::Switch(coil, values >> bit & 1 != 0))?;
             }
+            self.written = (which, values);
         }
         if let Some(read) = self.read(Table::HoldingRegisters, &layout.analog_outputs, ANALOG)? {
             for (i, register) in (0..).zip(read.registers()) {
                 shared.analog_outputs[usize::from(i)].set(layout.analog_output.value(*register));
+                differs |= self.written_analog[usize::from(i)].is_some_and(|written| written != *register);
                 let told = shared.told_analog[usize::from(i)].load(Ordering::Relaxed);
-                if told & TOLD != 0 && told as u16 != *register {
-                    differs = true;
-                    self.client.ask(Asked::Set(layout.analog_outputs.start + i, told as u16))?;
+                if told & TOLD == 0 {
+                    continue;
                 }
+                if told as u16 != *register {
+                    self.write(Asked::Set(layout.analog_outputs.start + i, told as u16))?;
+                }
+                self.written_analog[usize::from(i)] = Some(told as u16);
             }
         }
         self.unswitched = if differs { self.unswitched + 1 } else { 0 };

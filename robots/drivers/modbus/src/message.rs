@@ -9,7 +9,7 @@ pub const MAX_FRAME: usize = 260;
 /// Bytes before the message: transaction, protocol, length, unit.
 const HEADER: usize = 7;
 
-/// Registers that a question may be about. The protocol allows 123; a gripper has three each way.
+/// Registers that a question may be about. The protocol allows 123; no driver here needs more.
 pub const MAX_REGISTERS: usize = 8;
 
 /// Bits that a question may be about. The protocol allows 2000.
@@ -63,15 +63,16 @@ impl NoAnswer {
 const fn exception(code: u8) -> &'static str {
     match code {
         1 => "exception 1: the device does not know the function",
-        2 => "exception 2: the device has no such registers",
+        2 => "exception 2: the device has no such bits or registers",
         3 => "exception 3: the device does not take the value",
         4 => "exception 4: the device has failed",
         5 => "exception 5: the device needs longer",
         6 => "exception 6: the device is busy",
+        7 => "exception 7: the device cannot do it",
         8 => "exception 8: the device's memory is damaged",
         0x0a => "exception 10: the gateway has no way to the device",
         0x0b => "exception 11: the device does not answer its gateway",
-        _ => "an exception with a code that is none",
+        _ => "an exception with a code of the maker's own",
     }
 }
 
@@ -323,7 +324,10 @@ mod tests {
         assert_eq!(with(8, 4), Err(NoAnswer::Length));
         let refused = [0xd6, 5, 0, 0, 0, 3, 2, 0x84, 2];
         assert_eq!(READ.answer(&refused), Err(NoAnswer::Exception(2)));
-        assert_eq!(NoAnswer::Exception(2).to_string(), "exception 2: the device has no such registers");
+        assert_eq!(
+            NoAnswer::Exception(2).to_string(),
+            "exception 2: the device has no such bits or registers"
+        );
         assert!(!NoAnswer::Exception(2).passes() && NoAnswer::Exception(11).passes());
         // Other registers than were written.
         assert_eq!(WRITE.answer(&[0x34, 0xab, 0, 0, 0, 6, 2, 16, 0, 1, 0, 3]), Err(NoAnswer::Question));

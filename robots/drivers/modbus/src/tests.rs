@@ -217,7 +217,10 @@ fn fault_175_a_refusal_is_told_by_its_name_and_one_that_passes_is_asked_again() 
     let bench = Bench::new();
     bench.look(|device| device.exception = Some(2));
     let mut drives: Drives = Box::new(ModbusIo::new(bench.settings()));
-    assert_eq!(drives.open(), Err(DriveFault::Other("exception 2: the device has no such registers")));
+    assert_eq!(
+        drives.open(),
+        Err(DriveFault::Other("exception 2: the device has no such bits or registers"))
+    );
     bench.look(|device| device.exception = Some(6));
     let busy = bench.clone();
     let waits = std::thread::spawn(move || drop(busy.opened()));
@@ -227,13 +230,29 @@ fn fault_175_a_refusal_is_told_by_its_name_and_one_that_passes_is_asked_again() 
 }
 
 #[test]
-fn fault_176_an_output_that_does_not_switch_or_is_switched_by_others_is_told() {
+fn fault_176_an_output_that_does_not_switch_is_told() {
     let bench = Bench::new();
     let mut drives = bench.opened();
     bench.look(|device| device.is_stubborn = true);
     drives.switch_outputs(&Outputs::NONE.with(Channel::Digital(0), Value::Digital(true)));
     let told = fault(&mut drives).to_string();
     assert!(told.contains("does not switch its outputs"), "{told}");
+}
+
+#[test]
+fn fault_176_an_output_that_others_switch_is_switched_back_and_told_if_they_go_on() {
+    let bench = Bench::new();
+    let mut drives = bench.opened();
+    drives.switch_outputs(&Outputs::NONE.with(Channel::Digital(0), Value::Digital(true)));
+    shows(&drives, |signals| signals.outputs.is_on(0));
+    bench.look(|device| device.coils[16] = false);
+    shows(&drives, |signals| !signals.outputs.is_on(0));
+    shows(&drives, |signals| signals.outputs.is_on(0));
+    let told = until(|| {
+        bench.look(|device| device.coils[16] = false);
+        drives.tick(&NoJoints::zeros()).err()
+    });
+    assert!(told.to_string().contains("does not switch its outputs"), "{told}");
 }
 
 #[test]
@@ -244,6 +263,34 @@ fn fault_176_a_value_that_no_register_can_say_is_refused() {
     let told = drives.tick(&NoJoints::zeros()).expect_err("it is below 0 V").to_string();
     assert!(told.contains("cannot say"), "{told}");
     assert!(bench.look(|device| device.written.is_empty()));
+    // What else is told then is switched: a stop tells it.
+    let told = Outputs::NONE
+        .with(Channel::Analog(0), Value::Analog(-0.1))
+        .with(Channel::Digital(2), Value::Digital(true));
+    drives.switch_outputs(&told);
+    shows(&drives, |signals| signals.outputs.is_on(2));
+}
+
+#[test]
+fn fault_176_an_output_that_changes_in_every_exchange_is_no_fault() {
+    let bench = Bench::new();
+    let mut drives = bench.opened();
+    let mut on = false;
+    // Five times as many exchanges as an output may take to switch, and in each of them it is told something else.
+    until(|| {
+        on = !on;
+        let level = if on { 2.5 } else { 5.0 };
+        let told = Outputs::NONE
+            .with(Channel::Analog(0), Value::Analog(level))
+            .with(Channel::Digital(0), Value::Digital(on));
+        let before = bench.look(|device| device.written.len());
+        drives.switch_outputs(&told);
+        until(|| {
+            drives.tick(&NoJoints::zeros()).expect("it switches as fast as it is asked");
+            (bench.look(|device| device.written.len()) > before).then_some(())
+        });
+        (bench.look(|device| device.written.len()) > 200).then_some(())
+    });
 }
 
 #[test]

@@ -414,7 +414,7 @@ fn fault_102_what_is_no_answer_ends_the_exchange_with_its_reason() {
         (&[0, 1, 0, 0, 0xff, 0xff, 9, 4, 6], "a length that cannot be"),
         (&[0, 1, 0, 0, 0, 9, 4, 4, 6, 0xf9, 0, 0, 0, 0, 0], "of another unit"),
         (b"HTTP/1.1 400 Bad Request\r\n\r\n", "of another protocol"),
-        (&[0, 1, 0, 0, 0, 3, 9, 0x84, 2], "exception 2: the device has no such registers"),
+        (&[0, 1, 0, 0, 0, 3, 9, 0x84, 2], "exception 2: the device has no such bits or registers"),
     ];
     for (instead, reason) in cases {
         let bench = Bench::new(Gripper { instead: Some(instead.to_vec()), ..Gripper::ACTIVE });

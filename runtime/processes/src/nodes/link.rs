@@ -122,8 +122,8 @@ fn describe(figures: &Figures) -> String {
     )
 }
 
-/// The shortest steps \[whole ms\] that a round trip carries: in which the answer comes within its step, and within the one step that a
-/// tight Move bridges after it.
+/// The shortest steps \[whole ms\] that a round trip carries: in which the answer comes within its step, and, in a tight Move, before
+/// the second step that the MP waits for it is over.
 fn steps(round_trip: Nanos) -> (u64, u64) {
     let whole = |nanos: Nanos| nanos.div_ceil(1_000_000).max(1);
     (whole(round_trip + WORK), whole((round_trip + WORK).div_ceil(2)))

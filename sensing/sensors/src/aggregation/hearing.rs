@@ -32,8 +32,8 @@ pub struct Heard {
     pub class: Option<usize>,
     /// How likely the likeliest class is, 0 to 1.
     pub score: f64,
-    /// By how much less likely its heights are than those of the class are in the mean, in logarithms for each place that stands out of the belt;
-    /// infinite where there was nothing to compare.
+    /// How much less likely its heights are than is usual for the class: natural logarithm, mean over the places that stand out of the
+    /// belt; infinite where there was nothing to compare.
     pub misfit: f64,
     /// Where its frame P is on the belt, where that had run 0 \[m\].
     pub place: Vector2<f64>,
@@ -330,7 +330,8 @@ impl Hearing {
         let (_, place, angle) =
             followed.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((f64::INFINITY, middle, 0.0));
         let [_, excess, places] = Self::unlikely(map, &relief.samples, &place, angle);
-        (excess / f64::max(places, 1.0), place, angle - period * (angle / period).round())
+        let misfit = if places > 0.0 { excess / places } else { f64::INFINITY };
+        (misfit, place, angle - period * (angle / period).round())
     }
 
     /// How unlikely what was heard is there, as a sum of logarithms; by how much more unlikely than usually it is where something stands out

@@ -31,8 +31,6 @@ pub struct Relief {
     pub samples: Vec<Sample>,
     /// How much of the belt each stands for \[m²\].
     pub area: f64,
-    /// How long the thing is, with what its edges send back \[m\].
-    pub length: f64,
 }
 
 /// Why nothing can be heard.
@@ -243,6 +241,6 @@ impl Reliefs {
         let across = self.array.places.iter().map(|place| place.y);
         let width = across.clone().fold(f64::NEG_INFINITY, f64::max) - across.fold(f64::INFINITY, f64::min);
         let area = (high - low) * width / samples.len().max(1) as f64;
-        Some(Relief { samples, area, length: first - last })
+        Some(Relief { samples, area })
     }
 }

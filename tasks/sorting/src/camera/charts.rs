@@ -77,9 +77,9 @@ pub fn confusion(of: &Confusion) -> String {
     })
 }
 
-/// Distances of grasps from the middle, by the belt's speed.
+/// Distances of grasps from the middle, by the belt's speed; and what 95 % of them may be \[mm\], where something is asked.
 #[must_use]
-pub fn scatter(table: &Table) -> String {
+pub fn scatter(table: &Table, asked: Option<f64>) -> String {
     Page::new("Grasps off the middle", WIDTH, 480.0).draw(|svg| {
         let text = "distance of the part's frame from the middle of the pads along them, one point for each grasp, by the belt's nominal speed";
         heading(svg, "Where the hand gets hold of parts", text);
@@ -96,9 +96,12 @@ pub fn scatter(table: &Table) -> String {
                 svg.circle(at, 2.0, Look::filled(joint(0)).fill_opacity(0.5));
             }
         }
-        let bound = [axes.at(0.0, 1.0), axes.at(0.17, 1.0)];
-        svg.line(bound[0], bound[1], Look::line(HIGHLIGHT, 1.2).dashed(5.0, 4.0));
-        svg.text(Vector2::new(bound[1].x, bound[1].y - 6.0), TextStyle::new(12.0, HIGHLIGHT).end(), "1 mm: bound of 95 %");
+        if let Some(asked) = asked {
+            let bound = [axes.at(0.0, asked), axes.at(0.17, asked)];
+            svg.line(bound[0], bound[1], Look::line(HIGHLIGHT, 1.2).dashed(5.0, 4.0));
+            let style = TextStyle::new(12.0, HIGHLIGHT).end();
+            svg.text(Vector2::new(bound[1].x, bound[1].y - 6.0), style, &format!("{asked} mm: bound of 95 %"));
+        }
         svg.text(Vector2::new(frame.right(), frame.bottom() + 34.0), TextStyle::new(12.0, GREY).end(), "speed of the belt [m/s]");
         svg.text(Vector2::new(MARGIN - 44.0, 96.0), TextStyle::new(12.0, GREY), "mm");
     })

@@ -140,6 +140,14 @@ const fn overhead(options: &Options) -> Overhead {
     }
 }
 
+/// What 95 % of the grasps may be off the middle \[mm\]; nothing is asked of the matrix.
+const fn asked(options: &Options) -> Option<f64> {
+    match overhead(options) {
+        Overhead::Camera => Some(1.0),
+        Overhead::Matrix => None,
+    }
+}
+
 fn regular(options: &Options) -> f64 {
     if options.poisson { 0.0 } else { Settings::REGULAR }
 }
@@ -194,7 +202,7 @@ pub fn sort(options: &Options) -> Said {
     }
     let line = Line::of(&settings, &outcome);
     let table = Table(vec![line.clone()]);
-    save(folder, "scatter.svg", &scatter(&table))?;
+    save(folder, "scatter.svg", &scatter(&table, asked(options)))?;
     let out = folder.display();
     let text = format!(
         "{table}see {out}/belt.svg, {out}/{drawn}, {out}/confusion.svg, {out}/scatter.svg, {out}/time-line.svg\n"
@@ -224,7 +232,7 @@ pub fn sweep(options: &Options, parts: usize) -> Said {
             table.0.push(line);
         }
     }
-    save(&options.out, "scatter.svg", &scatter(&table))?;
+    save(&options.out, "scatter.svg", &scatter(&table, asked(options)))?;
     let well = table.0.iter().all(|line| line.wrong == 0 && line.crashes == 0);
     Ok((format!("{table}see {}/scatter.svg\n", options.out.display()), well))
 }

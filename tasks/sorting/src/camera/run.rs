@@ -9,7 +9,6 @@ use mrroc::cell_file::{CellFile, CellFileError};
 use mrroc::prelude::*;
 use mrroc::robot::RobotView;
 use mrroc_robots::grasp::{Hand, Sink, Touch, Whereabouts, World};
-use mrroc_robots::{Irp6, TwoFingers};
 use mrroc_sensors::aggregation::{FEATURES, Found, Heard, Network, NetworkError, Relief, Vision};
 use mrroc_sensors::physics::{Imager, LightBarrier, Noise};
 use mrroc_sensors::view::View as _;
@@ -65,22 +64,6 @@ pub enum Overhead {
     Matrix,
 }
 
-/// The programs of a cell.
-#[derive(Clone, Copy, Debug)]
-pub struct Programs {
-    /// The coordinator's.
-    pub coordinate: fn(&mut Mp, &str, Uneven, Queue) -> Result<Queue, Fault>,
-    /// The arm's.
-    pub arm: fn(&mut Ecp<Irp6>) -> Result<(), Fault>,
-    /// The hand's.
-    pub hand: fn(&mut Ecp<TwoFingers>) -> Result<(), Fault>,
-}
-
-impl Programs {
-    /// Those of this task, whatever is over the belt.
-    pub const SORTING: Self = Self { coordinate: mp::coordinate, arm: ecp::arm, hand: ecp::hand };
-}
-
 /// A cell that is ready to run.
 pub struct Ready {
     /// The cell.
@@ -93,8 +76,6 @@ pub struct Ready {
     pub looks: Rc<RefCell<Looks>>,
     /// How far it has come.
     pub progress: Progress,
-    /// Its programs.
-    pub programs: Programs,
     grips: Rc<RefCell<Vec<Grip>>>,
     late: Rc<RefCell<Vec<u32>>>,
 }
@@ -279,14 +260,13 @@ impl Settings {
         let Self { speed, seed, change, parts: count, .. } = *self;
         let late = Rc::<RefCell<Vec<u32>>>::default();
         let missed = late.clone();
-        let programs = Programs::SORTING;
-        let cell = cell.ecp("arm", programs.arm).ecp("hand", programs.hand).program(move |mp| {
+        let cell = cell.ecp("arm", ecp::arm).ecp("hand", ecp::hand).program(move |mp| {
             let belt = Uneven::about(speed, seed.wrapping_add(77));
             let belt = match change {
                 Some((time, share)) => belt.changing(time, share),
                 None => belt,
             };
-            let queue = (programs.coordinate)(mp, eye, belt, Queue::of(count as u32, patience))?;
+            let queue = mp::coordinate(mp, eye, belt, Queue::of(count as u32, patience))?;
             missed.replace(queue.late);
             Ok(())
         });
@@ -294,7 +274,7 @@ impl Settings {
         let grips = Rc::<RefCell<Vec<Grip>>>::default();
         let progress = Progress::of(plant.world.clone(), parts.len());
         let cell = cell.guard(1, watch(hand, parts.clone(), grips.clone(), progress.look()));
-        Ok(Ready { cell, plant, parts, looks, progress, programs, grips, late })
+        Ok(Ready { cell, plant, parts, looks, progress, grips, late })
     }
 
     /// The camera, and who compares what it finds with what there is.

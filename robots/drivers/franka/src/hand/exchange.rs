@@ -400,6 +400,9 @@ impl<'a> Exchange<'a> {
                 self.hear()?;
             }
             self.end_others()?;
+            if !self.watch.is_asked() {
+                continue;
+            }
             self.begin(Motion::Homing, Request::Homing)?;
             let mut is_stopped = false;
             while let Some(flight) = self.flight {

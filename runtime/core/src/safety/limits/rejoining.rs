@@ -1,7 +1,7 @@
 //! How robots that move together come back onto their path when all of them had no demand.
 //!
-//! In: the screws of the path before and over the time without demands, and those by which that time was bridged. Out: the displacement of the body from its path, in
-//! the world, step by step until it is zero. All arms of one body know these screws, each by its own flange
+//! In: the screws of the path before and over the time without demands, and the screws that the robots followed meanwhile. Out: the
+//! displacement of the body from its path, in the world, step by step until it is zero. All arms of one body know these screws, each by its own flange
 //! ([`together`](crate::safety::screw)), so all of them are displaced alike and keep their relative pose.
 
 use crate::model::pose::Pose;
