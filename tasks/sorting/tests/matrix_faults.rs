@@ -124,7 +124,7 @@ fn fault_215_an_encoder_whose_count_stands_makes_missed_parts() {
         let mut judged = 0;
         for ping in 1_u32..1600 {
             // The count stands while the part comes below the matrix, and then runs on.
-            let counted = passing.speed * array.period * f64::from(ping.min(200) + ping.saturating_sub(700));
+            let counted = passing.speed * array.period * f64::from(ping.min(300) + ping.saturating_sub(520));
             passing.now = f64::from(ping) * array.period;
             passing.run = passing.speed * passing.now;
             passing.parts[0].pose.translation.vector.x = begin.x + passing.run;
@@ -137,6 +137,7 @@ fn fault_215_an_encoder_whose_count_stands_makes_missed_parts() {
             }
         }
         println!("{}: {judged} things passed, none of which is a kind", of.class.name);
+        assert!(judged > 0, "{}", of.class.name);
     }
 }
 

@@ -52,13 +52,23 @@ pub enum Deaf {
     },
     /// The belt is not where it was.
     #[error(
-        "the belt is heard {off_mm:+.1} mm from where it was, at most {limit_mm:.0} mm: is the air hot or cold, or has the matrix been moved?"
+        "the belt is heard {off_mm:+.1} mm from where it was, at most {limit_mm:.1} mm: is the air hot or cold, or has the matrix been moved?"
     )]
     Belt {
         /// How far off \[mm\].
         off_mm: f64,
         /// What is allowed \[mm\].
         limit_mm: f64,
+    },
+    /// Almost nothing that is heard is the belt.
+    #[error(
+        "{share_percent:.0} % of the newest pings hear something else than the belt, {off_mm:+.1} mm from where it was in the mean: is the air hot or cold, or has the matrix been moved?"
+    )]
+    Elsewhere {
+        /// Their share.
+        share_percent: f64,
+        /// How far off in the mean \[mm\].
+        off_mm: f64,
     },
 }
 
@@ -72,6 +82,8 @@ struct Bare {
     /// Pings without an echo, and where the belt was at the first of them \[m\].
     unheard: u32,
     from: f64,
+    /// Along the belt, where its last sample is \[m\].
+    stored: Option<f64>,
 }
 
 /// Makes reliefs of echoes.
@@ -108,7 +120,9 @@ impl Reliefs {
     const ELSEWHERE: (f64, f64) = (0.95, 64.0);
     /// The belt may be heard so far from where it was first \[m\]: 15 K.
     const MOVED: f64 = 6.5e-3;
-    /// So many samples are kept at most.
+    /// A transducer's samples are so far apart at least \[m\]: those of a belt that stands are one.
+    const SPACED: f64 = 1e-3;
+    /// So many samples are kept at most: 20 s of a belt that runs.
     const KEPT: usize = 4096;
 
     /// By an array, as it is believed to be.
@@ -167,7 +181,7 @@ impl Reliefs {
             *share += (f64::from(u8::from(!is_belt)) - *share) / Self::ELSEWHERE.1;
             *mean += (height - *mean) / Self::ELSEWHERE.1;
             if *share > Self::ELSEWHERE.0 {
-                return Err(Deaf::Belt { off_mm: 1e3 * *mean, limit_mm: 1e3 * Self::MOVED });
+                return Err(Deaf::Elsewhere { share_percent: 1e2 * *share, off_mm: 1e3 * *mean });
             }
             if is_belt && (loud - 1.0).abs() < 0.15 {
                 bare.time += Self::FOLLOW * (middle - bare.time);
@@ -196,7 +210,10 @@ impl Reliefs {
             if off.abs() > Self::MOVED {
                 return Err(Deaf::Belt { off_mm: 1e3 * off, limit_mm: 1e3 * Self::MOVED });
             }
-            if along < self.done {
+            let bare = &mut self.bare[number];
+            let is_new = bare.stored.is_none_or(|stored| (along - stored).abs() >= Self::SPACED);
+            if along < self.done && is_new {
+                bare.stored = Some(along);
                 self.samples.push_back(Sample { along, across: place.y, heard });
             }
             if self.samples.len() > Self::KEPT {
