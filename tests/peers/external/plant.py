@@ -17,7 +17,7 @@ from pathlib import Path
 
 import numpy as np
 
-from sensor import JUMPS, Late, late, nothing_left
+from sensor import JUMPS, Late, end, late, nothing_left
 
 ROOT = Path(__file__).resolve().parents[3]
 PLANT = ROOT / "target/debug/examples/plant"
@@ -72,10 +72,8 @@ class MuJoCo:
         return self
 
     def __exit__(self, *_):
-        if self.process.poll() is None:
-            self.process.send_signal(signal.SIGCONT)
-            self.process.send_signal(signal.SIGINT)
-        self.process.communicate(timeout=30)
+        self.process.send_signal(signal.SIGCONT)
+        end(self.process)
 
     def rows(self, arms):
         """For each arm its periods: the number, late answers, what was demanded, what was simulated, the wrench."""

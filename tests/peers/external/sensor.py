@@ -19,6 +19,7 @@ import time
 from pathlib import Path
 
 sys.path.append(str(Path(__file__).resolve().parent.parent))
+from ending import end  # noqa: E402
 from late import Late, late, skipped  # noqa: E402
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -94,8 +95,7 @@ class Program:
         return self.process
 
     def __exit__(self, *_):
-        self.process.terminate()
-        self.process.wait(timeout=30)
+        end(self.process, signal.SIGTERM)
 
 
 def env(folder):

@@ -7,7 +7,6 @@ the bar and the hands weigh. With MRROC_LONG=1 the second run is a whole one, an
 
 import json
 import os
-import signal
 import struct
 import subprocess
 import sys
@@ -17,7 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
-from sensor import nothing_left
+from sensor import end, nothing_left
 
 ROOT = Path(__file__).resolve().parents[3]
 EXAMPLES = ROOT / "tasks/transfer/examples"
@@ -61,7 +60,7 @@ def run(folder, name, sensors=False, periods=None):
             _, said = running.communicate(timeout=300)
             check(periods or running.returncode == 0, f"the cell ended with {running.returncode}: {said}")
         finally:
-            simulator.send_signal(signal.SIGINT)
+            end(simulator)
     raw = log.read_bytes()
     rows = [raw[i : i + ROW] for i in range(0, len(raw) - ROW + 1, ROW)][:periods]
     numbers = [struct.unpack("<Q", row[:8])[0] for row in rows]
