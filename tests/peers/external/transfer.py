@@ -7,6 +7,7 @@ the bar and the hands weigh. With MRROC_LONG=1 the second run is a whole one, an
 
 import json
 import os
+import signal
 import struct
 import subprocess
 import sys
