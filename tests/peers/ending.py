@@ -1,18 +1,15 @@
-"""How programs in Python are ended."""
+"""How programs in Python are begun and ended that end by an interrupt."""
 
 import signal
-import subprocess
+
+
+def interruptible():
+    """For `preexec_fn`: a background process of a shell ignores interrupts, and so do those that it begins, unless they are told this."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
 def end(process, by=signal.SIGINT):
-    """Interrupts it until it has ended: Python drops an interrupt that comes while it collects garbage or is called back."""
-    for _ in range(30):
-        if process.poll() is None:
-            process.send_signal(by)
-        try:
-            # What it says is read, or it might wait for that.
-            process.communicate(timeout=1)
-            return
-        except subprocess.TimeoutExpired:
-            pass
-    raise SystemExit(f"{process.args[1]} does not end")
+    """Interrupts it, and waits until it has ended. What it says is read, or it might wait for that."""
+    if process.poll() is None:
+        process.send_signal(by)
+    process.communicate(timeout=30)

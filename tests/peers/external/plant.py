@@ -17,7 +17,7 @@ from pathlib import Path
 
 import numpy as np
 
-from sensor import JUMPS, Late, end, late, nothing_left
+from sensor import JUMPS, Late, end, interruptible, late, nothing_left
 
 ROOT = Path(__file__).resolve().parents[3]
 PLANT = ROOT / "target/debug/examples/plant"
@@ -64,7 +64,9 @@ class MuJoCo:
     def __init__(self, folder, cell, log="run.log"):
         self.log = folder / log
         command = [sys.executable, EXAMPLES / "mujoco_arms.py", cell, "--log", self.log]
-        self.process = subprocess.Popen(command, env=env(folder), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.process = subprocess.Popen(
+            command, env=env(folder), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, preexec_fn=interruptible
+        )
         # It has the port when it says so.
         self.said = self.process.stdout.readline()
 

@@ -19,7 +19,7 @@ import time
 from pathlib import Path
 
 sys.path.append(str(Path(__file__).resolve().parent.parent))
-from ending import end  # noqa: E402
+from ending import end, interruptible  # noqa: E402
 from late import Late, late, skipped  # noqa: E402
 
 ROOT = Path(__file__).resolve().parents[3]

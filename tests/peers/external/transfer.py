@@ -17,7 +17,7 @@ from pathlib import Path
 
 import numpy as np
 
-from sensor import end, nothing_left
+from sensor import end, interruptible, nothing_left
 
 ROOT = Path(__file__).resolve().parents[3]
 EXAMPLES = ROOT / "tasks/transfer/examples"
@@ -49,7 +49,7 @@ def run(folder, name, sensors=False, periods=None):
     log = folder / name
     env = {**os.environ, "MRROC_PORTS": str(folder / "ports"), **({"MRROC_SENSORS": "1"} if sensors else {})}
     command = [sys.executable, EXAMPLES / "transfer_mujoco.py", "--log", log]
-    with subprocess.Popen(command, env=env, stdout=subprocess.PIPE, text=True) as simulator:
+    with subprocess.Popen(command, env=env, stdout=subprocess.PIPE, text=True, preexec_fn=interruptible) as simulator:
         try:
             check(simulator.stdout.readline().startswith("port"), "the simulator does not begin")
             cell = [PROGRAM, "--cell", CELL, "--virtual", "--no-picture", "--quiet"]
