@@ -8,12 +8,14 @@
 //! | sends datagrams | [`Guest`] |
 //! | is called, and sends over the connection | [`Line`] |
 //! | calls | [`Door`], which gives a [`Line`] |
-//! | answers when it likes | [`Talk`], a thread of its own |
+//! | answers when it likes | [`Talk`], a thread of its own; [`recall`] calls it again at a reset |
 
+mod recall;
 mod talk;
 mod tcp;
 mod udp;
 
+pub use recall::{Recalled, recall};
 pub use talk::{Handed, Number, Speed, Talk, Watch};
 pub use tcp::{Cut, Cutting, Door, Frame, Line, MAX_FRAME, Refused};
 pub use udp::{Counted, Datagram, Guest, MAX_DATAGRAM};

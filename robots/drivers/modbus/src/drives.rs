@@ -8,6 +8,7 @@ use std::net::SocketAddr;
 use mrroc::robot::{
     Channel, Channels, DriveFault, Driver, Measured, Outputs, Recovery, Robot, Signals, Value,
 };
+use mrroc_driver_kit::recall;
 use mrroc_robots::NoJoints;
 
 use crate::exchange::{CLOSED, Link};
@@ -73,12 +74,13 @@ impl ModbusIo {
         self.heard()?;
         Ok(Measured { position: NoJoints::zeros(), velocity: NoJoints::zeros() })
     }
+}
 
-    fn begin(&self) -> Result<Link, DriveFault> {
-        let link = Link::begin(&self.settings)?;
-        link.tell(&self.told, &self.settings.layout);
-        Ok(link)
-    }
+/// A link that tells outputs what they were told before.
+fn begin(settings: &ModbusIoSettings, told: &Outputs) -> Result<Link, DriveFault> {
+    let link = Link::begin(settings)?;
+    link.tell(told, &settings.layout);
+    Ok(link)
 }
 
 impl<R: Robot<Joints = NoJoints>> Driver<R> for ModbusIo {
@@ -93,7 +95,7 @@ impl<R: Robot<Joints = NoJoints>> Driver<R> for ModbusIo {
     fn open(&mut self) -> Result<(), DriveFault> {
         // A gateway may have room for one connection.
         self.link = None;
-        let link = self.begin()?;
+        let link = begin(&self.settings, &self.told)?;
         while link.heard()?.is_none() {
             std::thread::sleep(Duration::from_millis(1));
         }
@@ -144,26 +146,9 @@ impl<R: Robot<Joints = NoJoints>> Driver<R> for ModbusIo {
 
     /// Connects again, if the exchange has ended. Outputs are then told what they were told last.
     fn recover(&mut self) -> Result<Recovery, DriveFault> {
-        match self.link.as_ref().map(Link::heard) {
-            Some(Ok(Some(_))) => {
-                self.recovers = false;
-                return Ok(Recovery::Over);
-            }
-            Some(Ok(None)) => return Ok(Recovery::GoesOn),
-            Some(Err(fault)) if self.recovers => {
-                self.recovers = false;
-                return Err(fault);
-            }
-            Some(Err(_)) | None => {}
-        }
-        // A thread that waits for an answer ends soon, and is not waited for here.
-        if let Some(link) = self.link.as_ref().filter(|link| !link.is_over()) {
-            link.hang_up();
-            return Ok(Recovery::GoesOn);
-        }
-        self.link = Some(self.begin()?);
-        self.recovers = true;
-        Ok(Recovery::GoesOn)
+        let Self { settings, link, told, recovers, .. } = self;
+        let is_over = recall(link, recovers, || begin(settings, told))?;
+        Ok(if is_over { Recovery::Over } else { Recovery::GoesOn })
     }
 
     fn switch_on(&mut self) -> Result<(), DriveFault> {

@@ -16,7 +16,7 @@ use std::sync::OnceLock;
 use std::time::Instant;
 
 use mrroc::robot::{ANALOG, Channel, DriveFault, Outputs, Signals, Value, Values};
-use mrroc_driver_kit::{Handed, Number, Talk, Watch};
+use mrroc_driver_kit::{Handed, Number, Recalled, Talk, Watch};
 
 use crate::client::{Broken, Client, lost};
 use crate::drives::ModbusIoSettings;
@@ -115,14 +115,21 @@ impl Link {
             }
         }
     }
+}
+
+impl Recalled for Link {
+    type Fault = DriveFault;
+
+    fn has_heard(&self) -> Result<bool, DriveFault> {
+        self.heard().map(|heard| heard.is_some())
+    }
 
     /// Ends the exchange.
-    pub fn hang_up(&self) {
+    fn hang_up(&self) {
         self.talk.hang_up();
     }
 
-    /// Whether its thread has ended.
-    pub fn is_over(&self) -> bool {
+    fn is_over(&self) -> bool {
         self.talk.is_over()
     }
 }

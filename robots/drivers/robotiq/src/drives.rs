@@ -9,6 +9,7 @@ use std::net::SocketAddr;
 
 use mrroc::fault::Excess;
 use mrroc::robot::{DriveFault, Driver, Homing, Measured, Recovery, Regulators, Robot, Search};
+use mrroc_driver_kit::recall;
 use mrroc_robots::{One, TwoFingers};
 
 use crate::exchange::{CLOSED, Heard, Inactive, Link};
@@ -173,26 +174,9 @@ impl<R: Robot<Joints = One>> Driver<R> for Robotiq {
 
     /// Connects again, if the exchange has ended.
     fn recover(&mut self) -> Result<Recovery, DriveFault> {
-        match self.link.as_ref().map(Link::heard) {
-            Some(Ok(Some(_))) => {
-                self.recovers = false;
-                return Ok(Recovery::Over);
-            }
-            Some(Ok(None)) => return Ok(Recovery::GoesOn),
-            Some(Err(fault)) if self.recovers => {
-                self.recovers = false;
-                return Err(fault);
-            }
-            Some(Err(_)) | None => {}
-        }
-        // A thread that waits for an answer ends soon, and is not waited for here.
-        if let Some(link) = self.link.as_ref().filter(|link| !link.is_over()) {
-            link.hang_up();
-            return Ok(Recovery::GoesOn);
-        }
-        self.link = Some(Link::begin(&self.settings, Inactive::Refused)?);
-        self.recovers = true;
-        Ok(Recovery::GoesOn)
+        let Self { settings, link, recovers } = self;
+        let is_over = recall(link, recovers, || Link::begin(settings, Inactive::Refused))?;
+        Ok(if is_over { Recovery::Over } else { Recovery::GoesOn })
     }
 
     fn switch_on(&mut self) -> Result<(), DriveFault> {

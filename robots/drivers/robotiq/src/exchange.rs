@@ -15,7 +15,7 @@ use std::sync::OnceLock;
 use std::time::Instant;
 
 use mrroc::robot::{DriveFault, RobotStop, StopCause};
-use mrroc_driver_kit::{Handed, Number, Speed, Talk, Watch};
+use mrroc_driver_kit::{Handed, Number, Recalled, Speed, Talk, Watch};
 use mrroc_modbus::client::{Broken, Client, lost};
 use mrroc_modbus::message::{Asked, NoAnswer, Table};
 
@@ -132,14 +132,21 @@ impl Link {
     pub fn ask_for_activation(&self) {
         self.talk.ask();
     }
+}
+
+impl Recalled for Link {
+    type Fault = DriveFault;
+
+    fn has_heard(&self) -> Result<bool, DriveFault> {
+        self.heard().map(|heard| heard.is_some())
+    }
 
     /// Ends the exchange: the gripper goes on holding what it was told last.
-    pub fn hang_up(&self) {
+    fn hang_up(&self) {
         self.talk.hang_up();
     }
 
-    /// Whether its thread has ended.
-    pub fn is_over(&self) -> bool {
+    fn is_over(&self) -> bool {
         self.talk.is_over()
     }
 }

@@ -11,6 +11,7 @@ use mrroc::robot::{
     ANALOG, Channels, DriveFault, Driver, Homing, Measured, Recovery, Regulators, Robot, Search, Signals,
     Values, WhenLost,
 };
+use mrroc_driver_kit::recall;
 use mrroc_robots::One;
 
 use super::exchange::{CLOSED, Heard, Link, Unhomed};
@@ -79,10 +80,10 @@ impl Hand {
     fn heard(&self) -> Result<Heard, DriveFault> {
         self.link()?.heard()?.ok_or(CLOSED)
     }
+}
 
-    fn connect(&self) -> Result<Link, DriveFault> {
-        Link::begin(&self.settings, self.presses, Unhomed::Refused)
-    }
+fn connect(settings: &HandSettings, presses: bool) -> Result<Link, DriveFault> {
+    Link::begin(settings, presses, Unhomed::Refused)
 }
 
 fn measured(heard: &Heard) -> Measured<One> {
@@ -101,7 +102,7 @@ impl<R: Robot<Joints = One>> Driver<R> for Hand {
     fn open(&mut self) -> Result<(), DriveFault> {
         // A hand has one connection at a time.
         self.link = None;
-        let link = self.connect()?;
+        let link = connect(&self.settings, self.presses)?;
         while link.heard()?.is_none() {
             std::thread::sleep(Duration::from_millis(1));
         }
@@ -139,26 +140,9 @@ impl<R: Robot<Joints = One>> Driver<R> for Hand {
 
     /// Connects again, if the exchange has ended.
     fn recover(&mut self) -> Result<Recovery, DriveFault> {
-        match self.link.as_ref().map(Link::heard) {
-            Some(Ok(Some(_))) => {
-                self.recovers = false;
-                return Ok(Recovery::Over);
-            }
-            Some(Ok(None)) => return Ok(Recovery::GoesOn),
-            Some(Err(fault)) if self.recovers => {
-                self.recovers = false;
-                return Err(fault);
-            }
-            Some(Err(_)) | None => {}
-        }
-        // A thread that waits for the hand ends soon, and is not waited for here.
-        if let Some(link) = self.link.as_ref().filter(|link| !link.is_over()) {
-            link.hang_up();
-            return Ok(Recovery::GoesOn);
-        }
-        self.link = Some(self.connect()?);
-        self.recovers = true;
-        Ok(Recovery::GoesOn)
+        let Self { settings, presses, link, recovers } = self;
+        let is_over = recall(link, recovers, || connect(settings, *presses))?;
+        Ok(if is_over { Recovery::Over } else { Recovery::GoesOn })
     }
 
     fn switch_on(&mut self) -> Result<(), DriveFault> {

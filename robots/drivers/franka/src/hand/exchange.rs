@@ -15,7 +15,7 @@ use std::time::Instant;
 
 use mrroc::fault::Excess;
 use mrroc::robot::{DriveFault, RobotStop, StopCause};
-use mrroc_driver_kit::{Guest, Handed, Line, Number, Speed, Talk, Watch};
+use mrroc_driver_kit::{Guest, Handed, Line, Number, Recalled, Speed, Talk, Watch};
 
 use super::drives::HandSettings;
 use super::message::{Answer, Outcome, Request, State, VERSION};
@@ -146,14 +146,21 @@ impl Link {
     pub fn ask_for_homing(&self) {
         self.talk.ask();
     }
+}
+
+impl Recalled for Link {
+    type Fault = DriveFault;
+
+    fn has_heard(&self) -> Result<bool, DriveFault> {
+        self.heard().map(|heard| heard.is_some())
+    }
 
     /// Ends the exchange: the hand goes on holding what it holds.
-    pub fn hang_up(&self) {
+    fn hang_up(&self) {
         self.talk.hang_up();
     }
 
-    /// Whether its thread has ended.
-    pub fn is_over(&self) -> bool {
+    fn is_over(&self) -> bool {
         self.talk.is_over()
     }
 }
