@@ -14,7 +14,7 @@ use mrroc::pose::Pose;
 use mrroc::prelude::*;
 use mrroc::sensor::Frames;
 
-use super::parts::{OnBelt, PartSensor, Spotted};
+use super::parts::{OnBelt, PartSensor, Pending, Spotted};
 use super::sampled::Sampled;
 use crate::aggregation::{Found, Vision};
 use crate::physics::{Imager, LightBarrier};
@@ -44,8 +44,7 @@ pub struct CameraSensor<S> {
     next: Option<f64>,
     last_way: f64,
     image: Vec<u8>,
-    /// Parts that are not in readings yet, and when they will be.
-    processed: VecDeque<(f64, OnBelt)>,
+    processed: Pending,
     known: VecDeque<OnBelt>,
     reading: Spotted,
     frames: Frames,
@@ -81,7 +80,7 @@ impl<S: View + 'static> CameraSensor<S> {
             next: None,
             last_way: 0.0,
             image: Vec::new(),
-            processed: VecDeque::new(),
+            processed: Pending::default(),
             known: VecDeque::new(),
             reading: Spotted::default(),
             frames: Frames::new(4, pixels),
@@ -134,7 +133,7 @@ impl<S: View + 'static> CameraSensor<S> {
             let part = OnBelt { number, class, score, along, across: thing.place.y, angle };
             self.known.push_front(part);
             self.known.truncate(Self::KEPT);
-            self.processed.push_back((time + Self::PROCESSING, part));
+            self.processed.push(time + Self::PROCESSING, part);
         }
         if let Some(onlooker) = &mut self.onlooker {
             onlooker(&self.image, &found, time, way);
@@ -182,12 +181,7 @@ impl<S: View + 'static> VirtualSensor for CameraSensor<S> {
             let latched = self.last_way;
             self.look(order.step, time, latched)?;
         }
-        while let Some((_, part)) = self.processed.front().filter(|(ready, _)| now >= *ready).copied() {
-            self.processed.pop_front();
-            self.reading.newest.rotate_right(1);
-            self.reading.newest[0] = part;
-            self.reading.parts = part.number;
-        }
+        self.processed.tell(now, &mut self.reading);
         Ok(self.reading)
     }
 

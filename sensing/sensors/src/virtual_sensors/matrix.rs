@@ -7,11 +7,9 @@
 //! Each ping has a place on the belt of its own, so that a belt that runs unevenly, or stops below the matrix, makes the relief neither longer nor
 //! shorter. Pings go on whether somebody asks or not; what is due is made up for when somebody does.
 
-use std::collections::VecDeque;
-
 use mrroc::prelude::*;
 
-use super::parts::{OnBelt, PartSensor, Spotted};
+use super::parts::{OnBelt, PartSensor, Pending, Spotted};
 use crate::aggregation::{Heard, Hearing, Relief, Reliefs};
 use crate::physics::Sounders;
 use crate::ultrasound::Echo;
@@ -36,8 +34,7 @@ pub struct MatrixSensor<S> {
     latch: f64,
     /// Pings that were made.
     pings: u64,
-    /// Parts that are not in readings yet, and when they will be.
-    processed: VecDeque<(f64, OnBelt)>,
+    processed: Pending,
     found: u32,
     reading: Spotted,
     listener: Option<Box<dyn Listener>>,
@@ -58,7 +55,7 @@ impl<S: View + 'static> MatrixSensor<S> {
     /// What `sounders` hear of a scene is judged by `hearing`; `latch` \[s\] is how old the state of the belt is that goes with an order.
     #[must_use]
     pub fn new(scene: S, sounders: Sounders, reliefs: Reliefs, hearing: Hearing, latch: f64) -> Self {
-        let (processed, reading) = (VecDeque::new(), Spotted::default());
+        let (processed, reading) = (Pending::default(), Spotted::default());
         Self {
             scene,
             sounders,
@@ -98,7 +95,7 @@ impl<S: View + 'static> MatrixSensor<S> {
                     across: heard.place.y,
                     angle: heard.angle,
                 };
-                self.processed.push_back((now + Self::PROCESSING, part));
+                self.processed.push(now + Self::PROCESSING, part);
             }
             None => self.reading.unknown += 1,
         }
@@ -136,12 +133,7 @@ impl<S: View + 'static> VirtualSensor for MatrixSensor<S> {
             self.judge(&relief, now);
         }
         (self.reading.way, self.reading.speed) = (run, speed);
-        while let Some((_, part)) = self.processed.front().filter(|(ready, _)| now >= *ready).copied() {
-            self.processed.pop_front();
-            self.reading.newest.rotate_right(1);
-            self.reading.newest[0] = part;
-            self.reading.parts = part.number;
-        }
+        self.processed.tell(now, &mut self.reading);
         Ok(self.reading)
     }
 

@@ -1,5 +1,7 @@
 //! What a sensor over a belt says of the parts that come, whatever it is.
 
+use std::collections::VecDeque;
+
 use mrroc::prelude::*;
 
 /// The kind of sensor: one that tells which parts come on a belt. Programs that ask for it do not mind by what it sees or hears them.
@@ -44,4 +46,24 @@ pub struct Spotted {
     pub speed: f64,
     /// The newest parts, the latest first; number 0 where there are fewer.
     pub newest: [OnBelt; 6],
+}
+
+/// Parts that have been found, and are not in readings yet.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Pending(VecDeque<(f64, OnBelt)>);
+
+impl Pending {
+    /// A part that is in readings from a time on \[s\].
+    pub fn push(&mut self, from: f64, part: OnBelt) {
+        self.0.push_back((from, part));
+    }
+
+    /// Puts those into a reading that are in it by now.
+    pub fn tell(&mut self, now: f64, reading: &mut Spotted) {
+        while let Some((_, part)) = self.0.pop_front_if(|(from, _)| now >= *from) {
+            reading.newest.rotate_right(1);
+            reading.newest[0] = part;
+            reading.parts = part.number;
+        }
+    }
 }
