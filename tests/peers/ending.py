@@ -8,6 +8,15 @@ def interruptible():
     signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
+def until_interrupted(program, *arguments):
+    """Runs it until a SIGTERM ends it as Ctrl-C would, which a background process of a shell does not hear."""
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    try:
+        program(*arguments)
+    except KeyboardInterrupt:
+        pass
+
+
 def end(process, by=signal.SIGINT):
     """Interrupts it, and waits until it has ended. What it says is read, or it might wait for that."""
     if process.poll() is None:

@@ -100,7 +100,7 @@ class Namespace:
             run(*self.within("ip", *line.split()))
 
     def within(self, *command):
-        return ["nsenter", "-t", str(self.holder.pid), "-n", *command]
+        return ["nsenter", "-t", str(self.holder.pid), "-n", *map(str, command)]
 
     def close(self):
         self.holder.kill()

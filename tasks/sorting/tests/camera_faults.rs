@@ -15,6 +15,8 @@ use sorting::plant::Plant;
 use sorting::scene::AtTool;
 use sorting::witness::Fate;
 
+use super::judged::first_hold;
+
 const SPEED: f64 = 0.12;
 const STEP: f64 = 4e-3;
 
@@ -28,25 +30,12 @@ thread_local! {
 
 /// When the undisturbed run gets hold of its part \[s\].
 fn held() -> f64 {
-    HELD.with(|held| {
-        *held.get_or_init(|| {
-            let outcome = settings().run().expect("a cell");
-            assert_eq!(outcome.count(Fate::Sorted), 1, "{outcome:?}");
-            outcome.grips[0].time
-        })
-    })
+    HELD.with(|held| *held.get_or_init(|| first_hold(&settings())))
 }
 
-/// Runs, and checks that there was no wrong grasp; what became of the part, and the fault.
+/// As [`super::judged::judged`]. Within that each pad of 24 mm lies on the shortest face, 30 mm, with all of its width.
 fn judged(ready: Ready, case: &str) -> (Fate, Option<String>) {
-    let outcome = ready.run();
-    let fault = outcome.report.as_ref().err().map(ToString::to_string);
-    assert_eq!((outcome.count(Fate::Wrong), outcome.crashes), (0, 0), "{case}: {outcome:?}");
-    for grip in &outcome.grips {
-        // Within that each pad of 24 mm lies on the shortest face, 30 mm, with all of its width.
-        assert!(grip.off.abs() < 3e-3, "{case}: grasped {} m off the middle", grip.off);
-    }
-    (outcome.fates[0], fault)
+    super::judged::judged(ready, case, 3e-3)
 }
 
 /// Every so many seconds from when the part is below the camera until it is held.

@@ -3,6 +3,7 @@
 mod camera;
 mod camera_faults;
 mod faults;
+mod judged;
 mod lines;
 mod matrix;
 mod matrix_faults;

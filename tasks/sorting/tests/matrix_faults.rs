@@ -18,6 +18,8 @@ use sorting::matrix::layout::{MATRIX, array};
 use sorting::matrix::run::{network, sensors};
 use sorting::witness::Fate;
 
+use super::judged::first_hold;
+
 const STEP: f64 = 4e-3;
 
 /// The first two cases, or all of them.
@@ -36,25 +38,12 @@ thread_local! {
 
 /// When the undisturbed run gets hold of its part \[s\].
 fn held() -> f64 {
-    HELD.with(|held| {
-        *held.get_or_init(|| {
-            let outcome = settings().run().expect("a cell");
-            assert_eq!(outcome.count(Fate::Sorted), 1, "{outcome:?}");
-            outcome.grips[0].time
-        })
-    })
+    HELD.with(|held| *held.get_or_init(|| first_hold(&settings())))
 }
 
-/// Runs, and checks that there was no wrong grasp; what became of the part, and the fault.
+/// As [`super::judged::judged`]. Within that each pad of 24 mm lies on the shortest face, 30 mm, with half of its width.
 fn judged(ready: Ready, case: &str) -> (Fate, Option<String>) {
-    let outcome = ready.run();
-    let fault = outcome.report.as_ref().err().map(ToString::to_string);
-    assert_eq!((outcome.count(Fate::Wrong), outcome.crashes), (0, 0), "{case}: {outcome:?}");
-    for grip in &outcome.grips {
-        // Within that each pad of 24 mm lies on the shortest face, 30 mm, with half of its width.
-        assert!(grip.off.abs() < 6e-3, "{case}: grasped {} m off the middle", grip.off);
-    }
-    (outcome.fates[0], fault)
+    super::judged::judged(ready, case, 6e-3)
 }
 
 /// The cell with a matrix that is changed.

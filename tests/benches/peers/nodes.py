@@ -14,7 +14,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[3]
 PROGRAM = ROOT / "target/debug/examples/round_trip"
 sys.path.append(str(ROOT / "tests/peers"))
-from wire import begin_in_namespace, run  # noqa: E402
+from wire import Namespace, begin_in_namespace, run  # noqa: E402
 
 URGENT = subprocess.run(["chrt", "-f", "50", "true"], capture_output=True).returncode == 0
 
@@ -41,20 +41,6 @@ address = "10.77.0.2:7448"
 priority = 50
 permission = "best effort"
 """
-
-
-class Machine:
-    """A network namespace with one end of a veth."""
-
-    def __init__(self, device, address, other):
-        self.holder = subprocess.Popen(["unshare", "-n", "sh", "-c", "echo; exec sleep infinity"], stdout=subprocess.PIPE)
-        self.holder.stdout.readline()
-        run("ip", "link", "set", device, "netns", str(self.holder.pid))
-        for line in (f"addr add {address} peer {other} dev {device}", f"link set {device} up", "link set lo up"):
-            run(*self.within("ip", *line.split()))
-
-    def within(self, *command):
-        return ["nsenter", "-t", str(self.holder.pid), "-n", *map(str, command)]
 
 
 def measure(machines, folder, step, transport, cyclictest):
@@ -115,7 +101,7 @@ def main():
     load = " ".join(f"{share:.1f}" for share in os.getloadavg())
     print(f"{model}, {os.cpu_count()} cores, Linux {platform.release()}, load {load}")
     run("ip", "link", "add", "bench0", "type", "veth", "peer", "name", "bench1")
-    machines = [Machine("bench0", *ADDRESSES), Machine("bench1", *reversed(ADDRESSES))]
+    machines = [Namespace("bench0", *ADDRESSES), Namespace("bench1", *reversed(ADDRESSES))]
     folder = Path(tempfile.mkdtemp())
     try:
         for step, transport in ((10, "tls"), (10, "tcp"), (1, "none")):
@@ -123,8 +109,7 @@ def main():
                 print("the cell did not end well: this machine was too late for this step")
     finally:
         for machine in machines:
-            machine.holder.kill()
-            machine.holder.wait()
+            machine.close()
         shutil.rmtree(folder)
 
 

@@ -17,7 +17,10 @@ from pathlib import Path
 
 import numpy as np
 
-from sensor import JUMPS, Late, end, interruptible, late, nothing_left
+sys.path.append(str(Path(__file__).resolve().parent.parent))
+from ending import end, interruptible  # noqa: E402
+from late import Late, late  # noqa: E402
+from sensor import JUMPS, nothing_left  # noqa: E402
 
 ROOT = Path(__file__).resolve().parents[3]
 PLANT = ROOT / "target/debug/examples/plant"

@@ -19,7 +19,7 @@ import time
 from pathlib import Path
 
 sys.path.append(str(Path(__file__).resolve().parent.parent))
-from ending import end, interruptible  # noqa: E402
+from ending import end, until_interrupted  # noqa: E402
 from late import Late, late, skipped  # noqa: E402
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -247,11 +247,6 @@ def main():
 
 if __name__ == "__main__":
     if sys.argv[1:2] == ["program"]:
-        # It ends as by Ctrl-C, which a background process of a shell does not hear.
-        signal.signal(signal.SIGTERM, signal.default_int_handler)
-        try:
-            program(*sys.argv[2:])
-        except KeyboardInterrupt:
-            pass
+        until_interrupted(program, *sys.argv[2:])
     else:
         main()

@@ -17,7 +17,9 @@ from pathlib import Path
 
 import numpy as np
 
-from sensor import end, interruptible, nothing_left
+sys.path.append(str(Path(__file__).resolve().parent.parent))
+from ending import end, interruptible  # noqa: E402
+from sensor import nothing_left  # noqa: E402
 
 ROOT = Path(__file__).resolve().parents[3]
 EXAMPLES = ROOT / "tasks/transfer/examples"

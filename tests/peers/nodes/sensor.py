@@ -10,7 +10,6 @@ import os
 import random
 import re
 import shutil
-import signal
 import struct
 import subprocess
 import sys
@@ -21,6 +20,7 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent.parent.parent
 sys.path.append(str(HERE.parent))
+from ending import until_interrupted  # noqa: E402
 from late import Late, late, skipped  # noqa: E402
 from wire import Bad, Cut, Namespace, Shortfall, Wire, begin_in_namespace, has  # noqa: E402
 
@@ -305,11 +305,6 @@ def main():
 
 if __name__ == "__main__":
     if sys.argv[1:2] == ["program"]:
-        # It ends as by Ctrl-C, which a background process of a shell does not hear.
-        signal.signal(signal.SIGTERM, signal.default_int_handler)
-        try:
-            program(*sys.argv[2:])
-        except KeyboardInterrupt:
-            pass
+        until_interrupted(program, *sys.argv[2:])
     else:
         main()
