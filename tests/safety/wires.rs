@@ -173,23 +173,11 @@ fn off_from(trace: &[(u64, Pose, Pose)], time: u64) -> f64 {
     trace[at..].iter().map(|(_, relative, _)| apart(relative, &before)).fold(0.0, f64::max)
 }
 
-/// The same where the MP dies in a step.
-fn off_without_mp(step_ms: u64, at: u64) -> f64 {
-    let traces = Traces::default();
-    let case = Case { injected: Injected::Kill(ProcessId::MP), at, seed: 1 };
-    assert!(Sweep::new(|| traced(step_ms, &traces)).repeat(&case).is_clean());
-    let traces = traces.into_inner().expect("whole");
-    let trace = traces.last().expect("a run").lock().expect("whole").relative();
-    off_from(&trace, at * step_ms * 1000)
-}
-
 /// What cuts of a wire come to while both arms carry.
 #[derive(Default)]
 struct Cuts {
     all: usize,
-    /// Those where a limit of an arm forbids the screw, whatever stops them: they brake each by its own joints.
-    without_screw: usize,
-    /// By how much the relative pose is off at most in the others \[m, rad\].
+    /// By how much the relative pose is off at most \[m, rad\].
     worst: f64,
 }
 
@@ -217,18 +205,12 @@ fn cut(step_ms: u64, arm: &str, every: u64) -> Cuts {
         let at = trace.iter().position(|(time, ..)| *time >= step * step_ms * 1000).unwrap_or(0);
         if carries(at) {
             cuts.all += 1;
-            let off = off_from(&trace, trace[at].0);
-            if off > KEPT && off_without_mp(step_ms, step) > KEPT {
-                cuts.without_screw += 1;
-            } else {
-                cuts.worst = cuts.worst.max(off);
-            }
+            cuts.worst = cuts.worst.max(off_from(&trace, trace[at].0));
         }
     }
     println!(
-        "steps of {step_ms} ms, {arm}: {} cuts while both carry, {} where no arm may go on on the screw; in the others off by {:.1e} m or \
-         rad at most",
-        cuts.all, cuts.without_screw, cuts.worst
+        "steps of {step_ms} ms, {arm}: {} cuts while both carry, off by {:.1e} m or rad at most",
+        cuts.all, cuts.worst
     );
     cuts
 }
@@ -244,11 +226,27 @@ fn fault_153_a_wire_that_is_cut_in_a_tight_move_stops_both_arms_on_their_common_
         &[(2, "polycrank", 2267)]
     };
     for &(step_ms, arm, every) in cases {
-        let Cuts { all, without_screw, worst } = cut(step_ms, arm, every);
-        // In a share of one leg of the transfer an arm is at its limits.
-        assert!(
-            all - without_screw > 1 && without_screw * 10 <= all && worst <= KEPT,
-            "steps of {step_ms} ms, {arm}"
-        );
+        let Cuts { all, worst } = cut(step_ms, arm, every);
+        assert!(all > 1 && worst <= KEPT, "steps of {step_ms} ms, {arm}");
+    }
+}
+
+/// By how much the relative pose is off at most \[m, rad\] where the MP dies in a step.
+fn off_without_mp(step_ms: u64, at: u64) -> f64 {
+    let traces = Traces::default();
+    let case = Case { injected: Injected::Kill(ProcessId::MP), at, seed: 1 };
+    assert!(Sweep::new(|| traced(step_ms, &traces)).repeat(&case).is_clean());
+    let traces = traces.into_inner().expect("whole");
+    let trace = traces.last().expect("a run").lock().expect("whole").relative();
+    off_from(&trace, at * step_ms * 1000)
+}
+
+/// In this leg of the transfer the screw alone takes up to a third of the limit of the Polycrank's elbow: what braking may take is less.
+#[test]
+fn fault_03_arms_on_a_screw_that_bends_a_joint_hard_stay_together_until_they_stand() {
+    let every = if is_long() { 10 } else { 80 };
+    for at in (6080..6420).step_by(every) {
+        let off = off_without_mp(2, at);
+        assert!(off <= 1e-9, "step {at}: {off:e}");
     }
 }

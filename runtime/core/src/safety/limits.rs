@@ -23,6 +23,7 @@ use crate::safety::rate::RateHeadroom;
 use crate::safety::screw::Bridging;
 
 use checks::{CheckedStep, Checks, Proposed, Standstill};
+use curvature::Curvature;
 pub(crate) use goals::GOAL;
 use motion::Motion;
 use path::Track;
@@ -34,6 +35,7 @@ use ways::Next;
 
 mod catching_up;
 mod checks;
+mod curvature;
 mod goals;
 mod missing;
 mod motion;
@@ -83,6 +85,7 @@ pub(crate) struct Acceptor<R: Robot> {
     track: Track<R::Joints>,
     motion: Motion<R::Joints>,
     pace: Pace<R::Joints>,
+    curvature: Curvature<R::Joints>,
     /// Whether the tool may go at reduced speed only.
     slow: bool,
 }
@@ -105,6 +108,7 @@ impl<R: Robot> Acceptor<R> {
             track: Track::at(position, R::Joints::zeros(), 0.0),
             motion: Motion::none(tool, position),
             pace: Pace::at_rest(),
+            curvature: Curvature::none(),
             slow: false,
         }
     }
@@ -165,7 +169,7 @@ impl<R: Robot> Acceptor<R> {
 
     /// How fast the robot may slow down on its screw from here, in steps of `period` \[s\].
     pub fn braking_law(&self, period: f64) -> BrakingLaw {
-        rates::braking_law(&self.state, self.checks.robot.limits(), period)
+        rates::braking_law(&self.state, &self.curvature.acceleration, self.checks.robot.limits(), period)
     }
 
     /// How the robot goes on with those that it moves together with while demands are missing.

@@ -18,6 +18,10 @@ pub const PATH_SHARE: f64 = 0.9;
 /// The share of an acceleration limit that a path and the change of its rate use together.
 const USABLE_SHARE: f64 = 0.98;
 
+/// The share of an acceleration limit that the curvature of a screw and braking on it use together. The rest is for what the
+/// posture changes on the way.
+const BENT_SHARE: f64 = 0.95;
+
 /// How fast the path is gone along.
 #[derive(Clone, Copy)]
 pub(super) struct Pace<J> {
@@ -135,9 +139,11 @@ pub(crate) fn least_headroom<J: JointVector>(limits: &Limits<J>, rate: f64, peri
 }
 
 /// How fast a robot in this state may slow down on its screw, in steps of `period` \[s\]: within [`braking::SHARE`] of the
-/// acceleration limits, and not longer than it brakes from its velocity limits.
+/// acceleration limits, and within what the screw's `curvature` leaves of them where it slows a joint down as well; but not longer
+/// than it brakes with that share from its velocity limits.
 pub(super) fn braking_law<J: JointVector>(
     state: &JointState<J>,
+    curvature: &J,
     limits: &Limits<J>,
     period: f64,
 ) -> BrakingLaw {
@@ -151,8 +157,11 @@ pub(super) fn braking_law<J: JointVector>(
         // What the speed will be when the law is used, if the acceleration goes on, and a tenth of what it may change by.
         let faster = (state.velocity[i] + state.acceleration[i] * period).abs() + 0.1 * a * period;
         let bend = limits.jerk.map_or(f64::INFINITY, |jerk| 0.5 * braking::SHARE * jerk[i] / faster);
-        law = law.and(BrakingLaw { fall: braking::SHARE * a / faster, bend });
+        // The first step of braking has both; the curvature falls with the square of the speed from then on.
+        let slows_down = -curvature[i] * state.velocity[i].signum();
+        let left = (BENT_SHARE * a - larger(slows_down, 0.0)).max(0.0);
+        law = law.and(BrakingLaw { fall: smaller(braking::SHARE * a, left) / faster, bend });
         longest = larger(longest, limits.velocity[i] / a);
     }
-    BrakingLaw { fall: law.fall.max(longest.recip()), ..law }
+    BrakingLaw { fall: law.fall.max(braking::SHARE / longest), ..law }
 }

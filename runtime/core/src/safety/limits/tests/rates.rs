@@ -184,9 +184,75 @@ fn a_robot_slows_down_on_a_screw_by_the_share_of_its_acceleration() {
     acceptor.state.velocity[1] = -0.8;
     acceptor.checks.robot.limits.velocity[1] = 2.0;
     near(acceptor.braking_law(2e-3).fall, 0.8 * 20.0 / (0.796 + 0.004));
-    // No longer than from its velocity limits: of 1 m/s and 10 m/s² 0.1 s, of 2 rad/s and 20 rad/s² as long.
-    acceptor.state.velocity[0] = 0.99;
-    near(acceptor.braking_law(2e-3).fall, 10.0);
+    // No longer than with that share from its velocity limits: of 1 m/s and 10 m/s² 0.1 s / 0.8, of 2 rad/s and 20 rad/s² as long.
+    acceptor.state.velocity[0] = 0.999;
+    near(acceptor.braking_law(2e-3).fall, 8.0);
     assert_eq!(self::acceptor(Turntable::new()).braking_law(2e-3), BrakingLaw::UNLIMITED);
     assert_eq!(moving(Turntable::new()).braking_law(2e-3).bend, f64::INFINITY);
+}
+
+#[test]
+fn a_robot_slows_down_on_a_bent_screw_by_what_that_leaves_of_its_acceleration() {
+    let mut acceptor = moving(Turntable::new());
+    let faster = 0.3 + 0.002 + 0.002;
+    let mut fall = |curvature: [f64; 2]| {
+        acceptor.curvature.acceleration = curvature.into();
+        acceptor.braking_law(2e-3).fall
+    };
+    // 0.3 m/s that become less by 4 m/s² leave 0.95 - 0.4 of 10 m/s²; those that become more, or by 1.5 m/s² less, leave 0.8.
+    near(fall([-4.0, 0.0]), 5.5 / faster);
+    near(fall([4.0, 0.0]), 8.0 / faster);
+    near(fall([-1.5, 0.0]), 8.0 / faster);
+    // -0.2 rad/s that go towards 0 by 18 of 20 rad/s² leave a 20th of them: by less than from the velocity limits.
+    near(fall([0.0, 18.0]), 8.0);
+    near(fall([0.0, -18.0]), 8.0 / faster);
+}
+
+/// An arm that turns about z and reaches out: `X_WF = Rot(z, q1) Trans(q2, 0, 0)`.
+#[derive(Clone, Debug)]
+struct Polar(Limits<Two>);
+
+impl Robot for Polar {
+    const KIND: &'static str = "polar";
+    type Joints = Two;
+
+    fn limits(&self) -> &Limits<Two> {
+        &self.0
+    }
+
+    fn forward(&self, q: &Two) -> Pose {
+        Pose::rotation(Vector3::z() * q[0]) * Pose::translation(q[1], 0.0, 0.0)
+    }
+
+    #[allow(non_snake_case)]
+    fn inverse(&self, X_WF: &Pose, _: &Two) -> Result<Two, NoInverse> {
+        let t = X_WF.translation.vector;
+        Ok(Two::new(t.y.atan2(t.x), t.xy().norm()))
+    }
+}
+
+/// At constant spatial twist `(omega, v_s)` the flange's origin goes by p' = v_s + omega x p, p'' = omega x p'. In polar
+/// coordinates, where r' is along p: v_s = r' e_r, r'' = 0 and theta'' = -r' theta' / r.
+#[test]
+fn the_curvature_of_a_screw_is_the_acceleration_of_joints_that_follow_it() {
+    let period = 1e-4;
+    let mut acceptor =
+        Acceptor::new(Polar(Turntable::new().limits), Pose::identity(), Two::zeros(), REACTION);
+    acceptor.state.position = Two::new(0.7, 0.5);
+    acceptor.state.velocity = Two::new(0.4, 0.3);
+    acceptor.look_along_screw(period);
+    let found = acceptor.curvature.acceleration;
+    // Differences over steps are those of their middles: off by less than the change in a step.
+    assert!((found[0] + 0.3 * 0.4 / 0.5).abs() < 1e-4 && found[1].abs() < 1e-4, "{found}");
+    // It holds for four steps.
+    acceptor.state.velocity = Two::new(0.4, -0.3);
+    for _ in 0..3 {
+        acceptor.look_along_screw(period);
+        assert_eq!(acceptor.curvature.acceleration, found);
+    }
+    acceptor.look_along_screw(period);
+    let found = acceptor.curvature.acceleration;
+    assert!((found[0] - 0.3 * 0.4 / 0.5).abs() < 1e-4 && found[1].abs() < 1e-4, "{found}");
+    acceptor.leave_screw();
+    assert_eq!(acceptor.curvature.acceleration, Two::zeros());
 }
