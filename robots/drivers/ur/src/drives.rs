@@ -131,7 +131,7 @@ enum Course {
 const CLOSED: DriveFault = DriveFault::Other("the controller is not connected");
 
 const BEYOND: DriveFault = DriveFault::Other(
-    "an analog output is told what is not between 0 and 1, the fraction of its range: nothing was switched",
+    "an analog output is told what is not between 0 and 1, the fraction of its range: it was not switched",
 );
 
 const OTHER_ARM: DriveFault = DriveFault::Other(
@@ -391,10 +391,8 @@ impl<R: Robot<Joints = Six>, W: Wire> Driver<R> for Ur<W> {
     }
 
     fn switch_outputs(&mut self, told: &Outputs) {
-        if !outputs::are_fractions(told) {
-            self.is_beyond = true;
-            return;
-        }
+        // The others are switched all the same: a stop may be what switches them.
+        self.is_beyond |= !outputs::are_fractions(told);
         if Group::Digital.is_in(told) {
             self.wire.switch(Group::Digital, &outputs::digital_bytes(told));
         }

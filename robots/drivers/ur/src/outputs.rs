@@ -126,11 +126,11 @@ pub fn digital_bytes(outputs: &Outputs) -> [u8; 6] {
 }
 
 /// The analog outputs among these as [`Group::Analog`] writes them. `voltages` says of each by a bit whether it is a voltage, as the
-/// controller told: so nothing here changes that.
+/// controller told: so nothing here changes that. One that is told what is no fraction of its range is left as it is.
 #[must_use]
 pub fn analog_bytes(outputs: &Outputs, voltages: u8) -> [u8; 18] {
     let mut bytes = [0; 18];
-    for (number, value) in analog(outputs) {
+    for (number, value) in analog(outputs).filter(|(_, value)| FRACTION.contains(value)) {
         bytes[0] |= 1 << number;
         let place = 2 + 8 * usize::from(number);
         bytes[place..place + 8].copy_from_slice(&value.to_be_bytes());
@@ -253,6 +253,9 @@ mod tests {
             (bytes[2..10].to_vec(), bytes[10..].to_vec()),
             (vec![0; 8], 0.5_f64.to_be_bytes().to_vec())
         );
+        // What is no fraction of a range is left as it is, and takes nothing else along.
+        let beside = outputs.with(Channel::Analog(0), Value::Analog(5.0));
+        assert_eq!(analog_bytes(&beside, 0b10), bytes);
         let of_types: usize = Group::Analog.types().iter().map(|of| of.size()).sum();
         assert_eq!(of_types, bytes.len());
         assert_eq!(Group::Analog.names().split(',').count(), Group::Analog.types().len());
