@@ -39,8 +39,8 @@ impl BrakingLaw {
     }
 }
 
-/// The share of an acceleration limit that braking on a screw uses. The rest is for the curvature of the screw in joint
-/// space.
+/// The share of an acceleration limit that braking on a screw uses at most. The rest is for the curvature of the screw in joint
+/// space, which leaves less where it takes more.
 pub(crate) const SHARE: f64 = 0.8;
 
 /// A robot's way to a standstill.

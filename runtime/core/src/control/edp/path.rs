@@ -440,6 +440,16 @@ impl<R: Robot> DemandedPath<R> {
         self.bridging
     }
 
+    /// Looks at how much of the limits the screw takes on which the robot moves together with others.
+    pub fn look_along_screw(&mut self) {
+        if self.is_together() {
+            // A kinematics that panics on the way ahead does so again where the robot is to go there.
+            let _ = guarded(|| self.acceptor.look_along_screw(self.seconds));
+        } else {
+            self.acceptor.leave_screw();
+        }
+    }
+
     /// Whether the robot goes on, and brakes, with those that it moves together with.
     pub const fn is_together(&self) -> bool {
         self.together.is_some()

@@ -155,12 +155,8 @@ impl<R: Robot> Edp<'_, R> {
 
     /// What a reply without a fault says: how fast the rate and the robot may change, and its image, if that is wanted.
     fn tell_path(&mut self) {
+        self.path.look_along_screw();
         let is_together = self.path.is_together();
-        let acceptor = &mut self.path.acceptor;
-        match is_together {
-            true => acceptor.look_along_screw(self.path.seconds),
-            false => acceptor.leave_screw(),
-        }
         let acceptor = &self.path.acceptor;
         let header = &mut self.answers.reply.header;
         header.flags |= if is_together { flag::TOGETHER } else { 0 };

@@ -3,7 +3,6 @@
 //! In: the state demanded last, and the screw that led to it. Out: the acceleration \[rad/s² or m/s²\] that a screw takes of each
 //! joint's limit before braking takes any. Bent in joint space it is near a singular posture most of all.
 
-use crate::control::guarded::guarded;
 use crate::model::joints::JointVector;
 use crate::model::robot::Robot;
 
@@ -30,7 +29,8 @@ impl<J: JointVector> Curvature<J> {
 }
 
 impl<R: Robot> Acceptor<R> {
-    /// Looks at the curvature of the screw on which the robot moves together with others, in steps of `duration` \[s\].
+    /// Looks at the curvature of the screw on which the robot moves together with others, in steps of `duration` \[s\]. A screw on
+    /// which the kinematics has no next step leaves what was seen before.
     pub fn look_along_screw(&mut self, duration: f64) {
         if self.curvature.left > 0 {
             self.curvature.left -= 1;
@@ -41,15 +41,11 @@ impl<R: Robot> Acceptor<R> {
         if !self.track.is_followed() {
             return;
         }
-        let on_screw = || {
-            let next = self.state.screw(&self.checks.robot, duration).part(1.0)
-                * self.checks.robot.forward(&self.state.position);
-            let position = self.flange_joints(&next, &self.state.position).ok()?;
+        let next = self.state.screw(&self.checks.robot, duration).part(1.0)
+            * self.checks.robot.forward(&self.state.position);
+        if let Ok(position) = self.flange_joints(&next, &self.state.position) {
             let velocity = (position - self.state.position) * duration.recip();
-            Some(self.state.acceleration_to(&velocity, duration))
-        };
-        if let Ok(Some(acceleration)) = guarded(on_screw) {
-            self.curvature.acceleration = acceleration;
+            self.curvature.acceleration = self.state.acceleration_to(&velocity, duration);
         }
     }
 

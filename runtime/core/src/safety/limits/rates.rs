@@ -18,9 +18,8 @@ pub const PATH_SHARE: f64 = 0.9;
 /// The share of an acceleration limit that a path and the change of its rate use together.
 const USABLE_SHARE: f64 = 0.98;
 
-/// The share of an acceleration limit that the curvature of a screw and braking on it use together. The rest is for what the
-/// posture changes on the way.
-const BENT_SHARE: f64 = 0.95;
+/// By how much the curvature of a screw may grow while a robot brakes on it: the posture changes on the way.
+const GROWN: f64 = 1.25;
 
 /// How fast the path is gone along.
 #[derive(Clone, Copy)]
@@ -139,8 +138,9 @@ pub(crate) fn least_headroom<J: JointVector>(limits: &Limits<J>, rate: f64, peri
 }
 
 /// How fast a robot in this state may slow down on its screw, in steps of `period` \[s\]: within [`braking::SHARE`] of the
-/// acceleration limits, and within what the screw's `curvature` leaves of them where it slows a joint down as well; but not longer
-/// than it brakes with that share from its velocity limits.
+/// acceleration limits, and within what the screw's `curvature` leaves of them where it slows a joint down as well. That lasts no
+/// longer than braking from the velocity limits, if the curvature leaves so much, and in any case no longer than braking from
+/// them with that share.
 pub(super) fn braking_law<J: JointVector>(
     state: &JointState<J>,
     curvature: &J,
@@ -151,17 +151,20 @@ pub(super) fn braking_law<J: JointVector>(
         return BrakingLaw::UNLIMITED;
     }
     let mut law = BrakingLaw::UNLIMITED;
+    let mut left = f64::INFINITY;
     let mut longest = 0.0_f64;
     for i in 0..J::LEN {
         let a = limits.acceleration[i];
         // What the speed will be when the law is used, if the acceleration goes on, and a tenth of what it may change by.
         let faster = (state.velocity[i] + state.acceleration[i] * period).abs() + 0.1 * a * period;
         let bend = limits.jerk.map_or(f64::INFINITY, |jerk| 0.5 * braking::SHARE * jerk[i] / faster);
-        // The first step of braking has both; the curvature falls with the square of the speed from then on.
-        let slows_down = -curvature[i] * state.velocity[i].signum();
-        let left = (BENT_SHARE * a - larger(slows_down, 0.0)).max(0.0);
-        law = law.and(BrakingLaw { fall: smaller(braking::SHARE * a, left) / faster, bend });
+        // The first step of braking has both; the curvature's part falls with the square of the speed.
+        let bent = larger(-curvature[i] * state.velocity[i].signum(), 0.0);
+        let fall = larger(a - GROWN * bent, 0.0) / faster;
+        law = law.and(BrakingLaw { fall: smaller(braking::SHARE * a / faster, fall), bend });
+        left = smaller(left, fall);
         longest = larger(longest, limits.velocity[i] / a);
     }
-    BrakingLaw { fall: law.fall.max(braking::SHARE / longest), ..law }
+    let fall = law.fall.max(longest.recip().min(left)).max(braking::SHARE / longest);
+    BrakingLaw { fall, ..law }
 }
