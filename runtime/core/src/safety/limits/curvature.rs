@@ -8,23 +8,23 @@ use crate::model::robot::Robot;
 
 use super::Acceptor;
 
-/// The screw's curvature in joint space is found by an inverse kinematics of its own. A posture changes little in so many
-/// steps.
-const STEPS: u32 = 4;
+/// For how long \[s\] what was seen of a curvature holds: a posture changes little meanwhile, and to look takes an inverse
+/// kinematics of its own.
+const HOLDS: f64 = 0.016;
 
 /// What is known of it.
 #[derive(Clone, Copy)]
 pub(super) struct Curvature<J> {
     /// Of each joint \[rad/s² or m/s²\].
     pub acceleration: J,
-    /// The steps for which it holds.
-    left: u32,
+    /// For how much longer it holds \[s\].
+    left: f64,
 }
 
 impl<J: JointVector> Curvature<J> {
     /// Of a robot that is on no screw.
     pub fn none() -> Self {
-        Curvature { acceleration: J::zeros(), left: 0 }
+        Curvature { acceleration: J::zeros(), left: 0.0 }
     }
 }
 
@@ -32,20 +32,25 @@ impl<R: Robot> Acceptor<R> {
     /// Looks at the curvature of the screw on which the robot moves together with others, in steps of `duration` \[s\]. A screw on
     /// which the kinematics has no next step leaves what was seen before.
     pub fn look_along_screw(&mut self, duration: f64) {
-        if self.curvature.left > 0 {
-            self.curvature.left -= 1;
+        self.curvature.left -= duration;
+        // Half a step is round-off.
+        if self.curvature.left > 0.5 * duration {
             return;
         }
-        self.curvature.left = STEPS - 1;
+        self.curvature.left = HOLDS;
         // One that is on its way back to its path is elsewhere on its screw; what was seen before holds.
         if !self.track.is_followed() {
             return;
         }
-        let next = self.state.screw(&self.checks.robot, duration).part(1.0)
-            * self.checks.robot.forward(&self.state.position);
-        if let Ok(position) = self.flange_joints(&next, &self.state.position) {
-            let velocity = (position - self.state.position) * duration.recip();
-            self.curvature.acceleration = self.state.acceleration_to(&velocity, duration);
+        let robot = &self.checks.robot;
+        let state = &self.state;
+        let now = robot.forward(&state.position);
+        let before = robot.forward(&(state.position - state.velocity * duration));
+        // The displacement of the last step in the world, once more.
+        let next = now * before.inv_mul(&now);
+        if let Ok(position) = self.flange_joints(&next, &state.position) {
+            let velocity = (position - state.position) * duration.recip();
+            self.curvature.acceleration = state.acceleration_to(&velocity, duration);
         }
     }
 

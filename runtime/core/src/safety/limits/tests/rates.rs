@@ -245,9 +245,9 @@ fn the_curvature_of_a_screw_is_the_acceleration_of_joints_that_follow_it() {
     let found = acceptor.curvature.acceleration;
     // Differences over steps are those of their middles: off by less than the change in a step.
     assert!((found[0] + 0.3 * 0.4 / 0.5).abs() < 1e-4 && found[1].abs() < 1e-4, "{found}");
-    // It holds for four steps.
+    // It holds for 16 ms.
     acceptor.state.velocity = Two::new(0.4, -0.3);
-    for _ in 0..3 {
+    for _ in 0..159 {
         acceptor.look_along_screw(period);
         assert_eq!(acceptor.curvature.acceleration, found);
     }
