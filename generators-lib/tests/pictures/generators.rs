@@ -216,13 +216,13 @@ fn told() -> Sheets {
     let stand = || Blind::new(Sleep::<Irp6>::lasting(f64::INFINITY));
     let go = || Blind::new(StraightLine::<Irp6>::to(start() * offset(), limits()));
     let arbitrated = Arbitrate::of(stand, touched, free, 0.1, go);
-    let aside = |v: &Reading<(Wrist,)>| [1.0, if touched(v) { 1.0 } else { 0.0 }];
-    let beside = || Blind::new(ToolOffset::<Irp6>::by(Pose::translation(0.0, 0.06, 0.0), limits()));
+    let helped = |v: &Reading<(Wrist,)>| [1.0, if touched(v) { 1.0 } else { 0.0 }];
+    let beside = Blind::new(ToolOffset::<Irp6>::by(Pose::translation(0.0, 0.06, 0.0), limits()));
     let along = Blind::new(ToolOffset::<Irp6>::by(offset(), limits()));
     let superposed = Superpose::of(
         along,
-        beside(),
-        aside,
+        beside,
+        helped,
         ToolLimits { translation: ProfileLimits { velocity: 0.2, acceleration: 0.4 }, ..limits() },
     );
     let felt = |step: u64, at: &[Image; 2]| (ordered(step), Reading::new((table(&at[0], 0.08),)));

@@ -81,3 +81,105 @@ impl<T: FnMut() -> Result<Option<Photo>, Fault> + 'static> VirtualSensor for Pho
         Ok(self.sighting.tell(0.0))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::aggregation::{PartClass, Sole};
+    use crate::camera::{Camera, Plane};
+    use crate::form::{Form, Piece};
+    use crate::physics::Imager;
+    use crate::scene::{Scene, Solid};
+    use crate::view::{Seen, View};
+    use mrroc::sensor::EffectorState;
+    use nalgebra::Vector3;
+
+    /// A block at a place along the belt, or none.
+    struct Block(Option<f64>);
+
+    impl Scene for Block {
+        fn now(&self) -> f64 {
+            0.0
+        }
+
+        fn each_solid(&self, _: &mut dyn FnMut(&Solid<'_>)) {}
+    }
+
+    impl View for Block {
+        fn each_form(&self, visit: &mut dyn FnMut(&Seen<'_>)) {
+            let Some(x) = self.0 else { return };
+            visit(&Seen {
+                form: &form(),
+                pose: Pose::translation(x, 0.01, 0.0),
+                velocity: Vector3::zeros(),
+                angular_velocity: Vector3::zeros(),
+                reflectance: 0.8,
+            });
+        }
+
+        fn surface(&self, _: f64) -> f64 {
+            0.0
+        }
+    }
+
+    fn form() -> Form {
+        let lower = Vector3::new(-0.035, -0.025, 0.0);
+        Form::new([Piece::Block { lower, upper: Vector3::new(0.035, 0.025, 0.04) }])
+    }
+
+    fn plane() -> Plane {
+        let down =
+            Pose::translation(0.0, 0.0, 0.85) * Pose::rotation(Vector3::x() * core::f64::consts::PI);
+        Plane::new(Camera::MRROCPP, down)
+    }
+
+    fn vision() -> Vision {
+        let block = PartClass { name: "block", form: form(), turns: 2 };
+        Vision::new(plane(), vec![block], Box::new(Sole))
+    }
+
+    /// With the belt at a way and a speed.
+    fn order(way: f64, speed: f64) -> ReadingOrder<()> {
+        let (mut joints, mut velocity) = ([0.0; mrroc::robot::MAX_JOINTS], [0.0; mrroc::robot::MAX_JOINTS]);
+        (joints[0], velocity[0]) = (way, speed);
+        let belt = EffectorState { joints, velocity, pose: Pose::identity(), wrench: None };
+        ReadingOrder { configuration: (), robot: Some(belt), step: 0 }
+    }
+
+    #[test]
+    fn a_photo_tells_the_place_that_a_part_had_on_the_belt_when_it_was_exposed() {
+        let mut imager = Imager::over(plane(), 3);
+        let mut photo = |x: Option<f64>, age: f64| {
+            let mut grey = Vec::new();
+            imager.expose(&Block(x), 0.0, &mut grey);
+            Ok(Some(Photo { grey, age }))
+        };
+        // The empty belt; nothing new; the part at 0.03 m, 0.05 s ago; the same part 0.02 m later.
+        let photos = [photo(None, 0.0), Ok(None), photo(Some(0.03), 0.05), photo(Some(0.05), 0.0)];
+        let mut photos = photos.into_iter();
+        let mut sensor = PhotoSensor::new(vision(), move || photos.next().unwrap_or(Ok(None)));
+        assert_eq!(sensor.aggregate(&order(0.0, 0.1)).expect("the empty belt").parts, 0);
+        assert_eq!(sensor.aggregate(&order(0.1, 0.1)).expect("nothing new").images, 0);
+        let seen = sensor.aggregate(&order(0.2, 0.1)).expect("a part");
+        // The belt had run 0.195 m at the exposure.
+        let part = seen.newest[0];
+        assert!(seen.parts == 1 && (part.along - (0.03 - 0.195)).abs() < 5e-4, "{part:?}");
+        assert!((part.across - 0.01).abs() < 5e-4 && part.angle.abs() < 0.01, "{part:?}");
+        assert_eq!(sensor.aggregate(&order(0.215, 0.1)).expect("again").parts, 1);
+    }
+
+    #[test]
+    fn fault_217_a_photo_of_another_size_or_of_no_age_is_refused() {
+        for (pixels, age) in [(100, 0.0), (768 * 576, f64::NAN), (768 * 576, -1.0)] {
+            let mut photo = Some(Photo { grey: vec![90; pixels], age });
+            let mut sensor = PhotoSensor::new(vision(), move || Ok(photo.take()));
+            assert!(sensor.aggregate(&order(0.0, 0.0)).is_err(), "{pixels} {age}");
+        }
+        let mut dark = Some(Photo { grey: vec![0; 768 * 576], age: 0.0 });
+        let mut sensor = PhotoSensor::new(vision(), move || Ok(dark.take()));
+        assert!(sensor.aggregate(&order(0.0, 0.0)).is_err(), "an empty belt without light");
+        let mut sensor = PhotoSensor::new(vision(), || Ok(None));
+        let alone = ReadingOrder { configuration: (), robot: None, step: 0 };
+        assert!(sensor.aggregate(&alone).is_err(), "of no belt");
+    }
+}
