@@ -216,7 +216,9 @@ fn told() -> Sheets {
     let stand = || Blind::new(Sleep::<Irp6>::lasting(f64::INFINITY));
     let go = || Blind::new(StraightLine::<Irp6>::to(start() * offset(), limits()));
     let arbitrated = Arbitrate::of(stand, touched, free, 0.1, go);
-    let helped = |v: &Reading<(Wrist,)>| [1.0, v.0.reading().map_or(0.0, |felt| f64::from(u8::from(felt.force.z < -5.0)))];
+    let helped = |v: &Reading<(Wrist,)>| {
+        [1.0, v.0.reading().map_or(0.0, |felt| f64::from(u8::from(felt.force.z < -1.0)))]
+    };
     let beside = Blind::new(ToolOffset::<Irp6>::by(Pose::translation(0.0, 0.06, 0.0), limits()));
     let along = Blind::new(ToolOffset::<Irp6>::by(offset(), limits()));
     let superposed = Superpose::of(

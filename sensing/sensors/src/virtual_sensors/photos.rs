@@ -128,8 +128,7 @@ mod tests {
     }
 
     fn plane() -> Plane {
-        let down =
-            Pose::translation(0.0, 0.0, 0.85) * Pose::rotation(Vector3::x() * core::f64::consts::PI);
+        let down = Pose::translation(0.0, 0.0, 0.85) * Pose::rotation(Vector3::x() * core::f64::consts::PI);
         Plane::new(Camera::MRROCPP, down)
     }
 
