@@ -391,10 +391,10 @@ mod tests {
             assert!(sum.len() >= first.len().max(second.len()), "seed {seed}");
             for (step, sum) in sum.iter().enumerate() {
                 let at = |all: &[[Vector3<f64>; 2]]| all.get(step).copied().unwrap_or_default();
-                for axis in 0..2 {
+                for (axis, moved) in sum.iter().enumerate() {
                     let wanted = at(&first)[axis] * both[0] + at(&second)[axis] * both[1];
                     // Per step the demands agree to 1e-12 m and rad.
-                    let off = (sum[axis] - wanted).norm() * DT;
+                    let off = (moved - wanted).norm() * DT;
                     assert!(off < 1e-12, "seed {seed}, step {step}: {off}");
                 }
             }
@@ -471,7 +471,7 @@ mod tests {
         let state = RobotState { joints: Six::zeros(), velocity: Six::zeros(), pose: Pose::identity() };
         let (c0, e) = (Order::new(()), State::new(RobotImage::new(state, state)));
         let t = Tick { step: 0, dt: DT, duration: DT };
-        let mut refused = |weight: f64, limits: ToolLimits| {
+        let refused = |weight: f64, limits: ToolLimits| {
             let v = Reading::new((SensorImage::new(Weights { both: [1.0, weight] }, 0),));
             Superpose::of(by(0.1, 0.0), by(0.0, 0.1), told, limits).first_step(&c0, &e, &v, t).is_err()
         };
