@@ -2,8 +2,10 @@
 
 use core::f64::consts::PI;
 use core::time::Duration;
+use std::cell::RefCell;
 use std::io::Read;
 use std::path::{Path, PathBuf};
+use std::rc::Rc;
 
 use mrroc::fault::Excess;
 use mrroc::prelude::*;
@@ -14,8 +16,9 @@ use nalgebra::SVector;
 
 use crate::models::{
     ArmCalibration, Conveyor, Driven, Gripper, IoBlock, Irp6, Irp6FiveDof, Irp6Track, Kinematics,
-    NoCalibration, NoJoints, One, Polycrank, Rnt, Serial, UrdfError, UrdfText,
+    NoCalibration, NoJoints, One, Polycrank, Rnt, Serial, TwoFingers, UrdfError, UrdfText,
 };
+use crate::simulation::grasp::{Belt, Grasp, Jaws, Pads, World, WorldError};
 use crate::simulation::{Simulated, Unhomed};
 
 /// The servo period of a device without joints.
@@ -80,6 +83,66 @@ pub fn simulated() -> Kinds {
             Ok(RobotSetup::new(entry.name(), IoBlock::new(), drives))
         })
         .with_any("urdf", urdf)
+}
+
+/// The kinds `irp6`, `two-fingers` and `conveyor` in one simulated world: the arm may hold a body of it, the hand closes on what its pads
+/// touch, and the conveyor's belt carries bodies, as `belt` says. A hand has `mounted_on = ".."`, its arm, and stands below that in the file.
+///
+/// They share the world, so all of them run in one process.
+///
+/// ```
+/// use mrroc_robots::grasp::{Belt, World};
+/// use mrroc_robots::simulated_in;
+///
+/// let kinds = simulated_in(&World::empty(), Belt::new(-0.5, 1.0, 0.3));
+/// # let _ = kinds;
+/// ```
+#[must_use]
+pub fn simulated_in(world: &World, belt: Belt) -> Kinds {
+    /// What an arm holds gives way by this [N/m, N m/rad].
+    const GRASP: [f64; 2] = [2e4, 20.0];
+    /// How wide a pad is, and how far it reaches beyond the origin of the tool frame \[m\].
+    const PADS: [f64; 2] = [0.024, 0.008];
+    let [arms, hands, belts] = [world.clone(), world.clone(), world.clone()];
+    // The arms in the order in which they came into the world, by their names.
+    let names = Rc::<RefCell<Vec<String>>>::default();
+    let of_hands = Rc::clone(&names);
+    Kinds::new()
+        .with("irp6", move |entry| {
+            let robot = irp6(entry)?;
+            let drives = Simulated::new(robot.clone(), &entry.start(&robot)?);
+            let [stiffness, rotational] = GRASP;
+            let grasp = Grasp::new(stiffness, rotational).with_tool(entry.tool());
+            let arm = arms.arm(drives, grasp).map_err(|error| impossible(entry, &error))?;
+            names.borrow_mut().push(entry.name().to_owned());
+            Ok(RobotSetup::new(entry.name(), robot, arm))
+        })
+        .with("two-fingers", move |entry| {
+            let robot = TwoFingers::new().with_base(entry.base());
+            let drive = Simulated::new(robot.clone(), &entry.start(&robot)?);
+            let on = entry.mounted_on().and_then(|on| of_hands.borrow().iter().position(|name| name == on));
+            let hand = on.and_then(|arm| hands.hand(arm)).ok_or_else(|| {
+                entry.refuse_start(
+                    "the hand is on no arm that comes before it".to_owned(),
+                    "write it below its arm, with mounted_on = \"ARM\"".to_owned(),
+                )
+            })?;
+            let [width, ahead] = PADS;
+            let jaws = Jaws::new(drive, hand, Pads::new(width, ahead));
+            let jaws = jaws.map_err(|error| impossible(entry, &error))?;
+            // What it holds keeps the fingers off their demand: that is no fault.
+            Ok(RobotSetup::new(entry.name(), robot, jaws).following_error(One::new(TwoFingers::STROKE)))
+        })
+        .with("conveyor", move |entry| {
+            let robot = Conveyor::new().with_base(entry.base());
+            let drive = Simulated::new(robot.clone(), &entry.start(&robot)?);
+            let drive = belts.belt(drive, belt).map_err(|error| impossible(entry, &error))?;
+            Ok(RobotSetup::new(entry.name(), robot, drive))
+        })
+}
+
+fn impossible(entry: &RobotEntry, error: &WorldError) -> CellError {
+    entry.refuse_start(error.to_string(), "write figures in range".to_owned())
 }
 
 /// The most bytes of a file with a calibration.

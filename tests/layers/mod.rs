@@ -56,7 +56,7 @@ const CRATES: &[(&str, &[&str])] = &[
     ),
     ("ports/external", &["mrroc-core", "mrroc-launch"]),
     ("ports/panel", &["mrroc-core", "mrroc-launch", "mrroc-processes"]),
-    ("sensing/sensors", &["mrroc-core"]),
+    ("sensing/sensors", &["mrroc-core", "mrroc-robots"]),
     ("sensing/calibration", &["mrroc-core", "mrroc-launch", "mrroc-robots", "mrroc-sensors"]),
     ("sensing/geocom", &["mrroc-core", "mrroc-driver-kit"]),
     ("ports/zenoh", &["mrroc-core", "mrroc-launch"]),

@@ -8,6 +8,7 @@
 //! | [`Corrected`] | any generator of poses, displaced by a sensor at a limited rate |
 //! | [`Override`] | brakes one on its path when a condition holds, then another takes over |
 //! | [`Arbitrate`] | of a list by priority, the first that the readings call for, handed over at rest |
+//! | [`Superpose`] | two at once: their velocities, weighted by the readings and added, within limits |
 //! | [`Blind`] | one without sensors among others that have some |
 //!
 //! A combinator's class is what its parts take together; each is tested as the generators are.
@@ -18,6 +19,7 @@ mod corrected;
 mod handover;
 mod override_;
 mod sequence;
+mod superpose;
 
 pub use arbitrate::Arbitrate;
 pub use blind::Blind;
@@ -25,3 +27,4 @@ pub use corrected::{Corrected, CorrectionLimits};
 pub use handover::Handover;
 pub use override_::Override;
 pub use sequence::Sequence;
+pub use superpose::Superpose;

@@ -2,10 +2,10 @@
 
 use super::kit::{
     Arbitrated, Belt, Camera, Wrist, arbitrated, arm, away, bytes, corrected, handed, image, image_at,
-    odd_poses, overridden, pressed, seen, start, tool_limits,
+    odd_poses, overridden, pressed, seen, start, superposed, tool_limits,
 };
 use mrroc::prelude::*;
-use mrroc_generators::combinators::{Blind, Corrected, Handover, Override, Sequence};
+use mrroc_generators::combinators::{Blind, Corrected, Handover, Override, Sequence, Superpose};
 use mrroc_generators::conformance::Given;
 use mrroc_generators::generator_conformance;
 use mrroc_generators::generators::{ForceLaw, GuardedApproach, JointMove, MovingFrame, StraightLine};
@@ -87,6 +87,15 @@ generator_conformance! {
     // Touched and free in turn.
     given: |step| pressed(-10.0 * (0.01 * step as f64).sin().max(0.0)),
     odd: |x| vec![arbitrated(x)],
+    allocated: bytes,
+}
+
+generator_conformance! {
+    superpose: Superpose<GuardedApproach<Irp6, Wrist>, ForceLaw<Irp6, Wrist>>,
+    class: "ECP f*1(c, v), first step f*3(c, e, v)",
+    make: superposed(0.2),
+    given: |step| pressed(-10.0 * (0.01 * step as f64).sin().max(0.0)),
+    odd: |x| vec![superposed(x)],
     allocated: bytes,
 }
 

@@ -9,7 +9,7 @@ use mrroc::robot::JointVector as _;
 use mrroc::robot::{RobotImage, RobotState};
 use mrroc::sensor::SensorImage;
 use mrroc_generators::bspline::SplineSettings;
-use mrroc_generators::combinators::{Arbitrate, Corrected, CorrectionLimits, Handover, Override};
+use mrroc_generators::combinators::{Arbitrate, Corrected, CorrectionLimits, Handover, Override, Superpose};
 use mrroc_generators::conformance::Given;
 use mrroc_generators::cooperation::*;
 use mrroc_generators::curve::{CurveError, Helix};
@@ -292,6 +292,14 @@ pub fn arbitrated(braking: f64) -> Arbitrated {
     let touched = |v: &Reading<(Wrist,)>| v.0.reading().is_some_and(|felt| felt.force.z < -5.0);
     let free = |v: &Reading<(Wrist,)>| v.0.reading().is_some_and(|felt| felt.force.z > -1.0);
     Arbitrate::of(press, touched, free, braking, approach)
+}
+
+/// An approach and the force law together, each by half, within a velocity of `most`.
+pub fn superposed(most: f64) -> Superpose<GuardedApproach<Irp6, Wrist>, ForceLaw<Irp6, Wrist>> {
+    let approach = GuardedApproach::along(Vector3::z_axis(), 0.05, 0.5, 1.0, |_: &Wrench| false);
+    let press = ForceLaw::lasting(law(10.0, 0.0, Give::FORCE).expect("in range"), 1.0, 1);
+    let limits = ProfileLimits { velocity: most, acceleration: 1.0 };
+    Superpose::of(approach, press, |_| [0.5; 2], ToolLimits { translation: limits, rotation: limits })
 }
 
 /// Two poses that were taught, of coordinates around `x`, with a share of velocity.

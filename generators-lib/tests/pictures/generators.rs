@@ -216,6 +216,17 @@ fn told() -> Sheets {
     let stand = || Blind::new(Sleep::<Irp6>::lasting(f64::INFINITY));
     let go = || Blind::new(StraightLine::<Irp6>::to(start() * offset(), limits()));
     let arbitrated = Arbitrate::of(stand, touched, free, 0.1, go);
+    let helped = |v: &Reading<(Wrist,)>| {
+        [1.0, v.0.reading().map_or(0.0, |felt| f64::from(u8::from(felt.force.z < -1.0)))]
+    };
+    let beside = Blind::new(ToolOffset::<Irp6>::by(Pose::translation(0.0, 0.06, 0.0), limits()));
+    let along = Blind::new(ToolOffset::<Irp6>::by(offset(), limits()));
+    let superposed = Superpose::of(
+        along,
+        beside,
+        helped,
+        ToolLimits { translation: ProfileLimits { velocity: 0.2, acceleration: 0.4 }, ..limits() },
+    );
     let felt = |step: u64, at: &[Image; 2]| (ordered(step), Reading::new((table(&at[0], 0.08),)));
     let stiffness = GraspStiffness { force: 2e3, torque: 20.0 };
     let gains = SqueezeGains { stiffness, rate: 5.0, inertia: 0.01 };
@@ -257,6 +268,7 @@ fn told() -> Sheets {
         ("corrected", follow(corrected, 1000, aside)),
         ("override_", follow(over, 1000, pressed)),
         ("arbitrate", follow(arbitrated, 1000, leaned)),
+        ("superpose", follow(superposed, 1000, leaned)),
         ("blind", follow(go(), 1000, leaned)),
         ("compliant_transmit", follow(CompliantTransmit::<Irp6, Wrist>::by(law, 1), 300, felt)),
         ("transmit_displacement", follow(TransmitDisplacement::<Irp6>::new(), 300, by_order)),

@@ -8,6 +8,7 @@
 //! | [`physics`] | a scene, a view | what a sensor gives: a switched output, a code, an image |
 //! | [`aggregation`] | what a sensor gives, over time | the reading `f_v` makes of it: edges, passages, distances, parts |
 //! | [`virtual_sensors`] | both | the virtual sensors of a cell, in any of the three modes of a VSP |
+//! | `simulated` | a simulated world | its parts on a belt, as sensors see them (feature `simulation`) |
 //!
 //! Physics and aggregation know neither each other (but for its random numbers) nor a cell: a real input card feeds the same aggregation, and a test of one's own
 //! reads the same physics.
@@ -32,6 +33,8 @@ pub mod camera;
 pub mod form;
 pub mod physics;
 pub mod scene;
+#[cfg(feature = "simulation")]
+pub mod simulated;
 pub mod ultrasound;
 pub mod view;
 pub mod virtual_sensors;

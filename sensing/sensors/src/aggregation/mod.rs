@@ -11,6 +11,7 @@ mod network;
 mod passages;
 mod relief;
 mod relief_features;
+mod sole;
 mod vision;
 
 pub use blobs::{Blob, Blobs};
@@ -24,4 +25,5 @@ pub use network::{Network, NetworkError};
 pub use passages::{Passage, Passages};
 pub use relief::{Deaf, Relief, Reliefs, Sample};
 pub use relief_features::{RELIEF_FEATURES, relief_features};
+pub use sole::Sole;
 pub use vision::{Blind, Classifier, Found, PartClass, Vision};

@@ -8,14 +8,13 @@
 //!
 //! A place in the belt's frame does not age: that an image takes its time costs no accuracy.
 
-use std::collections::VecDeque;
-
 use mrroc::pose::Pose;
 use mrroc::prelude::*;
 use mrroc::sensor::Frames;
 
-use super::parts::{OnBelt, PartSensor, Pending, Spotted};
+use super::parts::{PartSensor, Spotted};
 use super::sampled::Sampled;
+use super::sighting::Sighting;
 use crate::aggregation::{Found, Vision};
 use crate::physics::{Imager, LightBarrier};
 use crate::view::View;
@@ -36,7 +35,7 @@ pub type Onlooker = Box<dyn FnMut(&[u8], &[Found], f64, f64)>;
 pub struct CameraSensor<S> {
     scene: S,
     imager: Imager,
-    vision: Vision,
+    sighting: Sighting,
     trigger: Trigger,
     /// How old the state of the belt is that goes with an order \[s\].
     latch: f64,
@@ -44,16 +43,13 @@ pub struct CameraSensor<S> {
     next: Option<f64>,
     last_way: f64,
     image: Vec<u8>,
-    processed: Pending,
-    known: VecDeque<OnBelt>,
-    reading: Spotted,
     frames: Frames,
     onlooker: Option<Onlooker>,
 }
 
 impl<S> core::fmt::Debug for CameraSensor<S> {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.debug_struct("CameraSensor").field("reading", &self.reading).finish_non_exhaustive()
+        f.debug_struct("CameraSensor").field("reading", &self.sighting.reading).finish_non_exhaustive()
     }
 }
 
@@ -62,10 +58,6 @@ impl<S: View + 'static> CameraSensor<S> {
     pub const DELAY: f64 = 0.01;
     /// From there until its parts are in readings \[s\].
     pub const PROCESSING: f64 = 0.06;
-    /// Things closer together than this are the same, seen twice \[m\].
-    const SAME: f64 = 0.02;
-    /// Parts that are kept to be told from new ones.
-    const KEPT: usize = 32;
 
     /// What `imager` takes of a scene is judged by `vision`; `latch` \[s\] is how old the state of the belt is that goes with an order.
     #[must_use]
@@ -74,15 +66,12 @@ impl<S: View + 'static> CameraSensor<S> {
         Self {
             scene,
             imager,
-            vision,
+            sighting: Sighting::by(vision),
             trigger,
             latch,
             next: None,
             last_way: 0.0,
             image: Vec::new(),
-            processed: Pending::default(),
-            known: VecDeque::new(),
-            reading: Spotted::default(),
             frames: Frames::new(4, pixels),
             onlooker: None,
         }
@@ -110,31 +99,11 @@ impl<S: View + 'static> CameraSensor<S> {
     /// Exposes an image whose middle is at `time` \[s\], when the belt had run `way` \[m\].
     fn look(&mut self, step: u64, time: f64, way: f64) -> Result<(), Fault> {
         self.imager.expose(&self.scene, time, &mut self.image);
-        let [width, height] = self.vision.plane().camera.size;
+        let [width, height] = self.sighting.vision().plane().camera.size;
         self.frames.image(step, (width as u32, height as u32), 1, &self.image);
-        let dark = |error: crate::aggregation::Blind| Fault::thrown(&error.to_string());
-        if !self.vision.is_taught() {
-            return self.vision.teach(&self.image).map_err(dark);
-        }
-        let found = self.vision.look(&self.image).map_err(dark)?;
-        self.reading.images += 1;
-        for thing in &found {
-            let along = thing.place.x - way;
-            let Some(class) = thing.class else {
-                self.reading.unknown += 1;
-                continue;
-            };
-            let near = |part: &OnBelt| (part.along - along).hypot(part.across - thing.place.y) < Self::SAME;
-            if self.known.iter().any(near) {
-                continue;
-            }
-            let number = self.known.front().map_or(0, |part| part.number) + 1;
-            let (class, score, angle) = (class as u32, thing.score, thing.angle);
-            let part = OnBelt { number, class, score, along, across: thing.place.y, angle };
-            self.known.push_front(part);
-            self.known.truncate(Self::KEPT);
-            self.processed.push(time + Self::PROCESSING, part);
-        }
+        let Some(found) = self.sighting.judge(&self.image, way, time + Self::PROCESSING)? else {
+            return Ok(());
+        };
         if let Some(onlooker) = &mut self.onlooker {
             onlooker(&self.image, &found, time, way);
         }
@@ -152,7 +121,7 @@ impl<S: View + 'static> VirtualSensor for CameraSensor<S> {
         let now = self.scene.now();
         let way = |time: f64| belt.joints[0] + belt.velocity[0] * (time - now + self.latch);
         let exposure = self.imager.exposure();
-        if !self.vision.is_taught() && self.next.is_none() {
+        if !self.sighting.vision().is_taught() && self.next.is_none() {
             self.next = Some(now + exposure);
         }
         match &mut self.trigger {
@@ -174,15 +143,14 @@ impl<S: View + 'static> VirtualSensor for CameraSensor<S> {
                 }
             }
         }
-        (self.reading.way, self.reading.speed) = (way(now), belt.velocity[0]);
+        (self.sighting.reading.way, self.sighting.reading.speed) = (way(now), belt.velocity[0]);
         if let Some(time) = self.next.filter(|time| now >= time + 0.5 * exposure) {
             self.next = None;
             self.last_way = way(time);
             let latched = self.last_way;
             self.look(order.step, time, latched)?;
         }
-        self.processed.tell(now, &mut self.reading);
-        Ok(self.reading)
+        Ok(self.sighting.tell(now))
     }
 
     fn is_simulated(&self) -> bool {

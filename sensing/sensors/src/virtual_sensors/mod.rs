@@ -6,6 +6,7 @@
 //! | [`GateSensor`] | [`Gate`]: parts that have passed, speed, length | free running: its barriers are sampled at 1 kHz |
 //! | [`RangeFinder`] | [`Across`]: where parts lie across the belt | with delay: a value takes 38 ms |
 //! | [`CameraSensor`] | [`Spotted`]: parts, by class and place in the belt's frame | with delay: an image takes 60 ms |
+//! | [`PhotoSensor`] | [`Spotted`], by images of a real camera or of files | with delay |
 //! | [`MatrixSensor`] | [`Spotted`], as of a camera | with delay: a part takes 60 ms; it pings by itself, whoever asks |
 //! | [`Encoder`] | [`Run`]: how far the belt has run | interactive |
 //! | [`FingerBarrier`] | [`Between`]: whether something is between the fingers | interactive: in every step |
@@ -19,8 +20,10 @@ mod fingers;
 mod gate;
 mod matrix;
 mod parts;
+mod photos;
 mod range;
 mod sampled;
+mod sighting;
 
 pub use camera::{CameraSensor, Onlooker, Trigger};
 pub use encoder::{Encoder, Run};
@@ -28,5 +31,6 @@ pub use fingers::{Between, FingerBarrier, Fingers, Tool};
 pub use gate::{Gate, GateReading, GateSensor};
 pub use matrix::{Listener, MatrixSensor};
 pub use parts::{OnBelt, PartSensor, Spotted};
+pub use photos::{Photo, PhotoSensor};
 pub use range::{Across, AcrossReading, RangeFinder};
 pub use sampled::Sampled;
