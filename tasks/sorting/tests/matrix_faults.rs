@@ -5,7 +5,7 @@ use core::cell::OnceCell;
 use mrroc::fault::{Name, ProcessId, Role};
 use mrroc::prelude::*;
 use mrroc::testing::{Case, FaultySensor, Injected, SensorFault, Sweep};
-use mrroc_sensors::aggregation::{Hearing, Reliefs};
+use mrroc_sensors::aggregation::{Deaf, Hearing, Reliefs};
 use mrroc_sensors::physics::{Silent, Sounders};
 use mrroc_sensors::ultrasound::Air;
 use mrroc_sensors::virtual_sensors::MatrixSensor;
@@ -90,6 +90,32 @@ fn fault_214_air_that_changes_is_followed_or_a_named_fault() {
         assert_eq!(fault.is_some(), named, "{kelvin} K at {time} s: {fault:?}");
         if let Some(text) = fault {
             assert!(text.contains("mm from where it was") && fate == Fate::Missed, "{text}");
+        }
+    }
+}
+
+#[test]
+fn fault_218_a_part_that_lies_below_the_matrix_from_the_beginning_is_not_learned_as_belt() {
+    let array = array();
+    // Whether what lies on a belt that stands is learned as bare belt.
+    let learn = |parts: Vec<Lying>, celsius: f64, seed: u64| {
+        let scene = Passing { parts, speed: 0.0, run: 0.0, now: 0.0 };
+        let mut sounders = Sounders::over(&array, Air { celsius }, seed);
+        let mut reliefs = Reliefs::by(array.clone());
+        for ping in 1_u32..400 {
+            let number = array.turn(ping.into());
+            let echo = sounders.ping(&scene, number, f64::from(ping) * array.period);
+            reliefs.take(number, echo, 0.0)?;
+        }
+        Ok::<_, Deaf>(reliefs.is_taught())
+    };
+    for (seed, celsius) in some([(1, 20.0), (2, 5.0), (3, 35.0), (4, 20.0), (5, 20.0)]) {
+        assert_eq!(learn(Vec::new(), celsius, seed), Ok(true), "a bare belt at {celsius} °C");
+        for (number, kind) in kinds().iter().enumerate() {
+            let place = [MATRIX[0] + 0.02, -0.01];
+            let lying = Lying::of(Some(number), kind.class.form.clone(), place, 0.7 * seed as f64, 0.5);
+            let refused = learn(vec![lying], celsius, seed).expect_err(kind.class.name);
+            assert!(matches!(refused, Deaf::Uneven { .. }), "{}: {refused}", kind.class.name);
         }
     }
 }

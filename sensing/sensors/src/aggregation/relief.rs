@@ -50,6 +50,20 @@ pub enum Deaf {
         /// And so much belt \[mm\].
         way_mm: f64,
     },
+    /// What is to be learned as the bare belt is not level.
+    #[error(
+        "ultrasonic transducer {number} of {of} hears something {off_mm:+.1} mm from where the others hear the belt, at most {limit_mm:.1} mm, while the bare belt is learned: clear the belt below the matrix and begin again"
+    )]
+    Uneven {
+        /// The one that is farthest off, from 1 on.
+        number: usize,
+        /// How many there are.
+        of: usize,
+        /// How much higher \[mm\].
+        off_mm: f64,
+        /// What is allowed \[mm\].
+        limit_mm: f64,
+    },
     /// The belt is not where it was.
     #[error(
         "the belt is heard {off_mm:+.1} mm from where it was, at most {limit_mm:.1} mm: is the air hot or cold, or has the matrix been moved?"
@@ -112,6 +126,8 @@ impl Reliefs {
     const FEWEST: usize = 6;
     /// Pings by which a transducer learns the bare belt.
     const LEARNING: u32 = 4;
+    /// What is learned as the bare belt may be so far from the others' \[m\]: bare belts are learned within 2 mm, and parts are 20 mm high and more.
+    const LEVEL: f64 = 5e-3;
     /// A transducer that hears nothing so often, over so much belt \[m\], is dead.
     const DEAF: (u32, f64) = (24, 0.15);
     /// How much of a bare belt's echo changes what is known of it.
@@ -170,6 +186,7 @@ impl Reliefs {
                 bare.time += share * (middle - bare.time);
                 bare.amplitude += share * (echo.amplitude - bare.amplitude);
                 if self.learned.is_none() && self.bare.iter().all(|bare| bare.count >= Self::LEARNING) {
+                    self.check_level()?;
                     self.learned = Some(self.mean());
                 }
                 return Ok(());
@@ -221,6 +238,27 @@ impl Reliefs {
             }
         }
         Ok(())
+    }
+
+    /// Checks that all transducers have learned one level. How far off that is, the air's temperature and the matrix's height say,
+    /// which all have in common: the median of them is the belt, as long as less than a half are above something else.
+    fn check_level(&self) -> Result<(), Deaf> {
+        // Time for each metre of height.
+        let slowness = |number: usize| self.bare[number].time / self.array.places[number].z;
+        let mut sorted: Vec<f64> = (0..self.bare.len()).map(slowness).collect();
+        sorted.sort_by(f64::total_cmp);
+        let level = sorted[sorted.len() / 2];
+        let off = |number: usize| self.array.places[number].z * (1.0 - slowness(number) / level);
+        let farthest = (0..self.bare.len()).max_by(|a, b| off(*a).abs().total_cmp(&off(*b).abs()));
+        match farthest {
+            Some(number) if off(number).abs() > Self::LEVEL => Err(Deaf::Uneven {
+                number: number + 1,
+                of: self.bare.len(),
+                off_mm: 1e3 * off(number),
+                limit_mm: 1e3 * Self::LEVEL,
+            }),
+            _ => Ok(()),
+        }
     }
 
     fn mean(&self) -> f64 {

@@ -24,6 +24,8 @@ mod photos;
 mod range;
 mod sampled;
 mod sighting;
+#[cfg(all(feature = "v4l", target_os = "linux"))]
+mod video;
 
 pub use camera::{CameraSensor, Onlooker, Trigger};
 pub use encoder::{Encoder, Run};
@@ -34,3 +36,5 @@ pub use parts::{OnBelt, PartSensor, Spotted};
 pub use photos::{Photo, PhotoSensor};
 pub use range::{Across, AcrossReading, RangeFinder};
 pub use sampled::Sampled;
+#[cfg(all(feature = "v4l", target_os = "linux"))]
+pub use video::VideoCamera;
