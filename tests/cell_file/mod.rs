@@ -153,6 +153,24 @@ fn a_plant_needs_a_port_that_the_program_of_the_cell_knows() {
 }
 
 #[test]
+fn fault_156_two_programs_of_others_cannot_call_at_one_address_nor_where_a_node_waits() {
+    let sensor = |name: &str, address: &str| {
+        format!(
+            "[sensors.{name}]\nmode = \"free running\"\nperiod_ms = 4\nstale_after_ms = 100\n[sensors.{name}.external]\nrate_hz = \
+             30.0\nleast = [0.0]\nlargest = [1.0]\naddress = \"{address}\"\n"
+        )
+    };
+    let cell = |other: &str| format!("{GOOD}\n{}{}", sensor("s", "192.168.1.2:7449"), sensor("t", other));
+    let told = complaints(&cell("192.168.1.2:7449"));
+    assert!(told.contains("sensor `s` has this address already"), "{told}");
+    assert!(told.contains("write a port of its own, such as \"192.168.1.2:7450\""), "{told}");
+    let right = cell("192.168.1.2:7450");
+    assert_eq!(CellFile::parse("cell.toml", &right).expect("two ports").doors().count(), 2);
+    let told = complaints(&(right + "[nodes.left]\naddress = \"192.168.1.2:7450\"\nmp = true\n"));
+    assert!(told.contains("the program of sensor `t` calls at this address"), "{told}");
+}
+
+#[test]
 fn fault_121_a_program_of_another_needs_an_age_a_rate_and_bounds() {
     const SENSOR: &str = "mode = \"free running\"\nperiod_ms = 4\nstale_after_ms = 100";
     const TABLE: &str = "rate_hz = 30.0\nleast = [0.0]\nlargest = [1.0]";

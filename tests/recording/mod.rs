@@ -3,6 +3,7 @@
 mod allocation;
 mod camera;
 mod cell;
+mod cells_of_cells;
 mod command;
 mod contents;
 mod files;

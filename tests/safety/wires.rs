@@ -112,6 +112,32 @@ fn fault_154_a_tight_move_bears_a_delay_of_less_than_two_steps_and_beyond_all_ro
     }
 }
 
+/// The table of nodes.md of a network of 0.3 ms there and back: which steps it carries, with each message late by itself as well.
+#[test]
+fn a_network_of_three_tenths_of_a_millisecond_carries_steps_of_one_millisecond_also_with_jitter() {
+    println!("step [ms]  each way [ms]  loose  tight");
+    for step_ms in [1, 2, 4] {
+        for takes_us in [[150, 150], [50, 250], [150, 450]] {
+            let wire = Wire { takes_us, lost_per_mille: 0 };
+            let sweep = |cell: fn(Duration) -> Cell, end: f64| {
+                let sweep = Sweep::new(move || cell(step_ms * MS)).seed(7).apart(None, wire, u32::MAX);
+                sweep.every(if is_long() { 13 } else { 601 }).end_tolerance(end).threads(2).run()
+            };
+            let reports = [sweep(loose, 0.0), sweep(posed, 0.0)];
+            let [loose, tight] = reports.each_ref().map(|report| {
+                let total = report.total();
+                assert!(
+                    report.is_clean() && total.survived == total.cases,
+                    "{step_ms} ms, {takes_us:?}: {report}"
+                );
+                format!("{} of {}", total.survived, total.cases)
+            });
+            let [least, most] = takes_us.map(|us| f64::from(us) * 1e-3);
+            println!("{step_ms:9}  {least:.2} to {most:.2}   {loose}  {tight}");
+        }
+    }
+}
+
 /// Where both flanges are at the end of every servo period: the time [us], and the poses.
 #[derive(Default)]
 struct Trace {

@@ -4,8 +4,9 @@
 //!
 //! The MP waits by turns for nothing, for the robot `far` on the other node, which is asked for its state and answers at once, and for bare
 //! zenoh: a message of the same size over a connection with the same settings. A Wait wakes at a step; so how long one takes is
-//! told by the phase of its end, and that of a Wait for nothing is where it began. Between a message of bare zenoh and a control thread
-//! there is a thread on both sides, too: what comes is handed over by a channel, and answered by the thread that was waiting.
+//! told by the phase of its end, and that of a Wait for nothing is where it began. Bare zenoh is asked at the beginning of a step
+//! as well, when the connection was idle for as long as the MP's; and once more right after a round trip of the MP, when processors and
+//! caches are awake, which is told and not compared. Between a message of bare zenoh and a control thread there is a thread on both sides, too: what comes is handed over by a channel, and answered by the thread that was waiting.
 
 use std::net::SocketAddr;
 use std::path::Path;
@@ -157,19 +158,23 @@ fn measure(mp: &mut Mp, step: f64) -> Result<(), Fault> {
     let begun = Instant::now();
     let phase =
         |at: Option<Instant>| at.map_or(0.0, |at| at.duration_since(begun).as_secs_f64().rem_euclid(step));
-    let mut found: [Vec<f64>; 4] = [const { Vec::new() }; 4];
+    let mut found: [Vec<f64>; 5] = [const { Vec::new() }; 5];
     for round in 0..WARM_UP + COUNTED {
         let nothing = mp.wait_until((), (), Alone(None))?;
         let here = mp.wait_until((&mut near,), (), Look(None))?;
         let there = mp.wait_until((&mut far,), (), Look(None))?;
+        // Once right after the MP's, and once as that is: at the beginning of a step, when nobody has spoken for one.
+        let after = other.ask();
+        mp.wait_until((), (), Alone(None))?;
         let bare = other.ask();
         if round >= WARM_UP {
             let phases = [nothing.0, here.0, there.0].map(phase);
             found[..3].iter_mut().zip(phases).for_each(|(list, phase)| list.push(phase));
             found[3].extend(bare);
+            found[4].extend(after);
         }
     }
-    let [begins, near, far, mut bare] = found;
+    let [begins, near, far, mut bare, mut warm] = found;
     // Phases are those of a circle: seen from the middle of the beginnings, which are close together.
     let around = begins[0];
     let centred = |x: &f64| (x - around + step / 2.0).rem_euclid(step) - step / 2.0;
@@ -187,6 +192,7 @@ fn measure(mp: &mut Mp, step: f64) -> Result<(), Fault> {
     tell("here", &mut after(near));
     let ours = tell("MP - ECP", &mut after(far));
     let theirs = tell("bare zenoh", &mut bare);
+    tell(" .. at once", &mut warm);
     println!("ratio       {:8.2}          {:8.2}", ours.0 / theirs.0, ours.1 / theirs.1);
     Ok(())
 }

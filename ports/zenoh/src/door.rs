@@ -5,7 +5,7 @@
 
 use std::sync::Arc;
 
-use mrroc_launch::network::{Answers, Door, Doorway};
+use mrroc_launch::network::{Door, Doorway, HearsAtDoor};
 use zenoh::pubsub::{Publisher, Subscriber};
 use zenoh::qos::{CongestionControl, Priority};
 use zenoh::sample::SampleKind;
@@ -31,7 +31,7 @@ impl Doorway for Open {
 }
 
 /// Opens a door.
-pub(crate) fn open(asked: &Door<'_>, hears: Arc<dyn Answers>) -> Result<Open, String> {
+pub(crate) fn open(asked: &Door<'_>, hears: Arc<dyn HearsAtDoor>) -> Result<Open, String> {
     let Door { sensor, address, keys } = *asked;
     let files = Files::of(&door(sensor), keys, "NODE, or FOLDER/cell of a cell without nodes,")?;
     let endpoint = format!("tls/{address}");

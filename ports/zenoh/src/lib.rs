@@ -29,7 +29,7 @@ mod tests;
 use std::path::Path;
 use std::sync::Arc;
 
-use mrroc_launch::network::{Answers, Certified, Door, Doorway, Hears, Joining, Network, Wires};
+use mrroc_launch::network::{Certified, Door, Doorway, Hears, HearsAtDoor, Joining, Network, Wires};
 
 /// The network of zenoh.
 #[derive(Clone, Copy, Debug)]
@@ -44,7 +44,7 @@ impl Network for Zenoh {
         certificates::make(whom, folder).map_err(|error| format!("{}: {error}", folder.display()))
     }
 
-    fn open_door(&self, door: &Door<'_>, hears: Arc<dyn Answers>) -> Result<Box<dyn Doorway>, String> {
+    fn open_door(&self, door: &Door<'_>, hears: Arc<dyn HearsAtDoor>) -> Result<Box<dyn Doorway>, String> {
         door::open(door, hears).map(|door| Box::new(door) as Box<dyn Doorway>)
     }
 }

@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use mrroc_core::cell::{Node, Nodes};
 use mrroc_core::fault::Name;
-use mrroc_launch::network::{Answers, Certified, Door, Hears, Joining, Network, Side, Wires};
+use mrroc_launch::network::{Certified, Door, Hears, HearsAtDoor, Joining, Network, Side, Wires};
 use zenoh::Wait;
 
 use crate::Zenoh;
@@ -271,7 +271,7 @@ enum AtDoor {
     Lost(u64),
 }
 
-impl Answers for Porter {
+impl HearsAtDoor for Porter {
     fn came(&self, bytes: &[u8]) {
         let _ = self.0.lock().expect("whole").send(AtDoor::Came(bytes.to_vec()));
     }

@@ -125,7 +125,7 @@ pub trait Network: Debug + Sync {
     ///
     /// # Errors
     /// Why it cannot be opened, and what to do.
-    fn open_door(&self, door: &Door<'_>, hears: Arc<dyn Answers>) -> Result<Box<dyn Doorway>, String>;
+    fn open_door(&self, door: &Door<'_>, hears: Arc<dyn HearsAtDoor>) -> Result<Box<dyn Doorway>, String>;
 }
 
 /// Who hears what comes from other nodes. It is called in threads of the network, and must not wait.
@@ -141,7 +141,7 @@ pub trait Hears: Send + Sync {
 }
 
 /// Who hears at a door. It is called in threads of the network, and must not wait.
-pub trait Answers: Send + Sync {
+pub trait HearsAtDoor: Send + Sync {
     /// This has come from a program with the certificate of the sensor.
     fn came(&self, bytes: &[u8]);
 

@@ -116,7 +116,7 @@ fn take_part(
     let record =
         recorder.and_then(|recorder| recorder.join(cell.recording(), &cell.layout(), process, session));
     if let Some(record) = &record {
-        cell = cell.witnessed_by(Rc::clone(record) as Rc<dyn Witness>);
+        cell = cell.witnessed_in_all_cells_by(Rc::clone(record) as Rc<dyn Witness>);
     }
     let pictured = if how.watching { show_picture(&mut cell, process, session, how.clock) } else { None };
     if let Some(shown) = &pictured {

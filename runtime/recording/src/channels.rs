@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 
 use super::json::{number, numbers, object, schema, value};
 use mrroc_core::fault::Name;
-use mrroc_core::fault::{Fault, FaultKind, FaultWords, ProcessId};
+use mrroc_core::fault::{Fault, FaultKind, FaultWords, ProcessId, Role};
 use mrroc_core::link::Nanos;
 use mrroc_core::link::message::OrderKind;
 use mrroc_core::observe::layout::{Layout, SignalLayout};
@@ -39,9 +39,10 @@ pub(super) trait Outlet {
 /// The topic of a channel, by which channels are distinguished.
 #[derive(Clone, Copy, PartialEq)]
 enum Topic {
-    Steps,
-    Instructions,
-    Events,
+    /// Of the uppermost cell, or of a lower one.
+    Steps(Option<Name>),
+    Instructions(Option<Name>),
+    Events(Option<Name>),
     Robot(Name),
     Currents(Name),
     Signals(Name),
@@ -88,26 +89,42 @@ impl Channels {
     }
 }
 
+/// The lower cell that a process is in.
+pub(super) fn cell_of(process: ProcessId) -> Option<Name> {
+    let name = process.name?;
+    if process.role == Role::Mp { Some(name) } else { name.cell() }
+}
+
 fn topic(record: &Record) -> (Topic, Option<&'static Shape>) {
+    let cell = cell_of(record.by);
+    let events = Topic::Events(cell);
     match record.what {
-        What::Step { .. } => (Topic::Steps, None),
-        What::Instruction { .. } => (Topic::Instructions, None),
-        What::Image { .. } => (record.by.name.map_or(Topic::Events, Topic::Robot), None),
-        What::Currents { .. } => (record.by.name.map_or(Topic::Events, Topic::Currents), None),
-        What::Signals { .. } => (record.by.name.map_or(Topic::Events, Topic::Signals), None),
+        What::Step { .. } => (Topic::Steps(cell), None),
+        What::Instruction { .. } => (Topic::Instructions(cell), None),
+        What::Image { .. } => (record.by.name.map_or(events, Topic::Robot), None),
+        What::Currents { .. } => (record.by.name.map_or(events, Topic::Currents), None),
+        What::Signals { .. } => (record.by.name.map_or(events, Topic::Signals), None),
         What::Order { robot, payload, shape, kind: OrderKind::Step, .. } if !shape.is_empty() => {
             (Topic::Payload(robot, payload), Some(shape))
         }
         What::Order { robot, .. } => (Topic::Orders(robot), None),
-        What::Reading { sensor, shape, .. } => (Topic::Sensor(sensor), Some(shape)),
+        // Its process has such a name, so the name is none that is too long.
+        What::Reading { sensor, shape, .. } => {
+            (Topic::Sensor(cell.and_then(|cell| sensor.within(cell).ok()).unwrap_or(sensor)), Some(shape))
+        }
         What::Body { body, .. } => (Topic::Body(body), None),
         What::Abort { .. }
         | What::Late { .. }
         | What::LateRequest { .. }
         | What::Found { .. }
         | What::Fault { .. }
-        | What::End { .. } => (Topic::Events, None),
+        | What::End { .. } => (events, None),
     }
+}
+
+/// The topic of what each cell has one of: `/steps`, and `/cells/press/steps` of a lower one.
+fn of_cell(cell: Option<Name>, what: &str) -> String {
+    cell.map_or_else(|| format!("/{what}"), |cell| format!("/cells/{cell}/{what}"))
 }
 
 /// A channel's topic, and its schema with its name.
@@ -118,7 +135,7 @@ fn describe(topic: Topic, shape: Option<&Shape>, layout: &Layout) -> (String, St
     let order = [("step", integer.clone()), ("instruction", integer.clone()), ("kind", text.clone())];
     let shape = shape.map(schema).unwrap_or_default();
     match topic {
-        Topic::Steps => {
+        Topic::Steps(cell) => {
             let step = object([
                 ("step", integer),
                 ("dt", number.clone()),
@@ -130,9 +147,9 @@ fn describe(topic: Topic, shape: Option<&Shape>, layout: &Layout) -> (String, St
                 ("stopping", truth.clone()),
                 ("resetting", truth),
             ]);
-            ("/steps".to_owned(), "mrroc.Step".to_owned(), step)
+            (of_cell(cell, "steps"), "mrroc.Step".to_owned(), step)
         }
-        Topic::Instructions => {
+        Topic::Instructions(cell) => {
             let words = Doing::ALL.map(Doing::word);
             let instruction = [
                 ("step", integer),
@@ -140,12 +157,12 @@ fn describe(topic: Topic, shape: Option<&Shape>, layout: &Layout) -> (String, St
                 ("doing", json!({"type": "string", "enum": words})),
                 ("by", text),
             ];
-            ("/instructions".to_owned(), "mrroc.Instruction".to_owned(), object(instruction))
+            (of_cell(cell, "instructions"), "mrroc.Instruction".to_owned(), object(instruction))
         }
-        Topic::Events => {
+        Topic::Events(cell) => {
             let event =
                 [("step", integer), ("process", text.clone()), ("what", text.clone()), ("text", text)];
-            ("/events".to_owned(), "mrroc.Event".to_owned(), object(event))
+            (of_cell(cell, "events"), "mrroc.Event".to_owned(), object(event))
         }
         Topic::Robot(name) => {
             let joints = json!({"type": "array", "items": {"type": "number"}});

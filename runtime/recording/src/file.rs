@@ -103,6 +103,7 @@ impl McapFile {
             ("robots", robots(layout).to_string()),
             ("sensors", sensors(layout).to_string()),
             ("bodies", bodies(layout).to_string()),
+            ("cells", cells(layout).to_string()),
         ];
         file.metadata(PROFILE, about)?;
         file.flush()?;
@@ -181,6 +182,11 @@ fn sensors(layout: &Layout) -> Value {
 /// The bodies, as the metadata describes them.
 fn bodies(layout: &Layout) -> Value {
     layout.bodies.iter().map(|body| json!({"name": body.name, "edges": body.edges})).collect()
+}
+
+/// The lower cells, as the metadata describes them.
+fn cells(layout: &Layout) -> Value {
+    layout.cells.iter().map(|(name, step)| json!({"name": name, "step_ns": step.as_nanos() as u64})).collect()
 }
 
 impl Outlet for McapFile {

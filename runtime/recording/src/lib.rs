@@ -19,6 +19,9 @@
 //! | `/events` | faults, aborts, what came too late for its step, the end | `mrroc.Event` |
 //! | `/tf`, `/scene` | frames of links and tools, shapes of links, bodies (`scene`) | `foxglove.FrameTransforms`, `foxglove.SceneUpdate` |
 //!
+//! Of a lower cell in a cell of cells `/steps`, `/instructions` and `/events` are `/cells/NAME/steps` and so on; its robots and sensors have
+//! their names in the uppermost cell, `/robots/press.arm`.
+//!
 //! The file's metadata `mrroc` says what the cell is made of; `mrroc.start` the date at which it began; `mrroc.end`
 //! how many messages there are and how many records were dropped. A step copies what it shows into a ring (`ring`). A thread makes messages of these records
 //! (`channels`, `json`) and writes them to the file ([`file`]), or sends them to the launcher's thread when the

@@ -88,6 +88,11 @@ fn unreadable(error: std::io::Error) -> Wrong {
 }
 
 fn read_from(mut from: impl Read, layout: &Layout, cut_off: CutOff) -> Result<RecordedRun, Wrong> {
+    if !layout.cells.is_empty() {
+        let help =
+            "look at it with an MCAP viewer, or record one of its cells in a run of its own and replay that";
+        return Err(Wrong::new("a cell of cells cannot be replayed", help));
+    }
     let options = LinearReaderOptions::default()
         .with_record_length_limit(LARGEST)
         .with_emit_chunks(true)

@@ -6,10 +6,10 @@ use std::io;
 use std::sync::Arc;
 use std::time::Duration;
 
-use super::channels::{Channels, Outlet};
+use super::channels::{Channels, Outlet, cell_of};
 use super::file::patience;
 use mrroc_core::console::complain;
-use mrroc_core::fault::ProcessId;
+use mrroc_core::fault::{Name, ProcessId};
 use mrroc_core::link::Clock;
 use mrroc_core::observe::layout::Layout;
 use mrroc_core::observe::recording::Recording;
@@ -58,7 +58,9 @@ fn is_asked_for(recording: &Recording, by: ProcessId, what: &What) -> bool {
             by.name.is_none_or(|name| recording.has_robot(name.as_str()))
         }
         What::Order { robot, .. } => recording.has_robot(robot.as_str()),
-        What::Reading { sensor, .. } => recording.has_sensor(sensor.as_str()),
+        What::Reading { sensor, .. } => {
+            recording.has_sensor_in(cell_of(by).as_ref().map(Name::as_str), sensor.as_str())
+        }
         What::Step { .. }
         | What::Instruction { .. }
         | What::Abort { .. }

@@ -12,7 +12,7 @@ import time
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[3]
-PROGRAM = ROOT / "target/debug/examples/round_trip"
+PROGRAM = ROOT / "target/release/examples/round_trip"
 sys.path.append(str(ROOT / "tests/peers"))
 from wire import Namespace, begin_in_namespace, run  # noqa: E402
 

@@ -22,7 +22,7 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use mrroc_launch::cell_file::ExternalEntry;
-use mrroc_launch::network::{Answers, Door, Doorway, Network};
+use mrroc_launch::network::{Door, Doorway, HearsAtDoor, Network};
 
 use crate::message::Message;
 use crate::port::{Ends, ProgramEnds, folder, monotonic};
@@ -111,7 +111,7 @@ impl Shared {
     }
 }
 
-impl Answers for Shared {
+impl HearsAtDoor for Shared {
     fn came(&self, bytes: &[u8]) {
         self.desk().came(bytes, monotonic());
         self.woken.notify_one();
@@ -144,7 +144,7 @@ pub(crate) fn keep(entry: &ExternalEntry, network: &'static dyn Network) -> Resu
     let shared = Arc::new(Shared::default());
     let keys = entry.cell_file().parent().unwrap_or(Path::new("")).join("certificates");
     let door = Door { sensor: entry.name(), address, keys: &keys };
-    let doorway = network.open_door(&door, Arc::clone(&shared) as Arc<dyn Answers>)?;
+    let doorway = network.open_door(&door, Arc::clone(&shared) as Arc<dyn HearsAtDoor>)?;
     let mut out = std::io::stdout();
     // Who has started it may be gone already, which is seen below.
     let _ = writeln!(out, "{OPEN}").and_then(|()| out.flush());

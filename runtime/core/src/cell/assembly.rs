@@ -91,7 +91,8 @@ impl Cell {
         let path_stop = self.path_stop_steps();
         let delay = self.delay();
         let frames = self.watching.frames_to(self.timing.step);
-        let witnesses = Witnesses::to(self.watching.witnesses);
+        let of_all = self.watching.of_all;
+        let witnesses = Witnesses::to(self.watching.witnesses.iter().chain(&of_all).cloned().collect());
         let bodies = self.watching.bodies.into_iter().map(|(_, body)| body).collect();
         let bodies = Bodies::of(bodies, witnesses.of(ProcessId::PLANT), self.timing.step);
         let here = if bodies.is_idle() { None } else { plant.take_bodies(bodies) };
@@ -159,7 +160,8 @@ impl Cell {
             self.coordination.activity.pass_on(board);
         }
         let step = self.timing.step;
-        for lower in self.parts.cells {
+        for mut lower in self.parts.cells {
+            lower.cell.watching.of_all.clone_from(&of_all);
             ports.push(lower.put_under(link, plant, (mp, within, step))?);
         }
         plant.goes_by(step_before);
@@ -203,7 +205,7 @@ impl Cell {
                 });
                 counted.set(mp.step());
                 let end = What::End { step: mp.step() };
-                witnesses.show_fault(host.waiter.now(), &end, outcome.as_ref().err());
+                witnesses.of(me).show_fault(host.waiter.now(), &end, outcome.as_ref().err());
                 ended.borrow_mut().push((me, outcome));
                 if is_lower {
                     mp.serve_upper();

@@ -144,11 +144,12 @@ pub enum CellError {
         "its MP has no program that obeys: give it one, `.program(|mp| mp.obey_all(|mp, order: YourOrder| ..))`"
     )]
     NoObedience,
-    /// A recording of a cell that has lower cells, or of a lower one.
+    /// A lower cell that asks for a recording of its own.
     #[error(
-        "a cell of cells, and a cell in it, cannot be recorded yet\n help: record the cell in a run of its own"
+        "it asks for a recording of its own; that of the uppermost cell has all cells in it\n help: take [recording] out of its file, and \
+         record the uppermost cell, by [recording] or --record"
     )]
-    RecordedCells,
+    RecordedInCell,
     /// A driver whose servo period takes no time.
     #[error(
         "robot `{0}`: its servo period is 0\n help: let `Driver::period` say how often the drives take a demand"

@@ -94,7 +94,7 @@ impl LowerSetup {
             wrong.push(CellError::NoObedience);
         }
         if self.cell.watching.recording.is_some() {
-            wrong.push(CellError::RecordedCells);
+            wrong.push(CellError::RecordedInCell);
         }
         errors.extend(wrong.into_iter().map(|error: CellError| error.in_cell(&self.name)));
     }

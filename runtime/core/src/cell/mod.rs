@@ -485,6 +485,13 @@ impl Cell {
         self
     }
 
+    /// Shows a witness what happens in the processes of the cell and of all lower cells. What a robot or a process is called says in which
+    /// one: `press.arm`, `mp press`. A sensor has its name in the cell of the process that has read it.
+    pub fn witnessed_in_all_cells_by(mut self, witness: Rc<dyn Witness>) -> Cell {
+        self.watching.of_all.push(witness);
+        self
+    }
+
     /// Shows the cell to programs of others that look on.
     #[must_use]
     pub fn shown_to(mut self, onlooking: impl Onlooking + 'static) -> Cell {

@@ -33,7 +33,7 @@ impl Cell {
         let names = self.check()?;
         let record = self.watching.begin_record(&self.layout())?;
         if let Some(record) = &record {
-            self = self.witnessed_by(Rc::clone(record) as Rc<dyn Witness>);
+            self = self.witnessed_in_all_cells_by(Rc::clone(record) as Rc<dyn Witness>);
         }
         let onlooking = self.begin_onlooking(None, Clock::Virtual);
         for shown in &onlooking {
@@ -78,9 +78,6 @@ impl Cell {
         self.parts.check_sensors(&names, self.timing.step, &mut errors);
         self.parts.check_named(&mut errors);
         self.parts.check_cells(&names, &mut errors);
-        if self.watching.recording.is_some() && !self.parts.cells.is_empty() {
-            errors.push(CellError::RecordedCells);
-        }
         let layout = self.watching.recording.as_ref().map(|_| self.layout());
         let unrecorded =
             self.watching.recording.iter().zip(&layout).flat_map(|(asked, layout)| asked.check(layout));

@@ -18,6 +18,8 @@ use crate::observe::witness::{SharedWitness, Witness};
 #[derive(Default)]
 pub(super) struct Watching {
     pub witnesses: Vec<Rc<dyn Witness>>,
+    /// Those who look on at its lower cells as well: recordings.
+    pub of_all: Vec<Rc<dyn Witness>>,
     /// Those who are shown what a picture needs, of all processes.
     pub of_picture: Vec<SharedWitness>,
     /// Bodies that are shown to witnesses.

@@ -157,6 +157,16 @@ impl Recording {
         self.sensors.as_ref().is_none_or(|names| names.iter().any(|known| known == name))
     }
 
+    /// Whether it is to have the sensor of this name in a lower cell.
+    #[must_use]
+    pub fn has_sensor_in(&self, cell: Option<&str>, name: &str) -> bool {
+        let Some(cell) = cell else { return self.has_sensor(name) };
+        let is_it = |known: &String| {
+            known.strip_prefix(cell).and_then(|rest| rest.strip_prefix('.')).is_some_and(|rest| rest == name)
+        };
+        self.sensors.as_ref().is_none_or(|names| names.iter().any(is_it))
+    }
+
     /// Of a cell, what it is asked to record.
     #[must_use]
     pub fn of(&self, mut layout: Layout) -> Layout {

@@ -141,7 +141,8 @@ impl RobotPort {
         let PayloadType { name: payload, shape, .. } = self.payload;
         let header = &self.order.header;
         let what = What::Order {
-            robot: self.name,
+            // Of a robot of a lower cell, its name among all.
+            robot: self.process.name.unwrap_or(self.name),
             step: header.step,
             instruction: header.instruction,
             kind,

@@ -49,7 +49,10 @@ impl Reader {
                 })
             }
         };
-        let address = table.get("address").map(|value| self.address_of_door(value));
+        let address = table.get("address").map(|value| {
+            let address = self.address_of_door(value)?;
+            self.take_door(value, name, address).then_some(address)
+        });
         let mut required = |key: &str, example: &str| {
             let value = table.get(key);
             if value.is_none() {
@@ -121,6 +124,20 @@ impl Reader {
         };
         self.complain(&value.span(), wrong, format!("write address = {ADDRESS}"));
         None
+    }
+
+    /// Takes the address for this sensor's door; false, and told, if another sensor's has it.
+    fn take_door(&mut self, value: &Value<'_>, name: &str, address: SocketAddr) -> bool {
+        if let Some((other, _)) = self.doors.iter().find(|(_, known)| *known == address) {
+            let what = format!("sensor `{other}` has this address already");
+            let port = address.port().checked_add(1).unwrap_or(7449);
+            let help =
+                format!("write a port of its own, such as \"{}\"", SocketAddr::new(address.ip(), port));
+            self.complain(&value.span(), what, help);
+            return false;
+        }
+        self.doors.push((name.to_owned(), address));
+        true
     }
 
     fn rate(&mut self, value: &Value<'_>) -> Option<At<f64>> {

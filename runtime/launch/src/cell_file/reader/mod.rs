@@ -15,6 +15,7 @@ pub(super) mod tool;
 pub(super) mod value;
 
 use core::ops::Range;
+use std::net::SocketAddr;
 use std::rc::Rc;
 
 use mrroc_core::fault::Name;
@@ -37,7 +38,7 @@ const TOML: &str = "write key = value, texts in \"quotes\", lists in [1.0, 2.0],
 pub(super) fn read(name: &str, text: &str) -> Result<CellFile, CellFileError> {
     let source = Rc::new(Source { file: name.to_owned(), text: text.to_owned() });
     let (document, syntax) = DeTable::parse_recoverable(text);
-    let mut reader = Reader { source: Rc::clone(&source), errors: Vec::new() };
+    let mut reader = Reader { source: Rc::clone(&source), errors: Vec::new(), doors: Vec::new() };
     // Other errors are not reported, because they may only follow from the line that is no TOML.
     let place = |error: &toml::de::Error| error.span().unwrap_or(0..0);
     if let Some(error) = syntax.iter().min_by_key(|error| place(error).start) {
@@ -109,6 +110,8 @@ pub(super) fn read(name: &str, text: &str) -> Result<CellFile, CellFileError> {
 struct Reader {
     source: Rc<Source>,
     errors: Vec<CellFileError>,
+    /// Sensors whose programs are on other machines, and where those call.
+    doors: Vec<(String, SocketAddr)>,
 }
 
 /// A named table: `[robots.NAME]`.

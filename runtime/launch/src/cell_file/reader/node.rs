@@ -124,10 +124,17 @@ impl Reader {
             Ok(address) if address.ip().is_unspecified() || address.port() == 0 => {
                 format!("`{text}` is no address at which others could find a node")
             }
-            Ok(address) => match others.iter().find(|other| other.address == address) {
-                Some(other) => format!("node `{}` has this address already", other.name.as_str()),
-                None => return Some(address),
-            },
+            Ok(address) => {
+                let node = others.iter().find(|other| other.address == address);
+                let door = self.doors.iter().find(|(_, known)| *known == address);
+                match (node, door) {
+                    (Some(other), _) => format!("node `{}` has this address already", other.name.as_str()),
+                    (None, Some((sensor, _))) => {
+                        format!("the program of sensor `{sensor}` calls at this address")
+                    }
+                    (None, None) => return Some(address),
+                }
+            }
         };
         self.complain(&value.span(), wrong, format!("write address = {ADDRESS}"));
         None
