@@ -2,8 +2,11 @@
 
 use core::fmt::Write;
 
+use mrroc::robot::JointKind;
+
 use crate::data::Data;
 use crate::fit::Fit;
+use crate::local::LocalTrial;
 use crate::trials::{Errors, Scale, Trial, lengths};
 
 /// A measurement is suspect that is off by this many times the root mean square of all.
@@ -24,6 +27,8 @@ pub struct Report<'r> {
     pub chosen: usize,
     /// Scales of instruments, by their place.
     pub scales: &'r [(usize, Scale)],
+    /// Whether a local correction helps, if that was looked at.
+    pub local: Option<&'r LocalTrial>,
     /// Errors at measurements of another file, for the first trial and the one that is taken, with its name.
     pub test: Option<(String, Errors, Errors)>,
 }
@@ -39,8 +44,7 @@ impl Report<'_> {
     }
 
     fn write(&self, out: &mut String) -> core::fmt::Result {
-        let trial = &self.trials[self.chosen];
-        let (data, fit) = (self.data, &trial.fit);
+        let (data, fit) = (self.data, self.fit());
         let instruments: Vec<&str> = data.instruments().collect();
         let points: Vec<&str> = data.points().collect();
         writeln!(out, "{}: {} postures, {} measurements", self.file, data.postures(), data.measurements())?;
@@ -68,6 +72,7 @@ impl Report<'_> {
         }
         self.noise(out)?;
         self.scales(out)?;
+        self.local(out)?;
         self.suspects(out)?;
         if let Some((file, before, after)) = &self.test {
             let [before, after] = [before, after].map(|errors| self.errors(errors));
@@ -77,6 +82,12 @@ impl Report<'_> {
             )?;
         }
         Ok(())
+    }
+
+    /// The fit that is taken.
+    fn fit(&self) -> &Fit {
+        let taken = self.local.and_then(|local| local.taken.as_ref());
+        taken.map_or(&self.trials[self.chosen].fit, |(_, fit)| fit)
     }
 
     /// Errors in mm, or mrad.
@@ -121,7 +132,7 @@ impl Report<'_> {
     fn noise(&self, out: &mut String) -> core::fmt::Result {
         let trial = &self.trials[self.chosen];
         for (name, id) in self.data.instruments().zip(&trial.stated.instruments) {
-            let noise = trial.fit.noise(*id);
+            let noise = self.fit().noise(*id);
             let told: Vec<String> = noise.iter().map(|sigma| format!("{:.4}", 1e3 * sigma)).collect();
             writeln!(out, "noise of {name}: {} [mm or mrad]", told.join(" "))?;
         }
@@ -157,10 +168,37 @@ impl Report<'_> {
         Ok(())
     }
 
+    fn local(&self, out: &mut String) -> core::fmt::Result {
+        let Some(LocalTrial { taken, without, with, sure }) = self.local else { return Ok(()) };
+        let (unit, before, after) = (self.unit(), 1e3 * without.mean, 1e3 * with.mean);
+        let gain = format!(
+            "mean error at postures left out {before:.4} without it, {after:.4} {unit} with it ({sure:.1} standard errors)"
+        );
+        let Some((correction, _)) = taken else {
+            return writeln!(out, "local corrector: none, it would not help: {gain}");
+        };
+        writeln!(out, "local corrector: taken: {gain}; it counts at")?;
+        for ((joint, [low, high, fade]), kind) in
+            self.data.arm().chain.joints.iter().zip(&correction.range).zip(&correction.kinds)
+        {
+            let (factor, unit) = match kind {
+                JointKind::Revolute => (180.0 / core::f64::consts::PI, "deg"),
+                JointKind::Prismatic => (1e3, "mm"),
+            };
+            let [low, high, fade] = [low, high, fade].map(|one| factor * one);
+            writeln!(
+                out,
+                "  {:28} {low:8.1} to {high:.1} {unit}, and fades out over {fade:.1} {unit} beside that",
+                joint.name
+            )?;
+        }
+        Ok(())
+    }
+
     fn suspects(&self, out: &mut String) -> core::fmt::Result {
         let trial = &self.trials[self.chosen];
         let raw: Vec<(usize, Vec<f64>)> =
-            trial.fit.residuals().enumerate().map(|(i, (_, _, raw))| (i, raw.to_vec())).collect();
+            self.fit().residuals().enumerate().map(|(i, (_, _, raw))| (i, raw.to_vec())).collect();
         let errors = lengths(&trial.stated.problem, &raw);
         // The median, which a few wrong ones do not move; of a length in space it is 1.54 of one axis' deviation, the rms 1.73.
         let mut sorted: Vec<f64> = errors.iter().map(|(_, error)| *error).collect();

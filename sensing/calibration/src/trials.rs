@@ -115,7 +115,9 @@ pub fn settings() -> Settings {
     Settings { loss: Loss::Huber(HUBER), iterations: 200, tolerance: 1e-9 }
 }
 
-fn folds(postures: usize) -> usize {
+/// In how many parts postures are left out: one by one up to 40, then in ten parts.
+#[must_use]
+pub fn folds(postures: usize) -> usize {
     if postures <= ONE_BY_ONE { postures } else { 10 }
 }
 

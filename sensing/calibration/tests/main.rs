@@ -6,4 +6,6 @@ mod camera;
 mod case;
 mod chain;
 mod data;
+mod local;
+mod own_arm;
 mod problem;
