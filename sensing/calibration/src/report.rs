@@ -12,6 +12,12 @@ use crate::trials::{Errors, Scale, Trial, lengths};
 /// A measurement is suspect that is off by this many times the root mean square of all.
 const SUSPECT: f64 = 4.0;
 
+/// What tells a scale that the data do not.
+const TELLS: &str = "a known distance of two points tells, as [[distances]] in the header";
+
+/// An error of a scale that large should show [%].
+const BLIND: f64 = 0.2;
+
 /// Most parameters in a row of the list of what cannot be told apart.
 const UNSEEN: usize = 40;
 
@@ -144,7 +150,7 @@ impl Report<'_> {
         for (i, scale) in self.scales {
             let name = names[*i];
             match scale.sigma {
-                None => writeln!(out, "scale of {name}: cannot be told from the other unknowns")?,
+                None => writeln!(out, "scale of {name}: cannot be told from the other unknowns: {TELLS}")?,
                 Some(sigma) if scale.is_wrong() => {
                     let way = if scale.value > 0.0 { "long" } else { "short" };
                     let percent = 100.0 * scale.value.abs();
@@ -156,11 +162,12 @@ impl Report<'_> {
                     )?;
                 }
                 Some(sigma) => {
+                    let [value, sigma, shows] =
+                        [scale.value, sigma, Scale::shows(sigma)].map(|part| 100.0 * part);
+                    let advice = if shows > BLIND { format!("; {TELLS}") } else { String::new() };
                     writeln!(
                         out,
-                        "scale of {name}: right, to {:.3} % (found {:+.3} %)",
-                        100.0 * sigma,
-                        100.0 * scale.value
+                        "scale of {name}: nothing wrong is seen (found {value:+.3} +- {sigma:.3} %); an error below {shows:.2} % would not show{advice}"
                     )?;
                 }
             }

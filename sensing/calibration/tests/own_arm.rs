@@ -1,9 +1,11 @@
 //! The book's example: a URDF arm of one's own, from a tracker to `cell.toml`; and what choosing postures saves.
 
+use mrroc::pose::Pose;
 use mrroc::robot::Robot;
+use mrroc_calibration::InHand;
 use mrroc_launch::cell_file::CellFile;
 use mrroc_robots::{ArmCalibration, Serial, simulated};
-use nalgebra::SVector;
+use nalgebra::{SVector, Vector3};
 
 #[path = "../examples/own_arm.rs"]
 mod example;
@@ -58,4 +60,29 @@ fn an_arm_of_ones_own_is_calibrated_for_its_cell() {
     let made = file.cell(&simulated()).map(|_| ()).map_err(|why| why.to_string());
     std::fs::remove_file(out).expect("removed");
     assert_eq!(made, Ok(()));
+}
+
+/// What `calibrate eye-to-hand` writes is copied into `cell.toml` as it is.
+#[test]
+fn a_camera_beside_the_arm_is_a_frame_of_its_cell() {
+    let frame = Pose::new(Vector3::new(1.2, -0.3, 0.8), Vector3::new(0.4, -2.1, 0.7));
+    let found = InHand { frame, sigma: vec![1e-4; 6], left: [0.0; 2], pixels: None, unseen: Vec::new() };
+    let text = found.base_text("camera", "2026-11-24");
+    let cell = format!(
+        "step_ms = 2\nstop_ms = 3000\n[robots.arm]\nkind = \"urdf\"\nfile = \"three_parallel.urdf\"\ntip = \"wrist_3\"\n\
+         acceleration = [10.0, 10.0, 10.0, 10.0, 10.0, 10.0]\nstart = [0.0, -1.57, 1.57, -1.57, -1.57, 0.0]\n\n{text}"
+    );
+    let file = CellFile::parse(&format!("{}/cell.toml", folder()), &cell).expect("well-formed");
+    assert!(file.cell(&simulated()).is_ok());
+    let numbers = |key: &str| -> Vec<f64> {
+        let line = text.lines().find_map(|line| line.strip_prefix(&format!("{key} = ["))).expect("a key");
+        line.trim_end_matches(']').split(", ").map(|number| number.parse().expect("a number")).collect()
+    };
+    let (p, z) = (numbers("position"), numbers("zyz"));
+    let about = |axis: Vector3<f64>, angle: f64| Pose::rotation(axis * angle);
+    let read = Pose::translation(p[0], p[1], p[2])
+        * about(Vector3::z(), z[0])
+        * about(Vector3::y(), z[1])
+        * about(Vector3::z(), z[2]);
+    assert!((read.to_homogeneous() - frame.to_homogeneous()).amax() < 1e-12);
 }
