@@ -36,7 +36,7 @@ pub struct LocalCorrection {
 }
 
 impl LocalCorrection {
-    /// How much `d` may change for a unit of the joints [1]: gears and links are off by a thousandth.
+    /// How much `d` may change for a unit of the joints, a ratio: gears and links are off by a thousandth.
     pub const STEEPEST: f64 = 0.05;
 
     /// How many functions there are of so many joints.
