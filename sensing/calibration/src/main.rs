@@ -11,18 +11,28 @@ use mrroc_calibration::trials::{Errors, Trial, chosen, folds, lengths, scales, t
 use mrroc_calibration::{Detail, Fit, bent};
 use mrroc_robots::LocalCorrection;
 
+mod poses;
 mod shop;
 
 const HELP: &str = "\
 calibrate: the true dimensions of an arm, from what an instrument measured of it
 
 usage: calibrate --data FILE.csv [options]
+       calibrate poses --data HEADER.csv --count N [options]
        calibrate camera --board 9x6:25mm PHOTOS.. [--out FILE] [--corners FILE]
        calibrate bases --data TOUCHES.csv --of ARM --in ARM [--out FILE]
        calibrate tcp --data POSES.csv [--angles ORDER] [--out FILE]
        calibrate hand-eye --data POSES.csv [--angles ORDER] [--out FILE]
                           [--lens FILE --board 9x6:25mm]
        calibrate eye-to-hand (as hand-eye)
+
+poses: which N postures to measure, of those within the joints' limits: so that points on
+the flange are known best anywhere. HEADER.csv is the header of the table to come, with
+where instruments and points are about, and sigma; --out (HEADER.poses.csv) is that table
+with joint positions, in which what is measured is filled in. --seed of what is drawn (1);
+--detail as below; --floor MM: all that moves stays above that height in the base;
+--facing z:60: the points' z looks towards the instrument, 60 degrees aside at most;
+--range 500:3000: so near and so far the points are from it, in mm
 
 camera: focal lengths, centre and distortion, from JPEG or PNG photos of a chessboard
 with so many inner corners and squares of that size; --out (lens.toml) is for hand-eye;
@@ -70,6 +80,7 @@ fn main() -> ExitCode {
     }
     let ran = match arguments.split_first() {
         Some((first, rest)) if first == "bases" => shop::bases(rest),
+        Some((first, rest)) if first == "poses" => poses::poses(rest),
         Some((first, rest)) if first == "camera" => shop::camera(rest),
         Some((first, rest)) if ["tcp", "hand-eye", "eye-to-hand"].contains(&&**first) => {
             shop::hand(first, rest)
@@ -105,26 +116,23 @@ fn options(arguments: &[String]) -> Result<Options, String> {
             "--out" => out = Some(PathBuf::from(value()?)),
             "--no-local" => may_be_local = false,
             "--check" => only_checks = true,
-            "--detail" => {
-                let word = value()?;
-                detail = Some(match word.as_str() {
-                    "frames" => Detail::Frames,
-                    "zeros" => Detail::Zeros,
-                    "geometry" => Detail::Geometry,
-                    "encoders" => Detail::Encoders,
-                    _ => {
-                        return Err(format!(
-                            "no detail `{word}`\n help: write frames, zeros, geometry or encoders"
-                        ));
-                    }
-                });
-            }
+            "--detail" => detail = Some(self::detail(&value()?)?),
             other => return Err(format!("no option `{other}`\n help: see --help")),
         }
     }
     let data = data.ok_or("there are no data\n help: write --data FILE.csv, or see --help")?;
     let out = out.unwrap_or_else(|| data.with_extension("calibration.toml"));
     Ok(Options { data, test, detail, out, may_be_local, only_checks })
+}
+
+fn detail(word: &str) -> Result<Detail, String> {
+    match word {
+        "frames" => Ok(Detail::Frames),
+        "zeros" => Ok(Detail::Zeros),
+        "geometry" => Ok(Detail::Geometry),
+        "encoders" => Ok(Detail::Encoders),
+        _ => Err(format!("no detail `{word}`\n help: write frames, zeros, geometry or encoders")),
+    }
 }
 
 fn run(options: &Options) -> Result<String, Failed> {
