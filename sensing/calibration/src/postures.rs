@@ -32,7 +32,7 @@ pub struct Wanted {
     pub seed: u64,
     /// How much of the arm is to be calibrated; by default what the header says, or its geometry.
     pub detail: Option<Detail>,
-    /// All joints behind the first, the flange and its points stay above this height in the base \[m\].
+    /// Joints that go up and down, the flange and its points stay above this height in the base \[m\].
     pub floor: Option<f64>,
     /// Which way a point's face looks in its own frame, and how far that may be turned from the line of sight \[rad\].
     pub facing: Option<(nalgebra::Unit<nalgebra::Vector3<f64>>, f64)>,
@@ -221,6 +221,7 @@ fn drawn(plan: &Plan, wanted: &Wanted) -> Result<(Vec<Seen>, Vec<Vec<f64>>, Opti
         Err(why) => (None, Some(why)),
     };
     let limits: Vec<[f64; 2]> = arm.limits.iter().map(|limits| limits.unwrap_or_default()).collect();
+    let lifted = lifted(plan, &limits);
     let size = POOL.min(PER_POSTURE * wanted.count).max(wanted.count);
     let mut random = Random::seeded(wanted.seed);
     let (mut pool, mut aims) = (Vec::new(), Vec::new());
@@ -229,7 +230,7 @@ fn drawn(plan: &Plan, wanted: &Wanted) -> Result<(Vec<Seen>, Vec<Vec<f64>>, Opti
     while tried < TRIES * size && (pool.len() < size || aims.len() < AIMS) {
         tried += 1;
         let q: Vec<f64> = limits.iter().map(|[low, high]| random.between(*low, *high)).collect();
-        if !is_above(plan, &q, wanted.floor) {
+        if !is_above(plan, &q, &lifted, wanted.floor) {
             low += 1;
             continue;
         }
@@ -262,15 +263,29 @@ fn drawn(plan: &Plan, wanted: &Wanted) -> Result<(Vec<Seen>, Vec<Vec<f64>>, Opti
     Ok((pool, aims, no_clearance))
 }
 
-/// Whether all that moves is above the floor.
-fn is_above(plan: &Plan, q: &[f64], floor: Option<f64>) -> bool {
-    let Some(floor) = floor else { return true };
+/// The heights of the joints, the flange, and the points on it.
+fn heights(plan: &Plan, q: &[f64]) -> Vec<f64> {
     let frames = plan.frames(q);
     let flange = frames.last().copied().unwrap_or_default();
-    let points =
-        plan.sights().iter().filter(|sight| plan.on_flange(sight).0).map(|sight| plan.both(sight, &flange).0);
-    // Where the first joint is, the arm stands.
-    frames.into_iter().skip(1).chain(points).all(|frame| frame.translation.z >= floor)
+    let on_flange = plan.sights().iter().filter(|sight| plan.on_flange(sight).0);
+    let points = on_flange.map(|sight| plan.both(sight, &flange).0);
+    frames.into_iter().chain(points).map(|frame| frame.translation.z).collect()
+}
+
+/// Which of the heights change: a shoulder that only turns about the vertical stands where it stands.
+fn lifted(plan: &Plan, limits: &[[f64; 2]]) -> Vec<bool> {
+    let mut random = Random::seeded(1);
+    let mut any =
+        || heights(plan, &limits.iter().map(|[low, high]| random.between(*low, *high)).collect::<Vec<_>>());
+    let first = any();
+    let others = [any(), any(), any(), any()];
+    (0..first.len()).map(|i| others.iter().any(|other| (other[i] - first[i]).abs() > 1e-6)).collect()
+}
+
+/// Whether all that goes up and down is above the floor.
+fn is_above(plan: &Plan, q: &[f64], lifted: &[bool], floor: Option<f64>) -> bool {
+    let Some(floor) = floor else { return true };
+    heights(plan, q).into_iter().zip(lifted).all(|(height, lifted)| !lifted || height >= floor)
 }
 
 fn is_in_sight(plan: &Plan, sight: usize, q: &[f64], wanted: &Wanted) -> bool {

@@ -8,4 +8,5 @@ mod chain;
 mod data;
 mod local;
 mod own_arm;
+mod postures;
 mod problem;
