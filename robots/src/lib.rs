@@ -51,9 +51,9 @@ pub mod simulation;
 pub use kinds::{simulated, simulated_in, urdf_arm};
 pub use models::{
     ArmCalibration, ChainCalibration, Conveyor, Driven, Encoder, Five, Gains, Gripper, IoBlock, Irp6,
-    Irp6Calibration, Irp6FiveDof, Irp6Track, Jacobian, Kinematics, Linear, LinkState, MotorData, MotorLimits,
-    NoCalibration, NoJoints, One, Overload, Polycrank, Rnt, Screw, Serial, SerialBuilder, SerialOutline,
-    Seven, Shafts, Six, Transmission, TwoFingers, UrdfError, UrdfText,
+    Irp6Calibration, Irp6FiveDof, Irp6Track, Jacobian, Kinematics, Linear, LinkState, LocalCorrection,
+    MotorData, MotorLimits, NoCalibration, NoJoints, One, Overload, Polycrank, Rnt, Screw, Serial,
+    SerialBuilder, SerialOutline, Seven, Shafts, Six, Transmission, TwoFingers, UrdfError, UrdfText,
 };
 pub use simulation::{
     Plant, Regulator, RegulatorSet, Shaft, Simulated, SimulatedIrp6, Surrounded, Surroundings, Unhomed, grasp,

@@ -3,9 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use mrroc::prelude::*;
+use mrroc::robot::JointKind;
 use mrroc_counting_allocator::count;
 use mrroc_launch::cell_file::CellFile;
-use mrroc_robots::{ArmCalibration, ChainCalibration, Irp6, Irp6Calibration, Serial, simulated};
+use mrroc_robots::{
+    ArmCalibration, ChainCalibration, Irp6, Irp6Calibration, Kinematics, LocalCorrection, Serial, simulated,
+};
 use nalgebra::{SVector, UnitQuaternion, Vector6};
 
 type Arm = Serial<6>;
@@ -32,6 +35,7 @@ fn calibration(of: &Arm) -> ChainCalibration {
         tip: step(6),
         displacements: (0..6).map(|i| Vector6::from_fn(|axis, _| small(i, axis))).collect(),
         encoders: Vec::new(),
+        local: None,
     }
 }
 
@@ -83,6 +87,60 @@ fn a_calibrated_arm_has_the_poses_of_its_file_and_finds_its_joints_back_without_
     }
 }
 
+/// Coefficients of some 20 urad, measured within 1.5 rad of 0.3 in all joints.
+fn local() -> LocalCorrection {
+    let wave = |k: usize, j: usize| 2e-5 * ((k * 6 + j) as f64 * 1.3).sin();
+    LocalCorrection {
+        range: vec![[-1.2, 1.8, 0.4]; 6],
+        kinds: vec![JointKind::Revolute; 6],
+        coefficients: (0..LocalCorrection::count(6)).map(|k| (0..6).map(|j| wave(k, j)).collect()).collect(),
+    }
+}
+
+/// Within what was measured, on its edge, where it fades, and beyond, where only the dimensions count.
+#[test]
+fn a_local_correction_moves_the_joints_and_is_undone_without_allocation() {
+    let nominal = three_parallel();
+    let calibration = ChainCalibration { local: Some(local()), ..calibration(&nominal) };
+    let file = ArmCalibration::Chain(calibration.clone()).text();
+    let Ok(ArmCalibration::Chain(read)) = ArmCalibration::parse(&file) else { panic!("{file}") };
+    let arm =
+        nominal.clone().calibrated_by(&read).expect("its own").with_base(Pose::translation(0.1, 0.0, 0.0));
+    let (mut inside, mut beside, mut beyond) = (0, 0, 0);
+    for (i, q) in postures().enumerate() {
+        let q = q * [0.6, 0.75, 1.1][i % 3];
+        let own = local();
+        match own.weight(q.as_slice()) {
+            1.0 => inside += 1,
+            0.0 => beyond += 1,
+            _ => beside += 1,
+        }
+        let stands: Vec<f64> = q.iter().zip(own.at(q.as_slice())).map(|(q, off)| q + off).collect();
+        let expected = Pose::translation(0.1, 0.0, 0.0) * flange(&calibration, &stands);
+        let (pose, allocated) = count(|| arm.forward(&q));
+        assert_eq!(allocated, 0);
+        assert!((pose.to_homogeneous() - expected.to_homogeneous()).amax() < 1e-12);
+        let mut last = Pose::identity();
+        arm.frames(&q, &mut |frame| last = *frame);
+        assert!((last.to_homogeneous() - expected.to_homogeneous()).amax() < 1e-12);
+        let jacobian = arm.jacobian(&q);
+        for j in 0..6 {
+            let h = SVector::<f64, 6>::ith(j, 1e-6);
+            let step = arm.forward(&(q + h)).translation.vector - arm.forward(&(q - h)).translation.vector;
+            assert!((jacobian.fixed_view::<3, 1>(0, j) - step / 2e-6).amax() < 1e-7);
+        }
+        if arm.near_singularity(&q).is_some() || nominal.inverse(&pose, &q).is_err() {
+            continue;
+        }
+        let (found, allocated) = count(|| arm.inverse(&pose, &q.add_scalar(1e-3)));
+        assert_eq!(allocated, 0);
+        if let Ok(found) = found {
+            assert!((arm.forward(&found).to_homogeneous() - expected.to_homogeneous()).amax() < 1e-9);
+        }
+    }
+    assert!(inside > 3 && beside > 3 && beyond > 3, "{inside} {beside} {beyond}");
+}
+
 #[test]
 fn an_irp6_takes_the_dimensions_of_its_calibration() {
     let calibration = Irp6Calibration::of(&Irp6::calibrated());
@@ -94,8 +152,8 @@ fn an_irp6_takes_the_dimensions_of_its_calibration() {
     assert_eq!(arm.transmission().lower.synchro, Irp6::nominal().transmission().lower.synchro);
 }
 
-fn folder() -> PathBuf {
-    let folder = std::env::temp_dir().join(format!("mrroc-calibrated-{}", std::process::id()));
+fn folder(of: &str) -> PathBuf {
+    let folder = std::env::temp_dir().join(format!("mrroc-calibrated-{of}-{}", std::process::id()));
     std::fs::create_dir_all(&folder).expect("a folder");
     let chain = calibration(&three_parallel());
     let other = calibration(&arm(include_str!("reference/urdf/ortho_parallel.urdf"), "base_link", "tool0"));
@@ -105,12 +163,15 @@ fn folder() -> PathBuf {
         displacements: chain.displacements[..5].to_vec(),
         ..chain.clone()
     };
+    let steep = LocalCorrection { coefficients: vec![vec![1e-3; 6]; LocalCorrection::count(6)], ..local() };
+    let steep = ChainCalibration { local: Some(steep), ..chain.clone() };
     let irp6 = ArmCalibration::Irp6(Irp6Calibration::of(&Irp6::calibrated())).text();
     for (name, text) in [
         ("own.toml", ArmCalibration::Chain(chain).text()),
         ("other.toml", ArmCalibration::Chain(other).text()),
         ("encoders.toml", ArmCalibration::Chain(encoders).text()),
         ("short.toml", ArmCalibration::Chain(short).text()),
+        ("steep.toml", ArmCalibration::Chain(steep).text()),
         ("irp6.toml", irp6),
         ("ur.toml", "model = \"ur5e\"\n".to_owned()),
         ("cell.toml", "step_ms = 2\n".to_owned()),
@@ -133,8 +194,16 @@ const THREE_PARALLEL: &str = "kind = \"urdf\"\nfile = \"three_parallel.urdf\"\nt
 const IRP6: &str = "kind = \"irp6\"\nstart = [0.0, -1.57, 0.16, -0.16, 4.71, 0.0]\n";
 
 #[test]
+fn fault_186_a_local_correction_that_is_too_steep_is_refused_before_anything_moves() {
+    let folder = folder("steep");
+    let why = refusal(THREE_PARALLEL, &folder, "steep.toml").expect("too steep");
+    assert!(why.contains("its `local` may change by") && why.contains("cell.toml:4:15"), "{why}");
+    std::fs::remove_dir_all(folder).expect("removed");
+}
+
+#[test]
 fn fault_180_the_calibration_of_another_arm_is_refused_before_anything_moves() {
-    let folder = folder();
+    let folder = folder("other");
     assert_eq!(refusal(THREE_PARALLEL, &folder, "own.toml"), None);
     assert_eq!(refusal(IRP6, &folder, "irp6.toml"), None);
     for (robot, file, told) in [

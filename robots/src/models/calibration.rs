@@ -7,10 +7,12 @@
 use core::fmt::Write;
 
 use mrroc::pose::Pose;
+use mrroc::robot::JointKind;
 use nalgebra::{Quaternion, UnitQuaternion, Vector6};
 use toml::de::{DeTable, DeValue};
 
 use crate::models::irp6::{Irp6, Linear, Screw};
+use crate::models::local::LocalCorrection;
 
 /// What no number of a calibration exceeds [m, rad or mm²].
 const MOST: f64 = 1e6;
@@ -35,6 +37,8 @@ pub struct ChainCalibration {
     pub displacements: Vec<Vector6<f64>>,
     /// By joint what its encoder leaves out: a part of the position, and a cosine and a sine of it \[rad\]; empty if that was not found.
     pub encoders: Vec<[f64; 3]>,
+    /// What joints are off by beside that, where it was measured; `None` if nothing is corrected.
+    pub local: Option<LocalCorrection>,
 }
 
 /// The calibration of an IRp-6.
@@ -95,6 +99,9 @@ impl ArmCalibration {
                     );
                     rows(&mut text, "encoders", chain.encoders.iter().copied());
                 }
+                if let Some(local) = &chain.local {
+                    local_text(&mut text, local);
+                }
             }
             ArmCalibration::Irp6(irp6) => {
                 let Irp6Calibration { lengths, offsets, screws: [lower, upper] } = irp6;
@@ -121,7 +128,9 @@ impl ArmCalibration {
         let table = table.get_ref();
         let model = table.get("model").and_then(|model| model.get_ref().as_str());
         let known: &[&str] = match model {
-            Some("chain") => &["model", "design", "tip", "displacements", "encoders"],
+            Some("chain") => {
+                &["model", "design", "tip", "displacements", "encoders", "local", "local_range", "sliding"]
+            }
             Some("irp6") => &["model", "lengths", "offsets", "lower_screw", "upper_screw"],
             Some(other) => {
                 let other = mrroc::console::quoted(other, 40);
@@ -155,12 +164,72 @@ impl ArmCalibration {
             return Err(no("its `design` and `displacements` have not one row for each joint"));
         }
         let tip = pose(&list(table, "tip")?)?;
-        Ok(ArmCalibration::Chain(ChainCalibration { design, tip, displacements, encoders }))
+        let local = local(table, design.len())?;
+        Ok(ArmCalibration::Chain(ChainCalibration { design, tip, displacements, encoders, local }))
     }
 }
 
 /// Keys that tell and do not count.
 const DESCRIPTIVE: [&str; 3] = ["robot", "made", "data"];
+
+fn local_text(text: &mut String, local: &LocalCorrection) {
+    let _ = writeln!(
+        text,
+        "# By joint the lowest and the highest position that was measured, and how far beside that the correction below fades out."
+    );
+    rows(text, "local_range", local.range.iter().copied());
+    let sliding = local.kinds.iter().enumerate().filter(|(_, kind)| **kind == JointKind::Prismatic);
+    let sliding: Vec<usize> = sliding.map(|(joint, _)| joint + 1).collect();
+    if !sliding.is_empty() {
+        let _ = writeln!(text, "sliding = {sliding:?} # joints that slide, from 1");
+    }
+    let _ = writeln!(
+        text,
+        "# What each joint is off by: of the cosine and the sine of each joint, and of the products cc, cs, sc, ss of each two neighbours."
+    );
+    let _ = writeln!(text, "local = [");
+    for row in &local.coefficients {
+        let _ = writeln!(text, "    {row:?},");
+    }
+    text.push_str("]\n");
+}
+
+/// The local correction of a file, if it has one.
+fn local(table: &DeTable<'_>, joints: usize) -> Result<Option<LocalCorrection>, NoCalibration> {
+    if !["local", "local_range", "sliding"].iter().any(|key| table.contains_key(*key)) {
+        return Ok(None);
+    }
+    let array = |name: &str| match table.get(name).map(|value| value.get_ref()) {
+        Some(DeValue::Array(array)) => Some(array),
+        _ => None,
+    };
+    let wrong = |name: &str| NoCalibration(format!("its `{name}` is not rows of {joints} numbers"));
+    let numbers = |array: &toml::de::DeArray<'_>| -> Option<Vec<f64>> {
+        array.iter().map(|value| number(value.get_ref()).filter(|number| number.abs() < MOST)).collect()
+    };
+    let rows = array("local").ok_or_else(|| wrong("local"))?;
+    let coefficients: Option<Vec<Vec<f64>>> = rows
+        .iter()
+        .map(|row| match row.get_ref() {
+            DeValue::Array(row) => numbers(row),
+            _ => None,
+        })
+        .collect();
+    let coefficients = coefficients.ok_or_else(|| wrong("local"))?;
+    let range = lists::<3>(table, "local_range")?;
+    if range.len() != joints {
+        return Err(NoCalibration("its `local_range` has not one row for each joint".to_owned()));
+    }
+    let sliding = match table.contains_key("sliding") {
+        true => array("sliding").and_then(numbers).ok_or_else(|| wrong("sliding"))?,
+        false => Vec::new(),
+    };
+    let is_sliding = |joint: usize| sliding.contains(&((joint + 1) as f64));
+    let kind = |joint| if is_sliding(joint) { JointKind::Prismatic } else { JointKind::Revolute };
+    let local = LocalCorrection { range, kinds: (0..joints).map(kind).collect(), coefficients };
+    local.check()?;
+    Ok(Some(local))
+}
 
 fn seven(pose: &Pose) -> [f64; 7] {
     let (p, q) = (pose.translation.vector, pose.rotation.quaternion());
@@ -201,16 +270,19 @@ fn not_numbers(name: &str, count: usize) -> NoCalibration {
 
 fn numbers<const K: usize>(value: &DeValue<'_>) -> Option<[f64; K]> {
     let DeValue::Array(array) = value else { return None };
-    let one = |value: &DeValue<'_>| match value {
+    let all: Option<Vec<f64>> = array.iter().map(|value| number(value.get_ref())).collect();
+    let all: [f64; K] = all?.try_into().ok()?;
+    all.iter().all(|number| number.abs() < MOST).then_some(all)
+}
+
+fn number(value: &DeValue<'_>) -> Option<f64> {
+    match value {
         DeValue::Integer(integer) => {
             i64::from_str_radix(integer.as_str(), integer.radix()).ok().map(|whole| whole as f64)
         }
         DeValue::Float(float) => float.as_str().parse().ok(),
         _ => None,
-    };
-    let all: Option<Vec<f64>> = array.iter().map(|value| one(value.get_ref())).collect();
-    let all: [f64; K] = all?.try_into().ok()?;
-    all.iter().all(|number| number.abs() < MOST).then_some(all)
+    }
 }
 
 impl ChainCalibration {
@@ -273,6 +345,11 @@ mod tests {
             tip: Pose::translation(0.0, 0.0, 0.1),
             displacements: vec![Vector6::repeat(1e-3), Vector6::zeros()],
             encoders: Vec::new(),
+            local: Some(LocalCorrection {
+                range: vec![[-1.0, 1.0, 0.2], [0.0, 0.5, 0.1]],
+                kinds: vec![JointKind::Revolute, JointKind::Prismatic],
+                coefficients: (0..8).map(|k| vec![1e-5 * f64::from(k), -3e-6]).collect(),
+            }),
         };
         for calibration in
             [ArmCalibration::Chain(chain), ArmCalibration::Irp6(Irp6Calibration::of(&Irp6::calibrated()))]

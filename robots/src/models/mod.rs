@@ -14,7 +14,7 @@
 //! `gripper.rs`, `two_fingers.rs`, `conveyor.rs`, `io_block.rs`; `urdf/` reads any serial chain. Three families of arms are solved in closed form: `opw.rs` (ortho-parallel),
 //! `three_parallel.rs` (UR type) and `spherical.rs` (seven axes); `planar.rs` is what these have in common.
 //! They share `base.rs` (where a robot stands), `xml.rs` (what is read of XML), `vectors.rs`, `drives.rs`, `shape/` and the numerics of `kinematics.rs`,
-//! `singular.rs` and `sines.rs`. `calibration.rs` reads what was measured of one arm.
+//! `singular.rs` and `sines.rs`. `calibration.rs` reads what was measured of one arm, `local.rs` corrects what dimensions cannot say of it.
 
 mod base;
 mod calibration;
@@ -24,6 +24,7 @@ mod gripper;
 mod io_block;
 mod irp6;
 mod kinematics;
+mod local;
 mod opw;
 mod planar;
 mod polycrank;
@@ -47,6 +48,7 @@ pub use io_block::{IoBlock, NoJoints};
 pub use irp6::{Irp6, Irp6FiveDof, Irp6Track, Linear, LinkState, Screw, Transmission};
 pub(crate) use kinematics::closest;
 pub use kinematics::{Jacobian, Kinematics};
+pub use local::LocalCorrection;
 pub use polycrank::Polycrank;
 pub use rnt::Rnt;
 pub use shape::{Capsule, Link, Motion, Outline};

@@ -96,7 +96,7 @@ impl<'p> Equations<'p> {
     }
 
     /// By how much the residuals of a measurement change for a standard deviation of each joint of one of its postures, by column.
-    fn shares(&self, at_values: &Values, i: usize, posture: usize, shares: &mut DMatrix<f64>) {
+    pub(crate) fn shares(&self, at_values: &Values, i: usize, posture: usize, shares: &mut DMatrix<f64>) {
         let problem = self.problem;
         let measurement = &problem.measurements[i];
         let instrument = &problem.instruments[measurement.instrument.0];

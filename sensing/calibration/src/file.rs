@@ -4,7 +4,7 @@ use core::fmt::Write;
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use mrroc::pose::Pose;
-use mrroc_robots::{ArmCalibration, ChainCalibration};
+use mrroc_robots::{ArmCalibration, ChainCalibration, LocalCorrection};
 
 use crate::chain::ChainArm;
 use crate::fit::Fit;
@@ -28,9 +28,9 @@ pub struct Account {
     pub frames: Vec<(String, Pose)>,
 }
 
-/// The calibration of a chain.
+/// The calibration of a chain, with its local correction.
 #[must_use]
-pub fn of_chain(model: &ChainArm, values: &[f64]) -> ArmCalibration {
+pub fn of_chain(model: &ChainArm, values: &[f64], local: Option<LocalCorrection>) -> ArmCalibration {
     let chain = model.chain();
     let encoders = model.encoders(values);
     let any = encoders.iter().flatten().any(|number| *number != 0.0);
@@ -39,6 +39,7 @@ pub fn of_chain(model: &ChainArm, values: &[f64]) -> ArmCalibration {
         tip: chain.X_tip,
         displacements: model.displacements(values),
         encoders: if any { encoders } else { Vec::new() },
+        local,
     })
 }
 

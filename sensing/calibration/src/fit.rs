@@ -380,8 +380,29 @@ impl Fit {
         (pose, self.spread(&twists))
     }
 
-    fn equations(&self, used: Vec<usize>) -> Equations<'_> {
-        Equations::new(&self.problem, self.slots.clone(), used, self.sigma.clone())
+    pub(crate) fn equations(&self, used: Vec<usize>) -> Equations<'_> {
+        self.equations_of(&self.problem, used)
+    }
+
+    /// The same of another problem with the same blocks.
+    pub(crate) fn equations_of<'p>(&self, problem: &'p Problem, used: Vec<usize>) -> Equations<'p> {
+        Equations::new(problem, self.slots.clone(), used, self.sigma.clone())
+    }
+
+    pub(crate) fn problem(&self) -> &Problem {
+        &self.problem
+    }
+
+    pub(crate) fn slots(&self) -> &[Slot] {
+        &self.slots
+    }
+
+    pub(crate) fn values(&self) -> &Values {
+        &self.values
+    }
+
+    pub(crate) fn settings(&self) -> &Settings {
+        &self.settings
     }
 
     fn spread(&self, twists: &[(usize, Vector6<f64>)]) -> Matrix6<f64> {

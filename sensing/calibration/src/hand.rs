@@ -54,10 +54,13 @@ impl InHand {
     #[must_use]
     pub fn base_text(&self, name: &str, made: &str) -> String {
         let (p, v) = (self.frame.translation.vector, self.frame.rotation.scaled_axis());
+        let Zyz { alpha, beta, gamma } = Zyz::of(&self.frame.rotation);
         format!(
-            "# The {name} in the arm's base, found on {made}. m, rad.\n[frames.{name}]\nposition = {:?}\nrotation_vector = {:?}\n\
+            "# The {name} in the arm's base, found on {made}: write this into cell.toml, if the arm's base is the world.\n# m, rad.\n\
+             [frames.{name}]\nposition = {:?}\nzyz = {:?}\n# The same orientation as a rotation vector: {:?}\n\
              # Standard deviations of x, y, z, and of turns about its own axes.\n# sigma = {:?}\n",
             [p.x, p.y, p.z],
+            [alpha, beta, gamma],
             [v.x, v.y, v.z],
             self.sigma
         )

@@ -11,6 +11,8 @@
 //! | [`Device`]: [`Points`], [`Angles`], [`Distance`], [`Plane`], [`Touch`], [`FullPose`], [`Pixels`] | what instruments read |
 //! | [`Problem`], [`Fit`] | blocks and measurements; what came of them |
 //! | [`choose`], [`Aim`] | which postures to measure |
+//! | [`Postures`], [`data::Plan`] | the same from the header of a table alone |
+//! | [`Fit::local`], [`LocalTrial`] | what dimensions cannot say of an arm, corrected where it was measured, if that helps |
 //! | [`data`], [`trials`] | tables of measurements of others; how much of an arm they can tell |
 //! | [`tip`], [`hand_eye`], [`eye`] | the tip of a tool, and a camera, on a flange; a camera beside an arm |
 //! | [`intrinsics`], [`photo`] | a camera, from photos of a chessboard |
@@ -35,10 +37,12 @@ mod information;
 mod intrinsics;
 mod irp6;
 mod least_squares;
+mod local;
 mod loss;
 mod parameter;
 pub mod photo;
 mod pixels;
+mod postures;
 mod problem;
 pub mod report;
 mod rnt;
@@ -58,9 +62,11 @@ pub use information::{Information, Unseen, covariance};
 pub use intrinsics::{Intrinsics, board_in_camera, camera_of, intrinsics};
 pub use irp6::Irp6Arm;
 pub use least_squares::{LeastSquares, Minimum, NoMinimum, Settings, minimise};
+pub use local::{LocalTrial, bent};
 pub use loss::Loss;
 pub use parameter::{Parameter, Unit};
 pub use pixels::Pixels;
+pub use postures::{NoPostures, Postures, Told, Wanted};
 pub use problem::{ArmId, Compliance, FrameId, Freedom, InstrumentId, Noise, PostureId, Problem, TargetId};
 pub use rnt::RntArm;
 pub use touches::{TouchedBase, Touches, WrongTouches};

@@ -4,24 +4,35 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use mrroc::console::{complain, refused, say};
-use mrroc_calibration::Detail;
 use mrroc_calibration::data::Data;
 use mrroc_calibration::file::{Account, of_chain, text, today};
 use mrroc_calibration::report::Report;
-use mrroc_calibration::trials::{Errors, Trial, chosen, lengths, scales, trials};
+use mrroc_calibration::trials::{Errors, Trial, chosen, folds, lengths, scales, trials};
+use mrroc_calibration::{Detail, Fit, bent};
+use mrroc_robots::LocalCorrection;
 
+mod poses;
 mod shop;
 
 const HELP: &str = "\
 calibrate: the true dimensions of an arm, from what an instrument measured of it
 
 usage: calibrate --data FILE.csv [options]
+       calibrate poses --data HEADER.csv --count N [options]
        calibrate camera --board 9x6:25mm PHOTOS.. [--out FILE] [--corners FILE]
        calibrate bases --data TOUCHES.csv --of ARM --in ARM [--out FILE]
        calibrate tcp --data POSES.csv [--angles ORDER] [--out FILE]
        calibrate hand-eye --data POSES.csv [--angles ORDER] [--out FILE]
                           [--lens FILE --board 9x6:25mm]
        calibrate eye-to-hand (as hand-eye)
+
+poses: which N postures to measure, of those within the joints' limits: so that points on
+the flange are known best anywhere. HEADER.csv is the header of the table to come, with
+where instruments and points are about, and sigma; --out (HEADER.poses.csv) is that table
+with joint positions, in which what is measured is filled in. --seed of what is drawn (1);
+--detail as below; --floor MM: all that moves stays above that height in the base;
+--facing z:60: the points' z looks towards the instrument, 60 degrees aside at most;
+--range 500:3000: so near and so far the points are from it, in mm
 
 camera: focal lengths, centre and distortion, from JPEG or PNG photos of a chessboard
 with so many inner corners and squares of that size; --out (lens.toml) is for hand-eye;
@@ -46,6 +57,8 @@ or zyz; for cameras the same of the board in the camera, as board_x_mm and so on
                   what foretells best the postures that are left out
   --out FILE      the calibration, for `calibration` of a robot in cell.toml;
                   by default FILE.calibration.toml beside the data
+  --no-local      leave out the local corrector: what dimensions cannot say, corrected in
+                  the region that was measured, and only where it helps at postures left out
   --check         read the data, say what is wrong with them, and stop
 
 The book's page Calibration says how to write the header.
@@ -56,6 +69,7 @@ struct Options {
     test: Option<PathBuf>,
     detail: Option<Detail>,
     out: PathBuf,
+    may_be_local: bool,
     only_checks: bool,
 }
 
@@ -66,6 +80,7 @@ fn main() -> ExitCode {
     }
     let ran = match arguments.split_first() {
         Some((first, rest)) if first == "bases" => shop::bases(rest),
+        Some((first, rest)) if first == "poses" => poses::poses(rest),
         Some((first, rest)) if first == "camera" => shop::camera(rest),
         Some((first, rest)) if ["tcp", "hand-eye", "eye-to-hand"].contains(&&**first) => {
             shop::hand(first, rest)
@@ -89,7 +104,8 @@ enum Failed {
 }
 
 fn options(arguments: &[String]) -> Result<Options, String> {
-    let (mut data, mut test, mut detail, mut out, mut only_checks) = (None, None, None, None, false);
+    let (mut data, mut test, mut detail, mut out) = (None, None, None, None);
+    let (mut may_be_local, mut only_checks) = (true, false);
     let mut rest = arguments.iter();
     while let Some(argument) = rest.next() {
         let mut value =
@@ -98,27 +114,25 @@ fn options(arguments: &[String]) -> Result<Options, String> {
             "--data" => data = Some(PathBuf::from(value()?)),
             "--test" => test = Some(PathBuf::from(value()?)),
             "--out" => out = Some(PathBuf::from(value()?)),
+            "--no-local" => may_be_local = false,
             "--check" => only_checks = true,
-            "--detail" => {
-                let word = value()?;
-                detail = Some(match word.as_str() {
-                    "frames" => Detail::Frames,
-                    "zeros" => Detail::Zeros,
-                    "geometry" => Detail::Geometry,
-                    "encoders" => Detail::Encoders,
-                    _ => {
-                        return Err(format!(
-                            "no detail `{word}`\n help: write frames, zeros, geometry or encoders"
-                        ));
-                    }
-                });
-            }
+            "--detail" => detail = Some(self::detail(&value()?)?),
             other => return Err(format!("no option `{other}`\n help: see --help")),
         }
     }
     let data = data.ok_or("there are no data\n help: write --data FILE.csv, or see --help")?;
     let out = out.unwrap_or_else(|| data.with_extension("calibration.toml"));
-    Ok(Options { data, test, detail, out, only_checks })
+    Ok(Options { data, test, detail, out, may_be_local, only_checks })
+}
+
+fn detail(word: &str) -> Result<Detail, String> {
+    match word {
+        "frames" => Ok(Detail::Frames),
+        "zeros" => Ok(Detail::Zeros),
+        "geometry" => Ok(Detail::Geometry),
+        "encoders" => Ok(Detail::Encoders),
+        _ => Err(format!("no detail `{word}`\n help: write frames, zeros, geometry or encoders")),
+    }
 }
 
 fn run(options: &Options) -> Result<String, Failed> {
@@ -153,32 +167,58 @@ fn run(options: &Options) -> Result<String, Failed> {
         )));
     }
     let scales = scales(&data, trial).map_err(|why| late(&why))?;
+    let kinds: Vec<_> = data.arm().chain.joints.iter().map(|joint| joint.kind).collect();
+    // An arm of which nothing is calibrated, or errors of encoders, has none.
+    let may_be_local = options.may_be_local && [Detail::Zeros, Detail::Geometry].contains(&trial.detail);
+    let local = may_be_local.then(|| trial.fit.local(trial.stated.arm, &kinds, folds(data.postures())));
+    let local = local.transpose().map_err(|why| late(&why))?;
+    let taken = local.as_ref().and_then(|local| local.taken.as_ref());
+    let correction = taken.map(|(correction, _)| correction.clone());
+    let fit = taken.map_or(&trial.fit, |(_, fit)| fit);
     let tested = test.as_ref().map(|test| {
-        let errors = |trial: &Trial| {
-            let other = data.with_rows_of(test, trial).map_err(|why| before(&why))?;
-            let raw = trial.fit.foretold(&other);
+        let errors = |trial: &Trial, fit: &Fit, correction: Option<&LocalCorrection>| {
+            let mut other = data.with_rows_of(test, trial).map_err(|why| before(&why))?;
+            if let Some(correction) = correction {
+                other = bent(&other, trial.stated.arm, correction);
+            }
+            let raw = fit.foretold(&other);
             Ok::<_, Failed>(Errors::of(lengths(&other, &raw).into_iter().map(|(_, error)| error)))
         };
         let file = options.test.as_deref().map(name).unwrap_or_default();
-        Ok::<_, Failed>((file, errors(&trials[0])?, errors(trial)?))
+        Ok::<_, Failed>((
+            file,
+            errors(&trials[0], &trials[0].fit, None)?,
+            errors(trial, fit, correction.as_ref())?,
+        ))
     });
     let test = tested.transpose()?;
-    let report = Report { data: &data, file: &file, trials: &trials, chosen, scales: &scales, test };
-    let mut frames = vec![("base".to_owned(), trial.fit.frame(trial.stated.base))];
+    let report = Report {
+        data: &data,
+        file: &file,
+        trials: &trials,
+        chosen,
+        scales: &scales,
+        local: local.as_ref(),
+        test,
+    };
+    let mut frames = vec![("base".to_owned(), fit.frame(trial.stated.base))];
     let named =
         data.instruments().zip(trial.stated.instruments.iter().map(|id| trial.stated.problem.place_of(*id)));
     let points = data.points().zip(trial.stated.points.iter().map(|id| trial.stated.problem.frame_of(*id)));
-    frames.extend(named.chain(points).map(|(name, frame)| (name.to_owned(), trial.fit.frame(frame))));
+    frames.extend(named.chain(points).map(|(name, frame)| (name.to_owned(), fit.frame(frame))));
     let account = Account {
         robot: data.arm().name.clone(),
         data: options.data.file_name().map(|name| name.to_string_lossy().into_owned()),
         made: today(),
         within: trial.within,
-        foretold: trial.foretold,
+        foretold: local
+            .as_ref()
+            .filter(|local| local.taken.is_some())
+            .map_or(trial.foretold, |local| local.with),
         frames,
     };
-    let calibration = of_chain(&trial.stated.model, trial.fit.arm(trial.stated.arm));
-    let written = text(&calibration, &trial.fit, trial.stated.arm, &account);
+    let calibration = of_chain(&trial.stated.model, fit.arm(trial.stated.arm), correction);
+    let written = text(&calibration, fit, trial.stated.arm, &account);
     std::fs::write(&options.out, written)
         .map_err(|why| Failed::Late(format!("{} cannot be written: {why}", options.out.display())))?;
     Ok(format!("{}\nsee {}\n", report.text(), options.out.display()))

@@ -2,12 +2,21 @@
 
 use core::fmt::Write;
 
+use mrroc::robot::JointKind;
+
 use crate::data::Data;
 use crate::fit::Fit;
+use crate::local::LocalTrial;
 use crate::trials::{Errors, Scale, Trial, lengths};
 
 /// A measurement is suspect that is off by this many times the root mean square of all.
 const SUSPECT: f64 = 4.0;
+
+/// What tells a scale that the data do not.
+const TELLS: &str = "a known distance of two points tells, as [[distances]] in the header";
+
+/// An error of a scale that large should show [%].
+const BLIND: f64 = 0.2;
 
 /// Most parameters in a row of the list of what cannot be told apart.
 const UNSEEN: usize = 40;
@@ -24,6 +33,8 @@ pub struct Report<'r> {
     pub chosen: usize,
     /// Scales of instruments, by their place.
     pub scales: &'r [(usize, Scale)],
+    /// Whether a local correction helps, if that was looked at.
+    pub local: Option<&'r LocalTrial>,
     /// Errors at measurements of another file, for the first trial and the one that is taken, with its name.
     pub test: Option<(String, Errors, Errors)>,
 }
@@ -39,8 +50,7 @@ impl Report<'_> {
     }
 
     fn write(&self, out: &mut String) -> core::fmt::Result {
-        let trial = &self.trials[self.chosen];
-        let (data, fit) = (self.data, &trial.fit);
+        let (data, fit) = (self.data, self.fit());
         let instruments: Vec<&str> = data.instruments().collect();
         let points: Vec<&str> = data.points().collect();
         writeln!(out, "{}: {} postures, {} measurements", self.file, data.postures(), data.measurements())?;
@@ -68,6 +78,7 @@ impl Report<'_> {
         }
         self.noise(out)?;
         self.scales(out)?;
+        self.local(out)?;
         self.suspects(out)?;
         if let Some((file, before, after)) = &self.test {
             let [before, after] = [before, after].map(|errors| self.errors(errors));
@@ -77,6 +88,12 @@ impl Report<'_> {
             )?;
         }
         Ok(())
+    }
+
+    /// The fit that is taken.
+    fn fit(&self) -> &Fit {
+        let taken = self.local.and_then(|local| local.taken.as_ref());
+        taken.map_or(&self.trials[self.chosen].fit, |(_, fit)| fit)
     }
 
     /// Errors in mm, or mrad.
@@ -121,7 +138,7 @@ impl Report<'_> {
     fn noise(&self, out: &mut String) -> core::fmt::Result {
         let trial = &self.trials[self.chosen];
         for (name, id) in self.data.instruments().zip(&trial.stated.instruments) {
-            let noise = trial.fit.noise(*id);
+            let noise = self.fit().noise(*id);
             let told: Vec<String> = noise.iter().map(|sigma| format!("{:.4}", 1e3 * sigma)).collect();
             writeln!(out, "noise of {name}: {} [mm or mrad]", told.join(" "))?;
         }
@@ -133,7 +150,7 @@ impl Report<'_> {
         for (i, scale) in self.scales {
             let name = names[*i];
             match scale.sigma {
-                None => writeln!(out, "scale of {name}: cannot be told from the other unknowns")?,
+                None => writeln!(out, "scale of {name}: cannot be told from the other unknowns: {TELLS}")?,
                 Some(sigma) if scale.is_wrong() => {
                     let way = if scale.value > 0.0 { "long" } else { "short" };
                     let percent = 100.0 * scale.value.abs();
@@ -145,11 +162,12 @@ impl Report<'_> {
                     )?;
                 }
                 Some(sigma) => {
+                    let [value, sigma, shows] =
+                        [scale.value, sigma, Scale::shows(sigma)].map(|part| 100.0 * part);
+                    let advice = if shows > BLIND { format!("; {TELLS}") } else { String::new() };
                     writeln!(
                         out,
-                        "scale of {name}: right, to {:.3} % (found {:+.3} %)",
-                        100.0 * sigma,
-                        100.0 * scale.value
+                        "scale of {name}: nothing wrong is seen (found {value:+.3} +- {sigma:.3} %); an error below {shows:.2} % would not show{advice}"
                     )?;
                 }
             }
@@ -157,10 +175,37 @@ impl Report<'_> {
         Ok(())
     }
 
+    fn local(&self, out: &mut String) -> core::fmt::Result {
+        let Some(LocalTrial { taken, without, with, sure }) = self.local else { return Ok(()) };
+        let (unit, before, after) = (self.unit(), 1e3 * without.mean, 1e3 * with.mean);
+        let gain = format!(
+            "mean error at postures left out {before:.4} without it, {after:.4} {unit} with it ({sure:.1} standard errors)"
+        );
+        let Some((correction, _)) = taken else {
+            return writeln!(out, "local corrector: none, it would not help: {gain}");
+        };
+        writeln!(out, "local corrector: taken: {gain}; it counts at")?;
+        for ((joint, [low, high, fade]), kind) in
+            self.data.arm().chain.joints.iter().zip(&correction.range).zip(&correction.kinds)
+        {
+            let (factor, unit) = match kind {
+                JointKind::Revolute => (180.0 / core::f64::consts::PI, "deg"),
+                JointKind::Prismatic => (1e3, "mm"),
+            };
+            let [low, high, fade] = [low, high, fade].map(|one| factor * one);
+            writeln!(
+                out,
+                "  {:28} {low:8.1} to {high:.1} {unit}, and fades out over {fade:.1} {unit} beside that",
+                joint.name
+            )?;
+        }
+        Ok(())
+    }
+
     fn suspects(&self, out: &mut String) -> core::fmt::Result {
         let trial = &self.trials[self.chosen];
         let raw: Vec<(usize, Vec<f64>)> =
-            trial.fit.residuals().enumerate().map(|(i, (_, _, raw))| (i, raw.to_vec())).collect();
+            self.fit().residuals().enumerate().map(|(i, (_, _, raw))| (i, raw.to_vec())).collect();
         let errors = lengths(&trial.stated.problem, &raw);
         // The median, which a few wrong ones do not move; of a length in space it is 1.54 of one axis' deviation, the rms 1.73.
         let mut sorted: Vec<f64> = errors.iter().map(|(_, error)| *error).collect();

@@ -25,7 +25,7 @@ const WRONG_PIXELS: f64 = 8.0;
 const PHOTOS: usize = 3;
 
 /// Options of a command of the shop floor, by name.
-fn given<const N: usize>(arguments: &[String], names: [&str; N]) -> Result<[Option<String>; N], Failed> {
+pub fn given<const N: usize>(arguments: &[String], names: [&str; N]) -> Result<[Option<String>; N], Failed> {
     let mut given = [const { None }; N];
     let mut rest = arguments.iter();
     while let Some(argument) = rest.next() {
@@ -39,7 +39,7 @@ fn given<const N: usize>(arguments: &[String], names: [&str; N]) -> Result<[Opti
     Ok(given)
 }
 
-fn needed(option: Option<String>, what: &str) -> Result<String, Failed> {
+pub fn needed(option: Option<String>, what: &str) -> Result<String, Failed> {
     option.ok_or_else(|| Failed::Before(format!("{what} is missing\n help: see --help")))
 }
 
@@ -51,7 +51,7 @@ fn table(file: &str) -> Result<String, Failed> {
     Ok(text)
 }
 
-fn write(file: &str, text: &str) -> Result<(), Failed> {
+pub fn write(file: &str, text: &str) -> Result<(), Failed> {
     files::check_outputs([Path::new(file)]).map_err(|why| Failed::Before(why.to_string()))?;
     std::fs::write(file, text).map_err(|why| Failed::Late(format!("{file} cannot be written: {why}")))
 }

@@ -115,7 +115,9 @@ pub fn settings() -> Settings {
     Settings { loss: Loss::Huber(HUBER), iterations: 200, tolerance: 1e-9 }
 }
 
-fn folds(postures: usize) -> usize {
+/// In how many parts postures are left out: one by one up to 40, then in ten parts.
+#[must_use]
+pub fn folds(postures: usize) -> usize {
     if postures <= ONE_BY_ONE { postures } else { 10 }
 }
 
@@ -175,7 +177,13 @@ impl Scale {
     /// Whether it is no accident: more than five standard deviations, and more than 0.1 %.
     #[must_use]
     pub fn is_wrong(&self) -> bool {
-        self.sigma.is_some_and(|sigma| self.value.abs() > 5.0 * sigma && self.value.abs() > 1e-3)
+        self.sigma.is_some_and(|sigma| self.value.abs() > Self::shows(sigma))
+    }
+
+    /// The part from which an error shows, with this standard deviation.
+    #[must_use]
+    pub fn shows(sigma: f64) -> f64 {
+        (5.0 * sigma).max(1e-3)
     }
 }
 

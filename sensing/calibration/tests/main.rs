@@ -6,4 +6,7 @@ mod camera;
 mod case;
 mod chain;
 mod data;
+mod local;
+mod own_arm;
+mod postures;
 mod problem;

@@ -18,6 +18,7 @@ use super::newton;
 use super::rounded::{Rounded, check_near};
 use crate::models::calibration::{ChainCalibration, NoCalibration};
 use crate::models::kinematics::{Jacobian, Kinematics};
+use crate::models::local::Local;
 
 /// A serial chain of `N` moving joints, 1 to 8, read from a URDF.
 ///
@@ -97,6 +98,8 @@ pub struct Serial<const N: usize> {
     rounded: Option<Rounded>,
     /// The arm that this one differs from by its calibration.
     nominal: Option<Box<Serial<N>>>,
+    /// What its joints are off by, beside its dimensions.
+    local: Option<Box<Local<N>>>,
 }
 
 /// A chain that still lacks its limits of acceleration, which a URDF does not give.
@@ -140,6 +143,7 @@ impl<const N: usize> SerialBuilder<N> {
             closed,
             rounded,
             nominal: None,
+            local: None,
         })
     }
 
@@ -270,8 +274,8 @@ impl<const N: usize> Serial<N> {
         Ok(self)
     }
 
-    /// The same robot with the dimensions of a calibration, its base where it was. Its inverse kinematics begins with the closed form of
-    /// this one, where that has one ([`Serial::calibrated_from`]); else it iterates.
+    /// The same robot with the dimensions of a calibration, its base where it was, and its [local correction](crate::LocalCorrection) if it has one. Its
+    /// inverse kinematics begins with the closed form of this one, where that has one ([`Serial::calibrated_from`]); else it iterates.
     ///
     /// # Errors
     /// [`NoCalibration`]: it is the calibration of another robot, or one that this robot cannot take.
@@ -303,6 +307,7 @@ impl<const N: usize> Serial<N> {
             arm.closed = None;
             arm.rounded = None;
             arm.nominal = None;
+            arm.local = None;
             arm.reach = reach(&arm.movers, &arm.segments, &arm.X_tip);
             arm.with_base(X_WB)
         };
@@ -319,6 +324,9 @@ impl<const N: usize> Serial<N> {
         if self.form().is_some() {
             arm.nominal = Some(Box::new(self));
             arm.rounded = arm.calibrated();
+        }
+        if let Some(local) = &calibration.local {
+            arm.local = Some(Box::new(Local::of(local, |i| arm.movers[i].kind)?));
         }
         Ok(arm)
     }
@@ -400,69 +408,9 @@ impl<const N: usize> Serial<N> {
         is_nearer.then_some(found)
     }
 
-    /// Whether the arm was recognised as one with a closed form. If so, its inverse kinematics finds all solutions; if not,
-    /// it iterates from the seed and finds one.
-    #[must_use]
-    pub fn is_closed_form(&self) -> bool {
-        self.form().is_some()
-    }
-
-    /// The closed form of the chain, or of the exact geometry nearest to it.
-    fn form(&self) -> Option<&Closed> {
-        self.closed.as_ref().or_else(|| self.rounded.as_ref().map(Rounded::nearest))
-    }
-
-    /// The arm angle \[rad\] at `q` \[rad\], -pi to pi, of a seven-axis arm with a spherical shoulder and a spherical wrist:
-    /// by how much axis 4 is turned about the line from shoulder to wrist, by the right hand, from where the elbow lies
-    /// in the plane through axis 1 and the wrist. `None` for other chains, and in closed form only.
-    #[must_use]
-    pub fn arm_angle(&self, q: &SVector<f64, N>) -> Option<f64> {
-        self.form().and_then(|arm| arm.redundancy(q))
-    }
-}
-
-impl<const N: usize> Robot for Serial<N> {
-    const KIND: &'static str = "urdf";
-
-    type Joints = SVector<f64, N>;
-
-    fn joint(&self, i: usize) -> JointKind {
-        self.movers.get(i).map_or(JointKind::Revolute, |mover| mover.kind)
-    }
-
-    fn limits(&self) -> &Limits<Self::Joints> {
-        &self.limits
-    }
-
-    fn forward(&self, q: &Self::Joints) -> Pose {
-        match &self.closed {
-            Some(Closed::OrthoParallel(arm)) => arm.forward(&joints(q)),
-            _ => self.linkage.forward(q),
-        }
-    }
-
-    /// Visits the frames `X_WL` that the links carry, from base to flange: the base B, the frame of every joint that
-    /// moves (mimic joints too), turned or drawn out, its z along the axis, and the flange.
+    /// Where the joints stand at a pose.
     #[allow(non_snake_case)]
-    fn frames(&self, q: &Self::Joints, visit: &mut dyn FnMut(&Pose)) {
-        let mut X_WL = self.segments.first().map_or_else(Pose::identity, |first| first.X_before);
-        visit(&(X_WL * self.X_BJ.inverse()));
-        for (i, segment) in self.segments.iter().enumerate() {
-            if i > 0 {
-                X_WL *= segment.X_before;
-            }
-            let value = segment.multiplier * q[segment.leader] + segment.offset;
-            X_WL *= match segment.kind {
-                JointKind::Revolute => Pose::rotation(Vector3::z() * value),
-                JointKind::Prismatic => Pose::translation(0.0, 0.0, value),
-            };
-            visit(&X_WL);
-        }
-        visit(&(X_WL * self.X_tip));
-    }
-
-    #[allow(non_snake_case)]
-    fn inverse(&self, X_WF: &Pose, near: &Self::Joints) -> Result<Self::Joints, NoInverse> {
+    fn standing(&self, X_WF: &Pose, near: &SVector<f64, N>) -> Result<SVector<f64, N>, NoInverse> {
         match (&self.closed, &self.rounded) {
             (Some(arm), _) => arm.inverse(X_WF, near),
             (None, Some(arm)) if self.nominal.is_some() => {
@@ -485,6 +433,84 @@ impl<const N: usize> Robot for Serial<N> {
         }
     }
 
+    /// Where the joints stand when encoders read `q`: there, but for what a local correction says.
+    fn stand(&self, q: &SVector<f64, N>) -> SVector<f64, N> {
+        self.local.as_ref().map_or(*q, |local| local.stand(q))
+    }
+
+    /// What encoders read when the joints stand at `p`.
+    fn read(&self, p: &SVector<f64, N>) -> SVector<f64, N> {
+        self.local.as_ref().map_or(*p, |local| local.read(p))
+    }
+
+    /// Whether the arm was recognised as one with a closed form. If so, its inverse kinematics finds all solutions; if not,
+    /// it iterates from the seed and finds one.
+    #[must_use]
+    pub fn is_closed_form(&self) -> bool {
+        self.form().is_some()
+    }
+
+    /// The closed form of the chain, or of the exact geometry nearest to it.
+    fn form(&self) -> Option<&Closed> {
+        self.closed.as_ref().or_else(|| self.rounded.as_ref().map(Rounded::nearest))
+    }
+
+    /// The arm angle \[rad\] at `q` \[rad\], -pi to pi, of a seven-axis arm with a spherical shoulder and a spherical wrist:
+    /// by how much axis 4 is turned about the line from shoulder to wrist, by the right hand, from where the elbow lies
+    /// in the plane through axis 1 and the wrist. `None` for other chains, and in closed form only.
+    #[must_use]
+    pub fn arm_angle(&self, q: &SVector<f64, N>) -> Option<f64> {
+        self.form().and_then(|arm| arm.redundancy(&self.stand(q)))
+    }
+}
+
+impl<const N: usize> Robot for Serial<N> {
+    const KIND: &'static str = "urdf";
+
+    type Joints = SVector<f64, N>;
+
+    fn joint(&self, i: usize) -> JointKind {
+        self.movers.get(i).map_or(JointKind::Revolute, |mover| mover.kind)
+    }
+
+    fn limits(&self) -> &Limits<Self::Joints> {
+        &self.limits
+    }
+
+    fn forward(&self, q: &Self::Joints) -> Pose {
+        let q = &self.stand(q);
+        match &self.closed {
+            Some(Closed::OrthoParallel(arm)) => arm.forward(&joints(q)),
+            _ => self.linkage.forward(q),
+        }
+    }
+
+    /// Visits the frames `X_WL` that the links carry, from base to flange: the base B, the frame of every joint that
+    /// moves (mimic joints too), turned or drawn out, its z along the axis, and the flange.
+    #[allow(non_snake_case)]
+    fn frames(&self, q: &Self::Joints, visit: &mut dyn FnMut(&Pose)) {
+        let q = &self.stand(q);
+        let mut X_WL = self.segments.first().map_or_else(Pose::identity, |first| first.X_before);
+        visit(&(X_WL * self.X_BJ.inverse()));
+        for (i, segment) in self.segments.iter().enumerate() {
+            if i > 0 {
+                X_WL *= segment.X_before;
+            }
+            let value = segment.multiplier * q[segment.leader] + segment.offset;
+            X_WL *= match segment.kind {
+                JointKind::Revolute => Pose::rotation(Vector3::z() * value),
+                JointKind::Prismatic => Pose::translation(0.0, 0.0, value),
+            };
+            visit(&X_WL);
+        }
+        visit(&(X_WL * self.X_tip));
+    }
+
+    #[allow(non_snake_case)]
+    fn inverse(&self, X_WF: &Pose, near: &Self::Joints) -> Result<Self::Joints, NoInverse> {
+        self.standing(X_WF, &self.stand(near)).map(|p| self.read(&p))
+    }
+
     /// Of an arm with seven joints in closed form the solution at this arm angle \[rad\] ([`Serial::arm_angle`]).
     #[allow(non_snake_case)]
     fn inverse_at(
@@ -493,11 +519,13 @@ impl<const N: usize> Robot for Serial<N> {
         redundancy: f64,
         near: &Self::Joints,
     ) -> Result<Self::Joints, NoInverse> {
-        match (&self.closed, &self.rounded) {
+        let near = &self.stand(near);
+        let found = match (&self.closed, &self.rounded) {
             (Some(arm), _) => arm.inverse_at(X_WF, redundancy, near),
             (None, Some(arm)) => arm.inverse_at(&self.linkage, X_WF, redundancy, near),
             (None, None) => Err(NoInverse::NotRedundant),
-        }
+        };
+        found.map(|p| self.read(&p))
     }
 
     fn near_singularity(&self, q: &Self::Joints) -> Option<&'static str> {
@@ -517,7 +545,13 @@ impl<const N: usize> Kinematics<N> for Serial<N> {
     }
 
     fn jacobian(&self, q: &SVector<f64, N>) -> Jacobian<N> {
-        self.linkage.jacobian(q).1
+        match &self.local {
+            None => self.linkage.jacobian(q).1,
+            Some(local) => {
+                let (p, slope) = local.stand_with_slope(q);
+                self.linkage.jacobian(&p).1 * slope
+            }
+        }
     }
 
     /// Of an arm in closed form all solutions, at most eight; a joint that is undetermined stays as in `near`. Of all other
@@ -529,6 +563,8 @@ impl<const N: usize> Kinematics<N> for Serial<N> {
         near: &SVector<f64, N>,
         visit: &mut dyn FnMut(&SVector<f64, N>),
     ) -> Result<(), NoInverse> {
+        let near = &self.stand(near);
+        let visit = &mut |p: &SVector<f64, N>| visit(&self.read(p));
         match (&self.closed, &self.rounded) {
             (Some(arm), _) => arm.solutions(X_WF, near, visit),
             (None, Some(arm)) if self.nominal.is_some() => {

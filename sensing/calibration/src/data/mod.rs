@@ -5,10 +5,13 @@
 
 mod header;
 mod mistake;
+mod plan;
 mod robot;
 pub(crate) mod rotation;
 mod section;
+mod shape;
 mod table;
+mod table_text;
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -26,6 +29,7 @@ use crate::fit::NoFit;
 use crate::problem::{ArmId, FrameId, Freedom, InstrumentId, Noise, Problem, TargetId};
 
 pub use mistake::Mistakes;
+pub use plan::Plan;
 pub use robot::{Described, NoArm};
 
 /// The tolerance of a scale that is to be found: a part of it.

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use mrroc::robot::JointKind;
+use mrroc::robot::{JointKind, Robot};
 use mrroc_robots::{Serial, UrdfError, UrdfText};
 use nalgebra::SVector;
 
@@ -17,6 +17,18 @@ pub struct Described {
     pub name: String,
     /// Its joints.
     pub chain: Chain,
+    /// By joint between which positions it may be [rad or m], as far as its description says so; an endless joint within a turn.
+    pub limits: Vec<Option<[f64; 2]>>,
+    /// Where its shape may be written.
+    pub(super) urdf: Option<Urdf>,
+}
+
+/// A chain of a URDF.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Urdf {
+    pub(super) text: String,
+    pub(super) base: String,
+    pub(super) tip: String,
 }
 
 /// Why a URDF gives no arm to calibrate.
@@ -80,10 +92,10 @@ impl Described {
                     "write a table [[joints]] with theta, d, a and alpha for each joint, from the base on",
                 );
             }
-            let rows: Vec<DhRow> =
-                joints.iter().enumerate().map(|(i, joint)| row(joint, i, length, angle)).collect();
+            let (rows, limits): (Vec<DhRow>, Vec<_>) =
+                joints.iter().enumerate().map(|(i, joint)| row(joint, i, length, angle)).unzip();
             let chain = if convention? { Chain::proximal(&rows) } else { Chain::distal(&rows) };
-            Some(Described { name: name.unwrap_or_else(|| "arm".to_owned()), chain })
+            Some(Described { name: name.unwrap_or_else(|| "arm".to_owned()), chain, limits, urdf: None })
         });
         source.finish(described)
     }
@@ -110,23 +122,41 @@ impl Described {
             // More, or none, is refused with the reason.
             _ => serial::<8>(&urdf, &base, tip)?,
         };
-        let mut chain = chain.ok_or(NoArm::Mimic)?;
+        let (mut chain, limits) = chain.ok_or(NoArm::Mimic)?;
         for (joint, name) in chain.joints.iter_mut().zip(names) {
             joint.name = name;
         }
         let name = path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
-        Ok(Described { name, chain })
+        let urdf = Urdf { text: urdf.as_str().to_owned(), base, tip: tip.to_owned() };
+        Ok(Described { name, chain, limits, urdf: Some(urdf) })
     }
 }
 
-fn serial<const N: usize>(urdf: &UrdfText, base: &str, tip: &str) -> Result<Option<Chain>, UrdfError> {
-    // Accelerations count for nothing here.
-    let builder = Serial::<N>::from_urdf(urdf.as_str(), base, tip)?;
-    let acceleration = builder.stated_acceleration().unwrap_or_else(|| SVector::repeat(1.0));
-    Ok(Chain::of(&builder.with_acceleration(acceleration)?))
+/// A chain, and by joint between which positions it may be.
+type Limited = (Chain, Vec<Option<[f64; 2]>>);
+
+fn serial<const N: usize>(urdf: &UrdfText, base: &str, tip: &str) -> Result<Option<Limited>, UrdfError> {
+    let robot = of_urdf::<N>(urdf.as_str(), base, tip)?;
+    let limits = (0..N).map(|i| {
+        let range = [robot.limits().lower[i], robot.limits().upper[i]];
+        match robot.joint(i) {
+            _ if range.iter().all(|limit| limit.is_finite()) => Some(range),
+            JointKind::Revolute => Some([-core::f64::consts::PI, core::f64::consts::PI]),
+            JointKind::Prismatic => None,
+        }
+    });
+    let limits = limits.collect();
+    Ok(Chain::of(&robot).map(|chain| (chain, limits)))
 }
 
-fn row(joint: &Section<'_>, i: usize, length: f64, angle: f64) -> DhRow {
+/// The arm of a URDF; accelerations count for nothing here.
+pub(super) fn of_urdf<const N: usize>(text: &str, base: &str, tip: &str) -> Result<Serial<N>, UrdfError> {
+    let builder = Serial::<N>::from_urdf(text, base, tip)?;
+    let acceleration = builder.stated_acceleration().unwrap_or_else(|| SVector::repeat(1.0));
+    builder.with_acceleration(acceleration)
+}
+
+fn row(joint: &Section<'_>, i: usize, length: f64, angle: f64) -> (DhRow, Option<[f64; 2]>) {
     let mut value = |key: &'static str| {
         let read = joint.number(key, "write a number");
         if read.is_none() && joint.source.is_good() {
@@ -141,6 +171,16 @@ fn row(joint: &Section<'_>, i: usize, length: f64, angle: f64) -> DhRow {
     let name = joint
         .text("name", "write name = \"..\"")
         .map_or_else(|| format!("joint {}", i + 1), |name| name.value);
+    let unit = if kind == JointKind::Prismatic { length } else { angle };
+    let help =
+        "write limits = [-170, 170], the lower one first, in angle_unit, or in length_unit where it slides";
+    let limits = joint.numbers("limits", help).and_then(|read| match read.value[..] {
+        [low, high] if low < high => Some([low * unit, high * unit]),
+        _ => {
+            joint.source.complain(&read.span, "limits are two numbers, the lower one first", help);
+            None
+        }
+    });
     joint.close();
-    DhRow { name, kind, theta: theta * angle, d: d * length, a: a * length, alpha: alpha * angle }
+    (DhRow { name, kind, theta: theta * angle, d: d * length, a: a * length, alpha: alpha * angle }, limits)
 }
