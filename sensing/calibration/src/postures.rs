@@ -234,8 +234,11 @@ fn drawn(plan: &Plan, wanted: &Wanted) -> Result<(Vec<Seen>, Vec<Vec<f64>>, Opti
             low += 1;
             continue;
         }
-        let nearest = clearance.as_mut().map(|clearance| clearance.nearest_at(&[&q]));
-        if nearest.is_some_and(|nearest| nearest.map_or(true, |nearest| nearest.distance < CLEAR)) {
+        let nearest = clearance.as_mut().map(|clearance| {
+            // A posture that cannot be judged is not clear.
+            clearance.nearest_at(&[&q]).map_or(0.0, |nearest| nearest.distance)
+        });
+        if nearest.is_some_and(|nearest| nearest < CLEAR) {
             meet += 1;
             continue;
         }
