@@ -28,6 +28,8 @@ enum Phase {
 /// that the encoder says where it is now; no camera is asked.
 pub struct Acquire {
     place: Place,
+    /// Where the arm stands along the belt \[m\]; all places below count from there.
+    station: f64,
     tool: Pursuit,
     yaw: f64,
     turning: f64,
@@ -55,11 +57,12 @@ impl Acquire {
     /// Angular acceleration of the tool about z [rad/s²].
     const TURNING: f64 = 2.5;
 
-    /// A part at a place in the belt's frame.
+    /// A part at a place in the belt's frame, by an arm that stands so far along the belt \[m\].
     #[must_use]
-    pub fn new(place: Place) -> Self {
+    pub fn new(place: Place, station: f64) -> Self {
         Self {
-            place,
+            place: Place { along: place.along - station, ..place },
+            station,
             tool: Pursuit::default(),
             yaw: 0.0,
             turning: 0.0,
@@ -106,6 +109,7 @@ impl Acquire {
     ) -> Result<Step<Irp6>, Fault> {
         let pose = e.demanded().pose;
         self.tool = Pursuit::at_rest(&pose);
+        self.tool.at.x -= self.station;
         let x = pose.rotation * Vector3::x();
         self.yaw = x.y.atan2(x.x);
         // From -0.4 on, not from -pi on.
@@ -179,6 +183,7 @@ impl Acquire {
             self.place.yaw = self.yaw;
         }
         self.tool = self.tool.after(&place, &Vector3::new(moving, 0.0, 0.0), t.dt);
-        Ok(Step::Next(Demand::pose(at(self.tool.at.x, self.tool.at.y, self.tool.at.z, self.yaw))))
+        let s = self.tool.at.x + self.station;
+        Ok(Step::Next(Demand::pose(at(s, self.tool.at.y, self.tool.at.z, self.yaw))))
     }
 }

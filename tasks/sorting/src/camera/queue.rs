@@ -16,14 +16,16 @@ use crate::mp::Arm;
 /// What the coordinator knows of parts.
 #[derive(Clone, Debug)]
 pub struct Queue {
-    waiting: VecDeque<OnBelt>,
+    pub(super) waiting: VecDeque<OnBelt>,
     /// Number of the newest part that has been taken in.
     newest: u32,
-    seen: Spotted,
+    pub(super) seen: Spotted,
     /// So many are to come; and for how long none may \[s\].
     parts: u32,
     patience: f64,
     quiet: f64,
+    /// The last arm goes down onto parts up to here, along s \[m\].
+    last: f64,
     grips: Rc<[f64]>,
     /// Parts that went by, because the arm was busy: their numbers.
     pub late: Vec<u32>,
@@ -31,7 +33,7 @@ pub struct Queue {
 
 impl Queue {
     /// The arm sets out for a part so long before that comes into its reach \[s\] ..
-    const AHEAD: f64 = 2.5;
+    pub(super) const AHEAD: f64 = 2.5;
     /// .. and gets to it at most so long after it has set out, with the hand closed \[s\].
     pub const REACHING: f64 = 4.5;
 
@@ -40,11 +42,17 @@ impl Queue {
     pub fn of(parts: u32, patience: f64) -> Self {
         let grips = kinds().iter().map(|kind| kind.grip).collect();
         let (waiting, seen) = (VecDeque::new(), Spotted::default());
-        Self { waiting, newest: 0, seen, parts, patience, quiet: 0.0, grips, late: Vec::new() }
+        Self { waiting, newest: 0, seen, parts, patience, quiet: 0.0, last: LAST, grips, late: Vec::new() }
+    }
+
+    /// The same where the last arm goes down up to another place, along s \[m\].
+    #[must_use]
+    pub fn up_to(self, last: f64) -> Self {
+        Self { last, ..self }
     }
 
     /// Takes in what the camera says.
-    fn take(&mut self, seen: &Spotted, dt: f64) {
+    pub(super) fn take(&mut self, seen: &Spotted, dt: f64) {
         self.quiet += dt;
         for part in seen.newest.iter().rev().filter(|part| part.number > self.newest) {
             self.waiting.push_back(*part);
@@ -53,7 +61,7 @@ impl Queue {
         self.newest = self.newest.max(seen.parts);
         self.seen = *seen;
         // Belts may carry parts past each other only as fast as they run: none.
-        let last = LAST - Self::REACHING * seen.speed.max(0.0);
+        let last = self.last - Self::REACHING * seen.speed.max(0.0);
         while let Some(part) = self.waiting.front().filter(|part| part.along + seen.way > last) {
             self.late.push(part.number);
             self.waiting.pop_front();
@@ -64,21 +72,32 @@ impl Queue {
     fn is_ready(&self) -> bool {
         let ahead = FIRST - Self::AHEAD * self.seen.speed.max(0.0);
         let near = self.waiting.front().is_some_and(|part| part.along + self.seen.way > ahead);
+        near || self.is_over()
+    }
+
+    /// Whether no more come, and none waits that could be taken.
+    pub(super) fn is_over(&self) -> bool {
         let all = self.seen.parts + self.seen.unknown >= self.parts && self.waiting.is_empty();
-        near || all || self.quiet > self.patience
+        // A belt that stands brings nothing, even if a part waits on it.
+        all || self.quiet > self.patience
     }
 
     /// The task to take the next part; `None` when no more come.
     pub fn pick(&mut self) -> Option<Task> {
-        // A belt that stands brings nothing, even if a part waits on it.
         if self.quiet > self.patience {
             return None;
         }
-        let OnBelt { number, class, along, across, angle, .. } = self.waiting.pop_front()?;
+        let part = self.waiting.pop_front()?;
+        Some(self.order(&part))
+    }
+
+    /// The task to take a part.
+    pub(super) fn order(&self, part: &OnBelt) -> Task {
+        let OnBelt { number, class, along, across, angle, .. } = *part;
         let turned = angle + self.grips.get(class as usize).copied().unwrap_or_default();
         // Fingers do not mind half a turn, and between 0 and a half the wrist can follow all along the belt; y of the belt's frame is against x of the world.
         let place = Place { along, across: -across, yaw: turned.rem_euclid(PI) };
-        Some(Task::Pick { part: number, place, bin: class % KINDS as u32 })
+        Task::Pick { part: number, place, bin: class % KINDS as u32 }
     }
 }
 
