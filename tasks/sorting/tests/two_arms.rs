@@ -78,8 +78,10 @@ fn fault_223_a_part_that_one_arm_could_not_take_is_taken_by_the_other() {
 
 #[test]
 fn fault_224_an_edp_of_one_of_two_arms_that_is_killed_stops_both() {
-    let settings = Settings { parts: 2, ..crowd() };
-    let held = settings.run().expect("a cell").grips[1].time;
+    let settings = Settings { parts: 3, ..crowd() };
+    let outcome = settings.run().expect("a cell");
+    // The second arm is down at its part, and the first one on its way.
+    let held = outcome.grips.iter().find(|grip| grip.arm == 1).expect("the second arm took one").time;
     let sweep = Sweep::new(|| settings.ready().expect("a cell").cell);
     let all = if std::env::var_os("MRROC_LONG").is_some() { 2 } else { 1 };
     for (name, before) in [("arm-2", 0.4), ("hand", 0.2)].into_iter().take(all) {
@@ -106,7 +108,7 @@ fn fault_225_arms_that_come_nearer_than_they_may_are_stopped_by_the_guard() {
 
 #[test]
 fn two_arms_share_the_belt_below_the_matrix_by_the_same_programs() {
-    shared(&Settings { parts: 2, ..crowd() }.below(Overhead::Matrix));
+    shared(&Settings { parts: 3, ..crowd() }.below(Overhead::Matrix));
 }
 
 #[test]

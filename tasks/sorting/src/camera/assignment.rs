@@ -14,8 +14,8 @@
 use pathfinding::kuhn_munkres::kuhn_munkres_min;
 use pathfinding::matrix::Matrix;
 
-/// So many parts are looked at, the ones that are farthest along.
-pub const PARTS: usize = 6;
+/// So many parts are looked at, the ones that are farthest along: more than lie on the belt from the first window's begin to the last one's end.
+pub const PARTS: usize = 32;
 /// So many picks of each arm are looked at.
 pub const PICKS: usize = 3;
 
