@@ -69,6 +69,9 @@ pub struct AtTool {
 }
 
 impl AtTool {
+    /// A beam between fingertips ends there: only what is so near counts, not what another arm carries in line with it \[m\].
+    const NEAR: f64 = 0.2;
+
     /// At the tool of this hand.
     #[must_use]
     pub fn new(belt: Belt, hand: Hand) -> Self {
@@ -82,7 +85,12 @@ impl Scene for AtTool {
     }
 
     fn each_solid(&self, visit: &mut dyn FnMut(&Solid<'_>)) {
-        self.belt.each_solid(visit);
+        let tool = self.hand.pose().translation.vector;
+        self.belt.each_solid(&mut |solid: &Solid<'_>| {
+            if (solid.pose.translation.vector - tool).norm() < AtTool::NEAR {
+                visit(solid);
+            }
+        });
     }
 }
 
