@@ -8,6 +8,7 @@ use mrroc_robots::Irp6;
 use mrroc_sensors::virtual_sensors::{Between, Encoder};
 use nalgebra::Vector3;
 
+use super::count::Count;
 use super::layout::{FIRST, LAST};
 use super::orders::Place;
 use crate::generators::{Close, Part, Pursuit};
@@ -34,6 +35,7 @@ pub struct Acquire {
     yaw: f64,
     turning: f64,
     phase: Phase,
+    count: Count,
     /// How long the part has been between the fingers, and for how long the tool has been about it \[s\].
     held: f64,
     age: f64,
@@ -67,6 +69,7 @@ impl Acquire {
             yaw: 0.0,
             turning: 0.0,
             phase: Phase::Above,
+            count: Count::default(),
             held: 0.0,
             age: 0.0,
         }
@@ -131,6 +134,7 @@ impl Acquire {
         let (Some(belt), Some(fingers)) = (v.0.reading(), v.1.reading()) else {
             return Err(Fault::thrown("a part is taken only once encoder and finger barrier have been read"));
         };
+        self.count.take(belt.way, belt.speed, t.duration)?;
         // Where the part is when the demand of this step is attained.
         let later = f64::from(v.0.age()) * t.duration + Self::LATCH + Part::DELAY;
         let s = self.place.along + belt.way + belt.speed * later;

@@ -11,6 +11,7 @@ pub mod bound;
 pub mod charts;
 pub mod clear;
 pub mod command;
+pub mod count;
 pub mod ecp;
 pub mod kinds;
 pub mod layout;

@@ -6,8 +6,10 @@ use std::rc::Rc;
 
 use mrroc::generator::{Class, Condition, Generator, Level, Uses};
 use mrroc::prelude::*;
+use mrroc::sensor::SensorImage;
 use mrroc_sensors::virtual_sensors::{OnBelt, PartSensor, Spotted};
 
+use super::count::Count;
 use super::kinds::{KINDS, kinds};
 use super::layout::{FIRST, LAST};
 use super::orders::{Place, Task};
@@ -20,6 +22,7 @@ pub struct Queue {
     /// Number of the newest part that has been taken in.
     newest: u32,
     pub(super) seen: Spotted,
+    count: Count,
     /// So many are to come; and for how long none may \[s\].
     parts: u32,
     patience: f64,
@@ -41,8 +44,19 @@ impl Queue {
     #[must_use]
     pub fn of(parts: u32, patience: f64) -> Self {
         let grips = kinds().iter().map(|kind| kind.grip).collect();
-        let (waiting, seen) = (VecDeque::new(), Spotted::default());
-        Self { waiting, newest: 0, seen, parts, patience, quiet: 0.0, last: LAST, grips, late: Vec::new() }
+        let (waiting, seen, count) = (VecDeque::new(), Spotted::default(), Count::default());
+        Self {
+            waiting,
+            newest: 0,
+            seen,
+            count,
+            parts,
+            patience,
+            quiet: 0.0,
+            last: LAST,
+            grips,
+            late: Vec::new(),
+        }
     }
 
     /// The same where the last arm goes down up to another place, along s \[m\].
@@ -52,7 +66,14 @@ impl Queue {
     }
 
     /// Takes in what the camera says.
-    pub(super) fn take(&mut self, seen: &Spotted, dt: f64) {
+    ///
+    /// # Errors
+    /// The belt's count cannot be true.
+    pub(super) fn take(&mut self, image: &SensorImage<PartSensor>, dt: f64) -> Result<(), Fault> {
+        let seen = &image.reading().unwrap_or_default();
+        if image.reading().is_some() {
+            self.count.take(seen.way, seen.speed, dt)?;
+        }
         self.quiet += dt;
         for part in seen.newest.iter().rev().filter(|part| part.number > self.newest) {
             self.waiting.push_back(*part);
@@ -66,6 +87,7 @@ impl Queue {
             self.late.push(part.number);
             self.waiting.pop_front();
         }
+        Ok(())
     }
 
     /// Whether a part is to be taken now, or no more come.
@@ -119,7 +141,7 @@ impl Condition for Ready {
         v: &Reading<(PartSensor,)>,
         t: Tick,
     ) -> Result<bool, Fault> {
-        self.0.take(&v.0.reading().unwrap_or_default(), t.duration);
+        self.0.take(&v.0, t.duration)?;
         Ok(self.0.is_ready())
     }
 }
@@ -153,7 +175,7 @@ impl Generator for Tell {
         v: &Reading<(PartSensor,)>,
         t: Tick,
     ) -> Result<Step<Arm, Task>, Fault> {
-        self.1.take(&v.0.reading().unwrap_or_default(), t.duration);
+        self.1.take(&v.0, t.duration)?;
         Ok(Step::Next((self.0, self.0)))
     }
 }

@@ -194,7 +194,7 @@ impl Condition for Turn {
         t: Tick,
     ) -> Result<bool, Fault> {
         let shared = &mut self.shared;
-        shared.queue.take(&v.0.reading().unwrap_or_default(), t.duration);
+        shared.queue.take(&v.0, t.duration)?;
         shared.now += t.duration;
         shared.openings = [e.0.demanded().joints[0], e.1.demanded().joints[0]];
         self.steps += 1;
