@@ -91,6 +91,11 @@ sorting-camera PARTS="500":
     cargo run --release -p sorting -- --sensor camera --sweep {{PARTS}}
     cargo run --release -p sorting -- --sensor camera --examine 2400
 
+# Two arms at one belt: so many parts at three arrival rates, each miss explained.
+sorting-two-arms PARTS="500":
+    cargo run --release -p sorting -- --sensor camera --arms 2 --sweep {{PARTS}} --speeds 0.1
+    MRROC_LONG=1 cargo test --release -p sorting --test all -- two_arms --nocapture
+
 # Parts on a belt below an ultrasonic matrix: recognition of others, faults, runs at three speeds; minutes.
 sorting-matrix:
     MRROC_LONG=1 cargo test --release -p sorting --test all -- matrix --nocapture

@@ -93,7 +93,9 @@ fn a_belt_runs_on_through_moves_and_waits_of_others_without_losing_a_step() {
             // The Wait may name it, and sees it move.
             mp.wait_until((&mut *belt,), (), Beyond(0.25))?;
             assert!((belt.demanded().velocity[0] - SPEED).abs() < 1e-9, "the Wait stopped it");
+            assert!(mp.is_in_background(belt));
             mp.end_robot(belt)?;
+            assert!(!mp.is_in_background(belt));
             assert_eq!(belt.demanded().velocity[0], 0.0);
             Ok(())
         },
@@ -160,8 +162,12 @@ fn a_generator_that_is_done_leaves_its_robot_at_rest_and_the_program_goes_on() {
     let (result, arms, belts) = cell(
         |_, _| {},
         |mp, (arm, belt)| {
+            assert!(!mp.is_in_background(belt));
             mp.start_robot(belt, Run::at(SPEED).steps(150))?;
+            assert!(mp.is_in_background(belt) && !mp.is_in_background(arm));
             mp.move_robot(arm, (), Smooth::to(0.2, 0.6))?;
+            // It was done on its own meanwhile.
+            assert!(!mp.is_in_background(belt));
             mp.end_robot(belt)?;
             assert_eq!(belt.demanded().velocity[0], 0.0);
             mp.move_robot(belt, (), Smooth::to(0.0, 0.4)).map(drop)

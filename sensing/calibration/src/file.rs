@@ -49,9 +49,9 @@ pub fn text(calibration: &ArmCalibration, fit: &Fit, arm: ArmId, account: &Accou
     let mut text = calibration.text();
     let Account { robot, data, made, within, foretold, frames } = account;
     // Writing into a text does not fail.
-    let _ = writeln!(text, "robot = {robot:?}\nmade = {made:?}");
+    let _ = writeln!(text, "robot = {}\nmade = {made:?}", quoted(robot));
     if let Some(data) = data {
-        let _ = writeln!(text, "data = {data:?}");
+        let _ = writeln!(text, "data = {}", quoted(data));
     }
     let _ = writeln!(
         text,
@@ -66,7 +66,8 @@ pub fn text(calibration: &ArmCalibration, fit: &Fit, arm: ArmId, account: &Accou
         let (p, v) = (frame.translation.vector, frame.rotation.scaled_axis());
         let _ = writeln!(
             text,
-            "[frames.{name:?}]\nposition = {:?}\nrotation_vector = {:?}\n",
+            "[frames.{}]\nposition = {:?}\nrotation_vector = {:?}\n",
+            quoted(name),
             [p.x, p.y, p.z],
             [v.x, v.y, v.z]
         );
@@ -80,7 +81,7 @@ pub fn text(calibration: &ArmCalibration, fit: &Fit, arm: ArmId, account: &Accou
     let _ = writeln!(text, "[parameters]\nnames = [");
     for i in &columns {
         let parameter = &found[*i].parameter;
-        let _ = writeln!(text, "    {:?}, # {}", parameter.name, parameter.unit);
+        let _ = writeln!(text, "    {}, # {}", quoted(&parameter.name), parameter.unit);
     }
     let values: Vec<f64> = columns.iter().map(|i| found[*i].value).collect();
     let sigmas: Vec<f64> = columns.iter().map(|i| found[*i].sigma).collect();
@@ -91,6 +92,21 @@ pub fn text(calibration: &ArmCalibration, fit: &Fit, arm: ArmId, account: &Accou
     }
     text.push_str("]\n");
     text
+}
+
+/// A text as TOML quotes it. Rust's own quotes escape characters in a way that TOML does not know.
+pub(crate) fn quoted(text: &str) -> String {
+    let mut quoted = String::from("\"");
+    for letter in text.chars() {
+        match letter {
+            '"' | '\\' => quoted.extend(['\\', letter]),
+            // All of them are below U+00A0.
+            _ if letter.is_control() => quoted.push_str(&format!("\\u{:04X}", u32::from(letter))),
+            _ => quoted.push(letter),
+        }
+    }
+    quoted.push('"');
+    quoted
 }
 
 /// Today's date in UTC, `2026-11-24`.

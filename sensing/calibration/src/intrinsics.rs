@@ -11,6 +11,7 @@ use mrroc_sensors::camera::{Camera, Lens};
 use nalgebra::{DMatrix, Matrix3, Rotation3, UnitQuaternion, Vector2, Vector3};
 use toml::de::{DeTable, DeValue};
 
+use crate::file::quoted;
 use crate::fit::NoFit;
 use crate::least_squares::Settings;
 use crate::pixels::{List, Pixels, names, numbers};
@@ -200,12 +201,13 @@ impl Intrinsics {
              # Distortion as OpenCV writes it: radial k1, k2, k3, tangential p1, p2.\n\
              model = \"camera\"\nsize = {size:?}\nfocal = {focal:?}\ncentre = {centre:?}\nradial = {:?}\ntangential = {:?}\n\
              made = {made:?}\n\n[board]\ncorners = {:?}\nsquare = {:?} # m\n\n\
-             # What is left of corners [pixel].\n[left]\nrms = {:?}\n\n[left.photos]\n",
+             # What is left of corners [pixel], in all and photo by photo.\n[left]\nrms = {:?}\nphotos = [\n",
             lens.radial, lens.tangential, board.corners, board.square, self.rms
         );
         for (photo, left) in photos.iter().zip(&self.left) {
-            text.push_str(&format!("{photo:?} = {left:?}\n"));
+            text.push_str(&format!("    [{}, {left:?}],\n", quoted(photo)));
         }
+        text.push_str("]\n");
         let named: Vec<&str> = names().map(|(name, _)| name).collect();
         text.push_str(&format!(
             "\n[parameters]\nnames = {named:?}\nvalues = {}\n",

@@ -47,8 +47,18 @@ fn intrinsics_from_opencvs_corners_of_real_photos_are_opencvs() {
         // OpenCV divides by numbers less parameters, this crate the same.
         assert!((found.sigma[i] / sigmas[i] - 1.0).abs() < 0.02, "{i}: {} {}", found.sigma[i], sigmas[i]);
     }
-    let text = found.text(&[], &BOARD, "2026-11-24");
+    // Photos of one name from two folders, and names with characters that TOML and Rust quote in different ways.
+    let names = ["a.png", "a.png", "zero\u{200b}width.png", "tab\t \"quoted\" \\.png"].map(String::from);
+    let text = found.text(&names, &BOARD, "2026-11-24");
     assert_eq!(camera_of(&text), Ok(found.camera));
+    let table = toml::de::DeTable::parse(&text).expect("TOML");
+    let toml::de::DeValue::Array(photos) = table.get_ref()["left"].get_ref()["photos"].get_ref() else {
+        panic!("no photos in {text}")
+    };
+    for (photo, name) in photos.iter().zip(&names) {
+        assert_eq!(photo.get_ref()[0].get_ref().as_str(), Some(name.as_str()));
+    }
+    assert_eq!(photos.len(), names.len());
 }
 
 /// A chessboard over the belt, seen from above: z of the board points down.

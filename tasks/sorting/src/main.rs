@@ -22,6 +22,11 @@ fn main() -> ExitCode {
         Ok(options) => options,
         Err(answer) => return Launch::answer(&answer),
     };
+    if options.sensor == SensorKind::Infrared && options.arms > 1 {
+        return refused(
+            &"two arms share the belt with a camera or a matrix alone: add --sensor camera, or leave out --arms",
+        );
+    }
     if let Err(error) = std::fs::create_dir_all(&options.out) {
         return refused(&unwritable(&options.out, &error));
     }

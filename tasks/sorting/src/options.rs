@@ -11,7 +11,7 @@ use clap::{Parser, ValueEnum};
 #[command(
     name = "sorting",
     about = "Parts on a moving belt are sensed, acquired and sorted by a simulated arm: prints what was measured, and draws it",
-    after_help = "Exit status: 0 if every part was sorted or passed, none wrongly, 1 if not,\n2 if the command line was refused; then nothing has moved.\n\nExamples:\n  sorting --belt 0.1 --parts 20\n  sorting --first-edge          led by the first edge alone: misses most parts\n  sorting --sweep 1000          so many seeds over all speeds, beside open loop\n  sorting --sensor camera --belt 0.1 --parts 200\n  sorting --sensor camera --examine 2000\n  sorting --sensor ultrasonic --belt 0.1 --parts 200",
+    after_help = "Exit status: 0 if every part was sorted or passed, none wrongly, 1 if not,\n2 if the command line was refused; then nothing has moved.\n\nExamples:\n  sorting --belt 0.1 --parts 20\n  sorting --first-edge          led by the first edge alone: misses most parts\n  sorting --sweep 1000          so many seeds over all speeds, beside open loop\n  sorting --sensor camera --belt 0.1 --parts 200\n  sorting --sensor camera --belt 0.1 --parts 200 --arms 2\n  sorting --sensor camera --examine 2000\n  sorting --sensor ultrasonic --belt 0.1 --parts 200",
     args_override_self = true,
     max_term_width = 80
 )]
@@ -28,13 +28,19 @@ pub struct Options {
     /// Of parts, noise and belt.
     #[arg(long, value_name = "N", default_value = "0")]
     pub seed: u32,
+    /// Camera, ultrasonic: how many arms share the belt, 1 or 2.
+    #[arg(long, value_name = "N", default_value = "1", value_parser = clap::value_parser!(u32).range(1..=2))]
+    pub arms: u32,
     /// The arm is led by the first edge of each part alone.
     #[arg(long)]
     pub first_edge: bool,
-    /// Infrared: one part for each of so many seeds, over all speeds. Camera, ultrasonic: so many parts at each of three speeds and
-    /// three arrival rates.
+    /// Infrared: one part for each of so many seeds, over all speeds. Camera, ultrasonic: so many parts at each of several speeds and
+    /// three arrival rates: 40, 60 and 80 % of the cycle-time bound, which is measured first.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub sweep: Option<u32>,
+    /// Camera, ultrasonic: the speeds of a sweep [m/s].
+    #[arg(long, value_name = "M_PER_S,..", default_value = "0.05,0.1,0.15", value_delimiter = ',', value_parser = speed)]
+    pub speeds: Vec<f64>,
     /// Camera, ultrasonic: mean time between two parts in seconds; by default the arm has to work for 60 % of the time.
     #[arg(long, value_name = "SECONDS", value_parser = interval)]
     pub every: Option<f64>,

@@ -20,12 +20,13 @@ use crate::witness::Fate;
 const WIDTH: f64 = 1200.0;
 pub(crate) const MARGIN: f64 = 70.0;
 
-/// A film of the belt.
-pub(crate) fn of_belt() -> Film {
+/// A film of the belt, which is so much longer \[m\] where a second arm stands at it.
+pub(crate) fn of_belt(longer: f64) -> Film {
     let [from, to, width] = SURFACE;
+    let to = to + longer;
     let belt = Pose::translation(BELT[0], BELT[1] + 0.5 * (from + to), -0.01);
-    // The hand is on the arm, and the belt's mark runs away: both are drawn as bodies.
-    Film::new().without(&["hand", "belt"]).with_block([width, to - from, 0.02], move || belt)
+    // Hands are on their arms, and the belt's mark runs away: both are drawn as bodies.
+    Film::new().without(&["hand", "hand-2", "belt"]).with_block([width, to - from, 0.02], move || belt)
 }
 
 /// Where what is at `X_PQ` of a part is. Before the part comes and after it has gone it is where it was seen last, or out of the way below
@@ -44,7 +45,7 @@ pub(crate) fn seen(world: &World, number: usize, X_PQ: Pose, feed: f64) -> impl 
 /// # Errors
 /// The film cannot be written.
 pub fn filmed(mut ready: Ready, file: &Path) -> io::Result<Outcome> {
-    let mut film = of_belt();
+    let mut film = of_belt(0.0);
     for [x, y, z] in TRAYS {
         film = film.with_block(TRAY, move || Pose::translation(x, y, z));
     }

@@ -1,6 +1,6 @@
 //! What the simulated robots do in, and what the sensors see: parts on a belt, fingers, trays, a bin at the end.
 
-use std::cell::RefCell;
+use std::cell::{Cell as Count, RefCell};
 use std::rc::Rc;
 
 use mrroc::cell_file::{Kinds, RobotEntry};
@@ -28,6 +28,7 @@ pub struct Plant {
     scene: Belt,
     seed: u64,
     shaft: Rc<RefCell<Option<Shaft>>>,
+    surface: [f64; 3],
 }
 
 impl Plant {
@@ -54,10 +55,17 @@ impl Plant {
     /// A world that sensors see as `scene`; the seed is that of their noise.
     #[must_use]
     pub fn of(world: World, scene: Belt, seed: u64) -> Self {
-        Self { world, scene, seed, shaft: Rc::default() }
+        Self { world, scene, seed, shaft: Rc::default(), surface: SURFACE }
     }
 
-    /// The arm's true joints, once it is in the world.
+    /// The same with a belt that is so much longer \[m\].
+    #[must_use]
+    pub fn with_belt_longer_by(mut self, way: f64) -> Self {
+        self.surface[1] += way;
+        self
+    }
+
+    /// The true joints of the first arm, once it is in the world.
     #[must_use]
     pub fn shaft(&self) -> Rc<RefCell<Option<Shaft>>> {
         self.shaft.clone()
@@ -67,12 +75,14 @@ impl Plant {
     #[must_use]
     pub fn kinds(&self) -> Kinds {
         let [arm, hand, belt] = [self.world.clone(), self.world.clone(), self.world.clone()];
-        let shaft = self.shaft();
+        let (shaft, surface) = (self.shaft(), self.surface);
+        // The hands are on the arms in their order.
+        let hands = Count::new(0);
         Kinds::new()
             .with("arm", move |entry| {
                 let robot = Irp6::nominal().with_base(entry.base());
                 let drives = Simulated::new(robot.clone(), &entry.start(&robot)?);
-                *shaft.borrow_mut() = Some(drives.shaft());
+                shaft.borrow_mut().get_or_insert_with(|| drives.shaft());
                 let grasp = Grasp::new(2e4, 20.0).with_tool(entry.tool());
                 let arm = arm.arm(drives, grasp).map_err(|error| impossible(entry, &error))?;
                 Ok(RobotSetup::new(entry.name(), robot, arm))
@@ -81,7 +91,7 @@ impl Plant {
                 let fingers = TwoFingers::new().with_base(entry.base());
                 let start: One = entry.start(&fingers)?;
                 let drive = Simulated::new(fingers.clone(), &start);
-                let on = hand.hand(0).ok_or_else(|| {
+                let on = hand.hand(hands.replace(hands.get() + 1)).ok_or_else(|| {
                     entry.refuse_start("the hand is on no arm".into(), "write it below its arm".into())
                 })?;
                 let jaws = Jaws::new(drive, on, Pads::new(0.024, 0.008));
@@ -92,7 +102,7 @@ impl Plant {
             .with("belt", move |entry| {
                 let conveyor = Conveyor::new().with_base(entry.base());
                 let drive = Simulated::new(conveyor.clone(), &entry.start(&conveyor)?);
-                let [from, to, width] = SURFACE;
+                let [from, to, width] = surface;
                 let belt = belt.belt(drive, grasp::Belt::new(from, to, width));
                 Ok(RobotSetup::new(entry.name(), conveyor, belt.map_err(|error| impossible(entry, &error))?))
             })
@@ -140,11 +150,20 @@ impl Plant {
     /// Before the arm is in the world: [`kinds`](Self::kinds).
     #[must_use]
     pub fn fingers_before(&self, ahead: f64, step: f64) -> FingerBarrier<AtTool> {
-        let hand = self.world.hand(0).expect("the arm is in the world");
+        self.fingers_of(0, ahead, step)
+    }
+
+    /// The same of an arm, counted from 0.
+    ///
+    /// # Panics
+    /// Before the arm is in the world: [`kinds`](Self::kinds).
+    #[must_use]
+    pub fn fingers_of(&self, arm: usize, ahead: f64, step: f64) -> FingerBarrier<AtTool> {
+        let hand = self.world.hand(arm).expect("the arm is in the world");
         // y of E is against the belt.
         let along_x =
             Pose::translation(0.0, -ahead, 0.0) * Pose::rotation(Vector3::y() * core::f64::consts::FRAC_PI_2);
-        let barrier = LightBarrier::new(0.003, self.seed.wrapping_add(4));
+        let barrier = LightBarrier::new(0.003, self.seed.wrapping_add(4 + 10 * arm as u64));
         FingerBarrier::new(AtTool::new(self.scene.clone(), hand), along_x, barrier, step)
     }
 }

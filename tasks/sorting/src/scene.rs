@@ -59,7 +59,8 @@ impl Scene for Belt {
     }
 }
 
-/// The same with the tool at which a sensor is.
+/// What is between the fingertips of a hand: a beam from one to the other ends there, and what lies in line with it behind a finger,
+/// another arm's part for one, does not cover it.
 #[derive(Clone, Debug)]
 pub struct AtTool {
     belt: Belt,
@@ -69,7 +70,7 @@ pub struct AtTool {
 }
 
 impl AtTool {
-    /// At the tool of this hand.
+    /// Between the fingers of this hand.
     #[must_use]
     pub fn new(belt: Belt, hand: Hand) -> Self {
         Self { belt, hand, seen: Cell::default() }
@@ -82,8 +83,27 @@ impl Scene for AtTool {
     }
 
     fn each_solid(&self, visit: &mut dyn FnMut(&Solid<'_>)) {
-        self.belt.each_solid(visit);
+        let tool = self.hand.pose();
+        // A hand without fingers is behind none.
+        let half = 0.5 * self.hand.opening().unwrap_or(f64::INFINITY);
+        self.belt.each_solid(&mut |solid: &Solid<'_>| {
+            if reaches_between(&tool, half, solid) {
+                visit(solid);
+            }
+        });
     }
+}
+
+/// Whether some of a solid is within `half` \[m\] of the tool's frame E along x of E, from pad to pad.
+#[allow(non_snake_case)]
+fn reaches_between(X_WE: &Pose, half: f64, solid: &Solid<'_>) -> bool {
+    let x_E = X_WE.rotation * Vector3::x();
+    let middle = x_E.dot(&(solid.pose.translation.vector - X_WE.translation.vector));
+    // x of E in the solid's frame: its points need not be turned.
+    let x_B = solid.pose.rotation.inverse_transform_vector(&x_E);
+    let along = |point: &Vector3<f64>| middle + x_B.dot(point);
+    solid.hull.iter().any(|point| along(point) <= half)
+        && solid.hull.iter().any(|point| along(point) >= -half)
 }
 
 impl Tool for AtTool {
@@ -101,5 +121,39 @@ impl Tool for AtTool {
             pose.translation.vector -= (last.1 - earlier.1) * (before / passed);
         }
         pose
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A cube of 40 mm, its middle so far along x of E, which is turned by 0.3 rad.
+    fn is_between(off: f64, half: f64) -> bool {
+        let tool = Pose::translation(0.7, 0.2, 0.02) * Pose::rotation(Vector3::z() * 0.3);
+        let hull: Vec<Vector3<f64>> = (0..8)
+            .map(|i| {
+                let side = |bit: usize| if i & bit == 0 { -0.02 } else { 0.02 };
+                Vector3::new(side(1), side(2), side(4))
+            })
+            .collect();
+        let pose = tool * Pose::translation(off, 0.0, 0.0);
+        let still = Vector3::zeros();
+        let solid = Solid { hull: &hull, pose, velocity: still, angular_velocity: still, reflectance: 1.0 };
+        reaches_between(&tool, half, &solid)
+    }
+
+    #[test]
+    fn what_lies_behind_a_finger_is_not_between_the_fingers() {
+        // Pads at 40 mm: the cube reaches between them up to 60 mm off their middle.
+        for off in [0.0, 0.019, 0.0599] {
+            assert!(is_between(off, 0.04) && is_between(-off, 0.04), "{off} m");
+        }
+        for off in [0.0601, 0.2, 2.1] {
+            assert!(!is_between(off, 0.04) && !is_between(-off, 0.04), "{off} m");
+        }
+        assert!(is_between(2.1, f64::INFINITY));
+        // Gripped, the pads are at its faces.
+        assert!(is_between(0.0, 0.02));
     }
 }

@@ -9,7 +9,7 @@ use mrroc_sensors::aggregation::{FEATURES, Network};
 use mrroc_sensors::physics::{Dark, Stuck};
 use mrroc_sensors::virtual_sensors::{CameraSensor, Encoder, FingerBarrier};
 use sorting::camera::layout::BEAM;
-use sorting::camera::run::{Ready, Settings};
+use sorting::camera::run::{Outcome, Ready, Settings};
 use sorting::camera::sight::Sight;
 use sorting::plant::Plant;
 use sorting::scene::AtTool;
@@ -185,6 +185,78 @@ fn fault_196_a_finger_barrier_that_is_always_open_makes_missed_parts_and_one_alw
         let named =
             fault.as_ref().is_some_and(|text| text.contains("the barrier between the fingers is covered"));
         assert!(fate == Fate::Missed && named == (stuck == Stuck::Covered), "{stuck:?}: {fate:?} {fault:?}");
+    }
+}
+
+/// A sensor of a belt whose encoder's count stands for some steps and then runs on, while the belt runs.
+struct Standing<V> {
+    sensor: V,
+    from: u64,
+    until: u64,
+    last: f64,
+    /// What the count has lost \[m\].
+    lost: f64,
+}
+
+impl<V: VirtualSensor> Standing<V> {
+    fn of(sensor: V, from: f64, until: f64) -> Self {
+        Self { sensor, from: (from / STEP) as u64, until: (until / STEP) as u64, last: 0.0, lost: 0.0 }
+    }
+}
+
+impl<V: VirtualSensor<Kind = K>, K: Sensor> VirtualSensor for Standing<V> {
+    type Kind = K;
+
+    fn aggregate(&mut self, order: &ReadingOrder<K::Configuration>) -> Result<K::Reading, Fault> {
+        let mut order = *order;
+        if let Some(belt) = &mut order.robot {
+            let truly = belt.joints[0];
+            if (self.from..self.until).contains(&order.step) {
+                self.lost += truly - self.last;
+                belt.velocity[0] = 0.0;
+            }
+            self.last = truly;
+            belt.joints[0] -= self.lost;
+        }
+        self.sensor.aggregate(&order)
+    }
+}
+
+/// What comes of it when the count that camera and arm have of the belt stands from a time on, for so long \[s\].
+fn standing(from: f64, long: f64) -> Outcome {
+    let sense = |file: &CellFile, cell: Cell, camera: CameraSensor<Sight>, plant: &Plant| {
+        let until = from + long;
+        let (camera, encoder) = (Standing::of(camera, from, until), Standing::of(Encoder, from, until));
+        let cell = cell.sensor(file.sensor("camera", camera)?).sensor(file.sensor("encoder", encoder)?);
+        Ok(cell.sensor(file.sensor("fingers", plant.fingers_before(BEAM, STEP))?))
+    };
+    settings().sensed_by(|camera| camera, sense).expect("a cell").run()
+}
+
+#[test]
+fn fault_208_an_encoder_whose_count_stands_below_the_camera_makes_a_missed_part_or_a_named_fault() {
+    let held = held();
+    let all = moments(0.2).flat_map(|time| [(time, 0.1), (time, 100.0)]);
+    // From the beginning; while the hand closes; and for a moment, which would put the arm 13 mm off.
+    let some = [(0.0, 100.0), (held - 0.1, 100.0), (held - 1.8, 0.1)];
+    let cases: Vec<_> = match std::env::var_os("MRROC_LONG") {
+        Some(_) => some.into_iter().chain(all).collect(),
+        None => some.into(),
+    };
+    for (time, lasts) in cases {
+        let case = format!("the count stands from {time} s on for {lasts} s, held at {held} s");
+        let outcome = standing(time, lasts);
+        match &outcome.report {
+            Err(fault) => assert!(fault.to_string().contains("the count of the belt's encoder"), "{fault}"),
+            // It has never run, or stood before the part came, or the part was held by then.
+            Ok(_) => assert!(time == 0.0 || time > held, "{case}: no fault"),
+        }
+        assert_eq!(outcome.count(Fate::Wrong), 0, "{case}");
+        assert!(outcome.grips.iter().all(|grip| grip.off.abs() < 3e-3), "{case}: {:?}", outcome.grips);
+        // A belt takes longer to stop than an arm, so a part may run against a finger while they stop, whatever the cause.
+        let crashes = outcome.crashes;
+        let lost = || with_faults("encoder", time).run().crashes;
+        assert!(crashes == 0 || crashes <= lost(), "{case}: fingers came down on a part");
     }
 }
 

@@ -17,6 +17,9 @@ fn mp_and_ecp_have_at_most_forty_lines_each() {
     let mp = body(include_str!("../src/camera/mp.rs"), "coordinate");
     let ecp = include_str!("../src/camera/ecp.rs");
     let (arm, hand) = (body(ecp, "arm"), body(ecp, "hand"));
+    let two = body(include_str!("../src/camera/share.rs"), "coordinate");
+    println!("lines of the MP of two arms: {two}");
+    assert!(two <= 40, "{two}");
     println!("lines with the camera: MP {mp}, ECP of the arm {arm}, of the hand {hand}");
     assert!(mp <= 40 && arm <= 40 && hand <= 40, "{mp} {arm} {hand}");
 }

@@ -8,3 +8,4 @@ mod lines;
 mod matrix;
 mod matrix_faults;
 mod sorting;
+mod two_arms;

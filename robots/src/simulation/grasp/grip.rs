@@ -97,6 +97,12 @@ impl Hand {
         self.world.state().hands[self.index].jaw.and_then(|jaw| jaw.grip)
     }
 
+    /// How far apart its pads are \[m\], at the world's time; `None` of a hand without fingers.
+    #[must_use]
+    pub fn opening(&self) -> Option<f64> {
+        self.world.state().hands[self.index].jaw.map(|jaw| jaw.opening())
+    }
+
     /// How often a finger has come down on a body.
     #[must_use]
     pub fn crashes(&self) -> u32 {

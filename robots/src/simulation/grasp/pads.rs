@@ -123,6 +123,11 @@ impl Jaw {
         }
     }
 
+    /// \[m\].
+    pub const fn opening(&self) -> f64 {
+        self.opening
+    }
+
     pub const fn near(&self) -> Option<usize> {
         self.near
     }

@@ -8,6 +8,7 @@ use mrroc_robots::Irp6;
 use mrroc_sensors::virtual_sensors::{Between, Encoder};
 use nalgebra::Vector3;
 
+use super::count::Count;
 use super::layout::{FIRST, LAST};
 use super::orders::Place;
 use crate::generators::{Close, Part, Pursuit};
@@ -28,10 +29,13 @@ enum Phase {
 /// that the encoder says where it is now; no camera is asked.
 pub struct Acquire {
     place: Place,
+    /// Where the arm stands along the belt \[m\]; all places below count from there.
+    station: f64,
     tool: Pursuit,
     yaw: f64,
     turning: f64,
     phase: Phase,
+    count: Count,
     /// How long the part has been between the fingers, and for how long the tool has been about it \[s\].
     held: f64,
     age: f64,
@@ -55,15 +59,17 @@ impl Acquire {
     /// Angular acceleration of the tool about z [rad/s²].
     const TURNING: f64 = 2.5;
 
-    /// A part at a place in the belt's frame.
+    /// A part at a place in the belt's frame, by an arm that stands so far along the belt \[m\].
     #[must_use]
-    pub fn new(place: Place) -> Self {
+    pub fn new(place: Place, station: f64) -> Self {
         Self {
-            place,
+            place: Place { along: place.along - station, ..place },
+            station,
             tool: Pursuit::default(),
             yaw: 0.0,
             turning: 0.0,
             phase: Phase::Above,
+            count: Count::default(),
             held: 0.0,
             age: 0.0,
         }
@@ -106,6 +112,7 @@ impl Acquire {
     ) -> Result<Step<Irp6>, Fault> {
         let pose = e.demanded().pose;
         self.tool = Pursuit::at_rest(&pose);
+        self.tool.at.x -= self.station;
         let x = pose.rotation * Vector3::x();
         self.yaw = x.y.atan2(x.x);
         // From -0.4 on, not from -pi on.
@@ -127,6 +134,7 @@ impl Acquire {
         let (Some(belt), Some(fingers)) = (v.0.reading(), v.1.reading()) else {
             return Err(Fault::thrown("a part is taken only once encoder and finger barrier have been read"));
         };
+        self.count.take(belt.way, belt.speed, t.duration)?;
         // Where the part is when the demand of this step is attained.
         let later = f64::from(v.0.age()) * t.duration + Self::LATCH + Part::DELAY;
         let s = self.place.along + belt.way + belt.speed * later;
@@ -179,6 +187,7 @@ impl Acquire {
             self.place.yaw = self.yaw;
         }
         self.tool = self.tool.after(&place, &Vector3::new(moving, 0.0, 0.0), t.dt);
-        Ok(Step::Next(Demand::pose(at(self.tool.at.x, self.tool.at.y, self.tool.at.z, self.yaw))))
+        let s = self.tool.at.x + self.station;
+        Ok(Step::Next(Demand::pose(at(s, self.tool.at.y, self.tool.at.z, self.yaw))))
     }
 }

@@ -10,7 +10,7 @@ use mrroc_pictures::svg::{Area, Axes, Look, Page, Range, TextStyle};
 use nalgebra::{Point3, Vector2};
 
 use super::kinds::{KINDS, kinds};
-use super::layout::{BINS, FEED, bin};
+use super::layout::{BINS, FEED, STATIONS, bin};
 use super::run::{Outcome, Ready};
 use super::summary::{Confusion, Table};
 use crate::pictures::{MARGIN, heading, of_belt, seen};
@@ -24,10 +24,11 @@ const WIDTH: f64 = 1000.0;
 /// # Errors
 /// The film cannot be written.
 pub fn filmed(mut ready: Ready, file: &Path) -> io::Result<Outcome> {
-    let mut film = of_belt();
-    for number in 0..BINS {
+    let stations = &STATIONS[..ready.arms];
+    let mut film = of_belt(stations[stations.len() - 1].along);
+    for (station, number) in stations.iter().flat_map(|station| (0..BINS).map(move |bin| (station, bin))) {
         let ([x, y], [dx, dy]) = bin(number);
-        let z = TRAYS[number / 4][2];
+        let (y, z) = (y + station.along, TRAYS[number / 4][2]);
         film = film.with_block([2.0 * dx, 2.0 * dy, TRAY[2]], move || Pose::translation(x, y, z));
     }
     for (number, part) in ready.parts.iter().enumerate() {
@@ -114,7 +115,9 @@ pub fn time_line(outcome: &Outcome, ready: &[(f64, usize)]) -> String {
     const ROW: f64 = 9.0;
     let shown = ready.len().min(MOST);
     let height = 190.0 + ROW * shown as f64;
-    let grip = |number: usize| outcome.grips.iter().find(|grip| grip.part == number).map(|grip| grip.time);
+    let held = |number: usize| outcome.grips.iter().find(|grip| grip.part == number);
+    let grip = |number: usize| held(number).map(|grip| grip.time);
+    let arms = outcome.grips.iter().map(|grip| grip.arm + 1).max().unwrap_or(1);
     let last = |number: usize| grip(number).unwrap_or(ready[number].0);
     let end = (0..shown).map(last).fold(0.0, f64::max) + 10.0;
     Page::new("Parts over time", WIDTH, height).draw(|svg| {
@@ -138,6 +141,14 @@ pub fn time_line(outcome: &Outcome, ready: &[(f64, usize)]) -> String {
                 Fate::Missed => GREY,
             };
             svg.rectangle(bar, 1.0, Look::filled(colour));
+            if let Some(grip) = held(number).filter(|_| arms > 1) {
+                // Whose hand it was: by its number, and by a tick that is full or empty.
+                let tick = Area { x: to + 3.0, y: bar.y, width: bar.height, height: bar.height };
+                let fill = if grip.arm == 0 { INK } else { WHITE };
+                svg.rectangle(tick, 1.0, Look::filled(fill).stroke(INK));
+                let at = Vector2::new(tick.x + 11.0, bar.y + bar.height);
+                svg.text(at, TextStyle::new(8.0, INK), &format!("{}", grip.arm + 1));
+            }
         }
         let y = frame.bottom() + 40.0;
         let names = kinds();
@@ -149,7 +160,11 @@ pub fn time_line(outcome: &Outcome, ready: &[(f64, usize)]) -> String {
         svg.text(
             Vector2::new(MARGIN, y + 22.0),
             TextStyle::new(12.0, GREY),
-            "grey: missed; red: in a wrong bin",
+            if arms > 1 {
+                "grey: missed; red: in a wrong bin. Where a bar ends: which arm took the part, the first (full square) or the second (empty)"
+            } else {
+                "grey: missed; red: in a wrong bin"
+            },
         );
         svg.text(Vector2::new(frame.right(), y + 22.0), TextStyle::new(12.0, GREY).end(), "time [s]");
     })

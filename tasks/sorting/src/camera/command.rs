@@ -7,6 +7,7 @@ use std::path::Path;
 
 use mrroc_sensors::aggregation::Vision;
 
+use super::bound::Bound;
 use super::charts::{confusion, filmed, scatter, time_line};
 use super::kinds::classes;
 use super::layout::camera;
@@ -20,6 +21,8 @@ use crate::options::{Options, SensorKind};
 /// So many parts are filmed, and so many images drawn.
 const FILMED: usize = 4;
 const IMAGES: usize = 6;
+/// Two arms are filmed with parts that come at least so often \[s\].
+const FILMED_EVERY: f64 = 4.6;
 /// So far a belt may run \[m\]: its joint has an end, far away.
 const LONGEST: f64 = 950.0;
 /// A sweep has so many parts in a run, each with a seed of its own.
@@ -27,8 +30,7 @@ const RUN: usize = 100;
 /// The image of the empty belt, and what the names of those with rims begin with.
 const EMPTY: &str = "empty.png";
 const DRAWN: &str = "image-";
-/// Speeds [m/s] and shares of the arm's capacity of a sweep.
-const SPEEDS: [f64; 3] = [0.05, 0.1, 0.15];
+/// Shares of the cycle-time bound of a sweep.
 const LOADS: [f64; 3] = [0.4, 0.6, 0.8];
 
 /// What there is to say, and whether all is well: no part in a wrong bin, no finger on a part.
@@ -163,10 +165,10 @@ struct Kept {
 /// The run ended with a fault, or a picture cannot be written.
 pub fn sort(options: &Options) -> Said {
     let (parts, seed) = (options.parts as usize, options.seed.into());
-    let every = options.every.unwrap_or(Settings::CYCLE / 0.6);
+    let every = options.every.unwrap_or(Settings::CYCLE / (0.6 * f64::from(options.arms)));
     let settings = Settings {
         regular: regular(options),
-        ..Settings::of(options.belt, parts, every, seed).below(overhead(options))
+        ..Settings::of(options.belt, parts, every, seed).below(overhead(options)).by(options.arms as usize)
     };
     let way = parts as f64 * every * options.belt * 1.2;
     if way > LONGEST {
@@ -193,7 +195,9 @@ pub fn sort(options: &Options) -> Said {
     outcome.looks.iter().for_each(|look| counts.add(Some(kept.parts[look.part].1), look.taken));
     save(folder, "confusion.svg", &confusion(&counts))?;
     save(folder, "time-line.svg", &time_line(&outcome, &kept.parts))?;
-    let short = Settings { parts: parts.min(FILMED), ..settings };
+    // Two arms are filmed where both have work: parts come as fast as they can take them.
+    let every = if options.arms > 1 { every.min(FILMED_EVERY) } else { every };
+    let short = Settings { parts: parts.min(FILMED), every, ..settings };
     let film = folder.join("belt.svg");
     filmed(short.ready()?, &film)
         .map_err(|error| format!("{}: cannot be written: {error}", film.display()))?;
@@ -210,19 +214,25 @@ pub fn sort(options: &Options) -> Said {
     Ok((text, line.wrong == 0 && line.crashes == 0))
 }
 
-/// Runs at several speeds and arrival rates.
+/// Runs at several speeds and arrival rates, which are shares of the cycle-time bound at each speed.
 ///
 /// # Errors
 /// A run ended with a fault, or a picture cannot be written.
 pub fn sweep(options: &Options, parts: usize) -> Said {
-    let mut table = Table::default();
-    for speed in SPEEDS {
+    let (mut table, mut bounds) = (Table::default(), String::new());
+    let arms = options.arms as usize;
+    for &speed in &options.speeds {
+        let of =
+            |parts, every, seed| Settings::of(speed, parts, every, seed).below(overhead(options)).by(arms);
+        let bound = Bound::measured(&of(0, 0.0, options.seed.into()))?;
+        let _ = writeln!(bounds, "{bound}");
         for load in LOADS {
-            let mut line = Line { speed, every: Settings::CYCLE / load, ..Line::default() };
+            let every = bound.every() / load;
+            let mut line = Line { speed, every, load: Some(load), ..Line::default() };
             for first in (0..parts).step_by(RUN) {
                 let seed = u64::from(options.seed) + (first / RUN) as u64;
-                let settings = Settings::of(speed, RUN.min(parts - first), line.every, seed);
-                let settings = Settings { regular: regular(options), ..settings.below(overhead(options)) };
+                let settings = of(RUN.min(parts - first), every, seed);
+                let settings = Settings { regular: regular(options), ..settings };
                 let (outcome, _) = run(&settings, options.quiet, 0)?;
                 if let Err(error) = &outcome.report {
                     return Err(error.to_string().into());
@@ -234,5 +244,5 @@ pub fn sweep(options: &Options, parts: usize) -> Said {
     }
     save(&options.out, "scatter.svg", &scatter(&table, asked(options)))?;
     let well = table.0.iter().all(|line| line.wrong == 0 && line.crashes == 0);
-    Ok((format!("{table}see {}/scatter.svg\n", options.out.display()), well))
+    Ok((format!("{bounds}{table}see {}/scatter.svg\n", options.out.display()), well))
 }

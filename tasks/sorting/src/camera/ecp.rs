@@ -9,30 +9,31 @@ use mrroc_robots::{Irp6, One, TwoFingers};
 use mrroc_sensors::virtual_sensors::{Between, Encoder};
 
 use super::acquire::{Acquire, at};
-use super::layout::{bin, limits};
+use super::layout::{Station, bin, limits};
 use super::orders::Task;
 use crate::generators::{Close, Grasp};
 use crate::places::{BELT, FINGERS, HIGH, HOME, OPEN, OVER_TRAY};
 
-/// The arm: with the part, by the belt's encoder, until the hand has it; then over its bin.
+/// The arm at its station: with the part, by the belt's encoder, until the hand has it; then over its bin.
 ///
 /// # Errors
 /// The first fault of the cell.
-pub fn arm(ecp: &mut Ecp<Irp6>) -> Result<(), Fault> {
-    let (mut encoder, mut fingers) = (ecp.sensor::<Encoder>("encoder")?, ecp.sensor::<Between>("fingers")?);
+pub fn arm(ecp: &mut Ecp<Irp6>, station: &Station) -> Result<(), Fault> {
+    let (mut encoder, mut fingers) =
+        (ecp.sensor::<Encoder>(station.encoder)?, ecp.sensor::<Between>(station.fingers)?);
     let line = |pose| StraightLine::to(pose, limits());
     ecp.obey_all(|ecp, task| match task {
         Task::Pick { place, bin: number, .. } => {
-            let yaw = ecp.move_robot((&mut encoder, &mut fingers), Acquire::new(place))?.yaw();
+            let yaw = ecp.move_robot((&mut encoder, &mut fingers), Acquire::new(place, station.along))?.yaw();
             if !fingers.reading().is_some_and(|fingers| fingers.covered) {
                 return Ok(());
             }
             let ([x, y], _) = bin(number as usize);
-            let over = |height| at(y - BELT[1], x - BELT[0], height, yaw);
+            let over = |height| at(y - BELT[1] + station.along, x - BELT[0], height, yaw);
             ecp.move_robot((), line(over(HIGH)))?;
             ecp.move_robot((), line(over(OVER_TRAY))).map(drop)
         }
-        Task::Return => ecp.move_robot((), line(at(HOME, 0.0, HIGH, FRAC_PI_2))).map(drop),
+        Task::Return => ecp.move_robot((), line(at(HOME + station.along, 0.0, HIGH, FRAC_PI_2))).map(drop),
         Task::Release => Ok(()),
     })
 }
@@ -47,8 +48,8 @@ fn there(v: &Reading<(Between,)>) -> bool {
 ///
 /// # Errors
 /// The first fault of the cell.
-pub fn hand(ecp: &mut Ecp<TwoFingers>) -> Result<(), Fault> {
-    let mut fingers = ecp.sensor::<Between>("fingers")?;
+pub fn hand(ecp: &mut Ecp<TwoFingers>, station: &Station) -> Result<(), Fault> {
+    let mut fingers = ecp.sensor::<Between>(station.fingers)?;
     let open = || JointMove::to(One::new(OPEN), One::new(FINGERS[0]), One::new(FINGERS[1]));
     ecp.obey_all(|ecp, task| match task {
         Task::Pick { .. } => {

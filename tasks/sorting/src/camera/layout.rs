@@ -29,6 +29,25 @@ pub const BEAM: f64 = 0.008;
 /// How many bins there are: four in each tray.
 pub const BINS: usize = 4 * TRAYS.len();
 
+/// What an arm at the belt is called, and where it stands.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Station {
+    /// How far along the belt from the first one, with its bins \[m\].
+    pub along: f64,
+    /// Names of the arm and of its hand ..
+    pub robots: [&'static str; 2],
+    /// .. of the belt's encoder as this arm reads it ..
+    pub encoder: &'static str,
+    /// .. and of the barrier between its fingers.
+    pub fingers: &'static str,
+}
+
+/// Where arms stand at the belt, as it runs: the files of the cells say the same.
+pub const STATIONS: [Station; 2] = [
+    Station { along: 0.0, robots: ["arm", "hand"], encoder: "encoder", fingers: "fingers" },
+    Station { along: 2.1, robots: ["arm-2", "hand-2"], encoder: "encoder-2", fingers: "fingers-2" },
+];
+
 /// `X_WF`.
 #[must_use]
 #[allow(non_snake_case)]

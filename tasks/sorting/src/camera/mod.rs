@@ -6,16 +6,22 @@
 
 pub mod acquire;
 pub mod arrivals;
+pub mod assignment;
+pub mod bound;
 pub mod charts;
+pub mod clear;
 pub mod command;
+pub mod count;
 pub mod ecp;
 pub mod kinds;
 pub mod layout;
+pub mod misses;
 pub mod mp;
 pub mod orders;
 pub mod picture;
 pub mod queue;
 pub mod run;
+pub mod share;
 pub mod sight;
 pub mod studio;
 pub mod summary;

@@ -6,8 +6,10 @@ use std::rc::Rc;
 
 use mrroc::generator::{Class, Condition, Generator, Level, Uses};
 use mrroc::prelude::*;
+use mrroc::sensor::SensorImage;
 use mrroc_sensors::virtual_sensors::{OnBelt, PartSensor, Spotted};
 
+use super::count::Count;
 use super::kinds::{KINDS, kinds};
 use super::layout::{FIRST, LAST};
 use super::orders::{Place, Task};
@@ -16,14 +18,17 @@ use crate::mp::Arm;
 /// What the coordinator knows of parts.
 #[derive(Clone, Debug)]
 pub struct Queue {
-    waiting: VecDeque<OnBelt>,
+    pub(super) waiting: VecDeque<OnBelt>,
     /// Number of the newest part that has been taken in.
     newest: u32,
-    seen: Spotted,
+    pub(super) seen: Spotted,
+    count: Count,
     /// So many are to come; and for how long none may \[s\].
     parts: u32,
     patience: f64,
     quiet: f64,
+    /// The last arm goes down onto parts up to here, along s \[m\].
+    last: f64,
     grips: Rc<[f64]>,
     /// Parts that went by, because the arm was busy: their numbers.
     pub late: Vec<u32>,
@@ -31,7 +36,7 @@ pub struct Queue {
 
 impl Queue {
     /// The arm sets out for a part so long before that comes into its reach \[s\] ..
-    const AHEAD: f64 = 2.5;
+    pub(super) const AHEAD: f64 = 2.5;
     /// .. and gets to it at most so long after it has set out, with the hand closed \[s\].
     pub const REACHING: f64 = 4.5;
 
@@ -39,12 +44,36 @@ impl Queue {
     #[must_use]
     pub fn of(parts: u32, patience: f64) -> Self {
         let grips = kinds().iter().map(|kind| kind.grip).collect();
-        let (waiting, seen) = (VecDeque::new(), Spotted::default());
-        Self { waiting, newest: 0, seen, parts, patience, quiet: 0.0, grips, late: Vec::new() }
+        let (waiting, seen, count) = (VecDeque::new(), Spotted::default(), Count::default());
+        Self {
+            waiting,
+            newest: 0,
+            seen,
+            count,
+            parts,
+            patience,
+            quiet: 0.0,
+            last: LAST,
+            grips,
+            late: Vec::new(),
+        }
+    }
+
+    /// The same where the last arm goes down up to another place, along s \[m\].
+    #[must_use]
+    pub fn up_to(self, last: f64) -> Self {
+        Self { last, ..self }
     }
 
     /// Takes in what the camera says.
-    fn take(&mut self, seen: &Spotted, dt: f64) {
+    ///
+    /// # Errors
+    /// The belt's count cannot be true.
+    pub(super) fn take(&mut self, image: &SensorImage<PartSensor>, dt: f64) -> Result<(), Fault> {
+        let seen = &image.reading().unwrap_or_default();
+        if image.reading().is_some() {
+            self.count.take(seen.way, seen.speed, dt)?;
+        }
         self.quiet += dt;
         for part in seen.newest.iter().rev().filter(|part| part.number > self.newest) {
             self.waiting.push_back(*part);
@@ -53,32 +82,44 @@ impl Queue {
         self.newest = self.newest.max(seen.parts);
         self.seen = *seen;
         // Belts may carry parts past each other only as fast as they run: none.
-        let last = LAST - Self::REACHING * seen.speed.max(0.0);
+        let last = self.last - Self::REACHING * seen.speed.max(0.0);
         while let Some(part) = self.waiting.front().filter(|part| part.along + seen.way > last) {
             self.late.push(part.number);
             self.waiting.pop_front();
         }
+        Ok(())
     }
 
     /// Whether a part is to be taken now, or no more come.
     fn is_ready(&self) -> bool {
         let ahead = FIRST - Self::AHEAD * self.seen.speed.max(0.0);
         let near = self.waiting.front().is_some_and(|part| part.along + self.seen.way > ahead);
+        near || self.is_over()
+    }
+
+    /// Whether no more come, and none waits that could be taken.
+    pub(super) fn is_over(&self) -> bool {
         let all = self.seen.parts + self.seen.unknown >= self.parts && self.waiting.is_empty();
-        near || all || self.quiet > self.patience
+        // A belt that stands brings nothing, even if a part waits on it.
+        all || self.quiet > self.patience
     }
 
     /// The task to take the next part; `None` when no more come.
     pub fn pick(&mut self) -> Option<Task> {
-        // A belt that stands brings nothing, even if a part waits on it.
         if self.quiet > self.patience {
             return None;
         }
-        let OnBelt { number, class, along, across, angle, .. } = self.waiting.pop_front()?;
+        let part = self.waiting.pop_front()?;
+        Some(self.order(&part))
+    }
+
+    /// The task to take a part.
+    pub(super) fn order(&self, part: &OnBelt) -> Task {
+        let OnBelt { number, class, along, across, angle, .. } = *part;
         let turned = angle + self.grips.get(class as usize).copied().unwrap_or_default();
         // Fingers do not mind half a turn, and between 0 and a half the wrist can follow all along the belt; y of the belt's frame is against x of the world.
         let place = Place { along, across: -across, yaw: turned.rem_euclid(PI) };
-        Some(Task::Pick { part: number, place, bin: class % KINDS as u32 })
+        Task::Pick { part: number, place, bin: class % KINDS as u32 }
     }
 }
 
@@ -100,7 +141,7 @@ impl Condition for Ready {
         v: &Reading<(PartSensor,)>,
         t: Tick,
     ) -> Result<bool, Fault> {
-        self.0.take(&v.0.reading().unwrap_or_default(), t.duration);
+        self.0.take(&v.0, t.duration)?;
         Ok(self.0.is_ready())
     }
 }
@@ -134,7 +175,7 @@ impl Generator for Tell {
         v: &Reading<(PartSensor,)>,
         t: Tick,
     ) -> Result<Step<Arm, Task>, Fault> {
-        self.1.take(&v.0.reading().unwrap_or_default(), t.duration);
+        self.1.take(&v.0, t.duration)?;
         Ok(Step::Next((self.0, self.0)))
     }
 }

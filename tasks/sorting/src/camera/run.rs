@@ -8,6 +8,7 @@ use mrroc::cell::RunReport;
 use mrroc::cell_file::{CellFile, CellFileError};
 use mrroc::prelude::*;
 use mrroc::robot::RobotView;
+use mrroc_robots::clearance::{Closest, DryRun};
 use mrroc_robots::grasp::{Hand, Sink, Touch, Whereabouts, World};
 use mrroc_sensors::aggregation::{FEATURES, Found, Heard, Network, NetworkError, Relief, Vision};
 use mrroc_sensors::physics::{Imager, LightBarrier, Noise};
@@ -17,9 +18,11 @@ use nalgebra::{Translation3, UnitQuaternion, Vector3};
 
 use super::acquire::Acquire;
 use super::arrivals::{Coming, angle, coming};
+use super::clear::{MARGIN, Seen, clearance, guard};
 use super::kinds::{KINDS, classes, kinds, turned};
-use super::layout::{BEAM, BINS, FEED, LAST, TRIGGER, bin, camera};
+use super::layout::{BEAM, BINS, FEED, LAST, STATIONS, TRIGGER, bin, camera};
 use super::queue::Queue;
+use super::share::{self, Shared};
 use super::sight::Sight;
 use super::studio::misplaced;
 use super::{ecp, mp};
@@ -53,6 +56,10 @@ pub struct Settings {
     pub change: Option<(f64, f64)>,
     /// What is over the belt.
     pub overhead: Overhead,
+    /// How many arms are at it, 1 or 2.
+    pub arms: usize,
+    /// Two arms that are nearer than this are stopped \[m\].
+    pub margin: f64,
 }
 
 /// What is over the belt and tells of parts.
@@ -76,8 +83,13 @@ pub struct Ready {
     pub looks: Rc<RefCell<Looks>>,
     /// How far it has come.
     pub progress: Progress,
+    /// How many arms there are.
+    pub arms: usize,
     grips: Rc<RefCell<Vec<Grip>>>,
     late: Rc<RefCell<Vec<u32>>>,
+    vain: Rc<RefCell<Vec<(u32, usize)>>>,
+    gap: Option<Rc<RefCell<DryRun>>>,
+    nearness: Rc<std::cell::Cell<Seen>>,
 }
 
 /// What came of the images, or reliefs.
@@ -113,6 +125,8 @@ pub struct Look {
 pub struct Grip {
     /// Which part.
     pub part: usize,
+    /// Which arm, counted from 0.
+    pub arm: usize,
     /// When \[s\].
     pub time: f64,
     /// How far the part's frame was off the middle of the pads, along them \[m\]; across them the fingers bring it there.
@@ -128,22 +142,39 @@ pub struct Outcome {
     pub wall: Duration,
     /// What became of each part.
     pub fates: Vec<Fate>,
+    /// When each came \[s\], and its kind.
+    pub came: Vec<(f64, usize)>,
     /// What was found in images.
     pub looks: Vec<Look>,
     /// The grasps.
     pub grips: Vec<Grip>,
     /// Numbers of parts that went by while the arm was busy, as the camera counts them.
     pub late: Vec<u32>,
+    /// Of two arms: parts that an arm did not find between its fingers, as the camera counts them, and which arm.
+    pub vain: Vec<(u32, usize)>,
+    /// The least distance of two arms, and when that was.
+    pub closest: Option<Closest>,
+    /// What their guard saw.
+    pub nearness: Seen,
     /// How often a finger came down on a part.
     pub crashes: u32,
 }
 
-/// The cell of the task with the camera, `cell-camera.toml`.
+/// The cell of the task with the camera, `cell-camera.toml`, and with so many arms.
 ///
 /// # Errors
-/// None: the file is right.
-pub fn file() -> Result<CellFile, CellFileError> {
-    CellFile::parse("cell-camera.toml", include_str!("../../cell-camera.toml"))
+/// None: the files are right.
+pub fn file(arms: usize) -> Result<CellFile, CellFileError> {
+    with_arms("cell-camera.toml", include_str!("../../cell-camera.toml"), arms)
+}
+
+/// A cell of the task with so many arms: `cell-second-arm.toml` says what the second one adds.
+///
+/// # Errors
+/// What is wrong with the file.
+pub fn with_arms(name: &str, text: &str, arms: usize) -> Result<CellFile, CellFileError> {
+    let second = if arms > 1 { include_str!("../../cell-second-arm.toml") } else { "" };
+    CellFile::parse(name, &format!("{text}\n{second}"))
 }
 
 /// The network that tells the kinds, `assets/parts.onnx`.
@@ -172,7 +203,15 @@ impl Settings {
             stranger: None,
             change: None,
             overhead: Overhead::Camera,
+            arms: 1,
+            margin: MARGIN,
         }
+    }
+
+    /// The same with so many arms, 1 or 2.
+    #[must_use]
+    pub const fn by(self, arms: usize) -> Self {
+        Self { arms, ..self }
     }
 
     /// The same with something else over the belt.
@@ -227,7 +266,7 @@ impl Settings {
         look: impl FnOnce(CameraSensor<Sight>) -> CameraSensor<Sight>,
         sense: impl FnOnce(&CellFile, Cell, CameraSensor<Sight>, &Plant) -> Result<Cell, CellError>,
     ) -> Result<Ready, CellError> {
-        self.prepare("camera", file()?, |file, cell, plant, parts, looks| {
+        self.prepare("camera", file(self.arms)?, |file, cell, plant, parts, looks| {
             sense(file, cell, look(self.camera(plant, parts, looks)?), plant)
         })
     }
@@ -247,34 +286,64 @@ impl Settings {
         let apart = gap.max(self.regular * self.every);
         let parts = coming(self.parts, self.first(), self.every, apart, self.seed, self.stranger);
         let parts: Rc<[Coming]> = parts.into();
-        let world = bins().map_err(|error| wrong(&error))?;
+        let world = bins(self.arms).map_err(|error| wrong(&error))?;
         for part in parts.iter() {
             world.put_at(&part.body, part.time).map_err(|error| wrong(&error))?;
         }
         let scene = Belt::of(world.clone(), parts.iter().map(|part| (&part.body, part.reflectance)));
-        let plant = Plant::of(world, scene, self.seed.wrapping_mul(1000));
+        let stations = &STATIONS[..self.arms.clamp(1, STATIONS.len())];
+        let longer = stations[stations.len() - 1].along;
+        let plant = Plant::of(world, scene, self.seed.wrapping_mul(1000)).with_belt_longer_by(longer);
         let cell = file.cell(&plant.kinds())?;
         let looks = Rc::<RefCell<Looks>>::default();
-        let cell = sense(&file, cell, &plant, &parts, &looks)?;
-        let patience = 8.0 * self.every.max(gap) + (LAST - FEED) / slowest + self.first();
+        let mut cell = sense(&file, cell, &plant, &parts, &looks)?;
+        for (number, station) in stations.iter().enumerate() {
+            if number > 0 {
+                let fingers = plant.fingers_of(number, BEAM, file.step().as_secs_f64());
+                cell = cell.sensor(file.sensor(station.encoder, Encoder)?);
+                cell = cell.sensor(file.sensor(station.fingers, fingers)?);
+            }
+            let [arm, hand] = station.robots;
+            cell = cell.ecp(arm, |ecp| ecp::arm(ecp, station)).ecp(hand, |ecp| ecp::hand(ecp, station));
+        }
+        let patience = 8.0 * self.every.max(gap) + (LAST + longer - FEED) / slowest + self.first();
         let Self { speed, seed, change, parts: count, .. } = *self;
         let late = Rc::<RefCell<Vec<u32>>>::default();
         let missed = late.clone();
-        let cell = cell.ecp("arm", ecp::arm).ecp("hand", ecp::hand).program(move |mp| {
+        let vain = Rc::<RefCell<Vec<(u32, usize)>>>::default();
+        let tried = vain.clone();
+        let arms = stations.len();
+        let cell = cell.program(move |mp| {
             let belt = Uneven::about(speed, seed.wrapping_add(77));
             let belt = match change {
                 Some((time, share)) => belt.changing(time, share),
                 None => belt,
             };
-            let queue = mp::coordinate(mp, eye, belt, Queue::of(count as u32, patience))?;
-            missed.replace(queue.late);
+            if arms > 1 {
+                let shared = share::coordinate(mp, eye, belt, Shared::of(count as u32, patience))?;
+                missed.replace(shared.late());
+                tried.replace(shared.vain);
+            } else {
+                let queue = mp::coordinate(mp, eye, belt, Queue::of(count as u32, patience))?;
+                missed.replace(queue.late);
+            }
             Ok(())
         });
-        let hand = plant.world.hand(0).ok_or_else(|| Fault::thrown("the cell has no arm"))?;
+        let hands: Vec<_> = (0..arms).filter_map(|arm| plant.world.hand(arm)).collect();
         let grips = Rc::<RefCell<Vec<Grip>>>::default();
         let progress = Progress::of(plant.world.clone(), parts.len());
-        let cell = cell.guard(1, watch(hand, parts.clone(), grips.clone(), progress.look()));
-        Ok(Ready { cell, plant, parts, looks, progress, grips, late })
+        let mut look = watch(hands, parts.clone(), grips.clone(), progress.look());
+        let nearness = Rc::new(std::cell::Cell::new(Seen { least: f64::INFINITY, closing: 0.0 }));
+        let (cell, gap) = if arms > 1 {
+            let gap = Rc::new(RefCell::new(DryRun::new(clearance(&file)?)));
+            let (seen, mut clear) = (gap.clone(), guard(&file, self.margin, nearness.clone())?);
+            let cell = cell.watch(move |observation| seen.borrow_mut().observe(observation));
+            let both = move |robots: &[RobotView]| look(robots).and_then(|()| clear(robots));
+            (cell.guard(1, both), Some(gap))
+        } else {
+            (cell.guard(1, look), None)
+        };
+        Ok(Ready { cell, plant, parts, looks, progress, arms, grips, late, vain, gap, nearness })
     }
 
     /// The camera, and who compares what it finds with what there is.
@@ -310,32 +379,52 @@ impl Settings {
 }
 
 /// A world with the bins, and one below everything.
-fn bins() -> Result<World, mrroc_robots::grasp::WorldError> {
+fn bins(arms: usize) -> Result<World, mrroc_robots::grasp::WorldError> {
     let mut world = World::empty().with_rest();
-    for number in 0..BINS {
-        let ([x, y], [dx, dy]) = bin(number);
-        let (z, dz) = (TRAYS[number / 4][2], 0.5 * TRAY[2]);
-        world = world.with_sink(Sink { lower: [x - dx, y - dy, z - dz], upper: [x + dx, y + dy, z + dz] })?;
+    for (number, station) in STATIONS.iter().take(arms).enumerate() {
+        for bin in bin_sinks(station.along) {
+            world = world.with_sink(bin)?;
+        }
+        if number == 0 {
+            let far = 2.0 + STATIONS[arms.clamp(1, STATIONS.len()) - 1].along;
+            world = world.with_sink(Sink { lower: [-2.0, -2.0, -1.0], upper: [2.0, far, -0.1] })?;
+        }
     }
-    world.with_sink(Sink { lower: [-2.0, -2.0, -1.0], upper: [2.0, 2.0, -0.1] })
+    Ok(world)
+}
+
+/// The bins of an arm that stands so far along the belt \[m\].
+fn bin_sinks(along: f64) -> impl Iterator<Item = Sink> {
+    (0..BINS).map(move |number| {
+        let ([x, y], [dx, dy]) = bin(number);
+        let (y, z, dz) = (y + along, TRAYS[number / 4][2], 0.5 * TRAY[2]);
+        Sink { lower: [x - dx, y - dy, z - dz], upper: [x + dx, y + dy, z + dz] }
+    })
+}
+
+/// Whose bin a sink is: that of this kind, of either arm.
+const fn kind_of(sink: usize) -> usize {
+    if sink > END_BIN { sink - END_BIN - 1 } else { sink }
 }
 
 /// Looks at the hand after each step: what a guard of a cell does.
 fn watch(
-    hand: Hand,
+    hands: Vec<Hand>,
     parts: Rc<[Coming]>,
     grips: Rc<RefCell<Vec<Grip>>>,
     mut progress: impl FnMut() + 'static,
 ) -> impl FnMut(&[RobotView]) -> Result<(), Fault> + 'static {
-    let mut last = None;
+    let mut last = [None; STATIONS.len()];
     move |_| {
         progress();
-        if let Some(Touch { body, time, X_EB, .. }) = hand.gripped()
-            && last != Some(time)
-        {
-            last = Some(time);
-            let place = X_EB * parts[body].X_BP;
-            grips.borrow_mut().push(Grip { part: body, time, off: place.translation.y });
+        for (arm, (hand, last)) in hands.iter().zip(&mut last).enumerate() {
+            if let Some(Touch { body, time, X_EB, .. }) = hand.gripped()
+                && *last != Some(time)
+            {
+                *last = Some(time);
+                let place = X_EB * parts[body].X_BP;
+                grips.borrow_mut().push(Grip { part: body, arm, time, off: place.translation.y });
+            }
         }
         Ok(())
     }
@@ -399,7 +488,7 @@ impl Ready {
         let world = &self.plant.world;
         let fate = |(number, part): (usize, &Coming)| match world.whereabouts(number) {
             Some(Whereabouts::Gone { sink: END_BIN, .. }) => Fate::Missed,
-            Some(Whereabouts::Gone { sink, .. }) if sink == part.kind => Fate::Sorted,
+            Some(Whereabouts::Gone { sink, .. }) if kind_of(sink) == part.kind => Fate::Sorted,
             Some(Whereabouts::Gone { .. }) => Fate::Wrong,
             Some(Whereabouts::Awaited | Whereabouts::Here) | None => Fate::Missed,
         };
@@ -407,10 +496,14 @@ impl Ready {
             report,
             wall,
             fates: self.parts.iter().enumerate().map(fate).collect(),
+            came: self.parts.iter().map(|part| (part.time, part.kind)).collect(),
             looks: self.looks.borrow().all.clone(),
             grips: self.grips.borrow().clone(),
             late: self.late.borrow().clone(),
-            crashes: world.hand(0).map_or(0, |hand| hand.crashes()),
+            vain: self.vain.borrow().clone(),
+            nearness: self.nearness.get(),
+            closest: self.gap.and_then(|gap| gap.borrow_mut().closest().ok().flatten().cloned()),
+            crashes: (0..STATIONS.len()).filter_map(|arm| world.hand(arm)).map(|hand| hand.crashes()).sum(),
         }
     }
 }

@@ -3,6 +3,8 @@
 use core::fmt;
 
 use super::kinds::{KINDS, kinds};
+use super::layout::STATIONS;
+use super::misses::Miss;
 use super::run::{Look, Outcome, Settings};
 use super::studio::Trial;
 use crate::summary::quantile;
@@ -46,51 +48,6 @@ impl Confusion {
     }
 }
 
-/// Why a part was missed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Missed {
-    /// No image showed it whole and alone.
-    Unseen,
-    /// It was taken for none of the kinds.
-    Rejected,
-    /// The arm was busy until it was out of reach.
-    Late,
-    /// It was not between the fingers where it was expected.
-    NotThere,
-    /// It was lost after the hand had it.
-    Lost,
-}
-
-impl Outcome {
-    /// Why each part that was missed was.
-    #[must_use]
-    pub fn misses(&self) -> Vec<(usize, Missed)> {
-        // Numbers, as the camera counts: each part once, when it is first known.
-        let mut numbered: Vec<usize> = Vec::new();
-        for look in self.looks.iter().filter(|look| look.taken.is_some()) {
-            if !numbered.contains(&look.part) {
-                numbered.push(look.part);
-            }
-        }
-        let why = |part: usize| {
-            let number = numbered.iter().position(|of| *of == part).map(|place| place as u32 + 1);
-            if self.grips.iter().any(|grip| grip.part == part) {
-                Missed::Lost
-            } else if !self.looks.iter().any(|look| look.part == part) {
-                Missed::Unseen
-            } else if number.is_none() {
-                Missed::Rejected
-            } else if number.is_some_and(|number| self.late.contains(&number)) {
-                Missed::Late
-            } else {
-                Missed::NotThere
-            }
-        };
-        let missed = self.fates.iter().enumerate().filter(|(_, fate)| **fate == Fate::Missed);
-        missed.map(|(part, _)| (part, why(part))).collect()
-    }
-}
-
 /// A line of the summary: one run, or several.
 #[derive(Clone, Debug, Default)]
 pub struct Line {
@@ -105,7 +62,15 @@ pub struct Line {
     /// See [`parts`](Self::parts).
     pub wrong: usize,
     /// Why those that were missed were.
-    pub missed: Vec<(usize, Missed)>,
+    pub missed: Vec<Miss>,
+    /// How many arms were at the belt, and how many grasps each made.
+    pub arms: usize,
+    /// See [`arms`](Self::arms).
+    pub taken: [usize; STATIONS.len()],
+    /// The least distance of two arms \[m\].
+    pub closest: Option<f64>,
+    /// Share of the cycle-time bound at which parts came, where that was measured.
+    pub load: Option<f64>,
     /// Distances of places and angles that the camera told from the true ones \[m, rad\].
     pub places: Vec<f64>,
     /// See [`places`](Self::places).
@@ -134,7 +99,11 @@ impl Line {
             parts: outcome.fates.len(),
             sorted: outcome.count(Fate::Sorted),
             wrong: outcome.count(Fate::Wrong),
-            missed: outcome.misses(),
+            missed: outcome.misses(settings.arms),
+            arms: settings.arms,
+            taken: core::array::from_fn(|arm| outcome.grips.iter().filter(|grip| grip.arm == arm).count()),
+            closest: outcome.closest.as_ref().map(|closest| closest.nearest.distance),
+            load: None,
             places: looks().map(|look| look.off[0].hypot(look.off[1])).collect(),
             angles: looks().map(|look| look.turned).collect(),
             along: looks().map(|look| look.off[0]).collect(),
@@ -151,7 +120,13 @@ impl Line {
         self.sorted += other.sorted;
         self.wrong += other.wrong;
         self.crashes += other.crashes;
-        self.missed.extend(other.missed);
+        self.arms = other.arms;
+        self.taken.iter_mut().zip(other.taken).for_each(|(taken, other)| *taken += other);
+        let least = |a: f64, b: f64| a.min(b);
+        self.closest = self.closest.into_iter().chain(other.closest).reduce(least);
+        // Numbers go on over the runs.
+        let before = self.parts - other.parts;
+        self.missed.extend(other.missed.into_iter().map(|miss| Miss { part: miss.part + before, ..miss }));
         self.places.extend(other.places);
         self.angles.extend(other.angles);
         self.along.extend(other.along);
@@ -169,20 +144,21 @@ impl fmt::Display for Table {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(
             f,
-            "   belt  every  parts  sorted  wrong  missed   place p95    angle p95    off centre [mm]       speed"
+            "   belt  every  bound  parts  sorted  wrong  missed   place p95    angle p95    off centre [mm]       speed"
         )?;
         writeln!(
             f,
-            "    m/s      s                                      mm          deg     p50    p95    max"
+            "    m/s      s      %                                      mm          deg     p50    p95    max"
         )?;
         for line in &self.0 {
             let [p50, p95, most] = [0.5, 0.95, 1.0].map(|share| 1e3 * quantile(&line.off, share));
             let place = 1e3 * quantile(&line.places, 0.95);
             let angle = quantile(&line.angles, 0.95).to_degrees();
+            let load = line.load.map_or("-".to_owned(), |load| format!("{:.0}", 100.0 * load));
             let pace = if line.wall > 0.0 { line.time / line.wall } else { 0.0 };
             writeln!(
                 f,
-                "{:7.2}{:7.1}{:7}{:8}{:7}{:8}{place:12.2}{angle:13.2}{p50:8.2}{p95:7.2}{most:7.2}{pace:10.0} x",
+                "{:7.2}{:7.1}{load:>7}{:7}{:8}{:7}{:8}{place:12.2}{angle:13.2}{p50:8.2}{p95:7.2}{most:7.2}{pace:10.0} x",
                 line.speed,
                 line.every,
                 line.parts,
@@ -192,15 +168,23 @@ impl fmt::Display for Table {
             )?;
         }
         for line in &self.0 {
-            for (part, why) in &line.missed {
-                let why = match why {
-                    Missed::Unseen => "no image showed it whole and alone",
-                    Missed::Rejected => "it was taken for none of the kinds",
-                    Missed::Late => "the arm was busy until it was out of reach",
-                    Missed::NotThere => "it was not between the fingers where it was expected",
-                    Missed::Lost => "it was lost after the hand had it",
-                };
-                writeln!(f, "part {part} at {:.2} m/s, one every {:.1} s: {why}", line.speed, line.every)?;
+            if let Some(closest) = line.closest {
+                let [one, two] = line.taken;
+                writeln!(
+                    f,
+                    "{:.2} m/s, one every {:.1} s: the first arm took {one}, the second {two}; they were never nearer than {:.3} m",
+                    line.speed, line.every, closest
+                )?;
+            }
+        }
+        let missed: usize = self.0.iter().map(|line| line.missed.len()).sum();
+        if missed > 0 {
+            writeln!(f, "   belt  every   part  kind             came  after   why it was missed")?;
+            writeln!(f, "    m/s      s                             s      s")?;
+        }
+        for line in &self.0 {
+            for miss in &line.missed {
+                writeln!(f, "{:7.2}{:7.1}{miss}", line.speed, line.every)?;
             }
         }
         let crashes: u32 = self.0.iter().map(|line| line.crashes).sum();

@@ -17,7 +17,7 @@ use crate::camera::acquire::Acquire;
 use crate::camera::arrivals::Coming;
 use crate::camera::kinds::{KINDS, classes, kinds};
 use crate::camera::layout::BEAM;
-use crate::camera::run::{Looks, Ready, Settings, nearest, wrong};
+use crate::camera::run::{Looks, Ready, Settings, nearest, with_arms, wrong};
 use crate::camera::sight::Sight;
 use crate::plant::Plant;
 
@@ -32,12 +32,12 @@ pub struct Trace {
     pub echo: Option<Echo>,
 }
 
-/// The cell of the task with the matrix, `cell-matrix.toml`.
+/// The cell of the task with the matrix, `cell-matrix.toml`, and with so many arms.
 ///
 /// # Errors
-/// None: the file is right.
-pub fn file() -> Result<CellFile, CellFileError> {
-    CellFile::parse("cell-matrix.toml", include_str!("../../cell-matrix.toml"))
+/// None: the files are right.
+pub fn file(arms: usize) -> Result<CellFile, CellFileError> {
+    with_arms("cell-matrix.toml", include_str!("../../cell-matrix.toml"), arms)
 }
 
 /// The network that tells the kinds by their reliefs, `assets/reliefs.onnx`.
@@ -73,7 +73,7 @@ impl Settings {
         change: impl FnOnce(MatrixSensor<Sight>) -> MatrixSensor<Sight>,
         sense: impl FnOnce(&CellFile, Cell, MatrixSensor<Sight>, &Plant) -> Result<Cell, CellError>,
     ) -> Result<Ready, CellError> {
-        self.heard_in(file()?, change, sense)
+        self.heard_in(file(self.arms)?, change, sense)
     }
 
     /// The same with the cell of another file.

@@ -339,6 +339,14 @@ impl Mp<'_> {
         outcome
     }
 
+    /// Whether a motion in the background still moves a robot: it was started, and is neither over nor ended.
+    ///
+    /// It changes in steps only: a program that waits for the end looks again after each Wait or Move.
+    #[must_use]
+    pub fn is_in_background<R: Robot>(&self, robot: &RobotHandle<R>) -> bool {
+        self.robots.owner.not_its_own(robot.owner, robot.name).is_none() && self.background.has(robot.index)
+    }
+
     fn start_in_background<G: Generator<Sensors = ()> + 'static>(
         &mut self,
         course: Course<G>,

@@ -1,0 +1,203 @@
+//! Two arms share the belt: the coordinator's program, and what it knows of arms beside the queue of parts.
+
+use mrroc::generator::{Class, Condition, Level, Uses};
+use mrroc::prelude::*;
+use mrroc_generators::generators::ConstantOrder;
+use mrroc_robots::{Conveyor, Irp6, TwoFingers};
+use mrroc_sensors::virtual_sensors::{OnBelt, PartSensor};
+
+use super::assignment::{Free, Times, Waiting, assign};
+use super::layout::{FIRST, LAST, STATIONS};
+use super::orders::Task;
+use super::queue::Queue;
+use super::run::Settings;
+use crate::generators::Uneven;
+use crate::mp::Arm;
+use crate::places::{CLOSED, OPEN};
+
+/// How many arms.
+pub const ARMS: usize = STATIONS.len();
+
+/// Sorts what the belt brings by two arms, as long as more comes; `eye` is the sensor that tells of parts. Each arm works in the background by
+/// loose orders, while the coordinator goes on taking in parts.
+///
+/// # Errors
+/// The first fault of the cell.
+pub fn coordinate(mp: &mut Mp, eye: &str, drive: Uneven, mut shared: Shared) -> Result<Shared, Fault> {
+    let names = STATIONS.map(|station| station.robots);
+    let mut arms = [mp.robot::<Irp6>(names[0][0])?, mp.robot::<Irp6>(names[1][0])?];
+    let mut hands = [mp.robot::<TwoFingers>(names[0][1])?, mp.robot::<TwoFingers>(names[1][1])?];
+    let (mut belt, mut parts) = (mp.robot::<Conveyor>("belt")?, mp.sensor::<PartSensor>(eye)?);
+    mp.start_robot(&mut belt, drive)?;
+    loop {
+        let [one, two] = &mut hands;
+        shared = mp.wait_until((one, two), (&mut parts,), Turn::of(shared))?.shared;
+        for (number, (arm, hand)) in arms.iter_mut().zip(&mut hands).enumerate() {
+            if !mp.is_in_background(arm)
+                && let Some(task) = shared.next(number)
+            {
+                mp.start_robots((arm, hand), ConstantOrder::<Arm, Task>::to_all(task))?;
+            }
+        }
+        if shared.is_over() {
+            return mp.end_robot(&mut belt).map(|()| shared);
+        }
+    }
+}
+
+/// What an arm and its hand are about.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum About {
+    /// The program has just begun: where the arm is nobody knows.
+    Nowhere,
+    /// Nothing.
+    Idle,
+    /// Taking this part.
+    Taking(OnBelt),
+    /// Letting it go.
+    Releasing,
+}
+
+/// What the coordinator of two arms knows.
+#[derive(Clone, Debug)]
+pub struct Shared {
+    queue: Queue,
+    about: [About; ARMS],
+    /// Until when the arms are busy, about, and what time it is \[s of path time\].
+    busy: [f64; ARMS],
+    now: f64,
+    /// Openings of the hands \[m\].
+    openings: [f64; ARMS],
+    /// Parts that an arm did not find between its fingers: their numbers, and which arm.
+    pub vain: Vec<(u32, usize)>,
+    /// Parts that arms were told to take: their numbers, and which arm.
+    pub told: Vec<(u32, usize)>,
+}
+
+impl Shared {
+    /// Letting go takes so long \[s\].
+    const RELEASING: f64 = 0.7;
+    const TIMES: Times = Times {
+        cycle: Settings::CYCLE,
+        reaching: Queue::REACHING,
+        carrying: Settings::CYCLE - Queue::REACHING,
+    };
+
+    /// Of so many parts to come; it ends where none has come for `patience` \[s\].
+    #[must_use]
+    pub fn of(parts: u32, patience: f64) -> Self {
+        Self {
+            queue: Queue::of(parts, patience).up_to(LAST + STATIONS[ARMS - 1].along),
+            about: [About::Nowhere; ARMS],
+            busy: [0.0; ARMS],
+            now: 0.0,
+            openings: [OPEN; ARMS],
+            vain: Vec::new(),
+            told: Vec::new(),
+        }
+    }
+
+    /// Parts that went by because both arms were busy: their numbers.
+    #[must_use]
+    pub fn late(&self) -> Vec<u32> {
+        let late = self.queue.late.iter().filter(|part| !self.vain.iter().any(|(vain, _)| vain == *part));
+        late.copied().collect()
+    }
+
+    /// Whether no more come, and the arms have nothing to do.
+    fn is_over(&self) -> bool {
+        self.queue.is_over() && self.about.iter().all(|about| *about == About::Idle)
+    }
+
+    /// What an arm that has done what it was told is to do next; `None` while that is nothing.
+    fn next(&mut self, arm: usize) -> Option<Task> {
+        match self.about[arm] {
+            About::Nowhere => {
+                self.about[arm] = About::Releasing;
+                return Some(Task::Return);
+            }
+            About::Taking(_) if self.openings[arm] < 0.5 * (OPEN + CLOSED) => {
+                self.about[arm] = About::Releasing;
+                self.busy[arm] = self.now + Self::RELEASING;
+                return Some(Task::Release);
+            }
+            About::Taking(part) => {
+                // Not between the fingers: the other arm may find it.
+                self.vain.push((part.number, arm));
+                let ahead = |other: &OnBelt| other.along > part.along;
+                let place = self.queue.waiting.iter().filter(|other| ahead(other)).count();
+                self.queue.waiting.insert(place, part);
+                self.about[arm] = About::Idle;
+            }
+            About::Idle | About::Releasing => self.about[arm] = About::Idle,
+        }
+        self.pick(arm)
+    }
+
+    /// The part that an idle arm is to set out for now.
+    fn pick(&mut self, arm: usize) -> Option<Task> {
+        let (seen, vain) = (self.queue.seen, &self.vain);
+        let speed = seen.speed.max(0.0);
+        let waiting = |part: &OnBelt| Waiting {
+            at: part.along + seen.way,
+            tried: core::array::from_fn(|arm| vain.contains(&(part.number, arm))),
+        };
+        let parts: Vec<_> = self.queue.waiting.iter().map(waiting).collect();
+        let free: [_; ARMS] = core::array::from_fn(|arm| Free {
+            after: if self.about[arm] == About::Idle { 0.0 } else { (self.busy[arm] - self.now).max(0.0) },
+            first: FIRST + STATIONS[arm].along,
+            last: LAST + STATIONS[arm].along,
+        });
+        let assigned = assign(&parts, &free, speed, &Self::TIMES);
+        let place = assigned.iter().position(|of| *of == Some((arm, 0)))?;
+        // Not before it must: until then a better assignment may be found.
+        if parts[place].at < free[arm].first - Queue::AHEAD * speed {
+            return None;
+        }
+        let part = self.queue.waiting.remove(place)?;
+        self.about[arm] = About::Taking(part);
+        let comes = (free[arm].first - parts[place].at) / speed.max(1e-3);
+        self.busy[arm] = self.now + Self::TIMES.reaching.max(comes) + Self::TIMES.carrying;
+        self.told.push((part.number, arm));
+        Some(self.queue.order(&part))
+    }
+}
+
+/// A Wait for the coordinator's next turn: it takes in parts, and how far the hands are open.
+struct Turn {
+    shared: Shared,
+    steps: u32,
+}
+
+impl Turn {
+    /// A turn every so many steps.
+    const STEPS: u32 = 5;
+
+    fn of(shared: Shared) -> Self {
+        Self { shared, steps: 0 }
+    }
+}
+
+// By hand, as the queue's.
+impl Condition for Turn {
+    type Robots = (TwoFingers, TwoFingers);
+    type Sensors = (PartSensor,);
+    type Order = ();
+    const CLASS: Class =
+        Class::new(Level::Mp, Uses { state: true, robots: true, sensors: true, tick: true, ..Uses::NOTHING });
+
+    fn is_met(
+        &mut self,
+        _: &Order<()>,
+        e: &State<(TwoFingers, TwoFingers)>,
+        v: &Reading<(PartSensor,)>,
+        t: Tick,
+    ) -> Result<bool, Fault> {
+        let shared = &mut self.shared;
+        shared.queue.take(&v.0, t.duration)?;
+        shared.now += t.duration;
+        shared.openings = [e.0.demanded().joints[0], e.1.demanded().joints[0]];
+        self.steps += 1;
+        Ok(self.steps >= Self::STEPS)
+    }
+}
