@@ -35,8 +35,11 @@ struct Comes {
 #[condition(mp)]
 fn comes(c: &mut Comes, v: &Reading<(PartSensor,)>) -> bool {
     let Some(seen) = v.0.reading() else { return false };
-    c.part = seen.newest[0]; // in the belt's own frame: there it does not move, however long an image takes
-    seen.parts > 0 && c.part.along + seen.way > FROM
+    // In the belt's own frame: there a part does not move, however long an image takes. The first that has come; the newest is told first.
+    let come = |part: &&OnBelt| part.number > 0 && part.along + seen.way > FROM;
+    let Some(part) = seen.newest.iter().rev().find(come) else { return false };
+    c.part = *part;
+    true
 }
 
 /// Orders one task, in every step the same.

@@ -278,6 +278,26 @@ impl<R: Robot> Demand<R> {
         self
     }
 
+    /// The same tool, redundancy, regulators, outputs and load, to where `other` leads.
+    ///
+    /// ```
+    /// use mrroc::prelude::*;
+    /// use mrroc_robots::Irp6;
+    ///
+    /// let held = Demand::<Irp6>::hold().with_tool(Pose::translation(0.0, 0.0, 0.1));
+    /// let led = held.led_to(&Demand::displacement(Pose::translation(0.01, 0.0, 0.0)));
+    /// assert_eq!(led, Demand::displacement(Pose::translation(0.01, 0.0, 0.0)).with_tool(Pose::translation(0.0, 0.0, 0.1)));
+    /// ```
+    #[must_use]
+    pub fn led_to(mut self, other: &Demand<R>) -> Self {
+        self.coordinates = other.coordinates;
+        // Its motion leads elsewhere, too.
+        if !self.beside.is_load() {
+            self.beside = Beside::Nothing;
+        }
+        self
+    }
+
     /// Where its motion leads, if it says so.
     pub(crate) fn goal(&self) -> Option<Goal<R::Joints>> {
         self.beside.goal()

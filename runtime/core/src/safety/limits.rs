@@ -169,7 +169,7 @@ impl<R: Robot> Acceptor<R> {
 
     /// How fast the robot may slow down on its screw from here, in steps of `period` \[s\].
     pub fn braking_law(&self, period: f64) -> BrakingLaw {
-        rates::braking_law(&self.state, &self.curvature.acceleration, self.checks.robot.limits(), period)
+        rates::braking_law(&self.state, &self.curvature(), self.checks.robot.limits(), period)
     }
 
     /// How the robot goes on with those that it moves together with while demands are missing.

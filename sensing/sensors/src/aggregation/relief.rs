@@ -126,8 +126,8 @@ impl Reliefs {
     const FEWEST: usize = 6;
     /// Pings by which a transducer learns the bare belt.
     const LEARNING: u32 = 4;
-    /// What is learned as the bare belt may be so far from the others' \[m\]: bare belts are learned within 2 mm, and parts are 20 mm high and more.
-    const LEVEL: f64 = 5e-3;
+    /// What is learned as the bare belt may be so far from the others' \[m\]: bare belts are learned within 2 mm, and what is 4 mm off is none later on.
+    const LEVEL: f64 = 3.5e-3;
     /// A transducer that hears nothing so often, over so much belt \[m\], is dead.
     const DEAF: (u32, f64) = (24, 0.15);
     /// How much of a bare belt's echo changes what is known of it.

@@ -33,7 +33,7 @@ pub use fingers::{Between, FingerBarrier, Fingers, Tool};
 pub use gate::{Gate, GateReading, GateSensor};
 pub use matrix::{Listener, MatrixSensor};
 pub use parts::{OnBelt, PartSensor, Spotted};
-pub use photos::{Photo, PhotoSensor};
+pub use photos::{Photo, PhotoSensor, PhotoSource};
 pub use range::{Across, AcrossReading, RangeFinder};
 pub use sampled::Sampled;
 #[cfg(all(feature = "v4l", target_os = "linux"))]

@@ -11,14 +11,42 @@ use crate::aggregation::Vision;
 pub struct Photo {
     /// Grey values, row by row, of the size of the camera by which they are judged.
     pub grey: Vec<u8>,
-    /// How old it is: since the middle of its exposure \[s\], finite, >= 0.
+    /// How old it was when it was asked for: since the middle of its exposure \[s\]; below 0 of one that was exposed later.
     pub age: f64,
 }
 
-/// A camera whose images come from elsewhere. The first one must be of the empty belt.
+/// Where the images of a [`PhotoSensor`] come from. A closure that gives them is one, too.
+pub trait PhotoSource: 'static {
+    /// The newest image, if there is a new one. It is called in the sensor's own process, and may wait for the camera.
+    ///
+    /// # Errors
+    /// Why there are none any more.
+    fn take(&mut self) -> Result<Option<Photo>, Fault>;
+
+    /// As [`VirtualSensor::hardware`].
+    fn hardware(&self) -> Option<String> {
+        None
+    }
+
+    /// As [`VirtualSensor::open`].
+    ///
+    /// # Errors
+    /// Why it could not be opened.
+    fn open(&mut self) -> Result<(), Fault> {
+        Ok(())
+    }
+}
+
+impl<T: FnMut() -> Result<Option<Photo>, Fault> + 'static> PhotoSource for T {
+    fn take(&mut self) -> Result<Option<Photo>, Fault> {
+        self()
+    }
+}
+
+/// A camera whose images come from elsewhere, read with delay. The first one must be of the empty belt.
 ///
-/// `take` gives an image when there is a new one. It runs in the sensor's own process, with delay or free running, so it may wait for the camera.
-/// The belt has run as far as it had at the exposure by the state that comes with the order, and its speed since then.
+/// How far the belt had run at an exposure is computed from the state that comes with the order, its speed, and the age of the image, which is at most
+/// half a second.
 ///
 /// ```
 /// use mrroc::pose::Pose;
@@ -34,11 +62,12 @@ pub struct Photo {
 /// let vision = Vision::new(Plane::new(Camera::MRROCPP, down), vec![disc], Box::new(Sole));
 /// // A driver of a camera asks it here; this one has one image of the empty belt.
 /// let mut images = vec![vec![90; 768 * 576]].into_iter();
-/// let sensor = PhotoSensor::new(vision, move || Ok(images.next().map(|grey| Photo { grey, age: 0.02 })));
+/// let sensor = PhotoSensor::new(vision, move || Ok(images.next().map(|grey| Photo { grey, age: 0.02 })), 2e-3);
 /// # let _ = sensor;
 /// ```
 pub struct PhotoSensor<T> {
-    take: T,
+    source: T,
+    latch: f64,
     sighting: Sighting,
 }
 
@@ -48,15 +77,18 @@ impl<T> core::fmt::Debug for PhotoSensor<T> {
     }
 }
 
-impl<T: FnMut() -> Result<Option<Photo>, Fault> + 'static> PhotoSensor<T> {
-    /// What `take` gives is judged by `vision`.
+impl<T: PhotoSource> PhotoSensor<T> {
+    /// The oldest image whose place on the belt is believed \[s\].
+    const OLDEST: f64 = 0.5;
+
+    /// What `source` gives is judged by `vision`; `latch` \[s\] is how old the state of the belt is that goes with an order.
     #[must_use]
-    pub fn new(vision: Vision, take: T) -> Self {
-        Self { take, sighting: Sighting::by(vision) }
+    pub fn new(vision: Vision, source: T, latch: f64) -> Self {
+        Self { source, latch, sighting: Sighting::by(vision) }
     }
 }
 
-impl<T: FnMut() -> Result<Option<Photo>, Fault> + 'static> VirtualSensor for PhotoSensor<T> {
+impl<T: PhotoSource> VirtualSensor for PhotoSensor<T> {
     type Kind = PartSensor;
 
     fn aggregate(&mut self, order: &ReadingOrder<()>) -> Result<Spotted, Fault> {
@@ -64,7 +96,7 @@ impl<T: FnMut() -> Result<Option<Photo>, Fault> + 'static> VirtualSensor for Pho
             Fault::thrown("a camera sees parts on a belt: write of = \"BELT\" in its table of cell.toml")
         })?;
         let (way, speed) = (belt.joints[0], belt.velocity[0]);
-        if let Some(Photo { grey, age }) = (self.take)()? {
+        if let Some(Photo { grey, age }) = self.source.take()? {
             let [width, height] = self.sighting.vision().plane().camera.size;
             if grey.len() != width * height {
                 let fault = Fault::thrown(
@@ -72,13 +104,22 @@ impl<T: FnMut() -> Result<Option<Photo>, Fault> + 'static> VirtualSensor for Pho
                 );
                 return Err(fault.exceeds(grey.len() as f64, (width * height) as f64, "pixel"));
             }
-            if !(age.is_finite() && age >= 0.0) {
-                return Err(Fault::thrown("the age of an image must be finite and >= 0 s"));
+            if age.is_nan() || age.abs() > Self::OLDEST {
+                let fault = Fault::thrown("an image is too old to tell where its parts are on the belt");
+                return Err(fault.exceeds(age, Self::OLDEST, "s"));
             }
-            self.sighting.judge(&grey, way - speed * age, 0.0)?;
+            self.sighting.judge(&grey, way - speed * (age - self.latch), 0.0)?;
         }
         (self.sighting.reading.way, self.sighting.reading.speed) = (way, speed);
         Ok(self.sighting.tell(0.0))
+    }
+
+    fn hardware(&self) -> Option<String> {
+        self.source.hardware()
+    }
+
+    fn open(&mut self) -> Result<(), Fault> {
+        self.source.open()
     }
 }
 
@@ -153,31 +194,40 @@ mod tests {
             imager.expose(&Block(x), 0.0, &mut grey);
             Ok(Some(Photo { grey, age }))
         };
-        // The empty belt; nothing new; the part at 0.03 m, 0.05 s ago; the same part 0.02 m later.
-        let photos = [photo(None, 0.0), Ok(None), photo(Some(0.03), 0.05), photo(Some(0.05), 0.0)];
+        // The empty belt; nothing new; the part at 0.03 m, 0.052 s ago; the same part 0.02 m later; and another 0.05 s after it was asked for.
+        let photos = [
+            photo(None, 0.0),
+            Ok(None),
+            photo(Some(0.03), 0.052),
+            photo(Some(0.05), 0.0),
+            photo(Some(0.1), -0.05),
+        ];
         let mut photos = photos.into_iter();
-        let mut sensor = PhotoSensor::new(vision(), move || photos.next().unwrap_or(Ok(None)));
+        // The belt's state is 2 ms old when it comes.
+        let mut sensor = PhotoSensor::new(vision(), move || photos.next().unwrap_or(Ok(None)), 2e-3);
         assert_eq!(sensor.aggregate(&order(0.0, 0.1)).expect("the empty belt").parts, 0);
         assert_eq!(sensor.aggregate(&order(0.1, 0.1)).expect("nothing new").images, 0);
         let seen = sensor.aggregate(&order(0.2, 0.1)).expect("a part");
-        // The belt had run 0.195 m at the exposure.
+        // The belt had run 0.2 - 0.1 (0.052 - 0.002) = 0.195 m at the exposure.
         let part = seen.newest[0];
         assert!(seen.parts == 1 && (part.along - (0.03 - 0.195)).abs() < 5e-4, "{part:?}");
         assert!((part.across - 0.01).abs() < 5e-4 && part.angle.abs() < 0.01, "{part:?}");
         assert_eq!(sensor.aggregate(&order(0.215, 0.1)).expect("again").parts, 1);
+        let next = sensor.aggregate(&order(0.4, 0.1)).expect("another").newest[0];
+        assert!((next.along - (0.1 - 0.4052)).abs() < 5e-4, "{next:?}");
     }
 
     #[test]
     fn fault_217_a_photo_of_another_size_or_of_no_age_is_refused() {
-        for (pixels, age) in [(100, 0.0), (768 * 576, f64::NAN), (768 * 576, -1.0)] {
+        for (pixels, age) in [(100, 0.0), (768 * 576, f64::NAN), (768 * 576, -1.0), (768 * 576, 0.6)] {
             let mut photo = Some(Photo { grey: vec![90; pixels], age });
-            let mut sensor = PhotoSensor::new(vision(), move || Ok(photo.take()));
+            let mut sensor = PhotoSensor::new(vision(), move || Ok(photo.take()), 0.0);
             assert!(sensor.aggregate(&order(0.0, 0.0)).is_err(), "{pixels} {age}");
         }
         let mut dark = Some(Photo { grey: vec![0; 768 * 576], age: 0.0 });
-        let mut sensor = PhotoSensor::new(vision(), move || Ok(dark.take()));
+        let mut sensor = PhotoSensor::new(vision(), move || Ok(dark.take()), 0.0);
         assert!(sensor.aggregate(&order(0.0, 0.0)).is_err(), "an empty belt without light");
-        let mut sensor = PhotoSensor::new(vision(), || Ok(None));
+        let mut sensor = PhotoSensor::new(vision(), || Ok(None), 0.0);
         let alone = ReadingOrder { configuration: (), robot: None, step: 0 };
         assert!(sensor.aggregate(&alone).is_err(), "of no belt");
     }

@@ -18,7 +18,7 @@ const UP: f64 = 5.2;
 /// Heights of the fingertips: over a part, and beside it [m].
 const HIGH: f64 = 0.14;
 const LOW: f64 = 0.02;
-/// What the encoder tells is so old when the demand of a step is attained [s].
+/// How old what the encoder tells is, beside its age in steps, when the arm attains the demand of its step [s].
 const LATE: f64 = 0.012;
 
 pub struct Take {
@@ -49,10 +49,10 @@ fn take(c: &mut Take, v: &Reading<(Encoder,)>, t: Tick) -> Step<Irp6> {
     // Where the belt's frame has gone, filtered, so that its velocity has no steps.
     let seen = v.0.reading().map(|belt| c.frame * Pose::translation(belt.way, 0.0, 0.0));
     let late = f64::from(v.0.age()) * t.duration + LATE;
+    c.age += t.dt; // with the hand's own time, whatever the encoder says
     let Some(belt) = c.belt.follow(seen.map(|seen| (seen, late)), t.duration, t.dt) else {
         return Step::Next(Demand::hold());
     };
-    c.age += t.dt;
     let height = (HIGH - LOW) * (1.0 - smooth(c.age - OVER) + smooth(c.age - UP));
     let goal = belt * c.place * Pose::translation(0.0, 0.0, -height);
     Step::Next(Demand::pose(LinePath::new(c.from, goal).pose(smooth(c.age / OVER))))

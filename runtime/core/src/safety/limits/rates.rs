@@ -138,9 +138,9 @@ pub(crate) fn least_headroom<J: JointVector>(limits: &Limits<J>, rate: f64, peri
 }
 
 /// How fast a robot in this state may slow down on its screw, in steps of `period` \[s\]: within [`braking::SHARE`] of the
-/// acceleration limits, and within what the screw's `curvature` leaves of them where it slows a joint down as well. That lasts no
-/// longer than braking from the velocity limits, if the curvature leaves so much, and in any case no longer than braking from
-/// them with that share.
+/// acceleration limits, and within what the screw's `curvature` \[rad/s² or m/s²\] leaves of them where it slows a joint down as well.
+/// Where the curvature leaves enough, that takes no longer than braking from the velocity limits. It never takes longer than
+/// braking from them with that share.
 pub(super) fn braking_law<J: JointVector>(
     state: &JointState<J>,
     curvature: &J,

@@ -196,7 +196,7 @@ fn a_robot_slows_down_on_a_bent_screw_by_what_that_leaves_of_its_acceleration() 
     let mut acceptor = moving(Turntable::new());
     let faster = 0.3 + 0.002 + 0.002;
     let mut fall = |curvature: [f64; 2]| {
-        acceptor.curvature.acceleration = curvature.into();
+        acceptor.see_curvature(curvature.into());
         acceptor.braking_law(2e-3).fall
     };
     // 0.3 m/s that become less by 4 m/s², a quarter more on the way, leave 5 of 10 m/s²; those that become more, or less by
@@ -242,18 +242,21 @@ fn the_curvature_of_a_screw_is_the_acceleration_of_joints_that_follow_it() {
     acceptor.state.position = Two::new(0.7, 0.5);
     acceptor.state.velocity = Two::new(0.4, 0.3);
     acceptor.look_along_screw(period);
-    let found = acceptor.curvature.acceleration;
+    let found = acceptor.curvature();
     // Differences over steps are those of their middles: off by less than the change in a step.
     assert!((found[0] + 0.3 * 0.4 / 0.5).abs() < 1e-4 && found[1].abs() < 1e-4, "{found}");
+    // It is that at the present speed: of half the speed a quarter.
+    acceptor.state.velocity = Two::new(0.2, 0.15);
+    near(acceptor.curvature()[0], 0.25 * found[0]);
     // It holds for 16 ms.
     acceptor.state.velocity = Two::new(0.4, -0.3);
     for _ in 0..159 {
         acceptor.look_along_screw(period);
-        assert_eq!(acceptor.curvature.acceleration, found);
+        near(acceptor.curvature()[0], found[0]);
     }
     acceptor.look_along_screw(period);
-    let found = acceptor.curvature.acceleration;
+    let found = acceptor.curvature();
     assert!((found[0] - 0.3 * 0.4 / 0.5).abs() < 1e-4 && found[1].abs() < 1e-4, "{found}");
     acceptor.leave_screw();
-    assert_eq!(acceptor.curvature.acceleration, Two::zeros());
+    assert_eq!(acceptor.curvature(), Two::zeros());
 }
