@@ -15,6 +15,7 @@
 //! - [`cooperation`]: several arms on one body;
 //! - [`force`]: force control: each axis of a tool moves freely, is guarded, or keeps a load;
 //! - [`ahead`]: places that a generator names before it comes to them;
+//! - [`between`]: the way from one pose to another, as velocities of a tool are told;
 //! - [`rehearsal`]: what a generator demands, without a cell;
 //! - [`mod@conformance`]: tests that every generator must pass.
 //!
@@ -26,6 +27,7 @@
 extern crate self as mrroc_generators;
 
 pub mod ahead;
+pub mod between;
 pub mod bspline;
 pub mod combinators;
 pub mod conditions;

@@ -99,11 +99,22 @@ pub fn simulated() -> Kinds {
 /// ```
 #[must_use]
 pub fn simulated_in(world: &World, belt: Belt) -> Kinds {
+    simulated_in_with(world, belt, |_, _| ())
+}
+
+/// The same, where `arms` is shown the drives of each arm, under its name, before they go into the world: a camera that looks at the arm needs its
+/// [shaft](Simulated::shaft).
+#[must_use]
+pub fn simulated_in_with(
+    world: &World,
+    belt: Belt,
+    arms: impl Fn(&str, &Simulated<Irp6, 6>) + 'static,
+) -> Kinds {
     /// What an arm holds gives way by this [N/m, N m/rad].
     const GRASP: [f64; 2] = [2e4, 20.0];
     /// How wide a pad is, and how far it reaches beyond the origin of the tool frame \[m\].
     const PADS: [f64; 2] = [0.024, 0.008];
-    let [arms, hands, belts] = [world.clone(), world.clone(), world.clone()];
+    let [carried, hands, belts] = [world.clone(), world.clone(), world.clone()];
     // The arms in the order in which they came into the world, by their names.
     let names = Rc::<RefCell<Vec<String>>>::default();
     let of_hands = Rc::clone(&names);
@@ -111,9 +122,10 @@ pub fn simulated_in(world: &World, belt: Belt) -> Kinds {
         .with("irp6", move |entry| {
             let robot = irp6(entry)?;
             let drives = Simulated::new(robot.clone(), &entry.start(&robot)?);
+            arms(entry.name(), &drives);
             let [stiffness, rotational] = GRASP;
             let grasp = Grasp::new(stiffness, rotational).with_tool(entry.tool());
-            let arm = arms.arm(drives, grasp).map_err(|error| impossible(entry, &error))?;
+            let arm = carried.arm(drives, grasp).map_err(|error| impossible(entry, &error))?;
             names.borrow_mut().push(entry.name().to_owned());
             Ok(RobotSetup::new(entry.name(), robot, arm))
         })

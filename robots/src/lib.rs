@@ -48,7 +48,7 @@ pub mod models;
 pub mod sensors;
 pub mod simulation;
 
-pub use kinds::{simulated, simulated_in, urdf_arm};
+pub use kinds::{simulated, simulated_in, simulated_in_with, urdf_arm};
 pub use models::{
     ArmCalibration, ChainCalibration, Conveyor, Driven, Encoder, Five, Gains, Gripper, IoBlock, Irp6,
     Irp6Calibration, Irp6FiveDof, Irp6Track, Jacobian, Kinematics, Linear, LinkState, LocalCorrection,

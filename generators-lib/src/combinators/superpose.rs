@@ -2,9 +2,9 @@
 
 use mrroc::generator::{Class, Generator, Motion, Uses};
 use mrroc::prelude::*;
-use nalgebra::{Translation3, UnitQuaternion, Vector3};
-
-use crate::line::ToolLimits;
+use mrroc_generators::between::{moved, way};
+use mrroc_generators::line::ToolLimits;
+use nalgebra::Vector3;
 
 /// Two behaviours that move the tool together: the velocity of the tool is the weighted sum of theirs (cooperative, where
 /// [`Arbitrate`](super::Arbitrate) is competitive). The weights are functions of the readings. More than two are superposed in pairs: a
@@ -111,17 +111,6 @@ where
     }
 }
 
-/// From one pose to another: along and about fixed axes.
-fn way(from: &Pose, to: &Pose) -> [Vector3<f64>; 2] {
-    let turn = (to.rotation * from.rotation.inverse()).scaled_axis();
-    [to.translation.vector - from.translation.vector, turn]
-}
-
-fn within(vector: Vector3<f64>, most: f64) -> Vector3<f64> {
-    let norm = vector.norm();
-    if norm > most { vector * (most / norm) } else { vector }
-}
-
 impl<A, B, R> Superpose<A, B>
 where
     A: Generator<Robots = R, Language = Motion>,
@@ -194,12 +183,12 @@ where
         let mut velocity = self.velocity;
         for (axis, limit) in limits.into_iter().enumerate() {
             let sum = (ways[0][axis] * weights[0] + ways[1][axis] * weights[1]) / t.dt;
-            let wanted = if done { Vector3::zeros() } else { within(sum, limit.velocity) };
+            let wanted = if done { Vector3::zeros() } else { sum.cap_magnitude(limit.velocity) };
             let change = wanted - velocity[axis];
             // A velocity found by differences of places has rounding in it, which is no acceleration.
             let most = limit.acceleration * t.dt + ROUNDING / t.dt;
             limited |= wanted != sum || change.norm() > most;
-            velocity[axis] += within(change, most);
+            velocity[axis] += change.cap_magnitude(most);
         }
         if done && self.velocity.iter().zip(limits).all(|(v, limit)| v.norm() <= limit.acceleration * t.dt) {
             return Ok(Step::Done);
@@ -213,12 +202,7 @@ where
         };
         self.at = match alone.filter(|(from, _)| !limited && *from == self.at) {
             Some((_, to)) => to,
-            None => {
-                let [along, about] = velocity.map(|v| v * t.dt);
-                let mut rotation = UnitQuaternion::from_scaled_axis(about) * self.at.rotation;
-                rotation.renormalize_fast();
-                Pose::from_parts(Translation3::from(self.at.translation.vector + along), rotation)
-            }
+            None => moved(&self.at, velocity.map(|v| v * t.dt)),
         };
         Ok(Step::Next(self.led(same)))
     }

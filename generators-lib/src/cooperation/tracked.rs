@@ -11,7 +11,9 @@
 //! transforms with an age (Hayward and Paul 1986), where the function is a sensor.
 
 use mrroc::pose::Pose;
-use nalgebra::{Translation3, UnitQuaternion, Vector3};
+use nalgebra::Vector3;
+
+use crate::between::{moved, way};
 
 /// How a frame is followed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,18 +37,6 @@ pub struct TrackedFrame {
     /// The last reading and the time that it is of, and the velocities between readings.
     read: Option<(Pose, f64)>,
     between: [Vector3<f64>; 2],
-}
-
-/// From one pose to another: along and about the world's axes.
-fn way(from: &Pose, to: &Pose) -> [Vector3<f64>; 2] {
-    let turn = (to.rotation * from.rotation.inverse()).scaled_axis();
-    [to.translation.vector - from.translation.vector, turn]
-}
-
-fn moved(pose: &Pose, [along, about]: [Vector3<f64>; 2]) -> Pose {
-    let mut rotation = UnitQuaternion::from_scaled_axis(about) * pose.rotation;
-    rotation.renormalize_fast();
-    Pose::from_parts(Translation3::from(pose.translation.vector + along), rotation)
 }
 
 impl TrackedFrame {

@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 
 use super::json::{number, numbers, object, schema, value};
 use mrroc_core::fault::Name;
-use mrroc_core::fault::{Fault, FaultKind, FaultWords, ProcessId, Role};
+use mrroc_core::fault::{Fault, FaultKind, FaultWords, ProcessId};
 use mrroc_core::link::Nanos;
 use mrroc_core::link::message::OrderKind;
 use mrroc_core::observe::layout::{Layout, SignalLayout};
@@ -89,14 +89,8 @@ impl Channels {
     }
 }
 
-/// The lower cell that a process is in.
-pub(super) fn cell_of(process: ProcessId) -> Option<Name> {
-    let name = process.name?;
-    if process.role == Role::Mp { Some(name) } else { name.cell() }
-}
-
 fn topic(record: &Record) -> (Topic, Option<&'static Shape>) {
-    let cell = cell_of(record.by);
+    let cell = record.by.cell();
     let events = Topic::Events(cell);
     match record.what {
         What::Step { .. } => (Topic::Steps(cell), None),

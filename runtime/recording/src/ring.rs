@@ -6,7 +6,7 @@ use std::io;
 use std::sync::Arc;
 use std::time::Duration;
 
-use super::channels::{Channels, Outlet, cell_of};
+use super::channels::{Channels, Outlet};
 use super::file::patience;
 use mrroc_core::console::complain;
 use mrroc_core::fault::{Name, ProcessId};
@@ -59,7 +59,7 @@ fn is_asked_for(recording: &Recording, by: ProcessId, what: &What) -> bool {
         }
         What::Order { robot, .. } => recording.has_robot(robot.as_str()),
         What::Reading { sensor, .. } => {
-            recording.has_sensor_in(cell_of(by).as_ref().map(Name::as_str), sensor.as_str())
+            recording.has_sensor_in(by.cell().as_ref().map(Name::as_str), sensor.as_str())
         }
         What::Step { .. }
         | What::Instruction { .. }

@@ -1,13 +1,13 @@
 //! What the simulated robots do in, and what the sensors see: parts on a belt, fingers, trays, a bin at the end.
 
-use std::cell::{Cell as Count, RefCell};
+use std::cell::RefCell;
 use std::rc::Rc;
 
-use mrroc::cell_file::{Kinds, RobotEntry};
+use mrroc::cell_file::Kinds;
 use mrroc::pose::Pose;
 use mrroc::prelude::*;
-use mrroc_robots::grasp::{self, Grasp, Jaws, Pads, Sink, World, WorldError};
-use mrroc_robots::{Conveyor, Irp6, One, Shaft, Simulated, TwoFingers};
+use mrroc_robots::grasp::{self, Sink, World, WorldError};
+use mrroc_robots::{Shaft, simulated_in_with};
 use mrroc_sensors::aggregation::Laterals;
 use mrroc_sensors::physics::{LightBarrier, Triangulation};
 use mrroc_sensors::virtual_sensors::{FingerBarrier, GateSensor, RangeFinder};
@@ -74,38 +74,11 @@ impl Plant {
     /// The kinds of `cell.toml`, with drives in this world.
     #[must_use]
     pub fn kinds(&self) -> Kinds {
-        let [arm, hand, belt] = [self.world.clone(), self.world.clone(), self.world.clone()];
-        let (shaft, surface) = (self.shaft(), self.surface);
-        // The hands are on the arms in their order.
-        let hands = Count::new(0);
-        Kinds::new()
-            .with("arm", move |entry| {
-                let robot = Irp6::nominal().with_base(entry.base());
-                let drives = Simulated::new(robot.clone(), &entry.start(&robot)?);
-                shaft.borrow_mut().get_or_insert_with(|| drives.shaft());
-                let grasp = Grasp::new(2e4, 20.0).with_tool(entry.tool());
-                let arm = arm.arm(drives, grasp).map_err(|error| impossible(entry, &error))?;
-                Ok(RobotSetup::new(entry.name(), robot, arm))
-            })
-            .with("hand", move |entry| {
-                let fingers = TwoFingers::new().with_base(entry.base());
-                let start: One = entry.start(&fingers)?;
-                let drive = Simulated::new(fingers.clone(), &start);
-                let on = hand.hand(hands.replace(hands.get() + 1)).ok_or_else(|| {
-                    entry.refuse_start("the hand is on no arm".into(), "write it below its arm".into())
-                })?;
-                let jaws = Jaws::new(drive, on, Pads::new(0.024, 0.008));
-                let jaws = jaws.map_err(|error| impossible(entry, &error))?;
-                // What it holds keeps the fingers off their demand: that is no fault.
-                Ok(RobotSetup::new(entry.name(), fingers, jaws).following_error(One::new(TwoFingers::STROKE)))
-            })
-            .with("belt", move |entry| {
-                let conveyor = Conveyor::new().with_base(entry.base());
-                let drive = Simulated::new(conveyor.clone(), &entry.start(&conveyor)?);
-                let [from, to, width] = surface;
-                let belt = belt.belt(drive, grasp::Belt::new(from, to, width));
-                Ok(RobotSetup::new(entry.name(), conveyor, belt.map_err(|error| impossible(entry, &error))?))
-            })
+        let shaft = self.shaft();
+        let [from, to, width] = self.surface;
+        simulated_in_with(&self.world, grasp::Belt::new(from, to, width), move |_, drives| {
+            shaft.borrow_mut().get_or_insert_with(|| drives.shaft());
+        })
     }
 
     /// The cell with all sensors.
@@ -172,8 +145,4 @@ impl Plant {
 fn across(s: f64, from: f64, over: f64) -> Pose {
     let look = UnitQuaternion::from_axis_angle(&Vector3::y_axis(), core::f64::consts::FRAC_PI_2);
     Pose::from_parts(Translation3::new(BELT[0] - from, BELT[1] + s, over), look)
-}
-
-fn impossible(entry: &RobotEntry, error: &WorldError) -> CellError {
-    entry.refuse_start(error.to_string(), "write figures in range".to_owned())
 }

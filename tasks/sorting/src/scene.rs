@@ -6,6 +6,7 @@ use std::rc::Rc;
 use mrroc::pose::Pose;
 use mrroc_robots::grasp::{Body, Hand, World};
 use mrroc_sensors::scene::{Scene, Solid};
+use mrroc_sensors::simulated::solid;
 use mrroc_sensors::virtual_sensors::Tool;
 use nalgebra::Vector3;
 
@@ -48,13 +49,7 @@ impl Scene for Belt {
     fn each_solid(&self, visit: &mut dyn FnMut(&Solid<'_>)) {
         self.world.each_body(|number, state| {
             let Look { hull, reflectance } = &self.looks[number];
-            visit(&Solid {
-                hull,
-                pose: state.pose,
-                velocity: state.velocity,
-                angular_velocity: state.angular_velocity,
-                reflectance: *reflectance,
-            });
+            visit(&solid(hull, *reflectance, state));
         });
     }
 }

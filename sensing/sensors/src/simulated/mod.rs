@@ -6,5 +6,5 @@
 mod over_belt;
 mod workpiece;
 
-pub use over_belt::OverBelt;
+pub use over_belt::{OverBelt, solid};
 pub use workpiece::Workpiece;

@@ -4,8 +4,8 @@ use std::cell::RefCell;
 use std::rc::Rc;
 
 use mrroc::pose::Pose;
-use mrroc_robots::grasp::{World, WorldError};
-use nalgebra::Point3;
+use mrroc_robots::grasp::{BodyState, World, WorldError};
+use nalgebra::{Point3, Vector3};
 
 use super::workpiece::Workpiece;
 use crate::scene::{Scene, Solid};
@@ -36,16 +36,25 @@ use crate::view::{Seen, View};
 #[allow(non_snake_case)]
 pub struct OverBelt {
     world: World,
-    pieces: Rc<RefCell<Vec<Workpiece>>>,
+    /// By the numbers of their bodies.
+    pieces: Rc<RefCell<Vec<Option<Workpiece>>>>,
     X_WF: Pose,
 }
 
 impl OverBelt {
-    /// Of a world in which there are no bodies yet, over a belt at `X_WF`.
+    /// Of a world, over a belt at `X_WF`. Bodies that are in the world already are not seen.
     #[must_use]
     #[allow(non_snake_case)]
     pub fn of(world: World, X_WF: Pose) -> Self {
-        Self { world, pieces: Rc::default(), X_WF }
+        Self::with(world, X_WF, [])
+    }
+
+    /// The same of a world into which the bodies of these parts have been put, in their order and before all others.
+    #[must_use]
+    #[allow(non_snake_case)]
+    pub fn with(world: World, X_WF: Pose, pieces: impl IntoIterator<Item = Workpiece>) -> Self {
+        let pieces = Rc::new(RefCell::new(pieces.into_iter().map(Some).collect()));
+        Self { world, pieces, X_WF }
     }
 
     /// Puts a part onto the belt at `X_FP`, when the world's clock shows `time` \[s\], >= 0; returns its number, counted from 0.
@@ -56,7 +65,10 @@ impl OverBelt {
     pub fn put(&self, piece: Workpiece, X_FP: Pose, time: f64) -> Result<usize, WorldError> {
         let X_WB = self.X_WF * X_FP * piece.X_BP.inverse();
         let number = self.world.put_at(&piece.body.clone().at(X_WB), time)?;
-        self.pieces.borrow_mut().push(piece);
+        let mut pieces = self.pieces.borrow_mut();
+        let count = pieces.len().max(number + 1);
+        pieces.resize(count, None);
+        pieces[number] = Some(piece);
         Ok(number)
     }
 
@@ -67,6 +79,13 @@ impl OverBelt {
     }
 }
 
+/// A body in this state, as barriers see it: the points of its hull in its frame, and how much light it scatters, 0 to 1.
+#[must_use]
+pub fn solid<'h>(hull: &'h [Vector3<f64>], reflectance: f64, state: &BodyState) -> Solid<'h> {
+    let BodyState { pose, velocity, angular_velocity, .. } = *state;
+    Solid { hull, pose, velocity, angular_velocity, reflectance }
+}
+
 impl Scene for OverBelt {
     fn now(&self) -> f64 {
         self.world.time()
@@ -75,14 +94,8 @@ impl Scene for OverBelt {
     fn each_solid(&self, visit: &mut dyn FnMut(&Solid<'_>)) {
         let pieces = self.pieces.borrow();
         self.world.each_body(|number, state| {
-            let Some(piece) = pieces.get(number) else { return };
-            visit(&Solid {
-                hull: piece.body.points(),
-                pose: state.pose,
-                velocity: state.velocity,
-                angular_velocity: state.angular_velocity,
-                reflectance: piece.reflectance,
-            });
+            let Some(piece) = pieces.get(number).and_then(Option::as_ref) else { return };
+            visit(&solid(piece.body.points(), piece.reflectance, state));
         });
     }
 }
@@ -92,7 +105,7 @@ impl View for OverBelt {
         let pieces = self.pieces.borrow();
         let to_belt = self.X_WF.rotation.inverse();
         self.world.each_body(|number, state| {
-            let Some(piece) = pieces.get(number) else { return };
+            let Some(piece) = pieces.get(number).and_then(Option::as_ref) else { return };
             let lever = state.pose.rotation * piece.X_BP.translation.vector;
             let velocity = state.velocity + state.angular_velocity.cross(&lever);
             visit(&Seen {
@@ -105,9 +118,11 @@ impl View for OverBelt {
         });
     }
 
+    #[allow(non_snake_case)]
     fn surface(&self, before: f64) -> f64 {
         let Some(mark) = self.world.belt_mark(0) else { return 0.0 };
-        let at = self.X_WF.inverse_transform_point(&Point3::from(mark.pose.translation.vector));
-        at.x - (self.X_WF.rotation.inverse() * mark.velocity).x * before
+        let X_FW = self.X_WF.inverse();
+        let at = X_FW * Point3::from(mark.pose.translation.vector);
+        at.x - (X_FW.rotation * mark.velocity).x * before
     }
 }

@@ -6,6 +6,7 @@ use mrroc::prelude::*;
 use mrroc_robots::grasp::Body;
 use mrroc_sensors::form::Form;
 use mrroc_sensors::physics::Noise;
+use mrroc_sensors::simulated::Workpiece;
 use nalgebra::Vector3;
 
 use super::kinds::{KINDS, Kind, kinds, lying, strangers};
@@ -71,6 +72,14 @@ fn part(made: &[Kind], kind: usize, time: f64, random: &mut Noise) -> Coming {
 }
 
 impl Coming {
+    /// What sensors see of it.
+    #[must_use]
+    #[allow(non_snake_case)]
+    pub fn piece(&self) -> Workpiece {
+        let Self { form, body, X_BP, reflectance, .. } = self;
+        Workpiece::of(form.clone(), body.clone(), *X_BP).painted(*reflectance)
+    }
+
     /// Where its frame P is, of a body at `X_WB`: in the belt's frame.
     #[must_use]
     #[allow(non_snake_case)]

@@ -356,7 +356,7 @@ impl Settings {
         let mut random = Noise::seeded(self.seed.wrapping_add(99));
         let believed = camera();
         let truly = misplaced(&believed, &mut random);
-        let sight = Sight::of(plant.world.clone(), parts.clone(), plant.shaft());
+        let sight = Sight::of(plant.world.clone(), parts, plant.shaft());
         let imager = Imager::over(truly, self.seed.wrapping_add(5));
         let network = network().map_err(|error| wrong(&error))?;
         let vision = Vision::new(believed, classes(), Box::new(network));

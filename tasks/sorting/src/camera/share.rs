@@ -6,7 +6,7 @@ use mrroc_generators::generators::ConstantOrder;
 use mrroc_robots::{Conveyor, Irp6, TwoFingers};
 use mrroc_sensors::virtual_sensors::{OnBelt, PartSensor};
 
-use super::assignment::{Free, Times, Waiting, assign};
+use super::assignment::{Free, Times, Waiting, assign, over};
 use super::layout::{FIRST, LAST, STATIONS};
 use super::orders::Task;
 use super::queue::Queue;
@@ -70,8 +70,6 @@ pub struct Shared {
     openings: [f64; ARMS],
     /// Parts that an arm did not find between its fingers: their numbers, and which arm.
     pub vain: Vec<(u32, usize)>,
-    /// Parts that arms were told to take: their numbers, and which arm.
-    pub told: Vec<(u32, usize)>,
 }
 
 impl Shared {
@@ -93,7 +91,6 @@ impl Shared {
             now: 0.0,
             openings: [OPEN; ARMS],
             vain: Vec::new(),
-            told: Vec::new(),
         }
     }
 
@@ -156,9 +153,7 @@ impl Shared {
         }
         let part = self.queue.waiting.remove(place)?;
         self.about[arm] = About::Taking(part);
-        let comes = (free[arm].first - parts[place].at) / speed.max(1e-3);
-        self.busy[arm] = self.now + Self::TIMES.reaching.max(comes) + Self::TIMES.carrying;
-        self.told.push((part.number, arm));
+        self.busy[arm] = self.now + over(parts[place].at, &free[arm], 0, speed, &Self::TIMES)?;
         Some(self.queue.order(&part))
     }
 }

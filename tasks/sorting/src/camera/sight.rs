@@ -9,20 +9,18 @@ use mrroc_robots::grasp::World;
 use mrroc_robots::{Irp6, Shaft};
 use mrroc_sensors::form::{Form, Piece};
 use mrroc_sensors::scene::{Scene, Solid};
+use mrroc_sensors::simulated::OverBelt;
 use mrroc_sensors::view::{Seen, View};
 use nalgebra::{Point3, Vector3};
 
 use super::arrivals::Coming;
 use super::layout::X_WF;
-use crate::scene::Belt;
 
 /// What a camera and the barrier that triggers it see.
 #[derive(Clone, Debug)]
 #[allow(non_snake_case)]
 pub struct Sight {
-    world: World,
-    belt: Belt,
-    parts: Rc<[Coming]>,
+    parts: OverBelt,
     arm: Irp6,
     shaft: Rc<RefCell<Option<Shaft>>>,
     X_FW: Pose,
@@ -31,37 +29,25 @@ pub struct Sight {
 impl Sight {
     /// Of a world into which these parts have been put, with the arm of these joints.
     #[must_use]
-    pub fn of(world: World, parts: Rc<[Coming]>, shaft: Rc<RefCell<Option<Shaft>>>) -> Self {
-        let belt = Belt::of(world.clone(), parts.iter().map(|part| (&part.body, part.reflectance)));
-        Self { world, belt, parts, arm: Irp6::nominal(), shaft, X_FW: X_WF().inverse() }
+    pub fn of(world: World, parts: &[Coming], shaft: Rc<RefCell<Option<Shaft>>>) -> Self {
+        let parts = OverBelt::with(world, X_WF(), parts.iter().map(Coming::piece));
+        Self { parts, arm: Irp6::nominal(), shaft, X_FW: X_WF().inverse() }
     }
 }
 
 impl Scene for Sight {
     fn now(&self) -> f64 {
-        self.world.time()
+        self.parts.now()
     }
 
     fn each_solid(&self, visit: &mut dyn FnMut(&Solid<'_>)) {
-        self.belt.each_solid(visit);
+        self.parts.each_solid(visit);
     }
 }
 
 impl View for Sight {
     fn each_form(&self, visit: &mut dyn FnMut(&Seen<'_>)) {
-        let to_belt = &self.X_FW.rotation;
-        self.world.each_body(|number, state| {
-            let part = &self.parts[number];
-            let lever = state.pose.rotation * part.X_BP.translation.vector;
-            let velocity = state.velocity + state.angular_velocity.cross(&lever);
-            visit(&Seen {
-                form: &part.form,
-                pose: part.place(&state.pose),
-                velocity: to_belt * velocity,
-                angular_velocity: to_belt * state.angular_velocity,
-                reflectance: part.reflectance,
-            });
-        });
+        self.parts.each_form(visit);
         let Some(q) = self.shaft.borrow().as_ref().map(|shaft| shaft.state().position) else { return };
         self.arm.capsules(&q, &mut |capsule| {
             let ends = capsule.ends.map(|end| (self.X_FW * Point3::from(end)).coords);
@@ -77,8 +63,6 @@ impl View for Sight {
     }
 
     fn surface(&self, before: f64) -> f64 {
-        let Some(mark) = self.world.belt_mark(0) else { return 0.0 };
-        let at = self.X_FW * Point3::from(mark.pose.translation.vector);
-        at.x - (self.X_FW.rotation * mark.velocity).x * before
+        self.parts.surface(before)
     }
 }

@@ -63,9 +63,7 @@ pub struct Line {
     pub wrong: usize,
     /// Why those that were missed were.
     pub missed: Vec<Miss>,
-    /// How many arms were at the belt, and how many grasps each made.
-    pub arms: usize,
-    /// See [`arms`](Self::arms).
+    /// How many grasps each arm made.
     pub taken: [usize; STATIONS.len()],
     /// The least distance of two arms \[m\].
     pub closest: Option<f64>,
@@ -100,7 +98,6 @@ impl Line {
             sorted: outcome.count(Fate::Sorted),
             wrong: outcome.count(Fate::Wrong),
             missed: outcome.misses(settings.arms),
-            arms: settings.arms,
             taken: core::array::from_fn(|arm| outcome.grips.iter().filter(|grip| grip.arm == arm).count()),
             closest: outcome.closest.as_ref().map(|closest| closest.nearest.distance),
             load: None,
@@ -120,7 +117,6 @@ impl Line {
         self.sorted += other.sorted;
         self.wrong += other.wrong;
         self.crashes += other.crashes;
-        self.arms = other.arms;
         self.taken.iter_mut().zip(other.taken).for_each(|(taken, other)| *taken += other);
         let least = |a: f64, b: f64| a.min(b);
         self.closest = self.closest.into_iter().chain(other.closest).reduce(least);

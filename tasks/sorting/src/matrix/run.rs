@@ -99,7 +99,7 @@ impl Settings {
         looks: &Rc<RefCell<Looks>>,
     ) -> Result<MatrixSensor<Sight>, CellError> {
         let array = array();
-        let sight = Sight::of(plant.world.clone(), parts.clone(), plant.shaft());
+        let sight = Sight::of(plant.world.clone(), parts, plant.shaft());
         let sounders = Sounders::over(&array, Air { celsius: 20.0 }, self.seed.wrapping_add(5));
         let network = network().map_err(|error| wrong(&error))?;
         let hearing = Hearing::new(&array, classes(), Box::new(network)).with_limits(&LIMITS);
