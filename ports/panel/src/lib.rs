@@ -36,6 +36,8 @@ mod recording;
 #[cfg(all(feature = "server", target_os = "linux"))]
 mod run;
 #[cfg(all(feature = "server", target_os = "linux"))]
+mod secured;
+#[cfg(all(feature = "server", target_os = "linux"))]
 mod server;
 #[cfg(all(feature = "server", target_os = "linux"))]
 mod socket;

@@ -3,7 +3,9 @@
 //! In: a cell that runs, or the course of one that is over. Out: an address at the terminal, and a page there, until the cell ends or
 //! this process is ended.
 
+use std::ffi::OsString;
 use std::io;
+use std::net::SocketAddr;
 use std::path::Path;
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -18,6 +20,7 @@ use crate::course::Course;
 use crate::desk::{Desk, Shown};
 use crate::now::Looks;
 use crate::rules::token::Token;
+use crate::secured::Secured;
 use crate::server::{Panel, Source, serve};
 use crate::socket::look_after;
 
@@ -27,8 +30,12 @@ const FAREWELL: Duration = Duration::from_millis(500);
 /// The nice value of who comes last.
 const LAST: i32 = 19;
 
-/// The port that is asked for by this variable of the environment; otherwise the system gives one that is free.
-const PORT: &str = "MRROC_PANEL_PORT";
+/// The address and port that are asked for by this variable of the environment; otherwise the panel answers on loopback, at a port that is
+/// free.
+const ADDRESS: &str = "MRROC_PANEL_ADDRESS";
+
+/// The folder of certificates beside the cell's file.
+const CERTIFICATES: &str = "certificates";
 
 /// Shows a cell that runs, until it ends.
 pub fn attend(layout: &Layout, cell: &Path) -> ExitCode {
@@ -36,20 +43,20 @@ pub fn attend(layout: &Layout, cell: &Path) -> ExitCode {
     let _ = rustix::process::setpriority_process(None, LAST);
     let looks = Arc::new(Looks::of(layout));
     match Desk::open(cell, Arc::clone(&looks)) {
-        Ok((desk, shown)) => begin(looks, Source::Running(desk, shown)),
+        Ok((desk, shown)) => begin(looks, Source::Running(desk, shown), Some(cell)),
         Err(error) => refused(&error),
     }
 }
 
 /// Shows a run that is over, until this process is ended.
 pub fn play(looks: Arc<Looks>, course: Course) -> ExitCode {
-    begin(looks, Source::Over(Box::new(course)))
+    begin(looks, Source::Over(Box::new(course)), None)
 }
 
-fn begin(looks: Arc<Looks>, source: Source) -> ExitCode {
+fn begin(looks: Arc<Looks>, source: Source, cell: Option<&Path>) -> ExitCode {
     let runtime = tokio::runtime::Builder::new_current_thread().enable_io().enable_time().build();
     let ended = match runtime {
-        Ok(runtime) => runtime.block_on(run(looks, source)),
+        Ok(runtime) => runtime.block_on(run(looks, source, cell)),
         Err(error) => Err(error),
     };
     match ended {
@@ -58,20 +65,57 @@ fn begin(looks: Arc<Looks>, source: Source) -> ExitCode {
     }
 }
 
-async fn run(looks: Arc<Looks>, source: Source) -> io::Result<()> {
-    let port = std::env::var(PORT).ok().and_then(|port| port.parse().ok()).unwrap_or(0);
-    let listener = TcpListener::bind(("127.0.0.1", port)).await?;
-    let port = listener.local_addr()?.port();
+/// Where the panel is to answer.
+///
+/// # Errors
+/// What is wrong with what was asked for.
+fn asked(variable: Option<OsString>) -> io::Result<SocketAddr> {
+    let Some(text) = variable else { return Ok(SocketAddr::from(([127, 0, 0, 1], 0))) };
+    let bad = |why: &str| {
+        let text = text.to_string_lossy();
+        io::Error::new(
+            io::ErrorKind::InvalidInput,
+            format!("{ADDRESS}={text} {why}, such as 192.168.1.5:7411"),
+        )
+    };
+    let address: SocketAddr = text
+        .to_str()
+        .and_then(|text| text.parse().ok())
+        .ok_or_else(|| bad("is no address: write one of this machine and a port"))?;
+    if address.ip().is_unspecified() {
+        return Err(bad("means all networks of this machine: write its address in the one that is meant"));
+    }
+    Ok(address)
+}
+
+async fn run(looks: Arc<Looks>, source: Source, cell: Option<&Path>) -> io::Result<()> {
+    let asked = asked(std::env::var_os(ADDRESS))?;
+    let secured = if asked.ip().is_loopback() {
+        None
+    } else {
+        let folder = cell.and_then(Path::parent).map(|folder| folder.join(CERTIFICATES));
+        Some(Secured::at(asked.ip(), folder.as_deref())?)
+    };
+    let listener = TcpListener::bind(asked).await?;
+    let address = listener.local_addr()?;
     let token = Token::draw()?;
     let shown = match &source {
         Source::Running(_, shown) => Some(shown.clone()),
         Source::Over(_) => None,
     };
-    let panel = Arc::new(Panel::new(source, looks, token, port));
+    let panel = Arc::new(Panel::new(source, looks, token, address));
     let how = if shown.is_some() { "" } else { "; Ctrl-C ends it" };
-    let _ = say(&format!("panel: http://127.0.0.1:{port}/#token={token}{how}\n"));
+    let scheme = panel.scheme();
+    let mut told = format!("panel: {scheme}{address}/#token={token}{how}\n");
+    if let Some(secured) = &secured {
+        told += &format!(
+            "panel: compare the SHA-256 fingerprint of its certificate before you trust it:\n  {}\n",
+            secured.fingerprint()
+        );
+    }
+    let _ = say(&told);
     tokio::select! {
-        served = serve(listener, Arc::clone(&panel)) => served,
+        served = serve(listener, Arc::clone(&panel), secured) => served,
         () = look_after(panel) => Ok(()),
         () = end(shown) => Ok(()),
     }
@@ -86,5 +130,23 @@ async fn end(shown: Option<watch::Receiver<Shown>>) {
             tokio::time::sleep(FAREWELL).await;
         }
         None => std::future::pending().await,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn fault_201_a_panel_answers_on_loopback_unless_one_address_is_asked_for() {
+        let asked = |text: &str| asked(Some(text.into()));
+        assert!(super::asked(None).is_ok_and(|address| address.ip().is_loopback()));
+        assert!(asked("192.0.2.1:7411").is_ok_and(|address| address.port() == 7411));
+        for (text, said) in
+            [("0.0.0.0:7411", "all networks"), ("[::]:7411", "all networks"), ("7411", "is no address")]
+        {
+            let why = asked(text).expect_err("refused").to_string();
+            assert!(why.contains(said) && why.contains(text), "{why}");
+        }
     }
 }

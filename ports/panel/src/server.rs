@@ -1,8 +1,9 @@
-//! What answers browsers, on the loopback interface alone.
+//! What answers browsers: on the loopback interface, or on a network by TLS.
 //!
 //! In: connections. Out: the files of the page, and a [`socket`](crate::socket) for each page that connects. No request changes
 //! anything in the cell: that is for messages of a page that has shown the token.
 
+use std::net::SocketAddr;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
@@ -18,8 +19,10 @@ use hyper::server::conn::http1;
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
 use mrroc_core::console::complain;
+use tokio::io::{AsyncRead, AsyncWrite};
 use tokio::net::TcpListener;
 use tokio::sync::{Semaphore, broadcast, watch};
+use tokio::time::timeout;
 
 use crate::course::Course;
 use crate::desk::{Desk, Shown};
@@ -28,6 +31,7 @@ use crate::page;
 use crate::rules::door::{Door, Way};
 use crate::rules::token::Token;
 use crate::rules::{CONNECTIONS, LONGEST, PAGES};
+use crate::secured::Secured;
 use crate::socket;
 use crate::stand::Stand;
 
@@ -61,9 +65,9 @@ pub struct Panel {
 }
 
 impl Panel {
-    /// Of a source, at a port, known by a token.
+    /// Of a source, at an address, known by a token.
     #[must_use]
-    pub fn new(source: Source, looks: Arc<Looks>, token: Token, port: u16) -> Panel {
+    pub fn new(source: Source, looks: Arc<Looks>, token: Token, address: SocketAddr) -> Panel {
         Panel {
             source,
             looks,
@@ -71,10 +75,15 @@ impl Panel {
             stand: Stand::default(),
             notes: broadcast::channel(NOTES).0,
             pages: Arc::new(Semaphore::new(PAGES)),
-            door: Door::at(port),
+            door: Door::at(address),
             numbers: AtomicU64::new(0),
             since: Instant::now(),
         }
+    }
+
+    /// How its pages are reached: `http://`, or `https://` on a network.
+    pub fn scheme(&self) -> &'static str {
+        self.door.scheme()
     }
 
     /// The number of a new page.
@@ -95,11 +104,15 @@ impl Panel {
     }
 }
 
-/// Serves a panel until this future is dropped.
+/// Serves a panel until this future is dropped; `secured` on a network.
 ///
 /// # Errors
 /// No connection can be taken any more.
-pub async fn serve(listener: TcpListener, panel: Arc<Panel>) -> std::io::Result<()> {
+pub async fn serve(
+    listener: TcpListener,
+    panel: Arc<Panel>,
+    secured: Option<Secured>,
+) -> std::io::Result<()> {
     let router = Router::new()
         .route("/connect", get(connect))
         .fallback(|request: Request| async move { page::file(request.uri().path()) })
@@ -118,16 +131,29 @@ pub async fn serve(listener: TcpListener, panel: Arc<Panel>) -> std::io::Result<
         // One too many is closed at once.
         let Ok(place) = Arc::clone(&places).try_acquire_owned() else { continue };
         let _ = stream.set_nodelay(true);
-        let service = TowerToHyperService::new(router.clone());
+        let (router, secured) = (router.clone(), secured.clone());
         tokio::spawn(async move {
-            let mut connection = http1::Builder::new();
-            connection.timer(TokioTimer::new()).header_read_timeout(HEADER).max_headers(64);
-            let served = connection.serve_connection(TokioIo::new(stream), service).with_upgrades();
-            // A browser that goes away is nobody's fault. The place of a page is kept by its socket from then on.
-            let _ = served.await;
+            match secured {
+                None => answer(stream, router).await,
+                Some(secured) => {
+                    // Who does not agree on keys in time is told nothing.
+                    if let Ok(Ok(stream)) = timeout(HEADER, secured.accept(stream)).await {
+                        answer(stream, router).await;
+                    }
+                }
+            }
             drop(place);
         });
     }
+}
+
+/// Answers what one connection asks for.
+async fn answer(stream: impl AsyncRead + AsyncWrite + Unpin + Send + 'static, router: Router) {
+    let mut connection = http1::Builder::new();
+    connection.timer(TokioTimer::new()).header_read_timeout(HEADER).max_headers(64);
+    let service = TowerToHyperService::new(router);
+    // A browser that goes away is nobody's fault. The place of a page is kept by its socket from then on.
+    let _ = connection.serve_connection(TokioIo::new(stream), service).with_upgrades().await;
 }
 
 /// Answers only what comes from this panel's own page.

@@ -56,9 +56,9 @@ fn served() -> Served {
             let listener = TcpListener::bind("127.0.0.1:0").await.expect("a port");
             let address = listener.local_addr().expect("an address");
             tells.send(address).expect("heard");
-            let panel = Arc::new(Panel::new(Source::Running(desk, shown), looks, token, address.port()));
+            let panel = Arc::new(Panel::new(Source::Running(desk, shown), looks, token, address));
             tokio::select! {
-                _ = serve(listener, Arc::clone(&panel)) => {}
+                _ = serve(listener, Arc::clone(&panel), None) => {}
                 () = look_after(panel) => {}
             }
         });

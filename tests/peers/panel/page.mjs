@@ -1,15 +1,17 @@
 // Drives two pages of the panel of a cell that runs, as an operator, as one who looks on, and as one who means harm.
 
-import { execFileSync, spawn, spawnSync } from 'node:child_process';
+import { execFileSync, spawnSync } from 'node:child_process';
 import { createRequire } from 'node:module';
 import { mkdirSync, mkdtempSync, readFileSync, rmSync } from 'node:fs';
 import { createServer, request } from 'node:http';
 import { cpus, loadavg, tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { chromium } from 'playwright-core';
+import { starting } from './program.mjs';
 import { lastLink, multiply } from './urdf.mjs';
 
 const [browserPath, program, cell] = process.argv.slice(2);
+const start = starting(program);
 const folder = mkdtempSync(join(tmpdir(), 'mrroc-panel-'));
 const shots = process.env.MRROC_SHOTS;
 if (shots) mkdirSync(shots, { recursive: true });
@@ -21,25 +23,6 @@ let checks = 0;
 function check(fact, what) {
   checks += 1;
   if (!fact) throw new Error(`not so: ${what}`);
-}
-
-/** Starts the program; gives the address that it prints, and how to end it. */
-async function start(words, variables = {}) {
-  const child = spawn(program, words, { stdio: ['ignore', 'pipe', 'pipe'], env: { ...process.env, ...variables } });
-  let said = '';
-  const ended = new Promise((resolve) => child.on('close', resolve));
-  const address = new Promise((resolve, reject) => {
-    const hear = (text) => {
-      said += text;
-      const found = said.match(/panel: (http:\S+?#token=[0-9a-f]{32})/);
-      if (found) resolve(found[1]);
-    };
-    child.stdout.on('data', hear);
-    child.stderr.on('data', hear);
-    ended.then(() => reject(new Error(`it has ended:\n${said}`)));
-    setTimeout(() => reject(new Error(`no address:\n${said}`)), 60000);
-  });
-  return { address: await address, ended, said: () => said, end: (signal = 'SIGTERM') => { child.kill(signal); return ended; } };
 }
 
 const state = (page) => page.evaluate(() => window.mrrocPanel.state());

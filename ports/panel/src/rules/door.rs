@@ -3,10 +3,13 @@
 //! In: the headers `Host` and `Origin`. Out: whether the request is answered. A page of another site cannot connect, because its
 //! origin is another one; a name of another site that is made to lead to this machine is no host of this panel.
 
-/// The hosts by which this panel is called.
+use std::net::SocketAddr;
+
+/// The hosts by which this panel is called, and how its pages are reached.
 #[derive(Clone, Debug)]
 pub struct Door {
-    hosts: [String; 3],
+    hosts: Vec<String>,
+    scheme: &'static str,
 }
 
 /// Why a request is not answered.
@@ -30,10 +33,26 @@ pub enum Way {
 }
 
 impl Door {
-    /// Of a panel at this port of the loopback interface.
+    /// Of a panel at this address: of the loopback interface, by any of its names; or of a network, by that address alone and with TLS.
     #[must_use]
-    pub fn at(port: u16) -> Door {
-        Door { hosts: ["127.0.0.1", "localhost", "[::1]"].map(|name| format!("{name}:{port}")) }
+    pub fn at(address: SocketAddr) -> Door {
+        let port = address.port();
+        if address.ip().is_loopback() {
+            let hosts = ["127.0.0.1", "localhost", "[::1]"].map(|name| format!("{name}:{port}"));
+            return Door { hosts: hosts.into(), scheme: "http://" };
+        }
+        let mut hosts = vec![address.to_string()];
+        if port == 443 {
+            // What browsers leave out.
+            hosts.extend(address.to_string().strip_suffix(":443").map(str::to_owned));
+        }
+        Door { hosts, scheme: "https://" }
+    }
+
+    /// How its pages are reached: `http://`, or `https://` on a network.
+    #[must_use]
+    pub const fn scheme(&self) -> &'static str {
+        self.scheme
     }
 
     /// Admits a request with these headers.
@@ -48,7 +67,7 @@ impl Door {
             (None, Way::File) => Ok(()),
             (None, Way::Connection) => Err(NotAdmitted::Origin),
             (Some(origin), _) => {
-                let own = origin.strip_prefix("http://").is_some_and(|of| of.eq_ignore_ascii_case(host));
+                let own = origin.strip_prefix(self.scheme).is_some_and(|of| of.eq_ignore_ascii_case(host));
                 if own { Ok(()) } else { Err(NotAdmitted::Origin) }
             }
         }
@@ -61,10 +80,8 @@ mod tests {
 
     #[test]
     fn fault_201_a_page_of_another_origin_or_a_host_of_another_name_is_not_admitted() {
-        let door = Door::at(7411);
-        fn connection(host: Option<&str>, origin: Option<&str>) -> Result<(), NotAdmitted> {
-            Door::at(7411).admit(Way::Connection, host, origin)
-        }
+        let door = Door::at(SocketAddr::from(([127, 0, 0, 1], 7411)));
+        let connection = |host: Option<&str>, origin: Option<&str>| door.admit(Way::Connection, host, origin);
         for host in ["127.0.0.1:7411", "localhost:7411", "[::1]:7411", "LocalHost:7411"] {
             let origin = format!("http://{host}");
             assert_eq!(connection(Some(host), Some(&origin)), Ok(()), "{host}");
@@ -90,5 +107,28 @@ mod tests {
             assert_eq!(connection(host, Some("http://127.0.0.1:7411")), Err(NotAdmitted::Host), "{host:?}");
             assert_eq!(door.admit(Way::File, host, None), Err(NotAdmitted::Host), "{host:?}");
         }
+    }
+
+    #[test]
+    fn fault_201_on_a_network_a_panel_is_called_by_its_own_address_alone_and_never_without_tls() {
+        let door = Door::at(SocketAddr::from(([192, 0, 2, 1], 7411)));
+        let own = Some("192.0.2.1:7411");
+        assert_eq!(door.admit(Way::Connection, own, Some("https://192.0.2.1:7411")), Ok(()));
+        assert_eq!(door.admit(Way::File, own, None), Ok(()));
+        for origin in ["http://192.0.2.1:7411", "https://192.0.2.2:7411", "https://192.0.2.1", "null"] {
+            assert_eq!(door.admit(Way::Connection, own, Some(origin)), Err(NotAdmitted::Origin), "{origin}");
+        }
+        // Names that lead to loopback, and any other name.
+        for host in ["127.0.0.1:7411", "localhost:7411", "cell.example:7411", "192.0.2.1"] {
+            let origin = format!("https://{host}");
+            assert_eq!(
+                door.admit(Way::Connection, Some(host), Some(&origin)),
+                Err(NotAdmitted::Host),
+                "{host}"
+            );
+        }
+        // The port of https is not said.
+        let door = Door::at(SocketAddr::from(([192, 0, 2, 1], 443)));
+        assert_eq!(door.admit(Way::Connection, Some("192.0.2.1"), Some("https://192.0.2.1")), Ok(()));
     }
 }

@@ -28,7 +28,7 @@ export class Link {
       this.tell('token', '');
       return;
     }
-    const socket = new WebSocket(`ws://${location.host}/connect`);
+    const socket = new WebSocket(`${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/connect`);
     this.socket = socket;
     let known = false;
     socket.onopen = () => socket.send(JSON.stringify({ token }));
