@@ -42,9 +42,13 @@ sweep-profiles:
     MRROC_SWEEP=256000 cargo test --release -p mrroc-generators --test generators profile_properties
     MRROC_SWEEP=256000 cargo test --release -p mrroc-generators --test generators jerk_properties
 
-# Inverse kinematics of the arms read from URDF, for 100,000 poses each.
-test-urdf:
-    cargo test --release -p mrroc-robots --test robots -- urdf_inverse urdf_closed --nocapture
+# Inverse kinematics of all robots, for 100,000 poses each; `cargo test` takes 10,000.
+test-inverse:
+    cargo test --release -p mrroc-robots --test robots -- inverse_returns urdf_inverse urdf_closed --nocapture
+
+# The memory that a spline of ten million points takes; `cargo test` takes one million.
+test-memory:
+    cargo test --release -p mrroc-generators --test generators -- memory
 
 # Kinematics beside KDL, Pinocchio and rs-opw-kinematics, motions beside KDL and Ruckig, all installed into target/peers.
 bench-peers:
