@@ -12,6 +12,9 @@ use serde_json::{Value, json};
 const BAR: f64 = 0.05;
 const BARS: [f64; 2] = [0.005, 0.05];
 
+/// The demanded place of a robot is shown where one of its links ends so far from where it is measured \[m\].
+const APART: f64 = 2e-3;
+
 /// A cell at a moment.
 #[derive(Clone, Debug, Default)]
 pub struct Now {
@@ -137,22 +140,35 @@ impl Looks {
         })
     }
 
-    /// A robot whose place is known: its links as capsules, its frames and its tool, in the world.
+    /// A robot whose place is known: its links as capsules, its frames and its tool, in the world; and as a ghost the links where they
+    /// are demanded, if that is elsewhere.
     #[allow(non_snake_case)]
     fn robot(&self, robot: &RobotNow, now: &Now) -> Option<Value> {
         let layout = self.robots.iter().find(|known| known.name == robot.name)?;
         let X_WS = self.stands(layout, now, self.robots.len())?;
         let is_measured = robot.measured.iter().all(|q| q.is_finite()) && is_pose(&robot.tool);
-        let (mut links, mut frames) = (Vec::new(), Vec::new());
+        let (mut links, mut ghost, mut frames) = (Vec::new(), Vec::new(), Vec::new());
         if is_measured {
             links = capsules(&*layout.figure, &robot.measured);
+            if robot.demanded.iter().all(|q| q.is_finite()) {
+                ghost = capsules(&*layout.figure, &robot.demanded);
+                let apart = |(one, other): (&Capsule, &Capsule)| {
+                    one.0.iter().zip(&other.0).any(|(a, b)| (a - b).norm() > APART)
+                };
+                if !links.iter().zip(&ghost).any(apart) {
+                    ghost.clear();
+                }
+            }
             layout.figure.frames(&robot.measured, &mut |frame| frames.push(numbers(&(X_WS * frame))));
         }
         let place = |at: &Vector3<f64>| X_WS * mrroc_core::nalgebra::Point3::from(*at);
-        let links = links.iter().map(|(ends, radius)| {
-            let [a, b] = [place(&ends[0]), place(&ends[1])];
-            [a.x, a.y, a.z, b.x, b.y, b.z, *radius].map(rounded)
-        });
+        let placed = |links: &[Capsule]| -> Vec<[f64; 7]> {
+            let link = |(ends, radius): &Capsule| {
+                let [a, b] = [place(&ends[0]), place(&ends[1])];
+                [a.x, a.y, a.z, b.x, b.y, b.z, *radius].map(rounded)
+            };
+            links.iter().map(link).collect()
+        };
         let round = |joints: &[f64]| joints.iter().map(|q| finite(rounded(*q))).collect::<Vec<_>>();
         Some(json!({
             "name": robot.name,
@@ -160,7 +176,8 @@ impl Looks {
             "demanded": round(&robot.demanded),
             "measured": round(&robot.measured),
             "doing": robot.doing,
-            "links": links.collect::<Vec<_>>(),
+            "links": placed(&links),
+            "ghost": placed(&ghost),
             "frames": frames,
             "tool": is_measured.then(|| numbers(&(X_WS * robot.tool))),
         }))
@@ -179,8 +196,11 @@ impl Looks {
     }
 }
 
+/// A link: the middles of its ends, and its radius \[m\].
+type Capsule = ([Vector3<f64>; 2], f64);
+
 /// The links of a robot; of one that gives no shape, bars between its frames.
-fn capsules(figure: &dyn Figure, joints: &[f64]) -> Vec<([Vector3<f64>; 2], f64)> {
+fn capsules(figure: &dyn Figure, joints: &[f64]) -> Vec<Capsule> {
     let mut links = Vec::new();
     figure.capsules(joints, &mut |ends, radius| links.push((ends, radius)));
     if links.is_empty() {

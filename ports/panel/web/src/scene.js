@@ -123,6 +123,8 @@ export class CellScene {
       this.scene.add(group);
       const dark = colour.clone().lerp(new Color('#20262d'), 0.25);
       const materials = [colour, dark].map((color) => new MeshLambertMaterial({ color }));
+      // Where it is demanded: seen through, so that what is measured stays in sight.
+      const through = new MeshLambertMaterial({ color: colour, transparent: true, opacity: 0.3, depthWrite: false });
       const tool = new Mesh(BALL, new MeshLambertMaterial({ color: '#ff00c8', emissive: '#ff00c8', emissiveIntensity: 0.7 }));
       tool.scale.setScalar(0.012);
       tool.visible = false;
@@ -130,7 +132,7 @@ export class CellScene {
       const axes = new AxesHelper(0.12);
       bar.parts.forEach((part) => { part.visible = false; });
       group.add(tool, axes, ...bar.parts);
-      this.robots.set(robot.name, { group, path, label, materials, tool, bar, axes, links: [], frames: [], at: null });
+      this.robots.set(robot.name, { group, path, label, materials, through, tool, bar, axes, links: [], ghost: [], frames: [], at: null });
     });
     const grey = new MeshLambertMaterial({ color: '#9aa4ae' });
     this.bodies = layout.bodies.map(({ edges }) => {
@@ -154,6 +156,13 @@ export class CellScene {
         shown.group.add(...link.parts);
       }
       robot.links.forEach((link, i) => shown.links[i].place(link));
+      while (shown.ghost.length < robot.ghost.length) {
+        const link = new Capsule(shown.through);
+        shown.ghost.push(link);
+        shown.group.add(...link.parts);
+      }
+      shown.ghost.forEach(({ parts }, i) => parts.forEach((part) => { part.visible = i < robot.ghost.length; }));
+      robot.ghost.forEach((link, i) => shown.ghost[i].place(link));
       this.place(shown, robot);
       if (robot.tool && continues) {
         const at = robot.tool.slice(0, 3), before = shown.at;
