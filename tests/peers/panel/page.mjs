@@ -2,7 +2,7 @@
 
 import { execFileSync, spawnSync } from 'node:child_process';
 import { createRequire } from 'node:module';
-import { mkdirSync, mkdtempSync, readFileSync, rmSync } from 'node:fs';
+import { mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { createServer, request } from 'node:http';
 import { cpus, loadavg, tmpdir } from 'node:os';
 import { join } from 'node:path';
@@ -383,6 +383,32 @@ async function play(browser, plainBrowser, recorded) {
   }
 }
 
+/** A cell of 64 robots is shown. */
+async function crowd(browser) {
+  const many = join(folder, 'crowd.toml');
+  const standing = Array.from({ length: 62 }, (_, i) => `
+[robots.standing${i}]
+kind = "irp6"
+start = [0.0, -1.57, 0.16, -0.16, 4.71, 0.0]
+base = { position = [${2.5 * (i % 8) + 5}.0, ${2.5 * Math.floor(i / 8) - 8}.0, 0.0] }
+`.replace(/(\.5)\.0/g, '$1'));
+  writeFileSync(many, readFileSync(cell, 'utf8') + standing.join(''));
+  const shown = await start(['--cell', many, '--no-picture', '--panel'], { MRROC_TURNS: '1' });
+  const page = await browser.newPage({ viewport: { width: 1280, height: 800 } });
+  try {
+    await page.goto(shown.address);
+    await page.waitForFunction(() => window.mrrocPanel.state()?.robots.filter(({ links }) => links.length > 2).length === 64, null, { timeout: 60000, polling: 200 });
+    // All of them are in the picture, and no name hides another one.
+    const names = await page.locator('#labels span:visible').evaluateAll((labels) => labels.map((label) => label.getBoundingClientRect().toJSON()));
+    const apart = names.every((a, i) => names.slice(i + 1).every((b) => a.right <= b.left || b.right <= a.left || a.bottom <= b.top || b.bottom <= a.top));
+    check(names.length > 15 && apart, `names of 64 robots can be read: ${names.length}`);
+    await shot(page, 'crowd');
+  } finally {
+    await page.close();
+    await shown.end();
+  }
+}
+
 // A browser that draws by the processor, and one that draws no 3D at all and leaves the processor to the cell.
 const start3d = ['--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'];
 const launch = (args) => chromium.launch({ executablePath: browserPath, args: ['--no-sandbox', ...args] });
@@ -393,6 +419,7 @@ try {
       const began = Date.now();
       const recorded = await operate(browser, plainBrowser);
       await play(browser, plainBrowser, recorded);
+      await crowd(browser);
       console.log(`panel: ${checks} facts hold (${((Date.now() - began) / 1000).toFixed(0)} s)`);
       break;
     } catch (error) {

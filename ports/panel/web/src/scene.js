@@ -237,11 +237,16 @@ export class CellScene {
     this.floor = Math.min(0, low.z);
     this.grid.position.z = this.floor;
     const middle = low.clone().add(high).multiplyScalar(0.5);
-    const radius = Math.max(0.3, 0.5 * high.distanceTo(low));
-    const narrow = Math.min(1, this.camera.aspect);
-    const distance = 1.05 * radius / Math.sin((this.camera.fov * Math.PI) / 360) / narrow;
-    const way = { front: [0, -1, 0.02], side: [1, 0, 0.02], top: [0, -0.001, 1], fit: [0.75, -1, 0.55] }[from];
-    this.camera.position.copy(middle).addScaledVector(new Vector3(...way).normalize(), distance);
+    const way = new Vector3(...{ front: [0, -1, 0.02], side: [1, 0, 0.02], top: [0, -0.001, 1], fit: [0.75, -1, 0.55] }[from]).normalize();
+    // As near as all corners of the box around the links can be seen.
+    const right = new Vector3(0, 0, 1).cross(way).normalize(), up = way.clone().cross(right);
+    const tall = Math.tan((this.camera.fov * Math.PI) / 360), wide = tall * this.camera.aspect;
+    let distance = 0.5;
+    for (let corner = 0; corner < 8; corner++) {
+      const at = new Vector3(...['x', 'y', 'z'].map((axis, bit) => (corner & (1 << bit) ? high : low)[axis])).sub(middle);
+      distance = Math.max(distance, at.dot(way) + 1.1 * Math.max(Math.abs(at.dot(right)) / wide, Math.abs(at.dot(up)) / tall));
+    }
+    this.camera.position.copy(middle).addScaledVector(way, distance);
     this.controls.target.copy(middle);
     this.controls.update();
     this.fitted = true;
@@ -330,16 +335,26 @@ export class CellScene {
     });
   }
 
-  /** Names of robots, beside their bases. */
+  /** Names of robots, beside their bases; of those that would hide each other the nearest one. */
   name() {
-    const at = new Vector3();
     const { clientWidth: width, clientHeight: height } = this.canvas;
-    this.robots.forEach(({ label, base }) => {
-      label.hidden = !base;
+    const named = [], at = new Vector3();
+    this.robots.forEach(({ label, base }, name) => {
+      label.hidden = true;
       if (!base) return;
       at.set(...base.slice(0, 3)).project(this.camera);
-      label.hidden = Math.abs(at.x) > 1 || Math.abs(at.y) > 1 || at.z > 1;
-      label.style.transform = `translate(${(0.5 + 0.5 * at.x) * width + 8}px, ${(0.5 - 0.5 * at.y) * height + 6}px)`;
+      if (Math.abs(at.x) > 1 || Math.abs(at.y) > 1 || at.z > 1) return;
+      named.push({ label, name, far: at.z, x: (0.5 + 0.5 * at.x) * width + 8, y: (0.5 - 0.5 * at.y) * height + 6 });
+    });
+    const shown = [];
+    named.sort((one, other) => one.far - other.far).forEach((one) => {
+      // About as wide as it is drawn: to measure each of them would cost more than to draw the cell.
+      const wide = 9 * one.name.length + 12;
+      const hides = (other) => Math.abs(one.y - other.y) < 22 && one.x < other.x + other.wide && other.x < one.x + wide;
+      if (shown.some(hides)) return;
+      shown.push({ ...one, wide });
+      one.label.hidden = false;
+      one.label.style.transform = `translate(${one.x}px, ${one.y}px)`;
     });
   }
 }
