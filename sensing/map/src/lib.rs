@@ -2,6 +2,7 @@
 //!
 //! ```text
 //! text  -> Layout -> Walls -> Inflated -> the shortest path of a ball, to judge by
+//! seen boxes -> Walls, a way from Inflated -> Taut, the same way as a taut string of lines and arcs, to move along
 //! touches, passed ways -> Map -> Planner -> a way through what is not known to be wall
 //! ```
 //!
@@ -32,6 +33,7 @@ mod map;
 mod plan;
 mod random;
 mod shortest;
+mod taut;
 mod walls;
 
 pub use layout::{Goal, LARGEST, Layout, LayoutError, Side};
@@ -39,4 +41,5 @@ pub use map::{Contact, Knowledge, Map, SQUARE, Thought};
 pub use plan::Planner;
 pub use random::Chance;
 pub use shortest::{Inflated, Region};
+pub use taut::{Piece, Taut};
 pub use walls::{Place, Wall, Walls};
