@@ -4,6 +4,7 @@
 //! it is told, [`found`] where the maze stands, [`feeling`] what is asked of a sensor. The rest surrounds it: [`places`] says where things are, [`plant`] what the simulated
 //! arm and probe do, [`run`] is one run, [`summary`] many.
 
+pub mod camera;
 pub mod ecp;
 pub mod feeling;
 pub mod found;
