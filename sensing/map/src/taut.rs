@@ -253,8 +253,7 @@ mod tests {
             let start = Place::new(0.0125, 0.0125);
             let goal = Region { lower: Place::new(0.18, 0.18), upper: Place::new(0.22, 0.22) };
             let (inner, _) = Inflated::by(&walls, 0.0023).shortest(&start, &goal).expect("a way");
-            let (outer, way) =
-                Inflated::by(&walls, 0.0023 * AROUND).shortest(&start, &goal).expect("a way");
+            let (outer, way) = Inflated::by(&walls, 0.0023 * AROUND).shortest(&start, &goal).expect("a way");
             let taut = Taut::along(&walls, 0.0023, &way).expect("a way");
             assert!(inner <= taut.length() + 1e-9 && taut.length() <= outer + 1e-9, "seed {seed}");
             for at in taut.points(1e-4, 1e-4) {

@@ -6,7 +6,8 @@ use std::io;
 use std::path::Path;
 use std::process::ExitCode;
 
-use maze::options::{Options, parse};
+use maze::camera;
+use maze::options::{Options, SensorKind, parse};
 use maze::pictures::film;
 use maze::run::Ready;
 use maze::summary::{Row, Summary};
@@ -26,7 +27,9 @@ fn main() -> ExitCode {
         Ok(mazes) => mazes,
         Err(message) => return refused(&message),
     };
-    let ran = if options.sweep.is_some() || options.random.is_some() {
+    let ran = if options.sensor == SensorKind::Camera {
+        camera::shown::runs(&mazes, options.sweep.is_some() || options.random.is_some(), &options)
+    } else if options.sweep.is_some() || options.random.is_some() {
         let summary = Summary::sweep(&mazes);
         Ok((summary.faults(), summary.to_string()))
     } else {

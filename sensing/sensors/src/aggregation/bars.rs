@@ -47,7 +47,9 @@ pub struct Bars {
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 pub enum NoBars {
     /// Nothing is bright.
-    #[error("the image is dark, grey {bright:.0} at its brightest, at least {least:.0}: lens covered or lamp off?")]
+    #[error(
+        "the image is dark, grey {bright:.0} at its brightest, at least {least:.0}: lens covered or lamp off?"
+    )]
     Dark {
         /// Of the brightest parts.
         bright: f64,
@@ -55,7 +57,9 @@ pub enum NoBars {
         least: f64,
     },
     /// A side of the frame is not where it may be.
-    #[error("the {side} side of the frame is not seen: does it stand where it is said to, and is nothing in front of the camera?")]
+    #[error(
+        "the {side} side of the frame is not seen: was the maze moved, or is something before the camera?"
+    )]
     NoFrame {
         /// Which.
         side: &'static str,
@@ -66,6 +70,8 @@ pub enum NoBars {
 const LIGHT: f64 = 40.0;
 /// Brighter than this share of a top is a top; sides have 0.46 of it at most, under diffuse light and a lamp above.
 const TOP: f64 = 0.68;
+/// A side of the frame is straight in so much of its length: what is before it hides it.
+const WHOLE: f64 = 0.95;
 /// What a side has of a top's brightness where it is too narrow to be looked at.
 const SIDE: f64 = 0.4;
 
@@ -83,7 +89,7 @@ impl Bars {
         let look = |at: &Pose| Rectified::of(plane, image, at, known.height, known.sides, pad, known.cell);
         let first = look(said);
         let light = Light::of(&first)?;
-        let found = said * frame(&first, &light, known)?;
+        let found = said * frame(&first, &light, known, pad)?;
         let straight = look(&found);
         let light = Light::of(&straight)?;
         let eye = found.inverse_transform_point(&Point3::from(plane.X_FC.translation.vector));
@@ -142,7 +148,8 @@ impl Light {
             for i in 0..6 {
                 square[(i, i)] += 1e-9 * blocks.len() as f64;
             }
-            light.coefficients = square.cholesky().map_or(light.coefficients, |inverse| inverse.solve(&right));
+            light.coefficients =
+                square.cholesky().map_or(light.coefficients, |inverse| inverse.solve(&right));
             blocks.retain(|(grey, terms)| *grey > 0.85 * light.coefficients.dot(terms));
         }
         Ok(light)
@@ -154,7 +161,8 @@ impl Light {
 }
 
 /// Where the frame is beside where it was looked for, by its outer edges: `X_SM`.
-fn frame(squares: &Rectified, light: &Light, known: &BarsKnown) -> Result<Pose, NoBars> {
+fn frame(squares: &Rectified, light: &Light, known: &BarsKnown, pad: f64) -> Result<Pose, NoBars> {
+    let reach = (2.0 * pad / squares.cell) as usize;
     // Of each side a line: how far in it begins, and how much more per square along it.
     let line = |axis: usize, backwards: bool, side: &'static str| {
         let [depth, length] = [squares.size[axis], squares.size[1 - axis]];
@@ -163,16 +171,18 @@ fn frame(squares: &Rectified, light: &Light, known: &BarsKnown) -> Result<Pose, 
             if axis == 0 { (squares.at(d, l), light.at(d, l)) } else { (squares.at(l, d), light.at(l, d)) }
         };
         let mut hits = Vec::new();
-        for l in (length / 10..length - length / 10).step_by(2) {
+        let looked = (reach..length.saturating_sub(reach)).step_by(2);
+        let all = looked.len();
+        for l in looked {
             let is_top = |d: usize| {
                 let (grey, top) = value(d, l);
                 f64::from(grey) > TOP * top
             };
-            let Some(d) = (0..depth / 6).find(|d| is_top(*d) && is_top(d + 1)) else { continue };
+            let Some(d) = (0..reach.min(depth / 2)).find(|d| is_top(*d) && is_top(d + 1)) else { continue };
             let profile = |k: i64| f64::from(value((d as i64 - k).max(0) as usize, l).0);
             hits.push((l as f64, d as f64 - crossing(profile, None)));
         }
-        straight(&mut hits).ok_or(NoBars::NoFrame { side })
+        straight(&mut hits).filter(|_| hits.len() as f64 > WHOLE * all as f64).ok_or(NoBars::NoFrame { side })
     };
     let (left, right) = (line(0, false, "left")?, line(0, true, "right")?);
     let (low, high) = (line(1, false, "lower")?, line(1, true, "upper")?);
@@ -191,7 +201,6 @@ fn frame(squares: &Rectified, light: &Light, known: &BarsKnown) -> Result<Pose, 
 
 /// The line through most of these points, which there must be many of: value at 0, and slope.
 fn straight(points: &mut Vec<(f64, f64)>) -> Option<(f64, f64)> {
-    let enough = points.len() / 2;
     let median = |part: &[(f64, f64)]| {
         let mut values: Vec<f64> = part.iter().map(|point| point.1).collect();
         values.sort_by(f64::total_cmp);
@@ -205,12 +214,12 @@ fn straight(points: &mut Vec<(f64, f64)>) -> Option<(f64, f64)> {
         points.retain(|(x, y)| (y - line.0 - line.1 * x).abs() < within);
         let n = points.len() as f64;
         let (x, y) = points.iter().fold((0.0, 0.0), |sum, at| (sum.0 + at.0 / n, sum.1 + at.1 / n));
-        let (xx, xy) = points.iter().fold((0.0, 0.0), |sum, at| {
-            (sum.0 + (at.0 - x).powi(2), sum.1 + (at.0 - x) * (at.1 - y))
-        });
+        let (xx, xy) = points
+            .iter()
+            .fold((0.0, 0.0), |sum, at| (sum.0 + (at.0 - x).powi(2), sum.1 + (at.0 - x) * (at.1 - y)));
         line = (y - xy / xx * x, xy / xx);
     }
-    (points.len() > enough.max(20) && line.0.is_finite()).then_some(line)
+    line.0.is_finite().then_some(line)
 }
 
 /// How far outwards from square 0, the last of a top, its edge is \[squares\]: where the brightness crosses the middle between inside
@@ -246,12 +255,31 @@ struct Sight<'s> {
     known: &'s BarsKnown,
 }
 
-/// Runs of bright squares beside each other: from the first to the last along the axis, and across it.
-#[derive(Clone, Debug)]
+/// Runs of bright squares beside each other; each from the first square to the one behind the last.
+#[derive(Clone, Copy, Debug)]
 struct Strip {
-    starts: Vec<usize>,
-    ends: Vec<usize>,
+    /// Of all runs together ..
+    extent: [usize; 2],
+    /// .. and of the longest one.
+    longest: [usize; 2],
+    /// The first and the last line.
     lines: [usize; 2],
+}
+
+impl Strip {
+    const fn meets(&self, start: usize, end: usize) -> bool {
+        self.extent[0] < end && start < self.extent[1]
+    }
+
+    fn join(&mut self, other: &Self) {
+        let length = |run: [usize; 2]| run[1] - run[0];
+        if length(other.longest) > length(self.longest) {
+            self.longest = other.longest;
+        }
+        let both = |a: [usize; 2], b: [usize; 2]| [a[0].min(b[0]), a[1].max(b[1])];
+        self.extent = both(self.extent, other.extent);
+        self.lines = both(self.lines, other.lines);
+    }
 }
 
 impl Sight<'_> {
@@ -301,22 +329,13 @@ impl Sight<'_> {
                         if along - start < least {
                             continue;
                         }
-                        let meets = |strip: &&mut Strip| {
-                            let (a, b) = (strip.starts[strip.starts.len() - 1], strip.ends[strip.ends.len() - 1]);
-                            a < along && start < b
-                        };
-                        match open.iter_mut().find(meets) {
-                            Some(strip) => {
-                                strip.starts.push(start);
-                                strip.ends.push(along - 1);
-                                strip.lines[1] = line;
-                            }
-                            None => open.push(Strip {
-                                starts: vec![start],
-                                ends: vec![along - 1],
-                                lines: [line, line],
-                            }),
+                        // Where the light is at the threshold, a line has several runs on one bar.
+                        let mut strip =
+                            Strip { extent: [start, along], longest: [start, along], lines: [line; 2] };
+                        for other in open.extract_if(.., |other| other.meets(start, along)) {
+                            strip.join(&other);
                         }
+                        open.push(strip);
                     }
                     (true, Some(_)) | (false, None) => {}
                 }
@@ -363,13 +382,8 @@ impl Sight<'_> {
     }
 
     fn bar(&self, strip: &Strip, axis: Axis) -> [Vector2<f64>; 2] {
-        let median = |values: &[usize]| {
-            let mut values = values.to_vec();
-            values.sort_unstable();
-            values[values.len() / 2]
-        };
-        let (start, end) = (median(&strip.starts), median(&strip.ends));
-        let centre = self.across(axis, strip.lines, [start + 3, (end - 3).max(start + 3)]);
+        let (start, end) = (strip.longest[0], strip.longest[1] - 1);
+        let centre = self.across(axis, strip.lines, [start + 3, end.saturating_sub(3).max(start + 3)]);
         let line = (centre - self.squares.origin[1 - axis]) / self.squares.cell;
         let row = line.round() as i64;
         let end_at = |last: usize, sign: i64| {

@@ -56,9 +56,7 @@ impl Rectified {
             let (cj, t) = (j / COARSE, (j % COARSE) as f32 / COARSE as f32);
             for ci in 0..columns.div_ceil(COARSE) {
                 let at = cj * across + ci;
-                let corner = |k: usize| {
-                    [at, at + 1].map(|at| mix(coarse[at][k], coarse[at + across][k], t))
-                };
+                let corner = |k: usize| [at, at + 1].map(|at| mix(coarse[at][k], coarse[at + across][k], t));
                 let [[u0, u1], [v0, v1]] = [corner(0), corner(1)];
                 for i in 0..COARSE.min(columns - ci * COARSE) {
                     let s = i as f32 / COARSE as f32;
@@ -82,7 +80,11 @@ impl Rectified {
     /// The grey value of a square; 0 outside.
     #[must_use]
     pub fn at(&self, column: usize, row: usize) -> f32 {
-        if column < self.size[0] { self.grey.get(row * self.size[0] + column).copied().unwrap_or(0.0) } else { 0.0 }
+        if column < self.size[0] {
+            self.grey.get(row * self.size[0] + column).copied().unwrap_or(0.0)
+        } else {
+            0.0
+        }
     }
 
     /// All of them, row by row from the lowest y.

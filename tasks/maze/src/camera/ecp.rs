@@ -39,8 +39,8 @@ pub fn arm(ecp: &mut Ecp<Irp6>, sizes: &Sizes) -> Result<(), Fault> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use mrroc::sensor::SensorImage;
     use crate::feeling::Touch;
+    use mrroc::sensor::SensorImage;
 
     #[test]
     fn what_is_ordered_is_demanded_until_something_is_touched() {

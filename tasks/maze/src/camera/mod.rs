@@ -5,7 +5,7 @@
 //! ```
 //!
 //! [`eye`] says where the camera is, [`scene`] what it sees, [`sensor`] is its virtual sensor, [`mp`], [`ecp`], [`orders`] and [`trace`]
-//! are the task, [`run`] is one run, [`picture`] draws what was seen.
+//! are the task, [`run`] is one run, [`summary`] many, [`picture`] draws what was seen, [`shown`] is what a user is shown.
 
 pub mod ecp;
 pub mod eye;
@@ -15,4 +15,6 @@ pub mod picture;
 pub mod run;
 pub mod scene;
 pub mod sensor;
+pub mod shown;
+pub mod summary;
 pub mod trace;

@@ -63,8 +63,9 @@ pub fn coordinate(mp: &mut Mp, told: &Told, planned: &Rc<RefCell<Planned>>) -> R
     };
     let began = Instant::now();
     let walls = Walls::of_boxes(boxes, told.sizes.pitch, told.known.size);
-    let way = shortest(&walls, told)
-        .ok_or_else(|| Fault::thrown("the camera sees no way to the exit: look at the maze, or tell another exit"))?;
+    let way = shortest(&walls, told).ok_or_else(|| {
+        Fault::thrown("the camera sees no way to the exit: look at the maze, or tell another exit")
+    })?;
     let trace = Trace::along(&way, &maze).map_err(|error| Fault::thrown(&error.to_string()))?;
     *planned.borrow_mut() = Planned { way: Some(way), took: began.elapsed() };
     let start = maze.transform_point(&Point3::new(told.start.x, told.start.y, 0.0));

@@ -18,6 +18,7 @@ const WHITE: f64 = 0.8;
 const GREY: f64 = 0.4;
 
 /// A maze, and an arm at rest.
+#[allow(non_snake_case)]
 pub struct Overlooked {
     walls: Vec<Form>,
     X_FM: Pose,

@@ -72,10 +72,10 @@ impl Page {
     /// The walls on it.
     pub fn walls(&self) -> impl Iterator<Item = Wall> {
         let left = (self.count.saturating_sub(self.first) as usize).min(PAGE);
-        self.boxes.into_iter().take(left).map(|[x0, y0, x1, y1]| Wall {
-            lower: Place::new(x0, y0),
-            upper: Place::new(x1, y1),
-        })
+        self.boxes
+            .into_iter()
+            .take(left)
+            .map(|[x0, y0, x1, y1]| Wall { lower: Place::new(x0, y0), upper: Place::new(x1, y1) })
     }
 }
 
@@ -140,7 +140,14 @@ impl OverMaze {
         self
     }
 
-    #[allow(non_snake_case)]
+    /// The same with a camera that has been moved by so much since its calibration \[m, F\].
+    #[must_use]
+    pub fn moved(mut self, by: Vector3<f64>) -> Self {
+        // What is believed stays where it was, so it is off by the opposite.
+        self.believed = self.believed.at(Translation3::from(-by) * self.believed.X_FC);
+        self
+    }
+
     fn look(&mut self, step: u64, joints: &Six) -> Result<(), Fault> {
         let world = self.plant.world();
         let world = world.borrow();
@@ -152,9 +159,8 @@ impl OverMaze {
         let began = Instant::now();
         let bars = Bars::find(&self.believed, &taken.image, &self.said, &self.known);
         taken.took = began.elapsed();
-        taken.bars = Some(
-            bars.map_err(|error| Fault::new(FaultKind::SensorFailed).text(&format!("the camera over the maze: {error}")))?,
-        );
+        let failed = |text: &str| Fault::new(FaultKind::SensorFailed).text(text);
+        taken.bars = Some(bars.map_err(|error| failed(&format!("the camera over the maze: {error}")))?);
         self.ready = Some(world.time + PROCESSING);
         Ok(())
     }
@@ -164,7 +170,8 @@ impl VirtualSensor for OverMaze {
     type Kind = MazeCamera;
 
     fn aggregate(&mut self, order: &ReadingOrder<From>) -> Result<Page, Fault> {
-        let arm = order.robot.ok_or_else(|| Fault::thrown("the camera got no state of the arm: write `of`"))?;
+        let arm =
+            order.robot.ok_or_else(|| Fault::thrown("the camera got no state of the arm: write `of`"))?;
         let first = order.configuration.first;
         if self.ready.is_none() {
             self.look(order.step, &Six::from_fn(|i, _| arm.joints[i]))?;

@@ -22,7 +22,7 @@ const COARSE: f64 = 8e-3;
 /// Velocity [m/s] and acceleration [m/s²] of the ball along each axis of the world: drives that follow with little lag keep it within 0.1 mm
 /// of its way.
 const LIMITS: PathLimits<Vector2<f64>> =
-    PathLimits { velocity: Vector2::new(0.08, 0.08), acceleration: Vector2::new(0.4, 0.4), speed: 0.08 };
+    PathLimits { velocity: Vector2::new(0.05, 0.05), acceleration: Vector2::new(0.2, 0.2), speed: 0.05 };
 
 /// Orders the places of a way, from rest to rest.
 pub struct Trace {
