@@ -88,6 +88,21 @@ fn to_segment(at: &Place, [from, to]: &[Place; 2]) -> f64 {
 impl Taut {
     /// The way that keeps `radius` \[m\], > 0, from all walls, and passes them as `way` does: a start, corners of walls inflated by about that
     /// radius, and an end. `None` where there is none.
+    ///
+    /// ```
+    /// use mrroc_map::{Inflated, Layout, Place, Region, Taut, Walls};
+    ///
+    /// let maze: Layout = "o---o---o\n| S | G |\no   o   o\n|       |\no---o---o".parse()?;
+    /// let walls = Walls::of(&maze, 0.025, 0.002);
+    /// let (start, goal) = (Place::new(0.0125, 0.0375), Place::new(0.0375, 0.0375));
+    /// // Polygons that hold the arcs: a corner is inflated by chords of 45 degrees.
+    /// let inflated = Inflated::by(&walls, 0.002 / 22.5_f64.to_radians().cos());
+    /// let (length, way) = inflated.shortest(&start, &Region { lower: goal, upper: goal }).expect("a way");
+    /// let taut = Taut::along(&walls, 0.002, &way).expect("the same way");
+    /// // A line, an arc, a line over the end of the wall, an arc, a line.
+    /// assert!(taut.pieces().len() == 5 && taut.length() < length);
+    /// # Ok::<(), mrroc_map::LayoutError>(())
+    /// ```
     #[must_use]
     pub fn along(walls: &Walls, radius: f64, way: &[Place]) -> Option<Self> {
         let all: Vec<Place> = walls.boxes().iter().flat_map(corners).collect();

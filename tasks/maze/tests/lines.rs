@@ -15,3 +15,13 @@ fn the_mp_has_at_most_sixty_lines_and_the_reactive_controller_forty() {
     println!("lines: MP {mp}, ECP {ecp}");
     assert!(mp <= 60 && ecp <= 40, "{mp} {ecp}");
 }
+
+#[test]
+fn the_programs_with_a_camera_are_as_short() {
+    let (mp, ecp) = (
+        body(include_str!("../src/camera/mp.rs"), "coordinate"),
+        body(include_str!("../src/camera/ecp.rs"), "arm"),
+    );
+    println!("lines: MP {mp}, ECP {ecp}");
+    assert!(mp <= 60 && ecp <= 40, "{mp} {ecp}");
+}
