@@ -28,16 +28,22 @@
 //! # Ok::<(), mrroc_map::LayoutError>(())
 //! ```
 
+mod cells;
 mod layout;
 mod map;
+mod panels;
 mod plan;
+mod portals;
 mod random;
 mod shortest;
+mod spacing;
 mod taut;
 mod walls;
 
 pub use layout::{Goal, LARGEST, Layout, LayoutError, Side};
 pub use map::{Contact, Knowledge, Map, Thought};
+pub use cells::Which;
+pub use panels::{Panel, Panels};
 pub use plan::Planner;
 pub use random::Chance;
 pub use shortest::{Inflated, Region};

@@ -11,6 +11,7 @@
 
 use nalgebra::Vector2;
 
+use crate::spacing::spacing;
 use crate::walls::Place;
 
 /// What is known beforehand of mazes, in \[m\].
@@ -43,6 +44,8 @@ pub struct Contact {
     pub at: Place,
     /// From the ball into the wall, level or upright.
     pub into: Vector2<f64>,
+    /// How the ball moved.
+    pub moving: Vector2<f64>,
 }
 
 /// What is thought of a place.
@@ -63,6 +66,8 @@ pub struct Map {
     columns: usize,
     rows: usize,
     contacts: Vec<Contact>,
+    ways: Vec<[Place; 2]>,
+    spacing: Option<f64>,
 }
 
 /// Squares of the occupancy map to the length of a wall.
@@ -74,7 +79,7 @@ impl Map {
     pub fn new(known: Knowledge) -> Self {
         let squares = |length: f64| (length / known.square()).ceil().clamp(1.0, 1e4) as usize;
         let (columns, rows) = (squares(known.size[0]), squares(known.size[1]));
-        Self { known, thoughts: vec![Thought::Unknown; columns * rows], columns, rows, contacts: Vec::new() }
+        Self { known, thoughts: vec![Thought::Unknown; columns * rows], columns, rows, contacts: Vec::new(), ways: Vec::new(), spacing: None }
     }
 
     /// What was known beforehand.
@@ -87,6 +92,18 @@ impl Map {
     #[must_use]
     pub fn contacts(&self) -> &[Contact] {
         &self.contacts
+    }
+
+    /// The spacing at whose multiples walls stand \[m\], once touches have borne one out.
+    #[must_use]
+    pub const fn spacing(&self) -> Option<f64> {
+        self.spacing
+    }
+
+    /// All straight ways of the ball, in their order.
+    #[must_use]
+    pub fn ways(&self) -> &[[Place; 2]] {
+        &self.ways
     }
 
     fn index(&self, at: &Place) -> Option<usize> {
@@ -104,6 +121,7 @@ impl Map {
 
     /// The ball has gone straight from one place to another: nothing is there.
     pub fn pass(&mut self, from: &Place, to: &Place) {
+        self.ways.push([*from, *to]);
         let (way, square) = (to - from, self.known.square());
         let steps = (way.norm() / (0.5 * square)).ceil().max(1.0);
         // What the ball's middle half has swept: a place at the rim may be beside a wall that it slid along.
@@ -130,7 +148,7 @@ impl Map {
         let along = Vector2::new(0.0, moving.y.signum());
         let (better, other) =
             if moving.x.abs() >= moving.y.abs() { (across, along) } else { (along, across) };
-        let lies = |into: Vector2<f64>| Contact { at: ball + into * self.known.radius, into };
+        let lies = |into: Vector2<f64>| Contact { at: ball + into * self.known.radius, into, moving: *moving };
         let share = moving.x.abs().min(moving.y.abs()) / moving.norm().max(1e-12);
         let length = |contact: Contact| {
             let beside = Vector2::new(-contact.into.y, contact.into.x);
@@ -148,13 +166,26 @@ impl Map {
                     && self.belief(one, &(beside / apart.max(1e-9))) >= apart
             })
         };
-        let contact = match (goes_on(&first), goes_on(&second)) {
+        // Once the spacing of walls is learned, the one on a line of it.
+        let off_line = |contact: &Contact| {
+            let middle = contact.at + contact.into * (0.5 * self.known.thickness);
+            let c = if contact.into.x.abs() > 0.5 { middle.x } else { middle.y };
+            self.spacing.map(|s| (c - (c / s).round() * s).abs())
+        };
+        let clearly = 0.04 * self.known.wall;
+        let by_line = match (off_line(&first), off_line(&second)) {
+            (Some(a), Some(b)) if a + clearly < b => Some(first),
+            (Some(a), Some(b)) if b + clearly < a && share > 1e-6 => Some(second),
+            _ => None,
+        };
+        let contact = by_line.unwrap_or_else(|| match (goes_on(&first), goes_on(&second)) {
             (true, _) if share > 0.1 => first,
             (_, true) => second,
             (_, false) if share > 0.1 && length(first) < 0.5 * length(second) => second,
             (_, false) => first,
-        };
+        });
         self.contacts.push(contact);
+        self.spacing = spacing(&self.contacts, &self.known, self.spacing);
         contact
     }
 

@@ -9,7 +9,10 @@
 use nalgebra::Vector2;
 use pathfinding::prelude::astar;
 
+use crate::cells::panels_to;
 use crate::map::{Contact, Knowledge, Map};
+use crate::panels::Panels;
+use crate::portals::Portals;
 use crate::shortest::Region;
 use crate::walls::Place;
 
@@ -50,6 +53,15 @@ impl Planner {
     /// The way from a place to a region, first and last place included; `None` where the touches leave none.
     #[must_use]
     pub fn way(&self, map: &Map, from: &Place, goal: &Region) -> Option<Vec<Place>> {
+        let known = map.knowledge();
+        let half = 0.5 * known.thickness;
+        if let Some(spacing) = map.spacing() {
+            let panels = Panels::of(map, spacing);
+            let keep = known.radius + half + self.margin;
+            if let Some(through) = panels_to(&panels, from, goal) {
+                return Some(Portals { panels: &panels, keep, half }.way(from, &through, goal));
+            }
+        }
         let lattice = self.lattice(map);
         let start = lattice.nearest_free(from)?;
         let successors = |&(x, y): &(i32, i32)| {
