@@ -46,7 +46,10 @@ pub fn panels_to(panels: &Panels, from: &Place, goal: &Region) -> Option<Vec<(Wh
     let is_goal = |(x, y): (usize, usize)| {
         let lower = Place::new(x as f64, y as f64) * s;
         let room = Wall { lower, upper: lower + Place::new(s, s) };
-        room.lower.x < goal.upper.x && room.lower.y < goal.upper.y && room.upper.x > goal.lower.x && room.upper.y > goal.lower.y
+        room.lower.x < goal.upper.x
+            && room.lower.y < goal.upper.y
+            && room.upper.x > goal.lower.x
+            && room.upper.y > goal.lower.y
     };
     let successors = |&(room, entered): &Node| {
         (0..DIRECTIONS).filter_map(move |direction| {
@@ -64,7 +67,8 @@ pub fn panels_to(panels: &Panels, from: &Place, goal: &Region) -> Option<Vec<(Wh
             let v = v as f64 * s;
             (lower - v - s).max(v - upper).max(0.0) / s
         };
-        let apart = beyond(x, goal.lower.x, goal.upper.x).ceil() + beyond(y, goal.lower.y, goal.upper.y).ceil();
+        let apart =
+            beyond(x, goal.lower.x, goal.upper.x).ceil() + beyond(y, goal.lower.y, goal.upper.y).ceil();
         whole((1.0 - TURN) * apart)
     };
     let (nodes, _) = astar(&(panels.room(from), None), successors, left, |node| is_goal(node.0))?;

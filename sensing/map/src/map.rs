@@ -79,7 +79,15 @@ impl Map {
     pub fn new(known: Knowledge) -> Self {
         let squares = |length: f64| (length / known.square()).ceil().clamp(1.0, 1e4) as usize;
         let (columns, rows) = (squares(known.size[0]), squares(known.size[1]));
-        Self { known, thoughts: vec![Thought::Unknown; columns * rows], columns, rows, contacts: Vec::new(), ways: Vec::new(), spacing: None }
+        Self {
+            known,
+            thoughts: vec![Thought::Unknown; columns * rows],
+            columns,
+            rows,
+            contacts: Vec::new(),
+            ways: Vec::new(),
+            spacing: None,
+        }
     }
 
     /// What was known beforehand.
@@ -148,7 +156,8 @@ impl Map {
         let along = Vector2::new(0.0, moving.y.signum());
         let (better, other) =
             if moving.x.abs() >= moving.y.abs() { (across, along) } else { (along, across) };
-        let lies = |into: Vector2<f64>| Contact { at: ball + into * self.known.radius, into, moving: *moving };
+        let lies =
+            |into: Vector2<f64>| Contact { at: ball + into * self.known.radius, into, moving: *moving };
         let share = moving.x.abs().min(moving.y.abs()) / moving.norm().max(1e-12);
         let length = |contact: Contact| {
             let beside = Vector2::new(-contact.into.y, contact.into.x);

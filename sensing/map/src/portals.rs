@@ -77,7 +77,13 @@ impl Portals<'_> {
     }
 
     /// For each of `portals` the shortest length to it, and over which of `places`.
-    fn joined(&self, places: &[Place], lengths: &[f64], portals: &[Place], room: (usize, usize)) -> Vec<(f64, usize)> {
+    fn joined(
+        &self,
+        places: &[Place],
+        lengths: &[f64],
+        portals: &[Place],
+        room: (usize, usize),
+    ) -> Vec<(f64, usize)> {
         let one = |to: &Place| {
             let by = |(number, from): (usize, &Place)| {
                 // A leg too near to a post is the last choice.
@@ -127,7 +133,8 @@ impl Portals<'_> {
         }
         let (low, high) = (from.inf(to), from.sup(to));
         let post = |v: f64| (v / s).round().max(0.0) as usize;
-        let mut posts = (post(low.x)..=post(high.x)).flat_map(|x| (post(low.y)..=post(high.y)).map(move |y| (x, y)));
+        let mut posts =
+            (post(low.x)..=post(high.x)).flat_map(|x| (post(low.y)..=post(high.y)).map(move |y| (x, y)));
         posts.all(|post| self.passes(post, from, to)).then_some(tried)
     }
 

@@ -68,3 +68,52 @@ pub fn spacing(contacts: &[Contact], known: &Knowledge, before: Option<f64>) -> 
     let (best, _) = hypotheses.iter().copied().max_by(|a, b| a.1.total_cmp(&b.1))?;
     if odds(best) >= SURE { Some(best) } else { before.filter(|s| odds(*s) > 1.0 / SURE) }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::Chance;
+    use crate::walls::Place;
+
+    const KNOWN: Knowledge =
+        Knowledge { size: [0.4, 0.4], radius: 0.002, thickness: 0.002, passage: 0.015, wall: 0.025 };
+
+    /// Touches of walls whose middle lines are given by `line`, alternately upright and level, to 0.3 mm.
+    fn learned(count: usize, seed: u64, mut line: impl FnMut(&mut Chance) -> f64) -> Option<f64> {
+        let mut chance = Chance::seeded(seed);
+        let mut contacts = vec![];
+        let mut learned = None;
+        for number in 0..count {
+            let c = line(&mut chance) + chance.within(3e-4) - 0.001;
+            let along = 0.4 * chance.share();
+            let (into, at) = if number % 2 == 0 {
+                (Place::new(1.0, 0.0), Place::new(c, along))
+            } else {
+                (Place::new(0.0, 1.0), Place::new(along, c))
+            };
+            contacts.push(Contact { at, into, moving: into });
+            learned = spacing(&contacts, &KNOWN, learned);
+        }
+        learned
+    }
+
+    #[test]
+    fn the_spacing_of_walls_is_learned_from_a_dozen_touches_whatever_it_is() {
+        for parts in [8_usize, 10, 16, 20] {
+            let s = 0.4 / parts as f64;
+            for seed in 0..20 {
+                let found = learned(12, seed, |chance| (1 + chance.below(parts - 1)) as f64 * s);
+                assert_eq!(found, Some(s), "{parts} parts, seed {seed}");
+            }
+        }
+    }
+
+    #[test]
+    fn of_walls_that_stand_anywhere_no_spacing_is_learned() {
+        let wrong =
+            (0..200).filter(|seed| learned(12, *seed, |chance| 0.02 + 0.36 * chance.share()).is_some());
+        // At odds of 30 to 1 against, a few of 200 may mislead.
+        let wrong = wrong.count();
+        assert!(wrong <= 6, "{wrong}");
+    }
+}

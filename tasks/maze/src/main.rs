@@ -70,7 +70,22 @@ fn mazes(options: &Options) -> Result<Vec<(String, Layout)>, String> {
                 folder.display()
             ));
         }
-        return files.iter().map(|file| read(file)).collect();
+        let mut mazes = vec![];
+        for file in &files {
+            match read(file) {
+                Ok((name, maze)) if maze.cells_to_goal().is_none() => {
+                    complain(&format!("{name}: left out: it has no way to its goal"));
+                }
+                Ok(read) => mazes.push(read),
+                Err(message) => {
+                    complain(&format!("{}: left out", message.lines().next().unwrap_or(&message)))
+                }
+            }
+        }
+        if mazes.is_empty() {
+            return Err(format!("{}: no maze\n help: name a folder with mazes", folder.display()));
+        }
+        return Ok(mazes);
     }
     match &options.file {
         Some(file) => Ok(vec![read(file)?]),
