@@ -1,10 +1,10 @@
 //! The behaviours of the book's page about reactive programs. Shown there word for word.
 
-use mrroc::generator::Generator;
 use mrroc::sensor::SensorImage;
 use mrroc_generators::rehearsal::rehearse_with;
 use mrroc_robots::Six;
 // ANCHOR: behaviours
+use mrroc::generator::{Generator, Motion};
 use mrroc::prelude::*;
 use mrroc_generators::combinators::{Arbitrate, Blind, Sequence};
 use mrroc_generators::generators::{Sleep, StraightLine};
@@ -80,7 +80,7 @@ fn each_behaviour_runs_while_its_condition_lets_it() {
     })
     .expect("a motion");
     let off = |demand: &Demand<Irp6>, from: &Pose| {
-        demand.as_pose().map(|pose| from.inv_mul(&pose).translation.norm())
+        demand.as_pose().map(|pose| from.inv_mul(&pose).translation.vector.norm())
     };
     // At 0.1 m/s after an acceleration of 0.2 s: 0.05 m in 0.6 s, and less than another 0.01 m while it brakes.
     let gone = demands[..400].iter().filter_map(|demand| off(demand, &home)).fold(0.0, f64::max);
