@@ -21,6 +21,7 @@ mod pages;
 mod pictures;
 mod profile_properties;
 mod profiles;
+mod reactive;
 mod reference;
 mod spline_properties;
 mod spline_reference;

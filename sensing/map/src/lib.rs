@@ -2,6 +2,7 @@
 //!
 //! ```text
 //! text  -> Layout -> Walls -> Inflated -> the shortest path of a ball, to judge by
+//! seen boxes -> Walls, a way from Inflated -> Taut, the same way as a taut string of lines and arcs, to move along
 //! touches, passed ways -> Map -> Planner -> a way through what is not known to be wall
 //! ```
 //!
@@ -19,24 +20,32 @@
 //! // Nothing is known: straight through the wall between. Its touch shows a way around.
 //! let known = Knowledge { size: [0.05, 0.05], radius: 0.002, thickness: 0.002, passage: 0.015, wall: 0.025 };
 //! let mut map = Map::new(known);
-//! let way = Planner::default().way(&map, &start, &goal).expect("all may be free");
+//! let way = Planner::of(&known, 0.0012).way(&map, &start, &goal).expect("all may be free");
 //! assert!(way.last().is_some_and(|end| goal.distance(end) == 0.0));
 //! map.touch(&Place::new(0.022, 0.0375), &Place::new(1.0, 0.0));
-//! let around = Planner::default().way(&map, &Place::new(0.0205, 0.0375), &goal).expect("a way");
+//! let around = Planner::of(&known, 0.0012).way(&map, &Place::new(0.0205, 0.0375), &goal).expect("a way");
 //! assert!(around.len() > 2 && shortest < 0.05);
 //! # Ok::<(), mrroc_map::LayoutError>(())
 //! ```
 
+mod cells;
 mod layout;
 mod map;
+mod panels;
 mod plan;
+mod portals;
 mod random;
 mod shortest;
+mod spacing;
+mod taut;
 mod walls;
 
+pub use cells::Which;
 pub use layout::{Goal, LARGEST, Layout, LayoutError, Side};
-pub use map::{Contact, Knowledge, Map, SQUARE, Thought};
+pub use map::{Contact, Knowledge, Map, Thought};
+pub use panels::{Panel, Panels};
 pub use plan::Planner;
 pub use random::Chance;
 pub use shortest::{Inflated, Region};
+pub use taut::{Piece, Taut};
 pub use walls::{Place, Wall, Walls};

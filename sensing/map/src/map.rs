@@ -11,6 +11,7 @@
 
 use nalgebra::Vector2;
 
+use crate::spacing::spacing;
 use crate::walls::Place;
 
 /// What is known beforehand of mazes, in \[m\].
@@ -28,6 +29,14 @@ pub struct Knowledge {
     pub wall: f64,
 }
 
+impl Knowledge {
+    /// Side length of a square of the occupancy map \[m\].
+    #[must_use]
+    pub fn square(&self) -> f64 {
+        self.wall / SQUARES
+    }
+}
+
 /// A touch of a wall.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {
@@ -35,6 +44,8 @@ pub struct Contact {
     pub at: Place,
     /// From the ball into the wall, level or upright.
     pub into: Vector2<f64>,
+    /// How the ball moved.
+    pub moving: Vector2<f64>,
 }
 
 /// What is thought of a place.
@@ -50,23 +61,33 @@ pub enum Thought {
 #[derive(Clone, Debug)]
 pub struct Map {
     known: Knowledge,
-    /// By millimetres, row by row.
+    /// By squares, row by row.
     thoughts: Vec<Thought>,
     columns: usize,
     rows: usize,
     contacts: Vec<Contact>,
+    ways: Vec<[Place; 2]>,
+    spacing: Option<f64>,
 }
 
-/// Side length of a square of the occupancy map \[m\].
-pub const SQUARE: f64 = 1e-3;
+/// Squares of the occupancy map to the length of a wall.
+const SQUARES: f64 = 25.0;
 
 impl Map {
-    /// Nothing but the frame is known. Sizes up to 10 m.
+    /// Nothing but the frame is known. Up to 10,000 squares along a side.
     #[must_use]
     pub fn new(known: Knowledge) -> Self {
-        let squares = |length: f64| (length / SQUARE).ceil().clamp(1.0, 1e4) as usize;
+        let squares = |length: f64| (length / known.square()).ceil().clamp(1.0, 1e4) as usize;
         let (columns, rows) = (squares(known.size[0]), squares(known.size[1]));
-        Self { known, thoughts: vec![Thought::Unknown; columns * rows], columns, rows, contacts: Vec::new() }
+        Self {
+            known,
+            thoughts: vec![Thought::Unknown; columns * rows],
+            columns,
+            rows,
+            contacts: Vec::new(),
+            ways: Vec::new(),
+            spacing: None,
+        }
     }
 
     /// What was known beforehand.
@@ -81,8 +102,21 @@ impl Map {
         &self.contacts
     }
 
+    /// The spacing at whose multiples walls stand \[m\], once touches have borne one out.
+    #[must_use]
+    pub const fn spacing(&self) -> Option<f64> {
+        self.spacing
+    }
+
+    /// All straight ways of the ball, in their order.
+    #[must_use]
+    pub fn ways(&self) -> &[[Place; 2]] {
+        &self.ways
+    }
+
     fn index(&self, at: &Place) -> Option<usize> {
-        let (x, y) = ((at.x / SQUARE).floor(), (at.y / SQUARE).floor());
+        let square = self.known.square();
+        let (x, y) = ((at.x / square).floor(), (at.y / square).floor());
         let inside = x >= 0.0 && y >= 0.0 && x < self.columns as f64 && y < self.rows as f64;
         inside.then(|| y as usize * self.columns + x as usize)
     }
@@ -95,15 +129,16 @@ impl Map {
 
     /// The ball has gone straight from one place to another: nothing is there.
     pub fn pass(&mut self, from: &Place, to: &Place) {
-        let way = to - from;
-        let steps = (way.norm() / (0.5 * SQUARE)).ceil().max(1.0);
+        self.ways.push([*from, *to]);
+        let (way, square) = (to - from, self.known.square());
+        let steps = (way.norm() / (0.5 * square)).ceil().max(1.0);
         // What the ball's middle half has swept: a place at the rim may be beside a wall that it slid along.
-        let reach = (0.5 * self.known.radius / SQUARE).floor() as i32;
+        let reach = (0.5 * self.known.radius / square).floor() as i32;
         for step in 0..=steps as u32 {
             let at = from + way * (f64::from(step) / steps);
             for dx in -reach..=reach {
                 for dy in -reach..=reach {
-                    let beside = at + Place::new(f64::from(dx), f64::from(dy)) * SQUARE;
+                    let beside = at + Place::new(f64::from(dx), f64::from(dy)) * square;
                     if let Some(index) = self.index(&beside) {
                         self.thoughts[index] = Thought::Passed;
                     }
@@ -121,7 +156,8 @@ impl Map {
         let along = Vector2::new(0.0, moving.y.signum());
         let (better, other) =
             if moving.x.abs() >= moving.y.abs() { (across, along) } else { (along, across) };
-        let lies = |into: Vector2<f64>| Contact { at: ball + into * self.known.radius, into };
+        let lies =
+            |into: Vector2<f64>| Contact { at: ball + into * self.known.radius, into, moving: *moving };
         let share = moving.x.abs().min(moving.y.abs()) / moving.norm().max(1e-12);
         let length = |contact: Contact| {
             let beside = Vector2::new(-contact.into.y, contact.into.x);
@@ -133,43 +169,56 @@ impl Map {
             self.contacts.iter().any(|one| {
                 let beside = contact.at - one.at;
                 let apart = beside.norm();
-                one.is_of_the_wall_of(contact)
+                one.is_of_the_wall_of(contact, self.known.wall)
                     && one.into == contact.into
                     && apart < self.known.wall
                     && self.belief(one, &(beside / apart.max(1e-9))) >= apart
             })
         };
-        let contact = match (goes_on(&first), goes_on(&second)) {
+        // Once the spacing of walls is learned, the one on a line of it.
+        let off_line = |contact: &Contact| {
+            let middle = contact.at + contact.into * (0.5 * self.known.thickness);
+            let c = if contact.into.x.abs() > 0.5 { middle.x } else { middle.y };
+            self.spacing.map(|s| (c - (c / s).round() * s).abs())
+        };
+        let clearly = 0.04 * self.known.wall;
+        let by_line = match (off_line(&first), off_line(&second)) {
+            (Some(a), Some(b)) if a + clearly < b => Some(first),
+            (Some(a), Some(b)) if b + clearly < a && share > 1e-6 => Some(second),
+            _ => None,
+        };
+        let contact = by_line.unwrap_or_else(|| match (goes_on(&first), goes_on(&second)) {
             (true, _) if share > 0.1 => first,
             (_, true) => second,
             (_, false) if share > 0.1 && length(first) < 0.5 * length(second) => second,
             (_, false) => first,
-        };
+        });
         self.contacts.push(contact);
+        self.spacing = spacing(&self.contacts, &self.known, self.spacing);
         contact
     }
 
     /// How far on from a contact, along `beside`, a wall may go \[m\]: as far as it is believed to, or to where the ball has passed.
     pub(crate) fn belief(&self, contact: &Contact, beside: &Vector2<f64>) -> f64 {
         let middle = contact.at + contact.into * (0.5 * self.known.thickness);
-        let most = self.known.wall;
-        let mut s = SQUARE;
+        let (most, square) = (self.known.wall, self.known.square());
+        let mut s = square;
         while s < most {
             let at = middle + beside * s;
             if self.index(&at).is_none() || self.thought(&at) == Thought::Passed {
                 return s;
             }
-            s += SQUARE;
+            s += square;
         }
         most
     }
 }
 
 impl Contact {
-    /// Whether two contacts may be of one wall, by their lines.
+    /// Whether two contacts may be of one wall, by their lines; walls are about `wall` long at least \[m\].
     #[must_use]
-    pub fn is_of_the_wall_of(&self, other: &Self) -> bool {
+    pub fn is_of_the_wall_of(&self, other: &Self, wall: f64) -> bool {
         let apart = other.at - self.at;
-        self.into.dot(&other.into).abs() > 0.5 && apart.dot(&self.into).abs() < 1.5e-3
+        self.into.dot(&other.into).abs() > 0.5 && apart.dot(&self.into).abs() < 0.06 * wall
     }
 }

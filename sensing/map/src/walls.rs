@@ -87,6 +87,17 @@ impl Walls {
                 }
             }
         }
+        Self::indexed(boxes, pitch, [columns, rows])
+    }
+
+    /// Walls that are given as boxes, in a maze of this size \[m\]. They are looked up by squares of side `pitch` \[m\], > 0: choose about
+    /// the width of a passage.
+    #[must_use]
+    pub fn of_boxes(boxes: Vec<Wall>, pitch: f64, size: [f64; 2]) -> Self {
+        Self::indexed(boxes, pitch, size.map(|side| (side / pitch).ceil().clamp(1.0, 1e4) as usize))
+    }
+
+    fn indexed(boxes: Vec<Wall>, pitch: f64, [columns, rows]: [usize; 2]) -> Self {
         let mut near = vec![Vec::new(); (columns + 2) * (rows + 2)];
         for (number, wall) in boxes.iter().enumerate() {
             // Cell 0 is outside of the maze, to its left.

@@ -6,7 +6,8 @@ use std::io;
 use std::path::Path;
 use std::process::ExitCode;
 
-use maze::options::{Options, parse};
+use maze::camera;
+use maze::options::{Options, SensorKind, parse};
 use maze::pictures::film;
 use maze::run::Ready;
 use maze::summary::{Row, Summary};
@@ -26,7 +27,9 @@ fn main() -> ExitCode {
         Ok(mazes) => mazes,
         Err(message) => return refused(&message),
     };
-    let ran = if options.sweep.is_some() || options.random.is_some() {
+    let ran = if options.sensor == SensorKind::Camera {
+        camera::shown::runs(&mazes, options.sweep.is_some() || options.random.is_some(), &options)
+    } else if options.sweep.is_some() || options.random.is_some() {
         let summary = Summary::sweep(&mazes);
         Ok((summary.faults(), summary.to_string()))
     } else {
@@ -67,7 +70,22 @@ fn mazes(options: &Options) -> Result<Vec<(String, Layout)>, String> {
                 folder.display()
             ));
         }
-        return files.iter().map(|file| read(file)).collect();
+        let mut mazes = vec![];
+        for file in &files {
+            match read(file) {
+                Ok((name, maze)) if maze.cells_to_goal().is_none() => {
+                    complain(&format!("{name}: left out: it has no way to its goal"));
+                }
+                Ok(read) => mazes.push(read),
+                Err(message) => {
+                    complain(&format!("{}: left out", message.lines().next().unwrap_or(&message)))
+                }
+            }
+        }
+        if mazes.is_empty() {
+            return Err(format!("{}: no maze\n help: name a folder with mazes", folder.display()));
+        }
+        return Ok(mazes);
     }
     match &options.file {
         Some(file) => Ok(vec![read(file)?]),
@@ -95,7 +113,7 @@ fn one(options: &Options, (name, layout): &(String, Layout)) -> Result<(usize, S
     let walls = ready.plant.world().borrow().walls.clone();
     let outcome = ready.run();
     let file = options.out.join("maze.svg");
-    let drawn = film(&outcome, &walls, [layout.columns(), layout.rows()]);
+    let drawn = film(&outcome, &walls, outcome.sizes.sides(layout));
     fs::create_dir_all(&options.out).and_then(|()| fs::write(&file, drawn)).map_err(|error| {
         format!(
             "{}: cannot be written: {error}\n help: give a folder that can be written by --out",

@@ -47,6 +47,8 @@ pub struct Options {
 pub enum SensorKind {
     /// A ball on a spring with a switch.
     Probe,
+    /// None is felt: a camera sees them all from above.
+    Camera,
 }
 
 /// What carries the sensor.

@@ -1,5 +1,6 @@
 //! The maze task: what it keeps, and what faults do to it.
 
+mod camera;
 mod faults;
 mod lines;
 mod runs;

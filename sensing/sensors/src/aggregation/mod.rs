@@ -1,5 +1,6 @@
 //! What a program makes of what sensors give: `f_v` (eq. 14), without a cell and without physics.
 
+mod bars;
 mod blobs;
 mod chessboard;
 mod debounce;
@@ -9,11 +10,13 @@ mod lateral;
 #[cfg(feature = "networks")]
 mod network;
 mod passages;
+mod rectified;
 mod relief;
 mod relief_features;
 mod sole;
 mod vision;
 
+pub use bars::{Bars, BarsKnown, NoBars};
 pub use blobs::{Blob, Blobs};
 pub use chessboard::{Board, Grey, NoBoard, refine};
 pub use debounce::{Debounce, Edge};
@@ -23,6 +26,7 @@ pub use lateral::{Lateral, Laterals};
 #[cfg(feature = "networks")]
 pub use network::{Network, NetworkError};
 pub use passages::{Passage, Passages};
+pub use rectified::Rectified;
 pub use relief::{Deaf, Relief, Reliefs, Sample};
 pub use relief_features::{RELIEF_FEATURES, relief_features};
 pub use sole::Sole;

@@ -1,0 +1,159 @@
+//! The shortest way through given panels: through portals, which are places in the openings between posts.
+//!
+//! ```text
+//! portals    so many places in each panel, clear of its posts
+//! legs       straight within a room between posts, clear of them
+//! way        the shortest over all choices of portals (dynamic programming), then pulled straight where that is clear
+//! ```
+
+use crate::cells::Which;
+use crate::panels::{Panel, Panels};
+use crate::shortest::Region;
+use crate::walls::{Place, Wall};
+
+/// Places in a panel.
+const PLACES: usize = 7;
+/// So many panels ahead the way is planned out.
+const AHEAD: usize = 12;
+
+/// What ways are planned by.
+#[derive(Debug)]
+pub struct Portals<'p> {
+    /// What is known.
+    pub panels: &'p Panels,
+    /// How far the ball's middle keeps from the lines of walls \[m\].
+    pub keep: f64,
+    /// Half a wall's thickness \[m\].
+    pub half: f64,
+}
+
+impl Portals<'_> {
+    /// The way from a place through panels, and the room behind each, to a region; first and last place included.
+    #[must_use]
+    pub fn way(&self, from: &Place, through: &[(Which, (usize, usize))], goal: &Region) -> Vec<Place> {
+        // For each portal of the last panel the length to it, and for all panels where each came from.
+        let mut lengths = vec![0.0];
+        let mut places = vec![*from];
+        let mut rooms = vec![];
+        let mut came: Vec<Vec<(usize, Place)>> = vec![];
+        let mut room = self.panels.room(from);
+        for (which, next) in through.iter().take(AHEAD) {
+            let portals: Vec<Place> = (0..PLACES).map(|number| self.portal(*which, number)).collect();
+            let best = self.joined(&places, &lengths, &portals, room);
+            lengths = best.iter().map(|(length, _)| *length).collect();
+            came.push(best.iter().map(|(_, before)| (*before, places[*before])).collect());
+            places = portals;
+            rooms.push(room);
+            room = *next;
+        }
+        let mut number = (0..places.len()).min_by(|a, b| lengths[*a].total_cmp(&lengths[*b])).unwrap_or(0);
+        let mut way = vec![];
+        if through.len() <= AHEAD {
+            // A little within: what is reached to rounding errors counts.
+            let half = (goal.upper - goal.lower) * 0.5;
+            let inset = half.inf(&Place::new(0.02, 0.02).scale(self.panels.spacing));
+            let within = Region { lower: goal.lower + inset, upper: goal.upper - inset };
+            let ends: Vec<Place> = places.iter().map(|place| within.nearest(place)).collect();
+            let whole = |number: usize| lengths[number] + (ends[number] - places[number]).norm();
+            number = (0..places.len()).min_by(|a, b| whole(*a).total_cmp(&whole(*b))).unwrap_or(0);
+            way.push(ends[number]);
+        }
+        if !came.is_empty() {
+            way.push(places[number]);
+        }
+        for step in came.iter().rev() {
+            let (before, place) = step[number];
+            way.push(place);
+            number = before;
+        }
+        if came.is_empty() {
+            way.push(*from);
+        }
+        way.reverse();
+        // It may stand in a portal.
+        let mut way = self.pulled(&way);
+        way.dedup_by(|next, at| (*next - *at).norm() < 1e-6);
+        way
+    }
+
+    /// For each of `portals` the shortest length to it, and over which of `places`.
+    fn joined(
+        &self,
+        places: &[Place],
+        lengths: &[f64],
+        portals: &[Place],
+        room: (usize, usize),
+    ) -> Vec<(f64, usize)> {
+        let one = |to: &Place| {
+            let by = |(number, from): (usize, &Place)| {
+                // A leg too near to a post is the last choice.
+                let near = if self.is_clear(from, to, room) { 0.0 } else { self.panels.spacing };
+                (lengths[number] + (to - from).norm() + near, number)
+            };
+            places.iter().enumerate().map(by).min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((0.0, 0))
+        };
+        portals.iter().map(one).collect()
+    }
+
+    fn portal(&self, (upright, line, along): Which, number: usize) -> Place {
+        let s = self.panels.spacing;
+        let share = 2.0 * number as f64 / (PLACES - 1) as f64 - 1.0;
+        let (across, along) = (line as f64 * s, (along as f64 + 0.5) * s + share * (0.5 * s - self.keep));
+        if upright { Place::new(across, along) } else { Place::new(along, across) }
+    }
+
+    /// Whether a straight way within a room is clear of its posts.
+    fn is_clear(&self, from: &Place, to: &Place, (x, y): (usize, usize)) -> bool {
+        [(x, y), (x + 1, y), (x, y + 1), (x + 1, y + 1)].into_iter().all(|post| self.passes(post, from, to))
+    }
+
+    /// Whether a straight way keeps away from a post; one that begins near it may lead away.
+    fn passes(&self, (x, y): (usize, usize), from: &Place, to: &Place) -> bool {
+        let middle = Place::new(x as f64, y as f64) * self.panels.spacing;
+        let half = Place::new(self.half, self.half);
+        let post = Wall { lower: middle - half, upper: middle + half };
+        // The post is so small that the place of the way nearest to its middle is near enough.
+        let way = to - from;
+        let length = way.norm_squared();
+        let share = if length > 0.0 { ((middle - from).dot(&way) / length).clamp(0.0, 1.0) } else { 0.0 };
+        let need = (self.keep - self.half).min(post.distance(from));
+        post.distance(&(from + way * share)) >= need - 1e-9
+    }
+
+    /// Whether a straight way is clear of posts and known walls, and how many panels it tries of which nothing is known.
+    fn straight(&self, from: &Place, to: &Place) -> Option<usize> {
+        let s = self.panels.spacing;
+        let mut tried = 0;
+        for which in self.panels.crossings(from, to) {
+            match self.panels.get(which) {
+                Panel::Wall => return None,
+                Panel::Unknown => tried += 1,
+                Panel::Open => {}
+            }
+        }
+        let (low, high) = (from.inf(to), from.sup(to));
+        let post = |v: f64| (v / s).round().max(0.0) as usize;
+        let mut posts =
+            (post(low.x)..=post(high.x)).flat_map(|x| (post(low.y)..=post(high.y)).map(move |y| (x, y)));
+        posts.all(|post| self.passes(post, from, to)).then_some(tried)
+    }
+
+    /// Leaves out places where straight on is clear, and tries no more panels.
+    fn pulled(&self, places: &[Place]) -> Vec<Place> {
+        let mut way = vec![places[0]];
+        let mut at = 0;
+        while at + 1 < places.len() {
+            let mut next = at + 1;
+            let mut so_far = self.straight(&places[at], &places[next]).unwrap_or(0);
+            for last in at + 2..places.len() {
+                so_far += self.straight(&places[last - 1], &places[last]).unwrap_or(0);
+                if self.straight(&places[at], &places[last]).is_some_and(|tried| tried <= so_far) {
+                    next = last;
+                }
+            }
+            way.push(places[next]);
+            at = next;
+        }
+        way
+    }
+}

@@ -1,0 +1,126 @@
+//! Known layout: one image, the way that it shows, and faults on it.
+//!
+//! A few mazes; `MRROC_WHOLE=1` takes thirty more by chance.
+
+use maze::camera::eye::{floor, truly};
+use maze::camera::mp::CLEARANCE;
+use maze::camera::run::Ready;
+use maze::camera::scene::Overlooked;
+use maze::camera::summary::Summary;
+use maze::places::{HEIGHT, HIGH, MIDDLE, Sizes, said, tool};
+use maze::plant::Plant;
+use maze::run::told;
+use mrroc::pose::Pose;
+use mrroc::robot::Robot as _;
+use mrroc_map::{Inflated, Layout};
+use mrroc_robots::{Irp6, Six};
+use mrroc_sensors::aggregation::{Bars, BarsKnown, NoBars};
+use mrroc_sensors::physics::{Dark, Imager};
+use nalgebra::Vector3;
+
+fn islands() -> Layout {
+    include_str!("../mazes/islands.txt").parse().expect("a maze")
+}
+
+/// `start` of `cell.toml`.
+const START: [f64; 6] = [-0.394791, -2.046687, 0.407842, 0.068049, 4.712389, 1.176005];
+
+#[test]
+fn the_shortest_way_of_an_image_is_gone_without_a_contact() {
+    let count = if std::env::var_os("MRROC_WHOLE").is_some() { 30 } else { 1 };
+    let mut mazes = vec![islands(), include_str!("../mazes/comb.txt").parse().expect("a maze")];
+    mazes.extend((0..count).map(|seed| Layout::random(16, seed)));
+    for (seed, maze) in (0..).zip(&mazes) {
+        let outcome = Ready::new(maze, seed).expect("a cell").run();
+        assert!(outcome.report.is_ok(), "maze {seed}: {:?}", outcome.report);
+        // No contact in the physics, at places and between them.
+        assert!(outcome.travel == 0.0 && outcome.clearance > 0.0, "maze {seed}: {} m", outcome.clearance);
+        // Each true wall was seen once, its corners to 0.15 mm in the maze's frame.
+        let bars = outcome.taken.bars.as_ref().expect("seen");
+        assert_eq!(bars.boxes.len(), outcome.walls.boxes().len(), "maze {seed}");
+        for wall in outcome.walls.boxes() {
+            let off = |[lower, upper]: &[nalgebra::Vector2<f64>; 2]| {
+                (lower - wall.lower).amax().max((upper - wall.upper).amax())
+            };
+            let nearest = bars.boxes.iter().map(off).fold(f64::INFINITY, f64::min);
+            assert!(nearest < 1.5e-4, "maze {seed}: {wall:?} is off by {nearest} m");
+        }
+        // The way that was planned is no shorter than for the ball alone, and no longer than for one that is larger by the clearance, what
+        // walls are off by, and what arcs are less than polygons around them.
+        let planned = outcome.planned.way.as_ref().expect("planned").length();
+        let sizes = Sizes::within_reach(maze);
+        let told = told(maze, &sizes);
+        let larger = (sizes.radius + CLEARANCE + 1.5e-4) * 1.0824;
+        let (most, _) =
+            Inflated::by(&outcome.walls, larger).shortest(&told.start, &told.goal).expect("a way");
+        assert!(outcome.shortest < planned && planned < most, "{} {planned} {most}", outcome.shortest);
+        // The ball goes that way, and at its ends less than a millimetre more.
+        assert!((outcome.way - planned).abs() < 1e-3, "maze {seed}: {} {planned}", outcome.way);
+    }
+}
+
+#[test]
+fn a_sweep_says_how_long_ways_are_and_what_failed() {
+    let closed: Layout = "o---o---o\n|   | G |\no   o---o\n| S     |\no---o---o".parse().expect("a maze");
+    let summary = Summary::sweep(&[("islands".to_owned(), islands()), ("closed".to_owned(), closed)]);
+    let text = summary.to_string();
+    assert_eq!(summary.faults(), 1, "{text}");
+    assert!(text.contains("closed: ") && text.contains("no way to the exit"), "{text}");
+    assert!(text.contains("1 of 2 mazes") && text.contains("contacts in 0"), "{text}");
+}
+
+#[test]
+fn fault_188_a_camera_that_sees_no_maze_is_a_named_fault_before_the_arm_moves() {
+    for dark in [Dark::Covered, Dark::LampOff] {
+        let ready = Ready::seen_by(&islands(), 0, |camera| camera.darkened(dark)).expect("a cell");
+        let outcome = ready.run();
+        let fault = outcome.report.expect_err("blind").to_string();
+        assert!(fault.contains("the camera over the maze") && fault.contains("dark"), "{fault}");
+        assert!(outcome.trace.is_empty() && outcome.planned.way.is_none());
+    }
+}
+
+/// What is seen of the islands with an arm that has these joint positions.
+fn seen_with(joints: [f64; 6]) -> (Vec<u8>, Result<Bars, NoBars>) {
+    let maze = islands();
+    let sizes = Sizes::within_reach(&maze);
+    let sides = sizes.sides(&maze);
+    let plant = Plant::new(&maze, &sizes, 0);
+    let world = plant.world();
+    let world = world.borrow();
+    let scene = Overlooked::new(&world.walls, &world.X_WM, &Six::from(joints));
+    let mut image = Vec::new();
+    Imager::over(truly().clone(), 0).expose(&scene, 0.0, &mut image);
+    let known = BarsKnown { sides, thickness: sizes.thickness, height: HEIGHT, loose: 6.5e-3, cell: 4e-4 };
+    let said: Pose = floor().inv_mul(&said(sides));
+    let bars = Bars::find(truly(), &image, &said, &known);
+    (image, bars)
+}
+
+#[test]
+fn fault_188_an_arm_in_front_of_the_camera_hides_the_frame_and_at_its_start_it_is_out_of_view() {
+    let (free, bars) = seen_with(START);
+    assert!(bars.is_ok());
+    // Turned away by a right angle nothing changes: it was not in view.
+    let mut away = START;
+    away[0] -= 1.5;
+    assert!(free == seen_with(away).0);
+    // Over the maze it hides a side.
+    let flange = tool(MIDDLE[0], MIDDLE[1], HIGH) * Pose::translation(0.0, 0.0, -0.25);
+    let over = Irp6::nominal().inverse(&flange, &Six::from(START)).expect("within reach");
+    let (hidden, bars) = seen_with(over.into());
+    assert!(free != hidden);
+    assert!(matches!(bars, Err(NoBars::NoFrame { .. })), "{bars:?}");
+}
+
+#[test]
+fn fault_189_a_contact_on_the_way_that_an_image_shows_stops_the_arm_and_is_named() {
+    // By more than the clearance: the camera was moved after its calibration.
+    for by in [Vector3::new(2e-3, 1e-3, 0.0), Vector3::new(-1e-3, 2.5e-3, 0.0)] {
+        let ready = Ready::seen_by(&islands(), 0, |camera| camera.moved(by)).expect("a cell");
+        let outcome = ready.run();
+        let fault = outcome.report.expect_err("a contact").to_string();
+        assert!(fault.contains("touches a wall") && fault.contains("arm"), "{fault}");
+        assert!(outcome.travel > 0.0 && outcome.travel < 4e-3, "{} m", outcome.travel);
+    }
+}
