@@ -1,0 +1,13 @@
+//! Where the base stands, and what it sees, as readings of virtual sensors.
+//!
+//! In: wheel angles (`e_j` of the order), what a rate gyro and infrared sensors give (`r`). Out: aggregated readings, `v`.
+
+mod dead_reckoning;
+mod gyro;
+mod planar;
+mod whereabouts;
+
+pub use dead_reckoning::{DeadReckoning, Reckoned};
+pub use gyro::{Gyro, GyroFault, Turned};
+pub use planar::Planar;
+pub use whereabouts::{Located, Standing, Whereabouts};
