@@ -4,10 +4,16 @@
 
 mod dead_reckoning;
 mod gyro;
+pub mod infrared;
+mod lookout;
 mod planar;
+mod wall_memory;
 mod whereabouts;
 
 pub use dead_reckoning::{DeadReckoning, Reckoned};
 pub use gyro::{Gyro, GyroFault, Turned};
+pub use infrared::Infrared;
+pub use lookout::{Lookout, LookingOut, Sight};
 pub use planar::Planar;
+pub use wall_memory::{Face, TOLD, WallMemory};
 pub use whereabouts::{Located, Standing, Whereabouts};

@@ -1,0 +1,142 @@
+//! The virtual sensor of a base among walls: where it stands, what is in its way, and which walls it has seen.
+
+use mrroc::fault::FaultKind;
+use mrroc::payload::Payload;
+use mrroc::prelude::*;
+
+use super::infrared::{FRONT, Infrared, SENSORS, distance, mounted};
+use super::planar::Planar;
+use super::wall_memory::{Face, TOLD, WallMemory};
+use super::whereabouts::{Located, wheels};
+use crate::model::DiffDrive;
+use crate::simulation::Floor;
+
+/// The kind of sensor.
+#[derive(Clone, Copy, Debug)]
+pub struct Lookout;
+
+impl Sensor for Lookout {
+    const KIND: &'static str = "lookout";
+    type Reading = Sight;
+    type Configuration = ();
+}
+
+/// What a base among walls knows of them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Payload)]
+pub struct Sight {
+    /// Where it stands.
+    pub pose: Planar,
+    /// Whether it stands still, and its gyro's bias is known.
+    pub stands: bool,
+    /// How far it can go straight on before it touches something \[m\]; [`Sight::FAR`] where nothing is seen.
+    pub ahead: f64,
+    /// How many faces have been told, and those that changed last, the newest first.
+    pub count: u8,
+    /// See `count`.
+    pub faces: [Face; TOLD],
+}
+
+impl Sight {
+    /// Nothing is seen ahead \[m\].
+    pub const FAR: f64 = 0.2;
+}
+
+/// Aggregates wheels, gyro and infrared sensors.
+#[derive(Debug)]
+pub struct LookingOut {
+    floor: Floor,
+    located: Located,
+    infrared: Infrared,
+    memory: WallMemory,
+    /// What each sensor said last: where that was, and whether it is as new as the last sample ahead.
+    met: [Option<nalgebra::Vector2<f64>>; SENSORS],
+    time: f64,
+}
+
+impl LookingOut {
+    /// Turning faster, it only looks at what is ahead [rad/s].
+    const DIZZY: f64 = 0.6;
+    /// What is farther from a sensor is not used for the map \[m\].
+    const SURE: f64 = 0.22;
+
+    /// Of the base of this floor.
+    #[must_use]
+    pub fn new(floor: Floor, located: Located, infrared: Infrared, memory: WallMemory) -> Self {
+        let time = floor.time();
+        Self { floor, located, infrared, memory, met: [None; SENSORS], time }
+    }
+
+    /// The gyro and what it is compared with, to break it.
+    pub const fn located_mut(&mut self) -> &mut Located {
+        &mut self.located
+    }
+
+    /// The infrared sensors, to break one.
+    pub const fn infrared_mut(&mut self) -> &mut Infrared {
+        &mut self.infrared
+    }
+
+    /// The walls that it knows.
+    #[must_use]
+    pub const fn memory(&self) -> &WallMemory {
+        &self.memory
+    }
+}
+
+impl VirtualSensor for LookingOut {
+    type Kind = Lookout;
+
+    fn aggregate(&mut self, order: &ReadingOrder<()>) -> Result<Sight, Fault> {
+        if self.floor.touched().now {
+            let fault = Fault::new(FaultKind::ProtectiveStop);
+            return Err(fault.text("the bumper touches a wall that no sensor saw: put the base back, and look at its infrared sensors"));
+        }
+        let reckoned = self.located.step(&wheels(order.robot.as_ref())?)?;
+        let now = self.floor.time();
+        let passed = now - core::mem::replace(&mut self.time, now);
+        let steady = reckoned.turn.abs() < Self::DIZZY * passed.max(1e-3);
+        let codes = self.infrared.ask();
+        let mut pose = reckoned.pose;
+        let mut is_new = false;
+        for (i, code) in codes.iter().enumerate() {
+            let Some(code) = code else { continue };
+            let far = distance(*code);
+            let sensor = mounted(i);
+            let (sine, cosine) = sensor.looks.sin_cos();
+            let on_base = |far: f64| sensor.at + nalgebra::Vector2::new(cosine, sine) * far;
+            self.met[i] = far.map(|far| pose.place(&on_base(far)));
+            is_new |= i < FRONT;
+            if steady {
+                let sure = far.filter(|far| *far < Self::SURE);
+                pose = self.memory.trace(i, sure.map(|far| pose.place(&on_base(far))), pose);
+            }
+        }
+        if is_new && steady {
+            // Those that look ahead, from right to left, as they met last.
+            let near: [_; FRONT] = core::array::from_fn(|i| {
+                self.met[i].filter(|at| pose.seen(at).x - mounted(i).at.x < Self::SURE)
+            });
+            pose = self.memory.side_by_side(&near, pose);
+        }
+        self.located.correct(pose);
+        let mut ahead = Sight::FAR;
+        for at in self.met[..FRONT].iter().flatten() {
+            let seen = pose.seen(at);
+            let rim = DiffDrive::BODY * DiffDrive::BODY - seen.y * seen.y;
+            if rim > 0.0 {
+                ahead = ahead.min((seen.x - rim.sqrt()).max(0.0));
+            }
+        }
+        let mut sight =
+            Sight { pose, stands: reckoned.stands, ahead, count: 0, faces: [Face::default(); TOLD] };
+        for (told, face) in sight.faces.iter_mut().zip(self.memory.changed()) {
+            *told = face;
+            sight.count += 1;
+        }
+        Ok(sight)
+    }
+
+    fn is_simulated(&self) -> bool {
+        true
+    }
+}
