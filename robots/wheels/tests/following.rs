@@ -1,39 +1,13 @@
 //! How well a base follows a course, by where it truly is.
 
-use core::time::Duration;
-use std::cell::RefCell;
-use std::rc::Rc;
-
-use mrroc::prelude::*;
+use mrroc::prelude::Robot as _;
 use mrroc_map::Chance;
-use mrroc_wheels::generators::{BaseLimits, Follower};
-use mrroc_wheels::sensing::{DeadReckoning, Gyro, Located, Standing};
-use mrroc_wheels::simulation::{Chassis, Floor, Ground};
-use mrroc_wheels::{Course, DiffDrive, FollowCourse, Planar, Rolling, Two, Whereabouts};
+use mrroc_wheels::generators::Follower;
+use mrroc_wheels::simulation::{Chassis, Ground};
+use mrroc_wheels::{Course, DiffDrive, Planar, Two};
 use nalgebra::Vector2;
 
-/// The sensor, and where the base truly was whenever it was asked.
-struct Traced {
-    located: Located,
-    floor: Floor,
-    trace: Rc<RefCell<Vec<Planar>>>,
-}
-
-impl VirtualSensor for Traced {
-    type Kind = Whereabouts;
-
-    fn aggregate(&mut self, order: &ReadingOrder<()>) -> Result<Standing, Fault> {
-        self.trace.borrow_mut().push(self.floor.motion().pose);
-        self.located.aggregate(order)
-    }
-
-    fn is_simulated(&self) -> bool {
-        true
-    }
-}
-
-/// Half a metre a second, with what tyres hold in bends.
-const LIMITS: BaseLimits = BaseLimits { speed: 0.5, lateral: 2.5, turning: 8.0, off: 0.06 };
+use crate::bench::{LIMITS, followed};
 
 /// Around a room of a metre, and back to its start: 5 m with eleven corners.
 fn tour() -> Course {
@@ -52,42 +26,6 @@ fn tour() -> Course {
         [0.0, 0.3],
     ];
     Course::through(&places.map(Vector2::from), 0.03).expect("a course")
-}
-
-/// Where a base truly was that followed a course on this ground, with what is known of the way.
-fn followed(course: Course, ground: Ground, scale: f64, seed: u64) -> Vec<Planar> {
-    let floor = Floor::new(ground, Planar::default());
-    let trace = Rc::new(RefCell::new(Vec::new()));
-    let reckoning = DeadReckoning::from(Planar::default()).with_scale(scale);
-    let sensor = Traced {
-        located: Located::by(Gyro::new(floor.clone(), seed), reckoning),
-        floor: floor.clone(),
-        trace: Rc::clone(&trace),
-    };
-    let robot = RobotSetup::new("base", DiffDrive::new(), Rolling::new(DiffDrive::new(), floor)).program(
-        move |ecp| {
-            let mut where_it_is = ecp.sensor::<Whereabouts>("whereabouts")?;
-            ecp.wait_until((&mut where_it_is,), stands {})?;
-            let follow =
-                FollowCourse::<Whereabouts>::along(course.clone(), LIMITS, |read| Some(read.pose), DELAY, 2);
-            ecp.move_robot((&mut where_it_is,), follow).map(drop)
-        },
-    );
-    let report = Cell::new(Duration::from_millis(2))
-        .robot(robot)
-        .sensor(SensorSetup::new("whereabouts", sensor).of("base"))
-        .run();
-    report.expect("no fault");
-    trace.take()
-}
-
-/// From a demand to where the base is seen to have gone.
-const DELAY: f64 = 2.0;
-
-/// It stands, and knows the bias of its gyro.
-#[condition(ecp)]
-fn stands(v: &Reading<(Whereabouts,)>) -> bool {
-    v.0.reading().is_some_and(|read| read.stands)
 }
 
 /// How far the places are off the course: root mean square, and the largest \[m\].

@@ -1,4 +1,7 @@
-//! Tests of the base: its drives, and how well it follows a course.
+//! Tests of the base: its drives, how well it follows a course, how it drifts, and what goes wrong.
 
+mod bench;
 mod drives;
+mod faults;
 mod following;
+mod umbmark;

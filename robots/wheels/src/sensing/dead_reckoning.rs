@@ -22,6 +22,8 @@ pub struct DeadReckoning {
     wheels: Option<Two>,
     /// What the gyro says at rest [rad/s], once that is known.
     bias: Option<f64>,
+    /// Where the wheels came to rest.
+    rest: Option<Two>,
     /// How long no wheel has turned \[s\], and what the gyro said in that time \[rad\].
     still: f64,
     drifted: f64,
@@ -48,6 +50,8 @@ pub struct Reckoned {
 impl DeadReckoning {
     /// How long no wheel turns where it stands \[s\].
     pub const STILL: f64 = 0.1;
+    /// How far a wheel turns that rests \[rad\]: two pulses of its encoder.
+    const TREMBLING: f64 = 6.2e-4;
     /// Gyro and wheels may be so far apart \[rad\].
     pub const MOST: f64 = 0.35;
     /// For how long they are compared \[s\].
@@ -56,7 +60,7 @@ impl DeadReckoning {
     /// From a pose on.
     #[must_use]
     pub const fn from(pose: Planar) -> Self {
-        Self { pose, wheels: None, bias: None, still: 0.0, drifted: 0.0, apart: 0.0, scale: 1.0 }
+        Self { pose, wheels: None, bias: None, rest: None, still: 0.0, drifted: 0.0, apart: 0.0, scale: 1.0 }
     }
 
     /// The same with a calibrated way, as a share of what the wheels turn, > 0.
@@ -87,13 +91,13 @@ impl DeadReckoning {
         let moved = *wheels - self.wheels.replace(*wheels).unwrap_or(*wheels);
         let (way, turn_of_wheels) = DiffDrive::rolled(&moved);
         let way = self.scale * way;
-        // Less than a tenth of what it takes to be moving at all: encoders tremble by a pulse.
-        let is_still = moved.amax() * DiffDrive::WHEEL < 2.5e-3 * gyro.time;
+        // Encoders tremble by a pulse; a base that creeps leaves that behind.
+        let is_still = (*wheels - *self.rest.get_or_insert(*wheels)).amax() < Self::TREMBLING;
         if is_still {
             self.still += gyro.time;
             self.drifted += gyro.angle;
         } else {
-            (self.still, self.drifted) = (0.0, 0.0);
+            (self.still, self.drifted, self.rest) = (0.0, 0.0, Some(*wheels));
         }
         let stands = is_still && self.still >= Self::STILL;
         if stands {

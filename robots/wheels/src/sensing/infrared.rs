@@ -106,12 +106,13 @@ impl Infrared {
             if now < self.next[i] {
                 return None;
             }
-            self.next[i] += Self::SAMPLE * ((now - self.next[i]) / Self::SAMPLE).floor().max(0.0) + Self::SAMPLE;
+            self.next[i] +=
+                Self::SAMPLE * ((now - self.next[i]) / Self::SAMPLE).floor().max(0.0) + Self::SAMPLE;
             let Mounted { at, looks } = mounted(i);
             let (sine, cosine) = (pose.heading + looks).sin_cos();
-            let seen = self.floor.walls(|walls| {
-                ray(walls, &pose.place(&at), &Vector2::new(cosine, sine), Self::FARTHEST)
-            });
+            let seen = self
+                .floor
+                .walls(|walls| ray(walls, &pose.place(&at), &Vector2::new(cosine, sine), Self::FARTHEST));
             let clean = match seen.flatten().filter(|_| !self.blind[i]) {
                 Some(distance) => self.gains[i] * code(distance),
                 None => 11.0,

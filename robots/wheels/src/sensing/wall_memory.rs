@@ -55,7 +55,8 @@ impl Face {
     #[must_use]
     pub fn ends(&self) -> [Vector2<f64>; 2] {
         let upright = self.into.is_multiple_of(2);
-        [self.from, self.to].map(|s| if upright { Vector2::new(self.line, s) } else { Vector2::new(s, self.line) })
+        [self.from, self.to]
+            .map(|s| if upright { Vector2::new(self.line, s) } else { Vector2::new(s, self.line) })
     }
 }
 
@@ -203,10 +204,8 @@ impl WallMemory {
         }
         known.face.line -= (1.0 - share) * beside / 4.0;
         known.seen = (known.seen + 1).min(1000);
-        if seen.from < known.face.from - 1e-3 || seen.to > known.face.to + 1e-3 || known.seen == 1000 {
-            known.face.from = known.face.from.min(seen.from);
-            known.face.to = known.face.to.max(seen.to);
-        }
+        known.face.from = known.face.from.min(seen.from);
+        known.face.to = known.face.to.max(seen.to);
         self.tell(number);
         corrected
     }
@@ -288,11 +287,19 @@ mod tests {
         let mut error = Planar { x: 0.010, y: 0.0, heading: 0.035 };
         for k in 0..300 {
             let (x, y) = (0.09, 0.2 + 0.004 * f64::from(k));
-            let pose = Planar { x: x + error.x, y: y + error.y, heading: core::f64::consts::FRAC_PI_2 + error.heading };
+            let pose = Planar {
+                x: x + error.x,
+                y: y + error.y,
+                heading: core::f64::consts::FRAC_PI_2 + error.heading,
+            };
             // What it sees to its left: the wall's face at x = 6 mm.
             let hit = pose.place(&Vector2::new(0.0, x - 0.006));
             let better = memory.trace(0, Some(hit), pose);
-            error = Planar { x: better.x - x, y: better.y - y, heading: better.heading - core::f64::consts::FRAC_PI_2 };
+            error = Planar {
+                x: better.x - x,
+                y: better.y - y,
+                heading: better.heading - core::f64::consts::FRAC_PI_2,
+            };
             // A wrong heading leads it aside in its own mind.
             error.x -= 0.004 * error.heading;
         }
@@ -304,7 +311,8 @@ mod tests {
     fn a_wall_with_an_opening_is_seen_as_two() {
         let mut memory = WallMemory::of_frame([1.8, 1.8], 0.012, 1);
         for k in 0..140 {
-            let pose = Planar { x: 0.9, y: 0.2 + 0.004 * f64::from(k), heading: core::f64::consts::FRAC_PI_2 };
+            let pose =
+                Planar { x: 0.9, y: 0.2 + 0.004 * f64::from(k), heading: core::f64::consts::FRAC_PI_2 };
             let open = (0.36..0.52).contains(&pose.y);
             memory.trace(0, (!open).then(|| pose.place(&Vector2::new(0.0, 0.084))), pose);
         }

@@ -76,7 +76,7 @@ impl Chassis {
         let mut torque = 0.0;
         let mut pushes = [0.0; 2];
         for (i, side) in [-1.0, 1.0].into_iter().enumerate() {
-            let rim = DiffDrive::WHEEL * wheels[i];
+            let rim = DiffDrive::WHEEL * ground.rims[i] * wheels[i];
             let slip = Vector2::new(rim - (ahead + side * arm * turning), -left);
             let scale = Self::SLIP * rim.abs().max(Self::SLOW);
             let push = slip * (ground.friction * load / (scale * scale + slip.norm_squared()).sqrt());

@@ -15,6 +15,8 @@ pub struct Ground {
     pub friction: f64,
     /// What drags at the axle, dry: carpet, or a load that is towed \[N\].
     pub drag: f64,
+    /// The radii of the left and the right wheel, as shares of what they are said to be.
+    pub rims: [f64; 2],
     /// Walls, in the frame of the floor.
     pub walls: Option<Walls>,
 }
@@ -22,7 +24,7 @@ pub struct Ground {
 impl Default for Ground {
     /// Rubber on a board, nothing that drags, no walls.
     fn default() -> Self {
-        Self { friction: 0.9, drag: 0.0, walls: None }
+        Self { friction: 0.9, drag: 0.0, rims: [1.0; 2], walls: None }
     }
 }
 
