@@ -19,10 +19,10 @@
 //! // Nothing is known: straight through the wall between. Its touch shows a way around.
 //! let known = Knowledge { size: [0.05, 0.05], radius: 0.002, thickness: 0.002, passage: 0.015, wall: 0.025 };
 //! let mut map = Map::new(known);
-//! let way = Planner::default().way(&map, &start, &goal).expect("all may be free");
+//! let way = Planner::of(&known, 0.0012).way(&map, &start, &goal).expect("all may be free");
 //! assert!(way.last().is_some_and(|end| goal.distance(end) == 0.0));
 //! map.touch(&Place::new(0.022, 0.0375), &Place::new(1.0, 0.0));
-//! let around = Planner::default().way(&map, &Place::new(0.0205, 0.0375), &goal).expect("a way");
+//! let around = Planner::of(&known, 0.0012).way(&map, &Place::new(0.0205, 0.0375), &goal).expect("a way");
 //! assert!(around.len() > 2 && shortest < 0.05);
 //! # Ok::<(), mrroc_map::LayoutError>(())
 //! ```
@@ -35,7 +35,7 @@ mod shortest;
 mod walls;
 
 pub use layout::{Goal, LARGEST, Layout, LayoutError, Side};
-pub use map::{Contact, Knowledge, Map, SQUARE, Thought};
+pub use map::{Contact, Knowledge, Map, Thought};
 pub use plan::Planner;
 pub use random::Chance;
 pub use shortest::{Inflated, Region};

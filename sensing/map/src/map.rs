@@ -28,6 +28,14 @@ pub struct Knowledge {
     pub wall: f64,
 }
 
+impl Knowledge {
+    /// Side length of a square of the occupancy map \[m\].
+    #[must_use]
+    pub fn square(&self) -> f64 {
+        self.wall / SQUARES
+    }
+}
+
 /// A touch of a wall.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {
@@ -50,21 +58,21 @@ pub enum Thought {
 #[derive(Clone, Debug)]
 pub struct Map {
     known: Knowledge,
-    /// By millimetres, row by row.
+    /// By squares, row by row.
     thoughts: Vec<Thought>,
     columns: usize,
     rows: usize,
     contacts: Vec<Contact>,
 }
 
-/// Side length of a square of the occupancy map \[m\].
-pub const SQUARE: f64 = 1e-3;
+/// Squares of the occupancy map to the length of a wall.
+const SQUARES: f64 = 25.0;
 
 impl Map {
-    /// Nothing but the frame is known. Sizes up to 10 m.
+    /// Nothing but the frame is known. Up to 10,000 squares along a side.
     #[must_use]
     pub fn new(known: Knowledge) -> Self {
-        let squares = |length: f64| (length / SQUARE).ceil().clamp(1.0, 1e4) as usize;
+        let squares = |length: f64| (length / known.square()).ceil().clamp(1.0, 1e4) as usize;
         let (columns, rows) = (squares(known.size[0]), squares(known.size[1]));
         Self { known, thoughts: vec![Thought::Unknown; columns * rows], columns, rows, contacts: Vec::new() }
     }
@@ -82,7 +90,8 @@ impl Map {
     }
 
     fn index(&self, at: &Place) -> Option<usize> {
-        let (x, y) = ((at.x / SQUARE).floor(), (at.y / SQUARE).floor());
+        let square = self.known.square();
+        let (x, y) = ((at.x / square).floor(), (at.y / square).floor());
         let inside = x >= 0.0 && y >= 0.0 && x < self.columns as f64 && y < self.rows as f64;
         inside.then(|| y as usize * self.columns + x as usize)
     }
@@ -95,15 +104,15 @@ impl Map {
 
     /// The ball has gone straight from one place to another: nothing is there.
     pub fn pass(&mut self, from: &Place, to: &Place) {
-        let way = to - from;
-        let steps = (way.norm() / (0.5 * SQUARE)).ceil().max(1.0);
+        let (way, square) = (to - from, self.known.square());
+        let steps = (way.norm() / (0.5 * square)).ceil().max(1.0);
         // What the ball's middle half has swept: a place at the rim may be beside a wall that it slid along.
-        let reach = (0.5 * self.known.radius / SQUARE).floor() as i32;
+        let reach = (0.5 * self.known.radius / square).floor() as i32;
         for step in 0..=steps as u32 {
             let at = from + way * (f64::from(step) / steps);
             for dx in -reach..=reach {
                 for dy in -reach..=reach {
-                    let beside = at + Place::new(f64::from(dx), f64::from(dy)) * SQUARE;
+                    let beside = at + Place::new(f64::from(dx), f64::from(dy)) * square;
                     if let Some(index) = self.index(&beside) {
                         self.thoughts[index] = Thought::Passed;
                     }
@@ -133,7 +142,7 @@ impl Map {
             self.contacts.iter().any(|one| {
                 let beside = contact.at - one.at;
                 let apart = beside.norm();
-                one.is_of_the_wall_of(contact)
+                one.is_of_the_wall_of(contact, self.known.wall)
                     && one.into == contact.into
                     && apart < self.known.wall
                     && self.belief(one, &(beside / apart.max(1e-9))) >= apart
@@ -152,24 +161,24 @@ impl Map {
     /// How far on from a contact, along `beside`, a wall may go \[m\]: as far as it is believed to, or to where the ball has passed.
     pub(crate) fn belief(&self, contact: &Contact, beside: &Vector2<f64>) -> f64 {
         let middle = contact.at + contact.into * (0.5 * self.known.thickness);
-        let most = self.known.wall;
-        let mut s = SQUARE;
+        let (most, square) = (self.known.wall, self.known.square());
+        let mut s = square;
         while s < most {
             let at = middle + beside * s;
             if self.index(&at).is_none() || self.thought(&at) == Thought::Passed {
                 return s;
             }
-            s += SQUARE;
+            s += square;
         }
         most
     }
 }
 
 impl Contact {
-    /// Whether two contacts may be of one wall, by their lines.
+    /// Whether two contacts may be of one wall, by their lines; walls are about `wall` long at least \[m\].
     #[must_use]
-    pub fn is_of_the_wall_of(&self, other: &Self) -> bool {
+    pub fn is_of_the_wall_of(&self, other: &Self, wall: f64) -> bool {
         let apart = other.at - self.at;
-        self.into.dot(&other.into).abs() > 0.5 && apart.dot(&self.into).abs() < 1.5e-3
+        self.into.dot(&other.into).abs() > 0.5 && apart.dot(&self.into).abs() < 0.06 * wall
     }
 }

@@ -1,7 +1,7 @@
 //! Optimistic planning: the cheapest way to the goal through what is not known to be wall.
 //!
 //! ```text
-//! nodes      a lattice of `LATTICE`, eight neighbours; not within the ball's radius and a margin of a sure wall
+//! nodes      a lattice, eight neighbours; not within the ball's radius and a margin of a sure wall
 //! price      length, and for a believed wall its thickness of `price * P(wall)`
 //! way        A* (the crate `pathfinding`), then pulled straight where that crosses no more belief
 //! ```
@@ -9,15 +9,9 @@
 use nalgebra::Vector2;
 use pathfinding::prelude::astar;
 
-use crate::map::{Contact, Map};
+use crate::map::{Contact, Knowledge, Map};
 use crate::shortest::Region;
 use crate::walls::Place;
-
-/// Distance of the nodes \[m\].
-const LATTICE: f64 = 2.5e-3;
-
-/// A contact alone is sure to block so far to either side \[m\].
-const SURE: f64 = 2.5e-3;
 
 /// How ways are chosen.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,12 +20,10 @@ pub struct Planner {
     pub margin: f64,
     /// What trying a place costs where a wall is sure to be, as a length \[m\]: a little more than there and back.
     pub price: f64,
-}
-
-impl Default for Planner {
-    fn default() -> Self {
-        Self { margin: 1.2e-3, price: 0.012 }
-    }
+    /// Distance of the nodes of the lattice \[m\].
+    pub lattice: f64,
+    /// A touch alone is sure to block so far to either side \[m\].
+    pub sure: f64,
 }
 
 /// What the lattice is made of.
@@ -39,6 +31,7 @@ struct Lattice<'m> {
     map: &'m Map,
     columns: i32,
     rows: i32,
+    apart: f64,
     blocked: Vec<bool>,
     /// Price per length of way through the node.
     belief: Vec<f32>,
@@ -48,6 +41,12 @@ struct Lattice<'m> {
 type Cost = u32;
 
 impl Planner {
+    /// In mazes that are known so, keeping `margin` \[m\] from walls.
+    #[must_use]
+    pub fn of(known: &Knowledge, margin: f64) -> Self {
+        Self { margin, price: 0.48 * known.wall, lattice: 0.1 * known.wall, sure: 0.1 * known.wall }
+    }
+
     /// The way from a place to a region, first and last place included; `None` where the touches leave none.
     #[must_use]
     pub fn way(&self, map: &Map, from: &Place, goal: &Region) -> Option<Vec<Place>> {
@@ -61,22 +60,27 @@ impl Planner {
                 if lattice.blocked[index] {
                     return None;
                 }
-                let length = if dx == 0 || dy == 0 { LATTICE } else { LATTICE * core::f64::consts::SQRT_2 };
+                let length = self.lattice * if dx == 0 || dy == 0 { 1.0 } else { core::f64::consts::SQRT_2 };
                 let share = 1.0 + f64::from(lattice.belief[index]);
                 Some((next, (1e6 * length * share) as Cost))
             })
         };
         let left = |&(x, y): &(i32, i32)| {
-            let at = place((x, y));
+            let at = lattice.place((x, y));
             let near = goal.nearest(&at);
             let (dx, dy) = ((near.x - at.x).abs(), (near.y - at.y).abs());
             // On the lattice: as many diagonals as go, and the rest straight.
             (1e6 * (dx.max(dy) + (core::f64::consts::SQRT_2 - 1.0) * dx.min(dy))) as Cost
         };
-        let (nodes, _) = astar(&start, successors, left, |node| goal.distance(&place(*node)) <= 0.0)?;
+        let (nodes, _) = astar(&start, successors, left, |node| goal.distance(&lattice.place(*node)) <= 0.0)?;
         let mut places = vec![*from];
         // It may stand on the first node.
-        places.extend(nodes.into_iter().map(place).skip_while(|at| (at - from).norm() < 0.1 * LATTICE));
+        places.extend(
+            nodes
+                .into_iter()
+                .map(|node| lattice.place(node))
+                .skip_while(|at| (at - from).norm() < 0.1 * self.lattice),
+        );
         if places.len() == 1 {
             places.push(goal.nearest(from));
         }
@@ -85,16 +89,22 @@ impl Planner {
 
     fn lattice<'m>(&self, map: &'m Map) -> Lattice<'m> {
         let known = map.knowledge();
-        let nodes = |length: f64| (length / LATTICE).floor() as i32 + 1;
+        let nodes = |length: f64| (length / self.lattice).floor() as i32 + 1;
         let (columns, rows) = (nodes(known.size[0]), nodes(known.size[1]));
         let count = (columns * rows) as usize;
-        let mut lattice =
-            Lattice { map, columns, rows, blocked: vec![false; count], belief: vec![0.0; count] };
+        let mut lattice = Lattice {
+            map,
+            columns,
+            rows,
+            apart: self.lattice,
+            blocked: vec![false; count],
+            belief: vec![0.0; count],
+        };
         let keep = known.radius + self.margin;
         let frame = 0.5 * known.thickness + keep;
         for x in 0..columns {
             for y in 0..rows {
-                let at = place((x, y));
+                let at = lattice.place((x, y));
                 let inside = |v: f64, length: f64| v >= frame && v <= length - frame;
                 if !(inside(at.x, known.size[0]) && inside(at.y, known.size[1]))
                     && let Some(index) = lattice.index((x, y))
@@ -113,11 +123,12 @@ impl Planner {
                 let next = contacts.iter().enumerate().filter(|(other, _)| *other != number).filter_map(
                     |(_, one)| {
                         let s = (one.at - contact.at).dot(&beside);
-                        (one.is_of_the_wall_of(contact) && s > 0.0 && s < known.passage).then_some(s)
+                        (one.is_of_the_wall_of(contact, known.wall) && s > 0.0 && s < known.passage)
+                            .then_some(s)
                     },
                 );
                 let joined = next.fold(f64::INFINITY, f64::min);
-                let sure = if joined < belief { joined } else { SURE.min(belief) };
+                let sure = if joined < belief { joined } else { self.sure.min(belief) };
                 lattice.block(&middle, &(middle + beside * sure), keep + 0.5 * known.thickness);
                 if joined >= belief {
                     let dear = |s: f64| self.price * (1.0 - s / known.wall);
@@ -131,15 +142,15 @@ impl Planner {
 
 const NEIGHBOURS: [(i32, i32); 8] = [(1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1)];
 
-fn place((x, y): (i32, i32)) -> Place {
-    Place::new(f64::from(x), f64::from(y)) * LATTICE
-}
-
-fn node(at: &Place) -> (i32, i32) {
-    ((at.x / LATTICE).round() as i32, (at.y / LATTICE).round() as i32)
-}
-
 impl Lattice<'_> {
+    fn place(&self, (x, y): (i32, i32)) -> Place {
+        Place::new(f64::from(x), f64::from(y)) * self.apart
+    }
+
+    fn node(&self, at: &Place) -> (i32, i32) {
+        ((at.x / self.apart).round() as i32, (at.y / self.apart).round() as i32)
+    }
+
     fn index(&self, (x, y): (i32, i32)) -> Option<usize> {
         (x >= 0 && y >= 0 && x < self.columns && y < self.rows).then(|| (y * self.columns + x) as usize)
     }
@@ -147,11 +158,12 @@ impl Lattice<'_> {
     /// Visits the nodes of a rectangle around two places.
     fn around(&mut self, a: &Place, b: &Place, within: f64, mut visit: impl FnMut(&mut Self, usize, Place)) {
         let reach = Place::new(within, within);
-        let (low, high) = (node(&(a.inf(b) - reach)), node(&(a.sup(b) + reach)));
+        let (low, high) = (self.node(&(a.inf(b) - reach)), self.node(&(a.sup(b) + reach)));
         for x in low.0..=high.0 {
             for y in low.1..=high.1 {
                 if let Some(index) = self.index((x, y)) {
-                    visit(self, index, place((x, y)));
+                    let at = self.place((x, y));
+                    visit(self, index, at);
                 }
             }
         }
@@ -189,15 +201,15 @@ impl Lattice<'_> {
 
     /// The nearest free node, without crossing what is blocked for long.
     fn nearest_free(&self, from: &Place) -> Option<(i32, i32)> {
-        let (cx, cy) = node(from);
+        let (cx, cy) = self.node(from);
         let mut best: Option<((i32, i32), f64)> = None;
         for x in cx - 4..=cx + 4 {
             for y in cy - 4..=cy + 4 {
                 let Some(index) = self.index((x, y)) else { continue };
-                let away = (place((x, y)) - from).norm();
+                let away = (self.place((x, y)) - from).norm();
                 if !self.blocked[index]
                     && best.is_none_or(|(_, least)| away < least)
-                    && self.crosses_no_contact(from, &place((x, y)))
+                    && self.crosses_no_contact(from, &self.place((x, y)))
                 {
                     best = Some(((x, y), away));
                 }
@@ -211,7 +223,7 @@ impl Lattice<'_> {
             let side = |at: &Place| (at - contact.at).dot(&contact.into);
             let beside = Vector2::new(-contact.into.y, contact.into.x);
             let (a, b) = (side(from), side(to));
-            let near = ((from + to) * 0.5 - contact.at).dot(&beside).abs() < 6e-3;
+            let near = ((from + to) * 0.5 - contact.at).dot(&beside).abs() < 0.24 * self.map.knowledge().wall;
             !(near && a < 0.0 && b > 0.0)
         })
     }
@@ -219,11 +231,11 @@ impl Lattice<'_> {
     /// What a straight way costs beyond its length; `None` where it is blocked.
     fn price(&self, from: &Place, to: &Place) -> Option<f64> {
         let way = to - from;
-        let steps = (way.norm() / (0.4 * LATTICE)).ceil().max(1.0);
+        let steps = (way.norm() / (0.4 * self.apart)).ceil().max(1.0);
         let mut price = 0.0;
         for i in 1..=steps as u32 {
             let at = from + way * (f64::from(i) / steps);
-            let index = self.index(node(&at))?;
+            let index = self.index(self.node(&at))?;
             if self.blocked[index] {
                 return None;
             }
@@ -246,7 +258,7 @@ impl Lattice<'_> {
                 match self.price(&places[at], &places[last]) {
                     Some(price) if price <= so_far * 1.02 + 1e-4 => next = last,
                     Some(_) => {}
-                    None if (places[last] - places[at]).norm() > 0.02 => break,
+                    None if (places[last] - places[at]).norm() > 8.0 * self.apart => break,
                     None => {}
                 }
             }

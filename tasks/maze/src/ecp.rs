@@ -6,35 +6,35 @@ use mrroc_robots::Irp6;
 
 use crate::generators::Leg;
 use crate::orders::Task;
-use crate::places::{BACK, HIGH, LOW, MIDDLE, careful, free, tool};
+use crate::places::{HIGH, LOW, MIDDLE, Sizes, free, tool};
 use crate::plant::TouchProbe;
 
 /// The arm: straight to where it is told until it touches, and back; or over the walls.
 ///
 /// # Errors
 /// The first fault of the cell.
-pub fn arm(ecp: &mut Ecp<Irp6>) -> Result<(), Fault> {
+pub fn arm(ecp: &mut Ecp<Irp6>, sizes: &Sizes) -> Result<(), Fault> {
     let mut probe = ecp.sensor::<TouchProbe>("probe")?;
     ecp.obey_all(|ecp, task| match task {
         Task::Go { x, y } => {
             let from = ecp.image().demanded().pose;
-            let leg = ecp.move_robot((&mut probe,), Leg::to(tool(x, y, LOW), careful()))?;
+            let leg = ecp.move_robot((&mut probe,), Leg::to(tool(x, y, LOW), sizes.careful()))?;
             if !leg.has_touched() {
                 return Ok(());
             }
             // Back along the way that it came, from where it touched.
             let touch = probe.reading().unwrap_or_default();
             let way = tool(x, y, LOW).translation.vector - from.translation.vector;
-            let back = way.normalize() * BACK;
+            let back = way.normalize() * sizes.back;
             let clear = tool(touch.x - back.x, touch.y - back.y, LOW);
-            ecp.move_robot((), StraightLine::to(clear, careful())).map(drop)
+            ecp.move_robot((), StraightLine::to(clear, sizes.careful())).map(drop)
         }
         Task::Hop { x, y } => {
             let here = ecp.image().demanded().pose.translation.vector;
             let high = tool(here.x, here.y, HIGH.max(here.z - MIDDLE[2]));
             ecp.move_robot((), StraightLine::to(high, free()))?;
             ecp.move_robot((), StraightLine::to(tool(x, y, HIGH), free()))?;
-            ecp.move_robot((), StraightLine::to(tool(x, y, LOW), careful())).map(drop)
+            ecp.move_robot((), StraightLine::to(tool(x, y, LOW), sizes.careful())).map(drop)
         }
     })
 }

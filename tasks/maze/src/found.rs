@@ -1,7 +1,37 @@
 //! Where a maze stands: from three touches of its frame from outside.
 
 use mrroc::pose::Pose;
-use nalgebra::{Translation3, UnitQuaternion, Vector2, Vector3};
+use mrroc::prelude::*;
+use nalgebra::{Point3, Translation3, UnitQuaternion, Vector2, Vector3};
+
+use crate::mp::Told;
+use crate::orders::{Have, Task, Went};
+use crate::places::{MIDDLE, said};
+
+/// How an arm finds the maze: it touches the left side twice and the lower one once, each from 12 mm beside the frame and for 20 mm at
+/// most. Then the ball is put down at the start. `X_WM`, and where the ball is.
+///
+/// # Errors
+/// No side where one is looked for; the first fault of the cell.
+pub fn by_three_touches(have: &mut Have<'_>, told: &Told) -> Result<(Pose, Went), Fault> {
+    let [width, height] = told.known.size;
+    let corner = said([width, height]).translation;
+    let mut sides = [Vector2::zeros(); 3];
+    let places = [(-0.012, 0.15 * height), (-0.012, 0.85 * height), (0.5 * width, -0.012)];
+    for (side, (x, y)) in sides.iter_mut().zip(places) {
+        let from = [corner.x + x, corner.y + y];
+        let to = if x < 0.0 { [0.02, 0.0] } else { [0.0, 0.02] };
+        have(Task::Hop { x: from[0], y: from[1] })?;
+        let went = have(Task::Go { x: from[0] + to[0], y: from[1] + to[1] })?;
+        *side = went.touched.ok_or_else(|| {
+            Fault::thrown("the maze is not where it is said to stand: look for it, and correct its place")
+        })?;
+    }
+    let off = told.known.radius + 0.5 * told.known.thickness;
+    let maze = found([sides[0], sides[1]], sides[2], off, MIDDLE[2]);
+    let start = maze * Point3::new(told.start.x, told.start.y, 0.0);
+    Ok((maze, have(Task::Hop { x: start.x, y: start.y })?))
+}
 
 /// `X_WM` from where the ball's centre touched the left side twice, below and above, and the lower side once [m, W]; `off` is how far
 /// the centre is then from the line of the posts \[m\].

@@ -1,10 +1,11 @@
 //! A robot finds its way out of a maze by touch: the reactive task of the MRROC++ paper, whose world model grows by collisions.
 //!
 //! The task itself is small: [`mp`] plans by a map that grows, [`ecp`] is what the arm does, [`generators`] how it moves, [`orders`] what
-//! it is told, [`found`] where the maze stands. The rest surrounds it: [`places`] says where things are, [`plant`] what the simulated
+//! it is told, [`found`] where the maze stands, [`feeling`] what is asked of a sensor. The rest surrounds it: [`places`] says where things are, [`plant`] what the simulated
 //! arm and probe do, [`run`] is one run, [`summary`] many.
 
 pub mod ecp;
+pub mod feeling;
 pub mod found;
 pub mod generators;
 pub mod mp;

@@ -95,7 +95,7 @@ fn one(options: &Options, (name, layout): &(String, Layout)) -> Result<(usize, S
     let walls = ready.plant.world().borrow().walls.clone();
     let outcome = ready.run();
     let file = options.out.join("maze.svg");
-    let drawn = film(&outcome, &walls, [layout.columns(), layout.rows()]);
+    let drawn = film(&outcome, &walls, outcome.sizes.sides(layout));
     fs::create_dir_all(&options.out).and_then(|()| fs::write(&file, drawn)).map_err(|error| {
         format!(
             "{}: cannot be written: {error}\n help: give a folder that can be written by --out",

@@ -1,8 +1,9 @@
-//! What the coordinator tells the arm: loosely, with the place that it is to go to.
+//! What the coordinator tells the effector: loosely, with the place that it is to go to; and what came of it.
 
 use mrroc::prelude::*;
+use nalgebra::Vector2;
 
-/// A task of the arm.
+/// A task of the effector.
 #[derive(Clone, Copy, Debug, PartialEq, Payload)]
 pub enum Task {
     /// Straight to a place between the walls, until something is touched; then back by a little.
@@ -12,7 +13,7 @@ pub enum Task {
         /// [m, W].
         y: f64,
     },
-    /// Over the walls to a place, and down.
+    /// Over the walls to a place, and down. Only arms are told so.
     Hop {
         /// [m, W].
         x: f64,
@@ -20,3 +21,15 @@ pub enum Task {
         y: f64,
     },
 }
+
+/// What came of a task.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Went {
+    /// Where the middle of the ball is now [m, W].
+    pub at: Vector2<f64>,
+    /// Where it was when it touched, if it did [m, W].
+    pub touched: Option<Vector2<f64>>,
+}
+
+/// Has the effector carry out a task.
+pub type Have<'a> = dyn FnMut(Task) -> Result<Went, Fault> + 'a;

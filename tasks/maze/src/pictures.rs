@@ -4,16 +4,15 @@ use std::fmt::Write as _;
 
 use mrroc_map::{Contact, Place, Walls};
 
-use crate::places::{BALL, PITCH};
 use crate::run::Outcome;
 
 /// How long the film takes \[s\].
 const FILM: f64 = 24.0;
 
-/// An SVG of a run in a maze of so many columns and rows. It is drawn in millimetres, and repeats itself.
+/// An SVG of a run in a maze of these sides \[m\]. It is drawn in millimetres, and repeats itself.
 #[must_use]
-pub fn film(outcome: &Outcome, walls: &Walls, [columns, rows]: [usize; 2]) -> String {
-    let (width, height) = (columns as f64 * PITCH * 1e3, rows as f64 * PITCH * 1e3);
+pub fn film(outcome: &Outcome, walls: &Walls, sides: [f64; 2]) -> String {
+    let [width, height] = sides.map(|side| 1e3 * side);
     let mut svg = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"-6 -6 {:.0} {:.0}\" font-family=\"sans-serif\" font-size=\"7\">\n\
          <title>the map of a maze grows by touches</title>\n\
@@ -47,7 +46,7 @@ pub fn film(outcome: &Outcome, walls: &Walls, [columns, rows]: [usize; 2]) -> St
     );
     let mut from = 0;
     for contact in &outcome.contacts {
-        let (next, share) = when(&outcome.trace, &lengths, whole, from, contact);
+        let (next, share) = when(outcome, &lengths, whole, from, contact);
         from = next;
         let side = Place::new(-contact.into.y, contact.into.x) * 2.5e-3;
         let (a, b) = ((contact.at - side) * 1e3, (contact.at + side) * 1e3);
@@ -74,9 +73,9 @@ pub fn film(outcome: &Outcome, walls: &Walls, [columns, rows]: [usize; 2]) -> St
 }
 
 /// Where on the trace the ball touched, not before `from`: the index, and the share of the way.
-fn when(trace: &[Place], lengths: &[f64], whole: f64, from: usize, contact: &Contact) -> (usize, f64) {
-    let ball = contact.at - contact.into * BALL;
-    let near = |i: &usize| (trace[*i] - ball).norm() < 1e-3;
-    let found = (from..trace.len()).find(near).unwrap_or(from);
+fn when(outcome: &Outcome, lengths: &[f64], whole: f64, from: usize, contact: &Contact) -> (usize, f64) {
+    let ball = contact.at - contact.into * outcome.sizes.radius;
+    let near = |i: &usize| (outcome.trace[*i] - ball).norm() < 0.5 * outcome.sizes.radius;
+    let found = (from..outcome.trace.len()).find(near).unwrap_or(from);
     (found, lengths.get(found).copied().unwrap_or(0.0) / whole)
 }

@@ -10,12 +10,10 @@ use mrroc::prelude::*;
 use mrroc_map::{Contact, Inflated, Knowledge, Layout, Map, Place, Region};
 
 use crate::mp::Told;
-use crate::places::{BALL, PITCH, THICKNESS};
-use crate::plant::Plant;
-use crate::{ecp, file, mp};
-
-/// The ball is in the goal when it is so far within its cells \[m\].
-const WITHIN: f64 = 4e-3;
+use crate::places::Sizes;
+use crate::plant::{Plant, TouchProbe};
+use crate::{ecp, file, found, mp};
+use mrroc_robots::Irp6;
 
 /// What came of a run.
 #[derive(Debug)]
@@ -34,6 +32,8 @@ pub struct Outcome {
     pub travel: f64,
     /// The ball's places [m, M].
     pub trace: Vec<Place>,
+    /// Of maze and ball.
+    pub sizes: Sizes,
 }
 
 /// A cell that is ready to run.
@@ -44,23 +44,28 @@ pub struct Ready {
     pub plant: Plant,
     map: Rc<RefCell<Map>>,
     shortest: f64,
+    sizes: Sizes,
 }
 
-/// The goal of a maze [m, M].
+/// What is told of a maze with these sizes.
 #[must_use]
-pub fn goal(maze: &Layout) -> Region {
+pub fn told(maze: &Layout, sizes: &Sizes) -> Told {
     let goal = maze.goal();
-    let within = Place::new(WITHIN, WITHIN);
-    Region {
-        lower: Place::new(goal.lower.0 as f64, goal.lower.1 as f64) * PITCH + within,
-        upper: Place::new(goal.upper.0 as f64 + 1.0, goal.upper.1 as f64 + 1.0) * PITCH - within,
+    let at = |(x, y): (usize, usize), off: f64| Place::new(x as f64 + off, y as f64 + off) * sizes.pitch;
+    let within = Place::new(sizes.within, sizes.within);
+    Told {
+        start: at(maze.start(), 0.5),
+        goal: Region { lower: at(goal.lower, 0.0) + within, upper: at(goal.upper, 1.0) - within },
+        most: 40 * maze.columns() * maze.rows(),
+        known: Knowledge {
+            size: sizes.sides(maze),
+            radius: sizes.radius,
+            thickness: sizes.thickness,
+            passage: sizes.passage,
+            wall: sizes.pitch,
+        },
+        sizes: *sizes,
     }
-}
-
-/// The start of a maze: the middle of its cell [m, M].
-#[must_use]
-pub fn start(maze: &Layout) -> Place {
-    Place::new(maze.start().0 as f64 + 0.5, maze.start().1 as f64 + 0.5) * PITCH
 }
 
 impl Ready {
@@ -82,22 +87,20 @@ impl Ready {
         sense: impl FnOnce(&Plant, &CellFile, Cell) -> Result<Cell, CellError>,
     ) -> Result<Self, CellError> {
         let file = file()?;
-        let plant = Plant::new(maze, seed);
+        let sizes = Sizes::within_reach(maze);
+        let plant = Plant::new(maze, &sizes, seed);
         let cell = sense(&plant, &file, file.cell(&plant.kinds())?)?;
-        let told = Told { start: start(maze), goal: goal(maze), most: 40 * maze.columns() * maze.rows() };
+        let told = told(maze, &sizes);
         let walls = plant.world().borrow().walls.clone();
-        let shortest =
-            Inflated::by(&walls, BALL).shortest(&told.start, &told.goal).map_or(0.0, |(length, _)| length);
-        let map = Rc::new(RefCell::new(Map::new(Knowledge {
-            size: [maze.columns() as f64 * PITCH, maze.rows() as f64 * PITCH],
-            radius: BALL,
-            thickness: THICKNESS,
-            passage: 0.015,
-            wall: 0.025,
-        })));
+        let shortest = Inflated::by(&walls, sizes.radius)
+            .shortest(&told.start, &told.goal)
+            .map_or(0.0, |(length, _)| length);
+        let map = Rc::new(RefCell::new(Map::new(told.known)));
         let grown = Rc::clone(&map);
-        let cell = cell.ecp("arm", ecp::arm).program(move |mp| mp::coordinate(mp, &told, &grown));
-        Ok(Self { cell, plant, map, shortest })
+        let cell = cell.ecp("arm", move |ecp| ecp::arm(ecp, &sizes)).program(move |mp| {
+            mp::coordinate::<Irp6, TouchProbe>(mp, ["arm", "probe"], &told, found::by_three_touches, &grown)
+        });
+        Ok(Self { cell, plant, map, shortest, sizes })
     }
 
     /// Runs it.
@@ -116,6 +119,7 @@ impl Ready {
             contacts: self.map.borrow().contacts().to_vec(),
             travel: world.stylus.most,
             trace: world.trace.clone(),
+            sizes: self.sizes,
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Faults of the maze task: each is named, and the arm stops.
 
-use maze::plant::{Probe, Touch, TouchProbe};
+use maze::feeling::Touch;
+use maze::plant::{Probe, TouchProbe};
 use maze::run::Ready;
 use mrroc::prelude::*;
 use mrroc_map::Layout;

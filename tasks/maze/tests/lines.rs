@@ -2,7 +2,8 @@
 
 /// Lines of a function's body that are neither blank nor a comment alone.
 fn body(source: &str, function: &str) -> usize {
-    let start = source.find(&format!("fn {function}(")).expect("the function");
+    let start = ["(", "<"].iter().find_map(|after| source.find(&format!("fn {function}{after}")));
+    let start = start.expect("the function");
     let lines = source[start..].lines().skip(1).take_while(|line| *line != "}");
     lines.filter(|line| !line.trim().is_empty() && !line.trim().starts_with("//")).count()
 }

@@ -14,7 +14,7 @@ use mrroc_robots::{Irp6, SimulatedIrp6, Surrounded, Surroundings};
 use nalgebra::Vector3;
 
 use super::stylus::{STIFFNESS, Stylus};
-use crate::places::{BALL, HEIGHT};
+use crate::places::HEIGHT;
 
 /// What arm and probe share.
 #[derive(Debug)]
@@ -43,7 +43,7 @@ impl World {
     fn step(&mut self, tip: &Vector3<f64>) {
         self.time += SUB;
         let p = self.X_WM.inverse_transform_point(&(*tip).into());
-        if p.z > HEIGHT + BALL {
+        if p.z > HEIGHT + self.stylus.radius() {
             self.stylus.lift();
             return;
         }

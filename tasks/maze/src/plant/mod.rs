@@ -14,9 +14,9 @@ use mrroc_robots::{Irp6, SimulatedIrp6};
 use nalgebra::Vector3;
 
 pub use arm::{Probing, World, probing};
-pub use probe::{Probe, Touch, TouchProbe};
+pub use probe::{Probe, TouchProbe};
 
-use crate::places::{BALL, LOOSE, PITCH, THICKNESS, TURNED, said};
+use crate::places::{LOOSE, Sizes, TURNED, said};
 use stylus::Stylus;
 
 /// The world of the cell.
@@ -26,16 +26,16 @@ pub struct Plant(Rc<RefCell<World>>);
 impl Plant {
     /// A maze that stands to [`LOOSE`] and [`TURNED`] where it is said to, by chance.
     #[must_use]
-    pub fn new(maze: &Layout, seed: u64) -> Self {
+    pub fn new(maze: &Layout, sizes: &Sizes, seed: u64) -> Self {
         let mut chance = Chance::seeded(seed ^ 0x6d61_7a65);
-        let size = [maze.columns() as f64 * PITCH, maze.rows() as f64 * PITCH];
+        let size = sizes.sides(maze);
         let middle = Pose::translation(0.5 * size[0], 0.5 * size[1], 0.0);
         let off = Pose::translation(chance.within(LOOSE), chance.within(LOOSE), 0.0)
             * Pose::rotation(Vector3::z() * chance.within(TURNED));
         let world = World {
             X_WM: said(size) * middle * off * middle.inverse(),
-            walls: Walls::of(maze, PITCH, THICKNESS),
-            stylus: Stylus::new(BALL, seed),
+            walls: Walls::of(maze, sizes.pitch, sizes.thickness),
+            stylus: Stylus::new(sizes.radius, seed),
             time: 0.0,
             onset: 0.0,
             last: 0.0,

@@ -5,10 +5,12 @@ use std::rc::Rc;
 
 use mrroc::fault::FaultKind;
 use mrroc::prelude::*;
-use nalgebra::Vector3;
+use mrroc::robot::RobotImage;
+use nalgebra::{Vector2, Vector3};
 
 use super::arm::World;
 use super::stylus::TRAVEL;
+use crate::feeling::{Feeling, Touch};
 
 /// The kind of sensor: a ball on a spring with a switch.
 #[derive(Clone, Copy, Debug)]
@@ -20,19 +22,14 @@ impl Sensor for TouchProbe {
     type Configuration = ();
 }
 
-/// What the probe says.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Payload)]
-pub struct Touch {
-    /// Whether it touches: the switch is closed, or has been within the time in which it bounces.
-    pub touching: bool,
-    /// How many touches there were.
-    pub touches: u32,
-    /// Where the last one was, as the encoders saw the ball's seat when the switch closed first [m, W].
-    pub x: f64,
-    /// See `x`.
-    pub y: f64,
-    /// How long ago that was \[s\].
-    pub since: f64,
+impl<R: Robot> Feeling<R> for TouchProbe {
+    fn touch(reading: &Touch) -> Touch {
+        *reading
+    }
+
+    fn place(_: &Touch, robot: &RobotImage<R>) -> Vector2<f64> {
+        robot.demanded().pose.translation.vector.xy()
+    }
 }
 
 /// Makes readings of the switch.

@@ -56,6 +56,12 @@ impl Stylus {
         }
     }
 
+    /// The ball's radius \[m\].
+    #[must_use]
+    pub const fn radius(&self) -> f64 {
+        self.radius
+    }
+
     /// Over the walls.
     pub fn lift(&mut self) {
         self.ball = None;
