@@ -10,7 +10,7 @@ use mrroc_map::{Goal, Layout, Walls};
 use mrroc_wheels::generators::BaseLimits;
 use mrroc_wheels::sensing::infrared::SENSORS;
 use mrroc_wheels::sensing::{
-    DeadReckoning, Gyro, GyroFault, Infrared, Located, LookingOut, Lookout, Sight, WallMemory,
+    DeadReckoning, Gyro, GyroFault, Infrared, Located, LookingOut, Lookout, Sight, WallMemory, Watch,
 };
 use mrroc_wheels::simulation::{Floor, Ground};
 use mrroc_wheels::{Course, DiffDrive, FollowCourse, Planar, Rolling};
@@ -35,7 +35,7 @@ struct Eventful {
 impl VirtualSensor for Eventful {
     type Kind = Lookout;
 
-    fn aggregate(&mut self, order: &ReadingOrder<()>) -> Result<Sight, Fault> {
+    fn aggregate(&mut self, order: &ReadingOrder<Watch>) -> Result<Sight, Fault> {
         (self.event)(self.floor.time(), &self.floor, &mut self.inner);
         self.inner.aggregate(order)
     }
@@ -75,7 +75,11 @@ fn ended(courses: Vec<Course>, event: Event) -> (Option<Fault>, Floor) {
         }
         Ok(())
     });
-    let report = Cell::new(Duration::from_millis(2)).robot(robot).sensor(sensor).run();
+    let report = Cell::new(Duration::from_millis(2))
+        .stop_time(Duration::from_millis(250))
+        .robot(robot)
+        .sensor(sensor)
+        .run();
     assert_eq!(report.is_err(), ended.borrow().is_some());
     let fault = ended.borrow().clone();
     (fault, floor)

@@ -8,11 +8,11 @@ use std::process::ExitCode;
 
 use maze::options::{Options, parse};
 use maze::pictures::film;
-use maze::run::Ready;
+use maze::run::solve;
 use maze::summary::{Row, Summary};
 use mrroc::console::{complain, refused, say};
 use mrroc::launch::Launch;
-use mrroc_map::Layout;
+use mrroc_map::{Layout, Walls};
 
 /// The maze that is solved where none is named.
 const SHIPPED: &str = include_str!("../mazes/islands.txt");
@@ -27,7 +27,7 @@ fn main() -> ExitCode {
         Err(message) => return refused(&message),
     };
     let ran = if options.sweep.is_some() || options.random.is_some() {
-        let summary = Summary::sweep(&mazes);
+        let summary = Summary::sweep(options.effector, &mazes);
         Ok((summary.faults(), summary.to_string()))
     } else {
         one(&options, &mazes[0])
@@ -91,9 +91,8 @@ fn read(file: &Path) -> Result<(String, Layout), String> {
 
 /// One run, and its film.
 fn one(options: &Options, (name, layout): &(String, Layout)) -> Result<(usize, String), Box<dyn Error>> {
-    let ready = Ready::new(layout, options.seed.into())?;
-    let walls = ready.plant.world().borrow().walls.clone();
-    let outcome = ready.run();
+    let outcome = solve(options.effector, layout, options.seed.into())?;
+    let walls = Walls::of(layout, outcome.sizes.pitch, outcome.sizes.thickness);
     let file = options.out.join("maze.svg");
     let drawn = film(&outcome, &walls, outcome.sizes.sides(layout));
     fs::create_dir_all(&options.out).and_then(|()| fs::write(&file, drawn)).map_err(|error| {

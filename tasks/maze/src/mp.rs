@@ -57,7 +57,8 @@ pub fn coordinate<R: Robot, S: Feeling<R>>(
         let reading = sensor.reading().ok_or_else(|| Fault::thrown("the sensor has no reading"))?;
         let touch = S::touch(&reading);
         let is_new = core::mem::replace(&mut touches, touch.touches) != touch.touches;
-        Ok(Went { at: S::place(&reading, &robot), touched: is_new.then(|| Vector2::new(touch.x, touch.y)) })
+        let touched = is_new.then(|| Vector2::new(touch.x, touch.y));
+        Ok(Went { at: S::place(&reading, &robot), touched, seen: S::seen(&reading) })
     };
     let (maze, went) = find(&mut have, told)?;
     let there = |place: &Place| (maze * Point3::new(place.x, place.y, 0.0)).coords.xy();
@@ -76,6 +77,10 @@ pub fn coordinate<R: Robot, S: Feeling<R>>(
         map.borrow_mut().pass(&back(&at), &back(&end));
         if let Some(touch) = went.touched {
             map.borrow_mut().touch(&back(&touch), &(back(&leg) - back(&at)));
+        }
+        for face in went.seen.iter().flatten() {
+            let into = maze.rotation.inverse() * face.into.push(0.0);
+            map.borrow_mut().see(&back(&face.ends[0]), &back(&face.ends[1]), &into.xy());
         }
         at = went.at;
     }

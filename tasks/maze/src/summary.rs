@@ -4,7 +4,8 @@ use core::fmt;
 
 use mrroc_map::Layout;
 
-use crate::run::{Outcome, Ready};
+use crate::options::EffectorKind;
+use crate::run::{Outcome, solve};
 
 /// A run, in figures.
 #[derive(Clone, Debug, PartialEq)]
@@ -60,20 +61,21 @@ impl Row {
 impl Summary {
     /// Runs all these mazes, with their numbers as seeds.
     #[must_use]
-    pub fn sweep(mazes: &[(String, Layout)]) -> Self {
-        let run = |(number, (name, maze)): (usize, &(String, Layout))| match Ready::new(maze, number as u64) {
-            Ok(ready) => Row::of(name, maze, &ready.run()),
-            Err(error) => Row {
-                name: name.clone(),
-                ratio: 0.0,
-                touches: 0,
-                travel: 0.0,
-                time: 0.0,
-                wall: 0.0,
-                by_hand: false,
-                fault: Some(error.to_string()),
-            },
-        };
+    pub fn sweep(effector: EffectorKind, mazes: &[(String, Layout)]) -> Self {
+        let run =
+            |(number, (name, maze)): (usize, &(String, Layout))| match solve(effector, maze, number as u64) {
+                Ok(outcome) => Row::of(name, maze, &outcome),
+                Err(error) => Row {
+                    name: name.clone(),
+                    ratio: 0.0,
+                    touches: 0,
+                    travel: 0.0,
+                    time: 0.0,
+                    wall: 0.0,
+                    by_hand: false,
+                    fault: Some(error.to_string()),
+                },
+            };
         Self(mazes.iter().enumerate().map(run).collect())
     }
 

@@ -3,6 +3,7 @@
 use mrroc::fault::FaultKind;
 use mrroc::payload::Payload;
 use mrroc::prelude::*;
+use nalgebra::Vector2;
 
 use super::infrared::{FRONT, Infrared, SENSORS, distance, mounted};
 use super::planar::Planar;
@@ -18,7 +19,18 @@ pub struct Lookout;
 impl Sensor for Lookout {
     const KIND: &'static str = "lookout";
     type Reading = Sight;
-    type Configuration = ();
+    type Configuration = Watch;
+}
+
+/// What a program goes for, so that the sensor knows what is in its way: `c_j`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Payload)]
+pub struct Watch {
+    /// Which way this is, counted by the program from 1; 0: it goes nowhere.
+    pub way: u32,
+    /// Where it leads to, straight on [m, floor].
+    pub x: f64,
+    /// See `x`.
+    pub y: f64,
 }
 
 /// What a base among walls knows of them.
@@ -30,6 +42,12 @@ pub struct Sight {
     pub stands: bool,
     /// How far it can go straight on before it touches something \[m\]; [`Sight::FAR`] where nothing is seen.
     pub ahead: f64,
+    /// How many ways were found blocked, and what the last one was blocked by: a place on a wall [m, floor].
+    pub blocked: u32,
+    /// See `blocked`.
+    pub x: f64,
+    /// See `blocked`.
+    pub y: f64,
     /// How many faces have been told, and those that changed last, the newest first.
     pub count: u8,
     /// See `count`.
@@ -39,6 +57,8 @@ pub struct Sight {
 impl Sight {
     /// Nothing is seen ahead \[m\].
     pub const FAR: f64 = 0.2;
+    /// A way is blocked by what would be touched after so much more of it \[m\]: a base of 0.3 m/s stops before.
+    pub const NEAR: f64 = 0.045;
 }
 
 /// Aggregates wheels, gyro and infrared sensors.
@@ -49,7 +69,9 @@ pub struct LookingOut {
     infrared: Infrared,
     memory: WallMemory,
     /// What each sensor said last: where that was, and whether it is as new as the last sample ahead.
-    met: [Option<nalgebra::Vector2<f64>>; SENSORS],
+    met: [Option<Vector2<f64>>; SENSORS],
+    /// The last way that was blocked, how many were, and by what.
+    blocked: (u32, u32, Vector2<f64>),
     time: f64,
 }
 
@@ -63,7 +85,15 @@ impl LookingOut {
     #[must_use]
     pub fn new(floor: Floor, located: Located, infrared: Infrared, memory: WallMemory) -> Self {
         let time = floor.time();
-        Self { floor, located, infrared, memory, met: [None; SENSORS], time }
+        Self {
+            floor,
+            located,
+            infrared,
+            memory,
+            met: [None; SENSORS],
+            blocked: (0, 0, Vector2::zeros()),
+            time,
+        }
     }
 
     /// The gyro and what it is compared with, to break it.
@@ -81,12 +111,26 @@ impl LookingOut {
     pub const fn memory(&self) -> &WallMemory {
         &self.memory
     }
+
+    /// How far the body can go straight on before it touches, and the place that it touches then.
+    fn ahead(&self, pose: &Planar) -> (f64, Vector2<f64>) {
+        let mut nearest = (Sight::FAR, Vector2::zeros());
+        for at in self.met[..FRONT].iter().flatten() {
+            let seen = pose.seen(at);
+            let rim = DiffDrive::BODY * DiffDrive::BODY - seen.y * seen.y;
+            let ahead = (seen.x - rim.max(0.0).sqrt()).max(0.0);
+            if rim > 0.0 && ahead < nearest.0 {
+                nearest = (ahead, *at);
+            }
+        }
+        nearest
+    }
 }
 
 impl VirtualSensor for LookingOut {
     type Kind = Lookout;
 
-    fn aggregate(&mut self, order: &ReadingOrder<()>) -> Result<Sight, Fault> {
+    fn aggregate(&mut self, order: &ReadingOrder<Watch>) -> Result<Sight, Fault> {
         if self.floor.touched().now {
             let fault = Fault::new(FaultKind::ProtectiveStop);
             return Err(fault.text("the bumper touches a wall that no sensor saw: put the base back, and look at its infrared sensors"));
@@ -103,7 +147,7 @@ impl VirtualSensor for LookingOut {
             let far = distance(*code);
             let sensor = mounted(i);
             let (sine, cosine) = sensor.looks.sin_cos();
-            let on_base = |far: f64| sensor.at + nalgebra::Vector2::new(cosine, sine) * far;
+            let on_base = |far: f64| sensor.at + Vector2::new(cosine, sine) * far;
             self.met[i] = far.map(|far| pose.place(&on_base(far)));
             is_new |= i < FRONT;
             if steady {
@@ -119,16 +163,22 @@ impl VirtualSensor for LookingOut {
             pose = self.memory.side_by_side(&near, pose);
         }
         self.located.correct(pose);
-        let mut ahead = Sight::FAR;
-        for at in self.met[..FRONT].iter().flatten() {
-            let seen = pose.seen(at);
-            let rim = DiffDrive::BODY * DiffDrive::BODY - seen.y * seen.y;
-            if rim > 0.0 {
-                ahead = ahead.min((seen.x - rim.sqrt()).max(0.0));
-            }
+        let (ahead, what) = self.ahead(&pose);
+        let Watch { way, x, y } = order.configuration;
+        let left = pose.seen(&Vector2::new(x, y)).x;
+        if way != 0 && way != self.blocked.0 && ahead < Sight::NEAR && ahead < left {
+            self.blocked = (way, self.blocked.1 + 1, what);
         }
-        let mut sight =
-            Sight { pose, stands: reckoned.stands, ahead, count: 0, faces: [Face::default(); TOLD] };
+        let mut sight = Sight {
+            pose,
+            stands: reckoned.stands,
+            ahead,
+            blocked: self.blocked.1,
+            x: self.blocked.2.x,
+            y: self.blocked.2.y,
+            count: 0,
+            faces: [Face::default(); TOLD],
+        };
         for (told, face) in sight.faces.iter_mut().zip(self.memory.changed()) {
             *told = face;
             sight.count += 1;

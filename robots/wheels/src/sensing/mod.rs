@@ -13,7 +13,7 @@ mod whereabouts;
 pub use dead_reckoning::{DeadReckoning, Reckoned};
 pub use gyro::{Gyro, GyroFault, Turned};
 pub use infrared::Infrared;
-pub use lookout::{LookingOut, Lookout, Sight};
+pub use lookout::{LookingOut, Lookout, Sight, Watch};
 pub use planar::Planar;
 pub use wall_memory::{Face, TOLD, WallMemory};
 pub use whereabouts::{Located, Standing, Whereabouts};
