@@ -64,6 +64,7 @@ pub struct Follower {
     corrected: Two,
     s: f64,
     settled: f64,
+    ends: bool,
 }
 
 impl Follower {
@@ -81,6 +82,7 @@ impl Follower {
             corrected: Two::zeros(),
             s: 0.0,
             settled: 0.0,
+            ends: false,
         }
     }
 
@@ -133,19 +135,18 @@ impl Follower {
             self.s = point.s;
             self.settled = 0.0;
             self.correct(standing, point.v, dt)?;
+        } else if self.ends {
+            // The correction itself comes to rest before the motion is over.
+            let most = self.slope() * dt;
+            self.correction = self.correction.map(|x| x - x.clamp(-most, most));
+            if self.correction == Two::zeros() {
+                return Ok(None);
+            }
         } else {
             self.settled += dt;
             let off = self.correct(standing, 0.0, dt)?;
             let is_right = off.is_none_or(|heading| heading.abs() < RIGHT) || self.settled > SETTLING;
-            if is_right && self.settled > KEPT as f64 * dt {
-                // The correction itself must come to rest before the motion is over.
-                let most = self.slope() * dt;
-                let down = |x: f64| x - x.clamp(-most, most);
-                self.correction = self.correction.map(down);
-                if self.correction == Two::zeros() {
-                    return Ok(None);
-                }
-            }
+            self.ends = is_right && self.settled > KEPT as f64 * dt;
         }
         self.corrected += self.correction * dt;
         Ok(Some(Parametric::at(&self.course, self.s).value + self.corrected))

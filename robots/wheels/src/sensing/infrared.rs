@@ -7,7 +7,8 @@
 //! ```
 //!
 //! A sensor takes a new sample every 16.5 ms, and says it until the next one; sensors are not in step with each other. Each sees along a line.
-//! Nine look ahead side by side, 11 mm apart: walls are 12 mm thick, so that no end of a wall in the way of the body stays unseen.
+//! Seven look ahead side by side, 11 mm apart, and four more at each side a little outwards: walls are 12 mm thick, so that no end of a wall in
+//! the way of the body stays unseen.
 
 use mrroc_map::{Chance, Place, Wall, Walls};
 use nalgebra::Vector2;
@@ -16,9 +17,9 @@ use super::gyro::normal;
 use crate::simulation::Floor;
 
 /// How many look ahead; they are the first ones.
-pub const FRONT: usize = 9;
+pub const FRONT: usize = 15;
 /// How many there are.
-pub const SENSORS: usize = 15;
+pub const SENSORS: usize = 21;
 
 /// Where a sensor is on the base, and which way it looks \[rad\].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,18 +30,25 @@ pub struct Mounted {
     pub looks: f64,
 }
 
-/// Where they all are: nine ahead from right to left, two to each side, and one to each side ahead.
+/// Where they all are, all within the round body: fifteen ahead from right to left, two to each side, and one to each side ahead.
 #[must_use]
 pub fn mounted(sensor: usize) -> Mounted {
     use core::f64::consts::{FRAC_PI_2, FRAC_PI_4};
     let there = |x: f64, y: f64, looks: f64| Mounted { at: Vector2::new(x, y), looks };
     match sensor {
-        0..FRONT => there(-0.030, 0.011 * (sensor as f64 - 4.0), 0.0),
-        9 => there(0.025, -0.030, FRAC_PI_2),
-        10 => there(-0.025, -0.030, FRAC_PI_2),
-        11 => there(0.025, 0.030, -FRAC_PI_2),
-        12 => there(-0.025, 0.030, -FRAC_PI_2),
-        13 => there(-0.020, -0.020, FRAC_PI_4),
+        0..FRONT => {
+            // Where it looks through just ahead of the body, and where it is.
+            let number = sensor as f64 - 7.0;
+            let outwards = (number.abs() - 3.0).max(0.0).copysign(number);
+            let through = 0.011 * (number - outwards) + 0.0055 * outwards;
+            let beside = through.clamp(-0.033, 0.033);
+            there(-0.030, beside, ((through - beside) / 0.065).atan())
+        }
+        15 => there(0.025, -0.030, FRAC_PI_2),
+        16 => there(-0.025, -0.030, FRAC_PI_2),
+        17 => there(0.025, 0.030, -FRAC_PI_2),
+        18 => there(-0.025, 0.030, -FRAC_PI_2),
+        19 => there(-0.020, -0.020, FRAC_PI_4),
         _ => there(-0.020, 0.020, -FRAC_PI_4),
     }
 }
@@ -161,6 +169,7 @@ fn meets(wall: &Wall, from: &Place, along: &Vector2<f64>) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::DiffDrive;
     use mrroc_map::Layout;
 
     #[test]
@@ -181,11 +190,21 @@ mod tests {
 
     #[test]
     fn ahead_of_the_body_no_end_of_a_wall_lies_between_two_sensors() {
-        // A wall's end of 12 mm beside the next one's line of sight is met by at least one line.
+        // Their lines, so far ahead of the axle.
+        let line = |i: usize, x: f64| {
+            let Mounted { at, looks } = mounted(i);
+            at.y + (x - at.x) * looks.tan()
+        };
         for i in 1..FRONT {
-            assert!(mounted(i).at.y - mounted(i - 1).at.y < 0.012);
+            for beyond in [0.0, 0.03] {
+                // Where the body would touch what is at this line after going on by so much.
+                let y: f64 = line(i, 0.035).abs().min(line(i - 1, 0.035).abs());
+                let rim = (DiffDrive::BODY * DiffDrive::BODY - y * y).max(0.0).sqrt();
+                let x = rim + beyond;
+                assert!(line(i, x) - line(i - 1, x) < 0.012, "{i} {x}");
+            }
         }
-        // Beyond the outermost ones the round body is less than 10 mm deep: an end there is met at once, or passes beside.
-        assert!(mounted(FRONT - 1).at.y > 0.0435 && crate::DiffDrive::BODY <= 0.045 + 1e-12);
+        assert!(line(FRONT - 1, 0.02) > DiffDrive::BODY);
+        assert!((0..SENSORS).all(|i| mounted(i).at.norm() <= DiffDrive::BODY));
     }
 }

@@ -13,7 +13,7 @@ use crate::places::Sizes;
 /// It goes no farther at a time \[m\]: the coordinator looks at what was seen.
 const FARTHEST: f64 = 0.72;
 /// It is turned towards its way by no less \[rad\], and goes no shorter way \[m\].
-const LEAST: (f64, f64) = (0.008, 0.003);
+const LEAST: (f64, f64) = (0.008, 5e-4);
 
 /// The base stands, and knows where.
 #[condition(ecp)]
