@@ -3,3 +3,5 @@
 mod faults;
 mod lines;
 mod runs;
+mod shared;
+mod wheels;

@@ -85,6 +85,12 @@ pub struct Traced {
 }
 
 impl Traced {
+    /// The floor that the base is on, to judge by.
+    #[must_use]
+    pub const fn floor(&self) -> &Floor {
+        &self.floor
+    }
+
     /// What it is made of, to break it.
     pub const fn inner_mut(&mut self) -> &mut LookingOut {
         &mut self.inner
