@@ -75,6 +75,7 @@ pub struct WallMemory {
     traces: Vec<Vec<Vector2<f64>>>,
     /// Numbers of those that changed last, the newest last.
     changed: Vec<usize>,
+    thickness: f64,
 }
 
 /// What is seen of a wall at a time.
@@ -99,7 +100,12 @@ impl WallMemory {
             side(2, half, height),
             side(3, half, width),
         ];
-        Self { known, traces: vec![Vec::with_capacity(KEPT); sensors], changed: Vec::with_capacity(TOLD) }
+        Self {
+            known,
+            traces: vec![Vec::with_capacity(KEPT); sensors],
+            changed: Vec::with_capacity(TOLD),
+            thickness,
+        }
     }
 
     /// The walls that changed last, the newest first.
@@ -189,7 +195,15 @@ impl WallMemory {
             corrected.heading -= TURNING * lean;
         }
         let Some(number) = found else {
-            self.known.push(Known { face: seen, seen: 1 });
+            // It may be the other face of a wall that is known.
+            let line = self.through(&seen).unwrap_or(seen.line);
+            let beside = line - seen.line;
+            if seen.into.is_multiple_of(2) {
+                corrected.x += GAIN * beside;
+            } else {
+                corrected.y += GAIN * beside;
+            }
+            self.known.push(Known { face: Face { line, ..seen }, seen: if beside == 0.0 { 1 } else { 8 } });
             self.tell(self.known.len() - 1);
             return corrected;
         };
@@ -208,6 +222,20 @@ impl WallMemory {
         known.face.to = known.face.to.max(seen.to);
         self.tell(number);
         corrected
+    }
+
+    /// Where this face is if it is the other one of a wall that was seen a few times before.
+    fn through(&self, seen: &Face) -> Option<f64> {
+        let thick = if seen.into < 2 { -self.thickness } else { self.thickness };
+        let other = self.known.iter().find(|known| {
+            let face = &known.face;
+            face.into % 4 == (seen.into + 2) % 4
+                && known.seen > 4
+                && (face.line + thick - seen.line).abs() < SAME
+                && seen.from < face.to
+                && seen.to > face.from
+        })?;
+        Some(other.face.line + thick)
     }
 
     fn tell(&mut self, number: usize) {
