@@ -65,11 +65,11 @@ pub fn coordinate<R: Robot, S: Feeling<R>>(
     let back = |at: &Vector2<f64>| maze.inverse_transform_point(&Point3::new(at.x, at.y, 0.0)).coords.xy();
     let mut at = went.at;
     while told.goal.distance(&back(&at)) > 0.0 {
-        // Where walls are not known well enough for the whole margin, with less of it.
+        // Where walls are not known well enough for the whole margin, with less of it, or less than the effector needs: it feels them anyway.
         let keeping = |share: f64| {
             Planner::of(&told.known, share * told.sizes.margin).way(&map.borrow(), &back(&at), &told.goal)
         };
-        let way = keeping(1.0).or_else(|| keeping(0.3));
+        let way = [1.0, 0.3, -0.5].into_iter().find_map(keeping);
         let Some(way) = way.filter(|_| map.borrow().contacts().len() < told.most) else {
             return Err(Fault::thrown(
                 "no way to the exit is left by what was touched: look at the maze, or tell another exit",

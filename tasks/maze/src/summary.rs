@@ -133,13 +133,14 @@ impl fmt::Display for Summary {
             of(0.95, |row| row.ratio),
             of(1.0, |row| row.ratio)
         )?;
-        writeln!(
-            f,
-            "touches: median {}, p95 {}; stylus bent by at most {:.2} mm of 4 mm",
-            of(0.5, |row| row.touches as f64),
-            of(0.95, |row| row.touches as f64),
-            1e3 * of(1.0, |row| row.travel)
-        )?;
+        let (median, p95) = (of(0.5, |row| row.touches as f64), of(0.95, |row| row.touches as f64));
+        match 1e3 * of(1.0, |row| row.travel) {
+            0.0 => writeln!(f, "places of walls that were seen: median {median}, p95 {p95}; none was touched")?,
+            bent => writeln!(
+                f,
+                "touches: median {median}, p95 {p95}; stylus bent by at most {bent:.2} mm of 4 mm"
+            )?,
+        }
         let hands = self.0.iter().filter(|row| row.by_hand).count();
         writeln!(f, "without a map the left-hand rule gets to {hands} of {}", self.0.len())?;
         writeln!(f, "{:.0} times faster than real time", sum(|row| row.time) / sum(|row| row.wall).max(1e-9))
