@@ -106,7 +106,7 @@ impl Robot for DiffDrive {
         if !(beside <= Self::OFF && at.x.is_finite()) {
             return Err(off("the place beside the unrolled path", beside, "m"));
         }
-        if !(lean <= Self::OFF) {
+        if lean.is_nan() || lean > Self::OFF {
             return Err(off("lean of the base", lean, "rad"));
         }
         let ahead = turned * Vector3::x();

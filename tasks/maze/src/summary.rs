@@ -135,7 +135,9 @@ impl fmt::Display for Summary {
         )?;
         let (median, p95) = (of(0.5, |row| row.touches as f64), of(0.95, |row| row.touches as f64));
         match 1e3 * of(1.0, |row| row.travel) {
-            0.0 => writeln!(f, "places of walls that were seen: median {median}, p95 {p95}; none was touched")?,
+            0.0 => {
+                writeln!(f, "places of walls that were seen: median {median}, p95 {p95}; none was touched")?
+            }
             bent => writeln!(
                 f,
                 "touches: median {median}, p95 {p95}; stylus bent by at most {bent:.2} mm of 4 mm"

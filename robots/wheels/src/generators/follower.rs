@@ -176,7 +176,7 @@ impl Follower {
         let Some(standing) = standing else { return Ok(None) };
         let off = was.seen(&standing.at());
         let heading = standing.turned_from(&was);
-        if !(off.norm() <= self.limits.off) {
+        if off.norm().is_nan() || off.norm() > self.limits.off {
             return Err(Fault::thrown(
                 "the base is farther off its course than it may be: it slips, or something stops it",
             )
