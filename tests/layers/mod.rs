@@ -60,6 +60,7 @@ const CRATES: &[(&str, &[&str])] = &[
     ("sensing/calibration", &["mrroc-core", "mrroc-launch", "mrroc-robots", "mrroc-sensors"]),
     ("sensing/geocom", &["mrroc-core", "mrroc-driver-kit"]),
     ("ports/zenoh", &["mrroc-core", "mrroc-launch"]),
+    ("robots/wheels", &["mrroc-core", "mrroc-generators", "mrroc-map", "mrroc-robots"]),
     ("generators-lib", &["mrroc-core"]),
     ("pictures", &["mrroc-core"]),
 ];

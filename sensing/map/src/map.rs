@@ -198,6 +198,25 @@ impl Map {
         contact
     }
 
+    /// A face of a wall was seen from one place to another, level or upright; `into` leads into it. It counts as touches, no farther apart
+    /// than a passage is wide, where nothing of it was known.
+    pub fn see(&mut self, from: &Place, to: &Place, into: &Vector2<f64>) {
+        let way = to - from;
+        let pieces = (way.norm() / (0.6 * self.known.passage)).ceil().max(1.0);
+        for piece in 0..=pieces as u32 {
+            // As if it had been met squarely.
+            let contact = Contact { at: from + way * (f64::from(piece) / pieces), into: *into, moving: *into };
+            let is_known = self.contacts.iter().any(|one| {
+                one.into == contact.into
+                    && one.is_of_the_wall_of(&contact, self.known.wall)
+                    && (one.at - contact.at).norm() < 0.3 * self.known.passage
+            });
+            if !is_known {
+                self.contacts.push(contact);
+            }
+        }
+    }
+
     /// How far on from a contact, along `beside`, a wall may go \[m\]: as far as it is believed to, or to where the ball has passed.
     pub(crate) fn belief(&self, contact: &Contact, beside: &Vector2<f64>) -> f64 {
         let middle = contact.at + contact.into * (0.5 * self.known.thickness);

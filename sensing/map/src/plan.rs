@@ -47,7 +47,10 @@ impl Planner {
     /// In mazes that are known so, keeping `margin` \[m\] from walls.
     #[must_use]
     pub fn of(known: &Knowledge, margin: f64) -> Self {
-        Self { margin, price: 0.48 * known.wall, lattice: 0.1 * known.wall, sure: 0.1 * known.wall }
+        // What goes through a passage with little room must not find it closed by the touches beside it.
+        let room = (known.passage - 2.0 * (known.radius + margin)).max(0.0);
+        let sure = (0.1 * known.wall).min(0.25 * room);
+        Self { margin, price: 0.48 * known.wall, lattice: 0.1 * known.wall, sure }
     }
 
     /// The way from a place to a region, first and last place included; `None` where the touches leave none.

@@ -121,7 +121,9 @@ impl Walls {
         &self.boxes
     }
 
-    pub(crate) const fn pitch(&self) -> f64 {
+    /// Posts are so far apart \[m\].
+    #[must_use]
+    pub const fn pitch(&self) -> f64 {
         self.pitch
     }
 

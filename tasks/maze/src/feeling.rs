@@ -5,12 +5,29 @@ use mrroc::robot::RobotImage;
 use nalgebra::Vector2;
 
 /// A kind of sensor that feels walls, carried by the robot `R`.
-pub trait Feeling<R: Robot>: Sensor<Configuration = ()> {
+pub trait Feeling<R: Robot>: Sensor<Configuration: Default> {
     /// Whether a wall is touched, how many times one was, and where the last time.
     fn touch(reading: &Self::Reading) -> Touch;
 
     /// Where the middle of the ball, or of what else is to go through the maze, is now [m, W].
     fn place(reading: &Self::Reading, robot: &RobotImage<R>) -> Vector2<f64>;
+
+    /// The stretches of walls that it has seen of late, if it sees any.
+    fn seen(_reading: &Self::Reading) -> Seen {
+        Seen::default()
+    }
+}
+
+/// The stretches of walls that were seen of late: as many as there are.
+pub type Seen = [Option<Stretch>; 10];
+
+/// A stretch of a wall's face that was seen without a touch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stretch {
+    /// Its ends [m, W].
+    pub ends: [Vector2<f64>; 2],
+    /// From the effector into it [W].
+    pub into: Vector2<f64>,
 }
 
 /// What is felt of walls.

@@ -17,6 +17,7 @@ pub mod places;
 pub mod plant;
 pub mod run;
 pub mod summary;
+pub mod wheels;
 
 use mrroc::cell_file::CellFileError;
 use mrroc::prelude::*;

@@ -9,11 +9,11 @@ use std::process::ExitCode;
 use maze::camera;
 use maze::options::{Options, SensorKind, parse};
 use maze::pictures::film;
-use maze::run::Ready;
+use maze::run::solve;
 use maze::summary::{Row, Summary};
 use mrroc::console::{complain, refused, say};
 use mrroc::launch::Launch;
-use mrroc_map::Layout;
+use mrroc_map::{Layout, Walls};
 
 /// The maze that is solved where none is named.
 const SHIPPED: &str = include_str!("../mazes/islands.txt");
@@ -30,7 +30,7 @@ fn main() -> ExitCode {
     let ran = if options.sensor == SensorKind::Camera {
         camera::shown::runs(&mazes, options.sweep.is_some() || options.random.is_some(), &options)
     } else if options.sweep.is_some() || options.random.is_some() {
-        let summary = Summary::sweep(&mazes);
+        let summary = Summary::sweep(options.effector, &mazes);
         Ok((summary.faults(), summary.to_string()))
     } else {
         one(&options, &mazes[0])
@@ -109,9 +109,8 @@ fn read(file: &Path) -> Result<(String, Layout), String> {
 
 /// One run, and its film.
 fn one(options: &Options, (name, layout): &(String, Layout)) -> Result<(usize, String), Box<dyn Error>> {
-    let ready = Ready::new(layout, options.seed.into())?;
-    let walls = ready.plant.world().borrow().walls.clone();
-    let outcome = ready.run();
+    let outcome = solve(options.effector, layout, options.seed.into())?;
+    let walls = Walls::of(layout, outcome.sizes.pitch, outcome.sizes.thickness);
     let file = options.out.join("maze.svg");
     let drawn = film(&outcome, &walls, outcome.sizes.sides(layout));
     fs::create_dir_all(&options.out).and_then(|()| fs::write(&file, drawn)).map_err(|error| {

@@ -56,6 +56,8 @@ pub enum SensorKind {
 pub enum EffectorKind {
     /// An IRp-6.
     Arm,
+    /// A base with two driven wheels, which sees walls by infrared.
+    Wheels,
 }
 
 /// Reads the arguments after the program's name.

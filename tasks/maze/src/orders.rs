@@ -3,6 +3,8 @@
 use mrroc::prelude::*;
 use nalgebra::Vector2;
 
+use crate::feeling::Seen;
+
 /// A task of the effector.
 #[derive(Clone, Copy, Debug, PartialEq, Payload)]
 pub enum Task {
@@ -29,6 +31,8 @@ pub struct Went {
     pub at: Vector2<f64>,
     /// Where it was when it touched, if it did [m, W].
     pub touched: Option<Vector2<f64>>,
+    /// What it has seen of walls.
+    pub seen: Seen,
 }
 
 /// Has the effector carry out a task.

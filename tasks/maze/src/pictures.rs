@@ -9,10 +9,12 @@ use crate::run::Outcome;
 /// How long the film takes \[s\].
 const FILM: f64 = 24.0;
 
-/// An SVG of a run in a maze of these sides \[m\]. It is drawn in millimetres, and repeats itself.
+/// An SVG of a run in a maze of these sides \[m\]. It is drawn in millimetres where cells are 25 mm, others as
+/// if they were, and repeats itself.
 #[must_use]
 pub fn film(outcome: &Outcome, walls: &Walls, sides: [f64; 2]) -> String {
-    let [width, height] = sides.map(|side| 1e3 * side);
+    let mm = 25.0 / outcome.sizes.pitch;
+    let [width, height] = sides.map(|side| mm * side);
     let mut svg = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"-6 -6 {:.0} {:.0}\" font-family=\"sans-serif\" font-size=\"7\">\n\
          <title>the map of a maze grows by touches</title>\n\
@@ -22,7 +24,7 @@ pub fn film(outcome: &Outcome, walls: &Walls, sides: [f64; 2]) -> String {
         height + 24.0
     );
     for wall in walls.boxes() {
-        let (at, size) = (wall.lower * 1e3, (wall.upper - wall.lower) * 1e3);
+        let (at, size) = (wall.lower * mm, (wall.upper - wall.lower) * mm);
         let _ = writeln!(
             svg,
             "<rect x=\"{:.1}\" y=\"{:.1}\" width=\"{:.1}\" height=\"{:.1}\" fill=\"#d8d8d8\"/>",
@@ -36,7 +38,7 @@ pub fn film(outcome: &Outcome, walls: &Walls, sides: [f64; 2]) -> String {
     }
     let whole = lengths[lengths.len() - 1].max(1e-9);
     let points: Vec<String> =
-        outcome.trace.iter().map(|at| format!("{:.1},{:.1}", 1e3 * at.x, 1e3 * at.y)).collect();
+        outcome.trace.iter().map(|at| format!("{:.1},{:.1}", mm * at.x, mm * at.y)).collect();
     let _ = writeln!(
         svg,
         "<polyline points=\"{}\" fill=\"none\" stroke=\"#2a6fb0\" stroke-width=\"0.8\" stroke-linejoin=\"round\" pathLength=\"1\" \
@@ -48,8 +50,8 @@ pub fn film(outcome: &Outcome, walls: &Walls, sides: [f64; 2]) -> String {
     for contact in &outcome.contacts {
         let (next, share) = when(outcome, &lengths, whole, from, contact);
         from = next;
-        let side = Place::new(-contact.into.y, contact.into.x) * 2.5e-3;
-        let (a, b) = ((contact.at - side) * 1e3, (contact.at + side) * 1e3);
+        let side = Place::new(-contact.into.y, contact.into.x) * (2.5 / mm);
+        let (a, b) = ((contact.at - side) * mm, (contact.at + side) * mm);
         let share = (0.9 * share).clamp(1e-3, 0.899);
         let _ = writeln!(
             svg,
@@ -64,9 +66,10 @@ pub fn film(outcome: &Outcome, walls: &Walls, sides: [f64; 2]) -> String {
     }
     let _ = writeln!(
         svg,
-        "</g>\n<text x=\"0\" y=\"{:.1}\">{} touches (red); way {:.2} x the shortest</text>\n</svg>",
+        "</g>\n<text x=\"0\" y=\"{:.1}\">{} {} (red); way {:.2} x the shortest</text>\n</svg>",
         height + 12.0,
         outcome.contacts.len(),
+        if outcome.travel == 0.0 { "places of walls that were seen" } else { "touches" },
         outcome.ratio()
     );
     svg
@@ -75,7 +78,7 @@ pub fn film(outcome: &Outcome, walls: &Walls, sides: [f64; 2]) -> String {
 /// Where on the trace the ball touched, not before `from`: the index, and the share of the way.
 fn when(outcome: &Outcome, lengths: &[f64], whole: f64, from: usize, contact: &Contact) -> (usize, f64) {
     let ball = contact.at - contact.into * outcome.sizes.radius;
-    let near = |i: &usize| (outcome.trace[*i] - ball).norm() < 0.5 * outcome.sizes.radius;
+    let near = |i: &usize| (outcome.trace[*i] - ball).norm() < 0.7 * outcome.sizes.back;
     let found = (from..outcome.trace.len()).find(near).unwrap_or(from);
     (found, lengths.get(found).copied().unwrap_or(0.0) / whole)
 }

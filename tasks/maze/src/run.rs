@@ -10,9 +10,10 @@ use mrroc::prelude::*;
 use mrroc_map::{Contact, Inflated, Knowledge, Layout, Map, Place, Region};
 
 use crate::mp::Told;
+use crate::options::EffectorKind;
 use crate::places::Sizes;
 use crate::plant::{Plant, TouchProbe};
-use crate::{ecp, file, found, mp};
+use crate::{ecp, file, found, mp, wheels};
 use mrroc_robots::Irp6;
 
 /// What came of a run.
@@ -121,6 +122,17 @@ impl Ready {
             trace: world.trace.clone(),
             sizes: self.sizes,
         }
+    }
+}
+
+/// Runs a maze with an effector.
+///
+/// # Errors
+/// What is wrong with the cell's file.
+pub fn solve(effector: EffectorKind, maze: &Layout, seed: u64) -> Result<Outcome, CellError> {
+    match effector {
+        EffectorKind::Arm => Ready::new(maze, seed).map(Ready::run),
+        EffectorKind::Wheels => wheels::run::Ready::new(maze, seed).map(wheels::run::Ready::run),
     }
 }
 

@@ -7,7 +7,8 @@ use std::thread;
 
 use mrroc_map::Layout;
 
-use crate::run::{Outcome, Ready};
+use crate::options::EffectorKind;
+use crate::run::{Outcome, solve};
 
 /// A run, in figures.
 #[derive(Clone, Debug, PartialEq)]
@@ -44,9 +45,9 @@ pub fn quantile(values: impl IntoIterator<Item = f64>, share: f64) -> f64 {
 }
 
 impl Row {
-    fn by_running(name: &str, maze: &Layout, seed: u64) -> Self {
-        match Ready::new(maze, seed) {
-            Ok(ready) => Self::of(name, maze, &ready.run()),
+    fn by_running(effector: EffectorKind, name: &str, maze: &Layout, seed: u64) -> Self {
+        match solve(effector, maze, seed) {
+            Ok(outcome) => Self::of(name, maze, &outcome),
             Err(error) => Self {
                 name: name.to_owned(),
                 ratio: 0.0,
@@ -79,14 +80,14 @@ impl Row {
 impl Summary {
     /// Runs all these mazes, with their numbers as seeds, on all processors.
     #[must_use]
-    pub fn sweep(mazes: &[(String, Layout)]) -> Self {
+    pub fn sweep(effector: EffectorKind, mazes: &[(String, Layout)]) -> Self {
         let next = AtomicUsize::new(0);
         let worker = || {
             let mut rows = vec![];
             loop {
                 let number = next.fetch_add(1, Ordering::Relaxed);
                 let Some((name, maze)) = mazes.get(number) else { return rows };
-                rows.push((number, Row::by_running(name, maze, number as u64)));
+                rows.push((number, Row::by_running(effector, name, maze, number as u64)));
             }
         };
         let count = thread::available_parallelism().map_or(1, usize::from);
@@ -155,13 +156,16 @@ impl fmt::Display for Summary {
             of(0.95, |row| row.ratio),
             of(1.0, |row| row.ratio)
         )?;
-        writeln!(
-            f,
-            "touches: median {}, p95 {}; stylus bent by at most {:.2} mm of 4 mm",
-            of(0.5, |row| row.touches as f64),
-            of(0.95, |row| row.touches as f64),
-            1e3 * of(1.0, |row| row.travel)
-        )?;
+        let (median, p95) = (of(0.5, |row| row.touches as f64), of(0.95, |row| row.touches as f64));
+        match 1e3 * of(1.0, |row| row.travel) {
+            0.0 => {
+                writeln!(f, "places of walls that were seen: median {median}, p95 {p95}; none was touched")?
+            }
+            bent => writeln!(
+                f,
+                "touches: median {median}, p95 {p95}; stylus bent by at most {bent:.2} mm of 4 mm"
+            )?,
+        }
         let hands = self.0.iter().filter(|row| row.by_hand).count();
         writeln!(f, "without a map the left-hand rule gets to {hands} of {}", self.0.len())?;
         writeln!(

@@ -4,3 +4,5 @@ mod camera;
 mod faults;
 mod lines;
 mod runs;
+mod shared;
+mod wheels;

@@ -18,7 +18,7 @@ fn the_exit_is_found_by_touch_without_a_fault_or_over_travel() {
     let mut mazes = shipped();
     let count = if std::env::var_os("MRROC_WHOLE").is_some() { 100 } else { 1 };
     mazes.extend((0..count).map(|seed| (format!("seed {seed}"), Layout::random(16, seed))));
-    let summary = Summary::sweep(&mazes);
+    let summary = Summary::sweep(maze::options::EffectorKind::Arm, &mazes);
     println!("{summary}");
     assert_eq!(summary.faults(), 0, "{summary}");
     for row in &summary.0 {

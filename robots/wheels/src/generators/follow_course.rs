@@ -1,0 +1,91 @@
+//! Follows a course on the floor, corrected by a sensor that tells where the base stands.
+
+use mrroc::fault::FaultKind;
+use mrroc::prelude::*;
+
+use super::follower::{BaseLimits, Follower};
+use crate::course::Course;
+use crate::model::DiffDrive;
+use crate::sensing::Planar;
+
+/// Rolls along a [`Course`] from rest to rest, as fast as the wheels' limits and those of bends allow.
+///
+/// A unicycle cannot be put beside its course; it is turned towards it. The correction has a reserve of the wheels' limits for itself, so that
+/// no demand breaks a limit, whatever is measured.
+///
+/// ```
+/// use mrroc::prelude::*;
+/// use mrroc::sensor::SensorImage;
+/// use mrroc_generators::rehearsal::rehearse_with;
+/// use mrroc_wheels::generators::BaseLimits;
+/// use mrroc_wheels::sensing::Standing;
+/// use mrroc_wheels::{Course, DiffDrive, FollowCourse, Planar, Two, Whereabouts};
+/// use nalgebra::Vector2;
+///
+/// let places = [Vector2::new(0.0, 0.0), Vector2::new(0.4, 0.0), Vector2::new(0.4, 0.4)];
+/// let course = Course::through(&places, 0.03).map_err(|error| Fault::thrown(&error.to_string()))?;
+/// let limits = BaseLimits { speed: 0.5, lateral: 2.0, turning: 8.0, off: 0.05 };
+/// let follow = FollowCourse::<Whereabouts>::along(course, limits, |read| Some(read.pose), 0.0, 1);
+/// // A base that stands where its wheels say, after it has begun 5 mm beside its course.
+/// let (mut base, mut before) = (Planar { y: 0.005, ..Planar::default() }, Two::zeros());
+/// rehearse_with(follow, &DiffDrive::new(), Two::zeros(), 0.002, |image| {
+///     let q = image.demanded().joints;
+///     let (way, turn) = DiffDrive::rolled(&(q - before));
+///     (base, before) = (base.moved(way, turn), q);
+///     let standing = Standing { pose: base, stands: false };
+///     (Order::new(()), Reading::new((SensorImage::new(standing, 0),)))
+/// })?;
+/// assert!((base.at() - places[2]).norm() < 1e-3, "{base:?}");
+/// # Ok::<(), Fault>(())
+/// ```
+pub struct FollowCourse<S: Sensor> {
+    follower: Follower,
+    see: fn(&S::Reading) -> Option<Planar>,
+    oldest: u32,
+}
+
+impl<S: Sensor> FollowCourse<S> {
+    /// Along `course`, from where `see` finds in a reading that the base stands; that is `delay` steps behind what is demanded, and may
+    /// be `oldest` steps old.
+    #[must_use]
+    pub fn along(
+        course: Course,
+        limits: BaseLimits,
+        see: fn(&S::Reading) -> Option<Planar>,
+        delay: f64,
+        oldest: u32,
+    ) -> Self {
+        Self { follower: Follower::on(course, limits, delay), see, oldest }
+    }
+
+    /// How far it has come \[m\].
+    #[must_use]
+    pub const fn gone(&self) -> f64 {
+        self.follower.gone()
+    }
+}
+
+#[generator(ecp)]
+impl<S: Sensor> FollowCourse<S> {
+    fn first_step(
+        &mut self,
+        e: &State<DiffDrive>,
+        v: &Reading<(S,)>,
+        t: Tick,
+    ) -> Result<Step<DiffDrive>, Fault> {
+        self.follower.begin(e.demanded().joints)?;
+        self.next_step(v, t)
+    }
+
+    fn next_step(&mut self, v: &Reading<(S,)>, t: Tick) -> Result<Step<DiffDrive>, Fault> {
+        if v.0.reading().is_some() && v.0.age() > self.oldest {
+            let fault = Fault::new(FaultKind::SensorStale);
+            return Err(fault.exceeds(v.0.age().into(), self.oldest.into(), "step"));
+        }
+        let standing = v.0.reading().as_ref().and_then(self.see);
+        Ok(match self.follower.advance(standing.as_ref(), t.dt)? {
+            Some(wheels) => Step::Next(Demand::joints(wheels)),
+            None => Step::Done,
+        })
+    }
+}

@@ -1,0 +1,13 @@
+//! The simulated base: what its drives do, and what the floor and walls do to it.
+//!
+//! In: demanded wheel angles. Out: measured ones, and, for simulated sensors and for judging, where the base truly is.
+
+mod chassis;
+mod drives;
+mod floor;
+mod motor;
+
+pub use chassis::{Chassis, Motion};
+pub use drives::Rolling;
+pub use floor::{Floor, Ground, Touched};
+pub use motor::Motor;

@@ -1,0 +1,55 @@
+//! The base's program: what it does in each task. It knows no maze.
+
+use mrroc::prelude::*;
+use mrroc_wheels::model::angle;
+use mrroc_wheels::sensing::{Lookout, Watch};
+use mrroc_wheels::{Course, DiffDrive};
+use nalgebra::Vector2;
+
+use super::leg::Leg;
+use crate::orders::Task;
+use crate::places::Sizes;
+
+/// It goes no farther at a time \[m\]: the coordinator looks at what was seen.
+const FARTHEST: f64 = 0.72;
+/// It is turned towards its way by no less \[rad\], and goes no shorter way \[m\].
+const LEAST: (f64, f64) = (0.008, 5e-4);
+
+/// The base stands, and knows where.
+#[condition(ecp)]
+fn stands(v: &Reading<(Lookout,)>) -> bool {
+    v.0.reading().is_some_and(|sight| sight.stands)
+}
+
+/// The base: turned towards where it is told to go, and straight on until a wall is in its way.
+///
+/// # Errors
+/// The first fault of the cell.
+pub fn base(ecp: &mut Ecp<DiffDrive>, sizes: &Sizes) -> Result<(), Fault> {
+    let mut lookout = ecp.sensor::<Lookout>("lookout")?;
+    let mut ways = 0;
+    ecp.obey_all(|ecp, task| {
+        let Task::Go { x, y } = task else {
+            return Err(Fault::thrown("a base with wheels cannot hop over walls"));
+        };
+        lookout.configure(Watch::default());
+        ecp.wait_until((&mut lookout,), stands {})?;
+        let sight = lookout.reading().unwrap_or_default();
+        let way = Vector2::new(x, y) - sight.pose.at();
+        if way.norm() < LEAST.1 {
+            return Ok(());
+        }
+        let turn = angle(way.y.atan2(way.x) - sight.pose.heading);
+        if turn.abs() > LEAST.0 {
+            let turn = Leg::along(Course::turn(sight.pose, turn), sizes, sight.blocked);
+            ecp.move_robot((&mut lookout,), turn)?;
+        }
+        ways += 1;
+        lookout.configure(Watch { way: ways, x, y });
+        let from = lookout.reading().unwrap_or_default().pose.at();
+        let way = Vector2::new(x, y) - from;
+        let course = Course::through(&[from, from + way.cap_magnitude(FARTHEST)], 0.01);
+        let course = course.map_err(|error| Fault::thrown(&error.to_string()))?;
+        ecp.move_robot((&mut lookout,), Leg::along(course, sizes, sight.blocked)).map(drop)
+    })
+}
