@@ -1,0 +1,2 @@
+//! The task of the legs.
+mod runs;
