@@ -9,10 +9,13 @@ pub mod generators;
 pub mod ground;
 pub mod leg;
 pub mod mp;
+pub mod options;
+pub mod pictures;
 pub mod places;
 pub mod plant;
 pub mod run;
 pub mod seen;
+pub mod summary;
 pub mod walk;
 
 use mrroc::cell_file::CellFileError;

@@ -12,6 +12,9 @@ use crate::seen::Seen;
 use crate::walk::Gait;
 use crate::{file, mp};
 
+/// How long the steps are on which it walks, after level ground \[m\].
+pub const LENGTH: f64 = 2.4;
+
 /// What came of a run.
 #[derive(Debug)]
 pub struct Outcome {

@@ -80,9 +80,9 @@ pub struct Step {
     pub landed: f64,
     /// The least margin from one lift of any leg to this one \[m\].
     pub margin: f64,
-    /// How far the foot had slid on the ground from its landing before to this lift \[m\].
+    /// How far the foot had slid on the ground while it bore, from its landing before to this lift: the length of its way \[m\].
     pub slip: f64,
-    /// How far the foot had moved over the ground meanwhile \[m\].
+    /// How far its middle was from where it had landed when it bore last \[m\].
     pub moved: f64,
 }
 
@@ -104,8 +104,9 @@ pub struct Seen {
     periods: u64,
     /// When each foot bore last.
     bore: [f64; 4],
-    /// Where each landed, and how far it had slid by then.
-    landed: [(Vector3<f64>, f64); 4],
+    /// Where each landed, and how far it has slid since, while it bore.
+    landed: [Vector3<f64>; 4],
+    slip: [f64; 4],
     /// Where each was when it bore last, and how far it had slid.
     last: [Vector3<f64>; 4],
     slid: [f64; 4],
@@ -124,7 +125,8 @@ impl Default for Seen {
             force: 0.0,
             periods: 0,
             bore: [0.0; 4],
-            landed: [(Vector3::zeros(), 0.0); 4],
+            landed: [Vector3::zeros(); 4],
+            slip: [0.0; 4],
             last: [Vector3::zeros(); 4],
             slid: [0.0; 4],
             begun: false,
@@ -138,7 +140,7 @@ impl Seen {
     pub fn look(&mut self, now: &Standing) {
         if !self.begun {
             self.begun = true;
-            self.landed = core::array::from_fn(|i| (now.feet[i], now.slid[i]));
+            self.landed = now.feet;
         }
         if self.periods.is_multiple_of(KEPT) {
             self.film.push(now.clone());
@@ -152,27 +154,38 @@ impl Seen {
         for i in 0..4 {
             self.force = self.force.max(now.forces[i].norm());
             if !now.bears(i) {
+                self.slid[i] = now.slid[i];
                 continue;
             }
             if now.time - self.bore[i] > AIR {
-                let (at, slid) = self.landed[i];
-                // What it slid until it was lifted: in the air it slides on nothing.
+                let at = self.landed[i];
                 let step = Step {
                     leg: i,
                     lifted: self.bore[i],
                     landed: now.time,
                     margin: self.since,
-                    slip: self.slid[i] - slid,
+                    slip: self.slip[i],
                     moved: (self.last[i] - at).xy().norm(),
                 };
                 self.steps.push(step);
                 self.since = f64::INFINITY;
-                self.landed[i] = (now.feet[i], now.slid[i]);
+                self.landed[i] = now.feet[i];
+                self.slip[i] = 0.0;
             }
+            self.slip[i] += now.slid[i] - self.slid[i];
             self.bore[i] = now.time;
             self.last[i] = now.feet[i];
             self.slid[i] = now.slid[i];
         }
+    }
+
+    /// Mean speed of the trunk along x from the first lift to the last landing [m/s]; 0 without a step.
+    #[must_use]
+    pub fn speed(&self) -> f64 {
+        let (Some(first), Some(last)) = (self.steps.first(), self.steps.last()) else { return 0.0 };
+        let at = |time: f64| self.film.iter().find(|standing| standing.time >= time);
+        let (Some(from), Some(to)) = (at(first.lifted), at(last.landed)) else { return 0.0 };
+        (to.X_WT.translation.x - from.X_WT.translation.x) / (to.time - from.time)
     }
 
     /// The largest slip of a step \[m\].

@@ -24,6 +24,15 @@ fn many() {
     for seed in 0..n.parse().unwrap() {
         let o = Ready::new(&Drawn::by(seed, 2.4), &Gait::default(), seed).expect("a cell").run();
         let s = &o.seen;
+        if let Some(w) = s.steps.iter().max_by(|a, b| a.slip.total_cmp(&b.slip)) {
+            println!("{w:?}");
+            let mut before = None;
+            for f in s.film.iter().filter(|f| f.time <= w.lifted + 0.03 && f.time > w.lifted - 4.0) {
+                let v = f.slid[w.leg];
+                if let Some(b) = before { if v - b > 2e-5 { println!("  {:.3} +{:.0} um  F {:.1?} all {:.0?}", f.time, 1e6 * (v - b), f.forces[w.leg].as_slice(), f.forces.map(|f| f.norm())); } }
+                before = Some(v);
+            }
+        }
         let err = o.report.as_ref().err().map(|e| e.to_string());
         println!("{seed} steps {} margin {:.4} slip {:.5} moved {:.5} lean {:.4} force {:.0} fallen {} {:?} {err:?}", s.steps.len(), s.margin, s.slip(), s.steps.iter().map(|s| s.moved).fold(0.0, f64::max), s.lean, s.force, s.fallen, o.wall);
     }

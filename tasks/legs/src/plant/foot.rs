@@ -17,7 +17,7 @@ pub const RADIUS: f64 = 0.02;
 /// Stiffness of a foot on the ground [N/m], hard rubber (assumed).
 pub const STIFFNESS: f64 = 1e5;
 /// Its damping [N s/m] (assumed).
-pub const DAMPING: f64 = 400.0;
+pub const DAMPING: f64 = 500.0;
 
 /// One foot.
 #[derive(Clone, Debug, Default)]
