@@ -98,7 +98,7 @@ impl Leg {
         speed: 320.0,
     };
     /// Where the links' centres of mass are: along the hip's link, down the thigh, down the shank \[m\].
-    const CENTRES: [f64; 3] = [0.03, 0.10, 0.12];
+    pub const CENTRES: [f64; 3] = [0.03, 0.10, 0.12];
 
     /// The leg whose hip stands at `X_TB` in the trunk: a left one where y is positive there, else a right one.
     #[must_use]

@@ -32,7 +32,7 @@ pub struct Standing {
 pub const BEARS: f64 = 1.0;
 /// A foot that has been in the air for so long has made a step \[s\].
 const AIR: f64 = 0.1;
-/// Every so many servo periods are kept to be drawn.
+/// By default every so many servo periods are kept to be drawn.
 const KEPT: u64 = 10;
 
 impl Standing {
@@ -89,7 +89,7 @@ pub struct Step {
 /// What was seen.
 #[derive(Clone, Debug)]
 pub struct Seen {
-    /// Every tenth period.
+    /// Every tenth period, if it is not told otherwise.
     pub film: Vec<Standing>,
     /// All steps that are over.
     pub steps: Vec<Step>,
@@ -101,6 +101,7 @@ pub struct Seen {
     pub fallen: bool,
     /// The largest force on a foot \[N\].
     pub force: f64,
+    kept: u64,
     periods: u64,
     /// When each foot bore last.
     bore: [f64; 4],
@@ -123,6 +124,7 @@ impl Default for Seen {
             lean: 0.0,
             fallen: false,
             force: 0.0,
+            kept: KEPT,
             periods: 0,
             bore: [0.0; 4],
             landed: [Vector3::zeros(); 4],
@@ -136,13 +138,18 @@ impl Default for Seen {
 }
 
 impl Seen {
+    /// Keeps every period of so many.
+    pub const fn keep_every(&mut self, periods: u64) {
+        self.kept = periods;
+    }
+
     /// Looks at the end of a servo period.
     pub fn look(&mut self, now: &Standing) {
         if !self.begun {
             self.begun = true;
             self.landed = now.feet;
         }
-        if self.periods.is_multiple_of(KEPT) {
+        if self.periods.is_multiple_of(self.kept) {
             self.film.push(now.clone());
         }
         self.periods += 1;
