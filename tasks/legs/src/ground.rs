@@ -180,7 +180,10 @@ mod tests {
         assert!((tread.depth - 1e-3).abs() < 1e-15 && tread.normal == Vector3::z());
         // 15 mm before the riser, its middle below the upper tread: the riser pushes back.
         let riser = touch(0.985, 0.0201).expect("against it");
-        assert!((riser.normal + Vector3::x()).norm() < 0.01 && (riser.depth - 5e-3).abs() < 1e-4, "{riser:?}");
+        assert!(
+            (riser.normal + Vector3::x()).norm() < 0.01 && (riser.depth - 5e-3).abs() < 1e-4,
+            "{riser:?}"
+        );
         // 6 mm before the edge and 8 mm over it: 10 mm away.
         let edge = touch(0.994, 0.028).expect("on the edge");
         assert!((edge.depth - 0.01).abs() < 1e-12, "{edge:?}");

@@ -95,7 +95,7 @@ impl Leg {
     const MOTOR_LIMITS: MotorLimits<3> = MotorLimits {
         lower: [-0.71 * Self::GEAR, -0.91 * Self::GEAR, -2.51 * Self::GEAR],
         upper: [0.71 * Self::GEAR, 2.01 * Self::GEAR, -0.19 * Self::GEAR],
-        speed: 320.0,
+        speed: 400.0,
     };
     /// Where the links' centres of mass are: along the hip's link, down the thigh, down the shank \[m\].
     pub const CENTRES: [f64; 3] = [0.03, 0.10, 0.12];
@@ -111,8 +111,8 @@ impl Leg {
             limits: Limits {
                 lower: Self::LOWER.into(),
                 upper: Self::UPPER.into(),
-                velocity: Vector3::repeat(6.0),
-                acceleration: Vector3::repeat(120.0),
+                velocity: Vector3::repeat(7.5),
+                acceleration: Vector3::repeat(200.0),
                 jerk: None,
             },
         }
@@ -177,15 +177,14 @@ impl Leg {
     #[must_use]
     pub fn moment(&self, q: &Three) -> Vector3<f64> {
         (0..3)
-            .map(|i| {
-                self.X_TB.transform_point(&self.centre(i).place(q).into()).coords * Self::MASSES[i]
-            })
+            .map(|i| self.X_TB.transform_point(&self.centre(i).place(q).into()).coords * Self::MASSES[i])
             .sum()
     }
 
     /// Inertia of a link about its centre, along its own axes [kg m²]: a ball for the hip, rods.
     fn inertia(i: usize) -> Matrix3<f64> {
-        let rod = |m: f64, l: f64| Matrix3::from_diagonal(&Vector3::new(m * l * l / 12.0, m * l * l / 12.0, 4e-4));
+        let rod =
+            |m: f64, l: f64| Matrix3::from_diagonal(&Vector3::new(m * l * l / 12.0, m * l * l / 12.0, 4e-4));
         match i {
             0 => Matrix3::identity() * 8e-4,
             1 => rod(Self::MASSES[1], Self::THIGH),
@@ -210,9 +209,8 @@ impl Leg {
     /// Visits all joint positions that put the foot at `p` [m, T].
     fn all(&self, p: &Vector3<f64>, near: &Three, visit: &mut dyn FnMut(&Three)) -> Result<(), NoInverse> {
         let p = self.X_BT.transform_point(&(*p).into()).coords;
-        let refused = |what, actual, tolerance| {
-            Err(NoInverse::NotAttainable { what, actual, tolerance, unit: "m" })
-        };
+        let refused =
+            |what, actual, tolerance| Err(NoInverse::NotAttainable { what, actual, tolerance, unit: "m" });
         let aside = self.side * Self::ASIDE;
         let square = p.y * p.y + p.z * p.z - aside * aside;
         if !p.iter().all(|x| x.is_finite()) {
@@ -226,7 +224,7 @@ impl Leg {
         if far > Self::THIGH + Self::SHANK {
             return refused("distance of the foot from the hip", far, Self::THIGH + Self::SHANK);
         }
-        if far <= (Self::THIGH - Self::SHANK).abs() + 1e-9 {
+        if far <= (Self::THIGH - Self::SHANK).abs() + 1e-6 {
             return Err(NoInverse::Singular { name: "folded knee" });
         }
         let (a, b) = (Self::THIGH, Self::SHANK);

@@ -41,7 +41,11 @@ pub fn film(seen: &Seen, ground: &Ground) -> String {
         1e3 * from
     );
     for (lane, colour) in [(&ground.left, LANES[0]), (&ground.right, LANES[1])] {
-        let _ = writeln!(svg, "<polygon points=\"{}\" fill=\"{colour}\" fill-opacity=\"0.7\"/>", profile(lane, from, to));
+        let _ = writeln!(
+            svg,
+            "<polygon points=\"{}\" fill=\"{colour}\" fill-opacity=\"0.7\"/>",
+            profile(lane, from, to)
+        );
     }
     edges(&mut svg, ground, [from, to]);
     let mut moving = Moving { svg, frames: &frames, lasts };
@@ -91,16 +95,24 @@ type At = (f64, f64);
 
 impl Moving<'_> {
     fn line(&mut self, colour: &str, points: impl Fn(&Standing) -> Vec<At>) {
-        let look = format!("polyline fill=\"none\" stroke=\"{colour}\" stroke-width=\"14\" stroke-linejoin=\"round\" stroke-linecap=\"round\"");
+        let look = format!(
+            "polyline fill=\"none\" stroke=\"{colour}\" stroke-width=\"14\" stroke-linejoin=\"round\" stroke-linecap=\"round\""
+        );
         self.animate(&look, "polyline", "linear", points);
     }
 
     fn shape(&mut self, colour: &str, opacity: f64, points: impl Fn(&Standing) -> Vec<At>) {
-        self.animate(&format!("polygon fill=\"{colour}\" fill-opacity=\"{opacity}\""), "polygon", "linear", points);
+        self.animate(
+            &format!("polygon fill=\"{colour}\" fill-opacity=\"{opacity}\""),
+            "polygon",
+            "linear",
+            points,
+        );
     }
 
     fn discrete(&mut self, colour: &str, points: impl Fn(&Standing) -> Vec<At>) {
-        let look = format!("polygon fill=\"{colour}\" fill-opacity=\"0.5\" stroke=\"{colour}\" stroke-width=\"4\"");
+        let look =
+            format!("polygon fill=\"{colour}\" fill-opacity=\"0.5\" stroke=\"{colour}\" stroke-width=\"4\"");
         self.animate(&look, "polygon", "discrete", points);
     }
 
@@ -126,7 +138,11 @@ impl Moving<'_> {
         let values = |of: fn(&At) -> f64| {
             places.iter().map(|at| format!("{:.0}", of(at))).collect::<Vec<_>>().join(";")
         };
-        let _ = write!(self.svg, "<circle r=\"{radius}\" fill=\"{colour}\" cx=\"{:.0}\" cy=\"{:.0}\">", middle.0, middle.1);
+        let _ = write!(
+            self.svg,
+            "<circle r=\"{radius}\" fill=\"{colour}\" cx=\"{:.0}\" cy=\"{:.0}\">",
+            middle.0, middle.1
+        );
         for (name, values) in [("cx", values(|at| at.0)), ("cy", values(|at| at.1))] {
             let _ = write!(
                 self.svg,
@@ -154,9 +170,9 @@ fn profile(lane: &Lane, from: f64, to: f64) -> String {
 fn edges(svg: &mut String, ground: &Ground, [from, to]: [f64; 2]) {
     for (lane, colour, side) in [(&ground.left, LANES[0], 1.0), (&ground.right, LANES[1], -1.0)] {
         let steps = lane.edges.iter().zip(lane.heights.windows(2));
-        for (x, _) in steps.filter(|(x, heights)| {
-            (from..to).contains(*x) && (heights[1] - heights[0]).abs() > 0.01
-        }) {
+        for (x, _) in
+            steps.filter(|(x, heights)| (from..to).contains(*x) && (heights[1] - heights[0]).abs() > 0.01)
+        {
             let _ = writeln!(
                 svg,
                 "<line x1=\"{0:.0}\" y1=\"{1:.0}\" x2=\"{0:.0}\" y2=\"{2:.0}\" stroke=\"{colour}\" stroke-width=\"8\"/>",
@@ -193,7 +209,8 @@ fn support(now: &Standing) -> Vec<Vector2<f64>> {
 
 /// The margin over time, at most 0.22 m of it.
 fn curve(svg: &mut String, film: &[Standing], at: &dyn Fn(f64) -> f64) {
-    let (from, to) = (film.first().map_or(0.0, |now| at(now.time)), film.last().map_or(0.0, |now| at(now.time)));
+    let (from, to) =
+        (film.first().map_or(0.0, |now| at(now.time)), film.last().map_or(0.0, |now| at(now.time)));
     let points: Vec<String> = film
         .iter()
         .map(|now| format!("{:.0},{:.0}", at(now.time), CURVE - TALL * now.margin().clamp(0.0, 0.22)))

@@ -92,12 +92,34 @@ impl Display for Summary {
         let most = |of: fn(&Row) -> f64| self.rows.iter().map(of).fold(f64::NEG_INFINITY, f64::max);
         writeln!(f, "walked without a fault or a fall       {} of {count}", count - self.bad())?;
         let steps: usize = self.rows.iter().map(|row| row.steps).sum();
-        writeln!(f, "steps of legs                          {steps}, each leg stands {:.0} % of its time", 100.0 * self.gait.duty())?;
+        writeln!(
+            f,
+            "steps of legs                          {steps}, each leg stands {:.0} % of its time",
+            100.0 * self.gait.duty()
+        )?;
         writeln!(f, "speed of the trunk                     {:.4} m/s at least", least(|row| row.speed))?;
-        writeln!(f, "static margin                          {:.1} mm at least, of {:.0} mm needed", 1e3 * least(|row| row.margin), 1e3 * LEAST)?;
-        writeln!(f, "slip of a foot in a step               {:.2} mm at most, of {:.0} mm allowed", 1e3 * most(|row| row.slip), 1e3 * SLIP)?;
-        writeln!(f, "lean of the trunk                      {:.2} deg at most", most(|row| row.lean).to_degrees())?;
+        writeln!(
+            f,
+            "static margin                          {:.1} mm at least, of {:.0} mm needed",
+            1e3 * least(|row| row.margin),
+            1e3 * LEAST
+        )?;
+        writeln!(
+            f,
+            "slip of a foot in a step               {:.2} mm at most, of {:.0} mm allowed",
+            1e3 * most(|row| row.slip),
+            1e3 * SLIP
+        )?;
+        writeln!(
+            f,
+            "lean of the trunk                      {:.2} deg at most",
+            most(|row| row.lean).to_degrees()
+        )?;
         writeln!(f, "force on a foot                        {:.0} N at most", most(|row| row.force))?;
-        writeln!(f, "simulated                              {:.0} times as fast as real time at least", least(|row| row.rate))
+        writeln!(
+            f,
+            "simulated                              {:.0} times as fast as real time at least",
+            least(|row| row.rate)
+        )
     }
 }

@@ -4,8 +4,8 @@
 //! delta > 0: how deep, n: out of the ground, v: velocity of the foot's middle
 //!
 //! N = max(0, k delta - c v.n)                          never pulls
-//! s = how far the foot has crept from where it stuck,  at most mu N / k long; what is cut off it has slid
-//! F = N n - k s - beta c v_t,   |tangential| <= mu N   beta in 0..1: damping gives way to friction
+//! s = how far the foot has crept from where it stuck,  at most mu N / k_t long; what is cut off it has slid
+//! F = N n - k_t s - beta c_t v_t,   |tangential| <= mu N   beta in 0..1: damping gives way to friction
 //! ```
 
 use nalgebra::Vector3;
@@ -18,6 +18,8 @@ pub const RADIUS: f64 = 0.02;
 pub const STIFFNESS: f64 = 1e5;
 /// Its damping [N s/m] (assumed).
 pub const DAMPING: f64 = 500.0;
+/// Stiffness and damping along the ground are a third of these: rubber's shear modulus is a third of its elastic one.
+pub const SHEAR: f64 = 1.0 / 3.0;
 
 /// One foot.
 #[derive(Clone, Debug, Default)]
@@ -37,7 +39,13 @@ impl Foot {
     }
 
     /// The force of the ground on it \[N\], with this friction, at this velocity [m/s, W], after `h` \[s\] at it.
-    pub fn press(&mut self, contact: &Contact, friction: f64, velocity: &Vector3<f64>, h: f64) -> Vector3<f64> {
+    pub fn press(
+        &mut self,
+        contact: &Contact,
+        friction: f64,
+        velocity: &Vector3<f64>,
+        h: f64,
+    ) -> Vector3<f64> {
         let Contact { depth, normal } = contact;
         let into = velocity.dot(normal);
         let load = (STIFFNESS * depth - DAMPING * into).max(0.0);
@@ -47,13 +55,13 @@ impl Foot {
         // The ground under it may lean otherwise than before.
         self.stretch -= normal * self.stretch.dot(normal);
         let length = self.stretch.norm();
-        let most = cone / STIFFNESS;
+        let most = cone / (SHEAR * STIFFNESS);
         if length > most {
             self.slid += length - most;
             self.stretch *= most / length;
         }
-        let elastic = self.stretch * -STIFFNESS;
-        let viscous = along * -DAMPING;
+        let elastic = self.stretch * -(SHEAR * STIFFNESS);
+        let viscous = along * -(SHEAR * DAMPING);
         let mut tangential = elastic + viscous;
         if tangential.norm() > cone {
             tangential = elastic + viscous * within(&elastic, &viscous, cone);
@@ -85,11 +93,11 @@ mod tests {
     fn it_sticks_within_the_cone_and_slides_beyond_it_by_what_the_spring_cannot_take() {
         let mut foot = Foot::default();
         let h = 1e-4;
-        // 100 N down, friction 0.5: sticks up to 50 N, 0.5 mm of the spring; then it slides.
-        for _ in 0..4 {
+        // 100 N down, friction 0.5: sticks up to 50 N, 1.5 mm of the spring; then it slides.
+        for _ in 0..14 {
             foot.press(&on_the_ground(1e-3), 0.5, &(Vector3::x()), h);
         }
-        assert!(foot.slid == 0.0 && (foot.stretch.x - 4e-4).abs() < 1e-15);
+        assert!(foot.slid == 0.0 && (foot.stretch.x - 1.4e-3).abs() < 1e-15);
         for _ in 0..10 {
             foot.press(&on_the_ground(1e-3), 0.5, &(Vector3::x()), h);
         }

@@ -112,8 +112,7 @@ impl VirtualSensor for Inclinometer {
         let up = X_WT.rotation.inverse() * Vector3::z();
         let true_lean = [up.y.atan2(up.z), -up.x.asin()];
         let noise = 0.03_f64.to_radians();
-        let now: [f64; 2] =
-            core::array::from_fn(|i| true_lean[i] + self.zero[i] + self.chance.within(noise));
+        let now: [f64; 2] = core::array::from_fn(|i| true_lean[i] + self.zero[i] + self.chance.within(noise));
         let before = self.mean.unwrap_or(now);
         let mean: [f64; 2] = core::array::from_fn(|i| before[i] + Self::SHARE * (now[i] - before[i]));
         self.mean = Some(mean);

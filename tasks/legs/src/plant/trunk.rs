@@ -58,8 +58,8 @@ impl Sums {
                 let r = link.at;
                 mass += link.mass;
                 first += r * link.mass;
-                second += link.inertia
-                    + (Matrix3::identity() * r.norm_squared() - r * r.transpose()) * link.mass;
+                second +=
+                    link.inertia + (Matrix3::identity() * r.norm_squared() - r * r.transpose()) * link.mass;
                 flow += link.velocity * link.mass;
                 swirl += r.cross(&link.velocity) * link.mass + link.inertia * link.turning;
             }
@@ -71,8 +71,7 @@ impl Sums {
     #[must_use]
     pub fn twist(&self, momentum: &Vector3<f64>, angular: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
         let s = &self.S;
-        let about_centre =
-            self.J - (Matrix3::identity() * s.norm_squared() - s * s.transpose()) / self.M;
+        let about_centre = self.J - (Matrix3::identity() * s.norm_squared() - s * s.transpose()) / self.M;
         let free = momentum - self.U;
         let spin = angular - self.K - s.cross(&free) / self.M;
         // It is the inertia about the centre of mass: positive definite, as the trunk is a solid.

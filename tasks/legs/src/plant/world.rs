@@ -90,22 +90,28 @@ impl World {
         }
         let h = PERIOD / f64::from(SUBSTEPS);
         let mut impulses = [Vector3::zeros(); 4];
+        self.drift(&from, 0.0, 0.5 * h);
         for step in 0..SUBSTEPS {
             self.kick(h, &mut impulses);
-            let middle = (f64::from(step) + 0.5) * h;
-            for i in 0..4 {
-                self.q[i] = from[i] + self.qd[i] * middle;
-            }
-            let sums = Sums::of(&self.legs, &self.q, &self.qd);
-            self.trunk.drift(&sums, h);
-            for i in 0..4 {
-                self.q[i] = from[i] + self.qd[i] * (middle + 0.5 * h);
-            }
+            let now = (f64::from(step) + 0.5) * h;
+            self.drift(&from, now, if step + 1 == SUBSTEPS { 0.5 * h } else { h });
         }
         self.loads = impulses.map(|impulse| impulse / PERIOD);
         self.periods += 1;
         let standing = self.standing();
         self.seen.look(&standing);
+    }
+
+    /// Moves on with constant momenta for `h` \[s\], from the time `now` of a period that began with the joints at `from`.
+    fn drift(&mut self, from: &[Three; 4], now: f64, h: f64) {
+        for i in 0..4 {
+            self.q[i] = from[i] + self.qd[i] * (now + 0.5 * h);
+        }
+        let sums = Sums::of(&self.legs, &self.q, &self.qd);
+        self.trunk.drift(&sums, h);
+        for i in 0..4 {
+            self.q[i] = from[i] + self.qd[i] * (now + h);
+        }
     }
 
     /// The forces of a step.
@@ -140,7 +146,8 @@ impl World {
     pub fn standing(&self) -> Standing {
         let X_WT = self.trunk.pose();
         let sums = Sums::of(&self.legs, &self.q, &self.qd);
-        let feet = core::array::from_fn(|i| X_WT.transform_point(&self.legs[i].foot(&self.q[i]).into()).coords);
+        let feet =
+            core::array::from_fn(|i| X_WT.transform_point(&self.legs[i].foot(&self.q[i]).into()).coords);
         Standing {
             time: self.periods as f64 * PERIOD,
             X_WT,

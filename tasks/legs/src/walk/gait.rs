@@ -185,7 +185,9 @@ mod tests {
         let gait = Gait { footsteps: 8, ..Gait::default() };
         let h = 1e-4;
         let speed = |t: f64| (gait.way(t + h) - gait.way(t - h)) / (2.0 * h);
-        assert!((speed(3.0) - 0.1).abs() < 1e-9 && speed(-1.1) == 0.0 && speed(gait.ends() + 1.0).abs() < 1e-9);
+        assert!(
+            (speed(3.0) - 0.1).abs() < 1e-9 && speed(-1.1) == 0.0 && speed(gait.ends() + 1.0).abs() < 1e-9
+        );
         // Two cycles at 0.1 m/s, and half of that speed in the ramps.
         assert!((gait.way(gait.ends()) - 0.812).abs() < 1e-12);
         for i in 0..(gait.ends() / h) as i32 {

@@ -121,7 +121,7 @@ mod tests {
     }
 
     #[test]
-    fn once_it_has_touched_it_stops_within_a_millimetre_and_stays() {
+    fn once_it_has_touched_it_stops_within_two_millimetres_and_stays() {
         let mut swing = swing();
         let t = 0.95 * 0.56;
         let at = swing.at(t);
@@ -129,6 +129,6 @@ mod tests {
         assert!((swing.at(t) - at).norm() < 1e-12);
         let rest = swing.at(t + 1.0);
         assert_eq!(swing.at(t + STOP), rest);
-        assert!((at.z - rest.z - 0.5 * DOWN * STOP).abs() < 1e-6 && (at - rest).norm() < 1e-3);
+        assert!((at.z - rest.z - 0.5 * DOWN * STOP).abs() < 1e-6 && (at - rest).norm() < 2e-3);
     }
 }
