@@ -1,0 +1,5 @@
+//! The motion of the task, as a step function.
+
+mod step;
+
+pub use step::{Legs, Stride};

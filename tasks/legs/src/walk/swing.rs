@@ -1,0 +1,134 @@
+//! The way of a foot through the air: up, over, down, and down slowly until it touches.
+//!
+//! In: from where to where, and how high, over the ground. Out: where the foot is, over the ground: its velocity along the ground is zero
+//! where it leaves it and where it comes down, whatever the trunk does meanwhile.
+
+use nalgebra::Vector3;
+
+use super::gait::soft;
+
+/// How fast a foot comes down at last [m/s].
+pub const DOWN: f64 = 0.12;
+/// It comes down at that speed from so far over where the ground should be \[m\].
+pub const OVER: f64 = 0.01;
+/// How long a foot takes to stop once it has touched \[s\].
+const STOP: f64 = 0.016;
+/// Shares of the swing: when it moves ahead from and to, when it is highest, when it comes down slowly.
+const AHEAD: [f64; 2] = [0.16, 0.9];
+const HIGHEST: f64 = 0.45;
+const SLOW: f64 = 0.84;
+/// In this share of the swing it is lifted by no more than this \[m\]: the others take over its load gently.
+const UNLOADS: f64 = 0.15;
+const BARELY: f64 = 1.5e-3;
+
+/// A swing.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Swing {
+    from: Vector3<f64>,
+    to: Vector3<f64>,
+    top: f64,
+    lasts: f64,
+    /// When and where it touched, and at what velocity.
+    touched: Option<(f64, Vector3<f64>, Vector3<f64>)>,
+}
+
+impl Swing {
+    /// From one place to another \[m\], at least as high as `top` on the way, in `lasts` \[s\].
+    #[must_use]
+    pub const fn new(from: Vector3<f64>, to: Vector3<f64>, top: f64, lasts: f64) -> Self {
+        Self { from, to, top, lasts, touched: None }
+    }
+
+    /// Where it is to come down \[m\].
+    #[must_use]
+    pub const fn to(&self) -> &Vector3<f64> {
+        &self.to
+    }
+
+    /// Whether it may touch at a time: it is on its way down.
+    #[must_use]
+    pub fn may_touch(&self, t: f64) -> bool {
+        t > 0.6 * self.lasts
+    }
+
+    /// Whether it has touched.
+    #[must_use]
+    pub const fn has_touched(&self) -> bool {
+        self.touched.is_some()
+    }
+
+    /// It has touched the ground, at the time `t` \[s\].
+    pub fn touch(&mut self, t: f64) {
+        const H: f64 = 1e-4;
+        let velocity = (self.free(t + H) - self.free(t - H)) / (2.0 * H);
+        self.touched = Some((t, self.free(t), velocity));
+    }
+
+    /// Where the foot is at the time `t` \[s\] from its lift.
+    #[must_use]
+    pub fn at(&self, t: f64) -> Vector3<f64> {
+        match self.touched {
+            None => self.free(t),
+            Some((when, at, velocity)) => {
+                let since = (t - when).clamp(0.0, STOP);
+                at + velocity * (since - 0.5 * since * since / STOP)
+            }
+        }
+    }
+
+    /// As if there were no ground.
+    fn free(&self, t: f64) -> Vector3<f64> {
+        let u = t / self.lasts;
+        let over = self.from + (self.to - self.from) * soft((u - AHEAD[0]) / (AHEAD[1] - AHEAD[0]));
+        let low = self.to.z + OVER;
+        let z = if u <= HIGHEST {
+            self.from.z
+                + BARELY * soft(u / UNLOADS)
+                + (self.top - self.from.z - BARELY) * soft((u - UNLOADS) / (HIGHEST - UNLOADS))
+        } else if u <= SLOW {
+            let time = (SLOW - HIGHEST) * self.lasts;
+            let s = (u - HIGHEST) / (SLOW - HIGHEST);
+            // A fifth-degree polynomial from rest to the speed at which it comes down: s³ (7 s - 3 s² - 4) is its slope's part.
+            self.top + (low - self.top) * soft(s) - DOWN * time * s * s * s * (7.0 * s - 3.0 * s * s - 4.0)
+        } else {
+            low - DOWN * (u - SLOW) * self.lasts
+        };
+        Vector3::new(over.x, over.y, z)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn swing() -> Swing {
+        Swing::new(Vector3::new(0.0, 0.2, 0.0), Vector3::new(0.3, 0.2, 0.02), 0.06, 0.56)
+    }
+
+    #[test]
+    fn it_has_no_corner_and_stands_over_the_ground_where_it_leaves_and_comes_down() {
+        let swing = swing();
+        let h = 1e-5;
+        let velocity = |t: f64| (swing.at(t + h) - swing.at(t - h)) / (2.0 * h);
+        for share in [UNLOADS, HIGHEST, SLOW, 0.16, 0.9] {
+            let t = share * 0.56;
+            assert!((velocity(t + 2.0 * h) - velocity(t - 2.0 * h)).norm() < 2e-2, "{share}");
+        }
+        assert!((swing.at(HIGHEST * 0.56).z - 0.06).abs() < 1e-12);
+        assert!((velocity(0.95 * 0.56) - Vector3::new(0.0, 0.0, -DOWN)).norm() < 1e-6);
+        assert!((swing.at(0.95 * 0.56).xy() - swing.to().xy()).norm() < 1e-12);
+        assert_eq!(swing.at(0.0), Vector3::new(0.0, 0.2, 0.0));
+    }
+
+    #[test]
+    fn once_it_has_touched_it_stops_within_two_millimetres_and_stays() {
+        let mut swing = swing();
+        let t = 0.95 * 0.56;
+        let at = swing.at(t);
+        swing.touch(t);
+        assert!((swing.at(t) - at).norm() < 1e-12);
+        let rest = swing.at(t + 1.0);
+        assert_eq!(swing.at(t + STOP), rest);
+        assert!((at.z - rest.z - 0.5 * DOWN * STOP).abs() < 1e-6 && (at - rest).norm() < 2e-3);
+    }
+}
