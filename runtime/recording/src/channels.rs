@@ -108,6 +108,7 @@ fn topic(record: &Record) -> (Topic, Option<&'static Shape>) {
         }
         What::Body { body, .. } => (Topic::Body(body), None),
         What::Abort { .. }
+        | What::Jog { .. }
         | What::Late { .. }
         | What::LateRequest { .. }
         | What::Found { .. }
@@ -300,6 +301,10 @@ fn write_record(out: &mut String, record: &Record, joints: usize, signals: &[Sig
             out.write_str("}")
         }
         What::Abort { step } => return write_event(out, step, record.by, "abort", ""),
+        What::Jog { step, robot } => {
+            let now = JogNow::get(words).unwrap_or_default();
+            return write_event(out, step, record.by, "jog", &format!("{robot} {now}"));
+        }
         What::Late { step } => return write_event(out, step, record.by, "late", ""),
         What::LateRequest { step, nth, due } => {
             let came = format!("request {nth} in step {due}");
