@@ -16,6 +16,7 @@ use mrroc_core::observe::layout::{Layout, SignalLayout};
 use mrroc_core::observe::ring::Record;
 use mrroc_core::observe::witness::STATE_WORDS;
 use mrroc_core::observe::witness::{Mode, ReadingState, What};
+use mrroc_core::operator::jog::JogNow;
 use mrroc_core::operator::state::Doing;
 use mrroc_core::payload::Shape;
 use mrroc_core::payload::Wire;

@@ -17,9 +17,9 @@ use mrroc_core::fault::{ProcessId, Role};
 use mrroc_core::link::Nanos;
 use mrroc_core::observe::layout::{Layout, SignalLayout};
 use mrroc_core::observe::witness::ReadingState;
+use mrroc_core::operator::jog::JogNow;
 use mrroc_core::payload::Shape;
 use mrroc_core::replay::readings::RecordedReading;
-use mrroc_core::operator::jog::JogNow;
 use mrroc_core::replay::script::{ScriptedJog, ScriptedStep};
 use mrroc_core::replay::{LateRequest, RecordedImage, RecordedReadings, RecordedRobot, RecordedRun, Script};
 use mrroc_core::robot::{Channel, MAX_JOINTS, Measured, Signals, Value as Signal};
@@ -95,7 +95,18 @@ impl Messages {
         let (readings, steps, jogs) = (Vec::new(), Vec::new(), Vec::new());
         let (late, aborts) = (BTreeSet::new(), BTreeSet::new());
         let signals = layout.robots.iter().map(|robot| robot.signals.clone()).collect();
-        Ok(Messages { robots, signals, sensors, readings, steps, jogs, late, aborts, outside: None, end: None })
+        Ok(Messages {
+            robots,
+            signals,
+            sensors,
+            readings,
+            steps,
+            jogs,
+            late,
+            aborts,
+            outside: None,
+            end: None,
+        })
     }
 
     /// The last step of the MP read so far.

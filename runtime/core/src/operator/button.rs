@@ -198,7 +198,8 @@ impl Button {
         let [kind, value, ref more @ ..] = words;
         if let (10 | 11, robot) = (kind, Name::get(more)) {
             let (robot, done) = (robot.ok()?, kind == 11);
-            let jog = || Some(Button::Jog(Renewal::from_word(value), robot, JogOrder::get(&more[NAME..]).ok()?));
+            let jog =
+                || Some(Button::Jog(Renewal::from_word(value), robot, JogOrder::get(&more[NAME..]).ok()?));
             return if done { Some(Button::JogDone(robot)) } else { jog() };
         }
         let plain = [
@@ -230,7 +231,10 @@ fn read_jog(rest: &str) -> Result<Button, NoButton> {
     let robot = words.next().and_then(|word| Name::new(word).ok());
     let Some((renewal, robot)) = renewal.zip(robot) else {
         let help = "write the number of the hold, the count of the renewal, the robot and what it is to do: jog 4711 0 left tool x 20%";
-        return Err(NoButton { what: format!("`{}` is no jog", rest.trim().escape_default()), help: help.to_owned() });
+        return Err(NoButton {
+            what: format!("`{}` is no jog", rest.trim().escape_default()),
+            help: help.to_owned(),
+        });
     };
     JogOrder::read(&mut words).map(|order| Button::Jog(renewal, robot, order))
 }
@@ -308,7 +312,9 @@ impl CellState {
     pub const fn reason(self, button: Button) -> &'static str {
         match self {
             CellState::Acknowledged if matches!(button, Button::Reset) => "the cause of the fault persists",
-            _ if matches!(button, Button::Hold(_) | Button::Jog(..)) => "the cell is not at reduced speed: write reduced on",
+            _ if matches!(button, Button::Hold(_) | Button::Jog(..)) => {
+                "the cell is not at reduced speed: write reduced on"
+            }
             CellState::Idle => "nothing runs",
             CellState::Running => "it runs",
             CellState::Suspended => "it is suspended",
@@ -433,18 +439,18 @@ mod tests {
         let motion = JogMotion::Joint { joint: 2 };
         let jog = JogOrder { motion, speed: -0.25, way: Some(0.1) };
         [
-        Button::Stop,
-        Button::Abort,
-        Button::Suspend,
-        Button::Resume,
-        Button::Speed(0.5),
-        Button::Acknowledge,
-        Button::Reset,
-        Button::Reduced(true),
-        Button::Hold(Renewal::first(4711)),
-        Button::LetGo(4711),
-        Button::Jog(Renewal::first(4711), left, jog),
-        Button::JogDone(left),
+            Button::Stop,
+            Button::Abort,
+            Button::Suspend,
+            Button::Resume,
+            Button::Speed(0.5),
+            Button::Acknowledge,
+            Button::Reset,
+            Button::Reduced(true),
+            Button::Hold(Renewal::first(4711)),
+            Button::LetGo(4711),
+            Button::Jog(Renewal::first(4711), left, jog),
+            Button::JogDone(left),
         ]
     }
 

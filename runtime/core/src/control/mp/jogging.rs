@@ -18,9 +18,7 @@ use crate::model::wire::WORDS;
 use crate::observe::witness::What;
 use crate::operator::button::Button;
 use crate::operator::jog::panel::named;
-use crate::operator::jog::{
-    JogFrame, JogMotion, JogNow, JogOrder, JogPanel, JogRefusal, JogSeat, JogStop,
-};
+use crate::operator::jog::{JogFrame, JogMotion, JogNow, JogOrder, JogPanel, JogRefusal, JogSeat, JogStop};
 use crate::operator::state::Doing;
 
 use super::Mp;
@@ -118,7 +116,9 @@ impl Mp<'_> {
         let strange = (robot.owner != self.robots.owner).then_some(robot.name);
         Owner::refuse("robot", strange).map_err(|fault| fault.in_process(self.process))?;
         let model = Rc::clone(&self.robots[robot.index].model).downcast::<R>().map_err(|_| {
-            Fault::new(FaultKind::Config).text("a cell is not jogged: its robots are").in_process(self.process)
+            Fault::new(FaultKind::Config)
+                .text("a cell is not jogged: its robots are")
+                .in_process(self.process)
         })?;
         let seats = &mut self.jogging.seats;
         let seat = match seats.iter().find(|own| own.index == robot.index) {
@@ -148,7 +148,9 @@ impl Mp<'_> {
         let robot = &self.robots[index];
         // What the robots of a lower cell do is that cell's to say.
         let by_mp = self.jogging.moved.has(index) && !self.jogging.seat(index).is_some_and(|own| own.asks);
-        by_mp || robot.reply.is(flag::OWN_WAY) || robot.lower.is_some() && robot.is_in(self.robots.ordinal)
+        by_mp
+            || robot.reply.is(flag::OWN_WAY)
+            || robot.lower.is_some() && robot.is_in(self.robots.ordinal)
             || self.background.has(index)
     }
 

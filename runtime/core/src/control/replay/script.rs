@@ -128,7 +128,8 @@ mod tests {
 
     #[test]
     fn steps_that_were_skipped_are_skipped_again() {
-        let script = Script(vec![step(1), step(2), step(5), ScriptedStep { late: true, ..step(6) }], Vec::new());
+        let script =
+            Script(vec![step(1), step(2), step(5), ScriptedStep { late: true, ..step(6) }], Vec::new());
         assert_eq!([0, 1, 2, 3, 5, 6].map(|after| script.after(after)), [1, 2, 5, 5, 6, 7]);
         assert_eq!([0, 2, 4, 5, 9].map(|step| script.last_until(step)), [0, 2, 2, 5, 6]);
         assert_eq!((script.last(), script.was_late(5), script.was_late(6)), (6, false, true));
@@ -140,22 +141,22 @@ mod tests {
         let jog = |step, now| ScriptedJog { step, robot, now };
         let done = JogNow::Done { press: 7 };
         let script = Script(Vec::new(), vec![jog(3, done), jog(5, JogNow::Nothing)]);
-        assert_eq!([2, 3, 4, 5, 9].map(|step| script.jog(step).map(|(_, now)| now)), [
-            None,
-            Some(done),
-            Some(done),
-            None,
-            None
-        ]);
+        assert_eq!(
+            [2, 3, 4, 5, 9].map(|step| script.jog(step).map(|(_, now)| now)),
+            [None, Some(done), Some(done), None, None]
+        );
     }
 
     #[test]
     fn the_operator_wants_what_he_wanted() {
-        let script = Script(vec![
-            ScriptedStep { speed: 0.5, suspended: true, ..step(1) },
-            ScriptedStep { speed: 0.5, aborts: true, ..step(2) },
-            ScriptedStep { stopping: true, ..step(3) },
-        ], Vec::new());
+        let script = Script(
+            vec![
+                ScriptedStep { speed: 0.5, suspended: true, ..step(1) },
+                ScriptedStep { speed: 0.5, aborts: true, ..step(2) },
+                ScriptedStep { stopping: true, ..step(3) },
+            ],
+            Vec::new(),
+        );
         let operator = Operator::new();
         operator.begin();
         script.begin(1, &operator);

@@ -44,7 +44,9 @@ impl JogRefusal {
             JogRefusal::NoRobot => "the cell has no such robot",
             JogRefusal::NoFrame => "the cell names no such frame",
             JogRefusal::NoJoint => "the robot has not these joints",
-            JogRefusal::NoProgram => "no program lets this robot be jogged now: one does while it moves it by a jog panel",
+            JogRefusal::NoProgram => {
+                "no program lets this robot be jogged now: one does while it moves it by a jog panel"
+            }
             JogRefusal::OthersMove => "another robot moves by its own program, and would move while you jog",
         }
     }

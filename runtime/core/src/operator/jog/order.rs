@@ -80,8 +80,7 @@ pub enum JogAxis {
 
 impl JogAxis {
     /// All of them; one travels as its place in this list.
-    pub const ALL: [JogAxis; 6] =
-        [JogAxis::X, JogAxis::Y, JogAxis::Z, JogAxis::Rx, JogAxis::Ry, JogAxis::Rz];
+    pub const ALL: [JogAxis; 6] = [JogAxis::X, JogAxis::Y, JogAxis::Z, JogAxis::Rx, JogAxis::Ry, JogAxis::Rz];
 
     /// Its word.
     #[must_use]
@@ -306,14 +305,9 @@ mod tests {
 
     fn motions() -> impl Strategy<Value = JogMotion> {
         let table = Name::new("table-with-twenty-four-b").expect("a name");
-        let frame = prop_oneof![
-            Just(JogFrame::Tool),
-            Just(JogFrame::World),
-            Just(JogFrame::Named(table))
-        ];
+        let frame = prop_oneof![Just(JogFrame::Tool), Just(JogFrame::World), Just(JogFrame::Named(table))];
         prop_oneof![
-            (frame, 0_usize..6)
-                .prop_map(|(frame, axis)| JogMotion::Tool { frame, axis: JogAxis::ALL[axis] }),
+            (frame, 0_usize..6).prop_map(|(frame, axis)| JogMotion::Tool { frame, axis: JogAxis::ALL[axis] }),
             (0..MAX_JOINTS as u8).prop_map(|joint| JogMotion::Joint { joint }),
             prop::collection::vec(-7.0..7.0_f64, 1..=MAX_JOINTS).prop_map(|positions| {
                 JogMotion::To { joints: JogJoints::new(&positions).expect("finite") }

@@ -132,7 +132,9 @@ impl JogStop {
         match self {
             JogStop::None => String::new(),
             JogStop::Joint(joint) => format!("joint {} is at its limit", u32::from(joint) + 1),
-            JogStop::Way => "the arm cannot go on this way: its reach ends, or a singularity is near".to_owned(),
+            JogStop::Way => {
+                "the arm cannot go on this way: its reach ends, or a singularity is near".to_owned()
+            }
             JogStop::There => "it is there".to_owned(),
         }
     }
