@@ -166,8 +166,12 @@ impl<R: Robot> Ahead<R> {
         if !(bears && speed >= SLOWEST * self.full) {
             return Err(JogStop::Way);
         }
-        let time = (s - self.clear) / speed;
-        let coupled = model.check_coupled(&self.joints, &joints, time);
+        // Limits that joints share are kept away from as those of single joints.
+        let step = joints - self.joints;
+        let longest = step.as_slice().iter().fold(f64::MIN_POSITIVE, |longest, q| q.abs().max(longest));
+        let further = limits.margin / longest;
+        let time = (1.0 + further) * (s - self.clear) / speed;
+        let coupled = model.check_coupled(&self.joints, &(joints + step * further), time);
         coupled.map_err(|broken| JogStop::Joint(broken.joint as u8)).map(|()| (joints, speed))
     }
 }
