@@ -36,20 +36,20 @@ pub fn attend(layout: &Layout, cell: &Path) -> ExitCode {
     let _ = rustix::process::setpriority_process(None, LAST);
     let looks = Arc::new(Looks::of(layout));
     match Desk::open(cell, Arc::clone(&looks)) {
-        Ok((desk, shown)) => begin(looks, Source::Running(desk, shown)),
+        Ok((desk, shown)) => begin(looks, Source::Running(desk, shown), Some(cell)),
         Err(error) => refused(&error),
     }
 }
 
 /// Shows a run that is over, until this process is ended.
 pub fn play(looks: Arc<Looks>, course: Course) -> ExitCode {
-    begin(looks, Source::Over(Box::new(course)))
+    begin(looks, Source::Over(Box::new(course)), None)
 }
 
-fn begin(looks: Arc<Looks>, source: Source) -> ExitCode {
+fn begin(looks: Arc<Looks>, source: Source, cell: Option<&Path>) -> ExitCode {
     let runtime = tokio::runtime::Builder::new_current_thread().enable_io().enable_time().build();
     let ended = match runtime {
-        Ok(runtime) => runtime.block_on(run(looks, source)),
+        Ok(runtime) => runtime.block_on(run(looks, source, cell)),
         Err(error) => Err(error),
     };
     match ended {
@@ -58,7 +58,7 @@ fn begin(looks: Arc<Looks>, source: Source) -> ExitCode {
     }
 }
 
-async fn run(looks: Arc<Looks>, source: Source) -> io::Result<()> {
+async fn run(looks: Arc<Looks>, source: Source, cell: Option<&Path>) -> io::Result<()> {
     let port = std::env::var(PORT).ok().and_then(|port| port.parse().ok()).unwrap_or(0);
     let listener = TcpListener::bind(("127.0.0.1", port)).await?;
     let port = listener.local_addr()?.port();
@@ -67,7 +67,8 @@ async fn run(looks: Arc<Looks>, source: Source) -> io::Result<()> {
         Source::Running(_, shown) => Some(shown.clone()),
         Source::Over(_) => None,
     };
-    let panel = Arc::new(Panel::new(source, looks, token, port));
+    let panel = Panel::new(source, looks, token, port);
+    let panel = Arc::new(cell.into_iter().fold(panel, Panel::teaching));
     let how = if shown.is_some() { "" } else { "; Ctrl-C ends it" };
     let _ = say(&format!("panel: http://127.0.0.1:{port}/#token={token}{how}\n"));
     tokio::select! {

@@ -3,12 +3,14 @@
 //! In: connections. Out: the files of the page, and a [`socket`](crate::socket) for each page that connects. No request changes
 //! anything in the cell: that is for messages of a page that has shown the token.
 
+use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 use axum::Router;
 use axum::body::Body;
+use axum::extract::ws::Utf8Bytes;
 use axum::extract::{Request, State, WebSocketUpgrade};
 use axum::http::{Method, Response, StatusCode, header};
 use axum::middleware::{Next, from_fn_with_state};
@@ -18,6 +20,7 @@ use hyper::server::conn::http1;
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
 use mrroc_core::console::complain;
+use serde_json::json;
 use tokio::net::TcpListener;
 use tokio::sync::{Semaphore, broadcast, watch};
 
@@ -25,6 +28,7 @@ use crate::course::Course;
 use crate::desk::{Desk, Shown};
 use crate::now::Looks;
 use crate::page;
+use crate::poses::{Pose, Poses};
 use crate::rules::door::{Door, Way};
 use crate::rules::token::Token;
 use crate::rules::{CONNECTIONS, LONGEST, PAGES};
@@ -53,6 +57,9 @@ pub struct Panel {
     pub stand: Stand,
     /// Sentences for all pages.
     pub notes: broadcast::Sender<Arc<str>>,
+    /// The poses that robots were taught, and what pages are told of them.
+    pub poses: Option<Poses>,
+    pub taught: watch::Sender<Option<Utf8Bytes>>,
     /// Places of pages.
     pub pages: Arc<Semaphore>,
     door: Door,
@@ -70,11 +77,37 @@ impl Panel {
             token,
             stand: Stand::default(),
             notes: broadcast::channel(NOTES).0,
+            poses: None,
+            taught: watch::Sender::default(),
             pages: Arc::new(Semaphore::new(PAGES)),
             door: Door::at(port),
             numbers: AtomicU64::new(0),
             since: Instant::now(),
         }
+    }
+
+    /// The same, which teaches poses beside the file of the cell.
+    #[must_use]
+    pub fn teaching(mut self, cell: &Path) -> Panel {
+        self.poses = Some(Poses::of(cell));
+        self.tell_taught();
+        self
+    }
+
+    /// Tells all pages which poses robots were taught.
+    pub fn tell_taught(&self) {
+        let Some(poses) = &self.poses else { return };
+        let of = |robot: &str| match poses.of_robot(robot) {
+            Ok(poses) => {
+                let pose = |pose: &Pose| json!({"name": pose.name.as_str(), "joints": pose.joints});
+                json!({"poses": poses.iter().map(pose).collect::<Vec<_>>()})
+            }
+            Err(why) => json!({"poses": [], "why": why}),
+        };
+        let robots: serde_json::Map<_, _> =
+            self.looks.robots().map(|robot| (robot.to_owned(), of(robot))).collect();
+        let text = json!({"kind": "poses", "robots": robots}).to_string();
+        self.taught.send_replace(Some(text.into()));
     }
 
     /// The number of a new page.

@@ -40,7 +40,7 @@ fn served() -> Served {
     let looks = Arc::new(looks());
     let text = looks.state(&Now { state: "running", step: 1000, ..Now::default() }).to_string();
     let stamp = Stamp { epoch: 0, step: 1000 };
-    let shown = Shown { text: Some(text.into()), stamp: Some((stamp, 2_000_000)), over: None };
+    let shown = Shown { text: Some(text.into()), stamp: Some((stamp, 2_000_000)), ..Shown::default() };
     let (show, shown) = watch::channel(shown);
     let (writes, asked) = channel();
     let writes = Mutex::new(writes);
@@ -305,6 +305,8 @@ fn a_page_is_shown_the_links_and_the_tool_where_the_robots_own_kinematics_have_t
         measured: joints.as_slice().to_vec(),
         tool,
         doing: String::new(),
+        jogs: false,
+        stop: String::new(),
     };
     let state = looks().state(&Now { robots: vec![robot], ..Now::default() });
     let numbers = |value: &Value| {
