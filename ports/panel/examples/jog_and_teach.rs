@@ -25,12 +25,14 @@ fn cell(file: &CellFile) -> Result<Cell, CellError> {
     Ok(cell.ecp::<Irp6>("left", move |ecp| jog_and_replay(ecp, &poses)).ecp::<Irp6>("right", jog))
 }
 
+// ANCHOR: jog
 /// Three lines let a person jog an arm, until he says that it is done.
 fn jog(ecp: &mut Ecp<Irp6>) -> Result<(), Fault> {
     let panel = ecp.jog_panel();
     ecp.move_robot((), PanelJog::by(panel))?;
     Ok(())
 }
+// ANCHOR_END: jog
 
 fn jog_and_replay(ecp: &mut Ecp<Irp6>, poses: &Path) -> Result<(), Fault> {
     let tool = ProfileLimits { velocity: 0.2, acceleration: 0.5 };
@@ -38,10 +40,12 @@ fn jog_and_replay(ecp: &mut Ecp<Irp6>, poses: &Path) -> Result<(), Fault> {
     loop {
         ecp.move_robot((), JointMove::to(HOME, Six::repeat(0.1), Six::repeat(0.4)))?;
         jog(ecp)?;
-        // What the page has taught meanwhile, in the order of the file; `select` takes some of them, by their names.
         if poses.exists() {
+            // ANCHOR: replay
+            // What the page has taught meanwhile, in the order of the file; `select` takes some of them, by their names.
             let taught = Taught::read(poses)?;
             ecp.move_robot((), Replay::of(taught, Six::repeat(0.2), Six::repeat(0.8), tool))?;
+            // ANCHOR_END: replay
         }
     }
 }

@@ -150,7 +150,10 @@ export class Jogging {
     if (!this.operating.yours) return 'Take control first.';
     if (this.robot.includes('.')) return 'A robot of a lower cell is jogged at that cell.';
     if (!['running', 'suspended'].includes(this.state.state)) return `Nothing can be jogged: the cell is ${this.state.state}.`;
-    if (!robot.jogs) return 'No program lets this robot be jogged now.';
+    if (!robot.jogs) {
+      const doing = robot.doing ? `: it is at ${robot.doing}` : '';
+      return `No program lets this robot be jogged now${doing}.${this.state.reduced ? ' Hold to run, and it goes on.' : ''}`;
+    }
     if (!this.state.reduced) return 'Press Reduced speed first.';
     return '';
   }
