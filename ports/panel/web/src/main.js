@@ -72,7 +72,7 @@ function build(message) {
   plots.speed.begin(layout.robots.map((robot) => robot.name));
   late = [];
   const played = layout.lasts !== null;
-  by('operating').hidden = by('processes-part').hidden = by('late-figure').hidden = played;
+  by('stop').hidden = by('operating').hidden = by('processes-part').hidden = by('late-figure').hidden = played;
   document.querySelector('.plots').classList.toggle('two', played);
   choose();
   jogging.begin(layout);
