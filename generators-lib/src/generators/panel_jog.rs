@@ -122,8 +122,7 @@ impl<R: Robot> PanelJog<R> {
             }
             return Ok(rests);
         }
-        // The operator's rate has stopped the robot: what it does next begins at rest.
-        jog.run.stand();
+        // The operator's rate has stopped the robot. What is asked for still goes on as it was; anything else begins at rest.
         if asked.is_none_or(|(press, _)| press != jog.press) {
             self.jog = None;
             self.panel.tell(JogStop::None);

@@ -24,11 +24,6 @@ impl Run {
         self.at.velocity == 0.0 && self.at.acceleration == 0.0
     }
 
-    /// Path time stands still, and with it the robot, however fast it was in path time.
-    pub const fn stand(&mut self) {
-        (self.at.velocity, self.at.acceleration) = (0.0, 0.0);
-    }
-
     /// Goes on for `dt` \[s\] of path time, > 0: at up to `share` of the largest speed, or to rest where it is `None`; never
     /// farther than the way is clear.
     ///
