@@ -11,6 +11,7 @@
 //! - [`feed`]: the speed along such a spline;
 //! - [`timing`]: the fastest motion along a given path of joints;
 //! - [`via`]: straight legs through via points within a stated deviation;
+//! - [`jogging`]: ways of a robot that a person jogs, looked at before they are gone;
 //! - [`teach`]: taught poses and their files, also in the format of MRROC++;
 //! - [`cooperation`]: several arms on one body;
 //! - [`force`]: force control: each axis of a tool moves freely, is guarded, or keeps a load;
@@ -38,6 +39,7 @@ pub mod feed;
 pub mod force;
 pub mod generators;
 pub mod jerk;
+pub mod jogging;
 pub mod line;
 pub mod profile;
 pub mod rehearsal;

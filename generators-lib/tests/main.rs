@@ -18,6 +18,7 @@ mod jerk_properties;
 mod jerk_reference;
 mod memory;
 mod pages;
+mod panel_jog;
 mod pictures;
 mod profile_properties;
 mod profiles;

@@ -133,6 +133,7 @@ impl Sights {
             What::Step { .. }
             | What::Instruction { .. }
             | What::Abort { .. }
+            | What::Jog { .. }
             | What::Late { .. }
             | What::LateRequest { .. }
             | What::Order { .. }

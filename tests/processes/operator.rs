@@ -456,6 +456,43 @@ fn a_cell_that_does_not_run_cannot_be_operated() {
 }
 
 #[test]
+fn fault_234_a_console_that_may_not_jog_is_told_why() {
+    let place = Place::new(74);
+    let operator = |launch: &mut Launch| {
+        let mut console = Console::new(&place);
+        let jog = |hold: u32, robot: &str, order: &str| format!("jog {hold} 0 {robot} {order}");
+        let answer = console.ask(&jog(5, "left", "tool x 20%"));
+        assert!(answer.starts_with("refused: the cell is not at reduced speed"), "{answer}");
+        assert!(console.ask("reduced on").starts_with("reduced speed"));
+        wait_until(|| stand(launch));
+        let stands = last_joints(launch, "left");
+        for (hold, robot, order, why) in [
+            (6, "left", "tool x 20%", "no program lets this robot be jogged now"),
+            (7, "nobody", "tool x 20%", "the cell has no such robot"),
+            (8, "left", "frame moon x 20%", "the cell names no such frame"),
+            (9, "left", "joint 8 20%", "the robot has not these joints"),
+            (10, "left", "to 20% 0 0", "the robot has not these joints"),
+            (11, "left", "tool x 120%", "it is not said what is to be jogged"),
+        ] {
+            let answer = console.ask(&jog(hold, robot, order));
+            assert!(answer.starts_with("refused: ") && answer.contains(why), "{robot} {order}: {answer}");
+        }
+        let answer = console.ask("jog-done left");
+        assert!(answer.starts_with("refused: no program lets this robot be jogged now"), "{answer}");
+        // Another console has not the control.
+        let answer = Console::new(&place).ask(&jog(12, "left", "tool x 20%"));
+        assert!(answer.starts_with("refused: the console of process"), "{answer}");
+        assert_eq!(last_joints(launch, "left"), stands, "nothing has moved");
+        assert!(console.ask("reduced off").starts_with("full speed, and suspended"));
+        assert!(console.ask("resume").starts_with("resumed: step "));
+    };
+    operate(&place, operator, |launch, status, ()| {
+        assert_eq!(status, Some(0), "{}", launch.said());
+        assert_ends_where_it_would_have(&place, launch);
+    });
+}
+
+#[test]
 fn fault_05_robots_at_reduced_speed_move_while_a_console_holds_and_end_where_they_would_have() {
     let place = Place::new(95);
     let operator = |launch: &mut Launch| {

@@ -11,6 +11,9 @@
 //! 0.15 0.07 : 0.2 -1.57 0.16 -0.16 4.71 0
 //! ```
 //!
+//! A pose may have a name, by which a program asks for it, [`Taught::select`]: `pick = 0.15 0.07 : 0.2 -1.57 ..`. The operator's
+//! panel keeps such files.
+//!
 //! Velocity and acceleration are shares of the largest ones, above 0 and up to 1. [`Taught::from_trj`] reads MRROC++'s `.trj`
 //! files:
 //!

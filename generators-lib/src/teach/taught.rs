@@ -1,8 +1,12 @@
 //! What was taught.
 
+use std::path::Path;
+
+use mrroc::fault::{FaultKind, Name};
 use mrroc::pose::{AngleAxis, Zyz};
 use mrroc::prelude::*;
 use mrroc::robot::{JointVector, MAX_JOINTS};
+use mrroc::suggestion::suggestion;
 use nalgebra::{Translation3, Vector3};
 
 /// The most coordinates of a pose.
@@ -39,6 +43,7 @@ pub struct TaughtPose {
     pub acceleration: f64,
     pub(super) coordinates: [f64; MAX_COORDINATES],
     pub(super) count: usize,
+    pub(super) name: Option<Name>,
 }
 
 impl TaughtPose {
@@ -57,7 +62,19 @@ impl TaughtPose {
         }
         let mut all = [0.0; MAX_COORDINATES];
         all[..coordinates.len()].copy_from_slice(coordinates);
-        Some(TaughtPose { velocity, acceleration, coordinates: all, count: coordinates.len() })
+        Some(TaughtPose { velocity, acceleration, coordinates: all, count: coordinates.len(), name: None })
+    }
+
+    /// The same pose with a name.
+    #[must_use]
+    pub fn named(self, name: Name) -> Self {
+        TaughtPose { name: Some(name), ..self }
+    }
+
+    /// Its name.
+    #[must_use]
+    pub fn name(&self) -> Option<Name> {
+        self.name
     }
 
     /// A pose `X_WE` of the tool, as position and rotation vector.
@@ -107,6 +124,49 @@ pub struct Taught {
 }
 
 impl Taught {
+    /// Reads a file of taught poses, such as those that a panel keeps of a robot.
+    ///
+    /// # Errors
+    /// `Config`: the file cannot be read, or has a line that is wrong.
+    pub fn read(file: &Path) -> Result<Taught, Fault> {
+        let refused = |why: &dyn core::fmt::Display| {
+            Fault::new(FaultKind::Config).text(&format!("taught poses of {}: {why}", file.display()))
+        };
+        let text = std::fs::read_to_string(file).map_err(|why| refused(&why))?;
+        text.parse().map_err(|why| refused(&why))
+    }
+
+    /// The poses of these names, in this order: a pose may come more than once.
+    ///
+    /// ```
+    /// use mrroc_generators::teach::Taught;
+    ///
+    /// let file = "space joint\nreference absolute\nhome = 0.5 0.5 : 0 -1.57\npick = 0.2 0.2 : 0.4 -1.2\n";
+    /// let taught: Taught = file.parse()?;
+    /// let there_and_back = taught.select(&["pick", "home"])?;
+    /// assert_eq!(there_and_back.poses[1].coordinates(), [0.0, -1.57]);
+    /// assert!(taught.select(&["pich"]).is_err_and(|fault| fault.message().contains("did you mean `pick`?")));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// `Config`: there is no pose of one of the names.
+    pub fn select(&self, names: &[&str]) -> Result<Taught, Fault> {
+        let find = |name: &&str| {
+            let named = |pose: &&TaughtPose| pose.name.as_ref().is_some_and(|known| known.as_str() == *name);
+            self.poses.iter().find(named).copied().ok_or_else(|| {
+                let known: Vec<String> =
+                    self.poses.iter().filter_map(|pose| Some(pose.name?.to_string())).collect();
+                let help = match known.is_empty() {
+                    true => "no pose has a name: teach it at the panel".to_owned(),
+                    false => suggestion(name, &known, "there are"),
+                };
+                Fault::new(FaultKind::Config).text(&format!("no pose `{name}` is taught: {help}"))
+            })
+        };
+        Ok(Taught { poses: names.iter().map(find).collect::<Result<_, _>>()?, ..self.clone() })
+    }
+
     /// Where its poses lead from the joint positions `q` [rad or m] and the pose `X_WE`, as demands, the first one last: a generator takes them
     /// from the end. What a robot cannot be told, and all that comes after it, is left out.
     ///

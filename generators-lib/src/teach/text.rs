@@ -4,6 +4,7 @@ use core::fmt;
 use core::str::FromStr;
 
 use mrroc::console::quoted;
+use mrroc::fault::Name;
 use thiserror::Error;
 
 use super::{MAX_COORDINATES, Reference, Space, Taught, TaughtPose};
@@ -167,8 +168,13 @@ impl fmt::Display for Taught {
             Reference::Absolute => "absolute",
             Reference::Relative => "relative",
         };
-        writeln!(f, "space {space}\nreference {reference}\n# velocity acceleration : coordinates")?;
+        let named = self.poses.iter().any(|pose| pose.name.is_some());
+        let names = if named { "name = " } else { "" };
+        writeln!(f, "space {space}\nreference {reference}\n# {names}velocity acceleration : coordinates")?;
         for pose in &self.poses {
+            if let Some(name) = pose.name {
+                write!(f, "{name} = ")?;
+            }
             write!(f, "{} {} :", pose.velocity, pose.acceleration)?;
             for x in pose.coordinates() {
                 write!(f, " {x}")?;
@@ -206,12 +212,26 @@ impl FromStr for Taught {
         };
         let mut poses = Vec::new();
         for (line, words) in lines {
-            let [v, a, ":", coordinates @ ..] = &words[..] else {
-                return bad(line, "a pose is written `velocity acceleration : coordinates`");
+            let (name, words) = match &words[..] {
+                [name, "=", words @ ..] => (Some(name), words),
+                words => (None, words),
+            };
+            let [v, a, ":", coordinates @ ..] = words else {
+                return bad(
+                    line,
+                    "a pose is written `velocity acceleration : coordinates`, after a name `home =` or not",
+                );
             };
             let shares = numbers(&(line, vec![*v, *a]))?;
             let coordinates = numbers(&(line, coordinates.to_vec()))?;
             add(&mut poses, space, line, shares[0], shares[1], &coordinates)?;
+            if let (Some(name), Some(pose)) = (name, poses.last_mut()) {
+                let name = Name::new(name).or_else(|error| bad(line, error.to_string()))?;
+                *pose = pose.named(name);
+                if poses[..poses.len() - 1].iter().any(|before| before.name == Some(name)) {
+                    return bad(line, format!("two poses have the name `{name}`"));
+                }
+            }
         }
         Ok(Taught { space, reference, poses })
     }
@@ -239,7 +259,9 @@ mod tests {
         for (space, c) in [(Space::Zyz, &[0.1, -2e-17, 1.0 / 3.0, 3.0, 2.0, 1.0][..]), (Space::Joint, &[0.7])]
         {
             let pose = TaughtPose::new(0.15, 1.0 / 7.0, c).expect("in range");
-            let taught = Taught { space, reference: Reference::Relative, poses: vec![pose; 3] };
+            let mut taught = Taught { space, reference: Reference::Relative, poses: vec![pose; 3] };
+            assert_eq!(taught.to_string().parse(), Ok(taught.clone()));
+            taught.poses[1] = pose.named(Name::new("pick").expect("a name"));
             assert_eq!(taught.to_string().parse(), Ok(taught));
         }
     }
@@ -262,6 +284,12 @@ mod tests {
             (Taught::from_trj(""), 1, "the head ends early"),
             ("space joint\n\n0.1 0.1 : 1\n".parse(), 3, "`reference ..` must stand here"),
             ("space joint\nreference relative\n0.1 : 1\n".parse(), 3, "a pose is written"),
+            (
+                "space joint\nreference relative\na = 0.1 0.1 : 1\na = 0.1 0.1 : 2\n".parse(),
+                4,
+                "two poses have the name",
+            ),
+            ("space joint\nreference relative\na.b = 0.1 0.1 : 1\n".parse(), 3, "`a.b` is no name"),
             ("space cube\nreference relative\n".parse(), 1, "`cube` is not"),
             ("space joint\nreference relative\n0 0.1 : 1\n".parse(), 3, "the velocity 0 is no share"),
         ] {

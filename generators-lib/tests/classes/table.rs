@@ -64,6 +64,7 @@ pub const ROWS: &[Row] = &rows! {
     line_via: LineVia<Irp6>,
     moving_frame: MovingFrame<Irp6, Pose>,
     ordered_force: OrderedForce<Irp6, Wrist>,
+    panel_jog: PanelJog<Irp6>,
     pose_spline_move: PoseSplineMove<Irp6>,
     reach_state: ReachState<Irp6>,
     replay: Replay<Irp6>,

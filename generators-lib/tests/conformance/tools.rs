@@ -4,13 +4,15 @@ use super::kit::{
     Belt, alone, away, belt, bytes, feed, helix, odd_limits, odd_poses, path_limits, shown, smooth_limits,
     start, tool_limits, track, wave, within,
 };
+use mrroc::operator::jog::{JogNow, JogOrder, JogPanel};
 use mrroc::pose::Pose;
 use mrroc_generators::curve::Helix;
 use mrroc_generators::generator_conformance;
 use mrroc_generators::generators::{
-    CircularMove, CurveMove, Jog, LineVia, MovingFrame, PoseSplineMove, Replay, SplineTrack, StraightLine,
-    TimeOptimalCurve, ToolOffset,
+    CircularMove, CurveMove, Jog, LineVia, MovingFrame, PanelJog, PoseSplineMove, Replay, SplineTrack,
+    StraightLine, TimeOptimalCurve, ToolOffset,
 };
+use mrroc_generators::jogging::JogLimits;
 use mrroc_generators::line::SmoothToolLimits;
 use mrroc_generators::profile::JerkLimits;
 use mrroc_generators::teach::{Jogging, Space, Taught};
@@ -210,6 +212,30 @@ generator_conformance! {
         ];
         taught.flat_map(one).collect()
     },
+    allocated: bytes,
+}
+
+/// Jogged down, by a panel on which a button is held all the time.
+fn jogged(limits: JogLimits) -> PanelJog<Irp6> {
+    let (panel, seat) = JogPanel::alone(Irp6::nominal());
+    let order = JogOrder::read(&mut "world z -40%".split_whitespace()).expect("an order");
+    seat.say(JogNow::Order { press: 1, order });
+    PanelJog::within(panel, limits)
+}
+
+generator_conformance! {
+    panel_jog: PanelJog<Irp6>,
+    class: "ECP f*0(c), first step f*2(c, e)",
+    make: jogged(JogLimits::default()),
+    given: alone,
+    odd: |x| vec![
+        jogged(JogLimits { speed: x, ..JogLimits::default() }),
+        jogged(JogLimits { turn: x, ..JogLimits::default() }),
+        jogged(JogLimits { acceleration: x, ..JogLimits::default() }),
+        jogged(JogLimits { turning_acceleration: x, ..JogLimits::default() }),
+        jogged(JogLimits { joints: x, ..JogLimits::default() }),
+        jogged(JogLimits { margin: x, ..JogLimits::default() }),
+    ],
     allocated: bytes,
 }
 

@@ -3,6 +3,7 @@
 use std::error::Error;
 use std::f64::consts::TAU;
 
+use mrroc::operator::jog::{JogNow, JogOrder, JogPanel, JogSeat};
 use mrroc::pose::Wrench;
 use mrroc::prelude::*;
 use mrroc::robot::{Channel, Output};
@@ -129,12 +130,54 @@ fn plain() -> Sheets {
         ("moving_frame", alone(onto_the_belt(1.5))),
         ("replay", alone(Replay::<Irp6>::of(taught, sixth, sixth, limits()))),
         ("jog", alone(Jog::<Irp6, _>::by(panel, 0.5, 1.0, 0))),
+        ("panel_jog", alone(Pressed::new())),
         ("sleep", alone(Sleep::<Irp6>::lasting(0.5))),
         ("delay", alone(Delay::<Irp6>::lasting(0.5))),
         ("await_operator", alone(AwaitOperator::<Irp6, _>::until(confirmed))),
         ("tell", alone(Sequence::of(telling(), Delay::<Irp6>::lasting(0.2)))),
         ("settle", alone(Settle::<Irp6>::within(Six::repeat(1e-3), 0.5, 1.0))),
     ])
+}
+
+/// A person presses two buttons of a panel, each for half a second, and is done.
+struct Pressed {
+    jog: PanelJog<Irp6>,
+    seat: JogSeat,
+    steps: u64,
+}
+
+impl Pressed {
+    fn new() -> Self {
+        let (panel, seat) = JogPanel::alone(Irp6::nominal());
+        Pressed { jog: PanelJog::by(panel), seat, steps: 0 }
+    }
+
+    fn step(&mut self, e: &State<Irp6>, t: Tick) -> Result<Step<Irp6>, Fault> {
+        let order = |text: &str| JogOrder::read(&mut text.split_whitespace()).expect("an order");
+        self.seat.say(match self.steps {
+            0..250 => JogNow::Order { press: 1, order: order("world x 60%") },
+            500..750 => JogNow::Order { press: 2, order: order("tool rz -100%") },
+            250..1000 => JogNow::Nothing,
+            _ => JogNow::Done { press: 3 },
+        });
+        self.steps += 1;
+        let (order, v) = (Order::new(()), Reading::new(()));
+        match self.steps {
+            1 => mrroc::generator::Generator::first_step(&mut self.jog, &order, e, &v, t),
+            _ => mrroc::generator::Generator::next_step(&mut self.jog, &order, e, &v, t),
+        }
+    }
+}
+
+#[generator(ecp)]
+impl Pressed {
+    fn first_step(&mut self, e: &State<Irp6>, t: Tick) -> Result<Step<Irp6>, Fault> {
+        self.step(e, t)
+    }
+
+    fn next_step(&mut self, e: &State<Irp6>, t: Tick) -> Result<Step<Irp6>, Fault> {
+        self.step(e, t)
+    }
 }
 
 /// A vacuum is switched on.

@@ -46,6 +46,8 @@ impl Course {
             measured: vec![f64::NAN; robot.joints.len()],
             tool: Pose::identity(),
             doing: String::new(),
+            jogs: false,
+            stop: String::new(),
         });
         let now = Now {
             period: u64::try_from(layout.step.as_nanos()).unwrap_or(u64::MAX),

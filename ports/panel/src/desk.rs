@@ -32,6 +32,10 @@ pub struct Shown {
     pub text: Option<Utf8Bytes>,
     /// The step, and how long a step is \[ns\].
     pub stamp: Option<(Stamp, u64)>,
+    /// Its robots.
+    pub robots: Arc<[RobotNow]>,
+    /// Whether any of them was demanded elsewhere in the picture before.
+    pub moves: bool,
     /// Why there will be no more.
     pub over: Option<String>,
 }
@@ -122,14 +126,22 @@ fn spawn(name: &str, work: impl FnOnce() + Send + 'static) -> std::io::Result<()
 
 /// Shows what the cell does, until it ends.
 fn watch(mut caller: Caller, looks: &Looks, show: &watch::Sender<Shown>) {
+    let mut before: Arc<[RobotNow]> = Arc::default();
     loop {
         match caller.hears.hear() {
             Ok(Heard::Picture(picture)) => {
                 let stamp = Stamp { epoch: picture.epoch, step: picture.step };
                 let period = picture.period;
-                let text = looks.state(&now(picture)).to_string();
-                let shown = Shown { text: Some(text.into()), stamp: Some((stamp, period)), over: None };
-                show.send_replace(shown);
+                let now = now(picture);
+                let text = looks.state(&now).to_string();
+                let robots: Arc<[RobotNow]> = now.robots.into();
+                let demanded = |robots: &[RobotNow]| {
+                    robots.iter().map(|robot| robot.demanded.clone()).collect::<Vec<_>>()
+                };
+                let moves = demanded(&before) != demanded(&robots);
+                before = Arc::clone(&robots);
+                let (text, stamp) = (Some(text.into()), Some((stamp, period)));
+                show.send_replace(Shown { text, stamp, robots, moves, over: None });
             }
             Ok(Heard::Reply(_)) => {}
             Err(error) => {
@@ -146,7 +158,7 @@ fn now(picture: Picture) -> Now {
     let by = picture.by_whom().to_owned();
     let robot = |robot: RobotPicture| {
         let doing = robot.motion();
-        let RobotPicture { name, time, demanded, measured, tool, .. } = robot;
+        let RobotPicture { name, time, demanded, measured, tool, jogs, stop, .. } = robot;
         RobotNow {
             name,
             time,
@@ -154,6 +166,8 @@ fn now(picture: Picture) -> Now {
             measured,
             tool,
             doing: doing.trim_start_matches([':', ' ']).to_owned(),
+            jogs,
+            stop: stop.text(),
         }
     };
     Now {
@@ -199,8 +213,8 @@ fn carry(cell: &Path, jobs: &Receiver<Job>) {
     let mut line = Line::to(cell);
     while let Ok(job) = jobs.recv() {
         // A renewal that has waited is none: whoever held may have let go since.
-        let is_late =
-            matches!(job.request, Request::Press(Button::Hold(_))) && job.since.elapsed() > LAPSE / 3;
+        let is_late = matches!(job.request, Request::Press(Button::Hold(_) | Button::Jog(..)))
+            && job.since.elapsed() > LAPSE / 3;
         let reply = if is_late {
             Reply::Refused("the renewal came too late".to_owned())
         } else {

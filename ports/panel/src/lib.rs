@@ -32,6 +32,8 @@ mod page;
 #[cfg(all(feature = "server", target_os = "linux"))]
 mod panel;
 #[cfg(all(feature = "server", target_os = "linux"))]
+mod poses;
+#[cfg(all(feature = "server", target_os = "linux"))]
 mod recording;
 #[cfg(all(feature = "server", target_os = "linux"))]
 mod run;

@@ -63,12 +63,17 @@ pub struct RobotNow {
     pub tool: Pose,
     /// What its own program does.
     pub doing: String,
+    /// Whether a program lets it be jogged now, and why it stands though it is.
+    pub jogs: bool,
+    pub stop: String,
 }
 
 /// What a cell looks like.
 pub struct Looks {
     robots: Vec<RobotLayout>,
     bodies: Vec<BodyLayout>,
+    /// The names of its frames.
+    frames: Vec<String>,
     step: f64,
 }
 
@@ -79,6 +84,7 @@ impl Looks {
         Looks {
             robots: layout.robots.clone(),
             bodies: layout.bodies.clone(),
+            frames: layout.frames.iter().map(|(name, _)| name.clone()).collect(),
             step: layout.step.as_secs_f64(),
         }
     }
@@ -106,6 +112,7 @@ impl Looks {
             "kind": "layout",
             "lasts": lasts,
             "step": self.step,
+            "frames": self.frames,
             "robots": robots.collect::<Value>(),
             "bodies": bodies.collect::<Value>(),
         })
@@ -176,11 +183,60 @@ impl Looks {
             "demanded": round(&robot.demanded),
             "measured": round(&robot.measured),
             "doing": robot.doing,
+            "jogs": robot.jogs,
+            "stop": robot.stop,
             "links": placed(&links),
             "ghost": placed(&ghost),
             "frames": frames,
             "tool": is_measured.then(|| numbers(&(X_WS * robot.tool))),
         }))
+    }
+
+    /// The names of its robots.
+    pub fn robots(&self) -> impl Iterator<Item = &str> {
+        self.robots.iter().map(|robot| robot.name.as_str())
+    }
+
+    /// The way of a robot's tool in the world, straight in joint space from where it is demanded to be to other joints [rad or m]:
+    /// so many places \[m\].
+    ///
+    /// # Errors
+    /// The robot is not known, its joints are others, or one of them would be beyond its limits.
+    #[allow(non_snake_case)]
+    pub fn way(
+        &self,
+        robots: &[RobotNow],
+        name: &str,
+        to: &[f64],
+        places: usize,
+    ) -> Result<Vec<[f64; 3]>, String> {
+        let unknown = || format!("there is no robot `{name}`");
+        let layout = self.robots.iter().find(|known| known.name == name).ok_or_else(unknown)?;
+        let robot = robots.iter().find(|known| known.name == name).ok_or_else(unknown)?;
+        if to.len() != layout.joints.len() || robot.demanded.len() != to.len() {
+            return Err(format!("the pose has {} joints, `{name}` has {}", to.len(), layout.joints.len()));
+        }
+        let beyond =
+            layout.joints.iter().zip(to).position(|(joint, q)| !(joint.lower..=joint.upper).contains(q));
+        if let Some(joint) = beyond {
+            return Err(format!("joint {} of the pose is beyond its limits", joint + 1));
+        }
+        let flange = |joints: &[f64]| {
+            let mut last = None;
+            layout.figure.frames(joints, &mut |frame| last = Some(*frame));
+            last
+        };
+        let now = Now { robots: robots.to_vec(), ..Now::default() };
+        let X_WS = self.stands(layout, &now, self.robots.len()).ok_or_else(unknown)?;
+        let X_FE = flange(&robot.measured).ok_or_else(unknown)?.inv_mul(&robot.tool);
+        let at = |i: usize| {
+            let share = i as f64 / (places - 1).max(1) as f64;
+            let joints: Vec<f64> =
+                robot.demanded.iter().zip(to).map(|(from, to)| from + share * (to - from)).collect();
+            let at = (X_WS * flange(&joints)? * X_FE).translation.vector;
+            Some([at.x, at.y, at.z].map(rounded))
+        };
+        (0..places).map(at).collect::<Option<_>>().ok_or_else(unknown)
     }
 
     /// Where the frame is that a robot stands in, after at most so many robots that carry each other.

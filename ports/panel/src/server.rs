@@ -4,12 +4,14 @@
 //! anything in the cell: that is for messages of a page that has shown the token.
 
 use std::net::SocketAddr;
+use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 use axum::Router;
 use axum::body::Body;
+use axum::extract::ws::Utf8Bytes;
 use axum::extract::{Request, State, WebSocketUpgrade};
 use axum::http::{Method, Response, StatusCode, header};
 use axum::middleware::{Next, from_fn_with_state};
@@ -19,6 +21,7 @@ use hyper::server::conn::http1;
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
 use mrroc_core::console::complain;
+use serde_json::json;
 use tokio::io::{AsyncRead, AsyncWrite};
 use tokio::net::TcpListener;
 use tokio::sync::{Semaphore, broadcast, watch};
@@ -28,6 +31,7 @@ use crate::course::Course;
 use crate::desk::{Desk, Shown};
 use crate::now::Looks;
 use crate::page;
+use crate::poses::{Pose, Poses};
 use crate::rules::door::{Door, Way};
 use crate::rules::token::Token;
 use crate::rules::{CONNECTIONS, LONGEST, PAGES};
@@ -57,6 +61,9 @@ pub struct Panel {
     pub stand: Stand,
     /// Sentences for all pages.
     pub notes: broadcast::Sender<Arc<str>>,
+    /// The poses that robots were taught, and what pages are told of them.
+    pub poses: Option<Poses>,
+    pub taught: watch::Sender<Option<Utf8Bytes>>,
     /// Places of pages.
     pub pages: Arc<Semaphore>,
     door: Door,
@@ -74,6 +81,8 @@ impl Panel {
             token,
             stand: Stand::default(),
             notes: broadcast::channel(NOTES).0,
+            poses: None,
+            taught: watch::Sender::default(),
             pages: Arc::new(Semaphore::new(PAGES)),
             door: Door::at(address),
             numbers: AtomicU64::new(0),
@@ -84,6 +93,30 @@ impl Panel {
     /// How its pages are reached: `http://`, or `https://` on a network.
     pub fn scheme(&self) -> &'static str {
         self.door.scheme()
+    }
+
+    /// The same, which teaches poses beside the file of the cell.
+    #[must_use]
+    pub fn teaching(mut self, cell: &Path) -> Panel {
+        self.poses = Some(Poses::of(cell));
+        self.tell_taught();
+        self
+    }
+
+    /// Tells all pages which poses robots were taught.
+    pub fn tell_taught(&self) {
+        let Some(poses) = &self.poses else { return };
+        let of = |robot: &str| match poses.of_robot(robot) {
+            Ok(poses) => {
+                let pose = |pose: &Pose| json!({"name": pose.name.as_str(), "joints": pose.joints});
+                json!({"poses": poses.iter().map(pose).collect::<Vec<_>>()})
+            }
+            Err(why) => json!({"poses": [], "why": why}),
+        };
+        let robots: serde_json::Map<_, _> =
+            self.looks.robots().map(|robot| (robot.to_owned(), of(robot))).collect();
+        let text = json!({"kind": "poses", "robots": robots}).to_string();
+        self.taught.send_replace(Some(text.into()));
     }
 
     /// The number of a new page.

@@ -9,11 +9,13 @@ use std::time::Duration;
 use axum::extract::ws::{CloseFrame, Message as Frame, Utf8Bytes, WebSocket};
 use futures_util::stream::{SplitSink, SplitStream};
 use futures_util::{SinkExt, StreamExt};
+use mrroc_core::fault::Name;
 use mrroc_processes::{Reply, Request};
 use serde_json::json;
 use tokio::sync::{OwnedSemaphorePermit, mpsc, oneshot};
 use tokio::time::timeout;
 
+use crate::desk::Shown;
 use crate::rules::authority::Page;
 use crate::rules::rate::Rate;
 use crate::rules::request::{Asked, Message, Stamp};
@@ -86,6 +88,8 @@ async fn write(
     if let Some(shown) = &mut shown {
         shown.mark_changed();
     }
+    let mut taught = panel.taught.subscribe();
+    taught.mark_changed();
     let mut next: Option<Utf8Bytes> = Some(layout.to_string().into());
     let mut told = None;
     loop {
@@ -118,6 +122,7 @@ async fn write(
             note = notes.recv() => {
                 note.ok().map(|text| json!({"kind": "note", "text": &*text}).to_string().into())
             }
+            _ = taught.changed() => taught.borrow_and_update().clone(),
             changed = changed(shown.as_mut()) => changed,
             () = tokio::time::sleep(Duration::from_millis(250)) => None,
         };
@@ -261,10 +266,18 @@ fn obey(panel: &Arc<Panel>, page: Page, message: Message, answers: &Answers) -> 
                 Err(why) => refused(&why),
             }
         }
-        Asked::Hold(begins, stamp) => {
+        Asked::Hold(_, stamp) | Asked::Jog(.., stamp) => {
+            let (begins, jog) = match asked {
+                Asked::Jog(begins, robot, order, _) => (begins, Some((robot, order))),
+                Asked::Hold(begins, _) => (begins, None),
+                _ => (false, None),
+            };
             match panel.stand.check(page, now).map_err(|why| why.to_string()).and_then(|()| is_new(stamp)) {
-                Ok(()) => match panel.stand.renew(begins, now) {
-                    Some(button) if begins => ask("hold", Request::Press(button)),
+                Ok(()) => match panel.stand.renew(begins, jog, now) {
+                    Some(button) if begins => {
+                        let word = jog.map(|(robot, order)| format!("jog {robot} {order}"));
+                        ask(word.as_deref().unwrap_or("hold"), Request::Press(button))
+                    }
                     // Ten a second, of which nobody is told.
                     Some(button) => {
                         drop(desk.ask(Request::Press(button)));
@@ -279,11 +292,76 @@ fn obey(panel: &Arc<Panel>, page: Page, message: Message, answers: &Answers) -> 
             Some(button) => ask("let go", Request::Press(button)),
             None => answer(answers, number, "done", "nothing is held"),
         },
+        Asked::Teach(..) | Asked::Rename(..) | Asked::Forget(..) => {
+            let told = panel.stand.check(page, now).map_err(|why| why.to_string());
+            match told.and_then(|()| teach(panel, &asked, &shown.borrow(), is_new)) {
+                Ok(told) => {
+                    panel.tell_taught();
+                    panel.note(&format!("page {page}: {told}"));
+                    answer(answers, number, "done", &told)
+                }
+                Err(why) => refused(&why),
+            }
+        }
+        Asked::Way(robot, name) => match way(panel, robot, name, &shown.borrow()) {
+            Ok(way) => {
+                let said = json!({"kind": "answer", "n": number, "outcome": "done", "text": "", "way": way});
+                answers.try_send(said.to_string().into()).map_err(|_| DoesNotRead)
+            }
+            Err(why) => refused(&why),
+        },
         Asked::Token(_) | Asked::Frame(_) => {
             refused("this is a cell that runs, and the page is let in already")
         }
         Asked::Stop => Ok(()),
     }
+}
+
+/// Places on the way to a pose that a page is shown.
+const PLACES: usize = 60;
+
+/// Teaches a robot that stands its pose, or changes what it was taught; what has become of that.
+fn teach(
+    panel: &Panel,
+    asked: &Asked,
+    shown: &Shown,
+    is_new: impl Fn(Stamp) -> Result<(), String>,
+) -> Result<String, String> {
+    let poses = panel.poses.as_ref().ok_or("this panel keeps no poses")?;
+    let known = |robot: &Name| match panel.looks.robots().any(|known| known == robot.as_str()) {
+        true => Ok(()),
+        false => Err(format!("there is no robot `{robot}`")),
+    };
+    match asked {
+        Asked::Teach(robot, name, stamp) => {
+            is_new(*stamp)?;
+            let now = shown.robots.iter().find(|now| now.name == robot.as_str());
+            let now = now.ok_or_else(|| format!("there is no robot `{robot}`"))?;
+            if shown.moves {
+                return Err("robots move: let them come to rest, and teach then".to_owned());
+            }
+            let file = poses.teach(robot.as_str(), *name, &now.demanded)?;
+            Ok(format!("taught {robot} `{name}`: {}", file.display()))
+        }
+        Asked::Rename(robot, name, to) => {
+            known(robot)?;
+            poses.rename(robot.as_str(), *name, *to).map(|_| format!("{robot}: `{name}` is now `{to}`"))
+        }
+        Asked::Forget(robot, name) => {
+            known(robot)?;
+            poses.forget(robot.as_str(), *name).map(|_| format!("{robot}: `{name}` is forgotten"))
+        }
+        _ => Err("that is no teaching".to_owned()),
+    }
+}
+
+/// The way of a robot's tool to a pose that it was taught \[m\].
+fn way(panel: &Panel, robot: Name, name: Name, shown: &Shown) -> Result<Vec<[f64; 3]>, String> {
+    let poses = panel.poses.as_ref().ok_or("this panel keeps no poses")?;
+    let poses = poses.of_robot(robot.as_str())?;
+    let pose =
+        poses.iter().find(|pose| pose.name == name).ok_or_else(|| format!("there is no pose `{name}`"))?;
+    panel.looks.way(&shown.robots, robot.as_str(), &pose.joints, PLACES)
 }
 
 /// Tells a page, and all others, what became of what it asked for.

@@ -5,8 +5,10 @@
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
+use mrroc_core::fault::Name;
 use mrroc_core::operator::Renewal;
 use mrroc_core::operator::button::Button;
+use mrroc_core::operator::jog::JogOrder;
 use mrroc_processes::Request;
 
 use crate::rules::authority::{Authority, LAPSE, NoAuthority, Page};
@@ -55,14 +57,18 @@ impl Stand {
 
     /// The renewal of a hold of the page that has authority; of a new one, which it begins. `None` if the hold that it would renew
     /// is over.
-    pub fn renew(&self, begins: bool, now: Duration) -> Option<Button> {
+    /// A `jog` is a hold that moves one robot.
+    pub fn renew(&self, begins: bool, jog: Option<(Name, JogOrder)>, now: Duration) -> Option<Button> {
         let hold = &mut self.held().hold;
         let lasting = hold.filter(|(_, at)| now < *at + LAPSE).and_then(|(renewal, _)| renewal.next());
         // Its number grows from hold to hold, also after the panel was started again.
         let first = || Renewal::first(monotonic_millis());
         let renewal = if begins { Some(first()) } else { lasting };
         *hold = renewal.map(|renewal| (renewal, now));
-        renewal.map(Button::Hold)
+        renewal.map(|renewal| match jog {
+            Some((robot, order)) => Button::Jog(renewal, robot, order),
+            None => Button::Hold(renewal),
+        })
     }
 
     /// What the desk is told when a page no longer holds anything.
@@ -104,12 +110,12 @@ mod tests {
     fn fault_206_a_hold_that_was_not_renewed_in_time_or_whose_page_is_gone_is_over() {
         let stand = Stand::default();
         stand.take(1, MS(0)).expect("free");
-        let Some(Button::Hold(first)) = stand.renew(true, MS(0)) else { panic!("no hold") };
-        let Some(Button::Hold(second)) = stand.renew(false, MS(299)) else { panic!("no renewal") };
+        let Some(Button::Hold(first)) = stand.renew(true, None, MS(0)) else { panic!("no hold") };
+        let Some(Button::Hold(second)) = stand.renew(false, None, MS(299)) else { panic!("no renewal") };
         assert_eq!((second.hold(), second.count()), (first.hold(), first.count() + 1));
-        assert_eq!(stand.renew(false, MS(599)), None);
-        assert_eq!(stand.renew(false, MS(600)), None);
-        stand.renew(true, MS(700)).expect("a new one");
+        assert_eq!(stand.renew(false, None, MS(599)), None);
+        assert_eq!(stand.renew(false, None, MS(600)), None);
+        stand.renew(true, None, MS(700)).expect("a new one");
         // What the desk is told when the page is gone: that nobody holds, then that nobody operates.
         let told = stand.leave(1);
         assert!(matches!(told[..], [Request::Press(Button::LetGo(_)), Request::Release]), "{told:?}");

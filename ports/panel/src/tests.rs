@@ -3,6 +3,7 @@
 use core::time::Duration;
 use std::io::{Read, Write};
 use std::net::{SocketAddr, TcpStream};
+use std::path::Path;
 use std::sync::mpsc::{Receiver, channel};
 use std::sync::{Arc, Mutex};
 
@@ -24,8 +25,8 @@ struct Served {
     address: SocketAddr,
     token: String,
     asked: Receiver<Request>,
-    /// Keeps what is shown.
-    _shown: watch::Sender<Shown>,
+    /// What is shown.
+    shown: watch::Sender<Shown>,
 }
 
 fn looks() -> Looks {
@@ -37,10 +38,16 @@ fn looks() -> Looks {
 }
 
 fn served() -> Served {
+    served_in(None)
+}
+
+/// The same, which keeps poses beside the file of a cell.
+fn served_in(cell: Option<&Path>) -> Served {
+    let cell = cell.map(Path::to_owned);
     let looks = Arc::new(looks());
     let text = looks.state(&Now { state: "running", step: 1000, ..Now::default() }).to_string();
     let stamp = Stamp { epoch: 0, step: 1000 };
-    let shown = Shown { text: Some(text.into()), stamp: Some((stamp, 2_000_000)), over: None };
+    let shown = Shown { text: Some(text.into()), stamp: Some((stamp, 2_000_000)), ..Shown::default() };
     let (show, shown) = watch::channel(shown);
     let (writes, asked) = channel();
     let writes = Mutex::new(writes);
@@ -56,7 +63,8 @@ fn served() -> Served {
             let listener = TcpListener::bind("127.0.0.1:0").await.expect("a port");
             let address = listener.local_addr().expect("an address");
             tells.send(address).expect("heard");
-            let panel = Arc::new(Panel::new(Source::Running(desk, shown), looks, token, address));
+            let panel = Panel::new(Source::Running(desk, shown), looks, token, address);
+            let panel = Arc::new(cell.iter().fold(panel, |panel, cell| panel.teaching(cell)));
             tokio::select! {
                 _ = serve(listener, Arc::clone(&panel), None) => {}
                 () = look_after(panel) => {}
@@ -64,7 +72,7 @@ fn served() -> Served {
         });
     });
     let address = told.recv().expect("it listens");
-    Served { address, token: token.to_string(), asked, _shown: show }
+    Served { address, token: token.to_string(), asked, shown: show }
 }
 
 /// A page: a connection that was upgraded.
@@ -292,6 +300,109 @@ fn fault_206_a_page_that_falls_silent_while_it_holds_lets_go_and_loses_authority
 }
 
 #[test]
+fn fault_232_a_page_that_jogs_and_falls_silent_lets_go_and_loses_authority() {
+    let served = served();
+    let (mut page, mut other) = (served.known(), served.known());
+    let jog = |begins: bool| {
+        let order = "world x 20% by 0.001";
+        json!({"n": 2, "do": "jog", "begins": begins, "robot": "arm", "order": order, "epoch": 0, "step": 1000})
+    };
+    // Only the page with control jogs.
+    other.say(&jog(true));
+    assert_eq!(other.answer(2).expect("answered")["outcome"], "refused");
+    page.say(&json!({"n": 1, "do": "take"}));
+    let wait = Duration::from_secs(10);
+    assert_eq!(served.asked.recv_timeout(wait), Ok(Request::Take));
+    // What renews nothing begins nothing.
+    page.say(&jog(false));
+    assert!(
+        page.answer(2).expect("answered")["text"]
+            .as_str()
+            .is_some_and(|why| why.contains("the hold is over"))
+    );
+    page.say(&jog(true));
+    let held = match served.asked.recv_timeout(wait) {
+        Ok(Request::Press(Button::Jog(renewal, robot, order))) => {
+            assert_eq!((robot.as_str(), order.to_string().as_str()), ("arm", "world x 20% by 0.001"));
+            renewal.hold()
+        }
+        // This machine was so late that authority had lapsed: there is nothing to let go of.
+        Ok(Request::Release) => return,
+        other => panic!("{other:?}"),
+    };
+    assert_eq!(served.asked.recv_timeout(wait), Ok(Request::Press(Button::LetGo(held))));
+    assert_eq!(served.asked.recv_timeout(wait), Ok(Request::Release));
+    page.say(&jog(false));
+    assert_eq!(page.answer(2).expect("answered")["outcome"], "refused");
+}
+
+#[test]
+fn a_page_teaches_a_robot_that_stands_and_is_shown_the_way_to_what_it_taught() {
+    use mrroc_core::robot::Robot;
+    use mrroc_robots::{Irp6, Six};
+    let folder = std::env::temp_dir().join(format!("mrroc-panel-poses-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).expect("a folder");
+    let at = |joints: Six| {
+        let joints = joints.as_slice().to_vec();
+        let q = Six::from_column_slice(&joints);
+        crate::now::RobotNow {
+            name: "arm".to_owned(),
+            time: 0.0,
+            demanded: joints.clone(),
+            measured: joints,
+            tool: Irp6::nominal().forward(&q),
+            doing: String::new(),
+            jogs: true,
+            stop: String::new(),
+        }
+    };
+    let (home, there) =
+        (Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0), Six::new(0.4, -1.5, 0.1, -0.1, 4.6, 0.3));
+    let served = served_in(Some(&folder.join("cell.toml")));
+    let stamp = Some((Stamp { epoch: 0, step: 1000 }, 2_000_000));
+    let show = |joints: Six, moves: bool| {
+        let robots = [at(joints)].into();
+        served.shown.send_replace(Shown { text: None, stamp, robots, moves, over: None });
+    };
+    let mut page = served.known();
+    page.say(&json!({"n": 1, "do": "take"}));
+    assert_eq!(page.answer(1).expect("answered")["outcome"], "done");
+    let mut ask = |n: u64, message: &Value| {
+        // As a page that has control: this machine may be late.
+        page.say(&json!({"n": 1, "do": "take"}));
+        let mut message = message.clone();
+        message["n"] = json!(n);
+        (message["epoch"], message["step"]) = (json!(0), json!(1000));
+        page.say(&message);
+        page.answer(n).expect("answered")
+    };
+    let teach = json!({"do": "teach", "robot": "arm", "name": "pick"});
+    show(there, true);
+    assert!(ask(2, &teach)["text"].as_str().is_some_and(|why| why.contains("let them come to rest")));
+    show(there, false);
+    assert_eq!(ask(3, &teach)["outcome"], "done");
+    show(home, false);
+    // Straight in joint space: as the generator goes.
+    let way = ask(4, &json!({"do": "way", "robot": "arm", "name": "pick"}));
+    let places = way["way"].as_array().expect("places");
+    for (i, place) in places.iter().enumerate() {
+        let share = i as f64 / (places.len() - 1) as f64;
+        let tool = Irp6::nominal().forward(&(home + (there - home) * share)).translation.vector;
+        let off = (0..3).map(|k| (place[k].as_f64().expect("a number") - tool[k]).abs()).fold(0.0, f64::max);
+        assert!(off < 1e-6, "{i}: {place} {tool}");
+    }
+    assert_eq!(
+        ask(5, &json!({"do": "rename", "robot": "arm", "name": "pick", "to": "place"}))["outcome"],
+        "done"
+    );
+    assert_eq!(ask(6, &json!({"do": "way", "robot": "arm", "name": "pick"}))["outcome"], "refused");
+    let taught = mrroc_generators::teach::Taught::read(&folder.join("poses/arm.txt")).expect("in order");
+    assert_eq!(taught.select(&["place"]).expect("there").poses[0].coordinates(), there.as_slice());
+    assert_eq!(ask(7, &json!({"do": "forget", "robot": "arm", "name": "place"}))["outcome"], "done");
+    std::fs::remove_dir_all(&folder).expect("removed");
+}
+
+#[test]
 fn a_page_is_shown_the_links_and_the_tool_where_the_robots_own_kinematics_have_them() {
     use mrroc_core::pose::Pose;
     use mrroc_core::robot::Robot;
@@ -305,6 +416,8 @@ fn a_page_is_shown_the_links_and_the_tool_where_the_robots_own_kinematics_have_t
         measured: joints.as_slice().to_vec(),
         tool,
         doing: String::new(),
+        jogs: false,
+        stop: String::new(),
     };
     let state = looks().state(&Now { robots: vec![robot.clone()], ..Now::default() });
     let numbers = |value: &Value| {

@@ -245,6 +245,7 @@ mod tests {
             cells: Vec::new(),
             robots,
             sensors: Vec::new(),
+            frames: Vec::new(),
             bodies: Vec::new(),
         }
     }

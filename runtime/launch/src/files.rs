@@ -12,6 +12,12 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
+/// The file in which the operator's panel keeps the poses that it teaches a robot: `poses/left.txt` beside the file of the cell.
+#[must_use]
+pub fn poses(cell: &Path, robot: &str) -> PathBuf {
+    cell.parent().unwrap_or(Path::new("")).join("poses").join(format!("{robot}.txt"))
+}
+
 /// What was read so far, by whole paths.
 static READ: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 

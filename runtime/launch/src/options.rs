@@ -14,6 +14,7 @@ use mrroc_core::fault::Name;
 use mrroc_core::fault::{ProcessId, Role};
 use mrroc_core::link::Clock;
 use mrroc_core::operator::button::{Button, NoButton};
+use mrroc_core::operator::jog::JogOrder;
 
 const AFTER_HELP: &str = "\
 From status on, the commands ask the same cell from another terminal, while it
@@ -186,8 +187,17 @@ pub(super) enum OperatingWord {
         #[arg(value_name = "ON|OFF")]
         wanted: String,
     },
-    /// Let robots move at reduced speed while the space bar is held.
-    Hold,
+    /// Let robots move at reduced speed while the space bar is held; or jog one: hold left tool x 20%.
+    Hold {
+        /// The robot, and how it is jogged.
+        #[arg(value_name = "JOG", allow_hyphen_values = true)]
+        jog: Vec<String>,
+    },
+    /// Go on with the program of a robot that was jogged.
+    JogDone {
+        /// The robot.
+        robot: String,
+    },
     /// Any of these, line by line; `take` and `release` keep the control from others meanwhile.
     Console,
     /// All of it as a screen with keys (feature `view`).
@@ -203,8 +213,8 @@ pub enum Operating {
     Press(Button),
     /// Any of these, line by line.
     Console,
-    /// Hold a key.
-    Hold,
+    /// Hold a key, which jogs a robot if one is named.
+    Hold(Option<(Name, JogOrder)>),
     /// All of it as a screen.
     View,
 }
@@ -241,7 +251,13 @@ impl OperatingWord {
             OperatingWord::Status => return Ok(Operating::Status),
             OperatingWord::Console => return Ok(Operating::Console),
             OperatingWord::View => return Ok(Operating::View),
-            OperatingWord::Hold => return Ok(Operating::Hold),
+            OperatingWord::Hold { jog } if jog.is_empty() => return Ok(Operating::Hold(None)),
+            // Which hold it is, the key that is held says.
+            OperatingWord::Hold { jog } => match Button::read("jog", &format!("0 0 {}", jog.join(" ")))? {
+                Button::Jog(_, robot, order) => return Ok(Operating::Hold(Some((robot, order)))),
+                other => other,
+            },
+            OperatingWord::JogDone { robot } => Button::read("jog-done", robot)?,
             OperatingWord::Reduced { wanted } => Button::read("reduced", wanted)?,
             OperatingWord::Suspend => Button::Suspend,
             OperatingWord::Resume => Button::Resume,
@@ -458,7 +474,7 @@ mod tests {
             assert!(text.lines().all(|line| line.len() <= 80), "{text}");
             for word in ["replay", "doctor", "status", "console", "view", "--record"]
                 .iter()
-                .chain(Button::WORDS.iter().filter(|word| **word != "let-go"))
+                .chain(Button::NAMES.iter().filter(|word| !["let-go", "jog"].contains(word)))
             {
                 assert!(
                     text.lines().any(|line| line.trim_start().starts_with(word)),
@@ -536,11 +552,17 @@ mod tests {
         ] {
             assert_eq!(asked(speed), half, "{speed:?}");
         }
-        assert_eq!(asked(&["hold"]), Ok(Some(Operating::Hold)));
+        assert_eq!(asked(&["hold"]), Ok(Some(Operating::Hold(None))));
+        let Ok(Some(Operating::Hold(Some((robot, order))))) = asked(&["hold", "left", "tool", "x", "-20%"])
+        else {
+            panic!("no jog")
+        };
+        assert_eq!((robot.as_str(), order.to_string().as_str()), ("left", "tool x -20%"));
+        assert!(matches!(asked(&["jog-done", "left"]), Ok(Some(Operating::Press(Button::JogDone(_))))));
         assert_eq!(asked(&["reduced", "off"]), Ok(Some(Operating::Press(Button::Reduced(false)))));
         // What a held key sends is not for a command line.
-        let written = |word: &&str| !["speed", "reduced", "hold", "let-go"].contains(word);
-        for word in Button::WORDS.into_iter().filter(written) {
+        let written = |word: &&str| !["speed", "reduced", "hold", "let-go", "jog", "jog-done"].contains(word);
+        for word in Button::NAMES.into_iter().filter(written) {
             assert_eq!(asked(&[word]), Ok(Some(Operating::Press(Button::read(word, "").expect("a button")))));
         }
         for (arguments, told) in [
@@ -548,6 +570,7 @@ mod tests {
             (&["speed"], "write 0% to 100%"),
             (&["speed", "--cell", "c"], "write 0% to 100%"),
             (&["reduced", "maybe"], "write reduced on"),
+            (&["hold", "left", "up"], "tool x -50%"),
             (&["stop", "now"], "unexpected argument 'now'"),
             (&["stop", "abort"], "unexpected argument 'abort'"),
         ] {

@@ -20,7 +20,7 @@ use super::session::{SHARED_MEMORY, prefix};
 use std::sync::atomic::AtomicI64;
 
 /// Words of an entry, its sequence number not counted.
-pub(super) const ENTRY: usize = 127;
+pub(super) const ENTRY: usize = 159;
 
 /// How many times a reader tries before it gives up.
 const LOOKS: usize = 1000;

@@ -31,6 +31,9 @@ const WORDS: usize = 40;
 /// The words of a frame with the places to which a process has sent messages.
 const WOKEN: Range<usize> = 2..2 + Places::WORDS;
 
+/// The words of a frame with a button.
+const BUTTON: Range<usize> = 2..2 + Button::WORDS;
+
 /// Bytes of a frame.
 pub(super) const FRAME: usize = 8 * WORDS;
 
@@ -113,7 +116,7 @@ impl Frame {
             Frame::Abort => 6,
             Frame::Press { number, button } => {
                 words[1] = *number;
-                words[2..4].copy_from_slice(&button.to_words());
+                words[BUTTON].copy_from_slice(&button.to_words());
                 20
             }
             Frame::Close => 7,
@@ -192,7 +195,7 @@ impl Frame {
             }
             6 => Frame::Abort,
             20 => {
-                let button = Button::from_words([words[2], words[3]]).ok_or(BadWords)?;
+                let button = words[BUTTON].try_into().ok().and_then(Button::from_words).ok_or(BadWords)?;
                 Frame::Press { number: words[1], button }
             }
             7 => Frame::Close,

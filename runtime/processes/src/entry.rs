@@ -8,13 +8,14 @@ use mrroc_core::fault::{Fault, FaultWords};
 use mrroc_core::generator::TypeName;
 use mrroc_core::observe::Observation;
 use mrroc_core::operator::button::{Answer, Button, CellState};
+use mrroc_core::operator::jog::{JogRefusal, JogStop};
 use mrroc_core::operator::state::{Doing, EcpState, MpState};
 use mrroc_core::payload::Wire;
 use mrroc_core::pose::Pose;
 use mrroc_core::robot::MAX_JOINTS;
 
 /// Where the answers begin in the entry of an MP; the fault, the name of the generator and what forbids a reset follow.
-const ANSWERS: usize = 10;
+const ANSWERS: usize = 14;
 const FAULT: usize = ANSWERS + 4 * Button::KINDS;
 const NAME: usize = FAULT + 1 + FaultWords::LEN;
 
@@ -44,14 +45,23 @@ pub(super) fn of_mp(state: &MpState) -> [u64; ENTRY] {
         u64::from(state.reduced),
         u64::from(state.held),
         u64::from(state.epoch),
+        state.jogs[0],
+        state.jogs[1],
+        state.jogged.map_or(0, |(place, _)| u64::from(place) + 1),
+        state.jogged.map_or(0, |(_, stop)| stop.to_word()),
     ]);
     for (answer, words) in state.answers.iter().zip(words[ANSWERS..FAULT].chunks_exact_mut(4)) {
-        words.copy_from_slice(&[answer.number, answer.step, answer.state as u64, u64::from(answer.done)]);
+        words.copy_from_slice(&[answer.number, answer.step, answer.state as u64, outcome(answer)]);
     }
     put_fault(&mut words[FAULT..NAME], state.fault.as_ref());
     put_name(&mut words[NAME..PERSISTING], state.by);
     put_fault(&mut words[PERSISTING..], state.persisting.as_ref());
     words
+}
+
+/// What became of a press, in a word: 1 if it was carried out, 0 if it was refused, and from 2 on why a jog was.
+fn outcome(answer: &Answer) -> u64 {
+    answer.why.map_or(u64::from(answer.done), |why| why as u64 + 2)
 }
 
 /// Puts a fault behind a word that says whether there is one.
@@ -71,12 +81,17 @@ pub(super) fn of_ecp(state: &EcpState) -> [u64; ENTRY] {
     let mut words = [0; ENTRY];
     words[0] = state.doing as u64;
     put_name(&mut words[1..], state.by);
+    words[STOP] = state.stop.to_word();
     words
 }
 
-/// What the entry of an ECP says: what its program does, and the generator or condition of its last instruction.
-pub(super) fn ecp(words: &[u64; ENTRY]) -> (Doing, String) {
-    (doing(words[0]), name(&words[1..]))
+/// Where an ECP says why its robot stands though it is jogged, behind the name.
+const STOP: usize = 2 + NAME_BYTES / 8;
+
+/// What the entry of an ECP says: what its program does, the generator or condition of its last instruction, and why its robot
+/// stands though it is jogged.
+pub(super) fn ecp(words: &[u64; ENTRY]) -> (Doing, String, JogStop) {
+    (doing(words[0]), name(&words[1..STOP]), JogStop::from_word(words[STOP]))
 }
 
 fn doing(word: u64) -> Doing {
@@ -112,6 +127,9 @@ pub(super) struct MpPanel {
     pub reduced: bool,
     pub held: bool,
     pub state: CellState,
+    /// Which robots may be jogged now, by their places, and why one stands.
+    pub jogs: [u64; 2],
+    pub jogged: Option<(usize, JogStop)>,
     pub answers: [Answer; Button::KINDS],
     pub fault: Option<Fault>,
     pub persisting: Option<Fault>,
@@ -126,8 +144,10 @@ impl MpPanel {
         };
         let mut answers = [Answer::default(); Button::KINDS];
         for (answer, words) in answers.iter_mut().zip(words[ANSWERS..FAULT].chunks_exact(4)) {
-            *answer =
-                Answer { number: words[0], step: words[1], state: state(words[2]), done: words[3] == 1 };
+            let why = usize::try_from(words[3]).ok().and_then(|word| word.checked_sub(2));
+            let why = why.and_then(|place| JogRefusal::ALL.get(place)).copied();
+            let (number, step, state, done) = (words[0], words[1], state(words[2]), words[3] == 1);
+            *answer = Answer { number, step, state, done, why };
         }
         MpPanel {
             step: words[0],
@@ -141,6 +161,10 @@ impl MpPanel {
             state: state(words[6]),
             reduced: words[7] == 1,
             held: words[8] == 1,
+            jogs: [words[10], words[11]],
+            jogged: usize::try_from(words[12])
+                .ok()
+                .and_then(|place| Some((place.checked_sub(1)?, JogStop::from_word(words[13])))),
             answers,
             fault: fault(&words[FAULT..NAME]),
             persisting: fault(&words[PERSISTING..]),
@@ -197,12 +221,13 @@ mod tests {
     #[test]
     fn the_state_of_an_ecp_is_read_as_it_was_written_and_a_name_that_is_too_long_as_far_as_it_fits() {
         let by = TypeName::of::<Dwell<u8>>();
-        let read = ecp(&of_ecp(&EcpState { doing: Doing::Wait, by }));
-        assert_eq!(read, (Doing::Wait, "Dwell".to_owned()));
+        let stop = JogStop::Joint(3);
+        let read = ecp(&of_ecp(&EcpState { doing: Doing::Wait, by, stop }));
+        assert_eq!(read, (Doing::Wait, "Dwell".to_owned(), stop));
         let by = TypeName::of::<
             AConditionWithANameThatHasMoreThanSeventyTwoBytesAsNobodyWouldEverWriteOneInEarnest,
         >();
-        let (_, read) = ecp(&of_ecp(&EcpState { doing: Doing::Wait, by }));
+        let (_, read, _) = ecp(&of_ecp(&EcpState { doing: Doing::Wait, by, ..EcpState::default() }));
         assert!(read.len() == NAME_BYTES && by.to_string().starts_with(&read), "{read}");
         assert_eq!(ecp(&[u64::MAX; ENTRY]).0, Doing::Nothing);
     }
@@ -211,7 +236,7 @@ mod tests {
     fn the_state_of_an_mp_is_read_as_it_was_written() {
         let fault = Fault::new(FaultKind::PeerLost).in_process(ProcessId::MP).at_step(7).text("gone");
         let persisting = Fault::new(FaultKind::DriveFault).in_process(ProcessId::PLANT).text("brake");
-        let answer = Answer { number: 3, step: 9, state: CellState::Stopping, done: true };
+        let answer = Answer { number: 3, step: 9, state: CellState::Stopping, done: true, why: None };
         let mut state = MpState {
             step: 1,
             period: 2,
@@ -227,11 +252,14 @@ mod tests {
             ..MpState::default()
         };
         state.answers[Button::Speed(0.0).kind()] = answer;
+        state.answers[10] = Answer { done: false, why: Some(JogRefusal::OthersMove), ..answer };
+        (state.jogs, state.jogged) = ([5, 1 << 63], Some((2, JogStop::Way)));
         let read = MpPanel::read(&of_mp(&state));
         assert_eq!((read.step, read.period, read.epoch), (1, 2, 4));
         assert_eq!((read.instructions, read.doing, read.by.as_str()), (6, Doing::Wait, "Dwell"));
         assert_eq!((read.rate, read.speed, read.state), (0.25, 0.5, CellState::Suspended));
         assert_eq!(read.answers, state.answers);
+        assert_eq!((read.jogs, read.jogged), ([5, 1 << 63], Some((2, JogStop::Way))));
         assert_eq!((read.fault, read.persisting), (Some(fault), Some(persisting)));
     }
 

@@ -1,6 +1,6 @@
 //! A key of a terminal that is held lets robots move at reduced speed.
 //!
-//! In: bytes of a terminal whose keys repeat while they are held. Out: a hold that is renewed while they come, and let go when
+//! In: bytes of a terminal whose keys repeat while they are held, and the robot that they jog, if one is named. Out: a hold that is renewed while they come, and let go when
 //! they do not.
 //!
 //! A terminal does not say when a key is let go. So a hold begins only when a key repeats, and not when it is pressed; it is let
@@ -15,8 +15,10 @@ use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::termios::{LocalModes, OptionalActions, Termios, tcgetattr, tcsetattr};
 
 use mrroc_core::console::{refused, say};
+use mrroc_core::fault::Name;
 use mrroc_core::operator::Renewal;
 use mrroc_core::operator::button::Button;
+use mrroc_core::operator::jog::JogOrder;
 use mrroc_launch::outcome::report;
 
 use crate::console_server::{Caller, Heard, Reply, Request};
@@ -103,7 +105,7 @@ impl Drop for Raw {
 }
 
 /// Lets a key of this terminal hold the cell, until `q` is pressed or the cell ends.
-pub(crate) fn hold(mut caller: Caller) -> ExitCode {
+pub(crate) fn hold(mut caller: Caller, jog: Option<(Name, JogOrder)>) -> ExitCode {
     if !io::stdin().is_terminal() {
         return refused(
             &"a key is held at a terminal, and this is none\n help: run it in a terminal of your own",
@@ -114,7 +116,7 @@ pub(crate) fn hold(mut caller: Caller) -> ExitCode {
         Err(error) => return refused(&format!("this terminal gives no single keys: {error}")),
     };
     let _ = say("hold the space bar: robots move while it repeats; let it go and they stop; q ends\n");
-    let ended = hold_by_keys(&mut caller);
+    let ended = hold_by_keys(&mut caller, jog);
     drop(raw);
     match ended {
         Ok(()) => ExitCode::SUCCESS,
@@ -125,7 +127,7 @@ pub(crate) fn hold(mut caller: Caller) -> ExitCode {
     }
 }
 
-fn hold_by_keys(caller: &mut Caller) -> io::Result<()> {
+fn hold_by_keys(caller: &mut Caller, jog: Option<(Name, JogOrder)>) -> io::Result<()> {
     let began = Instant::now();
     let start = Duration::from_nanos(monotonic());
     let mut key = Key::default();
@@ -140,7 +142,7 @@ fn hold_by_keys(caller: &mut Caller) -> io::Result<()> {
             let count = stdin.lock().read(&mut bytes)?;
             if count == 0 || bytes[..count].contains(&b'q') {
                 if let Key::Held { renewal, .. } = key {
-                    tell(caller, Told::LetGo(renewal.hold()))?;
+                    tell(caller, jog, Told::LetGo(renewal.hold()))?;
                 }
                 return Ok(());
             }
@@ -149,15 +151,18 @@ fn hold_by_keys(caller: &mut Caller) -> io::Result<()> {
             key.silence(now)
         };
         key = next;
-        tell(caller, told)?;
+        tell(caller, jog, told)?;
     }
 }
 
-fn tell(caller: &mut Caller, told: Told) -> io::Result<()> {
-    let (button, shown) = match told {
-        Told::Nothing => return Ok(()),
-        Told::Renew(renewal) => (Button::Hold(renewal), (renewal.count() == 0).then_some("held")),
-        Told::LetGo(hold) => (Button::LetGo(hold), Some("let go")),
+fn tell(caller: &mut Caller, jog: Option<(Name, JogOrder)>, told: Told) -> io::Result<()> {
+    let (button, shown) = match (told, jog) {
+        (Told::Nothing, _) => return Ok(()),
+        (Told::Renew(renewal), Some((robot, order))) => {
+            (Button::Jog(renewal, robot, order), (renewal.count() == 0).then_some("jogged"))
+        }
+        (Told::Renew(renewal), None) => (Button::Hold(renewal), (renewal.count() == 0).then_some("held")),
+        (Told::LetGo(hold), _) => (Button::LetGo(hold), Some("let go")),
     };
     match caller.ask(&Request::Press(button))? {
         Heard::Reply(Reply::Done(_)) => {

@@ -123,7 +123,7 @@ mod tests {
         panel.fault = Some(fault("the brake"));
         panel.persisting = persisting.map(fault);
         panel.answers[Button::Reset.kind()] =
-            Answer { number: reset, step: 9, state: CellState::Acknowledged, done: reset > 0 };
+            Answer { number: reset, step: 9, state: CellState::Acknowledged, done: reset > 0, why: None };
         panel
     }
 

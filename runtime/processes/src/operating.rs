@@ -29,7 +29,7 @@ pub(super) fn operate(cell: &Path, of: Option<Name>, operating: Operating, view:
         Operating::Status => once(caller, &Request::Status),
         Operating::Press(button) => once(caller, &Request::Press(button)),
         Operating::Console => converse(caller),
-        Operating::Hold => hold(caller),
+        Operating::Hold(jog) => hold(caller, jog),
         Operating::View => show(caller, view),
     }
 }

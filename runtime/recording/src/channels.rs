@@ -16,6 +16,7 @@ use mrroc_core::observe::layout::{Layout, SignalLayout};
 use mrroc_core::observe::ring::Record;
 use mrroc_core::observe::witness::STATE_WORDS;
 use mrroc_core::observe::witness::{Mode, ReadingState, What};
+use mrroc_core::operator::jog::JogNow;
 use mrroc_core::operator::state::Doing;
 use mrroc_core::payload::Shape;
 use mrroc_core::payload::Wire;
@@ -108,6 +109,7 @@ fn topic(record: &Record) -> (Topic, Option<&'static Shape>) {
         }
         What::Body { body, .. } => (Topic::Body(body), None),
         What::Abort { .. }
+        | What::Jog { .. }
         | What::Late { .. }
         | What::LateRequest { .. }
         | What::Found { .. }
@@ -300,6 +302,10 @@ fn write_record(out: &mut String, record: &Record, joints: usize, signals: &[Sig
             out.write_str("}")
         }
         What::Abort { step } => return write_event(out, step, record.by, "abort", ""),
+        What::Jog { step, robot } => {
+            let now = JogNow::get(words).unwrap_or_default();
+            return write_event(out, step, record.by, "jog", &format!("{robot} {now}"));
+        }
         What::Late { step } => return write_event(out, step, record.by, "late", ""),
         What::LateRequest { step, nth, due } => {
             let came = format!("request {nth} in step {due}");

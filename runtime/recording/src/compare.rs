@@ -130,6 +130,7 @@ impl Witness for Comparison {
             What::Step { step, .. } => self.begun.set(step),
             What::Instruction { .. }
             | What::Abort { .. }
+            | What::Jog { .. }
             | What::Late { .. }
             | What::LateRequest { .. }
             | What::Order { .. }

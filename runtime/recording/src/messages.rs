@@ -17,9 +17,10 @@ use mrroc_core::fault::{ProcessId, Role};
 use mrroc_core::link::Nanos;
 use mrroc_core::observe::layout::{Layout, SignalLayout};
 use mrroc_core::observe::witness::ReadingState;
+use mrroc_core::operator::jog::JogNow;
 use mrroc_core::payload::Shape;
 use mrroc_core::replay::readings::RecordedReading;
-use mrroc_core::replay::script::ScriptedStep;
+use mrroc_core::replay::script::{ScriptedJog, ScriptedStep};
 use mrroc_core::replay::{LateRequest, RecordedImage, RecordedReadings, RecordedRobot, RecordedRun, Script};
 use mrroc_core::robot::{Channel, MAX_JOINTS, Measured, Signals, Value as Signal};
 
@@ -31,6 +32,7 @@ pub(super) struct Messages {
     sensors: Vec<(Name, &'static Shape)>,
     readings: Vec<RecordedReadings>,
     steps: Vec<ScriptedStep>,
+    jogs: Vec<ScriptedJog>,
     late: BTreeSet<u64>,
     aborts: BTreeSet<u64>,
     outside: Option<(u64, String)>,
@@ -90,9 +92,21 @@ impl Messages {
             }
             sensors.push((of_cell(&sensor.name)?, sensor.reading));
         }
-        let (readings, steps, late, aborts) = (Vec::new(), Vec::new(), BTreeSet::new(), BTreeSet::new());
+        let (readings, steps, jogs) = (Vec::new(), Vec::new(), Vec::new());
+        let (late, aborts) = (BTreeSet::new(), BTreeSet::new());
         let signals = layout.robots.iter().map(|robot| robot.signals.clone()).collect();
-        Ok(Messages { robots, signals, sensors, readings, steps, late, aborts, outside: None, end: None })
+        Ok(Messages {
+            robots,
+            signals,
+            sensors,
+            readings,
+            steps,
+            jogs,
+            late,
+            aborts,
+            outside: None,
+            end: None,
+        })
     }
 
     /// The last step of the MP read so far.
@@ -151,6 +165,12 @@ impl Messages {
                 let late = LateRequest { step, nth: nth.parse().ok()?, due: due.parse().ok()? };
                 let robot = self.robots.iter_mut().find(|robot| Some(robot.name) == by.name)?;
                 robot.late.push(late);
+            }
+            "jog" => {
+                let (robot, now) = text.split_once(' ')?;
+                let (robot, now) = (Name::of_process(robot).ok()?, JogNow::read(now)?);
+                let follows = self.jogs.last().is_none_or(|last| last.step < step);
+                self.jogs.extend(follows.then_some(ScriptedJog { step, robot, now }));
             }
             "abort" => drop(self.aborts.insert(step)),
             "end" => self.end = Some((!text.is_empty()).then(|| text.to_owned())),
@@ -267,7 +287,7 @@ impl Messages {
         Ok(RecordedRun {
             robots: self.robots.into_iter().map(Rc::new).collect(),
             readings: self.readings.into_iter().map(Rc::new).collect(),
-            script: Rc::new(Script(self.steps)),
+            script: Rc::new(Script(self.steps, self.jogs)),
             outside: self.outside,
             end: self.end,
         })

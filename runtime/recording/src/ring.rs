@@ -64,6 +64,7 @@ fn is_asked_for(recording: &Recording, by: ProcessId, what: &What) -> bool {
         What::Step { .. }
         | What::Instruction { .. }
         | What::Abort { .. }
+        | What::Jog { .. }
         | What::Late { .. }
         | What::LateRequest { .. }
         | What::Found { .. }

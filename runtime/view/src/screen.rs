@@ -202,6 +202,7 @@ fn messages(screen: &Screen) -> Paragraph<'static> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use mrroc_core::operator::jog::JogStop;
     use mrroc_core::pose::Pose;
     use mrroc_processes::{CellPicture, ProcessPicture, Spread};
     use ratatui::Terminal;
@@ -244,6 +245,8 @@ mod tests {
                 tool: Pose::identity(),
                 doing: Doing::Nothing,
                 by: String::new(),
+                jogs: false,
+                stop: JogStop::None,
             }],
         }
     }

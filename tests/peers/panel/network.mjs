@@ -6,22 +6,15 @@ import { chmodSync, copyFileSync, mkdirSync, mkdtempSync, rmSync } from 'node:fs
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { chromium } from 'playwright-core';
-import { starting } from './program.mjs';
+import { PATIENCE, check, checks, start as started } from './kit.mjs';
 
 const [browserPath, program, cellFile] = process.argv.slice(2);
-const start = starting(program);
+const start = (words, variables) => started(program, words, variables);
 const address = '192.0.2.1:7411';
 const folder = mkdtempSync(join(tmpdir(), 'mrroc-panel-network-'));
 const cell = join(folder, 'cell.toml');
 copyFileSync(cellFile, cell);
 const words = ['--cell', cell, '--processes', '--panel', '--no-picture'];
-const patience = 15000;
-let checks = 0;
-
-function check(fact, what) {
-  checks += 1;
-  if (!fact) throw new Error(`not so: ${what}`);
-}
 
 /** What curl says: the status of the answer, 0 for none, and how it ended. */
 function curl(...options) {
@@ -33,7 +26,7 @@ function curl(...options) {
 const refusal = (asked, word) => new Promise((resolve, reject) => {
   const child = spawn(program, words, { stdio: ['ignore', 'pipe', 'pipe'], env: { ...process.env, MRROC_PANEL_ADDRESS: asked } });
   let said = '';
-  const over = setTimeout(() => { child.kill(); reject(new Error(`not said: ${word}:\n${said}`)); }, patience);
+  const over = setTimeout(() => { child.kill(); reject(new Error(`not said: ${word}:\n${said}`)); }, PATIENCE);
   const hear = (text) => {
     said += text;
     if (!said.includes(word)) return;
@@ -75,7 +68,7 @@ async function signedByItself() {
     const context = await browser.newContext({ ignoreHTTPSErrors: true });
     const page = await context.newPage();
     await page.goto(runs.address);
-    const shows = (word) => page.waitForFunction((expected) => window.mrrocPanel.state()?.state === expected, word, { timeout: patience, polling: 50 });
+    const shows = (word) => page.waitForFunction((expected) => window.mrrocPanel.state()?.state === expected, word, { timeout: PATIENCE, polling: 50 });
     await shows('running');
     check(await page.evaluate(() => window.isSecureContext && location.protocol === 'https:'), 'the page is secure');
     await page.keyboard.press('Escape');
@@ -118,7 +111,7 @@ try {
   await signedByItself();
   await ofAnAuthority();
   await refuses();
-  console.log(`panel on a network: ${checks} facts hold`);
+  console.log(`panel on a network: ${checks()} facts hold`);
 } finally {
   rmSync(folder, { recursive: true, force: true });
 }

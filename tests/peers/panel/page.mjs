@@ -1,39 +1,17 @@
 // Drives two pages of the panel of a cell that runs, as an operator, as one who looks on, and as one who means harm.
 
 import { execFileSync, spawnSync } from 'node:child_process';
-import { createRequire } from 'node:module';
-import { mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
+import { mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { createServer, request } from 'node:http';
 import { cpus, loadavg, tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { chromium } from 'playwright-core';
-import { starting } from './program.mjs';
+import { PATIENCE, check, checks, press, shot, shots, shows, start as started, state, take, violations } from './kit.mjs';
 import { lastLink, multiply } from './urdf.mjs';
 
 const [browserPath, program, cell] = process.argv.slice(2);
-const start = starting(program);
 const folder = mkdtempSync(join(tmpdir(), 'mrroc-panel-'));
-const shots = process.env.MRROC_SHOTS;
-if (shots) mkdirSync(shots, { recursive: true });
-const axe = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
-/** What a page waits for at most [ms]: this machine may be late. */
-const PATIENCE = 15000;
-let checks = 0;
-
-function check(fact, what) {
-  checks += 1;
-  if (!fact) throw new Error(`not so: ${what}`);
-}
-
-const state = (page) => page.evaluate(() => window.mrrocPanel.state());
-const shows = (page, word) => page.waitForFunction(
-  (expected) => expected.includes(window.mrrocPanel.state()?.state), [word].flat(), { timeout: PATIENCE, polling: 50 });
-const press = (page, name) => page.getByRole('button', { name, exact: true }).click({ timeout: PATIENCE });
-const shot = async (page, name) => {
-  // A picture that this machine has no time for is no fault of the panel.
-  if (shots) await page.screenshot({ path: join(shots, `${name}.png`) }).catch((error) => console.log(`panel: no picture ${name}: ${error.message.split('\n')[0]}`));
-};
-
+const start = (words, variables) => started(program, words, variables);
 /** A connection from the origin of a page: sends frames, and tells what came and how it was closed. */
 const connection = (page, frames, token, time = 1500) => page.evaluate(async ([sent, secret, wait]) => {
   const socket = new WebSocket(`ws://${location.host}/connect`), came = [];
@@ -145,15 +123,6 @@ async function operate(browser, plainBrowser) {
   return file;
 }
 
-/** Control, once more where a page was silent for too long because this machine was. */
-async function take(page) {
-  for (let i = 0; i < 5; i++) {
-    if (await page.getByText('You have control.').isVisible()) return;
-    await page.locator('#take').click();
-    await page.waitForTimeout(200);
-  }
-}
-
 /** Tries once more, for a page that was silent for too long, because this machine was, has lost control. */
 async function again(what, attempt) {
   for (let trial = 1; ; trial++) {
@@ -218,12 +187,6 @@ async function look(page, name) {
     check(far < 2, `the tool of ${robot} is within 2 px: ${far}, ${JSON.stringify(found)}, ${pixel}`);
   }
   await shot(page, name);
-}
-
-async function violations(page) {
-  await page.evaluate(axe);
-  const { violations: found } = await page.evaluate(() => window.axe.run());
-  check(found.length === 0, `accessible: ${found.map(({ id, nodes }) => `${id} at ${nodes.map(({ target }) => target)}`).join('; ')}`);
 }
 
 /** Switches reduced speed. */
@@ -420,7 +383,7 @@ try {
       const recorded = await operate(browser, plainBrowser);
       await play(browser, plainBrowser, recorded);
       await crowd(browser);
-      console.log(`panel: ${checks} facts hold (${((Date.now() - began) / 1000).toFixed(0)} s)`);
+      console.log(`panel: ${checks()} facts hold (${((Date.now() - began) / 1000).toFixed(0)} s)`);
       break;
     } catch (error) {
       console.error(`panel: trial ${trial}: ${error.stack ?? error}`);

@@ -126,6 +126,7 @@ fn is_shown(what: &What) -> bool {
         What::Step { .. } | What::Image { .. } | What::Fault { .. } | What::End { .. } => true,
         What::Instruction { .. }
         | What::Abort { .. }
+        | What::Jog { .. }
         | What::Late { .. }
         | What::LateRequest { .. }
         | What::Order { .. }

@@ -3,7 +3,9 @@
 //! In: the text of a message. Out: a request, with the step for which it was made; or what is wrong with it. Each button carries the
 //! epoch and the step that the page showed when it was pressed: what is asked of a picture that is old is refused.
 
-use mrroc_core::operator::button::Button;
+use mrroc_core::fault::Name;
+use mrroc_core::operator::button::{Button, NoButton};
+use mrroc_core::operator::jog::JogOrder;
 use serde_json::Value;
 
 /// How much older than the newest step the step of a request may be \[ns\].
@@ -26,8 +28,18 @@ pub enum Asked {
     Press(Button, Stamp),
     /// Robots may move while this is said again and again, at reduced speed; whether a hold begins.
     Hold(bool, Stamp),
+    /// A robot is jogged while this is said again and again, at reduced speed; whether a hold begins.
+    Jog(bool, Name, JogOrder, Stamp),
     /// They may no longer.
     Release,
+    /// A robot that stands is taught its pose, by this name.
+    Teach(Name, Name, Stamp),
+    /// A pose of a robot gets another name.
+    Rename(Name, Name, Name),
+    /// A pose of a robot is forgotten.
+    Forget(Name, Name),
+    /// To see the way of a robot's tool to a pose.
+    Way(Name, Name),
     /// What a recording shows at a time \[s\].
     Frame(f64),
 }
@@ -93,6 +105,17 @@ impl Stamp {
     }
 }
 
+fn unknown(bad: NoButton) -> BadMessage {
+    BadMessage::Unknown(bad.to_string().replace("\n help: ", ": "))
+}
+
+/// A name in a message. A robot may be one of a lower cell.
+fn name(json: &Value, key: &'static str) -> Result<Name, BadMessage> {
+    let text = json[key].as_str().ok_or(BadMessage::Lacks(key))?;
+    let read = if key == "robot" { Name::of_process(text) } else { Name::new(text) };
+    read.map_err(|bad| BadMessage::Unknown(bad.to_string()))
+}
+
 impl Message {
     /// Reads a message.
     ///
@@ -112,14 +135,23 @@ impl Message {
             "let-go" => Asked::LetGo,
             "hold" => Asked::Hold(json["begins"].as_bool().unwrap_or(false), Stamp::of(&json)?),
             "release" => Asked::Release,
+            "jog" => {
+                let order = json["order"].as_str().ok_or(BadMessage::Lacks("order"))?;
+                let order = JogOrder::read(&mut order.split_whitespace()).map_err(unknown)?;
+                let begins = json["begins"].as_bool().unwrap_or(false);
+                Asked::Jog(begins, name(&json, "robot")?, order, Stamp::of(&json)?)
+            }
+            "teach" => Asked::Teach(name(&json, "robot")?, name(&json, "name")?, Stamp::of(&json)?),
+            "rename" => Asked::Rename(name(&json, "robot")?, name(&json, "name")?, name(&json, "to")?),
+            "forget" => Asked::Forget(name(&json, "robot")?, name(&json, "name")?),
+            "way" => Asked::Way(name(&json, "robot")?, name(&json, "name")?),
             "frame" => {
                 let at = json["at"].as_f64().filter(|at| at.is_finite());
                 Asked::Frame(at.ok_or(BadMessage::Lacks("at"))?)
             }
             _ => {
                 let rest = json["rest"].as_str().unwrap_or("");
-                let button = Button::read(word, rest)
-                    .map_err(|bad| BadMessage::Unknown(bad.to_string().replace("\n help: ", ": ")))?;
+                let button = Button::read(word, rest).map_err(unknown)?;
                 Asked::Press(button, Stamp::of(&json)?)
             }
         };
@@ -139,6 +171,8 @@ mod tests {
     #[test]
     fn a_message_is_read_as_a_page_writes_it() {
         let stamp = Stamp { epoch: 2, step: 40 };
+        let (left, pick) = (Name::new("left").expect("a name"), Name::new("pick").expect("a name"));
+        let order = JogOrder::read(&mut "tool x 50%".split_whitespace()).expect("an order");
         for (text, asked) in [
             (r#"{"token":"abc"}"#, Asked::Token("abc".to_owned())),
             (r#"{"do":"beat"}"#, Asked::Beat),
@@ -152,12 +186,28 @@ mod tests {
             (r#"{"n":3,"do":"hold","begins":true,"epoch":2,"step":40}"#, Asked::Hold(true, stamp)),
             (r#"{"n":3,"do":"hold","epoch":2,"step":40}"#, Asked::Hold(false, stamp)),
             (r#"{"n":3,"do":"release"}"#, Asked::Release),
+            (
+                r#"{"n":3,"do":"jog","begins":true,"robot":"left","order":"tool x 50%","epoch":2,"step":40}"#,
+                Asked::Jog(true, left, order, stamp),
+            ),
+            (
+                r#"{"n":3,"do":"jog-done","rest":"left","epoch":2,"step":40}"#,
+                Asked::Press(Button::JogDone(left), stamp),
+            ),
+            (
+                r#"{"n":3,"do":"teach","robot":"left","name":"pick","epoch":2,"step":40}"#,
+                Asked::Teach(left, pick, stamp),
+            ),
+            (r#"{"do":"rename","robot":"left","name":"pick","to":"left"}"#, Asked::Rename(left, pick, left)),
+            (r#"{"do":"forget","robot":"left","name":"pick"}"#, Asked::Forget(left, pick)),
+            (r#"{"do":"way","robot":"left","name":"pick"}"#, Asked::Way(left, pick)),
             (r#"{"do":"frame","at":1.5}"#, Asked::Frame(1.5)),
         ] {
             assert_eq!(read(text), Ok(asked), "{text}");
         }
         assert_eq!(Message::read(r#"{"n":3,"do":"stop"}"#).map(|message| message.number), Ok(3));
         // No page makes up a renewal: the panel counts them.
+        assert!(read(r#"{"do":"jog 9 9 left tool x 50%","epoch":0,"step":0}"#).is_err());
         assert!(!matches!(
             read(r#"{"do":"hold 9 9","epoch":0,"step":0}"#),
             Ok(Asked::Press(Button::Hold(_), _))
@@ -179,6 +229,11 @@ mod tests {
             (r#"{"do":"resume","epoch":1e99,"step":4}"#, "epoch"),
             (r#"{"do":"resume","epoch":1}"#, "step"),
             (r#"{"do":"speed","rest":"fast","epoch":1,"step":1}"#, "no speed"),
+            (r#"{"do":"jog","robot":"left","order":"tool x 900%","epoch":1,"step":1}"#, "tool x -50%"),
+            (r#"{"do":"jog","robot":"left","order":"tool x 9%","epoch":1}"#, "step"),
+            (r#"{"do":"jog","order":"tool x 9%","epoch":1,"step":1}"#, "robot"),
+            (r#"{"do":"teach","robot":"left","name":"../x","epoch":1,"step":1}"#, "is no name"),
+            (r#"{"do":"forget","robot":"/etc/x","name":"x"}"#, "is no name"),
             (r#"{"do":"frame","at":"x"}"#, "at"),
         ] {
             let bad = read(text).expect_err("refused").to_string();

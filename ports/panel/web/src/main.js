@@ -1,8 +1,9 @@
 // The operator's panel.
 //
-// In: what the panel's process sends. Out: the page. `scene` draws the cell, `plots` the last minute, `operate` has the buttons,
-// `play` the time of a recording, `link` the connection.
+// In: what the panel's process sends. Out: the page. `scene` draws the cell, `plots` the last minute, `operate` has the buttons, `jog`
+// those that move one robot, `play` the time of a recording, `link` the connection.
 
+import { Jogging } from './jog.js';
 import { CellScene, NoScene } from './scene.js';
 import { Link } from './link.js';
 import { Operating } from './operate.js';
@@ -41,15 +42,20 @@ const link = new Link(hear, (what, why) => {
     by('door').close();
   }
   operating.draw();
+  if (layout) jogging.draw();
 });
 const operating = new Operating(link);
 const player = new Player(link);
+const jogging = new Jogging(operating, link, (way) => scene.showWay(way));
 
 function hear(message) {
   switch (message.kind) {
     case 'layout': return build(message);
     case 'state': return show(message);
-    case 'authority': return operating.authority(message);
+    case 'authority':
+      operating.authority(message);
+      return jogging.draw();
+    case 'poses': return jogging.poses(message);
     case 'note': return note(message.text);
     case 'over':
       over = message.text;
@@ -66,9 +72,10 @@ function build(message) {
   plots.speed.begin(layout.robots.map((robot) => robot.name));
   late = [];
   const played = layout.lasts !== null;
-  by('operating').hidden = by('processes-part').hidden = by('late-figure').hidden = played;
+  by('stop').hidden = by('operating').hidden = by('processes-part').hidden = by('late-figure').hidden = played;
   document.querySelector('.plots').classList.toggle('two', played);
   choose();
+  jogging.begin(layout);
   if (played) player.begin(layout.lasts);
 }
 
@@ -101,6 +108,7 @@ function show(state) {
   cameAt = performance.now();
   scene.show(state, continues);
   operating.show(state);
+  if (layout.lasts === null) jogging.show(state);
   const sign = by('state');
   sign.dataset.state = state.state;
   sign.querySelector('.word').textContent = state.state;
@@ -185,7 +193,10 @@ setInterval(() => {
   by('stale').hidden = !text;
   by('stale').textContent = text;
   document.querySelector('.view').classList.toggle('old', Boolean(text));
-  if (text && !over) operating.draw();
+  if (text && !over) {
+    operating.draw();
+    if (layout) jogging.draw();
+  }
 }, 250);
 setInterval(() => Object.values(plots).forEach((plot) => plot.draw()), 200);
 

@@ -18,7 +18,7 @@ export class Operating {
     this.link = link;
     this.state = null;
     this.yours = false;
-    this.held = false;
+    this.held = null;
     by('stop').addEventListener('click', () => this.stop());
     addEventListener('keydown', (event) => {
       if (event.key === 'Escape' && !by('door').open) this.stop();
@@ -34,6 +34,9 @@ export class Operating {
       this.press(by('reduced'), { do: 'reduced', rest: this.state?.reduced ? 'off' : 'on', ...this.stamp() });
     });
     this.holding(by('hold'));
+    addEventListener('blur', () => this.letGo());
+    addEventListener('pagehide', () => this.letGo());
+    document.addEventListener('visibilitychange', () => { if (document.hidden) this.letGo(); });
     setInterval(() => this.beat(), BEAT);
   }
 
@@ -48,6 +51,7 @@ export class Operating {
     button.removeAttribute('aria-busy');
     this.tell(outcome, text);
     this.draw();
+    return outcome;
   }
 
   async stop() {
@@ -61,38 +65,40 @@ export class Operating {
     answer.textContent = outcome === 'done' ? text : `${outcome}: ${text}`;
   }
 
-  /** A button that counts only while it is held, by a pointer or a key. */
-  holding(button) {
+  /** A button that counts only while it is held, by a pointer or a key; `jog` gives what it asks of a robot, if it moves one. */
+  holding(button, jog = null) {
     const begin = (event) => {
-      if (button.disabled || this.held || event.repeat) return;
+      if (button.disabled || this.held || event.repeat || (event.button ?? 0) !== 0) return;
       event.preventDefault();
       button.focus();
-      this.held = true;
+      const message = jog ? { do: 'jog', ...jog() } : { do: 'hold' };
+      this.held = { button, message };
+      button.dataset.pressed = 'true';
       if (event.pointerId !== undefined) button.setPointerCapture(event.pointerId);
-      this.link.ask({ do: 'hold', begins: true, ...this.stamp() }).then(({ outcome, text }) => {
+      this.link.ask({ ...message, begins: true, ...this.stamp() }).then(({ outcome, text }) => {
         if (outcome !== 'done') this.tell(outcome, text);
       });
     };
-    const end = () => {
-      if (!this.held) return;
-      this.held = false;
-      this.link.say({ do: 'release' });
-    };
+    const end = () => { if (this.held?.button === button) this.letGo(); };
     button.addEventListener('pointerdown', begin);
     button.addEventListener('keydown', (event) => {
       if (event.key === ' ' || event.key === 'Enter') begin(event);
     });
     for (const event of ['pointerup', 'pointercancel', 'lostpointercapture', 'keyup', 'blur', 'contextmenu']) button.addEventListener(event, end);
-    addEventListener('blur', end);
-    addEventListener('pagehide', end);
-    document.addEventListener('visibilitychange', () => { if (document.hidden) end(); });
-    this.letGo = end;
+  }
+
+  /** Nothing is held any more. */
+  letGo() {
+    if (!this.held) return;
+    delete this.held.button.dataset.pressed;
+    this.held = null;
+    this.link.say({ do: 'release' });
   }
 
   beat() {
     if (!this.yours || document.hidden) return;
     this.link.say({ do: 'beat' });
-    if (this.held) this.link.say({ do: 'hold', ...this.stamp() });
+    if (this.held) this.link.say({ ...this.held.message, ...this.stamp() });
   }
 
   /** Who has control. */

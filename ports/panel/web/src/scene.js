@@ -222,6 +222,30 @@ export class CellScene {
     });
   }
 
+  /** Shows a way of a tool before it is gone; `null`: none. */
+  showWay(points) {
+    if (this.way) {
+      this.scene.remove(this.way);
+      this.way.children.forEach(({ geometry }) => geometry !== BALL && geometry.dispose());
+      this.way = null;
+    }
+    if (points) {
+      this.way = new Group();
+      const line = new BufferGeometry().setFromPoints(points.map(([x, y, z]) => new Vector3(x, y, z)));
+      const colour = getComputedStyle(document.documentElement).getPropertyValue('--accent').trim();
+      this.way.add(new Line(line, new LineBasicMaterial({ color: colour })));
+      // A line is one pixel wide: balls show it from afar, and a greater one where it ends.
+      points.forEach(([x, y, z], i) => {
+        const ball = new Mesh(BALL, new MeshLambertMaterial({ color: colour }));
+        ball.position.set(x, y, z);
+        ball.scale.setScalar(i === points.length - 1 ? 0.02 : 0.005);
+        if (i % 3 === 0 || i === points.length - 1) this.way.add(ball);
+      });
+      this.scene.add(this.way);
+    }
+    this.wake();
+  }
+
   /** Looks from a side, at all that there is. */
   look(from) {
     const low = new Vector3(Infinity, Infinity, Infinity), high = low.clone().negate();
@@ -368,6 +392,8 @@ export class NoScene {
   show() {}
 
   forget() {}
+
+  showWay() {}
 
   look() {}
 

@@ -139,6 +139,8 @@ impl Cell {
             let signals = robot.signal_names();
             let port =
                 RobotPort::new(*name, robot.kind(), robot.kind_name(), client, stop_steps, robot.is_homed());
+            let (model, joints) = robot.model();
+            let port = port.with_model(model, joints);
             ports.push(port.of_process(process).with_signals(Rc::clone(&signals)));
             let period = self.timing.step.as_nanos() as Nanos;
             let pace = Pace { period, grace, stop_steps };

@@ -24,6 +24,7 @@ impl Cell {
             cells: self.lower_cells().collect(),
             robots: robots.chain(self.lower_robots()).collect(),
             sensors: sensors.chain(self.lower_sensors()).collect(),
+            frames: self.parts.named.frames.clone(),
             bodies: self.watching.bodies.iter().map(|(layout, _)| layout.clone()).collect(),
         }
     }

@@ -7,7 +7,7 @@ use crate::safety::braking::BrakingLaw;
 use crate::safety::rate::{FullRate, RateHeadroom};
 
 /// Version of the layout of an [`Envelope`] and of what its words mean. Raise it with every change of either.
-pub const LAYOUT: u64 = 7;
+pub const LAYOUT: u64 = 8;
 
 /// Words of a message's head.
 const HEAD: usize = 17;

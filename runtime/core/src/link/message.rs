@@ -93,6 +93,12 @@ pub mod flag {
     /// In an order to stop: a robot has not answered the order of the step before, of several that move together. Whether that
     /// has come to it is not known.
     pub const UNANSWERED: u32 = 1 << 15;
+    /// In an order: what is asked of the robot that a person jogs is behind the order's own words.
+    pub const JOG: u32 = 1 << 16;
+    /// In a reply: the program of the ECP lets the robot be jogged now.
+    pub const JOGS: u32 = 1 << 17;
+    /// In a reply: the program of the ECP moves the robot, and no jog panel says how.
+    pub const OWN_WAY: u32 = 1 << 18;
     /// The robot still recovers, or its EDP has not answered whether it does.
     pub const RECOVERS: u32 = 1 << 12;
 }

@@ -35,6 +35,8 @@ pub struct Layout {
     pub robots: Vec<RobotLayout>,
     /// Its virtual sensors.
     pub sensors: Vec<SensorLayout>,
+    /// The frames that it names, such as a table: their poses in the world, `X_WU` \[m\].
+    pub frames: Vec<(String, Pose)>,
     /// The bodies that its robots handle, as far as it [shows](crate::cell::Cell::shows_body) them.
     pub bodies: Vec<BodyLayout>,
 }

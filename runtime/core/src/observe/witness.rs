@@ -59,6 +59,14 @@ pub enum What {
         /// The step.
         step: u64,
     },
+    /// From this step on, this is asked of the robot that a person jogs: the words of a
+    /// [`JogNow`](crate::operator::jog::JogNow).
+    Jog {
+        /// The step.
+        step: u64,
+        /// The robot.
+        robot: Name,
+    },
     /// What took place in the step left no time for more: an MP or ECP could not begin a motion in it. No words.
     Late {
         /// The step.

@@ -5,8 +5,12 @@
 
 use core::fmt;
 
+use crate::model::name::Name;
+use crate::model::wire::Wire;
 use crate::operator::Operator;
 use crate::operator::hold::Renewal;
+use crate::operator::jog::order::{percent, share};
+use crate::operator::jog::{JogOrder, JogRefusal};
 use crate::safety::latch::Latch;
 
 /// A button of the console.
@@ -32,6 +36,10 @@ pub enum Button {
     Hold(Renewal),
     /// The person lets go; with the number of the hold.
     LetGo(u64),
+    /// A person holds what jogs a robot at reduced speed.
+    Jog(Renewal, Name, JogOrder),
+    /// The person has done with jogging a robot: its program goes on.
+    JogDone(Name),
 }
 
 /// A word that is no button.
@@ -46,11 +54,26 @@ pub struct NoButton {
 
 impl Button {
     /// How many kinds there are.
-    pub const KINDS: usize = 10;
+    pub const KINDS: usize = 12;
+
+    /// How many words of a message one takes.
+    pub const WORDS: usize = 2 + NAME + JogOrder::WORDS;
 
     /// Their words; the place of one is its kind, and kinds are carried out in this order.
-    pub const WORDS: [&str; Button::KINDS] =
-        ["stop", "abort", "suspend", "resume", "speed", "acknowledge", "reset", "reduced", "hold", "let-go"];
+    pub const NAMES: [&str; Button::KINDS] = [
+        "stop",
+        "abort",
+        "suspend",
+        "resume",
+        "speed",
+        "acknowledge",
+        "reset",
+        "reduced",
+        "hold",
+        "let-go",
+        "jog",
+        "jog-done",
+    ];
 
     /// Its place among the kinds.
     pub const fn kind(self) -> usize {
@@ -65,11 +88,14 @@ impl Button {
             Button::Reduced(_) => 7,
             Button::Hold(_) => 8,
             Button::LetGo(_) => 9,
+            Button::Jog(..) => 10,
+            Button::JogDone(_) => 11,
         }
     }
 
     /// Reads a button's word, and what belongs to it: the speed in percent, as `50`, `50%` or `50 %`; `reduced on` or `off`;
-    /// `hold`'s number and count, `let-go`'s number.
+    /// `hold`'s number and count, `let-go`'s number; `jog`'s number and count, the robot, and [what it is to do](JogOrder::read);
+    /// `jog-done`'s robot.
     ///
     /// # Errors
     /// [`NoButton`]: what is wrong, and what to write.
@@ -109,14 +135,15 @@ impl Button {
                 return number
                     .map_err(|_| bad(format!("`{}` is no hold", rest.trim().escape_default()), help));
             }
+            "jog" => return read_jog(rest),
+            "jog-done" => {
+                let robot = Name::new(rest.trim()).map(Button::JogDone);
+                return robot.map_err(|error| bad(error.to_string(), "write the robot: jog-done left"));
+            }
             "speed" => {
                 let rest = rest.trim();
-                let percent = rest.strip_suffix('%').unwrap_or(rest).trim_end();
-                return match percent.parse::<f64>() {
-                    // As it is written: to nine digits.
-                    Ok(percent) if (0.0..=100.0).contains(&percent) => {
-                        Ok(Button::Speed((percent * 1e9).round() / 1e11))
-                    }
+                return match share(rest) {
+                    Some(speed) if (0.0..=1.0).contains(&speed) => Ok(Button::Speed(speed)),
                     _ if rest.is_empty() => {
                         Err(bad("speed needs a value".to_owned(), "write 0% to 100%: speed 50%"))
                     }
@@ -127,7 +154,7 @@ impl Button {
                 };
             }
             _ => {
-                let help = crate::suggestion::suggestion(word, &Button::WORDS, "there are");
+                let help = crate::suggestion::suggestion(word, &Button::NAMES, "there are");
                 return Err(NoButton { what: format!("`{word}` is no button"), help });
             }
         };
@@ -138,13 +165,24 @@ impl Button {
         }
     }
 
-    /// As two words of a message.
-    pub fn to_words(self) -> [u64; 2] {
-        let value = match self {
+    /// As words of a message.
+    pub fn to_words(self) -> [u64; Button::WORDS] {
+        let mut words = [0; Button::WORDS];
+        words[0] = self.kind() as u64;
+        words[1] = match self {
             Button::Speed(speed) => speed.to_bits(),
             Button::Reduced(reduced) => u64::from(reduced),
             Button::Hold(renewal) => renewal.to_word(),
             Button::LetGo(hold) => hold,
+            Button::Jog(renewal, robot, order) => {
+                robot.put(&mut words[2..]);
+                order.put(&mut words[2 + NAME..]);
+                renewal.to_word()
+            }
+            Button::JogDone(robot) => {
+                robot.put(&mut words[2..]);
+                0
+            }
             Button::Stop
             | Button::Abort
             | Button::Suspend
@@ -152,11 +190,18 @@ impl Button {
             | Button::Acknowledge
             | Button::Reset => 0,
         };
-        [self.kind() as u64, value]
+        words
     }
 
-    /// From two words of a message.
-    pub fn from_words([kind, value]: [u64; 2]) -> Option<Button> {
+    /// From words of a message.
+    pub fn from_words(words: [u64; Button::WORDS]) -> Option<Button> {
+        let [kind, value, ref more @ ..] = words;
+        if let (10 | 11, robot) = (kind, Name::get(more)) {
+            let (robot, done) = (robot.ok()?, kind == 11);
+            let jog =
+                || Some(Button::Jog(Renewal::from_word(value), robot, JogOrder::get(&more[NAME..]).ok()?));
+            return if done { Some(Button::JogDone(robot)) } else { jog() };
+        }
         let plain = [
             Button::Stop,
             Button::Abort,
@@ -175,17 +220,40 @@ impl Button {
     }
 }
 
+/// How many words a name takes.
+const NAME: usize = <Name as Wire>::LEN;
+
+/// Reads `4711 0 left tool x 50%`.
+fn read_jog(rest: &str) -> Result<Button, NoButton> {
+    let mut words = rest.split_whitespace();
+    let mut number = || words.next().and_then(|word| word.parse::<u64>().ok());
+    let renewal = number().zip(number()).and_then(|(hold, count)| Renewal::of(hold, count));
+    let robot = words.next().and_then(|word| Name::new(word).ok());
+    let Some((renewal, robot)) = renewal.zip(robot) else {
+        let help = "write the number of the hold, the count of the renewal, the robot and what it is to do: jog 4711 0 left tool x 20%";
+        return Err(NoButton {
+            what: format!("`{}` is no jog", rest.trim().escape_default()),
+            help: help.to_owned(),
+        });
+    };
+    JogOrder::read(&mut words).map(|order| Button::Jog(renewal, robot, order))
+}
+
 /// `speed 50%`: what [`Button::read`] reads.
 impl fmt::Display for Button {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(Button::WORDS[self.kind()])?;
+        f.write_str(Button::NAMES[self.kind()])?;
         match self {
             // Without the last digits of the product: 7%, not 7.000000000000001%.
-            Button::Speed(speed) => write!(f, " {}%", (1e11 * speed).round() / 1e9),
+            Button::Speed(speed) => write!(f, " {}%", percent(*speed)),
             Button::Reduced(true) => f.write_str(" on"),
             Button::Reduced(false) => f.write_str(" off"),
             Button::Hold(renewal) => write!(f, " {} {}", renewal.hold(), renewal.count()),
             Button::LetGo(hold) => write!(f, " {hold}"),
+            Button::Jog(renewal, robot, order) => {
+                write!(f, " {} {} {robot} {order}", renewal.hold(), renewal.count())
+            }
+            Button::JogDone(robot) => write!(f, " {robot}"),
             _ => Ok(()),
         }
     }
@@ -244,7 +312,9 @@ impl CellState {
     pub const fn reason(self, button: Button) -> &'static str {
         match self {
             CellState::Acknowledged if matches!(button, Button::Reset) => "the cause of the fault persists",
-            _ if matches!(button, Button::Hold(_)) => "the cell is not at reduced speed: write reduced on",
+            _ if matches!(button, Button::Hold(_) | Button::Jog(..)) => {
+                "the cell is not at reduced speed: write reduced on"
+            }
             CellState::Idle => "nothing runs",
             CellState::Running => "it runs",
             CellState::Suspended => "it is suspended",
@@ -268,6 +338,16 @@ pub struct Answer {
     pub state: CellState,
     /// Whether it was carried out.
     pub done: bool,
+    /// Why a jog was not.
+    pub why: Option<JogRefusal>,
+}
+
+impl Answer {
+    /// Why a button was refused.
+    #[must_use]
+    pub fn reason(&self, button: Button) -> &'static str {
+        self.why.map_or_else(|| self.state.reason(button), JogRefusal::reason)
+    }
 }
 
 impl Operator {
@@ -316,6 +396,16 @@ impl Operator {
                 self.let_go(hold);
                 true
             }
+            (Button::Jog(renewal, robot, order), _) => {
+                if self.is_reduced() {
+                    self.jog(renewal, robot, order);
+                }
+                self.is_reduced()
+            }
+            (Button::JogDone(robot), _) => {
+                self.end_jog(robot);
+                true
+            }
             (Button::Abort | Button::Suspend | Button::Resume, _) => false,
         }
     }
@@ -341,24 +431,32 @@ impl Operator {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::operator::jog::JogMotion;
     use crate::safety::latch::Event;
 
-    const ALL: [Button; Button::KINDS] = [
-        Button::Stop,
-        Button::Abort,
-        Button::Suspend,
-        Button::Resume,
-        Button::Speed(0.5),
-        Button::Acknowledge,
-        Button::Reset,
-        Button::Reduced(true),
-        Button::Hold(Renewal::first(4711)),
-        Button::LetGo(4711),
-    ];
+    fn all() -> [Button; Button::KINDS] {
+        let left = Name::new("left").expect("a name");
+        let motion = JogMotion::Joint { joint: 2 };
+        let jog = JogOrder { motion, speed: -0.25, way: Some(0.1) };
+        [
+            Button::Stop,
+            Button::Abort,
+            Button::Suspend,
+            Button::Resume,
+            Button::Speed(0.5),
+            Button::Acknowledge,
+            Button::Reset,
+            Button::Reduced(true),
+            Button::Hold(Renewal::first(4711)),
+            Button::LetGo(4711),
+            Button::Jog(Renewal::first(4711), left, jog),
+            Button::JogDone(left),
+        ]
+    }
 
     #[test]
     fn every_button_is_read_as_it_is_written_and_sent_as_it_is() {
-        for (kind, button) in ALL.into_iter().enumerate() {
+        for (kind, button) in all().into_iter().enumerate() {
             assert_eq!(button.kind(), kind);
             let text = button.to_string();
             let (word, rest) = text.split_once(' ').unwrap_or((&text, ""));
@@ -368,7 +466,8 @@ mod tests {
         assert_eq!(Button::read("speed", "12.5 %"), Ok(Button::Speed(0.125)));
         assert_eq!(Button::read("speed", "50"), Ok(Button::Speed(0.5)));
         assert_eq!(Button::read("speed", "4.63e-200"), Ok(Button::Speed(0.0)));
-        assert_eq!(Button::from_words([10, 0]), None);
+        assert_eq!(Button::from_words([12; Button::WORDS]), None);
+        assert_eq!(Button::from_words([10; Button::WORDS]), None);
         for (word, rest, told) in [
             ("speed", "0.5.", "write 0% to 100%"),
             ("speed", "%", "write 0% to 100%"),
@@ -377,6 +476,10 @@ mod tests {
             ("speed", "", "write 0% to 100%"),
             ("suspnd", "", "did you mean `suspend`?"),
             ("stop", "now", "write stop alone"),
+            ("jog", "4711 0 left", "tool x -50%"),
+            ("jog", "left tool x 10%", "jog 4711 0 left tool x 20%"),
+            ("jog", "4711 70000 left tool x 10%", "jog 4711 0 left tool x 20%"),
+            ("jog-done", "", "write the robot: jog-done left"),
         ] {
             let error = Button::read(word, rest).expect_err("no button").to_string();
             assert!(error.contains(told), "{error}");

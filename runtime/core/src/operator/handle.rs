@@ -4,7 +4,9 @@ use std::sync::atomic::{AtomicBool, AtomicU8, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use super::hold::{Hold, Renewal};
+use super::jog::JogOrder;
 use crate::model::fault::Fault;
+use crate::model::name::Name;
 use crate::model::time::Nanos;
 use crate::safety::latch::{Event, Latch, LatchRefusal, Latching};
 
@@ -54,6 +56,18 @@ struct Shared {
     let_go: AtomicU64,
     /// Whether a hold lasts, as the MP has found it.
     held: AtomicBool,
+    /// How often something was asked of a robot that is jogged, and what.
+    jogged: AtomicU64,
+    jogs: Mutex<AskedJogs>,
+}
+
+/// What was asked of robots that are jogged.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct AskedJogs {
+    /// The jog of the newest hold that is one, with the number of that hold.
+    pub newest: Option<(u64, Name, JogOrder)>,
+    /// The robot whose jogging was said to be done last.
+    pub done: Option<Name>,
 }
 
 /// What an operator is told of a latched cell.
@@ -149,11 +163,54 @@ impl Operator {
         self.shared.let_go.fetch_max(hold.saturating_add(1), Ordering::AcqRel);
     }
 
-    /// Finds out whether a hold lasts at `now` \[ns\].
-    pub(crate) fn look_at_hold(&self, hold: &mut Hold, now: Nanos) {
+    /// Says that a person holds what jogs a robot at [reduced speed](Operator::set_reduced): a [hold](Operator::renew_hold) as any,
+    /// which moves this robot alone. It moves nothing while no program lets the robot be
+    /// [jogged](super::jog::JogPanel), or while another robot moves by its program.
+    ///
+    /// ```
+    /// # use mrroc_core::fault::Name;
+    /// # use mrroc_core::operator::jog::JogOrder;
+    /// # use mrroc_core::operator::{Operator, Renewal};
+    /// # fn pressed(operator: &Operator, milliseconds_of_machine: u64) -> Result<(), Box<dyn std::error::Error>> {
+    /// // Along the tool's x axis, at a fifth of the largest jogging speed; to be said again within 300 ms, with the next renewal.
+    /// let order = JogOrder::read(&mut "tool x 20%".split_whitespace())?;
+    /// operator.jog(Renewal::first(milliseconds_of_machine), Name::new("left")?, order);
+    /// # Ok(()) }
+    /// ```
+    pub fn jog(&self, renewal: Renewal, robot: Name, order: JogOrder) {
+        self.change_jogs(|jogs| {
+            if jogs.newest.is_none_or(|(hold, ..)| hold <= renewal.hold()) {
+                jogs.newest = Some((renewal.hold(), robot, order));
+            }
+        });
+        self.renew_hold(renewal);
+    }
+
+    /// Says that the person has done with jogging a robot: the Move that lets it be jogged ends, and its program goes on.
+    pub fn end_jog(&self, robot: Name) {
+        self.change_jogs(|jogs| jogs.done = Some(robot));
+    }
+
+    fn change_jogs(&self, change: impl FnOnce(&mut AskedJogs)) {
+        change(&mut self.shared.jogs.lock().unwrap_or_else(PoisonError::into_inner));
+        self.shared.jogged.fetch_add(1, Ordering::AcqRel);
+    }
+
+    /// What was asked of robots that are jogged, if it was since `seen`, which it counts on. A step that finds it being changed
+    /// waits for nothing: the next one looks again.
+    pub(crate) fn asked_jogs(&self, seen: &mut u64) -> Option<AskedJogs> {
+        let jogged = self.shared.jogged.load(Ordering::Acquire);
+        let mut jogs = (jogged != *seen).then(|| self.shared.jogs.try_lock().ok()).flatten()?;
+        *seen = jogged;
+        // That it is done is said once.
+        Some(AskedJogs { done: jogs.done.take(), newest: jogs.newest })
+    }
+
+    /// The number of the hold that lasts at `now` \[ns\].
+    pub(crate) fn lasting_hold(&self, hold: &mut Hold, now: Nanos) -> Option<u64> {
         let renewal = self.shared.renewal.load(Ordering::Acquire).checked_sub(1).map(Renewal::from_word);
         let let_go = self.shared.let_go.load(Ordering::Acquire).checked_sub(1);
-        self.show_held(hold.lasts(renewal, let_go, now));
+        hold.lasts(renewal, let_go, now).then(|| hold.lasting()).flatten()
     }
 
     /// A hold lasts, or none does.

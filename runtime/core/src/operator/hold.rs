@@ -97,6 +97,11 @@ impl Hold {
         self.until.is_some()
     }
 
+    /// The number of the hold that lasts.
+    pub fn lasting(&self) -> Option<u64> {
+        self.until.and(self.last).map(Renewal::hold)
+    }
+
     /// All holds up to this one have ended.
     fn end(&mut self, hold: Option<u64>) {
         self.ended = self.ended.max(hold);

@@ -7,6 +7,7 @@ use crate::model::type_name::TypeName;
 pub use crate::model::instruction::Doing;
 
 use super::button::{Answer, Button, CellState};
+use super::jog::JogStop;
 
 /// What an MP shows of itself in every step.
 #[derive(Clone, Default)]
@@ -32,6 +33,10 @@ pub struct MpState {
     pub reduced: bool,
     /// Whether a person holds what lets its robots move then.
     pub held: bool,
+    /// Which of its robots may be jogged now, by their places in the cell: a bit of each.
+    pub jogs: [u64; 2],
+    /// The place of the robot that is jogged by a program of the MP, and why that robot stands.
+    pub jogged: Option<(u8, JogStop)>,
     /// The cell's state, as far as its operator is concerned.
     pub state: CellState,
     /// What became of the last press of each button.
@@ -49,4 +54,6 @@ pub struct EcpState {
     pub doing: Doing,
     /// The generator or condition of the last instruction.
     pub by: TypeName,
+    /// Why its robot stands though it is jogged.
+    pub stop: JogStop,
 }

@@ -106,7 +106,7 @@ mod reader;
 use core::time::Duration;
 use std::collections::BTreeMap;
 use std::io::Read;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
 use mrroc_core::cell::Realtime;
@@ -175,6 +175,13 @@ impl CellFile {
             return Err(CellFileError::too_long(name, MOST_BYTES));
         }
         reader::read(name, text)
+    }
+
+    /// The file in which the operator's panel keeps the poses that it teaches a robot: `poses/left.txt` beside this file. There is
+    /// none before a pose was taught.
+    #[must_use]
+    pub fn poses(&self, robot: &str) -> PathBuf {
+        crate::files::poses(Path::new(&self.source.file), robot)
     }
 
     /// The step of the cell, `Ts`.

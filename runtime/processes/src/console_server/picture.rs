@@ -10,6 +10,7 @@ use core::str::{FromStr, SplitAsciiWhitespace};
 use crate::figures::{FIGURES_WORDS, Figures};
 use mrroc_core::link::places::MAX_PROCESSES;
 use mrroc_core::operator::button::CellState;
+use mrroc_core::operator::jog::JogStop;
 use mrroc_core::operator::state::Doing;
 use mrroc_core::payload::Wire;
 use mrroc_core::pose::Pose;
@@ -116,6 +117,10 @@ pub struct RobotPicture {
     /// The name of the generator or condition of that program's last instruction; empty before the first one, and where
     /// the ECP has no program of its own.
     pub by: String,
+    /// Whether a program lets it be jogged now.
+    pub jogs: bool,
+    /// Why it stands though it is jogged.
+    pub stop: JogStop,
 }
 
 impl fmt::Display for Picture {
@@ -163,7 +168,8 @@ impl fmt::Display for Picture {
             let mut tool = [0; Pose::LEN];
             robot.tool.put(&mut tool);
             tool.iter().try_for_each(|word| write!(f, " {:e}", f64::from_bits(*word)))?;
-            writeln!(f, " {} {}", robot.doing.word(), robot.by)?;
+            let (jogs, stop) = (robot.jogs, robot.stop.to_word());
+            writeln!(f, " {jogs} {stop} {} {}", robot.doing.word(), robot.by)?;
         }
         writeln!(f, "end")
     }
@@ -324,5 +330,16 @@ fn robot(words: &mut SplitAsciiWhitespace<'_>) -> Option<RobotPicture> {
         *word = number::<f64>(words)?.to_bits();
     }
     let tool = Pose::get(&tool).ok()?;
-    Some(RobotPicture { name, time, demanded, measured, tool, doing: doing(words)?, by: rest(words) })
+    let (jogs, stop) = (number(words)?, JogStop::from_word(number(words)?));
+    Some(RobotPicture {
+        name,
+        time,
+        demanded,
+        measured,
+        tool,
+        jogs,
+        stop,
+        doing: doing(words)?,
+        by: rest(words),
+    })
 }

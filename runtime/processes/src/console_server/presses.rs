@@ -90,7 +90,7 @@ fn say(button: Button, answer: Answer, persisting: Option<&Fault>) -> Reply {
     if !done {
         let why = persisting.filter(|_| (button, state) == (Button::Reset, CellState::Acknowledged));
         let why = why.map_or_else(String::new, |why| format!(": {why}").replace('\n', " "));
-        return Reply::Refused(format!("{}{why}: step {step}", state.reason(button)));
+        return Reply::Refused(format!("{}{why}: step {step}", answer.reason(button)));
     }
     let what = match (button, state) {
         (Button::Stop, CellState::Latched | CellState::Acknowledged) => "stopped already".to_owned(),
@@ -105,6 +105,8 @@ fn say(button: Button, answer: Answer, persisting: Option<&Fault>) -> Reply {
         (Button::Reduced(false), _) => "full speed, and suspended: resume goes on".to_owned(),
         (Button::Hold(_), _) => "held".to_owned(),
         (Button::LetGo(_), _) => "let go".to_owned(),
+        (Button::Jog(_, robot, _), _) => format!("{robot} is jogged"),
+        (Button::JogDone(robot), _) => format!("jogging {robot} is done"),
     };
     Reply::Done(format!("{what}: step {step}"))
 }

@@ -5,7 +5,7 @@
 //! | request | answer |
 //! |---|---|
 //! | `stop`, `abort` | to every console |
-//! | `suspend`, `resume`, `speed 50%`, `acknowledge`, `reset`, `reduced on`, `hold 4711 0`, `let-go 4711` | only to the console that holds the control token; a console that asks while the token is free takes it |
+//! | `suspend`, `resume`, `speed 50%`, `acknowledge`, `reset`, `reduced on`, `hold 4711 0`, `let-go 4711`, `jog 4711 0 left tool x 20%`, `jog-done left` | only to the console that holds the control token; a console that asks while the token is free takes it |
 //! | `take`, `release` | takes or returns the token; the end of a console returns it as well |
 //! | `status` | a picture |
 //! | `watch` | a picture, and from then on up to 20 pictures a second between the answers |
@@ -22,7 +22,7 @@ use mrroc_core::fault::Name;
 use mrroc_core::operator::button::Button;
 
 /// The longest request, without its line end \[bytes\].
-pub const MAX_REQUEST: usize = 80;
+pub const MAX_REQUEST: usize = 400;
 
 /// The longest line of an answer \[bytes\].
 const MAX_ANSWER: usize = 4096;
@@ -62,11 +62,11 @@ impl Request {
             ("take", "") => Ok(Request::Take),
             ("release", "") => Ok(Request::Release),
             _ if WORDS.contains(&word) => Err(format!("write {word} alone")),
-            _ if Button::WORDS.contains(&word) => Button::read(word, rest)
+            _ if Button::NAMES.contains(&word) => Button::read(word, rest)
                 .map(Request::Press)
                 .map_err(|error| error.to_string().replace("\n help: ", ": ")),
             _ => {
-                let known: Vec<_> = WORDS.iter().chain(&Button::WORDS).collect();
+                let known: Vec<_> = WORDS.iter().chain(&Button::NAMES).collect();
                 let help = mrroc_core::suggestion::suggestion(word, &known, "there are");
                 Err(format!("`{}` is no request: {help}", word.escape_default()))
             }
@@ -206,6 +206,7 @@ mod tests {
     use mrroc_core::link::places::MAX_PROCESSES;
     use mrroc_core::nalgebra::Vector3;
     use mrroc_core::operator::button::CellState;
+    use mrroc_core::operator::jog::JogStop;
     use mrroc_core::operator::state::Doing;
     use mrroc_core::pose::Pose;
     use mrroc_core::robot::MAX_JOINTS;
@@ -256,6 +257,15 @@ mod tests {
         let cell = Name::of_process(&"x".repeat(24)).ok();
         let button = Button::read("hold", &format!("{} {}", u64::MAX >> 16, u16::MAX)).expect("a hold");
         assert!(Addressed { cell, request: Request::Press(button) }.to_string().len() <= MAX_REQUEST);
+        let longest = format!(
+            "{} {} {} to 12.123456789%{}",
+            u64::MAX >> 16,
+            u16::MAX,
+            "x".repeat(24),
+            " -1.2345678901234567e-300".repeat(8)
+        );
+        let button = Button::read("jog", &longest).expect("a jog");
+        assert!(Addressed { cell, request: Request::Press(button) }.to_string().len() <= MAX_REQUEST);
     }
 
     fn name() -> impl Strategy<Value = String> {
@@ -288,6 +298,8 @@ mod tests {
                 tool: Pose::translation(time, -0.25, 1e-9) * Pose::rotation(Vector3::x()),
                 doing: Doing::ALL[doing],
                 by,
+                jogs: time > 0.0,
+                stop: JogStop::Joint(doing as u8),
             },
         );
         let cell = (name(), 0..CellState::ALL.len(), any::<[u64; 2]>(), 0.0..=1.0, any::<Option<u8>>())
@@ -390,6 +402,8 @@ mod tests {
             tool: Pose::translation(-1e-300 / 3.0, -1e-300 / 3.0, -1e-300 / 3.0),
             doing: Doing::Nothing,
             by: "G".repeat(72),
+            jogs: false,
+            stop: JogStop::Joint(u8::MAX),
         };
         let picture = Picture {
             processes: (0..MAX_PROCESSES).map(process).collect(),

@@ -31,6 +31,7 @@ use crate::entry::{MpPanel, RobotEntry, ecp};
 use mrroc_core::console::complain;
 use mrroc_core::fault::{Fault, Name, ProcessId, Role};
 use mrroc_core::operator::button::{Button, CellState};
+use mrroc_core::operator::jog::JogStop;
 use mrroc_core::operator::state::Doing;
 
 /// The name of the socket in a session's folder.
@@ -340,8 +341,9 @@ impl Service {
         self.desks[desk].drawn.insert(drawn).clone()
     }
 
-    /// What the program of a robot's ECP shows on the state board: what it does, and by which generator or condition.
-    fn program_of(&self, seats: &[Seat], robot: Name) -> (Doing, String) {
+    /// What the program of a robot's ECP shows on the state board: what it does, by which generator or condition, and why the
+    /// robot stands though it is jogged.
+    fn program_of(&self, seats: &[Seat], robot: Name) -> (Doing, String, JogStop) {
         let id = ProcessId::new(Role::Ecp, robot);
         let place = seats.iter().position(|seat| seat.id == id);
         let shown = place.and_then(|place| self.board.read(place));
@@ -392,6 +394,7 @@ impl Service {
             ..Picture::default()
         };
         let seats = self.seats();
+        let mut own = 0;
         for (place, seat) in seats.iter().enumerate().filter(|(_, seat)| desk.has(seat.id)) {
             let name = seat.id.to_string();
             picture.processes.push(ProcessPicture {
@@ -401,9 +404,15 @@ impl Service {
                 figures: seat.figures,
             });
             let Some(name) = seat.id.name.filter(|_| seat.id.role == Role::Edp) else { continue };
+            // Its place among the robots of its own cell: the MP goes by that.
+            let nth = (desk.mp.name == name.cell()).then_some(own);
+            own += usize::from(nth.is_some());
             let entry = self.board.read(place).map(|words| RobotEntry::read(&words));
             if let Some(RobotEntry { time, demanded, measured, tool }) = entry {
-                let (doing, by) = self.program_of(&seats, name);
+                let (doing, by, stop) = self.program_of(&seats, name);
+                let jogs = nth
+                    .is_some_and(|nth| mp.jogs.get(nth / 64).is_some_and(|word| word & 1 << (nth % 64) != 0));
+                let stop = mp.jogged.filter(|(place, _)| Some(*place) == nth).map_or(stop, |(_, stop)| stop);
                 picture.robots.push(RobotPicture {
                     name: name.to_string(),
                     time,
@@ -412,6 +421,8 @@ impl Service {
                     tool,
                     doing,
                     by,
+                    jogs,
+                    stop,
                 });
             }
         }

@@ -30,6 +30,7 @@ pub(super) fn is_needed(what: &What) -> bool {
         What::Step { .. } | What::Reading { .. } | What::Signals { .. } => true,
         What::Instruction { .. }
         | What::Abort { .. }
+        | What::Jog { .. }
         | What::Late { .. }
         | What::LateRequest { .. }
         | What::Order { .. }
@@ -67,6 +68,7 @@ pub(super) fn put(words: &mut Vec<u64>, record: &Record) {
         }
         What::Instruction { .. }
         | What::Abort { .. }
+        | What::Jog { .. }
         | What::Late { .. }
         | What::LateRequest { .. }
         | What::Order { .. }

@@ -64,6 +64,7 @@ fn layout() -> Layout {
         cells: Vec::new(),
         robots: Vec::new(),
         sensors: vec![eye],
+        frames: Vec::new(),
         bodies: Vec::new(),
     }
 }

@@ -56,6 +56,8 @@ pub trait AnyRobot {
     fn kind(&self) -> TypeId;
     /// Its kind's name, for messages.
     fn kind_name(&self) -> &'static str;
+    /// Its model, and how many joints it has.
+    fn model(&self) -> (Rc<dyn Any>, usize);
     /// What it is made of, in plain numbers.
     fn layout(&self, stop_time: Duration) -> RobotLayout;
     /// Whether its ECP has a program of its own.
@@ -175,6 +177,10 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
 
     fn kind_name(&self) -> &'static str {
         R::KIND
+    }
+
+    fn model(&self) -> (Rc<dyn Any>, usize) {
+        (Rc::new(self.robot.clone()), R::Joints::LEN)
     }
 
     fn layout(&self, stop_time: Duration) -> RobotLayout {

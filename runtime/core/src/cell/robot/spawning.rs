@@ -69,6 +69,7 @@ impl<R: Robot> RobotSetup<R> {
         outcomes: Outcomes,
     ) -> Result<(), Stuck> {
         let setup = self;
+        let model = Rc::new(setup.robot.clone());
         let name = place.name;
         let process = ProcessId::new(Role::Edp, name);
         let edp = link.place(process);
@@ -147,7 +148,8 @@ impl<R: Robot> RobotSetup<R> {
             place.ecp,
             Box::new(move |host| {
                 let timed = Timed::new(host);
-                let ecp = Ecp::<'_, R>::new(process, timed.host(), mp, client, sensing, pace, recorded);
+                let ecp =
+                    Ecp::<'_, R>::new((process, model), timed.host(), mp, client, sensing, pace, recorded);
                 let ecp = ecp.with_names(signals, named);
                 let mut ecp = ecp.showing_instructions(program.is_some().then_some(activity));
                 loop {

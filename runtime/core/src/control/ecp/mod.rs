@@ -3,11 +3,13 @@
 //! In: the MP's orders, one per step. Out: demands to the EDP, and in each reply to the MP the robot's image
 //! and how fast the rate may change. The MP paces: a step of an ECP begins with an order, and its answer ends
 //! it. [`orders`] is the MP's side of it, [`driver`] the EDP's, [`motion`] the Move between them and [`waiting`]
-//! the Wait; [`instruction`] is what holds them together, [`latch`] what a fault does, [`process`] what is round the program.
+//! the Wait; [`instruction`] is what holds them together, [`latch`] what a fault does, [`jogging`] what a person who jogs the robot
+//! does, [`process`] what is round the program.
 //! Here are the public `Ecp` and standstill.
 
 mod driver;
 mod instruction;
+mod jogging;
 mod latch;
 mod motion;
 pub(in crate::control) mod orders;
@@ -43,10 +45,11 @@ use crate::model::type_name::TypeName;
 use crate::observe::activity::Activity;
 use crate::observe::shown::Shown;
 use crate::observe::witness::{What, Witnesses};
-use crate::operator::state::{Doing, EcpState};
+use crate::operator::state::Doing;
 
 use driver::DriverPort;
 use instruction::OfInstruction;
+use jogging::Jogging;
 use orders::{Orders, Phase};
 
 /// An effector control process: what a robot's program is given.
@@ -61,6 +64,7 @@ pub struct Ecp<'w, R: Robot> {
     refusals: u32,
     /// What the MP has been told, or will be, to stop the robot for on its path.
     trouble: Trouble,
+    jogging: Jogging<R>,
     /// Where instructions and late steps are shown.
     witnesses: Witnesses,
     /// Where the instructions of a user's program are shown to observers; those of a transparent ECP are the MP's.
@@ -107,7 +111,7 @@ pub(crate) const MAX_REFUSALS: u32 = 10_000;
 
 impl<'w, R: Robot> Ecp<'w, R> {
     pub(crate) fn new(
-        process: ProcessId,
+        (process, model): (ProcessId, Rc<R>),
         host: Host<'w>,
         mp: Box<dyn Server>,
         edp: Box<dyn Client>,
@@ -126,6 +130,7 @@ impl<'w, R: Robot> Ecp<'w, R> {
             pace,
             refusals: 0,
             trouble: Trouble::None,
+            jogging: Jogging::of(model),
             activity: None,
             at_work: AtWork::default(),
             replayed,
@@ -153,7 +158,7 @@ impl<'w, R: Robot> Ecp<'w, R> {
         let begun = u64::from(doing != Doing::Nothing);
         self.at_work = AtWork { instructions: self.at_work.instructions + begun, doing, by };
         activity.set(activity.get().changed(doing, by));
-        self.host.console.show_ecp(&EcpState { doing, by });
+        self.host.console.show_ecp(&self.shown_state());
         let shown = What::Instruction { step: self.orders.header().step, doing, by };
         self.witnesses.show(self.host.waiter.now(), &shown, &[]);
     }
@@ -267,7 +272,7 @@ impl<'w, R: Robot> Ecp<'w, R> {
 
     /// Answers the open order.
     fn reply(&mut self, flags: u32) {
-        self.orders.reply(flags, self.driver.reply());
+        self.orders.reply(flags | self.jog_flags(), self.driver.reply());
     }
 
     /// Answers the open order, with the robot's image if the EDP gave it in this step; or with what is wrong, once.

@@ -69,8 +69,10 @@ impl<R: Robot> Ecp<'_, R> {
         self.sensing.check(&sensors).map_err(|fault| fault.in_process(self.process))?;
         let mut v = Reading::new(sensors.images());
         let by = TypeName::of::<G>();
+        self.jogging.begin_move();
         self.show_instruction(Doing::Move, by);
         let end = self.generate(&sensors, &mut generator, &mut v, ending);
+        self.jogging.end_move();
         self.show_instruction(Doing::Nothing, by);
         sensors.store(&v);
         end.map(|()| generator)
@@ -116,6 +118,7 @@ impl<R: Robot> Ecp<'_, R> {
                 }
             };
             self.count_own_time(step)?;
+            self.jogging.hear(self.orders.jog());
             let mut dt = self.orders.header().dt;
             let mut duration = self.orders.header().duration;
             if step == 0 && !self.driver.moving && duration > 0.0 {
@@ -144,10 +147,9 @@ impl<R: Robot> Ecp<'_, R> {
                     self.execute(sensors, v, RequestKind::Demand, 0, uses.robots)?;
                     *e = self.driver.image;
                     let t = Tick { step, dt, duration };
-                    match generator
-                        .next_step(&order, &e, v, t)
-                        .map_err(|fault| self.fail(fault.thrown_by_program()))?
-                    {
+                    let next = generator.next_step(&order, &e, v, t);
+                    self.see_who_asks();
+                    match next.map_err(|fault| self.fail(fault.thrown_by_program()))? {
                         Step::Done => break,
                         Step::Next(_) => {}
                     }
@@ -179,6 +181,7 @@ impl<R: Robot> Ecp<'_, R> {
             } else {
                 generator.next_step(&order, &e, v, t)
             };
+            self.see_who_asks();
             let demand = match &next {
                 Ok(Step::Next(demand)) => demand,
                 Ok(Step::Done) => break,

@@ -16,6 +16,7 @@ use crate::link::message::{Header, Kind, Message, OrderKind, flag};
 use crate::link::{Closed, Server, Waiter};
 use crate::model::fault::Fault;
 use crate::model::list::PayloadType;
+use crate::operator::jog::JogNow;
 use crate::safety::latch::{Admission, Asked, Gate};
 
 /// Where in the protocol of instructions an ECP is.
@@ -101,6 +102,8 @@ pub(in crate::control) struct Orders {
     order: Message,
     /// The kind of the order that is to be answered.
     open: Option<OrderKind>,
+    /// What the last order says of jogging.
+    jog: Option<JogNow>,
     answer: Message,
     pub phase: Phase,
     /// Of the epoch that orders must be of.
@@ -116,6 +119,7 @@ impl Orders {
             port,
             order: Message::empty(),
             open: None,
+            jog: None,
             answer: Message::empty(),
             phase: Phase::Idle,
             gate: Gate::default(),
@@ -154,8 +158,26 @@ impl Orders {
                 // Nobody but an MP is at the other end of this port.
                 Kind::Request(_) | Kind::Command | Kind::Read | Kind::Reply | Kind::Fault => None,
             };
+            self.jog = None;
+            if self.order.is(flag::JOG) {
+                self.take_jog();
+            }
         }
         has_come
+    }
+
+    /// Takes what the order says of jogging from behind its own words. What cannot be read asks for nothing.
+    #[cold]
+    fn take_jog(&mut self) {
+        let own = self.order.words().len().saturating_sub(JogNow::WORDS);
+        self.jog = JogNow::get(&self.order.words()[own..]).ok();
+        self.order.header.len = own as u32;
+    }
+
+    /// What the last order asks of the robot that a person jogs.
+    #[inline]
+    pub const fn jog(&self) -> Option<JogNow> {
+        self.jog
     }
 
     /// Whether an order is one of this epoch, or begins it. What it asks for is then the phase's to say.

@@ -160,7 +160,15 @@ fn what_a_wait_took_in_all_its_steps_is_no_late_step_of_the_move_after_it() {
     let process = ProcessId::new(Role::Ecp, name);
     let mp = Orderer { sent: Cell::new(0), waits: Cell::new(false) };
     let edp = Stands(RefCell::new(Message::empty()));
-    let mut ecp = Ecp::<Slide>::new(process, timed.host(), Box::new(mp), Box::new(edp), sensing, pace, None);
+    let mut ecp = Ecp::<Slide>::new(
+        (process, Rc::new(Slide::new())),
+        timed.host(),
+        Box::new(mp),
+        Box::new(edp),
+        sensing,
+        pace,
+        None,
+    );
     let outcome = ecp.obey(|ecp, _: Nudge| {
         // 300 steps of a tenth of a period: 30 periods in all.
         ecp.wait_until((), Working(Rc::clone(&host), STEP / 10, 300))?;

@@ -117,6 +117,7 @@ impl Mp<'_> {
         let flags = if self.is_reduced() { flags | flag::REDUCED } else { flags };
         let ordinal = self.robots.ordinal;
         let epoch = self.robots.epoch;
+        let jog = if kind == OrderKind::Step { self.jogging.of(index) } else { None };
         let robot = &mut self.robots[index];
         robot.asked = !robot.is_left_out_of(kind);
         if !robot.asked {
@@ -137,7 +138,10 @@ impl Mp<'_> {
         if kind != OrderKind::Step {
             header.len = 0;
         }
-        robot.client.send(&robot.order);
+        match jog {
+            None => robot.client.send(&robot.order),
+            Some(jog) => robot.send_with(&jog),
+        }
         robot.show_order(kind, &self.witnesses, || self.host.waiter.now());
     }
 

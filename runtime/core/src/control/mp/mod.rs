@@ -6,13 +6,15 @@
 //! [`motion`] is Move and [`waiting`] is Wait; [`background`] is Move that goes on beside later instructions, [`course`] how
 //! far a generator has come. [`restart`] runs the program, and runs it again after a reset.
 //! The MP of a lower cell [obeys](obeying) the one above it, which [`upper`] hears; [`lower`] is what a robot is that is a cell.
-//! [`robots`] holds the ports of the ECPs, [`operating`] the operator's side, [`stops`] the causes of stops.
+//! [`robots`] holds the ports of the ECPs, [`operating`] the operator's side, [`jogging`] the robot that a person jogs, [`stops`] the
+//! causes of stops.
 
 mod background;
 mod clock;
 mod course;
 mod exchange;
 mod instruction;
+mod jogging;
 mod lower;
 mod motion;
 mod obeying;
@@ -49,12 +51,14 @@ use crate::observe::activity::Activity;
 use crate::observe::shown::Shown;
 use crate::observe::witness::{What, Witnesses};
 use crate::operator::Operator;
-use crate::operator::button::CellState;
+use crate::operator::button::{Button, CellState};
 use crate::operator::state::Doing;
 use crate::safety::rate::Feed;
 
 use background::Background;
 use clock::StepClock;
+pub(crate) use jogging::AnyModel;
+use jogging::Jogging;
 use operating::Operating;
 pub(crate) use operating::StepHook;
 pub(crate) use robots::RobotPort;
@@ -71,6 +75,7 @@ pub struct Mp<'w> {
     background: Background,
     clock: StepClock,
     operating: Operating,
+    jogging: Jogging,
     stops: Stops,
     witnesses: Witnesses,
     /// Steps after which a protective stop leaves the path.
@@ -112,6 +117,7 @@ impl<'w> Mp<'w> {
             background: Background::default(),
             clock: StepClock::new(timing.period, timing.grace, Feed::new(timing.rate_change)),
             operating: Operating::new(operator, hook, activity),
+            jogging: Jogging::default(),
             stops: Stops::of(ProcessId::MP),
             path_stop: timing.path_stop,
             script: None,
@@ -219,12 +225,15 @@ impl<'w> Mp<'w> {
             self.follow_script();
             self.hear_operator();
             match &self.script {
-                Some(_) => self.operating.replay_hold(),
-                None => self.operating.look_at_hold(self.host.waiter.now(), self.clock.is_standing()),
+                Some(_) => self.replay_holds(),
+                None => self.look_at_holds(),
             }
             self.clock.advance(self.wanted_rate(), self.is_suspended());
             self.tell_step()?;
             let epoch = self.robots.epoch;
+            if self.host.console.is_there() {
+                self.operating.show_jogs(self.jogged());
+            }
             self.operating.show_step(self.state(), epoch, &self.clock, self.host.console);
             self.operating.show_suspension();
         }
@@ -248,9 +257,15 @@ impl<'w> Mp<'w> {
     /// Carries out what the operator has pressed. Begins a protective stop if the operator asks for one, or if the
     /// launcher no longer supervises the cell.
     fn hear_operator(&mut self) {
-        let stops = &self.stops;
-        let state = |operator: &Operator| cell_state(stops, operator);
-        self.operating.press(self.clock.step(), state, self.host.console);
+        if self.host.console.is_there() {
+            for kind in 0..Button::KINDS {
+                // Each kind of button at most once.
+                if let Some((number, button)) = self.host.console.pressed(kind) {
+                    let (state, refused) = (self.state(), self.refuses(button));
+                    self.operating.press(self.clock.step(), (kind, number, button), state, refused);
+                }
+            }
+        }
         if self.stops.latched.is_none() && !self.host.notices.is_supervised() {
             // A recording shows it as a stop of the operator, so that a replay stops in the same step.
             self.operating.stopping = true;
@@ -344,6 +359,7 @@ impl<'w> Mp<'w> {
         }
         self.operating.operator.begin();
         let outcome = self.carry_out(work);
+        self.jogging.end_move();
         self.operating.show_end(self.state(), self.host.console);
         self.show_instruction(Doing::Nothing, by);
         outcome

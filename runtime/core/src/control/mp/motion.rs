@@ -2,6 +2,8 @@
 //!
 //! In: the robots' images (`e`), the MP's readings (`v`), the step's path time. Out: one demand or order per robot.
 
+use core::any::TypeId;
+
 use crate::link::message::{OrderKind, flag};
 use crate::model::each::Each;
 use crate::model::fault::Fault;
@@ -140,6 +142,9 @@ impl Mp<'_> {
         let together = is_together(indices.len(), payload);
         let state_flag = if wants_state { flag::WANT_STATE } else { 0 };
         let flags = state_flag | if together { flag::TOGETHER } else { 0 };
+        if TypeId::of::<G::Language>() == TypeId::of::<Motion>() {
+            self.jogging.begin_move(indices);
+        }
         self.begin_step()?;
         self.take_over(indices)?;
         let handed_over = self.robots.any_handed_over();
@@ -167,7 +172,11 @@ impl Mp<'_> {
             if course.uses().robots {
                 self.robots.read_images::<G::Robots>(indices, &mut course.e)?;
             }
-            match course.next(t, self.clock.is_standing())? {
+            let next = course.next(t, self.clock.is_standing());
+            if next.as_ref().is_ok_and(Option::is_some) {
+                self.jogging.see_who_asks();
+            }
+            match next? {
                 // An abort that the motion's own end forestalled is an abort: the program must not go on.
                 Some(Step::Done) if self.is_ending() => return self.abort(indices),
                 Some(Step::Done) => return Ok(()),

@@ -13,6 +13,7 @@ use crate::operator::Operator;
 use crate::operator::button::{Answer, Button, CellState};
 use crate::operator::console::Console;
 use crate::operator::hold::Hold;
+use crate::operator::jog::{JogRefusal, JogStop};
 use crate::operator::state::{Doing, MpState};
 
 use super::clock::StepClock;
@@ -120,26 +121,40 @@ impl Operating {
         console.show(shown);
     }
 
-    /// Carries out what the operator has pressed since the last step, each kind of button at most once. `state` is asked for
-    /// before each of them.
-    pub fn press(&mut self, step: u64, state: impl Fn(&Operator) -> CellState, console: &dyn Console) {
-        if !console.is_there() {
-            return;
-        }
-        for kind in 0..Button::KINDS {
-            if let Some((number, button)) = console.pressed(kind) {
-                let state = state(&self.operator);
-                let done = self.operator.press(button, state);
-                self.shown.answers[kind] = Answer { number, step, state, done };
-            }
-        }
+    /// Carries out a button of a kind that the operator has pressed under a number, in a state of the cell, in a step.
+    /// What is `refused` is not.
+    pub fn press(
+        &mut self,
+        step: u64,
+        (kind, number, button): (usize, u64, Button),
+        state: CellState,
+        refused: Option<JogRefusal>,
+    ) {
+        let done = refused.is_none() && self.operator.press(button, state);
+        self.shown.answers[kind] = Answer { number, step, state, done, why: refused };
     }
 
-    /// Sees whether a hold lasts at `now`. The limit of reduced speed comes into force at a standstill on the path, so that no
-    /// motion is refused that was faster when it was asked for.
-    pub fn look_at_hold(&mut self, now: Nanos, stands: bool) {
-        self.operator.look_at_hold(&mut self.hold, now);
+    /// The number of the hold that lasts at `now`, if one does and the limit of reduced speed is in force. That comes into force
+    /// at a standstill on the path, so that no motion is refused that was faster when it was asked for; a hold counts from then on.
+    pub fn lasting_hold(&mut self, now: Nanos, stands: bool) -> Option<u64> {
+        let lasting = self.operator.lasting_hold(&mut self.hold, now);
         self.is_slow = self.operator.is_reduced() && (self.is_slow || stands || !self.operator.is_running());
+        lasting.filter(|_| self.is_slow)
+    }
+
+    /// A hold lasts that counts, or none does.
+    pub fn show_held(&self, held: bool) {
+        self.operator.show_held(held);
+    }
+
+    /// Whether this is what is done now.
+    pub fn is_doing(&self, doing: Doing) -> bool {
+        self.shown.doing == doing
+    }
+
+    /// Which robots may be jogged now, and why one stands.
+    pub const fn show_jogs(&mut self, (jogs, jogged): ([u64; 2], Option<(u8, JogStop)>)) {
+        (self.shown.jogs, self.shown.jogged) = (jogs, jogged);
     }
 
     /// The same in a replay, which knows from the recording what was suspended and what was in force.

@@ -23,11 +23,12 @@ use crate::model::sensor::EffectorState;
 use crate::model::time::Nanos;
 use crate::model::wire::{BadWords, Wire};
 use crate::observe::witness::{What, Witnesses};
+use crate::operator::jog::JogNow;
 use crate::safety::braking::BrakingLaw;
 use crate::suggestion::suggestion;
 
 use super::lower::Lower;
-use super::{exchange, lower};
+use super::{AnyModel, exchange, lower};
 
 /// One robot as the MP sees it.
 pub(crate) struct RobotPort {
@@ -38,6 +39,9 @@ pub(crate) struct RobotPort {
     /// The kind's name, for messages.
     pub kind_name: &'static str,
     pub client: Box<dyn Client>,
+    /// Its model, and how many joints it has; nothing and none of a lower cell.
+    pub(super) model: AnyModel,
+    pub(super) joints: usize,
     pub taken: bool,
     /// The names of its inputs and outputs.
     pub signals: Rc<SignalNames>,
@@ -75,6 +79,8 @@ impl RobotPort {
             kind,
             kind_name,
             client,
+            model: Rc::new(()),
+            joints: 0,
             taken: false,
             signals: Rc::default(),
             homed,
@@ -96,6 +102,12 @@ impl RobotPort {
         self
     }
 
+    /// The same with its model, and so many joints.
+    pub fn with_model(mut self, model: AnyModel, joints: usize) -> RobotPort {
+        (self.model, self.joints) = (model, joints);
+        self
+    }
+
     /// The same of this process, where that has another name than the robot in its cell.
     pub fn of_process(mut self, process: ProcessId) -> RobotPort {
         self.process = process;
@@ -111,6 +123,22 @@ impl RobotPort {
     /// The message of its fault when it does not answer.
     pub(super) const fn silent(&self) -> &'static str {
         if self.lower.is_some() { lower::SILENT } else { exchange::SILENT }
+    }
+
+    /// Sends its order with what is asked of the robot that a person jogs, behind the order's own words.
+    #[cold]
+    pub(super) fn send_with(&mut self, jog: &JogNow) {
+        let own = self.order.header.len as usize;
+        let Some(words) = self.order.body.get_mut(own..own + JogNow::WORDS) else {
+            return self.client.send(&self.order);
+        };
+        words.fill(0);
+        jog.put(words);
+        self.order.header.len += JogNow::WORDS as u32;
+        self.order.header.flags |= flag::JOG;
+        self.client.send(&self.order);
+        self.order.header.len = own as u32;
+        self.order.header.flags &= !flag::JOG;
     }
 
     /// Takes the answer to the last order, if it is there. An answer to an order that was given up is not one.
@@ -150,6 +178,11 @@ impl RobotPort {
             shape,
         };
         witnesses.show(now(), &what, self.order.words());
+    }
+
+    /// Whether the instruction that was opened last names it, by the ordinal of that.
+    pub(super) const fn is_in(&self, ordinal: u32) -> bool {
+        self.instruction == ordinal
     }
 
     pub(super) const fn process(&self) -> ProcessId {

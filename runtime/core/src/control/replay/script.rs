@@ -1,6 +1,8 @@
 //! The steps of a recorded run: in which of them the MP began one, and what the operator wanted then.
 
+use crate::model::name::Name;
 use crate::operator::Operator;
+use crate::operator::jog::JogNow;
 use crate::safety::latch::Latch;
 
 /// One step.
@@ -26,11 +28,28 @@ pub struct ScriptedStep {
     pub late: bool,
 }
 
-/// The steps of a run, in their order.
+/// What was asked of a robot that a person jogged.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ScriptedJog {
+    /// From which step on.
+    pub step: u64,
+    /// The robot.
+    pub robot: Name,
+    /// What was asked.
+    pub now: JogNow,
+}
+
+/// The steps of a run, in their order; and what was asked of robots that were jogged, in the order of the steps.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Script(pub Vec<ScriptedStep>);
+pub struct Script(pub Vec<ScriptedStep>, pub Vec<ScriptedJog>);
 
 impl Script {
+    /// What is asked of which robot in a step.
+    pub fn jog(&self, step: u64) -> Option<(Name, JogNow)> {
+        let last = self.1.partition_point(|jog| jog.step <= step).checked_sub(1)?;
+        self.1.get(last).filter(|jog| jog.now != JogNow::Nothing).map(|jog| (jog.robot, jog.now))
+    }
+
     fn at(&self, step: u64) -> Option<&ScriptedStep> {
         let place = self.0.binary_search_by_key(&step, |scripted| scripted.step).ok()?;
         self.0.get(place)
@@ -109,19 +128,35 @@ mod tests {
 
     #[test]
     fn steps_that_were_skipped_are_skipped_again() {
-        let script = Script(vec![step(1), step(2), step(5), ScriptedStep { late: true, ..step(6) }]);
+        let script =
+            Script(vec![step(1), step(2), step(5), ScriptedStep { late: true, ..step(6) }], Vec::new());
         assert_eq!([0, 1, 2, 3, 5, 6].map(|after| script.after(after)), [1, 2, 5, 5, 6, 7]);
         assert_eq!([0, 2, 4, 5, 9].map(|step| script.last_until(step)), [0, 2, 2, 5, 6]);
         assert_eq!((script.last(), script.was_late(5), script.was_late(6)), (6, false, true));
     }
 
     #[test]
+    fn what_is_asked_of_a_robot_that_is_jogged_holds_until_something_else_is() {
+        let robot = Name::new("left").expect("a name");
+        let jog = |step, now| ScriptedJog { step, robot, now };
+        let done = JogNow::Done { press: 7 };
+        let script = Script(Vec::new(), vec![jog(3, done), jog(5, JogNow::Nothing)]);
+        assert_eq!(
+            [2, 3, 4, 5, 9].map(|step| script.jog(step).map(|(_, now)| now)),
+            [None, Some(done), Some(done), None, None]
+        );
+    }
+
+    #[test]
     fn the_operator_wants_what_he_wanted() {
-        let script = Script(vec![
-            ScriptedStep { speed: 0.5, suspended: true, ..step(1) },
-            ScriptedStep { speed: 0.5, aborts: true, ..step(2) },
-            ScriptedStep { stopping: true, ..step(3) },
-        ]);
+        let script = Script(
+            vec![
+                ScriptedStep { speed: 0.5, suspended: true, ..step(1) },
+                ScriptedStep { speed: 0.5, aborts: true, ..step(2) },
+                ScriptedStep { stopping: true, ..step(3) },
+            ],
+            Vec::new(),
+        );
         let operator = Operator::new();
         operator.begin();
         script.begin(1, &operator);

@@ -1,4 +1,4 @@
-//! Two arms that go to and fro, to be looked at and operated: `cargo run --release -p mrroc-panel --example two_arms --features
+//! Two arms that go to and fro, to be looked at and operated: `cargo run --release -p mrroc-panel --example to_and_fro --features
 //! mrroc/panel -- --cell ports/panel/examples/cell.toml --processes --panel`.
 //!
 //! `MRROC_TURNS` says how often they go, a thousand times by default.

@@ -1,0 +1,316 @@
+//! A person jogs arms of running cells, on the memory link: how fast, how soon they stand, and what they do at their limits.
+
+use core::time::Duration;
+use std::cell::RefCell;
+use std::rc::Rc;
+
+use mrroc::cell::{CellError, RunReport};
+use mrroc::fault::{Name, ProcessId};
+use mrroc::link::Nanos;
+use mrroc::observe::ServoRecord;
+use mrroc::observe::witness::{What, Witness};
+use mrroc::operator::jog::{JogOrder, JogPanel};
+use mrroc::operator::{LAPSE, Operator, REDUCED_SPEED, Renewal};
+use mrroc::prelude::*;
+use mrroc_generators::generators::{JointMove, PanelJog};
+use mrroc_robots::{Irp6, SimulatedIrp6, Six};
+
+const STEP: Duration = Duration::from_millis(2);
+/// Steps between two renewals of a button that is held, and until a hold lapses.
+const BEAT: u64 = 50;
+const LAPSED: u64 = 150;
+const HOME: Six = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
+
+fn order(text: &str) -> JogOrder {
+    JogOrder::read(&mut text.split_whitespace()).expect(text)
+}
+
+fn left() -> Name {
+    Name::new("left").expect("a name")
+}
+
+/// A person at a console: presses a button at a step, renews it, and lets it go, or is gone.
+#[derive(Clone)]
+struct Press {
+    text: String,
+    steps: std::ops::Range<u64>,
+    /// Whether the button is let go at the end; else nothing is heard any more.
+    lets_go: bool,
+}
+
+fn press(text: &str, steps: std::ops::Range<u64>) -> Press {
+    Press { text: text.to_owned(), steps, lets_go: true }
+}
+
+/// Does what a person does, at reduced speed from the first step on.
+fn operate(presses: Vec<Press>, done: u64) -> impl FnMut(u64, &Operator) {
+    move |step, operator| {
+        if step == 1 {
+            operator.set_reduced(true);
+        }
+        for Press { text, steps, lets_go } in &presses {
+            // Each press has a number of its own, which grows.
+            if steps.contains(&step) && (step - steps.start).is_multiple_of(BEAT) {
+                let renewal = Renewal::of(steps.start, (step - steps.start) / BEAT).expect("few");
+                operator.jog(renewal, left(), order(text));
+            }
+            if step == steps.end && *lets_go {
+                operator.let_go(steps.start);
+            }
+        }
+        if step == done {
+            operator.end_jog(left());
+            // The rest of the program may move at full speed.
+            operator.set_reduced(false);
+            operator.resume();
+        }
+    }
+}
+
+/// What was seen of a run.
+#[derive(Default)]
+struct Seen {
+    /// Path time of each step [s], by its index.
+    dt: RefCell<Vec<f64>>,
+    /// Joints that were demanded in each servo period [rad].
+    joints: RefCell<Vec<Six>>,
+    /// Steps from which on something was asked of a robot.
+    jogs: RefCell<Vec<u64>>,
+}
+
+impl Witness for Seen {
+    fn see(&self, _: Nanos, _: ProcessId, what: &What, _: &[u64]) {
+        match *what {
+            What::Step { step, dt, .. } => {
+                self.dt.borrow_mut().resize(step as usize, f64::NAN);
+                self.dt.borrow_mut().push(dt);
+            }
+            What::Jog { step, .. } => self.jogs.borrow_mut().push(step),
+            _ => {}
+        }
+    }
+}
+
+impl Seen {
+    /// The speed of the tool in each servo period [m/s], and how fast it turns [rad/s].
+    fn speeds(&self, arm: &Irp6, tool: &Pose) -> Vec<(f64, f64)> {
+        let poses: Vec<_> = self.joints.borrow().iter().map(|q| arm.forward(q) * tool).collect();
+        let between = |two: &[Pose]| {
+            let (a, b) = (two[0], two[1]);
+            let way = (b.translation.vector - a.translation.vector).norm();
+            (way / STEP.as_secs_f64(), a.rotation.angle_to(&b.rotation) / STEP.as_secs_f64())
+        };
+        poses.windows(2).map(between).collect()
+    }
+}
+
+fn tool() -> Pose {
+    Pose::translation(0.05, 0.0, 0.15)
+}
+
+/// An arm `left` from these joints on, whose program lets it be jogged, and then turns its column to 0.1 rad.
+fn left_arm(seen: &Rc<Seen>, start: Six) -> RobotSetup<Irp6> {
+    let keep = Rc::clone(seen);
+    let setup = RobotSetup::new("left", Irp6::nominal(), SimulatedIrp6::new(Irp6::nominal(), &start));
+    setup
+        .tool(tool())
+        .observe(move |record: &ServoRecord<Irp6>| keep.joints.borrow_mut().push(record.demanded))
+        .program(|ecp| {
+            let panel = ecp.jog_panel();
+            ecp.move_robot((), PanelJog::by(panel))?;
+            let mut to = ecp.image().demanded().joints;
+            to[0] = 0.1;
+            ecp.move_robot((), JointMove::to(to, Six::repeat(0.4), Six::repeat(0.8))).map(drop)
+        })
+}
+
+fn run(start: Six, presses: Vec<Press>, done: u64) -> (Rc<Seen>, Result<RunReport, CellError>) {
+    let seen = Rc::new(Seen::default());
+    let cell = Cell::new(STEP).robot(left_arm(&seen, start));
+    let cell = cell.on_step(operate(presses, done)).witnessed_by(Rc::clone(&seen) as Rc<dyn Witness>);
+    let outcome = cell.run();
+    (seen, outcome)
+}
+
+#[test]
+fn an_arm_goes_where_it_is_jogged_and_on_with_its_program_when_that_is_done() {
+    let arm = Irp6::nominal();
+    let at = |seen: &Seen, step: usize| arm.forward(&seen.joints.borrow()[step]) * tool();
+    let presses = vec![
+        press("world z -50% by 0.05", 100..900),
+        press("tool x 30% by 0.02", 1100..1900),
+        press("world rz 100% by 0.1", 2100..2900),
+        press("joint 4 -50% by 0.04", 3100..3900),
+        press("joint 1 50%", 4100..4500),
+    ];
+    let (seen, outcome) = run(HOME, presses, 5000);
+    outcome.expect("no fault");
+    let all = [90, 1000, 2000, 3000, 4000, 4700].map(|step| at(&seen, step));
+    let joints = |step: usize| seen.joints.borrow()[step];
+    assert!((joints(90) - HOME).amax() < 1e-5, "the encoders' resolution");
+    let moved = |i: usize| all[i + 1].translation.vector - all[i].translation.vector;
+    let turned = |i: usize| (all[i + 1].rotation * all[i].rotation.inverse()).scaled_axis();
+    // Increments end where they were asked to, to the rounding of the inverse kinematics.
+    let near = |a: nalgebra::Vector3<f64>, b: nalgebra::Vector3<f64>| (a - b).norm() < 1e-9;
+    assert!(near(moved(0), nalgebra::Vector3::z() * -0.05) && turned(0).norm() < 1e-9, "{}", moved(0));
+    assert!(near(moved(1), all[1].rotation * nalgebra::Vector3::x() * 0.02), "{}", moved(1));
+    assert!(near(turned(2), nalgebra::Vector3::z() * 0.1) && moved(2).norm() < 1e-9, "{}", turned(2));
+    let by = joints(4000) - joints(3000);
+    assert!((by[3] + 0.04).abs() < 1e-12 && by.norm() < 0.04 + 1e-12, "{by}");
+    // As long as it is held, 0.8 s: half of 95 % of 250 mm/s on the tool's circle about the column.
+    let by = joints(4700) - joints(4000);
+    let turning = 0.5 * 0.95 * REDUCED_SPEED / all[4].translation.vector.xy().norm();
+    assert!((0.5 * 0.8 * turning..1.1 * 0.8 * turning).contains(&by[0]) && by.norm() == by[0], "{by}");
+    let end = *seen.joints.borrow().last().expect("steps");
+    assert!((end[0] - 0.1).abs() < 1e-9, "{end}");
+}
+
+#[test]
+fn fault_232_a_jog_that_is_let_go_or_no_longer_renewed_slows_down_within_three_steps_and_stands() {
+    // A hundred presses of each end, each of another length, so that they end in all phases of the motion.
+    for lets_go in [true, false] {
+        let mut presses = Vec::new();
+        let (mut step, mut side) = (100, "");
+        for i in 0..100 {
+            let lasts = 60 + 7 * i % 300;
+            let text = format!("world {} {side}80%", ["x", "y", "rz"][i as usize % 3]);
+            presses.push(Press { text, steps: step..step + lasts, lets_go });
+            // A person jogs to and fro.
+            side = if i % 6 < 3 { "-" } else { "" };
+            step += lasts + LAPSED + 250;
+        }
+        let (seen, outcome) = run(HOME, presses.clone(), step);
+        outcome.expect("no fault");
+        let (dt, joints) = (seen.dt.borrow(), seen.joints.borrow());
+        for Press { steps, text, .. } in &presses {
+            let renewed = steps.start + (steps.end - 1 - steps.start) / BEAT * BEAT;
+            let ends = (if lets_go { steps.end } else { renewed + LAPSED }) as usize;
+            let name = format!("{text} in {steps:?}, let go {lets_go}");
+            assert!(dt[ends - 1] > 0.0 && dt[ends] > 0.0, "{name}: it moves until then");
+            assert!(dt[ends + 3] < dt[ends].max(dt[ends - 1]), "{name}: the rate falls within three steps");
+            // The rate takes 0.2 s from 1 to 0 where the robot leaves room for it.
+            let stands = ends + 130;
+            assert!(dt[stands] == 0.0, "{name}: the rate is 0");
+            let next = (stands + 100).min(joints.len());
+            assert!(joints[stands..next].iter().all(|q| *q == joints[stands]), "{name}: it stands");
+        }
+    }
+    assert_eq!(LAPSE, STEP * LAPSED as u32);
+}
+
+/// Postures all over the workspace, also near its ends.
+fn postures() -> [Six; 4] {
+    [
+        HOME,
+        Six::new(0.8, -1.4, 0.1, -0.1, 4.5, 0.7),
+        Six::new(-1.5, -1.8, 0.3, -0.3, 4.7, -1.0),
+        Six::new(0.2, -1.3, 0.0, -0.3, 4.6, 1.0),
+    ]
+}
+
+#[test]
+fn fault_233_no_jog_moves_the_tool_faster_than_250_mm_per_second_and_none_breaks_a_limit() {
+    let arm = Irp6::nominal();
+    let mut motions = Vec::new();
+    for side in ["", "-"] {
+        for frame in ["tool", "world"] {
+            motions
+                .extend(["x", "y", "z", "rx", "ry", "rz"].map(|axis| format!("{frame} {axis} {side}100%")));
+        }
+        motions.extend((1..=6).map(|joint| format!("joint {joint} {side}100%")));
+    }
+    let mut fastest = (0.0_f64, 0.0_f64);
+    for start in postures() {
+        let mut step = 100;
+        let mut presses = Vec::new();
+        for text in &motions {
+            // Long enough to come to the end of the arm's reach or of a joint.
+            presses.push(press(text, step..step + 2500));
+            step += 2500 + 200;
+        }
+        let (seen, outcome) = run(start, presses, step);
+        outcome.expect("soft stops, and no fault");
+        for (speed, turn) in seen.speeds(&arm, &tool()) {
+            assert!(speed <= REDUCED_SPEED * (1.0 + 1e-9), "{speed} m/s");
+            fastest = (fastest.0.max(speed), fastest.1.max(turn));
+        }
+        let limits = arm.limits();
+        for q in seen.joints.borrow().iter() {
+            assert!((0..6).all(|i| q[i] >= limits.lower[i] && q[i] <= limits.upper[i]), "{q}");
+        }
+    }
+    // They come near to what they may.
+    assert!(fastest.0 > 0.9 * REDUCED_SPEED && fastest.1 > 0.45, "{fastest:?}");
+}
+
+#[test]
+fn fault_234_a_robot_whose_program_does_not_let_it_be_jogged_stands_and_so_does_one_beside_another_that_moves()
+ {
+    let run = |beside: bool, jogs: bool| {
+        let (seen, other) = (Rc::new(Seen::default()), Rc::new(Seen::default()));
+        let mut setup = left_arm(&seen, HOME);
+        if !jogs {
+            setup = setup.program(|ecp| ecp.move_robot((), to_and_fro()).map(drop));
+        }
+        let mut cell = Cell::new(STEP).robot(setup);
+        if beside {
+            let keep = Rc::clone(&other);
+            let right = RobotSetup::new("right", Irp6::nominal(), SimulatedIrp6::new(Irp6::nominal(), &HOME));
+            let right = right
+                .observe(move |record: &ServoRecord<Irp6>| keep.joints.borrow_mut().push(record.demanded))
+                .program(|ecp| ecp.move_robot((), to_and_fro()).map(drop));
+            cell = cell.robot(right);
+        }
+        let cell = cell.witnessed_by(Rc::clone(&seen) as Rc<dyn Witness>);
+        let cell = cell.on_step(operate(vec![press("world x 50%", 1000..3000)], 4000));
+        cell.run().expect("no fault");
+        (seen, other)
+    };
+    // At reduced speed from the first step on, all of them stand; the jog moves neither robot.
+    for (beside, jogs) in [(true, true), (false, false)] {
+        let (seen, other) = run(beside, jogs);
+        assert!(seen.jogs.borrow().first().is_none_or(|step| *step >= 4000), "nothing is asked for");
+        for one in [&seen, &other] {
+            let joints = one.joints.borrow();
+            assert!(joints.iter().take(3999).skip(300).all(|q| *q == joints[300]), "{beside} {jogs}");
+        }
+        assert!(seen.dt.borrow()[300..3999].iter().all(|dt| *dt == 0.0), "no path time passes");
+    }
+    // The other one moves, and the first one is jogged, when each is alone.
+    let (seen, _) = run(false, true);
+    assert!(seen.joints.borrow()[2000] != HOME);
+}
+
+/// Half a radian there.
+fn to_and_fro() -> JointMove<Irp6> {
+    let mut to = HOME;
+    to[0] = 0.5;
+    JointMove::to(to, Six::repeat(0.4), Six::repeat(0.8))
+}
+
+#[test]
+fn an_mp_lets_one_of_its_arms_be_jogged_as_an_ecp_does() {
+    let seen = Rc::new(Seen::default());
+    let keep = Rc::clone(&seen);
+    let arm = |name: &str| RobotSetup::new(name, Irp6::nominal(), SimulatedIrp6::new(Irp6::nominal(), &HOME));
+    let observed =
+        arm("left").observe(move |record: &ServoRecord<Irp6>| keep.joints.borrow_mut().push(record.demanded));
+    let cell = Cell::new(STEP).robot(observed).robot(arm("right")).program(|mp| {
+        let (mut left, mut right) = (mp.robot::<Irp6>("left")?, mp.robot::<Irp6>("right")?);
+        let (of_left, of_right): (JogPanel<Irp6>, _) = (mp.jog_panel(&left)?, mp.jog_panel(&right)?);
+        let both = Each::of((PanelJog::by(of_left), PanelJog::by(of_right)));
+        mp.move_robots((&mut left, &mut right), (), both).map(drop)
+    });
+    // The right one is never done: the operator ends the instruction.
+    let mut operate = operate(vec![press("world x 50% by 0.1", 100..1500)], 1600);
+    let cell = cell.on_step(move |step, operator| {
+        operate(step, operator);
+        if step == 1700 {
+            operator.abort();
+        }
+    });
+    cell.run().expect_err("aborted");
+    let (joints, arm) = (seen.joints.borrow(), Irp6::nominal());
+    let way = arm.forward(&joints[1550]).translation.vector - arm.forward(&joints[90]).translation.vector;
+    assert!((way - nalgebra::Vector3::x() * 0.1).norm() < 1e-9, "{way}");
+}

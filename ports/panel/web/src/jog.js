@@ -1,0 +1,174 @@
+// Jogging and teaching: buttons that move one robot as long as they are held, and poses with names.
+//
+// In: states of the cell, the poses that were taught, presses. Out: a jog, said again and again while a button is held; requests to teach,
+// rename and forget poses. Every button that moves something is a button that is held, and says why it cannot be.
+
+const by = (id) => document.getElementById(id);
+const AXES = ['x', 'y', 'z', 'rx', 'ry', 'rz'];
+const NAMES = { x: 'X', y: 'Y', z: 'Z', rx: 'turn X', ry: 'turn Y', rz: 'turn Z' };
+/** Increments: [m] of a tool or a joint that slides, [degrees] of what turns. */
+const STEPS = [['as long as held', null, null], ['1 mm · 0.1°', 0.001, 0.1], ['5 mm · 1°', 0.005, 1], ['20 mm · 5°', 0.02, 5]];
+const RAD = Math.PI / 180;
+
+export class Jogging {
+  /** `operating` holds; `draw` shows the way to a pose, or none. */
+  constructor(operating, link, draw) {
+    this.operating = operating;
+    this.link = link;
+    this.drawWay = draw;
+    this.layout = null;
+    this.state = null;
+    this.taught = {};
+    by('jog-robot').addEventListener('change', () => this.build());
+    by('jog-space').addEventListener('change', () => this.build());
+    by('jog-speed').addEventListener('input', () => { by('jog-speed-set').textContent = `${by('jog-speed').value} %`; });
+    by('jog-done').addEventListener('click', () => operating.press(by('jog-done'), { do: 'jog-done', rest: this.robot, ...operating.stamp() }));
+    by('teach').addEventListener('submit', (event) => {
+      event.preventDefault();
+      const name = by('pose-name').value.trim();
+      operating.press(by('teach-it'), { do: 'teach', robot: this.robot, name, ...operating.stamp() }).then((outcome) => {
+        if (outcome === 'done') by('pose-name').value = this.free();
+      });
+    });
+    by('jog-step').replaceChildren(...STEPS.map(([text], i) => new Option(text, i)));
+  }
+
+  get robot() {
+    return by('jog-robot').value;
+  }
+
+  /** Another cell. */
+  begin(layout) {
+    this.layout = layout;
+    by('jog').hidden = layout.lasts !== null;
+    by('jog-robot').replaceChildren(...layout.robots.map(({ name, kind }) => new Option(`${name} (${kind})`, name)));
+    const frames = layout.frames ?? [];
+    by('jog-space').replaceChildren(
+      new Option('tool', 'tool'), new Option('world', 'world'), ...frames.map((name) => new Option(`frame ${name}`, `frame ${name}`)), new Option('joints', 'joints'));
+    this.build();
+  }
+
+  /** Buttons of another robot, or in another space. */
+  build() {
+    this.operating.letGo();
+    const joints = this.layout.robots.find(({ name }) => name === this.robot)?.joints ?? [];
+    const space = by('jog-space').value;
+    const rows = space === 'joints'
+      ? joints.map((joint, i) => [`joint ${i + 1}`, `joint ${i + 1}`, joint.kind === 'revolute'])
+      : AXES.map((axis) => [`${space} ${axis}`, NAMES[axis], axis.startsWith('r')]);
+    by('jog-buttons').replaceChildren(...rows.flatMap(([what, name, turns]) => {
+      const button = (sign, text) => {
+        const made = document.createElement('button');
+        made.type = 'button';
+        made.className = 'hold';
+        made.textContent = text;
+        made.setAttribute('aria-label', `${name} ${sign < 0 ? 'minus' : 'plus'}`);
+        this.operating.holding(made, () => this.order(what, sign, turns));
+        return made;
+      };
+      const label = document.createElement('span');
+      label.textContent = name;
+      return [button(-1, '−'), label, button(1, '+')];
+    }));
+    by('pose-name').value = this.free();
+    this.list();
+    this.draw();
+  }
+
+  /** What a button asks for. */
+  order(what, sign, turns) {
+    const [, metres, degrees] = STEPS[by('jog-step').value];
+    const way = turns ? degrees && degrees * RAD : metres;
+    // From elsewhere the way to a pose is another one.
+    this.seen = null;
+    this.drawWay(null);
+    return { robot: this.robot, order: `${what} ${sign * by('jog-speed').value}%${way ? ` by ${way}` : ''}` };
+  }
+
+  /** The poses that robots were taught. */
+  poses({ robots }) {
+    this.taught = robots;
+    if (!by('pose-name').value) by('pose-name').value = this.free();
+    this.list();
+    this.draw();
+  }
+
+  /** A name that no pose has. */
+  free() {
+    const names = (this.taught[this.robot]?.poses ?? []).map(({ name }) => name);
+    for (let i = 1; ; i++) if (!names.includes(`p${i}`)) return `p${i}`;
+  }
+
+  list() {
+    this.drawWay(null);
+    const { poses = [], why } = this.taught[this.robot] ?? {};
+    by('poses-why').textContent = why ?? '';
+    by('poses').replaceChildren(...poses.map(({ name, joints }) => {
+      const item = document.createElement('li'), text = document.createElement('span');
+      text.textContent = name;
+      const button = (label, does, kind = '') => {
+        const made = Object.assign(document.createElement('button'), { type: 'button', textContent: label, className: kind });
+        made.setAttribute('aria-label', `${label}: ${name}`);
+        if (does) made.addEventListener('click', () => does(made));
+        return made;
+      };
+      const look = button('Way', (made) => this.look(name, made)), go = button('Go, held', null, 'hold');
+      go.dataset.pose = name;
+      this.operating.holding(go, () => ({ robot: this.robot, order: `to ${by('jog-speed').value}% ${joints.join(' ')}` }));
+      const rename = button('Rename', (made) => {
+        const to = by('pose-name').value.trim();
+        this.operating.press(made, { do: 'rename', robot: this.robot, name, to });
+      });
+      const forget = button('Delete', (made) => this.operating.press(made, { do: 'forget', robot: this.robot, name }));
+      item.append(text, look, go, rename, forget);
+      return item;
+    }));
+    this.seen = null;
+  }
+
+  /** Shows the way to a pose: then it may be gone. */
+  async look(name, button) {
+    const answer = await this.link.ask({ do: 'way', robot: this.robot, name });
+    this.operating.tell(answer.outcome, answer.text || `this is the way to ${name}: hold Go to move`);
+    button.blur();
+    if (answer.outcome !== 'done') return;
+    this.drawWay(answer.way);
+    this.seen = name;
+    this.draw();
+    by('poses').querySelector(`[data-pose="${name}"]`)?.focus();
+  }
+
+  show(state) {
+    this.state = state;
+    this.draw();
+  }
+
+  /** Why no jog would move anything; empty if one would. */
+  why() {
+    const robot = this.state?.robots.find(({ name }) => name === this.robot);
+    if (!robot) return 'Nothing is known of this robot yet.';
+    if (!this.operating.yours) return 'Take control first.';
+    if (this.robot.includes('.')) return 'A robot of a lower cell is jogged at that cell.';
+    if (!['running', 'suspended'].includes(this.state.state)) return `Nothing can be jogged: the cell is ${this.state.state}.`;
+    if (!robot.jogs) {
+      const doing = robot.doing ? `: it is at ${robot.doing}` : '';
+      return `No program lets this robot be jogged now${doing}.${this.state.reduced ? ' Hold to run, and it goes on.' : ''}`;
+    }
+    if (!this.state.reduced) return 'Press Reduced speed first.';
+    return '';
+  }
+
+  draw() {
+    const why = this.why(), open = this.link.isOpen && this.state !== null;
+    const robot = this.state?.robots.find(({ name }) => name === this.robot);
+    by('jog-why').textContent = why || (robot?.stop ? `${robot.stop}.` : 'Hold a button to move; let go to stop.');
+    by('jog-why').classList.toggle('stopped', !why && Boolean(robot?.stop));
+    for (const button of by('jog-buttons').querySelectorAll('button')) button.disabled = !open || why !== '';
+    for (const button of by('poses').querySelectorAll('button')) {
+      const { pose } = button.dataset, looks = button.textContent === 'Way';
+      button.disabled = pose ? !open || why !== '' || this.seen !== pose : !open || (!looks && !this.operating.yours);
+    }
+    by('jog-done').disabled = !open || !this.operating.yours || !robot?.jogs;
+    by('teach-it').disabled = !open || !this.operating.yours;
+  }
+}

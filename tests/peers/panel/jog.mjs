@@ -1,0 +1,277 @@
+// A person at the panel jogs an arm, teaches it poses, and lets its program run through them.
+
+import { spawnSync } from 'node:child_process';
+import { copyFileSync, mkdtempSync, readFileSync, rmSync } from 'node:fs';
+import { cpus, loadavg, tmpdir } from 'node:os';
+import { join } from 'node:path';
+import { chromium } from 'playwright-core';
+import { PATIENCE, check, checks, shot, shots, shows, start, state, take, violations } from './kit.mjs';
+
+const [browserPath, program, cellFile] = process.argv.slice(2);
+const robot = async (page, name = 'left') => (await state(page)).robots.find((shown) => shown.name === name);
+const far = (a, b) => Math.hypot(...[0, 1, 2].map((i) => a.tool[i] - b.tool[i]));
+const button = (page, label) => page.getByRole('button', { name: label, exact: true });
+const why = (page) => page.locator('#jog-why').textContent();
+
+/** Waits until a fact of the state holds. */
+const until = (page, fact, argument = null, timeout = PATIENCE) => page.waitForFunction(fact, argument, { timeout, polling: 50 });
+const stands = (page) => until(page, () => !window.mrrocPanel.state().held && window.mrrocPanel.state().rate === 0);
+
+/** Holds a button by the pointer while `meanwhile` lasts; once more where this machine was late and the page has lost control. */
+async function held(page, label, meanwhile, end = (of) => of.mouse.up()) {
+  for (let trial = 1; ; trial++) {
+    try {
+      await take(page);
+      const place = await button(page, label).boundingBox() ?? (await button(page, label).scrollIntoViewIfNeeded(), await button(page, label).boundingBox());
+      await button(page, label).scrollIntoViewIfNeeded();
+      const box = await button(page, label).boundingBox() ?? place;
+      await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
+      await page.mouse.down();
+      await until(page, () => window.mrrocPanel.state().held, null, 3000);
+      await meanwhile();
+      await end(page);
+      return;
+    } catch (error) {
+      if (!page.isClosed()) await page.mouse.up();
+      if (trial === 5) throw new Error(`${label}: ${error.message}`);
+    }
+  }
+}
+
+/** Holds to run until a fact holds. */
+const run = (page, fact, argument) => held(page, 'Hold to run', () => until(page, fact, argument, 30000));
+
+async function jogged(browser, drawingBrowser, folder) {
+  const cell = join(folder, 'cell.toml'), recorded = join(folder, 'jog.mcap');
+  copyFileSync(cellFile, cell);
+  const cellRuns = await start(program, ['--cell', cell, '--processes', '--panel', '--reduced', '--no-picture', '--record', recorded]);
+  const size = { viewport: { width: 1280, height: 1000 } };
+  const context = await browser.newContext(size);
+  const errors = [];
+  const open = async (of = context) => {
+    const page = await of.newPage();
+    page.on('pageerror', (error) => errors.push(error.message));
+    await page.goto(cellRuns.address);
+    await shows(page, ['running', 'suspended', 'idle']);
+    return page;
+  };
+  try {
+    let one = await open();
+    const two = await open();
+
+    // What cannot be jogged yet is grey, and says why.
+    check(/Take control/.test(await why(two)) && await button(two, 'X plus').isDisabled(), 'without control nothing is jogged');
+    await take(one);
+    await until(one, () => !document.getElementById('jog-why').textContent.includes('Take control'));
+    check(/No program lets this robot be jogged/.test(await why(one)), `its program goes home first: ${await why(one)}`);
+    await run(one, () => window.mrrocPanel.state().robots.find(({ name }) => name === 'left').jogs);
+    await stands(one);
+    check(/Hold a button/.test(await why(one)), `then it may be jogged: ${await why(one)}`);
+    await violations(one);
+
+    // Along the world's x axis as long as the pointer is down, at up to half the speed; then it stands.
+    await one.locator('#jog-space').selectOption('world');
+    await one.locator('#jog-speed').fill('60');
+    let before = await robot(one);
+    let fastest = 0;
+    await held(one, 'X plus', async () => {
+      for (let last = await robot(one), moved = 0; moved < 0.03;) {
+        await one.waitForTimeout(60);
+        const now = await robot(one);
+        if (now.time > last.time) fastest = Math.max(fastest, far(now, last) / (now.time - last.time));
+        moved = far(now, before);
+        last = now;
+      }
+    });
+    const released = Date.now();
+    await stands(two);
+    console.log(`panel: a jog that is let go is seen to stand after ${Date.now() - released} ms; ${Math.round(1000 * fastest)} mm/s`);
+    const after = await robot(one);
+    check(after.tool[0] - before.tool[0] > 0.03 && Math.hypot(after.tool[1] - before.tool[1], after.tool[2] - before.tool[2]) < 5e-4, 'straight along x');
+    check(fastest > 0.02 && fastest < 0.25, `no faster than 250 mm/s: ${fastest}`);
+    check(far(await robot(two, 'right'), await robot(one, 'right')) < 1e-5, 'the other arm stands');
+
+    // An increment ends by itself, and the page says so.
+    before = await robot(one);
+    await one.locator('#jog-step').selectOption('2');
+    await one.locator('#jog-speed').fill('100');
+    await held(one, 'Z minus', () => until(one, () => window.mrrocPanel.state().robots[0].stop.includes('there')));
+    check(Math.abs(far(await robot(one), before) - 0.005) < 2e-4, `5 mm: ${far(await robot(one), before)}`);
+
+    // However the hold ends, the arm stands.
+    await one.locator('#jog-step').selectOption('0');
+    await one.locator('#jog-speed').fill('20');
+    const ways = {
+      'the page loses the focus': (page) => page.evaluate(() => window.dispatchEvent(new Event('blur'))),
+      'the tab is hidden': (page) => page.evaluate(() => {
+        Object.defineProperty(document, 'hidden', { value: true, configurable: true });
+        document.dispatchEvent(new Event('visibilitychange'));
+        Object.defineProperty(document, 'hidden', { value: false, configurable: true });
+      }),
+      'the connection is cut': (page) => page.evaluate(() => window.mrrocPanel.cut()),
+      'the page hangs': async (page) => { page.evaluate(() => { const end = Date.now() + 1500; while (Date.now() < end); }); },
+      'the page is killed': (page) => page.close(),
+    };
+    let side = 'plus';
+    for (const [way, end] of Object.entries(ways)) {
+      let began = 0;
+      before = await robot(two);
+      await held(one, `turn Z ${side}`, () => until(one, () => window.mrrocPanel.state().rate > 0.5), async (page) => { began = Date.now(); await end(page); });
+      await stands(two);
+      console.log(`panel: a jog, ${way}: seen to stand after ${Date.now() - began} ms`);
+      check(true, way);
+      if (one.isClosed()) {
+        one = await open();
+        await one.locator('#jog-space').selectOption('world');
+        await one.locator('#jog-speed').fill('20');
+      } else {
+        if (way === 'the page hangs') await one.waitForTimeout(1600);
+        await one.mouse.up();
+        await until(one, () => window.mrrocPanel.isOpen());
+      }
+      side = side === 'plus' ? 'minus' : 'plus';
+    }
+
+    // Three poses, taught by name; the file is for people and programs.
+    const poses = {};
+    for (const [name, label, step] of [['a', 'Y plus', '3'], ['b', 'Z minus', '3'], ['c', 'turn Z plus', '3']]) {
+      await one.locator('#jog-step').selectOption(step);
+      await one.locator('#jog-speed').fill('100');
+      await held(one, label, () => until(one, () => window.mrrocPanel.state().robots[0].stop.includes('there')));
+      await stands(one);
+      for (let trial = 0; !(await one.locator(`[data-pose="${name}"]`).count()); trial++) {
+        check(trial < 5, `${name} is taught`);
+        await take(one);
+        await one.waitForTimeout(200);
+        await one.locator('#pose-name').fill(name);
+        await button(one, 'Teach').click();
+        await one.waitForTimeout(400);
+      }
+      poses[name] = (await robot(one)).demanded;
+    }
+    const text = readFileSync(join(folder, 'poses', 'left.txt'), 'utf8');
+    check(/^a = 0\.5 0\.5 : /m.test(text) && /^c = /m.test(text), `the file has them: ${text}`);
+    await two.locator('[data-pose="c"]').waitFor({ timeout: PATIENCE });
+    const drawn = await drawingBrowser.newPage({ viewport: { width: 1280, height: 1000 } });
+    await drawn.goto(cellRuns.address);
+
+    // Back to the first one: its way is shown, then held.
+    for (let trial = 0; await one.locator('[data-pose="a"]').isDisabled(); trial++) {
+      check(trial < 5, 'the way to a is shown');
+      await take(one);
+      await button(one, 'Way: a').click();
+      await one.waitForTimeout(500);
+    }
+    await held(one, 'Go, held: a', () => until(one, () => window.mrrocPanel.state().robots[0].stop.includes('there'), null, 30000));
+    const there = (await robot(one)).demanded;
+    check(there.every((q, i) => Math.abs(q - poses.a[i]) < 1e-5), `at a: ${there}, ${poses.a}`);
+    if (shots) {
+      await drawn.waitForFunction(() => window.mrrocPanel.state()?.robots.length === 2, null, { timeout: PATIENCE });
+      await one.close();
+      await take(drawn);
+      await drawn.getByRole('button', { name: 'Way: c', exact: true }).click();
+      await drawn.waitForTimeout(3000);
+      await drawn.locator('#jog').scrollIntoViewIfNeeded();
+      await shot(drawn, 'jog');
+      await drawn.locator('#take').click();
+      one = await open();
+      await one.emulateMedia({ colorScheme: 'dark' });
+      await take(one);
+      await violations(one);
+      await shot(one, 'jog-dark');
+    }
+    await drawn.close();
+
+    // Another name, and one forgotten.
+    await take(one);
+    await one.locator('#pose-name').fill('end');
+    await button(one, 'Rename: c').click();
+    await one.locator('[data-pose="end"]').waitFor({ timeout: PATIENCE });
+
+    // Done: the program goes through them, held, and comes home again.
+    await take(one);
+    await button(one, 'Done: the program goes on').click();
+    const seen = await one.evaluate(() => {
+      window.seen = [];
+      window.watching = setInterval(() => window.seen.push(window.mrrocPanel.state().robots[0].demanded), 20);
+    });
+    check(seen === undefined, 'it is watched');
+    await run(one, () => window.mrrocPanel.state().robots[0].doing.includes('Replay'));
+    await run(one, () => window.mrrocPanel.state().robots[0].doing.includes('PanelJog'));
+    const passed = await one.evaluate(() => { clearInterval(window.watching); return window.seen; });
+    let from = 0;
+    for (const name of ['a', 'b', 'c']) {
+      const at = passed.findIndex((q, i) => i >= from && q.every((x, j) => Math.abs(x - poses[name][j]) < 5e-3));
+      check(at >= 0, `the program comes to ${name}`);
+      from = at;
+    }
+
+    check(errors.length === 0, `no error on a page: ${errors.join('; ')}`);
+  } finally {
+    await context.close();
+    await cellRuns.end('SIGINT');
+  }
+  const replayed = spawnSync(program, ['--cell', cell, '--no-picture', 'replay', recorded, '--partial'], { encoding: 'utf8' });
+  check(replayed.status === 0, `the demands of the recording, with all its jogs, are the same to the bit: ${replayed.stdout}${replayed.stderr}`);
+}
+
+/** A stop while an arm is jogged; after the reset its program starts again. */
+async function stopped(browser, folder) {
+  const cell = join(folder, 'cell.toml');
+  const cellRuns = await start(program, ['--cell', cell, '--processes', '--panel', '--reduced', '--no-picture']);
+  const context = await browser.newContext({ viewport: { width: 1280, height: 1000 } });
+  try {
+    const [one, two] = [await context.newPage(), await context.newPage()];
+    for (const page of [one, two]) {
+      await page.goto(cellRuns.address);
+      await shows(page, ['running', 'suspended', 'idle']);
+    }
+    await take(one);
+    await run(one, () => window.mrrocPanel.state().robots[0].jogs);
+    await one.locator('#jog-space').selectOption('world');
+    await held(one, 'Y plus', () => until(one, () => window.mrrocPanel.state().rate > 0.3), (page) => page.keyboard.press('Escape'));
+    await one.mouse.up();
+    await shows(two, 'latched');
+    await until(two, () => /Nothing can be jogged: the cell is latched|Take control/.test(document.getElementById('jog-why').textContent));
+    for (const [name, word] of [['Acknowledge', 'acknowledged'], ['Reset', 'suspended']]) {
+      for (let trial = 0; (await state(one)).state !== word; trial++) {
+        check(trial < 5, `${name} makes the cell ${word}; it is ${(await state(one)).state}`);
+        await take(one);
+        await button(one, name).click({ timeout: 3000 }).catch(() => {});
+        await until(one, (expected) => window.mrrocPanel.state().state === expected, word, 3000).catch(() => {});
+      }
+    }
+    await run(one, () => window.mrrocPanel.state().robots[0].jogs);
+    check(true, 'after the reset it may be jogged again');
+  } finally {
+    await context.close();
+    await cellRuns.end('SIGINT');
+  }
+}
+
+const launch = (args) => chromium.launch({ executablePath: browserPath, args: ['--no-sandbox', ...args] });
+const plain = await launch(['--disable-3d-apis', '--disable-gpu']);
+const drawing = await launch(['--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader']);
+try {
+  for (let trial = 1; ; trial++) {
+    const folder = mkdtempSync(join(tmpdir(), 'mrroc-jog-'));
+    try {
+      const began = Date.now();
+      await jogged(plain, drawing, folder);
+      await stopped(plain, folder);
+      console.log(`panel: jog and teach: ${checks()} facts hold (${((Date.now() - began) / 1000).toFixed(0)} s)`);
+      break;
+    } catch (error) {
+      console.error(`panel: jog and teach, trial ${trial}: ${error.stack ?? error}`);
+      if (trial < 3) continue;
+      const load = loadavg()[0] / cpus().length;
+      if (load > 3) console.log(`skipped: jog and teach in a browser: ${load.toFixed(1)} tasks wait for each processor of this machine`);
+      else process.exitCode = 1;
+      break;
+    } finally {
+      rmSync(folder, { recursive: true, force: true });
+    }
+  }
+} finally {
+  await Promise.all([plain.close(), drawing.close()]);
+}

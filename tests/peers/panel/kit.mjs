@@ -1,0 +1,62 @@
+// What those who drive the panel in a browser share: the program that is started, facts that must hold, and what pages show.
+
+import { spawn } from 'node:child_process';
+import { mkdirSync, readFileSync } from 'node:fs';
+import { createRequire } from 'node:module';
+import { join } from 'node:path';
+
+export const shots = process.env.MRROC_SHOTS;
+if (shots) mkdirSync(shots, { recursive: true });
+const axe = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
+/** What a page waits for at most [ms]: this machine may be late. */
+export const PATIENCE = 15000;
+let held = 0;
+export const checks = () => held;
+
+export function check(fact, what) {
+  held += 1;
+  if (!fact) throw new Error(`not so: ${what}`);
+}
+
+/** Starts the program; gives the address that it prints, and how to end it. */
+export async function start(program, words, variables = {}) {
+  const child = spawn(program, words, { stdio: ['ignore', 'pipe', 'pipe'], env: { ...process.env, ...variables } });
+  let said = '';
+  const ended = new Promise((resolve) => child.on('close', resolve));
+  const address = new Promise((resolve, reject) => {
+    const hear = (text) => {
+      said += text;
+      const found = said.match(/panel: (https?:\S+?#token=[0-9a-f]{32})/);
+      if (found) resolve(found[1]);
+    };
+    child.stdout.on('data', hear);
+    child.stderr.on('data', hear);
+    ended.then(() => reject(new Error(`it has ended:\n${said}`)));
+    setTimeout(() => reject(new Error(`no address:\n${said}`)), 60000).unref();
+  });
+  return { address: await address, ended, said: () => said, end: (signal = 'SIGTERM') => { child.kill(signal); return ended; } };
+}
+
+export const state = (page) => page.evaluate(() => window.mrrocPanel.state());
+export const shows = (page, word) => page.waitForFunction(
+  (expected) => expected.includes(window.mrrocPanel.state()?.state), [word].flat(), { timeout: PATIENCE, polling: 50 });
+export const press = (page, name) => page.getByRole('button', { name, exact: true }).click({ timeout: PATIENCE });
+export const shot = async (page, name) => {
+  // A picture that this machine has no time for is no fault of the panel.
+  if (shots) await page.screenshot({ path: join(shots, `${name}.png`) }).catch((error) => console.log(`panel: no picture ${name}: ${error.message.split('\n')[0]}`));
+};
+
+/** Control, once more where a page was silent for too long because this machine was. */
+export async function take(page) {
+  for (let i = 0; i < 5; i++) {
+    if (await page.getByText('You have control.').isVisible()) return;
+    await page.locator('#take').click();
+    await page.waitForTimeout(200);
+  }
+}
+
+export async function violations(page) {
+  await page.evaluate(axe);
+  const { violations: found } = await page.evaluate(() => window.axe.run());
+  check(found.length === 0, `accessible: ${found.map(({ id, nodes }) => `${id} at ${nodes.map(({ target }) => target)}`).join('; ')}`);
+}
