@@ -1,12 +1,12 @@
 //! Faults of the maze task: each is named, and the arm stops.
 
 use maze::feeling::Touch;
-use maze::plant::{Probe, TouchProbe};
+use maze::plant::{Plant, Probe, TouchProbe};
 use maze::run::Ready;
 use mrroc::prelude::*;
 use mrroc_map::Layout;
 
-/// Undisturbed it takes 6,700 steps and 32 touches.
+/// Undisturbed it takes some 6,000 steps.
 fn islands() -> Layout {
     include_str!("../mazes/islands.txt").parse().expect("a maze")
 }
@@ -61,4 +61,39 @@ fn fault_222_a_maze_without_a_way_ends_with_a_fault_that_says_so() {
     let fault = outcome.report.expect_err("no way").to_string();
     assert!(fault.contains("no way to the exit"), "{fault}");
     assert!(outcome.travel < 4e-3 && outcome.contacts.len() < 160, "{} touches", outcome.contacts.len());
+}
+
+/// A probe whose switch no longer closes from a step on.
+struct Breaking {
+    probe: Probe,
+    plant: Plant,
+    from: u64,
+}
+
+impl VirtualSensor for Breaking {
+    type Kind = TouchProbe;
+
+    fn aggregate(&mut self, order: &ReadingOrder<()>) -> Result<Touch, Fault> {
+        self.plant.world().borrow_mut().stylus.stuck = order.step >= self.from;
+        self.probe.aggregate(order)
+    }
+
+    fn is_simulated(&self) -> bool {
+        true
+    }
+}
+
+#[test]
+fn fault_226_a_switch_that_no_longer_closes_is_a_fault_by_over_travel() {
+    for from in [0, STEPS[1], STEPS[2], STEPS[3]] {
+        let ready = Ready::sensed_by(&islands(), 0, |plant, file, cell| {
+            let breaking = Breaking { probe: plant.probe(), plant: plant.clone(), from };
+            Ok(cell.sensor(file.sensor("probe", breaking)?))
+        });
+        let outcome = ready.expect("a cell").run();
+        let fault = outcome.report.expect_err("a fault").to_string();
+        assert!(fault.contains("over-travel"), "from step {from}: {fault}");
+        // 4 mm, and what the arm goes on from 60 mm/s while it brakes evenly in the longest stop time, 0.6 s.
+        assert!(outcome.travel < 4e-3 + 0.5 * 0.06 * 0.6, "from step {from}: {} m", outcome.travel);
+    }
 }

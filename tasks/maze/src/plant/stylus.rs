@@ -9,7 +9,7 @@
 
 use nalgebra::Vector2;
 
-use mrroc_map::{Chance, Place, Walls};
+use mrroc_map::{Chance, Place, Wall, Walls};
 
 /// Stiffness of the spring [N/m].
 pub const STIFFNESS: f64 = 2000.0;
@@ -34,6 +34,8 @@ pub struct Stylus {
     /// Until when the switch bounces \[s\].
     bouncing: f64,
     chance: Chance,
+    /// Whether the switch is broken: it no longer closes.
+    pub stuck: bool,
     /// The ball's way since it was counted from 0, and the largest deflection \[m\].
     pub way: f64,
     /// See `way`.
@@ -51,6 +53,7 @@ impl Stylus {
             pressed: false,
             bouncing: 0.0,
             chance: Chance::seeded(seed),
+            stuck: false,
             way: 0.0,
             most: 0.0,
         }
@@ -84,36 +87,18 @@ impl Stylus {
     /// Between the walls, with its seat at `p` [m, M]; at the time `t` \[s\]. What the switch says.
     pub fn move_to(&mut self, p: &Place, walls: &Walls, t: f64) -> bool {
         let before = self.ball.unwrap_or(*p);
-        // It follows its seat, and is kept out of walls; two of them meet in a corner.
+        // It follows its seat on its own side of walls, and is kept out of them; two of them meet in a corner.
         let mut ball = *p;
+        for _ in 0..4 {
+            let Some(at) = walls.near(&before).find_map(|wall| beside(wall, &before, &ball)) else { break };
+            ball = at;
+        }
         for _ in 0..4 {
             let Some(wall) = walls.near(&ball).find(|wall| wall.distance(&ball) < self.radius - 1e-9) else {
                 break;
             };
             let nearest = wall.nearest(&ball);
-            let away = ball - nearest;
-            ball = if away.norm() > 1e-12 {
-                nearest + away.normalize() * self.radius
-            } else {
-                // The seat is within the wall: out by the side on which the ball was.
-                let out = before - wall.nearest(&before);
-                let out = if out.norm() > 1e-12 { out.normalize() } else { Vector2::x() };
-                let out = if out.x.abs() > out.y.abs() {
-                    Vector2::new(out.x.signum(), 0.0)
-                } else {
-                    Vector2::new(0.0, out.y.signum())
-                };
-                let side = |out: f64, lower: f64, upper: f64, within: f64| match out {
-                    out if out > 0.0 => upper,
-                    out if out < 0.0 => lower,
-                    _ => within,
-                };
-                let edge = Place::new(
-                    side(out.x, wall.lower.x, wall.upper.x, ball.x),
-                    side(out.y, wall.lower.y, wall.upper.y, ball.y),
-                );
-                edge + out * self.radius
-            };
+            ball = nearest + (ball - nearest).try_normalize(1e-12).unwrap_or_default() * self.radius;
         }
         let normal = p - ball;
         let depth = normal.norm();
@@ -141,8 +126,35 @@ impl Stylus {
             self.pressed = pressed;
             self.bouncing = t + BOUNCING[0] + (BOUNCING[1] - BOUNCING[0]) * self.chance.share();
         }
-        if t < self.bouncing { self.chance.share() < 0.5 } else { self.pressed }
+        let closed = if t < self.bouncing { self.chance.share() < 0.5 } else { self.pressed };
+        closed && !self.stuck
     }
+}
+
+/// The place next to the face of a wall through which the straight way to `to` enters it, where it does: beside `to`, just outside.
+fn beside(wall: &Wall, from: &Place, to: &Place) -> Option<Place> {
+    let way = to - from;
+    let (mut enter, mut leave, mut axis) = (f64::NEG_INFINITY, f64::INFINITY, 0);
+    for i in 0..2 {
+        let (lower, upper) = (wall.lower[i] - from[i], wall.upper[i] - from[i]);
+        if way[i].abs() < 1e-15 {
+            if lower > 0.0 || upper < 0.0 {
+                return None;
+            }
+            continue;
+        }
+        let (near, far) = if way[i] > 0.0 { (lower, upper) } else { (upper, lower) };
+        if near / way[i] > enter {
+            (enter, axis) = (near / way[i], i);
+        }
+        leave = leave.min(far / way[i]);
+    }
+    (enter <= leave && (0.0..=1.0).contains(&enter)).then(|| {
+        let mut at = *to;
+        let face = if way[axis] > 0.0 { wall.lower[axis] } else { wall.upper[axis] };
+        at[axis] = face - 1e-6 * way[axis].signum();
+        at
+    })
 }
 
 #[cfg(test)]
@@ -164,6 +176,16 @@ mod tests {
         // The ball stops at 1 mm + 2 mm; the seat is at 2 mm.
         assert!((stylus.deflection() - Vector2::new(0.0, -1e-3)).norm() < 1e-12, "{}", stylus.deflection());
         assert!((stylus.most - 1e-3).abs() < 1e-12);
+    }
+
+    #[test]
+    fn pressed_through_a_wall_it_stays_on_its_side_bent_by_all_of_it() {
+        let (walls, mut stylus) = (room(), Stylus::new(0.002, 1));
+        for i in 0..=1000 {
+            stylus.move_to(&Place::new(0.0125, 0.0125 - 2e-5 * f64::from(i)), &walls, f64::from(i));
+        }
+        // The seat is at -7.5 mm, beyond the wall of 1 mm to either side; the ball still at 3 mm.
+        assert!((stylus.deflection() - Vector2::new(0.0, -0.0105)).norm() < 1e-9, "{}", stylus.deflection());
     }
 
     #[test]
