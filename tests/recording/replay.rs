@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::time::Duration;
 
+use mrroc::operator::Latch;
 use mrroc::prelude::*;
 use mrroc::recording::{self, CutOff, Replay};
 use mrroc::sensor::VspMode;
@@ -65,6 +66,29 @@ fn a_protective_stop_of_the_operator_is_made_again_on_the_path() {
     assert!(compared.steps > AT + 10, "{compared:?}");
     let end = compared.end.flatten().expect("it ended with the stop");
     assert!(end.contains("protective stop"), "{end}");
+}
+
+/// Drives with brakes are off after a stop, and begin at what encoders read; recorded drives have no power to lose.
+#[test]
+fn a_stop_and_a_reset_begin_again_where_they_did() {
+    let file = recorded("reset.mcap");
+    let cell = |stops: bool| {
+        let mut times = 0;
+        arms(Change::Nothing).after_fault(AfterFault::AwaitReset).on_step(move |step, operator| {
+            if stops && step == 900 {
+                operator.protective_stop();
+            }
+            if stops && times == 0 && operator.latch() == Latch::Latched {
+                operator.acknowledge().expect("latched");
+                operator.reset().expect("acknowledged");
+                times += 1;
+            }
+        })
+    };
+    cell(true).record(mrroc::recording::to(&file)).run().expect("it goes on");
+    let compared = cell(false).replay(&file, CutOff::Refused).expect("a recording of this cell");
+    assert!(compared.is_identical(), "{compared:?}");
+    assert!(compared.steps > 2000, "{compared:?}");
 }
 
 #[test]

@@ -125,7 +125,8 @@ impl Taught {
             "RELATIVE" => Reference::Relative,
             other => return bad(*reference_line, format!("`{other}` is neither ABSOLUTE nor RELATIVE")),
         };
-        let mut poses = Vec::new();
+        // Room for all that can be there, so that a long list is not copied as it grows; a head may announce more than there is.
+        let mut poses = Vec::with_capacity(count.min(last / 3).min(1 << 20));
         for number in 1..=count {
             let mut row = |what: &str| match lines.next() {
                 Some(line) => Ok((line.0, numbers(&line)?)),

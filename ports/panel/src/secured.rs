@@ -116,12 +116,16 @@ mod with {
     /// What is in the folder; `None` if it has no certificate of a panel.
     fn read(folder: &Path) -> io::Result<Option<Certified>> {
         let (certificate, key) = (folder.join("panel.pem"), folder.join("panel.key"));
-        if !certificate.exists() {
-            return Ok(None);
-        }
         let bad = |file: &Path, why: &dyn core::fmt::Display| {
             io::Error::new(io::ErrorKind::InvalidData, format!("{}: {why}", file.display()))
         };
+        let is_there = |file: &Path| file.try_exists().map_err(|why| bad(file, &why));
+        match (is_there(&certificate)?, is_there(&key)?) {
+            (true, true) => {}
+            (false, false) => return Ok(None),
+            (true, false) => return Err(bad(&key, &"there is a certificate, and no key to it")),
+            (false, true) => return Err(bad(&certificate, &"there is a key, and no certificate to it")),
+        }
         let mode = fs::metadata(&key).map_err(|why| bad(&key, &why))?.permissions().mode() & 0o777;
         if mode & 0o077 != 0 {
             let help =

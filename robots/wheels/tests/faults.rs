@@ -1,8 +1,6 @@
 //! What goes wrong with a base is told, and its wheels stop.
 
 use core::time::Duration;
-use std::cell::RefCell;
-use std::rc::Rc;
 
 use mrroc::fault::FaultKind;
 use mrroc::prelude::*;
@@ -58,8 +56,6 @@ fn ended(courses: Vec<Course>, event: Event) -> (Option<Fault>, Floor) {
     let memory = WallMemory::of_frame([1.8, 1.8], 0.012, SENSORS);
     let inner = LookingOut::new(floor.clone(), located, Infrared::new(floor.clone(), 1), memory);
     let sensor = SensorSetup::new("lookout", Eventful { inner, floor: floor.clone(), event }).of("base");
-    let ended = Rc::new(RefCell::new(None));
-    let by = Rc::clone(&ended);
     let drives = Rolling::new(DiffDrive::new(), floor.clone());
     let robot = RobotSetup::new("base", DiffDrive::new(), drives).program(move |ecp| {
         let mut lookout = ecp.sensor::<Lookout>("lookout")?;
@@ -68,10 +64,7 @@ fn ended(courses: Vec<Course>, event: Event) -> (Option<Fault>, Floor) {
             let limits = BaseLimits { speed: 0.3, lateral: 1.5, turning: 6.0, off: 0.05 };
             let follow =
                 FollowCourse::<Lookout>::along(course.clone(), limits, |read| Some(read.pose), 2.0, 2);
-            if let Err(fault) = ecp.move_robot((&mut lookout,), follow) {
-                *by.borrow_mut() = Some(fault.clone());
-                return Err(fault);
-            }
+            ecp.move_robot((&mut lookout,), follow)?;
         }
         Ok(())
     });
@@ -80,8 +73,11 @@ fn ended(courses: Vec<Course>, event: Event) -> (Option<Fault>, Floor) {
         .robot(robot)
         .sensor(sensor)
         .run();
-    assert_eq!(report.is_err(), ended.borrow().is_some());
-    let fault = ended.borrow().clone();
+    let fault = match report {
+        Ok(_) => None,
+        Err(CellError::Fault(first)) => Some(first),
+        Err(other) => panic!("{other}"),
+    };
     (fault, floor)
 }
 

@@ -205,7 +205,8 @@ impl Map {
         let pieces = (way.norm() / (0.6 * self.known.passage)).ceil().max(1.0);
         for piece in 0..=pieces as u32 {
             // As if it had been met squarely.
-            let contact = Contact { at: from + way * (f64::from(piece) / pieces), into: *into, moving: *into };
+            let contact =
+                Contact { at: from + way * (f64::from(piece) / pieces), into: *into, moving: *into };
             let is_known = self.contacts.iter().any(|one| {
                 one.into == contact.into
                     && one.is_of_the_wall_of(&contact, self.known.wall)

@@ -17,6 +17,10 @@ pub enum Panel {
     Open,
 }
 
+/// So many touches of a panel as of a wall outweigh one way that went through it: an effector that is off by some millimetres may
+/// have passed beside it.
+const OUTWEIGH: u32 = 3;
+
 /// The panels of a frame.
 #[derive(Clone, Debug)]
 pub struct Panels {
@@ -28,6 +32,8 @@ pub struct Panels {
     pub rows: usize,
     level: Vec<Panel>,
     upright: Vec<Panel>,
+    /// How many touches were of a panel, level and upright.
+    touches: [Vec<u32>; 2],
     /// How many touches before a panel tell not what was touched, level and upright.
     dear: [Vec<f64>; 2],
 }
@@ -44,6 +50,7 @@ impl Panels {
             rows,
             level: vec![Panel::Unknown; columns * (rows + 1)],
             upright: vec![Panel::Unknown; (columns + 1) * rows],
+            touches: [vec![0; columns * (rows + 1)], vec![0; (columns + 1) * rows]],
             dear: [vec![0.0; columns * (rows + 1)], vec![0.0; (columns + 1) * rows]],
         };
         for x in 0..columns {
@@ -80,10 +87,14 @@ impl Panels {
             let (kx, ky) = ((ball.x / s).round() as usize, (ball.y / s).round() as usize);
             match (upright, level) {
                 (true, false) if kx <= self.columns && cy < self.rows => {
-                    self.upright[cy * (self.columns + 1) + kx] = Panel::Wall;
+                    let index = self.index(true, kx, cy);
+                    self.upright[index] = Panel::Wall;
+                    self.touches[1][index] += 1;
                 }
                 (false, true) if ky <= self.rows && cx < self.columns => {
-                    self.level[ky * self.columns + cx] = Panel::Wall;
+                    let index = self.index(false, ky, cx);
+                    self.level[index] = Panel::Wall;
+                    self.touches[0][index] += 1;
                 }
                 _ => {
                     // Whatever is ahead there is rather not tried again.
@@ -99,10 +110,15 @@ impl Panels {
     }
 
     fn passed(&mut self, map: &Map) {
+        let mut passes = self.touches.clone().map(|of| vec![0; of.len()]);
         for [from, to] in map.ways() {
             for (upright, line, cell) in self.crossings(from, to) {
                 let index = self.index(upright, line, cell);
-                if upright { self.upright[index] = Panel::Open } else { self.level[index] = Panel::Open }
+                let passes = &mut passes[usize::from(upright)][index];
+                *passes += 1;
+                if OUTWEIGH * *passes > self.touches[usize::from(upright)][index] {
+                    if upright { self.upright[index] = Panel::Open } else { self.level[index] = Panel::Open }
+                }
             }
         }
     }

@@ -90,7 +90,7 @@ impl Display for Summary {
         let count = self.rows.len();
         let least = |of: fn(&Row) -> f64| self.rows.iter().map(of).fold(f64::INFINITY, f64::min);
         let most = |of: fn(&Row) -> f64| self.rows.iter().map(of).fold(f64::NEG_INFINITY, f64::max);
-        writeln!(f, "walked without a fault or a fall       {} of {count}", count - self.bad())?;
+        writeln!(f, "walked without a fault, within bounds  {} of {count}", count - self.bad())?;
         let steps: usize = self.rows.iter().map(|row| row.steps).sum();
         writeln!(
             f,

@@ -38,8 +38,13 @@ impl Door {
     pub fn at(address: SocketAddr) -> Door {
         let port = address.port();
         if address.ip().is_loopback() {
-            let hosts = ["127.0.0.1", "localhost", "[::1]"].map(|name| format!("{name}:{port}"));
-            return Door { hosts: hosts.into(), scheme: "http://" };
+            let mut hosts: Vec<_> =
+                ["127.0.0.1", "localhost", "[::1]"].map(|name| format!("{name}:{port}")).into();
+            // Loopback has more addresses than these.
+            if !hosts.contains(&address.to_string()) {
+                hosts.push(address.to_string());
+            }
+            return Door { hosts, scheme: "http://" };
         }
         let mut hosts = vec![address.to_string()];
         if port == 443 {
@@ -118,6 +123,8 @@ mod tests {
         for origin in ["http://192.0.2.1:7411", "https://192.0.2.2:7411", "https://192.0.2.1", "null"] {
             assert_eq!(door.admit(Way::Connection, own, Some(origin)), Err(NotAdmitted::Origin), "{origin}");
         }
+        let second = Door::at(SocketAddr::from(([127, 0, 0, 2], 7411)));
+        assert_eq!(second.admit(Way::File, Some("127.0.0.2:7411"), None), Ok(()));
         // Names that lead to loopback, and any other name.
         for host in ["127.0.0.1:7411", "localhost:7411", "cell.example:7411", "192.0.2.1"] {
             let origin = format!("https://{host}");

@@ -100,6 +100,8 @@ export class Jogging {
   }
 
   list() {
+    // Its buttons are made anew: one that is held is let go.
+    if (by('poses').contains(this.operating.held?.button)) this.operating.letGo();
     this.drawWay(null);
     const { poses = [], why } = this.taught[this.robot] ?? {};
     by('poses-why').textContent = why ?? '';

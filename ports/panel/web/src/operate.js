@@ -35,6 +35,8 @@ export class Operating {
     });
     this.holding(by('hold'));
     addEventListener('blur', () => this.letGo());
+    // A button that is gone or disabled while it is held hears nothing of it.
+    for (const event of ['pointerup', 'pointercancel', 'keyup']) addEventListener(event, () => this.letGo());
     addEventListener('pagehide', () => this.letGo());
     document.addEventListener('visibilitychange', () => { if (document.hidden) this.letGo(); });
     setInterval(() => this.beat(), BEAT);
@@ -97,6 +99,7 @@ export class Operating {
 
   beat() {
     if (!this.yours || document.hidden) return;
+    if (this.held && (this.held.button.disabled || !this.held.button.isConnected)) this.letGo();
     this.link.say({ do: 'beat' });
     if (this.held) this.link.say({ ...this.held.message, ...this.stamp() });
   }

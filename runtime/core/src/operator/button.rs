@@ -11,6 +11,7 @@ use crate::operator::Operator;
 use crate::operator::hold::Renewal;
 use crate::operator::jog::order::{percent, share};
 use crate::operator::jog::{JogOrder, JogRefusal};
+pub use crate::operator::no_button::NoButton;
 use crate::safety::latch::Latch;
 
 /// A button of the console.
@@ -40,16 +41,6 @@ pub enum Button {
     Jog(Renewal, Name, JogOrder),
     /// The person has done with jogging a robot: its program goes on.
     JogDone(Name),
-}
-
-/// A word that is no button.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{what}\n help: {help}")]
-pub struct NoButton {
-    /// Why it was refused.
-    pub what: String,
-    /// What to do about it.
-    pub help: String,
 }
 
 impl Button {

@@ -70,6 +70,10 @@ pub(crate) struct AskedJogs {
     pub done: Option<Name>,
 }
 
+/// Jogs were just being written: what is asked for is not known in this step.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Contended;
+
 /// What an operator is told of a latched cell.
 #[derive(Debug, Default)]
 struct Report {
@@ -198,12 +202,18 @@ impl Operator {
 
     /// What was asked of robots that are jogged, if it was since `seen`, which it counts on. A step that finds it being changed
     /// waits for nothing: the next one looks again.
-    pub(crate) fn asked_jogs(&self, seen: &mut u64) -> Option<AskedJogs> {
+    ///
+    /// # Errors
+    /// [`Contended`]
+    pub(crate) fn asked_jogs(&self, seen: &mut u64) -> Result<Option<AskedJogs>, Contended> {
         let jogged = self.shared.jogged.load(Ordering::Acquire);
-        let mut jogs = (jogged != *seen).then(|| self.shared.jogs.try_lock().ok()).flatten()?;
+        if jogged == *seen {
+            return Ok(None);
+        }
+        let mut jogs = self.shared.jogs.try_lock().map_err(|_| Contended)?;
         *seen = jogged;
         // That it is done is said once.
-        Some(AskedJogs { done: jogs.done.take(), newest: jogs.newest })
+        Ok(Some(AskedJogs { done: jogs.done.take(), newest: jogs.newest }))
     }
 
     /// The number of the hold that lasts at `now` \[ns\].

@@ -8,6 +8,7 @@ pub mod console;
 mod handle;
 pub mod hold;
 pub mod jog;
+mod no_button;
 pub mod state;
 
 pub use handle::{BadSpeed, Operator};

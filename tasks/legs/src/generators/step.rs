@@ -21,9 +21,6 @@ pub type Legs = [Leg; 4];
 /// A foot has come to the ground where more than this bears on it \[N\].
 const TOUCHED: f64 = 15.0;
 
-/// A foot that is so far below where the ground should be has missed it \[m\]: the trunk must not sway on over it.
-const DEEPEST: f64 = 0.013;
-
 /// One footstep: learns how the machine stands, plans, and moves the trunk and one foot.
 pub struct Stride {
     gait: Gait,
@@ -78,11 +75,10 @@ impl Stride {
             && !swing.has_touched()
         {
             let bears = v.0.reading().is_some_and(|forces| forces.up[*leg] > TOUCHED);
-            let low = swing.to().z - swing.at(self.t).z;
             if bears && swing.may_touch(self.t) {
                 swing.touch(self.t);
-            } else if over || low > DEEPEST {
-                let (leg, low) = (NAMES[*leg], 1e3 * low);
+            } else if over {
+                let (leg, low) = (NAMES[*leg], 1e3 * (swing.to().z - swing.at(self.t).z));
                 let text =
                     format!("{leg} found no ground, {low:.0} mm below where it should be: see what is there");
                 return Err(Fault::thrown(&text));

@@ -6,6 +6,7 @@ use crate::control::guarded::guarded;
 use crate::link::message::flag;
 use crate::model::driver::Recovery;
 use crate::model::fault::{Fault, FaultKind};
+use crate::model::joints::JointVector;
 use crate::model::robot::Robot;
 
 use super::Edp;
@@ -57,7 +58,13 @@ impl<R: Robot> Edp<'_, R> {
         }
         let goal = *self.servo.interpolation.goal();
         let follows = self.check_following(&goal, FaultKind::FollowingError).is_ok();
-        let position = if follows && !was_off { goal } else { self.servo.rest() };
+        // Recorded drives have no power to lose: the run that is replayed knows where it began.
+        let recorded = self.replayed.as_ref().and_then(|run| run.image(self.clock.due));
+        let position = match recorded {
+            Some(image) => R::Joints::from_joints(|i| image.demanded[i]),
+            None if follows && !was_off => goal,
+            None => self.servo.rest(),
+        };
         // Where encoders give no numbers there is nowhere to begin.
         self.check_following(&position, FaultKind::FollowingError)?;
         if was_off {

@@ -198,7 +198,14 @@ impl Mp<'_> {
     /// Sees what is held when a step begins, and what is asked of which robot in it.
     pub(super) fn look_at_holds(&mut self) {
         let lasting = self.operating.lasting_hold(self.host.waiter.now(), self.clock.is_standing());
-        if let Some(asked) = self.operating.operator.asked_jogs(&mut self.jogging.seen) {
+        let asked = self.operating.operator.asked_jogs(&mut self.jogging.seen);
+        let is_known = asked.is_ok();
+        if let Ok(Some(asked)) = asked {
+            let hold = |newest: &Option<(u64, Name, JogOrder)>| newest.as_ref().map(|(hold, ..)| *hold);
+            if asked.done.is_none() && hold(&asked.newest) != hold(&self.jogging.newest) {
+                // Whoever jogs anew is not done any more.
+                self.jogging.done = None;
+            }
             self.jogging.newest = asked.newest;
             let done = asked.done.and_then(|done| self.robots.iter().position(|robot| robot.name == done));
             // Whatever was done before is not done again.
@@ -212,8 +219,9 @@ impl Mp<'_> {
         });
         let done = self.jogging.done.map(|(index, press)| (index, JogNow::Done { press }));
         self.ask_to_jog(done.or(order));
-        // A jog that moves nothing lets nothing else move either.
-        self.operating.show_held(lasting.is_some() && (jog.is_none() || order.is_some()));
+        // A jog that moves nothing, or one that is newer than the hold that was seen, lets nothing else move either.
+        let is_plain = |lasting| is_known && self.jogging.newest.is_none_or(|(hold, ..)| hold < lasting);
+        self.operating.show_held(lasting.is_some_and(|lasting| order.is_some() || is_plain(lasting)));
     }
 
     /// The same in a replay, which knows from the recording what was asked for.

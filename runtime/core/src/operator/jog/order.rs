@@ -14,7 +14,7 @@ use core::str::SplitWhitespace;
 use crate::model::joints::{JointVector, MAX_JOINTS};
 use crate::model::name::Name;
 use crate::model::wire::{BadWords, Wire};
-use crate::operator::button::NoButton;
+use crate::operator::no_button::NoButton;
 
 /// What a console asks of the robot that it jogs, as long as its hold lasts.
 #[derive(Clone, Copy, Debug, PartialEq)]
