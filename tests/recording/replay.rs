@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::time::Duration;
 
+use mrroc::cell::AfterFault;
 use mrroc::operator::Latch;
 use mrroc::prelude::*;
 use mrroc::recording::{self, CutOff, Replay};

@@ -211,7 +211,8 @@ impl FromStr for Taught {
             (_, "relative") => Reference::Relative,
             (line, other) => return bad(line, format!("`{other}` is neither absolute nor relative")),
         };
-        let mut poses = Vec::new();
+        // As in `from_trj`.
+        let mut poses = Vec::with_capacity(text.lines().count().min(1 << 20));
         for (line, words) in lines {
             let (name, words) = match &words[..] {
                 [name, "=", words @ ..] => (Some(name), words),

