@@ -69,9 +69,9 @@ fn on_three_feet_the_forces_are_those_of_statics() {
     let mut world = world(0.42, 0.8, q);
     for k in 0..500 {
         let share = (f64::from(k) / 400.0).min(1.0);
-        for i in 0..4 {
-            let foot = legs()[i].foot(&q[i]) - Vector3::new(0.03, 0.06, 0.0) * share;
-            let moved = legs()[i].reach_for(&foot, &q[i]).expect("in reach");
+        for (i, q) in q.iter().enumerate() {
+            let foot = legs()[i].foot(q) - Vector3::new(0.03, 0.06, 0.0) * share;
+            let moved = legs()[i].reach_for(&foot, q).expect("in reach");
             world.begin(i);
             world.end(i, moved);
         }

@@ -84,9 +84,9 @@ impl World {
     /// Goes through a period.
     fn go_on(&mut self) {
         let from = self.q;
-        for i in 0..4 {
-            let to = self.next[i].take().unwrap_or(from[i]);
-            self.qd[i] = (to - from[i]) / PERIOD;
+        for ((next, qd), from) in self.next.iter_mut().zip(&mut self.qd).zip(&from) {
+            let to = next.take().unwrap_or(*from);
+            *qd = (to - from) / PERIOD;
         }
         let h = PERIOD / f64::from(SUBSTEPS);
         let mut impulses = [Vector3::zeros(); 4];
@@ -104,13 +104,13 @@ impl World {
 
     /// Moves on with constant momenta for `h` \[s\], from the time `now` of a period that began with the joints at `from`.
     fn drift(&mut self, from: &[Three; 4], now: f64, h: f64) {
-        for i in 0..4 {
-            self.q[i] = from[i] + self.qd[i] * (now + 0.5 * h);
+        for ((q, qd), from) in self.q.iter_mut().zip(&self.qd).zip(from) {
+            *q = from + qd * (now + 0.5 * h);
         }
         let sums = Sums::of(&self.legs, &self.q, &self.qd);
         self.trunk.drift(&sums, h);
-        for i in 0..4 {
-            self.q[i] = from[i] + self.qd[i] * (now + h);
+        for ((q, qd), from) in self.q.iter_mut().zip(&self.qd).zip(from) {
+            *q = from + qd * (now + h);
         }
     }
 
