@@ -88,7 +88,7 @@ fn each_behaviour_runs_while_its_condition_lets_it() {
     assert!(demands[400..590].iter().all(|demand| *demand == Demand::hold()), "it stands");
     // Back home within 0.06 / 0.1 + 0.2 s, and there until nobody is near.
     assert!(demands[1100..1490].iter().all(|demand| *demand == Demand::hold()), "it is home");
-    let last = demands[600..1100].iter().filter_map(|demand| off(demand, &home)).last();
+    let last = demands[600..1100].iter().filter_map(|demand| off(demand, &home)).next_back();
     assert!(last.is_some_and(|off| off < 1e-12), "{last:?}");
     assert_eq!(demands.last().and_then(Demand::as_pose), Some(goal));
 }
