@@ -26,7 +26,7 @@ pub type Seen = [Option<Stretch>; 10];
 pub struct Stretch {
     /// Its ends [m, W].
     pub ends: [Vector2<f64>; 2],
-    /// From the effector into it [W].
+    /// From the effector into it \[W\].
     pub into: Vector2<f64>,
 }
 
