@@ -2,7 +2,7 @@
 //!
 //! In: orders of a console, each with the renewal of a hold. Out: for the program that moves that robot, what is asked for now.
 //! A jog moves only while its hold lasts, at reduced speed, and only as long as no other robot moves by a program of its own.
-//! [`order`](self::order) is what a console asks for, [`panel`](self::panel) what a program is given.
+//! [`order`] is what a console asks for, [`panel`] what a program is given.
 
 pub mod order;
 pub mod panel;
