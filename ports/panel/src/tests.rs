@@ -303,24 +303,24 @@ fn fault_206_a_page_that_falls_silent_while_it_holds_lets_go_and_loses_authority
 fn fault_232_a_page_that_jogs_and_falls_silent_lets_go_and_loses_authority() {
     let served = served();
     let (mut page, mut other) = (served.known(), served.known());
-    let jog = |begins: bool| {
+    let jog = |number: u64, begins: bool| {
         let order = "world x 20% by 0.001";
-        json!({"n": 2, "do": "jog", "begins": begins, "robot": "arm", "order": order, "epoch": 0, "step": 1000})
+        json!({"n": number, "do": "jog", "begins": begins, "robot": "arm", "order": order, "epoch": 0, "step": 1000})
     };
     // Only the page with control jogs.
-    other.say(&jog(true));
+    other.say(&jog(2, true));
     assert_eq!(other.answer(2).expect("answered")["outcome"], "refused");
     page.say(&json!({"n": 1, "do": "take"}));
     let wait = Duration::from_secs(10);
     assert_eq!(served.asked.recv_timeout(wait), Ok(Request::Take));
     // What renews nothing begins nothing.
-    page.say(&jog(false));
+    page.say(&jog(2, false));
     assert!(
         page.answer(2).expect("answered")["text"]
             .as_str()
             .is_some_and(|why| why.contains("the hold is over"))
     );
-    page.say(&jog(true));
+    page.say(&jog(3, true));
     let held = match served.asked.recv_timeout(wait) {
         Ok(Request::Press(Button::Jog(renewal, robot, order))) => {
             assert_eq!((robot.as_str(), order.to_string().as_str()), ("arm", "world x 20% by 0.001"));
@@ -332,8 +332,8 @@ fn fault_232_a_page_that_jogs_and_falls_silent_lets_go_and_loses_authority() {
     };
     assert_eq!(served.asked.recv_timeout(wait), Ok(Request::Press(Button::LetGo(held))));
     assert_eq!(served.asked.recv_timeout(wait), Ok(Request::Release));
-    page.say(&jog(false));
-    assert_eq!(page.answer(2).expect("answered")["outcome"], "refused");
+    page.say(&jog(4, false));
+    assert_eq!(page.answer(4).expect("answered")["outcome"], "refused");
 }
 
 #[test]
