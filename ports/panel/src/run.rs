@@ -56,7 +56,12 @@ pub fn play(looks: Arc<Looks>, course: Course) -> ExitCode {
 fn begin(looks: Arc<Looks>, source: Source, cell: Option<&Path>) -> ExitCode {
     let runtime = tokio::runtime::Builder::new_current_thread().enable_io().enable_time().build();
     let ended = match runtime {
-        Ok(runtime) => runtime.block_on(run(looks, source, cell)),
+        Ok(runtime) => {
+            let ended = runtime.block_on(run(looks, source, cell));
+            // A file that does not answer holds up no end.
+            runtime.shutdown_background();
+            ended
+        }
         Err(error) => Err(error),
     };
     match ended {
