@@ -22,6 +22,9 @@ use crate::rules::request::Stamp;
 /// Requests that wait for the desk.
 const WAITING: usize = 16;
 
+/// The nice value of the thread that makes pictures: it takes the time that all others leave.
+const LAST: i32 = 19;
+
 /// How long a cell that is being started is waited for.
 const STARTING: Duration = Duration::from_secs(30);
 
@@ -128,6 +131,8 @@ fn spawn(name: &str, work: impl FnOnce() + Send + 'static) -> std::io::Result<()
 
 /// Shows what the cell does, until it ends.
 fn watch(mut caller: Caller, looks: &Looks, show: &watch::Sender<Shown>) {
+    // Where it may not be set, the cell is shown all the same.
+    let _ = rustix::process::setpriority_process(None, LAST);
     let mut before: Arc<[RobotNow]> = Arc::default();
     loop {
         match caller.hears.hear() {
