@@ -276,9 +276,58 @@ fn fault_234_a_robot_whose_program_does_not_let_it_be_jogged_stands_and_so_does_
         }
         assert!(seen.dt.borrow()[300..3999].iter().all(|dt| *dt == 0.0), "no path time passes");
     }
-    // The other one moves, and the first one is jogged, when each is alone.
+    // The first one is jogged when it is alone: in 0.6 s, some time after its beginning, by half of 95 % of 250 mm/s along x.
     let (seen, _) = run(false, true);
-    assert!(seen.joints.borrow()[2000] != HOME);
+    let (joints, arm) = (seen.joints.borrow(), Irp6::nominal());
+    let at = |step: usize| arm.forward(&joints[step]) * tool();
+    let way = at(1600).translation.vector - at(1300).translation.vector;
+    let far = 0.6 * 0.5 * 0.95 * REDUCED_SPEED;
+    assert!((way - nalgebra::Vector3::x() * far).norm() < 1e-6, "{way} {far}");
+    assert!(at(1600).rotation.angle_to(&at(1300).rotation) < 1e-9);
+    // And so is the other one when it moves by its program at full speed: it comes to where that takes it.
+    let (_, other) = run(true, true);
+    assert!((other.joints.borrow().last().expect("steps")[0] - 0.5).abs() < 1e-9);
+}
+
+/// An arm `right` whose program lets it be jogged until the operator aborts.
+fn right_arm(seen: &Rc<Seen>) -> RobotSetup<Irp6> {
+    let keep = Rc::clone(seen);
+    RobotSetup::new("right", Irp6::nominal(), SimulatedIrp6::new(Irp6::nominal(), &HOME))
+        .observe(move |record: &ServoRecord<Irp6>| keep.joints.borrow_mut().push(record.demanded))
+        .program(|ecp| {
+            let panel = ecp.jog_panel();
+            ecp.move_robot((), PanelJog::by(panel)).map(drop)
+        })
+}
+
+#[test]
+fn fault_239_a_hold_that_goes_over_to_another_robot_moves_neither() {
+    let (seen, other) = (Rc::new(Seen::default()), Rc::new(Seen::default()));
+    let cell = Cell::new(STEP).robot(left_arm(&seen, HOME)).robot(right_arm(&other));
+    let right = Name::new("right").expect("a name");
+    let cell = cell.witnessed_by(Rc::clone(&seen) as Rc<dyn Witness>).on_step(move |step, operator| {
+        let renewal = |count| Renewal::of(100, count).expect("few");
+        match step {
+            1 => operator.set_reduced(true),
+            100 => operator.jog(renewal(0), left(), order("world x 50%")),
+            200 => operator.jog(renewal(2), left(), order("world x 50%")),
+            // From now on the same hold names the other arm.
+            250..1000 if step % BEAT == 0 => {
+                operator.jog(renewal(step / BEAT), right, order("world x 50%"));
+            }
+            // A hold of its own moves it.
+            1000 => operator.jog(Renewal::of(1000, 0).expect("few"), right, order("world x 50%")),
+            1500 => operator.abort(),
+            _ => {}
+        }
+    });
+    cell.run().expect_err("aborted");
+    let (left, right) = (seen.joints.borrow(), other.joints.borrow());
+    assert!((left[340] - left[250]).norm() > 1e-3, "it is jogged until its last renewal has lapsed");
+    let stands = (200 + LAPSED) as usize + 130;
+    assert!(left[stands..1400].iter().all(|q| *q == left[stands]), "then it stands");
+    assert!(right[90..1000].iter().all(|q| *q == right[90]), "and the other one was not moved");
+    assert!((right[1100] - right[1000]).norm() > 1e-3, "but it is by a hold of its own");
 }
 
 /// Half a radian there.

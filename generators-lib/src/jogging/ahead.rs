@@ -18,6 +18,10 @@ const SLOWEST: f64 = 0.04;
 /// How often the piece in which a way ends is halved.
 const HALVINGS: usize = 8;
 
+/// How often it is looked ahead in a step. Each look takes two solutions of the inverse kinematics, which are iterations for many arms:
+/// a step's work must not grow with how far a robot needs to see. Four pieces a step are seen far faster than they are gone.
+const LOOKS: usize = 4;
+
 /// How much of a way is clear.
 #[derive(Clone, Debug)]
 pub struct Ahead<R: Robot> {
@@ -28,6 +32,8 @@ pub struct Ahead<R: Robot> {
     joints: R::Joints,
     /// What bounds it there.
     bound: Option<JogStop>,
+    /// Where it was found to be bounded, by what, and how often the piece before is still to be halved.
+    ending: Option<(f64, JogStop, usize)>,
     /// The largest speeds in the newest pieces, the newest one at `newest`.
     speeds: [f64; PIECES],
     newest: usize,
@@ -77,6 +83,7 @@ impl<R: Robot> Ahead<R> {
             clear: 0.0,
             joints: q,
             bound: None,
+            ending: None,
             speeds: [full; PIECES],
             newest: 0,
             acceleration,
@@ -109,36 +116,44 @@ impl<R: Robot> Ahead<R> {
         self.speeds.iter().fold(self.full, |least, speed| least.min(*speed))
     }
 
-    /// Looks further, so far that it can come to rest behind `s` from full speed.
+    /// Looks further, up to so far that it can come to rest behind `s` from full speed; a few times in each call.
     pub fn look(&mut self, way: &Way<R>, model: &R, s: f64, limits: &JogLimits) {
         let far = (s + self.piece * (PIECES - 1) as f64).min(way.length());
-        while self.bound.is_none() && self.clear < far {
-            let next = (self.clear + self.piece).min(way.length());
-            match self.see(way, model, next, limits) {
-                Ok((joints, speed)) => {
-                    self.newest = (self.newest + 1) % PIECES;
-                    self.speeds[self.newest] = speed;
-                    (self.clear, self.joints) = (next, joints);
+        for _ in 0..LOOKS {
+            if self.bound.is_some() {
+                return;
+            }
+            match self.ending {
+                // It comes as near to the end of what is clear as halving finds it.
+                Some((beyond, bound, halvings)) => {
+                    let middle = 0.5 * (self.clear + beyond);
+                    let beyond = match self.see(way, model, middle, limits) {
+                        Ok((joints, _)) => {
+                            (self.clear, self.joints) = (middle, joints);
+                            beyond
+                        }
+                        Err(_) => middle,
+                    };
+                    let left = halvings - 1;
+                    self.ending = (left > 0).then_some((beyond, bound, left));
+                    self.bound = (left == 0).then_some(bound);
                 }
-                Err(bound) => {
-                    self.bound = Some(bound);
-                    self.come_nearer(way, model, next, limits);
+                None if self.clear < far => {
+                    let next = (self.clear + self.piece).min(way.length());
+                    match self.see(way, model, next, limits) {
+                        Ok((joints, speed)) => {
+                            self.newest = (self.newest + 1) % PIECES;
+                            self.speeds[self.newest] = speed;
+                            (self.clear, self.joints) = (next, joints);
+                        }
+                        Err(bound) => self.ending = Some((next, bound, HALVINGS)),
+                    }
                 }
+                None => break,
             }
         }
         if self.clear >= way.length() {
             self.bound.get_or_insert(JogStop::There);
-        }
-    }
-
-    /// Comes as near to the end of what is clear, which is before `beyond`, as halving finds it.
-    fn come_nearer(&mut self, way: &Way<R>, model: &R, mut beyond: f64, limits: &JogLimits) {
-        for _ in 0..HALVINGS {
-            let middle = 0.5 * (self.clear + beyond);
-            match self.see(way, model, middle, limits) {
-                Ok((joints, _)) => (self.clear, self.joints) = (middle, joints),
-                Err(_) => beyond = middle,
-            }
         }
     }
 

@@ -12,7 +12,7 @@ use axum::extract::ws::Utf8Bytes;
 use mrroc_core::operator::LAPSE;
 use mrroc_core::operator::button::Button;
 use mrroc_launch::panel::AWAITED;
-use mrroc_processes::{Caller, Heard, Picture, ProcessPicture, Reply, Request, RobotPicture};
+use mrroc_processes::{Caller, Heard, OnBehalf, Picture, ProcessPicture, Reply, Request, RobotPicture};
 use serde_json::{Value, json};
 use tokio::sync::{oneshot, watch};
 
@@ -21,6 +21,9 @@ use crate::rules::request::Stamp;
 
 /// Requests that wait for the desk.
 const WAITING: usize = 16;
+
+/// The nice value of the thread that makes pictures: it takes the time that all others leave.
+const LAST: i32 = 19;
 
 /// How long a cell that is being started is waited for.
 const STARTING: Duration = Duration::from_secs(30);
@@ -43,6 +46,7 @@ pub struct Shown {
 /// A request, and where its answer goes.
 struct Job {
     request: Request,
+    by: OnBehalf,
     since: Instant,
     answer: oneshot::Sender<Reply>,
 }
@@ -95,9 +99,9 @@ impl Desk {
     }
 
     /// Asks for something; the answer comes within seconds.
-    pub fn ask(&self, request: Request) -> oneshot::Receiver<Reply> {
+    pub fn ask(&self, request: Request, by: OnBehalf) -> oneshot::Receiver<Reply> {
         let (answer, answered) = oneshot::channel();
-        let job = Job { request, since: Instant::now(), answer };
+        let job = Job { request, by, since: Instant::now(), answer };
         match self.requests.try_send(job) {
             Ok(()) => {}
             Err(TrySendError::Full(job)) => {
@@ -111,10 +115,11 @@ impl Desk {
     }
 
     /// Stops the cell. However much else is asked for, this does not wait for it.
-    pub fn stop(&self) -> oneshot::Receiver<Reply> {
+    pub fn stop(&self, by: OnBehalf) -> oneshot::Receiver<Reply> {
         let (answer, answered) = oneshot::channel();
         // What cannot be sent drops the answer, which the page is told.
-        let job = Job { request: Request::Press(Button::Stop), since: Instant::now(), answer };
+        let request = Request::Press(Button::Stop);
+        let job = Job { request, by, since: Instant::now(), answer };
         let _ = self.stops.send(job);
         answered
     }
@@ -126,6 +131,8 @@ fn spawn(name: &str, work: impl FnOnce() + Send + 'static) -> std::io::Result<()
 
 /// Shows what the cell does, until it ends.
 fn watch(mut caller: Caller, looks: &Looks, show: &watch::Sender<Shown>) {
+    // Where it may not be set, the cell is shown all the same.
+    let _ = rustix::process::setpriority_process(None, LAST);
     let mut before: Arc<[RobotNow]> = Arc::default();
     loop {
         match caller.hears.hear() {
@@ -218,7 +225,7 @@ fn carry(cell: &Path, jobs: &Receiver<Job>) {
         let reply = if is_late {
             Reply::Refused("the renewal came too late".to_owned())
         } else {
-            line.ask(&job.request)
+            line.ask(&job.request, job.by)
         };
         let _ = job.answer.send(reply);
     }
@@ -231,8 +238,9 @@ fn stop(cell: &Path, jobs: &Receiver<Job>) {
     line.open();
     while let Ok(job) = jobs.recv() {
         // Those that have come by now: a stop that comes while this one is under way is one of its own.
+        let by = job.by;
         let all: Vec<Job> = std::iter::once(job).chain(jobs.try_iter()).collect();
-        let reply = line.ask(&Request::Press(Button::Stop));
+        let reply = line.ask(&Request::Press(Button::Stop), by);
         for job in all {
             let _ = job.answer.send(reply.clone());
         }
@@ -256,12 +264,12 @@ impl Line {
         }
     }
 
-    fn ask(&mut self, request: &Request) -> Reply {
+    fn ask(&mut self, request: &Request, by: OnBehalf) -> Reply {
         let mut why = "the cell does not answer".to_owned();
         // Once more on a new connection, if this one was broken.
         for _ in 0..2 {
             self.open();
-            match self.caller.as_mut().map(|caller| caller.ask(request)) {
+            match self.caller.as_mut().map(|caller| caller.ask_for(request, Some(by))) {
                 Some(Ok(Heard::Reply(reply))) => return reply,
                 Some(Ok(Heard::Picture(_))) => return Reply::Done(String::new()),
                 Some(Err(error)) => why = error.to_string(),

@@ -45,6 +45,8 @@ mod server;
 mod socket;
 #[cfg(all(feature = "server", target_os = "linux"))]
 mod stand;
+#[cfg(all(feature = "server", target_os = "linux"))]
+mod teaching;
 #[cfg(all(test, feature = "server", target_os = "linux"))]
 mod tests;
 

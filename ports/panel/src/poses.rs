@@ -13,6 +13,7 @@
 use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 
 use mrroc_core::fault::Name;
 use mrroc_launch::files;
@@ -36,15 +37,17 @@ pub struct Pose {
 }
 
 /// The files of a cell.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct Poses {
     cell: PathBuf,
+    /// One changes them at a time.
+    changes: Mutex<()>,
 }
 
 impl Poses {
     /// Of the cell of a file.
     pub fn of(cell: &Path) -> Poses {
-        Poses { cell: cell.to_owned() }
+        Poses { cell: cell.to_owned(), changes: Mutex::new(()) }
     }
 
     /// The poses of a robot, in the order of its file; none if there is no file.
@@ -94,6 +97,7 @@ impl Poses {
         robot: &str,
         change: impl FnOnce(&str) -> Result<String, String>,
     ) -> Result<PathBuf, String> {
+        let _turn = self.changes.lock().unwrap_or_else(PoisonError::into_inner);
         let file = files::poses(&self.cell, robot);
         let told = |why: &dyn core::fmt::Display| format!("{}: {why}", file.display());
         let before = match fs::read_to_string(&file) {
@@ -110,6 +114,11 @@ impl Poses {
         written.map_err(|error| told(&error))?;
         Ok(file)
     }
+}
+
+/// How the lines of a text end.
+fn line_end(text: &str) -> &'static str {
+    if text.contains("\r\n") { "\r\n" } else { "\n" }
 }
 
 /// What stands behind the name of a line and its `=`, if it has one.
@@ -152,8 +161,9 @@ fn taught(text: &str, name: Name, joints: &[f64]) -> Result<String, String> {
     if poses.len() >= MOST {
         return Err(format!("it has {MOST} poses already: delete one first"));
     }
-    let end = if text.is_empty() || text.ends_with('\n') { "" } else { "\n" };
-    Ok(format!("{text}{end}{name} ={line}\n"))
+    let line_end = line_end(text);
+    let end = if text.is_empty() || text.ends_with('\n') { "" } else { line_end };
+    Ok(format!("{text}{end}{name} ={line}{line_end}"))
 }
 
 /// The text with the line of a pose changed, or without it.
@@ -167,8 +177,8 @@ fn changed(text: &str, name: Name, change: impl Fn(&str) -> Option<String>) -> R
         }
         _ => Some(line.to_owned()),
     };
-    let lines: Vec<String> = text.lines().filter_map(line).collect();
-    if found { Ok(lines.join("\n") + "\n") } else { Err(format!("there is no pose `{name}`")) }
+    let (lines, end): (Vec<String>, _) = (text.lines().filter_map(line).collect(), line_end(text));
+    if found { Ok(lines.join(end) + end) } else { Err(format!("there is no pose `{name}`")) }
 }
 
 #[cfg(test)]
@@ -206,6 +216,18 @@ mod tests {
         let text = changed(&text, name("rest"), |_| None).expect("forgotten");
         assert!(text.contains("\n0.1 0.1 : 1 2\nend = "), "{text}");
         assert_eq!(text.parse::<Taught>().map(|taught| taught.poses.len()), Ok(3));
+    }
+
+    #[test]
+    fn a_file_with_the_line_ends_of_windows_is_read_and_keeps_them() {
+        let edited = "space joint\r\nreference absolute\r\nhome = 0.2 0.3 : 0 0\r\n";
+        let text = taught(edited, name("pick"), &[1.0, 2.5]).expect("taught");
+        assert_eq!(text, format!("{edited}pick = 0.5 0.5 : 1 2.5\r\n"));
+        assert_eq!(read(&text).expect("in order")[1].joints, [1.0, 2.5]);
+        let text = changed(&text, name("home"), |rest| Some(format!("rest ={rest}"))).expect("renamed");
+        assert_eq!(text, format!("{edited}pick = 0.5 0.5 : 1 2.5\r\n").replace("home", "rest"));
+        let read_by_program: Taught = text.parse().expect("in order");
+        assert_eq!(read_by_program.select(&["rest"]).expect("there").poses[0].coordinates(), [0.0, 0.0]);
     }
 
     #[test]

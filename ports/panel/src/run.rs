@@ -27,8 +27,9 @@ use crate::socket::look_after;
 /// How long pages are told of the end of a cell.
 const FAREWELL: Duration = Duration::from_millis(500);
 
-/// The nice value of who comes last.
-const LAST: i32 = 19;
+/// The nice value of the thread that serves pages. It does little, and pages that it hears late lose control: with the nice value of who
+/// comes last a machine on which much else runs lets it wait for a second.
+const SERVES: i32 = 5;
 
 /// The address and port that are asked for by this variable of the environment; otherwise the panel answers on loopback, at a port that is
 /// free.
@@ -39,11 +40,13 @@ const CERTIFICATES: &str = "certificates";
 
 /// Shows a cell that runs, until it ends.
 pub fn attend(layout: &Layout, cell: &Path) -> ExitCode {
-    // It takes the time that the cell leaves. Where it may not be set, it is shown all the same.
-    let _ = rustix::process::setpriority_process(None, LAST);
     let looks = Arc::new(Looks::of(layout));
     match Desk::open(cell, Arc::clone(&looks)) {
-        Ok((desk, shown)) => begin(looks, Source::Running(desk, shown), Some(cell)),
+        Ok((desk, shown)) => {
+            // Of this thread and those that it begins. Where it may not be set, the cell is shown all the same.
+            let _ = rustix::process::setpriority_process(None, SERVES);
+            begin(looks, Source::Running(desk, shown), Some(cell))
+        }
         Err(error) => refused(&error),
     }
 }
@@ -56,7 +59,12 @@ pub fn play(looks: Arc<Looks>, course: Course) -> ExitCode {
 fn begin(looks: Arc<Looks>, source: Source, cell: Option<&Path>) -> ExitCode {
     let runtime = tokio::runtime::Builder::new_current_thread().enable_io().enable_time().build();
     let ended = match runtime {
-        Ok(runtime) => runtime.block_on(run(looks, source, cell)),
+        Ok(runtime) => {
+            let ended = runtime.block_on(run(looks, source, cell));
+            // A file that does not answer holds up no end.
+            runtime.shutdown_background();
+            ended
+        }
         Err(error) => Err(error),
     };
     match ended {

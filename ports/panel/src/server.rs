@@ -66,15 +66,22 @@ pub struct Panel {
     pub taught: watch::Sender<Option<Utf8Bytes>>,
     /// Places of pages.
     pub pages: Arc<Semaphore>,
+    /// Places of pages whose requests wait for files.
+    pub files: Arc<Semaphore>,
     door: Door,
     numbers: AtomicU64,
-    since: Instant,
+    /// The time since the panel began.
+    clock: Box<dyn Fn() -> Duration + Send + Sync>,
 }
+
+/// Requests of pages that may wait for files.
+const FILES: usize = 16;
 
 impl Panel {
     /// Of a source, at an address, known by a token.
     #[must_use]
     pub fn new(source: Source, looks: Arc<Looks>, token: Token, address: SocketAddr) -> Panel {
+        let since = Instant::now();
         Panel {
             source,
             looks,
@@ -84,10 +91,17 @@ impl Panel {
             poses: None,
             taught: watch::Sender::default(),
             pages: Arc::new(Semaphore::new(PAGES)),
+            files: Arc::new(Semaphore::new(FILES)),
             door: Door::at(address),
             numbers: AtomicU64::new(0),
-            since: Instant::now(),
+            clock: Box::new(move || since.elapsed()),
         }
+    }
+
+    /// The same by the clock of a test.
+    #[cfg(test)]
+    pub fn by_clock(self, clock: impl Fn() -> Duration + Send + Sync + 'static) -> Panel {
+        Panel { clock: Box::new(clock), ..self }
     }
 
     /// How its pages are reached: `http://`, or `https://` on a network.
@@ -103,7 +117,7 @@ impl Panel {
         self
     }
 
-    /// Tells all pages which poses robots were taught.
+    /// Tells all pages which poses robots were taught, as the files say, which may take their time.
     pub fn tell_taught(&self) {
         let Some(poses) = &self.poses else { return };
         let of = |robot: &str| match poses.of_robot(robot) {
@@ -126,7 +140,7 @@ impl Panel {
 
     /// The time since the panel began.
     pub fn now(&self) -> Duration {
-        self.since.elapsed()
+        (self.clock)()
     }
 
     /// Tells all pages and the terminal what happened.

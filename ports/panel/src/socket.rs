@@ -9,17 +9,17 @@ use std::time::Duration;
 use axum::extract::ws::{CloseFrame, Message as Frame, Utf8Bytes, WebSocket};
 use futures_util::stream::{SplitSink, SplitStream};
 use futures_util::{SinkExt, StreamExt};
-use mrroc_core::fault::Name;
-use mrroc_processes::{Reply, Request};
+use mrroc_processes::{OnBehalf, Reply, Request};
 use serde_json::json;
 use tokio::sync::{OwnedSemaphorePermit, mpsc, oneshot};
 use tokio::time::timeout;
 
-use crate::desk::Shown;
 use crate::rules::authority::Page;
 use crate::rules::rate::Rate;
 use crate::rules::request::{Asked, Message, Stamp};
 use crate::server::{Panel, Source};
+use crate::stand::monotonic;
+use crate::teaching;
 
 /// How long a page may take to show the token, and to read what it is sent.
 const TOKEN: Duration = Duration::from_secs(5);
@@ -32,7 +32,7 @@ const ANSWERS: usize = 64;
 const BAD: usize = 8;
 
 /// Answers to a page, of any task.
-type Answers = mpsc::Sender<Utf8Bytes>;
+pub type Answers = mpsc::Sender<Utf8Bytes>;
 
 /// Serves a page until it goes.
 pub async fn serve(socket: WebSocket, panel: Arc<Panel>, place: OwnedSemaphorePermit) {
@@ -55,7 +55,7 @@ pub async fn serve(socket: WebSocket, panel: Arc<Panel>, place: OwnedSemaphorePe
     let writes = tokio::spawn(write(sends, Arc::clone(&panel), waiting, page));
     let why = read(&mut hears, &panel, page, &answers).await;
     // First of all: nobody holds anything for a page that is gone.
-    tell_desk(&panel, panel.stand.leave(page));
+    tell_desk(&panel, OnBehalf { page, heard: monotonic() }, panel.stand.leave(page));
     panel.note(&format!("page {page} is gone{why}"));
     // What it was sent last is told why.
     drop(answers);
@@ -161,12 +161,13 @@ async fn read(
             }
             Err(error) => return format!(": {error}"),
         };
+        let by = OnBehalf { page, heard: monotonic() };
         let may = rate.may(panel.now());
         let message = match Message::read(&text) {
             // A stop is taken however much was said before; one that comes while the page's last one is under way is part of it.
             Ok(Message { number, asked: Asked::Stop }) => {
                 if stopping.as_ref().is_none_or(tokio::task::JoinHandle::is_finished) {
-                    stopping = stop(panel, page, number, answers);
+                    stopping = stop(panel, by, number, answers);
                 }
                 continue;
             }
@@ -183,7 +184,7 @@ async fn read(
                 continue;
             }
         };
-        if obey(panel, page, message, answers).is_err() {
+        if obey(panel, by, message, answers).is_err() {
             return ": it does not read".to_owned();
         }
     }
@@ -191,9 +192,13 @@ async fn read(
 }
 
 /// A page's answers are full.
-struct DoesNotRead;
+pub struct DoesNotRead;
 
-fn answer(answers: &Answers, number: u64, outcome: &str, text: &str) -> Result<(), DoesNotRead> {
+/// Answers what a page has asked for.
+///
+/// # Errors
+/// [`DoesNotRead`]
+pub fn answer(answers: &Answers, number: u64, outcome: &str, text: &str) -> Result<(), DoesNotRead> {
     if number == 0 && outcome == "done" {
         return Ok(());
     }
@@ -204,12 +209,12 @@ fn answer(answers: &Answers, number: u64, outcome: &str, text: &str) -> Result<(
 /// Stops the cell, for any page with the token.
 fn stop(
     panel: &Arc<Panel>,
-    page: Page,
+    by: OnBehalf,
     number: u64,
     answers: &Answers,
 ) -> Option<tokio::task::JoinHandle<()>> {
     match &panel.source {
-        Source::Running(desk, _) => Some(carry(panel, page, "stop", desk.stop(), number, answers)),
+        Source::Running(desk, _) => Some(carry(panel, by.page, "stop", desk.stop(by), number, answers)),
         Source::Over(_) => {
             let _ = answer(answers, number, "refused", "the run is over");
             None
@@ -218,7 +223,8 @@ fn stop(
 }
 
 /// Does what a page asks for, or says why not.
-fn obey(panel: &Arc<Panel>, page: Page, message: Message, answers: &Answers) -> Result<(), DoesNotRead> {
+fn obey(panel: &Arc<Panel>, by: OnBehalf, message: Message, answers: &Answers) -> Result<(), DoesNotRead> {
+    let page = by.page;
     let Message { number, asked } = message;
     let refused = |why: &str| answer(answers, number, "refused", why);
     let (desk, shown) = match &panel.source {
@@ -238,7 +244,7 @@ fn obey(panel: &Arc<Panel>, page: Page, message: Message, answers: &Answers) -> 
         }
     };
     let ask = |word: &str, request: Request| {
-        carry(panel, page, word, desk.ask(request), number, answers);
+        carry(panel, page, word, desk.ask(request, by), number, answers);
         Ok(())
     };
     let now = panel.now();
@@ -256,7 +262,7 @@ fn obey(panel: &Arc<Panel>, page: Page, message: Message, answers: &Answers) -> 
             Err(why) => refused(&why.to_string()),
         },
         Asked::LetGo => {
-            tell_desk(panel, panel.stand.leave(page));
+            tell_desk(panel, by, panel.stand.leave(page));
             panel.note(&format!("page {page}: let go of control"));
             answer(answers, number, "done", "nobody has control")
         }
@@ -274,16 +280,15 @@ fn obey(panel: &Arc<Panel>, page: Page, message: Message, answers: &Answers) -> 
             };
             match panel.stand.check(page, now).map_err(|why| why.to_string()).and_then(|()| is_new(stamp)) {
                 Ok(()) => match panel.stand.renew(begins, jog, now) {
-                    Some(button) if begins => {
+                    Ok(button) if begins => {
                         let word = jog.map(|(robot, order)| format!("jog {robot} {order}"));
                         ask(word.as_deref().unwrap_or("hold"), Request::Press(button))
                     }
-                    // Ten a second, of which nobody is told.
-                    Some(button) => {
-                        drop(desk.ask(Request::Press(button)));
+                    Ok(button) => {
+                        renew(desk.ask(Request::Press(button), by), number, answers);
                         Ok(())
                     }
-                    None => refused("the hold is over: let go, and hold again"),
+                    Err(why) => refused(&why.to_string()),
                 },
                 Err(why) => refused(&why),
             }
@@ -292,76 +297,25 @@ fn obey(panel: &Arc<Panel>, page: Page, message: Message, answers: &Answers) -> 
             Some(button) => ask("let go", Request::Press(button)),
             None => answer(answers, number, "done", "nothing is held"),
         },
-        Asked::Teach(..) | Asked::Rename(..) | Asked::Forget(..) => {
-            let told = panel.stand.check(page, now).map_err(|why| why.to_string());
-            match told.and_then(|()| teach(panel, &asked, &shown.borrow(), is_new)) {
-                Ok(told) => {
-                    panel.tell_taught();
-                    panel.note(&format!("page {page}: {told}"));
-                    answer(answers, number, "done", &told)
-                }
+        Asked::Teach(..) | Asked::Rename(..) | Asked::Forget(..) | Asked::Way(..) => {
+            let may = match &asked {
+                Asked::Way(..) => Ok(()),
+                _ => panel.stand.check(page, now).map_err(|why| why.to_string()),
+            };
+            let may = may.and_then(|()| match &asked {
+                Asked::Teach(.., stamp) => is_new(*stamp),
+                _ => Ok(()),
+            });
+            match may {
+                Ok(()) => teaching::begin(panel, page, number, asked, shown.borrow().clone(), answers),
                 Err(why) => refused(&why),
             }
         }
-        Asked::Way(robot, name) => match way(panel, robot, name, &shown.borrow()) {
-            Ok(way) => {
-                let said = json!({"kind": "answer", "n": number, "outcome": "done", "text": "", "way": way});
-                answers.try_send(said.to_string().into()).map_err(|_| DoesNotRead)
-            }
-            Err(why) => refused(&why),
-        },
         Asked::Token(_) | Asked::Frame(_) => {
             refused("this is a cell that runs, and the page is let in already")
         }
         Asked::Stop => Ok(()),
     }
-}
-
-/// Places on the way to a pose that a page is shown.
-const PLACES: usize = 60;
-
-/// Teaches a robot that stands its pose, or changes what it was taught; what has become of that.
-fn teach(
-    panel: &Panel,
-    asked: &Asked,
-    shown: &Shown,
-    is_new: impl Fn(Stamp) -> Result<(), String>,
-) -> Result<String, String> {
-    let poses = panel.poses.as_ref().ok_or("this panel keeps no poses")?;
-    let known = |robot: &Name| match panel.looks.robots().any(|known| known == robot.as_str()) {
-        true => Ok(()),
-        false => Err(format!("there is no robot `{robot}`")),
-    };
-    match asked {
-        Asked::Teach(robot, name, stamp) => {
-            is_new(*stamp)?;
-            let now = shown.robots.iter().find(|now| now.name == robot.as_str());
-            let now = now.ok_or_else(|| format!("there is no robot `{robot}`"))?;
-            if shown.moves {
-                return Err("robots move: let them come to rest, and teach then".to_owned());
-            }
-            let file = poses.teach(robot.as_str(), *name, &now.demanded)?;
-            Ok(format!("taught {robot} `{name}`: {}", file.display()))
-        }
-        Asked::Rename(robot, name, to) => {
-            known(robot)?;
-            poses.rename(robot.as_str(), *name, *to).map(|_| format!("{robot}: `{name}` is now `{to}`"))
-        }
-        Asked::Forget(robot, name) => {
-            known(robot)?;
-            poses.forget(robot.as_str(), *name).map(|_| format!("{robot}: `{name}` is forgotten"))
-        }
-        _ => Err("that is no teaching".to_owned()),
-    }
-}
-
-/// The way of a robot's tool to a pose that it was taught \[m\].
-fn way(panel: &Panel, robot: Name, name: Name, shown: &Shown) -> Result<Vec<[f64; 3]>, String> {
-    let poses = panel.poses.as_ref().ok_or("this panel keeps no poses")?;
-    let poses = poses.of_robot(robot.as_str())?;
-    let pose =
-        poses.iter().find(|pose| pose.name == name).ok_or_else(|| format!("there is no pose `{name}`"))?;
-    panel.looks.way(&shown.robots, robot.as_str(), &pose.joints, PLACES)
 }
 
 /// Tells a page, and all others, what became of what it asked for.
@@ -390,11 +344,21 @@ fn carry(
     })
 }
 
+/// Tells a page why a hold that it renews moves nothing: ten times a second at most, so that no other page is told.
+fn renew(answered: oneshot::Receiver<Reply>, number: u64, answers: &Answers) {
+    let answers = answers.clone();
+    tokio::spawn(async move {
+        if let Ok(Reply::Refused(why) | Reply::Pending(why)) = answered.await {
+            let _ = answer(&answers, number, "refused", &why);
+        }
+    });
+}
+
 /// Asks the desk for something of which no page waits for the answer.
-pub fn tell_desk(panel: &Panel, requests: Vec<Request>) {
+fn tell_desk(panel: &Panel, by: OnBehalf, requests: Vec<Request>) {
     if let Source::Running(desk, _) = &panel.source {
         for request in requests {
-            drop(desk.ask(request));
+            drop(desk.ask(request, by));
         }
     }
 }
@@ -404,7 +368,7 @@ pub async fn look_after(panel: Arc<Panel>) {
     loop {
         tokio::time::sleep(Duration::from_millis(20)).await;
         if let Some((page, requests)) = panel.stand.lapse(panel.now()) {
-            tell_desk(&panel, requests);
+            tell_desk(&panel, OnBehalf { page, heard: monotonic() }, requests);
             panel.note(&format!("page {page} was silent for too long, and has lost control"));
         }
     }

@@ -20,7 +20,27 @@ pub struct Stand(Mutex<Held>);
 #[derive(Default)]
 struct Held {
     authority: Authority,
-    hold: Option<(Renewal, Duration)>,
+    hold: Option<Hold>,
+}
+
+/// What a page holds.
+#[derive(Clone, Copy)]
+struct Hold {
+    renewal: Renewal,
+    at: Duration,
+    /// The robot that it jogs, if it jogs one.
+    jogs: Option<Name>,
+}
+
+/// Why a hold is not renewed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum NotRenewed {
+    /// It was let go, or not renewed in time.
+    #[error("the hold is over: let go, and hold again")]
+    Over,
+    /// It was for another robot, or for none.
+    #[error("a hold moves what it began with: let go, and hold again")]
+    Another,
 }
 
 impl Stand {
@@ -55,17 +75,27 @@ impl Stand {
         self.held().authority.check(page, now)
     }
 
-    /// The renewal of a hold of the page that has authority; of a new one, which it begins. `None` if the hold that it would renew
-    /// is over.
-    /// A `jog` is a hold that moves one robot.
-    pub fn renew(&self, begins: bool, jog: Option<(Name, JogOrder)>, now: Duration) -> Option<Button> {
-        let hold = &mut self.held().hold;
-        let lasting = hold.filter(|(_, at)| now < *at + LAPSE).and_then(|(renewal, _)| renewal.next());
-        // Its number grows from hold to hold, also after the panel was started again.
-        let first = || Renewal::first(monotonic_millis());
-        let renewal = if begins { Some(first()) } else { lasting };
-        *hold = renewal.map(|renewal| (renewal, now));
-        renewal.map(|renewal| match jog {
+    /// The renewal of a hold of the page that has authority; of a new one, which it begins. A `jog` is a hold that moves one robot.
+    ///
+    /// # Errors
+    /// [`NotRenewed`]
+    pub fn renew(
+        &self,
+        begins: bool,
+        jog: Option<(Name, JogOrder)>,
+        now: Duration,
+    ) -> Result<Button, NotRenewed> {
+        let held = &mut self.held().hold;
+        let jogs = jog.map(|(robot, _)| robot);
+        let renewal = match *held {
+            // Its number grows from hold to hold, also after the panel was started again.
+            _ if begins => Renewal::first(monotonic() / 1_000_000),
+            Some(hold) if now < hold.at + LAPSE && hold.jogs != jogs => return Err(NotRenewed::Another),
+            Some(hold) if now < hold.at + LAPSE => hold.renewal.next().ok_or(NotRenewed::Over)?,
+            Some(_) | None => return Err(NotRenewed::Over),
+        };
+        *held = Some(Hold { renewal, at: now, jogs });
+        Ok(match jog {
             Some((robot, order)) => Button::Jog(renewal, robot, order),
             None => Button::Hold(renewal),
         })
@@ -73,7 +103,7 @@ impl Stand {
 
     /// What the desk is told when a page no longer holds anything.
     pub fn release(&self) -> Option<Button> {
-        self.held().hold.take().map(|(renewal, _)| Button::LetGo(renewal.hold()))
+        self.held().hold.take().map(|hold| Button::LetGo(hold.renewal.hold()))
     }
 
     /// What the desk is told when a page is gone or lets go of authority; nothing if it did not have it.
@@ -94,10 +124,10 @@ impl Stand {
     }
 }
 
-/// Milliseconds of a clock that only goes forward, since the machine started.
-fn monotonic_millis() -> u64 {
+/// The machine's monotonic clock, which all processes of the cell go by \[ns\].
+pub fn monotonic() -> u64 {
     let now = rustix::time::clock_gettime(rustix::time::ClockId::Monotonic);
-    u64::try_from(now.tv_sec).unwrap_or(0) * 1000 + u64::try_from(now.tv_nsec).unwrap_or(0) / 1_000_000
+    u64::try_from(now.tv_sec).unwrap_or(0) * 1_000_000_000 + u64::try_from(now.tv_nsec).unwrap_or(0)
 }
 
 #[cfg(test)]
@@ -110,15 +140,31 @@ mod tests {
     fn fault_206_a_hold_that_was_not_renewed_in_time_or_whose_page_is_gone_is_over() {
         let stand = Stand::default();
         stand.take(1, MS(0)).expect("free");
-        let Some(Button::Hold(first)) = stand.renew(true, None, MS(0)) else { panic!("no hold") };
-        let Some(Button::Hold(second)) = stand.renew(false, None, MS(299)) else { panic!("no renewal") };
+        let Ok(Button::Hold(first)) = stand.renew(true, None, MS(0)) else { panic!("no hold") };
+        let Ok(Button::Hold(second)) = stand.renew(false, None, MS(299)) else { panic!("no renewal") };
         assert_eq!((second.hold(), second.count()), (first.hold(), first.count() + 1));
-        assert_eq!(stand.renew(false, None, MS(599)), None);
-        assert_eq!(stand.renew(false, None, MS(600)), None);
+        assert_eq!(stand.renew(false, None, MS(599)), Err(NotRenewed::Over));
+        assert_eq!(stand.renew(false, None, MS(600)), Err(NotRenewed::Over));
         stand.renew(true, None, MS(700)).expect("a new one");
         // What the desk is told when the page is gone: that nobody holds, then that nobody operates.
         let told = stand.leave(1);
         assert!(matches!(told[..], [Request::Press(Button::LetGo(_)), Request::Release]), "{told:?}");
         assert!(stand.leave(1).is_empty() && stand.release().is_none());
+    }
+
+    #[test]
+    fn fault_239_a_hold_that_names_another_robot_than_it_began_with_is_not_renewed() {
+        let (stand, name) = (Stand::default(), |text| Name::new(text).expect("a name"));
+        let order = JogOrder::read(&mut "world x 20%".split_whitespace()).expect("an order");
+        let (left, right) = ((name("left"), order), (name("right"), order));
+        stand.take(1, MS(0)).expect("free");
+        stand.renew(true, Some(left), MS(0)).expect("begun");
+        stand.renew(false, Some(left), MS(100)).expect("renewed");
+        for other in [Some(right), None] {
+            assert_eq!(stand.renew(false, other, MS(200)), Err(NotRenewed::Another));
+        }
+        // What renewed nothing keeps nothing alive.
+        assert_eq!(stand.renew(false, Some(left), MS(400)), Err(NotRenewed::Over));
+        stand.renew(true, Some(right), MS(500)).expect("another hold");
     }
 }

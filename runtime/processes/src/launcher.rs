@@ -24,6 +24,7 @@ use mrroc_core::console::{Background, complain};
 use mrroc_core::fault::{Fault, ProcessId};
 use mrroc_core::link::Nanos;
 use mrroc_core::observe::NotRecorded;
+use mrroc_core::observe::recording::CommandRecord;
 use mrroc_launch::network::network;
 
 /// How many times a launch is tried when processes die while they start.
@@ -116,7 +117,10 @@ pub(crate) fn launch(cell: Cell, plan: &Plan) -> Result<Launched, LaunchError> {
             Ok(process_set) => {
                 let run = match boards {
                     Some((board, shown)) => {
-                        let console_server = open_console_server(&session, shown, &process_set)?;
+                        let record = relay.as_ref().and(recorder);
+                        let record =
+                            record.and_then(|recorder| recorder.commands(session.folder(), plan.clock));
+                        let console_server = open_console_server(&session, shown, &process_set, record)?;
                         let patience = Patience { stop, computing };
                         let lower =
                             cells_that_await_reset.iter().map(|cell| LatchNotes::of_lower(*cell)).collect();
@@ -197,9 +201,11 @@ fn open_console_server(
     session: &Session,
     board: StateBoard,
     process_set: &ProcessSet,
+    record: Option<Box<dyn CommandRecord>>,
 ) -> Result<ConsoleServer, LaunchError> {
     let seats = process_set.members.iter().map(|member| (member.id, member.pid()));
-    ConsoleServer::open((session.folder(), session.cell()), board, seats).map_err(LaunchError::ConsoleServer)
+    ConsoleServer::open((session.folder(), session.cell()), board, seats, record)
+        .map_err(LaunchError::ConsoleServer)
 }
 
 /// The result of a run.

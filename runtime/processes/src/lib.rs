@@ -51,8 +51,8 @@ mod signals;
 mod supervision;
 
 pub use console_server::{
-    Asks, Caller, CellPicture, ENDED, Heard, Hears, MAX_REQUEST, Picture, ProcessPicture, Reply, Request,
-    RobotPicture,
+    Asks, Caller, CellPicture, ENDED, Heard, Hears, MAX_REQUEST, OnBehalf, Picture, ProcessPicture, Reply,
+    Request, RobotPicture,
 };
 pub use figures::{Figures, Spread};
 pub use part::{OverSharedMemory, View};

@@ -84,7 +84,7 @@ fn converse(mut caller: Caller) -> ExitCode {
     for line in io::stdin().lock().lines() {
         let Ok(line) = line else { break };
         let addressed = Addressed::read(line.as_bytes());
-        let request = addressed.map(|Addressed { cell, request }| {
+        let request = addressed.map(|Addressed { cell, request, .. }| {
             caller.asks.of(cell.or(own));
             request
         });

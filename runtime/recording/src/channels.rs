@@ -119,7 +119,7 @@ fn topic(record: &Record) -> (Topic, Option<&'static Shape>) {
 }
 
 /// The topic of what each cell has one of: `/steps`, and `/cells/press/steps` of a lower one.
-fn of_cell(cell: Option<Name>, what: &str) -> String {
+pub(super) fn of_cell(cell: Option<Name>, what: &str) -> String {
     cell.map_or_else(|| format!("/{what}"), |cell| format!("/cells/{cell}/{what}"))
 }
 

@@ -16,10 +16,11 @@
 //! | `/robots/NAME/orders/PAYLOAD` | orders with one, its fields by their names | `mrroc.Order.PAYLOAD` |
 //! | `/sensors/NAME` | each reading that a process collected, its fields by their names | `mrroc.Reading.NAME` |
 //! | `/bodies/NAME` | poses of bodies that the cell shows | `mrroc.Body` |
+//! | `/commands` | what consoles asked of a cell of processes: who, when it was heard and when it was answered, the answer | `mrroc.Command` |
 //! | `/events` | faults, aborts, what came too late for its step, the end | `mrroc.Event` |
 //! | `/tf`, `/scene` | frames of links and tools, shapes of links, bodies (`scene`) | `foxglove.FrameTransforms`, `foxglove.SceneUpdate` |
 //!
-//! Of a lower cell in a cell of cells `/steps`, `/instructions` and `/events` are `/cells/NAME/steps` and so on; its robots and sensors have
+//! Of a lower cell in a cell of cells `/steps`, `/instructions`, `/commands` and `/events` are `/cells/NAME/steps` and so on; its robots and sensors have
 //! their names in the uppermost cell, `/robots/press.arm`.
 //!
 //! The file's metadata `mrroc` says what the cell is made of; `mrroc.start` the date at which it began; `mrroc.end`
@@ -36,6 +37,7 @@
 //! in the JSON form of protocol buffers. Any other number is written with enough digits to be read back to the bit.
 
 mod channels;
+mod commands;
 mod compare;
 mod file;
 mod foxglove;

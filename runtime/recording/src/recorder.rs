@@ -10,9 +10,10 @@ use std::rc::Rc;
 use mrroc_core::fault::ProcessId;
 use mrroc_core::link::Clock;
 use mrroc_core::observe::layout::Layout;
-use mrroc_core::observe::recording::{FramesTo, NotRecorded, Recorder, Recording, RunRecord};
+use mrroc_core::observe::recording::{CommandRecord, FramesTo, NotRecorded, Recorder, Recording, RunRecord};
 use mrroc_core::sensor::FrameSink;
 
+use crate::commands;
 use crate::file::{McapFile, can_be_written};
 use crate::frames::FrameFiles;
 use crate::relay::{Relay, join};
@@ -55,6 +56,10 @@ impl Recorder for Mcap {
         folder: &Path,
     ) -> Option<Rc<dyn RunRecord>> {
         join(recording, layout, process, folder).map(|record| record as Rc<dyn RunRecord>)
+    }
+
+    fn commands(&self, folder: &Path, clock: Clock) -> Option<Box<dyn CommandRecord>> {
+        commands::begin(folder, clock)
     }
 
     fn frames(&self, to: &FramesTo, sensor: &str) -> Box<dyn FrameSink> {

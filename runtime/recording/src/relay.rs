@@ -35,7 +35,7 @@ const LONGEST: usize = 128 * 1024;
 const REST: Duration = Duration::from_millis(50);
 
 /// The path of a session's socket, whose name says by which clock its processes run.
-fn socket(folder: &Path, clock: Clock) -> PathBuf {
+pub(super) fn socket(folder: &Path, clock: Clock) -> PathBuf {
     folder.join(match clock {
         Clock::Real => "record.real",
         Clock::Virtual => "record.virtual",
@@ -65,7 +65,7 @@ pub(crate) fn join(
     let open = Box::new(move || {
         let socket = UnixDatagram::unbound()?;
         socket.connect(&path)?;
-        Ok(Box::new(Sender { socket, topics: Vec::new(), frame: Vec::new() }) as Box<dyn Outlet>)
+        Ok(Box::new(Sender::to(socket)) as Box<dyn Outlet>)
     });
     // A process that cannot record runs without being recorded.
     let begun = ring::begin(&recording, recording.of(layout.clone()), clock, open);
@@ -81,13 +81,18 @@ const MESSAGE: u8 = b'M';
 const END: u8 = b'E';
 
 /// A process's end of the socket.
-struct Sender {
+pub(super) struct Sender {
     socket: UnixDatagram,
     topics: Vec<String>,
     frame: Vec<u8>,
 }
 
 impl Sender {
+    /// By a socket that is connected with the launcher's.
+    pub const fn to(socket: UnixDatagram) -> Sender {
+        Sender { socket, topics: Vec::new(), frame: Vec::new() }
+    }
+
     /// Sends a frame of texts; each of them but the last one stands after its length.
     fn send(&mut self, kind: u8, number: u64, texts: &[&str]) -> io::Result<()> {
         self.frame.clear();

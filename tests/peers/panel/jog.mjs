@@ -5,7 +5,7 @@ import { copyFileSync, mkdtempSync, readFileSync, rmSync } from 'node:fs';
 import { cpus, loadavg, tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { chromium } from 'playwright-core';
-import { PATIENCE, check, checks, shot, shots, shows, start, state, take, violations } from './kit.mjs';
+import { PATIENCE, check, checks, shot, shots, shows, start, state, take, until, violations } from './kit.mjs';
 
 const [browserPath, program, cellFile] = process.argv.slice(2);
 const robot = async (page, name = 'left') => (await state(page)).robots.find((shown) => shown.name === name);
@@ -13,8 +13,17 @@ const far = (a, b) => Math.hypot(...[0, 1, 2].map((i) => a.tool[i] - b.tool[i]))
 const button = (page, label) => page.getByRole('button', { name: label, exact: true });
 const why = (page) => page.locator('#jog-why').textContent();
 
-/** Waits until a fact of the state holds. */
-const until = (page, fact, argument = null, timeout = PATIENCE) => page.waitForFunction(fact, argument, { timeout, polling: 50 });
+/** The page says this of the arm, once it has control; once more where it has lost that, because this machine was late. */
+async function says(page, words) {
+  for (let trial = 1; ; trial++) {
+    await take(page);
+    try {
+      return await until(page, (expected) => document.getElementById('jog-why').textContent.includes(expected), words, 3000);
+    } catch {
+      check(trial < 6, `the page says ${words}: ${await why(page)}`);
+    }
+  }
+}
 const stands = (page) => until(page, () => !window.mrrocPanel.state().held && window.mrrocPanel.state().rate === 0);
 
 /** Holds a button by the pointer while `meanwhile` lasts; once more where this machine was late and the page has lost control. */
@@ -61,12 +70,12 @@ async function jogged(browser, drawingBrowser, folder) {
 
     // What cannot be jogged yet is grey, and says why.
     check(/Take control/.test(await why(two)) && await button(two, 'X plus').isDisabled(), 'without control nothing is jogged');
-    await take(one);
-    await until(one, () => !document.getElementById('jog-why').textContent.includes('Take control'));
-    check(/No program lets this robot be jogged/.test(await why(one)), `its program goes home first: ${await why(one)}`);
+    // Its program goes home first.
+    await says(one, 'No program lets this robot be jogged');
     await run(one, () => window.mrrocPanel.state().robots.find(({ name }) => name === 'left').jogs);
     await stands(one);
-    check(/Hold a button/.test(await why(one)), `then it may be jogged: ${await why(one)}`);
+    // Then it may be jogged.
+    await says(one, 'Hold a button');
     await violations(one);
 
     // Along the world's x axis as long as the pointer is down, at up to half the speed; then it stands.

@@ -40,6 +40,8 @@ export async function start(program, words, variables = {}) {
 export const state = (page) => page.evaluate(() => window.mrrocPanel.state());
 export const shows = (page, word) => page.waitForFunction(
   (expected) => expected.includes(window.mrrocPanel.state()?.state), [word].flat(), { timeout: PATIENCE, polling: 50 });
+/** Waits until a fact of the state holds. */
+export const until = (page, fact, argument = null, timeout = PATIENCE) => page.waitForFunction(fact, argument, { timeout, polling: 50 });
 export const press = (page, name) => page.getByRole('button', { name, exact: true }).click({ timeout: PATIENCE });
 export const shot = async (page, name) => {
   // A picture that this machine has no time for is no fault of the panel.

@@ -163,8 +163,11 @@ export class Jogging {
   draw() {
     const why = this.why(), open = this.link.isOpen && this.state !== null;
     const robot = this.state?.robots.find(({ name }) => name === this.robot);
-    by('jog-why').textContent = why || (robot?.stop ? `${robot.stop}.` : 'Hold a button to move; let go to stop.');
-    by('jog-why').classList.toggle('stopped', !why && Boolean(robot?.stop));
+    // A hold that the cell refuses, or that ended meanwhile, moves nothing.
+    const stands = this.state?.held ? '' : this.operating.held?.why;
+    const stop = stands || robot?.stop;
+    by('jog-why').textContent = why || (stop ? `${stop}.` : 'Hold a button to move; let go to stop.');
+    by('jog-why').classList.toggle('stopped', !why && Boolean(stop));
     for (const button of by('jog-buttons').querySelectorAll('button')) button.disabled = !open || why !== '';
     for (const button of by('poses').querySelectorAll('button')) {
       const { pose } = button.dataset, looks = button.textContent === 'Way';

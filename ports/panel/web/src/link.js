@@ -11,6 +11,7 @@ export class Link {
     this.hear = hear;
     this.tell = tell;
     this.number = 0;
+    this.unasked = null;
     this.waiting = new Map();
     // The token is in the fragment of the address, which no browser sends; it is not left there.
     const given = new URLSearchParams(location.hash.slice(1)).get('token');
@@ -42,7 +43,8 @@ export class Link {
       if (message.kind === 'answer') {
         const answered = this.waiting.get(message.n);
         this.waiting.delete(message.n);
-        answered?.(message);
+        // What was said without a number is answered only if it was refused.
+        (answered ?? this.unasked)?.(message);
       }
       this.hear(message);
     };

@@ -34,6 +34,7 @@ export class Operating {
       this.press(by('reduced'), { do: 'reduced', rest: this.state?.reduced ? 'off' : 'on', ...this.stamp() });
     });
     this.holding(by('hold'));
+    link.unasked = (answer) => this.stands(answer);
     addEventListener('blur', () => this.letGo());
     // A button that is gone or disabled while it is held hears nothing of it.
     for (const event of ['pointerup', 'pointercancel', 'keyup']) addEventListener(event, () => this.letGo());
@@ -78,7 +79,7 @@ export class Operating {
       button.dataset.pressed = 'true';
       if (event.pointerId !== undefined) button.setPointerCapture(event.pointerId);
       this.link.ask({ ...message, begins: true, ...this.stamp() }).then(({ outcome, text }) => {
-        if (outcome !== 'done') this.tell(outcome, text);
+        if (outcome !== 'done') this.stands({ outcome, text });
       });
     };
     const end = () => { if (this.held?.button === button) this.letGo(); };
@@ -87,6 +88,12 @@ export class Operating {
       if (event.key === ' ' || event.key === 'Enter') begin(event);
     });
     for (const event of ['pointerup', 'pointercancel', 'lostpointercapture', 'keyup', 'blur', 'contextmenu']) button.addEventListener(event, end);
+  }
+
+  /** What is held moves nothing: why. */
+  stands({ outcome, text }) {
+    if (this.held) this.held.why = text;
+    this.tell(outcome, text);
   }
 
   /** Nothing is held any more. */

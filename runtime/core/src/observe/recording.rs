@@ -9,7 +9,8 @@ use std::rc::Rc;
 
 use crate::model::fault::ProcessId;
 use crate::model::frames::FrameSink;
-use crate::model::time::Clock;
+use crate::model::name::Name;
+use crate::model::time::{Clock, Nanos};
 use crate::observe::layout::Layout;
 use crate::observe::witness::Witness;
 
@@ -71,8 +72,37 @@ pub trait Recorder: fmt::Debug + Sync {
         folder: &Path,
     ) -> Option<Rc<dyn RunRecord>>;
 
+    /// In the launcher of a cell of processes: where it writes what consoles ask of the cell, if the session of this folder is
+    /// recorded.
+    fn commands(&self, folder: &Path, clock: Clock) -> Option<Box<dyn CommandRecord>>;
+
     /// What writes the frames of a sensor. Nothing is opened before the first frame.
     fn frames(&self, to: &FramesTo, sensor: &str) -> Box<dyn FrameSink>;
+}
+
+/// What a console has asked of a cell, and what it was answered.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Command {
+    /// When it was heard, by the console server or by the panel's own server: a time of the cell \[ns\].
+    pub asked: Nanos,
+    /// When it was answered \[ns\].
+    pub answered: Nanos,
+    /// Who asked: `process 4711`, or `page 3 of process 4711`.
+    pub by: String,
+    /// The lower cell that was asked; the uppermost one if none.
+    pub cell: Option<Name>,
+    /// What was asked for, as a console writes it: `let-go 4711`.
+    pub command: String,
+    /// `done`, `refused`, `pending`; `unanswered` where the console was gone before.
+    pub outcome: &'static str,
+    /// The answer in words, with the step: `let go: step 1203`.
+    pub answer: String,
+}
+
+/// Where a launcher writes what consoles ask of its cell.
+pub trait CommandRecord: Send {
+    /// Writes a command. It does not wait: what the recording cannot take is lost, and counted.
+    fn put(&self, command: Command);
 }
 
 /// Where the frames of sensors go: images and echoes.

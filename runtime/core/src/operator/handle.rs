@@ -168,7 +168,7 @@ impl Operator {
     }
 
     /// Says that a person holds what jogs a robot at [reduced speed](Operator::set_reduced): a [hold](Operator::renew_hold) as any,
-    /// which moves this robot alone. It moves nothing while no program lets the robot be
+    /// which moves this robot alone: with another robot it renews nothing. It moves nothing while no program lets the robot be
     /// [jogged](super::jog::JogPanel), or while another robot moves by its program.
     ///
     /// ```
@@ -182,12 +182,15 @@ impl Operator {
     /// # Ok(()) }
     /// ```
     pub fn jog(&self, renewal: Renewal, robot: Name, order: JogOrder) {
-        self.change_jogs(|jogs| {
-            if jogs.newest.is_none_or(|(hold, ..)| hold <= renewal.hold()) {
-                jogs.newest = Some((renewal.hold(), robot, order));
-            }
+        let mut renews = true;
+        self.change_jogs(|jogs| match jogs.newest {
+            Some((hold, held, _)) if hold == renewal.hold() && held != robot => renews = false,
+            Some((hold, ..)) if hold > renewal.hold() => {}
+            Some(_) | None => jogs.newest = Some((renewal.hold(), robot, order)),
         });
-        self.renew_hold(renewal);
+        if renews {
+            self.renew_hold(renewal);
+        }
     }
 
     /// Says that the person has done with jogging a robot: the Move that lets it be jogged ends, and its program goes on.

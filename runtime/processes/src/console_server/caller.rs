@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 use rustix::net::sockopt::{Timeout, set_socket_timeout, socket_peercred};
 use rustix::net::{AddressFamily, SocketAddrUnix, SocketFlags, SocketType, connect, socket_with};
 
-use super::protocol::{Addressed, Heard, Request};
+use super::protocol::{Addressed, Heard, OnBehalf, Request};
 use super::service::SOCKET;
 use crate::identity::{CellId, Holder};
 use crate::session::{SessionError, is_stopped, is_used, sessions_of};
@@ -155,7 +155,15 @@ impl Caller {
     /// # Errors
     /// The cell does not answer in time, the console server is gone, or what came is neither an answer nor a picture.
     pub fn ask(&mut self, request: &Request) -> io::Result<Heard> {
-        match self.asks.ask(request) {
+        self.ask_for(request, None)
+    }
+
+    /// Sends a request of a page of a panel, or of this console itself, and waits for its answer.
+    ///
+    /// # Errors
+    /// As of [`ask`](Caller::ask).
+    pub fn ask_for(&mut self, request: &Request, by: Option<OnBehalf>) -> io::Result<Heard> {
+        match self.asks.ask_for(request, by) {
             Err(error) if error.kind() == ErrorKind::TimedOut => Err(error),
             // A console server that has hung up may have said why.
             Ok(()) | Err(_) => self.hears.hear(),
@@ -179,7 +187,12 @@ impl Asks {
     /// # Errors
     /// The cell does not take it in time, or the console server is gone.
     pub fn ask(&mut self, request: &Request) -> io::Result<()> {
-        let line = Addressed { cell: self.cell, request: *request };
+        self.ask_for(request, None)
+    }
+
+    /// Sends a request of a page, or of this console itself.
+    fn ask_for(&mut self, request: &Request, by: Option<OnBehalf>) -> io::Result<()> {
+        let line = Addressed { by, cell: self.cell, request: *request };
         let sent = self.stream.write_all(format!("{line}\n").as_bytes());
         sent.map_err(|error| told(error, self.launcher))
     }

@@ -8,7 +8,9 @@ use std::os::fd::{AsFd, BorrowedFd};
 use std::os::unix::net::UnixStream;
 use std::time::Instant;
 
-use super::protocol::{MAX_REQUEST, Reply};
+use super::protocol::{Addressed, MAX_REQUEST, OnBehalf, Reply, Request};
+use crate::iceoryx::monotonic;
+use mrroc_core::observe::recording::Command;
 use mrroc_core::operator::button::Button;
 
 /// How much unread text may wait for a console \[bytes\].
@@ -43,6 +45,9 @@ pub(super) struct Console {
     pub since: Instant,
     /// Whether it has gone or is to be disconnected.
     pub gone: bool,
+    /// The command that waits for its answer, and those that have got it since the last round, for the recording.
+    command: Option<Command>,
+    commands: Vec<Command>,
     stream: UnixStream,
     input: Vec<u8>,
     /// Whether it has closed its sending direction.
@@ -66,6 +71,8 @@ impl Console {
             has_asked: false,
             since: Instant::now(),
             gone: false,
+            command: None,
+            commands: Vec::new(),
             stream,
             input: Vec::with_capacity(MAX_REQUEST + 1),
             silent: false,
@@ -124,8 +131,46 @@ impl Console {
         None
     }
 
+    /// Notes a command that it gives, for the recording.
+    pub fn gives(&mut self, Addressed { by, cell, request }: &Addressed) {
+        let now = monotonic();
+        let (by, asked) = match by {
+            // No page is heard in the future.
+            Some(OnBehalf { page, heard }) => {
+                (format!("page {page} of process {}", self.pid), (*heard).min(now))
+            }
+            None => (format!("process {}", self.pid), now),
+        };
+        self.command = match request {
+            Request::Status | Request::Watch => None,
+            Request::Take | Request::Release | Request::Press(_) => Some(Command {
+                asked,
+                answered: now,
+                by,
+                cell: *cell,
+                command: request.to_string(),
+                outcome: "unanswered",
+                answer: String::new(),
+            }),
+        };
+    }
+
+    /// The commands that were answered, or will not be.
+    pub fn take_commands(&mut self) -> impl Iterator<Item = Command> {
+        let unanswered = if self.gone { self.command.take() } else { None };
+        core::mem::take(&mut self.commands).into_iter().chain(unanswered)
+    }
+
     /// Answers its request.
     pub fn answer(&mut self, reply: &Reply) {
+        if let Some(command) = self.command.take() {
+            let (outcome, answer) = match reply {
+                Reply::Done(text) => ("done", text),
+                Reply::Refused(text) => ("refused", text),
+                Reply::Pending(text) => ("pending", text),
+            };
+            self.commands.push(Command { answered: monotonic(), outcome, answer: answer.clone(), ..command });
+        }
         self.asked = Asked::Nothing;
         self.write(&format!("{reply}\n"));
     }

@@ -21,6 +21,7 @@ use crate::figures::Figures;
 use crate::identity::{self, CellId};
 use mrroc_core::console::complain;
 use mrroc_core::fault::ProcessId;
+use mrroc_core::observe::recording::CommandRecord;
 
 /// A process of the cell, and whether it runs.
 pub(super) struct Seat {
@@ -42,7 +43,7 @@ pub(crate) struct ConsoleServer {
 
 impl ConsoleServer {
     /// Opens the console server of a cell in its session's folder and under the cell's own name, for the processes by their
-    /// places, each with its process number.
+    /// places, each with its process number. What consoles ask for goes to a `record`, if there is one.
     ///
     /// # Errors
     /// The socket cannot be made, or the thread cannot be started.
@@ -50,6 +51,7 @@ impl ConsoleServer {
         (folder, cell): (&Path, CellId),
         board: StateBoard,
         process_set: impl Iterator<Item = (ProcessId, u32)>,
+        record: Option<Box<dyn CommandRecord>>,
     ) -> io::Result<ConsoleServer> {
         let path = folder.join(SOCKET);
         let listener = UnixListener::bind(&path)?;
@@ -82,6 +84,7 @@ impl ConsoleServer {
             desks,
             ids: 0,
             strangers: BTreeSet::new(),
+            record,
         };
         let thread =
             std::thread::Builder::new().name("console_server".to_owned()).spawn(move || service.run())?;

@@ -21,5 +21,5 @@ pub use caller::{Asks, Caller, ENDED, Hears};
 pub(super) use handle::ConsoleServer;
 pub use picture::{CellPicture, Picture, ProcessPicture, RobotPicture};
 pub(super) use protocol::Addressed;
-pub use protocol::{Heard, MAX_REQUEST, Reply, Request};
+pub use protocol::{Heard, MAX_REQUEST, OnBehalf, Reply, Request};
 pub(super) use service::CONNECTIONS;

@@ -10,6 +10,7 @@
 //! | `status` | a picture |
 //! | `watch` | a picture, and from then on up to 20 pictures a second between the answers |
 //! | `of press suspend` | any of these, of the lower cell `press`; each cell has a control token of its own |
+//! | `by 3 81726354 suspend` | any of these, asked by page 3 of a panel, which heard it at this time of the machine \[ns\]: for the recording |
 //!
 //! An answer is one line, `done TEXT`, `refused TEXT` or `pending TEXT`. A picture is many lines, from `picture` to
 //! `end`.
@@ -19,10 +20,11 @@ use std::io::{self, BufRead, ErrorKind};
 
 use super::picture::Picture;
 use mrroc_core::fault::Name;
+use mrroc_core::link::Nanos;
 use mrroc_core::operator::button::Button;
 
 /// The longest request, without its line end \[bytes\].
-pub const MAX_REQUEST: usize = 400;
+pub const MAX_REQUEST: usize = 450;
 
 /// The longest line of an answer \[bytes\].
 const MAX_ANSWER: usize = 4096;
@@ -86,32 +88,61 @@ impl fmt::Display for Request {
     }
 }
 
-/// A request, and the lower cell that it is for; the uppermost one if none is named.
+/// For whom a console asks: a page of a panel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct OnBehalf {
+    /// The number of the page.
+    pub page: u64,
+    /// When the panel heard it, by the machine's monotonic clock \[ns\].
+    pub heard: Nanos,
+}
+
+/// A request, the lower cell that it is for, or the uppermost one if none is named, and the page that made it, if one did.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Addressed {
+    pub by: Option<OnBehalf>,
     pub cell: Option<Name>,
     pub request: Request,
 }
 
 impl Addressed {
-    /// Reads a request, which may name a cell.
+    /// Reads a request, which may name a page and a cell.
     ///
     /// # Errors
     /// As [`Request::read`].
     pub fn read(line: &[u8]) -> Result<Addressed, String> {
-        let Some(rest) = line.trim_ascii_start().strip_prefix(b"of ") else {
-            return Ok(Addressed { cell: None, request: Request::read(line)? });
+        let mut rest = line.trim_ascii_start();
+        let by = match rest.strip_prefix(b"by ") {
+            None => None,
+            Some(behind) => {
+                let (page, behind) = word(behind);
+                let (heard, behind) = word(behind);
+                let number = |word: &[u8]| core::str::from_utf8(word).ok().and_then(|text| text.parse().ok());
+                let by = number(page).zip(number(heard)).map(|(page, heard)| OnBehalf { page, heard });
+                rest = behind;
+                Some(by.ok_or("write the page and when it was heard: by 3 81726354 suspend")?)
+            }
         };
-        let rest = rest.trim_ascii_start();
-        let (name, request) =
-            rest.split_at(rest.iter().position(u8::is_ascii_whitespace).unwrap_or(rest.len()));
+        let Some(behind) = rest.trim_ascii_start().strip_prefix(b"of ") else {
+            return Ok(Addressed { by, cell: None, request: Request::read(rest)? });
+        };
+        let (name, request) = word(behind);
         let name = Name::of_process(&String::from_utf8_lossy(name)).map_err(|error| error.to_string())?;
-        Ok(Addressed { cell: Some(name), request: Request::read(request)? })
+        Ok(Addressed { by, cell: Some(name), request: Request::read(request)? })
     }
+}
+
+/// The first word of a line, and what stands behind it.
+fn word(line: &[u8]) -> (&[u8], &[u8]) {
+    let line = line.trim_ascii_start();
+    line.split_at(line.iter().position(u8::is_ascii_whitespace).unwrap_or(line.len()))
 }
 
 impl fmt::Display for Addressed {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some(OnBehalf { page, heard }) = self.by {
+            write!(f, "by {page} {heard} ")?;
+        }
         match self.cell {
             Some(cell) => write!(f, "of {cell} {}", self.request),
             None => self.request.fmt(f),
@@ -233,15 +264,18 @@ mod tests {
     }
 
     #[test]
-    fn a_request_may_name_the_cell_that_it_is_for() {
-        for (line, cell, request) in [
-            ("of press suspend", Some("press"), Request::Press(Button::Suspend)),
-            (" of  line.press  status", Some("line.press"), Request::Status),
-            ("watch", None, Request::Watch),
+    fn a_request_may_name_the_page_that_made_it_and_the_cell_that_it_is_for() {
+        let page = |page, heard| Some(OnBehalf { page, heard });
+        for (line, by, cell, request) in [
+            ("of press suspend", None, Some("press"), Request::Press(Button::Suspend)),
+            (" of  line.press  status", None, Some("line.press"), Request::Status),
+            ("watch", None, None, Request::Watch),
+            ("by 3 81726354 let-go 7", page(3, 81_726_354), None, Request::Press(Button::LetGo(7))),
+            (" by  1  2  of press stop", page(1, 2), Some("press"), Request::Press(Button::Stop)),
         ] {
             let cell = cell.map(|name| Name::of_process(name).expect("a name"));
             let read = Addressed::read(line.as_bytes()).expect("a request");
-            assert_eq!(read, Addressed { cell, request });
+            assert_eq!(read, Addressed { by, cell, request });
             assert_eq!(Addressed::read(read.to_string().as_bytes()), Ok(read));
         }
         for (line, told) in [
@@ -249,14 +283,17 @@ mod tests {
             ("of press", "no request"),
             ("of a:b stop", "is no name"),
             ("of x y", "no request"),
+            ("by 3 stop", "by 3 81726354 suspend"),
+            ("by -1 3 stop", "by 3 81726354 suspend"),
+            ("by 1 3", "no request"),
         ] {
             let refused = Addressed::read(line.as_bytes()).expect_err("no request");
             assert!(refused.contains(told), "{refused}");
         }
         // With the longest names and numbers it is no longer than a request may be.
-        let cell = Name::of_process(&"x".repeat(24)).ok();
+        let (by, cell) = (page(u64::MAX, u64::MAX), Name::of_process(&"x".repeat(24)).ok());
         let button = Button::read("hold", &format!("{} {}", u64::MAX >> 16, u16::MAX)).expect("a hold");
-        assert!(Addressed { cell, request: Request::Press(button) }.to_string().len() <= MAX_REQUEST);
+        assert!(Addressed { by, cell, request: Request::Press(button) }.to_string().len() <= MAX_REQUEST);
         let longest = format!(
             "{} {} {} to 12.123456789%{}",
             u64::MAX >> 16,
@@ -265,7 +302,7 @@ mod tests {
             " -1.2345678901234567e-300".repeat(8)
         );
         let button = Button::read("jog", &longest).expect("a jog");
-        assert!(Addressed { cell, request: Request::Press(button) }.to_string().len() <= MAX_REQUEST);
+        assert!(Addressed { by, cell, request: Request::Press(button) }.to_string().len() <= MAX_REQUEST);
     }
 
     fn name() -> impl Strategy<Value = String> {

@@ -30,6 +30,7 @@ use crate::control::Frame;
 use crate::entry::{MpPanel, RobotEntry, ecp};
 use mrroc_core::console::complain;
 use mrroc_core::fault::{Fault, Name, ProcessId, Role};
+use mrroc_core::observe::recording::CommandRecord;
 use mrroc_core::operator::button::{Button, CellState};
 use mrroc_core::operator::jog::JogStop;
 use mrroc_core::operator::state::Doing;
@@ -81,6 +82,8 @@ pub(super) struct Service {
     pub ids: u64,
     /// Users whose consoles were refused; each is reported once.
     pub strangers: BTreeSet<u32>,
+    /// Where commands are recorded.
+    pub record: Option<Box<dyn CommandRecord>>,
 }
 
 impl Service {
@@ -98,6 +101,11 @@ impl Service {
                 self.press(desk);
             }
             self.show();
+            let commands = self.consoles.iter_mut().flat_map(Console::take_commands);
+            match &self.record {
+                Some(record) => commands.for_each(|command| record.put(command)),
+                None => commands.for_each(drop),
+            }
             self.consoles.retain(|console| !console.is_over());
             let there = |id| self.consoles.iter().any(|console| console.id == id);
             self.desks.iter_mut().for_each(|desk| desk.holder = desk.holder.filter(|&id| there(id)));
@@ -216,7 +224,8 @@ impl Service {
     fn serve(&mut self, i: usize) {
         let Some(line) = self.consoles[i].line() else { return };
         let (desk, request) = match Addressed::read(&line) {
-            Ok(Addressed { cell, request }) => {
+            Ok(addressed @ Addressed { cell, request, .. }) => {
+                self.consoles[i].gives(&addressed);
                 match self.desks.iter().position(|desk| desk.mp.name == cell) {
                     Some(desk) => (desk, Ok(request)),
                     None => (0, Err(self.no_cell(cell))),

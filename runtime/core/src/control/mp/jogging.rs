@@ -183,8 +183,12 @@ impl Mp<'_> {
     /// Why a button that a console has pressed is refused, whatever the cell's state is.
     pub(super) fn refuses(&self, button: Button) -> Option<JogRefusal> {
         match button {
-            Button::Jog(_, robot, order) if self.operating.operator.is_reduced() => {
-                self.may_jog(robot, &order).err()
+            Button::Jog(renewal, robot, order) if self.operating.operator.is_reduced() => {
+                let began = self.jogging.newest.filter(|(hold, ..)| *hold == renewal.hold());
+                match began {
+                    Some((_, held, _)) if held != robot => Some(JogRefusal::AnotherRobot),
+                    Some(_) | None => self.may_jog(robot, &order).err(),
+                }
             }
             Button::JogDone(robot) => {
                 let index = self.robots.iter().position(|known| known.name == robot);

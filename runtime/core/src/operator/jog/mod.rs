@@ -25,16 +25,19 @@ pub enum JogRefusal {
     NoProgram,
     /// Another robot moves by its program, and would move on as long as this jog is held.
     OthersMove,
+    /// The hold began with another robot.
+    AnotherRobot,
 }
 
 impl JogRefusal {
     /// All of them; one travels as its place in this list.
-    pub const ALL: [JogRefusal; 5] = [
+    pub const ALL: [JogRefusal; 6] = [
         JogRefusal::NoRobot,
         JogRefusal::NoFrame,
         JogRefusal::NoJoint,
         JogRefusal::NoProgram,
         JogRefusal::OthersMove,
+        JogRefusal::AnotherRobot,
     ];
 
     /// In words.
@@ -48,6 +51,7 @@ impl JogRefusal {
                 "no program lets this robot be jogged now: one does while it moves it by a jog panel"
             }
             JogRefusal::OthersMove => "another robot moves by its own program, and would move while you jog",
+            JogRefusal::AnotherRobot => "this hold began with another robot: let go, and hold again",
         }
     }
 }

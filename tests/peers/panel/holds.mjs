@@ -1,0 +1,145 @@
+// How soon an arm stands that is jogged, however its hold ends: as often as `MRROC_HOLDS` says each (3), judged from recordings by
+// holds.py. Where it has a network of its own (`network` as the last argument), the link to the page is taken down as well.
+
+import { spawnSync } from 'node:child_process';
+import { copyFileSync, mkdtempSync, rmSync, writeFileSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+import { chromium } from 'playwright-core';
+import { check, shows, start, take, until } from './kit.mjs';
+
+const [browserPath, program, cellFile, python, judge, network] = process.argv.slice(2);
+const times = Number(process.env.MRROC_HOLDS ?? 3);
+/** Of the machine's monotonic clock, which recordings go by [ns]. */
+const now = () => Number(process.hrtime.bigint());
+const pause = (time) => new Promise((resolve) => { setTimeout(resolve, time); });
+const link = (word) => check(spawnSync('ip', ['link', 'set', 'lo', word]).status === 0, `the link is ${word}`);
+
+const ways = {
+  'let go': (page) => page.mouse.up(),
+  'the page loses the focus': (page) => page.evaluate(() => { window.dispatchEvent(new Event('blur')); }),
+  'the tab is hidden': (page) => page.evaluate(() => {
+    Object.defineProperty(document, 'hidden', { value: true, configurable: true });
+    document.dispatchEvent(new Event('visibilitychange'));
+    setTimeout(() => Object.defineProperty(document, 'hidden', { value: false, configurable: true }), 900);
+  }),
+  'the page hangs': async (page) => { page.evaluate(() => { const end = Date.now() + 1200; while (Date.now() < end); }).catch(() => {}); },
+  'the page is killed': async (page) => { (await page.context().newCDPSession(page)).send('Page.crash').catch(() => {}); },
+};
+if (network) {
+  ways['the link is down'] = async () => { link('down'); setTimeout(() => link('up'), 1000); };
+}
+const loses = ['the page hangs', 'the page is killed', 'the link is down', 'the tab is hidden'];
+
+/** Holds the button that turns the tool to a side, until it moves; gives the window in which this was, or nothing if it did not move. */
+async function trial(page, side, way) {
+  const button = page.getByRole('button', { name: `turn Z ${side}`, exact: true });
+  await take(page);
+  await button.scrollIntoViewIfNeeded();
+  const box = await button.boundingBox();
+  await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
+  const from = now();
+  await page.mouse.down();
+  try {
+    await until(page, () => window.mrrocPanel.state().held && window.mrrocPanel.state().rate > 0.2, null, 3000);
+  } catch {
+    await page.mouse.up();
+    return null;
+  }
+  // At any phase of the motion.
+  await pause(300 * Math.random());
+  await ways[way](page);
+  await pause(1000);
+  return { way, from, to: now() };
+}
+
+async function round(browser, wanted, folder) {
+  const cell = join(folder, 'cell.toml'), recorded = join(folder, 'holds.mcap'), list = join(folder, 'trials.json');
+  copyFileSync(cellFile, cell);
+  const said = spawnSync(program, ['--cell', cell, '--check'], { encoding: 'utf8' }).stdout;
+  const stop = Number(said.match(/suspend and abort keep the path and take up to (\d+) ms/)[1]);
+  const cellRuns = await start(program, ['--cell', cell, '--processes', '--panel', '--reduced', '--no-picture', '--record', recorded]);
+  const context = await browser.newContext({ viewport: { width: 1280, height: 1000 } });
+  const trials = [];
+  const open = async () => {
+    const page = await context.newPage();
+    await page.goto(cellRuns.address);
+    await shows(page, ['running', 'suspended', 'idle']);
+    return page;
+  };
+  try {
+    let page = await open(), side = 'plus';
+    // Its program goes home first.
+    for (let i = 0; !(await page.evaluate(() => window.mrrocPanel.state().robots[0].jogs)); i++) {
+      check(i < 20, 'the arm may be jogged');
+      await take(page);
+      await page.locator('#hold').focus();
+      await page.keyboard.down(' ');
+      await until(page, () => window.mrrocPanel.state().robots[0].jogs, null, 3000).catch(() => {});
+      await page.keyboard.up(' ');
+    }
+    for (const [way, count] of Object.entries(wanted)) {
+      for (let i = 0, tried = 0; i < count && tried < 3 * count; tried++) {
+        const done = await trial(page, side, way).catch((error) => { console.error(`panel: ${way}: ${error.message.split('\n')[0]}`); return null; });
+        if (done) {
+          trials.push(done);
+          i += 1;
+          side = side === 'plus' ? 'minus' : 'plus';
+        }
+        if (way === 'the page is killed') {
+          await page.close();
+          page = await open();
+        } else {
+          if (loses.includes(way)) await pause(600);
+          await page.mouse.up();
+          await until(page, () => window.mrrocPanel.isOpen(), null, 20000);
+        }
+      }
+    }
+  } finally {
+    await context.close();
+    await cellRuns.end('SIGINT');
+  }
+  writeFileSync(list, JSON.stringify(trials));
+  const judged = spawnSync(python, [judge, recorded, list, stop], { encoding: 'utf8', maxBuffer: 1 << 28 });
+  check(judged.status === 0, `it can be judged: ${judged.stderr}`);
+  if (process.env.MRROC_KEEP) copyFileSync(recorded, process.env.MRROC_KEEP);
+  return { stop, found: JSON.parse(judged.stdout) };
+}
+
+const browser = await chromium.launch({ executablePath: browserPath, args: ['--no-sandbox', '--disable-3d-apis', '--disable-gpu'] });
+const all = Object.fromEntries(Object.keys(ways).map((way) => [way, { good: [], bad: [], void: [] }]));
+try {
+  // Trials of which nothing can be said are made again.
+  for (let rounds = 0; rounds < 4; rounds++) {
+    const wanted = Object.fromEntries(Object.entries(all).map(([way, { good, bad }]) => [way, times - good.length - bad.length]).filter(([, count]) => count > 0));
+    if (Object.keys(wanted).length === 0) break;
+    const folder = mkdtempSync(join(tmpdir(), 'mrroc-holds-'));
+    try {
+      const { stop, found } = await round(browser, wanted, folder);
+      for (const [way, { good, bad, void: nothing }] of Object.entries(found)) {
+        all[way].good.push(...good);
+        all[way].bad.push(...bad);
+        all[way].void.push(...nothing);
+        all[way].stop = stop;
+      }
+    } catch (error) {
+      console.error(`panel: holds, round ${rounds + 1}: ${error.stack ?? error}`);
+    } finally {
+      rmSync(folder, { recursive: true, force: true });
+    }
+  }
+} finally {
+  await browser.close();
+}
+let ok = true, late = 0;
+for (const [way, { good, bad, void: nothing, stop }] of Object.entries(all)) {
+  const worst = (of) => Math.max(...good.map((trial) => trial[of])).toFixed(1);
+  console.log(`panel: ${way}: ${good.length} of ${good.length + bad.length} in time; at most ${Math.max(...good.map(({ steps }) => steps))} steps, ${worst('fell_ms')} ms until the rate falls, `
+    + `${worst('stopped_ms')} ms of ${stop} ms until it is 0${nothing.length ? `; ${nothing.length} more not judged: ${[...new Set(nothing)].join('; ')}` : ''}`);
+  bad.forEach((why) => console.log(`panel: ${way}: ${why}`));
+  ok &&= bad.length === 0;
+  late += times - good.length - bad.length;
+}
+if (!ok) process.exitCode = 1;
+else if (late > 0) console.log(`skipped: ${late} holds on the panel: this machine was late by more than the cell bears`);

@@ -1,0 +1,111 @@
+"""How soon robots stand when a hold ends, from a recording: `holds.py RECORDING TRIALS STOP_MS`.
+
+In: the recording of a cell of processes; a JSON list of trials, each with its way to end the hold and a window of the machine's
+monotonic time [ns]; the longest stop on the path that `--check` prints [ms]. Out: a JSON object on standard output, for each way how
+many trials were good, bad (with why) and void: a hold that moved nothing, or a machine so late that the cell left out steps meanwhile.
+
+A hold ends when the panel's server receives the release, or 300 ms after the last renewal that it received, whichever is first. The rate
+of path time must begin to fall in one of the three steps that begin from then on, fall to 0 without rising again within the stop, and
+every joint must be demanded and measured at rest from then on.
+"""
+
+import json
+import re
+import sys
+
+from mcap.reader import make_reader
+
+LAPSE = 300_000_000
+STEPS = 3
+
+
+class Void(Exception):
+    """Nothing can be said of this trial."""
+
+
+class Bad(Exception):
+    """What was promised was not kept."""
+
+
+def read(path):
+    steps, commands, images = [], [], {}
+    with open(path, "rb") as file:
+        reader = make_reader(file)
+        metadata = {record.name: record.metadata for record in reader.iter_metadata()}
+        start, period = int(metadata["mrroc.start"]["start_ns"]), int(metadata["mrroc"]["step_ns"])
+        for _, channel, message in reader.iter_messages():
+            time = message.log_time - start
+            topic = channel.topic
+            if topic == "/steps":
+                steps.append((time, json.loads(message.data)))
+            elif topic == "/commands":
+                commands.append(json.loads(message.data))
+            elif re.fullmatch(r"/robots/\w+", topic):
+                data = json.loads(message.data)
+                images.setdefault(data["step"], []).append((time, data["demanded"]["joints"], data["measured"]["velocity"]))
+    # Each process sends its own records.
+    steps.sort(key=lambda of: of[0])
+    return steps, commands, images, period
+
+
+def judge(trial, steps, commands, images, period, stop):
+    begin, end = trial["from"], trial["to"]
+    holds = [c for c in commands if c["command"].startswith("jog ") and begin <= c["asked"] <= end]
+    begun = [c for c in holds if c["command"].split()[2] == "0" and c["outcome"] == "done"]
+    if not begun:
+        raise Void("no hold began")
+    hold = begun[-1]["command"].split()[1]
+    renewals = [c["asked"] for c in holds if c["command"].split()[1] == hold]
+    released = [c["asked"] for c in commands if c["command"] == f"let-go {hold}"]
+    event = min([max(renewals) + LAPSE, *released])
+    times = [time for time, _ in steps]
+    dt = [step["dt"] for _, step in steps]
+    last = max((i for i, time in enumerate(times) if time <= event), default=None)
+    if last is None or dt[last] == 0:
+        raise Void("nothing moved when it ended")
+    fall = next((i for i in range(last + 1, len(dt)) if dt[i] < dt[i - 1]), None)
+    rest = fall and next((i for i in range(fall, len(dt)) if dt[i] == 0), None)
+    if rest is None or times[rest] > end:
+        raise Bad("the robots did not come to rest")
+    left_out = [i for i in range(last, rest + 1) if steps[i][1]["duration"] * 1e9 > 1.5 * period]
+    if left_out:
+        raise Void("the machine was late: steps were left out")
+    if fall - last > STEPS:
+        raise Bad(f"the rate began to fall {fall - last} steps after the hold had ended")
+    if any(dt[i] > dt[i - 1] for i in range(fall + 1, rest + 1)):
+        raise Bad("the rate rose again")
+    stopped = (times[rest] - times[fall]) * 1e-6
+    if stopped > stop:
+        raise Bad(f"it took {stopped:.0f} ms to stop, of {stop:.0f}")
+    # All robots stand from then on, until another hold begins: as they are demanded at once, as they are measured when they have followed.
+    first, after = steps[rest][1]["step"] + 2, [c["asked"] for c in commands if c["asked"] > event and c["command"].startswith(("jog ", "hold "))]
+    until = min([end, *after])
+    stands = {}
+    for step in sorted(images):
+        for place, (time, demanded, velocity) in enumerate(images[step]):
+            if step < first or time >= until:
+                continue
+            if stands.setdefault(tuple(map(len, (demanded,))) + (place,), demanded) != demanded:
+                raise Bad(f"a robot was demanded elsewhere at step {step}, at rest from {first} on")
+            if time > times[fall] + 1e6 * stop and max(map(abs, velocity)) > 1e-3:
+                raise Bad(f"a joint was measured at {max(map(abs, velocity))} rad/s after the stop")
+    return {"steps": fall - last, "fell_ms": (times[fall] - event) * 1e-6, "stopped_ms": stopped}
+
+
+def main():
+    steps, commands, images, period = read(sys.argv[1])
+    trials, stop = json.load(open(sys.argv[2])), float(sys.argv[3])
+    found = {}
+    for trial in trials:
+        of = found.setdefault(trial["way"], {"good": [], "bad": [], "void": []})
+        try:
+            of["good"].append(judge(trial, steps, commands, images, period, stop))
+        except Void as why:
+            of["void"].append(str(why))
+        except Bad as why:
+            of["bad"].append(str(why))
+    json.dump(found, sys.stdout)
+
+
+if __name__ == "__main__":
+    main()
