@@ -219,6 +219,12 @@ impl Operator {
         Ok(Some(AskedJogs { done: jogs.done.take(), newest: jogs.newest }))
     }
 
+    /// Whether a console has asked to jog, or to be done, since this much was seen.
+    #[inline]
+    pub(crate) fn has_asked_to_jog(&self, seen: u64) -> bool {
+        self.shared.jogged.load(Ordering::Acquire) != seen
+    }
+
     /// The number of the hold that lasts at `now` \[ns\].
     pub(crate) fn lasting_hold(&self, hold: &mut Hold, now: Nanos) -> Option<u64> {
         let renewal = self.shared.renewal.load(Ordering::Acquire).checked_sub(1).map(Renewal::from_word);

@@ -52,10 +52,11 @@ impl<R: Robot> Jogging<R> {
     }
 
     /// What is asked of the robot in this step, as the order says it.
-    pub fn hear(&mut self, now: Option<JogNow>) {
+    #[inline]
+    pub fn hear(&mut self, now: Option<&JogNow>) {
         if now.is_some() || self.said {
             self.said = now.is_some();
-            self.seat.say(now.unwrap_or_default());
+            self.seat.say(now.copied().unwrap_or_default());
         }
     }
 }

@@ -176,8 +176,8 @@ impl Orders {
 
     /// What the last order asks of the robot that a person jogs.
     #[inline]
-    pub const fn jog(&self) -> Option<JogNow> {
-        self.jog
+    pub const fn jog(&self) -> Option<&JogNow> {
+        self.jog.as_ref()
     }
 
     /// Whether an order is one of this epoch, or begins it. What it asks for is then the phase's to say.

@@ -140,7 +140,7 @@ impl Mp<'_> {
         }
         match jog {
             None => robot.client.send(&robot.order),
-            Some(jog) => robot.send_with(&jog),
+            Some(jog) => robot.send_with(jog),
         }
         robot.show_order(kind, &self.witnesses, || self.host.waiter.now());
     }

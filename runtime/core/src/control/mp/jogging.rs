@@ -64,11 +64,18 @@ pub(super) struct Jogging {
 
 impl Jogging {
     /// What the order of a robot says of jogging.
-    pub fn of(&self, index: usize) -> Option<JogNow> {
-        let (_, now) = self.now.filter(|(jogged, _)| *jogged == index)?;
+    #[inline]
+    pub fn of(&self, index: usize) -> Option<&JogNow> {
+        let (_, now) = self.now.as_ref().filter(|(jogged, _)| *jogged == index)?;
         self.seat(index).is_none().then_some(now)
     }
 
+    /// Whether nobody has asked for anything since the cell began, or a program was done with.
+    const fn is_idle(&self) -> bool {
+        self.newest.is_none() && self.done.is_none() && self.now.is_none()
+    }
+
+    #[inline]
     fn seat(&self, index: usize) -> Option<&OwnSeat> {
         self.seats.iter().find(|own| own.index == index && own.seat.is_taken(1))
     }
@@ -200,8 +207,18 @@ impl Mp<'_> {
     }
 
     /// Sees what is held when a step begins, and what is asked of which robot in it.
+    #[inline]
     pub(super) fn look_at_holds(&mut self) {
         let lasting = self.operating.lasting_hold(self.host.waiter.now(), self.clock.is_standing());
+        if self.jogging.is_idle() && !self.operating.operator.has_asked_to_jog(self.jogging.seen) {
+            self.operating.show_held(lasting.is_some());
+        } else {
+            self.look_at_jogs(lasting);
+        }
+    }
+
+    #[cold]
+    fn look_at_jogs(&mut self, lasting: Option<u64>) {
         let asked = self.operating.operator.asked_jogs(&mut self.jogging.seen);
         let is_known = asked.is_ok();
         if let Ok(Some(asked)) = asked {
