@@ -37,12 +37,15 @@ async function held(page, label, meanwhile, end = (of) => of.mouse.up()) {
       await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
       await page.mouse.down();
       await until(page, () => window.mrrocPanel.state().held, null, 3000);
-      await meanwhile();
+      // What is held is lost where this machine was late.
+      const lost = until(page, () => !window.mrrocPanel.state().held, null, 60000).then(() => { throw new Error('the hold was lost'); });
+      lost.catch(() => {});
+      await Promise.race([meanwhile(), lost]);
       await end(page);
       return;
     } catch (error) {
       if (!page.isClosed()) await page.mouse.up();
-      if (trial === 5) throw new Error(`${label}: ${error.message}`);
+      if (trial === 12) throw new Error(`${label}: ${error.message}`);
     }
   }
 }
@@ -216,6 +219,8 @@ async function jogged(browser, drawingBrowser, folder) {
     }
 
     check(errors.length === 0, `no error on a page: ${errors.join('; ')}`);
+  } catch (error) {
+    throw new Error(`${error.message}\nThe cell said last:\n${cellRuns.said().split('\n').slice(-12).join('\n')}`);
   } finally {
     await context.close();
     await cellRuns.end('SIGINT');
