@@ -31,6 +31,15 @@ bench:
     cargo bench -p mrroc-generators --bench jerk
     cargo bench -p mrroc-robots --bench kinematics
 
+# What an attached panel costs the processes that move robots: lateness in alternating runs, system calls for each step.
+bench-panel ROUNDS="5":
+    cargo build --release -p mrroc-panel --features mrroc-panel/server,mrroc/panel --examples
+    python3 tests/benches/peers/panel.py target/release/examples/to_and_fro ports/panel/examples/cell.toml {{ROUNDS}}
+
+# How soon an arm stands that is jogged in a browser: so many holds of each way to end one, judged from recordings. A quarter of an hour.
+test-panel-holds N="100":
+    MRROC_HOLDS={{N}} tests/peers/panel/run holds
+
 # Instructions of a step and of its parts, beside their tables: optimised, and as CI counts them; `--accept` writes both anew.
 instructions *ARGS:
     cargo run --release -p mrroc-benches --example instructions -- {{ARGS}}

@@ -6,7 +6,7 @@ import { copyFileSync, mkdtempSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { chromium } from 'playwright-core';
-import { check, shows, start, take, until } from './kit.mjs';
+import { check, nicely, shows, start, take, until } from './kit.mjs';
 
 const [browserPath, program, cellFile, python, judge, network] = process.argv.slice(2);
 const times = Number(process.env.MRROC_HOLDS ?? 3);
@@ -107,7 +107,7 @@ async function round(browser, wanted, folder) {
   return { stop, found: JSON.parse(judged.stdout) };
 }
 
-const browser = await chromium.launch({ executablePath: browserPath, args: ['--no-sandbox', '--disable-3d-apis', '--disable-gpu'] });
+const browser = await chromium.launch({ executablePath: nicely(browserPath, 5), args: ['--no-sandbox', '--disable-3d-apis', '--disable-gpu'] });
 const all = Object.fromEntries(Object.keys(ways).map((way) => [way, { good: [], bad: [], void: [] }]));
 try {
   // Trials of which nothing can be said are made again.

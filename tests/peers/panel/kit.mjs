@@ -1,9 +1,10 @@
 // What those who drive the panel in a browser share: the program that is started, facts that must hold, and what pages show.
 
-import { spawn } from 'node:child_process';
-import { mkdirSync, readFileSync } from 'node:fs';
+import { spawn, spawnSync } from 'node:child_process';
+import { mkdirSync, readFileSync, writeFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
-import { join } from 'node:path';
+import { dirname, join } from 'node:path';
+import { fileURLToPath } from 'node:url';
 
 export const shots = process.env.MRROC_SHOTS;
 if (shots) mkdirSync(shots, { recursive: true });
@@ -12,6 +13,16 @@ const axe = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.mi
 export const PATIENCE = 15000;
 let held = 0;
 export const checks = () => held;
+
+/** A browser that takes the time that a cell on the same processors leaves: one that draws by the processor would make it late. */
+export function nicely(browserPath, nice) {
+  const path = join(dirname(fileURLToPath(import.meta.url)), `browser-${nice}`);
+  writeFileSync(path, `#!/bin/sh\nexec nice -n ${nice} '${browserPath}' "$@"\n`, { mode: 0o755 });
+  return path;
+}
+
+/** Whether a cell says that this machine gave its processes too little time: no fault of what is judged. */
+export const late = (said) => spawnSync('python3', ['tests/peers/late.py'], { input: said }).status === 0;
 
 export function check(fact, what) {
   held += 1;

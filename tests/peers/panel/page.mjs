@@ -6,7 +6,7 @@ import { createServer, request } from 'node:http';
 import { cpus, loadavg, tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { chromium } from 'playwright-core';
-import { PATIENCE, check, checks, press, shot, shots, shows, start as started, state, take, violations } from './kit.mjs';
+import { PATIENCE, check, checks, nicely, press, shot, shots, shows, start as started, state, take, violations } from './kit.mjs';
 import { lastLink, multiply } from './urdf.mjs';
 
 const [browserPath, program, cell] = process.argv.slice(2);
@@ -374,8 +374,8 @@ base = { position = [${2.5 * (i % 8) + 5}.0, ${2.5 * Math.floor(i / 8) - 8}.0, 0
 
 // A browser that draws by the processor, and one that draws no 3D at all and leaves the processor to the cell.
 const start3d = ['--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'];
-const launch = (args) => chromium.launch({ executablePath: browserPath, args: ['--no-sandbox', ...args] });
-const [browser, plainBrowser] = [await launch(start3d), await launch(['--disable-3d-apis', '--disable-gpu'])];
+const launch = (nice, args) => chromium.launch({ executablePath: nicely(browserPath, nice), args: ['--no-sandbox', ...args] });
+const [browser, plainBrowser] = [await launch(19, start3d), await launch(5, ['--disable-3d-apis', '--disable-gpu'])];
 try {
   for (let trial = 1; ; trial++) {
     try {
