@@ -6,15 +6,21 @@
 
 use std::cell::RefCell;
 use std::rc::Rc;
+use std::time::Duration;
 
 use mrroc::nalgebra::Vector3;
 use mrroc::prelude::*;
+use mrroc::sensor::VspMode;
 use mrroc_generators::generators::{JointMove, Tell};
 use mrroc_robots::grasp::{Body, Grasp, Hand, SimulatedWrist, World};
+use mrroc_robots::sensors::WristForce;
 use mrroc_robots::{Irp6, Serial, Simulated, Six, simulated};
 
 /// What the arm holds \[kg\], and its edges \[m\].
 const BAR: (f64, [f64; 3]) = (2.0, [0.06, 0.5, 0.06]);
+
+/// The sensor at its wrist runs by itself, whether a program reads it or not.
+const FREE: VspMode = VspMode::NonInteractive(Duration::from_millis(10));
 
 /// The stiffness of its grasp [N/m, N m/rad].
 const GRASP: [f64; 2] = [2e4, 200.0];
@@ -46,13 +52,28 @@ fn cell(file: &CellFile) -> Result<Cell, CellError> {
     let Some((world, hand)) = held.take() else { return Ok(cell) };
     Ok(cell
         .shows_body("bar", BAR.1, move || world.body().pose)
-        .sensor(SensorSetup::new("wrist", SimulatedWrist::new(hand)).of("holder"))
+        .sensor(SensorSetup::new("wrist", SimulatedWrist::new(hand)).of("holder").mode(FREE))
         .program(carry))
+}
+
+/// The bar has hung still for so many steps: the force has changed by less than a newton.
+struct Still {
+    steps: u32,
+    last: f64,
+}
+
+#[condition(mp)]
+fn still(c: &mut Still, v: &Reading<(WristForce,)>) -> bool {
+    let force = v.0.reading().map_or(f64::INFINITY, |reading| reading.force.norm());
+    let is_same = (force - c.last).abs() < 1.0;
+    (c.steps, c.last) = (if is_same { c.steps + 1 } else { 0 }, force);
+    c.steps >= 250
 }
 
 fn carry(mp: &mut Mp) -> Result<(), Fault> {
     let turns = std::env::var("MRROC_TURNS").ok().and_then(|turns| turns.parse().ok()).unwrap_or(1000_u32);
     let (mut holder, mut shown) = (mp.robot::<Irp6>("holder")?, mp.robot::<Serial<3>>("shown")?);
+    let mut wrist = mp.sensor::<WristForce>("wrist")?;
     let lamp = holder.output::<bool>("lamp")?;
     let to = |column: f64, arm: f64| {
         let q = Six::new(column, -1.57 + arm, 0.16 - 0.5 * arm, -0.16, 4.71, 0.8 * column);
@@ -65,6 +86,7 @@ fn carry(mp: &mut Mp) -> Result<(), Fault> {
     for _ in 0..turns {
         mp.move_robot(&mut holder, (), Tell::output(lamp, true))?;
         mp.move_robots((&mut holder, &mut shown), (), Each::of((to(0.4, 0.2), swing(0.6, 0.2, 1.2))))?;
+        mp.wait_until((), (&mut wrist,), Still { steps: 0, last: f64::INFINITY })?;
         mp.move_robot(&mut holder, (), Tell::output(lamp, false))?;
         mp.move_robots((&mut holder, &mut shown), (), Each::of((to(-0.3, 0.0), swing(-0.5, 0.6, 0.4))))?;
     }

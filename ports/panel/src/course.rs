@@ -18,7 +18,7 @@ use mrroc_launch::LooksOn;
 
 use crate::beside::{Carried, ReadingNow};
 use crate::now::{Looks, Now, RobotNow};
-use crate::readings::of_words;
+use crate::readings::{OLD, of_words};
 
 /// The time between two moments that are kept \[ns\], at first.
 const EVERY: u64 = 20_000_000;
@@ -30,6 +30,8 @@ const MOST: usize = 30_000;
 pub struct Course {
     moments: Vec<(u64, Now)>,
     now: Now,
+    /// When each of the newest readings was collected \[ns\].
+    read: Vec<u64>,
     every: u64,
     due: u64,
     suspended: bool,
@@ -65,6 +67,7 @@ impl Course {
         Course {
             moments: Vec::new(),
             now,
+            read: vec![0; layout.sensors.len()],
             every: EVERY,
             due: 0,
             suspended: false,
@@ -102,6 +105,11 @@ impl Course {
             return;
         }
         self.now.time = time as f64 * 1e-9;
+        for (reading, read) in self.now.readings.iter_mut().zip(&self.read) {
+            if time.saturating_sub(*read) > OLD {
+                *reading = None;
+            }
+        }
         self.moments.push((time, self.now.clone()));
         if self.moments.len() >= MOST {
             let mut i = 0;
@@ -140,10 +148,10 @@ impl Course {
         }
     }
 
-    /// The newest reading of the sensor at a place in the layout.
-    pub fn reading(&mut self, place: usize, reading: ReadingNow) {
-        if let Some(newest) = self.now.readings.get_mut(place) {
-            *newest = reading;
+    /// A reading of the sensor at a place in the layout was collected at a time \[ns\].
+    pub fn reading(&mut self, time: u64, place: usize, reading: ReadingNow) {
+        if let (Some(newest), Some(read)) = (self.now.readings.get_mut(place), self.read.get_mut(place)) {
+            (*newest, *read) = (reading, time);
         }
     }
 
@@ -275,8 +283,10 @@ impl Witness for OnMemory {
             What::Reading { sensor, state, shape, .. } => {
                 let place = self.layout.sensors.iter().position(|known| known.name == sensor.as_str());
                 match (place, state) {
-                    (Some(place), ReadingState::There) => course.reading(place, Some(of_words(shape, words))),
-                    (Some(place), ReadingState::Fault) => course.reading(place, None),
+                    (Some(place), ReadingState::There) => {
+                        course.reading(time, place, Some(of_words(shape, words)))
+                    }
+                    (Some(place), ReadingState::Fault) => course.reading(time, place, None),
                     _ => {}
                 }
             }

@@ -19,7 +19,7 @@ use tokio::sync::{oneshot, watch};
 
 use crate::beside::Carried;
 use crate::now::{Looks, Now, RobotNow};
-use crate::readings::of_words;
+use crate::readings::{OLD, of_words};
 use crate::rules::request::Stamp;
 
 /// Requests that wait for the desk.
@@ -169,7 +169,8 @@ fn now(picture: Picture, looks: &Looks) -> Now {
     };
     let reading = |(name, shape): (&str, &'static Shape)| {
         let known = picture.readings.iter().find(|reading| reading.sensor == name)?;
-        known.words.as_ref().map(|words| of_words(shape, words))
+        let is_new = picture.step.saturating_sub(known.step).saturating_mul(picture.period) <= OLD;
+        known.words.as_ref().filter(|_| is_new).map(|words| of_words(shape, words))
     };
     let readings = looks.beside().sensors().map(reading).collect();
     let mut bodies = vec![None; looks.bodies()];

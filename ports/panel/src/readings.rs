@@ -9,12 +9,19 @@ use serde_json::Value;
 /// The most numbers of a reading that are shown: those of a picture that was taken would fill the page.
 const MOST: usize = 32;
 
+/// What is older is not shown \[ns\]: an arrow would tell of what is no longer so.
+pub const OLD: u64 = 1_000_000_000;
+
 /// The name of each number of a reading.
 #[must_use]
 pub fn names(shape: &Shape) -> Vec<String> {
     let mut names = Vec::new();
     name(shape, "", &mut names);
     names.truncate(MOST);
+    if is_wrench(shape) {
+        let of = |part: &str| ["x", "y", "z"].map(|axis| format!("{part}.{axis}"));
+        names = [of("force"), of("torque")].concat();
+    }
     names
 }
 
@@ -122,8 +129,10 @@ fn place(name: &Value, mut known: impl Iterator<Item = &'static str>) -> Option<
 /// Whether a reading is a wrench: a force and a torque of three numbers each, and no more.
 #[must_use]
 pub fn is_wrench(shape: &Shape) -> bool {
-    matches!(shape, Shape::Fields([("force", force), ("torque", torque)])
-        if names(force).len() == 3 && force.len() == 3 && names(torque).len() == 3 && torque.len() == 3)
+    matches!(
+        shape,
+        Shape::Fields([("force", Shape::Array(Shape::Float, 3)), ("torque", Shape::Array(Shape::Float, 3))])
+    )
 }
 
 #[cfg(test)]
@@ -141,9 +150,7 @@ mod tests {
         wrench.put(&mut words);
         let expected = [Some(1.0), Some(-2.5), Some(3.0), None, Some(0.5), Some(-0.25)];
         assert_eq!(of_words(Wrench::SHAPE, &words), expected);
-        let written = json!({
-            "force": {"x": 1.0, "y": -2.5, "z": 3}, "torque": {"x": "NaN", "y": 0.5, "z": -0.25}
-        });
+        let written = json!({"force": [1.0, -2.5, 3], "torque": ["NaN", 0.5, -0.25]});
         assert_eq!(of_json(Wrench::SHAPE, &written), expected);
         let named = names(Wrench::SHAPE);
         assert_eq!(named, ["force.x", "force.y", "force.z", "torque.x", "torque.y", "torque.z"]);

@@ -91,8 +91,8 @@ fn take(course: &mut Course, layout: &Layout, time: u64, topic: &str, data: &[u8
         let known = layout.sensors.iter().enumerate().find(|(_, sensor)| sensor.name == name);
         if let (Some((place, sensor)), Some(json)) = (known, json()) {
             match json["state"].as_str() {
-                Some("there") => course.reading(place, Some(of_json(sensor.reading, &json["reading"]))),
-                Some("fault") => course.reading(place, None),
+                Some("there") => course.reading(time, place, Some(of_json(sensor.reading, &json["reading"]))),
+                Some("fault") => course.reading(time, place, None),
                 _ => {}
             }
         }

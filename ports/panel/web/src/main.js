@@ -96,7 +96,7 @@ function choose() {
   const robot = layout?.robots.find(({ name }) => name === by('robot').value);
   const joints = robot?.joints ?? [];
   const unit = (joint) => (joint.kind === 'revolute' ? 'rad' : 'm');
-  by('plot-joints-title').textContent = `of ${robot?.name ?? '–'} [${SHOWN[by('joints-as').value].unit ?? [...new Set(joints.map(unit))].join(', ')}]`;
+  by('plot-joints-title').textContent = `${robot?.name ?? '–'} [${SHOWN[by('joints-as').value].unit ?? [...new Set(joints.map(unit))].join(', ')}]`;
   plots.joints.begin(joints.map((_, i) => `${i + 1}`));
   by('joints').replaceChildren(...joints.flatMap((joint, i) => {
     const name = document.createElement('span'), range = document.createElement('div'), value = document.createElement('output');
@@ -263,6 +263,7 @@ window.mrrocPanel = {
   marks: () => scene.marks(),
   layout: () => layout,
   scene: () => scene.shown(),
+  drawn: () => scene.drawn ?? 0,
   plots: () => Object.fromEntries(Object.entries(plots).map(([name, { names, data }]) => [name, { names, data }])),
 };
 

@@ -423,6 +423,7 @@ export class CellScene {
       const late = performance.now() - asked;
       this.rest = late > 60 ? Math.min(2000, 2 * late) : 0;
       this.renderer.render(this.scene, this.camera);
+      this.drawn = (this.drawn ?? 0) + 1;
       this.name();
       const free = () => {
         this.asked = false;
