@@ -266,16 +266,18 @@ fn arm<const N: usize>(entry: &RobotEntry, described: &Described<'_>) -> Result<
     };
     let robot = builder.with_acceleration(acceleration).map_err(|why| refuse(&why))?;
     let robot = robot.with_base(entry.base());
-    match calibration(entry)? {
-        None => Ok(robot),
+    let robot = match calibration(entry)? {
+        None => robot,
         Some((ArmCalibration::Chain(calibration), path)) => {
-            robot.calibrated_by(&calibration).map_err(|why| wrong_calibration(entry, &path, &why))
+            robot.calibrated_by(&calibration).map_err(|why| wrong_calibration(entry, &path, &why))?
         }
         Some((ArmCalibration::Irp6(_), path)) => {
             let why = NoCalibration("it is the calibration of an irp6, not of an arm of a URDF".to_owned());
-            Err(wrong_calibration(entry, &path, &why))
+            return Err(wrong_calibration(entry, &path, &why));
         }
-    }
+    };
+    let folder = path.parent().unwrap_or(Path::new(""));
+    Ok(robot.with_meshes(urdf.as_str(), base_link, tip, folder))
 }
 
 /// What is wrong with a URDF, at the key of the entry that can mend it.

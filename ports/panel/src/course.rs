@@ -9,14 +9,16 @@ use std::sync::Arc;
 
 use mrroc_core::fault::{Fault, FaultWords, ProcessId, Role};
 use mrroc_core::observe::layout::Layout;
-use mrroc_core::observe::witness::{STATE_WORDS, What, Witness};
+use mrroc_core::observe::witness::{ReadingState, STATE_WORDS, What, Witness};
 use mrroc_core::operator::state::Doing;
 use mrroc_core::payload::Wire;
 use mrroc_core::pose::Pose;
-use mrroc_core::robot::MAX_JOINTS;
+use mrroc_core::robot::{MAX_JOINTS, Signals};
 use mrroc_launch::LooksOn;
 
+use crate::beside::{Carried, ReadingNow};
 use crate::now::{Looks, Now, RobotNow};
+use crate::readings::{OLD, of_words};
 
 /// The time between two moments that are kept \[ns\], at first.
 const EVERY: u64 = 20_000_000;
@@ -28,6 +30,8 @@ const MOST: usize = 30_000;
 pub struct Course {
     moments: Vec<(u64, Now)>,
     now: Now,
+    /// When each of the newest readings was collected \[ns\].
+    read: Vec<u64>,
     every: u64,
     due: u64,
     suspended: bool,
@@ -48,6 +52,7 @@ impl Course {
             doing: String::new(),
             jogs: false,
             stop: String::new(),
+            carried: Carried::default(),
         });
         let now = Now {
             period: u64::try_from(layout.step.as_nanos()).unwrap_or(u64::MAX),
@@ -56,11 +61,13 @@ impl Course {
             speed: 1.0,
             robots: robots.collect(),
             bodies: vec![None; layout.bodies.len()],
+            readings: vec![None; layout.sensors.len()],
             ..Now::default()
         };
         Course {
             moments: Vec::new(),
             now,
+            read: vec![0; layout.sensors.len()],
             every: EVERY,
             due: 0,
             suspended: false,
@@ -98,6 +105,11 @@ impl Course {
             return;
         }
         self.now.time = time as f64 * 1e-9;
+        for (reading, read) in self.now.readings.iter_mut().zip(&self.read) {
+            if time.saturating_sub(*read) > OLD {
+                *reading = None;
+            }
+        }
         self.moments.push((time, self.now.clone()));
         if self.moments.len() >= MOST {
             let mut i = 0;
@@ -110,14 +122,36 @@ impl Course {
         self.due = (time / self.every + 1) * self.every;
     }
 
-    /// A robot's joints and the pose of its tool, when it begins a step.
-    pub fn robot(&mut self, time: u64, name: &str, [demanded, measured]: [&[f64]; 2], tool: Pose) {
+    /// A robot's joints, the pose of its tool, `X_WE`, and the tool in force, `X_FE`, when it begins a step.
+    pub fn robot(
+        &mut self,
+        time: u64,
+        name: &str,
+        [demanded, measured]: [&[f64]; 2],
+        [tool, in_force]: [Pose; 2],
+    ) {
         let robot = self.now.robots.iter_mut().find(|robot| robot.name == name);
         if let Some(robot) = robot {
             robot.time = time as f64 * 1e-9;
+            robot.carried.tool = Some(in_force);
             robot.demanded.iter_mut().zip(demanded).for_each(|(q, of)| *q = *of);
             robot.measured.iter_mut().zip(measured).for_each(|(q, of)| *q = *of);
             robot.tool = tool;
+        }
+    }
+
+    /// The inputs and outputs of a robot.
+    pub fn signals(&mut self, name: &str, signals: Signals) {
+        let robot = self.now.robots.iter_mut().find(|robot| robot.name == name);
+        if let Some(robot) = robot {
+            robot.carried.signals = Some(signals);
+        }
+    }
+
+    /// A reading of the sensor at a place in the layout was collected at a time \[ns\].
+    pub fn reading(&mut self, time: u64, place: usize, reading: ReadingNow) {
+        if let (Some(newest), Some(read)) = (self.now.readings.get_mut(place), self.read.get_mut(place)) {
+            (*newest, *read) = (reading, time);
         }
     }
 
@@ -228,16 +262,33 @@ impl Witness for OnMemory {
                 let Some(name) = by.name else { return };
                 let (demanded, measured) = words.split_at(STATE_WORDS);
                 let Ok(tool) = Pose::get(&measured[2 * MAX_JOINTS..]) else { return };
+                let in_force = words.get(2 * STATE_WORDS..).and_then(|words| Pose::get(words).ok());
+                let Some(in_force) = in_force else { return };
                 let numbers = |words: &[u64]| {
                     <[u64; MAX_JOINTS]>::try_from(&words[..MAX_JOINTS])
                         .unwrap_or_default()
                         .map(f64::from_bits)
                 };
                 let (demanded, measured) = (numbers(demanded), numbers(measured));
-                course.robot(time, name.as_str(), [&demanded, &measured], tool);
+                course.robot(time, name.as_str(), [&demanded, &measured], [tool, in_force]);
             }
             What::Instruction { doing, by: generator, .. } => {
                 course.instruction(&by.to_string(), doing, &generator.to_string());
+            }
+            What::Signals { .. } => {
+                if let (Some(name), Ok(signals)) = (by.name, Signals::get(words)) {
+                    course.signals(name.as_str(), signals);
+                }
+            }
+            What::Reading { sensor, state, shape, .. } => {
+                let place = self.layout.sensors.iter().position(|known| known.name == sensor.as_str());
+                match (place, state) {
+                    (Some(place), ReadingState::There) => {
+                        course.reading(time, place, Some(of_words(shape, words)))
+                    }
+                    (Some(place), ReadingState::Fault) => course.reading(time, place, None),
+                    _ => {}
+                }
             }
             What::Body { body, .. } => {
                 let place = self.layout.bodies.iter().position(|known| known.name == body.as_str());

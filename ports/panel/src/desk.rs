@@ -11,12 +11,15 @@ use std::time::{Duration, Instant};
 use axum::extract::ws::Utf8Bytes;
 use mrroc_core::operator::LAPSE;
 use mrroc_core::operator::button::Button;
+use mrroc_core::payload::Shape;
 use mrroc_launch::panel::AWAITED;
 use mrroc_processes::{Caller, Heard, OnBehalf, Picture, ProcessPicture, Reply, Request, RobotPicture};
 use serde_json::{Value, json};
 use tokio::sync::{oneshot, watch};
 
+use crate::beside::Carried;
 use crate::now::{Looks, Now, RobotNow};
+use crate::readings::{OLD, of_words};
 use crate::rules::request::Stamp;
 
 /// Requests that wait for the desk.
@@ -139,7 +142,7 @@ fn watch(mut caller: Caller, looks: &Looks, show: &watch::Sender<Shown>) {
             Ok(Heard::Picture(picture)) => {
                 let stamp = Stamp { epoch: picture.epoch, step: picture.step };
                 let period = picture.period;
-                let now = now(picture);
+                let now = now(picture, looks);
                 let text = looks.state(&now).to_string();
                 let robots: Arc<[RobotNow]> = now.robots.into();
                 let demanded = |robots: &[RobotNow]| {
@@ -160,11 +163,32 @@ fn watch(mut caller: Caller, looks: &Looks, show: &watch::Sender<Shown>) {
 }
 
 /// What a picture of the desk says.
-fn now(picture: Picture) -> Now {
+fn now(picture: Picture, looks: &Looks) -> Now {
     let time = picture.robots.iter().map(|robot| robot.time).fold(0.0, f64::max);
     let by = picture.by_whom().to_owned();
+    let carried = |name: &str| {
+        let known = picture.carried.iter().find(|carried| carried.robot == name);
+        known.map_or_else(Carried::default, |known| Carried {
+            tool: Some(known.tool),
+            load: known.load,
+            signals: Some(known.signals),
+        })
+    };
+    let reading = |(name, shape): (&str, &'static Shape)| {
+        let known = picture.readings.iter().find(|reading| reading.sensor == name)?;
+        let is_new = picture.step.saturating_sub(known.step).saturating_mul(picture.period) <= OLD;
+        known.words.as_ref().filter(|_| is_new).map(|words| of_words(shape, words))
+    };
+    let readings = looks.beside().sensors().map(reading).collect();
+    let mut bodies = vec![None; looks.bodies()];
+    for body in &picture.bodies {
+        if let Some(place) = bodies.get_mut(body.place) {
+            *place = Some(body.pose);
+        }
+    }
     let robot = |robot: RobotPicture| {
         let doing = robot.motion();
+        let carried = carried(&robot.name);
         let RobotPicture { name, time, demanded, measured, tool, jogs, stop, .. } = robot;
         RobotNow {
             name,
@@ -175,6 +199,7 @@ fn now(picture: Picture) -> Now {
             doing: doing.trim_start_matches([':', ' ']).to_owned(),
             jogs,
             stop: stop.text(),
+            carried,
         }
     };
     Now {
@@ -196,7 +221,8 @@ fn now(picture: Picture) -> Now {
         // This panel itself is told by which page has authority.
         holder: picture.holder.filter(|pid| *pid != std::process::id()),
         robots: picture.robots.into_iter().map(robot).collect(),
-        bodies: Vec::new(),
+        bodies,
+        readings,
         processes: picture.processes.iter().map(process).collect(),
     }
 }

@@ -22,9 +22,13 @@
 pub mod rules;
 
 #[cfg(all(feature = "server", target_os = "linux"))]
+mod beside;
+#[cfg(all(feature = "server", target_os = "linux"))]
 mod course;
 #[cfg(all(feature = "server", target_os = "linux"))]
 mod desk;
+#[cfg(all(feature = "server", target_os = "linux"))]
+mod meshes;
 #[cfg(all(feature = "server", target_os = "linux"))]
 mod now;
 #[cfg(all(feature = "server", target_os = "linux"))]
@@ -33,6 +37,8 @@ mod page;
 mod panel;
 #[cfg(all(feature = "server", target_os = "linux"))]
 mod poses;
+#[cfg(all(feature = "server", target_os = "linux"))]
+mod readings;
 #[cfg(all(feature = "server", target_os = "linux"))]
 mod recording;
 #[cfg(all(feature = "server", target_os = "linux"))]

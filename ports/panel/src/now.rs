@@ -8,6 +8,9 @@ use mrroc_core::pose::Pose;
 use mrroc_core::robot::JointKind;
 use serde_json::{Value, json};
 
+use crate::beside::{self, Beside, Carried, ReadingNow};
+use crate::meshes::Meshes;
+
 /// The radius of bars between the frames of a robot without a shape, as a share of its longest link, and its bounds \[m\].
 const BAR: f64 = 0.05;
 const BARS: [f64; 2] = [0.005, 0.05];
@@ -46,6 +49,8 @@ pub struct Now {
     pub robots: Vec<RobotNow>,
     /// Where its bodies are, in the order of the layout; `None`: nobody knows.
     pub bodies: Vec<Option<Pose>>,
+    /// The newest readings of its sensors, in the order of the layout.
+    pub readings: Vec<ReadingNow>,
     /// Its processes.
     pub processes: Vec<Value>,
 }
@@ -66,14 +71,16 @@ pub struct RobotNow {
     /// Whether a program lets it be jogged now, and why it stands though it is.
     pub jogs: bool,
     pub stop: String,
+    /// What it carries, and its inputs and outputs.
+    pub carried: Carried,
 }
 
 /// What a cell looks like.
 pub struct Looks {
     robots: Vec<RobotLayout>,
     bodies: Vec<BodyLayout>,
-    /// The names of its frames.
-    frames: Vec<String>,
+    beside: Beside,
+    meshes: Meshes,
     step: f64,
 }
 
@@ -84,7 +91,8 @@ impl Looks {
         Looks {
             robots: layout.robots.clone(),
             bodies: layout.bodies.clone(),
-            frames: layout.frames.iter().map(|(name, _)| name.clone()).collect(),
+            beside: Beside::of(layout),
+            meshes: Meshes::of(&layout.robots),
             step: layout.step.as_secs_f64(),
         }
     }
@@ -96,7 +104,7 @@ impl Looks {
             JointKind::Revolute => "revolute",
             JointKind::Prismatic => "prismatic",
         };
-        let robots = self.robots.iter().map(|robot| {
+        let robots = self.robots.iter().enumerate().map(|(place, robot)| {
             let joints = robot.joints.iter().map(
                 |of| json!({"kind": joint(of.kind), "lower": finite(of.lower), "upper": finite(of.upper)}),
             );
@@ -105,17 +113,20 @@ impl Looks {
                 "kind": robot.kind,
                 "on": robot.mounted_on,
                 "joints": joints.collect::<Value>(),
+                "signals": beside::signals(robot),
+                "meshes": self.meshes.of_robot(place),
             })
         });
         let bodies = self.bodies.iter().map(|body| json!({"name": body.name, "edges": body.edges}));
-        json!({
+        let mut layout = json!({
             "kind": "layout",
             "lasts": lasts,
             "step": self.step,
-            "frames": self.frames,
             "robots": robots.collect::<Value>(),
             "bodies": bodies.collect::<Value>(),
-        })
+        });
+        self.beside.layout(&mut layout);
+        layout
     }
 
     /// What changes.
@@ -143,6 +154,7 @@ impl Looks {
             "holder": now.holder,
             "robots": robots.collect::<Value>(),
             "bodies": bodies.collect::<Value>(),
+            "readings": self.beside.readings(&now.readings),
             "processes": now.processes,
         })
     }
@@ -189,7 +201,24 @@ impl Looks {
             "ghost": placed(&ghost),
             "frames": frames,
             "tool": is_measured.then(|| numbers(&(X_WS * robot.tool))),
+            "carried": self.beside.carried(&robot.carried),
+            "signals": beside::values(layout, robot.carried.signals.as_ref()),
         }))
+    }
+
+    /// What it has beside its robots' links.
+    pub const fn beside(&self) -> &Beside {
+        &self.beside
+    }
+
+    /// The meshes of its robots.
+    pub const fn meshes(&self) -> &Meshes {
+        &self.meshes
+    }
+
+    /// How many bodies it has.
+    pub const fn bodies(&self) -> usize {
+        self.bodies.len()
     }
 
     /// The names of its robots.
@@ -272,23 +301,23 @@ fn capsules(figure: &dyn Figure, joints: &[f64]) -> Vec<Capsule> {
     links
 }
 
-fn is_pose(pose: &Pose) -> bool {
+pub fn is_pose(pose: &Pose) -> bool {
     let norm = pose.rotation.as_ref().norm();
     pose.translation.vector.iter().all(|x| x.is_finite()) && (norm - 1.0).abs() < 1e-6
 }
 
 /// To a millionth: a micrometre is more than a page shows, and short texts are sooner read.
-fn rounded(x: f64) -> f64 {
+pub fn rounded(x: f64) -> f64 {
     (x * 1e6).round() / 1e6
 }
 
 /// A number that JSON can say.
-fn finite(x: f64) -> Option<f64> {
+pub fn finite(x: f64) -> Option<f64> {
     x.is_finite().then_some(x)
 }
 
 /// A pose as x, y, z and the quaternion x, y, z, w.
-fn numbers(pose: &Pose) -> [f64; 7] {
+pub fn numbers(pose: &Pose) -> [f64; 7] {
     let (p, q) = (&pose.translation, &pose.rotation);
     [p.x, p.y, p.z, q.i, q.j, q.k, q.w].map(rounded)
 }

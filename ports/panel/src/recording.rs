@@ -8,12 +8,14 @@ use std::path::Path;
 
 use mcap::MessageStream;
 use mrroc_core::nalgebra::{Quaternion, Translation3, UnitQuaternion};
-use mrroc_core::observe::layout::Layout;
+use mrroc_core::observe::layout::{Layout, SignalLayout};
 use mrroc_core::operator::state::Doing;
 use mrroc_core::pose::Pose;
+use mrroc_core::robot::{Signals, Value as Signal};
 use serde_json::Value;
 
 use crate::course::{Course, StepSeen};
+use crate::readings::of_json;
 
 /// The largest file that is played \[bytes\].
 const LARGEST: u64 = 1 << 30;
@@ -85,17 +87,48 @@ fn take(course: &mut Course, layout: &Layout, time: u64, topic: &str, data: &[u8
         if let (Some(place), Some(pose)) = (place, json().and_then(|json| pose(&json["pose"]))) {
             course.body(place, pose);
         }
+    } else if let Some(name) = topic.strip_prefix("/sensors/") {
+        let known = layout.sensors.iter().enumerate().find(|(_, sensor)| sensor.name == name);
+        if let (Some((place, sensor)), Some(json)) = (known, json()) {
+            match json["state"].as_str() {
+                Some("there") => course.reading(time, place, Some(of_json(sensor.reading, &json["reading"]))),
+                Some("fault") => course.reading(time, place, None),
+                _ => {}
+            }
+        }
+    } else if let Some(name) = topic.strip_prefix("/robots/").and_then(|rest| rest.strip_suffix("/signals")) {
+        let robot = layout.robots.iter().find(|robot| robot.name == name);
+        if let (Some(robot), Some(json)) = (robot, json()) {
+            course.signals(name, signals(&robot.signals, &json));
+        }
     } else if let Some(name) = topic.strip_prefix("/robots/").filter(|name| !name.contains('/'))
         && course.is_due(time)
         && let Some(json) = json()
-        && let Some(tool) = pose(&json["measured"]["pose"])
+        && let (Some(tool), Some(in_force)) = (pose(&json["measured"]["pose"]), pose(&json["tool"]))
     {
         let joints = |of: &str| {
             let joints = json[of]["joints"].as_array().map(Vec::as_slice).unwrap_or_default();
             joints.iter().map(|q| q.as_f64().unwrap_or(f64::NAN)).collect::<Vec<_>>()
         };
-        course.robot(time, name, [&joints("demanded"), &joints("measured")], tool);
+        course.robot(time, name, [&joints("demanded"), &joints("measured")], [tool, in_force]);
     }
+}
+
+/// Reads what inputs read and outputs are; one that is not there is off.
+fn signals(known: &[SignalLayout], json: &Value) -> Signals {
+    let mut signals = Signals::OFF;
+    for SignalLayout { name, channel, is_output, .. } in known {
+        let (of, values) = match is_output {
+            true => ("outputs", &mut signals.outputs),
+            false => ("inputs", &mut signals.inputs),
+        };
+        let value = &json[of][name];
+        let digital = || value.as_bool().map(Signal::Digital);
+        if let Some(value) = value.as_f64().map(Signal::Analog).or_else(digital) {
+            values.set(*channel, value);
+        }
+    }
+    signals
 }
 
 /// Reads a pose.

@@ -91,6 +91,7 @@ async fn write(
     let mut taught = panel.taught.subscribe();
     taught.mark_changed();
     let mut next: Option<Utf8Bytes> = Some(layout.to_string().into());
+    let mut meshes = panel.looks.meshes().messages().iter();
     let mut told = None;
     loop {
         if let Some(text) = next.take() {
@@ -98,6 +99,10 @@ async fn write(
                 Ok(Ok(())) => {}
                 Ok(Err(_)) | Err(_) => return,
             }
+        }
+        if let Some(mesh) = meshes.next() {
+            next = Some(mesh.as_str().into());
+            continue;
         }
         // Who has authority, whenever that has changed.
         let holder = panel.stand.holder();

@@ -426,6 +426,7 @@ fn a_page_teaches_a_robot_that_stands_and_is_shown_the_way_to_what_it_taught() {
             doing: String::new(),
             jogs: true,
             stop: String::new(),
+            carried: crate::beside::Carried::default(),
         }
     };
     let (home, there) =
@@ -488,6 +489,7 @@ fn a_page_is_shown_the_links_and_the_tool_where_the_robots_own_kinematics_have_t
         doing: String::new(),
         jogs: false,
         stop: String::new(),
+        carried: crate::beside::Carried::default(),
     };
     let state = looks().state(&Now { robots: vec![robot.clone()], ..Now::default() });
     let numbers = |value: &Value| {

@@ -102,7 +102,7 @@ pub mod robot {
     pub use crate::model::load::{Load, Tool};
     pub use crate::model::pace::{Pace, Pulse};
     pub use crate::model::robot::{
-        CoupledLimit, InterpolationSpace, JointKind, Limits, NoInverse, POSITION_ROUND_OFF, Robot,
+        CoupledLimit, InterpolationSpace, JointKind, Limits, LinkMesh, NoInverse, POSITION_ROUND_OFF, Robot,
     };
     pub use crate::model::robot_stop::{ClearedBy, RobotStop, StopCause};
     pub use crate::model::signals::{

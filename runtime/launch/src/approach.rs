@@ -246,6 +246,7 @@ mod tests {
             robots,
             sensors: Vec::new(),
             frames: Vec::new(),
+            tools: Vec::new(),
             bodies: Vec::new(),
         }
     }

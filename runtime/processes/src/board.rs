@@ -33,11 +33,11 @@ struct Entry {
 }
 
 impl Entry {
-    fn write(&self, words: &[u64]) {
+    fn write(&self, from: usize, words: &[u64]) {
         let sequence = self.sequence.load(Ordering::Relaxed);
         self.sequence.store(sequence.wrapping_add(1), Ordering::Relaxed);
         fence(Ordering::Release);
-        for (place, word) in self.words.iter().zip(words) {
+        for (place, word) in self.words.iter().skip(from).zip(words) {
             place.store(*word, Ordering::Relaxed);
         }
         self.sequence.store(sequence.wrapping_add(2), Ordering::Release);
@@ -131,8 +131,13 @@ impl StateBoard {
     /// Shows the numbers of the process at a place; only that process may call this. Words beyond the entry's size are
     /// left out.
     pub fn write(&self, place: usize, words: &[u64]) {
+        self.write_from(place, 0, words);
+    }
+
+    /// The same from the word at `from` on: what stands elsewhere in the entry stays as it is.
+    pub fn write_from(&self, place: usize, from: usize, words: &[u64]) {
         if let Some(entry) = self.entry(place) {
-            entry.write(words);
+            entry.write(from, words);
         }
     }
 

@@ -1,6 +1,6 @@
 //! What processes write in their entries of the state board, and what consoles read there.
 //!
-//! In: the state of an MP or an ECP, or a servo period of a robot. Out: the words of an entry, and from these words the same
+//! In: the state of an MP or an ECP, a servo period of a robot and what it carries, a reading, where bodies are. Out: the words of an entry, and from these words the same
 //! values again.
 
 use super::board::ENTRY;
@@ -9,10 +9,10 @@ use mrroc_core::generator::TypeName;
 use mrroc_core::observe::Observation;
 use mrroc_core::operator::button::{Answer, Button, CellState};
 use mrroc_core::operator::jog::{JogRefusal, JogStop};
-use mrroc_core::operator::state::{Doing, EcpState, MpState};
-use mrroc_core::payload::Wire;
+use mrroc_core::operator::state::{Doing, EcpState, EdpState, MpState, VspState};
+use mrroc_core::payload::{WORDS, Wire};
 use mrroc_core::pose::Pose;
-use mrroc_core::robot::MAX_JOINTS;
+use mrroc_core::robot::{Load, MAX_JOINTS, Signals};
 
 /// Where the answers begin in the entry of an MP; the fault, the name of the generator and what forbids a reset follow.
 const ANSWERS: usize = 14;
@@ -173,8 +173,8 @@ impl MpPanel {
 }
 
 /// The words of a robot's servo period: its time, its joints as demanded and as measured, and the pose of its tool.
-pub(super) fn of_robot(seen: &Observation<'_>) -> [u64; ENTRY] {
-    let mut words = [0; ENTRY];
+pub(super) fn of_robot(seen: &Observation<'_>) -> [u64; CARRIED] {
+    let mut words = [0; CARRIED];
     let joints = seen.demanded.len().min(MAX_JOINTS);
     (words[0], words[1]) = (seen.time.to_bits(), joints as u64);
     for (word, q) in words[2..].iter_mut().zip(seen.demanded.iter().chain(seen.measured)) {
@@ -182,6 +182,73 @@ pub(super) fn of_robot(seen: &Observation<'_>) -> [u64; ENTRY] {
     }
     seen.tool.put(&mut words[TOOL..]);
     words
+}
+
+/// Where what a robot carries stands in the entry of its EDP, and its inputs and outputs behind that.
+pub(super) const CARRIED: usize = TOOL + Pose::LEN;
+const SIGNALS: usize = Pose::LEN + 1 + Load::LEN;
+const CARRIED_WORDS: usize = SIGNALS + Signals::LEN;
+
+const _: () = assert!(CARRIED + CARRIED_WORDS <= ENTRY, "and what it carries");
+
+/// The words of what a robot carries, and of its inputs and outputs.
+pub(super) fn of_edp(state: &EdpState<'_>) -> [u64; CARRIED_WORDS] {
+    let mut words = [0; CARRIED_WORDS];
+    state.tool.put(&mut words);
+    if let Some(load) = state.load {
+        words[Pose::LEN] = 1;
+        load.put(&mut words[Pose::LEN + 1..]);
+    }
+    state.signals.put(&mut words[SIGNALS..]);
+    words
+}
+
+/// What the entry of an EDP says of what its robot carries, and of its inputs and outputs; `None` before its first step.
+pub(super) fn carried(words: &[u64; ENTRY]) -> Option<(Pose, Option<Load>, Signals)> {
+    let words = &words[CARRIED..CARRIED + CARRIED_WORDS];
+    let load = (words[Pose::LEN] == 1).then(|| Load::get(&words[Pose::LEN + 1..]).ok()).flatten();
+    Some((Pose::get(words).ok()?, load, Signals::get(&words[SIGNALS..]).ok()?))
+}
+
+/// The words of a reading: the step in which it was taken, how many words it has, and 1; or 0 for a fault, and 2.
+pub(super) fn of_vsp(state: &VspState<'_>) -> [u64; READING + WORDS] {
+    let mut words = [0; READING + WORDS];
+    let shown = state.words.unwrap_or_default();
+    let len = shown.len().min(WORDS);
+    let kind = if state.words.is_some() { 1 } else { 2 };
+    words[..READING].copy_from_slice(&[kind, state.step, len as u64]);
+    words[READING..READING + len].copy_from_slice(&shown[..len]);
+    words
+}
+
+/// Where the words of a reading begin in the entry of a VSP.
+const READING: usize = 3;
+
+const _: () = assert!(READING + WORDS <= ENTRY, "and a reading");
+
+/// The newest reading in the entry of a VSP: the step in which it was taken, and its words, or `None` where there was a fault
+/// instead. `None` before the first one.
+pub(super) fn reading(words: &[u64; ENTRY]) -> Option<(u64, Option<Vec<u64>>)> {
+    let len = usize::try_from(words[2]).ok().filter(|len| *len <= WORDS)?;
+    match words[0] {
+        1 => Some((words[1], Some(words[READING..READING + len].to_vec()))),
+        2 => Some((words[1], None)),
+        _ => None,
+    }
+}
+
+/// The most bodies that the plant shows in its entry.
+pub(super) const BODIES: usize = ENTRY / (1 + Pose::LEN);
+
+/// Where the words of a body begin in the entry of the plant; the first of them is 1.
+pub(super) const fn body(place: usize) -> usize {
+    place * (1 + Pose::LEN)
+}
+
+/// Where the body at a place is, by the entry of the plant, `X_WB`; `None`: nobody has said so.
+pub(super) fn body_at(words: &[u64; ENTRY], place: usize) -> Option<Pose> {
+    let words = words.get(body(place)..body(place) + 1 + Pose::LEN)?;
+    (words[0] == 1).then(|| Pose::get(&words[1..]).ok()).flatten()
 }
 
 /// What the entry of an EDP says.
@@ -196,17 +263,20 @@ pub(super) struct RobotEntry {
 }
 
 impl RobotEntry {
-    /// Reads an entry. A pose that is none is read as that of the origin.
-    pub fn read(words: &[u64; ENTRY]) -> RobotEntry {
+    /// Reads an entry. A pose that is none is read as that of the origin. `None` before the first servo period.
+    pub fn read(words: &[u64; ENTRY]) -> Option<RobotEntry> {
+        if words[0] == 0 {
+            return None;
+        }
         let joints = usize::try_from(words[1]).unwrap_or(0).min(MAX_JOINTS);
         let numbers =
             |from: usize| words[from..from + joints].iter().map(|word| f64::from_bits(*word)).collect();
-        RobotEntry {
+        Some(RobotEntry {
             time: f64::from_bits(words[0]),
             demanded: numbers(2),
             measured: numbers(2 + joints),
             tool: Pose::get(&words[TOOL..]).unwrap_or_else(|_| Pose::identity()),
-        }
+        })
     }
 }
 
@@ -214,6 +284,8 @@ impl RobotEntry {
 mod tests {
     use super::*;
     use mrroc_core::fault::{FaultKind, ProcessId};
+    use mrroc_core::nalgebra::Vector3;
+    use mrroc_core::robot::Values;
 
     struct Dwell<T>(T);
     struct AConditionWithANameThatHasMoreThanSeventyTwoBytesAsNobodyWouldEverWriteOneInEarnest;
@@ -268,6 +340,36 @@ mod tests {
         let read = MpPanel::read(&[u64::MAX; ENTRY]);
         assert_eq!((read.doing, read.state, read.fault), (Doing::Nothing, CellState::Idle, None));
         assert!(read.answers.iter().all(|answer| !answer.done));
-        assert_eq!(RobotEntry::read(&[u64::MAX; ENTRY]).demanded.len(), MAX_JOINTS);
+        assert_eq!(RobotEntry::read(&[u64::MAX; ENTRY]).expect("words").demanded.len(), MAX_JOINTS);
+        assert!(carried(&[u64::MAX; ENTRY]).is_none() && reading(&[u64::MAX; ENTRY]).is_none());
+        assert!((0..=BODIES).all(|place| body_at(&[u64::MAX; ENTRY], place).is_none()));
+        assert!(RobotEntry::read(&[0; ENTRY]).is_none() && carried(&[0; ENTRY]).is_none());
+        assert!(reading(&[0; ENTRY]).is_none() && body_at(&[0; ENTRY], 0).is_none());
+    }
+
+    #[test]
+    fn what_a_robot_carries_a_reading_and_bodies_are_read_as_they_were_written() {
+        let mut words = [0; ENTRY];
+        let tool = Pose::translation(0.0, 0.1, 0.2);
+        let load = Load::point(1.5, Vector3::new(0.0, 0.0, 0.05));
+        let signals = Signals { inputs: Values::new(5, [0.5; 4]), outputs: Values::new(1 << 31, [-1.0; 4]) };
+        let state = EdpState { tool: &tool, load: Some(&load), signals: &signals };
+        words[CARRIED..CARRIED + CARRIED_WORDS].copy_from_slice(&of_edp(&state));
+        assert_eq!(carried(&words), Some((tool, Some(load), signals)));
+        words[CARRIED..CARRIED + CARRIED_WORDS].copy_from_slice(&of_edp(&EdpState { load: None, ..state }));
+        assert_eq!(carried(&words), Some((tool, None, signals)));
+
+        let shown = |state: &VspState<'_>| {
+            let mut words = [0; ENTRY];
+            words[..READING + WORDS].copy_from_slice(&of_vsp(state));
+            reading(&words)
+        };
+        assert_eq!(shown(&VspState { step: 7, words: Some(&[1, 2]) }), Some((7, Some(vec![1, 2]))));
+        assert_eq!(shown(&VspState { step: 8, words: None }), Some((8, None)));
+
+        let mut words = [0; ENTRY];
+        words[body(BODIES - 1)] = 1;
+        tool.put(&mut words[body(BODIES - 1) + 1..]);
+        assert_eq!((body_at(&words, BODIES - 1), body_at(&words, 0)), (Some(tool), None));
     }
 }

@@ -39,6 +39,7 @@ mod member;
 mod mp_watch;
 mod nodes;
 mod operating;
+mod own_entry;
 mod pacing;
 mod part;
 mod picture_socket;
@@ -51,8 +52,8 @@ mod signals;
 mod supervision;
 
 pub use console_server::{
-    Asks, Caller, CellPicture, ENDED, Heard, Hears, MAX_REQUEST, OnBehalf, Picture, ProcessPicture, Reply,
-    Request, RobotPicture,
+    Asks, BodyPicture, Caller, CarriedPicture, CellPicture, ENDED, Heard, Hears, MAX_REQUEST, OnBehalf, Picture,
+    ProcessPicture, ReadingPicture, Reply, Request, RobotPicture,
 };
 pub use figures::{Figures, Spread};
 pub use part::{OverSharedMemory, View};

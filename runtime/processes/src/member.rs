@@ -3,37 +3,29 @@
 //! In: the session's folder, and frames of the launcher. Out: the run of this process's part of the cell; to the
 //! launcher, how that part ended.
 
-use core::cell::OnceCell;
 use std::fs::File;
 use std::io;
 use std::os::fd::AsFd;
 use std::os::unix::net::UnixStream;
 use std::path::Path;
-use std::rc::Rc;
-use std::sync::atomic::Ordering;
 use std::sync::mpsc::{Receiver, channel};
 use std::time::Duration;
 
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::process::{Signal, set_parent_process_death_signal};
 
-use super::board::StateBoard;
 use super::control::{Control, Frame};
-use super::entry;
 use super::figures::Gauge;
-use super::heartbeat::Silence;
+use super::own_entry::OwnEntry;
 use super::scheduling::{Lacks, ask, give_back_priority};
 use super::session::{Membership, Private, prefix};
 use crate::iceoryx::monotonic;
-use crate::iceoryx::{
-    Clock, Fabric, Heard, Launcher, LockStep, RealTime, Seal, Shows, Slew, Supervised, WakeFutex,
-};
+use crate::iceoryx::{Clock, Fabric, Heard, Launcher, LockStep, RealTime, Seal, WakeFutex};
 use crate::identity::{self, CellId};
 use mrroc_core::cell::{Cell, RunReport};
 use mrroc_core::fault::{Fault, ProcessId, Role};
 use mrroc_core::link::places::Places;
 use mrroc_core::link::{Host, Nanos, News, Preparation, Waiter};
-use mrroc_core::observe::Observation;
 
 /// How long an EDP may brake after its launcher is gone.
 const LAST_BRAKING: Duration = Duration::from_secs(10);
@@ -174,8 +166,16 @@ fn take_part(
     }
     let (realtime, step) = (cell.realtime().cloned(), cell.step_length().as_nanos() as Nanos);
     let mut fabric = Fabric::new(me, clock);
-    let entry = Entry::default();
-    let cell = if me.role == Role::Edp { cell.watch(entry.of_robot()) } else { cell };
+    let entry = OwnEntry::default();
+    let cell = match me.role {
+        Role::Edp => cell.watch(entry.of_robot()),
+        // In lock-step nobody reads the board.
+        Role::Plant if clock == Clock::Real => {
+            let bodies = entry.of_bodies(&cell.layout().bodies);
+            cell.witnessed_by(bodies)
+        }
+        Role::Plant | Role::Mp | Role::Ecp | Role::Vsp | Role::Node => cell,
+    };
     let assembly = cell.put_on(&mut fabric).map_err(Ended::of)?;
     let Some(body) = fabric.take_body() else {
         return Err(Ended::Refuses("the cell has no such process".to_owned()));
@@ -262,64 +262,6 @@ fn keep_until(origin: Nanos, preparation: &dyn Preparation) {
 /// Whether robots are braked by this process.
 fn has_robot(me: ProcessId) -> bool {
     matches!(me.role, Role::Edp | Role::Plant)
-}
-
-/// This process's entry on the state board; empty until the cell is put together and the place of the process is known.
-#[derive(Default)]
-struct Entry(Rc<OnceCell<(StateBoard, usize)>>);
-
-impl Entry {
-    fn open(&self, fabric: &Fabric, me: ProcessId, seal: Seal) -> io::Result<()> {
-        let places = fabric.places();
-        let board = StateBoard::open(seal.session, places.len())?;
-        if let Some(place) = places.iter().position(|&place| place == me) {
-            // The entry is opened once, so it is still empty here.
-            drop(self.0.set((board, place)));
-        }
-        Ok(())
-    }
-
-    /// An observer that shows every servo period of this process's robot on the board.
-    fn of_robot(&self) -> impl FnMut(&Observation<'_>) + 'static {
-        let entry = Rc::clone(&self.0);
-        move |seen| {
-            if let Some((board, place)) = entry.get() {
-                board.write(*place, &entry::of_robot(seen));
-            }
-        }
-    }
-
-    /// What shows every step of an MP, or the instructions of an ECP, on the board; `None` in any other process.
-    fn of(&self, me: ProcessId) -> Option<Shows> {
-        let entry = Rc::clone(&self.0);
-        let write = move |words: &[u64]| {
-            if let Some((board, place)) = entry.get() {
-                board.write(*place, words);
-            }
-        };
-        match me.role {
-            Role::Mp => Some(Shows::Mp(Box::new(move |state| write(&entry::of_mp(state))))),
-            Role::Ecp => Some(Shows::Ecp(Box::new(move |state| write(&entry::of_ecp(state))))),
-            Role::Edp | Role::Vsp | Role::Plant | Role::Node => None,
-        }
-    }
-
-    /// What tells by how much the cell's time has moved on this machine.
-    fn slew(&self) -> Option<Slew> {
-        let entry = Rc::clone(&self.0);
-        entry.get()?;
-        Some(Box::new(move || entry.get().map_or(0, |(board, _)| board.slew().load(Ordering::Relaxed))))
-    }
-
-    /// What tells an MP whether its launcher supervises the cell; `None` in any other process.
-    fn supervised(&self, me: ProcessId) -> Option<Supervised> {
-        let (entry, silence) = (Rc::clone(&self.0), Silence::default());
-        let supervised = move |now| {
-            let board = entry.get().map(|(board, _)| board);
-            board.is_none_or(|board| !silence.look(board.heartbeat().read(), now))
-        };
-        (me == ProcessId::MP).then(|| -> Supervised { Box::new(supervised) })
-    }
 }
 
 fn say(control: &Control, frame: &Frame) -> Result<(), Ended> {

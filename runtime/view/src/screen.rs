@@ -248,6 +248,7 @@ mod tests {
                 jogs: false,
                 stop: JogStop::None,
             }],
+            ..Picture::default()
         }
     }
 

@@ -21,6 +21,31 @@ export function shift([x, y, z]) {
   return [[1, 0, 0, x], [0, 1, 0, y], [0, 0, 1, z], [0, 0, 0, 1]];
 }
 
+function origin(body, tag) {
+  const element = body.match(new RegExp(`<${tag}[^>]*>`))?.[0] ?? '';
+  const attribute = (name) => numbers(element.match(new RegExp(`${name}="([^"]*)"`))?.[1] ?? '0 0 0');
+  const [roll, pitch, yaw] = attribute('rpy');
+  const turned = multiply(multiply(turn([0, 0, 1], yaw), turn([0, 1, 0], pitch)), turn([1, 0, 0], roll));
+  return multiply(shift(attribute('xyz')), turned);
+}
+
+/** The poses of the links of a serial arm in its base at these joints, by the text of its URDF; and where a link's shape stands in it. */
+export function linkPoses(urdf, joints) {
+  const poses = new Map();
+  let at = 0;
+  for (const [, kind, body] of urdf.matchAll(/<joint name="[^"]*" type="([a-z]+)">([\s\S]*?)<\/joint>/g)) {
+    const link = (role) => body.match(new RegExp(`<${role} link="([^"]*)"`))[1];
+    if (!poses.size) poses.set(link('parent'), shift([0, 0, 0]));
+    let pose = multiply(poses.get(link('parent')), origin(body, 'origin'));
+    if (kind === 'revolute') pose = multiply(pose, turn(numbers(body.match(/<axis xyz="([^"]*)"/)[1]), joints[at++]));
+    else if (kind !== 'fixed') throw new Error(`a joint of type ${kind}`);
+    poses.set(link('child'), pose);
+  }
+  if (at !== joints.length) throw new Error(`${at} joints in the URDF, ${joints.length} in the cell`);
+  const visual = (name) => origin(urdf.match(new RegExp(`<link name="${name}">[\\s\\S]*?<visual>([\\s\\S]*?)</visual>`))[1], 'origin');
+  return { get: (name) => poses.get(name), visual };
+}
+
 /** The pose of the last link of a serial arm at these joints, by the text of its URDF. */
 export function lastLink(urdf, joints) {
   let pose = shift([0, 0, 0]), at = 0;

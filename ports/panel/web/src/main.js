@@ -1,14 +1,17 @@
 // The operator's panel.
 //
 // In: what the panel's process sends. Out: the page. `scene` draws the cell, `plots` the last minute, `operate` has the buttons, `jog`
-// those that move one robot, `play` the time of a recording, `link` the connection.
+// those that move one robot, `devices` what is beside joints, `values` what is plotted, `play` the time of a recording, `link` the
+// connection.
 
+import { Devices } from './devices.js';
 import { Jogging } from './jog.js';
 import { CellScene, NoScene } from './scene.js';
 import { Link } from './link.js';
 import { Operating } from './operate.js';
 import { Player } from './play.js';
-import { LINES, Plot } from './plots.js';
+import { LINES, Plot, save } from './plots.js';
+import { SHOWN, groups } from './values.js';
 
 const by = (id) => document.getElementById(id);
 /** A picture that is older than this is told of [ms]. */
@@ -17,9 +20,13 @@ const OLD = 1000;
 const scene = drawn();
 const plots = {
   joints: new Plot(by('plot-joints')), speed: new Plot(by('plot-speed'), by('speed-names'), 20), late: new Plot(by('plot-late'), by('late-names')),
+  readings: new Plot(by('plot-readings'), by('readings-names')),
 };
 let layout = null, newest = null, cameAt = 0, over = '', closed = false, late = [];
 const before = new Map();
+const devices = new Devices();
+/** What the plot of readings may show, and what it does show. */
+let sensed = [], group = null;
 
 /** The picture; a browser that cannot draw one operates the cell all the same. */
 function drawn() {
@@ -51,6 +58,7 @@ const jogging = new Jogging(operating, link, (way) => scene.showWay(way));
 function hear(message) {
   switch (message.kind) {
     case 'layout': return build(message);
+    case 'mesh': return scene.mesh(message);
     case 'state': return show(message);
     case 'authority':
       operating.authority(message);
@@ -73,8 +81,12 @@ function build(message) {
   late = [];
   const played = layout.lasts !== null;
   by('stop').hidden = by('operating').hidden = by('processes-part').hidden = by('late-figure').hidden = played;
-  document.querySelector('.plots').classList.toggle('two', played);
+  devices.build(layout);
+  sensed = groups(layout.sensors);
+  by('readings-of').replaceChildren(...sensed.map(({ title }, i) => new Option(title, i)));
+  by('readings-figure').hidden = sensed.length === 0;
   choose();
+  chooseReadings();
   jogging.begin(layout);
   if (played) player.begin(layout.lasts);
 }
@@ -84,7 +96,7 @@ function choose() {
   const robot = layout?.robots.find(({ name }) => name === by('robot').value);
   const joints = robot?.joints ?? [];
   const unit = (joint) => (joint.kind === 'revolute' ? 'rad' : 'm');
-  by('plot-joints-title').textContent = `Joints of ${robot?.name ?? '–'} [${[...new Set(joints.map(unit))].join(', ')}]`;
+  by('plot-joints-title').textContent = `${robot?.name ?? '–'} [${SHOWN[by('joints-as').value].unit ?? [...new Set(joints.map(unit))].join(', ')}]`;
   plots.joints.begin(joints.map((_, i) => `${i + 1}`));
   by('joints').replaceChildren(...joints.flatMap((joint, i) => {
     const name = document.createElement('span'), range = document.createElement('div'), value = document.createElement('output');
@@ -96,6 +108,12 @@ function choose() {
     return [name, range, value];
   }));
   if (newest) show(newest);
+}
+
+/** Readings of another sensor are plotted. */
+function chooseReadings() {
+  group = sensed[by('readings-of').value] ?? null;
+  if (group) plots.readings.begin(group.names);
 }
 
 function show(state) {
@@ -126,6 +144,8 @@ function show(state) {
   const speeds = layout.robots.map(({ name }) => speed(name, state));
   plots.speed.add(state.time, speeds);
   by('fastest').textContent = `${Math.round(1000 * scene.fastest)} mm/s`;
+  devices.show(state, by('robot').value);
+  if (group) plots.readings.add(state.time, group.places.map((place) => state.readings[group.sensor]?.[place] ?? null));
   showProcesses(state);
 }
 
@@ -145,7 +165,7 @@ function showJoints(state) {
   const chosen = by('robot').value;
   const robot = state.robots.find(({ name }) => name === chosen), made = layout.robots.find(({ name }) => name === chosen);
   if (!robot || !made) return;
-  plots.joints.add(state.time, robot.measured);
+  plots.joints.add(state.time, made.joints.map((joint, i) => SHOWN[by('joints-as').value].of(robot.measured[i], robot.demanded[i], joint)));
   const cells = by('joints').children;
   made.joints.forEach((joint, i) => {
     const [range, value] = [cells[3 * i + 1], cells[3 * i + 2]];
@@ -201,6 +221,9 @@ setInterval(() => {
 setInterval(() => Object.values(plots).forEach((plot) => plot.draw()), 200);
 
 by('robot').addEventListener('change', choose);
+by('joints-as').addEventListener('change', choose);
+by('readings-of').addEventListener('change', chooseReadings);
+by('save').addEventListener('click', () => save(Object.entries(plots), `${layout?.robots.map(({ name }) => name).join('-') || 'cell'}.csv`));
 for (const button of document.querySelectorAll('[data-view]')) button.addEventListener('click', () => scene.look(button.dataset.view));
 const toggle = (id, set) => by(id).addEventListener('click', () => {
   const on = by(id).getAttribute('aria-pressed') !== 'true';
@@ -209,6 +232,7 @@ const toggle = (id, set) => by(id).addEventListener('click', () => {
   if (newest) scene.show(newest, false);
 });
 toggle('frames', (on) => { scene.showsFrames = on; });
+toggle('nearest', (on) => { scene.showsNearest = on; });
 toggle('path', (on) => {
   scene.showsPath = on;
   by('legend').hidden = !on;
@@ -237,6 +261,10 @@ window.mrrocPanel = {
   ask: (message) => link.ask(message),
   cut: () => link.socket.close(),
   marks: () => scene.marks(),
+  layout: () => layout,
+  scene: () => scene.shown(),
+  drawn: () => scene.drawn ?? 0,
+  plots: () => Object.fromEntries(Object.entries(plots).map(([name, { names, data }]) => [name, { names, data }])),
 };
 
 link.open();

@@ -77,3 +77,17 @@ export class Plot {
     if (this.plot && width && height) this.plot.setSize({ width, height });
   }
 }
+
+/** Writes what plots have, the last minute, into a file of the person's: a block for each plot, with its times in seconds. */
+export function save(plots, file) {
+  const blocks = plots.filter(([, { data }]) => data[0].length).map(([name, { names, data }]) => {
+    const rows = data[0].map((_, i) => data.map((line) => line[i] ?? '').join(','));
+    const quoted = names.map((text) => `"${text.replaceAll('"', '""')}"`);
+    return [`# ${name}`, ['time_s', ...quoted].join(','), ...rows].join('\n');
+  });
+  const link = document.createElement('a');
+  link.href = URL.createObjectURL(new Blob([`${blocks.join('\n\n')}\n`], { type: 'text/csv' }));
+  link.download = file;
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+}

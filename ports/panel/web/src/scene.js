@@ -4,10 +4,11 @@
 
 import {
   AmbientLight, AxesHelper, BoxGeometry, BufferAttribute, BufferGeometry, Color, CylinderGeometry, DirectionalLight, DynamicDrawUsage,
-  GridHelper, Group, HemisphereLight, Line, LineBasicMaterial, Mesh, MeshLambertMaterial, PerspectiveCamera, Quaternion, Scene,
+  GridHelper, Group, HemisphereLight, Line, LineBasicMaterial, Mesh, MeshLambertMaterial, PerspectiveCamera, Scene,
   SphereGeometry, Vector3, WebGLRenderer,
 } from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
+import { NearestLine, WrenchArrows, nearestLinks, placeMark, pose6, triangles } from './shown.js';
 
 /** Colours of robots in their order; colour-blind people tell them apart, too. */
 export const COLOURS = ['#0072b2', '#e69f00', '#009e73', '#cc79a7', '#56b4e9', '#d55e00'];
@@ -99,7 +100,13 @@ export class CellScene {
     this.controls.addEventListener('change', () => this.wake());
     this.robots = new Map();
     this.bodies = [];
+    this.wrenches = [];
+    this.places = [];
+    this.geometries = [];
+    this.nearest = new NearestLine('#d55e00');
+    this.scene.add(this.nearest.line);
     this.showsFrames = false;
+    this.showsNearest = false;
     this.showsPath = true;
     this.fitted = false;
     this.fastest = 0.1;
@@ -113,7 +120,10 @@ export class CellScene {
     this.robots.forEach(({ group }) => this.scene.remove(group));
     this.bodies.forEach((body) => this.scene.remove(body));
     this.robots.clear();
-    this.labels.replaceChildren();
+    [...this.wrenches, ...this.places].forEach(({ group, axes }) => this.scene.remove(group ?? axes));
+    this.geometries.forEach((geometry) => geometry?.dispose());
+    this.geometries = [];
+    this.labels.replaceChildren(this.nearest.label);
     layout.robots.forEach((robot, i) => {
       const colour = new Color(COLOURS[i % COLOURS.length]);
       const group = new Group(), path = new Path(), label = document.createElement('span');
@@ -132,7 +142,30 @@ export class CellScene {
       const axes = new AxesHelper(0.12);
       bar.parts.forEach((part) => { part.visible = false; });
       group.add(tool, axes, ...bar.parts);
-      this.robots.set(robot.name, { group, path, label, materials, through, tool, bar, axes, links: [], ghost: [], frames: [], at: null });
+      const meshes = robot.meshes.map(({ mesh, frame, pose }) => {
+        const on = new Group(), shape = new Mesh(undefined, materials[frame % 2]);
+        pose6(shape, pose);
+        on.add(shape);
+        on.visible = false;
+        group.add(on);
+        return { mesh, frame, on, shape };
+      });
+      this.robots.set(robot.name, { group, path, label, materials, through, tool, bar, axes, meshes, on: robot.on, links: [], ghost: [], frames: [], at: null });
+    });
+    // A wrench is shown at the tool of the robot that its sensor belongs to.
+    this.wrenches = layout.sensors.flatMap((sensor, place) => {
+      if (!sensor.wrench || !sensor.of) return [];
+      const arrows = new WrenchArrows(sensor.name);
+      this.scene.add(arrows.group);
+      this.labels.append(arrows.label);
+      return [Object.assign(arrows, { of: sensor.of, sensor: place })];
+    });
+    this.places = layout.frames.map((name, i) => {
+      const mark = placeMark(name, layout.places[i]);
+      mark.axes.visible = false;
+      this.scene.add(mark.axes);
+      this.labels.append(mark.label);
+      return mark;
     });
     const grey = new MeshLambertMaterial({ color: '#9aa4ae' });
     this.bodies = layout.bodies.map(({ edges }) => {
@@ -143,6 +176,14 @@ export class CellScene {
       return body;
     });
     this.fitted = false;
+  }
+
+  /** The triangles of a mesh have come. */
+  mesh({ mesh, corners }) {
+    const geometry = triangles(corners);
+    this.geometries[mesh] = geometry;
+    this.robots.forEach(({ meshes }) => meshes.filter((known) => known.mesh === mesh).forEach(({ shape }) => { shape.geometry = geometry; }));
+    this.wake();
   }
 
   /** The cell is like this now. */
@@ -156,6 +197,13 @@ export class CellScene {
         shown.group.add(...link.parts);
       }
       robot.links.forEach((link, i) => shown.links[i].place(link));
+      // Meshes in place of capsules, as soon as all of them have come.
+      const whole = shown.meshes.length > 0 && shown.meshes.every(({ mesh, frame }) => this.geometries[mesh] && robot.frames[frame]);
+      shown.meshes.forEach(({ on, frame }) => {
+        on.visible = whole;
+        if (whole) pose6(on, robot.frames[frame]);
+      });
+      if (whole) shown.links.forEach(({ parts }) => parts.forEach((part) => { part.visible = false; }));
       while (shown.ghost.length < robot.ghost.length) {
         const link = new Capsule(shown.through);
         shown.ghost.push(link);
@@ -183,6 +231,14 @@ export class CellScene {
       body.visible = pose !== null;
       if (pose) pose6(body, pose);
     });
+    for (const arrows of this.wrenches) {
+      const tool = state.robots.find(({ name }) => name === arrows.of)?.tool;
+      arrows.place(tool, state.readings[arrows.sensor]);
+    }
+    this.places.forEach(({ axes }) => { axes.visible = this.showsFrames; });
+    const robots = state.robots.map(({ name, links }) => ({ name, links, on: this.robots.get(name)?.on }));
+    this.pair = this.showsNearest ? nearestLinks(robots) : null;
+    this.nearest.show(this.pair);
     if (!this.fitted && state.robots.some((robot) => robot.links.length)) this.look('fit');
     this.wake();
   }
@@ -256,6 +312,8 @@ export class CellScene {
     this.robots.forEach(({ links }) => links.forEach(({ parts: [, a, b] }) => {
       [a, b].forEach(({ position, scale }) => take(position.x, position.y, position.z, scale.x));
     }));
+    // Bodies, but for floors and walls that are larger than the cell.
+    this.bodies.filter(({ visible, scale }) => visible && scale.length() < 4).forEach(({ position, scale }) => take(position.x, position.y, position.z, 0.5 * scale.length()));
     if (low.x > high.x) return;
     // Arms may reach below the world's origin, as those do that stand on a column of their own.
     this.floor = Math.min(0, low.z);
@@ -325,6 +383,22 @@ export class CellScene {
     return spots.filter(({ n }) => n > 3).map(({ x, y, n }) => [(x / n + 0.5) / ratio, (height - y / n - 0.5) / ratio, n]);
   }
 
+  /** What is drawn, for those who test the page: bodies, arrows, meshes, the nearest pair. */
+  shown() {
+    return {
+      bodies: this.bodies.map(({ visible, position }) => (visible ? position.toArray() : null)),
+      wrenches: this.wrenches.map(({ name, group, newtons, force: { end, group: at } }) => ({
+        name, newtons: group.visible ? newtons : 0, from: at.position.toArray(), to: end?.toArray() ?? null,
+      })),
+      meshes: [...this.robots.values()].flatMap(({ meshes }) => meshes.filter(({ on }) => on.visible).map(({ shape }) => {
+        shape.updateWorldMatrix(true, false);
+        return { matrix: shape.matrixWorld.toArray(), corners: shape.geometry.getAttribute('position').count };
+      })),
+      places: this.places.map(({ axes }) => axes.visible),
+      nearest: this.pair ? { of: this.pair.of, free: this.pair.free } : null,
+    };
+  }
+
   /** Shows the axes of tools, or leaves them out. */
   axes(shown) {
     this.robots.forEach(({ axes, path, bar }) => {
@@ -332,6 +406,9 @@ export class CellScene {
       path.line.visible = shown && this.showsPath;
       bar.parts.forEach((part) => { part.material.visible = shown; });
     });
+    this.wrenches.forEach(({ group }) => { group.scale.setScalar(shown ? 1 : 0); });
+    this.bodies.forEach((body) => { body.material.visible = shown; });
+    this.nearest.line.material.visible = shown;
   }
 
   wake() {
@@ -346,6 +423,7 @@ export class CellScene {
       const late = performance.now() - asked;
       this.rest = late > 60 ? Math.min(2000, 2 * late) : 0;
       this.renderer.render(this.scene, this.camera);
+      this.drawn = (this.drawn ?? 0) + 1;
       this.name();
       const free = () => {
         this.asked = false;
@@ -359,6 +437,20 @@ export class CellScene {
     });
   }
 
+  /** Texts beside arrows and frames. */
+  beside(arrows, places) {
+    const { clientWidth: width, clientHeight: height } = this.canvas;
+    const put = (label, at) => {
+      label.hidden = !at;
+      if (!at) return;
+      const seen = at.clone().project(this.camera);
+      label.hidden = Math.abs(seen.x) > 1 || Math.abs(seen.y) > 1 || seen.z > 1;
+      label.style.transform = `translate(${(0.5 + 0.5 * seen.x) * width + 10}px, ${(0.5 - 0.5 * seen.y) * height - 20}px)`;
+    };
+    arrows.forEach(({ label, at, group, line }) => put(label, (group ?? line).visible ? at : null));
+    places.forEach(({ label, axes }) => put(label, axes.visible ? axes.position : null));
+  }
+
   /** Names of robots, beside their bases; of those that would hide each other the nearest one. */
   name() {
     const { clientWidth: width, clientHeight: height } = this.canvas;
@@ -370,6 +462,7 @@ export class CellScene {
       if (Math.abs(at.x) > 1 || Math.abs(at.y) > 1 || at.z > 1) return;
       named.push({ label, name, far: at.z, x: (0.5 + 0.5 * at.x) * width + 8, y: (0.5 - 0.5 * at.y) * height + 6 });
     });
+    this.beside([...this.wrenches, this.nearest], this.places);
     const shown = [];
     named.sort((one, other) => one.far - other.far).forEach((one) => {
       // About as wide as it is drawn: to measure each of them would cost more than to draw the cell.
@@ -389,6 +482,8 @@ export class NoScene {
 
   build() {}
 
+  mesh() {}
+
   show() {}
 
   forget() {}
@@ -402,10 +497,8 @@ export class NoScene {
   marks() {
     return [];
   }
-}
 
-const turn = new Quaternion();
-function pose6(object, [x, y, z, ...rotation]) {
-  object.position.set(x, y, z);
-  object.quaternion.copy(turn.set(...rotation));
+  shown() {
+    return null;
+  }
 }

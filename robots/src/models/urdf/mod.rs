@@ -19,6 +19,7 @@ mod drives;
 mod error;
 pub(crate) mod export;
 mod links;
+mod meshes;
 mod motion;
 mod newton;
 mod outline;

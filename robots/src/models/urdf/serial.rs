@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use mrroc::prelude::*;
-use mrroc::robot::{JointKind, Limits, NoInverse, Tool};
+use mrroc::robot::{JointKind, Limits, LinkMesh, NoInverse, Tool};
 use nalgebra::{SVector, Vector3};
 
 use super::chain::{Chain, Mover, Segment};
@@ -36,7 +36,8 @@ use crate::models::local::Local;
 ///
 /// **Read:** the joints between base and tip: `type` revolute, continuous, prismatic or fixed; `<origin>`
 /// (`xyz`, and `rpy` or from version 1.1 `quat_xyzw`; the identity where it is not written), `<axis>` (x where it is
-/// not written), `<limit>`, `<mimic>`; for simulated drives `<dynamics>` and the links' `<inertial>`. Visuals, collisions,
+/// not written), `<limit>`, `<mimic>`; for simulated drives `<dynamics>` and the links' `<inertial>`; for panels the
+/// meshes of `<visual>` ([`Serial::with_meshes`]). Collisions,
 /// transmissions, soft limits of safety controllers, and joints off the chain are not read. Numbers and
 /// spelling are checked strictly: what would give another joint than the one written is refused, with a [`UrdfError`]
 /// that names it.
@@ -100,6 +101,8 @@ pub struct Serial<const N: usize> {
     nominal: Option<Box<Serial<N>>>,
     /// What its joints are off by, beside its dimensions.
     local: Option<Box<Local<N>>>,
+    /// The files of its links' visible shapes.
+    pub(super) meshes: Vec<LinkMesh>,
 }
 
 /// A chain that still lacks its limits of acceleration, which a URDF does not give.
@@ -144,6 +147,7 @@ impl<const N: usize> SerialBuilder<N> {
             rounded,
             nominal: None,
             local: None,
+            meshes: Vec::new(),
         })
     }
 
@@ -504,6 +508,10 @@ impl<const N: usize> Robot for Serial<N> {
             visit(&X_WL);
         }
         visit(&(X_WL * self.X_tip));
+    }
+
+    fn meshes(&self) -> &[LinkMesh] {
+        &self.meshes
     }
 
     #[allow(non_snake_case)]

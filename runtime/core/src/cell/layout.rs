@@ -25,6 +25,7 @@ impl Cell {
             robots: robots.chain(self.lower_robots()).collect(),
             sensors: sensors.chain(self.lower_sensors()).collect(),
             frames: self.parts.named.frames.clone(),
+            tools: self.parts.named.tools.clone(),
             bodies: self.watching.bodies.iter().map(|(layout, _)| layout.clone()).collect(),
         }
     }

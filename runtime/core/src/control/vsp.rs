@@ -15,6 +15,7 @@ use crate::model::fault::{Fault, FaultKind, ProcessId};
 use crate::model::image::Sensor;
 use crate::model::time::Nanos;
 use crate::model::wire::Wire;
+use crate::operator::state::VspState;
 
 /// Where a VSP gets its orders.
 pub(crate) enum Orders {
@@ -167,6 +168,10 @@ impl<V: VirtualSensor> Vsp<'_, V> {
             RawSensors::Plant(sensor) => sensor.answer(request, reply, self.host.waiter).map(|()| true)?,
         };
         self.host.meter.sample(Sample::Worked(self.host.waiter.now().saturating_sub(began)));
+        if is_there {
+            let words = (reply.header.kind == Kind::Reply).then(|| reply.words());
+            self.host.console.show_vsp(&VspState { step: reply.header.step, words });
+        }
         Ok(is_there)
     }
 }

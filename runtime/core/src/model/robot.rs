@@ -1,5 +1,7 @@
 //! What the runtime must know about a robot: its kinematics and its limits.
 
+use std::path::PathBuf;
+
 use nalgebra::Vector3;
 
 use crate::model::excess::Excess;
@@ -10,6 +12,19 @@ use crate::model::pose::Pose;
 /// Round-off of a position of order 1 [rad or m]. The error of an n-th difference of positions is up to 2^n times this:
 /// 4 times for an acceleration, 8 times for a jerk.
 pub const POSITION_ROUND_OFF: f64 = 1e-12;
+
+/// The file of the visible shape of a link, which is fixed in one of the [frames](Robot::frames) of a robot.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LinkMesh {
+    /// The file: triangles as STL.
+    pub file: PathBuf,
+    /// The frame, by its place among those that are visited, the base's first.
+    pub frame: usize,
+    /// The pose of the shape in that frame, `X_LM` \[m\].
+    pub pose: Pose,
+    /// What the numbers of the file are multiplied by, to be metres.
+    pub scale: [f64; 3],
+}
 
 /// A kind of robot. A value holds the geometry (nominal or calibrated, and the place of the base) and the limits.
 ///
@@ -84,6 +99,12 @@ pub trait Robot: Clone + Send + Sync + 'static {
     /// \[m\], and its radius \[m\], finite, > 0. By default there are none, and a viewer is given bars between the
     /// [frames](Robot::frames).
     fn capsules_of_links(&self, _q: &Self::Joints, _visit: &mut dyn FnMut([Vector3<f64>; 2], f64)) {}
+
+    /// The files of the links' visible shapes, for panels. By default there are none, and links are drawn as
+    /// [capsules](Robot::capsules_of_links).
+    fn meshes(&self) -> &[LinkMesh] {
+        &[]
+    }
 
     /// The robot as a URDF for programs of others: a `<robot>` of this name, from the world to the tool, with what a URDF
     /// cannot say of it in a comment. `None` by default.

@@ -7,8 +7,9 @@ use std::sync::Arc;
 use nalgebra::Vector3;
 
 use crate::model::joints::JointVector;
+use crate::model::load::Tool;
 use crate::model::pose::Pose;
-use crate::model::robot::{InterpolationSpace, JointKind, Robot};
+use crate::model::robot::{InterpolationSpace, JointKind, LinkMesh, Robot};
 use crate::model::sensor::VspMode;
 use crate::model::shape::Shape;
 use crate::model::signals::Channel;
@@ -37,6 +38,8 @@ pub struct Layout {
     pub sensors: Vec<SensorLayout>,
     /// The frames that it names, such as a table: their poses in the world, `X_WU` \[m\].
     pub frames: Vec<(String, Pose)>,
+    /// The tools that it names.
+    pub tools: Vec<(String, Tool)>,
     /// The bodies that its robots handle, as far as it [shows](crate::cell::Cell::shows_body) them.
     pub bodies: Vec<BodyLayout>,
 }
@@ -102,6 +105,11 @@ pub trait Figure: Send + Sync {
     /// Visits the links' capsules at these joint positions [rad or m], as [`Robot::capsules_of_links`]: ends and radius
     /// \[m\]; none if they are too few.
     fn capsules(&self, joints: &[f64], visit: &mut dyn FnMut([Vector3<f64>; 2], f64));
+
+    /// The files of the links' visible shapes, as [`Robot::meshes`].
+    fn meshes(&self) -> &[LinkMesh] {
+        &[]
+    }
 }
 
 impl fmt::Debug for dyn Figure {
@@ -121,6 +129,10 @@ impl<R: Robot> Figure for R {
         if joints.len() >= R::Joints::LEN {
             self.capsules_of_links(&R::Joints::from_joints(|i| joints[i]), visit);
         }
+    }
+
+    fn meshes(&self) -> &[LinkMesh] {
+        Robot::meshes(self)
     }
 }
 

@@ -1,6 +1,9 @@
-//! What an MP shows of itself to its operator in every step, in plain numbers.
+//! What the processes of a cell show of themselves to its operator, in plain numbers.
 
 use crate::model::fault::FaultWords;
+use crate::model::load::Load;
+use crate::model::pose::Pose;
+use crate::model::signals::Signals;
 use crate::model::time::Nanos;
 use crate::model::type_name::TypeName;
 
@@ -56,4 +59,24 @@ pub struct EcpState {
     pub by: TypeName,
     /// Why its robot stands though it is jogged.
     pub stop: JogStop,
+}
+
+/// What an EDP shows of its robot beside the joints, whenever a step begins.
+#[derive(Clone, Copy, Debug)]
+pub struct EdpState<'a> {
+    /// The tool in force, `X_FE` \[m\].
+    pub tool: &'a Pose,
+    /// What its drives were told last that the flange carries; `None`: they were told nothing.
+    pub load: Option<&'a Load>,
+    /// Its inputs and outputs.
+    pub signals: &'a Signals,
+}
+
+/// What a VSP shows of its newest reading.
+#[derive(Clone, Copy, Debug)]
+pub struct VspState<'a> {
+    /// The step in which it was taken.
+    pub step: u64,
+    /// Its words; `None`: there is a fault instead of a reading.
+    pub words: Option<&'a [u64]>,
 }

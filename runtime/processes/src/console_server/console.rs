@@ -14,7 +14,7 @@ use mrroc_core::observe::recording::Command;
 use mrroc_core::operator::button::Button;
 
 /// How much unread text may wait for a console \[bytes\].
-pub(super) const MAX_OUTPUT: usize = 1 << 18;
+pub(super) const MAX_OUTPUT: usize = 1 << 19;
 
 /// The request of a console that has not been answered yet.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -4,10 +4,11 @@
 //! one of each kind at a time; answers that say in which step each press was carried out or refused; pictures of the
 //! cell.
 //!
-//! [`protocol`] defines what the two sides write and [`picture`] the state of the cell that is shown. On the launcher's
+//! [`protocol`] defines what the two sides write, [`picture`] and [`beside`] the state of the cell that is shown. On the launcher's
 //! side [`service`] is the server's thread, [`handle`] the launcher's handle of it, [`console`] one connection, [`desk`]
 //! what is asked of one MP, and [`presses`] the way of presses to the MP and back. [`caller`] is the console's side.
 
+mod beside;
 mod caller;
 mod console;
 mod desk;
@@ -17,6 +18,7 @@ mod presses;
 mod protocol;
 mod service;
 
+pub use beside::{BodyPicture, CarriedPicture, ReadingPicture};
 pub use caller::{Asks, Caller, ENDED, Hears};
 pub(super) use handle::ConsoleServer;
 pub use picture::{CellPicture, Picture, ProcessPicture, RobotPicture};

@@ -2,11 +2,13 @@
 //!
 //! In: a [`Picture`], or lines of text. Out: the text, or the picture again. The text begins with the line `picture`
 //! and ends with the line `end`. Each line between them consists of words separated by spaces, and its first word says
-//! what the line is about; there is one line for each process and one for each robot.
+//! what the line is about; there is one line for each process and each robot, for what it carries, for each reading and each body.
 
 use core::fmt;
 use core::str::{FromStr, SplitAsciiWhitespace};
 
+use super::beside::{BodyPicture, CarriedPicture, ReadingPicture};
+use crate::entry::BODIES;
 use crate::figures::{FIGURES_WORDS, Figures};
 use mrroc_core::link::places::MAX_PROCESSES;
 use mrroc_core::operator::button::CellState;
@@ -61,6 +63,12 @@ pub struct Picture {
     pub processes: Vec<ProcessPicture>,
     /// The robots of the cell.
     pub robots: Vec<RobotPicture>,
+    /// What they carry, and their inputs and outputs.
+    pub carried: Vec<CarriedPicture>,
+    /// The newest readings of the virtual sensors.
+    pub readings: Vec<ReadingPicture>,
+    /// Where bodies are.
+    pub bodies: Vec<BodyPicture>,
 }
 
 /// One lower cell.
@@ -171,6 +179,9 @@ impl fmt::Display for Picture {
             let (jogs, stop) = (robot.jogs, robot.stop.to_word());
             writeln!(f, " {jogs} {stop} {} {}", robot.doing.word(), robot.by)?;
         }
+        self.carried.iter().try_for_each(|carried| writeln!(f, "{carried}"))?;
+        self.readings.iter().try_for_each(|reading| writeln!(f, "{reading}"))?;
+        self.bodies.iter().try_for_each(|body| writeln!(f, "{body}"))?;
         writeln!(f, "end")
     }
 }
@@ -249,6 +260,15 @@ impl Picture {
             Some("robot") => robot(&mut words)
                 .filter(|_| self.robots.len() < MAX_PROCESSES)
                 .map(|robot| self.robots.push(robot)),
+            Some("carries") => CarriedPicture::take(&mut words)
+                .filter(|_| self.carried.len() < MAX_PROCESSES)
+                .map(|carried| self.carried.push(carried)),
+            Some("reading") => ReadingPicture::take(&mut words)
+                .filter(|_| self.readings.len() < MAX_PROCESSES)
+                .map(|reading| self.readings.push(reading)),
+            Some("body") => BodyPicture::take(&mut words)
+                .filter(|_| self.bodies.len() < BODIES)
+                .map(|body| self.bodies.push(body)),
             Some(_) | None => None,
         };
         let whole = taken.is_some() && words.next().is_none();
@@ -284,7 +304,7 @@ fn doing(words: &mut SplitAsciiWhitespace<'_>) -> Option<Doing> {
     Doing::ALL.into_iter().find(|doing| doing.word() == word)
 }
 
-fn number<T: FromStr>(words: &mut SplitAsciiWhitespace<'_>) -> Option<T> {
+pub(super) fn number<T: FromStr>(words: &mut SplitAsciiWhitespace<'_>) -> Option<T> {
     words.next()?.parse().ok()
 }
 

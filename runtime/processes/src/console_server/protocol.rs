@@ -230,17 +230,20 @@ fn read_line(from: &mut impl BufRead) -> io::Result<Option<String>> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::beside::{BodyPicture, CarriedPicture, ReadingPicture};
     use super::super::console::MAX_OUTPUT;
     use super::super::picture::{CellPicture, ProcessPicture, RobotPicture};
     use super::*;
+    use crate::entry::BODIES;
     use crate::figures::{FIGURES_WORDS, Figures};
     use mrroc_core::link::places::MAX_PROCESSES;
     use mrroc_core::nalgebra::Vector3;
     use mrroc_core::operator::button::CellState;
     use mrroc_core::operator::jog::JogStop;
     use mrroc_core::operator::state::Doing;
+    use mrroc_core::payload::WORDS;
     use mrroc_core::pose::Pose;
-    use mrroc_core::robot::MAX_JOINTS;
+    use mrroc_core::robot::{Load, MAX_JOINTS, Signals, Values};
     use proptest::prelude::*;
 
     #[test]
@@ -316,6 +319,34 @@ mod tests {
         })
     }
 
+    /// What stands beside the robots.
+    fn beside() -> impl Strategy<Value = (Vec<CarriedPicture>, Vec<ReadingPicture>, Vec<BodyPicture>)> {
+        let pose = |x: f64| Pose::translation(x, -0.25, 1e-9) * Pose::rotation(Vector3::x());
+        let carried = (name(), 0.0..2.0, any::<Option<u8>>(), any::<[u32; 2]>()).prop_map(
+            move |(robot, x, mass, [inputs, outputs])| CarriedPicture {
+                robot,
+                tool: pose(x),
+                load: mass.map(|mass| Load::point(f64::from(mass), Vector3::new(x, 0.0, -x))),
+                signals: Signals {
+                    inputs: Values::new(inputs, [x, 0.0, -1e-300, 1e9]),
+                    outputs: Values::new(outputs, [-x, 1.0, 2.0, 3.0]),
+                },
+            },
+        );
+        let words = proptest::option::of(proptest::collection::vec(any::<u64>(), 0..=WORDS));
+        let reading = (name(), any::<u64>(), words).prop_map(|(sensor, step, words)| ReadingPicture {
+            sensor,
+            step,
+            words,
+        });
+        let body = (0..BODIES, 0.0..2.0).prop_map(move |(place, x)| BodyPicture { place, pose: pose(x) });
+        (
+            proptest::collection::vec(carried, 0..8),
+            proptest::collection::vec(reading, 0..8),
+            proptest::collection::vec(body, 0..=BODIES),
+        )
+    }
+
     fn picture() -> impl Strategy<Value = Picture> {
         let process =
             ("(ecp|edp|vsp) [a-z]{1,24}", any::<u32>(), any::<bool>(), any::<[u64; FIGURES_WORDS]>())
@@ -357,6 +388,7 @@ mod tests {
             proptest::collection::vec(cell, 0..8),
             proptest::collection::vec(process, 0..64),
             proptest::collection::vec(robot, 0..32),
+            beside(),
         )
             .prop_map(
                 |(
@@ -365,6 +397,7 @@ mod tests {
                     cells,
                     processes,
                     robots,
+                    (carried, readings, bodies),
                 )| {
                     Picture {
                         state: CellState::ALL[state],
@@ -385,6 +418,9 @@ mod tests {
                         cells,
                         processes,
                         robots,
+                        carried,
+                        readings,
+                        bodies,
                     }
                 },
             )
@@ -442,7 +478,27 @@ mod tests {
             jogs: false,
             stop: JogStop::Joint(u8::MAX),
         };
+        let least = -1.234_567_890_123_456_7e-300;
+        let place = Pose::translation(least, least, least);
+        let carried = |_| CarriedPicture {
+            robot: longest.clone(),
+            tool: place,
+            load: Some(Load::point(1.0, Vector3::repeat(least))),
+            signals: Signals {
+                inputs: Values::new(u32::MAX, [least; 4]),
+                outputs: Values::new(0, [least; 4]),
+            },
+        };
+        // Each process that is not of a robot may be of a sensor.
+        let reading = |_| ReadingPicture {
+            sensor: longest.clone(),
+            step: u64::MAX,
+            words: Some(vec![u64::MAX; WORDS]),
+        };
         let picture = Picture {
+            carried: (0..MAX_PROCESSES / 2).map(carried).collect(),
+            readings: (0..MAX_PROCESSES).map(reading).collect(),
+            bodies: (0..BODIES).map(|place_of| BodyPicture { place: place_of, pose: place }).collect(),
             processes: (0..MAX_PROCESSES).map(process).collect(),
             robots: (0..MAX_PROCESSES / 2).map(robot).collect(),
             ..Picture::default()

@@ -20,6 +20,7 @@ use std::time::{Duration, Instant};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::net::sockopt::socket_peercred;
 
+use super::beside::{BodyPicture, CarriedPicture, ReadingPicture};
 use super::console::{Asked, Console};
 use super::desk::Desk;
 use super::handle::Seat;
@@ -27,7 +28,7 @@ use super::picture::{CellPicture, Picture, ProcessPicture, RobotPicture};
 use super::protocol::{Addressed, Reply, Request};
 use crate::board::StateBoard;
 use crate::control::Frame;
-use crate::entry::{MpPanel, RobotEntry, ecp};
+use crate::entry::{self, MpPanel, RobotEntry, ecp};
 use mrroc_core::console::complain;
 use mrroc_core::fault::{Fault, Name, ProcessId, Role};
 use mrroc_core::observe::recording::CommandRecord;
@@ -412,12 +413,34 @@ impl Service {
                 runs: seat.runs,
                 figures: seat.figures,
             });
+            let shown = self.board.read(place);
+            match (seat.id.role, seat.id.name, &shown) {
+                (Role::Vsp, Some(sensor), Some(words)) => {
+                    picture.readings.extend(entry::reading(words).map(|(step, words)| ReadingPicture {
+                        sensor: sensor.to_string(),
+                        step,
+                        words,
+                    }))
+                }
+                (Role::Plant, _, Some(words)) => {
+                    let body = |place| Some(BodyPicture { place, pose: entry::body_at(words, place)? });
+                    picture.bodies.extend((0..entry::BODIES).filter_map(body));
+                }
+                _ => {}
+            }
             let Some(name) = seat.id.name.filter(|_| seat.id.role == Role::Edp) else { continue };
             // Its place among the robots of its own cell: the MP goes by that.
             let nth = (desk.mp.name == name.cell()).then_some(own);
             own += usize::from(nth.is_some());
-            let entry = self.board.read(place).map(|words| RobotEntry::read(&words));
-            if let Some(RobotEntry { time, demanded, measured, tool }) = entry {
+            let carried = shown.as_ref().and_then(entry::carried);
+            picture.carried.extend(carried.map(|(tool, load, signals)| CarriedPicture {
+                robot: name.to_string(),
+                tool,
+                load,
+                signals,
+            }));
+            let robot = shown.as_ref().and_then(RobotEntry::read);
+            if let Some(RobotEntry { time, demanded, measured, tool }) = robot {
                 let (doing, by, stop) = self.program_of(&seats, name);
                 let jogs = nth
                     .is_some_and(|nth| mp.jogs.get(nth / 64).is_some_and(|word| word & 1 << (nth % 64) != 0));

@@ -18,7 +18,7 @@ use mrroc_core::link::places::Places;
 use mrroc_core::link::{Closed, Host, Meter, Nanos, News, Notices, Sample, Waiter};
 use mrroc_core::operator::button::Button;
 use mrroc_core::operator::console::Console;
-use mrroc_core::operator::state::{EcpState, MpState};
+use mrroc_core::operator::state::{EcpState, EdpState, MpState, VspState};
 
 const NANOS: u64 = 1_000_000_000;
 
@@ -90,6 +90,10 @@ pub(crate) enum Shows {
     Mp(Box<dyn Fn(&MpState)>),
     /// Of an ECP.
     Ecp(Box<dyn Fn(&EcpState)>),
+    /// Of an EDP.
+    Edp(Box<dyn Fn(&EdpState<'_>)>),
+    /// Of a VSP.
+    Vsp(Box<dyn Fn(&VspState<'_>)>),
 }
 
 /// What tells an MP, at a time of the machine's clock \[ns\], whether its launcher supervises the cell.
@@ -234,6 +238,18 @@ impl Console for RealTime {
 
     fn show_ecp(&self, state: &EcpState) {
         if let Some(Shows::Ecp(shows)) = &self.shows {
+            shows(state);
+        }
+    }
+
+    fn show_edp(&self, state: &EdpState<'_>) {
+        if let Some(Shows::Edp(shows)) = &self.shows {
+            shows(state);
+        }
+    }
+
+    fn show_vsp(&self, state: &VspState<'_>) {
+        if let Some(Shows::Vsp(shows)) = &self.shows {
             shows(state);
         }
     }

@@ -65,6 +65,7 @@ fn layout() -> Layout {
         robots: Vec::new(),
         sensors: vec![eye],
         frames: Vec::new(),
+        tools: Vec::new(),
         bodies: Vec::new(),
     }
 }

@@ -84,6 +84,11 @@ impl SignalPort {
         &self.signals
     }
 
+    /// What the drives were told last that the robot carries.
+    pub const fn carried(&self) -> Option<&Load> {
+        self.carried.as_ref()
+    }
+
     /// Whether all that was demanded of the outputs has been told, and the robot has had its time to take the load.
     pub fn has_switched(&self) -> bool {
         self.next.is_none() && self.coming.is_empty() && self.untaken == 0

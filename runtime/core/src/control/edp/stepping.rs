@@ -15,6 +15,7 @@ use crate::model::time::Nanos;
 use crate::model::wire::Wire;
 use crate::observe::servo::ServoRecord;
 use crate::observe::witness::What;
+use crate::operator::state::EdpState;
 use crate::safety::limits::AcceptedDemand;
 
 use super::Edp;
@@ -34,6 +35,7 @@ impl<R: Robot> Edp<'_, R> {
             }
         }
         self.show_step();
+        self.show_to_operator();
         self.show_state();
         self.clock.due += 1;
     }
@@ -162,6 +164,15 @@ impl<R: Robot> Edp<'_, R> {
             let what = What::Signals { step: self.clock.due };
             self.shown.witnesses.show(self.host.waiter.now(), &what, &words);
         }
+    }
+
+    /// Shows the operator what the robot carries, and its inputs and outputs.
+    fn show_to_operator(&self) {
+        self.host.console.show_edp(&EdpState {
+            tool: self.path.acceptor.tool(),
+            load: self.signals.carried(),
+            signals: self.signals.signals(),
+        });
     }
 
     /// Shows the measured state to virtual sensors.
