@@ -235,7 +235,8 @@ impl Map {
         let pieces = (way.norm() / (0.4 * self.known.passage)).ceil().max(1.0);
         for piece in 0..=pieces as u32 {
             let at = from + face + way * (f64::from(piece) / pieces);
-            let is_known = |one: &Contact| one.into == *into && (one.at - at).norm() < 0.1 * self.known.passage;
+            let is_known =
+                |one: &Contact| one.into == *into && (one.at - at).norm() < 0.1 * self.known.passage;
             // The first one always: what is touched again and again is remembered as often.
             if piece == 0 || !self.contacts.iter().any(is_known) {
                 self.contacts.push(Contact { at, into: *into, moving: *into });

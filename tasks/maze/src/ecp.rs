@@ -1,7 +1,7 @@
 //! The arm's program: what it does in each task. It knows no maze.
 
-use mrroc::prelude::*;
 use mrroc::generator::SensorHandle;
+use mrroc::prelude::*;
 use mrroc_generators::generators::StraightLine;
 use mrroc_robots::Irp6;
 
@@ -19,7 +19,9 @@ pub fn arm(ecp: &mut Ecp<Irp6>, sizes: &Sizes) -> Result<(), Fault> {
     ecp.obey_all(|ecp, task| match task {
         Task::Go { x, y } => go(ecp, &mut probe, [x, y], sizes),
         Task::Hop { x, y } => hop(ecp, [x, y], sizes),
-        Task::Leave { .. } => Err(Fault::thrown("this arm is led by a map: it cannot leave a maze by itself")),
+        Task::Leave { .. } => {
+            Err(Fault::thrown("this arm is led by a map: it cannot leave a maze by itself"))
+        }
     })
 }
 

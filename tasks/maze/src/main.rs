@@ -109,7 +109,11 @@ fn read(file: &Path) -> Result<(String, Layout), String> {
 }
 
 /// One run, and its film.
-fn one(means: Means, options: &Options, (name, layout): &(String, Layout)) -> Result<(usize, String), Box<dyn Error>> {
+fn one(
+    means: Means,
+    options: &Options,
+    (name, layout): &(String, Layout),
+) -> Result<(usize, String), Box<dyn Error>> {
     let outcome = solve(means, layout, options.seed.into())?;
     let walls = Walls::of(layout, outcome.sizes.pitch, outcome.sizes.thickness);
     let file = options.out.join("maze.svg");

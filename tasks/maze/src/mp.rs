@@ -4,8 +4,8 @@ use core::marker::PhantomData;
 use std::cell::RefCell;
 use std::rc::Rc;
 
-use mrroc::prelude::*;
 use mrroc::generator::{RobotHandle, SensorHandle};
+use mrroc::prelude::*;
 use mrroc_generators::generators::ConstantOrder;
 use mrroc_map::{Knowledge, Map, Place, Planner, Region};
 use nalgebra::{Point3, Vector2};
@@ -71,8 +71,7 @@ pub fn coordinate<R: Robot, S: Feeling<R>>(
 ) -> Result<(), Fault> {
     let (mut robot, mut sensor) = (mp.robot::<R>(robot)?, mp.sensor::<S>(sensor)?);
     let mut touches = 0;
-    let mut have =
-        |task: Task| carried_out(mp, (&mut robot, &mut sensor), &mut touches, task);
+    let mut have = |task: Task| carried_out(mp, (&mut robot, &mut sensor), &mut touches, task);
     let (maze, went) = find(&mut have, told)?;
     let there = |place: &Place| (maze * Point3::new(place.x, place.y, 0.0)).coords.xy();
     let back = |at: &Vector2<f64>| maze.inverse_transform_point(&Point3::new(at.x, at.y, 0.0)).coords.xy();

@@ -114,14 +114,15 @@ impl Options {
     const fn conflict(&self) -> Option<&'static str> {
         match (self.controller, self.effector, self.sensor) {
             (ControllerKind::Reactive, EffectorKind::Wheels, _)
-            | (ControllerKind::Reactive, _, SensorKind::Force | SensorKind::Camera) => {
-                Some("--controller reactive is an arm's with a touch probe: leave out --effector and --sensor")
-            }
+            | (ControllerKind::Reactive, _, SensorKind::Force | SensorKind::Camera) => Some(
+                "--controller reactive is an arm's with a touch probe: leave out --effector and --sensor",
+            ),
             (ControllerKind::Map, EffectorKind::Wheels, SensorKind::Force | SensorKind::Camera) => {
                 Some("--effector wheels sees walls by infrared: leave out --sensor")
             }
-            (ControllerKind::Map, EffectorKind::Wheels, SensorKind::Probe)
-            | (_, EffectorKind::Arm, _) => None,
+            (ControllerKind::Map, EffectorKind::Wheels, SensorKind::Probe) | (_, EffectorKind::Arm, _) => {
+                None
+            }
         }
     }
 }

@@ -139,8 +139,7 @@ impl Ready {
             .map_or(0.0, |(length, _)| length);
         let map = Rc::new(RefCell::new(Map::new(told.known)));
         let grown = Rc::clone(&map);
-        let cell =
-            cell.ecp("arm", move |ecp| arm(ecp, &sizes)).program(move |mp| program(mp, &told, &grown));
+        let cell = cell.ecp("arm", move |ecp| arm(ecp, &sizes)).program(move |mp| program(mp, &told, &grown));
         Ok(Self { cell, plant, map, shortest, sizes, felt: None })
     }
 

@@ -235,19 +235,18 @@ impl VirtualSensor for Wrist {
         let arm = order
             .robot
             .ok_or_else(|| Fault::thrown("the force sensor got no state of its arm: write `of`"))?;
-        let (bent, now) = {
-            let world = self.world.borrow();
-            (world.stylus.deflection().norm(), world.time)
-        };
+        let bent = self.world.borrow().stylus.deflection().norm();
         if bent > TRAVEL {
             let fault = Fault::new(FaultKind::SensorFailed).exceeds(bent, TRAVEL, "m");
-            let text = "the stylus is bent beyond its over-travel: its force is not felt, or the arm was too fast";
+            let text =
+                "the stylus is bent beyond its over-travel: its force is not felt, or the arm was too fast";
             return Err(fault.text(text));
         }
         self.raw = self.measured();
         if self.raw.amax() > RANGE {
             let fault = Fault::new(FaultKind::SensorFailed).exceeds(self.raw.amax(), RANGE, "N");
-            return Err(fault.text("the force sensor at the wrist saturates: look what pushes the tool, and its cable"));
+            return Err(fault
+                .text("the force sensor at the wrist saturates: look what pushes the tool, and its cable"));
         }
         if self.zero.1 < ZEROING {
             self.zero.1 += 1;
@@ -264,7 +263,6 @@ impl VirtualSensor for Wrist {
         self.felt.ball = (arm.pose.translation.vector.xy() + force / STIFFNESS).into();
         self.follow();
         self.felt.touch.touching = force.norm() > THRESHOLD;
-        let _ = now;
         Ok(self.felt)
     }
 

@@ -34,12 +34,7 @@ impl<S: Feeling<Irp6>> Leg<S> {
 
 #[generator(ecp)]
 impl<S: Feeling<Irp6>> Leg<S> {
-    fn first_step(
-        &mut self,
-        e: &State<Irp6>,
-        v: &Reading<(S,)>,
-        t: Tick,
-    ) -> Result<Step<Irp6>, Fault> {
+    fn first_step(&mut self, e: &State<Irp6>, v: &Reading<(S,)>, t: Tick) -> Result<Step<Irp6>, Fault> {
         let line = LinePath::new(e.demanded().pose, self.goal);
         let profile = line.profile(self.limits).map_err(|error| Fault::thrown(&error.to_string()))?;
         self.path = Some((line, ProfileCursor::new(profile)));

@@ -1,4 +1,5 @@
-//! The two behaviours that are the task's own: off a wall that is touched, and along it. Both know in which direction the ball goes.
+//! The two behaviours that are the task's own: off a wall that is touched, and along it. The first one tells the second in which direction
+//! to go on.
 
 use std::cell::Cell;
 use std::f64::consts::FRAC_PI_2;
@@ -13,7 +14,7 @@ use nalgebra::Vector2;
 use super::sensor::Seeking;
 use crate::places::{LOW, Sizes, tool};
 
-/// In which direction the ball goes \[rad, W\], known to all behaviours of an arm.
+/// In which direction the ball goes on \[rad, W\], known to both behaviours.
 pub type Heading = Rc<Cell<f64>>;
 
 fn direction(heading: &Heading) -> Vector2<f64> {
@@ -32,7 +33,7 @@ impl Retreat {
     /// By half of what a robot with a map goes back: it comes again at once.
     const SHARE: f64 = 0.55;
 
-    /// From where the ball touches, while it goes in that direction.
+    /// From where the ball touches; it leaves behind in which direction to go on.
     #[must_use]
     pub fn of(heading: &Heading, sizes: &Sizes) -> Self {
         Self { heading: Rc::clone(heading), sizes: *sizes, path: None }
@@ -41,13 +42,10 @@ impl Retreat {
 
 #[generator(ecp)]
 impl Retreat {
-    fn first_step(
-        &mut self,
-        e: &State<Irp6>,
-        v: &Reading<(Seeking,)>,
-        t: Tick,
-    ) -> Result<Step<Irp6>, Fault> {
+    fn first_step(&mut self, e: &State<Irp6>, v: &Reading<(Seeking,)>, t: Tick) -> Result<Step<Irp6>, Fault> {
         let sought = v.0.reading().ok_or_else(|| Fault::thrown("the probe has no reading"))?;
+        let [x, y] = sought.moving;
+        self.heading.set(y.atan2(x));
         let back = direction(&self.heading) * (Self::SHARE * self.sizes.back);
         let clear = tool(sought.touch.x - back.x, sought.touch.y - back.y, LOW);
         let line = LinePath::new(e.demanded().pose, clear);
@@ -85,12 +83,7 @@ impl Follow {
 
 #[generator(ecp)]
 impl Follow {
-    fn first_step(
-        &mut self,
-        e: &State<Irp6>,
-        v: &Reading<(Seeking,)>,
-        t: Tick,
-    ) -> Result<Step<Irp6>, Fault> {
+    fn first_step(&mut self, e: &State<Irp6>, v: &Reading<(Seeking,)>, t: Tick) -> Result<Step<Irp6>, Fault> {
         (self.at, self.speed) = (e.demanded().pose.translation.vector.xy(), 0.0);
         self.next_step(v, t)
     }

@@ -19,6 +19,9 @@ const BRAKING: f64 = 0.06;
 /// The ball is off a wall so long after it touched that \[s\].
 const OFF: f64 = 0.25;
 
+/// It goes at this share of the speed of an arm with a map, because each behaviour is braked before another one takes over.
+const SHARE: f64 = 0.65;
+
 fn sought(v: &Reading<(Seeking,)>) -> Sought {
     v.0.reading().unwrap_or_default()
 }
@@ -36,19 +39,15 @@ pub fn arm(ecp: &mut Ecp<Irp6>, sizes: &Sizes) -> Result<(), Fault> {
         Task::Leave { x, y, near } => {
             let from = ecp.image().demanded().pose.translation.vector.xy();
             way.configure(Line { from: from.into(), to: [x, y], near });
-            let straight = (y - from.y).atan2(x - from.x);
             let heading = Heading::default();
-            let (of_retreat, of_follow) = (Rc::clone(&heading), Rc::clone(&heading));
-            let sizes = *sizes;
-            let retreat = move || Retreat::of(&of_retreat, &sizes);
+            let sizes = Sizes { velocity: SHARE * sizes.velocity, ..*sizes };
+            let of_follow = Rc::clone(&heading);
+            let retreat = move || Retreat::of(&heading, &sizes);
             let follow = move || Follow::along(&of_follow, &sizes);
-            let head = move || {
-                heading.set(straight);
-                Blind::new(StraightLine::to(tool(x, y, LOW), sizes.careful()))
-            };
+            let head = move || Blind::new(StraightLine::to(tool(x, y, LOW), sizes.careful()));
             let is_astray = |v: &Reading<(Seeking,)>| !sought(v).is_on_way;
             let is_on_way = |v: &Reading<(Seeking,)>| sought(v).is_on_way;
-            let usual = move || Arbitrate::of(follow.clone(), is_astray, is_on_way, BRAKING, head.clone());
+            let usual = move || Arbitrate::of(follow.clone(), is_astray, is_on_way, BRAKING, head);
             let touches = |v: &Reading<(Seeking,)>| sought(v).touch.touching;
             let is_clear = |v: &Reading<(Seeking,)>| !sought(v).touch.touching && sought(v).touch.since > OFF;
             let motion = Arbitrate::of(retreat, touches, is_clear, BRAKING, usual);

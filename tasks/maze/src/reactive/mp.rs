@@ -18,7 +18,8 @@ pub fn coordinate(mp: &mut Mp, told: &Told) -> Result<(), Fault> {
     let mut touches = 0;
     let mut have = |task| carried_out(mp, (&mut arm, &mut probe), &mut touches, task);
     let (maze, _) = by_three_touches(&mut have, told)?;
-    let (middle, half) = ((told.goal.lower + told.goal.upper) * 0.5, (told.goal.upper - told.goal.lower) * 0.5);
+    let (middle, half) =
+        ((told.goal.lower + told.goal.upper) * 0.5, (told.goal.upper - told.goal.lower) * 0.5);
     let exit = maze * Point3::new(middle.x, middle.y, 0.0);
     have(Task::Leave { x: exit.x, y: exit.y, near: half.min() }).map(drop)
 }

@@ -1,7 +1,8 @@
 //! The virtual sensor of an arm that looks for the exit: what the probe touches, and whether the ball is on its way.
 //!
 //! ```text
-//! on its way    from the beginning until a touch; again where the ball crosses the straight line nearer to the exit than that touch was
+//! on its way    from the beginning until a touch; again where the ball crosses the straight line nearer to the exit than that touch was.
+//!               A touch within `GRACE` of way from there is of the wall that it still leaves, and changes nothing
 //! round         back where it touched, without that: no way leads to the exit
 //! ```
 
@@ -41,6 +42,8 @@ pub struct Line {
 pub struct Sought {
     /// What the probe touches.
     pub touch: Touch,
+    /// In which direction the ball went when it touched last \[W\], of length 1.
+    pub moving: [f64; 2],
     /// Whether the ball is on its way, and not beside a wall that was in it.
     pub is_on_way: bool,
     /// Whether it is at the exit.
@@ -53,9 +56,14 @@ pub struct Sought {
 #[derive(Clone, Copy, Debug)]
 struct Hit {
     at: Vector2<f64>,
+    /// How far from the exit it was on the straight line \[m\].
+    left: f64,
     /// The way of the ball since \[m\].
     gone: f64,
 }
+
+/// As a share of a wall's length.
+const GRACE: f64 = 0.2;
 
 /// Makes readings of the way.
 #[derive(Debug)]
@@ -67,9 +75,17 @@ pub struct Seeker {
     /// .. and it is looked at after so much way \[m\].
     least: f64,
     touches: u32,
+    moving: Vector2<f64>,
+    /// Where the seat was half a millimetre of way or more ago [m, W].
+    behind: Option<Vector2<f64>>,
+    trail: Vector2<f64>,
     /// Where the seat was at the reading before [m, W].
     before: Option<Vector2<f64>>,
     hit: Option<Hit>,
+    /// How far from the exit it came to be on its way again, and the way of the ball since \[m\].
+    met: Option<(f64, f64)>,
+    /// So short a way is that by which a wall is left \[m\].
+    grace: f64,
     touched: Rc<RefCell<Vec<Contact>>>,
 }
 
@@ -78,8 +94,21 @@ impl Seeker {
     #[must_use]
     pub fn new(world: Rc<RefCell<World>>, pitch: f64) -> Self {
         let probe = Probe::new(Rc::clone(&world));
-        let (same, least) = (0.16 * pitch, 2.5 * pitch);
-        Self { world, probe, same, least, touches: 0, before: None, hit: None, touched: Rc::default() }
+        Self {
+            world,
+            probe,
+            same: 0.16 * pitch,
+            least: 2.5 * pitch,
+            touches: 0,
+            moving: Vector2::zeros(),
+            behind: None,
+            trail: Vector2::zeros(),
+            before: None,
+            hit: None,
+            met: None,
+            grace: GRACE * pitch,
+            touched: Rc::default(),
+        }
     }
 
     /// What was touched, to be drawn, as a view of this sensor [m, M].
@@ -106,34 +135,46 @@ impl VirtualSensor for Seeker {
             .robot
             .ok_or_else(|| Fault::thrown("the way to the exit needs the state of an arm: write `of`"))?;
         let touch = self.probe.touch(&arm.pose.translation.vector)?;
-        let (from, to) =
-            (Vector2::from(order.configuration.from), Vector2::from(order.configuration.to));
+        let (from, to) = (Vector2::from(order.configuration.from), Vector2::from(order.configuration.to));
         let now = arm.pose.translation.vector.xy();
         let before = self.before.replace(now).unwrap_or(now);
         if from == to {
-            self.touches = touch.touches;
+            (self.touches, self.behind, self.trail) = (touch.touches, Some(now), now);
             return Ok(Sought { touch, is_on_way: true, ..Sought::default() });
         }
         let left = |at: &Vector2<f64>| (to - at).norm();
+        let gone = (now - before).norm();
+        if let Some((_, since)) = &mut self.met {
+            *since += gone;
+        }
         if let Some(hit) = &mut self.hit {
-            hit.gone += (now - before).norm();
+            hit.gone += gone;
             let beside = |at: &Vector2<f64>| (to - from).perp(&(at - from));
             let crosses = beside(&before) * beside(&now) <= 0.0 && before != now;
             // A millimetre at least, so that touches of one place come to an end.
-            if crosses && left(&now) < left(&hit.at) - 1e-3 {
-                self.hit = None;
+            if crosses && left(&now) < hit.left - 1e-3 {
+                (self.hit, self.met) = (None, Some((left(&now), 0.0)));
             }
         }
         if touch.touches != self.touches {
             self.touches = touch.touches;
             let at = Vector2::new(touch.x, touch.y);
-            self.note(at, now - before);
-            self.hit.get_or_insert(Hit { at, gone: 0.0 });
+            self.moving = (now - self.behind.unwrap_or(before)).try_normalize(1e-9).unwrap_or_default();
+            self.note(at, self.moving);
+            let (at_most, since) = self.met.unwrap_or((f64::INFINITY, f64::INFINITY));
+            if since > self.grace {
+                self.hit.get_or_insert(Hit { at, left: left(&at).min(at_most), gone: 0.0 });
+            }
         }
-        let is_round =
-            self.hit.is_some_and(|hit| hit.gone > self.least && (now - hit.at).norm() < self.same);
+        // Two places of the trail, so that the older one is always half a millimetre away or more.
+        if (now - self.trail).norm() > 5e-4 {
+            (self.behind, self.trail) = (Some(self.trail), now);
+        }
+        // Pressed to the other side of the wall, the seat would be nearer than the ball.
+        let is_round = !touch.touching
+            && self.hit.is_some_and(|hit| hit.gone > self.least && (now - hit.at).norm() < self.same);
         let is_there = left(&now) < order.configuration.near;
-        Ok(Sought { touch, is_on_way: self.hit.is_none(), is_there, is_round })
+        Ok(Sought { touch, moving: self.moving.into(), is_on_way: self.hit.is_none(), is_there, is_round })
     }
 
     fn is_simulated(&self) -> bool {
