@@ -99,6 +99,19 @@ sorting-whole SEEDS="1000":
     cargo run --release -p sorting -- --sweep {{SEEDS}}
     MRROC_WHOLE=1 cargo test --release -p sorting
 
+# Mazes by touch, by force, by a camera, without a map and by wheels: all by chance that tests know, in release; takes tens of minutes.
+maze-whole:
+    MRROC_WHOLE=1 cargo test --release -p maze -- --nocapture
+
+# All mazes of a folder by each means, and by a ball that touches exactly, without an arm; such as contests' mazes, which are not in the tree.
+maze-sweep DIR:
+    MRROC_MAZES={{DIR}} cargo test --release -p mrroc-map --test touch -- --nocapture
+    cargo run --release -p maze -- --sweep {{DIR}}
+    cargo run --release -p maze -- --sweep {{DIR}} --sensor force
+    cargo run --release -p maze -- --sweep {{DIR}} --sensor camera
+    cargo run --release -p maze -- --sweep {{DIR}} --controller reactive
+    cargo run --release -p maze -- --sweep {{DIR}} --effector wheels
+
 # Parts on a belt below a camera: so many at each of three speeds and three arrival rates, and recognition of others; sorting/scatter.svg.
 sorting-camera PARTS="500":
     cargo run --release -p sorting -- --sensor camera --sweep {{PARTS}}

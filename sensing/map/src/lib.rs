@@ -40,10 +40,8 @@ mod spacing;
 mod taut;
 mod walls;
 
-pub use cells::Which;
 pub use layout::{Goal, LARGEST, Layout, LayoutError, Side};
 pub use map::{Contact, Knowledge, Map, Thought};
-pub use panels::{Panel, Panels};
 pub use plan::Planner;
 pub use random::Chance;
 pub use shortest::{Inflated, Region};

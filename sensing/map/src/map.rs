@@ -218,6 +218,33 @@ impl Map {
         }
     }
 
+    /// The ball slid along a wall, its centre from one place to another; `into` leads into the wall, level or upright. All between counts
+    /// as touched. Unlike of a [`touch`](Self::touch), it is known which way the wall lies: by the force that the ball felt.
+    ///
+    /// ```
+    /// use mrroc_map::{Knowledge, Map, Place};
+    /// let known = Knowledge { size: [0.4, 0.4], radius: 0.002, thickness: 0.002, passage: 0.015, wall: 0.025 };
+    /// let mut map = Map::new(known);
+    /// // 60 mm along a level wall above, whose face is at y = 49 mm.
+    /// map.slide(&Place::new(0.02, 0.047), &Place::new(0.08, 0.047), &Place::new(0.0, 1.0));
+    /// assert!(map.contacts().iter().all(|contact| (contact.at.y - 0.049).abs() < 1e-12));
+    /// assert!(map.contacts().windows(2).all(|two| (two[1].at - two[0].at).norm() < known.passage));
+    /// ```
+    pub fn slide(&mut self, from: &Place, to: &Place, into: &Vector2<f64>) {
+        let (face, way) = (into * self.known.radius, to - from);
+        let pieces = (way.norm() / (0.4 * self.known.passage)).ceil().max(1.0);
+        for piece in 0..=pieces as u32 {
+            let at = from + face + way * (f64::from(piece) / pieces);
+            let is_known =
+                |one: &Contact| one.into == *into && (one.at - at).norm() < 0.1 * self.known.passage;
+            // The first one always: what is touched again and again is remembered as often.
+            if piece == 0 || !self.contacts.iter().any(is_known) {
+                self.contacts.push(Contact { at, into: *into, moving: *into });
+            }
+        }
+        self.spacing = spacing(&self.contacts, &self.known, self.spacing);
+    }
+
     /// How far on from a contact, along `beside`, a wall may go \[m\]: as far as it is believed to, or to where the ball has passed.
     pub(crate) fn belief(&self, contact: &Contact, beside: &Vector2<f64>) -> f64 {
         let middle = contact.at + contact.into * (0.5 * self.known.thickness);

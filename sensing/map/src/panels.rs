@@ -80,7 +80,7 @@ impl Panels {
             let is_beside =
                 (x.abs() - half).max(0.0).hypot((y.abs() - half).max(0.0)) > known.radius + 0.4 * tolerance;
             let fits =
-                |d: f64, moving: f64| is_beside && (d.abs() - off).abs() < tolerance && d * moving <= 0.0;
+                |d: f64, moving: f64| is_beside && (d.abs() - off).abs() < tolerance && d * moving < 0.0;
             let upright = fits(x, contact.moving.x);
             let level = fits(y, contact.moving.y);
             let (cx, cy) = ((ball.x / s).max(0.0) as usize, (ball.y / s).max(0.0) as usize);

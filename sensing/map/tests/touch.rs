@@ -5,7 +5,7 @@
 
 use std::path::Path;
 
-use mrroc_map::{Chance, Inflated, Knowledge, Layout, Map, Place, Planner, Region, Walls};
+use mrroc_map::{Chance, Inflated, Knowledge, Layout, Map, Place, Planner, Region, Wall, Walls};
 
 struct Run {
     ratio: f64,
@@ -13,8 +13,48 @@ struct Run {
     spacing: Option<f64>,
 }
 
-/// A ball that touches to 0.2 mm, and goes back by 6 % of a cell after each touch; `None` where no way is found.
-fn run(maze: &Layout, pitch: f64, seed: u64) -> Option<Run> {
+/// What the ball does where it touches.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Then {
+    /// Back by 6 % of a cell.
+    Back,
+    /// First along the wall: as far as the leg would have gone and on by three cells at most, until the wall ends or another one is in the way.
+    Slide,
+}
+
+/// Which way the wall lies that the ball touches: level or upright; `None` at a corner.
+fn into(walls: &Walls, ball: &Place, radius: f64) -> Option<Place> {
+    let wall = walls.near(ball).min_by(|a, b| a.distance(ball).total_cmp(&b.distance(ball)))?;
+    let way = wall.nearest(ball) - ball;
+    let (across, along) = (way.x.abs(), way.y.abs());
+    if wall.distance(ball) > radius + 1e-4 || across.min(along) > 0.3 * across.max(along) {
+        return None;
+    }
+    Some(if across > along { Place::new(way.x.signum(), 0.0) } else { Place::new(0.0, way.y.signum()) })
+}
+
+/// Along the wall that lies `into`, by `most` at most: where the ball comes to, and whether another wall is in the way.
+fn slid(walls: &Walls, from: Place, into: Place, along: Place, most: f64, radius: f64) -> (Place, bool) {
+    let (mut at, mut gone) = (from, 0.0);
+    while gone < most {
+        let next = at + along * 5e-5;
+        let lies = |wall: &Wall, side: Place| (wall.nearest(&next) - next).dot(&side);
+        let in_the_way =
+            |wall: &Wall| wall.distance(&next) < radius - 2e-5 && lies(wall, along) > 0.7 * radius;
+        if walls.near(&next).any(in_the_way) {
+            return (at, true);
+        }
+        let beside = |wall: &Wall| wall.distance(&next) < radius + 1e-4 && lies(wall, into) > 0.9 * radius;
+        if !walls.near(&next).any(beside) {
+            return (next, false);
+        }
+        (at, gone) = (next, gone + 5e-5);
+    }
+    (at, false)
+}
+
+/// A ball that touches to 0.2 mm; `None` where no way is found.
+fn run(maze: &Layout, pitch: f64, seed: u64, then: Then) -> Option<Run> {
     let known = Knowledge {
         size: [maze.columns() as f64 * pitch, maze.rows() as f64 * pitch],
         radius: 0.08 * pitch,
@@ -43,6 +83,29 @@ fn run(maze: &Layout, pitch: f64, seed: u64) -> Option<Run> {
         }
         s = s.min(leg.norm());
         let (end, back) = (ball + along * s, if touched { s.min(0.06 * pitch) } else { 0.0 });
+        let wall = into(&walls, &end, known.radius).filter(|_| touched && then == Then::Slide);
+        if let Some(into) = wall {
+            touches += 1;
+            let rest = ball + leg - end;
+            let beside = rest - into * rest.dot(&into);
+            let mut to = (end, false);
+            if beside.norm() > 0.08 * pitch {
+                let most = beside.norm() + 3.0 * pitch;
+                to = slid(&walls, end, into, beside.normalize(), most, known.radius);
+            }
+            map.pass(&ball, &end);
+            map.slide(&end, &to.0, &into);
+            map.pass(&end, &to.0);
+            way += s + (to.0 - end).norm() + 0.06 * pitch;
+            ball = to.0 - into * (0.06 * pitch);
+            if to.1 {
+                touches += 1;
+                map.slide(&to.0, &to.0, &beside.normalize());
+                ball -= beside.normalize() * (0.06 * pitch);
+            }
+            map.pass(&to.0, &ball);
+            continue;
+        }
         let next = end - along * back;
         way += s + back;
         map.pass(&ball, &next);
@@ -67,8 +130,8 @@ fn mazes(folder: &Path) -> Vec<(String, Layout)> {
     mazes
 }
 
-#[test]
-fn the_exit_is_found_by_touch_and_the_spacing_of_walls_is_learned() {
+/// All these mazes: the medians of touches and of the way through the shortest one.
+fn runs(then: Then) -> (f64, f64) {
     let mazes = match std::env::var_os("MRROC_MAZES") {
         Some(folder) => mazes(Path::new(&folder)),
         None => (0..8).map(|seed| (format!("seed {seed}"), Layout::random(16, seed))).collect(),
@@ -76,7 +139,7 @@ fn the_exit_is_found_by_touch_and_the_spacing_of_walls_is_learned() {
     let (mut ratios, mut touches, mut learned) = (vec![], vec![], 0);
     for (number, (name, maze)) in mazes.iter().enumerate() {
         let pitch = if maze.columns().max(maze.rows()) <= 16 { 0.025 } else { 0.0125 };
-        let run = run(maze, pitch, number as u64).unwrap_or_else(|| panic!("{name}: no way was found"));
+        let run = run(maze, pitch, number as u64, then).unwrap_or_else(|| panic!("{name}: no way was found"));
         // The exact way is a bound, less the 0.3 % by which it is too short.
         assert!(run.ratio > 0.999, "{name}: {}", run.ratio);
         // Never another spacing than the true one by the end, in mazes with some touches.
@@ -91,11 +154,23 @@ fn the_exit_is_found_by_touch_and_the_spacing_of_walls_is_learned() {
     touches.sort_by(f64::total_cmp);
     let (middle, p95) = (ratios.len() / 2, ratios.len() * 95 / 100);
     println!(
-        "{} mazes: way, times the shortest: median {:.2}, p95 {:.2}; touches: median {}; spacing learned in {learned}",
+        "{} mazes, {then:?}: way, times the shortest: median {:.2}, p95 {:.2}; touches: median {}; spacing learned in {learned}",
         ratios.len(),
         ratios[middle],
         ratios[p95],
         touches[middle]
     );
     assert!(2 * learned > mazes.len());
+    (touches[middle], ratios[middle])
+}
+
+#[test]
+fn the_exit_is_found_by_touch_and_the_spacing_of_walls_is_learned() {
+    runs(Then::Back);
+}
+
+#[test]
+fn sliding_along_walls_needs_fewer_touches() {
+    let [(back, _), (slide, way)] = [Then::Back, Then::Slide].map(runs);
+    assert!(slide < back, "{slide} touches instead of {back}, {way} times the shortest way");
 }

@@ -6,6 +6,10 @@ use nalgebra::Vector2;
 
 /// A kind of sensor that feels walls, carried by the robot `R`.
 pub trait Feeling<R: Robot>: Sensor<Configuration: Default> {
+    /// Whether it feels which way a wall lies: then each touch is one of the stretches that it has [`seen`](Self::seen), and nothing must
+    /// be guessed.
+    const TELLS_FACES: bool = false;
+
     /// Whether a wall is touched, how many times one was, and where the last time.
     fn touch(reading: &Self::Reading) -> Touch;
 
@@ -21,13 +25,26 @@ pub trait Feeling<R: Robot>: Sensor<Configuration: Default> {
 /// The stretches of walls that were seen of late: as many as there are.
 pub type Seen = [Option<Stretch>; 10];
 
-/// A stretch of a wall's face that was seen without a touch.
+/// A stretch of a wall's face that was seen without a touch, or that the ball slid along.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stretch {
-    /// Its ends [m, W].
+    /// Its ends [m, W]: on the face; where the ball slid, those of the way of its middle.
     pub ends: [Vector2<f64>; 2],
     /// From the effector into it \[W\].
     pub into: Vector2<f64>,
+}
+
+impl Stretch {
+    /// `into` in a maze at `X_WM`, where walls are level or upright: along one of its axes \[M\].
+    #[must_use]
+    pub fn inward(&self, maze: &Pose) -> Vector2<f64> {
+        let into = maze.rotation.inverse() * self.into.push(0.0);
+        if into.x.abs() > into.y.abs() {
+            Vector2::new(into.x.signum(), 0.0)
+        } else {
+            Vector2::new(0.0, into.y.signum())
+        }
+    }
 }
 
 /// What is felt of walls.

@@ -7,6 +7,7 @@
 pub mod camera;
 pub mod ecp;
 pub mod feeling;
+pub mod force;
 pub mod found;
 pub mod generators;
 pub mod mp;
@@ -15,6 +16,7 @@ pub mod orders;
 pub mod pictures;
 pub mod places;
 pub mod plant;
+pub mod reactive;
 pub mod run;
 pub mod summary;
 pub mod wheels;

@@ -7,7 +7,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use maze::camera;
-use maze::options::{Options, SensorKind, parse};
+use maze::options::{Means, Options, parse};
 use maze::pictures::film;
 use maze::run::solve;
 use maze::summary::{Row, Summary};
@@ -27,13 +27,14 @@ fn main() -> ExitCode {
         Ok(mazes) => mazes,
         Err(message) => return refused(&message),
     };
-    let ran = if options.sensor == SensorKind::Camera {
-        camera::shown::runs(&mazes, options.sweep.is_some() || options.random.is_some(), &options)
-    } else if options.sweep.is_some() || options.random.is_some() {
-        let summary = Summary::sweep(options.effector, &mazes);
-        Ok((summary.faults(), summary.to_string()))
-    } else {
-        one(&options, &mazes[0])
+    let many = options.sweep.is_some() || options.random.is_some();
+    let ran = match options.means() {
+        None => camera::shown::runs(&mazes, many, &options),
+        Some(means) if many => {
+            let summary = Summary::sweep(means, &mazes);
+            Ok((summary.faults(), summary.to_string()))
+        }
+        Some(means) => one(means, &options, &mazes[0]),
     };
     match ran {
         Ok((faults, text)) => {
@@ -108,8 +109,12 @@ fn read(file: &Path) -> Result<(String, Layout), String> {
 }
 
 /// One run, and its film.
-fn one(options: &Options, (name, layout): &(String, Layout)) -> Result<(usize, String), Box<dyn Error>> {
-    let outcome = solve(options.effector, layout, options.seed.into())?;
+fn one(
+    means: Means,
+    options: &Options,
+    (name, layout): &(String, Layout),
+) -> Result<(usize, String), Box<dyn Error>> {
+    let outcome = solve(means, layout, options.seed.into())?;
     let walls = Walls::of(layout, outcome.sizes.pitch, outcome.sizes.thickness);
     let file = options.out.join("maze.svg");
     let drawn = film(&outcome, &walls, outcome.sizes.sides(layout));

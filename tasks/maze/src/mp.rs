@@ -4,6 +4,7 @@ use core::marker::PhantomData;
 use std::cell::RefCell;
 use std::rc::Rc;
 
+use mrroc::generator::{RobotHandle, SensorHandle};
 use mrroc::prelude::*;
 use mrroc_generators::generators::ConstantOrder;
 use mrroc_map::{Knowledge, Map, Place, Planner, Region};
@@ -37,6 +38,25 @@ fn free<R: Robot, S: Feeling<R>>(c: &mut Free<R, S>, v: &Reading<(S,)>) -> bool 
     v.0.reading().is_some_and(|reading| !S::touch(&reading).touching)
 }
 
+/// Has the effector carry out a task, and waits until nothing is touched any more: what came of it. `touches` is how many there were.
+///
+/// # Errors
+/// The first fault of the cell.
+pub fn carried_out<R: Robot, S: Feeling<R>>(
+    mp: &mut Mp,
+    (robot, sensor): (&mut RobotHandle<R>, &mut SensorHandle<S>),
+    touches: &mut u32,
+    task: Task,
+) -> Result<Went, Fault> {
+    mp.move_robots((&mut *robot,), (), ConstantOrder::<(R,), Task>::to_all(task))?;
+    mp.wait_until((&mut *robot,), (&mut *sensor,), Free::<R, S>(PhantomData))?;
+    let reading = sensor.reading().ok_or_else(|| Fault::thrown("the sensor has no reading"))?;
+    let touch = S::touch(&reading);
+    let is_new = core::mem::replace(touches, touch.touches) != touch.touches;
+    let touched = is_new.then(|| Vector2::new(touch.x, touch.y));
+    Ok(Went { at: S::place(&reading, robot), touched, seen: S::seen(&reading) })
+}
+
 /// Plans a leg, has the effector go it until it touches something, and learns what it touched; until it is at the goal. `find` is how
 /// this effector learns where the maze stands, and comes to the start.
 ///
@@ -51,15 +71,7 @@ pub fn coordinate<R: Robot, S: Feeling<R>>(
 ) -> Result<(), Fault> {
     let (mut robot, mut sensor) = (mp.robot::<R>(robot)?, mp.sensor::<S>(sensor)?);
     let mut touches = 0;
-    let mut have = |task: Task| -> Result<Went, Fault> {
-        mp.move_robots((&mut robot,), (), ConstantOrder::<(R,), Task>::to_all(task))?;
-        mp.wait_until((&mut robot,), (&mut sensor,), Free::<R, S>(PhantomData))?;
-        let reading = sensor.reading().ok_or_else(|| Fault::thrown("the sensor has no reading"))?;
-        let touch = S::touch(&reading);
-        let is_new = core::mem::replace(&mut touches, touch.touches) != touch.touches;
-        let touched = is_new.then(|| Vector2::new(touch.x, touch.y));
-        Ok(Went { at: S::place(&reading, &robot), touched, seen: S::seen(&reading) })
-    };
+    let mut have = |task: Task| carried_out(mp, (&mut robot, &mut sensor), &mut touches, task);
     let (maze, went) = find(&mut have, told)?;
     let there = |place: &Place| (maze * Point3::new(place.x, place.y, 0.0)).coords.xy();
     let back = |at: &Vector2<f64>| maze.inverse_transform_point(&Point3::new(at.x, at.y, 0.0)).coords.xy();
@@ -77,14 +89,24 @@ pub fn coordinate<R: Robot, S: Feeling<R>>(
         };
         let leg = there(&way[1]);
         let went = have(Task::Go { x: leg.x, y: leg.y })?;
-        let end = went.touched.map_or(went.at, |touch| touch - (leg - at).normalize() * told.sizes.back);
-        map.borrow_mut().pass(&back(&at), &back(&end));
-        if let Some(touch) = went.touched {
+        // Where the ball slid, it went from there to there; else straight to where it is, or to short of what it touched.
+        let slid = went.seen.iter().flatten().filter(|_| S::TELLS_FACES);
+        let mut from = back(&at);
+        for face in slid {
+            let [begin, end] = face.ends.map(|end| back(&end));
+            map.borrow_mut().pass(&from, &begin);
+            map.borrow_mut().pass(&begin, &end);
+            map.borrow_mut().slide(&begin, &end, &face.inward(&maze));
+            from = end;
+        }
+        let touched = went.touched.filter(|_| !S::TELLS_FACES);
+        let end = touched.map_or(went.at, |touch| touch - (leg - at).normalize() * told.sizes.back);
+        map.borrow_mut().pass(&from, &back(&end));
+        if let Some(touch) = touched {
             map.borrow_mut().touch(&back(&touch), &(back(&leg) - back(&at)));
         }
-        for face in went.seen.iter().flatten() {
-            let into = maze.rotation.inverse() * face.into.push(0.0);
-            map.borrow_mut().see(&back(&face.ends[0]), &back(&face.ends[1]), &into.xy());
+        for face in went.seen.iter().flatten().filter(|_| !S::TELLS_FACES) {
+            map.borrow_mut().see(&back(&face.ends[0]), &back(&face.ends[1]), &face.inward(&maze));
         }
         at = went.at;
     }

@@ -4,14 +4,15 @@ use std::ffi::OsString;
 use std::iter;
 use std::path::PathBuf;
 
-use clap::{Parser, ValueEnum};
+use clap::error::ErrorKind;
+use clap::{CommandFactory, Parser, ValueEnum};
 
 /// What is chosen.
 #[derive(Clone, Debug, PartialEq, Parser)]
 #[command(
     name = "maze",
     about = "A simulated arm with a touch probe finds its way out of a maze: prints what was measured, and draws the map as it grows",
-    after_help = "Exit status: 0 if the exit was found without a fault, 1 if not,\n2 if the command line or a file was refused; then nothing has moved.\n\nExamples:\n  maze                       the maze that is shipped as islands.txt\n  maze my.txt --out my/      a maze in the text format of micromouse contests\n  maze --sweep tasks/maze/mazes\n  maze --random 100          so many mazes by chance, of 16 by 16 cells",
+    after_help = "Exit status: 0 if the exit was found without a fault, 1 if not,\n2 if the command line or a file was refused; then nothing has moved.\n\nExamples:\n  maze                       the maze that is shipped as islands.txt\n  maze my.txt --out my/      a maze in the text format of micromouse contests\n  maze --sensor force        the same by a force sensor: the ball slides along walls\n  maze --controller reactive without a map\n  maze --sweep tasks/maze/mazes\n  maze --random 100          so many mazes by chance, of 16 by 16 cells",
     args_override_self = true,
     max_term_width = 80
 )]
@@ -25,6 +26,9 @@ pub struct Options {
     /// What carries the sensor.
     #[arg(long, value_enum, default_value = "arm")]
     pub effector: EffectorKind,
+    /// Who decides where to go.
+    #[arg(long, value_enum, default_value = "map")]
+    pub controller: ControllerKind,
     /// Of where the maze stands, and of the probe.
     #[arg(long, value_name = "N", default_value = "0")]
     pub seed: u32,
@@ -47,6 +51,8 @@ pub struct Options {
 pub enum SensorKind {
     /// A ball on a spring with a switch.
     Probe,
+    /// The same ball, and a force sensor at the wrist: it slides along walls.
+    Force,
     /// None is felt: a camera sees them all from above.
     Camera,
 }
@@ -60,18 +66,82 @@ pub enum EffectorKind {
     Wheels,
 }
 
+/// Who decides where to go.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ControllerKind {
+    /// The coordinator, by a map.
+    Map,
+    /// The arm itself, by what it touches, without a map.
+    Reactive,
+}
+
+/// By what means walls are felt.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Means {
+    /// An arm with a touch probe, and a map.
+    Probe,
+    /// An arm with a force sensor, and a map.
+    Force,
+    /// An arm with a touch probe, without a map.
+    Reactive,
+    /// A base with wheels, which sees walls, and a map.
+    Wheels,
+}
+
+impl From<EffectorKind> for Means {
+    fn from(effector: EffectorKind) -> Self {
+        match effector {
+            EffectorKind::Arm => Self::Probe,
+            EffectorKind::Wheels => Self::Wheels,
+        }
+    }
+}
+
+impl Options {
+    /// By what means walls are felt; `None` by a camera, which feels none.
+    #[must_use]
+    pub fn means(&self) -> Option<Means> {
+        match (self.controller, self.effector, self.sensor) {
+            (_, _, SensorKind::Camera) => None,
+            (ControllerKind::Reactive, _, _) => Some(Means::Reactive),
+            (ControllerKind::Map, EffectorKind::Wheels, _) => Some(Means::Wheels),
+            (ControllerKind::Map, EffectorKind::Arm, SensorKind::Force) => Some(Means::Force),
+            (ControllerKind::Map, EffectorKind::Arm, SensorKind::Probe) => Some(Means::Probe),
+        }
+    }
+
+    /// What cannot be used together, if anything.
+    const fn conflict(&self) -> Option<&'static str> {
+        match (self.controller, self.effector, self.sensor) {
+            (ControllerKind::Reactive, EffectorKind::Wheels, _)
+            | (ControllerKind::Reactive, _, SensorKind::Force | SensorKind::Camera) => Some(
+                "--controller reactive is an arm's with a touch probe: leave out --effector and --sensor",
+            ),
+            (ControllerKind::Map, EffectorKind::Wheels, SensorKind::Force | SensorKind::Camera) => {
+                Some("--effector wheels sees walls by infrared: leave out --sensor")
+            }
+            (ControllerKind::Map, EffectorKind::Wheels, SensorKind::Probe) | (_, EffectorKind::Arm, _) => {
+                None
+            }
+        }
+    }
+}
+
 /// Reads the arguments after the program's name.
 ///
 /// # Errors
 /// What there is to say instead: the help, or what is wrong.
 pub fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Options, clap::Error> {
-    Options::try_parse_from(iter::once(OsString::from("maze")).chain(arguments))
+    let options = Options::try_parse_from(iter::once(OsString::from("maze")).chain(arguments))?;
+    match options.conflict() {
+        Some(text) => Err(Options::command().error(ErrorKind::ArgumentConflict, text)),
+        None => Ok(options),
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use clap::CommandFactory;
 
     #[test]
     fn options_are_read_and_others_refused() {
@@ -82,6 +152,9 @@ mod tests {
             (vec!["--sensor", "radar"], "probe"),
             (vec!["--effector", "legs"], "arm"),
             (vec!["my.txt", "--random", "5"], "cannot be used"),
+            (vec!["--controller", "reactive", "--sensor", "force"], "touch probe"),
+            (vec!["--controller", "reactive", "--effector", "wheels"], "touch probe"),
+            (vec!["--effector", "wheels", "--sensor", "force"], "infrared"),
             (vec!["--random", "0"], "1..=100000"),
         ] {
             let text = read(&arguments).expect_err("wrong").to_string();

@@ -15,6 +15,15 @@ pub enum Task {
         /// [m, W].
         y: f64,
     },
+    /// Out of the maze, to a place, by touch and without a map: only a reactive controller is told so.
+    Leave {
+        /// The middle of the exit [m, W].
+        x: f64,
+        /// See `x`.
+        y: f64,
+        /// It is there when it is so near \[m\].
+        near: f64,
+    },
     /// Over the walls to a place, and down. Only arms are told so.
     Hop {
         /// [m, W].

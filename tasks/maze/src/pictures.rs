@@ -68,7 +68,7 @@ pub fn film(outcome: &Outcome, walls: &Walls, sides: [f64; 2]) -> String {
         svg,
         "</g>\n<text x=\"0\" y=\"{:.1}\">{} {} (red); way {:.2} x the shortest</text>\n</svg>",
         height + 12.0,
-        outcome.contacts.len(),
+        outcome.touches,
         if outcome.travel == 0.0 { "places of walls that were seen" } else { "touches" },
         outcome.ratio()
     );

@@ -1,7 +1,7 @@
 //! One run: a maze, a seed.
 
 use core::time::Duration;
-use std::cell::RefCell;
+use std::cell::{self, RefCell};
 use std::rc::Rc;
 use std::time::Instant;
 
@@ -9,11 +9,12 @@ use mrroc::cell::RunReport;
 use mrroc::prelude::*;
 use mrroc_map::{Contact, Inflated, Knowledge, Layout, Map, Place, Region};
 
+use crate::force::sensor::{WallForce, Wrist};
 use crate::mp::Told;
-use crate::options::EffectorKind;
+use crate::options::Means;
 use crate::places::Sizes;
 use crate::plant::{Plant, TouchProbe};
-use crate::{ecp, file, found, mp, wheels};
+use crate::{ecp, file, force, found, mp, reactive, wheels};
 use mrroc_robots::Irp6;
 
 /// What came of a run.
@@ -27,6 +28,8 @@ pub struct Outcome {
     pub way: f64,
     /// See `way`.
     pub shortest: f64,
+    /// How many touches there were between the walls, or how many places of walls were seen.
+    pub touches: usize,
     /// What was touched.
     pub contacts: Vec<Contact>,
     /// The largest deflection of the stylus \[m\].
@@ -46,6 +49,8 @@ pub struct Ready {
     map: Rc<RefCell<Map>>,
     shortest: f64,
     sizes: Sizes,
+    /// Touches that a force sensor counted, those of the frame from outside included.
+    felt: Option<Rc<cell::Cell<u32>>>,
 }
 
 /// What is told of a maze with these sizes.
@@ -87,10 +92,46 @@ impl Ready {
         seed: u64,
         sense: impl FnOnce(&Plant, &CellFile, Cell) -> Result<Cell, CellError>,
     ) -> Result<Self, CellError> {
-        let file = file()?;
+        let program = |mp: &mut Mp, told: &Told, grown: &Rc<RefCell<Map>>| {
+            mp::coordinate::<Irp6, TouchProbe>(mp, ["arm", "probe"], told, found::by_three_touches, grown)
+        };
+        Self::of(maze, seed, &file()?, sense, ecp::arm, program)
+    }
+
+    /// A cell with this maze and a force sensor, which `fail` may change.
+    ///
+    /// # Errors
+    /// What is wrong with the cell's file.
+    pub fn by_force<V: VirtualSensor<Kind = WallForce>>(
+        maze: &Layout,
+        seed: u64,
+        fail: impl FnOnce(Wrist) -> V,
+    ) -> Result<Self, CellError> {
+        let file = CellFile::parse("cell.toml", include_str!("force/cell.toml"))?;
+        let mut touches = None;
+        let sense = |plant: &Plant, file: &CellFile, cell: Cell| {
+            let wrist = Wrist::new(plant.world(), seed);
+            touches = Some(wrist.touches());
+            Ok(cell.sensor(file.sensor("force", fail(wrist))?))
+        };
+        let program = |mp: &mut Mp, told: &Told, grown: &Rc<RefCell<Map>>| {
+            mp::coordinate::<Irp6, WallForce>(mp, ["arm", "force"], told, found::by_three_touches, grown)
+        };
+        let ready = Self::of(maze, seed, &file, sense, force::ecp::arm, program)?;
+        Ok(Self { felt: touches, ..ready })
+    }
+
+    fn of(
+        maze: &Layout,
+        seed: u64,
+        file: &CellFile,
+        sense: impl FnOnce(&Plant, &CellFile, Cell) -> Result<Cell, CellError>,
+        arm: impl Fn(&mut Ecp<Irp6>, &Sizes) -> Result<(), Fault> + 'static,
+        program: impl Fn(&mut Mp, &Told, &Rc<RefCell<Map>>) -> Result<(), Fault> + 'static,
+    ) -> Result<Self, CellError> {
         let sizes = Sizes::within_reach(maze);
         let plant = Plant::new(maze, &sizes, seed);
-        let cell = sense(&plant, &file, file.cell(&plant.kinds())?)?;
+        let cell = sense(&plant, file, file.cell(&plant.kinds())?)?;
         let told = told(maze, &sizes);
         let walls = plant.world().borrow().walls.clone();
         let shortest = Inflated::by(&walls, sizes.radius)
@@ -98,10 +139,8 @@ impl Ready {
             .map_or(0.0, |(length, _)| length);
         let map = Rc::new(RefCell::new(Map::new(told.known)));
         let grown = Rc::clone(&map);
-        let cell = cell.ecp("arm", move |ecp| ecp::arm(ecp, &sizes)).program(move |mp| {
-            mp::coordinate::<Irp6, TouchProbe>(mp, ["arm", "probe"], &told, found::by_three_touches, &grown)
-        });
-        Ok(Self { cell, plant, map, shortest, sizes })
+        let cell = cell.ecp("arm", move |ecp| arm(ecp, &sizes)).program(move |mp| program(mp, &told, &grown));
+        Ok(Self { cell, plant, map, shortest, sizes, felt: None })
     }
 
     /// Runs it.
@@ -117,6 +156,11 @@ impl Ready {
             wall,
             way: world.stylus.way,
             shortest: self.shortest,
+            // Three were of the frame.
+            touches: match self.felt {
+                Some(felt) => felt.get().saturating_sub(3) as usize,
+                None => self.map.borrow().contacts().len(),
+            },
             contacts: self.map.borrow().contacts().to_vec(),
             travel: world.stylus.most,
             trace: world.trace.clone(),
@@ -125,14 +169,16 @@ impl Ready {
     }
 }
 
-/// Runs a maze with an effector.
+/// Runs a maze.
 ///
 /// # Errors
 /// What is wrong with the cell's file.
-pub fn solve(effector: EffectorKind, maze: &Layout, seed: u64) -> Result<Outcome, CellError> {
-    match effector {
-        EffectorKind::Arm => Ready::new(maze, seed).map(Ready::run),
-        EffectorKind::Wheels => wheels::run::Ready::new(maze, seed).map(wheels::run::Ready::run),
+pub fn solve(means: Means, maze: &Layout, seed: u64) -> Result<Outcome, CellError> {
+    match means {
+        Means::Wheels => wheels::run::Ready::new(maze, seed).map(wheels::run::Ready::run),
+        Means::Probe => Ready::new(maze, seed).map(Ready::run),
+        Means::Force => Ready::by_force(maze, seed, |wrist| wrist).map(Ready::run),
+        Means::Reactive => reactive::run::Ready::new(maze, seed).map(reactive::run::Ready::run),
     }
 }
 

@@ -7,7 +7,7 @@ use std::thread;
 
 use mrroc_map::Layout;
 
-use crate::options::EffectorKind;
+use crate::options::Means;
 use crate::run::{Outcome, solve};
 
 /// A run, in figures.
@@ -45,8 +45,8 @@ pub fn quantile(values: impl IntoIterator<Item = f64>, share: f64) -> f64 {
 }
 
 impl Row {
-    fn by_running(effector: EffectorKind, name: &str, maze: &Layout, seed: u64) -> Self {
-        match solve(effector, maze, seed) {
+    fn by_running(means: Means, name: &str, maze: &Layout, seed: u64) -> Self {
+        match solve(means, maze, seed) {
             Ok(outcome) => Self::of(name, maze, &outcome),
             Err(error) => Self {
                 name: name.to_owned(),
@@ -67,7 +67,7 @@ impl Row {
         Self {
             name: name.to_owned(),
             ratio: outcome.ratio(),
-            touches: outcome.contacts.len(),
+            touches: outcome.touches,
             travel: outcome.travel,
             time: outcome.report.as_ref().map_or(0.0, |report| report.time.as_secs_f64()),
             wall: outcome.wall.as_secs_f64(),
@@ -80,14 +80,15 @@ impl Row {
 impl Summary {
     /// Runs all these mazes, with their numbers as seeds, on all processors.
     #[must_use]
-    pub fn sweep(effector: EffectorKind, mazes: &[(String, Layout)]) -> Self {
+    pub fn sweep(means: impl Into<Means>, mazes: &[(String, Layout)]) -> Self {
+        let means = means.into();
         let next = AtomicUsize::new(0);
         let worker = || {
             let mut rows = vec![];
             loop {
                 let number = next.fetch_add(1, Ordering::Relaxed);
                 let Some((name, maze)) = mazes.get(number) else { return rows };
-                rows.push((number, Row::by_running(effector, name, maze, number as u64)));
+                rows.push((number, Row::by_running(means, name, maze, number as u64)));
             }
         };
         let count = thread::available_parallelism().map_or(1, usize::from);

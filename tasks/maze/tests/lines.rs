@@ -17,6 +17,17 @@ fn the_mp_has_at_most_sixty_lines_and_the_reactive_controller_forty() {
 }
 
 #[test]
+fn the_purely_reactive_controller_has_at_most_forty_lines_and_so_has_the_arm_with_a_force_sensor() {
+    let (reactive, starts, force) = (
+        body(include_str!("../src/reactive/ecp.rs"), "arm"),
+        body(include_str!("../src/reactive/mp.rs"), "coordinate"),
+        body(include_str!("../src/force/ecp.rs"), "arm"),
+    );
+    println!("lines: reactive ECP {reactive}, the MP that starts it {starts}, ECP with force {force}");
+    assert!(reactive <= 40 && starts <= 60 && force <= 40, "{reactive} {starts} {force}");
+}
+
+#[test]
 fn the_programs_with_a_camera_are_as_short() {
     let (mp, ecp) = (
         body(include_str!("../src/camera/mp.rs"), "coordinate"),

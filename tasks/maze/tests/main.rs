@@ -2,7 +2,9 @@
 
 mod camera;
 mod faults;
+mod force;
 mod lines;
+mod reactive;
 mod runs;
 mod shared;
 mod wheels;

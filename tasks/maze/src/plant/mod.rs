@@ -27,14 +27,20 @@ impl Plant {
     /// A maze that stands to [`LOOSE`] and [`TURNED`] where it is said to, by chance.
     #[must_use]
     pub fn new(maze: &Layout, sizes: &Sizes, seed: u64) -> Self {
+        let walls = Walls::of(maze, sizes.pitch, sizes.thickness);
+        Self::among(walls, sizes.sides(maze), sizes, seed)
+    }
+
+    /// Walls in a frame of these sides \[m\], which stand as loosely.
+    #[must_use]
+    pub fn among(walls: Walls, size: [f64; 2], sizes: &Sizes, seed: u64) -> Self {
         let mut chance = Chance::seeded(seed ^ 0x6d61_7a65);
-        let size = sizes.sides(maze);
         let middle = Pose::translation(0.5 * size[0], 0.5 * size[1], 0.0);
         let off = Pose::translation(chance.within(LOOSE), chance.within(LOOSE), 0.0)
             * Pose::rotation(Vector3::z() * chance.within(TURNED));
         let world = World {
             X_WM: said(size) * middle * off * middle.inverse(),
-            walls: Walls::of(maze, sizes.pitch, sizes.thickness),
+            walls,
             stylus: Stylus::new(sizes.radius, seed),
             time: 0.0,
             onset: 0.0,

@@ -48,15 +48,12 @@ impl Probe {
     pub fn new(world: Rc<RefCell<World>>) -> Self {
         Self { world, before: None, touch: Touch::default(), onset: 0.0 }
     }
-}
 
-impl VirtualSensor for Probe {
-    type Kind = TouchProbe;
-
-    fn aggregate(&mut self, order: &ReadingOrder<()>) -> Result<Touch, Fault> {
-        let arm = order
-            .robot
-            .ok_or_else(|| Fault::thrown("the touch probe got no state of its arm: write `of`"))?;
+    /// What the switch tells, with its seat where the encoders see it now [m, W].
+    ///
+    /// # Errors
+    /// The stylus is bent too far.
+    pub fn touch(&mut self, seat: &Vector3<f64>) -> Result<Touch, Fault> {
         let world = self.world.borrow();
         let bent = world.stylus.deflection().norm();
         if bent > TRAVEL {
@@ -65,7 +62,7 @@ impl VirtualSensor for Probe {
                 fault.text("the stylus is bent beyond its over-travel: slow down, or look what it hit")
             );
         }
-        let now = (arm.pose.translation.vector, world.time);
+        let now = (*seat, world.time);
         let touching = world.last > 0.0 && world.time - world.last <= World::QUIET;
         if world.onset > self.onset {
             self.onset = world.onset;
@@ -80,6 +77,17 @@ impl VirtualSensor for Probe {
         self.touch.touching = touching;
         self.touch.since = world.time - self.onset;
         Ok(self.touch)
+    }
+}
+
+impl VirtualSensor for Probe {
+    type Kind = TouchProbe;
+
+    fn aggregate(&mut self, order: &ReadingOrder<()>) -> Result<Touch, Fault> {
+        let arm = order
+            .robot
+            .ok_or_else(|| Fault::thrown("the touch probe got no state of its arm: write `of`"))?;
+        self.touch(&arm.pose.translation.vector)
     }
 
     fn is_simulated(&self) -> bool {

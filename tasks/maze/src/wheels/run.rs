@@ -79,6 +79,7 @@ impl Ready {
             wall: began.elapsed(),
             way: self.plant.floor.way(),
             shortest: self.shortest,
+            touches: self.map.borrow().contacts().len(),
             contacts: self.map.borrow().contacts().to_vec(),
             travel: self.plant.floor.touched().deepest,
             trace: self.plant.trace.take(),

@@ -1,0 +1,103 @@
+//! A force sensor at the wrist: the ball slides along walls, needs fewer touches, and what is wrong with the sensor is named.
+//!
+//! The shipped mazes and one by chance; `MRROC_WHOLE=1` takes thirty.
+
+use maze::force::sensor::{Failing, Felt, Going, WallForce, Wrist};
+use maze::options::Means;
+use maze::plant::stylus::TRAVEL;
+use maze::run::Ready;
+use maze::summary::Summary;
+use mrroc::prelude::*;
+use mrroc_map::Layout;
+
+fn islands() -> Layout {
+    include_str!("../mazes/islands.txt").parse().expect("a maze")
+}
+
+#[test]
+fn the_exit_is_found_by_force_without_a_fault_or_over_travel() {
+    let comb = include_str!("../mazes/comb.txt").parse().expect("a maze");
+    let mut mazes = vec![("islands".to_owned(), islands()), ("comb".to_owned(), comb)];
+    let count = if std::env::var_os("MRROC_WHOLE").is_some() { 30 } else { 1 };
+    mazes.extend((0..count).map(|seed| (format!("seed {seed}"), Layout::random(16, seed))));
+    let [probe, force] = [Means::Probe, Means::Force].map(|means| Summary::sweep(means, &mazes));
+    println!("{probe}\n{force}");
+    assert_eq!(force.faults(), 0, "{force}");
+    for row in &force.0 {
+        assert!(row.travel < TRAVEL && row.ratio > 0.999, "{force}");
+    }
+}
+
+#[test]
+fn the_ball_slides_along_walls_and_the_map_has_them_where_they_are() {
+    let ready = Ready::by_force(&islands(), 3, |wrist| wrist).expect("a cell");
+    let world = ready.plant.world();
+    let outcome = ready.run();
+    outcome.report.expect("no fault");
+    let world = world.borrow();
+    for contact in &outcome.contacts {
+        // Found by three touches, and felt with noise: to half a millimetre.
+        let off = world.walls.near(&contact.at).map(|wall| wall.distance(&contact.at)).fold(1.0, f64::min);
+        assert!(off < 5e-4, "{contact:?} is {off} m off a wall");
+    }
+    // Along each wall many more places are known than touches were needed.
+    assert!(outcome.contacts.len() > 2 * outcome.touches, "{}", outcome.touches);
+}
+
+/// A sensor that fails from a step on.
+struct Broken {
+    wrist: Wrist,
+    from: u64,
+    how: Option<Failing>,
+}
+
+impl VirtualSensor for Broken {
+    type Kind = WallForce;
+
+    fn aggregate(&mut self, order: &ReadingOrder<Going>) -> Result<Felt, Fault> {
+        if order.step >= self.from {
+            match self.how {
+                Some(how) => self.wrist.fail(Some(how)),
+                None => return Err(Fault::thrown("the cable of the force sensor is off")),
+            }
+        }
+        self.wrist.aggregate(order)
+    }
+
+    fn is_simulated(&self) -> bool {
+        true
+    }
+}
+
+/// The fault of a run whose sensor fails so, and how far the stylus was bent \[m\].
+fn broken(from: u64, how: Option<Failing>) -> (String, f64) {
+    let ready = Ready::by_force(&islands(), 0, |wrist| Broken { wrist, from, how }).expect("a cell");
+    let outcome = ready.run();
+    (outcome.report.expect_err("a fault").to_string(), outcome.travel)
+}
+
+/// Steps of 4 ms into the run: while the frame is looked for, and in legs and slides between the walls.
+const STEPS: [u64; 4] = [1200, 3200, 4000, 5000];
+
+#[test]
+fn fault_236_a_force_sensor_that_is_lost_or_saturates_is_a_named_fault_and_the_arm_stops() {
+    for from in STEPS {
+        let (fault, travel) = broken(from, None);
+        assert!(fault.contains("force") && fault.contains("cable"), "{fault}");
+        assert!(travel < TRAVEL, "{travel} m, from step {from}");
+        let (fault, travel) = broken(from, Some(Failing::Saturated));
+        assert!(fault.contains("saturates"), "{fault}");
+        assert!(travel < TRAVEL, "{travel} m, from step {from}");
+    }
+}
+
+#[test]
+fn fault_219_a_force_sensor_that_feels_nothing_more_is_a_fault_by_over_travel() {
+    for from in STEPS {
+        let (fault, travel) = broken(from, Some(Failing::Stuck));
+        let is_named = fault.contains("over-travel") || fault.contains("used up its way");
+        assert!(is_named, "from step {from}: {fault}");
+        // 4 mm, and what the arm goes on from 60 mm/s while it brakes evenly in the longest stop time, 0.6 s.
+        assert!(travel < TRAVEL + 0.5 * 0.06 * 0.6, "from step {from}: {travel} m");
+    }
+}
