@@ -4,7 +4,7 @@ use core::time::Duration;
 
 use mrroc::fault::FaultKind;
 use mrroc::prelude::*;
-use mrroc_map::{Goal, Layout, Walls};
+use mrroc_map::{Goal, Knowledge, Layout, Walls};
 use mrroc_wheels::generators::BaseLimits;
 use mrroc_wheels::sensing::infrared::SENSORS;
 use mrroc_wheels::sensing::{
@@ -53,7 +53,9 @@ fn ended(courses: Vec<Course>, event: Event) -> (Option<Fault>, Floor) {
     let start = courses[0].at(0.0).pose;
     let floor = Floor::new(Ground { walls: Some(hall()), ..Ground::default() }, start);
     let located = Located::by(Gyro::new(floor.clone(), 1), DeadReckoning::from(start));
-    let memory = WallMemory::of_frame([1.8, 1.8], 0.012, SENSORS);
+    let told =
+        Knowledge { size: [1.8, 1.8], radius: DiffDrive::BODY, thickness: 0.012, passage: 0.15, wall: 0.18 };
+    let memory = WallMemory::of_frame(told, SENSORS);
     let inner = LookingOut::new(floor.clone(), located, Infrared::new(floor.clone(), 1), memory);
     let sensor = SensorSetup::new("lookout", Eventful { inner, floor: floor.clone(), event }).of("base");
     let drives = Rolling::new(DiffDrive::new(), floor.clone());

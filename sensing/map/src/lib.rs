@@ -47,5 +47,6 @@ pub use panels::{Panel, Panels};
 pub use plan::Planner;
 pub use random::Chance;
 pub use shortest::{Inflated, Region};
+pub use spacing::spacing;
 pub use taut::{Piece, Taut};
 pub use walls::{Place, Wall, Walls};

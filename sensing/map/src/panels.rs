@@ -71,7 +71,7 @@ impl Panels {
         let (s, off) = (self.spacing, known.radius + 0.5 * known.thickness);
         let tolerance = 0.06 * s;
         for contact in map.contacts() {
-            let ball = contact.at - contact.into * known.radius;
+            let ball = contact.ball;
             // How far it is from the nearest line, and from the nearest post along that line.
             let near = |v: f64| v - (v / s).round() * s;
             let (x, y) = (near(ball.x), near(ball.y));
@@ -81,8 +81,9 @@ impl Panels {
                 (x.abs() - half).max(0.0).hypot((y.abs() - half).max(0.0)) > known.radius + 0.4 * tolerance;
             let fits =
                 |d: f64, moving: f64| is_beside && (d.abs() - off).abs() < tolerance && d * moving <= 0.0;
-            let upright = fits(x, contact.moving.x);
-            let level = fits(y, contact.moving.y);
+            let is_seen = contact.moving == Place::zeros();
+            let upright = fits(x, contact.moving.x) && !(is_seen && contact.into.x == 0.0);
+            let level = fits(y, contact.moving.y) && !(is_seen && contact.into.y == 0.0);
             let (cx, cy) = ((ball.x / s).max(0.0) as usize, (ball.y / s).max(0.0) as usize);
             let (kx, ky) = ((ball.x / s).round() as usize, (ball.y / s).round() as usize);
             match (upright, level) {
@@ -96,6 +97,8 @@ impl Panels {
                     self.level[index] = Panel::Wall;
                     self.touches[0][index] += 1;
                 }
+                // Of what was seen near a post, it is not sure on which side of it.
+                _ if is_seen => {}
                 _ => {
                     // Whatever is ahead there is rather not tried again.
                     let ahead = ball + contact.moving.normalize() * (3.0 * off);

@@ -58,7 +58,7 @@ pub fn coordinate<R: Robot, S: Feeling<R>>(
         let touch = S::touch(&reading);
         let is_new = core::mem::replace(&mut touches, touch.touches) != touch.touches;
         let touched = is_new.then(|| Vector2::new(touch.x, touch.y));
-        Ok(Went { at: S::place(&reading, &robot), touched, seen: S::seen(&reading) })
+        Ok(Went { at: S::place(&reading, &robot), touched, met: S::met(&reading), seen: S::seen(&reading) })
     };
     let (maze, went) = find(&mut have, told)?;
     let there = |place: &Place| (maze * Point3::new(place.x, place.y, 0.0)).coords.xy();
@@ -80,7 +80,11 @@ pub fn coordinate<R: Robot, S: Feeling<R>>(
         let end = went.touched.map_or(went.at, |touch| touch - (leg - at).normalize() * told.sizes.back);
         map.borrow_mut().pass(&back(&at), &back(&end));
         if let Some(touch) = went.touched {
-            map.borrow_mut().touch(&back(&touch), &(back(&leg) - back(&at)));
+            let (ball, moving) = (back(&touch), back(&leg) - back(&at));
+            match went.met {
+                Some(met) => map.borrow_mut().meet(&ball, &back(&met), &moving),
+                None => map.borrow_mut().touch(&ball, &moving),
+            };
         }
         for face in went.seen.iter().flatten() {
             let into = maze.rotation.inverse() * face.into.push(0.0);
