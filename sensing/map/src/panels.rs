@@ -36,6 +36,8 @@ pub struct Panels {
     touches: [Vec<u32>; 2],
     /// How many touches before a panel tell not what was touched, level and upright.
     dear: [Vec<f64>; 2],
+    /// Whether a body met a post where it tried a panel, level and upright.
+    posts: [Vec<bool>; 2],
 }
 
 impl Panels {
@@ -52,6 +54,7 @@ impl Panels {
             upright: vec![Panel::Unknown; (columns + 1) * rows],
             touches: [vec![0; columns * (rows + 1)], vec![0; (columns + 1) * rows]],
             dear: [vec![0.0; columns * (rows + 1)], vec![0.0; (columns + 1) * rows]],
+            posts: [vec![false; columns * (rows + 1)], vec![false; (columns + 1) * rows]],
         };
         for x in 0..columns {
             panels.level[x] = Panel::Wall;
@@ -102,8 +105,11 @@ impl Panels {
                 _ => {
                     // Whatever is ahead there is rather not tried again.
                     let ahead = ball + contact.moving.normalize() * (3.0 * off);
+                    // Not straight before its middle: a body that met a corner there, see `Map::meet`.
+                    let aside = (contact.at - ball - contact.into * known.radius).norm();
                     for (upright, line, cell) in self.crossings(&ball, &ahead) {
                         let index = self.index(upright, line, cell);
+                        self.posts[usize::from(upright)][index] |= aside > 1e-9;
                         let dear = if upright { &mut self.dear[1] } else { &mut self.dear[0] };
                         dear[index] += 1.0;
                     }
@@ -162,6 +168,12 @@ impl Panels {
     #[must_use]
     pub fn doubts(&self, (upright, line, cell): Which) -> f64 {
         self.dear[usize::from(upright)][self.index(upright, line, cell)]
+    }
+
+    /// Whether a body that tried a panel met a post instead.
+    #[must_use]
+    pub fn is_beside_a_post(&self, (upright, line, cell): Which) -> bool {
+        self.posts[usize::from(upright)][self.index(upright, line, cell)]
     }
 
     /// The room of a place, by its column and row; the nearest one if it is outside.

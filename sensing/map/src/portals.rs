@@ -77,7 +77,7 @@ impl Portals<'_> {
         way
     }
 
-    /// Where touches before a panel did not tell what was touched, it was a post: through the middle of that panel then, from the middle of
+    /// Where a body met a post as it tried a panel: through the middle of that panel, from the middle of
     /// the room before it to that of the room behind. Returns which places of the way must stay.
     fn squarely(
         &self,
@@ -90,7 +90,7 @@ impl Portals<'_> {
         let mut fixed = vec![false; way.len()];
         for (number, before) in rooms.iter().enumerate().rev() {
             let (which, behind) = through[number];
-            if self.panels.doubts(which) == 0.0 {
+            if !self.panels.is_beside_a_post(which) {
                 continue;
             }
             let (before, behind) = (middle(*before), middle(behind));
