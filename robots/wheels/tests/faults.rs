@@ -4,14 +4,16 @@ use core::time::Duration;
 
 use mrroc::fault::FaultKind;
 use mrroc::prelude::*;
-use mrroc_map::{Goal, Layout, Walls};
+use mrroc::sensor::SensorImage;
+use mrroc_generators::rehearsal::rehearse_with;
+use mrroc_map::{Goal, Knowledge, Layout, Walls};
 use mrroc_wheels::generators::BaseLimits;
 use mrroc_wheels::sensing::infrared::SENSORS;
 use mrroc_wheels::sensing::{
     DeadReckoning, Gyro, GyroFault, Infrared, Located, LookingOut, Lookout, Sight, WallMemory, Watch,
 };
 use mrroc_wheels::simulation::{Floor, Ground};
-use mrroc_wheels::{Course, DiffDrive, FollowCourse, Planar, Rolling};
+use mrroc_wheels::{Course, DiffDrive, FollowCourse, Planar, Rolling, Two};
 use nalgebra::Vector2;
 
 /// A hall of ten cells by ten, whose goal is all but the lowest row: no posts stand in it.
@@ -53,7 +55,9 @@ fn ended(courses: Vec<Course>, event: Event) -> (Option<Fault>, Floor) {
     let start = courses[0].at(0.0).pose;
     let floor = Floor::new(Ground { walls: Some(hall()), ..Ground::default() }, start);
     let located = Located::by(Gyro::new(floor.clone(), 1), DeadReckoning::from(start));
-    let memory = WallMemory::of_frame([1.8, 1.8], 0.012, SENSORS);
+    let told =
+        Knowledge { size: [1.8, 1.8], radius: DiffDrive::BODY, thickness: 0.012, passage: 0.15, wall: 0.18 };
+    let memory = WallMemory::of_frame(told, SENSORS);
     let inner = LookingOut::new(floor.clone(), located, Infrared::new(floor.clone(), 1), memory);
     let sensor = SensorSetup::new("lookout", Eventful { inner, floor: floor.clone(), event }).of("base");
     let drives = Rolling::new(DiffDrive::new(), floor.clone());
@@ -163,4 +167,45 @@ fn fault_187_wheels_that_slip_more_in_a_turn_than_odometry_can_bear_are_told() {
     let fault = fault.expect("it is told");
     assert!(fault.kind() == FaultKind::SensorFailed && fault.to_string().contains("disagree"), "{fault}");
     assert!(floor.motion().pose.heading.abs() < 1.3, "the turn was not finished: {:?}", floor.motion());
+}
+
+#[test]
+fn fault_237_a_course_is_not_followed_by_a_place_that_is_older_than_it_may_be() {
+    let course = || Course::through(&[Vector2::zeros(), Vector2::new(0.3, 0.0)], 0.01).expect("a course");
+    let limits = BaseLimits { speed: 0.3, lateral: 1.5, turning: 6.0, off: 0.05 };
+    // What the sensor told first gets older by a step in every step after the fifth.
+    let followed = |oldest: u32| {
+        let follow = FollowCourse::<Lookout>::along(course(), limits, |read| Some(read.pose), 2.0, oldest);
+        let (mut base, mut before, mut step) = (Planar::default(), Two::zeros(), 0_u32);
+        rehearse_with(follow, &DiffDrive::new(), Two::zeros(), 0.004, |image| {
+            let q = image.demanded().joints;
+            let (way, turn) = DiffDrive::rolled(&(q - core::mem::replace(&mut before, q)));
+            base = base.moved(way, turn);
+            step += 1;
+            let sight = Sight { pose: base, ..Sight::default() };
+            (Order::new(()), Reading::new((SensorImage::new(sight, step.saturating_sub(5)),)))
+        })
+        .map(drop)
+        .map_err(|fault| (fault.kind(), step))
+    };
+    assert_eq!(followed(2), Err((FaultKind::SensorStale, 8)));
+    assert_eq!(followed(u32::MAX), Ok(()));
+}
+
+#[test]
+fn a_course_that_is_over_before_its_end_is_braked_on() {
+    let course = Course::through(&[Vector2::zeros(), Vector2::new(0.3, 0.0)], 0.01).expect("a course");
+    let limits = BaseLimits { speed: 0.3, lateral: 1.5, turning: 6.0, off: 0.05 };
+    let follow = FollowCourse::<Lookout>::along(course, limits, |read| Some(read.pose), 2.0, 2)
+        .until(|read| read.is_blocked);
+    let (mut base, mut before) = (Planar::default(), Two::zeros());
+    rehearse_with(follow, &DiffDrive::new(), Two::zeros(), 0.004, |image| {
+        let q = image.demanded().joints;
+        let (way, turn) = DiffDrive::rolled(&(q - core::mem::replace(&mut before, q)));
+        base = base.moved(way, turn);
+        let sight = Sight { pose: base, is_blocked: base.x > 0.1, ..Sight::default() };
+        (Order::new(()), Reading::new((SensorImage::new(sight, 0),)))
+    })
+    .expect("no fault");
+    assert!(base.x > 0.1 && base.x < 0.11, "{base:?}");
 }

@@ -45,5 +45,6 @@ pub use map::{Contact, Knowledge, Map, Thought};
 pub use plan::Planner;
 pub use random::Chance;
 pub use shortest::{Inflated, Region};
+pub use spacing::spacing;
 pub use taut::{Piece, Taut};
 pub use walls::{Place, Wall, Walls};

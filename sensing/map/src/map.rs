@@ -44,8 +44,10 @@ pub struct Contact {
     pub at: Place,
     /// From the ball into the wall, level or upright.
     pub into: Vector2<f64>,
-    /// How the ball moved.
+    /// How the ball moved; zero of what was seen and not touched, whose `into` is sure.
     pub moving: Vector2<f64>,
+    /// Where the ball's middle was; of what was seen, where it would be if it touched there squarely \[m\].
+    pub ball: Place,
 }
 
 /// What is thought of a place.
@@ -156,8 +158,12 @@ impl Map {
         let along = Vector2::new(0.0, moving.y.signum());
         let (better, other) =
             if moving.x.abs() >= moving.y.abs() { (across, along) } else { (along, across) };
-        let lies =
-            |into: Vector2<f64>| Contact { at: ball + into * self.known.radius, into, moving: *moving };
+        let lies = |into: Vector2<f64>| Contact {
+            at: ball + into * self.known.radius,
+            into,
+            moving: *moving,
+            ball: *ball,
+        };
         let share = moving.x.abs().min(moving.y.abs()) / moving.norm().max(1e-12);
         let length = |contact: Contact| {
             let beside = Vector2::new(-contact.into.y, contact.into.x);
@@ -198,15 +204,43 @@ impl Map {
         contact
     }
 
+    /// A body of the ball's radius, its middle at `ball`, would touch a wall at a place `at` that was seen, while it moves along `moving`.
+    ///
+    /// At the corner of a wall its middle is straight before neither face. The one is believed that it meets more squarely, of those that are
+    /// ahead.
+    ///
+    /// ```
+    /// use mrroc_map::{Knowledge, Map, Place};
+    /// let known = Knowledge { size: [2.88, 2.88], radius: 0.045, thickness: 0.012, passage: 0.15, wall: 0.18 };
+    /// let mut map = Map::new(known);
+    /// // It goes up and to the left, more to the left, towards a level wall above it.
+    /// let contact = map.meet(&Place::new(1.96, 0.309), &Place::new(1.95, 0.353), &Place::new(-0.8, 0.6));
+    /// assert_eq!((contact.at, contact.into), (Place::new(1.95, 0.353), Place::new(0.0, 1.0)));
+    /// ```
+    pub fn meet(&mut self, ball: &Place, at: &Place, moving: &Vector2<f64>) -> Contact {
+        let normal = at - ball;
+        let ahead = |axis: usize| if normal[axis] * moving[axis] > 0.0 { normal[axis].abs() } else { 0.0 };
+        let into = if ahead(0) > ahead(1) {
+            Vector2::new(normal.x.signum(), 0.0)
+        } else {
+            Vector2::new(0.0, normal.y.signum())
+        };
+        let contact = Contact { at: *at, into, moving: *moving, ball: *ball };
+        self.contacts.push(contact);
+        self.spacing = spacing(&self.contacts, &self.known, self.spacing);
+        contact
+    }
+
     /// A face of a wall was seen from one place to another, level or upright; `into` leads into it. It counts as touches, no farther apart
     /// than a passage is wide, where nothing of it was known.
     pub fn see(&mut self, from: &Place, to: &Place, into: &Vector2<f64>) {
         let way = to - from;
+        let before = self.contacts.len();
         let pieces = (way.norm() / (0.6 * self.known.passage)).ceil().max(1.0);
         for piece in 0..=pieces as u32 {
-            // As if it had been met squarely.
-            let contact =
-                Contact { at: from + way * (f64::from(piece) / pieces), into: *into, moving: *into };
+            let at = from + way * (f64::from(piece) / pieces);
+            let ball = at - into * self.known.radius;
+            let contact = Contact { at, into: *into, moving: Vector2::zeros(), ball };
             let is_known = self.contacts.iter().any(|one| {
                 one.into == contact.into
                     && one.is_of_the_wall_of(&contact, self.known.wall)
@@ -215,6 +249,9 @@ impl Map {
             if !is_known {
                 self.contacts.push(contact);
             }
+        }
+        if self.contacts.len() > before {
+            self.spacing = spacing(&self.contacts, &self.known, self.spacing);
         }
     }
 
@@ -234,12 +271,13 @@ impl Map {
         let (face, way) = (into * self.known.radius, to - from);
         let pieces = (way.norm() / (0.4 * self.known.passage)).ceil().max(1.0);
         for piece in 0..=pieces as u32 {
-            let at = from + face + way * (f64::from(piece) / pieces);
+            let ball = from + way * (f64::from(piece) / pieces);
+            let at = ball + face;
             let is_known =
                 |one: &Contact| one.into == *into && (one.at - at).norm() < 0.1 * self.known.passage;
             // The first one always: what is touched again and again is remembered as often.
             if piece == 0 || !self.contacts.iter().any(is_known) {
-                self.contacts.push(Contact { at, into: *into, moving: *into });
+                self.contacts.push(Contact { at, into: *into, moving: *into, ball });
             }
         }
         self.spacing = spacing(&self.contacts, &self.known, self.spacing);

@@ -36,6 +36,8 @@ pub struct Panels {
     touches: [Vec<u32>; 2],
     /// How many touches before a panel tell not what was touched, level and upright.
     dear: [Vec<f64>; 2],
+    /// Whether a body met a post where it tried a panel, level and upright.
+    posts: [Vec<bool>; 2],
 }
 
 impl Panels {
@@ -52,6 +54,7 @@ impl Panels {
             upright: vec![Panel::Unknown; (columns + 1) * rows],
             touches: [vec![0; columns * (rows + 1)], vec![0; (columns + 1) * rows]],
             dear: [vec![0.0; columns * (rows + 1)], vec![0.0; (columns + 1) * rows]],
+            posts: [vec![false; columns * (rows + 1)], vec![false; (columns + 1) * rows]],
         };
         for x in 0..columns {
             panels.level[x] = Panel::Wall;
@@ -71,7 +74,7 @@ impl Panels {
         let (s, off) = (self.spacing, known.radius + 0.5 * known.thickness);
         let tolerance = 0.06 * s;
         for contact in map.contacts() {
-            let ball = contact.at - contact.into * known.radius;
+            let ball = contact.ball;
             // How far it is from the nearest line, and from the nearest post along that line.
             let near = |v: f64| v - (v / s).round() * s;
             let (x, y) = (near(ball.x), near(ball.y));
@@ -79,10 +82,13 @@ impl Panels {
             let half = 0.5 * known.thickness;
             let is_beside =
                 (x.abs() - half).max(0.0).hypot((y.abs() - half).max(0.0)) > known.radius + 0.4 * tolerance;
-            let fits =
-                |d: f64, moving: f64| is_beside && (d.abs() - off).abs() < tolerance && d * moving < 0.0;
-            let upright = fits(x, contact.moving.x);
-            let level = fits(y, contact.moving.y);
+            let is_seen = contact.moving == Place::zeros();
+            let fits = |d: f64, moving: f64, into: f64| {
+                let ahead = if is_seen { into != 0.0 } else { d * moving < 0.0 };
+                is_beside && (d.abs() - off).abs() < tolerance && ahead
+            };
+            let upright = fits(x, contact.moving.x, contact.into.x);
+            let level = fits(y, contact.moving.y, contact.into.y);
             let (cx, cy) = ((ball.x / s).max(0.0) as usize, (ball.y / s).max(0.0) as usize);
             let (kx, ky) = ((ball.x / s).round() as usize, (ball.y / s).round() as usize);
             match (upright, level) {
@@ -96,11 +102,16 @@ impl Panels {
                     self.level[index] = Panel::Wall;
                     self.touches[0][index] += 1;
                 }
+                // Of what was seen near a post, it is not sure on which side of it.
+                _ if is_seen => {}
                 _ => {
                     // Whatever is ahead there is rather not tried again.
                     let ahead = ball + contact.moving.normalize() * (3.0 * off);
+                    // Not straight before its middle: a body that met a corner there, see `Map::meet`.
+                    let aside = (contact.at - ball - contact.into * known.radius).norm();
                     for (upright, line, cell) in self.crossings(&ball, &ahead) {
                         let index = self.index(upright, line, cell);
+                        self.posts[usize::from(upright)][index] |= aside > 1e-9;
                         let dear = if upright { &mut self.dear[1] } else { &mut self.dear[0] };
                         dear[index] += 1.0;
                     }
@@ -159,6 +170,12 @@ impl Panels {
     #[must_use]
     pub fn doubts(&self, (upright, line, cell): Which) -> f64 {
         self.dear[usize::from(upright)][self.index(upright, line, cell)]
+    }
+
+    /// Whether a body that tried a panel met a post instead.
+    #[must_use]
+    pub fn is_beside_a_post(&self, (upright, line, cell): Which) -> bool {
+        self.posts[usize::from(upright)][self.index(upright, line, cell)]
     }
 
     /// The room of a place, by its column and row; the nearest one if it is outside.

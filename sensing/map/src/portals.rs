@@ -70,10 +70,39 @@ impl Portals<'_> {
             way.push(*from);
         }
         way.reverse();
+        let fixed = self.squarely(&mut way, through, &rooms);
         // It may stand in a portal.
-        let mut way = self.pulled(&way);
+        let mut way = self.pulled(&way, &fixed);
         way.dedup_by(|next, at| (*next - *at).norm() < 1e-6);
         way
+    }
+
+    /// Where a body met a post as it tried a panel: through the middle of that panel, from the middle of
+    /// the room before it to that of the room behind. Returns which places of the way must stay.
+    fn squarely(
+        &self,
+        way: &mut Vec<Place>,
+        through: &[(Which, (usize, usize))],
+        rooms: &[(usize, usize)],
+    ) -> Vec<bool> {
+        let s = self.panels.spacing;
+        let middle = |(x, y): (usize, usize)| Place::new(x as f64 + 0.5, y as f64 + 0.5) * s;
+        let mut fixed = vec![false; way.len()];
+        for (number, before) in rooms.iter().enumerate().rev() {
+            let (which, behind) = through[number];
+            if !self.panels.is_beside_a_post(which) {
+                continue;
+            }
+            let (before, behind) = (middle(*before), middle(behind));
+            // It may stand there already, or between.
+            let aside =
+                (way[0] - before).dot(&Place::new(behind.y - before.y, before.x - behind.x)).abs() / s;
+            let middles = if number == 0 && aside < 0.05 * s { vec![behind] } else { vec![before, behind] };
+            // The place in the panel stands after those in the panels before it, and that where the way begins.
+            fixed.splice(number + 1..number + 2, vec![true; middles.len()]);
+            way.splice(number + 1..number + 2, middles);
+        }
+        fixed
     }
 
     /// For each of `portals` the shortest length to it, and over which of `places`.
@@ -138,14 +167,17 @@ impl Portals<'_> {
         posts.all(|post| self.passes(post, from, to)).then_some(tried)
     }
 
-    /// Leaves out places where straight on is clear, and tries no more panels.
-    fn pulled(&self, places: &[Place]) -> Vec<Place> {
+    /// Leaves out places that are not fixed, where straight on is clear, and tries no more panels.
+    fn pulled(&self, places: &[Place], fixed: &[bool]) -> Vec<Place> {
         let mut way = vec![places[0]];
         let mut at = 0;
         while at + 1 < places.len() {
             let mut next = at + 1;
             let mut so_far = self.straight(&places[at], &places[next]).unwrap_or(0);
             for last in at + 2..places.len() {
+                if fixed[last - 1] {
+                    break;
+                }
                 so_far += self.straight(&places[last - 1], &places[last]).unwrap_or(0);
                 if self.straight(&places[at], &places[last]).is_some_and(|tried| tried <= so_far) {
                     next = last;
@@ -155,5 +187,50 @@ impl Portals<'_> {
             at = next;
         }
         way
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::map::{Knowledge, Map};
+
+    #[test]
+    fn where_a_post_was_touched_the_way_leads_squarely_through_the_middle_of_the_panel_beside_it() {
+        let known =
+            Knowledge { size: [0.36, 0.18], radius: 0.045, thickness: 0.012, passage: 0.15, wall: 0.18 };
+        let mut map = Map::new(known);
+        // Two rooms side by side; the way from one to the other is straight, and beside their middles.
+        let (from, goal) =
+            (Place::new(0.12, 0.07), Region { lower: Place::new(0.26, 0.1), upper: Place::new(0.3, 0.12) });
+        let way = |map: &Map| {
+            let panels = Panels::of(map, 0.18);
+            let through = crate::cells::panels_to(&panels, &from, &goal).expect("it may be open");
+            Portals { panels: &panels, keep: 0.063, half: 0.006 }.way(&from, &through, &goal)
+        };
+        let straight = way(&map);
+        assert_eq!(straight.len(), 2, "{straight:?}");
+        // On its way it comes upon the post at (0.18, 0.18), of which only the corner is before it.
+        let corner = Place::new(0.174, 0.174);
+        let ball = corner - Place::new(0.7, 0.7).normalize() * 0.045;
+        map.meet(&ball, &corner, &(straight[1] - straight[0]));
+        let after = way(&map);
+        let middles = [Place::new(0.09, 0.09), Place::new(0.27, 0.09)];
+        assert!((after[1] - middles[0]).norm() < 1e-9 && (after[2] - middles[1]).norm() < 1e-9, "{after:?}");
+    }
+
+    #[test]
+    fn what_was_seen_of_a_wall_beside_a_post_makes_no_doubt() {
+        let known =
+            Knowledge { size: [0.54, 0.54], radius: 0.045, thickness: 0.012, passage: 0.15, wall: 0.18 };
+        let mut map = Map::new(known);
+        // The face of a level wall from post to post, and a little beyond.
+        map.see(&Place::new(0.17, 0.174), &Place::new(0.366, 0.174), &Place::new(0.0, 1.0));
+        let panels = Panels::of(&map, 0.18);
+        let level = |cell| (panels.get((false, 1, cell)), panels.doubts((false, 1, cell)));
+        assert_eq!([0, 1, 2].map(level), [(Panel::Unknown, 0.0), (Panel::Wall, 0.0), (Panel::Unknown, 0.0)]);
+        for line in 0..4 {
+            assert!((0..3).all(|cell| panels.doubts((true, line, cell)) == 0.0));
+        }
     }
 }

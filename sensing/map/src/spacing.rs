@@ -20,6 +20,23 @@ const OTHER: f64 = 0.2;
 const NONE: f64 = 0.2;
 
 /// The spacing at whose multiples walls stand \[m\], if the touches bear one out; `before` is what was learned before the last touch.
+///
+/// ```
+/// use mrroc_map::{Contact, Knowledge, Place, spacing};
+///
+/// let known = Knowledge { size: [0.4, 0.4], radius: 0.002, thickness: 0.002, passage: 0.015, wall: 0.025 };
+/// // Seven walls that are met from the left: their middle lines are at multiples of 25 mm.
+/// let into = Place::new(1.0, 0.0);
+/// let met = |line: f64| {
+///     let at = Place::new(line - 0.001, 0.1);
+///     Contact { at, into, moving: into, ball: at - 0.002 * into }
+/// };
+/// let contacts = [0.05, 0.075, 0.125, 0.2, 0.275, 0.3, 0.375].map(met);
+/// assert_eq!(spacing(&contacts, &known, None), Some(0.025));
+/// // One that stands anywhere else does not yet speak against it, all of them would.
+/// assert_eq!(spacing(&contacts[..1], &known, None), None);
+/// ```
+#[must_use]
 pub fn spacing(contacts: &[Contact], known: &Knowledge, before: Option<f64>) -> Option<f64> {
     let least = known.passage + known.thickness;
     let [width, height] = known.size;
@@ -91,7 +108,7 @@ mod tests {
             } else {
                 (Place::new(0.0, 1.0), Place::new(along, c))
             };
-            contacts.push(Contact { at, into, moving: into });
+            contacts.push(Contact { at, into, moving: into, ball: at });
             learned = spacing(&contacts, &KNOWN, learned);
         }
         learned

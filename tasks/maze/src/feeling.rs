@@ -13,6 +13,11 @@ pub trait Feeling<R: Robot>: Sensor<Configuration: Default> {
     /// Whether a wall is touched, how many times one was, and where the last time.
     fn touch(reading: &Self::Reading) -> Touch;
 
+    /// The place on a wall that was touched last, of a sensor that knows it [m, W].
+    fn met(_reading: &Self::Reading) -> Option<Vector2<f64>> {
+        None
+    }
+
     /// Where the middle of the ball, or of what else is to go through the maze, is now [m, W].
     fn place(reading: &Self::Reading, robot: &RobotImage<R>) -> Vector2<f64>;
 

@@ -54,7 +54,7 @@ pub fn carried_out<R: Robot, S: Feeling<R>>(
     let touch = S::touch(&reading);
     let is_new = core::mem::replace(touches, touch.touches) != touch.touches;
     let touched = is_new.then(|| Vector2::new(touch.x, touch.y));
-    Ok(Went { at: S::place(&reading, robot), touched, seen: S::seen(&reading) })
+    Ok(Went { at: S::place(&reading, robot), touched, met: S::met(&reading), seen: S::seen(&reading) })
 }
 
 /// Plans a leg, has the effector go it until it touches something, and learns what it touched; until it is at the goal. `find` is how
@@ -103,7 +103,11 @@ pub fn coordinate<R: Robot, S: Feeling<R>>(
         let end = touched.map_or(went.at, |touch| touch - (leg - at).normalize() * told.sizes.back);
         map.borrow_mut().pass(&from, &back(&end));
         if let Some(touch) = touched {
-            map.borrow_mut().touch(&back(&touch), &(back(&leg) - back(&at)));
+            let (ball, moving) = (back(&touch), back(&leg) - back(&at));
+            match went.met {
+                Some(met) => map.borrow_mut().meet(&ball, &back(&met), &moving),
+                None => map.borrow_mut().touch(&ball, &moving),
+            };
         }
         for face in went.seen.iter().flatten().filter(|_| !S::TELLS_FACES) {
             map.borrow_mut().see(&back(&face.ends[0]), &back(&face.ends[1]), &face.inward(&maze));

@@ -40,6 +40,8 @@ pub struct Went {
     pub at: Vector2<f64>,
     /// Where it was when it touched, if it did [m, W].
     pub touched: Option<Vector2<f64>>,
+    /// Which place of a wall that was, of a sensor that knows it [m, W].
+    pub met: Option<Vector2<f64>>,
     /// What it has seen of walls.
     pub seen: Seen,
 }

@@ -1,6 +1,6 @@
 //! The base with wheels in the maze: the same coordinator, map and planner; no wall is touched.
 //!
-//! One maze; `MRROC_WHOLE=1` takes thirty more by chance, of which some are not left yet (the task's page says so).
+//! One maze and four by chance; `MRROC_WHOLE=1` takes thirty by chance.
 
 use maze::options::EffectorKind;
 use maze::summary::Summary;
@@ -18,7 +18,7 @@ fn islands() -> Layout {
 #[test]
 fn a_base_finds_the_exit_and_touches_no_wall() {
     let mut mazes = vec![("islands".to_owned(), islands())];
-    let count = if std::env::var_os("MRROC_WHOLE").is_some() { 30 } else { 0 };
+    let count = if std::env::var_os("MRROC_WHOLE").is_some() { 30 } else { 4 };
     mazes.extend((0..count).map(|seed| (format!("seed {seed}"), Layout::random(16, seed))));
     let summary = Summary::sweep(EffectorKind::Wheels, &mazes);
     println!("{summary}");
@@ -58,8 +58,8 @@ fn the_base_knows_where_it_stands_to_a_few_millimetres_at_the_end_of_the_maze() 
     let outcome = ready.expect("a cell").run();
     outcome.report.expect("no fault");
     println!("after {:.1} m it is wrong by {:.1} mm", outcome.way, 1e3 * wrong.get());
-    // Put down 4 mm beside where it is said to stand at the worst, and never told better along a side that it sees no wall of.
-    assert!(wrong.get() < 0.012, "{}", wrong.get());
+    // Put down 4 mm beside where it is said to stand at the worst; put right by walls since then.
+    assert!(wrong.get() < 0.006, "{}", wrong.get());
 }
 
 #[test]

@@ -41,12 +41,13 @@ use crate::sensing::Planar;
 pub struct FollowCourse<S: Sensor> {
     follower: Follower,
     see: fn(&S::Reading) -> Option<Planar>,
+    over: fn(&S::Reading) -> bool,
     oldest: u32,
 }
 
 impl<S: Sensor> FollowCourse<S> {
     /// Along `course`, from where `see` finds in a reading that the base stands; that is `delay` steps behind what is demanded, and may
-    /// be `oldest` steps old.
+    /// be `oldest` steps old: an older reading is a fault.
     #[must_use]
     pub fn along(
         course: Course,
@@ -55,13 +56,13 @@ impl<S: Sensor> FollowCourse<S> {
         delay: f64,
         oldest: u32,
     ) -> Self {
-        Self { follower: Follower::on(course, limits, delay), see, oldest }
+        Self { follower: Follower::on(course, limits, delay), see, over: |_| false, oldest }
     }
 
-    /// How far it has come \[m\].
+    /// The same, over as soon as `over` says so of a reading: then the base brakes on its course.
     #[must_use]
-    pub const fn gone(&self) -> f64 {
-        self.follower.gone()
+    pub fn until(self, over: fn(&S::Reading) -> bool) -> Self {
+        Self { over, ..self }
     }
 }
 
@@ -81,6 +82,9 @@ impl<S: Sensor> FollowCourse<S> {
         if v.0.reading().is_some() && v.0.age() > self.oldest {
             let fault = Fault::new(FaultKind::SensorStale);
             return Err(fault.exceeds(v.0.age().into(), self.oldest.into(), "step"));
+        }
+        if v.0.reading().as_ref().is_some_and(self.over) {
+            return Ok(Step::Done);
         }
         let standing = v.0.reading().as_ref().and_then(self.see);
         Ok(match self.follower.advance(standing.as_ref(), t.dt)? {

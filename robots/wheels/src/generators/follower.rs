@@ -92,12 +92,6 @@ impl Follower {
         &self.references[0]
     }
 
-    /// How far it has come \[m\].
-    #[must_use]
-    pub const fn gone(&self) -> f64 {
-        self.s
-    }
-
     /// Plans from these angles of the wheels on \[rad\].
     ///
     /// # Errors

@@ -42,6 +42,8 @@ pub struct Sight {
     pub stands: bool,
     /// How far it can go straight on before it touches something \[m\]; [`Sight::FAR`] where nothing is seen.
     pub ahead: f64,
+    /// Whether the way that is gone now is blocked.
+    pub is_blocked: bool,
     /// How many ways were found blocked, and what the last one was blocked by: a place on a wall [m, floor].
     pub blocked: u32,
     /// See `blocked`.
@@ -112,12 +114,6 @@ impl LookingOut {
         &mut self.infrared
     }
 
-    /// The walls that it knows.
-    #[must_use]
-    pub const fn memory(&self) -> &WallMemory {
-        &self.memory
-    }
-
     /// How far the body can go straight on before it touches, and the place that it touches then.
     fn ahead(&self, pose: &Planar) -> (f64, Vector2<f64>) {
         let mut nearest = (Sight::FAR, Vector2::zeros());
@@ -181,6 +177,7 @@ impl VirtualSensor for LookingOut {
             pose,
             stands: reckoned.stands,
             ahead,
+            is_blocked: way != 0 && way == self.blocked.0,
             blocked: self.blocked.1,
             x: self.blocked.2.x,
             y: self.blocked.2.y,

@@ -6,8 +6,11 @@
 //! a piece that leans: the heading is off by so much;          any other piece: a new wall
 //! ```
 //!
-//! What is known beforehand: walls are level or upright, so thick, and farther apart than [`SAME`]. No grid is known.
+//! What is known beforehand: walls are level or upright, so thick, and leave passages of some width. No grid is known: whether walls stand at
+//! multiples of one spacing, and which, is learned from those that were seen ([`mrroc_map::spacing`]). Then a face is where the multiple
+//! next to it says, however the base had drifted when it was seen first: without that, errors of its place add up from wall to wall.
 
+use mrroc_map::{Contact, Knowledge, spacing};
 use nalgebra::Vector2;
 
 use super::planar::Planar;
@@ -28,6 +31,8 @@ const KEPT: usize = 16;
 const GAIN: f64 = 0.25;
 /// The same of its heading.
 const TURNING: f64 = 0.06;
+/// A wall that was seen so many times is known as well as can be.
+const SURE: u32 = 1000;
 /// How many walls are told at a time.
 pub const TOLD: usize = 10;
 
@@ -75,7 +80,9 @@ pub struct WallMemory {
     traces: Vec<Vec<Vector2<f64>>>,
     /// Numbers of those that changed last, the newest last.
     changed: Vec<usize>,
-    thickness: f64,
+    told: Knowledge,
+    /// At whose multiples walls stand \[m\], once that is learned.
+    spacing: Option<f64>,
 }
 
 /// What is seen of a wall at a time.
@@ -86,13 +93,13 @@ struct Piece {
 }
 
 impl WallMemory {
-    /// Of a maze of which the frame is known: its sides from post to post, and how thick its walls are \[m\].
+    /// Of a maze of which so much is known beforehand, by so many sensors.
     #[must_use]
-    pub fn of_frame([width, height]: [f64; 2], thickness: f64, sensors: usize) -> Self {
-        let half = 0.5 * thickness;
+    pub fn of_frame(told: Knowledge, sensors: usize) -> Self {
+        let ([width, height], half) = (told.size, 0.5 * told.thickness);
         let side = |into: u8, line: f64, length: f64| Known {
             face: Face { into, line, from: 0.0, to: length },
-            seen: 1000,
+            seen: SURE,
         };
         let known = vec![
             side(0, width - half, height),
@@ -104,8 +111,15 @@ impl WallMemory {
             known,
             traces: vec![Vec::with_capacity(KEPT); sensors],
             changed: Vec::with_capacity(TOLD),
-            thickness,
+            told,
+            spacing: None,
         }
+    }
+
+    /// The spacing at whose multiples walls stand \[m\], once those that were seen bear one out.
+    #[must_use]
+    pub const fn spacing(&self) -> Option<f64> {
+        self.spacing
     }
 
     /// The walls that changed last, the newest first.
@@ -195,8 +209,8 @@ impl WallMemory {
             corrected.heading -= TURNING * lean;
         }
         let Some(number) = found else {
-            // It may be the other face of a wall that is known.
-            let line = self.through(&seen).unwrap_or(seen.line);
+            // It may be the other face of a wall that is known, or at a multiple of the spacing.
+            let line = self.multiple(&seen).or_else(|| self.through(&seen)).unwrap_or(seen.line);
             let beside = line - seen.line;
             if seen.into.is_multiple_of(2) {
                 corrected.x += GAIN * beside;
@@ -205,6 +219,7 @@ impl WallMemory {
             }
             self.known.push(Known { face: Face { line, ..seen }, seen: if beside == 0.0 { 1 } else { 8 } });
             self.tell(self.known.len() - 1);
+            self.learn_spacing();
             return corrected;
         };
         let known = &mut self.known[number];
@@ -217,16 +232,40 @@ impl WallMemory {
             corrected.y += GAIN * share * beside;
         }
         known.face.line -= (1.0 - share) * beside / 4.0;
-        known.seen = (known.seen + 1).min(1000);
+        known.seen = (known.seen + 1).min(SURE);
         known.face.from = known.face.from.min(seen.from);
         known.face.to = known.face.to.max(seen.to);
         self.tell(number);
         corrected
     }
 
+    /// Where this face is if walls stand at multiples of the spacing that was learned.
+    fn multiple(&self, seen: &Face) -> Option<f64> {
+        let s = self.spacing?;
+        let half = if seen.into < 2 { -0.5 } else { 0.5 } * self.told.thickness;
+        let line = ((seen.line - half) / s).round() * s + half;
+        ((line - seen.line).abs() < SAME).then_some(line)
+    }
+
+    /// Whether walls stand at multiples of one spacing, by all faces that are known; if so, they are put there.
+    fn learn_spacing(&mut self) {
+        let met = |known: &Known| {
+            let (into, [from, to]) = (known.face.direction(), known.face.ends());
+            let at = 0.5 * (from + to);
+            Contact { at, into, moving: into, ball: at - into * self.told.radius }
+        };
+        let contacts: Vec<_> = self.known.iter().map(met).collect();
+        self.spacing = spacing(&contacts, &self.told, self.spacing);
+        for number in 0..self.known.len() {
+            if let Some(line) = self.multiple(&self.known[number].face) {
+                self.known[number] = Known { face: Face { line, ..self.known[number].face }, seen: SURE };
+            }
+        }
+    }
+
     /// Where this face is if it is the other one of a wall that was seen a few times before.
     fn through(&self, seen: &Face) -> Option<f64> {
-        let thick = if seen.into < 2 { -self.thickness } else { self.thickness };
+        let thick = if seen.into < 2 { -self.told.thickness } else { self.told.thickness };
         let other = self.known.iter().find(|known| {
             let face = &known.face;
             face.into % 4 == (seen.into + 2) % 4
@@ -308,9 +347,12 @@ fn piece(places: &[Vector2<f64>], axis: usize, pose: &Planar) -> Option<Piece> {
 mod tests {
     use super::*;
 
+    const HALL: Knowledge =
+        Knowledge { size: [1.8, 1.8], radius: 0.045, thickness: 0.012, passage: 0.15, wall: 0.18 };
+
     #[test]
     fn a_base_that_is_wrong_about_its_place_is_put_right_by_a_wall_that_it_knows() {
-        let mut memory = WallMemory::of_frame([1.8, 1.8], 0.012, 1);
+        let mut memory = WallMemory::of_frame(HALL, 1);
         // It drives upwards, 84 mm beside the left side of the frame, and thinks that it is 10 mm farther to the right and turned by 2 degrees.
         let mut error = Planar { x: 0.010, y: 0.0, heading: 0.035 };
         for k in 0..300 {
@@ -337,7 +379,7 @@ mod tests {
 
     #[test]
     fn a_wall_with_an_opening_is_seen_as_two() {
-        let mut memory = WallMemory::of_frame([1.8, 1.8], 0.012, 1);
+        let mut memory = WallMemory::of_frame(HALL, 1);
         for k in 0..140 {
             let pose =
                 Planar { x: 0.9, y: 0.2 + 0.004 * f64::from(k), heading: core::f64::consts::FRAC_PI_2 };
@@ -348,5 +390,47 @@ mod tests {
         assert_eq!(faces.len(), 2, "{faces:?}");
         assert!(faces.iter().all(|face| face.into == 2 && (face.line - 0.816).abs() < 1e-9));
         assert!((faces[1].to - 0.356).abs() < 5e-3 && (faces[0].from - 0.52).abs() < 5e-3, "{faces:?}");
+    }
+
+    #[test]
+    fn a_base_that_has_drifted_is_put_right_by_a_wall_that_it_never_saw_once_the_spacing_is_learned() {
+        let mut memory = WallMemory::of_frame(HALL, 1);
+        // Eight upright walls, seen from the left as it passes them, each at a multiple of 0.18 m.
+        let mut pass = |line: f64, error: f64| {
+            let mut error = error;
+            for k in 0..40 {
+                let (x, y) = (line - 0.09, 0.3 + 0.004 * f64::from(k));
+                let pose = Planar { x: x + error, y, heading: core::f64::consts::FRAC_PI_2 };
+                let hit = pose.place(&Vector2::new(0.0, -(line - 0.006 - x)));
+                error = memory.trace(0, Some(hit), pose).x - x;
+            }
+            error
+        };
+        for line in [2, 3, 5, 6, 7, 8] {
+            pass(0.18 * f64::from(line), 0.002);
+        }
+        // By now it is off by 20 mm, and comes to another one.
+        let error = pass(0.18 * 4.0, 0.020);
+        assert!(error.abs() < 1e-3, "{error}");
+        assert_eq!(memory.spacing(), Some(0.18));
+    }
+
+    #[test]
+    fn where_walls_stand_anywhere_a_base_that_has_drifted_takes_a_new_one_to_be_where_it_sees_it() {
+        let mut memory = WallMemory::of_frame(HALL, 1);
+        let mut pass = |line: f64| {
+            for k in 0..40 {
+                let pose = Planar {
+                    x: line - 0.09,
+                    y: 0.3 + 0.004 * f64::from(k),
+                    heading: core::f64::consts::FRAC_PI_2,
+                };
+                let better = memory.trace(0, Some(pose.place(&Vector2::new(0.0, -0.084))), pose);
+                assert!((better.x - pose.x).abs() < 1e-12);
+            }
+        };
+        // Their distances have no common measure.
+        [0.31, 0.507, 0.711, 0.99, 1.207, 1.43].map(&mut pass);
+        assert_eq!(memory.spacing(), None);
     }
 }

@@ -42,12 +42,6 @@ impl Located {
         Self { gyro, reckoning }
     }
 
-    /// What it knows.
-    #[must_use]
-    pub const fn reckoning(&self) -> &DeadReckoning {
-        &self.reckoning
-    }
-
     /// It is known better where the base stands.
     pub fn correct(&mut self, pose: Planar) {
         self.reckoning.correct(pose);

@@ -190,11 +190,6 @@ impl Driver<DiffDrive> for Rolling {
         Some(Two::from_fn(|i, _| self.drives[i].motor.current))
     }
 
-    fn switch_off(&mut self) {
-        self.brake();
-        self.observe();
-    }
-
     fn switch_on(&mut self) -> Result<(), DriveFault> {
         while self.drives.iter().any(|drive| drive.motor.speed != 0.0) {
             self.brake();

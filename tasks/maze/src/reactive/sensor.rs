@@ -122,7 +122,7 @@ impl Seeker {
         let at = world.X_WM.inverse_transform_point(&Point3::new(touch.x, touch.y, 0.0)).coords.xy();
         let way = (world.X_WM.rotation.inverse() * moving.push(0.0)).xy();
         let into = way.try_normalize(1e-12).unwrap_or_default();
-        let contact = Contact { at: at + into * world.stylus.radius(), into, moving: into };
+        let contact = Contact { at: at + into * world.stylus.radius(), into, moving: into, ball: at };
         self.touched.borrow_mut().push(contact);
     }
 }

@@ -1,12 +1,12 @@
 //! The base's program: what it does in each task. It knows no maze.
 
 use mrroc::prelude::*;
+use mrroc_wheels::generators::BaseLimits;
 use mrroc_wheels::model::angle;
 use mrroc_wheels::sensing::{Lookout, Watch};
-use mrroc_wheels::{Course, DiffDrive};
+use mrroc_wheels::{Course, DiffDrive, FollowCourse};
 use nalgebra::Vector2;
 
-use super::leg::Leg;
 use crate::orders::Task;
 use crate::places::Sizes;
 
@@ -15,10 +15,22 @@ const FARTHEST: f64 = 0.72;
 /// It is turned towards its way by no less \[rad\], and goes no shorter way \[m\].
 const LEAST: (f64, f64) = (0.008, 5e-4);
 
+/// What is measured is so many steps behind what is demanded ..
+const DELAY: f64 = 1.5;
+/// .. and may be so many steps old.
+const OLDEST: u32 = 2;
+
 /// The base stands, and knows where.
 #[condition(ecp)]
 fn stands(v: &Reading<(Lookout,)>) -> bool {
     v.0.reading().is_some_and(|sight| sight.stands)
+}
+
+/// Along a course by where the base stands, or until its way is blocked.
+fn leg(course: Course, sizes: &Sizes) -> FollowCourse<Lookout> {
+    let limits = BaseLimits { speed: sizes.velocity, lateral: sizes.acceleration, turning: 6.0, off: 0.05 };
+    FollowCourse::<Lookout>::along(course, limits, |sight| Some(sight.pose), DELAY, OLDEST)
+        .until(|sight| sight.is_blocked)
 }
 
 /// The base: turned towards where it is told to go, and straight on until a wall is in its way.
@@ -41,8 +53,7 @@ pub fn base(ecp: &mut Ecp<DiffDrive>, sizes: &Sizes) -> Result<(), Fault> {
         }
         let turn = angle(way.y.atan2(way.x) - sight.pose.heading);
         if turn.abs() > LEAST.0 {
-            let turn = Leg::along(Course::turn(sight.pose, turn), sizes, sight.blocked);
-            ecp.move_robot((&mut lookout,), turn)?;
+            ecp.move_robot((&mut lookout,), leg(Course::turn(sight.pose, turn), sizes))?;
         }
         ways += 1;
         lookout.configure(Watch { way: ways, x, y });
@@ -50,6 +61,6 @@ pub fn base(ecp: &mut Ecp<DiffDrive>, sizes: &Sizes) -> Result<(), Fault> {
         let way = Vector2::new(x, y) - from;
         let course = Course::through(&[from, from + way.cap_magnitude(FARTHEST)], 0.01);
         let course = course.map_err(|error| Fault::thrown(&error.to_string()))?;
-        ecp.move_robot((&mut lookout,), Leg::along(course, sizes, sight.blocked)).map(drop)
+        ecp.move_robot((&mut lookout,), leg(course, sizes)).map(drop)
     })
 }

@@ -1,10 +1,9 @@
 //! A base with two driven wheels as the effector: cells of contests' real size, walls that are seen before they are touched.
 //!
-//! Only what is different from an arm is here: [`ecp`] what the base does, [`leg`] how it goes, [`sight`] what its sensor tells the
+//! Only what is different from an arm is here: [`ecp`] what the base does, [`sight`] what its sensor tells the
 //! coordinator, [`plant`] the simulated base, and [`run`] one run. The coordinator, the map and the planner are those of the arm.
 
 pub mod ecp;
-pub mod leg;
 pub mod plant;
 pub mod run;
 pub mod sight;

@@ -5,7 +5,7 @@ use std::rc::Rc;
 
 use mrroc::cell_file::Kinds;
 use mrroc::prelude::*;
-use mrroc_map::{Chance, Layout, Place, Side, Walls};
+use mrroc_map::{Chance, Knowledge, Layout, Place, Side, Walls};
 use mrroc_wheels::sensing::infrared::SENSORS;
 use mrroc_wheels::sensing::{
     DeadReckoning, Gyro, Infrared, Located, LookingOut, Lookout, Sight, WallMemory, Watch,
@@ -14,6 +14,7 @@ use mrroc_wheels::simulation::{Floor, Ground};
 use mrroc_wheels::{DiffDrive, Planar, Rolling};
 
 use crate::places::Sizes;
+use crate::run::told;
 
 /// How far beside the middle of the start's cell it is put down at most \[m\], and how much it is turned \[rad\].
 const PUT_DOWN: (f64, f64) = (3e-3, 0.017);
@@ -26,7 +27,7 @@ pub struct Plant {
     /// Where the base was [m, M].
     pub trace: Rc<RefCell<Vec<Place>>>,
     said: Planar,
-    frame: ([f64; 2], f64),
+    told: Knowledge,
     seed: u64,
 }
 
@@ -51,7 +52,7 @@ impl Plant {
         let walls = Some(Walls::of(maze, sizes.pitch, sizes.thickness));
         let floor = Floor::new(Ground { walls, rims, ..Ground::default() }, truly);
         let trace = Rc::new(RefCell::new(vec![truly.at()]));
-        Self { floor, trace, said, frame: (sizes.sides(maze), sizes.thickness), seed }
+        Self { floor, trace, said, told: told(maze, sizes).known, seed }
     }
 
     /// The kinds of `wheels.toml`, with drives in this world.
@@ -70,7 +71,7 @@ impl Plant {
         let gyro = Gyro::new(self.floor.clone(), self.seed);
         let located = Located::by(gyro, DeadReckoning::from(self.said));
         let infrared = Infrared::new(self.floor.clone(), self.seed);
-        let memory = WallMemory::of_frame(self.frame.0, self.frame.1, SENSORS);
+        let memory = WallMemory::of_frame(self.told, SENSORS);
         let inner = LookingOut::new(self.floor.clone(), located, infrared, memory);
         Traced { inner, floor: self.floor.clone(), trace: Rc::clone(&self.trace) }
     }
