@@ -142,7 +142,7 @@ fn watch(mut caller: Caller, looks: &Looks, show: &watch::Sender<Shown>) {
             Ok(Heard::Picture(picture)) => {
                 let stamp = Stamp { epoch: picture.epoch, step: picture.step };
                 let period = picture.period;
-                let now = now(picture, looks);
+                let now = now(*picture, looks);
                 let text = looks.state(&now).to_string();
                 let robots: Arc<[RobotNow]> = now.robots.into();
                 let demanded = |robots: &[RobotNow]| {

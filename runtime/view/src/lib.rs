@@ -60,7 +60,7 @@ fn show(
     loop {
         loop {
             match heard.try_recv() {
-                Ok(Ok(Heard::Picture(picture))) => screen.picture = Some(picture),
+                Ok(Ok(Heard::Picture(picture))) => screen.picture = Some(*picture),
                 Ok(Ok(Heard::Reply(reply))) => screen.reply = Some(reply),
                 // The last picture stays on the screen until the operator quits.
                 Ok(Err(error)) => screen.over = Some(error.to_string()),

@@ -100,7 +100,7 @@ impl ReadingPicture {
     pub(super) fn take(words: &mut SplitAsciiWhitespace<'_>) -> Option<ReadingPicture> {
         let (sensor, step) = (words.next()?.to_owned(), number(words)?);
         let mut shown = Vec::new();
-        while let Some(word) = words.next() {
+        for word in words.by_ref() {
             if word == "fault" && shown.is_empty() {
                 return Some(ReadingPicture { sensor, step, words: None });
             }

@@ -177,7 +177,7 @@ pub enum Heard {
     /// The answer to a request.
     Reply(Reply),
     /// A picture of the cell.
-    Picture(Picture),
+    Picture(Box<Picture>),
 }
 
 impl Heard {
@@ -198,7 +198,7 @@ impl Heard {
             "refused" => Ok(Some(Heard::Reply(Reply::Refused(rest)))),
             "pending" => Ok(Some(Heard::Reply(Reply::Pending(rest)))),
             "picture" => {
-                let mut picture = Picture::default();
+                let mut picture = Box::new(Picture::default());
                 for _ in 0..MAX_LINES {
                     let Some(line) = read_line(from)? else { return Ok(None) };
                     if line == "end" {
@@ -430,7 +430,7 @@ mod tests {
         #[test]
         fn a_picture_is_read_as_it_was_written(picture in picture()) {
             let text = picture.to_string();
-            prop_assert_eq!(Heard::read(&mut text.as_bytes()).expect("a picture"), Some(Heard::Picture(picture)));
+            prop_assert_eq!(Heard::read(&mut text.as_bytes()).expect("a picture"), Some(Heard::Picture(Box::new(picture))));
         }
 
         #[test]
@@ -505,7 +505,10 @@ mod tests {
         };
         let text = picture.to_string();
         assert!(text.len() <= MAX_OUTPUT, "{}", text.len());
-        assert_eq!(Heard::read(&mut text.as_bytes()).expect("a picture"), Some(Heard::Picture(picture)));
+        assert_eq!(
+            Heard::read(&mut text.as_bytes()).expect("a picture"),
+            Some(Heard::Picture(Box::new(picture)))
+        );
     }
 
     #[test]
