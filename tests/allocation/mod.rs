@@ -1,10 +1,10 @@
 //! No allocation in a step once warm: counted over whole cells, whose processes are all of one thread.
 
-use mrroc::prelude::*;
-use mrroc::sensor::VspMode;
 use mrroc::fault::Name;
 use mrroc::operator::Renewal;
 use mrroc::operator::jog::JogOrder;
+use mrroc::prelude::*;
+use mrroc::sensor::VspMode;
 use mrroc_counting_allocator::allocations;
 use mrroc_generators::generators::PanelJog;
 use mrroc_robots::{Irp6, SimulatedIrp6, Six};
