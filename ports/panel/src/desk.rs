@@ -25,7 +25,7 @@ use crate::rules::request::Stamp;
 /// Requests that wait for the desk.
 const WAITING: usize = 16;
 
-/// The nice value of the thread that makes pictures: it takes the time that all others leave.
+/// How much nicer the thread is that makes pictures: it takes the time that all others leave.
 const LAST: i32 = 19;
 
 /// How long a cell that is being started is waited for.
@@ -135,7 +135,7 @@ fn spawn(name: &str, work: impl FnOnce() + Send + 'static) -> std::io::Result<()
 /// Shows what the cell does, until it ends.
 fn watch(mut caller: Caller, looks: &Looks, show: &watch::Sender<Shown>) {
     // Where it may not be set, the cell is shown all the same.
-    let _ = rustix::process::setpriority_process(None, LAST);
+    let _ = rustix::process::nice(LAST);
     let mut before: Arc<[RobotNow]> = Arc::default();
     loop {
         match caller.hears.hear() {

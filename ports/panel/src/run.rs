@@ -27,7 +27,7 @@ use crate::socket::look_after;
 /// How long pages are told of the end of a cell.
 const FAREWELL: Duration = Duration::from_millis(500);
 
-/// The nice value of the thread that serves pages. It does little, and pages that it hears late lose control: with the nice value of who
+/// How much nicer the thread is that serves pages than the processes of the cell. It does little, and pages that it hears late lose control: with the nice value of who
 /// comes last a machine on which much else runs lets it wait for a second.
 const SERVES: i32 = 5;
 
@@ -44,7 +44,7 @@ pub fn attend(layout: &Layout, cell: &Path) -> ExitCode {
     match Desk::open(cell, Arc::clone(&looks)) {
         Ok((desk, shown)) => {
             // Of this thread and those that it begins. Where it may not be set, the cell is shown all the same.
-            let _ = rustix::process::setpriority_process(None, SERVES);
+            let _ = rustix::process::nice(SERVES);
             begin(looks, Source::Running(desk, shown), Some(cell))
         }
         Err(error) => refused(&error),

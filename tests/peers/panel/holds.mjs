@@ -96,6 +96,9 @@ async function round(browser, wanted, folder) {
         }
       }
     }
+  } catch (error) {
+    // A cell that has stopped because this machine was late: what was done before is judged.
+    console.error(`panel: holds: ${error.message.split('\n')[0]}; the cell said last: ${cellRuns.said().split('\n').slice(-6).join('\n')}`);
   } finally {
     await context.close();
     await cellRuns.end('SIGINT');
