@@ -52,20 +52,20 @@ fn cell(file: &CellFile) -> Result<Cell, CellError> {
     let Some((world, hand)) = held.take() else { return Ok(cell) };
     Ok(cell
         .shows_body("bar", BAR.1, move || world.body().pose)
-        .sensor(SensorSetup::new("wrist", SimulatedWrist::new(hand)).of("holder").mode(FREE))
+        .sensor(SensorSetup::new("wrist", SimulatedWrist::new(hand)).of("holder").readers(["holder"]).mode(FREE))
         .program(carry))
 }
 
-/// The bar has hung still for so many steps: the force has changed by less than a newton.
+/// The bar has hung still for so many steps: the arm stands, and the force has changed by less than a newton.
 struct Still {
     steps: u32,
     last: f64,
 }
 
 #[condition(mp)]
-fn still(c: &mut Still, v: &Reading<(WristForce,)>) -> bool {
+fn still(c: &mut Still, e: &State<(Irp6,)>, v: &Reading<(WristForce,)>) -> bool {
     let force = v.0.reading().map_or(f64::INFINITY, |reading| reading.force.norm());
-    let is_same = (force - c.last).abs() < 1.0;
+    let is_same = e.0.measured().velocity.amax() < 0.02 && (force - c.last).abs() < 1.0;
     (c.steps, c.last) = (if is_same { c.steps + 1 } else { 0 }, force);
     c.steps >= 250
 }
@@ -86,7 +86,7 @@ fn carry(mp: &mut Mp) -> Result<(), Fault> {
     for _ in 0..turns {
         mp.move_robot(&mut holder, (), Tell::output(lamp, true))?;
         mp.move_robots((&mut holder, &mut shown), (), Each::of((to(0.4, 0.2), swing(0.6, 0.2, 1.2))))?;
-        mp.wait_until((), (&mut wrist,), Still { steps: 0, last: f64::INFINITY })?;
+        mp.wait_until((&mut holder,), (&mut wrist,), Still { steps: 0, last: f64::INFINITY })?;
         mp.move_robot(&mut holder, (), Tell::output(lamp, false))?;
         mp.move_robots((&mut holder, &mut shown), (), Each::of((to(-0.3, 0.0), swing(-0.5, 0.6, 0.4))))?;
     }

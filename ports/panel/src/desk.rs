@@ -163,7 +163,7 @@ fn watch(mut caller: Caller, looks: &Looks, show: &watch::Sender<Shown>) {
 }
 
 /// What a picture of the desk says.
-fn now(picture: Picture, looks: &Looks) -> Now {
+pub fn now(picture: Picture, looks: &Looks) -> Now {
     let time = picture.robots.iter().map(|robot| robot.time).fold(0.0, f64::max);
     let by = picture.by_whom().to_owned();
     let carried = |name: &str| {

@@ -47,6 +47,8 @@ mod run;
 mod secured;
 #[cfg(all(feature = "server", target_os = "linux"))]
 mod server;
+#[cfg(all(test, feature = "server", target_os = "linux"))]
+mod shown_tests;
 #[cfg(all(feature = "server", target_os = "linux"))]
 mod socket;
 #[cfg(all(feature = "server", target_os = "linux"))]

@@ -151,7 +151,7 @@ mod tests {
     }
 
     #[test]
-    fn a_file_that_is_missing_or_none_is_told_by_its_name_and_too_many_triangles_are_refused() {
+    fn fault_242_a_file_that_is_no_mesh_is_told_by_its_name_and_too_many_triangles_are_refused() {
         let file = std::env::temp_dir().join(format!("mrroc-mesh-{}.stl", std::process::id()));
         let mesh = |scale| LinkMesh {
             file: file.clone(),

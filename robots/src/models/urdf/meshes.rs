@@ -105,6 +105,16 @@ mod tests {
         )
     }
 
+    /// A folder with the meshes of both.
+    fn folder(name: &str) -> PathBuf {
+        let folder = std::env::temp_dir().join(format!("mrroc-meshes-{name}-{}", std::process::id()));
+        std::fs::create_dir_all(folder.join("parts")).expect("a folder");
+        for name in ["base.stl", "parts/Upper.STL"] {
+            std::fs::write(folder.join(name), "solid").expect("a file");
+        }
+        folder
+    }
+
     fn robot(text: &str, folder: &Path) -> Serial<1> {
         let built = Serial::<1>::from_urdf(text, "base", "upper").expect("a URDF");
         let robot = built.with_acceleration([5.0].into()).expect("an acceleration");
@@ -113,11 +123,7 @@ mod tests {
 
     #[test]
     fn meshes_stand_where_the_urdf_puts_them_and_move_with_their_links() {
-        let folder = std::env::temp_dir().join(format!("mrroc-meshes-{}", std::process::id()));
-        std::fs::create_dir_all(folder.join("parts")).expect("a folder");
-        for name in ["base.stl", "parts/Upper.STL"] {
-            std::fs::write(folder.join(name), "solid").expect("a file");
-        }
+        let folder = folder("placed");
         let text = arm(r#"<mesh filename="./parts/Upper.STL" scale="0.001 0.001 0.001"/>"#);
         let with = robot(&text, &folder);
         assert_eq!(Robot::meshes(&with).len(), 2);
@@ -137,7 +143,12 @@ mod tests {
         for point in [Point3::origin(), Point3::new(1.0, 2.0, 3.0)] {
             assert!((at * point - expected * point).norm() < 1e-12, "{at} is not {expected}");
         }
+        std::fs::remove_dir_all(&folder).expect("removed");
+    }
 
+    #[test]
+    fn fault_242_what_is_outside_of_the_folder_of_a_urdf_is_no_mesh() {
+        let folder = folder("outside");
         // What is elsewhere, is not there or is no STL leaves the arm as it was.
         std::fs::write(folder.join("upper.dae"), "").expect("a file");
         for other in [

@@ -1,0 +1,134 @@
+//! What a page is shown of readings, signals, tools and bodies: of a cell that runs, and of a run that is over.
+
+use core::time::Duration;
+
+use mrroc::pose::Wrench;
+use mrroc::prelude::*;
+use mrroc_core::nalgebra::Vector3;
+use mrroc_core::observe::layout::Layout;
+use mrroc_core::payload::Wire;
+use mrroc_core::robot::{Load, Signals, Tool, Values};
+use mrroc_processes::{BodyPicture, CarriedPicture, Picture, ReadingPicture, RobotPicture};
+use mrroc_robots::sensors::{WristForce, WristOrder};
+use mrroc_robots::{Irp6, SimulatedIrp6, Six};
+use serde_json::json;
+
+use crate::course::Course;
+use crate::desk::now;
+use crate::now::Looks;
+
+const START: Six = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
+
+/// A sensor that reads nothing.
+struct Wrist;
+
+impl VirtualSensor for Wrist {
+    type Kind = WristForce;
+    fn aggregate(&mut self, _: &ReadingOrder<WristOrder>) -> Result<Wrench, Fault> {
+        Ok(Wrench::default())
+    }
+}
+
+/// A cell with an arm, a sensor at its wrist, a tool with a name, and two bodies.
+fn layout() -> Layout {
+    let arm = RobotSetup::new("arm", Irp6::nominal(), SimulatedIrp6::new(Irp6::nominal(), &START));
+    Cell::new(Duration::from_millis(2))
+        .robot(arm)
+        .sensor(SensorSetup::new("wrist", Wrist).of("arm"))
+        .tool("drill", Tool { frame: Pose::translation(0.0, 0.0, 0.1), load: Load::NONE })
+        .shows_body("bar", [0.1; 3], Pose::identity)
+        .shows_body("table", [1.0; 3], Pose::identity)
+        .layout()
+}
+
+fn words() -> Vec<u64> {
+    let mut words = vec![0; Wrench::LEN];
+    Wrench::new(Vector3::new(1.0, 2.0, -3.0), Vector3::new(0.1, 0.2, 0.3)).put(&mut words);
+    words
+}
+
+fn picture(step: u64) -> Picture {
+    let joints = START.as_slice().to_vec();
+    let robot = RobotPicture {
+        name: "arm".to_owned(),
+        time: 1.0,
+        demanded: joints.clone(),
+        measured: joints,
+        tool: mrroc::robot::Robot::forward(&Irp6::nominal(), &START),
+        doing: mrroc_core::operator::state::Doing::Nothing,
+        by: String::new(),
+        jogs: false,
+        stop: mrroc_core::operator::jog::JogStop::None,
+    };
+    let carried = CarriedPicture {
+        robot: "arm".to_owned(),
+        tool: Pose::translation(0.0, 0.0, 0.1),
+        load: Some(Load::point(1.25, Vector3::new(0.0, 0.0, 0.05))),
+        signals: Signals { inputs: Values::OFF, outputs: Values::OFF },
+    };
+    Picture {
+        step,
+        period: 2_000_000,
+        robots: vec![robot],
+        carried: vec![carried],
+        readings: vec![ReadingPicture { sensor: "wrist".to_owned(), step: 1000, words: Some(words()) }],
+        bodies: vec![BodyPicture { place: 1, pose: Pose::translation(0.5, 0.0, 0.0) }],
+        ..Picture::default()
+    }
+}
+
+#[test]
+fn a_page_is_shown_the_reading_the_tool_by_its_name_the_payload_and_the_bodies_that_are_known() {
+    let looks = Looks::of(&layout());
+    let shown = looks.state(&now(picture(1010), &looks));
+    assert_eq!(shown["readings"], json!([[1.0, 2.0, -3.0, 0.1, 0.2, 0.3]]));
+    let carried = &shown["robots"][0]["carried"];
+    assert_eq!((&carried["name"], &carried["mass"]), (&json!("drill"), &json!(1.25)));
+    assert_eq!(shown["bodies"], json!([null, [0.5, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]]));
+    let said = looks.layout(None);
+    assert_eq!(said["sensors"][0]["wrench"], json!(true));
+    assert_eq!(said["sensors"][0]["of"], json!("arm"));
+    // A place that the layout does not have, and a sensor that it does not know, are passed over.
+    let mut strange = picture(1010);
+    strange.bodies[0].place = 7;
+    strange.readings[0].sensor = "other".to_owned();
+    let shown = looks.state(&now(strange, &looks));
+    assert_eq!((&shown["bodies"], &shown["readings"]), (&json!([null, null]), &json!([null])));
+}
+
+#[test]
+fn fault_241_a_reading_that_is_old_or_a_fault_is_not_shown_of_a_cell_that_runs() {
+    let looks = Looks::of(&layout());
+    let readings = |picture| looks.state(&now(picture, &looks))["readings"].clone();
+    // A step has 2 ms: a second are 500 of them.
+    assert!(readings(picture(1500))[0].is_array());
+    assert_eq!(readings(picture(1501)), json!([null]));
+    let mut fault = picture(1000);
+    fault.readings[0].words = None;
+    assert_eq!(readings(fault), json!([null]));
+}
+
+#[test]
+fn fault_241_a_reading_that_is_old_or_a_fault_is_not_shown_by_a_run_that_is_over() {
+    const MS: u64 = 1_000_000;
+    let layout = layout();
+    let mut course = Course::of(&layout);
+    let tool = Pose::identity();
+    let six = START.as_slice();
+    for k in 0..200 {
+        let time = 20 * MS * k;
+        match k {
+            10 => course.reading(time, 0, Some(vec![Some(1.5)])),
+            100 => course.reading(time, 0, Some(vec![Some(2.5)])),
+            110 => course.reading(time, 0, None),
+            _ => {}
+        }
+        course.robot(time, "arm", [six, six], [tool, tool]);
+        course
+            .step(time, &crate::course::StepSeen { step: k, dt: 0.02, duration: 0.02, ..Default::default() });
+    }
+    let at = |time: f64| course.at(time).expect("seen").readings[0].as_ref().and_then(|numbers| numbers[0]);
+    assert_eq!([at(0.1), at(0.25), at(1.19)], [None, Some(1.5), Some(1.5)]);
+    // It was collected at 0.2 s.
+    assert_eq!([at(1.23), at(2.1), at(2.3)], [None, Some(2.5), None]);
+}
