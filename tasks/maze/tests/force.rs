@@ -35,11 +35,17 @@ fn the_ball_slides_along_walls_and_the_map_has_them_where_they_are() {
     let outcome = ready.run();
     outcome.report.expect("no fault");
     let world = world.borrow();
-    for contact in &outcome.contacts {
-        // Found by three touches, and felt with noise: to half a millimetre.
-        let off = world.walls.near(&contact.at).map(|wall| wall.distance(&contact.at)).fold(1.0, f64::min);
-        assert!(off < 5e-4, "{contact:?} is {off} m off a wall");
-    }
+    let off = |at| world.walls.near(at).map(|wall| wall.distance(at)).fold(1.0, f64::min);
+    let mut offs: Vec<f64> = outcome.contacts.iter().map(|contact| off(&contact.at)).collect();
+    offs.sort_by(f64::total_cmp);
+    println!(
+        "off the walls: p90 {:.2} mm, worst {:.2} mm",
+        1e3 * offs[offs.len() * 9 / 10],
+        1e3 * offs[offs.len() - 1]
+    );
+    // On a face to half a millimetre: found by three touches, felt with noise. Around the corner of a wall's end, level and upright are as
+    // far apart as the ball's radius.
+    assert!(offs[offs.len() * 9 / 10] < 5e-4 && offs[offs.len() - 1] < 2.5e-3);
     // Along each wall many more places are known than touches were needed.
     assert!(outcome.contacts.len() > 2 * outcome.touches, "{}", outcome.touches);
 }
@@ -92,12 +98,10 @@ fn fault_236_a_force_sensor_that_is_lost_or_saturates_is_a_named_fault_and_the_a
 }
 
 #[test]
-fn fault_219_a_force_sensor_that_feels_nothing_more_is_a_fault_by_over_travel() {
+fn fault_219_a_force_sensor_that_stands_at_one_value_is_a_named_fault_and_the_arm_stops() {
     for from in STEPS {
         let (fault, travel) = broken(from, Some(Failing::Stuck));
-        let is_named = fault.contains("over-travel") || fault.contains("used up its way");
-        assert!(is_named, "from step {from}: {fault}");
-        // 4 mm, and what the arm goes on from 60 mm/s while it brakes evenly in the longest stop time, 0.6 s.
-        assert!(travel < TRAVEL + 0.5 * 0.06 * 0.6, "from step {from}: {travel} m");
+        assert!(fault.contains("stands at one value"), "from step {from}: {fault}");
+        assert!(travel < TRAVEL, "from step {from}: {travel} m");
     }
 }

@@ -116,6 +116,10 @@ const RESOLUTION: f64 = 0.0125;
 const BIAS: f64 = 3.0;
 /// See [`BIAS`].
 const RANGE: f64 = 65.0;
+/// It has failed where it gives the same for more readings than these: once is seldom, by its noise and resolution.
+const STANDING: u32 = 6;
+/// Felt along both axes, less than this is of one corner; of two walls it is more \[N\].
+const TURNING: f64 = 1.5;
 /// A wall that was not felt for so many readings is felt anew.
 const FORGOTTEN: u32 = 4;
 
@@ -136,6 +140,8 @@ pub struct Wrist {
     bias: Vector2<f64>,
     failing: Option<Failing>,
     raw: Vector2<f64>,
+    /// For how many readings that has been the same.
+    standing: u32,
     zero: (Vector2<f64>, u32),
     felt: Felt,
     /// For each axis the sense in which a wall was pressed last, which stretch that is, and how many readings ago it was.
@@ -156,6 +162,7 @@ impl Wrist {
             bias,
             failing: None,
             raw: Vector2::zeros(),
+            standing: 0,
             zero: (Vector2::zeros(), 0),
             felt: Felt::default(),
             pressed: [None; 2],
@@ -207,7 +214,9 @@ impl Wrist {
             let mut into = [0.0; 2];
             into[axis] = sense;
             let known = before.filter(|(pressed, _, _)| *pressed == sense);
-            if known.is_none() {
+            // Around the end of a wall the force turns from one axis to the other: the same touch.
+            let turns = self.pressed[1 - axis].is_some() && force.norm() < TURNING;
+            if known.is_none() && !turns {
                 self.touches.set(self.touches.get() + 1);
                 let touches = self.touches.get();
                 self.felt.touch = Touch { touching: true, touches, x: ball[0], y: ball[1], since: 0.0 };
@@ -242,7 +251,16 @@ impl VirtualSensor for Wrist {
                 "the stylus is bent beyond its over-travel: its force is not felt, or the arm was too fast";
             return Err(fault.text(text));
         }
-        self.raw = self.measured();
+        let raw = self.measured();
+        // Noise alone changes it.
+        self.standing = if raw == self.raw { self.standing + 1 } else { 0 };
+        self.raw = raw;
+        if self.standing > STANDING {
+            let fault = Fault::new(FaultKind::SensorFailed);
+            return Err(
+                fault.text("the force sensor at the wrist stands at one value, not even noise changes it")
+            );
+        }
         if self.raw.amax() > RANGE {
             let fault = Fault::new(FaultKind::SensorFailed).exceeds(self.raw.amax(), RANGE, "N");
             return Err(fault
