@@ -10,8 +10,9 @@ fn body(source: &str, function: &str) -> usize {
 
 #[test]
 fn the_mp_has_at_most_sixty_lines_and_the_reactive_controller_forty() {
-    let (mp, ecp) =
-        (body(include_str!("../src/mp.rs"), "coordinate"), body(include_str!("../src/ecp.rs"), "arm"));
+    let sum = |source: &str, all: &[&str]| all.iter().map(|function| body(source, function)).sum::<usize>();
+    let mp = sum(include_str!("../src/mp.rs"), &["coordinate", "carried_out"]);
+    let ecp = sum(include_str!("../src/ecp.rs"), &["arm", "go", "hop"]);
     println!("lines: MP {mp}, ECP {ecp}");
     assert!(mp <= 60 && ecp <= 40, "{mp} {ecp}");
 }
