@@ -363,3 +363,43 @@ fn an_mp_lets_one_of_its_arms_be_jogged_as_an_ecp_does() {
     let way = arm.forward(&joints[1550]).translation.vector - arm.forward(&joints[90]).translation.vector;
     assert!((way - nalgebra::Vector3::x() * 0.1).norm() < 1e-9, "{way}");
 }
+
+#[test]
+fn a_step_of_an_arm_that_is_jogged_allocates_nothing_also_when_a_jog_begins_or_comes_to_an_end() {
+    use mrroc_counting_allocator::allocations;
+    // Down, turned, by a joint, back: each is pressed for 300 steps, renewed every 50th, and let go for 200.
+    let orders = ["world z -60%", "tool rx 50%", "joint 1 40%", "world z 60% by 0.01"].map(order);
+    let (counts, seen) =
+        (Rc::new(std::cell::Cell::new((0, 0))), Rc::new(std::cell::Cell::new((HOME, 0_u32))));
+    let (counted, moved) = (Rc::clone(&counts), Rc::clone(&seen));
+    let arm = RobotSetup::new("left", Irp6::nominal(), SimulatedIrp6::new(Irp6::nominal(), &HOME));
+    let arm = arm.tool(tool()).observe(move |record: &ServoRecord<Irp6>| {
+        let (before, periods) = moved.get();
+        moved.set((record.demanded, periods + u32::from(before != record.demanded)));
+    });
+    let arm = arm.program(|ecp| {
+        let panel = ecp.jog_panel();
+        ecp.move_robot((), PanelJog::by(panel)).map(drop)
+    });
+    let name = left();
+    let cell = Cell::new(STEP).robot(arm).on_step(move |step, operator| {
+        match step {
+            1 => operator.set_reduced(true),
+            600 => counted.set((allocations(), 0)),
+            9_000 => counted.set((counted.get().0, allocations())),
+            9_100 => operator.abort(),
+            _ => {}
+        }
+        let (press, at) = (step / 500, step % 500);
+        if step >= 500 && at < 300 && at.is_multiple_of(BEAT) {
+            operator.jog(Renewal::of(press, at / BEAT).expect("few"), name, orders[press as usize % 4]);
+        } else if at == 300 {
+            operator.let_go(press);
+        }
+    });
+    cell.run().expect_err("aborted");
+    let (warm, end) = counts.get();
+    assert!(warm > 0, "nothing was counted");
+    assert!(seen.get().1 > 2000, "it is jogged: in {} periods", seen.get().1);
+    assert_eq!(end - warm, 0, "allocations in 8400 steps");
+}

@@ -1,12 +1,8 @@
 //! No allocation in a step once warm: counted over whole cells, whose processes are all of one thread.
 
-use mrroc::fault::Name;
-use mrroc::operator::Renewal;
-use mrroc::operator::jog::JogOrder;
 use mrroc::prelude::*;
 use mrroc::sensor::VspMode;
 use mrroc_counting_allocator::allocations;
-use mrroc_generators::generators::PanelJog;
 use mrroc_robots::{Irp6, SimulatedIrp6, Six};
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 
@@ -103,48 +99,4 @@ fn a_step_of_two_arms_with_sensors_in_three_modes_allocates_nothing() {
     let (warm, end) = counts.get();
     assert!(warm > 0, "nothing was counted");
     assert_eq!(end - warm, 0, "allocations in 8900 steps");
-}
-
-#[test]
-fn a_step_of_an_arm_that_is_jogged_allocates_nothing_also_when_a_jog_begins_or_comes_to_an_end() {
-    let order = |text: &str| JogOrder::read(&mut text.split_whitespace()).expect(text);
-    // Down, turned, by a joint, back: each is pressed for 300 steps, renewed every 50th, and let go for 200.
-    let orders = ["world z -60%", "tool rx 50%", "joint 1 40%", "world z 60% by 0.01"].map(order);
-    let left = Name::new("left").expect("a name");
-    let counts = std::rc::Rc::new(std::cell::Cell::new((0, 0)));
-    let seen = std::rc::Rc::clone(&counts);
-    let moved = std::rc::Rc::new(std::cell::Cell::new(0_u32));
-    let moves = std::rc::Rc::clone(&moved);
-    let before = std::cell::Cell::new(start());
-    let cell = Cell::new(std::time::Duration::from_millis(2)).robot(
-        RobotSetup::new("left", Irp6::nominal(), SimulatedIrp6::new(Irp6::nominal(), &start()))
-            .observe(move |record: &mrroc::observe::ServoRecord<Irp6>| {
-                moves.set(moves.get() + u32::from(before.replace(record.demanded) != record.demanded));
-            })
-            .program(|ecp| {
-                let panel = ecp.jog_panel();
-                ecp.move_robot((), PanelJog::by(panel)).map(drop)
-            }),
-    );
-    let cell = cell.on_step(move |step, operator| {
-        match step {
-            1 => operator.set_reduced(true),
-            600 => seen.set((allocations(), 0)),
-            9_000 => seen.set((seen.get().0, allocations())),
-            9_100 => operator.abort(),
-            _ => {}
-        }
-        let (press, at) = (step / 500, step % 500);
-        if step >= 500 && at < 300 && at % 50 == 0 {
-            let renewal = Renewal::of(press, at / 50).expect("few");
-            operator.jog(renewal, left, orders[press as usize % 4]);
-        } else if at == 300 {
-            operator.let_go(press);
-        }
-    });
-    cell.run().expect_err("aborted");
-    let (warm, end) = counts.get();
-    assert!(warm > 0, "nothing was counted");
-    assert!(moved.get() > 2000, "it is jogged: in {} periods", moved.get());
-    assert_eq!(end - warm, 0, "allocations in 8400 steps");
 }
