@@ -79,7 +79,8 @@ impl Course {
     /// Whether what happens at a time of the cell \[ns\] is wanted of each robot: the moment after it is kept.
     #[must_use]
     pub const fn is_due(&self, time: u64) -> bool {
-        time >= self.due
+        // An EDP may begin its step before the MP or after it: the one before the moment is wanted, too.
+        time.saturating_add(self.now.period) >= self.due
     }
 
     /// The MP begins a step: the moment before it is kept, if it is due.

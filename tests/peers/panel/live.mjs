@@ -177,12 +177,18 @@ async function over(browser, what, runs) {
     const lasts = Number(await page.locator('#at').getAttribute('max'));
     // Where the program waits for the bar to hang still, its sensor is read; lamp and switch are on.
     let found = null;
-    for (let at = 0.5; at < lasts && !found; at += 0.25) {
+    const look = async (at) => {
       await page.locator('#at').fill(String(at));
-      const shown = await shows(page, `${what} at ${at} s`, ({ time }) => Math.abs(time - at) < 0.1);
-      if (shown.doing === 'wait' && shown.readings[0] && robot(shown, 'holder').signals.filter((value) => value === true).length === 2) found = shown;
+      return shows(page, `${what} at ${at} s`, ({ time }) => Math.abs(time - at) < 0.1);
+    };
+    for (let at = 0.5; at < lasts; at += 0.1) {
+      const shown = await look(at);
+      if (shown.doing === 'wait' && shown.readings[0] && robot(shown, 'holder').signals.filter((value) => value === true).length === 2) found = { ...shown, at };
+      else if (found) break;
     }
     check(found, `${what}: the program waits for the bar, the lamp is on and seen`);
+    // At the end of the Wait the bar has come to rest.
+    await look(found.at);
     await weighs(page, what);
     await meshes(page);
     const { carried } = robot(found, 'holder');
