@@ -137,6 +137,11 @@ sorting-train:
     cargo run --release -p sorting -- --data-set target/parts.csv --parts 24000 --seed 101
     python3 sensing/training/train.py target/parts.csv tasks/sorting/assets/parts.onnx
 
+# A hundred whole walks of the legs, and what tests ask of them.
+legs-whole SEEDS="100":
+    cargo run --release -p legs -- --seeds {{SEEDS}}
+    MRROC_WHOLE=1 cargo test --release -p legs
+
 # All that tests try of which `cargo test` takes a share: moments of the transfer, steps of small cells, damaged inputs.
 test-whole:
     MRROC_WHOLE=1 cargo test -p transfer -p mrroc-tests --test all

@@ -430,7 +430,7 @@ mod tests {
             }
         };
         // Their distances have no common measure.
-        [0.31, 0.507, 0.711, 0.99, 1.207, 1.43].map(&mut pass);
+        [0.31, 0.507, 0.711, 0.99, 1.207, 1.43].into_iter().for_each(&mut pass);
         assert_eq!(memory.spacing(), None);
     }
 }
