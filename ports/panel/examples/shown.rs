@@ -52,7 +52,9 @@ fn cell(file: &CellFile) -> Result<Cell, CellError> {
     let Some((world, hand)) = held.take() else { return Ok(cell) };
     Ok(cell
         .shows_body("bar", BAR.1, move || world.body().pose)
-        .sensor(SensorSetup::new("wrist", SimulatedWrist::new(hand)).of("holder").readers(["holder"]).mode(FREE))
+        .sensor(
+            SensorSetup::new("wrist", SimulatedWrist::new(hand)).of("holder").readers(["holder"]).mode(FREE),
+        )
         .program(carry))
 }
 
