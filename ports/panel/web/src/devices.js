@@ -53,6 +53,6 @@ export class Devices {
 function tool({ name, tcp, mass, centre }) {
   const flange = tcp.slice(0, 3).every((x) => x === 0);
   const what = name ? `Tool ${name}` : flange ? 'No tool' : 'A tool without a name';
-  const payload = mass === null ? 'its drives were told no payload' : `payload ${mass.toFixed(3)} kg at ${mm(centre)} mm`;
+  const payload = mass === null ? 'no payload is known' : `payload ${mass.toFixed(3)} kg at ${mm(centre)} mm`;
   return `${what}: TCP ${mm(tcp.slice(0, 3))} mm from the flange; ${payload}.`;
 }
