@@ -126,7 +126,9 @@ impl<'a> Supervision<'a> {
         self.board.heartbeat().beat();
         let has_nodes = self.process_set.members.iter().any(|member| member.id.role == Role::Node);
         let head_start = if has_nodes { HEAD_START_OF_NODES } else { HEAD_START };
-        self.process_set.go(monotonic() + head_start.as_nanos() as Nanos);
+        let origin = monotonic() + head_start.as_nanos() as Nanos;
+        self.console_server.begins(origin);
+        self.process_set.go(origin);
         loop {
             let waits = |member: &Member| watched && member.id.role == Role::Plant && member.is_over();
             let members = self.process_set.members.iter();

@@ -29,6 +29,8 @@ pub struct Told {
     pub sizes: Sizes,
 }
 
+const NO_WAY: &str = "no way to the exit is left by what was touched: look at the maze, or tell another exit";
+
 /// The sensor touches nothing.
 struct Free<R, S>(PhantomData<(R, S)>);
 
@@ -83,9 +85,7 @@ pub fn coordinate<R: Robot, S: Feeling<R>>(
         };
         let way = [1.0, 0.3, -0.5].into_iter().find_map(keeping);
         let Some(way) = way.filter(|_| map.borrow().contacts().len() < told.most) else {
-            return Err(Fault::thrown(
-                "no way to the exit is left by what was touched: look at the maze, or tell another exit",
-            ));
+            return Err(Fault::thrown(NO_WAY));
         };
         let leg = there(&way[1]);
         let went = have(Task::Go { x: leg.x, y: leg.y })?;

@@ -1,7 +1,6 @@
 """How soon robots stand when a hold ends, from a recording: `holds.py RECORDING TRIALS STOP_MS`.
 
-In: the recording of a cell of processes; a JSON list of trials, each with its way to end the hold and a window of the machine's
-monotonic time [ns]; the longest stop on the path that `--check` prints [ms]. Out: a JSON object on standard output, for each way how
+In: the recording of a cell of processes; a JSON list of trials, each with its way to end the hold and a window of dates [ns]; the longest stop on the path that `--check` prints [ms]. Out: a JSON object on standard output, for each way how
 many trials were good, bad (with why) and void: a hold that moved nothing, or a machine so late that the cell left out steps meanwhile.
 
 A hold ends when the panel's server receives the release, or 300 ms after the last renewal that it received, whichever is first. The rate
@@ -45,7 +44,7 @@ def read(path):
                 images.setdefault(data["step"], []).append((time, data["demanded"]["joints"], data["measured"]["velocity"]))
     # Each process sends its own records.
     steps.sort(key=lambda of: of[0])
-    return steps, commands, images, period
+    return steps, commands, images, start, period
 
 
 def judge(trial, steps, commands, images, period, stop):
@@ -93,10 +92,12 @@ def judge(trial, steps, commands, images, period, stop):
 
 
 def main():
-    steps, commands, images, period = read(sys.argv[1])
+    steps, commands, images, start, period = read(sys.argv[1])
     trials, stop = json.load(open(sys.argv[2])), float(sys.argv[3])
     found = {}
     for trial in trials:
+        # By the cell's time.
+        trial["from"], trial["to"] = trial["from"] - start, trial["to"] - start
         of = found.setdefault(trial["way"], {"good": [], "bad": [], "void": []})
         try:
             of["good"].append(judge(trial, steps, commands, images, period, stop))

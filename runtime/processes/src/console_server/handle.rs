@@ -9,6 +9,7 @@ use std::os::fd::{AsFd, BorrowedFd};
 use std::os::unix::fs::PermissionsExt;
 use std::os::unix::net::{UnixListener, UnixStream};
 use std::path::Path;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
@@ -21,6 +22,7 @@ use crate::figures::Figures;
 use crate::identity::{self, CellId};
 use mrroc_core::console::complain;
 use mrroc_core::fault::ProcessId;
+use mrroc_core::link::Nanos;
 use mrroc_core::observe::recording::CommandRecord;
 
 /// A process of the cell, and whether it runs.
@@ -36,6 +38,8 @@ pub(crate) struct ConsoleServer {
     presses: Receiver<(ProcessId, Frame)>,
     wakes: UnixStream,
     seats: Arc<Mutex<Vec<Seat>>>,
+    /// When the cell's time began, on the machine's clock \[ns\]; 0 before it is known.
+    origin: Arc<AtomicU64>,
     /// The thread ends when this end of the socket is closed.
     open: Option<UnixStream>,
     thread: Option<JoinHandle<()>>,
@@ -73,6 +77,7 @@ impl ConsoleServer {
         waker.set_nonblocking(true)?;
         let (open, end) = UnixStream::pair()?;
         let (sender, presses) = channel();
+        let origin = Arc::new(AtomicU64::new(0));
         let service = Service {
             listeners,
             end,
@@ -85,10 +90,11 @@ impl ConsoleServer {
             ids: 0,
             strangers: BTreeSet::new(),
             record,
+            origin: Arc::clone(&origin),
         };
         let thread =
             std::thread::Builder::new().name("console_server".to_owned()).spawn(move || service.run())?;
-        Ok(ConsoleServer { presses, wakes, seats, open: Some(open), thread: Some(thread) })
+        Ok(ConsoleServer { presses, wakes, seats, origin, open: Some(open), thread: Some(thread) })
     }
 
     /// The file descriptor that becomes readable when a press has come.
@@ -100,6 +106,11 @@ impl ConsoleServer {
     pub fn presses(&self) -> impl Iterator<Item = (ProcessId, Frame)> {
         drop((&self.wakes).read(&mut [0; 64]));
         self.presses.try_iter()
+    }
+
+    /// Notes when the cell's time begins, on the machine's clock \[ns\]: commands are recorded by that time.
+    pub fn begins(&self, origin: Nanos) {
+        self.origin.store(origin, Ordering::Release);
     }
 
     /// Notes that a process has ended.

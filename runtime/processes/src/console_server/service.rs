@@ -13,6 +13,7 @@
 
 use std::collections::BTreeSet;
 use std::os::unix::net::{UnixListener, UnixStream};
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::Sender;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
@@ -29,9 +30,11 @@ use super::protocol::{Addressed, Reply, Request};
 use crate::board::StateBoard;
 use crate::control::Frame;
 use crate::entry::{self, MpPanel, RobotEntry, ecp};
+use crate::iceoryx::monotonic;
 use mrroc_core::console::complain;
 use mrroc_core::fault::{Fault, Name, ProcessId, Role};
-use mrroc_core::observe::recording::CommandRecord;
+use mrroc_core::link::Nanos;
+use mrroc_core::observe::recording::{Command, CommandRecord};
 use mrroc_core::operator::button::{Button, CellState};
 use mrroc_core::operator::jog::JogStop;
 use mrroc_core::operator::state::Doing;
@@ -85,6 +88,8 @@ pub(super) struct Service {
     pub strangers: BTreeSet<u32>,
     /// Where commands are recorded.
     pub record: Option<Box<dyn CommandRecord>>,
+    /// When the cell's time began, on the machine's clock \[ns\]; 0 before it is known.
+    pub origin: Arc<AtomicU64>,
 }
 
 impl Service {
@@ -102,15 +107,24 @@ impl Service {
                 self.press(desk);
             }
             self.show();
-            let commands = self.consoles.iter_mut().flat_map(Console::take_commands);
-            match &self.record {
-                Some(record) => commands.for_each(|command| record.put(command)),
-                None => commands.for_each(drop),
-            }
+            self.record_commands();
             self.consoles.retain(|console| !console.is_over());
             let there = |id| self.consoles.iter().any(|console| console.id == id);
             self.desks.iter_mut().for_each(|desk| desk.holder = desk.holder.filter(|&id| there(id)));
             std::thread::sleep(ROUND);
+        }
+    }
+
+    /// Records what was asked for, by the cell's time. Before that has begun it is kept.
+    fn record_commands(&mut self) {
+        let origin = self.origin.load(Ordering::Acquire);
+        if self.record.is_some() && (origin == 0 || monotonic() < origin) {
+            return;
+        }
+        for command in self.consoles.iter_mut().flat_map(Console::take_commands) {
+            let Some(record) = &self.record else { continue };
+            let since = |time: Nanos| time.saturating_sub(origin);
+            record.put(Command { asked: since(command.asked), answered: since(command.answered), ..command });
         }
     }
 
