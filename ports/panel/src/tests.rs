@@ -21,6 +21,9 @@ use crate::rules::token::Token;
 use crate::server::{Panel, Source, serve};
 use crate::socket::look_after;
 
+/// For what comes at once, unless it never does.
+const PATIENCE: Duration = Duration::from_secs(120);
+
 /// A panel whose desk does all that it is asked for, and writes it down.
 struct Served {
     address: SocketAddr,
@@ -280,7 +283,7 @@ fn fault_205_a_stop_is_taken_from_every_page_whatever_it_said_before_and_whoever
     let (mut one, mut two) = (served.known(), served.known());
     one.say(&json!({"n": 1, "do": "take"}));
     assert_eq!(one.answer(1).expect("answered")["outcome"], "done");
-    assert_eq!(served.asked.recv(), Ok(Request::Take));
+    assert_eq!(served.asked.recv_timeout(PATIENCE), Ok(Request::Take));
     two.say(&json!({"n": 1, "do": "suspend", "epoch": 0, "step": 1000}));
     let refused = two.answer(1).expect("answered");
     assert!(refused["text"].as_str().is_some_and(|why| why.contains("has control")), "{refused}");
@@ -300,17 +303,19 @@ fn fault_206_a_page_that_falls_silent_while_it_holds_lets_go_and_loses_authority
     let served = served();
     let mut page = served.known();
     page.say(&json!({"n": 1, "do": "take"}));
-    assert_eq!(served.asked.recv(), Ok(Request::Take));
+    assert_eq!(served.asked.recv_timeout(PATIENCE), Ok(Request::Take));
     page.say(&json!({"n": 2, "do": "hold", "begins": true, "epoch": 0, "step": 1000}));
-    let Ok(Request::Press(Button::Hold(renewal))) = served.asked.recv() else { panic!("no hold") };
+    let Ok(Request::Press(Button::Hold(renewal))) = served.asked.recv_timeout(PATIENCE) else {
+        panic!("no hold")
+    };
     let held = renewal.hold();
     // It has control, and holds, until 300 ms after its last sign of life.
     served.pass(299);
     page.say(&json!({"n": 3, "do": "resume", "epoch": 0, "step": 1000}));
-    assert_eq!(served.asked.recv(), Ok(Request::Press(Button::Resume)));
+    assert_eq!(served.asked.recv_timeout(PATIENCE), Ok(Request::Press(Button::Resume)));
     served.pass(1);
-    assert_eq!(served.asked.recv(), Ok(Request::Press(Button::LetGo(held))));
-    assert_eq!(served.asked.recv(), Ok(Request::Release));
+    assert_eq!(served.asked.recv_timeout(PATIENCE), Ok(Request::Press(Button::LetGo(held))));
+    assert_eq!(served.asked.recv_timeout(PATIENCE), Ok(Request::Release));
     page.say(&json!({"n": 4, "do": "resume", "epoch": 0, "step": 1000}));
     assert_eq!(page.answer(4).expect("answered")["outcome"], "refused");
 }
@@ -327,7 +332,7 @@ fn fault_232_a_page_that_jogs_and_falls_silent_lets_go_and_loses_authority() {
     other.say(&jog(2, true));
     assert_eq!(other.answer(2).expect("answered")["outcome"], "refused");
     page.say(&json!({"n": 1, "do": "take"}));
-    assert_eq!(served.asked.recv(), Ok(Request::Take));
+    assert_eq!(served.asked.recv_timeout(PATIENCE), Ok(Request::Take));
     // What renews nothing begins nothing.
     page.say(&jog(2, false));
     assert!(
@@ -343,17 +348,17 @@ fn fault_232_a_page_that_jogs_and_falls_silent_lets_go_and_loses_authority() {
         }
         other => panic!("{other:?}"),
     };
-    let (held, _) = renewal(served.asked.recv());
+    let (held, _) = renewal(served.asked.recv_timeout(PATIENCE));
     // As long as it says that it is there, and holds, this goes on.
     for count in 1..5 {
         served.pass(290);
         page.say(&json!({"do": "beat"}));
         page.say(&jog(0, false));
-        assert_eq!(renewal(served.asked.recv()), (held, count));
+        assert_eq!(renewal(served.asked.recv_timeout(PATIENCE)), (held, count));
     }
     served.pass(300);
-    assert_eq!(served.asked.recv(), Ok(Request::Press(Button::LetGo(held))));
-    assert_eq!(served.asked.recv(), Ok(Request::Release));
+    assert_eq!(served.asked.recv_timeout(PATIENCE), Ok(Request::Press(Button::LetGo(held))));
+    assert_eq!(served.asked.recv_timeout(PATIENCE), Ok(Request::Release));
     page.say(&jog(4, false));
     assert_eq!(page.answer(4).expect("answered")["outcome"], "refused");
 }
@@ -389,7 +394,7 @@ fn fault_240_while_the_file_of_the_poses_does_not_answer_a_stop_and_holds_are_ta
     let served = served_in(Some(&folder.join("cell.toml")));
     let mut page = served.known();
     page.say(&json!({"n": 1, "do": "take"}));
-    assert_eq!(served.asked.recv(), Ok(Request::Take));
+    assert_eq!(served.asked.recv_timeout(PATIENCE), Ok(Request::Take));
     // A pipe that nobody writes to: whoever reads it waits.
     let made = std::process::Command::new("mkfifo").arg(&file).status().expect("mkfifo");
     assert!(made.success());
@@ -400,9 +405,9 @@ fn fault_240_while_the_file_of_the_poses_does_not_answer_a_stop_and_holds_are_ta
     let refused = page.answer(20).expect("answered");
     assert!(refused["text"].as_str().is_some_and(|why| why.contains("do not answer")), "{refused}");
     page.say(&json!({"n": 40, "do": "hold", "begins": true, "epoch": 0, "step": 1000}));
-    assert!(matches!(served.asked.recv(), Ok(Request::Press(Button::Hold(_)))));
+    assert!(matches!(served.asked.recv_timeout(PATIENCE), Ok(Request::Press(Button::Hold(_)))));
     page.say(&json!({"n": 41, "do": "stop"}));
-    assert_eq!(served.asked.recv(), Ok(Request::Press(Button::Stop)));
+    assert_eq!(served.asked.recv_timeout(PATIENCE), Ok(Request::Press(Button::Stop)));
     // Somebody writes: the first one that waited is answered.
     drop(std::fs::OpenOptions::new().write(true).open(&file).expect("opened"));
     std::fs::remove_dir_all(&folder).expect("removed");

@@ -33,7 +33,7 @@ const NONE: f64 = 0.2;
 /// };
 /// let contacts = [0.05, 0.075, 0.125, 0.2, 0.275, 0.3, 0.375].map(met);
 /// assert_eq!(spacing(&contacts, &known, None), Some(0.025));
-/// // One that stands anywhere else does not yet speak against it, all of them would.
+/// // One wall alone bears out no spacing.
 /// assert_eq!(spacing(&contacts[..1], &known, None), None);
 /// ```
 #[must_use]

@@ -55,7 +55,7 @@ const SIDE: f64 = 0.4;
 const ENDS: [[f64; 2]; 2] = [[0.03, 0.05], [0.37, 0.33]];
 
 #[test]
-fn among_obstacles_its_way_is_within_the_bound_of_bug2() {
+fn among_obstacles_its_way_is_within_1_3_times_the_bound_of_bug2() {
     let sizes = Sizes::CLASSIC;
     let (h, side) = (0.5 * sizes.thickness, SIDE);
     let frame = [

@@ -81,6 +81,8 @@ fn file(folder: &Path, name: &str) -> Option<PathBuf> {
         Some(of_package) => of_package.split_once('/')?.1,
         None => name,
     };
+    // The folder of a file that is named without one.
+    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     let path = Path::new(name);
     let is_below = path.components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir));
     let is_stl = path.extension().is_some_and(|end| end.eq_ignore_ascii_case("stl"));
@@ -149,11 +151,17 @@ mod tests {
     #[test]
     fn fault_242_what_is_outside_of_the_folder_of_a_urdf_is_no_mesh() {
         let folder = folder("outside");
+        // Beside the folder there is one, which is not its own.
+        let beside = folder.with_extension("stl");
+        std::fs::copy(folder.join("base.stl"), &beside).expect("a file");
+        let name = beside.file_name().and_then(|name| name.to_str()).expect("a name");
+        let [above, absolute] = [format!("../{name}"), beside.display().to_string()]
+            .map(|name| format!(r#"<mesh filename="{name}"/>"#));
         // What is elsewhere, is not there or is no STL leaves the arm as it was.
         std::fs::write(folder.join("upper.dae"), "").expect("a file");
         for other in [
-            r#"<mesh filename="../base.stl"/>"#,
-            r#"<mesh filename="/etc/base.stl"/>"#,
+            above.as_str(),
+            absolute.as_str(),
             r#"<mesh filename="missing.stl"/>"#,
             r#"<mesh filename="upper.dae"/>"#,
             r#"<mesh filename="file:///base.stl"/>"#,
@@ -161,11 +169,12 @@ mod tests {
         ] {
             assert!(Robot::meshes(&robot(&arm(other), &folder)).is_empty(), "{other}");
         }
-        std::os::unix::fs::symlink("/etc/hostname", folder.join("link.stl")).expect("a link");
+        std::os::unix::fs::symlink(&beside, folder.join("link.stl")).expect("a link");
         assert!(
             Robot::meshes(&robot(&arm(r#"<mesh filename="link.stl"/>"#), &folder)).is_empty(),
             "a link that leads elsewhere"
         );
+        std::fs::remove_file(&beside).expect("removed");
         std::fs::remove_dir_all(&folder).expect("removed");
     }
 }

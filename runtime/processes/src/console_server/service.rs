@@ -113,6 +113,9 @@ impl Service {
             self.desks.iter_mut().for_each(|desk| desk.holder = desk.holder.filter(|&id| there(id)));
             std::thread::sleep(ROUND);
         }
+        // Nobody answers any more what has not been answered yet.
+        self.consoles.iter_mut().for_each(|console| console.gone = true);
+        self.record_commands();
     }
 
     /// Records what was asked for, by the cell's time. Before that has begun it is kept.

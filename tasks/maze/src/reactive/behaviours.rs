@@ -30,7 +30,7 @@ pub struct Retreat {
 }
 
 impl Retreat {
-    /// By half of what a robot with a map goes back: it comes again at once.
+    /// By about half of what a robot with a map goes back: it comes again at once.
     const SHARE: f64 = 0.55;
 
     /// From where the ball touches; it leaves behind in which direction to go on.

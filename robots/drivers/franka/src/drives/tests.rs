@@ -254,7 +254,7 @@ fn fault_98_where_nobody_demands_anything_the_robot_is_brought_to_rest_and_held_
             bench
                 .says(|state| (state.mode, state.follows_positions) = (Mode::Idle, false))
                 .expect("it stands");
-            assert!(states > 1, "it was held before");
+            assert!(states > 1, "it takes time to come to rest");
             assert_eq!(bench.drives.switch_on(), Ok(()));
             return;
         }
