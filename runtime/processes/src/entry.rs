@@ -207,7 +207,9 @@ pub(super) fn of_edp(state: &EdpState<'_>) -> [u64; CARRIED_WORDS] {
 pub(super) fn carried(words: &[u64; ENTRY]) -> Option<(Pose, Option<Load>, Signals)> {
     let words = &words[CARRIED..CARRIED + CARRIED_WORDS];
     let load = (words[Pose::LEN] == 1).then(|| Load::get(&words[Pose::LEN + 1..]).ok()).flatten();
-    Some((Pose::get(words).ok()?, load, Signals::get(&words[SIGNALS..]).ok()?))
+    // Words that are none, or that nobody has written yet, are no rotation.
+    let tool = Pose::get(words).ok().filter(|tool| (tool.rotation.norm() - 1.0).abs() < 1e-6)?;
+    Some((tool, load, Signals::get(&words[SIGNALS..]).ok()?))
 }
 
 /// The words of a reading: the step in which it was taken, how many words it has, and 1; or 0 for a fault, and 2.
