@@ -19,7 +19,7 @@ use nalgebra::Vector2;
 
 use crate::feeling::{Feeling, Seen, Stretch, Touch};
 use crate::plant::World;
-use crate::plant::stylus::{STIFFNESS, TRAVEL};
+use crate::plant::stylus::STIFFNESS;
 
 /// The kind of sensor: the force of walls on a ball.
 #[derive(Clone, Copy, Debug)]
@@ -244,13 +244,9 @@ impl VirtualSensor for Wrist {
         let arm = order
             .robot
             .ok_or_else(|| Fault::thrown("the force sensor got no state of its arm: write `of`"))?;
-        let bent = self.world.borrow().stylus.deflection().norm();
-        if bent > TRAVEL {
-            let fault = Fault::new(FaultKind::SensorFailed).exceeds(bent, TRAVEL, "m");
-            let text =
-                "the stylus is bent beyond its over-travel: its force is not felt, or the arm was too fast";
-            return Err(fault.text(text));
-        }
+        self.world.borrow().stylus.check_travel(
+            "the stylus is bent beyond its over-travel: its force is not felt, or the arm was too fast",
+        )?;
         let raw = self.measured();
         // Noise alone changes it.
         self.standing = if raw == self.raw { self.standing + 1 } else { 0 };

@@ -3,13 +3,11 @@
 use std::cell::RefCell;
 use std::rc::Rc;
 
-use mrroc::fault::FaultKind;
 use mrroc::prelude::*;
 use mrroc::robot::RobotImage;
 use nalgebra::{Vector2, Vector3};
 
 use super::arm::World;
-use super::stylus::TRAVEL;
 use crate::feeling::{Feeling, Touch};
 
 /// The kind of sensor: a ball on a spring with a switch.
@@ -55,13 +53,9 @@ impl Probe {
     /// The stylus is bent too far.
     pub fn touch(&mut self, seat: &Vector3<f64>) -> Result<Touch, Fault> {
         let world = self.world.borrow();
-        let bent = world.stylus.deflection().norm();
-        if bent > TRAVEL {
-            let fault = Fault::new(FaultKind::SensorFailed).exceeds(bent, TRAVEL, "m");
-            return Err(
-                fault.text("the stylus is bent beyond its over-travel: slow down, or look what it hit")
-            );
-        }
+        world
+            .stylus
+            .check_travel("the stylus is bent beyond its over-travel: slow down, or look what it hit")?;
         let now = (*seat, world.time);
         let touching = world.last > 0.0 && world.time - world.last <= World::QUIET;
         if world.onset > self.onset {

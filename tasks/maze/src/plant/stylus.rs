@@ -7,6 +7,8 @@
 //! closed the switch, where k |d| exceeds a threshold that depends on the direction: three legs of a kinematic seat (lobing)
 //! ```
 
+use mrroc::fault::FaultKind;
+use mrroc::prelude::*;
 use nalgebra::Vector2;
 
 use mrroc_map::{Chance, Place, Wall, Walls};
@@ -82,6 +84,18 @@ impl Stylus {
     #[must_use]
     pub const fn deflection(&self) -> Vector2<f64> {
         self.deflection
+    }
+
+    /// Checks that it is not bent beyond [`TRAVEL`].
+    ///
+    /// # Errors
+    /// `SensorFailed` with this text.
+    pub fn check_travel(&self, text: &str) -> Result<(), Fault> {
+        let bent = self.deflection().norm();
+        if bent > TRAVEL {
+            return Err(Fault::new(FaultKind::SensorFailed).exceeds(bent, TRAVEL, "m").text(text));
+        }
+        Ok(())
     }
 
     /// Between the walls, with its seat at `p` [m, M]; at the time `t` \[s\]. What the switch says.
