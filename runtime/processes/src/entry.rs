@@ -186,7 +186,9 @@ pub(super) fn of_robot(seen: &Observation<'_>) -> [u64; CARRIED] {
 
 /// Where what a robot carries stands in the entry of its EDP, and its inputs and outputs behind that.
 pub(super) const CARRIED: usize = TOOL + Pose::LEN;
-const SIGNALS: usize = Pose::LEN + 1 + Load::LEN;
+/// In it: 1 once it is written, the tool, 1 if there is a load, the load, inputs and outputs.
+const LOAD: usize = 1 + Pose::LEN;
+const SIGNALS: usize = LOAD + 1 + Load::LEN;
 const CARRIED_WORDS: usize = SIGNALS + Signals::LEN;
 
 const _: () = assert!(CARRIED + CARRIED_WORDS <= ENTRY, "and what it carries");
@@ -194,10 +196,11 @@ const _: () = assert!(CARRIED + CARRIED_WORDS <= ENTRY, "and what it carries");
 /// The words of what a robot carries, and of its inputs and outputs.
 pub(super) fn of_edp(state: &EdpState<'_>) -> [u64; CARRIED_WORDS] {
     let mut words = [0; CARRIED_WORDS];
-    state.tool.put(&mut words);
+    words[0] = 1;
+    state.tool.put(&mut words[1..]);
     if let Some(load) = state.load {
-        words[Pose::LEN] = 1;
-        load.put(&mut words[Pose::LEN + 1..]);
+        words[LOAD] = 1;
+        load.put(&mut words[LOAD + 1..]);
     }
     state.signals.put(&mut words[SIGNALS..]);
     words
@@ -206,10 +209,11 @@ pub(super) fn of_edp(state: &EdpState<'_>) -> [u64; CARRIED_WORDS] {
 /// What the entry of an EDP says of what its robot carries, and of its inputs and outputs; `None` before its first step.
 pub(super) fn carried(words: &[u64; ENTRY]) -> Option<(Pose, Option<Load>, Signals)> {
     let words = &words[CARRIED..CARRIED + CARRIED_WORDS];
-    let load = (words[Pose::LEN] == 1).then(|| Load::get(&words[Pose::LEN + 1..]).ok()).flatten();
-    // Words that are none, or that nobody has written yet, are no rotation.
-    let tool = Pose::get(words).ok().filter(|tool| (tool.rotation.norm() - 1.0).abs() < 1e-6)?;
-    Some((tool, load, Signals::get(&words[SIGNALS..]).ok()?))
+    if words[0] != 1 {
+        return None;
+    }
+    let load = (words[LOAD] == 1).then(|| Load::get(&words[LOAD + 1..]).ok()).flatten();
+    Some((Pose::get(&words[1..]).ok()?, load, Signals::get(&words[SIGNALS..]).ok()?))
 }
 
 /// The words of a reading: the step in which it was taken, how many words it has, and 1; or 0 for a fault, and 2.
