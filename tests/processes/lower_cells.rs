@@ -3,7 +3,7 @@
 use mrroc_tests::fixture::{DISPENSABLE, LINE};
 
 use crate::launch::{Launch, Place, demanded, periods_at_rest, start_until, wait_until};
-use crate::operator::{ask, done};
+use crate::operator::{ask, done, in_time};
 use crate::runs::{MEMORY, REAL, VIRTUAL, is_late};
 
 const ARMS: [&str; 2] = ["left.arm", "right.arm"];
@@ -103,18 +103,10 @@ fn one_has_moved(launch: &mut Launch) -> bool {
 
 /// Runs the line, under what `operate` does as soon as its arms move, until the machine is in time; how it ended.
 fn operated(place: &Place, variables: &[(&str, &str)], operate: impl Fn(&mut Launch)) -> Option<Launch> {
-    for _ in 0..5 {
-        let mut launch = start_until(|| place.start_with(variables, "operated", REAL), one_has_moved);
-        operate(&mut launch);
-        let status = launch.end().code();
-        launch.assert_nothing_left(&[]);
-        if status == Some(0) {
-            return Some(launch);
-        }
-        assert!(is_late(&launch.said()), "{status:?}: {}", launch.said());
-    }
-    println!("skipped: this machine was late five times");
-    None
+    let start = || start_until(|| place.start_with(variables, "operated", REAL), one_has_moved);
+    let (launch, status, ()) = in_time(start, operate)?;
+    assert_eq!(status, Some(0), "{}", launch.said());
+    Some(launch)
 }
 
 /// Asserts that both arms end where they do on the memory link, to 1e-9 rad.

@@ -22,7 +22,7 @@ pub fn operate<T>(
     operate: impl Fn(&mut Launch) -> T,
     judge: impl Fn(&Launch, Option<i32>, T),
 ) {
-    for _ in 0..ATTEMPTS {
+    let start = || {
         let mut launch = place.start("operated", REAL);
         let mut looks = 0;
         while launch.record("left").len() < 100 && launch.end_if_over().is_none() {
@@ -33,24 +33,39 @@ pub fn operate<T>(
                 break;
             }
         }
+        launch
+    };
+    if let Some((launch, status, seen)) = in_time(start, operate) {
+        judge(&launch, status, seen);
+        assert_robots_stand(&launch, None);
+    }
+}
+
+/// Starts a cell that `operate` operates, again and again until the machine is in time: how it ended, and what was seen. What goes wrong
+/// in a cell that was late says nothing.
+pub fn in_time<T>(
+    start: impl Fn() -> Launch,
+    operate: impl Fn(&mut Launch) -> T,
+) -> Option<(Launch, Option<i32>, T)> {
+    for _ in 0..ATTEMPTS {
+        let mut launch = start();
         let seen = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| operate(&mut launch)));
         if seen.is_err() {
             // The cell may wait for an operator who has gone.
             launch.signal(Signal::INT);
         }
         let status = launch.end().code();
+        launch.assert_nothing_left(&[]);
         if is_late(&launch.said()) {
             continue;
         }
         match seen {
-            Ok(seen) => judge(&launch, status, seen),
+            Ok(seen) => return Some((launch, status, seen)),
             Err(panic) => std::panic::resume_unwind(panic),
         }
-        assert_robots_stand(&launch, None);
-        launch.assert_nothing_left(&[]);
-        return;
     }
     println!("skipped: this machine was late {ATTEMPTS} times");
+    None
 }
 
 /// Sends one request from a console; returns its exit status and what it printed.
