@@ -106,7 +106,7 @@ async function round(browser, wanted, folder) {
   writeFileSync(list, JSON.stringify(trials));
   const judged = spawnSync(python, [judge, recorded, list, stop], { encoding: 'utf8', maxBuffer: 1 << 28 });
   check(judged.status === 0, `it can be judged: ${judged.stderr}`);
-  if (process.env.MRROC_KEEP) copyFileSync(recorded, process.env.MRROC_KEEP);
+  if (process.env.MRROC_KEEP) { copyFileSync(recorded, process.env.MRROC_KEEP); copyFileSync(list, process.env.MRROC_KEEP + '.json'); }
   return { stop, found: JSON.parse(judged.stdout) };
 }
 

@@ -4,8 +4,8 @@ In: the recording of a cell of processes; a JSON list of trials, each with its w
 many trials were good, bad (with why) and void: a hold that moved nothing, or a machine so late that the cell left out steps meanwhile.
 
 A hold ends when the panel's server receives the release, or 300 ms after the last renewal that it received, whichever is first. The rate
-of path time must begin to fall in one of the three steps that begin from then on, fall to 0 without rising again within the stop, and
-every joint must be demanded and measured at rest from then on.
+of path time must begin to fall in one of the three steps that begin from then on, and fall to 0 without rising again within the stop.
+From then on robots are demanded at one place, keep within 0.05 rad of it, and stand there at the end of the window.
 """
 
 import json
@@ -15,7 +15,11 @@ import sys
 from mcap.reader import make_reader
 
 LAPSE = 300_000_000
+# A recording's dates are late by what its first entry took to the recorder; trials are a second apart.
+DATES = 100_000_000
 STEPS = 3
+# What is a standstill: the greatest distance between a joint and where it is demanded to stand [rad], and its speed once it is there [rad/s].
+DRIFT, STILL = 0.05, 1e-3
 
 
 class Void(Exception):
@@ -41,7 +45,7 @@ def read(path):
                 commands.append(json.loads(message.data))
             elif re.fullmatch(r"/robots/\w+", topic):
                 data = json.loads(message.data)
-                images.setdefault(data["step"], []).append((time, data["demanded"]["joints"], data["measured"]["velocity"]))
+                images.setdefault(data["step"], []).append((topic, time, data["demanded"]["joints"], data["measured"]))
     # Each process sends its own records.
     steps.sort(key=lambda of: of[0])
     return steps, commands, images, start, period
@@ -76,18 +80,22 @@ def judge(trial, steps, commands, images, period, stop):
     stopped = (times[rest] - times[fall]) * 1e-6
     if stopped > stop:
         raise Bad(f"it took {stopped:.0f} ms to stop, of {stop:.0f}")
-    # All robots stand from then on, until another hold begins: as they are demanded at once, as they are measured when they have followed.
+    # All robots stand from then on, until another hold begins: demanded at one place, measured to come to it and to stay there.
     first, after = steps[rest][1]["step"] + 2, [c["asked"] for c in commands if c["asked"] > event and c["command"].startswith(("jog ", "hold "))]
     until = min([end, *after])
-    stands = {}
+    stands, drift, speed = {}, 0.0, {}
     for step in sorted(images):
-        for place, (time, demanded, velocity) in enumerate(images[step]):
+        for robot, time, demanded, measured in images[step]:
             if step < first or time >= until:
                 continue
-            if stands.setdefault(tuple(map(len, (demanded,))) + (place,), demanded) != demanded:
-                raise Bad(f"a robot was demanded elsewhere at step {step}, at rest from {first} on")
-            if time > times[fall] + 1e6 * stop and max(map(abs, velocity)) > 1e-3:
-                raise Bad(f"a joint was measured at {max(map(abs, velocity))} rad/s after the stop")
+            if stands.setdefault(robot, demanded) != demanded:
+                raise Bad(f"{robot} was demanded elsewhere at step {step}, at rest from {first} on")
+            drift = max(drift, *(abs(one - other) for one, other in zip(measured["joints"], demanded)))
+            speed[robot] = max(map(abs, measured["velocity"]))
+    if drift > DRIFT:
+        raise Bad(f"a joint was measured {drift} rad from where it was demanded to stand")
+    if max(speed.values()) > STILL:
+        raise Bad(f"a joint was measured at {max(speed.values())} rad/s at last")
     return {"steps": fall - last, "fell_ms": (times[fall] - event) * 1e-6, "stopped_ms": stopped}
 
 
@@ -97,7 +105,7 @@ def main():
     found = {}
     for trial in trials:
         # By the cell's time.
-        trial["from"], trial["to"] = trial["from"] - start, trial["to"] - start
+        trial["from"], trial["to"] = trial["from"] - start - DATES, trial["to"] - start
         of = found.setdefault(trial["way"], {"good": [], "bad": [], "void": []})
         try:
             of["good"].append(judge(trial, steps, commands, images, period, stop))
