@@ -1,4 +1,4 @@
-// How soon an arm stands that is jogged, however its hold ends: as often as `MRROC_HOLDS` says each (3), judged from recordings by
+// How soon an arm stands that is jogged, however its hold ends: as often as `MRROC_HOLDS` says each (1), judged from recordings by
 // holds.py. Where it has a network of its own (`network` as the last argument), the link to the page is taken down as well.
 
 import { spawnSync } from 'node:child_process';
@@ -9,7 +9,7 @@ import { chromium } from 'playwright-core';
 import { check, nicely, shows, start, take, until } from './kit.mjs';
 
 const [browserPath, program, cellFile, python, judge, network] = process.argv.slice(2);
-const times = Number(process.env.MRROC_HOLDS ?? 3);
+const times = Number(process.env.MRROC_HOLDS ?? 1);
 /** The date, by which recordings go [ns]. */
 const now = () => Date.now() * 1e6;
 const pause = (time) => new Promise((resolve) => { setTimeout(resolve, time); });
@@ -106,7 +106,7 @@ async function round(browser, wanted, folder) {
   writeFileSync(list, JSON.stringify(trials));
   const judged = spawnSync(python, [judge, recorded, list, stop], { encoding: 'utf8', maxBuffer: 1 << 28 });
   check(judged.status === 0, `it can be judged: ${judged.stderr}`);
-  if (process.env.MRROC_KEEP) { copyFileSync(recorded, process.env.MRROC_KEEP); copyFileSync(list, process.env.MRROC_KEEP + '.json'); }
+  if (process.env.MRROC_KEEP) { copyFileSync(recorded, process.env.MRROC_KEEP); copyFileSync(list, `${process.env.MRROC_KEEP}.json`); }
   return { stop, found: JSON.parse(judged.stdout) };
 }
 

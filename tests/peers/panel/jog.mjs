@@ -2,10 +2,10 @@
 
 import { spawnSync } from 'node:child_process';
 import { copyFileSync, mkdtempSync, readFileSync, rmSync } from 'node:fs';
-import { cpus, loadavg, tmpdir } from 'node:os';
+import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { chromium } from 'playwright-core';
-import { PATIENCE, check, checks, late, nicely, shot, shots, shows, start, state, take, until, violations } from './kit.mjs';
+import { DRAWING, PATIENCE, check, checks, excuse, nicely, shot, shots, shows, start, state, take, until, violations } from './kit.mjs';
 
 const [browserPath, program, cellFile] = process.argv.slice(2);
 const robot = async (page, name = 'left') => (await state(page)).robots.find((shown) => shown.name === name);
@@ -275,10 +275,9 @@ async function stopped(browser, folder) {
 
 const launch = (nice, args) => chromium.launch({ executablePath: nicely(browserPath, nice), args: ['--no-sandbox', ...args] });
 const plain = await launch(5, ['--disable-3d-apis', '--disable-gpu']);
-const drawing = await launch(19, ['--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader']);
+const drawing = await launch(19, DRAWING);
 try {
-  // What this machine was too late for is tried again; what it was too late for each time is skipped by name.
-  for (let trial = 1, judged = 0; ; trial++) {
+  for (let trial = 1; ; trial++) {
     const folder = mkdtempSync(join(tmpdir(), 'mrroc-jog-'));
     try {
       const began = Date.now();
@@ -288,11 +287,9 @@ try {
       break;
     } catch (error) {
       console.error(`panel: jog and teach, trial ${trial}: ${error.stack ?? error}`);
-      const load = loadavg()[0] / cpus().length;
-      const excused = late(error.message) ? 'the cell says that this machine was late' : load > 3 ? `${load.toFixed(1)} tasks wait for each processor of this machine` : '';
-      if (!excused) judged += 1;
-      if (trial < 6 && judged < 3) continue;
-      if (excused && judged < 3) console.log(`skipped: jog and teach in a browser: ${excused}`);
+      if (trial < 3) continue;
+      const excused = excuse(error.message);
+      if (excused) console.log(`skipped: jog and teach in a browser: ${excused}`);
       else process.exitCode = 1;
       break;
     } finally {

@@ -3,6 +3,7 @@
 import { spawn, spawnSync } from 'node:child_process';
 import { mkdirSync, readFileSync, writeFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
+import { cpus, loadavg } from 'node:os';
 import { dirname, join } from 'node:path';
 import { fileURLToPath } from 'node:url';
 
@@ -11,6 +12,8 @@ if (shots) mkdirSync(shots, { recursive: true });
 const axe = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
 /** What a page waits for at most [ms]: this machine may be late. */
 export const PATIENCE = 15000;
+/** How a browser draws on a machine without a graphics processor. */
+export const DRAWING = ['--enable-unsafe-swiftshader'];
 let held = 0;
 export const checks = () => held;
 
@@ -21,8 +24,15 @@ export function nicely(browserPath, nice) {
   return path;
 }
 
-/** Whether a cell says that this machine gave its processes too little time: no fault of what is judged. */
-export const late = (said) => spawnSync('python3', ['tests/peers/late.py'], { input: said }).status === 0;
+/**
+ * Why this machine cannot judge, or nothing: the cell says that its processes were given too little time, or a browser that draws by the
+ * processor shares it with too many others.
+ */
+export function excuse(said) {
+  if (spawnSync('python3', ['tests/peers/late.py'], { input: said }).status === 0) return 'the cell says that this machine was late';
+  const load = loadavg()[0] / cpus().length;
+  return load > 3 ? `${load.toFixed(1)} tasks wait for each processor of this machine` : '';
+}
 
 export function check(fact, what) {
   held += 1;

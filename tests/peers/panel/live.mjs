@@ -3,10 +3,10 @@
 
 import { execFileSync } from 'node:child_process';
 import { mkdtempSync, readFileSync, rmSync } from 'node:fs';
-import { cpus, loadavg, tmpdir } from 'node:os';
+import { tmpdir } from 'node:os';
 import { dirname, join } from 'node:path';
 import { chromium } from 'playwright-core';
-import { PATIENCE, check, checks, press, shot, shots, start, state, take, violations } from './kit.mjs';
+import { DRAWING, PATIENCE, check, checks, excuse, press, shot, shots, start, state, take, violations } from './kit.mjs';
 import { linkPoses, multiply, shift } from './urdf.mjs';
 
 const [browserPath, program, cell] = process.argv.slice(2);
@@ -155,13 +155,20 @@ async function live(browser) {
       await page.getByRole('button', { name: 'Resume' }).click({ timeout: 3000 }).catch(() => {});
       await page.waitForTimeout(700);
     }
-    const rate = await page.evaluate(() => new Promise((resolve) => {
-      const began = performance.now(), first = window.mrrocPanel.drawn();
-      setTimeout(() => resolve((1000 * (window.mrrocPanel.drawn() - first)) / (performance.now() - began)), 4000);
-    }));
-    console.log(`panel: ${rate.toFixed(1)} pictures a second of two arms that move`);
+    // The server sends twenty states a second, and each is drawn. The best of four seconds: others share this machine.
+    let rate = 0;
+    for (let second = 0; second < 4; second++) {
+      rate = Math.max(rate, await page.evaluate(() => new Promise((resolve) => {
+        const began = performance.now(), first = window.mrrocPanel.drawn();
+        setTimeout(() => resolve((1000 * (window.mrrocPanel.drawn() - first)) / (performance.now() - began)), 1000);
+      })));
+    }
+    console.log(`panel: ${rate.toFixed(1)} pictures a second of two arms that move, drawn by the processor`);
+    check(rate > 18, `twenty pictures a second: ${rate}`);
     check(errors.length === 0, `no error on a page: ${errors.join('; ')}`);
     await page.close();
+  } catch (error) {
+    throw new Error(`${error.stack}\nThe cell said last:\n${runs.said().split('\n').slice(-12).join('\n')}`);
   } finally {
     await runs.end('SIGINT');
   }
@@ -201,7 +208,7 @@ async function over(browser, what, runs) {
   }
 }
 
-const browser = await chromium.launch({ executablePath: browserPath, args: ['--no-sandbox', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'] });
+const browser = await chromium.launch({ executablePath: browserPath, args: ['--no-sandbox', ...DRAWING] });
 try {
   for (let trial = 1; ; trial++) {
     try {
@@ -213,9 +220,8 @@ try {
     } catch (error) {
       console.error(`panel: trial ${trial}: ${error.stack ?? error}`);
       if (trial < 3) continue;
-      // As of page.mjs: a machine with so many tasks for each processor judges no cell in real time.
-      const load = loadavg()[0] / cpus().length;
-      if (load > 3) console.log(`skipped: what the panel shows, in a browser: ${load.toFixed(1)} tasks wait for each processor of this machine`);
+      const excused = excuse(error.message);
+      if (excused) console.log(`skipped: what the panel shows, in a browser: ${excused}`);
       else process.exitCode = 1;
       break;
     }

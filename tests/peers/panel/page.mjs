@@ -3,10 +3,10 @@
 import { execFileSync, spawnSync } from 'node:child_process';
 import { mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { createServer, request } from 'node:http';
-import { cpus, loadavg, tmpdir } from 'node:os';
+import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { chromium } from 'playwright-core';
-import { PATIENCE, check, checks, nicely, press, shot, shots, shows, start as started, state, take, violations } from './kit.mjs';
+import { DRAWING, PATIENCE, check, checks, excuse, nicely, press, shot, shots, shows, start as started, state, take, violations } from './kit.mjs';
 import { lastLink, multiply } from './urdf.mjs';
 
 const [browserPath, program, cell] = process.argv.slice(2);
@@ -373,9 +373,8 @@ base = { position = [${2.5 * (i % 8) + 5}.0, ${2.5 * Math.floor(i / 8) - 8}.0, 0
 }
 
 // A browser that draws by the processor, and one that draws no 3D at all and leaves the processor to the cell.
-const start3d = ['--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'];
 const launch = (nice, args) => chromium.launch({ executablePath: nicely(browserPath, nice), args: ['--no-sandbox', ...args] });
-const [browser, plainBrowser] = [await launch(19, start3d), await launch(5, ['--disable-3d-apis', '--disable-gpu'])];
+const [browser, plainBrowser] = [await launch(19, DRAWING), await launch(5, ['--disable-3d-apis', '--disable-gpu'])];
 try {
   for (let trial = 1; ; trial++) {
     try {
@@ -388,9 +387,8 @@ try {
     } catch (error) {
       console.error(`panel: trial ${trial}: ${error.stack ?? error}`);
       if (trial < 3) continue;
-      // A cell in real time, a browser that draws by the processor: a machine with so many tasks for each processor judges neither.
-      const load = loadavg()[0] / cpus().length;
-      if (load > 3) console.log(`skipped: the panel's page in a browser: ${load.toFixed(1)} tasks wait for each processor of this machine`);
+      const excused = excuse(error.message);
+      if (excused) console.log(`skipped: the panel's page in a browser: ${excused}`);
       else process.exitCode = 1;
       break;
     }
