@@ -14,6 +14,10 @@ const axe = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.mi
 export const PATIENCE = 15000;
 /** How a browser draws on a machine without a graphics processor. */
 export const DRAWING = ['--enable-unsafe-swiftshader'];
+/** A judge begins nothing again when it has taken so long [ms]: whoever waits for it pays for it. */
+const ENOUGH = 120000;
+/** Whether it has. */
+export const enough = () => performance.now() > ENOUGH;
 let held = 0;
 export const checks = () => held;
 

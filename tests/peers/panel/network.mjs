@@ -6,7 +6,7 @@ import { chmodSync, copyFileSync, mkdirSync, mkdtempSync, rmSync } from 'node:fs
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { chromium } from 'playwright-core';
-import { PATIENCE, check, checks, excuse, nicely, start as started } from './kit.mjs';
+import { PATIENCE, check, checks, enough, excuse, nicely, start as started } from './kit.mjs';
 
 const [browserPath, program, cellFile] = process.argv.slice(2);
 const start = (words, variables) => started(program, words, variables);
@@ -116,7 +116,7 @@ try {
       break;
     } catch (error) {
       console.error(`panel on a network: trial ${trial}: ${error.stack ?? error}`);
-      if (trial < 3) continue;
+      if (trial < 3 && !enough()) continue;
       const excused = excuse(error.message);
       if (!excused) throw error;
       console.log(`skipped: a page of a network: ${excused}`);

@@ -6,7 +6,7 @@ import { createServer, request } from 'node:http';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { chromium } from 'playwright-core';
-import { DRAWING, PATIENCE, check, checks, excuse, nicely, press, shot, shots, shows, start as started, state, take, violations } from './kit.mjs';
+import { DRAWING, PATIENCE, check, checks, enough, excuse, nicely, press, shot, shots, shows, start as started, state, take, violations } from './kit.mjs';
 import { lastLink, multiply } from './urdf.mjs';
 
 const [browserPath, program, cell] = process.argv.slice(2);
@@ -386,7 +386,7 @@ try {
       break;
     } catch (error) {
       console.error(`panel: trial ${trial}: ${error.stack ?? error}`);
-      if (trial < 3) continue;
+      if (trial < 3 && !enough()) continue;
       const excused = excuse(error.message);
       if (excused) console.log(`skipped: the panel's page in a browser: ${excused}`);
       else process.exitCode = 1;
