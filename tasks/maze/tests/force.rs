@@ -49,6 +49,29 @@ fn the_ball_slides_along_walls_and_the_map_has_them_where_they_are() {
     assert!(outcome.contacts.len() > 2 * outcome.touches, "{}", outcome.touches);
 }
 
+/// A sensor of which every seventh reading points the other way, as a light force does now and then.
+struct Turning(Wrist);
+
+impl VirtualSensor for Turning {
+    type Kind = WallForce;
+
+    fn aggregate(&mut self, order: &ReadingOrder<Going>) -> Result<Felt, Fault> {
+        let felt = self.0.aggregate(order)?;
+        Ok(if order.step % 7 == 0 { Felt { force: felt.force.map(|of| -of), ..felt } } else { felt })
+    }
+
+    fn is_simulated(&self) -> bool {
+        true
+    }
+}
+
+#[test]
+fn fault_243_a_retreat_that_presses_the_ball_to_a_wall_is_followed_by_one_that_frees_it() {
+    let outcome = Ready::by_force(&islands(), 3, Turning).expect("a cell").run();
+    outcome.report.expect("the exit is found");
+    assert!(outcome.travel < TRAVEL, "{} m", outcome.travel);
+}
+
 /// A sensor that fails from a step on.
 struct Broken {
     wrist: Wrist,

@@ -2,10 +2,14 @@
 //!
 //! A few mazes; `MRROC_WHOLE=1` takes a hundred by chance.
 
+use maze::places::{HIGH, LOOSE, LOW, Sizes, TURNED, said, tool};
 use maze::plant::stylus::TRAVEL;
 use maze::run::Ready;
 use maze::summary::Summary;
+use mrroc::prelude::*;
 use mrroc_map::Layout;
+use mrroc_robots::Irp6;
+use nalgebra::Point3;
 
 fn shipped() -> Vec<(String, Layout)> {
     [("islands", include_str!("../mazes/islands.txt")), ("comb", include_str!("../mazes/comb.txt"))]
@@ -39,4 +43,29 @@ fn the_same_seed_gives_the_same_run_to_the_bit() {
     let (_, comb) = &shipped()[1];
     let [one, two] = [(), ()].map(|()| Ready::new(comb, 4).expect("a cell").run());
     assert!(one.way.to_bits() == two.way.to_bits() && one.trace == two.trace && one.contacts == two.contacts);
+}
+
+#[test]
+fn all_corners_of_a_maze_are_within_reach_wherever_it_stands() {
+    let arm = Irp6::nominal();
+    let (lower, upper) = (arm.limits().lower, arm.limits().upper);
+    // Beside it, as at the start; from there on from corner to corner.
+    let mut near = [-0.394791, -2.046687, 0.407842, 0.068049, 4.712389, 1.176005].into();
+    let side = 16.0 * Sizes::CLASSIC.pitch;
+    let middle = Pose::translation(0.5 * side, 0.5 * side, 0.0);
+    for turn in [-TURNED, TURNED] {
+        let turned = middle * Pose::rotation(nalgebra::Vector3::z() * turn) * middle.inverse();
+        for (x, y) in [(0.0, 0.0), (0.0, side), (side, side), (side, 0.0)] {
+            for (off_x, off_y) in [(-LOOSE, -LOOSE), (-LOOSE, LOOSE), (LOOSE, LOOSE), (LOOSE, -LOOSE)] {
+                for height in [LOW, HIGH] {
+                    let corner = said([side, side]) * turned * Point3::new(x, y, 0.0);
+                    // The flange is 0.25 m over the ball.
+                    let flange =
+                        tool(corner.x + off_x, corner.y + off_y, height) * Pose::translation(0.0, 0.0, -0.25);
+                    near = arm.inverse(&flange, &near).expect("within reach");
+                    assert!((0..6).all(|i| lower[i] < near[i] && near[i] < upper[i]), "{corner}: {near:?}");
+                }
+            }
+        }
+    }
 }

@@ -12,6 +12,9 @@ use crate::generators::Leg;
 use crate::orders::Task;
 use crate::places::{LOW, Sizes, tool};
 
+/// It goes off what it touches so many times at most: a light force, as that of friction where a wall ends, may push it to another wall.
+const RETREATS: usize = 4;
+
 /// The sensor's bias is known.
 #[condition(ecp)]
 fn is_zeroed(v: &Reading<(WallForce,)>) -> bool {
@@ -44,12 +47,16 @@ pub fn arm(ecp: &mut Ecp<Irp6>, sizes: &Sizes) -> Result<(), Fault> {
             ecp.move_robot((&mut wrist,), slide)?;
             ecp.wait_until((&mut wrist,), is_zeroed {})?;
         }
-        // Off what it still touches, the way in which that pushes.
-        let felt = wrist.reading().unwrap_or_default();
-        if felt.force().norm() < 0.5 * THRESHOLD {
-            return Ok(());
+        // Off what it still touches, the way in which that pushes; once more where that was another wall's way.
+        for _ in 0..RETREATS {
+            let felt = wrist.reading().unwrap_or_default();
+            if felt.force().norm() < 0.5 * THRESHOLD {
+                break;
+            }
+            let clear = felt.ball() + felt.force().normalize() * sizes.back;
+            ecp.move_robot((), StraightLine::to(tool(clear.x, clear.y, LOW), sizes.careful()))?;
+            ecp.wait_until((&mut wrist,), is_zeroed {})?;
         }
-        let clear = felt.ball() + felt.force().normalize() * sizes.back;
-        ecp.move_robot((), StraightLine::to(tool(clear.x, clear.y, LOW), sizes.careful())).map(drop)
+        Ok(())
     })
 }
