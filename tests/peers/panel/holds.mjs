@@ -114,7 +114,7 @@ const browser = await chromium.launch({ executablePath: nicely(browserPath, 5), 
 const all = Object.fromEntries(Object.keys(ways).map((way) => [way, { good: [], bad: [], void: [] }]));
 try {
   // Trials of which nothing can be said are made again.
-  for (let rounds = 0; rounds < 4; rounds++) {
+  for (let rounds = 0; rounds < 4 + times / 4; rounds++) {
     const wanted = Object.fromEntries(Object.entries(all).map(([way, { good, bad }]) => [way, times - good.length - bad.length]).filter(([, count]) => count > 0));
     if (Object.keys(wanted).length === 0) break;
     const folder = mkdtempSync(join(tmpdir(), 'mrroc-holds-'));
