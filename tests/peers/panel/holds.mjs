@@ -6,7 +6,7 @@ import { copyFileSync, mkdtempSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { chromium } from 'playwright-core';
-import { check, nicely, shows, start, take, until } from './kit.mjs';
+import { check, enough, nicely, shows, start, state, take, until } from './kit.mjs';
 
 const [browserPath, program, cellFile, python, judge, network] = process.argv.slice(2);
 const times = Number(process.env.MRROC_HOLDS ?? 1);
@@ -80,6 +80,8 @@ async function round(browser, wanted, folder) {
     }
     for (const [way, count] of Object.entries(wanted)) {
       for (let i = 0, tried = 0; i < count && tried < 3 * count; tried++) {
+        // A cell that has stopped, because this machine was late, does no more; what was done before is judged.
+        check((await state(page))?.state !== 'latched', 'the cell runs');
         const done = await trial(page, side, way).catch((error) => { console.error(`panel: ${way}: ${error.message.split('\n')[0]}`); return null; });
         if (done) {
           trials.push(done);
@@ -97,7 +99,6 @@ async function round(browser, wanted, folder) {
       }
     }
   } catch (error) {
-    // A cell that has stopped because this machine was late: what was done before is judged.
     console.error(`panel: holds: ${error.message.split('\n')[0]}; the cell said last: ${cellRuns.said().split('\n').slice(-6).join('\n')}`);
   } finally {
     await context.close();
@@ -114,9 +115,9 @@ const browser = await chromium.launch({ executablePath: nicely(browserPath, 5), 
 const all = Object.fromEntries(Object.keys(ways).map((way) => [way, { good: [], bad: [], void: [] }]));
 try {
   // Trials of which nothing can be said are made again.
-  for (let rounds = 0; rounds < 4 + times / 4; rounds++) {
+  for (let rounds = 0; rounds < 4 + times; rounds++) {
     const wanted = Object.fromEntries(Object.entries(all).map(([way, { good, bad }]) => [way, times - good.length - bad.length]).filter(([, count]) => count > 0));
-    if (Object.keys(wanted).length === 0) break;
+    if (Object.keys(wanted).length === 0 || (times < 10 && enough())) break;
     const folder = mkdtempSync(join(tmpdir(), 'mrroc-holds-'));
     try {
       const { stop, found } = await round(browser, wanted, folder);
