@@ -57,7 +57,11 @@ export async function start(program, words, variables = {}) {
     child.stdout.on('data', hear);
     child.stderr.on('data', hear);
     ended.then(() => reject(new Error(`it has ended:\n${said}`)));
-    setTimeout(() => reject(new Error(`no address:\n${said}`)), 60000).unref();
+    setTimeout(() => {
+      if (said.includes('#token=')) return;
+      child.kill('SIGINT');
+      reject(new Error(`no address:\n${said}`));
+    }, 60000).unref();
   });
   return { address: await address, ended, said: () => said, end: (signal = 'SIGTERM') => { child.kill(signal); return ended; } };
 }
