@@ -57,7 +57,7 @@ impl VirtualSensor for Turning {
 
     fn aggregate(&mut self, order: &ReadingOrder<Going>) -> Result<Felt, Fault> {
         let felt = self.0.aggregate(order)?;
-        Ok(if order.step % 7 == 0 { Felt { force: felt.force.map(|of| -of), ..felt } } else { felt })
+        Ok(if order.step.is_multiple_of(7) { Felt { force: felt.force.map(|of| -of), ..felt } } else { felt })
     }
 
     fn is_simulated(&self) -> bool {
