@@ -92,6 +92,8 @@ def judge(trial, steps, commands, images, period, stop):
                 raise Bad(f"{robot} was demanded elsewhere at step {step}, at rest from {first} on")
             drift = max(drift, *(abs(one - other) for one, other in zip(measured["joints"], demanded)))
             speed[robot] = max(map(abs, measured["velocity"]))
+    if not speed:
+        raise Void("nothing is recorded of robots at rest")
     if drift > DRIFT:
         raise Bad(f"a joint was measured {drift} rad from where it was demanded to stand")
     if max(speed.values()) > STILL:

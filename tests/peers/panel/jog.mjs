@@ -5,7 +5,7 @@ import { copyFileSync, mkdtempSync, readFileSync, rmSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { chromium } from 'playwright-core';
-import { DRAWING, PATIENCE, check, checks, enough, excuse, nicely, shot, shots, shows, start, state, take, until, violations } from './kit.mjs';
+import { DRAWING, PATIENCE, check, checks, enough, judged, nicely, shot, shots, shows, start, state, take, told, until, violations } from './kit.mjs';
 
 const [browserPath, program, cellFile] = process.argv.slice(2);
 const robot = async (page, name = 'left') => (await state(page)).robots.find((shown) => shown.name === name);
@@ -228,7 +228,7 @@ async function jogged(browser, drawingBrowser, folder) {
 
     check(errors.length === 0, `no error on a page: ${errors.join('; ')}`);
   } catch (error) {
-    throw new Error(`${error.message}\nThe cell said last:\n${cellRuns.said().split('\n').slice(-12).join('\n')}`);
+    throw told(error, cellRuns);
   } finally {
     await context.close();
     await cellRuns.end('SIGINT');
@@ -266,7 +266,7 @@ async function stopped(browser, folder) {
     await run(one, () => window.mrrocPanel.state().robots[0].jogs);
     check(true, 'after the reset it may be jogged again');
   } catch (error) {
-    throw new Error(`${error.message}\nThe cell said last:\n${cellRuns.said().split('\n').slice(-12).join('\n')}`);
+    throw told(error, cellRuns);
   } finally {
     await context.close();
     await cellRuns.end('SIGINT');
@@ -277,25 +277,17 @@ const launch = (nice, args) => chromium.launch({ executablePath: nicely(browserP
 const plain = await launch(5, ['--disable-3d-apis', '--disable-gpu']);
 const drawing = await launch(19, DRAWING);
 try {
-  for (let trial = 1; ; trial++) {
+  await judged('jog and teach in a browser', async () => {
     const folder = mkdtempSync(join(tmpdir(), 'mrroc-jog-'));
     try {
       const began = Date.now();
       await jogged(plain, drawing, folder);
       await stopped(plain, folder);
       console.log(`panel: jog and teach: ${checks()} facts hold (${((Date.now() - began) / 1000).toFixed(0)} s)`);
-      break;
-    } catch (error) {
-      console.error(`panel: jog and teach, trial ${trial}: ${error.stack ?? error}`);
-      if (trial < 3 && !enough()) continue;
-      const excused = excuse(error.message);
-      if (excused) console.log(`skipped: jog and teach in a browser: ${excused}`);
-      else process.exitCode = 1;
-      break;
     } finally {
       rmSync(folder, { recursive: true, force: true });
     }
-  }
+  });
 } finally {
   await Promise.all([plain.close(), drawing.close()]);
 }

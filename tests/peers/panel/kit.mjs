@@ -14,6 +14,8 @@ const axe = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.mi
 export const PATIENCE = 15000;
 /** How a browser draws on a machine without a graphics processor. */
 export const DRAWING = ['--enable-unsafe-swiftshader'];
+/** A judge asks at most so often: a cell that keeps real time may find this machine late. */
+const TRIALS = 3;
 /** A judge begins nothing again when it has taken so long [ms]: whoever waits for it pays for it. */
 const ENOUGH = 120000;
 /** Whether it has. */
@@ -38,6 +40,25 @@ export function excuse(said) {
   return load > 3 ? `${load.toFixed(1)} tasks wait for each processor of this machine` : '';
 }
 
+/** What went wrong, with what the cell said last, which tells whether this machine was late. */
+export const told = (error, runs) => new Error(`${error.stack}\nThe cell said last:\n${runs.said().split('\n').slice(-12).join('\n')}`);
+
+/** Judges, again where that fails; what this machine cannot judge is skipped by name, else this process fails. */
+export async function judged(what, judge) {
+  for (let trial = 1; ; trial++) {
+    try {
+      return await judge();
+    } catch (error) {
+      console.error(`panel: ${what}, trial ${trial}: ${error.stack ?? error}`);
+      if (trial < TRIALS && !enough()) continue;
+      const excused = excuse(error.message);
+      if (excused) console.log(`skipped: ${what}: ${excused}`);
+      else process.exitCode = 1;
+      return undefined;
+    }
+  }
+}
+
 export function check(fact, what) {
   held += 1;
   if (!fact) throw new Error(`not so: ${what}`);
@@ -49,19 +70,23 @@ export async function start(program, words, variables = {}) {
   let said = '';
   const ended = new Promise((resolve) => child.on('close', resolve));
   const address = new Promise((resolve, reject) => {
+    const patience = setTimeout(() => {
+      child.kill('SIGINT');
+      reject(new Error(`no address:\n${said}`));
+    }, 60000);
     const hear = (text) => {
       said += text;
       const found = said.match(/panel: (https?:\S+?#token=[0-9a-f]{32})/);
-      if (found) resolve(found[1]);
+      if (!found) return;
+      clearTimeout(patience);
+      resolve(found[1]);
     };
     child.stdout.on('data', hear);
     child.stderr.on('data', hear);
-    ended.then(() => reject(new Error(`it has ended:\n${said}`)));
-    setTimeout(() => {
-      if (said.includes('#token=')) return;
-      child.kill('SIGINT');
-      reject(new Error(`no address:\n${said}`));
-    }, 60000).unref();
+    ended.then(() => {
+      clearTimeout(patience);
+      reject(new Error(`it has ended:\n${said}`));
+    });
   });
   return { address: await address, ended, said: () => said, end: (signal = 'SIGTERM') => { child.kill(signal); return ended; } };
 }

@@ -6,7 +6,7 @@ import { mkdtempSync, readFileSync, rmSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { dirname, join } from 'node:path';
 import { chromium } from 'playwright-core';
-import { DRAWING, PATIENCE, check, checks, enough, excuse, press, shot, shots, start, state, take, violations } from './kit.mjs';
+import { DRAWING, PATIENCE, check, checks, excuse, judged, press, shot, shots, start, state, take, told, violations } from './kit.mjs';
 import { linkPoses, multiply, shift } from './urdf.mjs';
 
 const [browserPath, program, cell] = process.argv.slice(2);
@@ -170,7 +170,7 @@ async function live(browser) {
     check(errors.length === 0, `no error on a page: ${errors.join('; ')}`);
     await page.close();
   } catch (error) {
-    throw new Error(`${error.stack}\nThe cell said last:\n${runs.said().split('\n').slice(-12).join('\n')}`);
+    throw told(error, runs);
   } finally {
     await runs.end('SIGINT');
   }
@@ -212,22 +212,12 @@ async function over(browser, what, runs) {
 
 const browser = await chromium.launch({ executablePath: browserPath, args: ['--no-sandbox', ...DRAWING] });
 try {
-  for (let trial = 1; ; trial++) {
-    try {
-      const file = await live(browser);
-      await over(browser, 'a recording', await start(program, ['panel', file, '--cell', cell]));
-      await over(browser, 'a run on the memory link', await start(program, ['--cell', cell, '--no-picture', '--panel'], { MRROC_TURNS: '1' }));
-      console.log(`panel: ${checks()} facts hold of what is shown`);
-      break;
-    } catch (error) {
-      console.error(`panel: trial ${trial}: ${error.stack ?? error}`);
-      if (trial < 3 && !enough()) continue;
-      const excused = excuse(error.message);
-      if (excused) console.log(`skipped: what the panel shows, in a browser: ${excused}`);
-      else process.exitCode = 1;
-      break;
-    }
-  }
+  await judged('what the panel shows, in a browser', async () => {
+    const file = await live(browser);
+    await over(browser, 'a recording', await start(program, ['panel', file, '--cell', cell]));
+    await over(browser, 'a run on the memory link', await start(program, ['--cell', cell, '--no-picture', '--panel'], { MRROC_TURNS: '1' }));
+    console.log(`panel: ${checks()} facts hold of what is shown`);
+  });
 } finally {
   await browser.close();
   rmSync(folder, { recursive: true, force: true });

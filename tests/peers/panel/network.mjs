@@ -6,7 +6,7 @@ import { chmodSync, copyFileSync, mkdirSync, mkdtempSync, rmSync } from 'node:fs
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { chromium } from 'playwright-core';
-import { PATIENCE, check, checks, enough, excuse, nicely, start as started } from './kit.mjs';
+import { PATIENCE, check, checks, judged, nicely, start as started, told } from './kit.mjs';
 
 const [browserPath, program, cellFile] = process.argv.slice(2);
 const start = (words, variables) => started(program, words, variables);
@@ -74,7 +74,7 @@ async function signedByItself() {
     await page.keyboard.press('Escape');
     await shows('latched');
   } catch (error) {
-    throw new Error(`${error.stack}\nThe cell said last:\n${runs.said().split('\n').slice(-12).join('\n')}`);
+    throw told(error, runs);
   } finally {
     await browser.close();
     await runs.end();
@@ -110,19 +110,7 @@ async function refuses() {
 }
 
 try {
-  for (let trial = 1; ; trial++) {
-    try {
-      await signedByItself();
-      break;
-    } catch (error) {
-      console.error(`panel on a network: trial ${trial}: ${error.stack ?? error}`);
-      if (trial < 3 && !enough()) continue;
-      const excused = excuse(error.message);
-      if (!excused) throw error;
-      console.log(`skipped: a page of a network: ${excused}`);
-      break;
-    }
-  }
+  await judged('a page of a network', signedByItself);
   await ofAnAuthority();
   await refuses();
   console.log(`panel on a network: ${checks()} facts hold`);

@@ -6,7 +6,7 @@ import { createServer, request } from 'node:http';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { chromium } from 'playwright-core';
-import { DRAWING, PATIENCE, check, checks, enough, excuse, nicely, press, shot, shots, shows, start as started, state, take, violations } from './kit.mjs';
+import { DRAWING, PATIENCE, check, checks, judged, nicely, press, shot, shots, shows, start as started, state, take, violations } from './kit.mjs';
 import { lastLink, multiply } from './urdf.mjs';
 
 const [browserPath, program, cell] = process.argv.slice(2);
@@ -376,23 +376,13 @@ base = { position = [${2.5 * (i % 8) + 5}.0, ${2.5 * Math.floor(i / 8) - 8}.0, 0
 const launch = (nice, args) => chromium.launch({ executablePath: nicely(browserPath, nice), args: ['--no-sandbox', ...args] });
 const [browser, plainBrowser] = [await launch(19, DRAWING), await launch(5, ['--disable-3d-apis', '--disable-gpu'])];
 try {
-  for (let trial = 1; ; trial++) {
-    try {
-      const began = Date.now();
-      const recorded = await operate(browser, plainBrowser);
-      await play(browser, plainBrowser, recorded);
-      await crowd(browser);
-      console.log(`panel: ${checks()} facts hold (${((Date.now() - began) / 1000).toFixed(0)} s)`);
-      break;
-    } catch (error) {
-      console.error(`panel: trial ${trial}: ${error.stack ?? error}`);
-      if (trial < 3 && !enough()) continue;
-      const excused = excuse(error.message);
-      if (excused) console.log(`skipped: the panel's page in a browser: ${excused}`);
-      else process.exitCode = 1;
-      break;
-    }
-  }
+  await judged("the panel's page in a browser", async () => {
+    const began = Date.now();
+    const recorded = await operate(browser, plainBrowser);
+    await play(browser, plainBrowser, recorded);
+    await crowd(browser);
+    console.log(`panel: ${checks()} facts hold (${((Date.now() - began) / 1000).toFixed(0)} s)`);
+  });
 } finally {
   await Promise.all([browser.close(), plainBrowser.close()]);
   rmSync(folder, { recursive: true, force: true });
