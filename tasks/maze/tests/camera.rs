@@ -26,7 +26,7 @@ fn islands() -> Layout {
 const HALF_PIXEL: f64 = 0.5 * 0.025 / 60.0;
 
 /// `start` of `cell.toml`.
-const START: [f64; 6] = [-0.394791, -2.046687, 0.407842, 0.068049, 4.712389, 1.176005];
+pub const START: [f64; 6] = [-0.394791, -2.046687, 0.407842, 0.068049, 4.712389, 1.176005];
 
 #[test]
 fn the_shortest_way_of_an_image_is_gone_without_a_contact() {

@@ -9,7 +9,9 @@ use maze::summary::Summary;
 use mrroc::prelude::*;
 use mrroc_map::Layout;
 use mrroc_robots::Irp6;
-use nalgebra::Point3;
+use nalgebra::{Point3, Vector3};
+
+use crate::camera::START;
 
 fn shipped() -> Vec<(String, Layout)> {
     [("islands", include_str!("../mazes/islands.txt")), ("comb", include_str!("../mazes/comb.txt"))]
@@ -50,11 +52,11 @@ fn all_corners_of_a_maze_are_within_reach_wherever_it_stands() {
     let arm = Irp6::nominal();
     let (lower, upper) = (arm.limits().lower, arm.limits().upper);
     // Beside it, as at the start; from there on from corner to corner.
-    let mut near = [-0.394791, -2.046687, 0.407842, 0.068049, 4.712389, 1.176005].into();
+    let mut near = START.into();
     let side = 16.0 * Sizes::CLASSIC.pitch;
     let middle = Pose::translation(0.5 * side, 0.5 * side, 0.0);
     for turn in [-TURNED, TURNED] {
-        let turned = middle * Pose::rotation(nalgebra::Vector3::z() * turn) * middle.inverse();
+        let turned = middle * Pose::rotation(Vector3::z() * turn) * middle.inverse();
         for (x, y) in [(0.0, 0.0), (0.0, side), (side, side), (side, 0.0)] {
             for (off_x, off_y) in [(-LOOSE, -LOOSE), (-LOOSE, LOOSE), (LOOSE, LOOSE), (LOOSE, -LOOSE)] {
                 for height in [LOW, HIGH] {

@@ -61,7 +61,8 @@ impl Retreat {
 
     fn go(&mut self, e: &State<Irp6>) -> Result<(), Fault> {
         let [along, right] = Self::WAYS[self.tried % Self::WAYS.len()];
-        let way = self.moving * along + Vector2::new(self.moving.y, -self.moving.x) * right;
+        // It has been turned to the right already.
+        let way = self.moving * along + direction(&self.heading) * right;
         let clear = self.from + way * (Self::SHARE * self.sizes.back);
         let line = LinePath::new(e.demanded().pose, tool(clear.x, clear.y, LOW));
         let profile =
