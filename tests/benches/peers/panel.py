@@ -3,7 +3,7 @@
 Alternating runs of the same cell in real time: without a panel; with one at which three pages look on, of which one has control; with one that
 is attacked besides, by floods of messages, crowds of connections and a page that does not read. Out: for each process that keeps
 time the median and the 99th percentile of its lateness in each run [us], and what the runs with a panel differ by, beside what those without
-one differ by among themselves; then the system calls of the MP's and the EDPs' threads that move robots, for each step.
+one differ by among themselves; then the system calls of the MP's and the EDPs' threads that move robots, in a second.
 """
 
 import base64
@@ -68,6 +68,9 @@ def look_on(address, token, ends, operates):
                 return
         except TimeoutError:
             pass
+        except ConnectionError:
+            # The cell has ended.
+            return
         if operates and time.monotonic() - said > 0.1:
             said = time.monotonic()
             page.say({"do": "beat"})
@@ -143,10 +146,10 @@ def trace(program, cell):
     return calls
 
 
-def main():
+def main(folder):
     program = sys.argv[1]
     # The cell that is given, but that it ends when it has stopped, and has steps so long that it bears how late a shared machine is.
-    cell = os.path.join(tempfile.mkdtemp(prefix="mrroc-panel-"), "cell.toml")
+    cell = os.path.join(folder, "cell.toml")
     with open(sys.argv[2]) as given, open(cell, "w") as own:
         text = re.sub(r"^after_fault = .*$", "", given.read(), flags=re.M)
         own.write(re.sub(r"^step_ms = .*$", "step_ms = 10", text, flags=re.M))
@@ -184,4 +187,5 @@ def main():
 
 
 if __name__ == "__main__":
-    main()
+    with tempfile.TemporaryDirectory(prefix="mrroc-panel-") as own_folder:
+        main(own_folder)
