@@ -312,6 +312,8 @@ fn fault_05_a_console_that_is_killed_disturbs_no_motion_and_returns_the_token() 
         let (status, said) = ask(&place, &["speed", "90%"]);
         let told = format!("refused: the console of process {} holds the control token\n", first.child.id());
         assert_eq!((status, said), (Some(1), told));
+        // What only brings robots to rest is taken from every console.
+        assert!(Console::new(&place).ask("let-go 5").starts_with("let go: step "));
         assert!(
             ask(&place, &["status"])
                 .1

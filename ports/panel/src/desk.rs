@@ -1,7 +1,8 @@
 //! The cell's desk: this panel is one more console at it.
 //!
-//! In: what pages ask for. Out: the desk's answers, and what the cell does, twenty times a second. There are three connections, so
-//! that neither a picture nor another request ever holds up a stop.
+//! In: what pages ask for. Out: the desk's answers, and what the cell does, twenty times a second. There are four connections, so
+//! that neither a picture nor another request ever holds up a stop, and a hold that is let go does not wait until its last renewal is
+//! answered, which takes a step and more.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -58,6 +59,7 @@ struct Job {
 #[derive(Clone)]
 pub struct Desk {
     requests: SyncSender<Job>,
+    releases: SyncSender<Job>,
     stops: Sender<Job>,
 }
 
@@ -78,34 +80,46 @@ impl Desk {
         let (show, shown) = watch::channel(Shown::default());
         watching.asks.ask(&Request::Watch)?;
         spawn("watches", move || watch(watching, &looks, &show))?;
-        let (requests, waiting) = sync_channel(WAITING);
-        let of = cell.to_owned();
-        spawn("asks", move || carry(&of, &waiting))?;
+        let carries = |name| {
+            let (requests, waiting) = sync_channel(WAITING);
+            let of = cell.to_owned();
+            spawn(name, move || carry(&of, &waiting)).map(|()| requests)
+        };
+        let (requests, releases) = (carries("asks")?, carries("releases")?);
         let (stops, waiting) = channel();
         let of = cell.to_owned();
         spawn("stops", move || stop(&of, &waiting))?;
-        Ok((Desk { requests, stops }, shown))
+        Ok((Desk { requests, releases, stops }, shown))
     }
 
     /// A desk of a test, which answers by a function.
     #[cfg(test)]
     pub fn of(answers: impl Fn(&Request) -> Reply + Send + Sync + 'static) -> Desk {
         let answers = Arc::new(answers);
-        let (requests, waiting) = sync_channel::<Job>(WAITING);
-        let of = Arc::clone(&answers);
-        std::thread::spawn(move || waiting.iter().for_each(|job| drop(job.answer.send(of(&job.request)))));
-        let (stops, waiting) = channel::<Job>();
-        std::thread::spawn(move || {
-            waiting.iter().for_each(|job| drop(job.answer.send(answers(&job.request))))
-        });
-        Desk { requests, stops }
+        let carries = |waiting: Receiver<Job>| {
+            let answers = Arc::clone(&answers);
+            std::thread::spawn(move || {
+                waiting.iter().for_each(|job| drop(job.answer.send(answers(&job.request))));
+            });
+        };
+        let (requests, waiting) = sync_channel(WAITING);
+        carries(waiting);
+        let (releases, waiting) = sync_channel(WAITING);
+        carries(waiting);
+        let (stops, waiting) = channel();
+        carries(waiting);
+        Desk { requests, releases, stops }
     }
 
     /// Asks for something; the answer comes within seconds.
     pub fn ask(&self, request: Request, by: OnBehalf) -> oneshot::Receiver<Reply> {
         let (answer, answered) = oneshot::channel();
         let job = Job { request, by, since: Instant::now(), answer };
-        match self.requests.try_send(job) {
+        let line = match job.request {
+            Request::Press(Button::LetGo(_)) => &self.releases,
+            _ => &self.requests,
+        };
+        match line.try_send(job) {
             Ok(()) => {}
             Err(TrySendError::Full(job)) => {
                 let _ = job.answer.send(Reply::Refused("the cell is busy: ask again".to_owned()));
@@ -244,6 +258,8 @@ fn process(of: &ProcessPicture) -> Value {
 /// Carries requests to the desk, one after another.
 fn carry(cell: &Path, jobs: &Receiver<Job>) {
     let mut line = Line::to(cell);
+    // It is there before it is needed.
+    line.open();
     while let Ok(job) = jobs.recv() {
         // A renewal that has waited is none: whoever held may have let go since.
         let is_late = matches!(job.request, Request::Press(Button::Hold(_) | Button::Jog(..)))
@@ -304,5 +320,34 @@ impl Line {
             self.caller = None;
         }
         Reply::Refused(why)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use mrroc_core::operator::Renewal;
+
+    use super::*;
+
+    #[test]
+    fn fault_206_a_hold_that_is_let_go_does_not_wait_until_its_last_renewal_is_answered() {
+        let (let_go, is_let_go) = sync_channel(1);
+        let is_let_go = std::sync::Mutex::new(is_let_go);
+        let desk = Desk::of(move |request| match request {
+            Request::Press(Button::LetGo(_)) => {
+                let_go.send(()).expect("the renewal waits");
+                Reply::Done("let go".to_owned())
+            }
+            _ => {
+                let waited = is_let_go.lock().expect("alone").recv_timeout(Duration::from_secs(20));
+                Reply::Done(if waited.is_ok() { "after" } else { "never" }.to_owned())
+            }
+        });
+        let by = OnBehalf { page: 1, heard: 0 };
+        let renewal = Renewal::first(7);
+        let renewed = desk.ask(Request::Press(Button::Hold(renewal)), by);
+        let released = desk.ask(Request::Press(Button::LetGo(renewal.hold())), by);
+        assert_eq!(released.blocking_recv(), Ok(Reply::Done("let go".to_owned())));
+        assert_eq!(renewed.blocking_recv(), Ok(Reply::Done("after".to_owned())));
     }
 }

@@ -29,6 +29,10 @@ const ways = {
 if (network) {
   ways['the link is down'] = async () => { link('down'); setTimeout(() => link('up'), 1000); };
 }
+/** How often a hold is tried whose rate began to fall too late. The panel's threads do not keep real time, and this machine is shared; of
+ *  many holds each one counts. */
+const ASKED = times < 10 ? 3 : 1;
+const late = (why) => /began to fall \d+ steps after/.test(why);
 const loses = ['the page hangs', 'the page is killed', 'the link is down', 'the tab is hidden'];
 
 /** Holds the button that turns the tool to a side, until it moves; gives the window in which this was, or nothing if it did not move. */
@@ -112,7 +116,7 @@ async function round(browser, wanted, folder) {
 }
 
 const browser = await chromium.launch({ executablePath: nicely(browserPath, 5), args: ['--no-sandbox', '--disable-3d-apis', '--disable-gpu'] });
-const all = Object.fromEntries(Object.keys(ways).map((way) => [way, { good: [], bad: [], void: [] }]));
+const all = Object.fromEntries(Object.keys(ways).map((way) => [way, { good: [], bad: [], again: [], void: [] }]));
 try {
   // Trials of which nothing can be said are made again.
   for (let rounds = 0; rounds < 4 + times; rounds++) {
@@ -123,7 +127,10 @@ try {
       const { stop, found } = await round(browser, wanted, folder);
       for (const [way, { good, bad, void: nothing }] of Object.entries(found)) {
         all[way].good.push(...good);
-        all[way].bad.push(...bad);
+        for (const why of bad) {
+          const { again } = all[way];
+          (late(why) && again.length + 1 < ASKED ? again : all[way].bad).push(why);
+        }
         all[way].void.push(...nothing);
         all[way].stop = stop;
       }
@@ -136,14 +143,17 @@ try {
 } finally {
   await browser.close();
 }
-let ok = true, late = 0;
-for (const [way, { good, bad, void: nothing, stop }] of Object.entries(all)) {
+let ok = true, left = 0;
+for (const [way, { good, bad, again, void: nothing, stop }] of Object.entries(all)) {
+  // Nothing says that it was this machine if it never went well.
+  if (good.length === 0) bad.push(...again.splice(0));
   const worst = (of) => Math.max(...good.map((trial) => trial[of])).toFixed(1);
   console.log(`panel: ${way}: ${good.length} of ${good.length + bad.length} in time; at most ${Math.max(...good.map(({ steps }) => steps))} steps, ${worst('fell_ms')} ms until the rate falls, `
     + `${worst('stopped_ms')} ms of ${stop} ms until it is 0${nothing.length ? `; ${nothing.length} more not judged: ${[...new Set(nothing)].join('; ')}` : ''}`);
   bad.forEach((why) => console.log(`panel: ${way}: ${why}`));
+  again.forEach((why) => console.log(`panel: ${way}: tried again: ${why}`));
   ok &&= bad.length === 0;
-  late += times - good.length - bad.length;
+  left += times - good.length - bad.length;
 }
 if (!ok) process.exitCode = 1;
-else if (late > 0) console.log(`skipped: ${late} holds on the panel: this machine was late by more than the cell bears`);
+else if (left > 0) console.log(`skipped: ${left} holds on the panel: this machine was late by more than the cell bears`);

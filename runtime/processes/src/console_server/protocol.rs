@@ -4,8 +4,8 @@
 //!
 //! | request | answer |
 //! |---|---|
-//! | `stop`, `abort` | to every console |
-//! | `suspend`, `resume`, `speed 50%`, `acknowledge`, `reset`, `reduced on`, `hold 4711 0`, `let-go 4711`, `jog 4711 0 left tool x 20%`, `jog-done left` | only to the console that holds the control token; a console that asks while the token is free takes it |
+//! | `stop`, `abort`, `let-go 4711` | to every console: they only bring robots to rest |
+//! | `suspend`, `resume`, `speed 50%`, `acknowledge`, `reset`, `reduced on`, `hold 4711 0`, `jog 4711 0 left tool x 20%`, `jog-done left` | only to the console that holds the control token; a console that asks while the token is free takes it |
 //! | `take`, `release` | takes or returns the token; the end of a console returns it as well |
 //! | `status` | a picture |
 //! | `watch` | a picture, and from then on up to 20 pictures a second between the answers |

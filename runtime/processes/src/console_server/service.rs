@@ -304,7 +304,7 @@ impl Service {
     }
 
     fn may_press(&mut self, i: usize, desk: usize, button: Button) -> Result<(), Reply> {
-        if !matches!(button, Button::Stop | Button::Abort) {
+        if !matches!(button, Button::Stop | Button::Abort | Button::LetGo(_)) {
             self.take(i, desk)?;
         }
         // An abort that is kept until the next instruction begins would abort an instruction that the operator did not
