@@ -4,14 +4,16 @@ use core::time::Duration;
 use std::cell::RefCell;
 use std::rc::Rc;
 
-use mrroc::cell::{CellError, RunReport};
+use mrroc::cell::{CellError, OutputSetup, RunReport};
 use mrroc::fault::{Name, ProcessId};
 use mrroc::link::Nanos;
 use mrroc::observe::ServoRecord;
 use mrroc::observe::witness::{What, Witness};
 use mrroc::operator::jog::{JogOrder, JogPanel};
 use mrroc::operator::{LAPSE, Operator, REDUCED_SPEED, Renewal};
+use mrroc::payload::Wire;
 use mrroc::prelude::*;
+use mrroc::robot::{Channel, Signals, Value};
 use mrroc_generators::generators::{JointMove, PanelJog};
 use mrroc_robots::{Irp6, SimulatedIrp6, Six};
 
@@ -328,6 +330,92 @@ fn fault_239_a_hold_that_goes_over_to_another_robot_moves_neither() {
     assert!(left[stands..1400].iter().all(|q| *q == left[stands]), "then it stands");
     assert!(right[90..1000].iter().all(|q| *q == right[90]), "and the other one was not moved");
     assert!((right[1100] - right[1000]).norm() > 1e-3, "but it is by a hold of its own");
+}
+
+/// When an output of an arm changes, by the step of its EDP, and to what: a digital one to 0 or 1.
+struct Switched {
+    channel: Channel,
+    changes: RefCell<Vec<(u64, f64)>>,
+}
+
+impl Witness for Switched {
+    fn see(&self, _: Nanos, by: ProcessId, what: &What, words: &[u64]) {
+        let What::Signals { step } = *what else { return };
+        assert_eq!(by.name, Some(left()));
+        let outputs = Signals::get(words).expect("signals").outputs;
+        let value = match self.channel {
+            Channel::Digital(number) => f64::from(u8::from(outputs.is_on(number))),
+            Channel::Analog(number) => outputs.analog(number),
+        };
+        let mut changes = self.changes.borrow_mut();
+        if changes.last().map_or(0.0, |(_, last)| *last) != value {
+            changes.push((step, value));
+        }
+    }
+}
+
+#[test]
+fn a_person_switches_outputs_of_an_arm_that_stands_and_none_that_would_start_a_tool() {
+    let run = |channel, presses: Vec<Press>| {
+        let seen = Rc::new(Seen::default());
+        let switched = Rc::new(Switched { channel, changes: RefCell::default() });
+        let arm = left_arm(&seen, HOME)
+            .output(OutputSetup::new("gripper", Channel::Digital(0)).holds_body())
+            .output(
+                OutputSetup::new("spindle", Channel::Digital(1)).turns_tool().on_stop(Value::Digital(false)),
+            )
+            .output(OutputSetup::new("valve", Channel::Analog(0)));
+        let cell = Cell::new(STEP).robot(arm).witnessed_by(Rc::clone(&switched) as Rc<dyn Witness>);
+        cell.on_step(operate(presses, 2500)).run().expect("no fault");
+        let joints = seen.joints.borrow();
+        assert!(
+            joints[90..2000].iter().all(|q| *q == joints[90]),
+            "no arm moves because an output is switched"
+        );
+        switched.changes.borrow().clone()
+    };
+    let near = |changes: &[(u64, f64)], expected: &[(u64, f64)]| {
+        let alike = |(a, b): (&(u64, f64), &(u64, f64))| a.1 == b.1 && (b.0..b.0 + 6).contains(&a.0);
+        changes.len() == expected.len() && changes.iter().zip(expected).all(alike)
+    };
+    // It stays as it was switched, also when the program goes on.
+    let changes = run(
+        Channel::Digital(0),
+        vec![
+            press("output gripper on", 100..160),
+            press("output gripper off", 700..760),
+            press("output gripper on", 900..960),
+        ],
+    );
+    assert!(near(&changes, &[(100, 1.0), (700, 0.0), (900, 1.0)]), "{changes:?}");
+    let changes = run(Channel::Analog(0), vec![press("output valve 0.35", 100..160)]);
+    assert!(near(&changes, &[(100, 0.35)]), "{changes:?}");
+    // A spindle is not started by a button, and nothing is that is not there or of the other type.
+    let refused = ["output spindle on", "output gripper 1", "output valve on", "output lamp on"];
+    for text in refused {
+        for channel in [Channel::Digital(0), Channel::Digital(1), Channel::Analog(0)] {
+            assert_eq!(run(channel, vec![press(text, 100..160)]), [], "{text}");
+        }
+    }
+}
+
+#[test]
+fn an_output_is_switched_when_the_arm_has_come_to_rest() {
+    let seen = Rc::new(Seen::default());
+    let switched = Rc::new(Switched { channel: Channel::Digital(0), changes: RefCell::default() });
+    let arm = left_arm(&seen, HOME).output(OutputSetup::new("gripper", Channel::Digital(0)));
+    let cell = Cell::new(STEP).robot(arm).witnessed_by(Rc::clone(&switched) as Rc<dyn Witness>);
+    // One button is let go and the next one pressed in the same step, while the arm moves.
+    let presses = vec![press("joint 1 100%", 100..400), press("output gripper on", 400..1400)];
+    cell.on_step(operate(presses, 1500)).run().expect("no fault");
+    let (joints, changes) = (seen.joints.borrow(), switched.changes.borrow());
+    let stands = (400..).find(|&i| joints[i + 1] == joints[i]).expect("it comes to rest");
+    assert!(stands > 410 && stands < 1000, "{stands}");
+    let [(step, on)] = changes[..] else { panic!("{changes:?}") };
+    assert!(
+        on == 1.0 && (stands as u64..stands as u64 + 8).contains(&step),
+        "at {step}, at rest at {stands}"
+    );
 }
 
 /// Half a radian there.

@@ -6,7 +6,8 @@ use mrroc::prelude::*;
 use mrroc_generators::jogging::{Ahead, JogLimits, Run, Way};
 
 /// Moves a robot as a person at a console of the cell jogs it: its tool along or about axes of the tool, of the world or of a frame
-/// that the cell names, single joints, or all joints to positions; as long as a button is held, or by increments.
+/// that the cell names, single joints, or all joints to positions; as long as a button is held, or by increments. While the robot
+/// stands, its outputs are switched as the person asks.
 ///
 /// It looks at the way ahead of the robot: before a joint comes to its limit, before the arm is stretched out or near a
 /// singularity, the robot comes to rest without a fault, and the panel is told why. The motion ends when the person says that
@@ -148,7 +149,14 @@ impl<R: Robot> PanelJog<R> {
     fn next_step(&mut self, t: Tick) -> Result<Step<R>, Fault> {
         let now = self.panel.now();
         let rests = self.go(now, t.dt)?;
-        let is_done = matches!(now, JogNow::Done { .. });
-        Ok(if is_done && rests { Step::Done } else { Step::Next(Demand::joints(self.joints)) })
+        let demand = Demand::joints(self.joints);
+        Ok(match now {
+            JogNow::Done { .. } if rests => Step::Done,
+            // A robot that still comes to rest from another press is waited for.
+            JogNow::Order { order, .. } if self.jog.is_none() => {
+                Step::Next(self.panel.switched(demand, &order))
+            }
+            JogNow::Order { .. } | JogNow::Done { .. } | JogNow::Nothing => Step::Next(demand),
+        })
     }
 }

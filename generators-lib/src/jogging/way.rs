@@ -36,7 +36,7 @@ enum Kind<J> {
 
 impl<R: Robot> Way<R> {
     /// The way that an order asks for, from the joints `q` [rad or m], of the tool `X_FE`; `None` if there is no such frame or
-    /// joint, or nothing to go.
+    /// joint, nothing to go, or an output is switched.
     #[must_use]
     #[allow(non_snake_case)]
     pub fn of(order: &JogOrder, panel: &JogPanel<R>, q: R::Joints, X_FE: &Pose) -> Option<Self> {
@@ -48,6 +48,7 @@ impl<R: Robot> Way<R> {
                 let of = |i: usize| if i == joint { sign } else { 0.0 };
                 ((joint < R::Joints::LEN).then(|| Kind::Joints(R::Joints::from_joints(of)))?, order.way)
             }
+            JogMotion::Output { .. } => return None,
             JogMotion::To { joints } => (Kind::Joints(joints.of::<R::Joints>()? - q), Some(1.0)),
             JogMotion::Tool { frame, axis } => {
                 let mut unit = Vector3::zeros();

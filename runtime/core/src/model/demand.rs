@@ -9,7 +9,7 @@ use crate::model::load::Load;
 use crate::model::pose::{AngleAxis, Pose, Zyz};
 use crate::model::robot::Robot;
 use crate::model::shape::Shape;
-use crate::model::signals::{Level, OUTPUT_WORDS, Output, Outputs};
+use crate::model::signals::{Channel, Level, OUTPUT_WORDS, Output, Outputs, Value};
 use crate::model::wire::{BadWords, Wire};
 
 /// One representation of the next state of a robot of kind `R`, and optionally the tool that it refers to, the value of
@@ -234,8 +234,13 @@ impl<R: Robot> Demand<R> {
     /// # Ok::<(), &str>(())
     /// ```
     #[must_use]
-    pub fn with_output<T: Level>(mut self, output: Output<T>, value: T) -> Self {
-        self.outputs = self.outputs.with(output.channel(), value.value());
+    pub fn with_output<T: Level>(self, output: Output<T>, value: T) -> Self {
+        self.with_value(output.channel(), value.value())
+    }
+
+    /// The same with this value for the output of a channel, of its type.
+    pub(crate) const fn with_value(mut self, channel: Channel, value: Value) -> Self {
+        self.outputs = self.outputs.with(channel, value);
         self
     }
 

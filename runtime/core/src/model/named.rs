@@ -5,14 +5,16 @@
 use crate::model::fault::{Fault, FaultKind};
 use crate::model::load::Tool;
 use crate::model::pose::Pose;
-use crate::model::signals::{Channel, Input, Level, Output};
+use crate::model::signals::{Channel, Input, Level, Output, Value};
 use crate::suggestion::suggestion;
 
 /// The names of a robot's inputs and outputs.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct SignalNames {
     pub inputs: Vec<(String, Channel)>,
     pub outputs: Vec<(String, Channel)>,
+    /// What those of them are at a stop that drive tools.
+    pub tools: Vec<(String, Value)>,
 }
 
 impl SignalNames {

@@ -161,7 +161,9 @@ impl SignalSetups {
     pub fn names(&self) -> Rc<SignalNames> {
         let inputs = self.inputs.iter().map(|input| (input.name.clone(), input.channel));
         let outputs = self.outputs.iter().map(|output| (output.name.clone(), output.channel));
-        Rc::new(SignalNames { inputs: inputs.collect(), outputs: outputs.collect() })
+        let tools = self.outputs.iter().filter(|output| output.turns_tool);
+        let tools = tools.filter_map(|output| Some((output.name.clone(), output.on_stop?)));
+        Rc::new(SignalNames { inputs: inputs.collect(), outputs: outputs.collect(), tools: tools.collect() })
     }
 
     /// What the EDP needs to know.

@@ -66,7 +66,8 @@ impl<R: Robot> Ecp<'_, R> {
     /// work, the operator may jog the robot.
     #[must_use]
     pub fn jog_panel(&mut self) -> JogPanel<R> {
-        self.jogging.seat.panel(Rc::clone(&self.jogging.model), Rc::clone(&self.named))
+        let jogging = &self.jogging;
+        jogging.seat.panel(Rc::clone(&jogging.model), Rc::clone(&self.named), Rc::clone(&self.signals))
     }
 
     /// What its replies say: whether the operator may jog the robot, or its program moves it.

@@ -17,7 +17,7 @@ use crate::model::robot::Robot;
 use crate::model::wire::WORDS;
 use crate::observe::witness::What;
 use crate::operator::button::Button;
-use crate::operator::jog::panel::named;
+use crate::operator::jog::panel::{named, switched};
 use crate::operator::jog::{JogFrame, JogMotion, JogNow, JogOrder, JogPanel, JogRefusal, JogSeat, JogStop};
 use crate::operator::state::Doing;
 
@@ -136,7 +136,8 @@ impl Mp<'_> {
                 seat
             }
         };
-        Ok(seat.panel(model, Rc::clone(&self.named)))
+        let signals = Rc::clone(&self.robots[robot.index].signals);
+        Ok(seat.panel(model, Rc::clone(&self.named), signals))
     }
 
     /// Whether a program lets a robot be jogged now.
@@ -176,6 +177,10 @@ impl Mp<'_> {
             JogMotion::Tool { .. } => true,
             JogMotion::Joint { joint } => usize::from(*joint) < joints,
             JogMotion::To { joints: to } => to.positions().len() == joints,
+            JogMotion::Output { output, to } => {
+                switched(&self.robots[index].signals, *output, *to)?;
+                true
+            }
         };
         if !fits {
             return Err(JogRefusal::NoJoint);

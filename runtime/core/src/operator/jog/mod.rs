@@ -1,4 +1,5 @@
-//! Jogging: a person at a console moves one robot of a running cell, by its joints or by its tool.
+//! Jogging: a person at a console moves one robot of a running cell, by its joints or by its tool, and switches
+//! its outputs while it stands.
 //!
 //! In: orders of a console, each with the renewal of a hold. Out: for the program that moves that robot, what is asked for now.
 //! A jog moves only while its hold lasts, at reduced speed, and only as long as no other robot moves by a program of its own.
@@ -27,17 +28,23 @@ pub enum JogRefusal {
     OthersMove,
     /// The hold began with another robot.
     AnotherRobot,
+    /// The robot has no such output of that type.
+    NoOutput,
+    /// The output drives a tool, and is asked to be other than at a stop.
+    DrivesTool,
 }
 
 impl JogRefusal {
     /// All of them; one travels as its place in this list.
-    pub const ALL: [JogRefusal; 6] = [
+    pub const ALL: [JogRefusal; 8] = [
         JogRefusal::NoRobot,
         JogRefusal::NoFrame,
         JogRefusal::NoJoint,
         JogRefusal::NoProgram,
         JogRefusal::OthersMove,
         JogRefusal::AnotherRobot,
+        JogRefusal::NoOutput,
+        JogRefusal::DrivesTool,
     ];
 
     /// In words.
@@ -51,6 +58,10 @@ impl JogRefusal {
                 "no program lets this robot be jogged now: one does while it moves it by a jog panel"
             }
             JogRefusal::OthersMove => "another robot moves by its own program, and would move while you jog",
+            JogRefusal::NoOutput => "the robot has no output of this name that takes this value",
+            JogRefusal::DrivesTool => {
+                "this output drives a tool: a person may only switch it to what it is at a stop"
+            }
             JogRefusal::AnotherRobot => "this hold began with another robot: let go, and hold again",
         }
     }

@@ -6,6 +6,8 @@
 //! frame table y 100%     along the y axis of the frame that the cell calls `table`
 //! joint 3 10% by 0.05    the third joint, by 0.05 rad or m
 //! to 50% 0 -1.57 0.16    to these joint positions [rad or m]
+//! output gripper off     the robot stands; its output that the cell calls `gripper` is off
+//! output valve 0.35      the same of an analog output, in its driver's unit
 //! ```
 
 use core::fmt;
@@ -13,6 +15,7 @@ use core::str::SplitWhitespace;
 
 use crate::model::joints::{JointVector, MAX_JOINTS};
 use crate::model::name::Name;
+use crate::model::signals::Value;
 use crate::model::wire::{BadWords, Wire};
 use crate::operator::no_button::NoButton;
 
@@ -22,7 +25,7 @@ pub struct JogOrder {
     /// What is moved.
     pub motion: JogMotion,
     /// How fast, as a share of the largest jogging speed, -1 to 1 and not 0; the sign says which way. Above 0 of a motion to joint
-    /// positions.
+    /// positions, 1 of an output.
     pub speed: f64,
     /// By how much in one hold [m or rad], > 0; `None`: as long as it is held.
     pub way: Option<f64>,
@@ -47,6 +50,13 @@ pub enum JogMotion {
     To {
         /// The positions.
         joints: JogJoints,
+    },
+    /// Nothing: an output of the robot's controller is switched, while the robot stands.
+    Output {
+        /// What the cell calls it.
+        output: Name,
+        /// What it is to be.
+        to: Value,
     },
 }
 
@@ -151,7 +161,7 @@ pub(in crate::operator) fn share(text: &str) -> Option<f64> {
 
 /// What to write.
 const HELP: &str = "write what to move, and how fast: tool x -50%, world rz 20% by 0.1, frame table y 5%, joint 3 10%, or to 50% \
-                    and a position for each joint";
+                    and a position for each joint; or what to switch: output gripper off";
 
 impl JogOrder {
     /// How many words of a message it takes.
@@ -159,12 +169,15 @@ impl JogOrder {
 
     /// The same, if it can be carried out.
     fn checked(self) -> Option<JogOrder> {
-        let is_to = matches!(self.motion, JogMotion::To { .. });
-        let slowest = if is_to { f64::MIN_POSITIVE } else { -1.0 };
+        let (slowest, has_way, is_known) = match self.motion {
+            JogMotion::Tool { .. } => (-1.0, true, true),
+            JogMotion::Joint { joint } => (-1.0, true, usize::from(joint) < MAX_JOINTS),
+            JogMotion::To { .. } => (f64::MIN_POSITIVE, false, true),
+            JogMotion::Output { to, .. } => (1.0, false, !matches!(to, Value::Analog(to) if !to.is_finite())),
+        };
         let speed = (slowest..=1.0).contains(&self.speed) && self.speed != 0.0;
-        let way = self.way.is_none_or(|way| way.is_finite() && way > 0.0 && !is_to);
-        let joint = !matches!(self.motion, JogMotion::Joint { joint } if usize::from(joint) >= MAX_JOINTS);
-        (speed && way && joint).then_some(self)
+        let way = self.way.is_none_or(|way| way.is_finite() && way > 0.0 && has_way);
+        (speed && way && is_known).then_some(self)
     }
 
     /// Reads one from the words of a text, all that are left.
@@ -193,6 +206,16 @@ impl JogOrder {
                 let joints = JogJoints::new(&positions)?;
                 return Some(JogOrder { motion: JogMotion::To { joints }, speed, way: None });
             }
+            "output" => {
+                let output = Name::new(words.next()?).ok()?;
+                let to = match words.next()? {
+                    "on" => Value::Digital(true),
+                    "off" => Value::Digital(false),
+                    value => Value::Analog(value.parse().ok()?),
+                };
+                let motion = JogMotion::Output { output, to };
+                return words.next().is_none().then_some(JogOrder { motion, speed: 1.0, way: None });
+            }
             _ => return None,
         };
         let axis = words.next()?;
@@ -213,6 +236,7 @@ impl JogOrder {
 
     /// Writes it into [`WORDS`](Self::WORDS) words.
     pub fn put(&self, words: &mut [u64]) {
+        words[..JogOrder::WORDS].fill(0);
         let (tag, frame, number) = match &self.motion {
             JogMotion::Tool { frame, axis } => {
                 let frame = match frame {
@@ -232,10 +256,22 @@ impl JogOrder {
                 }
                 (2, 0, u64::from(joints.count))
             }
+            JogMotion::Output { output, to } => {
+                output.put(&mut words[3..]);
+                match to {
+                    Value::Digital(on) => (3, 0, u64::from(*on)),
+                    Value::Analog(value) => {
+                        words[2] = value.to_bits();
+                        (3, 1, 0)
+                    }
+                }
+            }
         };
         words[0] = tag | frame << 8 | number << 16;
         words[1] = self.speed.to_bits();
-        words[2] = self.way.unwrap_or(0.0).to_bits();
+        if let Some(way) = self.way {
+            words[2] = way.to_bits();
+        }
     }
 
     /// Reads it from [`WORDS`](Self::WORDS) words.
@@ -263,10 +299,18 @@ impl JogOrder {
                 let joints = joints.get(..number).and_then(JogJoints::new).ok_or(BadWords)?;
                 JogMotion::To { joints }
             }
+            (3, of) => {
+                let to = match (of, number) {
+                    (0, 0 | 1) => Value::Digital(number == 1),
+                    (1, 0) => Value::Analog(f64::from_bits(words[2])),
+                    _ => return Err(BadWords),
+                };
+                JogMotion::Output { output: Name::get(&words[3..])?, to }
+            }
             _ => return Err(BadWords),
         };
         let way = f64::from_bits(words[2]);
-        let way = (way != 0.0).then_some(way);
+        let way = (way != 0.0 && !matches!(motion, JogMotion::Output { .. })).then_some(way);
         JogOrder { motion, speed: f64::from_bits(words[1]), way }.checked().ok_or(BadWords)
     }
 }
@@ -289,6 +333,12 @@ impl fmt::Display for JogOrder {
                 write!(f, "to {speed}%")?;
                 return joints.positions().iter().try_for_each(|q| write!(f, " {q:?}"));
             }
+            JogMotion::Output { output, to } => {
+                return match to {
+                    Value::Digital(on) => write!(f, "output {output} {}", if *on { "on" } else { "off" }),
+                    Value::Analog(value) => write!(f, "output {output} {value:?}"),
+                };
+            }
         }
         self.way.map_or(Ok(()), |way| write!(f, " by {way:?}"))
     }
@@ -306,7 +356,11 @@ mod tests {
     fn motions() -> impl Strategy<Value = JogMotion> {
         let table = Name::new("table-with-twenty-four-b").expect("a name");
         let frame = prop_oneof![Just(JogFrame::Tool), Just(JogFrame::World), Just(JogFrame::Named(table))];
+        let gripper = Name::new("gripper").expect("a name");
+        let value =
+            prop_oneof![any::<bool>().prop_map(Value::Digital), (-9.0..9.0_f64).prop_map(Value::Analog)];
         prop_oneof![
+            value.prop_map(move |to| JogMotion::Output { output: gripper, to }),
             (frame, 0_usize..6).prop_map(|(frame, axis)| JogMotion::Tool { frame, axis: JogAxis::ALL[axis] }),
             (0..MAX_JOINTS as u8).prop_map(|joint| JogMotion::Joint { joint }),
             prop::collection::vec(-7.0..7.0_f64, 1..=MAX_JOINTS).prop_map(|positions| {
@@ -320,9 +374,10 @@ mod tests {
         fn every_order_is_read_as_it_is_written_and_sent_as_it_is(
             motion in motions(), percent in 1_i32..=100, back in any::<bool>(), way in prop::option::of(1e-6..10.0_f64)
         ) {
-            let is_to = matches!(motion, JogMotion::To { .. });
+            let is_to = matches!(motion, JogMotion::To { .. } | JogMotion::Output { .. });
             let share = f64::from(if back && !is_to { -percent } else { percent }) / 100.0;
-            let order = JogOrder { motion, speed: share, way: way.filter(|_| !is_to) };
+            let speed = if matches!(motion, JogMotion::Output { .. }) { 1.0 } else { share };
+            let order = JogOrder { motion, speed, way: way.filter(|_| !is_to) };
             prop_assert_eq!(read(&order.to_string()), Ok(order));
             let mut words = [0; JogOrder::WORDS];
             order.put(&mut words);
@@ -361,6 +416,10 @@ mod tests {
             "to 10% 0 NaN",
             "to 10% 0 0 0 0 0 0 0 0 0",
             "up 10%",
+            "output gripper",
+            "output gripper maybe",
+            "output valve NaN",
+            "output gripper on 5%",
         ] {
             let refused = read(text).expect_err(text);
             assert!(refused.help.contains("tool x -50%"), "{refused}");

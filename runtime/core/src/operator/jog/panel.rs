@@ -7,11 +7,14 @@ use core::cell::Cell;
 use core::fmt;
 use std::rc::Rc;
 
-use super::order::{JogFrame, JogOrder};
+use super::JogRefusal;
+use super::order::{JogFrame, JogMotion, JogOrder};
+use crate::model::demand::Demand;
 use crate::model::name::Name;
-use crate::model::named::CellNames;
+use crate::model::named::{CellNames, SignalNames};
 use crate::model::pose::Pose;
 use crate::model::robot::Robot;
+use crate::model::signals::{Channel, Value};
 use crate::model::wire::BadWords;
 
 /// What is asked of a robot in a step.
@@ -184,8 +187,13 @@ impl JogSeat {
         self.0.read.take()
     }
 
-    pub(crate) fn panel<R: Robot>(&self, model: Rc<R>, named: Rc<CellNames>) -> JogPanel<R> {
-        JogPanel { seat: self.clone(), model, named, ignores: self.0.done.get() }
+    pub(crate) fn panel<R: Robot>(
+        &self,
+        model: Rc<R>,
+        named: Rc<CellNames>,
+        signals: Rc<SignalNames>,
+    ) -> JogPanel<R> {
+        JogPanel { seat: self.clone(), model, named, signals, ignores: self.0.done.get() }
     }
 }
 
@@ -211,6 +219,7 @@ pub struct JogPanel<R> {
     seat: JogSeat,
     model: Rc<R>,
     named: Rc<CellNames>,
+    signals: Rc<SignalNames>,
     /// What said that jogging is done before this panel was taken is none of its.
     ignores: u64,
 }
@@ -220,7 +229,7 @@ impl<R: Robot> JogPanel<R> {
     #[must_use]
     pub fn alone(model: R) -> (JogPanel<R>, JogSeat) {
         let seat = JogSeat::default();
-        (seat.panel(Rc::new(model), Rc::default()), seat)
+        (seat.panel(Rc::new(model), Rc::default(), Rc::default()), seat)
     }
 
     /// What is asked of the robot in this step.
@@ -253,6 +262,34 @@ impl<R: Robot> JogPanel<R> {
             JogFrame::World => Some(Pose::identity()),
             JogFrame::Named(name) => named(&self.named, name),
         }
+    }
+
+    /// The same demand, with the value of the output that an order switches, if it switches one.
+    #[must_use]
+    pub fn switched(&self, demand: Demand<R>, order: &JogOrder) -> Demand<R> {
+        match order.motion {
+            JogMotion::Output { output, to } => match switched(&self.signals, output, to) {
+                Ok(channel) => demand.with_value(channel, to),
+                Err(_) => demand,
+            },
+            JogMotion::Tool { .. } | JogMotion::Joint { .. } | JogMotion::To { .. } => demand,
+        }
+    }
+}
+
+/// The channel of an output that a person switches.
+///
+/// # Errors
+/// Why it may not be switched like this.
+pub(crate) fn switched(names: &SignalNames, output: Name, to: Value) -> Result<Channel, JogRefusal> {
+    let known = names.outputs.iter().find(|(name, _)| name == output.as_str());
+    let channel = known.map(|(_, channel)| *channel).ok_or(JogRefusal::NoOutput)?;
+    if matches!(channel, Channel::Digital(_)) != matches!(to, Value::Digital(_)) {
+        return Err(JogRefusal::NoOutput);
+    }
+    match names.tools.iter().find(|(name, _)| name == output.as_str()) {
+        Some((_, at_stop)) if *at_stop != to => Err(JogRefusal::DrivesTool),
+        Some(_) | None => Ok(channel),
     }
 }
 
