@@ -355,7 +355,7 @@ impl Witness for Switched {
 }
 
 #[test]
-fn a_person_switches_outputs_of_an_arm_that_stands_and_none_that_would_start_a_tool() {
+fn fault_246_a_person_switches_outputs_of_an_arm_that_stands_and_none_that_would_start_a_tool() {
     let run = |channel, presses: Vec<Press>| {
         let seen = Rc::new(Seen::default());
         let switched = Rc::new(Switched { channel, changes: RefCell::default() });
@@ -400,7 +400,7 @@ fn a_person_switches_outputs_of_an_arm_that_stands_and_none_that_would_start_a_t
 }
 
 #[test]
-fn an_output_is_switched_when_the_arm_has_come_to_rest() {
+fn fault_246_an_output_is_switched_when_the_arm_has_come_to_rest() {
     let seen = Rc::new(Seen::default());
     let switched = Rc::new(Switched { channel: Channel::Digital(0), changes: RefCell::default() });
     let arm = left_arm(&seen, HOME).output(OutputSetup::new("gripper", Channel::Digital(0)));

@@ -110,6 +110,25 @@ async function jogged(browser, drawingBrowser, folder) {
     await held(one, 'Z minus', () => until(one, () => window.mrrocPanel.state().robots[0].stop.includes('there')));
     check(Math.abs(far(await robot(one), before) - 0.005) < 2e-4, `5 mm: ${far(await robot(one), before)}`);
 
+    // Outputs are switched while the arm stands; no button starts a tool.
+    const reads = (name, value) => until(two, ([of, expected]) => {
+      const row = [...document.querySelectorAll('#signals tr')].find(({ cells }) => cells[0].textContent === of);
+      return row?.cells[3].textContent === expected;
+    }, [name, value]);
+    before = await robot(one);
+    for (const value of ['on', 'off', 'on']) {
+      await held(one, `gripper ${value}`, () => reads('left gripper', value));
+      await reads('left gripped', value);
+      check(await button(two, `gripper ${value}`).getAttribute('aria-pressed') === 'true', `the gripper is ${value}, and stays so`);
+    }
+    await take(one);
+    await button(one, 'spindle on').focus();
+    await one.keyboard.down(' ');
+    await until(one, () => document.getElementById('jog-why').textContent.includes('drives a tool'));
+    await one.keyboard.up(' ');
+    await reads('left spindle', 'off');
+    check((await robot(one)).demanded.every((q, i) => q === before.demanded[i]), 'no arm moves because an output is switched');
+
     // However the hold ends, the arm stands.
     await one.locator('#jog-step').selectOption('0');
     await one.locator('#jog-speed').fill('20');

@@ -3,6 +3,7 @@
 import { execFileSync, spawnSync } from 'node:child_process';
 import { mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { createServer, request } from 'node:http';
+import { connect } from 'node:net';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { chromium } from 'playwright-core';
@@ -299,6 +300,16 @@ async function harm(page, address, origin, token, browser) {
     return shown;
   }, token);
   check(crowd > 0 && crowd <= 32, `of a crowd of fifty no more than 32 look on: ${crowd}`);
+  // Five hundred that connect and say nothing, or begin a request that they do not end.
+  const { hostname, port } = new URL(origin);
+  const idle = Array.from({ length: 500 }, (_, i) => {
+    const socket = connect(Number(port), hostname, () => { if (i % 2) socket.write('GET / HTTP/1.1\r\nHost: '); });
+    return socket.on('error', () => {});
+  });
+  const before = (await state(page)).step;
+  await page.waitForTimeout(1500);
+  check((await state(page)).step > before + 100, 'a page is shown what the cell does beside five hundred connections');
+  idle.forEach((socket) => socket.destroy());
 }
 
 /** A run that is over is played, and a panel changes nothing in a run on the memory link. */
@@ -333,6 +344,9 @@ async function play(browser, plainBrowser, recorded) {
     await shown.end();
   }
   for (const file of files) check(run(['replay', file]).status === 0, `the demands of ${file} are the same to the bit`);
+  // So are those of the cell that was operated and attacked.
+  const again = run(['replay', recorded, '--partial']);
+  check(again.status === 0, `its demands are those that its program gives by itself, to the bit: ${again.stdout}${again.stderr}`);
   const played = await start(['panel', recorded, '--cell', cell]);
   try {
     const page = await plainBrowser.newPage();

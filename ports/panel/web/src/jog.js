@@ -1,4 +1,4 @@
-// Jogging and teaching: buttons that move one robot as long as they are held, and poses with names.
+// Jogging and teaching: buttons that move one robot as long as they are held, or switch its outputs, and poses with names.
 //
 // In: states of the cell, the poses that were taught, presses. Out: a jog, said again and again while a button is held; requests to teach,
 // rename and forget poses. Every button that moves something is a button that is held, and says why it cannot be.
@@ -70,9 +70,33 @@ export class Jogging {
       label.textContent = name;
       return [button(-1, '−'), label, button(1, '+')];
     }));
+    this.buildOutputs();
     by('pose-name').value = this.free();
     this.list();
     this.draw();
+  }
+
+  /** Buttons that switch outputs of the robot, while it stands. */
+  buildOutputs() {
+    const { signals = [] } = this.layout.robots.find(({ name }) => name === this.robot) ?? {};
+    this.outputs = [];
+    by('jog-outputs').replaceChildren(...signals.flatMap(({ name, channel, output, note }, place) => {
+      if (!output) return [];
+      const label = document.createElement('span');
+      label.textContent = name;
+      label.title = note;
+      const button = (text, says, value) => {
+        const made = Object.assign(document.createElement('button'), { type: 'button', className: 'hold', textContent: text });
+        made.setAttribute('aria-label', `${name} ${text}`);
+        this.operating.holding(made, () => ({ robot: this.robot, order: `output ${name} ${says()}` }));
+        if (value !== undefined) this.outputs.push({ place, value, button: made });
+        return made;
+      };
+      if (channel.startsWith('digital')) return [label, button('off', () => 'off', false), button('on', () => 'on', true)];
+      const number = Object.assign(document.createElement('input'), { type: 'number', step: 'any', value: '0' });
+      number.setAttribute('aria-label', `${name} to`);
+      return [label, number, button('set', () => number.valueAsNumber)];
+    }));
   }
 
   /** What a button asks for. */
@@ -169,6 +193,8 @@ export class Jogging {
     by('jog-why').textContent = why || (stop ? `${stop}.` : 'Hold a button to move; let go to stop.');
     by('jog-why').classList.toggle('stopped', !why && Boolean(stop));
     for (const button of by('jog-buttons').querySelectorAll('button')) button.disabled = !open || why !== '';
+    for (const button of by('jog-outputs').querySelectorAll('button')) button.disabled = !open || why !== '';
+    for (const { place, value, button } of this.outputs ?? []) button.setAttribute('aria-pressed', robot?.signals?.[place] === value);
     for (const button of by('poses').querySelectorAll('button')) {
       const { pose } = button.dataset, looks = button.textContent === 'Way';
       button.disabled = pose ? !open || why !== '' || this.seen !== pose : !open || (!looks && !this.operating.yours);

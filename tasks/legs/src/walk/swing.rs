@@ -11,8 +11,10 @@ use super::gait::soft;
 pub const DOWN: f64 = 0.12;
 /// It comes down at that speed from so far over where the ground should be \[m\].
 pub const OVER: f64 = 0.01;
-/// How long a foot takes to stop once it has touched \[s\].
+/// How long a foot takes to stop once it has touched, that comes down at [`DOWN`] \[s\].
 const STOP: f64 = 0.016;
+/// How hard one is stopped at most that touches earlier, while it is still faster [m/s^2].
+const HARDEST: f64 = 8.5;
 /// Shares of the swing: when it moves ahead from and to, when it is highest, when it comes down slowly.
 const AHEAD: [f64; 2] = [0.16, 0.9];
 const HIGHEST: f64 = 0.45;
@@ -28,8 +30,18 @@ pub struct Swing {
     to: Vector3<f64>,
     top: f64,
     lasts: f64,
-    /// When and where it touched, and at what velocity.
-    touched: Option<(f64, Vector3<f64>, Vector3<f64>)>,
+    touched: Option<Touched>,
+}
+
+/// A touch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Touched {
+    /// When \[s\], and where \[m\].
+    when: f64,
+    at: Vector3<f64>,
+    /// How fast it came [m/s], and how long it takes to stop \[s\].
+    velocity: Vector3<f64>,
+    stop: f64,
 }
 
 impl Swing {
@@ -61,7 +73,8 @@ impl Swing {
     pub fn touch(&mut self, t: f64) {
         const H: f64 = 1e-4;
         let velocity = (self.free(t + H) - self.free(t - H)) / (2.0 * H);
-        self.touched = Some((t, self.free(t), velocity));
+        let stop = STOP.max(velocity.norm() / HARDEST);
+        self.touched = Some(Touched { when: t, at: self.free(t), velocity, stop });
     }
 
     /// Where the foot is at the time `t` \[s\] from its lift.
@@ -69,9 +82,9 @@ impl Swing {
     pub fn at(&self, t: f64) -> Vector3<f64> {
         match self.touched {
             None => self.free(t),
-            Some((when, at, velocity)) => {
-                let since = (t - when).clamp(0.0, STOP);
-                at + velocity * (since - 0.5 * since * since / STOP)
+            Some(Touched { when, at, velocity, stop }) => {
+                let since = (t - when).clamp(0.0, stop);
+                at + velocity * (since - 0.5 * since * since / stop)
             }
         }
     }
