@@ -368,10 +368,18 @@ fn tell_desk(panel: &Panel, by: OnBehalf, requests: Vec<Request>) {
     }
 }
 
-/// Takes authority from a page that has said nothing for too long, again and again.
+/// How often it is looked whether a page has said nothing for too long: one that holds, and any other.
+const HOLDS: Duration = Duration::from_millis(4);
+const LOOKS: Duration = Duration::from_millis(20);
+
+/// Ends the hold of a page that has said nothing for too long, and takes authority from it, again and again.
 pub async fn look_after(panel: Arc<Panel>) {
     loop {
-        tokio::time::sleep(Duration::from_millis(20)).await;
+        tokio::time::sleep(if panel.stand.holds() { HOLDS } else { LOOKS }).await;
+        if let Some((page, button)) = panel.stand.lapsed_hold(panel.now()) {
+            tell_desk(&panel, OnBehalf { page, heard: monotonic() }, vec![Request::Press(button)]);
+            panel.note(&format!("page {page} did not renew its hold"));
+        }
         if let Some((page, requests)) = panel.stand.lapse(panel.now()) {
             tell_desk(&panel, OnBehalf { page, heard: monotonic() }, requests);
             panel.note(&format!("page {page} was silent for too long, and has lost control"));

@@ -13,6 +13,10 @@ use mrroc_processes::Request;
 
 use crate::rules::authority::{Authority, LAPSE, NoAuthority, Page};
 
+/// How long a hold lasts here after its last renewal: shorter than at the cell, so that the cell hears of its end in time however long
+/// the renewal was on its way.
+const HELD: Duration = Duration::from_millis(LAPSE.as_millis() as u64 - 10);
+
 /// Authority, and the hold of the page that has it.
 #[derive(Default)]
 pub struct Stand(Mutex<Held>);
@@ -90,8 +94,8 @@ impl Stand {
         let renewal = match *held {
             // Its number grows from hold to hold, also after the panel was started again.
             _ if begins => Renewal::first(monotonic() / 1_000_000),
-            Some(hold) if now < hold.at + LAPSE && hold.jogs != jogs => return Err(NotRenewed::Another),
-            Some(hold) if now < hold.at + LAPSE => hold.renewal.next().ok_or(NotRenewed::Over)?,
+            Some(hold) if now < hold.at + HELD && hold.jogs != jogs => return Err(NotRenewed::Another),
+            Some(hold) if now < hold.at + HELD => hold.renewal.next().ok_or(NotRenewed::Over)?,
             Some(_) | None => return Err(NotRenewed::Over),
         };
         *held = Some(Hold { renewal, at: now, jogs });
@@ -99,6 +103,18 @@ impl Stand {
             Some((robot, order)) => Button::Jog(renewal, robot, order),
             None => Button::Hold(renewal),
         })
+    }
+
+    /// Whether a page holds anything.
+    pub fn holds(&self) -> bool {
+        self.held().hold.is_some()
+    }
+
+    /// The page whose hold was not renewed in time, and what the desk is told.
+    pub fn lapsed_hold(&self, now: Duration) -> Option<(Page, Button)> {
+        let held = &mut *self.held();
+        let hold = held.hold.take_if(|hold| now >= hold.at + HELD)?;
+        Some((held.authority.holder()?, Button::LetGo(hold.renewal.hold())))
     }
 
     /// What the desk is told when a page no longer holds anything.
@@ -141,10 +157,13 @@ mod tests {
         let stand = Stand::default();
         stand.take(1, MS(0)).expect("free");
         let Ok(Button::Hold(first)) = stand.renew(true, None, MS(0)) else { panic!("no hold") };
-        let Ok(Button::Hold(second)) = stand.renew(false, None, MS(299)) else { panic!("no renewal") };
+        let Ok(Button::Hold(second)) = stand.renew(false, None, MS(289)) else { panic!("no renewal") };
         assert_eq!((second.hold(), second.count()), (first.hold(), first.count() + 1));
-        assert_eq!(stand.renew(false, None, MS(599)), Err(NotRenewed::Over));
-        assert_eq!(stand.renew(false, None, MS(600)), Err(NotRenewed::Over));
+        // The desk is told of its end 10 ms before the cell would end it.
+        assert_eq!(stand.lapsed_hold(MS(578)), None);
+        assert_eq!(stand.lapsed_hold(MS(579)), Some((1, Button::LetGo(first.hold()))));
+        assert_eq!(stand.lapsed_hold(MS(580)), None);
+        assert_eq!(stand.renew(false, None, MS(581)), Err(NotRenewed::Over));
         stand.renew(true, None, MS(700)).expect("a new one");
         // What the desk is told when the page is gone: that nobody holds, then that nobody operates.
         let told = stand.leave(1);

@@ -3,8 +3,8 @@
 In: the recording of a cell of processes; a JSON list of trials, each with its way to end the hold and a window of dates [ns]; the longest stop on the path that `--check` prints [ms]. Out: a JSON object on standard output, for each way how
 many trials were good, bad (with why) and void: a hold that moved nothing, or a machine so late that the cell left out steps meanwhile.
 
-A hold ends when the panel's server receives the release, or 300 ms after the last renewal that it received, whichever is first. The rate
-of path time must begin to fall in one of the three steps that begin from then on, and fall to 0 without rising again within the stop.
+A hold ends when the panel's server receives the release, or 300 ms after the last renewal that it received, whichever is first. (From
+290 ms on the server itself lets it go: it received nothing then.) The rate of path time must begin to fall in one of the three steps that begin from then on, and fall to 0 without rising again within the stop.
 From then on robots are demanded at one place, keep within 0.05 rad of it, and stand there at the end of the window.
 """
 
@@ -15,6 +15,8 @@ import sys
 from mcap.reader import make_reader
 
 LAPSE = 300_000_000
+# From so long after the last renewal on it is the panel that lets a hold go.
+OWN = 285_000_000
 # A recording's dates are late by what its first entry took to the recorder; trials are a second apart.
 DATES = 100_000_000
 STEPS = 3
@@ -60,17 +62,18 @@ def judge(trial, steps, commands, images, period, stop):
     hold = begun[-1]["command"].split()[1]
     renewals = [c["asked"] for c in holds if c["command"].split()[1] == hold]
     released = [c["asked"] for c in commands if c["command"] == f"let-go {hold}"]
-    event = min([max(renewals) + LAPSE, *released])
+    event = min([max(renewals) + LAPSE, *(at for at in released if at < max(renewals) + OWN)])
     times = [time for time, _ in steps]
     dt = [step["dt"] for _, step in steps]
-    last = max((i for i, time in enumerate(times) if time <= event), default=None)
-    if last is None or dt[last] == 0:
+    before = lambda when: max((i for i, time in enumerate(times) if time <= when), default=None)
+    last, told = before(event), before(min([event, *released]))
+    if told is None or dt[told] == 0:
         raise Void("nothing moved when it ended")
-    fall = next((i for i in range(last + 1, len(dt)) if dt[i] < dt[i - 1]), None)
+    fall = next((i for i in range(told + 1, len(dt)) if dt[i] < dt[i - 1]), None)
     rest = fall and next((i for i in range(fall, len(dt)) if dt[i] == 0), None)
     if rest is None or times[rest] > end:
         raise Bad("the robots did not come to rest")
-    left_out = [i for i in range(last, rest + 1) if steps[i][1]["duration"] * 1e9 > 1.5 * period]
+    left_out = [i for i in range(told, rest + 1) if steps[i][1]["duration"] * 1e9 > 1.5 * period]
     if left_out:
         raise Void("the machine was late: steps were left out")
     if fall - last > STEPS:

@@ -7,7 +7,7 @@ const by = (id) => document.getElementById(id);
 const AXES = ['x', 'y', 'z', 'rx', 'ry', 'rz'];
 const NAMES = { x: 'X', y: 'Y', z: 'Z', rx: 'turn X', ry: 'turn Y', rz: 'turn Z' };
 /** Increments: [m] of a tool or a joint that slides, [degrees] of what turns. */
-const STEPS = [['as long as held', null, null], ['1 mm · 0.1°', 0.001, 0.1], ['5 mm · 1°', 0.005, 1], ['20 mm · 5°', 0.02, 5]];
+const STEPS = [['while held', null, null], ['1 mm · 0.1°', 0.001, 0.1], ['5 mm · 1°', 0.005, 1], ['20 mm · 5°', 0.02, 5]];
 const RAD = Math.PI / 180;
 
 export class Jogging {

@@ -13,6 +13,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
+use std::time::Instant;
 
 use super::desk::Desk;
 use super::service::{SOCKET, Service};
@@ -91,6 +92,7 @@ impl ConsoleServer {
             strangers: BTreeSet::new(),
             record,
             origin: Arc::clone(&origin),
+            round: Instant::now(),
         };
         let thread =
             std::thread::Builder::new().name("console_server".to_owned()).spawn(move || service.run())?;

@@ -63,7 +63,7 @@ const TOO_MANY: &str = "there are too many consoles: ask again; stop and abort a
 /// How many other users are told of.
 const STRANGERS: usize = 16;
 
-/// The shortest time between two rounds, so that a flood of requests does not keep a core busy.
+/// The shortest time between two rounds, so that a flood of requests does not keep a core busy; one that comes alone waits for nothing.
 const ROUND: Duration = Duration::from_millis(1);
 
 /// How often the server looks for the answer to a press that is under way.
@@ -90,6 +90,8 @@ pub(super) struct Service {
     pub record: Option<Box<dyn CommandRecord>>,
     /// When the cell's time began, on the machine's clock \[ns\]; 0 before it is known.
     pub origin: Arc<AtomicU64>,
+    /// When the last round began.
+    pub round: Instant,
 }
 
 impl Service {
@@ -111,7 +113,6 @@ impl Service {
             self.consoles.retain(|console| !console.is_over());
             let there = |id| self.consoles.iter().any(|console| console.id == id);
             self.desks.iter_mut().for_each(|desk| desk.holder = desk.holder.filter(|&id| there(id)));
-            std::thread::sleep(ROUND);
         }
         // Nobody answers any more what has not been answered yet.
         self.consoles.iter_mut().for_each(|console| console.gone = true);
@@ -148,6 +149,8 @@ impl Service {
         if poll(&mut all, time.as_ref()).is_err() {
             return true;
         }
+        std::thread::sleep(ROUND.saturating_sub(self.round.elapsed()));
+        self.round = Instant::now();
         let came: Vec<_> = all.iter().map(PollFd::revents).collect();
         for (console, came) in self.consoles.iter_mut().zip(&came[others..]) {
             console.gone |= came.intersects(PollFlags::ERR | PollFlags::NVAL)
