@@ -2,7 +2,7 @@
 // holds.py. Where it has a network of its own (`network` as the last argument), the link to the page is taken down as well.
 
 import { spawnSync } from 'node:child_process';
-import { copyFileSync, mkdtempSync, rmSync, writeFileSync } from 'node:fs';
+import { copyFileSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { chromium } from 'playwright-core';
@@ -12,6 +12,8 @@ const [browserPath, program, cellFile, python, judge, network] = process.argv.sl
 const times = Number(process.env.MRROC_HOLDS ?? 1);
 /** The date, by which recordings go [ns]. */
 const now = () => Date.now() * 1e6;
+/** How long the machine below has taken processors away from this one [ms]. */
+const stolen = () => 10 * Number(readFileSync('/proc/stat', 'utf8').split('\n')[0].split(/\s+/)[8] ?? 0);
 const pause = (time) => new Promise((resolve) => { setTimeout(resolve, time); });
 const link = (word) => check(spawnSync('ip', ['link', 'set', 'lo', word]).status === 0, `the link is ${word}`);
 
@@ -52,9 +54,12 @@ async function trial(page, side, way) {
   }
   // At any phase of the motion.
   await pause(300 * Math.random());
+  const before = stolen();
   await ways[way](page);
-  await pause(1000);
-  return { way, from, to: now() };
+  await pause(400);
+  const taken = stolen() - before;
+  await pause(600);
+  return { way, from, to: now(), taken };
 }
 
 async function round(browser, wanted, folder) {

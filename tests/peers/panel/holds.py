@@ -1,7 +1,8 @@
 """How soon robots stand when a hold ends, from a recording: `holds.py RECORDING TRIALS STOP_MS`.
 
 In: the recording of a cell of processes; a JSON list of trials, each with its way to end the hold and a window of dates [ns]; the longest stop on the path that `--check` prints [ms]. Out: a JSON object on standard output, for each way how
-many trials were good, bad (with why) and void: a hold that moved nothing, or a machine so late that the cell left out steps meanwhile.
+many trials were good, bad (with why) and void: a hold that moved nothing, or a machine so late that the cell left out steps meanwhile, or that got no
+processor at the end of the hold and was late by that.
 
 A hold ends when the panel's server receives the release, or 300 ms after the last renewal that it received, whichever is first. (From
 290 ms on the server itself lets it go: it received nothing then.) The rate of path time must begin to fall in one of the three steps that begin from then on, and fall to 0 without rising again within the stop.
@@ -20,8 +21,9 @@ OWN = 285_000_000
 # A recording's dates are late by what its first entry took to the recorder; trials are a second apart.
 DATES = 100_000_000
 STEPS = 3
-# What is a standstill: the greatest distance between a joint and where it is demanded to stand [rad], and its speed once it is there [rad/s].
-DRIFT, STILL = 0.05, 1e-3
+# What is a standstill: the greatest distance between a joint and where it is demanded to stand [rad], and its speed once it is there [rad/s],
+# over 20 ms: in one period a single count of an encoder is 2e-3 rad/s.
+DRIFT, STILL, OVER = 0.05, 1e-3, 20_000_000
 
 
 class Void(Exception):
@@ -76,6 +78,8 @@ def judge(trial, steps, commands, images, period, stop):
     left_out = [i for i in range(told, rest + 1) if steps[i][1]["duration"] * 1e9 > 1.5 * period]
     if left_out:
         raise Void("the machine was late: steps were left out")
+    if fall - last > STEPS and trial["taken"] > 0:
+        raise Void("the machine below took this one's processors away")
     if fall - last > STEPS:
         raise Bad(f"the rate began to fall {fall - last} steps after the hold had ended")
     if any(dt[i] > dt[i - 1] for i in range(fall + 1, rest + 1)):
@@ -86,7 +90,7 @@ def judge(trial, steps, commands, images, period, stop):
     # All robots stand from then on, until another hold begins: demanded at one place, measured to come to it and to stay there.
     first, after = steps[rest][1]["step"] + 2, [c["asked"] for c in commands if c["asked"] > event and c["command"].startswith(("jog ", "hold "))]
     until = min([end, *after])
-    stands, drift, speed = {}, 0.0, {}
+    stands, drift, ways = {}, 0.0, {}
     for step in sorted(images):
         for robot, time, demanded, measured in images[step]:
             if step < first or time >= until:
@@ -94,13 +98,20 @@ def judge(trial, steps, commands, images, period, stop):
             if stands.setdefault(robot, demanded) != demanded:
                 raise Bad(f"{robot} was demanded elsewhere at step {step}, at rest from {first} on")
             drift = max(drift, *(abs(one - other) for one, other in zip(measured["joints"], demanded)))
-            speed[robot] = max(map(abs, measured["velocity"]))
-    if not speed:
+            ways.setdefault(robot, []).append((time, measured["joints"]))
+    speed = 0.0
+    for way in ways.values():
+        last_seen, at = way[-1]
+        earlier = [(time, joints) for time, joints in way if time <= last_seen - OVER]
+        if not earlier:
+            raise Void("too little is recorded of robots at rest")
+        speed = max(speed, *(abs(one - other) / (1e-9 * (last_seen - earlier[-1][0])) for one, other in zip(at, earlier[-1][1])))
+    if not ways:
         raise Void("nothing is recorded of robots at rest")
     if drift > DRIFT:
         raise Bad(f"a joint was measured {drift} rad from where it was demanded to stand")
-    if max(speed.values()) > STILL:
-        raise Bad(f"a joint was measured at {max(speed.values())} rad/s at last")
+    if speed > STILL:
+        raise Bad(f"a joint was measured at {speed} rad/s at last")
     return {"steps": fall - last, "fell_ms": (times[fall] - event) * 1e-6, "stopped_ms": stopped}
 
 
