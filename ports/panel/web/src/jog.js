@@ -9,6 +9,8 @@ const NAMES = { x: 'X', y: 'Y', z: 'Z', rx: 'turn X', ry: 'turn Y', rz: 'turn Z'
 /** Increments: [m] of a tool or a joint that slides, [degrees] of what turns. */
 const STEPS = [['while held', null, null], ['1 mm · 0.1°', 0.001, 0.1], ['5 mm · 1°', 0.005, 1], ['20 mm · 5°', 0.02, 5]];
 const RAD = Math.PI / 180;
+/** A robot that stands because it has gone all the way. */
+const THERE = 'it is there';
 
 export class Jogging {
   /** `operating` holds; `draw` shows the way to a pose, or none. */
@@ -166,6 +168,13 @@ export class Jogging {
 
   show(state) {
     this.state = state;
+    const jogs = state.robots.find(({ name }) => name === this.robot)?.jogs;
+    // Its program goes on: nobody goes the way that is shown.
+    if (this.jogs && !jogs) {
+      this.seen = null;
+      this.drawWay(null);
+    }
+    this.jogs = jogs;
     this.draw();
   }
 
@@ -190,8 +199,9 @@ export class Jogging {
     // A hold that the cell refuses, or that ended meanwhile, moves nothing.
     const stands = this.state?.held ? '' : this.operating.held?.why;
     const stop = stands || robot?.stop;
-    by('jog-why').textContent = why || (stop ? `${stop}.` : 'Hold a button to move; let go to stop.');
-    by('jog-why').classList.toggle('stopped', !why && Boolean(stop));
+    const said = stop && `${stop[0].toUpperCase()}${stop.slice(1)}.`;
+    by('jog-why').textContent = why || said || 'Hold a button to move; let go to stop.';
+    by('jog-why').classList.toggle('stopped', !why && Boolean(stop) && stop !== THERE);
     for (const button of by('jog-buttons').querySelectorAll('button')) button.disabled = !open || why !== '';
     for (const button of by('jog-outputs').querySelectorAll('button')) button.disabled = !open || why !== '';
     for (const { place, value, button } of this.outputs ?? []) button.setAttribute('aria-pressed', robot?.signals?.[place] === value);

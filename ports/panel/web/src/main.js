@@ -24,6 +24,8 @@ const plots = {
 };
 let layout = null, newest = null, cameAt = 0, over = '', closed = false, late = [];
 const before = new Map();
+/** To one digit; a zero has no sign. */
+const tenths = (x) => x.toFixed(1).replace(/^-0\.0$/, '0.0');
 const devices = new Devices();
 /** What the plot of readings may show, and what it does show. */
 let sensed = [], group = null;
@@ -175,7 +177,7 @@ function showJoints(state) {
     range.lastChild.style.left = `${100 * Math.min(1, Math.max(0, at))}%`;
     range.classList.toggle('near', at < 0.03 || at > 0.97);
     const q = robot.measured[i];
-    value.textContent = q === null ? '–' : joint.kind === 'revolute' ? `${((q * 180) / Math.PI).toFixed(1)}°` : `${(1000 * q).toFixed(1)} mm`;
+    value.textContent = q === null ? '–' : joint.kind === 'revolute' ? `${tenths((q * 180) / Math.PI)}°` : `${tenths(1000 * q)} mm`;
   });
 }
 

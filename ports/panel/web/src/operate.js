@@ -10,6 +10,8 @@ const USEFUL = {
 };
 /** How often a page says that it is there, and that somebody holds [ms]. */
 const BEAT = 100;
+/** How long the cell may take to become what was asked for [ms]. */
+const ANSWERED = 1500;
 
 const by = (id) => document.getElementById(id);
 
@@ -64,6 +66,7 @@ export class Operating {
 
   tell(outcome, text) {
     const answer = by('answer');
+    this.told = performance.now();
     answer.dataset.outcome = outcome;
     answer.textContent = outcome === 'done' ? text : `${outcome}: ${text}`;
   }
@@ -121,6 +124,8 @@ export class Operating {
   }
 
   show(state) {
+    // What was answered before the cell came to be as it is now says nothing any more.
+    if (this.state && this.state.state !== state.state && performance.now() - this.told > ANSWERED) by('answer').textContent = '';
     this.state = state;
     this.draw();
   }

@@ -101,7 +101,7 @@ fn say(button: Button, answer: Answer, persisting: Option<&Fault>) -> Reply {
         (Button::Speed(_), _) => button.to_string(),
         (Button::Acknowledge, _) => "acknowledged".to_owned(),
         (Button::Reset, _) => "resetting".to_owned(),
-        (Button::Reduced(true), _) => "reduced speed, while a key is held: hold".to_owned(),
+        (Button::Reduced(true), _) => "reduced speed: robots move only while you hold".to_owned(),
         (Button::Reduced(false), _) => "full speed, and suspended: resume goes on".to_owned(),
         (Button::Hold(_), _) => "held".to_owned(),
         (Button::LetGo(_), _) => "let go".to_owned(),

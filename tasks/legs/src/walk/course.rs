@@ -16,7 +16,7 @@ use crate::places::{NAMES, NEAR, below, stance};
 /// Margins that are looked for, the first that there is \[m\]: errors of the ground and of the start take some of it.
 const WANTED: [f64; 4] = [0.04, 0.035, 0.03, 0.025];
 /// How far a foothold is from an edge at least \[m\].
-const EDGE: f64 = 0.045;
+const EDGE: f64 = 0.05;
 /// How far from its regular place a foothold may be, and by how much places are apart \[m\].
 const ASTRAY: f64 = 0.08;
 const APART: f64 = 0.01;

@@ -43,7 +43,7 @@ impl Default for Gait {
             swaying: 0.9,
             lead: 0.2,
             height: 0.4,
-            clearance: 0.035,
+            clearance: 0.04,
             ramp: 1.0,
             footsteps: 28,
         }

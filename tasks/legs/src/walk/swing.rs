@@ -17,8 +17,8 @@ const STOP: f64 = 0.016;
 const HARDEST: f64 = 8.5;
 /// Shares of the swing: when it moves ahead from and to, when it is highest, when it comes down slowly.
 const AHEAD: [f64; 2] = [0.16, 0.9];
-const HIGHEST: f64 = 0.45;
-const SLOW: f64 = 0.84;
+const HIGHEST: f64 = 0.48;
+const SLOW: f64 = 0.88;
 /// In this share of the swing it is lifted by no more than this \[m\]: the others take over its load gently.
 const UNLOADS: f64 = 0.15;
 const BARELY: f64 = 1.5e-3;
