@@ -134,6 +134,23 @@ mod tests {
     }
 
     #[test]
+    fn a_foot_that_touches_early_is_stopped_no_harder_and_no_sooner_than_it_can() {
+        let h = 1e-5;
+        for share in [0.62, 0.7, 0.8, 0.9] {
+            let mut swing = swing();
+            let t = share * 0.56;
+            let velocity = (swing.at(t + h) - swing.at(t - h)) / (2.0 * h);
+            swing.touch(t);
+            let stop = f64::max(STOP, velocity.norm() / HARDEST);
+            let acceleration =
+                |t: f64| (swing.at(t + h) - 2.0 * swing.at(t) + swing.at(t - h)).norm() / (h * h);
+            assert!(acceleration(t + 0.5 * stop) < 1.001 * HARDEST, "{share}");
+            // The way of a body that is stopped evenly.
+            assert!((swing.at(t + 1.0) - swing.at(t) - 0.5 * stop * velocity).norm() < 1e-6, "{share}");
+        }
+    }
+
+    #[test]
     fn once_it_has_touched_it_stops_within_two_millimetres_and_stays() {
         let mut swing = swing();
         let t = 0.95 * 0.56;
