@@ -138,9 +138,12 @@ function show(state) {
   by('time').textContent = `${state.time.toFixed(1)} s`;
   by('rate').textContent = `${Math.round(100 * state.rate)} %`;
   by('fault').hidden = !state.fault;
-  by('fault').querySelector('h2').textContent = ['latched', 'acknowledged', 'stopping'].includes(state.state) ? 'Stopped: first cause' : 'Last fault';
+  const stopped = ['latched', 'acknowledged', 'stopping'].includes(state.state);
+  by('fault').querySelector('h2').textContent = stopped ? 'Stopped: first cause' : 'Last fault';
+  by('fault').classList.toggle('past', !stopped);
+  by('resetting').hidden = by('reset-help').hidden = !stopped;
   by('cause').textContent = state.fault ?? '';
-  by('help').textContent = state.help ? `What to do: ${state.help}` : '';
+  by('help').textContent = state.help && stopped ? `What to do: ${state.help}` : '';
   by('persisting').textContent = state.persisting ? `A reset failed or would be refused: ${state.persisting}` : '';
   showJoints(state);
   const speeds = layout.robots.map(({ name }) => speed(name, state));

@@ -20,12 +20,17 @@ export class Operating {
     this.link = link;
     this.state = null;
     this.yours = false;
+    /** Whether it is this page that gives control back. */
+    this.leaves = false;
     this.held = null;
     by('stop').addEventListener('click', () => this.stop());
     addEventListener('keydown', (event) => {
       if (event.key === 'Escape' && !by('door').open) this.stop();
     });
-    by('take').addEventListener('click', () => this.press(by('take'), { do: this.yours ? 'let-go' : 'take' }));
+    by('take').addEventListener('click', () => {
+      this.leaves = this.yours;
+      this.press(by('take'), { do: this.yours ? 'let-go' : 'take' });
+    });
     for (const button of document.querySelectorAll('[data-do]')) {
       button.addEventListener('click', () => this.press(button, { do: button.dataset.do, ...this.stamp() }));
     }
@@ -54,7 +59,7 @@ export class Operating {
     button.setAttribute('aria-busy', 'true');
     const { outcome, text } = await this.link.ask(message);
     button.removeAttribute('aria-busy');
-    this.tell(outcome, text);
+    this.tell(outcome, outcome === 'done' && message.do === 'take' ? 'you have control' : text);
     this.draw();
     return outcome;
   }
@@ -95,7 +100,12 @@ export class Operating {
 
   /** What is held moves nothing: why. */
   stands({ outcome, text }) {
-    if (this.held) this.held.why = text;
+    if (this.held) {
+      // It is asked again and again: the first answer stays.
+      if (this.held.why) return;
+      this.held.why = text;
+      this.held.button.dataset.refused = 'true';
+    }
     this.tell(outcome, text);
   }
 
@@ -103,6 +113,7 @@ export class Operating {
   letGo() {
     if (!this.held) return;
     delete this.held.button.dataset.pressed;
+    delete this.held.button.dataset.refused;
     this.held = null;
     this.link.say({ do: 'release' });
   }
@@ -116,7 +127,9 @@ export class Operating {
 
   /** Who has control. */
   authority({ page, yours }) {
+    if (this.yours && !yours && !this.leaves) this.tell('refused', 'this page has lost control, since it was silent for 300 ms: take control again');
     this.yours = yours;
+    this.leaves = false;
     if (!yours) this.letGo();
     by('authority').textContent = yours ? 'You have control.' : page ? `Page ${page} has control.` : '';
     this.page = page;
@@ -151,7 +164,7 @@ export class Operating {
       by('reduced').setAttribute('aria-pressed', state.reduced);
       by('hold').disabled = !open || !yours || !state.reduced;
       by('hold').dataset.held = state.held;
-      by('hold').textContent = state.held ? 'Held: robots may move' : 'Hold to run';
+      by('hold').textContent = state.held ? 'Held' : 'Hold to run';
       by('reduced-help').hidden = !state.reduced;
     }
   }

@@ -6,6 +6,8 @@ import uPlot from 'uplot';
 import 'uplot/dist/uPlot.min.css';
 
 const MINUTE = 60;
+/** States that are farther apart are not joined [s]. */
+const GAP = 2;
 export const LINES = ['#0072b2', '#e69f00', '#009e73', '#cc79a7', '#56b4e9', '#d55e00', '#8a6fb8', '#7f7f7f'];
 
 export class Plot {
@@ -55,6 +57,8 @@ export class Plot {
     // What is earlier than what is there begins anew.
     if (times.length && time < times.at(-1)) this.data.forEach((line) => { line.length = 0; });
     if (times.length && time === times.at(-1)) return;
+    // What was not seen is no line: a jump in a recording, or a page that was away.
+    if (times.length && time > times.at(-1) + GAP) this.data.forEach((line, i) => line.push(i ? null : times.at(-1) + GAP / 2));
     times.push(time);
     values.forEach((value, i) => this.data[i + 1]?.push(value));
     let old = 0;
