@@ -72,36 +72,28 @@ fn kill(place: &Place, role: &str, variables: &[(&str, &str)]) -> (Launch, Optio
 
 #[test]
 fn fault_162_lower_cells_whose_upper_mp_is_killed_come_to_a_standstill_as_processes() {
-    let place = place(102);
+    // The cell closes when its uppermost MP is gone: EDPs brake.
+    kill_until_at_rest(&place(102), "mp");
+}
+
+/// Kills a process; its cell ends with a fault that names it, and each arm was demanded to stand at last. An EDP that this machine
+/// keeps waiting meanwhile leaves the periods out in which it would have been seen to stand: it is tried again.
+fn kill_until_at_rest(place: &Place, role: &str) {
     for attempt in 1..=ATTEMPTS {
-        let (launch, status) = kill(&place, "mp", &[]);
+        let (launch, status) = kill(place, role, &[]);
         assert_eq!(status, Some(1), "{}", launch.said());
-        // The cell closes when its uppermost MP is gone: EDPs brake. One that this machine keeps waiting meanwhile leaves the periods
-        // out in which it would have been seen to stand.
-        if come_to_rest(&launch) {
+        assert!(launch.said().contains(role) || is_late(&launch.said()), "{}", launch.said());
+        if ARMS.iter().all(|arm| periods_at_rest(&launch.record(arm)) >= 2) {
             return;
         }
         assert!(attempt < ATTEMPTS, "{}", launch.said());
     }
 }
 
-/// Whether each arm was demanded to stand at last.
-fn come_to_rest(launch: &Launch) -> bool {
-    ARMS.iter().all(|arm| periods_at_rest(&launch.record(arm)) >= 2)
-}
-
 #[test]
 fn fault_166_a_lower_mp_that_is_killed_as_a_process_stops_all_cells_or_is_gone_on_without() {
     let place = place(103);
-    for attempt in 1..=ATTEMPTS {
-        let (launch, status) = kill(&place, "mp left", &[]);
-        assert_eq!(status, Some(1), "{}", launch.said());
-        assert!(launch.said().contains("mp left") || is_late(&launch.said()), "{}", launch.said());
-        if come_to_rest(&launch) {
-            break;
-        }
-        assert!(attempt < ATTEMPTS, "{}", launch.said());
-    }
+    kill_until_at_rest(&place, "mp left");
     let (launch, status) = kill(&place, "mp left", &[(DISPENSABLE, "1")]);
     let said = launch.said();
     assert!(status == Some(0) || status == Some(1) && is_late(&said), "{status:?}: {said}");

@@ -5,8 +5,8 @@ many trials were good, bad (with why) and void: a hold that moved nothing, or a 
 processor at the end of the hold and was late by that.
 
 A hold ends when the panel's server receives the release, or 300 ms after the last renewal that it received, whichever is first. (From
-290 ms on the server itself lets it go: it received nothing then.) The rate of path time must begin to fall in one of the three steps that begin from then on, and fall to 0 without rising again within the stop.
-From then on robots are demanded at one place, keep within 0.05 rad of it, and stand there at the end of the window.
+290 ms on the server itself lets it go: it received nothing then.) The rate of path time must begin to fall in one of the three steps that
+begin from then on, and fall to 0 without rising again within the stop. From then on robots are demanded at one place, keep within 0.05 rad of it, and stand there at the end of the window.
 """
 
 import json
@@ -67,8 +67,7 @@ def judge(trial, steps, commands, images, period, stop):
     event = min([max(renewals) + LAPSE, *(at for at in released if at < max(renewals) + OWN)])
     times = [time for time, _ in steps]
     dt = [step["dt"] for _, step in steps]
-    before = lambda when: max((i for i, time in enumerate(times) if time <= when), default=None)
-    last, told = before(event), before(min([event, *released]))
+    last, told = (max((i for i, time in enumerate(times) if time <= when), default=None) for when in (event, min([event, *released])))
     if told is None or dt[told] == 0:
         raise Void("nothing moved when it ended")
     fall = next((i for i in range(told + 1, len(dt)) if dt[i] < dt[i - 1]), None)
@@ -78,9 +77,9 @@ def judge(trial, steps, commands, images, period, stop):
     left_out = [i for i in range(told, rest + 1) if steps[i][1]["duration"] * 1e9 > 1.5 * period]
     if left_out:
         raise Void("the machine was late: steps were left out")
-    if fall - last > STEPS and trial["taken"] > 0:
-        raise Void("the machine below took this one's processors away")
     if fall - last > STEPS:
+        if trial["taken"] > 0:
+            raise Void("the machine below took this one's processors away")
         raise Bad(f"the rate began to fall {fall - last} steps after the hold had ended")
     if any(dt[i] > dt[i - 1] for i in range(fall + 1, rest + 1)):
         raise Bad("the rate rose again")

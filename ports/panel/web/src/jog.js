@@ -39,6 +39,21 @@ export class Jogging {
     return by('jog-robot').value;
   }
 
+  /** What that robot is made of, and how it is now. */
+  get made() {
+    return this.layout.robots.find(({ name }) => name === this.robot);
+  }
+
+  get now() {
+    return this.state?.robots.find(({ name }) => name === this.robot);
+  }
+
+  /** No way is shown any more, so that none may be gone. */
+  forgetWay() {
+    this.seen = null;
+    this.drawWay(null);
+  }
+
   /** Another cell. */
   begin(layout) {
     this.layout = layout;
@@ -53,21 +68,13 @@ export class Jogging {
   /** Buttons of another robot, or in another space. */
   build() {
     this.operating.letGo();
-    const joints = this.layout.robots.find(({ name }) => name === this.robot)?.joints ?? [];
+    const joints = this.made?.joints ?? [];
     const space = by('jog-space').value;
     const rows = space === 'joints'
       ? joints.map((joint, i) => [`joint ${i + 1}`, `joint ${i + 1}`, joint.kind === 'revolute'])
       : AXES.map((axis) => [`${space} ${axis}`, NAMES[axis], axis.startsWith('r')]);
     by('jog-buttons').replaceChildren(...rows.flatMap(([what, name, turns]) => {
-      const button = (sign, text) => {
-        const made = document.createElement('button');
-        made.type = 'button';
-        made.className = 'hold';
-        made.textContent = text;
-        made.setAttribute('aria-label', `${name} ${sign < 0 ? 'minus' : 'plus'}`);
-        this.operating.holding(made, () => this.order(what, sign, turns));
-        return made;
-      };
+      const button = (sign, text) => this.holdButton(text, `${name} ${sign < 0 ? 'minus' : 'plus'}`, () => this.order(what, sign, turns));
       const label = document.createElement('span');
       label.textContent = name;
       return [button(-1, '−'), label, button(1, '+')];
@@ -78,9 +85,17 @@ export class Jogging {
     this.draw();
   }
 
+  /** A button that jogs as long as it is held. */
+  holdButton(text, label, jog) {
+    const made = Object.assign(document.createElement('button'), { type: 'button', className: 'hold', textContent: text });
+    made.setAttribute('aria-label', label);
+    this.operating.holding(made, jog);
+    return made;
+  }
+
   /** Buttons that switch outputs of the robot, while it stands. */
   buildOutputs() {
-    const { signals = [] } = this.layout.robots.find(({ name }) => name === this.robot) ?? {};
+    const { signals = [] } = this.made ?? {};
     this.outputs = [];
     by('jog-outputs').replaceChildren(...signals.flatMap(({ name, channel, output, note }, place) => {
       if (!output) return [];
@@ -88,9 +103,7 @@ export class Jogging {
       label.textContent = name;
       label.title = note;
       const button = (text, says, value) => {
-        const made = Object.assign(document.createElement('button'), { type: 'button', className: 'hold', textContent: text });
-        made.setAttribute('aria-label', `${name} ${text}`);
-        this.operating.holding(made, () => ({ robot: this.robot, order: `output ${name} ${says()}` }));
+        const made = this.holdButton(text, `${name} ${text}`, () => ({ robot: this.robot, order: `output ${name} ${says()}` }));
         if (value !== undefined) this.outputs.push({ place, value, button: made });
         return made;
       };
@@ -106,8 +119,7 @@ export class Jogging {
     const [, metres, degrees] = STEPS[by('jog-step').value];
     const way = turns ? degrees && degrees * RAD : metres;
     // From elsewhere the way to a pose is another one.
-    this.seen = null;
-    this.drawWay(null);
+    this.forgetWay();
     return { robot: this.robot, order: `${what} ${sign * by('jog-speed').value}%${way ? ` by ${way}` : ''}` };
   }
 
@@ -128,21 +140,21 @@ export class Jogging {
   list() {
     // Its buttons are made anew: one that is held is let go.
     if (by('poses').contains(this.operating.held?.button)) this.operating.letGo();
-    this.drawWay(null);
+    this.forgetWay();
     const { poses = [], why } = this.taught[this.robot] ?? {};
     by('poses-why').textContent = why ?? '';
     by('poses').replaceChildren(...poses.map(({ name, joints }) => {
       const item = document.createElement('li'), text = document.createElement('span');
       text.textContent = name;
-      const button = (label, does, kind = '') => {
-        const made = Object.assign(document.createElement('button'), { type: 'button', textContent: label, className: kind });
+      const button = (label, does) => {
+        const made = Object.assign(document.createElement('button'), { type: 'button', textContent: label });
         made.setAttribute('aria-label', `${label}: ${name}`);
-        if (does) made.addEventListener('click', () => does(made));
+        made.addEventListener('click', () => does(made));
         return made;
       };
-      const look = button('Way', (made) => this.look(name, made)), go = button('Go, held', null, 'hold');
+      const look = button('Way', (made) => this.look(name, made));
+      const go = this.holdButton('Go, held', `Go, held: ${name}`, () => ({ robot: this.robot, order: `to ${by('jog-speed').value}% ${joints.join(' ')}` }));
       go.dataset.pose = name;
-      this.operating.holding(go, () => ({ robot: this.robot, order: `to ${by('jog-speed').value}% ${joints.join(' ')}` }));
       const rename = button('Rename', (made) => {
         const to = by('pose-name').value.trim();
         this.operating.press(made, { do: 'rename', robot: this.robot, name, to });
@@ -151,7 +163,6 @@ export class Jogging {
       item.append(text, look, go, rename, forget);
       return item;
     }));
-    this.seen = null;
   }
 
   /** Shows the way to a pose: then it may be gone. */
@@ -168,19 +179,16 @@ export class Jogging {
 
   show(state) {
     this.state = state;
-    const jogs = state.robots.find(({ name }) => name === this.robot)?.jogs;
+    const jogs = this.now?.jogs;
     // Its program goes on: nobody goes the way that is shown.
-    if (this.jogs && !jogs) {
-      this.seen = null;
-      this.drawWay(null);
-    }
+    if (this.jogs && !jogs) this.forgetWay();
     this.jogs = jogs;
     this.draw();
   }
 
   /** Why no jog would move anything; empty if one would. */
   why() {
-    const robot = this.state?.robots.find(({ name }) => name === this.robot);
+    const robot = this.now;
     if (!robot) return 'Nothing is known of this robot yet.';
     if (!this.operating.yours) return 'Take control first.';
     if (this.robot.includes('.')) return 'A robot of a lower cell is jogged at that cell.';
@@ -195,7 +203,7 @@ export class Jogging {
 
   draw() {
     const why = this.why(), open = this.link.isOpen && this.state !== null;
-    const robot = this.state?.robots.find(({ name }) => name === this.robot);
+    const robot = this.now;
     // A hold that the cell refuses, or that ended meanwhile, moves nothing.
     const stands = this.state?.held ? '' : this.operating.held?.why;
     const stop = stands || robot?.stop;

@@ -141,9 +141,8 @@ function show(state) {
   const stopped = ['latched', 'acknowledged', 'stopping'].includes(state.state);
   by('fault').querySelector('h2').textContent = stopped ? 'Stopped: first cause' : 'Last fault';
   by('fault').classList.toggle('past', !stopped);
-  by('resetting').hidden = by('reset-help').hidden = !stopped;
   by('cause').textContent = state.fault ?? '';
-  by('help').textContent = state.help && stopped ? `What to do: ${state.help}` : '';
+  by('help').textContent = state.help ? `What to do: ${state.help}` : '';
   by('persisting').textContent = state.persisting ? `A reset failed or would be refused: ${state.persisting}` : '';
   showJoints(state);
   const speeds = layout.robots.map(({ name }) => speed(name, state));

@@ -29,7 +29,7 @@ export class Operating {
     });
     by('take').addEventListener('click', () => {
       this.leaves = this.yours;
-      this.press(by('take'), { do: this.yours ? 'let-go' : 'take' });
+      this.press(by('take'), { do: this.yours ? 'let-go' : 'take' }, this.yours ? null : 'you have control');
     });
     for (const button of document.querySelectorAll('[data-do]')) {
       button.addEventListener('click', () => this.press(button, { do: button.dataset.do, ...this.stamp() }));
@@ -55,11 +55,12 @@ export class Operating {
     return { epoch: this.state?.epoch ?? 0, step: this.state?.step ?? 0 };
   }
 
-  async press(button, message) {
+  /** `done` says in place of the answer's words that it was done. */
+  async press(button, message, done = null) {
     button.setAttribute('aria-busy', 'true');
     const { outcome, text } = await this.link.ask(message);
     button.removeAttribute('aria-busy');
-    this.tell(outcome, outcome === 'done' && message.do === 'take' ? 'you have control' : text);
+    this.tell(outcome, outcome === 'done' ? done ?? text : text);
     this.draw();
     return outcome;
   }

@@ -17,7 +17,7 @@ use crate::model::robot::Robot;
 use crate::model::wire::WORDS;
 use crate::observe::witness::What;
 use crate::operator::button::Button;
-use crate::operator::jog::panel::{named, switched};
+use crate::operator::jog::panel::{named, switchable};
 use crate::operator::jog::{JogFrame, JogMotion, JogNow, JogOrder, JogPanel, JogRefusal, JogSeat, JogStop};
 use crate::operator::state::Doing;
 
@@ -178,7 +178,7 @@ impl Mp<'_> {
             JogMotion::Joint { joint } => usize::from(*joint) < joints,
             JogMotion::To { joints: to } => to.positions().len() == joints,
             JogMotion::Output { output, to } => {
-                switched(&self.robots[index].signals, *output, *to)?;
+                switchable(&self.robots[index].signals, *output, *to)?;
                 true
             }
         };

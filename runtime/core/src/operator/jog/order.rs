@@ -163,6 +163,9 @@ pub(in crate::operator) fn share(text: &str) -> Option<f64> {
 const HELP: &str = "write what to move, and how fast: tool x -50%, world rz 20% by 0.1, frame table y 5%, joint 3 10%, or to 50% \
                     and a position for each joint; or what to switch: output gripper off";
 
+/// Which word of a message has the value of an output: the one behind its name.
+const VALUE: usize = 3 + <Name as Wire>::LEN;
+
 impl JogOrder {
     /// How many words of a message it takes.
     pub const WORDS: usize = 3 + MAX_JOINTS;
@@ -236,7 +239,6 @@ impl JogOrder {
 
     /// Writes it into [`WORDS`](Self::WORDS) words.
     pub fn put(&self, words: &mut [u64]) {
-        words[..JogOrder::WORDS].fill(0);
         let (tag, frame, number) = match &self.motion {
             JogMotion::Tool { frame, axis } => {
                 let frame = match frame {
@@ -258,20 +260,17 @@ impl JogOrder {
             }
             JogMotion::Output { output, to } => {
                 output.put(&mut words[3..]);
-                match to {
-                    Value::Digital(on) => (3, 0, u64::from(*on)),
-                    Value::Analog(value) => {
-                        words[2] = value.to_bits();
-                        (3, 1, 0)
-                    }
-                }
+                let (of, word) = match to {
+                    Value::Digital(on) => (0, u64::from(*on)),
+                    Value::Analog(value) => (1, value.to_bits()),
+                };
+                words[VALUE] = word;
+                (3, of, 0)
             }
         };
         words[0] = tag | frame << 8 | number << 16;
         words[1] = self.speed.to_bits();
-        if let Some(way) = self.way {
-            words[2] = way.to_bits();
-        }
+        words[2] = self.way.unwrap_or(0.0).to_bits();
     }
 
     /// Reads it from [`WORDS`](Self::WORDS) words.
@@ -300,9 +299,9 @@ impl JogOrder {
                 JogMotion::To { joints }
             }
             (3, of) => {
-                let to = match (of, number) {
-                    (0, 0 | 1) => Value::Digital(number == 1),
-                    (1, 0) => Value::Analog(f64::from_bits(words[2])),
+                let to = match (of, words[VALUE]) {
+                    (0, on @ (0 | 1)) => Value::Digital(on == 1),
+                    (1, value) => Value::Analog(f64::from_bits(value)),
                     _ => return Err(BadWords),
                 };
                 JogMotion::Output { output: Name::get(&words[3..])?, to }
@@ -310,7 +309,7 @@ impl JogOrder {
             _ => return Err(BadWords),
         };
         let way = f64::from_bits(words[2]);
-        let way = (way != 0.0 && !matches!(motion, JogMotion::Output { .. })).then_some(way);
+        let way = (way != 0.0).then_some(way);
         JogOrder { motion, speed: f64::from_bits(words[1]), way }.checked().ok_or(BadWords)
     }
 }
@@ -334,10 +333,7 @@ impl fmt::Display for JogOrder {
                 return joints.positions().iter().try_for_each(|q| write!(f, " {q:?}"));
             }
             JogMotion::Output { output, to } => {
-                return match to {
-                    Value::Digital(on) => write!(f, "output {output} {}", if *on { "on" } else { "off" }),
-                    Value::Analog(value) => write!(f, "output {output} {value:?}"),
-                };
+                return write!(f, "output {output} {to}");
             }
         }
         self.way.map_or(Ok(()), |way| write!(f, " by {way:?}"))

@@ -268,7 +268,7 @@ impl<R: Robot> JogPanel<R> {
     #[must_use]
     pub fn switched(&self, demand: Demand<R>, order: &JogOrder) -> Demand<R> {
         match order.motion {
-            JogMotion::Output { output, to } => match switched(&self.signals, output, to) {
+            JogMotion::Output { output, to } => match switchable(&self.signals, output, to) {
                 Ok(channel) => demand.with_value(channel, to),
                 Err(_) => demand,
             },
@@ -281,7 +281,7 @@ impl<R: Robot> JogPanel<R> {
 ///
 /// # Errors
 /// Why it may not be switched like this.
-pub(crate) fn switched(names: &SignalNames, output: Name, to: Value) -> Result<Channel, JogRefusal> {
+pub(crate) fn switchable(names: &SignalNames, output: Name, to: Value) -> Result<Channel, JogRefusal> {
     let known = names.outputs.iter().find(|(name, _)| name == output.as_str());
     let channel = known.map(|(_, channel)| *channel).ok_or(JogRefusal::NoOutput)?;
     if matches!(channel, Channel::Digital(_)) != matches!(to, Value::Digital(_)) {
