@@ -41,19 +41,15 @@ fn cell(file: &CellFile) -> Result<Cell, CellError> {
     Ok(file.cell(&simulated())?.program(move |mp| measure(mp, step)))
 }
 
-/// Where bare zenoh is answered, by TLS, TCP or not at all, and the folder of certificates: from the environment.
-fn settings() -> (String, SocketAddr, String) {
-    let of = |name: &str| std::env::var(name).unwrap_or_default();
-    let address = of("MRROC_ECHO").parse().unwrap_or_else(|_| SocketAddr::from(([127, 0, 0, 1], 7450)));
-    let transport =
-        ["tcp", "none"].into_iter().find(|known| *known == of("MRROC_TRANSPORT")).unwrap_or("tls");
-    (transport.to_owned(), address, of("MRROC_KEYS"))
+/// Where bare zenoh is answered, if it is: from the environment.
+fn echo_address() -> Option<SocketAddr> {
+    std::env::var("MRROC_ECHO").ok()?.parse().ok()
 }
 
 /// A session with the settings of a node's, which calls or waits.
 fn bare(calls: bool, name: &str) -> Session {
-    let (transport, address, keys) = settings();
-    let endpoint = [format!("{transport}/{address}")];
+    let endpoint = [format!("quic/{}", echo_address().expect("MRROC_ECHO has an address"))];
+    let keys = std::env::var("MRROC_KEYS").expect("MRROC_KEYS has the folder of certificates");
     let file = |name: &str| Path::new(&keys).join(name).to_string_lossy().into_owned();
     let (key, certificate) = (file(&format!("{name}.key")), file(&format!("{name}.pem")));
     let none: [String; 0] = [];
@@ -151,7 +147,7 @@ fn alone(c: &mut Alone) -> bool {
 /// Measures in a cell whose step is `step` \[s\].
 fn measure(mp: &mut Mp, step: f64) -> Result<(), Fault> {
     let (mut near, mut far) = (mp.robot::<Irp6>("near")?, mp.robot::<Irp6>("far")?);
-    if settings().0 == "none" {
+    if echo_address().is_none() {
         return mp.wait_until((&mut near, &mut far), (), Long((20.0 / step) as u64)).map(drop);
     }
     let other = Bare::new(bare(true, "a"), "bench/a", "bench/b");

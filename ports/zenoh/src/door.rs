@@ -13,7 +13,7 @@ use zenoh::{Config, Wait};
 
 use crate::access::{DoorKeys, at_door};
 use crate::certificates::{Files, door};
-use crate::session::{Parting, settings};
+use crate::session::{Parting, endpoint, settings};
 
 /// A door, as long as it lives.
 pub(crate) struct Open(Parting<Ways>);
@@ -34,7 +34,7 @@ impl Doorway for Open {
 pub(crate) fn open(asked: &Door<'_>, hears: Arc<dyn HearsAtDoor>) -> Result<Open, String> {
     let Door { sensor, address, keys } = *asked;
     let files = Files::of(&door(sensor), keys, "NODE, or FOLDER/cell of a cell without nodes,")?;
-    let endpoint = format!("tls/{address}");
+    let endpoint = endpoint(address);
     let config = settings(&[endpoint], &[], at_door(sensor), &files).to_string();
     let config = Config::from_json5(&config).map_err(|error| error.to_string())?;
     let session = zenoh::open(config).wait().map_err(|error| {

@@ -1,10 +1,11 @@
-//! A node's session: one TLS connection to each node that it speaks to.
+//! A node's session: one QUIC connection to each node that it speaks to.
 //!
 //! In: what is to be sent. Out: what has come, and who is there. The launcher's node calls the others, which wait at their
 //! addresses; nobody is looked for, no router is between them, and what comes for another node is passed on by none. A node
 //! that says nothing for 300 ms is lost. Messages are not collected (express), and the transport is zenoh's
 //! low-latency one, which sends in the calling thread: the carrier's, and never that of a step.
 
+use std::fmt::Display;
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::mpsc::channel;
@@ -22,6 +23,15 @@ use zenoh::{Config, Session, Wait};
 use crate::access::{alive, control, way};
 use crate::certificates::Files;
 
+/// What nodes and doors speak below zenoh: QUIC, which is encrypted by TLS 1.3 over UDP. zenoh's other transport with certificates, TLS
+/// over TCP, reads and writes one state of rustls from two threads at once (zenoh's issue 2557): messages vanish, and programs crash.
+const PROTOCOL: &str = "quic";
+
+/// The endpoint at an address, for [`settings`].
+pub(crate) fn endpoint(address: impl Display) -> String {
+    format!("{PROTOCOL}/{address}")
+}
+
 /// After so long without a word a node is lost \[ms\].
 const LEASE_MS: u64 = 300;
 
@@ -32,10 +42,6 @@ const CALL_MOST_MS: u64 = 1000;
 /// How long a session may take to say farewell. zenoh itself takes 10 s for it where a cable is pulled, and as long again for each
 /// word that waits for a peer that takes none: the end of the process says the same.
 const FAREWELL: Duration = Duration::from_secs(1);
-
-/// What the kernel keeps of what a pulled cable does not take, per connection \[bytes\]: more than a node says within the lease. A
-/// writer that waits for the peer holds zenoh's lock on the connection, and then nobody hears before TCP gives up that it is lost.
-const KEPT: u32 = 1 << 20;
 
 /// The ways to the other nodes, as long as it lives.
 pub(crate) struct Zenoh(Parting<Ways>);
@@ -141,10 +147,11 @@ pub(crate) fn join(joining: &Joining<'_>, hears: Arc<dyn Hears>) -> Result<Zenoh
 
 /// zenoh's configuration of a node.
 fn config(nodes: &Nodes, me: usize, side: Side, files: &Files) -> Value {
-    let endpoint = |node: &mrroc_core::cell::Node| format!("tls/{}", node.address);
     let all = || nodes.all().iter().enumerate();
-    let own: Vec<_> = all().filter(|(place, _)| *place == me).map(|(_, node)| endpoint(node)).collect();
-    let others: Vec<_> = all().filter(|(place, _)| *place != me).map(|(_, node)| endpoint(node)).collect();
+    let own: Vec<_> =
+        all().filter(|(place, _)| *place == me).map(|(_, node)| endpoint(node.address)).collect();
+    let others: Vec<_> =
+        all().filter(|(place, _)| *place != me).map(|(_, node)| endpoint(node.address)).collect();
     let (listen, connect) = match side {
         Side::Calls => (Vec::new(), others),
         Side::Waits => (own, Vec::new()),
@@ -171,10 +178,9 @@ pub(crate) fn settings(listen: &[String], connect: &[String], access: Value, fil
         "transport": {
             "unicast": { "lowlatency": true, "qos": { "enabled": false }, "accept_pending": 16, "max_links": 1 },
             "link": {
-                "protocols": ["tls"],
+                "protocols": [PROTOCOL],
                 "tx": { "lease": LEASE_MS, "keep_alive": 4 },
                 "tls": {
-                    "so_sndbuf": KEPT,
                     "root_ca_certificate": path(&files.authority),
                     "listen_private_key": path(&files.key),
                     "listen_certificate": path(&files.certificate),

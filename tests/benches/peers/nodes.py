@@ -43,7 +43,7 @@ permission = "best effort"
 """
 
 
-def measure(machines, folder, step, transport, cyclictest):
+def measure(machines, folder, step, bare, cyclictest):
     for name in "ab":
         home = folder / name
         home.mkdir(exist_ok=True)
@@ -55,7 +55,9 @@ def measure(machines, folder, step, transport, cyclictest):
 
     def begin(place, *words, **how):
         home = folder / "ab"[place]
-        environment = {**os.environ, "MRROC_ECHO": "10.77.0.2:7450", "MRROC_TRANSPORT": transport, "MRROC_KEYS": str(home / "certificates")}
+        environment = {**os.environ, "MRROC_KEYS": str(home / "certificates")}
+        if bare:
+            environment["MRROC_ECHO"] = "10.77.0.2:7450"
         words = [PROGRAM, *words] if words[0] == "echo" else [PROGRAM, "--cell", home / "cell.toml", "--no-picture", *words]
         if words[1] == "echo" and URGENT:
             # As urgent as the cell's processes, and the MP's own end of it.
@@ -63,7 +65,7 @@ def measure(machines, folder, step, transport, cyclictest):
         return subprocess.Popen(machines[place].within(*words), env=environment, stdin=subprocess.DEVNULL, text=True, **how)
 
     node = begin(1, "node", "b")
-    echo = begin(1, "echo", stdout=subprocess.PIPE) if transport != "none" else None
+    echo = begin(1, "echo", stdout=subprocess.PIPE) if bare else None
     if echo:
         echo.stdout.readline()
     time.sleep(1.0)
@@ -72,7 +74,7 @@ def measure(machines, folder, step, transport, cyclictest):
         # An awake thread for each step, at the priority of the cell.
         words = [cyclictest, "-q", "-m", "-p50", "-i", f"{step * 1000:.0f}", "-D", "20", "-h", "20000"]
         beside = subprocess.Popen(words, stdout=subprocess.PIPE, text=True)
-    what = f"bare zenoh over {transport}" if transport != "none" else "a Wait of 20 s for both robots"
+    what = "bare zenoh with the same settings" if bare else "a Wait of 20 s for both robots"
     print(f"\nstep_ms = {step}, {what}", flush=True)
     cell = begin(0, "--processes")
     status = cell.wait(300)
@@ -104,8 +106,8 @@ def main():
     machines = [Namespace("bench0", *ADDRESSES), Namespace("bench1", *reversed(ADDRESSES))]
     folder = Path(tempfile.mkdtemp())
     try:
-        for step, transport in ((10, "tls"), (10, "tcp"), (1, "none")):
-            if measure(machines, folder, step, transport, cyclictest):
+        for step, bare in ((10, True), (1, False)):
+            if measure(machines, folder, step, bare, cyclictest):
                 print("the cell did not end well: this machine was too late for this step")
     finally:
         for machine in machines:

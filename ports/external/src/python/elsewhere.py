@@ -82,7 +82,7 @@ def _config(folder: str) -> dict:
         "mode": "peer",
         "listen": {"endpoints": []},
         "connect": {
-            "endpoints": [f"tls/{ADDRESS}"],
+            "endpoints": [f"quic/{ADDRESS}"],
             "timeout_ms": -1,
             "exit_on_failure": False,
             "retry": {"period_init_ms": 200, "period_max_ms": 1000, "period_increase_factor": 2},
@@ -92,7 +92,7 @@ def _config(folder: str) -> dict:
         "transport": {
             "unicast": {"lowlatency": True, "qos": {"enabled": False}, "max_links": 1},
             "link": {
-                "protocols": ["tls"],
+                "protocols": ["quic"],
                 "tx": {"lease": 300, "keep_alive": 4},
                 "tls": {
                     "root_ca_certificate": files["authority.pem"],

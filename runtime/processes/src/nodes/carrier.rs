@@ -6,7 +6,6 @@
 //! comes back is taken in again.
 
 use std::io::{self, Read};
-use std::net::TcpStream;
 use std::os::fd::AsFd;
 use std::os::unix::net::{UnixListener, UnixStream};
 use std::path::Path;
@@ -14,12 +13,13 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
-use mrroc_core::cell::{Cell, Node, Nodes, Realtime};
+use mrroc_core::cell::{Cell, Nodes, Realtime};
 use mrroc_core::fault::ProcessId;
 use mrroc_core::link::Clock;
 use mrroc_launch::network::{Hears, Joining, Side, Wires, network};
 use rustix::process::{Signal, set_parent_process_death_signal};
 
+use super::absence::absent;
 use super::identity::{Identity, keys};
 use super::message::Said;
 use super::sending::{Post, Sending, join};
@@ -36,9 +36,6 @@ const PATIENCE: Duration = Duration::from_secs(10);
 
 /// How often a node that is busy is asked again.
 const AGAIN: Duration = Duration::from_millis(500);
-
-/// How long it is looked who is at an address.
-const LOOK: Duration = Duration::from_secs(1);
 
 /// The socket in a session's folder to which the launcher connects once for each process of another machine.
 pub(crate) const FAR: &str = "far";
@@ -243,24 +240,6 @@ fn meet(
 
 /// The beginning of what an agent says that is busy.
 pub(super) const BUSY: &str = "it has processes of another run";
-
-/// Why a node has not answered, and what to do.
-pub(super) fn absent(node: &Node, is_there: bool) -> String {
-    let (name, address) = (node.name.as_str(), node.address);
-    if is_there {
-        return format!("node {name} at {address} does not answer\n help: is its machine too busy?");
-    }
-    match TcpStream::connect_timeout(&address, LOOK) {
-        Ok(_) => format!(
-            "who answers at {address} is not node {name} of this cell: its certificate or this node's was made by another authority, or \
-             for another name or address, or it is another program\n help: make certificates for all nodes at once, PROGRAM certificates \
-             FOLDER, and copy each node's own to it"
-        ),
-        Err(error) => format!(
-            "node {name} is not there: nobody answers at {address}: {error}\n help: start it on its machine: PROGRAM node {name}"
-        ),
-    }
-}
 
 /// Begins to hear the launcher: its frames, and a stream for each process of another machine.
 fn accept(listener: UnixListener, control: &Control, hub: &Arc<Hub>) -> io::Result<()> {

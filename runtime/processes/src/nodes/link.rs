@@ -12,7 +12,8 @@ use mrroc_core::cell::Nodes;
 use mrroc_core::link::Nanos;
 use mrroc_launch::network::{Hears, Joining, Side, Wires, network};
 
-use super::carrier::{NO_NETWORK, absent};
+use super::absence::absent;
+use super::carrier::NO_NETWORK;
 use super::identity::keys;
 use super::message::Said;
 use super::phase::{Figures, Phase};
@@ -132,9 +133,6 @@ fn steps(round_trip: Nanos) -> (u64, u64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use mrroc_core::cell::Node;
-    use mrroc_core::fault::Name;
-    use std::net::TcpListener;
 
     #[test]
     fn the_step_that_a_link_carries_is_as_long_as_its_round_trip_and_half_of_it_for_a_tight_move() {
@@ -145,7 +143,7 @@ mod tests {
     }
 
     #[test]
-    fn a_link_is_told_with_its_step_and_a_node_that_does_not_answer_with_what_to_do() {
+    fn a_link_is_told_with_its_step() {
         let figures = Figures {
             asked: 1000,
             lost: 2,
@@ -157,14 +155,5 @@ mod tests {
             told.contains("2.60 ms (99.9 %), 2 of 1000 lost") && told.contains("from step_ms = 4 on"),
             "{told}"
         );
-        // Where something else waits, the node need not be started.
-        let other = TcpListener::bind("127.0.0.1:0").expect("a port");
-        let node = |address| Node { name: Name::new("b").expect("a name"), address };
-        let node = node(other.local_addr().expect("an address"));
-        let told = absent(&node, false);
-        assert!(told.contains("is not node b of this cell: its certificate"), "{told}");
-        drop(other);
-        let told = absent(&node, false);
-        assert!(told.contains("nobody answers at 127.0.0.1:") && told.contains("PROGRAM node b"), "{told}");
     }
 }

@@ -17,6 +17,7 @@
 //! what they say, [`identity`] what they compare, [`phase`] how an agent keeps its node's steps with those of the MP,
 //! [`link`] what `doctor` finds out about a network.
 
+mod absence;
 pub(crate) mod agent;
 pub(crate) mod carrier;
 mod identity;

@@ -1,8 +1,8 @@
 //! Nodes that say nothing any more, by what has come of them and not by what the network tells.
 //!
 //! In: that something has come of a node. Out: a node of which nothing has come for [`SILENT`]. A network tells of a lost node
-//! sooner, 300 ms after its last word; but where a writer waits for a peer behind a pulled cable, zenoh holds the connection for
-//! it, and tells nothing before TCP gives up, which takes minutes. Robots do not wait for either: they stop when demands are missing.
+//! sooner, 300 ms after its last word; but where a writer waits for a peer behind a pulled cable, zenoh may hold the connection for
+//! it, and tell nothing. Robots do not wait for either: they stop when demands are missing.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
