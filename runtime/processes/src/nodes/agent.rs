@@ -20,7 +20,7 @@ use mrroc_launch::network::{Hears, Joining, Side, Wires, network};
 use super::carrier::NO_NETWORK;
 use super::identity::{Identity, keys};
 use super::message::Said;
-use super::phase::Phase;
+use super::phase::{Phase, allowance};
 use super::run::Run;
 use super::sending::{Post, join};
 use super::silence::Silences;
@@ -175,7 +175,7 @@ impl Agent {
             incoming: RwLock::new(None),
             post: OnceLock::new(),
             wires: OnceLock::new(),
-            phase: Mutex::new(Phase::new()),
+            phase: Mutex::new(Phase::new(allowance(step))),
             silences: Silences::of(nodes.all().len()),
         });
         let folder = keys(&file);

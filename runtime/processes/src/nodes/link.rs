@@ -16,7 +16,7 @@ use super::absence::absent;
 use super::carrier::NO_NETWORK;
 use super::identity::keys;
 use super::message::Said;
-use super::phase::{Figures, Phase};
+use super::phase::{Figures, Phase, WORK};
 use crate::iceoryx::monotonic;
 
 /// How many pings, and the time between two.
@@ -26,9 +26,6 @@ const APART: Duration = Duration::from_millis(2);
 /// How long a node may take to be there, and the last answers to come.
 const PATIENCE: Duration = Duration::from_secs(5);
 const LAST: Duration = Duration::from_millis(500);
-
-/// What an ECP and the MP do for a step besides waiting \[ns\]: some tenths of a millisecond each.
-const WORK: Nanos = 500_000;
 
 struct Ear {
     there: Mutex<Vec<bool>>,
@@ -72,7 +69,7 @@ pub(crate) fn examine(nodes: &Nodes, file: &Path) -> String {
     let all = nodes.all().len();
     let ear = Arc::new(Ear {
         there: Mutex::new(vec![false; all]),
-        phases: Mutex::new((0..all).map(|_| Phase::new()).collect()),
+        phases: Mutex::new((0..all).map(|_| Phase::new(0)).collect()),
     });
     let folder = keys(file);
     let joining = Joining { nodes, me: nodes.mp(), side: Side::Calls, keys: &folder };

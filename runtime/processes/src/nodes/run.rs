@@ -19,7 +19,7 @@ use super::agent::{Agent, Event};
 use super::carrier::BUSY;
 use super::identity::Identity;
 use super::message::Said;
-use super::phase::{Figures, Phase};
+use super::phase::{Figures, Phase, allowance};
 use super::pings::Pings;
 use super::sending::Sending;
 use crate::control::Frame;
@@ -79,7 +79,7 @@ impl<'a> Run<'a> {
             StandIn::make(&agent.fabric, (session.folder(), &prefix(session.number())), seals, &agent.places);
         let stand_in = stand_in.map_err(|error| text(&error))?;
         drop(private);
-        *agent.hub.phase.lock().unwrap_or_else(PoisonError::into_inner) = Phase::new();
+        *agent.hub.phase.lock().unwrap_or_else(PoisonError::into_inner) = Phase::new(allowance(agent.step));
         agent.hub.silences.forget();
         let pings = Pings::begin(agent, between.session, board).map_err(|error| text(&error))?;
         let mut run = Run {
