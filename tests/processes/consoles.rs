@@ -142,6 +142,11 @@ fn fault_63_all_of_a_hundred_consoles_are_answered_and_one_too_many_is_told_so()
         further.send("status");
         assert!(further.hear().starts_with("refused there are too many consoles"));
         assert_eq!(further.hear(), "", "it is disconnected");
+        // What ends a hold is taken all the same, as a stop is.
+        let mut lets_go = Line::new(&socket);
+        lets_go.send("let-go 1");
+        let answer = lets_go.hear();
+        assert!(answer.starts_with("done "), "{answer}");
         done(&place, &["stop"], "stopping: step ")
     };
     operate(&place, operator, |launch, status, _| {

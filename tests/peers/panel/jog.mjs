@@ -50,6 +50,8 @@ async function held(page, label, meanwhile, end = (of) => of.mouse.up()) {
   }
 }
 
+const TABLET = { width: 820, height: 1180 };
+
 /** Holds to run until a fact holds. */
 const run = (page, fact, argument) => held(page, 'Hold to run', () => until(page, fact, argument, 30000));
 
@@ -100,6 +102,19 @@ async function jogged(browser, drawingBrowser, folder) {
     console.log(`panel: a jog that is let go is seen to stand after ${Date.now() - released} ms; ${Math.round(1000 * fastest)} mm/s`);
     const after = await robot(one);
     check(after.tool[0] - before.tool[0] > 0.03 && Math.hypot(after.tool[1] - before.tool[1], after.tool[2] - before.tool[2]) < 5e-4, 'straight along x');
+    // Where the tool is stands beside the buttons, in the world or in the frame that is chosen.
+    const at = async () => (await one.locator('#jog-place').textContent()).match(/-?\d+\.\d/g).map((number) => Number(number) / 1000);
+    check((await at()).every((x, i) => Math.abs(x - after.tool[i]) < 2e-4), `the tool is in the world at ${await at()}`);
+    await one.locator('#jog-space').selectOption('frame table');
+    const table = await one.evaluate(() => { const { frames, places } = window.mrrocPanel.layout(); return places[frames.indexOf('table')]; });
+    const inTable = await at(), apart = [0, 1, 2].map((i) => after.tool[i] - table[i]);
+    // A turn about z alone: its axes are those of the world, turned by twice the angle whose sine the quaternion has.
+    check(table[3] === 0 && table[4] === 0, 'the table stands upright');
+    const turned = 2 * Math.atan2(table[5], table[6]);
+    const expected = [
+      Math.cos(turned) * apart[0] + Math.sin(turned) * apart[1], Math.cos(turned) * apart[1] - Math.sin(turned) * apart[0], apart[2]];
+    check(expected.every((x, i) => Math.abs(x - inTable[i]) < 2e-4), `the tool is at ${inTable} of the table, not at ${expected}`);
+    await one.locator('#jog-space').selectOption('world');
     check(fastest > 0.02 && fastest < 0.25, `no faster than 250 mm/s: ${fastest}`);
     check(far(await robot(two, 'right'), await robot(one, 'right')) < 1e-5, 'the other arm stands');
 
@@ -197,6 +212,15 @@ async function jogged(browser, drawingBrowser, folder) {
     await one.emulateMedia({ colorScheme: 'dark' });
     await violations(one);
     await one.emulateMedia({ colorScheme: null });
+    // What stops, what runs while it is held, and the cell's answers are in reach on a tablet, however far its page is scrolled.
+    await one.setViewportSize(TABLET);
+    await one.evaluate(() => scrollTo(0, document.documentElement.scrollHeight));
+    const inReach = await one.evaluate(() => ['stop', 'hold', 'answer'].every((id) => {
+      const { left, right, top, bottom } = document.getElementById(id).getBoundingClientRect();
+      return left >= 0 && right <= innerWidth && top >= 0 && bottom <= innerHeight;
+    }));
+    check(inReach, 'Stop, Hold to run and the answer are in reach on a tablet');
+    await one.setViewportSize(size.viewport);
     if (shots) {
       const drawn = await drawingBrowser.newPage({ viewport: { width: 1280, height: 1000 } });
       await drawn.goto(cellRuns.address);
@@ -207,6 +231,10 @@ async function jogged(browser, drawingBrowser, folder) {
       await drawn.waitForTimeout(3000);
       await drawn.locator('#jog').scrollIntoViewIfNeeded();
       await shot(drawn, 'jog');
+      await drawn.setViewportSize(TABLET);
+      await drawn.evaluate(() => scrollTo(0, document.documentElement.scrollHeight));
+      await shot(drawn, 'jog-tablet');
+      await drawn.setViewportSize(size.viewport);
       await drawn.emulateMedia({ colorScheme: 'dark' });
       await drawn.waitForTimeout(2000);
       await shot(drawn, 'jog-dark');

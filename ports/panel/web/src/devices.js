@@ -4,7 +4,7 @@
 
 const by = (id) => document.getElementById(id);
 const element = (tag, text = '', name = '') => Object.assign(document.createElement(tag), { textContent: text, className: name });
-const mm = (numbers) => numbers.map((x) => (1000 * x).toFixed(1)).join(', ');
+export const mm = (numbers) => numbers.map((x) => (1000 * x).toFixed(1)).join(', ');
 
 /** Turns about the fixed axes x, y, z [deg] that give the rotation of a quaternion x, y, z, w. */
 export function rollPitchYaw([x, y, z, w]) {

@@ -3,6 +3,9 @@
 // In: states of the cell, the poses that were taught, presses. Out: a jog, said again and again while a button is held; requests to teach,
 // rename and forget poses. Every button that moves something is a button that is held, and says why it cannot be.
 
+import { mm, rollPitchYaw } from './devices.js';
+import { seenFrom } from './shown.js';
+
 const by = (id) => document.getElementById(id);
 const AXES = ['x', 'y', 'z', 'rx', 'ry', 'rz'];
 const NAMES = { x: 'X', y: 'Y', z: 'Z', rx: 'turn X', ry: 'turn Y', rz: 'turn Z' };
@@ -186,6 +189,17 @@ export class Jogging {
     this.draw();
   }
 
+  /** Where its tool is, in the frame that it is jogged along, or in the world, and how it is turned there; nothing of joints. */
+  at() {
+    const tool = this.now?.tool;
+    const [what, name] = by('jog-space').value.split(' ');
+    if (!tool || what === 'joints') return [];
+    const frame = what === 'frame' ? this.layout.places[this.layout.frames.indexOf(name)] : null;
+    const pose = frame ? seenFrom(frame, tool) : tool;
+    const turned = rollPitchYaw(pose.slice(3)).map((degrees) => degrees.toFixed(1).replace(/^-0\.0$/, '0.0'));
+    return [`Tool in ${frame ? `frame ${name}` : 'the world'}: ${mm(pose.slice(0, 3))} mm`, `turned about x, y, z: ${turned.join(', ')}°`];
+  }
+
   /** Why no jog would move anything; empty if one would. */
   why() {
     const robot = this.now;
@@ -210,6 +224,10 @@ export class Jogging {
     const said = stop && `${stop[0].toUpperCase()}${stop.slice(1)}.`;
     by('jog-why').textContent = why || said || 'Hold a button to move; let go to stop.';
     by('jog-why').classList.toggle('stopped', !why && Boolean(stop) && stop !== THERE);
+    const [place, turned] = this.at();
+    by('jog-at').hidden = !place;
+    by('jog-place').textContent = place ?? '';
+    by('jog-turned').textContent = turned ?? '';
     for (const button of by('jog-buttons').querySelectorAll('button')) button.disabled = !open || why !== '';
     for (const button of by('jog-outputs').querySelectorAll('button')) button.disabled = !open || why !== '';
     for (const { place, value, button } of this.outputs ?? []) button.setAttribute('aria-pressed', robot?.signals?.[place] === value);

@@ -82,7 +82,7 @@ function build(message) {
   plots.speed.begin(layout.robots.map((robot) => robot.name));
   late = [];
   const played = layout.lasts !== null;
-  by('stop').hidden = by('operating').hidden = by('processes-part').hidden = by('late-figure').hidden = played;
+  by('reach').hidden = by('operating').hidden = by('processes-part').hidden = by('late-figure').hidden = played;
   devices.build(layout);
   sensed = groups(layout.sensors);
   by('readings-of').replaceChildren(...sensed.map(({ title }, i) => new Option(title, i)));

@@ -39,7 +39,7 @@ export class Plot {
     const style = getComputedStyle(document.documentElement);
     const colour = (name) => style.getPropertyValue(name).trim();
     const axis = { stroke: colour('--soft'), grid: { stroke: colour('--line'), width: 1 }, ticks: { show: false }, font: '11px system-ui' };
-    const seconds = (_, ticks) => ticks.map((t) => `${Math.round(t)} s`);
+    const seconds = (_, ticks) => ticks.map((t) => `${t.toFixed(ticks[1] - ticks[0] < 1 ? 1 : 0)} s`);
     const series = this.names.map((label, i) => ({ label, stroke: LINES[i % LINES.length], width: 1.5, points: { show: false }, dash: i >= LINES.length ? [4, 3] : undefined }));
     const { clientWidth: width, clientHeight: height } = this.element;
     this.plot = new uPlot({

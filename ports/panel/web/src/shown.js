@@ -18,6 +18,13 @@ export function pose6(object, [x, y, z, ...rotation]) {
   object.quaternion.copy(turn.set(...rotation));
 }
 
+/** A pose x, y, z, and a quaternion, as it is seen from another one. */
+export function seenFrom(frame, pose) {
+  const back = new Quaternion(...frame.slice(3)).invert();
+  const from = new Vector3(...pose.slice(0, 3)).sub(new Vector3(...frame.slice(0, 3))).applyQuaternion(back);
+  return [...from.toArray(), ...back.multiply(new Quaternion(...pose.slice(3))).toArray()];
+}
+
 /** The triangles of a mesh, given in hundredths of a millimetre. */
 export function triangles(corners) {
   const geometry = new BufferGeometry();

@@ -66,6 +66,11 @@ impl Button {
         "jog-done",
     ];
 
+    /// Whether every console may press it, whoever holds the control token: it lets nothing move that would not move without it.
+    pub const fn is_for_all(self) -> bool {
+        matches!(self, Button::Stop | Button::Abort | Button::LetGo(_))
+    }
+
     /// Its place among the kinds.
     pub const fn kind(self) -> usize {
         match self {

@@ -58,7 +58,7 @@ const TURN: Duration = Duration::from_millis(250);
 const IDLE: Duration = Duration::from_secs(1);
 
 /// What a console is told that gets no place.
-const TOO_MANY: &str = "there are too many consoles: ask again; stop and abort are always taken";
+const TOO_MANY: &str = "there are too many consoles: ask again; stop, abort and let-go are always taken";
 
 /// How many other users are told of.
 const STRANGERS: usize = 16;
@@ -255,8 +255,8 @@ impl Service {
             Err(refused) => (0, Err(refused)),
         };
         self.consoles[i].desk = desk;
-        if !self.consoles[i].is_served && !matches!(request, Ok(Request::Press(Button::Stop | Button::Abort)))
-        {
+        let is_for_all = matches!(request, Ok(Request::Press(button)) if button.is_for_all());
+        if !self.consoles[i].is_served && !is_for_all {
             return self.consoles[i].dismiss(&Reply::Refused(TOO_MANY.to_owned()));
         }
         let answer = match request {
@@ -307,7 +307,7 @@ impl Service {
     }
 
     fn may_press(&mut self, i: usize, desk: usize, button: Button) -> Result<(), Reply> {
-        if !matches!(button, Button::Stop | Button::Abort | Button::LetGo(_)) {
+        if !button.is_for_all() {
             self.take(i, desk)?;
         }
         // An abort that is kept until the next instruction begins would abort an instruction that the operator did not
