@@ -26,6 +26,10 @@ const EVERY: u64 = 20_000_000;
 /// The most moments that are kept: where there are more, every second one is dropped.
 const MOST: usize = 30_000;
 
+/// How much of a run is plotted \[ns\], and at how many moments at most: as many as a plot has pixels.
+const MINUTE: u64 = 60_000_000_000;
+const PLOTTED: usize = 300;
+
 /// A run that is over, or that is being looked at.
 pub struct Course {
     moments: Vec<(u64, Now)>,
@@ -221,6 +225,15 @@ impl Course {
         let nanos = (time.clamp(0.0, 1e9) * 1e9) as u64;
         let next = self.moments.partition_point(|(at, _)| *at <= nanos);
         self.moments.get(next.saturating_sub(1)).map(|(_, now)| now)
+    }
+
+    /// Moments of the minute before a time \[s\], some hundreds at most.
+    pub fn minute(&self, time: f64) -> impl Iterator<Item = &Now> {
+        let until = (time.clamp(0.0, 1e9) * 1e9) as u64;
+        let [begin, end] = [until.saturating_sub(MINUTE), until]
+            .map(|before| self.moments.partition_point(|(at, _)| *at < before));
+        let every = (end - begin).div_ceil(PLOTTED).max(1);
+        self.moments[begin..end].iter().step_by(every).map(|(_, now)| now)
     }
 }
 

@@ -159,6 +159,29 @@ impl Looks {
         })
     }
 
+    /// What plots show of a moment.
+    #[must_use]
+    #[allow(non_snake_case)]
+    pub fn plotted(&self, now: &Now) -> Value {
+        let robots = now.robots.iter().filter_map(|robot| {
+            let layout = self.robots.iter().find(|known| known.name == robot.name)?;
+            let X_WS = self.stands(layout, now, self.robots.len())?;
+            let is_measured = is_pose(&robot.tool);
+            Some(json!({
+                "name": robot.name,
+                "time": robot.time,
+                "demanded": round(&robot.demanded),
+                "measured": round(&robot.measured),
+                "tool": is_measured.then(|| numbers(&(X_WS * robot.tool))),
+            }))
+        });
+        json!({
+            "time": now.time,
+            "robots": robots.collect::<Value>(),
+            "readings": self.beside.readings(&now.readings),
+        })
+    }
+
     /// A robot whose place is known: its links as capsules, its frames and its tool, in the world; and as a ghost the links where they
     /// are demanded, if that is elsewhere.
     #[allow(non_snake_case)]
@@ -188,7 +211,6 @@ impl Looks {
             };
             links.iter().map(link).collect()
         };
-        let round = |joints: &[f64]| joints.iter().map(|q| finite(rounded(*q))).collect::<Vec<_>>();
         Some(json!({
             "name": robot.name,
             "time": robot.time,
@@ -314,6 +336,10 @@ pub fn rounded(x: f64) -> f64 {
 /// A number that JSON can say.
 pub fn finite(x: f64) -> Option<f64> {
     x.is_finite().then_some(x)
+}
+
+fn round(joints: &[f64]) -> Vec<Option<f64>> {
+    joints.iter().map(|q| finite(rounded(*q))).collect()
 }
 
 /// A pose as x, y, z and the quaternion x, y, z, w.

@@ -132,3 +132,23 @@ fn fault_241_a_reading_that_is_old_or_a_fault_is_not_shown_by_a_run_that_is_over
     // It was collected at 0.2 s.
     assert_eq!([at(1.23), at(2.1), at(2.3)], [None, Some(2.5), None]);
 }
+
+#[test]
+fn the_minute_before_a_moment_of_a_run_is_some_hundred_moments_none_of_them_later() {
+    const MS: u64 = 1_000_000;
+    let mut course = Course::of(&layout());
+    for step in 0..6000 {
+        let (time, tool, six) = (20 * MS * step, Pose::identity(), START.as_slice());
+        course.robot(time, "arm", [six, six], [tool, tool]);
+        course.step(time, &crate::course::StepSeen { step, dt: 0.02, duration: 0.02, ..Default::default() });
+    }
+    let minute = |time: f64| course.minute(time).map(|now| now.time).collect::<Vec<_>>();
+    let late = minute(100.0);
+    assert!((150..=300).contains(&late.len()), "{}", late.len());
+    assert!((late[0] - 40.0).abs() < 0.03 && late.is_sorted_by(|a, b| a < b), "{late:?}");
+    assert!((99.0..100.0).contains(&late[late.len() - 1]), "{late:?}");
+    // Before a minute is over there is less, and nothing before its begin.
+    assert!(minute(0.0).is_empty());
+    let early = minute(1.0);
+    assert!(early[0] < 0.03 && (40..=50).contains(&early.len()), "{early:?}");
+}

@@ -236,10 +236,13 @@ fn obey(panel: &Arc<Panel>, by: OnBehalf, message: Message, answers: &Answers) -
         Source::Running(desk, shown) => (desk, shown),
         Source::Over(course) => {
             return match asked {
-                Asked::Frame(at) => match course.at(at) {
+                Asked::Frame(at, minute) => match course.at(at) {
                     Some(now) => {
-                        let state = panel.looks.state(now).to_string();
-                        answers.try_send(state.into()).map_err(|_| DoesNotRead)
+                        let mut state = panel.looks.state(now);
+                        if minute {
+                            state["minute"] = course.minute(at).map(|now| panel.looks.plotted(now)).collect();
+                        }
+                        answers.try_send(state.to_string().into()).map_err(|_| DoesNotRead)
                     }
                     None => refused("nothing was seen of this run"),
                 },
@@ -316,7 +319,7 @@ fn obey(panel: &Arc<Panel>, by: OnBehalf, message: Message, answers: &Answers) -
                 Err(why) => refused(&why),
             }
         }
-        Asked::Token(_) | Asked::Frame(_) => {
+        Asked::Token(_) | Asked::Frame(..) => {
             refused("this is a cell that runs, and the page is let in already")
         }
         Asked::Stop => Ok(()),

@@ -329,6 +329,11 @@ async function play(browser, plainBrowser, recorded) {
     check(await page.getByRole('button', { name: /^Stop/ }).isHidden(), 'there is nothing to stop');
     await page.locator('#at').fill(String(lasts / 2));
     await page.waitForFunction((at) => Math.abs(window.mrrocPanel.state().time - at) < 0.05, lasts / 2, { timeout: PATIENCE, polling: 50 });
+    // What was before, up to a minute, is plotted at once.
+    const { joints, speed } = await page.evaluate(() => window.mrrocPanel.plots());
+    const [times, first] = joints.data;
+    check(times[0] < 0.1 && Math.abs(times.at(-1) - lasts / 2) < 0.05 && times.length > 60, `plotted from ${times[0]} to ${times.at(-1)} s, ${times.length} moments`);
+    check(Math.max(...first) - Math.min(...first) > 0.1 && Math.max(...speed.data[1]) > 100, 'and it is a motion');
     await press(page, 'Play');
     await page.waitForFunction((at) => window.mrrocPanel.state().time > at + 1, lasts / 2, { timeout: PATIENCE, polling: 50 });
     if (shots) {

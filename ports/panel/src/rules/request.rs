@@ -40,8 +40,8 @@ pub enum Asked {
     Forget(Name, Name),
     /// To see the way of a robot's tool to a pose.
     Way(Name, Name),
-    /// What a recording shows at a time \[s\].
-    Frame(f64),
+    /// What a recording shows at a time \[s\], and whether with what plots show of the minute before.
+    Frame(f64, bool),
 }
 
 /// Of which step a page knew when something was asked for.
@@ -147,7 +147,8 @@ impl Message {
             "way" => Asked::Way(name(&json, "robot")?, name(&json, "name")?),
             "frame" => {
                 let at = json["at"].as_f64().filter(|at| at.is_finite());
-                Asked::Frame(at.ok_or(BadMessage::Lacks("at"))?)
+                let minute = json["minute"].as_bool().unwrap_or(false);
+                Asked::Frame(at.ok_or(BadMessage::Lacks("at"))?, minute)
             }
             _ => {
                 let rest = json["rest"].as_str().unwrap_or("");
@@ -201,7 +202,8 @@ mod tests {
             (r#"{"do":"rename","robot":"left","name":"pick","to":"left"}"#, Asked::Rename(left, pick, left)),
             (r#"{"do":"forget","robot":"left","name":"pick"}"#, Asked::Forget(left, pick)),
             (r#"{"do":"way","robot":"left","name":"pick"}"#, Asked::Way(left, pick)),
-            (r#"{"do":"frame","at":1.5}"#, Asked::Frame(1.5)),
+            (r#"{"do":"frame","at":1.5}"#, Asked::Frame(1.5, false)),
+            (r#"{"do":"frame","at":1.5,"minute":true}"#, Asked::Frame(1.5, true)),
         ] {
             assert_eq!(read(text), Ok(asked), "{text}");
         }

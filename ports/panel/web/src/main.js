@@ -109,13 +109,20 @@ function choose() {
     value.textContent = '–';
     return [name, range, value];
   }));
-  if (newest) show(newest);
+  plotAnew();
+}
+
+/** What was chosen just now is plotted. */
+function plotAnew() {
+  if (newest && layout.lasts === null) show(newest);
+  else if (newest) player.anew();
 }
 
 /** Readings of another sensor are plotted. */
 function chooseReadings() {
   group = sensed[by('readings-of').value] ?? null;
   if (group) plots.readings.begin(group.names);
+  plotAnew();
 }
 
 function show(state) {
@@ -123,6 +130,8 @@ function show(state) {
   if (!continues) {
     scene.forget();
     before.clear();
+    Object.values(plots).forEach((plot) => plot.forget());
+    state.minute?.forEach(plotted);
   }
   newest = state;
   cameAt = performance.now();
@@ -145,12 +154,19 @@ function show(state) {
   by('help').textContent = state.help ? `What to do: ${state.help}` : '';
   by('persisting').textContent = state.persisting ? `A reset failed or would be refused: ${state.persisting}` : '';
   showJoints(state);
-  const speeds = layout.robots.map(({ name }) => speed(name, state));
-  plots.speed.add(state.time, speeds);
+  plotted(state);
   by('fastest').textContent = `${Math.round(1000 * scene.fastest)} mm/s`;
   devices.show(state, by('robot').value);
-  if (group) plots.readings.add(state.time, group.places.map((place) => state.readings[group.sensor]?.[place] ?? null));
   showProcesses(state);
+}
+
+/** What robots and sensors did goes on in the plots. */
+function plotted(state) {
+  const chosen = by('robot').value, joints = layout.robots.find(({ name }) => name === chosen)?.joints;
+  const robot = state.robots.find(({ name }) => name === chosen);
+  if (robot && joints) plots.joints.add(state.time, joints.map((joint, i) => SHOWN[by('joints-as').value].of(robot.measured[i], robot.demanded[i], joint)));
+  plots.speed.add(state.time, layout.robots.map(({ name }) => speed(name, state)));
+  if (group) plots.readings.add(state.time, group.places.map((place) => state.readings[group.sensor]?.[place] ?? null));
 }
 
 /** The speed of a robot's tool since the state before [mm/s]. */
@@ -169,7 +185,6 @@ function showJoints(state) {
   const chosen = by('robot').value;
   const robot = state.robots.find(({ name }) => name === chosen), made = layout.robots.find(({ name }) => name === chosen);
   if (!robot || !made) return;
-  plots.joints.add(state.time, made.joints.map((joint, i) => SHOWN[by('joints-as').value].of(robot.measured[i], robot.demanded[i], joint)));
   const cells = by('joints').children;
   made.joints.forEach((joint, i) => {
     const [range, value] = [cells[3 * i + 1], cells[3 * i + 2]];

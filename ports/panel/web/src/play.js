@@ -14,8 +14,7 @@ export class Player {
     by('play').addEventListener('click', () => this.toggle());
     by('at').addEventListener('input', () => {
       this.at = Number(by('at').value);
-      this.jumped = true;
-      this.ask();
+      this.anew();
     });
     by('player').addEventListener('submit', (event) => event.preventDefault());
   }
@@ -26,6 +25,12 @@ export class Player {
     by('player').hidden = false;
     by('at').max = lasts;
     by('at').step = Math.max(0.001, lasts / 2000);
+    this.anew();
+  }
+
+  /** What is plotted is another thing: the minute is asked for anew. */
+  anew() {
+    this.jumped = true;
     this.ask();
   }
 
@@ -61,18 +66,21 @@ export class Player {
       return;
     }
     this.waits = true;
-    this.link.say({ do: 'frame', at: this.at });
+    // Where it does not go on from what was shown, the minute before is asked for with it.
+    this.leapt = this.jumped;
+    this.jumped = false;
+    this.link.say({ do: 'frame', at: this.at, minute: this.leapt });
   }
 
   /** What was asked for has come; whether it goes on from what was shown before. */
   came() {
     this.waits = false;
-    const jumped = this.jumped;
-    this.jumped = false;
+    const leapt = this.leapt;
+    this.leapt = false;
     if (this.again) {
       this.again = false;
       this.ask();
     }
-    return !jumped;
+    return !leapt;
   }
 }

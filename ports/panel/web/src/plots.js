@@ -52,10 +52,15 @@ export class Plot {
     }, this.data, this.element);
   }
 
+  /** What it shows is of another time. */
+  forget() {
+    this.data.forEach((line) => { line.length = 0; });
+  }
+
   add(time, values) {
     const times = this.data[0];
     // What is earlier than what is there begins anew.
-    if (times.length && time < times.at(-1)) this.data.forEach((line) => { line.length = 0; });
+    if (times.length && time < times.at(-1)) this.forget();
     if (times.length && time === times.at(-1)) return;
     // What was not seen is no line: a jump in a recording, or a page that was away.
     if (times.length && time > times.at(-1) + GAP) this.data.forEach((line, i) => line.push(i ? null : times.at(-1) + GAP / 2));
