@@ -68,7 +68,7 @@ mod tests {
     }
 
     #[test]
-    fn fault_146_an_address_where_nobody_is_or_nobody_speaks_quic_is_told_apart_from_a_stranger() {
+    fn fault_213_an_address_where_nobody_is_or_nobody_speaks_quic_is_told_apart_from_a_stranger() {
         let socket = UdpSocket::bind("127.0.0.1:0").expect("a socket");
         let address = socket.local_addr().expect("an address");
         let silent = absent(&node(address), false);
