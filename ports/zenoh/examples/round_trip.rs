@@ -81,7 +81,7 @@ fn bare(calls: bool, name: &str) -> Session {
 struct Bare {
     says: zenoh::pubsub::Publisher<'static>,
     hears: Receiver<Vec<u8>>,
-    _ear: zenoh::pubsub::Subscriber<()>,
+    _subscriber: zenoh::pubsub::Subscriber<()>,
     _session: Session,
 }
 
@@ -93,7 +93,7 @@ impl Bare {
         let listens = session.declare_subscriber(hears).callback(move |sample| {
             let _ = tells.send(sample.payload().to_bytes().to_vec());
         });
-        Bare { says, hears: told, _ear: listens.wait().expect("declared"), _session: session }
+        Bare { says, hears: told, _subscriber: listens.wait().expect("declared"), _session: session }
     }
 
     /// One round trip \[s\]; none if it takes too long.

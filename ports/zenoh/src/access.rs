@@ -51,17 +51,17 @@ pub(crate) fn at_door(sensor: &str) -> Value {
         "default_permission": "deny",
         "rules": [
             rule("orders", "egress", json!(["put"]), json!([orders])),
-            rule("ears", "egress", json!(["declare_subscriber", "declare_liveliness_subscriber", "liveliness_query"]),
+            rule("subscriptions", "egress", json!(["declare_subscriber", "declare_liveliness_subscriber", "liveliness_query"]),
                 json!([readings, programs])),
             rule("words", "ingress", json!(["put"]), json!([readings])),
-            rule("life", "ingress", json!(["liveliness_token", "reply"]), json!([programs])),
-            rule("its ears", "ingress", json!(["declare_subscriber"]), json!([orders])),
+            rule("liveliness", "ingress", json!(["liveliness_token", "reply"]), json!([programs])),
+            rule("its subscriptions", "ingress", json!(["declare_subscriber"]), json!([orders])),
         ],
         "subjects": [
             { "id": "program", "cert_common_names": [program(sensor)] },
         ],
         "policies": [
-            { "rules": ["orders", "ears", "words", "life", "its ears"], "subjects": ["program"] },
+            { "rules": ["orders", "subscriptions", "words", "liveliness", "its subscriptions"], "subjects": ["program"] },
         ],
     })
 }
@@ -88,17 +88,17 @@ pub(crate) fn control<'a>(me: &str, others: impl Iterator<Item = &'a str> + Clon
             })
         };
         rules.push(rule("words", json!(["put"]), json!([way(other, me)])));
-        rules.push(rule("life", json!(["liveliness_token"]), json!([alive(other)])));
-        rules.push(rule("ears", json!(["declare_subscriber"]), json!([way(me, other)])));
+        rules.push(rule("liveliness", json!(["liveliness_token"]), json!([alive(other)])));
+        rules.push(rule("subscriptions", json!(["declare_subscriber"]), json!([way(me, other)])));
         rules.push(rule(
-            "sight",
+            "presence",
             json!(["declare_liveliness_subscriber", "liveliness_query", "reply"]),
             json!(["mrroc/@alive/*"]),
         ));
         subjects.push(json!({ "id": other, "cert_common_names": [other] }));
         let of = |what: &str| format!("{what} of {other}");
         policies.push(
-            json!({ "rules": [of("words"), of("life"), of("ears"), of("sight")], "subjects": [other] }),
+            json!({ "rules": [of("words"), of("liveliness"), of("subscriptions"), of("presence")], "subjects": [other] }),
         );
     }
     json!({

@@ -20,7 +20,7 @@ pub(crate) struct Open(Parting<Ways>);
 
 struct Ways {
     orders: Publisher<'static>,
-    _ears: [Subscriber<()>; 2],
+    _subscribers: [Subscriber<()>; 2],
 }
 
 impl Doorway for Open {
@@ -59,5 +59,5 @@ pub(crate) fn open(asked: &Door<'_>, hears: Arc<dyn HearsAtDoor>) -> Result<Open
         }
     });
     let there = looks.wait().map_err(failed)?;
-    Ok(Open(Parting::new(Ways { orders, _ears: [words, there] }, session)))
+    Ok(Open(Parting::new(Ways { orders, _subscribers: [words, there] }, session)))
 }

@@ -83,7 +83,7 @@ impl<P: Send + 'static> Drop for Parting<P> {
 struct Ways {
     /// By the nodes' places; none to itself.
     publishers: Vec<Option<Publisher<'static>>>,
-    _ears: Vec<Subscriber<()>>,
+    _subscribers: Vec<Subscriber<()>>,
     _token: LivelinessToken,
 }
 
@@ -112,7 +112,7 @@ pub(crate) fn join(joining: &Joining<'_>, hears: Arc<dyn Hears>) -> Result<Zenoh
         )
     })?;
     let failed = |error: zenoh::Error| format!("node {name} cannot join: {error}");
-    let mut ears = Vec::new();
+    let mut subscribers = Vec::new();
     let mut publishers = Vec::new();
     for (place, other) in nodes.all().iter().enumerate() {
         if place == me {
@@ -130,7 +130,7 @@ pub(crate) fn join(joining: &Joining<'_>, hears: Arc<dyn Hears>) -> Result<Zenoh
         let listens = session
             .declare_subscriber(way(other, name))
             .callback(move |sample| heard.came(place, &sample.payload().to_bytes()));
-        ears.push(listens.wait().map_err(failed)?);
+        subscribers.push(listens.wait().map_err(failed)?);
         let heard = Arc::clone(&hears);
         let looks =
             session.liveliness().declare_subscriber(alive(other)).history(true).callback(move |sample| {
@@ -139,10 +139,10 @@ pub(crate) fn join(joining: &Joining<'_>, hears: Arc<dyn Hears>) -> Result<Zenoh
                     SampleKind::Delete => heard.is_lost(place),
                 }
             });
-        ears.push(looks.wait().map_err(failed)?);
+        subscribers.push(looks.wait().map_err(failed)?);
     }
     let token = session.liveliness().declare_token(alive(name)).wait().map_err(failed)?;
-    Ok(Zenoh(Parting::new(Ways { publishers, _ears: ears, _token: token }, session)))
+    Ok(Zenoh(Parting::new(Ways { publishers, _subscribers: subscribers, _token: token }, session)))
 }
 
 /// zenoh's configuration of a node.

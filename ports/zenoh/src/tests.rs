@@ -22,15 +22,15 @@ enum Heard {
     Lost(usize),
 }
 
-struct Ear(Mutex<Sender<Heard>>);
+struct Listener(Mutex<Sender<Heard>>);
 
-impl Ear {
+impl Listener {
     fn tell(&self, heard: Heard) {
         let _ = self.0.lock().expect("whole").send(heard);
     }
 }
 
-impl Hears for Ear {
+impl Hears for Listener {
     fn came(&self, from: usize, bytes: &[u8]) {
         self.tell(Heard::Came(from, bytes.to_vec()));
     }
@@ -79,7 +79,7 @@ impl Bench {
     ) -> Result<(Box<dyn Wires>, Receiver<Heard>), String> {
         let (tells, hears) = channel();
         let joining = Joining { nodes, me, side, keys: &keys };
-        Ok((Zenoh.join(&joining, Arc::new(Ear(Mutex::new(tells))))?, hears))
+        Ok((Zenoh.join(&joining, Arc::new(Listener(Mutex::new(tells))))?, hears))
     }
 }
 

@@ -27,12 +27,12 @@ const APART: Duration = Duration::from_millis(2);
 const PATIENCE: Duration = Duration::from_secs(5);
 const LAST: Duration = Duration::from_millis(500);
 
-struct Ear {
+struct Listener {
     there: Mutex<Vec<bool>>,
     phases: Mutex<Vec<Phase>>,
 }
 
-impl Hears for Ear {
+impl Hears for Listener {
     fn came(&self, from: usize, bytes: &[u8]) {
         let now = monotonic();
         if let Some((_, Said::Pong(sent, answered))) = Said::read(bytes)
@@ -51,7 +51,7 @@ impl Hears for Ear {
     }
 }
 
-impl Ear {
+impl Listener {
     fn set(&self, node: usize, is_there: bool) {
         if let Some(there) = self.there.lock().unwrap_or_else(PoisonError::into_inner).get_mut(node) {
             *there = is_there;
@@ -67,24 +67,25 @@ impl Ear {
 pub(crate) fn examine(nodes: &Nodes, file: &Path) -> String {
     let Some(network) = network() else { return format!("nodes           {NO_NETWORK}\n") };
     let all = nodes.all().len();
-    let ear = Arc::new(Ear {
+    let listener = Arc::new(Listener {
         there: Mutex::new(vec![false; all]),
         phases: Mutex::new((0..all).map(|_| Phase::new(0)).collect()),
     });
     let folder = keys(file);
     let joining = Joining { nodes, me: nodes.mp(), side: Side::Calls, keys: &folder };
-    let wires: Arc<dyn Wires> = match network.join(&joining, Arc::clone(&ear) as Arc<dyn Hears>) {
+    let wires: Arc<dyn Wires> = match network.join(&joining, Arc::clone(&listener) as Arc<dyn Hears>) {
         Ok(wires) => Arc::from(wires),
         Err(error) => return format!("nodes           {error}\n"),
     };
     let others: Vec<_> = (0..all).filter(|node| *node != nodes.mp()).collect();
     let until = Instant::now() + PATIENCE;
-    while Instant::now() < until && !others.iter().all(|&node| ear.is(node)) {
+    while Instant::now() < until && !others.iter().all(|&node| listener.is(node)) {
         std::thread::sleep(Duration::from_millis(20));
     }
     for _ in 0..PINGS {
-        for &node in others.iter().filter(|&&node| ear.is(node)) {
-            if let Some(phase) = ear.phases.lock().unwrap_or_else(PoisonError::into_inner).get_mut(node) {
+        for &node in others.iter().filter(|&&node| listener.is(node)) {
+            if let Some(phase) = listener.phases.lock().unwrap_or_else(PoisonError::into_inner).get_mut(node)
+            {
                 phase.ask();
             }
             wires.send(node, &Said::Ping(monotonic()).to_bytes(0));
@@ -92,12 +93,12 @@ pub(crate) fn examine(nodes: &Nodes, file: &Path) -> String {
         std::thread::sleep(APART);
     }
     std::thread::sleep(LAST);
-    let phases = ear.phases.lock().unwrap_or_else(PoisonError::into_inner);
+    let phases = listener.phases.lock().unwrap_or_else(PoisonError::into_inner);
     let mut told = String::new();
     for place in others {
         let (node, figures) = (&nodes.all()[place], phases[place].figures());
         let is_silent = figures.asked == figures.lost;
-        let described = if is_silent { absent(node, ear.is(place)) } else { describe(&figures) };
+        let described = if is_silent { absent(node, listener.is(place)) } else { describe(&figures) };
         // Writing to a text does not fail.
         let _ = writeln!(told, "{:<16}{}", format!("to node {}", node.name.as_str()), described);
     }
