@@ -97,7 +97,8 @@ impl Course {
         now.reduced = step.reduced;
         (self.suspended, self.aborting) = (step.suspended, step.aborting);
         if step.resetting {
-            (now.fault, now.epoch) = (None, now.epoch + 1);
+            // Programs begin at their first line, and their instructions are counted from there.
+            (now.fault, now.epoch, now.instruction) = (None, now.epoch + 1, 0);
         }
         self.tell();
     }

@@ -6,6 +6,7 @@ use mrroc::pose::Wrench;
 use mrroc::prelude::*;
 use mrroc_core::nalgebra::Vector3;
 use mrroc_core::observe::layout::Layout;
+use mrroc_core::operator::state::Doing;
 use mrroc_core::payload::Wire;
 use mrroc_core::robot::{Load, Signals, Tool, Values};
 use mrroc_processes::{BodyPicture, CarriedPicture, Picture, ReadingPicture, RobotPicture};
@@ -151,4 +152,23 @@ fn the_minute_before_a_moment_of_a_run_is_some_hundred_moments_none_of_them_late
     assert!(minute(0.0).is_empty());
     let early = minute(1.0);
     assert!(early[0] < 0.03 && (40..=50).contains(&early.len()), "{early:?}");
+}
+
+#[test]
+fn the_instructions_of_a_run_are_counted_from_its_last_reset() {
+    let mut course = Course::of(&layout());
+    let seen = |course: &mut Course, step: u64, resetting: bool| {
+        let (time, tool, six) = (20_000_000 * step, Pose::identity(), START.as_slice());
+        course.robot(time, "arm", [six, six], [tool, tool]);
+        let of = crate::course::StepSeen { step, dt: 0.02, duration: 0.02, resetting, ..Default::default() };
+        course.step(time, &of);
+    };
+    let mut counted = Vec::new();
+    for step in 0..6 {
+        seen(&mut course, 2 * step, step == 3);
+        course.instruction("mp", Doing::Move, "JointMove");
+        seen(&mut course, 2 * step + 1, false);
+        counted.push(course.at(0.02 * (2 * step + 1) as f64).expect("seen").instruction);
+    }
+    assert_eq!(counted, [1, 2, 3, 1, 2, 3]);
 }
