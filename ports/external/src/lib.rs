@@ -80,7 +80,7 @@
 //!
 //! # From another machine
 //!
-//! With `address` in `[sensors.NAME.external]` the port is reached over [zenoh](https://zenoh.io) 1, by TLS with certificates of
+//! With `address` in `[sensors.NAME.external]` the port is reached over [zenoh](https://zenoh.io) 1, by QUIC with certificates of
 //! both sides, peer to peer at that address, with low-latency transport and without scouting. A program declares the liveliness token
 //! `mrroc/@sensor/NAME/@program/NUMBER` with a number of its own (1 to 2^63), subscribes to `mrroc/@sensor/NAME/orders` and puts to
 //! `mrroc/@sensor/NAME/readings`. The messages are those above, with some words before them:
