@@ -223,19 +223,24 @@ impl Course {
     /// The cell at a time \[s\]; `None` if nothing was seen.
     #[must_use]
     pub fn at(&self, time: f64) -> Option<&Now> {
-        let nanos = (time.clamp(0.0, 1e9) * 1e9) as u64;
-        let next = self.moments.partition_point(|(at, _)| *at <= nanos);
+        let until = nanos(time);
+        let next = self.moments.partition_point(|(at, _)| *at <= until);
         self.moments.get(next.saturating_sub(1)).map(|(_, now)| now)
     }
 
     /// Moments of the minute before a time \[s\], some hundreds at most.
     pub fn minute(&self, time: f64) -> impl Iterator<Item = &Now> {
-        let until = (time.clamp(0.0, 1e9) * 1e9) as u64;
+        let until = nanos(time);
         let [begin, end] = [until.saturating_sub(MINUTE), until]
             .map(|before| self.moments.partition_point(|(at, _)| *at < before));
         let every = (end - begin).div_ceil(PLOTTED).max(1);
         self.moments[begin..end].iter().step_by(every).map(|(_, now)| now)
     }
+}
+
+/// A time \[s\] in nanoseconds.
+fn nanos(time: f64) -> u64 {
+    (time.clamp(0.0, 1e9) * 1e9) as u64
 }
 
 /// What a step of the MP shows of itself.

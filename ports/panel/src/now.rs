@@ -164,9 +164,7 @@ impl Looks {
     #[allow(non_snake_case)]
     pub fn plotted(&self, now: &Now) -> Value {
         let robots = now.robots.iter().filter_map(|robot| {
-            let layout = self.robots.iter().find(|known| known.name == robot.name)?;
-            let X_WS = self.stands(layout, now, self.robots.len())?;
-            let is_measured = is_pose(&robot.tool);
+            let (_, X_WS, is_measured) = self.placed(robot, now)?;
             Some(json!({
                 "name": robot.name,
                 "time": robot.time,
@@ -186,9 +184,7 @@ impl Looks {
     /// are demanded, if that is elsewhere.
     #[allow(non_snake_case)]
     fn robot(&self, robot: &RobotNow, now: &Now) -> Option<Value> {
-        let layout = self.robots.iter().find(|known| known.name == robot.name)?;
-        let X_WS = self.stands(layout, now, self.robots.len())?;
-        let is_measured = robot.measured.iter().all(|q| q.is_finite()) && is_pose(&robot.tool);
+        let (layout, X_WS, is_measured) = self.placed(robot, now)?;
         let (mut links, mut ghost, mut frames) = (Vec::new(), Vec::new(), Vec::new());
         if is_measured {
             links = capsules(&*layout.figure, &robot.measured);
@@ -288,6 +284,15 @@ impl Looks {
             Some([at.x, at.y, at.z].map(rounded))
         };
         (0..places).map(at).collect::<Option<_>>().ok_or_else(unknown)
+    }
+
+    /// What a robot is made of, where the frame is that it stands in, and whether its joints and its tool are measured.
+    #[allow(non_snake_case)]
+    fn placed(&self, robot: &RobotNow, now: &Now) -> Option<(&RobotLayout, Pose, bool)> {
+        let layout = self.robots.iter().find(|known| known.name == robot.name)?;
+        let X_WS = self.stands(layout, now, self.robots.len())?;
+        let is_measured = robot.measured.iter().all(|q| q.is_finite()) && is_pose(&robot.tool);
+        Some((layout, X_WS, is_measured))
     }
 
     /// Where the frame is that a robot stands in, after at most so many robots that carry each other.

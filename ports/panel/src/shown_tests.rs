@@ -14,7 +14,7 @@ use mrroc_robots::sensors::{WristForce, WristOrder};
 use mrroc_robots::{Irp6, SimulatedIrp6, Six};
 use serde_json::json;
 
-use crate::course::Course;
+use crate::course::{Course, StepSeen};
 use crate::desk::now;
 use crate::now::Looks;
 
@@ -109,13 +109,18 @@ fn fault_241_a_reading_that_is_old_or_a_fault_is_not_shown_of_a_cell_that_runs()
     assert_eq!(readings(fault), json!([null]));
 }
 
+/// Lets a run go on to a step, of 20 ms.
+fn pass(course: &mut Course, step: u64, resetting: bool) {
+    let (time, tool, six) = (20_000_000 * step, Pose::identity(), START.as_slice());
+    course.robot(time, "arm", [six, six], [tool, tool]);
+    course.step(time, &StepSeen { step, dt: 0.02, duration: 0.02, resetting, ..StepSeen::default() });
+}
+
 #[test]
 fn fault_241_a_reading_that_is_old_or_a_fault_is_not_shown_by_a_run_that_is_over() {
     const MS: u64 = 1_000_000;
     let layout = layout();
     let mut course = Course::of(&layout);
-    let tool = Pose::identity();
-    let six = START.as_slice();
     for k in 0..200 {
         let time = 20 * MS * k;
         match k {
@@ -124,9 +129,7 @@ fn fault_241_a_reading_that_is_old_or_a_fault_is_not_shown_by_a_run_that_is_over
             110 => course.reading(time, 0, None),
             _ => {}
         }
-        course.robot(time, "arm", [six, six], [tool, tool]);
-        course
-            .step(time, &crate::course::StepSeen { step: k, dt: 0.02, duration: 0.02, ..Default::default() });
+        pass(&mut course, k, false);
     }
     let at = |time: f64| course.at(time).expect("seen").readings[0].as_ref().and_then(|numbers| numbers[0]);
     assert_eq!([at(0.1), at(0.25), at(1.19)], [None, Some(1.5), Some(1.5)]);
@@ -136,12 +139,9 @@ fn fault_241_a_reading_that_is_old_or_a_fault_is_not_shown_by_a_run_that_is_over
 
 #[test]
 fn the_minute_before_a_moment_of_a_run_is_some_hundred_moments_none_of_them_later() {
-    const MS: u64 = 1_000_000;
     let mut course = Course::of(&layout());
     for step in 0..6000 {
-        let (time, tool, six) = (20 * MS * step, Pose::identity(), START.as_slice());
-        course.robot(time, "arm", [six, six], [tool, tool]);
-        course.step(time, &crate::course::StepSeen { step, dt: 0.02, duration: 0.02, ..Default::default() });
+        pass(&mut course, step, false);
     }
     let minute = |time: f64| course.minute(time).map(|now| now.time).collect::<Vec<_>>();
     let late = minute(100.0);
@@ -157,17 +157,11 @@ fn the_minute_before_a_moment_of_a_run_is_some_hundred_moments_none_of_them_late
 #[test]
 fn the_instructions_of_a_run_are_counted_from_its_last_reset() {
     let mut course = Course::of(&layout());
-    let seen = |course: &mut Course, step: u64, resetting: bool| {
-        let (time, tool, six) = (20_000_000 * step, Pose::identity(), START.as_slice());
-        course.robot(time, "arm", [six, six], [tool, tool]);
-        let of = crate::course::StepSeen { step, dt: 0.02, duration: 0.02, resetting, ..Default::default() };
-        course.step(time, &of);
-    };
     let mut counted = Vec::new();
     for step in 0..6 {
-        seen(&mut course, 2 * step, step == 3);
+        pass(&mut course, 2 * step, step == 3);
         course.instruction("mp", Doing::Move, "JointMove");
-        seen(&mut course, 2 * step + 1, false);
+        pass(&mut course, 2 * step + 1, false);
         counted.push(course.at(0.02 * (2 * step + 1) as f64).expect("seen").instruction);
     }
     assert_eq!(counted, [1, 2, 3, 1, 2, 3]);

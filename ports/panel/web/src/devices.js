@@ -2,9 +2,11 @@
 //
 // In: the layout, and states. Out: tables of the page.
 
+import { tenths } from './values.js';
+
 const by = (id) => document.getElementById(id);
 const element = (tag, text = '', name = '') => Object.assign(document.createElement(tag), { textContent: text, className: name });
-export const mm = (numbers) => numbers.map((x) => (1000 * x).toFixed(1)).join(', ');
+export const mm = (numbers) => numbers.map((x) => tenths(1000 * x)).join(', ');
 
 /** Turns about the fixed axes x, y, z [deg] that give the rotation of a quaternion x, y, z, w. */
 export function rollPitchYaw([x, y, z, w]) {
@@ -28,7 +30,7 @@ export class Devices {
     by('signals-part').hidden = rows.length === 0;
     by('places').replaceChildren(...layout.frames.map((name, i) => {
       const row = element('tr'), pose = layout.places[i];
-      row.append(element('td', name), element('td', mm(pose.slice(0, 3))), element('td', rollPitchYaw(pose.slice(3)).map((x) => x.toFixed(1)).join(', ')));
+      row.append(element('td', name), element('td', mm(pose.slice(0, 3))), element('td', rollPitchYaw(pose.slice(3)).map(tenths).join(', ')));
       return row;
     }));
     by('places-part').hidden = layout.frames.length === 0;

@@ -5,6 +5,7 @@
 
 import { mm, rollPitchYaw } from './devices.js';
 import { seenFrom } from './shown.js';
+import { tenths } from './values.js';
 
 const by = (id) => document.getElementById(id);
 const AXES = ['x', 'y', 'z', 'rx', 'ry', 'rz'];
@@ -196,8 +197,7 @@ export class Jogging {
     if (!tool || what === 'joints') return [];
     const frame = what === 'frame' ? this.layout.places[this.layout.frames.indexOf(name)] : null;
     const pose = frame ? seenFrom(frame, tool) : tool;
-    const turned = rollPitchYaw(pose.slice(3)).map((degrees) => degrees.toFixed(1).replace(/^-0\.0$/, '0.0'));
-    return [`Tool in ${frame ? `frame ${name}` : 'the world'}: ${mm(pose.slice(0, 3))} mm`, `turned about x, y, z: ${turned.join(', ')}°`];
+    return [`Tool in ${frame ? `frame ${name}` : 'the world'}: ${mm(pose.slice(0, 3))} mm`, `turned about x, y, z: ${rollPitchYaw(pose.slice(3)).map(tenths).join(', ')}°`];
   }
 
   /** Why no jog would move anything; empty if one would. */

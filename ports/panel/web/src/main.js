@@ -11,7 +11,7 @@ import { Link } from './link.js';
 import { Operating } from './operate.js';
 import { Player } from './play.js';
 import { LINES, Plot, save } from './plots.js';
-import { SHOWN, groups } from './values.js';
+import { SHOWN, groups, tenths } from './values.js';
 
 const by = (id) => document.getElementById(id);
 /** A picture that is older than this is told of [ms]. */
@@ -25,7 +25,6 @@ const plots = {
 let layout = null, newest = null, cameAt = 0, over = '', closed = false, late = [];
 const before = new Map();
 /** To one digit; a zero has no sign. */
-const tenths = (x) => x.toFixed(1).replace(/^-0\.0$/, '0.0');
 const devices = new Devices();
 /** What the plot of readings may show, and what it does show. */
 let sensed = [], group = null;
@@ -109,7 +108,6 @@ function choose() {
     value.textContent = '–';
     return [name, range, value];
   }));
-  plotAnew();
 }
 
 /** What was chosen just now is plotted. */
@@ -122,7 +120,6 @@ function plotAnew() {
 function chooseReadings() {
   group = sensed[by('readings-of').value] ?? null;
   if (group) plots.readings.begin(group.names);
-  plotAnew();
 }
 
 function show(state) {
@@ -239,9 +236,12 @@ setInterval(() => {
 }, 250);
 setInterval(() => Object.values(plots).forEach((plot) => plot.draw()), 200);
 
-by('robot').addEventListener('change', choose);
-by('joints-as').addEventListener('change', choose);
-by('readings-of').addEventListener('change', chooseReadings);
+for (const [id, chooses] of [['robot', choose], ['joints-as', choose], ['readings-of', chooseReadings]]) {
+  by(id).addEventListener('change', () => {
+    chooses();
+    plotAnew();
+  });
+}
 by('save').addEventListener('click', () => save(Object.entries(plots), `${layout?.robots.map(({ name }) => name).join('-') || 'cell'}.csv`));
 for (const button of document.querySelectorAll('[data-view]')) button.addEventListener('click', () => scene.look(button.dataset.view));
 const toggle = (id, set) => by(id).addEventListener('click', () => {

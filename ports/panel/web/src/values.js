@@ -2,6 +2,9 @@
 //
 // In: a joint as it is measured and demanded, and its limits; the numbers of sensors' readings by their names. Out: curves.
 
+/** A number with one decimal place, and no minus before what is shown as zero. */
+export const tenths = (x) => x.toFixed(1).replace(/^-0\.0$/, '0.0');
+
 /** Ways to plot a joint. */
 export const SHOWN = {
   position: { of: (measured) => measured },
