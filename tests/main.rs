@@ -5,6 +5,7 @@
 
 mod allocation;
 mod cell_file;
+mod compiler;
 mod layers;
 mod library;
 mod macros;

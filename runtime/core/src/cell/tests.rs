@@ -3,3 +3,4 @@
 mod arm_cut_off;
 mod arm_refused;
 mod arms_without_mp;
+mod shown_stops;
