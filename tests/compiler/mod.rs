@@ -16,14 +16,19 @@ fn the_form_in_which_the_runtime_sets_a_flag_is_compiled_rightly() {
     let version = String::from_utf8(version).expect("text");
     for level in ["1", "2", "3"] {
         let mut command = rustc();
-        command.args(["--edition", "2024", "-C", &format!("opt-level={level}"), "-o"]).arg(&program).arg(&source);
+        command
+            .args(["--edition", "2024", "-C", &format!("opt-level={level}"), "-o"])
+            .arg(&program)
+            .arg(&source);
         assert!(command.status().expect("rustc runs").success());
         let output = Command::new(&program).output().expect("the program runs");
         let printed = String::from_utf8(output.stdout).expect("text");
         let (or, branch) = printed.trim().split_once(' ').expect("two words");
         assert_eq!(branch, "false", "opt-level {level} of {version}");
         match or {
-            "true" => println!("{}: opt-level {level} sets a flag that nobody has set, by `|=`", version.trim()),
+            "true" => {
+                println!("{}: opt-level {level} sets a flag that nobody has set, by `|=`", version.trim())
+            }
             _ => println!("{}: opt-level {level} is right: by `|=`, too", version.trim()),
         }
         // The versions that are known to do it: else the program shows it no more, or the compiler is another one.

@@ -103,7 +103,7 @@ pub(crate) fn launch(cell: Cell, plan: &Plan) -> Result<Launched, LaunchError> {
     let mut epoch = 1;
     loop {
         let session = lock.session()?;
-        let boards = make_shared(plan.clock, &session, fabric.places().len())
+        let (board, shown) = make_shared(&session, fabric.places().len())
             .map_err(|error| session.check_names().err().map_or(error, Into::into))?;
         let relay = match (&recording, recorder) {
             (None, _) => None,
@@ -115,12 +115,12 @@ pub(crate) fn launch(cell: Cell, plan: &Plan) -> Result<Launched, LaunchError> {
         };
         match ProcessSet::start(fabric.places(), fabric.fingerprint(), &session, epoch, (plan, stop)) {
             Ok(process_set) => {
-                let run = match boards {
-                    Some((board, shown)) => {
-                        let record = relay.as_ref().and(recorder);
-                        let record =
-                            record.and_then(|recorder| recorder.commands(session.folder(), plan.clock));
-                        let console_server = open_console_server(&session, shown, &process_set, record)?;
+                // Commands are recorded by the machine's clock, which a cell under the virtual clock does not have.
+                let recorder = relay.as_ref().and(recorder).filter(|_| plan.clock == Clock::Real);
+                let record = recorder.and_then(|recorder| recorder.commands(session.folder(), plan.clock));
+                let console_server = open_console_server(&session, shown, &process_set, record)?;
+                let run = match plan.clock {
+                    Clock::Real => {
                         let patience = Patience { stop, computing };
                         let lower =
                             cells_that_await_reset.iter().map(|cell| LatchNotes::of_lower(*cell)).collect();
@@ -128,7 +128,7 @@ pub(crate) fn launch(cell: Cell, plan: &Plan) -> Result<Launched, LaunchError> {
                         Supervision::new(&process_set, &signals, &console_server, &board, patience, notes)
                             .run(plan.watched)
                     }
-                    None => pace(&process_set, &signals, stop)?,
+                    Clock::Virtual => pace(&process_set, &signals, console_server, stop)?,
                 };
                 let teller = if plan.watched { process_set.plant_over() } else { None };
                 process_set.reap(teller, Instant::now() + process_set.closing());
@@ -179,21 +179,14 @@ fn check_nodes(plan: &Plan) -> Result<(), LaunchError> {
     }
 }
 
-/// Makes what all processes share. In real time, this is also the state board on which they show what they do: one end for
-/// the launcher, one for its console server; `None` under the virtual clock, where consoles cannot watch the cell.
-pub(super) fn make_shared(
-    clock: Clock,
-    session: &Session,
-    places: usize,
-) -> Result<Option<(StateBoard, StateBoard)>, LaunchError> {
+/// Makes what all processes share: of the state board, on which they show what they do, one end for the launcher and one for its
+/// console server.
+pub(super) fn make_shared(session: &Session, places: usize) -> Result<(StateBoard, StateBoard), LaunchError> {
     let _private = Private::begin();
     make_management(session.folder(), &prefix(session.number()))?;
     let make =
         || Ok((StateBoard::create(session.number(), places)?, StateBoard::open(session.number(), places)?));
-    match clock {
-        Clock::Real => make().map(Some).map_err(LaunchError::Board),
-        Clock::Virtual => Ok(None),
-    }
+    make().map_err(LaunchError::Board)
 }
 
 /// Opens the console server, to which the operator's consoles connect.

@@ -25,7 +25,7 @@ use crate::identity::{self, CellId};
 use mrroc_core::cell::{Cell, RunReport};
 use mrroc_core::fault::{Fault, ProcessId, Role};
 use mrroc_core::link::places::Places;
-use mrroc_core::link::{Host, Nanos, News, Preparation, Waiter};
+use mrroc_core::link::{Nanos, News, Preparation, Waiter};
 
 /// How long an EDP may brake after its launcher is gone.
 const LAST_BRAKING: Duration = Duration::from_secs(10);
@@ -169,12 +169,11 @@ fn take_part(
     let entry = OwnEntry::default();
     let cell = match me.role {
         Role::Edp => cell.watch(entry.of_robot()),
-        // In lock-step nobody reads the board.
-        Role::Plant if clock == Clock::Real => {
+        Role::Plant => {
             let bodies = entry.of_bodies(&cell.layout().bodies);
             cell.witnessed_by(bodies)
         }
-        Role::Plant | Role::Mp | Role::Ecp | Role::Vsp | Role::Node => cell,
+        Role::Mp | Role::Ecp | Role::Vsp | Role::Node => cell,
     };
     let assembly = cell.put_on(&mut fabric).map_err(Ended::of)?;
     let Some(body) = fabric.take_body() else {
@@ -185,9 +184,7 @@ fn take_part(
     drop(private);
     say(control, &Frame::Created { fingerprint: fabric.fingerprint() })?;
     let Ok(Frame::Connect) = control.receive() else { return Err(Ended::Closed) };
-    if clock == Clock::Real {
-        entry.open(&fabric, me, seal).map_err(Ended::of)?;
-    }
+    entry.open(&fabric, me, seal).map_err(Ended::of)?;
     fabric.connect(seal).map_err(Ended::of)?;
     // The gauge's thread starts before this thread asks for its priority: a new thread would inherit it.
     let gauge = match clock {
@@ -225,8 +222,8 @@ fn take_part(
             (waiter.now(), Some(receiver))
         }
         _ => {
-            let waiter = LockStep::new(control, fabric.woken());
-            body(Host::of(&waiter));
+            let waiter = LockStep::new(control, fabric.woken(), entry.of(me));
+            body(waiter.host());
             (waiter.now(), None)
         }
     };

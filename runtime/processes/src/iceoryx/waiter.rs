@@ -75,13 +75,38 @@ pub(crate) struct RealTime {
     told: Cell<Nanos>,
     /// How long to poll before sleeping \[ns\].
     spin: Nanos,
-    closing: Cell<bool>,
-    news: Cell<Option<News>>,
+    said: Said,
     samples: Arc<Samples>,
-    /// The press of each kind that was not taken yet; a newer press replaces it.
-    pressed: [Cell<Option<(u64, Button)>>; Button::KINDS],
     shows: Option<Shows>,
     supervised: Option<Supervised>,
+}
+
+/// What the launcher has said, until the process takes it.
+#[derive(Default)]
+struct Said {
+    closing: Cell<bool>,
+    news: Cell<Option<News>>,
+    /// The press of each kind that was not taken yet; a newer press replaces it.
+    pressed: [Cell<Option<(u64, Button)>>; Button::KINDS],
+}
+
+impl Said {
+    /// Keeps it. Returns the time at which the process is to go on, if that is what was said \[ns\].
+    fn hear(&self, heard: Heard) -> Option<Nanos> {
+        match heard {
+            Heard::Resume(now) => return Some(now),
+            Heard::Close => self.closing.set(true),
+            // An abort must not replace the news that a process is gone.
+            Heard::News(News::Abort) if self.news.get().is_some() => {}
+            Heard::News(news) => self.news.set(Some(news)),
+            Heard::Press(number, button) => self.pressed[button.kind()].set(Some((number, button))),
+        }
+        None
+    }
+
+    fn pressed(&self, kind: usize) -> Option<(u64, Button)> {
+        self.pressed.get(kind)?.take()
+    }
 }
 
 /// What shows the state of a process.
@@ -94,6 +119,32 @@ pub(crate) enum Shows {
     Edp(Box<dyn Fn(&EdpState<'_>)>),
     /// Of a VSP.
     Vsp(Box<dyn Fn(&VspState<'_>)>),
+}
+
+impl Shows {
+    fn show(&self, state: &MpState) {
+        if let Shows::Mp(shows) = self {
+            shows(state);
+        }
+    }
+
+    fn show_ecp(&self, state: &EcpState) {
+        if let Shows::Ecp(shows) = self {
+            shows(state);
+        }
+    }
+
+    fn show_edp(&self, state: &EdpState<'_>) {
+        if let Shows::Edp(shows) = self {
+            shows(state);
+        }
+    }
+
+    fn show_vsp(&self, state: &VspState<'_>) {
+        if let Shows::Vsp(shows) = self {
+            shows(state);
+        }
+    }
 }
 
 /// What tells an MP, at a time of the machine's clock \[ns\], whether its launcher supervises the cell.
@@ -120,10 +171,8 @@ impl RealTime {
             slew: None,
             told: Cell::new(0),
             spin,
-            closing: Cell::new(false),
-            news: Cell::new(None),
+            said: Said::default(),
             samples,
-            pressed: Default::default(),
             shows: None,
             supervised: None,
         }
@@ -166,14 +215,7 @@ impl RealTime {
     /// Takes all that the launcher has said.
     fn hear(&self) {
         while let Ok(heard) = self.heard.try_recv() {
-            match heard {
-                Heard::Close => self.closing.set(true),
-                // An abort must not replace the news that a process is gone.
-                Heard::News(News::Abort) if self.news.get().is_some() => {}
-                Heard::News(news) => self.news.set(Some(news)),
-                Heard::Press(number, button) => self.pressed[button.kind()].set(Some((number, button))),
-                Heard::Resume(_) => {}
-            }
+            self.said.hear(heard);
         }
     }
 }
@@ -187,7 +229,7 @@ impl Waiter for RealTime {
     }
 
     fn wait(&self, deadline: Option<Nanos>) -> Result<(), Closed> {
-        if !self.closing.get() && !self.was_woken() {
+        if !self.said.closing.get() && !self.was_woken() {
             if self.spin > 0 {
                 let until = deadline.unwrap_or(Nanos::MAX).min(self.now().saturating_add(self.spin));
                 while self.now() < until && self.wake_futex.wakes() == self.wakes.get() {
@@ -198,7 +240,7 @@ impl Waiter for RealTime {
             self.was_woken();
         }
         self.hear();
-        if self.closing.get() { Err(Closed) } else { Ok(()) }
+        if self.said.closing.get() { Err(Closed) } else { Ok(()) }
     }
 
     fn wait_closing(&self, until: Nanos) -> Result<(), Closed> {
@@ -217,7 +259,7 @@ impl Meter for RealTime {
 
 impl Notices for RealTime {
     fn news(&self) -> Option<News> {
-        self.news.take()
+        self.said.news.take()
     }
 
     fn is_supervised(&self) -> bool {
@@ -227,31 +269,23 @@ impl Notices for RealTime {
 
 impl Console for RealTime {
     fn pressed(&self, kind: usize) -> Option<(u64, Button)> {
-        self.pressed.get(kind)?.take()
+        self.said.pressed(kind)
     }
 
     fn show(&self, state: &MpState) {
-        if let Some(Shows::Mp(shows)) = &self.shows {
-            shows(state);
-        }
+        self.shows.iter().for_each(|shows| shows.show(state));
     }
 
     fn show_ecp(&self, state: &EcpState) {
-        if let Some(Shows::Ecp(shows)) = &self.shows {
-            shows(state);
-        }
+        self.shows.iter().for_each(|shows| shows.show_ecp(state));
     }
 
     fn show_edp(&self, state: &EdpState<'_>) {
-        if let Some(Shows::Edp(shows)) = &self.shows {
-            shows(state);
-        }
+        self.shows.iter().for_each(|shows| shows.show_edp(state));
     }
 
     fn show_vsp(&self, state: &VspState<'_>) {
-        if let Some(Shows::Vsp(shows)) = &self.shows {
-            shows(state);
-        }
+        self.shows.iter().for_each(|shows| shows.show_vsp(state));
     }
 }
 
@@ -260,23 +294,34 @@ pub(crate) struct LockStep<'a, L: Launcher> {
     launcher: &'a L,
     woken: Rc<Cell<Places>>,
     now: Cell<Nanos>,
-    closing: Cell<bool>,
+    said: Said,
+    shows: Option<Shows>,
 }
 
 impl<'a, L: Launcher> LockStep<'a, L> {
-    /// Waits to be resumed for the first time.
-    pub fn new(launcher: &'a L, woken: Rc<Cell<Places>>) -> Self {
-        let waiter = LockStep { launcher, woken, now: Cell::new(0), closing: Cell::new(false) };
+    /// Waits to be resumed for the first time. The process shows its state by `shows`.
+    pub fn new(launcher: &'a L, woken: Rc<Cell<Places>>, shows: Option<Shows>) -> Self {
+        let waiter = LockStep { launcher, woken, now: Cell::new(0), said: Said::default(), shows };
         waiter.be_resumed();
         waiter
     }
 
+    /// All that the link offers to a process. In lock-step nothing is late, so there is nothing to measure.
+    pub fn host(&self) -> Host<'_> {
+        Host { notices: self, console: self, ..Host::of(self) }
+    }
+
+    /// Waits until the launcher lets the process go on, and keeps what it says before that.
     fn be_resumed(&self) {
-        match self.launcher.hear() {
-            Heard::Resume(now) => self.now.set(now),
-            // In lock-step the launcher sends nothing else.
-            Heard::Close | Heard::News(_) | Heard::Press(..) => self.closing.set(true),
+        while !self.said.closing.get() {
+            if let Some(now) = self.said.hear(self.launcher.hear()) {
+                return self.now.set(now);
+            }
         }
+    }
+
+    fn open(&self) -> Result<(), Closed> {
+        if self.said.closing.get() { Err(Closed) } else { Ok(()) }
     }
 }
 
@@ -287,18 +332,46 @@ impl<L: Launcher> Waiter for LockStep<'_, L> {
 
     fn wait(&self, deadline: Option<Nanos>) -> Result<(), Closed> {
         let deadline = deadline.unwrap_or(Nanos::MAX);
-        if deadline > self.now.get() && !self.closing.get() {
+        if deadline > self.now.get() && !self.said.closing.get() {
             self.launcher.yields(deadline, self.woken.take());
             self.be_resumed();
         }
-        if self.closing.get() { Err(Closed) } else { Ok(()) }
+        self.open()
     }
 
     fn call(&self, place: usize) -> Result<(), Closed> {
-        if !self.closing.get() {
+        if !self.said.closing.get() {
             self.launcher.calls(place, self.woken.take().without(place));
             self.be_resumed();
         }
-        if self.closing.get() { Err(Closed) } else { Ok(()) }
+        self.open()
+    }
+}
+
+impl<L: Launcher> Notices for LockStep<'_, L> {
+    fn news(&self) -> Option<News> {
+        self.said.news.take()
+    }
+}
+
+impl<L: Launcher> Console for LockStep<'_, L> {
+    fn pressed(&self, kind: usize) -> Option<(u64, Button)> {
+        self.said.pressed(kind)
+    }
+
+    fn show(&self, state: &MpState) {
+        self.shows.iter().for_each(|shows| shows.show(state));
+    }
+
+    fn show_ecp(&self, state: &EcpState) {
+        self.shows.iter().for_each(|shows| shows.show_ecp(state));
+    }
+
+    fn show_edp(&self, state: &EdpState<'_>) {
+        self.shows.iter().for_each(|shows| shows.show_edp(state));
+    }
+
+    fn show_vsp(&self, state: &VspState<'_>) {
+        self.shows.iter().for_each(|shows| shows.show_vsp(state));
     }
 }

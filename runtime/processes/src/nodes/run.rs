@@ -13,7 +13,6 @@ use std::time::{Duration, Instant};
 
 use mrroc_core::console::complain;
 use mrroc_core::fault::{ProcessId, Role};
-use mrroc_core::link::Clock;
 
 use super::agent::{Agent, Event};
 use super::carrier::BUSY;
@@ -71,9 +70,7 @@ impl<'a> Run<'a> {
         let text = |error: &dyn std::fmt::Display| error.to_string();
         let session = agent.lock.session().map_err(|error| text(&error))?;
         let seals = Seals { here: Seal { session: session.number(), epoch: between.epoch }, between };
-        let boards =
-            make_shared(Clock::Real, &session, agent.fabric.places().len()).map_err(|error| text(&error))?;
-        let (_, board) = boards.ok_or("no board")?;
+        let (_, board) = make_shared(&session, agent.fabric.places().len()).map_err(|error| text(&error))?;
         let private = Private::begin();
         let stand_in =
             StandIn::make(&agent.fabric, (session.folder(), &prefix(session.number())), seals, &agent.places);
