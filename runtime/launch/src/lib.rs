@@ -11,6 +11,8 @@ pub mod files;
 pub mod network;
 mod options;
 pub mod outcome;
+pub mod outcome_file;
+mod own;
 pub mod panel;
 mod parts;
 pub mod patience;
@@ -38,6 +40,7 @@ use crate::table::Table;
 use crate::telling::Asked;
 
 pub use crate::options::Operating;
+pub use crate::own::own_option;
 pub use crate::parts::{LooksOn, Panel, Parts, Processes, Replays};
 pub use crate::program::{Launch, Ran};
 
@@ -140,7 +143,11 @@ pub fn launch(
     }
     let clock = options.clock();
     let is_run = options.part.is_none() && options.word.is_none() && !options.dry_run;
-    if is_run && let Err(error) = check_outputs(options.picture().into_iter().chain(recorded(&cell))) {
+    if is_run
+        && let Err(error) = check_outputs(
+            options.picture().into_iter().chain(recorded(&cell)).chain(options.outcome.as_deref()),
+        )
+    {
         return refused(&error);
     }
     if options.check {

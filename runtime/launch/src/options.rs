@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use clap::error::ErrorKind;
 use clap::{Args, Command, Parser, Subcommand};
 
+use crate::own;
 use crate::telling::Asked;
 use mrroc_core::fault::Name;
 use mrroc_core::fault::{ProcessId, Role};
@@ -25,6 +26,8 @@ Exit status: 0 if the programs ended well, 1 after a fault, 2 if the cell or
 the command line was refused; then nothing has moved. From another terminal: 0
 if it was done, 1 if it was refused, 2 if no such cell runs, 3 if it will be
 done when the program, which computes, moves or waits again.
+
+What stands behind -- is the program's own: its page says what it knows.
 
 Examples:
   cargo run                             run the cell, draw picture.svg
@@ -62,6 +65,9 @@ pub(super) struct Options {
     /// tool faster than 250 mm/s.
     #[arg(long, help_heading = "Processes")]
     pub(super) reduced: bool,
+    /// Write how the run ended, and how punctual each process was, to a JSON file.
+    #[arg(long, value_name = "FILE")]
+    pub(super) outcome: Option<PathBuf>,
     /// Show the cell in a browser, and operate it there; without --processes, show the run when it is over (feature `panel`).
     #[arg(long)]
     pub(super) panel: bool,
@@ -283,6 +289,7 @@ pub(super) fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Opt
         return Err(clap::Error::raw(ErrorKind::InvalidSubcommand, text));
     }
     let program = std::env::args_os().next().unwrap_or_default();
+    let arguments = arguments.into_iter().take_while(|argument| !own::is_beginning(argument));
     let options = Options::try_parse_from(iter::once(program).chain(arguments))?;
     Ok(Options { part, ..options })
 }

@@ -48,6 +48,8 @@ pub struct Launch {
     pub spin: u64,
     /// The file of the cell, or another path that identifies it; `None`: the program's own file.
     pub cell: Option<PathBuf>,
+    /// The file for how the run ends, as JSON.
+    pub outcome: Option<PathBuf>,
     /// Whether only errors are printed.
     pub quiet: bool,
     /// Whether the program watches robots and keeps something of the run.
@@ -88,6 +90,7 @@ impl Launch {
             clock: None,
             spin: 0,
             cell: None,
+            outcome: None,
             quiet: false,
             watching: false,
             parts,

@@ -10,6 +10,7 @@ use std::time::Duration;
 
 use super::options::Options;
 use super::outcome::{cell_refused, note, report, stopped, tell};
+use super::outcome_file::{Outcome, write_outcome};
 use super::panel;
 use super::patience::Patience;
 use super::{Launch, Parts, Ran};
@@ -39,7 +40,14 @@ pub(super) fn run(
         cell = cell.also_on_step(patience.notes());
     }
     let (panel, cell) = panel::look_on(parts.panel.filter(|_| options.panel), cell);
-    let ended = match cell.end_when_stuck(STUCK).run() {
+    let ran = cell.end_when_stuck(STUCK).run();
+    if let (Some(file), Ok(_) | Err(CellError::Fault(_))) = (&options.outcome, &ran)
+        && let Err(error) = write_outcome(file, &Outcome::of_memory_link(&ran))
+    {
+        report(&error);
+        return ExitCode::FAILURE;
+    }
+    let ended = match ran {
         Ok(report) => conclude(Ok(report), picture, options),
         Err(CellError::Fault(fault)) => conclude(Err(fault), picture, options),
         Err(error) => return cell_refused(&error),
@@ -70,6 +78,7 @@ pub(super) fn watched(
         clock: options.clock(),
         spin: options.spin,
         cell: Some(path),
+        outcome: options.outcome.clone(),
         quiet,
         watching,
         parts,

@@ -16,6 +16,7 @@ use super::control::{Control, Frame};
 use crate::iceoryx::Samples;
 use mrroc_core::fault::ProcessId;
 use mrroc_core::link::{Nanos, Sample};
+use mrroc_launch::outcome_file::{Punctuality, Times};
 
 /// The time between two emptyings of the ring.
 const EMPTYING: Duration = Duration::from_millis(200);
@@ -56,7 +57,27 @@ pub struct Figures {
 /// Number of words in which figures are sent.
 pub(super) const FIGURES_WORDS: usize = 11;
 
+impl Spread {
+    fn times(&self) -> Times {
+        Times { p50: self.p50, p99: self.p99, max: self.max }
+    }
+}
+
 impl Figures {
+    /// Of this process, for the file of the outcome.
+    pub(super) fn punctuality(&self, process: ProcessId) -> Punctuality {
+        let Figures { late, worked, skipped, overruns, .. } = self;
+        let (skipped, overruns) = (*skipped, *overruns);
+        Punctuality {
+            process,
+            steps: worked.count,
+            skipped,
+            overruns,
+            late: late.times(),
+            worked: worked.times(),
+        }
+    }
+
     pub(super) fn put(&self, words: &mut [u64]) {
         let spread = |spread: &Spread| [spread.count, spread.p50, spread.p99, spread.max];
         words[..4].copy_from_slice(&spread(&self.late));

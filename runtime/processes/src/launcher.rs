@@ -26,6 +26,7 @@ use mrroc_core::link::Nanos;
 use mrroc_core::observe::NotRecorded;
 use mrroc_core::observe::recording::CommandRecord;
 use mrroc_launch::network::network;
+use mrroc_launch::outcome_file::{Outcome, write_outcome};
 
 /// How many times a launch is tried when processes die while they start.
 const ATTEMPTS: u64 = 5;
@@ -140,6 +141,13 @@ pub(crate) fn launch(cell: Cell, plan: &Plan) -> Result<Launched, LaunchError> {
                 }
                 let (steps, time) = (run.steps, run.time);
                 let outcome = run.outcome();
+                if let Some(file) = &plan.outcome {
+                    let processes = figures.iter().map(|(process, figures)| figures.punctuality(*process));
+                    let (time, fault, processes) =
+                        (time.as_secs_f64(), outcome.as_ref().err(), processes.collect());
+                    let told = write_outcome(file, &Outcome { steps, time, fault, processes });
+                    drop(told.inspect_err(|error| complain(&format!("error: {error}"))));
+                }
                 if outcome.is_err() && !plan.quiet {
                     process_set
                         .members

@@ -177,8 +177,8 @@ fn launch_processes(cell: Cell, how: Launch) -> Result<Ran, CellError> {
     let file = how.cell.map_or_else(std::env::current_exe, Ok).map_err(|error| refused(&error))?;
     let permission = cell.realtime().map_or(Permission::BestEffort, |realtime| realtime.permission);
     let nodes = cell.nodes().cloned();
-    let Launch { arguments, spin, quiet, watching: watched, .. } = how;
-    let plan = Plan { cell: file, arguments, clock, spin, permission, quiet, watched, nodes };
+    let Launch { arguments, spin, quiet, watching: watched, outcome, .. } = how;
+    let plan = Plan { cell: file, arguments, clock, spin, permission, quiet, watched, nodes, outcome };
     match launch(cell, &plan) {
         Ok(Launched::Ran(report)) => Ok(Ran::Processes(report)),
         Ok(Launched::Told(status)) => Ok(Ran::Part(ExitCode::from(status))),

@@ -56,6 +56,8 @@ pub(crate) struct Plan {
     pub watched: bool,
     /// The machines of the cell, if it is on several.
     pub nodes: Option<Nodes>,
+    /// The file for how the run ends.
+    pub outcome: Option<PathBuf>,
 }
 
 /// Why a process could not be set up. All other processes are ended, and no robot has moved.

@@ -194,6 +194,7 @@ impl Agent {
             permission,
             quiet,
             watched: false,
+            outcome: None,
             nodes: None,
         };
         Ok(Agent { nodes, me, fabric, places, own, plan, realtime, step, stop, lock, hub, wires, events })
