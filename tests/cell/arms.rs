@@ -11,10 +11,11 @@ use std::rc::Rc;
 use std::time::Duration;
 
 use mrroc::cell_file::Kinds;
+use mrroc::launch::own_option;
 use mrroc::prelude::*;
 use mrroc::robot::{DriveFault, Driver, Measured, SimulatedDrives};
 use mrroc_robots::{Irp6, Shaft, SimulatedIrp6, Six};
-use mrroc_tests::fixture::{COMPUTES, FARTHER, HARDWARE, OTHER, PATIENCE, PLANS, RECORDS};
+use mrroc_tests::fixture::{COMPUTES, FARTHER, HARDWARE, OTHER, PATIENCE, PLANS, RECORDS, TIMES};
 
 use crate::Nothing;
 use crate::calls::Calls;
@@ -43,7 +44,7 @@ fn cell(file: &CellFile) -> Result<Cell, CellError> {
         .ecp("left", arm)
         .ecp("right", arm)
         .program(coordinate);
-    let cell = match std::env::var_os(OTHER) {
+    let cell = match own_option(OTHER) {
         Some(_) if std::env::args().any(|word| word == "edp") => {
             let arm = Irp6::nominal();
             let drives = SimulatedIrp6::new(arm.clone(), &Six::zeros());
@@ -51,7 +52,7 @@ fn cell(file: &CellFile) -> Result<Cell, CellError> {
         }
         _ => cell,
     };
-    let patience = std::env::var(PATIENCE).ok().and_then(|seconds| seconds.parse().ok());
+    let patience = own_option(PATIENCE).and_then(|seconds| seconds.parse().ok());
     let cell = match patience {
         Some(seconds) => cell.end_when_stuck(Duration::from_secs(seconds)),
         None => cell,
@@ -67,7 +68,8 @@ fn cell(file: &CellFile) -> Result<Cell, CellError> {
             periods.get_mut(seen.robot).expect("it is there").note();
         }));
     }
-    Ok(match std::env::var_os(RECORDS) {
+    let cell = crate::suspended(cell);
+    Ok(match own_option(RECORDS) {
         Some(folder) => cell.watch(crate::records::record(PathBuf::from(folder))),
         None => cell,
     })
@@ -84,7 +86,7 @@ struct Recorded {
 
 impl Recorded {
     fn new(name: &str, drives: SimulatedIrp6) -> Recorded {
-        let path = std::env::var_os(RECORDS).map(|folder| Path::new(&folder).join(format!("{name}.plant")));
+        let path = own_option(RECORDS).map(|folder| Path::new(&folder).join(format!("{name}.plant")));
         Recorded { path, drives, file: None, calls: Calls::of(&format!("plant {name}")) }
     }
 
@@ -114,7 +116,7 @@ impl Driver<Irp6> for Recorded {
     }
 
     fn hardware(&self) -> Option<String> {
-        std::env::var(HARDWARE).ok()
+        own_option(HARDWARE)
     }
 
     fn has_brakes(&self) -> bool {
@@ -209,15 +211,22 @@ impl VirtualSensor for Looking {
     }
 }
 
+/// How often the arms go out and back.
+fn times() -> u32 {
+    own_option(TIMES).and_then(|times| times.parse().ok()).unwrap_or(1)
+}
+
 fn coordinate(mp: &mut Mp) -> Result<(), Fault> {
-    while std::env::var_os(COMPUTES).is_some() {
+    while own_option(COMPUTES).is_some() {
         std::thread::sleep(Duration::from_millis(10));
     }
     let (mut left, mut right) = (mp.robot::<Irp6>("left")?, mp.robot::<Irp6>("right")?);
     let (mut count, mut shaft) = (mp.sensor::<Count>("count")?, mp.sensor::<Count>("shaft")?);
     mp.wait_until((&mut left, &mut right), (&mut count,), Counted3 {})?;
-    for phase in [Phase::Out, Phase::Back] {
-        mp.move_robots((&mut left, &mut right), (), Ask(phase))?;
+    for _ in 0..times() {
+        for phase in [Phase::Out, Phase::Back] {
+            mp.move_robots((&mut left, &mut right), (), Ask(phase))?;
+        }
     }
     let swing = Swing::new();
     mp.move_robots((&mut left, &mut right), (&mut count, &mut shaft), swing)?;
@@ -249,7 +258,7 @@ struct Swing {
 
 impl Swing {
     fn new() -> Self {
-        let farther = std::env::var(FARTHER).ok().and_then(|times| times.parse().ok()).unwrap_or(1.0);
+        let farther = own_option(FARTHER).and_then(|times| times.parse().ok()).unwrap_or(1.0);
         // Where calls are counted there are enough of them even if a late machine leaves out half of its steps.
         let duration = if Calls::are_counted() { 2.0 } else { 1.0 };
         Swing { t: 0.0, duration, way: 0.002 * farther }
@@ -274,8 +283,9 @@ fn smooth(u: f64) -> f64 {
 
 fn arm(ecp: &mut Ecp<Irp6>) -> Result<(), Fault> {
     let from = ecp.image().demanded().joints;
-    let go = |angle, duration| GoTo { angle, duration, from, t: 0.0, calls: Calls::of("ecp") };
-    for _ in 0..2 {
+    let plans = own_option(PLANS).is_some();
+    let go = |angle, duration| GoTo { angle, duration, from, t: 0.0, plans, calls: Calls::of("ecp") };
+    for _ in 0..2 * times() {
         ecp.obey(|ecp, phase: Phase| match phase {
             Phase::Out => ecp.move_robot((), go(0.01, 1.0)).map(drop),
             Phase::Back => ecp.move_robot((), go(0.0, 1.5)).map(drop),
@@ -290,6 +300,8 @@ struct GoTo {
     duration: f64,
     from: Six,
     t: f64,
+    /// Whether its first step takes half a second.
+    plans: bool,
     calls: Calls,
 }
 
@@ -297,7 +309,7 @@ struct GoTo {
 impl GoTo {
     fn first_step(&mut self, e: &State<Irp6>, t: Tick) -> Step<Irp6> {
         self.from = e.demanded().joints;
-        if std::env::var_os(PLANS).is_some() {
+        if self.plans {
             std::thread::sleep(Duration::from_millis(500));
         }
         self.next_step(t)

@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use mrroc::launch::own_option;
 use mrroc_counting_allocator::allocations;
 use mrroc_tests::fixture::{COUNTS, STEPS};
 
@@ -23,12 +24,12 @@ pub struct Calls {
 impl Calls {
     /// Whether they are counted in this process.
     pub fn are_counted() -> bool {
-        std::env::var_os(COUNTS).is_some()
+        own_option(COUNTS).is_some()
     }
 
     /// Of what has this name.
     pub fn of(name: &str) -> Calls {
-        let path = std::env::var_os(COUNTS).map(|folder| Path::new(&folder).join(name));
+        let path = own_option(COUNTS).map(|folder| Path::new(&folder).join(name));
         Calls { path, calls: 0, before: 0, within: 0 }
     }
 

@@ -4,6 +4,7 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::time::Duration;
 
+use mrroc::launch::own_option;
 use mrroc::prelude::*;
 use mrroc_tests::fixture::RECORDS;
 
@@ -20,7 +21,7 @@ pub fn main() -> ExitCode {
 }
 
 fn stand(_: &mut Mp) -> Result<(), Fault> {
-    let folder = std::env::var_os(RECORDS).ok_or_else(|| Fault::thrown("no folder for records"))?;
+    let folder = own_option(RECORDS).ok_or_else(|| Fault::thrown("no folder for records"))?;
     while !Path::new(&folder).join("end").exists() {
         std::thread::sleep(Duration::from_millis(10));
     }

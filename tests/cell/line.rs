@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use mrroc::cell::LowerCell;
+use mrroc::launch::own_option;
 use mrroc::operator::Latch;
 use mrroc::prelude::*;
 use mrroc_generators::generators::JointMove;
@@ -62,7 +63,7 @@ fn arm(mp: &mut Mp) -> Result<(), Fault> {
 
 fn line(file: &CellFile) -> Result<Cell, CellError> {
     let kinds = mrroc_robots::simulated();
-    let dispensable = std::env::var(DISPENSABLE).ok();
+    let dispensable = own_option(DISPENSABLE);
     // Whether a console resets the left cell, or its own program.
     let is_operated = dispensable.as_deref() == Some("operated");
     let mut latched = 0;
@@ -87,7 +88,8 @@ fn line(file: &CellFile) -> Result<Cell, CellError> {
         mp.move_robots((&mut left, &mut right), (), out {})?;
         mp.move_robots((&mut left, &mut right), (), back {}).map(drop)
     });
-    Ok(match std::env::var_os(RECORDS) {
+    let cell = crate::suspended(cell);
+    Ok(match own_option(RECORDS) {
         Some(folder) => cell.watch(crate::records::record(PathBuf::from(folder))),
         None => cell,
     })

@@ -1,4 +1,4 @@
-//! The task programs that tests start as processes of their own; a variable of the environment names the one to be.
+//! The task programs that tests start as processes of their own; an option behind `--` names the one to be.
 
 #![cfg(target_os = "linux")]
 
@@ -26,15 +26,18 @@ use std::sync::Arc;
 use mrroc::cell::Cell;
 use mrroc::cell::RunPicture;
 use mrroc::fault::ProcessId;
+use mrroc::launch::own_option;
 use mrroc::observe::witness::{What, Witness};
 use mrroc_counting_allocator::Counting;
-use mrroc_tests::fixture::{ARMS, CROWD, LINE, PROGRAM, RECORDED, REMOTE, SERVO, SOAK, TAKES_NOTHING, TASKS};
+use mrroc_tests::fixture::{
+    ARMS, CROWD, LINE, PROGRAM, RECORDED, REMOTE, SERVO, SOAK, SUSPENDED, TAKES_NOTHING, TASKS,
+};
 
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
 fn main() -> ExitCode {
-    let program = std::env::var(PROGRAM).unwrap_or_default();
+    let program = own_option(PROGRAM).unwrap_or_default();
     match program.as_str() {
         ARMS => arms::main(),
         TASKS => tasks::main(),
@@ -46,11 +49,22 @@ fn main() -> ExitCode {
         SERVO => mrroc::launch(|file| Ok(file.cell(&arm::kinds())?.program(mp::coordinate)), Nothing),
         _ => {
             eprintln!(
-                "error: no program `{program}`\n help: {PROGRAM}={ARMS}, {TASKS}, {SOAK}, {CROWD}, {LINE}, {RECORDED}, {REMOTE} or {SERVO}"
+                "error: no program `{program}`\n help: -- --{PROGRAM} {ARMS}, {TASKS}, {SOAK}, {CROWD}, {LINE}, {RECORDED}, {REMOTE} or {SERVO}"
             );
             ExitCode::FAILURE
         }
     }
+}
+
+/// A cell that its operator suspends in the step that [`SUSPENDED`] gives: it stands on its path until a console resumes it, however
+/// long that takes.
+fn suspended(cell: Cell) -> Cell {
+    let Some(at) = own_option(SUSPENDED).and_then(|step| step.parse::<u64>().ok()) else { return cell };
+    cell.also_on_step(move |step, operator| {
+        if step == at {
+            operator.suspend();
+        }
+    })
 }
 
 /// Draws nothing, but is shown what a picture needs.
@@ -68,7 +82,7 @@ impl RunPicture for Nothing {
 
 impl Witness for Nothing {
     fn see(&self, _: u64, _: ProcessId, _: &What, _: &[u64]) {
-        while std::env::var_os(TAKES_NOTHING).is_some() {
+        while own_option(TAKES_NOTHING).is_some() {
             std::thread::park();
         }
     }

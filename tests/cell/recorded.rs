@@ -10,6 +10,7 @@ mod camera;
 
 use std::process::ExitCode;
 
+use mrroc::launch::own_option;
 use mrroc::prelude::*;
 use mrroc_tests::fixture::CHANGE;
 
@@ -21,7 +22,7 @@ pub fn main() -> ExitCode {
 }
 
 fn assemble(file: &CellFile) -> Result<Cell, CellError> {
-    let change = std::env::var(CHANGE).ok().and_then(|text| text.parse().ok());
+    let change = own_option(CHANGE).and_then(|text| text.parse().ok());
     let cell = file
         .cell(&mrroc_robots::simulated())?
         .sensor(file.sensor("count", Counting::default())?)

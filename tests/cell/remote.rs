@@ -9,6 +9,7 @@ use std::time::{Duration, Instant};
 
 use mrroc::cell_file::Kinds;
 use mrroc::fault::FaultKind;
+use mrroc::launch::own_option;
 use mrroc::prelude::*;
 use mrroc::robot::{DriveFault, Driver, IdealDrives, Measured, Pace, Pulse, RobotStop, StopCause};
 use mrroc_robots::{Gripper, One};
@@ -72,7 +73,7 @@ impl VirtualSensor for Camera {
 
     fn open(&mut self) -> Result<(), Fault> {
         std::thread::sleep(Duration::from_millis(300));
-        let folder = std::env::var_os(RECORDS).map(PathBuf::from).unwrap_or_default();
+        let folder = own_option(RECORDS).map(PathBuf::from).unwrap_or_default();
         let opened = OpenOptions::new().create(true).append(true).open(folder.join(OPENED));
         let noted = opened.and_then(|mut file| writeln!(file, "{}", std::process::id()));
         noted.map_err(|error| Fault::new(FaultKind::SensorFailed).text(&error.to_string()))?;

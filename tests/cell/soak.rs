@@ -8,10 +8,11 @@ use std::process::ExitCode;
 use std::sync::OnceLock;
 use std::time::Instant;
 
+use mrroc::launch::own_option;
 use mrroc::operator::Operator;
 use mrroc::prelude::*;
 use mrroc_robots::{Irp6, Six};
-use mrroc_tests::fixture::{COUNT, RECORDS, seconds};
+use mrroc_tests::fixture::{COUNT, RECORDS, SECONDS};
 
 use crate::Nothing;
 
@@ -82,7 +83,7 @@ impl Count {
 impl Drop for Count {
     /// In the MP's process alone there is anything to tell.
     fn drop(&mut self) {
-        let Some(folder) = std::env::var_os(RECORDS).filter(|_| self.begun > 0) else { return };
+        let Some(folder) = own_option(RECORDS).filter(|_| self.begun > 0) else { return };
         let last = self.recent.iter().copied().min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or_default();
         // Slow by so much of its time.
         let slow = (last.0 - self.first.0) / (last.1 - self.first.1);
@@ -122,7 +123,8 @@ fn coordinate(mp: &mut Mp) -> Result<(), Fault> {
     // After a reset the program begins anew; its time does not.
     static BEGAN: OnceLock<Instant> = OnceLock::new();
     let passed = BEGAN.get_or_init(Instant::now).elapsed().as_secs_f64();
-    let swing = Swing { t: 0.0, end: (f64::from(seconds()) - passed).max(1.0) };
+    let seconds = own_option(SECONDS).and_then(|seconds| seconds.parse().ok()).unwrap_or(10.0_f64);
+    let swing = Swing { t: 0.0, end: (seconds - passed).max(1.0) };
     mp.move_robots((&mut left, &mut right), (&mut column,), swing)?;
     Ok(())
 }

@@ -14,7 +14,7 @@ use engraving::plate::Cutter;
 use engraving::run::{Settings, Watch};
 use engraving::sampling::Sampling;
 use mrroc::cell::{Cell, RunPicture, RunReport};
-use mrroc::launch::{Clock, Ran};
+use mrroc::launch::{Clock, Ran, own_option};
 use mrroc_pictures::Film;
 use mrroc_tests::fixture::{RECORDS, SEEN};
 use transfer::pictures::filmed;
@@ -40,8 +40,8 @@ pub fn main() -> ExitCode {
 fn run() -> Result<ExitCode, Box<dyn Error>> {
     // Each test has a folder with a cell file of its own: without it, the cell would be that of the executable.
     let launch = mrroc::launch::program(std::env::args_os().skip(1)).quiet().cell_file("cell.toml");
-    let words: Vec<_> =
-        launch.arguments().iter().skip(2).map(|word| word.to_string_lossy().into_owned()).collect();
+    let words = launch.arguments().iter().map(|word| word.to_string_lossy().into_owned());
+    let words: Vec<_> = words.skip(2).take_while(|word| word != "--").collect();
     let named = words.last().is_some_and(|link| link == "processes");
     let launch = if named { launch.processes(Clock::Virtual) } else { launch }.watching();
     let (cell, seen) = match &words.iter().map(String::as_str).collect::<Vec<_>>()[..] {
@@ -51,7 +51,7 @@ fn run() -> Result<ExitCode, Box<dyn Error>> {
         ["engraving", drawing, _] => engraving(drawing, launch.is_here())?,
         _ => return Err(format!("no task: {words:?}").into()),
     };
-    let folder = std::env::var_os(RECORDS).ok_or("no folder for records")?;
+    let folder = own_option(RECORDS).ok_or("no folder for records")?;
     let folder = PathBuf::from(folder);
     // Demands are recorded where they are made, and not a second time in the plant.
     let is_plant = launch.is_part() && launch.is_here();

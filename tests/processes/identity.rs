@@ -5,9 +5,11 @@ use std::os::unix::fs::chown;
 use std::os::unix::process::CommandExt;
 use std::process::Command;
 
-use mrroc_tests::fixture::HARDWARE;
+use mrroc_tests::fixture::{COMPUTES, HARDWARE};
 
-use crate::launch::{Launch, Place, start_until};
+use rustix::process::Signal;
+
+use crate::launch::{Launch, Place, wait_for_end};
 use crate::operator::{carried_out, operate};
 use crate::runs::{PROCESSES, REAL, ROBOTS, VIRTUAL};
 
@@ -58,9 +60,7 @@ fn from_elsewhere(place: &Place, arguments: &[&str]) -> Vec<(&'static str, Comma
 fn fault_66_a_cell_is_run_once_whatever_path_folder_or_user_it_is_started_from() {
     let place = Place::new(69);
     let mut first = place.start("first", VIRTUAL);
-    while first.processes().len() < PROCESSES.len() {
-        first.let_run(std::time::Duration::from_millis(1));
-    }
+    first.freeze(PROCESSES.len());
     for (from, mut second) in from_elsewhere(&place, &[REAL, &["--no-picture"]].concat()) {
         let (status, said) = run(&mut second);
         let told = format!("the cell is run by process {}", first.pid());
@@ -70,6 +70,7 @@ fn fault_66_a_cell_is_run_once_whatever_path_folder_or_user_it_is_started_from()
         );
         println!("{from}: {}", said.lines().next().unwrap_or_default());
     }
+    first.thaw();
     // The first one is undisturbed.
     assert!(first.end().success(), "{}", first.said());
     let mut alone = place.start("alone", VIRTUAL);
@@ -106,7 +107,7 @@ fn fault_66_consoles_find_the_cell_from_everywhere_or_say_who_runs_it() {
                     assert!(status == Some(2) && said.contains(&told), "{status:?}: {said}");
                 }
                 _ => assert!(
-                    status == Some(0) && said.contains("running: step "),
+                    status == Some(0) && said.contains("suspended: step "),
                     "{from}: {status:?}: {said}"
                 ),
             }
@@ -124,27 +125,37 @@ fn fault_67_hardware_that_one_cell_has_is_refused_to_all_others() {
     let place = Place::new(72);
     let other = place.base().parent().expect("a folder").join("copy.toml");
     fs::write(other, include_str!("cell.toml")).expect("written");
-    let hardware = [(HARDWARE, "arms of test 72")];
-    let are_there = |launch: &mut Launch| launch.processes().len() == PROCESSES.len();
-    let mut first = start_until(|| place.start_with(&hardware, "first", REAL), are_there);
-    let second = || place.program(&[REAL, &["--cell", "copy.toml"]].concat());
-    let (status, said) = run(second().envs(hardware));
+    let with_hardware = |arguments: &[&str]| {
+        let mut program = place.program(arguments);
+        program.args(["--hardware", "arms of test 72"]);
+        run(&mut program)
+    };
+    // Its MP computes, so that it runs until it is killed, whether its machine is late or not.
+    let options = [(HARDWARE, "arms of test 72"), (COMPUTES, "")];
+    let mut first = place.start_with(&options, "first", REAL);
+    assert!(first.comes_to(|launch| launch.processes().len() == PROCESSES.len()), "{}", first.said());
+    let (status, said) = with_hardware(&[REAL, &["--cell", "copy.toml"]].concat());
     assert!(status == Some(2), "{status:?}: {said}");
     let told = format!("arms of test 72 is driven by another cell, which process {} of user", first.pid());
     assert!(said.contains(&told), "{said}");
-    // How it ends on a machine that is late is not what is judged here.
-    first.end();
+    let processes = first.processes();
+    first.signal(Signal::KILL);
+    wait_for_end(&processes);
     // Hardware cannot follow the virtual clock.
-    let (status, said) = run(place.program(VIRTUAL).envs(hardware));
+    let (status, said) = with_hardware(VIRTUAL);
     assert!(status == Some(2) && said.contains("has real drives, arms of test 72"), "{status:?}: {said}");
 }
 
 #[test]
 fn fault_83_simulated_drives_stand_in_for_hardware_in_dry_runs_and_where_the_operator_says_so() {
     let place = Place::new(80);
-    let hardware = [(HARDWARE, "arms of test 80")];
+    let with_hardware = |arguments: &[&str]| {
+        let mut program = place.program(arguments);
+        program.args(["--hardware", "arms of test 80"]);
+        run(&mut program)
+    };
     let ends_well = |arguments: &[&str]| {
-        let (status, said) = run(place.program(arguments).envs(hardware));
+        let (status, said) = with_hardware(arguments);
         assert!(status == Some(0), "{arguments:?}: {status:?}: {said}");
         said
     };
@@ -163,6 +174,6 @@ fn fault_83_simulated_drives_stand_in_for_hardware_in_dry_runs_and_where_the_ope
     let file = place.base().parent().expect("a folder").join("elsewhere.toml");
     let without = include_str!("cell.toml").replace("start = [0.0", "# start = [0.0");
     fs::write(file, without).expect("written");
-    let (status, said) = run(place.program(&["--check", "--cell", "elsewhere.toml"]).envs(hardware));
+    let (status, said) = with_hardware(&["--check", "--cell", "elsewhere.toml"]);
     assert!(status == Some(2) && said.contains("has no `start`"), "{status:?}: {said}");
 }

@@ -5,7 +5,7 @@ use std::fmt;
 use std::time::Duration;
 
 use crate::launch::{Launch, Place, Process, periods_at_rest};
-use crate::runs::{L, MEMORY, PROCESSES, REAL, ROBOTS, VIRTUAL, assert_robots_stand, is_late};
+use crate::runs::{L, MEMORY, PROCESSES, ROBOTS, VIRTUAL};
 
 /// Servo periods in which a robot's brakes bring it to a standstill; as long as its own braking may take.
 const BRAKES: usize = 108;
@@ -66,53 +66,13 @@ fn assert_drives_brake(launch: &Launch, robot: &str) {
     assert!(drives[braked..].iter().all(|period| !period.powered), "{robot}: powered again");
 }
 
-#[test]
-fn fault_07_a_kill_at_any_moment_ends_the_cell_cleanly() {
-    let place = Place::new(3);
-    let mut random = Random::new();
-    let (mut ran_on, mut stopped, mut late, mut tally) = (0, 0, 0, Killed::default());
-    for kill in 0..kills() {
-        let mut launch = place.start("killed", REAL);
-        // Each process dies while the cell starts in one of two launches, and while robots move in the other.
-        let starting = kill % 2 == kill / PROCESSES.len() % 2;
-        while !starting && launch.record("left").is_empty() && launch.end_if_over().is_none() {
-            launch.let_run(Duration::from_millis(1));
-        }
-        let role = PROCESSES[kill % PROCESSES.len()];
-        let within = if starting { 300_000 } else { 3_500_000 };
-        let (killed, processes) = kill_one(&mut launch, role, random.below(within));
-        tally.count(killed.as_ref());
-        let status = launch.end().code();
-        let said = launch.said();
-        match status {
-            Some(0) => ran_on += 1,
-            Some(1) if said.contains("killed by signal 9") => stopped += 1,
-            Some(1) => {
-                assert!(is_late(&said), "kill {kill}, {killed:?}: {said}");
-                late += 1;
-            }
-            _ => panic!("kill {kill}, {killed:?}: status {status:?}: {said}"),
-        }
-        assert_robots_stand(&launch, killed.as_ref());
-        launch.assert_nothing_left(&processes);
-        assert!(place.sessions().is_empty());
-    }
-    let mut next = place.start("next", VIRTUAL);
-    assert!(next.end().success(), "{}", next.said());
-    println!(
-        "{} launches in real time, killed: {tally}; {ran_on} cells ran on or started again, {stopped} stopped for the killed \
-         process, {late} were late (seed {})",
-        kills(),
-        random.seed
-    );
-}
-
 /// How often each process was killed.
 #[derive(Default)]
-struct Killed(BTreeMap<String, usize>);
+pub struct Killed(BTreeMap<String, usize>);
 
 impl Killed {
-    fn count(&mut self, killed: Option<&Process>) {
+    /// One launch more.
+    pub fn count(&mut self, killed: Option<&Process>) {
         let role = killed.map_or("none, the cell was over", |killed| &killed.role);
         *self.0.entry(role.to_owned()).or_default() += 1;
     }
@@ -131,7 +91,7 @@ impl fmt::Display for Killed {
 
 /// Kills the process of a role after so many microseconds, or as soon as the process exists. Returns that process and
 /// all processes; `None` if the cell is over by then.
-fn kill_one(launch: &mut Launch, role: &str, micros: u64) -> (Option<Process>, Vec<Process>) {
+pub fn kill_one(launch: &mut Launch, role: &str, micros: u64) -> (Option<Process>, Vec<Process>) {
     launch.let_run(Duration::from_micros(micros));
     loop {
         let processes = launch.processes();
@@ -147,7 +107,7 @@ fn kill_one(launch: &mut Launch, role: &str, micros: u64) -> (Option<Process>, V
 }
 
 /// How many kills a test makes.
-fn kills() -> usize {
+pub fn kills() -> usize {
     std::env::var("MRROC_KILLS").ok().and_then(|count| count.parse().ok()).unwrap_or(10)
 }
 

@@ -8,8 +8,11 @@ use std::process::{Child, Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
 use mrroc_tests::fixture::{ARMS, COUNTS, PROGRAM, RECORDS};
-use mrroc_tests::late::{STARTS, is_late};
 use rustix::process::{Pid, Signal, kill_process};
+use serde_json::Value;
+
+/// The file of how a launch in real time ended.
+const OUTCOME: &str = "outcome.json";
 
 /// The time after which anything counts as hanging.
 const LIVENESS: Duration = Duration::from_secs(120);
@@ -39,62 +42,76 @@ impl Place {
         fs::write(self.folder.join(file), text).expect("a file");
     }
 
-    /// The program, in this folder.
+    /// The program, in this folder. What is added to this command is an option of the test program.
     pub fn program(&self, arguments: &[&str]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_cell"));
-        command.args(["--cell", "cell.toml"]).args(arguments).current_dir(&self.folder);
-        command.env(PROGRAM, self.program).env("XDG_RUNTIME_DIR", &self.folder);
+        command
+            .args(["--cell", "cell.toml"])
+            .args(arguments)
+            .arg("--")
+            .arg(option(PROGRAM))
+            .arg(self.program);
+        command.current_dir(&self.folder).env("XDG_RUNTIME_DIR", &self.folder);
         command
     }
 
     /// Starts the program; its records go to a folder of this name.
     pub fn start(&self, records: &str, arguments: &[&str]) -> Launch {
-        self.start_for(RECORDS, records, arguments)
+        self.start_with(&[], records, arguments)
     }
 
     /// Starts the program; the counts of what its processes allocate go to a folder of this name.
     pub fn count(&self, counts: &str, arguments: &[&str]) -> Launch {
-        self.start_for(COUNTS, counts, arguments)
+        let folder = self.records(counts);
+        let mut program = self.telling(&folder, arguments);
+        program.arg(option(COUNTS)).arg(&folder);
+        self.spawn(program, folder)
     }
 
-    /// Starts the program with a variable that names a folder of its own.
-    pub fn start_for(&self, what: &str, records: &str, arguments: &[&str]) -> Launch {
-        let folder = self.records(records);
-        let errors = File::create(folder.join("stderr")).expect("a file");
-        self.start_as(self.program(arguments).env(what, &folder).stderr(errors), folder)
+    /// Starts the program with these options of its own; its records go to a folder of this name.
+    pub fn start_with(&self, options: &[(&str, &str)], records: &str, arguments: &[&str]) -> Launch {
+        self.start_writing([None, None], options, records, arguments)
     }
 
-    /// Starts the program with this standard error; its records go to a folder of this name.
-    pub fn start_saying(&self, errors: impl Into<Stdio>, records: &str, arguments: &[&str]) -> Launch {
-        let folder = self.records(records);
-        self.start_as(self.program(arguments).env(RECORDS, &folder).stderr(errors), folder)
-    }
-
-    /// Starts the program with these variables; its records go to a folder of this name.
-    pub fn start_with(&self, variables: &[(&str, &str)], records: &str, arguments: &[&str]) -> Launch {
-        let folder = self.records(records);
-        let errors = File::create(folder.join("stderr")).expect("a file");
-        let mut program = self.program(arguments);
-        program.envs(variables.iter().copied()).env(RECORDS, &folder).stderr(errors);
-        self.start_as(&mut program, folder)
-    }
-
-    /// Starts the program with these outputs, or files of its records.
+    /// Starts the program with these outputs, or files of its records for its standard output and its standard error.
     pub fn start_writing(
         &self,
-        output: Option<Stdio>,
-        errors: Option<Stdio>,
+        [output, errors]: [Option<Stdio>; 2],
+        options: &[(&str, &str)],
         records: &str,
         arguments: &[&str],
     ) -> Launch {
         let folder = self.records(records);
-        let or_file = |to: Option<Stdio>, name| {
-            to.unwrap_or_else(|| File::create(folder.join(name)).expect("a file").into())
-        };
-        let mut program = self.program(arguments);
-        program.env(RECORDS, &folder).stdout(or_file(output, "stdout")).stderr(or_file(errors, "stderr"));
-        let child = program.spawn().expect("the program starts");
-        Launch { child, place: self.folder.clone(), records: folder, seen: BTreeSet::new() }
+        let mut program = self.telling(&folder, arguments);
+        program.arg(option(RECORDS)).arg(&folder);
+        for (name, value) in options {
+            program.arg(option(name)).args(Some(value).filter(|value| !value.is_empty()));
+        }
+        if let Some(output) = output {
+            program.stdout(output);
+        }
+        if let Some(errors) = errors {
+            program.stderr(errors);
+        }
+        self.spawn(program, folder)
+    }
+
+    /// Starts this command, whose messages go to a folder of this name.
+    pub fn start_command(&self, mut program: Command, records: &str) -> Launch {
+        let folder = self.records(records);
+        let file = |name: &str| File::create(folder.join(name)).expect("a file");
+        program.stdout(file("stdout")).stderr(file("stderr"));
+        self.spawn(program, folder)
+    }
+
+    /// The program, whose messages go to a folder, and a file of its outcome where it runs processes.
+    fn telling(&self, folder: &Path, arguments: &[&str]) -> Command {
+        let outcome = folder.join(OUTCOME).display().to_string();
+        let told: &[&str] = if arguments.contains(&"--processes") { &["--outcome", &outcome] } else { &[] };
+        let mut program = self.program(&[arguments, told].concat());
+        let file = |name: &str| File::create(folder.join(name)).expect("a file");
+        program.stdout(file("stdout")).stderr(file("stderr"));
+        program
     }
 
     /// The processes of its sessions, whoever their parent is.
@@ -115,8 +132,8 @@ impl Place {
         records
     }
 
-    fn start_as(&self, program: &mut Command, records: PathBuf) -> Launch {
-        let child = program.stdout(Stdio::null()).spawn().expect("the program starts");
+    fn spawn(&self, mut program: Command, records: PathBuf) -> Launch {
+        let child = program.spawn().expect("the program starts");
         Launch { child, place: self.folder.clone(), records, seen: BTreeSet::new() }
     }
 
@@ -246,6 +263,22 @@ impl Launch {
         }
     }
 
+    /// Waits until all `count` processes of a cell in lock-step are there, and lets its time stand still: its launcher waits for its MP,
+    /// which is stopped, however long. [`thaw`](Launch::thaw) lets it go on.
+    pub fn freeze(&mut self, count: usize) {
+        assert!(self.comes_to(|launch| launch.processes().len() == count), "{}", self.said());
+        self.mp().signal(Signal::STOP);
+    }
+
+    /// Lets a cell go on that was [frozen](Launch::freeze).
+    pub fn thaw(&mut self) {
+        self.mp().signal(Signal::CONT);
+    }
+
+    fn mp(&mut self) -> Process {
+        self.processes().into_iter().find(|process| process.role == "mp").expect("it runs")
+    }
+
     /// Sends a signal to the launcher.
     pub fn signal(&self, what: Signal) {
         signal(self.pid(), what);
@@ -254,6 +287,19 @@ impl Launch {
     /// Whether a signal has stopped the launcher.
     pub fn is_stopped(&self) -> bool {
         Process::stat(self.pid()).is_some_and(|(_, state)| state == 'T')
+    }
+
+    /// Waits until it has come so far; whether it has. It may be over before, since a machine that is late stops a cell.
+    pub fn comes_to(&mut self, is_so: impl Fn(&mut Launch) -> bool) -> bool {
+        let until = Instant::now() + LIVENESS;
+        while !is_so(self) {
+            assert!(Instant::now() < until, "it does not come: {}", self.said());
+            if self.end_if_over().is_some() {
+                return is_so(self);
+            }
+            self.let_run(Duration::from_millis(1));
+        }
+        true
     }
 
     /// How it ended, if it has.
@@ -282,6 +328,11 @@ impl Launch {
     /// What it printed on its standard error.
     pub fn said(&self) -> String {
         self.text("stderr")
+    }
+
+    /// How it ended in real time, as the launcher wrote it; `Null` if it was refused, or could not write.
+    pub fn outcome(&self) -> Value {
+        serde_json::from_str(&self.text(OUTCOME)).unwrap_or_default()
     }
 
     /// The sessions that it had.
@@ -358,23 +409,9 @@ impl Period {
     }
 }
 
-/// Starts a launch and waits until it has come so far. A machine without a real-time scheduler may end a cell as late
-/// before that: it is no case of what is tested then, and is started again.
-pub fn start_until(start: impl Fn() -> Launch, is_so: impl Fn(&mut Launch) -> bool) -> Launch {
-    for _ in 0..STARTS {
-        let mut launch = start();
-        while !is_so(&mut launch) {
-            if launch.end_if_over().is_some() {
-                break;
-            }
-            launch.let_run(Duration::from_millis(1));
-        }
-        if launch.end_if_over().is_none() {
-            return launch;
-        }
-        assert!(is_late(&launch.said()), "{}", launch.said());
-    }
-    panic!("this machine was late {STARTS} times");
+/// An option of the test program.
+fn option(name: &str) -> String {
+    format!("--{name}")
 }
 
 /// Whether the robots have had so many demands.

@@ -1,4 +1,4 @@
-//! The operator of a running cell, at consoles that are processes of their own, in real time.
+//! The operator of a running cell, at consoles that are processes of their own. The cell runs in lock-step, so that nothing is late.
 
 use std::io::{BufRead, BufReader, Read, Write};
 use std::os::unix::fs::PermissionsExt;
@@ -8,64 +8,40 @@ use std::process::{Child, ChildStdin, ChildStdout, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-use rustix::process::Signal;
+use mrroc_tests::fixture::{SUSPENDED, TIMES};
 
-use crate::launch::{Launch, Place, demanded, periods_at_rest, start_until, wait_until};
-use crate::runs::{MEMORY, REAL, ROBOTS, assert_robots_stand, is_late, rests};
+use crate::launch::{Launch, Place, demanded, periods_at_rest, wait_until};
+use crate::runs::{MEMORY, ROBOTS, VIRTUAL};
+use crate::sound::{assert_robots_stand, rests};
 
-/// How often a test is tried on a machine that is late by more steps than a cell tolerates.
-pub const ATTEMPTS: usize = 5;
+/// The step in which cells are suspended, in the first motion of their robots.
+const SUSPENDED_IN: &str = "100";
 
-/// Runs a cell that `operate` operates as soon as its robots move, until it is in time; gives it to `judge` at its end.
+/// Runs a cell in lock-step that stands suspended on its path when `operate` operates it, and gives it to `judge` at its end. While it
+/// stands, its steps go on.
 pub fn operate<T>(
     place: &Place,
-    operate: impl Fn(&mut Launch) -> T,
-    judge: impl Fn(&Launch, Option<i32>, T),
+    operate: impl FnOnce(&mut Launch) -> T,
+    judge: impl FnOnce(&Launch, Option<i32>, T),
 ) {
-    let start = || {
-        let mut launch = place.start("operated", REAL);
-        let mut looks = 0;
-        while launch.record("left").len() < 100 && launch.end_if_over().is_none() {
-            launch.let_run(Duration::from_millis(1));
-            looks += 1;
-            // A cell that awaits its reset is latched for ever, if the machine was late before the arms moved.
-            if looks % 100 == 0 && ask(place, &["status"]).1.starts_with("latched: ") {
-                break;
-            }
-        }
-        launch
-    };
-    if let Some((launch, status, seen)) = in_time(start, operate) {
-        judge(&launch, status, seen);
-        assert_robots_stand(&launch, None);
-    }
+    operate_with(place, &[], operate, judge);
 }
 
-/// Starts a cell that `operate` operates, again and again until the machine is in time: how it ended, and what was seen. What goes wrong
-/// in a cell that was late says nothing.
-pub fn in_time<T>(
-    start: impl Fn() -> Launch,
-    operate: impl Fn(&mut Launch) -> T,
-) -> Option<(Launch, Option<i32>, T)> {
-    for _ in 0..ATTEMPTS {
-        let mut launch = start();
-        let seen = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| operate(&mut launch)));
-        if seen.is_err() {
-            // The cell may wait for an operator who has gone.
-            launch.signal(Signal::INT);
-        }
-        let status = launch.end().code();
-        launch.assert_nothing_left(&[]);
-        if is_late(&launch.said()) {
-            continue;
-        }
-        match seen {
-            Ok(seen) => return Some((launch, status, seen)),
-            Err(panic) => std::panic::resume_unwind(panic),
-        }
-    }
-    println!("skipped: this machine was late {ATTEMPTS} times");
-    None
+/// The same with options of the test program.
+pub fn operate_with<T>(
+    place: &Place,
+    options: &[(&str, &str)],
+    operate: impl FnOnce(&mut Launch) -> T,
+    judge: impl FnOnce(&Launch, Option<i32>, T),
+) {
+    let options = [&[(SUSPENDED, SUSPENDED_IN)], options].concat();
+    let mut launch = place.start_with(&options, "operated", VIRTUAL);
+    assert!(launch.comes_to(|launch| stand(launch)), "{}", launch.said());
+    let seen = operate(&mut launch);
+    let status = launch.end().code();
+    launch.assert_nothing_left(&[]);
+    judge(&launch, status, seen);
+    assert_robots_stand(&launch, None);
 }
 
 /// Sends one request from a console; returns its exit status and what it printed.
@@ -82,7 +58,13 @@ pub fn done(place: &Place, words: &[&str], told: &str) -> u64 {
 
 /// The step in which a request was carried out that was answered so.
 pub fn carried_out(words: &[&str], (status, said): (Option<i32>, String), told: &str) -> u64 {
-    assert!(status == Some(0) && said.contains(told), "{words:?}: {status:?}: {said}");
+    assert_eq!(status, Some(0), "{words:?}: {said}");
+    step(&said, told)
+}
+
+/// The step in an answer that says this.
+fn step(said: &str, told: &str) -> u64 {
+    assert!(said.contains(told), "{said}");
     let step = said.rsplit_once("step ").map(|(_, step)| step.trim().parse());
     step.expect("a step").expect("a number")
 }
@@ -132,8 +114,9 @@ fn last_joints(launch: &Launch, robot: &str) -> Vec<f64> {
     bits.map(|bits| f64::from_bits(u64::from_str_radix(bits, 16).expect("bits"))).collect()
 }
 
-pub fn assert_ends_where_it_would_have(place: &Place, launch: &Launch) {
-    let mut reference = place.start("reference", MEMORY);
+/// Asserts that the robots end where they do without an operator, to 1e-9 rad; under these options of the test program.
+pub fn assert_ends_where_it_would_have(place: &Place, launch: &Launch, options: &[(&str, &str)]) {
+    let mut reference = place.start_with(options, "reference", MEMORY);
     assert!(reference.end().success(), "{}", reference.said());
     for robot in ROBOTS {
         let (is, should) = (last_joints(launch, robot), last_joints(&reference, robot));
@@ -149,21 +132,28 @@ pub fn stand(launch: &Launch) -> bool {
 #[test]
 fn a_cell_that_another_process_suspends_and_resumes_ends_where_it_would_have() {
     let place = Place::new(20);
+    // Long enough that a console suspends it once more before it is over.
+    let options = [(TIMES, "4")];
     let operator = |launch: &mut Launch| {
-        let suspended = done(&place, &["suspend"], "suspended: step ");
-        wait_until(|| stand(launch));
         let (status, said) = ask(&place, &["status"]);
         assert!(status == Some(0) && said.starts_with("suspended: step "), "{said}");
         assert!(said.contains("rate 0.000") && said.contains("move Ask"), "{said}");
         for process in launch.processes() {
             assert!(said.contains(&format!("{:>8} {} ", process.pid, process.role)), "{process:?}: {said}");
         }
-        let resumed = done(&place, &["resume"], "resumed: step ");
-        assert!(resumed >= suspended + 50, "{suspended} to {resumed}");
+        let stood = last_joints(launch, "left");
+        let mut console = Console::new(&place);
+        let resumed = step(&console.ask("resume"), "resumed: step ");
+        wait_until(|| last_joints(launch, "left") != stood);
+        let suspended = step(&console.ask("suspend"), "suspended: step ");
+        assert!(suspended > resumed, "{resumed}, {suspended}");
+        wait_until(|| stand(launch));
+        let again = step(&console.ask("resume"), "resumed: step ");
+        assert!(again >= suspended + 50, "{suspended} to {again}");
     };
-    operate(&place, operator, |launch, status, ()| {
+    operate_with(&place, &options, operator, |launch, status, ()| {
         assert_eq!(status, Some(0), "{}", launch.said());
-        assert_ends_where_it_would_have(&place, launch);
+        assert_ends_where_it_would_have(&place, launch, &options);
     });
 }
 
@@ -172,16 +162,20 @@ fn a_cell_runs_at_the_speed_that_is_asked_for() {
     let place = Place::new(21);
     let operator = |launch: &mut Launch| {
         done(&place, &["speed", "50%"], "speed 50%: step ");
-        let at = launch.record("left").len();
         assert!(ask(&place, &["status"]).1.contains("speed 50 %"));
+        let at = launch.record("left").len();
+        done(&place, &["resume"], "resumed: step ");
         at
     };
     operate(&place, operator, |launch, status, at| {
         assert_eq!(status, Some(0), "{}", launch.said());
-        assert_ends_where_it_would_have(&place, launch);
-        // 1750 periods in all: what was left of them at the order takes twice as long, but for the way to that speed.
-        let (took, planned) = (launch.record("left").len() - at, 1750_usize.saturating_sub(at));
-        assert!(2 * took >= 3 * planned, "{took} periods for {planned}");
+        assert_ends_where_it_would_have(&place, launch, &[]);
+        // The path takes 3.5 s, 1750 periods; it was suspended after 100 of them and stood within so many more. What is left takes twice
+        // as long at half the speed.
+        let record = launch.record("left");
+        let moving = record[at..].windows(2).filter(|pair| demanded(&pair[0]) != demanded(&pair[1])).count();
+        let stands_after = 100 + 350;
+        assert!(moving >= 2 * (1750 - stands_after), "{moving} periods");
     });
 }
 
@@ -225,14 +219,7 @@ fn a_cell_that_was_stopped_starts_again_after_acknowledgement_and_reset() {
         let acknowledged = done(&place, &["acknowledge"], "acknowledged: step ");
         let reset = done(&place, &["reset"], "resetting: step ");
         assert!(stopped < acknowledged && acknowledged < reset, "{stopped}, {acknowledged}, {reset}");
-        // To its end, or to another fault of a machine that is late, which nobody resets.
-        wait_until(|| {
-            let (status, said) = ask(&place, &["status"]);
-            if said.starts_with("latched: ") {
-                launch.signal(Signal::INT);
-            }
-            status == Some(2) || said.starts_with("latched: ")
-        });
+        // The program begins at its first line, and the operator's suspension is over with the reset.
     };
     operate(&place, operator, |launch, status, ()| {
         let said = launch.said();
@@ -244,63 +231,8 @@ fn a_cell_that_was_stopped_starts_again_after_acknowledgement_and_reset() {
         {
             assert!(said.contains(words), "{words}: {said}");
         }
-        assert_ends_where_it_would_have(&place, launch);
+        assert_ends_where_it_would_have(&place, launch, &[]);
     });
-}
-
-#[test]
-fn what_forbids_a_reset_is_told_by_status_by_the_refusal_and_by_the_launcher_as_long_as_it_does() {
-    let place = Place::new(45);
-    let cell = place.base().parent().expect("a folder").join("cell.toml");
-    let text = format!("after_fault = \"await reset\"\n{}", include_str!("cell.toml"));
-    std::fs::write(cell, text).expect("written");
-    let status = || ask(&place, &["status"]).1;
-    let stopped = "last fault: mp: protective stop: by the operator";
-    for _ in 0..ATTEMPTS {
-        let looks = std::cell::Cell::new(0);
-        let mut launch = start_until(
-            || place.start("operated", REAL),
-            |launch| {
-                looks.set(looks.get() + 1);
-                // One that was late is latched for ever.
-                launch.record("left").len() > 20
-                    || looks.get() % 100 == 0 && status().starts_with("latched: ")
-            },
-        );
-        ask(&place, &["stop"]);
-        wait_until(|| status().starts_with("latched: ") || launch.end_if_over().is_some());
-        if !status().contains(stopped) {
-            // The machine was late, which stops the cell, too.
-            launch.signal(Signal::INT);
-            launch.end();
-            continue;
-        }
-        assert!(!status().contains("a reset"), "{}", status());
-        wait_until(|| launch.said().contains("the cell has stopped"));
-        // A process that does not answer.
-        let ecp = launch.processes().into_iter().find(|process| process.role == "ecp left").expect("it runs");
-        ecp.signal(Signal::STOP);
-        let gone = "ecp left: the process at the other end is gone";
-        wait_until(|| status().contains(&format!("a reset failed or would be refused: {gone}")));
-        // The first cause stays.
-        assert!(status().contains(stopped), "{}", status());
-        done(&place, &["acknowledge"], "acknowledged: step ");
-        wait_until(|| launch.said().contains("a reset would be refused: ecp left"));
-        let (code, said) = ask(&place, &["reset"]);
-        let told = format!("refused: the cause of the fault persists: {gone}");
-        assert!(code == Some(1) && said.contains(&told), "{said}");
-        ecp.signal(Signal::CONT);
-        wait_until(|| !status().contains("a reset failed"));
-        done(&place, &["abort"], "aborting: step ");
-        let code = launch.end().code();
-        let said = launch.said();
-        assert_eq!(code, Some(1), "{said}");
-        assert!(said.contains("note: a reset would be refused: ecp left"), "{said}");
-        assert_eq!(said.matches("the cell has stopped").count(), 1, "{said}");
-        launch.assert_nothing_left(&[]);
-        return;
-    }
-    println!("skipped: this machine was late {ATTEMPTS} times");
 }
 
 #[test]
@@ -327,20 +259,22 @@ fn fault_05_a_console_that_is_killed_disturbs_no_motion_and_returns_the_token() 
         assert!(second.ask("release").starts_with("refused: "));
         assert!(second.ask("take").contains("holds"));
         assert!(second.ask("release").starts_with("nobody holds"));
+        done(&place, &["resume"], "resumed: step ");
     };
     operate(&place, operator, |launch, status, ()| {
         assert_eq!(status, Some(0), "{}", launch.said());
-        // At full speed, as without an operator.
-        assert!(launch.record("left").len() < 2000, "{}", launch.record("left").len());
-        assert_ends_where_it_would_have(&place, launch);
+        assert_ends_where_it_would_have(&place, launch, &[]);
     });
 }
 
 #[test]
 fn fault_36_what_contradicts_the_state_of_the_cell_is_refused_with_it() {
     let place = Place::new(24);
+    // It lasts longer than all that is asked.
+    let options = [(TIMES, "1000")];
     let operator = |_: &mut Launch| {
         let mut console = Console::new(&place);
+        assert!(console.ask("resume").starts_with("resumed: step "));
         assert!(console.ask("resume").starts_with("refused: it runs: step "));
         assert!(console.ask("reset").starts_with("refused: it runs: step "));
         assert!(console.ask("suspend").starts_with("suspended: step "));
@@ -362,7 +296,7 @@ fn fault_36_what_contradicts_the_state_of_the_cell_is_refused_with_it() {
             assert!(stops.iter().any(|told| answer.starts_with(told)), "{request}: {answer}");
         }
     };
-    operate(&place, operator, |launch, status, ()| {
+    operate_with(&place, &options, operator, |launch, status, ()| {
         assert!(status == Some(1) && launch.said().contains("by the operator"), "{}", launch.said());
     });
 }
@@ -445,6 +379,7 @@ fn fault_38_the_console_of_another_user_is_refused_and_told_of() {
         // Refused before it was read: the answer may be lost with what it had written.
         let refused = "refused the cell belongs to another user than 1234\n";
         assert!(inside.as_ref().map_or(true, |answer| answer == refused), "{inside:?}");
+        done(&place, &["resume"], "resumed: step ");
     };
     operate(&place, operator, |launch, status, ()| {
         assert_eq!(status, Some(0), "{}", launch.said());
@@ -467,6 +402,7 @@ fn a_cell_that_does_not_run_cannot_be_operated() {
         |_| {
             let (status, said) = ask(&place, &["stop", "--cell", "other.toml"]);
             assert!(status == Some(2), "{status:?}: {said}");
+            done(&place, &["resume"], "resumed: step ");
         },
         |launch, status, ()| assert_eq!(status, Some(0), "{}", launch.said()),
     );
@@ -481,7 +417,6 @@ fn fault_234_a_console_that_may_not_jog_is_told_why() {
         let answer = console.ask(&jog(5, "left", "tool x 20%"));
         assert!(answer.starts_with("refused: the cell is not at reduced speed"), "{answer}");
         assert!(console.ask("reduced on").starts_with("reduced speed"));
-        wait_until(|| stand(launch));
         let stands = last_joints(launch, "left");
         for (hold, robot, order, why) in [
             (6, "left", "tool x 20%", "no program lets this robot be jogged now"),
@@ -505,7 +440,7 @@ fn fault_234_a_console_that_may_not_jog_is_told_why() {
     };
     operate(&place, operator, |launch, status, ()| {
         assert_eq!(status, Some(0), "{}", launch.said());
-        assert_ends_where_it_would_have(&place, launch);
+        assert_ends_where_it_would_have(&place, launch, &[]);
     });
 }
 
@@ -517,7 +452,7 @@ fn fault_05_robots_at_reduced_speed_move_while_a_console_holds_and_end_where_the
         assert!(console.ask("hold 5 0").starts_with("refused: the cell is not at reduced speed"));
         assert!(console.ask("speed 10%").starts_with("speed 10%: step "));
         assert!(console.ask("reduced on").starts_with("reduced speed"));
-        wait_until(|| stand(launch));
+        assert!(console.ask("resume").starts_with("resumed: step "));
         let before = last_joints(launch, "left");
         let mut count = 0;
         while last_joints(launch, "left") == before && launch.end_if_over().is_none() {
@@ -540,6 +475,6 @@ fn fault_05_robots_at_reduced_speed_move_while_a_console_holds_and_end_where_the
     };
     operate(&place, operator, |launch, status, ()| {
         assert_eq!(status, Some(0), "{}", launch.said());
-        assert_ends_where_it_would_have(&place, launch);
+        assert_ends_where_it_would_have(&place, launch, &[]);
     });
 }

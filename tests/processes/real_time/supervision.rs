@@ -9,55 +9,65 @@ use rustix::process::Signal;
 
 use mrroc_tests::fixture::{COMPUTES, PATIENCE};
 
-use crate::launch::{Launch, Place, Process, has_moved, start_until, wait_until};
-use crate::operator::{ATTEMPTS, ask, assert_ends_where_it_would_have, done, operate, stand};
-use crate::runs::{REAL, ROBOTS, assert_robots_stand, is_late, rests};
+use crate::launch::{Launch, Place, Process, demanded, has_moved, wait_until};
+use crate::operator::{ask, assert_ends_where_it_would_have};
+use crate::runs::{REAL, ROBOTS};
+use crate::sound::{Ended, assert_robots_stand, assert_sound, nothing, rests};
 
 #[test]
 fn fault_60_robots_whose_launcher_stands_still_stop_on_their_paths_and_consoles_are_told() {
     let place = Place::new(60);
-    let operator = |launch: &mut Launch| {
-        launch.signal(Signal::STOP);
-        wait_until(|| launch.is_stopped());
-        let asked = ["status", "stop"].map(|word| ask(&place, &[word]));
-        wait_until(|| ROBOTS.iter().all(|robot| rests(launch, robot)));
-        let at = launch.record("left").len();
-        launch.signal(Signal::CONT);
-        (asked, at)
-    };
-    operate(&place, operator, |launch, status, (asked, at)| {
+    let mut launch = place.start("operated", REAL);
+    let moved = launch.comes_to(has_moved(100));
+    launch.signal(Signal::STOP);
+    // A cell that its machine has ended by then leaves nobody to stop.
+    let stopped = moved && launch.comes_to(|launch| launch.is_stopped());
+    if stopped {
         let told = format!("its launcher, process {}, was stopped by a signal", launch.pid());
-        for (status, said) in asked {
+        for (status, said) in ["status", "stop"].map(|word| ask(&place, &[word])) {
             assert!(status == Some(1) && said.contains("has not answered for 5 s"), "{status:?}: {said}");
             assert!(said.contains(&told) && said.contains(&format!("kill -CONT {}", launch.pid())), "{said}");
         }
-        let said = launch.said();
-        assert!(status == Some(1) && said.contains("protective stop: the launcher stands still"), "{said}");
+        wait_until(|| ROBOTS.iter().all(|robot| rests(&launch, robot)));
         // 1750 periods make the whole run.
-        assert!(at < 1750, "{at}");
-    });
+        assert!(launch.record("left").len() < 1750);
+        launch.signal(Signal::CONT);
+    }
+    let status = launch.end().code();
+    let unsupervised = |_: &str, text: &str| text.contains("protective stop: the launcher stands still");
+    let ended = assert_sound(&launch, status, None, unsupervised);
+    assert!(!stopped || ended != Ended::Well, "{}", launch.said());
+    launch.assert_nothing_left(&[]);
+    println!("stopped: {stopped}, {ended:?}");
 }
 
 #[test]
 fn fault_60_a_launcher_that_is_stopped_from_its_terminal_suspends_the_cell_first() {
     let place = Place::new(61);
-    let operator = |launch: &mut Launch| {
-        launch.signal(Signal::TSTP);
-        wait_until(|| launch.is_stopped() || launch.end_if_over().is_some());
-        let stood = stand(launch);
+    let mut launch = place.start("operated", REAL);
+    let moved = launch.comes_to(has_moved(100));
+    launch.signal(Signal::TSTP);
+    if moved && launch.comes_to(|launch| launch.is_stopped()) {
+        assert!(ROBOTS.iter().all(|robot| rests(&launch, robot)), "it stops while robots move");
+        let before = ROBOTS.map(|robot| launch.record(robot).last().cloned());
         // Much longer than an MP without a launcher goes on.
         launch.let_run(Duration::from_secs(3));
+        let after = ROBOTS.map(|robot| launch.record(robot).last().cloned());
+        let joints = |line: &Option<String>| line.as_ref().map(|line| demanded(line).to_owned());
+        assert_eq!(before.each_ref().map(joints), after.each_ref().map(joints), "something moves meanwhile");
         launch.signal(Signal::CONT);
-        wait_until(|| ask(&place, &["status"]).1.starts_with("suspended: step "));
-        done(&place, &["resume"], "resumed: step ");
-        stood
-    };
-    operate(&place, operator, |launch, status, stood| {
-        let said = launch.said();
-        assert!(status == Some(0) && stood, "{status:?}, stood: {stood}: {said}");
+        // Until somebody resumes it, or its machine has been late.
+        launch.comes_to(|_| ask(&place, &["resume"]).0 == Some(0));
+    }
+    let status = launch.end().code();
+    let ended = assert_sound(&launch, status, None, nothing);
+    let said = launch.said();
+    if ended == Ended::Well {
         assert!(said.contains("the cell is suspended, and the launcher stops"), "{said}");
-        assert_ends_where_it_would_have(&place, launch);
-    });
+        assert_ends_where_it_would_have(&place, &launch, &[]);
+    }
+    launch.assert_nothing_left(&[]);
+    println!("moved: {moved}, {ended:?}");
 }
 
 /// A pipe: whether nobody reads it and it is full, or nobody can read it.
@@ -86,29 +96,24 @@ fn fault_61_a_launcher_whose_cell_is_over_is_stopped_and_ended_as_any_program() 
     let (_reader, unread) = pipe_without_reader(false);
     // It has the last words itself, and waits for their reader.
     let words = ["--processes", "--no-picture"];
-    for _ in 0..ATTEMPTS {
-        let output = unread.try_clone().expect("a descriptor");
-        let mut launch = place.start_writing(Some(output.into()), None, "unread", &words);
-        wait_until(|| {
-            !launch.record("left").is_empty() && place.sessions().is_empty() || launch.end_if_over().is_some()
-        });
-        if launch.end_if_over().is_none() {
-            launch.signal(Signal::TSTP);
-            wait_until(|| launch.is_stopped() || launch.end_if_over().is_some());
-        }
-        if launch.end_if_over().is_none() {
-            launch.signal(Signal::CONT);
-            launch.signal(Signal::INT);
-        }
-        let status = launch.end();
-        // After a fault it has nothing to say on its standard output.
-        if status.code() == Some(1) && is_late(&launch.said()) {
-            continue;
-        }
-        assert_eq!(status.signal(), Some(2), "{status}: {}", launch.said());
-        return;
+    let output = unread.try_clone().expect("a descriptor");
+    let mut launch = place.start_writing([Some(output.into()), None], &[], "unread", &words);
+    // After a fault it has nothing to say on its standard output, and has ended.
+    let waits = launch.comes_to(|launch| {
+        !launch.record("left").is_empty() && place.sessions().is_empty() && launch.end_if_over().is_none()
+    });
+    if waits {
+        launch.signal(Signal::TSTP);
+        wait_until(|| launch.is_stopped());
+        launch.signal(Signal::CONT);
+        launch.signal(Signal::INT);
     }
-    println!("skipped: this machine was late {ATTEMPTS} times");
+    let status = launch.end();
+    match waits {
+        true => assert_eq!(status.signal(), Some(2), "{status}: {}", launch.said()),
+        false => drop(assert_sound(&launch, status.code(), None, nothing)),
+    }
+    assert_robots_stand(&launch, None);
 }
 
 #[test]
@@ -116,10 +121,8 @@ fn fault_61_a_launcher_whose_messages_nobody_reads_supervises_all_the_same() {
     let place = Place::new(62);
     for is_closed in [false, true] {
         let (reader, writer) = pipe_without_reader(is_closed);
-        let mut launch = place.start_saying(writer, "unread", REAL);
-        while launch.record("left").len() < 100 && launch.end_if_over().is_none() {
-            launch.let_run(Duration::from_millis(1));
-        }
+        let mut launch = place.start_writing([None, Some(writer.into())], &[], "unread", REAL);
+        launch.comes_to(has_moved(100));
         // The launcher has something to say: a process has died that nobody needs.
         let processes = launch.processes();
         processes.iter().filter(|process| process.role == "vsp slow").for_each(|process| process.kill());
@@ -155,8 +158,13 @@ fn fault_64_an_mp_that_stands_still_is_told_and_the_cell_ended() {
         [(Some((COMPUTES, "")), "its program computes"), (None, "it was stopped by a signal")]
     {
         let variables: Vec<_> = [(PATIENCE, "6")].into_iter().chain(computes).collect();
-        let moved = if computes.is_none() { 100 } else { 0 };
-        let mut launch = start_until(|| place.start_with(&variables, "still", REAL), has_moved(moved));
+        let mut launch = place.start_with(&variables, "still", REAL);
+        if computes.is_none() && !launch.comes_to(has_moved(100)) {
+            // Its machine was late before.
+            let status = launch.end().code();
+            assert_sound(&launch, status, None, nothing);
+            continue;
+        }
         let mp = mp(&mut launch);
         if computes.is_none() {
             mp.signal(Signal::STOP);

@@ -17,8 +17,10 @@ use rustix::process::Signal;
 use crate::kills::Random;
 use crate::launch::{Launch, Period, Place, Process, periods_at_rest, wait_for_end, wait_until};
 use crate::operator::ask;
-use crate::runs::{L, PROCESSES, ROBOTS, VIRTUAL, is_late};
-use crate::supervision::pipe_without_reader;
+use crate::runs::{L, PROCESSES, ROBOTS, VIRTUAL};
+use crate::sound::assert_within_limits;
+
+use super::supervision::pipe_without_reader;
 
 /// Servo periods of a whole run, 3.5 s.
 const WHOLE: u64 = 1750;
@@ -168,7 +170,7 @@ fn one(place: &Place, drawn: &Drawn, number: &str) -> [Came; 2] {
             Some(Stdio::from(writer))
         }
     });
-    let mut launch = place.start_writing(output, errors, "disturbed", drawn.words);
+    let mut launch = place.start_writing([output, errors], &[], "disturbed", drawn.words);
     let is_due = |launch: &mut Launch| {
         if !drawn.starting {
             return launch.record("left").len() as u64 >= drawn.at;
@@ -199,7 +201,8 @@ fn one(place: &Place, drawn: &Drawn, number: &str) -> [Came; 2] {
     assert!(!said.contains("panicked at"), "{}", told());
     assert!(again.is_none_or(|again| again.success()), "launched again: {again:?}; {}", told());
     // A launcher that is gone says nothing.
-    let is_told = drawn.errors == Output::Kept && status.code().is_some();
+    let is_told = status.code().is_some();
+    ROBOTS.iter().for_each(|robot| assert_within_limits(&launch, robot));
     let came = ROBOTS.map(|robot| {
         let came = standstill(&launch, robot, killed.as_ref(), is_told);
         came.unwrap_or_else(|moves| panic!("{robot} {moves}: {}", told()))
@@ -319,7 +322,10 @@ fn standstill(launch: &Launch, robot: &str, killed: Option<&Process>, is_told: b
         true if drives.iter().all(Period::stands) => Ok(Came::Still),
         true => Ok(Came::ByDemand),
         false if !is_told => Ok(Came::Unsaid),
-        false if is_late(&launch.said()) || launch.said().contains("got no demand") => Ok(Came::Late),
+        // Its demands did not come in time: the outcome says so, where the launcher was not killed before it could write it.
+        false if matches!(launch.outcome()["fault"]["kind"].as_str(), Some("PeerLost" | "Overrun")) => {
+            Ok(Came::Late)
+        }
         false => Err(format!("was left to its brakes: {:?}", record.last())),
     }
 }

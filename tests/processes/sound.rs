@@ -1,0 +1,124 @@
+//! What holds of every launch in real time, also of one that its machine was late for.
+//!
+//! In: the file of its outcome, the records of its demands and of its drives. Out: how it ended; or a failed assertion. A cell whose
+//! machine is late stops for it, with a fault that says so; no demand beyond a limit belongs to that.
+
+use mrroc::robot::Robot;
+use mrroc_robots::Irp6;
+use serde_json::Value;
+
+use crate::launch::{Launch, Period, Process, demanded, periods_at_rest};
+use crate::runs::ROBOTS;
+
+/// How a launch in real time ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ended {
+    /// Its programs ended well.
+    Well,
+    /// It was stopped for what the test did to it.
+    Stopped,
+    /// It was stopped because its machine was late.
+    Late,
+}
+
+/// What a late machine makes of a cell, and nothing else: messages that do not come in time, steps that are left out.
+const LATE: [&str; 2] = ["PeerLost", "Overrun"];
+
+/// The kind of the fault that a launch ended with, and its text.
+fn fault(outcome: &Value) -> Option<(&str, &str)> {
+    Some((outcome["fault"]["kind"].as_str()?, outcome["fault"]["text"].as_str()?))
+}
+
+/// Asserts that a launch that has ended kept all that it must keep, and ended well, as `is_expected` says of the kind and the text of
+/// its fault, or because its machine was late; says which. Robots of [`ROBOTS`] stand, but for what was `killed`.
+pub fn assert_sound(
+    launch: &Launch,
+    status: Option<i32>,
+    killed: Option<&Process>,
+    is_expected: impl Fn(&str, &str) -> bool,
+) -> Ended {
+    let (outcome, said) = (launch.outcome(), launch.said());
+    let ended = match (status, fault(&outcome)) {
+        (Some(0), None) => Ended::Well,
+        (Some(1), Some((kind, text))) if is_expected(kind, text) => Ended::Stopped,
+        (Some(1), Some((kind, _))) if LATE.contains(&kind) => Ended::Late,
+        (_, fault) => panic!("status {status:?}, {fault:?}: {outcome}: {said}"),
+    };
+    assert_robots_stand(launch, killed);
+    ROBOTS.iter().for_each(|robot| assert_within_limits(launch, robot));
+    ended
+}
+
+/// Nothing but its end and a late machine is expected.
+pub fn nothing(_: &str, _: &str) -> bool {
+    false
+}
+
+/// A robot stands when its EDP ends; and its drives stand when the plant ends, whatever was killed. A robot whose EDP
+/// was killed gets no further demands, and without the plant there is no robot.
+pub fn assert_robots_stand(launch: &Launch, killed: Option<&Process>) {
+    let is_killed = |role: &str| killed.is_some_and(|killed| killed.role == role);
+    if is_killed("plant") {
+        return;
+    }
+    for robot in ROBOTS {
+        let record = launch.record(robot);
+        assert!(
+            is_killed(&format!("edp {robot}")) || rests(launch, robot),
+            "{robot}, {killed:?}: {:?}: {}",
+            &record[record.len().saturating_sub(8)..],
+            launch.said()
+        );
+        let drives = launch.drives(robot);
+        let stands = |last: &Period| last.stands() || last.switched_off;
+        assert!(drives.last().is_none_or(stands), "{robot}: {:?}", drives.last());
+    }
+}
+
+/// Whether a robot's demands do not change, or its drives have no power: they were switched off by their EDP, or their
+/// brakes were applied because demands were missing. If the machine stood still, a robot may have had only one period:
+/// it has not been demanded to move.
+pub fn rests(launch: &Launch, robot: &str) -> bool {
+    let record = launch.record(robot);
+    periods_at_rest(&record) >= record.len().min(2)
+        || launch.drives(robot).last().is_some_and(|last| !last.powered)
+}
+
+/// A period of the drives of [`ROBOTS`] \[s\].
+const PERIOD: f64 = 2e-3;
+
+/// Asserts that what an IRp-6 was demanded keeps its limits of velocity and acceleration, in all that its EDP carried out.
+pub fn assert_within_limits(launch: &Launch, robot: &str) {
+    let arm = Irp6::nominal();
+    let limits = arm.limits();
+    let rows: Vec<(f64, Vec<f64>)> = launch.record(robot).iter().map(|line| read(line)).collect();
+    let mut before: Option<Vec<f64>> = None;
+    for pair in rows.windows(2) {
+        let [(from, a), (to, b)] = pair else { continue };
+        // An EDP that its machine kept waiting leaves periods out, and is where it would have been with them.
+        let periods = ((to - from) / PERIOD).round().max(1.0);
+        let time = periods * PERIOD;
+        let velocity: Vec<f64> = a.iter().zip(b).map(|(a, b)| (b - a) / time).collect();
+        for (joint, v) in velocity.iter().enumerate() {
+            let most = limits.velocity[joint];
+            assert!(
+                v.abs() <= most * (1.0 + 1e-9),
+                "{robot} joint {}: {v} rad/s of {most} at {to} s",
+                joint + 1
+            );
+            let Some(last) = before.as_ref().map(|before| before[joint]) else { continue };
+            let (a, most) = ((v - last) / time, limits.acceleration[joint]);
+            // Joints are rounded to the last bit of some radians, twice differentiated.
+            assert!(a.abs() <= most + 1e-6, "{robot} joint {}: {a} rad/s² of {most} at {to} s", joint + 1);
+        }
+        // Across periods that were left out only the mean is known.
+        before = (periods < 1.5).then_some(velocity);
+    }
+}
+
+/// The time \[s\] and the joints \[rad\] of a line of a record.
+fn read(line: &str) -> (f64, Vec<f64>) {
+    let time = line.split(' ').next().and_then(|time| time.parse().ok()).expect("a time");
+    let bits = demanded(line).split(' ').map(|bits| u64::from_str_radix(bits, 16).expect("bits"));
+    (time, bits.map(f64::from_bits).collect())
+}
