@@ -5,6 +5,7 @@ use mrroc_tests::fixture::{DISPENSABLE, LINE, SUSPENDED};
 use crate::launch::{Launch, Place, demanded, periods_at_rest};
 use crate::operator::{ask, done};
 use crate::runs::{MEMORY, VIRTUAL};
+use crate::sound::assert_comes_to_rest;
 
 const ARMS: [&str; 2] = ["left.arm", "right.arm"];
 
@@ -80,12 +81,7 @@ fn assert_rests_without(place: &Place, role: &str) {
     let said = launch.said();
     assert!(status == Some(1) && said.contains(role), "{status:?}: {said}");
     for arm in ARMS {
-        let record = launch.record(arm);
-        assert!(
-            periods_at_rest(&record) >= 2,
-            "{arm}: {:?}: {said}",
-            &record[record.len().saturating_sub(4)..]
-        );
+        assert_comes_to_rest(&launch, arm);
     }
 }
 

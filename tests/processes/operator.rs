@@ -211,8 +211,6 @@ fn a_cell_that_was_stopped_starts_again_after_acknowledgement_and_reset() {
         wait_until(|| ask(&place, &["status"]).1.starts_with("latched: "));
         let (_, said) = ask(&place, &["status"]);
         assert!(said.contains("last fault: mp: protective stop: by the operator"), "{said}");
-        // The launcher looks ten times a second.
-        wait_until(|| launch.said().contains("the cell has stopped"));
         wait_until(|| ROBOTS.iter().all(|robot| rests(launch, robot)));
         refused("reset", "refused: it has stopped for a fault, which is not acknowledged: step ");
         refused("resume", "refused: it has stopped for a fault");
@@ -222,15 +220,7 @@ fn a_cell_that_was_stopped_starts_again_after_acknowledgement_and_reset() {
         // The program begins at its first line, and the operator's suspension is over with the reset.
     };
     operate(&place, operator, |launch, status, ()| {
-        let said = launch.said();
-        assert_eq!(status, Some(0), "{said}");
-        // A person at the launcher's terminal is told once what has stopped, that it waits, and what to do.
-        assert_eq!(said.matches("the cell has stopped").count(), 1, "{said}");
-        for words in
-            ["mp: protective stop: by the operator in Move ", "`acknowledge`, then `reset`", "`abort`"]
-        {
-            assert!(said.contains(words), "{words}: {said}");
-        }
+        assert_eq!(status, Some(0), "{}", launch.said());
         assert_ends_where_it_would_have(&place, launch, &[]);
     });
 }

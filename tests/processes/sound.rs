@@ -116,6 +116,25 @@ pub fn assert_within_limits(launch: &Launch, robot: &str) {
     }
 }
 
+/// Asserts that an IRp-6 that was moving was demanded to stand at last, whoever kept its EDP from demanding more: its last change is one
+/// after which a period within its limits of acceleration is left to none.
+pub fn assert_comes_to_rest(launch: &Launch, robot: &str) {
+    let arm = Irp6::nominal();
+    let rows: Vec<(f64, Vec<f64>)> = launch.record(robot).iter().map(|line| read(line)).collect();
+    let [.., (_, before), (_, last)] = &rows[..] else { panic!("{robot} has not moved") };
+    assert!(rows.iter().any(|(_, row)| row != last), "{robot} has not moved");
+    for (joint, (a, b)) in before.iter().zip(last).enumerate() {
+        let most = arm.limits().acceleration[joint] * PERIOD * PERIOD;
+        assert!(
+            (b - a).abs() <= most,
+            "{robot} joint {}: {} of {most} rad: {}",
+            joint + 1,
+            b - a,
+            launch.said()
+        );
+    }
+}
+
 /// The time \[s\] and the joints \[rad\] of a line of a record.
 fn read(line: &str) -> (f64, Vec<f64>) {
     let time = line.split(' ').next().and_then(|time| time.parse().ok()).expect("a time");

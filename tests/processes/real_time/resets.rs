@@ -21,7 +21,10 @@ fn what_forbids_a_reset_is_told_by_status_by_the_refusal_and_by_the_launcher_as_
     wait_until(|| status().starts_with("latched: "));
     // The operator's stop, or that of a machine that was late before.
     let stopped = status().lines().find(|line| line.starts_with("last fault: ")).expect("a fault").to_owned();
-    wait_until(|| launch.said().contains("the cell has stopped"));
+    // A person at the launcher's terminal is told what has stopped, that it waits, and what to do: the launcher looks ten times a second.
+    for words in ["the cell has stopped", "`acknowledge`, then `reset`", "`abort`"] {
+        wait_until(|| launch.said().contains(words));
+    }
     // A process that does not answer.
     let ecp = launch.processes().into_iter().find(|process| process.role == "ecp left").expect("it runs");
     ecp.signal(Signal::STOP);

@@ -41,6 +41,17 @@ type Process = Coroutine<(), (), (), DefaultStack>;
 /// What a process does that serves, until it waits again; it returns when the process wants to wake at the latest.
 type Turn = NonNull<dyn FnMut() -> Nanos>;
 
+/// Whether a process serves.
+#[derive(Clone, Copy)]
+enum Serving {
+    /// It does not, or takes a turn on its own stack.
+    No,
+    /// Its coroutine is suspended in [`Waiter::serve`]: what it does when it wakes.
+    Waits(Turn),
+    /// Its turn is being taken, mostly on the stack of another process.
+    Works,
+}
+
 /// A process, and what it waits for.
 struct Seat {
     /// Its coroutine, unless it is over or has none yet. Borrowed while it runs, or waits on a stack below the one that runs.
@@ -48,8 +59,7 @@ struct Seat {
     guard: OnceCell<Guard>,
     /// The port whose reply alone wakes it; [`ANY`]: every message does.
     reply: Cell<usize>,
-    /// While its coroutine is suspended in [`Waiter::serve`]: what it does when it wakes.
-    turn: Cell<Option<Turn>>,
+    serving: Cell<Serving>,
     /// What ended a turn, for its coroutine.
     panic: Cell<Option<Box<dyn Any + Send>>>,
 }
@@ -60,14 +70,19 @@ impl Seat {
             process: RefCell::new(None),
             guard: OnceCell::new(),
             reply: Cell::new(ANY),
-            turn: Cell::new(None),
+            serving: Cell::new(Serving::No),
             panic: Cell::new(None),
         }
     }
 
-    /// Whether it runs, or waits on a stack below the one that runs.
+    /// Whether it runs, or waits on a stack below the one that runs, or its turn is being taken there.
     fn runs(&self) -> bool {
-        self.process.try_borrow().is_err()
+        self.works() || self.process.try_borrow().is_err()
+    }
+
+    /// Whether its turn is being taken.
+    fn works(&self) -> bool {
+        matches!(self.serving.get(), Serving::Works)
     }
 }
 
@@ -131,6 +146,10 @@ impl Shared {
     /// Runs a process until it waits, on a stack of its own; whether it is still alive.
     fn resume(&self, place: usize) -> bool {
         let seat = &self.seats[place];
+        if seat.works() {
+            // Its coroutine has lent the turn, and must not use what the turn has borrowed.
+            return false;
+        }
         let Ok(mut process) = seat.process.try_borrow_mut() else { return false };
         let (Some(coroutine), Some(guard)) = (process.as_mut(), seat.guard.get()) else { return false };
         self.show(place);
@@ -151,15 +170,21 @@ impl Shared {
         let seat = &self.seats[place];
         self.show(place);
         let below = seat.guard.get().map(Guard::lend);
+        // It is not there to be taken again by what it does, as by a request to itself.
+        seat.serving.set(Serving::Works);
         // SAFETY: the process's coroutine is suspended in `serve`, which has borrowed the turn mutably and forgets it here
-        // before it goes on or is unwound. It is not taken twice at once, because a process cannot wait in its turn, and
-        // only one that waits runs others.
+        // before it goes on or is unwound. `resume` does not let it go on while `serving` is `Works`, and nobody else has the
+        // pointer: so the turn is not entered twice at once.
         #[allow(unsafe_code)]
         let taken = std::panic::catch_unwind(AssertUnwindSafe(|| unsafe { turn.as_mut()() }));
         drop(below);
         match taken {
-            Ok(deadline) => self.sleep(place, deadline),
+            Ok(deadline) => {
+                seat.serving.set(Serving::Waits(turn));
+                self.sleep(place, deadline);
+            }
             Err(panic) => {
+                seat.serving.set(Serving::No);
                 // It unwinds its own stack, and not that of who took the turn.
                 seat.panic.set(Some(panic));
                 self.resume(place);
@@ -180,9 +205,9 @@ impl Shared {
     #[inline]
     fn run(&self, place: usize) {
         self.ready.remove(place);
-        match self.seats[place].turn.get() {
-            Some(turn) => self.take_turn(place, turn),
-            None => drop(self.resume(place)),
+        match self.seats[place].serving.get() {
+            Serving::Waits(turn) => self.take_turn(place, turn),
+            Serving::No | Serving::Works => drop(self.resume(place)),
         }
     }
 
@@ -226,8 +251,12 @@ impl Shared {
     #[inline]
     fn ask(&self, port: &Port) {
         let is_free = !self.closing.get() && !self.ready.meets(&self.sensors);
-        let turn = self.seats[port.server].turn.get().filter(|_| is_free);
-        let Some(turn) = turn else { return self.wake(port.server) };
+        let Serving::Waits(turn) = self.seats[port.server].serving.get() else {
+            return self.wake(port.server);
+        };
+        if !is_free {
+            return self.wake(port.server);
+        }
         // The client finds the reply when it goes on from here: it need not be woken for it.
         let client = &self.seats[port.client];
         let reply = client.reply.replace(NONE);
@@ -446,8 +475,8 @@ impl MemoryWaiter<'_> {
     /// Lets other processes run until a time, or until a message comes that wakes this one.
     fn suspend(&self, deadline: Option<Nanos>, reply: usize) -> Result<(), Closed> {
         let (shared, seat) = (&*self.shared, self.seat());
-        if seat.turn.get().is_some() {
-            // In its turn, on the stack of another process, it cannot.
+        if seat.works() {
+            // In its turn it cannot.
             return Err(Closed);
         }
         let deadline = deadline.unwrap_or(NEVER);
@@ -481,21 +510,29 @@ impl Waiter for MemoryWaiter<'_> {
 
     fn serve(&self, first: Nanos, turn: &mut dyn FnMut() -> Nanos) {
         let (shared, seat) = (&*self.shared, self.seat());
+        if seat.works() {
+            // In a turn it cannot wait; and on the stack of another process its own is suspended already.
+            return;
+        }
         shared.sleep(self.place, first);
-        let forgets = Forgets(&seat.turn);
+        let forgets = Forgets(&seat.serving);
         while !shared.closing.get() {
             // SAFETY: only a lifetime is left out, and the pointer is forgotten before that ends: `Forgets` does so also where
-            // this is unwound.
+            // this is unwound. A coroutine that is given up is leaked with its stack, on which the turn and what it borrows are.
             #[allow(unsafe_code)]
             let lasting: &mut (dyn FnMut() -> Nanos + 'static) = unsafe { core::mem::transmute(&mut *turn) };
-            seat.turn.set(Some(NonNull::from(lasting)));
+            seat.serving.set(Serving::Waits(NonNull::from(lasting)));
             self.yielder.suspend(());
-            seat.turn.set(None);
+            seat.serving.set(Serving::No);
             if let Some(panic) = seat.panic.take() {
                 std::panic::resume_unwind(panic);
             }
             if !shared.closing.get() {
-                shared.sleep(self.place, turn());
+                // On its own stack, and yet as anywhere: in a turn nobody waits.
+                seat.serving.set(Serving::Works);
+                let deadline = turn();
+                seat.serving.set(Serving::No);
+                shared.sleep(self.place, deadline);
             }
         }
         drop(forgets);
@@ -508,11 +545,11 @@ impl Waiter for MemoryWaiter<'_> {
 }
 
 /// Forgets a turn whose process goes on, or is unwound.
-struct Forgets<'s>(&'s Cell<Option<Turn>>);
+struct Forgets<'s>(&'s Cell<Serving>);
 
 impl Drop for Forgets<'_> {
     fn drop(&mut self) {
-        self.0.set(None);
+        self.0.set(Serving::No);
     }
 }
 

@@ -12,6 +12,7 @@ use std::os::fd::AsFd;
 use std::os::unix::fs::OpenOptionsExt;
 use std::path::{Path, PathBuf};
 
+use rustix::fs::{FallocateFlags, fallocate};
 use rustix::mm::{MapFlags, ProtFlags, mmap};
 use rustix::thread::futex;
 
@@ -42,7 +43,8 @@ impl WakeFutex {
             .create_new(true)
             .mode(0o600)
             .open(path(prefix, place))?;
-        file.set_len(SIZE as u64)?;
+        // Its page is had now: where there is no room for it, the first wake-up would end the process.
+        fallocate(&file, FallocateFlags::empty(), 0, SIZE as u64)?;
         WakeFutex::map(&file)
     }
 

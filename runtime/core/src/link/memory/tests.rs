@@ -120,8 +120,8 @@ fn run_served(turns_until_panic: usize) -> (Vec<(Nanos, bool)>, Outcome) {
             if asked {
                 server.reply(&request);
             }
-            // Nobody can wait in a turn.
-            assert_eq!(host.waiter.wait(Some(now + 1)).is_err(), asked || now > 0);
+            // Nobody can wait in a turn, on whichever stack.
+            assert!(host.waiter.wait(Some(now + 1)).is_err());
             (now / 5 + 1) * 5
         });
         assert!(host.waiter.wait(None).is_err(), "the cell is closing");
@@ -156,4 +156,92 @@ fn a_panic_in_a_turn_is_that_of_the_process_whose_turn_it_is() {
         assert_eq!(panic.downcast_ref::<&str>(), Some(&"a bug of a driver"));
         assert_eq!(log.len(), turns);
     }
+}
+
+/// Runs a process that serves and sends a request in its first turn, to itself or to another process that serves and asks it back: how
+/// many turns it had, and how many of them at once at most.
+fn run_entered_again(by_another: bool) -> (u32, u32) {
+    let turns = Rc::new(Cell::new((0, 0, 0)));
+    let mut scheduler = Scheduler::new();
+    let [m, a, b] = ["m", "a", "b"].map(|name| scheduler.place(process(name)));
+    let (asks, _first) = scheduler.port(m, a);
+    let (sends, hears) = scheduler.port(a, if by_another { b } else { a });
+    let (answers, _second) = scheduler.port(b, a);
+    let shown = Rc::clone(&turns);
+    let serve = move |host: Host<'_>| {
+        host.waiter.serve(NEVER, &mut || {
+            let (count, at_once, most) = shown.get();
+            shown.set((count + 1, at_once + 1, most.max(at_once + 1)));
+            if count == 0 {
+                sends.send(&Message::empty());
+            }
+            let (count, at_once, most) = shown.get();
+            shown.set((count, at_once - 1, most));
+            NEVER
+        });
+    };
+    scheduler.body(a, Box::new(serve)).expect("a stack");
+    let serve = move |host: Host<'_>| {
+        let mut request = Message::empty();
+        host.waiter.serve(NEVER, &mut || {
+            if by_another && hears.receive(&mut request) {
+                answers.send(&Message::empty());
+            }
+            NEVER
+        });
+    };
+    scheduler.body(b, Box::new(serve)).expect("a stack");
+    let close = scheduler.closer();
+    let master = move |host: Host<'_>| {
+        while host.waiter.now() < 1 && host.waiter.wait(Some(1)).is_ok() {}
+        asks.send(&Message::empty());
+        while host.waiter.now() < 2 && host.waiter.wait(Some(2)).is_ok() {}
+        close();
+    };
+    scheduler.body(m, Box::new(master)).expect("a stack");
+    assert_eq!(scheduler.run(), Ok(2));
+    let (count, at_once, most) = turns.get();
+    assert_eq!(at_once, 0);
+    (count, most)
+}
+
+#[test]
+fn a_request_of_a_turn_to_its_own_process_waits_for_the_next_turn() {
+    // That which is asked by the master, and one more.
+    assert_eq!(run_entered_again(false), (2, 1));
+}
+
+#[test]
+fn a_request_that_comes_back_to_a_turn_under_way_waits_for_the_next_turn() {
+    assert_eq!(run_entered_again(true), (2, 1));
+}
+
+#[test]
+fn a_turn_that_serves_is_told_at_once_that_it_cannot() {
+    let log = Log::default();
+    let mut scheduler = Scheduler::new();
+    let [m, a] = ["m", "a"].map(|name| scheduler.place(process(name)));
+    let (asks, _server) = scheduler.port(m, a);
+    let shown = Rc::clone(&log);
+    let serve = move |host: Host<'_>| {
+        host.waiter.serve(NEVER, &mut || {
+            shown.borrow_mut().push("turn");
+            host.waiter.serve(NEVER, &mut || {
+                shown.borrow_mut().push("a turn in a turn");
+                NEVER
+            });
+            shown.borrow_mut().push("over");
+            NEVER
+        });
+    };
+    scheduler.body(a, Box::new(serve)).expect("a stack");
+    let close = scheduler.closer();
+    let master = move |host: Host<'_>| {
+        while host.waiter.now() < 1 && host.waiter.wait(Some(1)).is_ok() {}
+        asks.send(&Message::empty());
+        close();
+    };
+    scheduler.body(m, Box::new(master)).expect("a stack");
+    assert_eq!(scheduler.run(), Ok(1));
+    assert_eq!(*log.borrow(), ["turn", "over"]);
 }
