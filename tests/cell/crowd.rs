@@ -17,7 +17,8 @@ pub fn main() -> ExitCode {
 
 fn stand(mp: &mut Mp) -> Result<(), Fault> {
     let folder = own_option(RECORDS).ok_or_else(|| Fault::thrown("no folder for records"))?;
-    mp.wait_until((), (), Ended { file: Path::new(&folder).join("end") })
+    let ended = Ended { file: Path::new(&folder).join("end") };
+    mp.wait_until((), (), ended).map(drop)
 }
 
 /// Until there is a file.
