@@ -14,10 +14,12 @@
 //! sockets in a thread; the feature `testing` adds a virtual network, on which tests run it against a model of the device under a
 //! virtual clock.
 
+mod number;
 mod protocol;
 mod recall;
 mod session;
 mod sockets;
+mod speed;
 mod talk;
 mod tcp;
 #[cfg(any(test, feature = "testing"))]
@@ -25,10 +27,12 @@ pub mod testing;
 mod times;
 mod udp;
 
+pub use number::Number;
 pub use protocol::{NotConnected, Peer, Protocol, Received};
 pub use recall::{Recalled, recall};
 pub use session::{Network, Session};
-pub use talk::{Handed, Number, Speed, Talk, Watch};
+pub use speed::Speed;
+pub use talk::{Handed, Talk, Watch};
 pub use tcp::{Cut, Cutting, Door, Frame, Line, MAX_FRAME, Refused};
 pub use times::Times;
 pub use udp::{Counted, Datagram, Guest, MAX_DATAGRAM};

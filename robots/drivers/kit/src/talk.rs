@@ -17,23 +17,6 @@ use std::time::{Duration, Instant};
 /// For how long a thing goes on that is asked for no more.
 const ASKED: Duration = Duration::from_millis(100);
 
-/// A number that two threads share.
-#[derive(Debug, Default)]
-pub struct Number(AtomicU64);
-
-impl Number {
-    /// It.
-    #[must_use]
-    pub fn get(&self) -> f64 {
-        f64::from_bits(self.0.load(Ordering::Relaxed))
-    }
-
-    /// From now on.
-    pub fn set(&self, number: f64) {
-        self.0.store(number.to_bits(), Ordering::Relaxed);
-    }
-}
-
 /// What the thread and the drives of one device hand to each other.
 pub trait Handed: Send + Sync + 'static {
     /// Wakes a thread that waits for the device, because the talk is to end. One that never waits for long needs nothing.
@@ -201,32 +184,6 @@ impl<H: Handed, E> Drop for Talk<H, E> {
         self.hang_up();
         // A thread that panicked has nothing left to end.
         let _ = self.thread.take().map(JoinHandle::join);
-    }
-}
-
-/// How fast something goes that is heard of now and then: over 100 ms, because what a device tells has few digits.
-#[derive(Clone, Copy, Debug)]
-pub struct Speed {
-    since: (Instant, f64),
-}
-
-impl Speed {
-    const WINDOW: Duration = Duration::from_millis(100);
-
-    /// Of something that stands here now.
-    #[must_use]
-    pub fn from(position: f64) -> Speed {
-        Speed { since: (Instant::now(), position) }
-    }
-
-    /// It is here now: its speed, in units a second, where the last one was told long enough ago.
-    pub fn at(&mut self, position: f64) -> Option<f64> {
-        let (since, before) = self.since;
-        let time = since.elapsed();
-        (time >= Speed::WINDOW).then(|| {
-            self.since = (Instant::now(), position);
-            (position - before) / time.as_secs_f64()
-        })
     }
 }
 

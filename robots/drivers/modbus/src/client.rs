@@ -1,26 +1,17 @@
-//! A connection with a device that speaks Modbus TCP. It blocks, so it belongs to a thread of its own.
+//! Questions to a device that speaks Modbus TCP, one at a time, and its answers.
 //!
-//! In: questions. Out: answers, within a time that is declared here, or why there are none.
-
-#![expect(
-    clippy::disallowed_methods,
-    reason = "an answer that does not come is waited for by this machine's clock"
-)]
+//! In: questions, the time, and the bytes that have come. Out: the bytes of questions; answers, within a time that is declared here, or
+//! why there are none. Nothing here waits: it belongs to a [`Protocol`](mrroc_driver_kit::Protocol).
 
 use core::time::Duration;
-use std::io::{ErrorKind, Read, Write};
-use std::net::{SocketAddr, TcpStream};
-use std::time::Instant;
 
 use mrroc::robot::{DriveFault, RobotStop, StopCause};
+use mrroc_driver_kit::Received;
 
 use crate::message::{Answer, Asked, MAX_FRAME, NoAnswer, Question};
 
 /// How long a device may take to accept the connection.
 pub const CONNECT: Duration = Duration::from_secs(1);
-
-/// The least time that a read may wait.
-const LEAST: Duration = Duration::from_millis(1);
 
 /// Why there is no answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -68,67 +59,82 @@ impl From<Broken> for DriveFault {
     }
 }
 
-/// The connection.
+/// The side of a connection that asks.
+///
+/// ```
+/// use core::time::Duration;
+/// use mrroc_driver_kit::Received;
+/// use mrroc_modbus::client::{Broken, Client};
+/// use mrroc_modbus::message::{Asked, Table};
+///
+/// let (mut client, mut sent) = (Client::new(1, Duration::from_millis(200)), Vec::new());
+/// client.ask(Duration::ZERO, Asked::Read(Table::InputRegisters, 0, 1), &mut sent);
+/// assert_eq!(sent, [0, 1, 0, 0, 0, 6, 1, 4, 0, 0, 0, 1]);
+/// client.receive(&Received { bytes: &[0, 1, 0, 0, 0, 5, 1, 4, 2, 0, 7], ..Received::default() });
+/// let answer = client.answer(Duration::from_millis(3))?.expect("it is whole");
+/// assert_eq!(answer.registers(), [7]);
+/// # Ok::<(), Broken>(())
+/// ```
 #[derive(Debug)]
 pub struct Client {
-    socket: TcpStream,
     unit: u8,
     /// How long the whole answer to a question may take.
     patience: Duration,
     transaction: u16,
+    /// The question that is not answered, and until when it must be.
+    asked: Option<(Question, Duration)>,
+    /// What has come of the answer, with a byte more than any may have.
+    came: [u8; MAX_FRAME + 1],
+    len: usize,
+    is_closed: bool,
 }
 
 impl Client {
-    /// Connects to a unit, whose whole answer to a question may take so long.
-    ///
-    /// # Errors
-    /// [`Broken::Unreachable`].
-    pub fn connect(address: SocketAddr, unit: u8, patience: Duration) -> Result<Client, Broken> {
-        let socket = TcpStream::connect_timeout(&address, CONNECT).map_err(|_| Broken::Unreachable)?;
-        let ready = socket.set_nodelay(true).and_then(|()| socket.set_write_timeout(Some(patience)));
-        ready.map_err(|_| Broken::Unreachable)?;
-        Ok(Client { socket, unit, patience, transaction: 0 })
-    }
-
-    /// The socket, to be shut down while this waits for an answer.
+    /// Asks a unit, whose whole answer to a question may take so long.
     #[must_use]
-    pub fn socket(&self) -> Option<TcpStream> {
-        self.socket.try_clone().ok()
+    pub const fn new(unit: u8, patience: Duration) -> Client {
+        let (transaction, asked, came, len, is_closed) = (0, None, [0; MAX_FRAME + 1], 0, false);
+        Client { unit, patience, transaction, asked, came, len, is_closed }
     }
 
-    /// Asks, and waits for the answer.
+    /// Takes in what has come.
+    pub fn receive(&mut self, received: &Received<'_>) {
+        // More than fits is no answer, whatever follows.
+        let len = received.bytes.len().min(self.came.len() - self.len);
+        self.came[self.len..self.len + len].copy_from_slice(&received.bytes[..len]);
+        self.len += len;
+        self.is_closed |= received.is_closed;
+    }
+
+    /// Asks this now: appends the question to what is to be sent. One before that was not answered is forgotten.
+    pub fn ask(&mut self, now: Duration, what: Asked, send: &mut Vec<u8>) {
+        self.transaction = self.transaction.wrapping_add(1);
+        let question = Question { transaction: self.transaction, unit: self.unit, what };
+        send.extend_from_slice(question.bytes().as_slice());
+        self.asked = Some((question, now + self.patience));
+    }
+
+    /// Until when an answer must have come; `None` while nothing is asked.
+    #[must_use]
+    pub fn until(&self) -> Option<Duration> {
+        self.asked.map(|(_, until)| until)
+    }
+
+    /// The answer, once; `None` while it may still come, or nothing is asked.
     ///
     /// # Errors
     /// Why there is none. Only after a refusal that [passes](NoAnswer::passes) may something be asked again.
-    pub fn ask(&mut self, what: Asked) -> Result<Answer, Broken> {
-        self.transaction = self.transaction.wrapping_add(1);
-        let question = Question { transaction: self.transaction, unit: self.unit, what };
-        let until = Instant::now() + self.patience;
-        self.socket.write_all(question.bytes().as_slice()).map_err(broken)?;
-        let (mut came, mut len) = ([0; MAX_FRAME + 1], 0);
-        loop {
-            // A thread that was not given any time reads once more what has come in the meantime.
-            let left = until.saturating_duration_since(Instant::now());
-            self.socket.set_read_timeout(Some(left.max(LEAST))).map_err(broken)?;
-            len += match self.socket.read(&mut came[len..]) {
-                Ok(0) => return Err(Broken::Closed),
-                Ok(more) => more,
-                Err(why) if why.kind() == ErrorKind::Interrupted => 0,
-                Err(why) => return Err(broken(why)),
+    pub fn answer(&mut self, now: Duration) -> Result<Option<Answer>, Broken> {
+        let Some((question, until)) = self.asked else { return Ok(None) };
+        let answer = question.answer(&self.came[..self.len]);
+        if answer == Ok(None) {
+            return match () {
+                () if self.is_closed => Err(Broken::Closed),
+                () if now >= until => Err(Broken::Silent),
+                () => Ok(None),
             };
-            if let Some(answer) = question.answer(&came[..len])? {
-                return Ok(answer);
-            }
-            if left.is_zero() {
-                return Err(Broken::Silent);
-            }
         }
-    }
-}
-
-fn broken(why: std::io::Error) -> Broken {
-    match why.kind() {
-        ErrorKind::WouldBlock | ErrorKind::TimedOut => Broken::Silent,
-        _ => Broken::Closed,
+        (self.asked, self.len) = (None, 0);
+        Ok(answer?)
     }
 }

@@ -1,23 +1,18 @@
-//! The exchange of registers with a gripper, in a thread of its own: as fast as the device answers, whatever the EDP's periods.
+//! The exchange of registers with a gripper, as fast as the device answers, whatever the EDP's periods.
 //!
-//! In: the newest position that is demanded. Out: the newest status, the speed of the fingers, and why it has ended. Both
-//! sides hand this over in atomics, so that neither waits for the other.
-
-#![expect(
-    clippy::disallowed_methods,
-    reason = "the exchange keeps the device's time, outside of the cell's periods"
-)]
+//! In: the newest position that is demanded. Out: the newest status, the speed of the fingers, and why it has ended. The exchange and
+//! the drives hand this over in atomics, so that neither waits for the other.
 
 use core::sync::atomic::{AtomicU8, AtomicU64, Ordering};
 use core::time::Duration;
-use std::net::{Shutdown, TcpStream};
-use std::sync::OnceLock;
-use std::time::Instant;
+use std::sync::Arc;
 
 use mrroc::robot::{DriveFault, RobotStop, StopCause};
-use mrroc_driver_kit::{Handed, Number, Recalled, Speed, Talk, Watch};
-use mrroc_modbus::client::{Broken, Client, lost};
-use mrroc_modbus::message::{Asked, NoAnswer, Table};
+use mrroc_driver_kit::{
+    Network, NotConnected, Number, Peer, Protocol, Recalled, Received, Session, Speed, Times,
+};
+use mrroc_modbus::client::{Broken, CONNECT, Client, lost};
+use mrroc_modbus::message::{Answer, Asked, NoAnswer, Table};
 
 use crate::drives::RobotiqSettings;
 use crate::registers::{Fingers, REQUEST, Request, STATUS, Status};
@@ -47,23 +42,16 @@ pub enum Inactive {
     Activated,
 }
 
-/// What the thread and the drives hand to each other.
+/// What the exchange and the drives hand to each other.
 #[derive(Debug, Default)]
 struct Shared {
+    times: Times,
     /// The position and the force that are demanded, in the gripper's numbers.
     position: AtomicU8,
     force: AtomicU8,
     /// The newest status; the speed in the gripper's numbers a second.
     status: AtomicU64,
     speed: Number,
-    socket: OnceLock<TcpStream>,
-}
-
-impl Handed for Shared {
-    fn hang_up(&self) {
-        // The other end may have closed it already.
-        let _ = self.socket.get().map(|socket| socket.shutdown(Shutdown::Both));
-    }
 }
 
 /// What the gripper says, as the drives see it.
@@ -77,7 +65,8 @@ pub struct Heard {
 /// An exchange that goes on.
 #[derive(Debug)]
 pub struct Link {
-    talk: Talk<Shared, DriveFault>,
+    session: Session<DriveFault>,
+    shared: Arc<Shared>,
     /// How old the newest reading may be: an exchange is two questions.
     patience: Duration,
 }
@@ -87,13 +76,28 @@ impl Link {
     ///
     /// # Errors
     /// A thread cannot be started.
-    pub fn begin(settings: &RobotiqSettings, inactive: Inactive) -> Result<Link, DriveFault> {
-        let settings = *settings;
-        let shared = Shared { force: AtomicU8::new(settings.force), ..Shared::default() };
-        let work = move |shared: &Shared, watch: &Watch| exchange(shared, watch, &settings, inactive);
-        let talk = Talk::begin("gripper", shared, CLOSED, work);
-        let talk = talk.map_err(|_| DriveFault::Other("this machine starts no more threads"))?;
-        Ok(Link { talk, patience: settings.patience * 2 })
+    pub fn begin(
+        network: &Network,
+        settings: &RobotiqSettings,
+        inactive: Inactive,
+    ) -> Result<Link, DriveFault> {
+        let shared = Arc::new(Shared { force: AtomicU8::new(settings.force), ..Shared::default() });
+        let patience = settings.patience * 2;
+        let peer = Peer { address: settings.address, patience: CONNECT, sends_datagrams: false };
+        let exchange = Exchange {
+            shared: Arc::clone(&shared),
+            client: Client::new(settings.unit, settings.patience),
+            patience,
+            inactive,
+            phase: Phase::Status(Awaited::First),
+            next: Duration::ZERO,
+            asked_until: None,
+            told: None,
+            speed: Speed::from(Duration::ZERO, 0.0),
+        };
+        let session = Session::begin(network, "gripper", peer, exchange, CLOSED);
+        let session = session.map_err(|_| DriveFault::Other("this machine starts no more threads"))?;
+        Ok(Link { session, shared, patience })
     }
 
     /// The newest that was heard; `None` before the fingers are known to stand.
@@ -101,36 +105,36 @@ impl Link {
     /// # Errors
     /// Why nothing more is heard.
     pub fn heard(&self) -> Result<Option<Heard>, DriveFault> {
-        self.talk.goes_on()?;
-        if !self.talk.watch().has_heard() {
+        self.session.goes_on()?;
+        if !self.shared.times.has_heard() {
             return Ok(None);
         }
-        if self.talk.watch().is_silent_for(self.patience) {
+        if self.shared.times.is_silent_for(self.session.now(), self.patience) {
             return Err(lost("no reading came in time"));
         }
-        let Shared { status, speed, .. } = self.talk.handed();
+        let Shared { status, speed, .. } = &*self.shared;
         let status = Status::from_word(status.load(Ordering::Relaxed));
         Ok(status.map(|status| Heard { status, speed: speed.get() }))
     }
 
     /// Where the fingers are held, or were told to go last.
     pub fn position(&self) -> u8 {
-        self.talk.handed().position.load(Ordering::Relaxed)
+        self.shared.position.load(Ordering::Relaxed)
     }
 
     /// Where they are to go.
     pub fn go_to(&self, position: u8) {
-        self.talk.handed().position.store(position, Ordering::Relaxed);
+        self.shared.position.store(position, Ordering::Relaxed);
     }
 
     /// With which force, from the next motion on.
     pub fn press_with(&self, force: u8) {
-        self.talk.handed().force.store(force, Ordering::Relaxed);
+        self.shared.force.store(force, Ordering::Relaxed);
     }
 
     /// Lets an activation go on for a while.
     pub fn ask_for_activation(&self) {
-        self.talk.ask();
+        self.shared.times.ask(self.session.now());
     }
 }
 
@@ -143,196 +147,296 @@ impl Recalled for Link {
 
     /// Ends the exchange: the gripper goes on holding what it was told last.
     fn hang_up(&self) {
-        self.talk.hang_up();
+        self.session.hang_up();
     }
 
     fn is_over(&self) -> bool {
-        self.talk.is_over()
+        self.session.is_over()
     }
 }
 
 pub(crate) const CLOSED: DriveFault = DriveFault::Other("the gripper is not connected");
 
-/// What goes on in the thread.
-struct Exchange<'a> {
-    shared: &'a Shared,
-    watch: &'a Watch,
+/// What the exchange does now.
+#[derive(Clone, Copy, Debug)]
+enum Phase {
+    /// Asks for the status until it is as it should be.
+    Status(Awaited),
+    /// Waits until an activation is asked for.
+    Unasked,
+    /// Writes a request, and goes on with that.
+    Write(Request, Written),
+    /// Writes what is demanded, or nothing where that holds the fingers already, and reads.
+    Follow {
+        /// Where the fingers were held at the beginning.
+        held: u8,
+        /// Exchanges in a row in which what was told had not arrived.
+        unheard: u32,
+        /// What the present exchange is about, when it has begun.
+        round: Option<Round>,
+    },
+}
+
+/// A status that is waited for, and until when.
+#[derive(Clone, Copy, Debug)]
+enum Awaited {
+    /// The first one: whatever it is.
+    First,
+    /// That it is reset.
+    Reset(Duration),
+    /// That it is active.
+    Active(Duration),
+    /// The one after the activation: whatever it is.
+    Activated,
+    /// That it has been told something.
+    Told(Duration),
+    /// That the fingers stand.
+    Standing(Duration),
+}
+
+/// What follows a request that was written.
+#[derive(Clone, Copy, Debug)]
+enum Written {
+    /// It becomes inactive.
+    Resets,
+    /// It activates itself.
+    Activates,
+    /// It is inactive again, until it is asked for.
+    Waits,
+    /// It is inactive again: its activation has taken too long.
+    Ends,
+}
+
+/// An exchange: what was demanded when it began.
+#[derive(Clone, Copy, Debug)]
+struct Round {
+    /// `None` where nothing is to be written, or was written.
+    write: Option<Request>,
+    position: u8,
+    /// Whether this was not the last that was told.
+    is_news: bool,
+    is_held: bool,
+}
+
+/// The exchange as a protocol.
+struct Exchange {
+    shared: Arc<Shared>,
     client: Client,
     patience: Duration,
+    inactive: Inactive,
+    phase: Phase,
+    /// Nothing is asked before.
+    next: Duration,
+    /// Until when a device that is only busy is asked again for its status.
+    asked_until: Option<Duration>,
     /// What was written last.
     told: Option<Request>,
     speed: Speed,
 }
 
-fn exchange(
-    shared: &Shared,
-    watch: &Watch,
-    settings: &RobotiqSettings,
-    inactive: Inactive,
-) -> Result<(), DriveFault> {
-    let client = Client::connect(settings.address, settings.unit, settings.patience)?;
-    if let Some(socket) = client.socket() {
-        // The first of it.
-        let _ = shared.socket.set(socket);
-    }
-    let patience = settings.patience * 2;
-    let mut exchange = Exchange { shared, watch, client, patience, told: None, speed: Speed::from(0.0) };
-    let mut status = exchange.status()?;
-    if !status.is_active() && inactive == Inactive::Activated {
-        exchange.activate()?;
-        status = exchange.status()?;
-    }
-    exchange.stand(status)?;
-    exchange.follow()
-}
+impl Protocol for Exchange {
+    type Fault = DriveFault;
 
-impl Exchange<'_> {
-    fn goes_on(&self) -> Result<(), DriveFault> {
-        if self.watch.ends() { Err(CLOSED) } else { Ok(()) }
-    }
-
-    fn read(&mut self) -> Result<Status, Broken> {
-        let answer = self.client.ask(Asked::Read(Table::InputRegisters, STATUS, 3))?;
-        let &[a, b, c] = answer.registers() else { return Err(NoAnswer::Length.into()) };
-        Ok(Status::new([a, b, c]))
-    }
-
-    /// The status, asked for again while the device is only busy.
-    fn status(&mut self) -> Result<Status, DriveFault> {
-        let until = Instant::now() + self.patience;
+    fn poll(
+        &mut self,
+        now: Duration,
+        received: Received<'_>,
+        send: &mut Vec<u8>,
+    ) -> Result<Duration, DriveFault> {
+        self.client.receive(&received);
         loop {
-            self.goes_on()?;
-            match self.read() {
-                Err(Broken::NoAnswer(why)) if why.passes() && Instant::now() < until => {
-                    std::thread::sleep(PAUSE);
-                }
-                answer => return Ok(answer?),
+            match self.client.answer(now) {
+                Ok(Some(answer)) => self.take(now, &answer)?,
+                Ok(None) => {}
+                Err(Broken::NoAnswer(why)) if why.passes() => self.ask_again(now, why)?,
+                Err(broken) => return Err(broken.into()),
             }
+            if let Some(until) = self.client.until() {
+                return Ok(until);
+            }
+            if now < self.next {
+                return Ok(self.next);
+            }
+            self.ask(now, send);
         }
     }
 
-    fn write(&mut self, request: Request) -> Result<(), Broken> {
-        self.client.ask(Asked::Write(REQUEST, request.registers()))?;
-        self.told = Some(request);
+    fn not_connected(&self, _: NotConnected) -> DriveFault {
+        Broken::Unreachable.into()
+    }
+}
+
+impl Exchange {
+    fn pause(&mut self, now: Duration) {
+        self.next = now + PAUSE;
+    }
+
+    /// The next question of the phase.
+    fn ask(&mut self, now: Duration, send: &mut Vec<u8>) {
+        const READ: Asked = Asked::Read(Table::InputRegisters, STATUS, 3);
+        let write = |request: Request| Asked::Write(REQUEST, request.registers());
+        let what = match &mut self.phase {
+            Phase::Status(_) => {
+                self.asked_until.get_or_insert(now + self.patience);
+                READ
+            }
+            // Faults are cleared, and an activation begins, where the request to be active rises.
+            Phase::Unasked if self.shared.times.is_asked(now) => {
+                self.phase = Phase::Write(Request::Rest, Written::Resets);
+                write(Request::Rest)
+            }
+            Phase::Unasked => return self.pause(now),
+            Phase::Write(request, _) => write(*request),
+            Phase::Follow { held, round, .. } => {
+                let round = round.get_or_insert_with(|| {
+                    let position = self.shared.position.load(Ordering::Relaxed);
+                    let force = self.shared.force.load(Ordering::Relaxed);
+                    let request = Request::GoTo { position, speed: SPEED, force };
+                    let is_news = self.told != Some(request);
+                    // What somebody has closed with another force keeps it until it is moved.
+                    let is_held = position == *held && !matches!(self.told, Some(Request::GoTo { .. }));
+                    Round { write: (!is_held).then_some(request), position, is_news, is_held }
+                });
+                round.write.map_or(READ, write)
+            }
+        };
+        self.client.ask(now, what, send);
+    }
+
+    /// A device that is only busy is asked again after a while.
+    fn ask_again(&mut self, now: Duration, why: NoAnswer) -> Result<(), DriveFault> {
+        match &mut self.phase {
+            Phase::Status(_) if self.asked_until.is_some_and(|until| now < until) => {}
+            // The drives see how old the newest reading is.
+            Phase::Follow { round, .. } => {
+                if self.shared.times.is_silent_for(now, self.patience) {
+                    return Err(lost(why.name()));
+                }
+                *round = None;
+                self.next_round(now);
+                return Ok(());
+            }
+            Phase::Status(_) | Phase::Unasked | Phase::Write(..) => return Err(Broken::NoAnswer(why).into()),
+        }
+        self.pause(now);
         Ok(())
     }
 
-    /// Activates it, while that is asked for. Where it is not, the fingers stop, and begin anew when it is.
-    fn activate(&mut self) -> Result<(), DriveFault> {
-        'anew: loop {
-            while !self.watch.is_asked() {
-                self.goes_on()?;
-                std::thread::sleep(PAUSE);
+    /// The next exchange begins when this one's time is over.
+    fn next_round(&mut self, now: Duration) {
+        self.next = (self.next + PAUSE).max(now);
+    }
+
+    /// The answer to what was asked.
+    fn take(&mut self, now: Duration, answer: &Answer) -> Result<(), DriveFault> {
+        match self.phase {
+            Phase::Status(awaited) => {
+                self.asked_until = None;
+                self.look(now, awaited, status(answer)?)
             }
-            // Faults are cleared, and an activation begins, where the request to be active rises.
-            self.write(Request::Rest)?;
-            self.wait_until(RESET, Status::is_reset, NOT_RESET)?;
-            self.write(Request::Activate)?;
-            let until = Instant::now() + ACTIVATION;
-            loop {
-                let status = self.status()?;
-                if status.is_active() {
+            Phase::Write(request, written) => {
+                self.told = Some(request);
+                self.phase = match written {
+                    Written::Resets => Phase::Status(Awaited::Reset(now + RESET)),
+                    Written::Activates => Phase::Status(Awaited::Active(now + ACTIVATION)),
+                    Written::Waits => Phase::Unasked,
+                    Written::Ends => return Err(NOT_ACTIVATED),
+                };
+                Ok(())
+            }
+            Phase::Follow { held, unheard, round: Some(round) } => {
+                if let Some(request) = round.write {
+                    self.told = Some(request);
+                    let round = Some(Round { write: None, ..round });
+                    self.phase = Phase::Follow { held, unheard, round };
                     return Ok(());
                 }
+                let status = status(answer)?;
+                healthy(status)?;
+                let is_told =
+                    round.is_held || round.is_news || status.told() == round.position && status.goes();
+                let unheard = if is_told { 0 } else { unheard + 1 };
+                if unheard > ECHOES {
+                    return Err(TOLD_BY_OTHERS);
+                }
+                self.show(now, status);
+                self.phase = Phase::Follow { held, unheard, round: None };
+                self.next_round(now);
+                Ok(())
+            }
+            // Nothing was asked.
+            Phase::Unasked | Phase::Follow { round: None, .. } => Ok(()),
+        }
+    }
+
+    /// A status that was waited for, or another one.
+    fn look(&mut self, now: Duration, awaited: Awaited, status: Status) -> Result<(), DriveFault> {
+        match awaited {
+            Awaited::First if !status.is_active() && self.inactive == Inactive::Activated => {
+                self.phase = Phase::Unasked;
+            }
+            Awaited::First | Awaited::Activated if status.is_idle() => {
+                // It may have been told nothing before, which it calls a fault until it is.
+                self.phase = Phase::Status(Awaited::Told(now + RESET));
+            }
+            Awaited::Told(until) if status.is_idle() => self.wait(now, until, IDLE)?,
+            Awaited::First | Awaited::Activated | Awaited::Told(_) => {
+                healthy(status)?;
+                self.phase = Phase::Status(Awaited::Standing(now + SETTLING));
+            }
+            Awaited::Reset(_) if status.is_reset() => {
+                self.phase = Phase::Write(Request::Activate, Written::Activates);
+            }
+            Awaited::Reset(until) => self.wait(now, until, NOT_RESET)?,
+            Awaited::Active(_) if status.is_active() => self.phase = Phase::Status(Awaited::Activated),
+            Awaited::Active(until) => {
                 if let Some(stop) = status.stop().filter(|_| status.must_be_activated_anew()) {
                     return Err(stop.into());
                 }
-                if !self.watch.is_asked() {
-                    self.write(Request::Rest)?;
-                    continue 'anew;
+                // Where it is not asked for any more, the fingers stop, and begin anew when it is.
+                match self.shared.times.is_asked(now) {
+                    false => self.phase = Phase::Write(Request::Rest, Written::Waits),
+                    true if now > until => self.phase = Phase::Write(Request::Rest, Written::Ends),
+                    true => self.pause(now),
                 }
-                if Instant::now() > until {
-                    self.write(Request::Rest)?;
-                    return Err(NOT_ACTIVATED);
-                }
-                std::thread::sleep(PAUSE);
             }
+            // Where it goes to no position it stands.
+            Awaited::Standing(_) if !status.goes() || status.fingers() != Fingers::Moving => {
+                self.stand(now, status);
+            }
+            Awaited::Standing(until) => self.wait(now, until, MOVED_BY_OTHERS)?,
         }
-    }
-
-    /// Waits for a state for so long.
-    fn wait_until(
-        &mut self,
-        patience: Duration,
-        is_so: fn(Status) -> bool,
-        otherwise: DriveFault,
-    ) -> Result<Status, DriveFault> {
-        let until = Instant::now() + patience;
-        loop {
-            let status = self.status()?;
-            if is_so(status) {
-                return Ok(status);
-            }
-            if Instant::now() > until {
-                return Err(otherwise);
-            }
-            std::thread::sleep(PAUSE);
-        }
-    }
-
-    /// Learns where the fingers are held, once they stand. Nothing is written.
-    fn stand(&mut self, status: Status) -> Result<(), DriveFault> {
-        // It may have been told nothing before, which it calls a fault until it is.
-        let status = match status.is_idle() {
-            true => self.wait_until(RESET, |status| !status.is_idle(), IDLE)?,
-            false => status,
-        };
-        healthy(status)?;
-        // Where it goes to no position it stands.
-        let stands = |status: Status| !status.goes() || status.fingers() != Fingers::Moving;
-        let status = self.wait_until(SETTLING, stands, MOVED_BY_OTHERS)?;
-        let position = if status.goes() { status.told() } else { status.position() };
-        self.shared.position.store(position, Ordering::Relaxed);
-        self.speed = Speed::from(status.position().into());
-        self.show(status);
         Ok(())
     }
 
-    /// Exchanges until it is to end: writes what is demanded, once that is something else than what holds the fingers,
-    /// and reads.
-    fn follow(&mut self) -> Result<(), DriveFault> {
-        let held = self.shared.position.load(Ordering::Relaxed);
-        let mut unheard = 0;
-        let mut next = Instant::now();
-        loop {
-            self.goes_on()?;
-            let position = self.shared.position.load(Ordering::Relaxed);
-            let force = self.shared.force.load(Ordering::Relaxed);
-            let request = Request::GoTo { position, speed: SPEED, force };
-            let is_news = self.told != Some(request);
-            // What somebody has closed with another force keeps it until it is moved.
-            let is_held = position == held && !matches!(self.told, Some(Request::GoTo { .. }));
-            let asked = if is_held { self.read() } else { self.write(request).and_then(|()| self.read()) };
-            match asked {
-                Ok(status) => {
-                    healthy(status)?;
-                    let differs = !is_held && !is_news && (status.told() != position || !status.goes());
-                    unheard = if differs { unheard + 1 } else { 0 };
-                    if unheard > ECHOES {
-                        return Err(TOLD_BY_OTHERS);
-                    }
-                    self.show(status);
-                }
-                // The drives see how old the newest reading is.
-                Err(Broken::NoAnswer(why)) if why.passes() => {
-                    if self.watch.is_silent_for(self.patience) {
-                        return Err(lost(why.name()));
-                    }
-                }
-                Err(broken) => return Err(broken.into()),
-            }
-            next = (next + PAUSE).max(Instant::now());
-            std::thread::sleep(next.saturating_duration_since(Instant::now()));
-        }
+    /// It is asked again, or has taken too long.
+    fn wait(&mut self, now: Duration, until: Duration, otherwise: DriveFault) -> Result<(), DriveFault> {
+        self.pause(now);
+        if now > until { Err(otherwise) } else { Ok(()) }
     }
 
-    fn show(&mut self, status: Status) {
-        if let Some(speed) = self.speed.at(status.position().into()) {
+    /// The fingers stand where they are held. Nothing was written.
+    fn stand(&mut self, now: Duration, status: Status) {
+        let held = if status.goes() { status.told() } else { status.position() };
+        self.shared.position.store(held, Ordering::Relaxed);
+        self.speed = Speed::from(now, status.position().into());
+        self.show(now, status);
+        self.phase = Phase::Follow { held, unheard: 0, round: None };
+        self.next = now;
+    }
+
+    fn show(&mut self, now: Duration, status: Status) {
+        if let Some(speed) = self.speed.at(now, status.position().into()) {
             self.shared.speed.set(speed);
         }
         self.shared.status.store(status.to_word(), Ordering::Relaxed);
-        self.watch.hear();
+        self.shared.times.hear(now);
     }
+}
+
+fn status(answer: &Answer) -> Result<Status, Broken> {
+    let &[a, b, c] = answer.registers() else { return Err(NoAnswer::Length.into()) };
+    Ok(Status::new([a, b, c]))
 }
 
 fn healthy(status: Status) -> Result<(), DriveFault> {

@@ -10,8 +10,8 @@ use mrroc::robot::{DriveFault, Driver, Homing, Recovery, Regulators, Search, Sto
 use mrroc_counting_allocator::{Counting, count};
 use mrroc_robots::{One, TwoFingers};
 
-use super::exchange::{NOT_HOMED, OTHER_VERSION};
 use super::fake::{Fake, Fingers, GRASP, HOMING, MOVE, STOP, STROKE};
+use super::protocol::{NOT_HOMED, OTHER_VERSION};
 use super::{Hand, HandHoming, HandSettings};
 
 #[global_allocator]
