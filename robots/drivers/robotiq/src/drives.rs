@@ -10,7 +10,8 @@ use mrroc::robot::{DriveFault, Driver, Homing, Measured, Recovery, Regulators, R
 use mrroc_driver_kit::{Network, recall};
 use mrroc_robots::{One, TwoFingers};
 
-use crate::exchange::{CLOSED, Heard, Inactive, Link};
+use crate::exchange::{Heard, Inactive, Link};
+use crate::protocol::CLOSED;
 
 /// How the gripper's numbers belong to openings: linear between two of them.
 #[derive(Clone, Copy, Debug, PartialEq)]
