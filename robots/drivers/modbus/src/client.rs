@@ -138,3 +138,73 @@ impl Client {
         Ok(answer?)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::message::Table;
+
+    const READ: Asked = Asked::Read(Table::InputRegisters, 0, 1);
+    const ANSWER: [u8; 11] = [0, 1, 0, 0, 0, 5, 1, 4, 2, 0, 7];
+
+    const fn ms(time: u64) -> Duration {
+        Duration::from_millis(time)
+    }
+
+    fn asked() -> Client {
+        let mut client = Client::new(1, ms(200));
+        client.ask(ms(10), READ, &mut Vec::new());
+        client
+    }
+
+    fn received(bytes: &[u8]) -> Received<'_> {
+        Received { bytes, ..Received::default() }
+    }
+
+    #[test]
+    fn an_answer_may_come_in_pieces_until_its_time_is_over() {
+        let mut client = asked();
+        assert_eq!(client.until(), Some(ms(210)));
+        for byte in &ANSWER[..10] {
+            client.receive(&received(core::slice::from_ref(byte)));
+            assert_eq!(client.answer(ms(209)), Ok(None));
+        }
+        assert_eq!(client.answer(ms(210)), Err(Broken::Silent));
+        // What has come by then counts, also where it is looked at late.
+        client.receive(&received(&ANSWER[10..]));
+        let answer = client.answer(ms(5000)).map(|answer| answer.map(|answer| answer.registers().to_vec()));
+        assert_eq!((answer, client.until()), (Ok(Some(vec![7])), None));
+    }
+
+    #[test]
+    fn the_last_answer_comes_before_the_end_of_the_connection() {
+        let mut client = asked();
+        client.receive(&Received { is_closed: true, ..received(&ANSWER) });
+        assert!(matches!(client.answer(ms(11)), Ok(Some(_))));
+        // Nobody asks, so nothing is wrong.
+        assert_eq!(client.answer(ms(12)), Ok(None));
+        client.ask(ms(13), READ, &mut Vec::new());
+        assert_eq!(client.answer(ms(13)), Err(Broken::Closed));
+    }
+
+    #[test]
+    fn each_question_has_a_number_of_its_own_and_what_comes_unasked_is_no_answer_to_the_next() {
+        let (mut client, mut sent) = (Client::new(1, ms(200)), Vec::new());
+        client.ask(ms(0), READ, &mut sent);
+        client.receive(&received(&ANSWER));
+        assert!(matches!(client.answer(ms(0)), Ok(Some(_))));
+        client.receive(&received(&ANSWER));
+        assert_eq!(client.answer(ms(1)), Ok(None));
+        client.ask(ms(2), READ, &mut sent);
+        assert_eq!((sent[1], sent[13]), (1, 2));
+        assert_eq!(client.answer(ms(2)), Err(NoAnswer::Transaction.into()));
+    }
+
+    #[test]
+    fn more_than_a_frame_has_is_no_answer() {
+        let mut client = asked();
+        client.receive(&received(&[7; 1000]));
+        client.receive(&received(&[7; 1000]));
+        assert_eq!(client.answer(ms(11)), Err(NoAnswer::Protocol.into()));
+    }
+}
