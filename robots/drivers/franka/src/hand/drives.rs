@@ -13,7 +13,7 @@ use mrroc_driver_kit::{Network, recall};
 use mrroc_robots::One;
 
 use super::exchange::{Heard, Link, Unhomed};
-use super::protocol::CLOSED;
+use super::faults::CLOSED;
 
 /// A hand at an address.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -11,7 +11,8 @@ use mrroc::robot::DriveFault;
 use mrroc_driver_kit::{Network, Number, Peer, Recalled, Session, Times};
 
 use super::drives::HandSettings;
-use super::protocol::{CLOSED, HandProtocol, SILENT};
+use super::faults::{CLOSED, SILENT};
+use super::protocol::HandProtocol;
 
 /// How long the hand may take to accept the connection, and to answer it.
 pub(crate) const CONNECT: Duration = Duration::from_secs(1);

@@ -23,6 +23,7 @@ mod drives;
 mod exchange;
 #[cfg(test)]
 mod fake;
+mod faults;
 mod message;
 mod protocol;
 #[cfg(test)]

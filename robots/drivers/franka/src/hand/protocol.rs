@@ -7,11 +7,15 @@ use core::sync::atomic::Ordering;
 use core::time::Duration;
 use std::sync::Arc;
 
-use mrroc::robot::{DriveFault, RobotStop, StopCause};
+use mrroc::robot::{DriveFault, StopCause};
 use mrroc_driver_kit::{Cutting, NotConnected, Protocol, Received, Speed};
 
 use super::drives::HandSettings;
 use super::exchange::{CONNECT, Shared, Unhomed};
+use super::faults::{
+    BY_OTHERS, ENDLESS, HUNG_UP, MOVED_BY_OTHERS, NO_HAND, NO_PORT, NOT_HOMED, OTHER_VERSION, SHORT, SILENT,
+    UNREACHABLE, stop,
+};
 use super::message::{Answer, Outcome, Request, State, VERSION};
 
 /// How long a demand must have stood before it is told: some servo periods and steps.
@@ -34,28 +38,6 @@ const SETTLING: Duration = Duration::from_secs(6);
 
 /// Fingers that move by less than this \[m\] stand.
 const STILL: f64 = 1e-4;
-
-const fn stop(cause: StopCause, name: &'static str) -> DriveFault {
-    DriveFault::Stopped(RobotStop::new(cause).named(name))
-}
-
-pub(crate) const CLOSED: DriveFault = DriveFault::Other("the hand is not connected");
-pub(crate) const NOT_HOMED: DriveFault = DriveFault::Other(
-    "the hand is not homed: take out what it holds, then home it in Desk or write homed = false: its fingers will move",
-);
-pub(crate) const OTHER_VERSION: DriveFault =
-    DriveFault::Other("the hand speaks another version of its interface than 3");
-const UNREACHABLE: DriveFault =
-    stop(StopCause::CommunicationLost, "nothing accepts a connection at its address: is the hand mounted?");
-const HUNG_UP: DriveFault = stop(StopCause::CommunicationLost, "connection closed by the robot");
-pub(crate) const SILENT: DriveFault = stop(StopCause::CommunicationLost, "no state came in time");
-const NO_HAND: DriveFault = stop(StopCause::CommunicationLost, "what answers is no Franka Hand");
-const ENDLESS: DriveFault =
-    stop(StopCause::ProtectiveStop, "its motion does not end: is something in its way?");
-const SHORT: DriveFault =
-    stop(StopCause::ProtectiveStop, "it did not come to the opening: is something in its way?");
-const BY_OTHERS: DriveFault = stop(StopCause::PendantInControl, "somebody else has ended its motion");
-const MOVED_BY_OTHERS: DriveFault = stop(StopCause::PendantInControl, "somebody else moves its fingers");
 
 /// A motion of the hand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -176,7 +158,7 @@ impl Protocol for HandProtocol {
     fn not_connected(&self, why: NotConnected) -> DriveFault {
         match why {
             NotConnected::Unreachable => UNREACHABLE,
-            NotConnected::NoPort => DriveFault::Other("this machine has no port for the hand's states"),
+            NotConnected::NoPort => NO_PORT,
         }
     }
 }
