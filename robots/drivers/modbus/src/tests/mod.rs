@@ -185,6 +185,26 @@ fn fault_175_a_connection_that_is_closed_or_loses_a_byte_is_lost() {
 }
 
 #[test]
+fn fault_175_whichever_byte_is_lost_outputs_are_told_nothing_but_what_they_were_told() {
+    // 44 bytes come in an exchange, and 24 more in the one that switches.
+    for byte in 0..100 {
+        let all = Fixture::new();
+        all.network.change(|faults| faults.lost = Some(byte));
+        let mut drives = all.drives();
+        drives.switch_outputs(&on(3).with(Channel::Analog(0), Value::Analog(2.5)));
+        let told = drives
+            .open()
+            .err()
+            .unwrap_or_else(|| all.network.until(|| drives.tick(&NoJoints::zeros()).err()));
+        assert!(lost(&told), "{byte}: {told}");
+        assert!(all.network.now() < ms(250), "{byte}: as soon as an answer does not end");
+        let written = all.look(|device| device.written.clone());
+        let expected = [(5, 19, 0xff00), (6, 8, 256)];
+        assert!(expected.starts_with(&written), "{byte}: {written:?}");
+    }
+}
+
+#[test]
 fn fault_175_a_refusal_is_told_by_its_name_and_one_that_passes_is_asked_again() {
     let all = Fixture::new();
     all.look(|device| device.exception = Some(2));

@@ -185,3 +185,39 @@ fn fault_102_a_gripper_that_was_told_nothing_for_long_forgets_that_within_a_seco
     assert_eq!(told.to_string(), "communication lost: fault 9: it was told nothing for a second");
     assert_eq!(all.network.now(), ms(1005), "more than a second, and a reading");
 }
+
+#[test]
+fn fault_102_whichever_byte_is_lost_the_fingers_are_told_nothing_but_what_was_demanded() {
+    let mut lost = 0;
+    // The status is read with 15 bytes twice before the drives are open; then 12 and 15 come in each exchange.
+    for byte in 0..100 {
+        let all = Fixture::new(Gripper::ACTIVE);
+        all.network.change(|faults| faults.lost = Some(byte));
+        let mut drives = all.drives();
+        let told = drives.open().err().or_else(|| {
+            all.network.until(|| {
+                let ticked = drives.tick(&opening(100));
+                (ticked.is_err() || all.network.now() > ms(700)).then(|| ticked.err())
+            })
+        });
+        lost += u32::from(told.is_some_and(|told| cause(told) == StopCause::CommunicationLost));
+        let written = all.look(|gripper| gripper.written.clone());
+        assert!(written.iter().all(|request| *request == [0x0900, 100, 0xff40]), "{byte}: {written:x?}");
+    }
+    assert_eq!(lost, 100, "each of them");
+}
+
+#[test]
+fn answers_may_be_cut_anywhere() {
+    let run = |piece: usize| {
+        let all = Fixture::new(Gripper { object: 120, ..Gripper::ACTIVE });
+        all.network
+            .change(|faults| *faults = Faults { piece, gap: Duration::from_micros(10), ..Faults::NONE });
+        let mut drives = all.opened();
+        all.go(&mut drives, opening(200), opening(120));
+        all.look(|gripper| (gripper.reads, gripper.written.clone()))
+    };
+    for piece in 1..20 {
+        assert_eq!(run(piece), run(usize::MAX), "{piece} bytes");
+    }
+}

@@ -164,3 +164,19 @@ fn fault_112_fingers_that_somebody_else_moves_are_not_taken_over() {
     // More than 6 s after the first state, which comes after 10 ms.
     assert_eq!(all.network.now(), ms(6012));
 }
+
+#[test]
+fn fault_112_whichever_byte_of_an_answer_is_lost_the_hand_is_asked_for_nothing_else() {
+    // The answer to the connection has 14 bytes, that to a grasp 12.
+    for byte in 0..26 {
+        let all = Fixture::new(Fingers { object: Some(0.07), ..Fingers::open() });
+        all.network.change(|faults| faults.lost = Some(byte));
+        let mut drives = all.drives();
+        let told = drives.open().err().unwrap_or_else(|| all.fault(&mut drives, 0.01)).to_string();
+        let is_named = told.contains("no Franka Hand") || told.contains("is something in its way?");
+        assert!(is_named, "{byte}: {told}");
+        let expected = [(GRASP, vec![0.01, 0.0, STROKE, SPEED, FORCE])];
+        assert!(expected.starts_with(&all.asked()), "{byte}: {:?}", all.asked());
+        assert!(all.network.now() < ms(11_000), "{byte}");
+    }
+}
