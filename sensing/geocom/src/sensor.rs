@@ -159,7 +159,6 @@ fn begin(wire: impl Wire + Send + 'static, patience: Patience) -> Result<Talk<Sh
             }
             shared.trouble.store(read.err().map_or(0, number_of), Ordering::Relaxed);
             shared.done.store(asked, Ordering::Release);
-            watch.hear();
             if read == Err(Trouble::Closed) {
                 return Err(Trouble::Closed);
             }

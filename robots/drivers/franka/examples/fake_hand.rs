@@ -10,8 +10,10 @@ mod fake;
 
 use std::error::Error;
 use std::io::{BufRead, stdin};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use fake::{Fake, Fingers};
+use mrroc_driver_kit::testing::Server;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut words = std::env::args().skip(1);
@@ -24,12 +26,16 @@ fn main() -> Result<(), Box<dyn Error>> {
             _ => return Err(format!("`{word}` is neither `part=WIDTH` nor `unhomed`").into()),
         }
     }
-    let fake = Fake::at(address, fingers)?;
-    println!("a hand at {}", fake.address);
+    let hand = Arc::new(Mutex::new(Fake::new(fingers)));
+    let server = Server::start(address, Arc::clone(&hand))?;
+    println!("a hand at {}", server.address());
     for line in stdin().lock().lines() {
         line?;
+        let mut hand = hand.lock().unwrap_or_else(PoisonError::into_inner);
+        let fingers = &mut hand.fingers;
         let (asked, width, is_grasped) =
-            fake.look(|fingers| (std::mem::take(&mut fingers.asked), fingers.width, fingers.is_grasped));
+            (std::mem::take(&mut fingers.asked), fingers.width, fingers.is_grasped);
+        drop(hand);
         let asked: Vec<String> =
             asked.iter().map(|(request, numbers)| format!("[{request}, {numbers:?}]")).collect();
         println!(r#"{{"asked": [{}], "width": {width}, "is_grasped": {is_grasped}}}"#, asked.join(", "));

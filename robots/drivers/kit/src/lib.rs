@@ -1,4 +1,4 @@
-//! What drivers of robots on a network share: sockets for one robot alone, that never block its servo periods.
+//! What drivers of robots on a network share: sockets for one robot alone, and sessions with devices, that never block its servo periods.
 //!
 //! In: the address of this machine on the robot's network, and the robot's. Out: what the robot sends, with how long it has been
 //! here; how much came of others, too long, or was never read. A driver has its own protocol and nothing of sockets.
@@ -8,14 +8,31 @@
 //! | sends datagrams | [`Guest`] |
 //! | is called, and sends over the connection | [`Line`] |
 //! | calls | [`Door`], which gives a [`Line`] |
-//! | answers when it likes | [`Talk`], a thread of its own; [`recall`] calls it again at a reset |
+//! | answers when it likes | a [`Session`], which runs a [`Protocol`] beside the servo periods; [`recall`] connects again at a reset |
+//!
+//! A [`Protocol`] is a state machine: it is given the time and what has come, and gives what is to be sent. Its [`Session`] runs it over
+//! sockets in a thread; the feature `testing` adds a virtual network, on which tests run it against a model of the device under a
+//! virtual clock.
 
+mod number;
+mod protocol;
 mod recall;
+mod session;
+mod sockets;
+mod speed;
 mod talk;
 mod tcp;
+#[cfg(any(test, feature = "testing"))]
+pub mod testing;
+mod times;
 mod udp;
 
+pub use number::Number;
+pub use protocol::{NotConnected, Peer, Protocol, Received};
 pub use recall::{Recalled, recall};
-pub use talk::{Handed, Number, Speed, Talk, Watch};
+pub use session::{Network, Session};
+pub use speed::Speed;
+pub use talk::{Handed, Talk, Watch};
 pub use tcp::{Cut, Cutting, Door, Frame, Line, MAX_FRAME, Refused};
+pub use times::Times;
 pub use udp::{Counted, Datagram, Guest, MAX_DATAGRAM};

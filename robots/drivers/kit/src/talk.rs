@@ -1,97 +1,28 @@
-//! What is said to a device and what it says, in a thread of its own: as fast as the device answers, whatever the EDP's periods.
+//! Work that blocks while a device answers, in a thread of its own: for a protocol that is no [`Protocol`](crate::Protocol) yet.
 //!
-//! In: what the drives demand. Out: the newest that was heard, how long ago that was, and why it has ended. Both sides hand this over
-//! in atomics, so that neither waits for the other.
-
-#![expect(
-    clippy::disallowed_methods,
-    reason = "a device keeps its own time, beside that of the cell's periods"
-)]
+//! In: what both sides hand to each other, in atomics, so that neither waits for the other. Out: whether the work goes on, and why it has
+//! ended.
 
 use std::io;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
 use std::thread::JoinHandle;
-use std::time::{Duration, Instant};
 
-/// For how long a thing goes on that is asked for no more.
-const ASKED: Duration = Duration::from_millis(100);
-
-/// A number that two threads share.
-#[derive(Debug, Default)]
-pub struct Number(AtomicU64);
-
-impl Number {
-    /// It.
-    #[must_use]
-    pub fn get(&self) -> f64 {
-        f64::from_bits(self.0.load(Ordering::Relaxed))
-    }
-
-    /// From now on.
-    pub fn set(&self, number: f64) {
-        self.0.store(number.to_bits(), Ordering::Relaxed);
-    }
-}
-
-/// What the thread and the drives of one device hand to each other.
+/// What the thread and who started it hand to each other.
 pub trait Handed: Send + Sync + 'static {
-    /// Wakes a thread that waits for the device, because the talk is to end. One that never waits for long needs nothing.
+    /// Wakes a thread that waits for the device, because it is to end. One that never waits for long needs nothing.
     fn hang_up(&self) {}
 }
 
-/// What both sides know of the talk itself.
+/// Whether the thread is to end.
 #[derive(Debug)]
-pub struct Watch {
-    began: Instant,
-    /// When something was asked for, and when the newest was heard \[ns\] since the beginning; 0: never.
-    asked: AtomicU64,
-    heard: AtomicU64,
-    ends: AtomicBool,
-}
+pub struct Watch(AtomicBool);
 
 impl Watch {
-    fn new() -> Watch {
-        let (asked, heard, ends) = (AtomicU64::new(0), AtomicU64::new(0), AtomicBool::new(false));
-        Watch { began: Instant::now(), asked, heard, ends }
-    }
-
-    fn now(&self) -> u64 {
-        (self.began.elapsed().as_nanos() as u64).max(1)
-    }
-
-    fn is_older(&self, when: &AtomicU64, than: Duration) -> bool {
-        let age = self.now().saturating_sub(when.load(Ordering::Acquire));
-        Duration::from_nanos(age) > than
-    }
-
-    /// Whether the talk is to end.
+    /// Whether it is to end.
     #[must_use]
     pub fn ends(&self) -> bool {
-        self.ends.load(Ordering::Acquire)
-    }
-
-    /// Whether something is [asked for](Talk::ask), within the last 100 ms.
-    #[must_use]
-    pub fn is_asked(&self) -> bool {
-        self.asked.load(Ordering::Acquire) != 0 && !self.is_older(&self.asked, ASKED)
-    }
-
-    /// Something was heard now, and has been handed over before.
-    pub fn hear(&self) {
-        self.heard.store(self.now(), Ordering::Release);
-    }
-
-    /// Whether something was heard: then what was handed over before it is seen.
-    #[must_use]
-    pub fn has_heard(&self) -> bool {
-        self.heard.load(Ordering::Acquire) != 0
-    }
-
-    /// Whether the newest, or the beginning where nothing was heard, is older than this.
-    #[must_use]
-    pub fn is_silent_for(&self, time: Duration) -> bool {
-        self.is_older(&self.heard, time)
+        self.0.load(Ordering::Acquire)
     }
 }
 
@@ -113,9 +44,8 @@ struct Shared<H, E> {
 /// struct Level(Number);
 /// impl Handed for Level {}
 ///
-/// let work = |level: &Level, watch: &Watch| {
+/// let work = |level: &Level, _: &Watch| {
 ///     level.0.set(0.5);
-///     watch.hear();
 ///     Err("the device has hung up")
 /// };
 /// let talk = Talk::begin("tank", Level::default(), "closed", work)?;
@@ -123,7 +53,7 @@ struct Shared<H, E> {
 ///     std::thread::yield_now();
 /// }
 /// assert_eq!(talk.goes_on(), Err("the device has hung up"));
-/// assert!(talk.watch().has_heard() && talk.handed().0.get() == 0.5);
+/// assert_eq!(talk.handed().0.get(), 0.5);
 /// # Ok::<(), std::io::Error>(())
 /// ```
 #[derive(Debug)]
@@ -144,7 +74,7 @@ impl<H: Handed, E: Copy + Send + Sync + 'static> Talk<H, E> {
         closed: E,
         work: impl FnOnce(&H, &Watch) -> Result<(), E> + Send + 'static,
     ) -> io::Result<Talk<H, E>> {
-        let shared = Arc::new(Shared { handed, watch: Watch::new(), over: OnceLock::new() });
+        let shared = Arc::new(Shared { handed, watch: Watch(AtomicBool::new(false)), over: OnceLock::new() });
         let of_thread = Arc::clone(&shared);
         let thread = std::thread::Builder::new().name(name.to_owned()).spawn(move || {
             let outcome = work(&of_thread.handed, &of_thread.watch);
@@ -172,20 +102,9 @@ impl<H: Handed, E> Talk<H, E> {
         &self.shared.handed
     }
 
-    /// What is known of the talk itself.
-    #[must_use]
-    pub fn watch(&self) -> &Watch {
-        &self.shared.watch
-    }
-
-    /// Asks for what may go on only while it is asked for, such as a homing.
-    pub fn ask(&self) {
-        self.shared.watch.asked.store(self.shared.watch.now(), Ordering::Release);
-    }
-
     /// Ends it.
     pub fn hang_up(&self) {
-        self.shared.watch.ends.store(true, Ordering::Release);
+        self.shared.watch.0.store(true, Ordering::Release);
         self.shared.handed.hang_up();
     }
 
@@ -201,32 +120,6 @@ impl<H: Handed, E> Drop for Talk<H, E> {
         self.hang_up();
         // A thread that panicked has nothing left to end.
         let _ = self.thread.take().map(JoinHandle::join);
-    }
-}
-
-/// How fast something goes that is heard of now and then: over 100 ms, because what a device tells has few digits.
-#[derive(Clone, Copy, Debug)]
-pub struct Speed {
-    since: (Instant, f64),
-}
-
-impl Speed {
-    const WINDOW: Duration = Duration::from_millis(100);
-
-    /// Of something that stands here now.
-    #[must_use]
-    pub fn from(position: f64) -> Speed {
-        Speed { since: (Instant::now(), position) }
-    }
-
-    /// It is here now: its speed, in units a second, where the last one was told long enough ago.
-    pub fn at(&mut self, position: f64) -> Option<f64> {
-        let (since, before) = self.since;
-        let time = since.elapsed();
-        (time >= Speed::WINDOW).then(|| {
-            self.since = (Instant::now(), position);
-            (position - before) / time.as_secs_f64()
-        })
     }
 }
 
@@ -255,8 +148,6 @@ mod tests {
         };
         let talk = Talk::begin("waiting", Waiting::default(), "closed", work).expect("a thread");
         assert_eq!(talk.goes_on(), Ok(()));
-        assert!(!talk.watch().has_heard() && !talk.watch().is_asked());
-        talk.ask();
         talk.hang_up();
         while !talk.is_over() {
             std::thread::yield_now();

@@ -1,14 +1,12 @@
 //! The drives of a device without joints: nothing moves, and its outputs switch.
 
-#![expect(clippy::disallowed_methods, reason = "before the cell runs, the device is waited for")]
-
 use core::time::Duration;
 use std::net::SocketAddr;
 
 use mrroc::robot::{
     Channel, Channels, DriveFault, Driver, Measured, Outputs, Recovery, Robot, Signals, Value,
 };
-use mrroc_driver_kit::recall;
+use mrroc_driver_kit::{Network, recall};
 use mrroc_robots::NoJoints;
 
 use crate::exchange::{CLOSED, Link};
@@ -51,6 +49,7 @@ const BEYOND: DriveFault =
 #[derive(Debug)]
 pub struct ModbusIo {
     settings: ModbusIoSettings,
+    network: Network,
     link: Option<Link>,
     /// What programs have told outputs so far.
     told: Outputs,
@@ -63,7 +62,13 @@ impl ModbusIo {
     /// Drives that connect to nothing before they are opened.
     #[must_use]
     pub const fn new(settings: ModbusIoSettings) -> ModbusIo {
-        ModbusIo { settings, link: None, told: Outputs::NONE, is_beyond: false, recovers: false }
+        ModbusIo::over(Network::SOCKETS, settings)
+    }
+
+    /// The same over another network, such as one of tests.
+    #[must_use]
+    pub const fn over(network: Network, settings: ModbusIoSettings) -> ModbusIo {
+        ModbusIo { settings, network, link: None, told: Outputs::NONE, is_beyond: false, recovers: false }
     }
 
     fn heard(&self) -> Result<Signals, DriveFault> {
@@ -77,8 +82,8 @@ impl ModbusIo {
 }
 
 /// A link that tells outputs what they were told before.
-fn begin(settings: &ModbusIoSettings, told: &Outputs) -> Result<Link, DriveFault> {
-    let link = Link::begin(settings)?;
+fn begin(network: &Network, settings: &ModbusIoSettings, told: &Outputs) -> Result<Link, DriveFault> {
+    let link = Link::begin(network, settings)?;
     link.tell(told, &settings.layout);
     Ok(link)
 }
@@ -95,9 +100,9 @@ impl<R: Robot<Joints = NoJoints>> Driver<R> for ModbusIo {
     fn open(&mut self) -> Result<(), DriveFault> {
         // A gateway may have room for one connection.
         self.link = None;
-        let link = begin(&self.settings, &self.told)?;
+        let link = begin(&self.network, &self.settings, &self.told)?;
         while link.heard()?.is_none() {
-            std::thread::sleep(Duration::from_millis(1));
+            self.network.wait(Duration::from_millis(1));
         }
         self.link = Some(link);
         Ok(())
@@ -146,8 +151,8 @@ impl<R: Robot<Joints = NoJoints>> Driver<R> for ModbusIo {
 
     /// Connects again, if the exchange has ended. Outputs are then told what they were told last.
     fn recover(&mut self) -> Result<Recovery, DriveFault> {
-        let Self { settings, link, told, recovers, .. } = self;
-        let is_over = recall(link, recovers, || begin(settings, told))?;
+        let Self { settings, network, link, told, recovers, .. } = self;
+        let is_over = recall(link, recovers, || begin(network, settings, told))?;
         Ok(if is_over { Recovery::Over } else { Recovery::GoesOn })
     }
 

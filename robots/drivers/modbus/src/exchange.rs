@@ -1,24 +1,17 @@
-//! The exchange with a device, in a thread of its own: as fast as it answers, whatever the EDP's periods.
+//! The exchange with a device, as fast as it answers, whatever the EDP's periods.
 //!
-//! In: what outputs were told. Out: what inputs read and outputs are, and why it has ended. Both sides hand this over in atomics, so that
-//! neither waits for the other.
-
-#![expect(
-    clippy::disallowed_methods,
-    reason = "the exchange keeps the device's time, outside of the cell's periods"
-)]
+//! In: what outputs were told. Out: what inputs read and outputs are, and why it has ended. The exchange and the drives hand this over in
+//! atomics, so that neither waits for the other.
 
 use core::ops::Range;
 use core::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 use core::time::Duration;
-use std::net::{Shutdown, TcpStream};
-use std::sync::OnceLock;
-use std::time::Instant;
+use std::sync::Arc;
 
 use mrroc::robot::{ANALOG, Channel, DriveFault, Outputs, Signals, Value, Values};
-use mrroc_driver_kit::{Handed, Number, Recalled, Talk, Watch};
+use mrroc_driver_kit::{Network, NotConnected, Number, Peer, Protocol, Recalled, Received, Session, Times};
 
-use crate::client::{Broken, Client, lost};
+use crate::client::{Broken, CONNECT, Client, lost};
 use crate::drives::ModbusIoSettings;
 use crate::layout::Layout;
 use crate::message::{Answer, Asked, Table};
@@ -32,9 +25,10 @@ const ECHOES: u32 = 20;
 /// Questions of the readings of an exchange, and one more; each output that is written counts as heard by itself.
 const QUESTIONS: u32 = 5;
 
-/// What the thread and the drives hand to each other.
+/// What the exchange and the drives hand to each other.
 #[derive(Debug, Default)]
 struct Shared {
+    times: Times,
     /// Which digital outputs were told something, in the upper half, and what.
     told: AtomicU64,
     /// The same of analog ones: registers, and which of them.
@@ -43,23 +37,16 @@ struct Shared {
     outputs: AtomicU32,
     analog_inputs: [Number; ANALOG],
     analog_outputs: [Number; ANALOG],
-    socket: OnceLock<TcpStream>,
 }
 
 /// The bit that says that an analog output was told something.
 const TOLD: u32 = 1 << 16;
 
-impl Handed for Shared {
-    fn hang_up(&self) {
-        // The other end may have closed it already.
-        let _ = self.socket.get().map(|socket| socket.shutdown(Shutdown::Both));
-    }
-}
-
 /// An exchange that goes on.
 #[derive(Debug)]
 pub struct Link {
-    talk: Talk<Shared, DriveFault>,
+    session: Session<DriveFault>,
+    shared: Arc<Shared>,
     silence: Duration,
 }
 
@@ -74,13 +61,25 @@ impl Link {
     ///
     /// # Errors
     /// A thread cannot be started.
-    pub fn begin(settings: &ModbusIoSettings) -> Result<Link, DriveFault> {
+    pub fn begin(network: &Network, settings: &ModbusIoSettings) -> Result<Link, DriveFault> {
         let silence = settings.patience * QUESTIONS;
-        let settings = settings.clone();
-        let work = move |shared: &Shared, watch: &Watch| exchange(shared, watch, &settings);
-        let talk = Talk::begin("modbus", Shared::default(), CLOSED, work);
-        let talk = talk.map_err(|_| DriveFault::Other("this machine starts no more threads"))?;
-        Ok(Link { talk, silence })
+        let shared = Arc::new(Shared::default());
+        let peer = Peer { address: settings.address, patience: CONNECT, sends_datagrams: false };
+        let exchange = Exchange {
+            shared: Arc::clone(&shared),
+            layout: settings.layout.clone(),
+            client: Client::new(settings.unit, settings.patience),
+            silence,
+            next: None,
+            step: Step::FIRST,
+            differs: false,
+            written: (0, 0),
+            written_analog: [None; ANALOG],
+            unswitched: 0,
+        };
+        let session = Session::begin(network, "modbus", peer, exchange, CLOSED);
+        let session = session.map_err(|_| DriveFault::Other("this machine starts no more threads"))?;
+        Ok(Link { session, shared, silence })
     }
 
     /// The newest that was read; `None` before the first time.
@@ -88,14 +87,14 @@ impl Link {
     /// # Errors
     /// Why nothing more is heard.
     pub fn heard(&self) -> Result<Option<Signals>, DriveFault> {
-        self.talk.goes_on()?;
-        if !self.talk.watch().has_heard() {
+        self.session.goes_on()?;
+        if !self.shared.times.has_heard() {
             return Ok(None);
         }
-        if self.talk.watch().is_silent_for(self.silence) {
+        if self.shared.times.is_silent_for(self.session.now(), self.silence) {
             return Err(lost("no reading came in time"));
         }
-        let Shared { inputs, outputs, analog_inputs, analog_outputs, .. } = self.talk.handed();
+        let Shared { inputs, outputs, analog_inputs, analog_outputs, .. } = &*self.shared;
         let values = |digital: &AtomicU32, analog: &[Number; ANALOG]| {
             Values::new(digital.load(Ordering::Relaxed), analog.each_ref().map(Number::get))
         };
@@ -104,7 +103,7 @@ impl Link {
 
     /// What programs have told outputs so far: digital values, and registers of analog ones.
     pub fn tell(&self, told: &Outputs, layout: &Layout) {
-        let Shared { told: digital, told_analog, .. } = self.talk.handed();
+        let Shared { told: digital, told_analog, .. } = &*self.shared;
         let word = u64::from(told.digital()) << 32 | u64::from(told.values().digital());
         digital.store(word, Ordering::Relaxed);
         for (channel, value) in told.iter() {
@@ -126,21 +125,44 @@ impl Recalled for Link {
 
     /// Ends the exchange.
     fn hang_up(&self) {
-        self.talk.hang_up();
+        self.session.hang_up();
     }
 
     fn is_over(&self) -> bool {
-        self.talk.is_over()
+        self.session.is_over()
     }
 }
 
-/// What goes on in the thread.
-struct Exchange<'a> {
-    shared: &'a Shared,
-    watch: &'a Watch,
-    layout: &'a Layout,
+/// What is asked next.
+#[derive(Clone, Copy, Debug)]
+enum Step {
+    /// Reads a table.
+    Read(Table),
+    /// Switches these digital outputs, one after another, of those that were told these values; then goes on with registers.
+    Switch { wrong: u32, which: u32, values: u32 },
+    /// Compares analog outputs from this number on with what was read, and sets those that differ.
+    Compare(Answer, u16),
+    /// Sets the analog output of this number to a register, and goes on comparing.
+    Set(Answer, u16, u16),
+    /// Everything was read.
+    Over,
+}
+
+impl Step {
+    const FIRST: Step = Step::Read(Table::DiscreteInputs);
+}
+
+/// The exchange as a protocol: reads everything, and switches what is not as it was told.
+struct Exchange {
+    shared: Arc<Shared>,
+    layout: Layout,
     client: Client,
-    patience: Duration,
+    silence: Duration,
+    /// When the next exchange begins; before the first one nothing is known.
+    next: Option<Duration>,
+    step: Step,
+    /// Whether an output was not as it had been written, in this exchange.
+    differs: bool,
     /// Which digital outputs were written by now, and what; and the registers of analog ones.
     written: (u32, u32),
     written_analog: [Option<u16>; ANALOG],
@@ -148,105 +170,166 @@ struct Exchange<'a> {
     unswitched: u32,
 }
 
-fn exchange(shared: &Shared, watch: &Watch, settings: &ModbusIoSettings) -> Result<(), DriveFault> {
-    let client = Client::connect(settings.address, settings.unit, settings.patience)?;
-    if let Some(socket) = client.socket() {
-        // It was empty: nobody else sets it.
-        let _ = shared.socket.set(socket);
-    }
-    let patience = settings.patience * QUESTIONS;
-    let mut exchange = Exchange {
-        shared,
-        watch,
-        layout: &settings.layout,
-        client,
-        patience,
-        written: (0, 0),
-        written_analog: [None; ANALOG],
-        unswitched: 0,
-    };
-    exchange.go_on()
-}
+impl Protocol for Exchange {
+    type Fault = DriveFault;
 
-impl Exchange<'_> {
-    fn go_on(&mut self) -> Result<(), DriveFault> {
-        let mut next = Instant::now();
+    fn poll(
+        &mut self,
+        now: Duration,
+        received: Received<'_>,
+        send: &mut Vec<u8>,
+    ) -> Result<Duration, DriveFault> {
+        self.client.receive(&received);
         loop {
-            if self.watch.ends() {
-                return Err(CLOSED);
-            }
-            match self.once() {
-                Ok(()) if self.unswitched > ECHOES => return Err(NOT_SWITCHED),
-                Ok(()) => self.watch.hear(),
+            match self.client.answer(now) {
+                Ok(Some(answer)) => self.take(now, answer),
+                Ok(None) => {}
                 // The drives see how old the newest reading is.
                 Err(Broken::NoAnswer(why)) if why.passes() => {
-                    if self.watch.is_silent_for(self.patience) {
+                    if self.shared.times.is_silent_for(now, self.silence) {
                         return Err(lost(why.name()));
                     }
+                    self.pause(now);
                 }
                 Err(broken) => return Err(broken.into()),
             }
-            next = (next + PAUSE).max(Instant::now());
-            std::thread::sleep(next.saturating_duration_since(Instant::now()));
+            if let Some(until) = self.client.until() {
+                return Ok(until);
+            }
+            let next = *self.next.get_or_insert(now);
+            if now < next {
+                return Ok(next);
+            }
+            self.go_on(now, send)?;
         }
     }
 
-    fn read(&mut self, table: Table, range: &Range<u16>, most: usize) -> Result<Option<Answer>, Broken> {
-        let count = range.len().min(most) as u16;
-        if count == 0 {
-            return Ok(None);
-        }
-        self.client.ask(Asked::Read(table, range.start, count)).map(Some)
+    fn not_connected(&self, _: NotConnected) -> DriveFault {
+        Broken::Unreachable.into()
+    }
+}
+
+impl Exchange {
+    /// The next exchange begins anew, after a while.
+    fn pause(&mut self, now: Duration) {
+        self.next = self.next.map(|next| (next + PAUSE).max(now));
+        (self.step, self.differs) = (Step::FIRST, false);
     }
 
-    /// Writes an output. The device answers, so nothing is lost while many are written.
-    fn write(&mut self, what: Asked) -> Result<(), Broken> {
-        self.client.ask(what)?;
-        if self.watch.has_heard() {
-            self.watch.hear();
+    /// Asks the next question, or ends the exchange.
+    fn go_on(&mut self, now: Duration, send: &mut Vec<u8>) -> Result<(), DriveFault> {
+        match self.step {
+            Step::Read(table) => {
+                let (range, most) = self.places(table);
+                match range.len().min(most) as u16 {
+                    0 => self.step = after(table),
+                    count => self.client.ask(now, Asked::Read(table, range.start, count), send),
+                }
+            }
+            Step::Switch { wrong: 0, which, values } => {
+                self.written = (which, values);
+                self.step = after(Table::Coils);
+            }
+            Step::Switch { wrong, values, .. } => {
+                let bit = wrong.trailing_zeros();
+                let coil = self.layout.digital_outputs.start + bit as u16;
+                self.client.ask(now, Asked::Switch(coil, values >> bit & 1 != 0), send);
+            }
+            Step::Compare(read, number) => self.step = self.compare(read, number),
+            Step::Set(_, number, told) => {
+                self.client.ask(now, Asked::Set(self.layout.analog_outputs.start + number, told), send);
+            }
+            Step::Over => {
+                self.unswitched = if self.differs { self.unswitched + 1 } else { 0 };
+                if self.unswitched > ECHOES {
+                    return Err(NOT_SWITCHED);
+                }
+                self.shared.times.hear(now);
+                self.pause(now);
+            }
         }
         Ok(())
     }
 
-    /// Reads everything, and switches what is not as it was told.
-    fn once(&mut self) -> Result<(), Broken> {
-        let (layout, shared) = (self.layout, self.shared);
-        if let Some(read) = self.read(Table::DiscreteInputs, &layout.digital_inputs, 32)? {
-            shared.inputs.store(read.bits(), Ordering::Relaxed);
+    /// Where something is, and how much of it counts.
+    fn places(&self, table: Table) -> (Range<u16>, usize) {
+        let Layout { digital_inputs, digital_outputs, analog_inputs, analog_outputs, .. } = &self.layout;
+        match table {
+            Table::DiscreteInputs => (digital_inputs.clone(), 32),
+            Table::InputRegisters => (analog_inputs.clone(), ANALOG),
+            Table::Coils => (digital_outputs.clone(), 32),
+            Table::HoldingRegisters => (analog_outputs.clone(), ANALOG),
         }
-        if let Some(read) = self.read(Table::InputRegisters, &layout.analog_inputs, ANALOG)? {
-            for (number, register) in shared.analog_inputs.iter().zip(read.registers()) {
-                number.set(layout.analog_input.value(*register));
-            }
-        }
-        let mut differs = false;
-        if let Some(read) = self.read(Table::Coils, &layout.digital_outputs, 32)? {
-            shared.outputs.store(read.bits(), Ordering::Relaxed);
-            let told = shared.told.load(Ordering::Relaxed);
-            let (which, values) = ((told >> 32) as u32, told as u32);
-            differs |= (read.bits() ^ self.written.1) & self.written.0 != 0;
-            let wrong = (read.bits() ^ values) & which;
-            for bit in (0..32).filter(|bit| wrong >> bit & 1 != 0) {
-                let coil = layout.digital_outputs.start + bit;
-                self.write(Asked::Switch(coil, values >> bit & 1 != 0))?;
-            }
-            self.written = (which, values);
-        }
-        if let Some(read) = self.read(Table::HoldingRegisters, &layout.analog_outputs, ANALOG)? {
-            for (i, register) in (0..).zip(read.registers()) {
-                shared.analog_outputs[usize::from(i)].set(layout.analog_output.value(*register));
-                differs |= self.written_analog[usize::from(i)].is_some_and(|written| written != *register);
-                let told = shared.told_analog[usize::from(i)].load(Ordering::Relaxed);
-                if told & TOLD == 0 {
-                    continue;
+    }
+
+    /// The answer to what was asked.
+    fn take(&mut self, now: Duration, answer: Answer) {
+        let shared = &self.shared;
+        match self.step {
+            Step::Read(table) => {
+                self.step = after(table);
+                match table {
+                    Table::DiscreteInputs => shared.inputs.store(answer.bits(), Ordering::Relaxed),
+                    Table::InputRegisters => {
+                        for (number, register) in shared.analog_inputs.iter().zip(answer.registers()) {
+                            number.set(self.layout.analog_input.value(*register));
+                        }
+                    }
+                    Table::Coils => {
+                        shared.outputs.store(answer.bits(), Ordering::Relaxed);
+                        let told = shared.told.load(Ordering::Relaxed);
+                        let (which, values) = ((told >> 32) as u32, told as u32);
+                        self.differs |= (answer.bits() ^ self.written.1) & self.written.0 != 0;
+                        self.step = Step::Switch { wrong: (answer.bits() ^ values) & which, which, values };
+                    }
+                    Table::HoldingRegisters => self.step = Step::Compare(answer, 0),
                 }
-                if told as u16 != *register {
-                    self.write(Asked::Set(layout.analog_outputs.start + i, told as u16))?;
-                }
-                self.written_analog[usize::from(i)] = Some(told as u16);
             }
+            Step::Switch { wrong, which, values } => {
+                self.wrote(now);
+                self.step = Step::Switch { wrong: wrong & (wrong - 1), which, values };
+            }
+            Step::Set(read, number, told) => {
+                self.wrote(now);
+                self.written_analog[usize::from(number)] = Some(told);
+                self.step = Step::Compare(read, number + 1);
+            }
+            // They ask nothing.
+            Step::Compare(..) | Step::Over => {}
         }
-        self.unswitched = if differs { self.unswitched + 1 } else { 0 };
-        Ok(())
+    }
+
+    /// An output was written. The device answers, so nothing is lost while many are written.
+    fn wrote(&self, now: Duration) {
+        if self.shared.times.has_heard() {
+            self.shared.times.hear(now);
+        }
+    }
+
+    /// Takes over an analog output, and compares it with what it was told.
+    fn compare(&mut self, read: Answer, number: u16) -> Step {
+        let i = usize::from(number);
+        let Some(&register) = read.registers().get(i) else { return Step::Over };
+        self.shared.analog_outputs[i].set(self.layout.analog_output.value(register));
+        self.differs |= self.written_analog[i].is_some_and(|written| written != register);
+        let told = self.shared.told_analog[i].load(Ordering::Relaxed);
+        if told & TOLD == 0 {
+            return Step::Compare(read, number + 1);
+        }
+        if told as u16 != register {
+            return Step::Set(read, number, told as u16);
+        }
+        self.written_analog[i] = Some(told as u16);
+        Step::Compare(read, number + 1)
+    }
+}
+
+/// What is asked when a table was read.
+const fn after(table: Table) -> Step {
+    match table {
+        Table::DiscreteInputs => Step::Read(Table::InputRegisters),
+        Table::InputRegisters => Step::Read(Table::Coils),
+        Table::Coils => Step::Read(Table::HoldingRegisters),
+        Table::HoldingRegisters => Step::Over,
     }
 }

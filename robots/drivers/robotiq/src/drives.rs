@@ -2,17 +2,16 @@
 //!
 //! In: openings. Out: what the exchange of registers has brought last. Nothing here waits, but for opening and closing.
 
-#![expect(clippy::disallowed_methods, reason = "before the cell runs, the gripper is waited for")]
-
 use core::time::Duration;
 use std::net::SocketAddr;
 
 use mrroc::fault::Excess;
 use mrroc::robot::{DriveFault, Driver, Homing, Measured, Recovery, Regulators, Robot, Search};
-use mrroc_driver_kit::recall;
+use mrroc_driver_kit::{Network, recall};
 use mrroc_robots::{One, TwoFingers};
 
-use crate::exchange::{CLOSED, Heard, Inactive, Link};
+use crate::exchange::{Heard, Inactive, Link};
+use crate::protocol::CLOSED;
 
 /// How the gripper's numbers belong to openings: linear between two of them.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -108,6 +107,7 @@ impl RobotiqSettings {
 #[derive(Debug)]
 pub struct Robotiq {
     settings: RobotiqSettings,
+    network: Network,
     link: Option<Link>,
     /// Whether the link is one that a reset has begun.
     recovers: bool,
@@ -117,7 +117,13 @@ impl Robotiq {
     /// Drives that connect to nothing before they are opened. A gripper that is not activated is refused.
     #[must_use]
     pub const fn new(settings: RobotiqSettings) -> Robotiq {
-        Robotiq { settings, link: None, recovers: false }
+        Robotiq::over(Network::SOCKETS, settings)
+    }
+
+    /// The same over another network, such as one of tests.
+    #[must_use]
+    pub const fn over(network: Network, settings: RobotiqSettings) -> Robotiq {
+        Robotiq { settings, network, link: None, recovers: false }
     }
 
     fn link(&self) -> Result<&Link, DriveFault> {
@@ -141,9 +147,9 @@ impl<R: Robot<Joints = One>> Driver<R> for Robotiq {
     fn open(&mut self) -> Result<(), DriveFault> {
         // A gateway may have room for one connection.
         self.link = None;
-        let link = Link::begin(&self.settings, Inactive::Refused)?;
+        let link = Link::begin(&self.network, &self.settings, Inactive::Refused)?;
         while link.heard()?.is_none() {
-            std::thread::sleep(Duration::from_millis(1));
+            self.network.wait(Duration::from_millis(1));
         }
         self.link = Some(link);
         Ok(())
@@ -174,8 +180,8 @@ impl<R: Robot<Joints = One>> Driver<R> for Robotiq {
 
     /// Connects again, if the exchange has ended.
     fn recover(&mut self) -> Result<Recovery, DriveFault> {
-        let Self { settings, link, recovers } = self;
-        let is_over = recall(link, recovers, || Link::begin(settings, Inactive::Refused))?;
+        let Self { settings, network, link, recovers } = self;
+        let is_over = recall(link, recovers, || Link::begin(network, settings, Inactive::Refused))?;
         Ok(if is_over { Recovery::Over } else { Recovery::GoesOn })
     }
 
@@ -207,6 +213,7 @@ impl<R: Robot<Joints = One>> Driver<R> for Robotiq {
 #[derive(Debug)]
 pub struct Activation {
     settings: RobotiqSettings,
+    network: Network,
     link: Option<Link>,
 }
 
@@ -214,7 +221,13 @@ impl Activation {
     /// Nothing is connected before the search begins.
     #[must_use]
     pub const fn new(settings: RobotiqSettings) -> Activation {
-        Activation { settings, link: None }
+        Activation::over(Network::SOCKETS, settings)
+    }
+
+    /// The same over another network, such as one of tests.
+    #[must_use]
+    pub const fn over(network: Network, settings: RobotiqSettings) -> Activation {
+        Activation { settings, network, link: None }
     }
 }
 
@@ -230,15 +243,15 @@ impl<R: Robot<Joints = One>> Homing<R> for Activation {
     }
 
     fn search(self) -> Result<Search<Self, Robotiq>, DriveFault> {
-        let Activation { settings, link } = self;
-        let link = link.map_or_else(|| Link::begin(&settings, Inactive::Activated), Ok)?;
+        let Activation { settings, network, link } = self;
+        let link = link.map_or_else(|| Link::begin(&network, &settings, Inactive::Activated), Ok)?;
         link.ask_for_activation();
         let found = link.heard()?.is_some();
         let link = Some(link);
         Ok(if found {
-            Search::Found(Robotiq { settings, link, recovers: false })
+            Search::Found(Robotiq { settings, network, link, recovers: false })
         } else {
-            Search::Searching(Activation { settings, link })
+            Search::Searching(Activation { settings, network, link })
         })
     }
 }

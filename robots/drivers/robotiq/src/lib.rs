@@ -27,6 +27,7 @@
 
 mod drives;
 mod exchange;
+mod protocol;
 pub mod registers;
 #[cfg(test)]
 mod tests;

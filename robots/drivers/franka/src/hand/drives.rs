@@ -2,8 +2,6 @@
 //!
 //! In: openings. Out: the newest state of the hand. Nothing here waits, but for opening and closing.
 
-#![expect(clippy::disallowed_methods, reason = "before the cell runs, the hand is waited for")]
-
 use core::time::Duration;
 use std::net::SocketAddr;
 
@@ -11,10 +9,11 @@ use mrroc::robot::{
     ANALOG, Channels, DriveFault, Driver, Homing, Measured, Recovery, Regulators, Robot, Search, Signals,
     Values, WhenLost,
 };
-use mrroc_driver_kit::recall;
+use mrroc_driver_kit::{Network, recall};
 use mrroc_robots::One;
 
-use super::exchange::{CLOSED, Heard, Link, Unhomed};
+use super::exchange::{Heard, Link, Unhomed};
+use super::faults::CLOSED;
 
 /// A hand at an address.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -60,6 +59,7 @@ impl HandSettings {
 #[derive(Debug)]
 pub struct Hand {
     settings: HandSettings,
+    network: Network,
     presses: bool,
     link: Option<Link>,
     /// Whether the link is one that a reset has begun.
@@ -70,7 +70,13 @@ impl Hand {
     /// Drives that connect to nothing before they are opened. A hand that is not homed is refused.
     #[must_use]
     pub const fn new(settings: HandSettings) -> Hand {
-        Hand { settings, presses: true, link: None, recovers: false }
+        Hand::over(Network::SOCKETS, settings)
+    }
+
+    /// The same over another network, such as one of tests.
+    #[must_use]
+    pub const fn over(network: Network, settings: HandSettings) -> Hand {
+        Hand { settings, network, presses: true, link: None, recovers: false }
     }
 
     fn link(&self) -> Result<&Link, DriveFault> {
@@ -82,8 +88,8 @@ impl Hand {
     }
 }
 
-fn connect(settings: &HandSettings, presses: bool) -> Result<Link, DriveFault> {
-    Link::begin(settings, presses, Unhomed::Refused)
+fn connect(network: &Network, settings: &HandSettings, presses: bool) -> Result<Link, DriveFault> {
+    Link::begin(network, settings, presses, Unhomed::Refused)
 }
 
 fn measured(heard: &Heard) -> Measured<One> {
@@ -102,9 +108,9 @@ impl<R: Robot<Joints = One>> Driver<R> for Hand {
     fn open(&mut self) -> Result<(), DriveFault> {
         // A hand has one connection at a time.
         self.link = None;
-        let link = connect(&self.settings, self.presses)?;
+        let link = connect(&self.network, &self.settings, self.presses)?;
         while link.heard()?.is_none() {
-            std::thread::sleep(Duration::from_millis(1));
+            self.network.wait(Duration::from_millis(1));
         }
         self.link = Some(link);
         Ok(())
@@ -140,8 +146,8 @@ impl<R: Robot<Joints = One>> Driver<R> for Hand {
 
     /// Connects again, if the exchange has ended.
     fn recover(&mut self) -> Result<Recovery, DriveFault> {
-        let Self { settings, presses, link, recovers } = self;
-        let is_over = recall(link, recovers, || connect(settings, *presses))?;
+        let Self { settings, network, presses, link, recovers } = self;
+        let is_over = recall(link, recovers, || connect(network, settings, *presses))?;
         Ok(if is_over { Recovery::Over } else { Recovery::GoesOn })
     }
 
@@ -168,6 +174,7 @@ impl<R: Robot<Joints = One>> Driver<R> for Hand {
 #[derive(Debug)]
 pub struct HandHoming {
     settings: HandSettings,
+    network: Network,
     link: Option<Link>,
 }
 
@@ -175,7 +182,13 @@ impl HandHoming {
     /// Nothing is connected before the search begins.
     #[must_use]
     pub const fn new(settings: HandSettings) -> HandHoming {
-        HandHoming { settings, link: None }
+        HandHoming::over(Network::SOCKETS, settings)
+    }
+
+    /// The same over another network, such as one of tests.
+    #[must_use]
+    pub const fn over(network: Network, settings: HandSettings) -> HandHoming {
+        HandHoming { settings, network, link: None }
     }
 }
 
@@ -191,15 +204,15 @@ impl<R: Robot<Joints = One>> Homing<R> for HandHoming {
     }
 
     fn search(self) -> Result<Search<Self, Hand>, DriveFault> {
-        let HandHoming { settings, link } = self;
-        let link = link.map_or_else(|| Link::begin(&settings, true, Unhomed::Homed), Ok)?;
+        let HandHoming { settings, network, link } = self;
+        let link = link.map_or_else(|| Link::begin(&network, &settings, true, Unhomed::Homed), Ok)?;
         link.ask_for_homing();
         let found = link.heard()?.is_some();
         let link = Some(link);
         Ok(if found {
-            Search::Found(Hand { settings, presses: true, link, recovers: false })
+            Search::Found(Hand { settings, network, presses: true, link, recovers: false })
         } else {
-            Search::Searching(HandHoming { settings, link })
+            Search::Searching(HandHoming { settings, network, link })
         })
     }
 }

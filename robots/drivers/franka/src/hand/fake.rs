@@ -1,21 +1,21 @@
-//! A hand that is none, for tests: Franka's interface for it at an address, and fingers that move in real time.
+//! A hand that is none, for tests: Franka's interface for it, and fingers that move in whatever time it is given.
 //!
-//! In: requests over TCP. Out: answers, and states as datagrams. It is written from libfranka's `types.h` apart from the driver, and
-//! Franka's own client drives it in `tests/peers/drives`. What a real hand does where its documents are silent is assumed: a move whose
-//! fingers are held back does not end by itself, a stop lets go what is grasped, and a request beside a motion fails.
+//! In: requests over a connection. Out: answers, and states as datagrams. It is written from libfranka's `types.h` apart from the driver,
+//! and Franka's own client drives it in `tests/peers/drives`. What a real hand does where its documents are silent is assumed: a move
+//! whose fingers are held back does not end by itself, a stop lets go what is grasped, and a request beside a motion fails.
 
-#![expect(clippy::disallowed_methods, reason = "fingers move in real time")]
+use core::time::Duration;
 
-use std::io::{ErrorKind, Read, Write};
-use std::net::{IpAddr, SocketAddr, TcpListener, TcpStream, UdpSocket};
-use std::sync::{Arc, Mutex, PoisonError};
-use std::time::{Duration, Instant};
+use mrroc_driver_kit::testing::{Device, Reply};
 
 /// How far the fingers open \[m\].
 pub const STROKE: f64 = 0.08;
 
 /// Between two states.
 const STATES: Duration = Duration::from_millis(10);
+
+/// How long its fingers move before it looks where they are.
+const PAUSE: Duration = Duration::from_millis(1);
 
 /// Requests by their numbers.
 pub const HOMING: u16 = 1;
@@ -48,8 +48,8 @@ pub struct Fingers {
     pub is_grasped: bool,
     /// Its version of the interface.
     pub version: u16,
-    /// How many times faster it homes.
-    pub haste: f64,
+    /// Its fingers do not move, whatever goes on.
+    pub is_stuck: bool,
     /// It sends no states any more.
     pub is_silent: bool,
     /// Somebody else moves them: each state has another opening than the one before.
@@ -64,6 +64,9 @@ pub struct Fingers {
     pub connections: usize,
     /// What was asked for, but for connections, in order: the request and its numbers.
     pub asked: Vec<(u16, Vec<f64>)>,
+    /// When the last of that was asked, and when it has sent a state last.
+    pub asked_at: Duration,
+    pub sent_at: Duration,
     /// What goes on.
     pub motion: Option<Motion>,
 }
@@ -77,7 +80,7 @@ impl Fingers {
             object: None,
             is_grasped: false,
             version: 3,
-            haste: 1.0,
+            is_stuck: false,
             is_silent: false,
             is_restless: false,
             hangs_up: false,
@@ -85,6 +88,8 @@ impl Fingers {
             refuses: None,
             connections: 0,
             asked: Vec::new(),
+            asked_at: Duration::ZERO,
+            sent_at: Duration::ZERO,
             motion: None,
         }
     }
@@ -97,7 +102,7 @@ impl Fingers {
     }
 
     /// The answers to a request: number of the request that is answered, its own number, what it says.
-    fn ask(&mut self, request: u16, id: u32, numbers: Vec<f64>) -> Vec<(u16, u32, u16)> {
+    pub fn ask(&mut self, request: u16, id: u32, numbers: Vec<f64>) -> Vec<(u16, u32, u16)> {
         const DONE: u16 = 0;
         const FAILED: u16 = 1;
         const ABORTED: u16 = 3;
@@ -113,7 +118,7 @@ impl Fingers {
         let reaches = |width: f64| (0.0..=self.max_width).contains(&width) && self.max_width > 0.0;
         let none = (0.0, 0.0);
         let motion = match (request, &numbers[..]) {
-            (HOMING, []) => Motion { request, id: Some(id), to: STROKE, speed: 0.1 * self.haste, band: none },
+            (HOMING, []) => Motion { request, id: Some(id), to: STROKE, speed: 0.1, band: none },
             (MOVE, &[to, speed]) if reaches(to) && speed > 0.0 => {
                 Motion { request, id: Some(id), to, speed, band: none }
             }
@@ -133,7 +138,7 @@ impl Fingers {
 
     /// So much time \[s\] passes. What has ended, as in `ask`.
     fn go_on(&mut self, time: f64) -> Option<(u16, u32, u16)> {
-        let motion = self.motion?;
+        let motion = self.motion.filter(|_| !self.is_stuck)?;
         let way = (motion.to - self.width).clamp(-motion.speed * time, motion.speed * time);
         let held =
             self.object.filter(|&object| way < 0.0 && object <= self.width && self.width + way < object);
@@ -166,103 +171,86 @@ impl Fingers {
     }
 }
 
-/// The hand, served by a thread that lives as long as the program.
-#[derive(Clone, Debug)]
+/// The hand: its fingers, and what it says to whom.
+#[derive(Debug)]
 pub struct Fake {
-    fingers: Arc<Mutex<Fingers>>,
-    /// Where it listens.
-    pub address: SocketAddr,
+    /// Its fingers.
+    pub fingers: Fingers,
+    /// When its fingers have moved last.
+    now: Duration,
+    /// How many states it has sent to whoever is connected.
+    count: u32,
+    /// The port to which states go, of whoever is connected.
+    port: Option<u16>,
+    /// What has come of the next request.
+    bytes: Vec<u8>,
 }
 
 impl Fake {
-    /// At an address; port 0 is any.
-    ///
-    /// # Errors
-    /// There is no such address, or its port is taken.
-    pub fn at(address: SocketAddr, fingers: Fingers) -> std::io::Result<Fake> {
-        let listener = TcpListener::bind(address)?;
-        let fake = Fake { fingers: Arc::new(Mutex::new(fingers)), address: listener.local_addr()? };
-        let of_thread = fake.clone();
-        std::thread::spawn(move || {
-            for socket in listener.incoming() {
-                of_thread.look(|fingers| {
-                    fingers.connections += 1;
-                    // What goes on is answered to nobody.
-                    fingers.motion = fingers.motion.map(|motion| Motion { id: None, ..motion });
-                });
-                // The other end hangs up when it likes.
-                drop(socket.and_then(|socket| of_thread.serve(socket)));
-            }
-        });
-        Ok(fake)
+    /// With these fingers.
+    pub const fn new(fingers: Fingers) -> Fake {
+        Fake { fingers, now: Duration::ZERO, count: 0, port: None, bytes: Vec::new() }
     }
 
-    /// Looks at the fingers, or changes them.
-    pub fn look<T>(&self, look: impl FnOnce(&mut Fingers) -> T) -> T {
-        look(&mut self.fingers.lock().unwrap_or_else(PoisonError::into_inner))
+    /// What a request of somebody who connects is answered: states go to their port if they speak the same version.
+    fn connect(&mut self, says: &[u8]) -> Vec<u8> {
+        let word = |at: usize| u16::from_le_bytes([says[at], says[at + 1]]);
+        let version = self.fingers.version;
+        let agrees = word(0) == version;
+        self.port = agrees.then_some(word(2));
+        [u16::from(!agrees).to_le_bytes(), version.to_le_bytes()].concat()
     }
 
-    fn serve(&self, mut socket: TcpStream) -> std::io::Result<()> {
-        socket.set_nodelay(true)?;
-        socket.set_read_timeout(Some(Duration::from_millis(1)))?;
-        let (here, there): (IpAddr, IpAddr) = (socket.local_addr()?.ip(), socket.peer_addr()?.ip());
-        let states = UdpSocket::bind((here, 0))?;
-        let mut to = None;
-        let (mut bytes, mut buffer) = (Vec::new(), [0; 256]);
-        let (mut before, mut sent, mut count) = (Instant::now(), Instant::now(), 0);
-        loop {
-            match socket.read(&mut buffer) {
-                Ok(0) => return Ok(()),
-                Ok(len) => bytes.extend_from_slice(&buffer[..len]),
-                Err(why) if matches!(why.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) => {}
-                Err(why) => return Err(why),
-            }
-            let (passed, now) = (before.elapsed().as_secs_f64(), Instant::now());
-            before = now;
-            let mut ended: Vec<_> = self.look(|fingers| fingers.go_on(passed)).into_iter().collect();
-            while let Some((request, id, says)) = message(&mut bytes) {
-                if request == 0 {
-                    let word = |at: usize| u16::from_le_bytes([says[at], says[at + 1]]);
-                    let version = self.look(|fingers| fingers.version);
-                    let agrees = word(0) == version;
-                    to = agrees.then_some((there, word(2)));
-                    let status = [u16::from(!agrees).to_le_bytes(), version.to_le_bytes()].concat();
-                    self.answer(&mut socket, (request, id), &status)?;
-                    continue;
-                }
-                let numbers = says.chunks_exact(8).map(|eight| {
-                    let mut number = [0; 8];
-                    number.copy_from_slice(eight);
-                    f64::from_le_bytes(number)
-                });
-                ended.extend(self.look(|fingers| fingers.ask(request, id, numbers.collect())));
-            }
-            for (request, id, status) in ended {
-                self.answer(&mut socket, (request, id), &status.to_le_bytes())?;
-            }
-            let state = self.look(|fingers| (!fingers.is_silent).then(|| fingers.state(count)));
-            if let (Some(to), Some(state)) = (to, state)
-                && sent.elapsed() >= STATES
-            {
-                // The other end may have gone.
-                let _ = states.send_to(&state, to);
-                self.look(Fingers::be_moved);
-                (sent, count) = (Instant::now(), count + 1);
-            }
-            if self.look(|fingers| core::mem::take(&mut fingers.hangs_up)) {
-                return Ok(());
-            }
-        }
-    }
-
-    fn answer(&self, socket: &mut TcpStream, (request, id): (u16, u32), says: &[u8]) -> std::io::Result<()> {
-        if let Some(instead) = self.look(|fingers| fingers.instead.take()) {
-            return socket.write_all(&instead);
+    fn answer(&mut self, (request, id): (u16, u32), says: &[u8], reply: &mut Reply) {
+        if let Some(instead) = self.fingers.instead.take() {
+            return reply.bytes.extend(instead);
         }
         let size = 10 + says.len() as u32;
         let whole = [request.to_le_bytes().as_slice(), &id.to_le_bytes(), &size.to_le_bytes(), says].concat();
-        // In pieces, as TCP may bring it.
-        whole.chunks(5).try_for_each(|piece| socket.write_all(piece))
+        reply.bytes.extend(whole);
+    }
+}
+
+impl Device for Fake {
+    fn connected(&mut self) {
+        self.fingers.connections += 1;
+        // What goes on is answered to nobody.
+        self.fingers.motion = self.fingers.motion.map(|motion| Motion { id: None, ..motion });
+        (self.port, self.count) = (None, 0);
+        self.bytes.clear();
+    }
+
+    fn poll(&mut self, now: Duration, received: &[u8], reply: &mut Reply) -> Duration {
+        let passed = now.saturating_sub(core::mem::replace(&mut self.now, now));
+        let mut ended: Vec<_> = self.fingers.go_on(passed.as_secs_f64()).into_iter().collect();
+        self.bytes.extend_from_slice(received);
+        while let Some((request, id, says)) = message(&mut self.bytes) {
+            if request == 0 {
+                let status = self.connect(&says);
+                self.answer((request, id), &status, reply);
+                continue;
+            }
+            let numbers = says.chunks_exact(8).map(|eight| {
+                let mut number = [0; 8];
+                number.copy_from_slice(eight);
+                f64::from_le_bytes(number)
+            });
+            self.fingers.asked_at = now;
+            ended.extend(self.fingers.ask(request, id, numbers.collect()));
+        }
+        for (request, id, status) in ended {
+            self.answer((request, id), &status.to_le_bytes(), reply);
+        }
+        if let Some(port) = self.port
+            && !self.fingers.is_silent
+            && now >= self.fingers.sent_at + STATES
+        {
+            reply.datagrams.push((port, self.fingers.state(self.count)));
+            self.fingers.be_moved();
+            (self.fingers.sent_at, self.count) = (now, self.count + 1);
+        }
+        reply.closes = core::mem::take(&mut self.fingers.hangs_up);
+        now + PAUSE
     }
 }
 

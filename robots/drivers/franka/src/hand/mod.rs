@@ -4,7 +4,7 @@
 //! that Franka's own client drives as well (`tests/peers/drives`).
 //!
 //! The hand takes whole motions, not positions for its periods: move to an opening, or grasp, one at a time, and it answers when
-//! the fingers stand. So a thread of its own talks with it, and tells it a position when demands have stood there for 20 ms: the
+//! the fingers stand. So a session of its own exchanges messages with it, and tells it a position when demands have stood there for 20 ms: the
 //! fingers begin when a motion of the program is over, also where a stop or a suspension has ended it on its way. What is demanded
 //! while they move ends that motion first. The servo periods of the EDP hand over the newest position and take the newest state;
 //! they never wait.
@@ -23,7 +23,9 @@ mod drives;
 mod exchange;
 #[cfg(test)]
 mod fake;
+mod faults;
 mod message;
+mod protocol;
 #[cfg(test)]
 mod tests;
 
