@@ -217,7 +217,9 @@ fn a_cell_that_was_stopped_starts_again_after_acknowledgement_and_reset() {
         let acknowledged = done(&place, &["acknowledge"], "acknowledged: step ");
         let reset = done(&place, &["reset"], "resetting: step ");
         assert!(stopped < acknowledged && acknowledged < reset, "{stopped}, {acknowledged}, {reset}");
-        // The program begins at its first line, and the operator's suspension is over with the reset.
+        // The program begins at its first line; what was suspended stays so.
+        wait_until(|| ask(&place, &["status"]).1.starts_with("suspended: "));
+        done(&place, &["resume"], "resumed: step ");
     };
     operate(&place, operator, |launch, status, ()| {
         assert_eq!(status, Some(0), "{}", launch.said());
