@@ -44,8 +44,11 @@ mod drives;
 pub mod hand;
 mod inverse;
 mod limits;
+mod link;
 mod load;
 mod message;
+mod network;
+mod opening;
 mod rejoining;
 mod requests;
 mod settings;
@@ -60,10 +63,12 @@ use mrroc_robots::Simulated;
 
 pub use arm::Fr3;
 pub use behaviour::{Collision, SETS, Stiffness};
-pub use drives::{Answers, Fci};
+pub use drives::Fci;
 pub use hand::with_franka_hand;
 pub use limits::velocities;
+pub use link::Answers;
 pub use message::{Answer, JOINTS, Mode, State};
+pub use network::{Network, Received, Sockets};
 pub use settings::FciSettings;
 pub use wrench::External;
 

@@ -152,7 +152,15 @@ impl Guest {
     /// # Errors
     /// The network takes nothing.
     pub fn answer(&self, to: &Datagram, bytes: &[u8]) -> io::Result<()> {
-        self.socket.send_to(bytes, to.from).map(drop)
+        self.send(to.from, bytes)
+    }
+
+    /// Sends an answer to this address, which is that of a datagram. It returns at once.
+    ///
+    /// # Errors
+    /// The network takes nothing.
+    pub fn send(&self, to: SocketAddr, bytes: &[u8]) -> io::Result<()> {
+        self.socket.send_to(bytes, to).map(drop)
     }
 
     /// What was not taken so far.

@@ -3,6 +3,9 @@
 //! In: scripts, set-points, commands of the dashboard, what persons press. Out: the fields of RTDE. There is no clock in it but the
 //! count of its steps.
 
+#[cfg(test)]
+mod tests;
+
 use std::collections::BTreeMap;
 use std::net::SocketAddr;
 

@@ -11,9 +11,6 @@ use mrroc_robots::{Kinematics, Serial, Six};
 use mrroc_ur::{Calibration, UrModel};
 use nalgebra::{Matrix3, Matrix4, Vector3};
 
-#[global_allocator]
-static ALLOCATOR: mrroc_counting_allocator::Counting = mrroc_counting_allocator::Counting;
-
 const POSES: usize = 10_000;
 
 /// SplitMix64 (Steele, Lea, Flood 2014).

@@ -1,12 +1,18 @@
-//! The drives against a controller that a test plays, over loopback.
+//! The drives against a model of a controller, under a virtual clock.
 
-use core::sync::atomic::{AtomicBool, Ordering};
-use std::net::UdpSocket;
+mod model;
+mod real_time;
 
 use mrroc::pose::Pose;
 use mrroc::robot::{Channel, Limits, NoInverse, Value};
 
+use self::model::{Counting, FIRST, Fixture, PERIOD, Says};
 use super::*;
+use crate::opening::PATIENCE;
+use crate::session::radians;
+
+/// Where the controller sends from.
+const CONTROLLER: SocketAddr = SocketAddr::new(IpAddr::V4(core::net::Ipv4Addr::LOCALHOST), 6008);
 
 #[derive(Clone)]
 struct Arm(Limits<Joints>);
@@ -22,90 +28,6 @@ impl Robot for Arm {
     }
     fn inverse(&self, _: &Pose, near: &Joints) -> Result<Joints, NoInverse> {
         Ok(*near)
-    }
-}
-
-/// A controller on loopback, and the drives that it talks to.
-struct Bench {
-    controller: UdpSocket,
-    drives: Box<dyn Driver<Arm>>,
-    listen: SocketAddr,
-}
-
-impl Bench {
-    fn opened() -> Bench {
-        let (bench, opened) = Bench::with(Corrections::Absolute, &said(4000, 10.0));
-        opened.expect("the controller speaks");
-        bench
-    }
-
-    /// Drives that were opened, or not, while the controller said this.
-    fn with(corrections: Corrections, message: &[u8]) -> (Bench, Result<(), DriveFault>) {
-        Bench::having(corrections, message, |_| {})
-    }
-
-    /// The same with drives to which something was said before.
-    fn having(
-        corrections: Corrections,
-        message: &[u8],
-        before: impl FnOnce(&mut dyn Driver<Arm>),
-    ) -> (Bench, Result<(), DriveFault>) {
-        let controller = UdpSocket::bind("127.0.0.1:0").expect("a socket");
-        // A port that was free a moment ago.
-        let listen = UdpSocket::bind("127.0.0.1:0").and_then(|free| free.local_addr()).expect("a port");
-        let robot = controller.local_addr().expect("bound").ip();
-        let settings = RsiSettings { corrections, ..RsiSettings::new(listen, robot) };
-        let mut drives: Box<dyn Driver<Arm>> = Box::new(Rsi::new(settings));
-        assert!(drives.measured().is_err(), "nothing is open yet");
-        before(drives.as_mut());
-        let says = controller.try_clone().expect("the same socket");
-        // It says the same until somebody listens.
-        let done = AtomicBool::new(false);
-        let opened = std::thread::scope(|scope| {
-            scope.spawn(|| {
-                while !done.load(Ordering::Acquire) {
-                    says.send_to(message, listen).expect("sent");
-                    std::thread::sleep(Duration::from_millis(4));
-                }
-            });
-            let opened = drives.open();
-            done.store(true, Ordering::Release);
-            opened
-        });
-        (Bench { controller, drives, listen }, opened)
-    }
-
-    fn says(&self, ipoc: u64, a1: f64) {
-        self.controller.send_to(&said(ipoc, a1), self.listen).expect("sent");
-    }
-
-    /// The answer to a message that says how many answers were late so far, with axis 1 demanded there.
-    fn answers(&mut self, ipoc: u64, late: u64, a1: f64) -> String {
-        self.controller.send_to(&said_late(ipoc, a1, late), self.listen).expect("sent");
-        while self.pulse().expect("it goes on").count != ipoc / 4 {}
-        self.drives.tick(&at(a1)).expect("sent");
-        loop {
-            let answer = self.answer();
-            if answer.contains(&format!("<IPOC>{ipoc}</IPOC>")) {
-                return answer;
-            }
-        }
-    }
-
-    /// The next answer, as text.
-    fn answer(&self) -> String {
-        let mut bytes = [0; 512];
-        let len = self.controller.recv(&mut bytes).expect("an answer");
-        String::from_utf8(bytes[..len].to_vec()).expect("text")
-    }
-
-    fn pulse(&mut self) -> Result<Pulse, DriveFault> {
-        loop {
-            if let Some(pulse) = self.drives.pulse(Duration::ZERO)? {
-                return Ok(pulse);
-            }
-            std::thread::sleep(Duration::from_micros(100));
-        }
     }
 }
 
@@ -125,193 +47,211 @@ fn at(a1: f64) -> Joints {
 
 #[test]
 fn every_message_gets_one_answer_with_its_clock_and_corrections_against_the_start() {
-    let mut bench = Bench::opened();
-    assert_eq!(bench.drives.measured().map(|measured| measured.position), Ok(at(10.0)));
-    let first = bench.answer();
-    assert!(first.contains(r#"A1="0.000000""#) && first.contains("<IPOC>4000</IPOC>"), "{first}");
+    let mut fixture = Fixture::new(Corrections::Absolute, Says::Same(said(4000, 10.0)));
+    assert_eq!(fixture.drives.measured(), Err(CLOSED), "nothing is open yet");
+    fixture.open().expect("the controller speaks");
+    assert_eq!(fixture.now(), PERIOD, "by its first message");
+    assert_eq!(fixture.drives.measured().map(|measured| measured.position), Ok(at(10.0)));
+    assert_eq!(fixture.told(), [(4000, 0.0)]);
 
-    // What had come while the drives were opened is not what comes now.
-    bench.says(4004, 10.0);
-    while bench.pulse().expect("it goes on").count != 1001 {}
-    bench.drives.tick(&at(10.5)).expect("sent");
-    bench.says(4008, 10.25);
-    assert_eq!(bench.pulse().map(|pulse| pulse.count), Ok(1002));
-    let measured = bench.drives.tick(&at(11.0)).expect("sent");
+    // Nothing was demanded before, so the first message is answered as it is read, and not again when something is demanded.
+    assert_eq!(fixture.pulse(said(4004, 10.0)), Ok(1001));
+    assert_eq!(fixture.told(), [(4004, 0.0)]);
+    fixture.drives.tick(&at(10.5)).expect("sent");
+    assert_eq!(fixture.told(), []);
+    assert_eq!(fixture.pulse(said(4008, 10.25)), Ok(1002));
+    assert_eq!(fixture.told(), []);
+    let measured = fixture.drives.tick(&at(11.0)).expect("sent");
     assert_eq!(measured.position, at(10.25));
     let velocity = 0.25_f64.to_radians() / 4e-3;
     assert!((measured.velocity[0] - velocity).abs() < 1e-9, "{}", measured.velocity[0]);
-    let mut answer = bench.answer();
-    while !answer.contains("<IPOC>4008</IPOC>") {
-        answer = bench.answer();
-    }
-    assert!(answer.contains(r#"A1="1.000000" A2="0.000000""#), "{answer}");
+    let sent = fixture.world.borrow_mut().sent();
+    let [answer] = &sent[..] else { panic!("not one answer: {sent:?}") };
+    assert!(
+        answer.contains(r#"A1="1.000000" A2="0.000000""#) && answer.contains("<IPOC>4008</IPOC>"),
+        "{answer}"
+    );
 
     // Nobody demands anything: the next message is left unanswered, and from then on the drives hold by themselves.
-    bench.says(4012, 11.0);
-    bench.pulse().expect("it goes on");
-    bench.says(4016, 11.0);
-    bench.pulse().expect("it goes on");
-    let held = bench.answer();
-    assert!(held.contains(r#"A1="1.000000""#) && held.contains("<IPOC>4016</IPOC>"), "{held}");
+    assert_eq!(fixture.pulse(said(4012, 11.0)), Ok(1003));
+    assert_eq!(fixture.told(), []);
+    assert_eq!(fixture.pulse(said(4016, 11.0)), Ok(1004));
+    assert_eq!(fixture.told(), [(4016, 1.0)]);
+}
+
+#[test]
+fn a_message_is_as_old_as_it_has_waited_and_the_newest_counts() {
+    let mut fixture = Fixture::opened();
+    for (ipoc, later) in [(4004, PERIOD), (4008, Duration::from_micros(300))] {
+        fixture.says(said(ipoc, 10.0));
+        fixture.world.borrow_mut().pass(later);
+    }
+    let pulse = fixture.drives.pulse(Duration::ZERO).expect("it goes on").expect("a message");
+    assert_eq!((pulse.count, pulse.age), (1002, Duration::from_micros(300)));
+    assert_eq!(fixture.drives.pulse(Duration::ZERO), Ok(None));
+    assert_eq!(fixture.told(), [(4008, 0.0)]);
+}
+
+#[test]
+fn a_controller_that_says_nothing_is_waited_for_for_2_s() {
+    let mut fixture = Fixture::new(Corrections::Absolute, Says::Nothing);
+    assert_eq!(fixture.open(), Err(SILENT));
+    assert_eq!(fixture.now(), PATIENCE);
+    assert!(!fixture.world.borrow().is_open, "the port is let go");
+    // What it says is no message.
+    let mut fixture = Fixture::new(Corrections::Absolute, Says::Same(b"<Rob></Rob>".to_vec()));
+    assert_eq!(fixture.open(), Err(SILENT));
+    assert_eq!((fixture.now(), fixture.told()), (PATIENCE, vec![]));
+}
+
+#[test]
+fn fault_89_a_reset_finds_a_controller_silent_after_100_periods_and_counts_anew_from_where_the_arm_stands_then()
+ {
+    let patience = 100 * PERIOD;
+    let driver: &dyn Driver<Arm> = &Rsi::new(RsiSettings::new(CONTROLLER, CONTROLLER.ip()));
+    assert_eq!(driver.pace(), Pace::Robot { patience });
+    let mut fixture = Fixture::opened();
+    fixture.pulse(said(4004, 10.0)).expect("it goes on");
+    fixture.drives.tick(&at(10.5)).expect("sent");
+    fixture.pulse(said(4008, 10.5)).expect("it goes on");
+    fixture.drives.tick(&at(11.0)).expect("sent");
+    assert_eq!(fixture.told(), [(4004, 0.0), (4008, 1.0)]);
+    fixture.world.borrow_mut().pass(patience);
+    assert_eq!(fixture.drives.switch_on(), Ok(()), "not longer than that");
+    // Within it corrections go on from what was told.
+    fixture.says(said(4408, 11.0));
+    assert_eq!(fixture.drives.switch_on(), Ok(()));
+    assert_eq!(fixture.told(), [(4408, 1.0)]);
+    fixture.world.borrow_mut().pass(patience + Duration::from_nanos(1));
+    assert_eq!(fixture.drives.switch_on(), Err(SILENT));
+    fixture.says(said(4812, 12.0));
+    assert_eq!(fixture.drives.switch_on(), Ok(()));
+    assert_eq!(fixture.told(), [(4812, 0.0)]);
+    fixture.pulse(said(4816, 12.0)).expect("it goes on");
+    fixture.drives.tick(&at(12.25)).expect("sent");
+    fixture.pulse(said(4820, 12.0)).expect("it goes on");
+    fixture.drives.tick(&at(12.25)).expect("sent");
+    assert_eq!(fixture.told(), [(4816, 0.0), (4820, 0.25)], "against where it stood then");
 }
 
 #[test]
 fn fault_89_a_controller_that_was_started_anew_moves_by_nothing_until_a_reset() {
-    let mut bench = Bench::opened();
-    bench.says(4004, 10.0);
-    while bench.pulse().expect("it goes on").count != 1001 {}
-    bench.drives.tick(&at(20.0)).expect("sent");
+    let mut fixture = Fixture::opened();
+    assert_eq!(fixture.pulse(said(4004, 10.0)), Ok(1001));
+    fixture.drives.tick(&at(20.0)).expect("sent");
+    assert_eq!(fixture.told(), [(4004, 0.0)]);
     // Its clock counts from the beginning, and corrections from where it stands.
-    bench.says(8, 20.0);
-    assert_eq!(bench.pulse(), Err(ANEW));
-    let mut answer = bench.answer();
-    while !answer.contains("<IPOC>8</IPOC>") {
-        answer = bench.answer();
-    }
-    assert!(answer.contains(r#"A1="0.000000""#), "{answer}");
-    bench.drives.switch_on().expect("it speaks");
-    bench.says(12, 20.0);
-    assert_eq!(bench.pulse().map(|pulse| pulse.count), Ok(3));
-    bench.drives.tick(&at(20.5)).expect("sent");
-    while !answer.contains("<IPOC>12</IPOC>") {
-        answer = bench.answer();
-    }
-    // Held by the drives, or demanded: the message may have been answered before the tick.
-    bench.says(16, 20.0);
-    bench.pulse().expect("it goes on");
-    bench.drives.tick(&at(20.5)).expect("sent");
-    while !answer.contains("<IPOC>16</IPOC>") {
-        answer = bench.answer();
-    }
-    assert!(answer.contains(r#"A1="0.500000""#), "{answer}");
+    assert_eq!(fixture.pulse(said(8, 20.0)), Err(ANEW));
+    assert_eq!(fixture.told(), [(8, 0.0)]);
+    fixture.drives.switch_on().expect("it speaks");
+    assert_eq!(fixture.told(), []);
+    // Held by the drives, before something is demanded.
+    assert_eq!(fixture.pulse(said(12, 20.0)), Ok(3));
+    fixture.drives.tick(&at(20.5)).expect("sent");
+    assert_eq!(fixture.told(), [(12, 0.0)]);
+    assert_eq!(fixture.pulse(said(16, 20.0)), Ok(4));
+    fixture.drives.tick(&at(20.5)).expect("sent");
+    assert_eq!(fixture.told(), [(16, 0.5)]);
 }
 
 #[test]
-fn fault_89_what_is_no_message_of_the_controller_is_not_answered() {
-    let mut bench = Bench::opened();
-    bench.says(4004, 10.0);
-    while bench.pulse().expect("it goes on").count != 1001 {}
-    let stranger = UdpSocket::bind("127.0.0.2:0").expect("a socket");
-    stranger.send_to(&said(4008, 90.0), bench.listen).expect("sent");
-    bench.controller.send_to(b"<Rob Type=\"KUKA\"><IPOC>4008</IPOC></Rob>", bench.listen).expect("sent");
-    bench.says(4012, 10.0);
-    while bench.pulse().expect("it goes on").count != 1003 {}
-    assert_eq!(bench.drives.measured().map(|measured| measured.position), Ok(at(10.0)));
+fn what_cannot_be_read_is_not_answered_and_changes_nothing() {
+    let mut fixture = Fixture::opened();
+    assert_eq!(fixture.pulse(said(4004, 10.0)), Ok(1001));
+    assert_eq!(fixture.told(), [(4004, 0.0)]);
+    fixture.says(b"<Rob Type=\"KUKA\"><IPOC>4008</IPOC></Rob>".to_vec());
+    assert_eq!(fixture.drives.pulse(Duration::ZERO), Ok(None));
+    assert_eq!(fixture.told(), []);
+    assert_eq!(fixture.drives.measured().map(|measured| measured.position), Ok(at(10.0)));
 }
 
-/// When a controller of these tests counts an answer that did not come.
-#[derive(Clone, Copy, PartialEq)]
-enum Counting {
-    AtOnce,
-    WhenHeard,
-    Never,
+/// Drives that were opened, or not, with relative corrections, by a controller that counts.
+fn counting(counting: Counting) -> (Fixture, Result<(), DriveFault>) {
+    let says = Says::Counts { counting, ipoc: FIRST, late: 7, missed: 0 };
+    let mut fixture = Fixture::new(Corrections::Relative, says);
+    let opened = fixture.open();
+    (fixture, opened)
 }
 
-impl Bench {
-    /// Drives that were opened, or not, with relative corrections, by a controller that counts. Its clock and its count then.
-    fn counting(counting: Counting) -> (Bench, Result<(), DriveFault>, u64, u64) {
-        let controller = UdpSocket::bind("127.0.0.1:0").expect("a socket");
-        controller.set_read_timeout(Some(Duration::from_millis(30))).expect("set");
-        let listen = UdpSocket::bind("127.0.0.1:0").and_then(|free| free.local_addr()).expect("a port");
-        let robot = controller.local_addr().expect("bound").ip();
-        let settings = RsiSettings { corrections: Corrections::Relative, ..RsiSettings::new(listen, robot) };
-        let mut drives: Box<dyn Driver<Arm>> = Box::new(Rsi::new(settings));
-        let done = AtomicBool::new(false);
-        let (opened, ipoc, late) = std::thread::scope(|scope| {
-            let says = scope.spawn(|| {
-                let (mut ipoc, mut late, mut missed) = (4000, 7, 0);
-                while !done.load(Ordering::Acquire) {
-                    ipoc += 4;
-                    controller.send_to(&said_late(ipoc, 10.0, late), listen).expect("sent");
-                    let mut bytes = [0; 512];
-                    let own = format!("<IPOC>{ipoc}</IPOC>");
-                    let in_time = loop {
-                        let Ok(len) = controller.recv(&mut bytes) else { break false };
-                        if core::str::from_utf8(&bytes[..len]).expect("text").contains(&own) {
-                            break true;
-                        }
-                    };
-                    match counting {
-                        Counting::AtOnce => late += u64::from(!in_time),
-                        Counting::WhenHeard if in_time => late += core::mem::take(&mut missed),
-                        Counting::WhenHeard => missed += 1,
-                        Counting::Never => {}
-                    }
-                }
-                (ipoc, late + missed)
-            });
-            let opened = drives.open();
-            done.store(true, Ordering::Release);
-            let (ipoc, late) = says.join().expect("it has said all");
-            (opened, ipoc, late)
-        });
-        controller.set_read_timeout(None).expect("set");
-        (Bench { controller, drives, listen }, opened, ipoc, late)
-    }
+/// The clock and the count of a controller whose third message alone was not answered.
+const OPENED: (u64, u64) = (FIRST + 20, 8);
+
+/// It answers all messages but the third, at once, by a controller that counts them so.
+fn opened_by(how: Counting) -> Fixture {
+    let (fixture, opened) = counting(how);
+    assert_eq!((opened, fixture.now()), (Ok(()), 5 * PERIOD));
+    let answered: Vec<_> = [1, 2, 4, 5].map(|period| (FIRST + 4 * period, 0.0)).into();
+    assert_eq!(fixture.told(), answered);
+    fixture
 }
 
 #[test]
 fn relative_corrections_say_what_is_new_and_what_was_lost() {
-    let (mut bench, opened, ipoc, late) = Bench::counting(Counting::AtOnce);
-    opened.expect("the controller speaks, and counts");
-    let mut said = |period: u64, more: u64, a1: f64| bench.answers(ipoc + 4 * period, late + more, a1);
+    let (ipoc, late) = OPENED;
+    let mut fixture = opened_by(Counting::AtOnce);
+    let mut said = |period: u64, more: u64, a1: f64| fixture.answers(ipoc + 4 * period, late + more, a1);
     // The drives hold by themselves until something is demanded.
-    assert!(said(1, 0, 10.0).contains(r#"A1="0.000000""#));
-    assert!(said(2, 0, 10.75).contains(r#"A1="0.750000""#));
+    assert_eq!(said(1, 0, 10.0), 0.0);
+    assert_eq!(said(2, 0, 10.75), 0.75);
     // The answer before came too late: it is in this one.
-    assert!(said(3, 1, 10.75).contains(r#"A1="0.750000""#));
-    assert!(said(4, 1, 10.75).contains(r#"A1="0.000000""#));
+    assert_eq!(said(3, 1, 10.75), 0.75);
+    assert_eq!(said(4, 1, 10.75), 0.0);
     // A message was lost on the way here, so its answer is missing, and the one before it was taken.
-    assert!(said(6, 2, 11.0).contains(r#"A1="0.250000""#));
+    assert_eq!(said(6, 2, 11.0), 0.25);
     // The same, and the one before it was late, too.
-    assert!(said(8, 4, 11.0).contains(r#"A1="0.250000""#));
+    assert_eq!(said(8, 4, 11.0), 0.25);
 }
 
 #[test]
 fn a_controller_that_counts_a_message_later_is_found_out() {
-    let (mut bench, opened, ipoc, late) = Bench::counting(Counting::WhenHeard);
-    opened.expect("the controller speaks, and counts");
-    let mut said = |period: u64, more: u64, a1: f64| bench.answers(ipoc + 4 * period, late + more, a1);
-    assert!(said(1, 0, 10.0).contains(r#"A1="0.000000""#));
-    assert!(said(2, 0, 10.75).contains(r#"A1="0.750000""#));
-    assert!(said(3, 0, 11.0).contains(r#"A1="0.250000""#));
+    let (ipoc, late) = OPENED;
+    let mut fixture = opened_by(Counting::WhenHeard);
+    let mut said = |period: u64, more: u64, a1: f64| fixture.answers(ipoc + 4 * period, late + more, a1);
+    assert_eq!(said(1, 0, 10.0), 0.0);
+    assert_eq!(said(2, 0, 10.75), 0.75);
+    assert_eq!(said(3, 0, 11.0), 0.25);
     // Not that one was lost, but the one before.
-    assert!(said(4, 1, 11.0).contains(r#"A1="0.750000""#));
+    assert_eq!(said(4, 1, 11.0), 0.75);
     // A message was lost on the way here: what is counted is that nobody answered it.
-    assert!(said(6, 1, 11.5).contains(r#"A1="0.500000""#));
-    assert!(said(7, 2, 11.5).contains(r#"A1="0.000000""#));
+    assert_eq!(said(6, 1, 11.5), 0.5);
+    assert_eq!(said(7, 2, 11.5), 0.0);
 }
 
 #[test]
 fn relative_corrections_are_refused_where_the_controller_does_not_count_what_is_late() {
-    let (_, opened) = Bench::with(Corrections::Relative, &said(4000, 10.0));
-    assert_eq!(opened, Err(NO_DELAY));
-    let (_, opened, ..) = Bench::counting(Counting::Never);
-    assert_eq!(opened, Err(NO_COUNT));
+    let mut fixture = Fixture::new(Corrections::Relative, Says::Same(said(4000, 10.0)));
+    assert_eq!(fixture.open(), Err(NO_DELAY));
+    assert_eq!(fixture.now(), 2 * PERIOD);
+    assert_eq!(fixture.told(), [(4000, 0.0), (4000, 0.0)]);
+    // Of four messages one is left unanswered, ten times.
+    let (fixture, opened) = counting(Counting::Never);
+    assert_eq!((opened, fixture.now()), (Err(NO_COUNT), (1 + 10 * 4) * PERIOD));
+    assert_eq!(fixture.told().len(), 1 + 10 * 3);
+}
+
+#[test]
+fn a_controller_that_is_cut_off_while_it_is_found_out_when_it_counts_is_waited_for_for_2_s() {
+    let says = Says::Counts { counting: Counting::AtOnce, ipoc: FIRST, late: 7, missed: 0 };
+    let mut fixture = Fixture::new(Corrections::Relative, says);
+    // Its first message comes at the end of its first period, and then no other one.
+    fixture.world.borrow_mut().ends = Some(2 * PERIOD);
+    assert_eq!(fixture.open(), Err(SILENT));
+    assert_eq!((fixture.now(), fixture.told()), (PERIOD + PATIENCE, vec![(FIRST + 4, 0.0)]));
 }
 
 #[test]
 fn fault_89_answers_that_the_controller_does_not_take_are_told() {
-    let (mut bench, opened) = Bench::with(Corrections::Absolute, &said_late(4000, 10.0, 0));
-    opened.expect("the controller speaks");
-    let mut told = Ok(());
-    let mut periods = 0;
-    while told.is_ok() {
-        periods += 1;
-        bench.controller.send_to(&said_late(4000 + 4 * periods, 10.0, periods), bench.listen).expect("sent");
-        // What was said before the drives were open comes first.
-        told = loop {
-            match bench.pulse() {
-                Ok(pulse) if pulse.count < 1000 + periods => {}
-                other => break other.map(drop),
-            }
-        };
-    }
-    assert_eq!((told, periods), (Err(NOT_TAKEN), REFUSED));
+    let mut fixture = Fixture::new(Corrections::Absolute, Says::Same(said_late(4000, 10.0, 0)));
+    fixture.open().expect("the controller speaks");
+    let told = (1..).map(|period| fixture.pulse(said_late(4000 + 4 * period, 10.0, period)));
+    let told: Vec<_> = told.take(REFUSED as usize).collect();
+    let goes_on: Vec<_> = (1..REFUSED).map(|period| Ok(1000 + period)).collect();
+    assert_eq!((&told[..goes_on.len()], told.last()), (&goes_on[..], Some(&Err(NOT_TAKEN))));
     // It takes them again.
-    bench.says(4204, 10.0);
-    bench.drives.switch_on().expect("it speaks");
-    assert!(bench.answers(4208, 50, 10.0).contains(r#"A1="0.000000""#));
+    fixture.says(said(4204, 10.0));
+    fixture.drives.switch_on().expect("it speaks");
+    fixture.world.borrow_mut().sent();
+    assert_eq!(fixture.answers(4208, 50, 10.0), 0.0);
 }
 
 /// A message with the words of inputs and outputs.
@@ -325,36 +265,36 @@ fn with_words(ipoc: u64, inputs: u16, outputs: u16) -> Vec<u8> {
 fn fault_119_outputs_are_told_in_every_answer_and_where_the_controller_says_nothing_of_them_the_arm_does_not_move()
  {
     let named = Outputs::NONE.with(Channel::Digital(3), Value::Digital(false));
-    let declare = |drives: &mut dyn Driver<Arm>| drives.declare_outputs(&named, &Outputs::NONE);
-    let (_, opened) = Bench::having(Corrections::Absolute, &said(4000, 10.0), declare);
-    let refused = opened.expect_err("it sends no words").to_string();
+    let mut fixture = Fixture::new(Corrections::Absolute, Says::Same(said(4000, 10.0)));
+    fixture.drives.declare_outputs(&named, &Outputs::NONE);
+    let refused = fixture.open().expect_err("it sends no words").to_string();
     assert!(refused.contains("does not send both `DiL` and `DoutW`"), "{refused}");
+    assert_eq!(fixture.told(), [], "it is not answered");
 
-    let (mut bench, opened) = Bench::having(Corrections::Absolute, &with_words(4000, 0b1, 0b10), declare);
-    opened.expect("it sends both");
-    assert!(bench.answer().contains("/><DiO>2</DiO><IPOC>4000</IPOC>"), "as they are");
-    bench.drives.switch_outputs(&Outputs::NONE.with(Channel::Digital(3), Value::Digital(true)));
-    bench.controller.send_to(&with_words(4004, 0b101, 0b10), bench.listen).expect("sent");
-    while bench.pulse().expect("it goes on").count < 1001 {}
-    let signals = bench.drives.signals();
-    assert_eq!((signals.inputs.digital(), signals.outputs.digital()), (0b101, 0b10));
-    bench.drives.tick(&at(10.0)).expect("sent");
-    let told = loop {
-        let answer = bench.answer();
-        if answer.contains("<IPOC>4004</IPOC>") {
-            break answer;
-        }
+    let mut fixture = Fixture::new(Corrections::Absolute, Says::Same(with_words(4000, 0b1, 0b10)));
+    fixture.drives.declare_outputs(&named, &Outputs::NONE);
+    fixture.open().expect("it sends both");
+    let answer = |fixture: &Fixture| {
+        let sent = fixture.world.borrow_mut().sent();
+        let [answer] = &sent[..] else { panic!("not one answer: {sent:?}") };
+        answer.clone()
     };
-    assert!(told.contains("<DiO>10</DiO>"), "{told}");
+    assert!(answer(&fixture).contains("/><DiO>2</DiO><IPOC>4000</IPOC>"), "as they are");
+    fixture.drives.switch_outputs(&Outputs::NONE.with(Channel::Digital(3), Value::Digital(true)));
+    assert_eq!(fixture.pulse(with_words(4004, 0b101, 0b10)), Ok(1001));
+    let signals = fixture.drives.signals();
+    assert_eq!((signals.inputs.digital(), signals.outputs.digital()), (0b101, 0b10));
+    fixture.drives.tick(&at(10.0)).expect("sent");
+    let told = answer(&fixture);
+    assert!(told.contains("<DiO>10</DiO><IPOC>4004</IPOC>"), "{told}");
     // It does not switch.
     let mut periods = 0;
     let fault = loop {
         periods += 1;
-        bench.controller.send_to(&with_words(4004 + 4 * periods, 0b101, 0b10), bench.listen).expect("sent");
-        if let Err(fault) = bench.pulse() {
+        if let Err(fault) = fixture.pulse(with_words(4004 + 4 * periods, 0b101, 0b10)) {
             break fault.to_string();
         }
-        bench.drives.tick(&at(10.0)).expect("sent");
+        fixture.drives.tick(&at(10.0)).expect("sent");
     };
     assert!(fault.contains("does not switch its outputs"), "{fault}");
     // 25 periods, and that of the first answer.
@@ -363,23 +303,19 @@ fn fault_119_outputs_are_told_in_every_answer_and_where_the_controller_says_noth
 
 #[test]
 fn fault_119_a_load_is_refused_in_words_when_the_arm_stands() {
-    let mut bench = Bench::opened();
-    let next = |bench: &mut Bench, ipoc: u64| {
-        bench.says(ipoc, 10.0);
-        while bench.pulse().expect("it goes on").count != ipoc / 4 {}
-    };
-    next(&mut bench, 4004);
-    bench.drives.tick(&at(10.0)).expect("sent");
-    bench.drives.carry(&Load::point(2.0, [0.0, 0.0, 0.1].into()));
+    let mut fixture = Fixture::opened();
+    fixture.pulse(said(4004, 10.0)).expect("it goes on");
+    fixture.drives.tick(&at(10.0)).expect("sent");
+    fixture.drives.carry(&Load::point(2.0, [0.0, 0.0, 0.1].into()));
     // On its way it is led to where it stands.
-    next(&mut bench, 4008);
-    bench.drives.tick(&at(10.001)).expect("it moves");
-    next(&mut bench, 4012);
-    let refused = bench.drives.tick(&at(10.001)).expect_err("it stands").to_string();
+    fixture.pulse(said(4008, 10.0)).expect("it goes on");
+    fixture.drives.tick(&at(10.001)).expect("it moves");
+    fixture.pulse(said(4012, 10.0)).expect("it goes on");
+    let refused = fixture.drives.tick(&at(10.001)).expect_err("it stands").to_string();
     assert!(refused.contains("is told no load") && refused.contains("at the pendant"), "{refused}");
     // A reset goes on, until it is told one again.
-    next(&mut bench, 4016);
-    bench.drives.switch_on().expect("it speaks");
-    next(&mut bench, 4020);
-    bench.drives.tick(&at(10.001)).expect("sent");
+    fixture.pulse(said(4016, 10.0)).expect("it goes on");
+    fixture.drives.switch_on().expect("it speaks");
+    fixture.pulse(said(4020, 10.0)).expect("it goes on");
+    fixture.drives.tick(&at(10.001)).expect("sent");
 }

@@ -4,7 +4,8 @@ use core::time::Duration;
 
 use mrroc_robots::Six;
 use mrroc_ur::{Ask, Ended, Script, SetPoint, UrModel};
-use mrroc_ur_controller::{Controller, Press};
+
+use super::{Controller, Press};
 
 const T: f64 = 0.002;
 const TIMEOUT: Duration = Duration::from_millis(20);
