@@ -8,7 +8,7 @@
 use std::error::Error;
 use std::time::Duration;
 
-use mrroc_geocom::{Client, Face, Line, Patience, Simulated, Targets, Wire};
+use mrroc_geocom::{Connection, Face, Line, Lines, Patience, Simulated, Targets};
 
 /// What the simulated one sees.
 const DIRECTIONS: [[f64; 2]; 2] = [[0.7, -0.3], [-2.0, 0.1]];
@@ -20,27 +20,33 @@ fn main() -> Result<(), Box<dyn Error>> {
         ["instrument", port] => {
             let mut line = Line::open(port, 9600)?;
             let mut instrument = Simulated::new(Targets { directions: DIRECTIONS.to_vec(), axes: AXES });
+            let (mut lines, mut bytes) = (Lines::new(), [0; 256]);
             println!("ready");
             loop {
-                let Some(asked) = line.receive(Duration::from_secs(1))? else { continue };
-                // So that a judge sees what a compensator out of range does.
-                match &*asked {
-                    "tilt" => instrument.is_level = false,
-                    "level" => instrument.is_level = true,
-                    _ => {
-                        if let Some(answer) = instrument.answer(&asked) {
-                            line.send(&answer)?;
+                let count = line.receive(&mut bytes, Duration::from_secs(1))?;
+                lines.push(&bytes[..count]);
+                while let Some(asked) = lines.next_line()? {
+                    // So that a test of another program sees what a compensator out of range does.
+                    match &*asked {
+                        "tilt" => instrument.is_level = false,
+                        "level" => instrument.is_level = true,
+                        _ => {
+                            let answer = instrument.answer(&asked).map(|answer| format!("{answer}\r\n"));
+                            let mut rest = answer.as_deref().unwrap_or("").as_bytes();
+                            while !rest.is_empty() {
+                                rest = &rest[line.send(rest, Duration::from_secs(2))?..];
+                            }
                         }
                     }
                 }
             }
         }
         ["sight", port, hz, v] => {
-            let mut client = Client::new(Line::open(port, 9600)?, Patience::default());
-            client.greet()?;
+            let mut instrument = Connection::new(Line::open(port, 9600)?, Patience::default());
+            instrument.greet()?;
             let about = [hz.parse()?, v.parse()?];
             for face in [Face::One, Face::Two] {
-                let [hz, v] = client.sight(about, face)?.angles;
+                let [hz, v] = instrument.sight(about, face)?.angles;
                 println!("{face:?} {hz:.9} {v:.9}");
             }
             Ok(())

@@ -1,24 +1,15 @@
 //! What is asked of an instrument, and what it answers: one question at a time.
+//!
+//! In: what is to be done, the time, and bytes that have come. Out: bytes to send, how long to wait, and in the end what was measured. Nothing here
+//! reads a clock or touches a port: the time is any that goes on evenly, counted from any beginning. [`Connection`](crate::Connection) does this over a
+//! serial port.
 
 use core::time::Duration;
 
 use crate::angles::{Face, from_circles, to_circles};
+use crate::exchange::{Exchange, Progress};
+use crate::framing::Lines;
 use crate::protocol::{Answer, Code, Request};
-
-/// Lines of text there and back.
-pub trait Wire {
-    /// Sends a line.
-    ///
-    /// # Errors
-    /// [`Trouble::Closed`], or [`Trouble::Silent`] if nobody takes it.
-    fn send(&mut self, line: &str) -> Result<(), Trouble>;
-
-    /// The next line, without its end; `None` if none has come in time.
-    ///
-    /// # Errors
-    /// [`Trouble::Closed`], or [`Trouble::Garbled`] of a line without an end.
-    fn receive(&mut self, patience: Duration) -> Result<Option<String>, Trouble>;
-}
 
 /// Why there is no reading.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -38,6 +29,17 @@ pub enum Trouble {
     /// The line is closed.
     #[error("the serial port is closed: is its cable in?")]
     Closed,
+}
+
+impl Trouble {
+    /// Whether it may be another time.
+    const fn is_passing(self) -> bool {
+        match self {
+            Self::Silent | Self::Garbled => true,
+            Self::Refused(code) => code.is_busy(),
+            Self::OtherFace | Self::Closed => false,
+        }
+    }
 }
 
 /// How long answers are waited for.
@@ -66,128 +68,234 @@ pub struct Measured {
     pub face: Face,
 }
 
-/// Lines that are thrown away before a question, and answers to others that are passed over after it: more is no instrument.
-const MOST_BEFORE: usize = 64;
-const MOST_OTHERS: usize = 8;
+/// What a client needs before it goes on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[must_use]
+pub enum Next {
+    /// Send what is [`outgoing`](Client::outgoing), or a part of it, and [poll](Client::poll) again with nothing: then, or at this time at the latest.
+    Send {
+        /// By the same clock as polls.
+        until: Duration,
+    },
+    /// Poll again with what comes, as soon as it does; with nothing, at this time. What has come and was not read yet is read before nothing is said to
+    /// have come.
+    Receive {
+        /// By the same clock as polls; it may be over already.
+        until: Duration,
+    },
+    /// It is done: what was measured, if that was asked for.
+    Done(Result<Option<Measured>, Trouble>),
+    /// Nothing was asked for.
+    Idle,
+}
 
 /// Who asks.
+///
+/// ```
+/// use core::time::Duration;
+/// use mrroc_geocom::{Client, Next, Patience, Trouble};
+///
+/// let mut client = Client::new(Patience { times: 1, ..Patience::default() });
+/// client.greet();
+/// let second = Duration::from_secs;
+/// assert_eq!(client.poll(second(5), &[]), Next::Receive { until: second(5) });
+/// assert_eq!(client.poll(second(5), &[]), Next::Send { until: second(7) });
+/// assert_eq!(client.outgoing(), b"%R1Q,0,1:\r\n");
+/// client.sent(client.outgoing().len());
+/// assert_eq!(client.poll(second(5), &[]), Next::Receive { until: second(8) });
+/// assert_eq!(client.poll(second(8), &[]), Next::Done(Err(Trouble::Silent)));
+/// ```
 #[derive(Debug)]
-pub struct Client<W> {
-    wire: W,
+pub struct Client {
     patience: Patience,
     transaction: u32,
     /// Whether the instrument knows checksums; `None` before its first answer.
     checks: Option<bool>,
+    lines: Lines,
+    outgoing: Vec<u8>,
+    work: Option<Work>,
 }
 
-impl<W: Wire> Client<W> {
-    /// Over such a wire.
+/// What is being done.
+#[derive(Debug)]
+struct Work {
+    question: Question,
+    /// How often it was asked before.
+    tried: u32,
+    exchange: Exchange,
+}
+
+/// The question that is asked, and what it is asked for.
+#[derive(Clone, Copy, Debug)]
+enum Question {
+    /// Whether it answers.
+    Greeting,
+    /// In which face the telescope is, after it was turned over so many times.
+    Face { target: Target, turned: u32 },
+    /// To turn it over.
+    TurnOver { target: Target, turned: u32 },
+    /// To turn to the target.
+    Turn(Target),
+    /// What the circles read; in the face that was asked for, if one was.
+    Angles(Option<Face>),
+}
+
+/// Where a target is about, and in which face it is to be sighted.
+#[derive(Clone, Copy, Debug)]
+struct Target {
+    about: [f64; 2],
+    face: Face,
+}
+
+/// What follows an answer.
+enum Then {
+    Ask(Question),
+    Done(Result<Option<Measured>, Trouble>),
+}
+
+impl Client {
+    /// Nothing is asked for yet.
     #[must_use]
-    pub const fn new(wire: W, patience: Patience) -> Self {
-        Self { wire, patience, transaction: 0, checks: None }
+    pub const fn new(patience: Patience) -> Self {
+        Self { patience, transaction: 0, checks: None, lines: Lines::new(), outgoing: Vec::new(), work: None }
     }
 
-    /// Whether the instrument answers (`COM_NullProc`).
-    ///
-    /// # Errors
-    /// [`Trouble`].
-    pub fn greet(&mut self) -> Result<(), Trouble> {
-        self.ask(0, &[], self.patience.answer).map(drop)
+    /// Begins to ask whether the instrument answers (`COM_NullProc`). What was being done is given up.
+    pub fn greet(&mut self) {
+        self.begin(Question::Greeting);
     }
 
-    /// Turns the telescope over if need be, then about to these angles, lets the instrument find the target there, and measures.
-    ///
-    /// # Errors
-    /// [`Trouble`].
-    pub fn sight(&mut self, about: [f64; 2], face: Face) -> Result<Measured, Trouble> {
-        let turn = self.patience.turn;
-        for _ in 0..self.patience.times.max(1) {
-            if face_of(self.ask(2026, &[], self.patience.answer)?.number(0))? == face {
-                break;
-            }
-            // It turns the telescope over each time, so it is asked again only where the face says that it has not.
-            match self.ask_once(9028, &[0.0, 0.0, 0.0], turn, true) {
-                Ok(_) | Err(Trouble::Silent | Trouble::Garbled) => {}
-                Err(Trouble::Refused(code)) if code.is_busy() => {}
-                Err(other) => return Err(other),
-            }
-        }
-        let [hz, v] = to_circles(about, face);
-        // Position mode: normal; with target recognition.
-        self.ask(9027, &[hz, v, 0.0, 1.0, 0.0], turn)?;
-        let measured = self.measure()?;
-        if measured.face == face { Ok(measured) } else { Err(Trouble::OtherFace) }
+    /// Begins to turn the telescope over if need be, then about to these angles (horizontal from x to y, and elevation \[rad\]), to let the instrument
+    /// find the target there, and to measure. What was being done is given up.
+    pub fn sight(&mut self, about: [f64; 2], face: Face) {
+        self.begin(Question::Face { target: Target { about, face }, turned: 0 });
     }
 
-    /// Measures where the telescope points, with the compensator (`TMC_GetAngle1`).
-    ///
-    /// # Errors
-    /// [`Trouble`].
-    pub fn measure(&mut self) -> Result<Measured, Trouble> {
-        let answer = self.ask(2003, &[0.0], self.patience.answer)?;
-        let (hz, v) = answer.number(0).zip(answer.number(1)).ok_or(Trouble::Garbled)?;
-        let face = face_of(answer.number(8))?;
-        Ok(Measured { angles: from_circles([hz, v], face), face })
+    /// Begins to measure where the telescope points, with the compensator (`TMC_GetAngle1`). What was being done is given up.
+    pub fn measure(&mut self) {
+        self.begin(Question::Angles(None));
     }
 
-    /// Asks until there is an answer: again after silence, after one that cannot be understood, and while the instrument is busy. What is asked here may be
-    /// asked twice. An answer to an earlier question is not taken, nor one without a checksum of an instrument that knows them.
-    fn ask(&mut self, rpc: u32, parameters: &[f64], patience: Duration) -> Result<Answer, Trouble> {
-        let mut trouble = Trouble::Silent;
-        let times = self.patience.times.max(1);
-        for time in 1..=times {
-            match self.ask_once(rpc, parameters, patience, time < times) {
-                Err(Trouble::Refused(code)) if code.is_busy() => trouble = Trouble::Refused(code),
-                Err(again @ (Trouble::Silent | Trouble::Garbled)) => trouble = again,
-                other => return other,
-            }
-        }
-        Err(trouble)
+    /// What is to be sent.
+    #[must_use]
+    pub fn outgoing(&self) -> &[u8] {
+        &self.outgoing
     }
 
-    /// Asks once; with a checksum, where it is not known whether the instrument knows them, if `guess` says so.
-    fn ask_once(
-        &mut self,
-        rpc: u32,
-        parameters: &[f64],
-        patience: Duration,
-        guess: bool,
-    ) -> Result<Answer, Trouble> {
-        self.transaction = (self.transaction + 1) % 8;
-        let checked = self.checks.unwrap_or(guess);
-        let request =
-            Request { rpc, transaction: self.transaction, checked, parameters: parameters.to_vec() };
-        // What came before it is no answer to it.
-        let mut before = 0;
-        while self.wire.receive(Duration::ZERO)?.is_some() {
-            before += 1;
-            if before > MOST_BEFORE {
-                return Err(Trouble::Garbled);
-            }
-        }
-        self.wire.send(&request.to_string())?;
-        for _ in 0..MOST_OTHERS {
-            let Some(line) = self.wire.receive(patience)? else { break };
-            let answer = Answer::parse(&line).ok_or(Trouble::Garbled)?;
-            // What an instrument could not read it may answer without a number.
-            if answer.transaction != self.transaction
-                && (answer.transport == Code::OK || answer.transaction != 0)
-            {
+    /// So many bytes of what was outgoing have been sent.
+    pub fn sent(&mut self, count: usize) {
+        self.outgoing.drain(..count.min(self.outgoing.len()));
+    }
+
+    /// Goes on at a time with the bytes that have come since the last call.
+    pub fn poll(&mut self, now: Duration, bytes: &[u8]) -> Next {
+        let Some(mut work) = self.work.take() else { return Next::Idle };
+        self.lines.push(bytes);
+        let is_quiet = bytes.is_empty();
+        loop {
+            let (lines, outgoing) = (&mut self.lines, &mut self.outgoing);
+            let answer = match work.exchange.poll(now, is_quiet, lines, outgoing, &mut self.checks) {
+                Progress::On(next) => {
+                    self.work = Some(work);
+                    return next;
+                }
+                Progress::Over(answer) => answer,
+            };
+            work.tried += 1;
+            if self.asks_again(&work, &answer) {
+                work.exchange = self.exchange(work.question, work.tried);
                 continue;
             }
-            if answer.transport == Code::OK {
-                self.checks.get_or_insert(answer.checked);
+            match self.after(work.question, answer) {
+                Then::Ask(question) => work = self.work_on(question),
+                Then::Done(outcome) => return Next::Done(outcome),
             }
-            if self.checks == Some(true) && !answer.checked || answer.transport.is_of_lines() {
-                return Err(Trouble::Garbled);
-            }
-            return match (answer.transport, answer.code) {
-                (Code::OK, Code::OK) => Ok(answer),
-                (Code::OK, code) | (code, _) => Err(Trouble::Refused(code)),
-            };
         }
-        Err(Trouble::Silent)
     }
+
+    fn begin(&mut self, question: Question) {
+        self.outgoing.clear();
+        self.work = Some(self.work_on(question));
+    }
+
+    fn work_on(&mut self, question: Question) -> Work {
+        Work { question, tried: 0, exchange: self.exchange(question, 0) }
+    }
+
+    /// Asks a question that was asked so many times before. Where it is not known whether the instrument knows checksums, that is found out by one; but
+    /// not with the last try, for an instrument that does not answer to one.
+    fn exchange(&mut self, question: Question, tried: u32) -> Exchange {
+        self.transaction = (self.transaction + 1) % 8;
+        let guess = question.is_asked_once() || tried + 1 < self.patience.times.max(1);
+        let checked = self.checks.unwrap_or(guess);
+        let (rpc, parameters) = question.call();
+        let patience = if question.turns() { self.patience.turn } else { self.patience.answer };
+        Exchange::of(Request { rpc, transaction: self.transaction, checked, parameters }, patience)
+    }
+
+    /// Whether a question is asked again: after silence, after an answer that cannot be understood, and while the instrument is busy.
+    fn asks_again(&self, work: &Work, answer: &Result<Answer, Trouble>) -> bool {
+        work.tried < self.patience.times.max(1)
+            && !work.question.is_asked_once()
+            && answer.as_ref().is_err_and(|trouble| trouble.is_passing())
+    }
+
+    /// What follows the answer to a question.
+    fn after(&self, question: Question, answer: Result<Answer, Trouble>) -> Then {
+        match (question, answer) {
+            (Question::TurnOver { .. }, Err(trouble)) if !trouble.is_passing() => Then::Done(Err(trouble)),
+            // Its face says what became of it.
+            (Question::TurnOver { target, turned }, _) if turned + 1 < self.patience.times => {
+                Then::Ask(Question::Face { target, turned: turned + 1 })
+            }
+            (Question::TurnOver { target, .. }, _) => Then::Ask(Question::Turn(target)),
+            (_, Err(trouble)) => Then::Done(Err(trouble)),
+            (Question::Greeting, Ok(_)) => Then::Done(Ok(None)),
+            (Question::Face { target, turned }, Ok(answer)) => match face_of(answer.number(0)) {
+                Ok(face) if face == target.face => Then::Ask(Question::Turn(target)),
+                Ok(_) => Then::Ask(Question::TurnOver { target, turned }),
+                Err(trouble) => Then::Done(Err(trouble)),
+            },
+            (Question::Turn(target), Ok(_)) => Then::Ask(Question::Angles(Some(target.face))),
+            (Question::Angles(asked), Ok(answer)) => Then::Done(measured(&answer, asked).map(Some)),
+        }
+    }
+}
+
+impl Question {
+    /// The procedure, and what it is given.
+    fn call(self) -> (u32, Vec<f64>) {
+        match self {
+            Self::Greeting => (0, Vec::new()),
+            Self::Face { .. } => (2026, Vec::new()),
+            Self::TurnOver { .. } => (9028, vec![0.0, 0.0, 0.0]),
+            Self::Turn(Target { about, face }) => {
+                let [hz, v] = to_circles(about, face);
+                // Position mode: normal; with target recognition.
+                (9027, vec![hz, v, 0.0, 1.0, 0.0])
+            }
+            Self::Angles(_) => (2003, vec![0.0]),
+        }
+    }
+
+    /// Whether the instrument turns before it answers.
+    const fn turns(self) -> bool {
+        matches!(self, Self::TurnOver { .. } | Self::Turn(_))
+    }
+
+    /// It turns the telescope over each time, so it is asked again only where the face says that it has not.
+    const fn is_asked_once(self) -> bool {
+        matches!(self, Self::TurnOver { .. })
+    }
+}
+
+fn measured(answer: &Answer, asked: Option<Face>) -> Result<Measured, Trouble> {
+    let (hz, v) = answer.number(0).zip(answer.number(1)).ok_or(Trouble::Garbled)?;
+    let face = face_of(answer.number(8))?;
+    if asked.is_some_and(|asked| asked != face) {
+        return Err(Trouble::OtherFace);
+    }
+    Ok(Measured { angles: from_circles([hz, v], face), face })
 }
 
 fn face_of(number: Option<f64>) -> Result<Face, Trouble> {

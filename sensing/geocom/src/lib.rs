@@ -3,8 +3,10 @@
 //! | part | in | out |
 //! |---|---|---|
 //! | [`Request`], [`Answer`] | a line | what is asked and answered, and back |
-//! | [`Line`] | a serial port, or anything else with a descriptor | lines, with patience |
-//! | [`Client`] | where to sight, in which face | angles as this workspace counts them, or [`Trouble`] |
+//! | [`Client`] | where to sight, in which face; the time, and bytes | angles as this workspace counts them, or [`Trouble`]; bytes, and until when to wait |
+//! | [`Lines`] | bytes in pieces | lines |
+//! | [`Line`] | a serial port, or anything else with a descriptor | bytes, within a time |
+//! | [`Connection`] | a line, and where to sight | what a client says, by the machine's clock |
 //! | [`Theodolite`] | a sight as an order | the virtual sensor of a cell |
 //! | [`Simulated`] | requests of any client | what an instrument would answer |
 //!
@@ -13,6 +15,10 @@
 
 mod angles;
 mod client;
+mod connection;
+mod exchange;
+mod framing;
+mod handover;
 mod line;
 mod protocol;
 mod sensor;
@@ -21,7 +27,9 @@ mod simulated;
 mod tests;
 
 pub use angles::{Face, from_circles, to_circles};
-pub use client::{Client, Measured, Patience, Trouble, Wire};
+pub use client::{Client, Measured, Next, Patience, Trouble};
+pub use connection::Connection;
+pub use framing::Lines;
 pub use line::Line;
 pub use protocol::{Answer, Code, Request};
 pub use sensor::{Angles, Sight, Sighting, Theodolite};

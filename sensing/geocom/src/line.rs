@@ -1,23 +1,21 @@
-//! Lines of text over a serial port, or anything else with a descriptor.
+//! A serial port, or anything else with a descriptor: bytes there and back.
 
 use std::fs::File;
 use std::os::fd::AsFd;
 use std::path::Path;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::fs::{Mode, OFlags, open};
 use rustix::io::Errno;
 use rustix::termios::{ControlModes, OptionalActions, tcgetattr, tcsetattr};
 
-use crate::client::{Trouble, Wire};
-use crate::protocol::LONGEST;
+use crate::client::Trouble;
 
-/// A connection, and what has come of the next line.
+/// A serial port that is open.
 #[derive(Debug)]
 pub struct Line<F> {
-    connection: F,
-    begun: Vec<u8>,
+    port: F,
 }
 
 impl Line<File> {
@@ -41,75 +39,49 @@ impl Line<File> {
 impl<F: AsFd> Line<F> {
     /// Over something that is open.
     #[must_use]
-    pub const fn over(connection: F) -> Self {
-        Self { connection, begun: Vec::new() }
+    pub const fn over(port: F) -> Self {
+        Self { port }
     }
 
-    /// Waits until it can be read from or written to; `false` if the time is over.
-    fn is_ready(&self, how: PollFlags, until: Instant) -> Result<bool, Trouble> {
-        let left = until.saturating_duration_since(Instant::now());
-        let Ok(left) = Timespec::try_from(left) else { return Err(Trouble::Closed) };
-        match poll(&mut [PollFd::new(&self.connection, how)], Some(&left)) {
-            Ok(ready) => Ok(ready > 0),
-            Err(Errno::INTR) => Ok(false),
+    /// Sends some of these bytes, as soon as any can be: how many; none if none could be sent in time.
+    ///
+    /// # Errors
+    /// [`Trouble::Closed`].
+    pub fn send(&mut self, bytes: &[u8], time: Duration) -> Result<usize, Trouble> {
+        if !self.is_ready(PollFlags::OUT, time)? {
+            return Ok(0);
+        }
+        match rustix::io::write(&self.port, bytes) {
+            Ok(0) if !bytes.is_empty() => Err(Trouble::Closed),
+            Ok(count) => Ok(count),
+            Err(Errno::AGAIN | Errno::INTR) => Ok(0),
             Err(_) => Err(Trouble::Closed),
         }
     }
-}
 
-impl<F: AsFd> Wire for Line<F> {
-    fn send(&mut self, line: &str) -> Result<(), Trouble> {
-        let text = format!("{line}\r\n");
-        let (mut rest, until) = (text.as_bytes(), Instant::now() + Duration::from_secs(2));
-        while !rest.is_empty() {
-            let is_ready = self.is_ready(PollFlags::OUT, until)?;
-            if Instant::now() >= until {
-                return Err(Trouble::Silent);
-            }
-            if !is_ready {
-                continue;
-            }
-            match rustix::io::write(&self.connection, rest) {
-                Ok(0) => return Err(Trouble::Closed),
-                Ok(count) => rest = &rest[count.min(rest.len())..],
-                Err(Errno::AGAIN | Errno::INTR) => {}
-                Err(_) => return Err(Trouble::Closed),
-            }
+    /// Reads what comes, as soon as it does: how many bytes; none if none came in time, or it was woken by a signal.
+    ///
+    /// # Errors
+    /// [`Trouble::Closed`].
+    pub fn receive(&mut self, bytes: &mut [u8], time: Duration) -> Result<usize, Trouble> {
+        if !self.is_ready(PollFlags::IN, time)? {
+            return Ok(0);
         }
-        Ok(())
+        match rustix::io::read(&self.port, bytes) {
+            Ok(0) | Err(Errno::IO) => Err(Trouble::Closed),
+            Ok(count) => Ok(count),
+            Err(Errno::AGAIN | Errno::INTR) => Ok(0),
+            Err(_) => Err(Trouble::Closed),
+        }
     }
 
-    fn receive(&mut self, patience: Duration) -> Result<Option<String>, Trouble> {
-        let (until, mut empty) = (Instant::now() + patience, 0);
-        loop {
-            if let Some(end) = self.begun.iter().position(|byte| matches!(byte, b'\n' | b'\r')) {
-                let line: Vec<u8> = self.begun.drain(..=end).take(end).collect();
-                if line.is_empty() {
-                    empty += 1;
-                    if empty > LONGEST {
-                        return Err(Trouble::Garbled);
-                    }
-                    continue;
-                }
-                return Ok(Some(String::from_utf8_lossy(&line).into_owned()));
-            }
-            if self.begun.len() > LONGEST {
-                self.begun.clear();
-                return Err(Trouble::Garbled);
-            }
-            if !self.is_ready(PollFlags::IN, until)? {
-                if Instant::now() >= until {
-                    return Ok(None);
-                }
-                continue;
-            }
-            let mut bytes = [0; 256];
-            match rustix::io::read(&self.connection, &mut bytes) {
-                Ok(0) | Err(Errno::IO) => return Err(Trouble::Closed),
-                Ok(count) => self.begun.extend_from_slice(&bytes[..count]),
-                Err(Errno::AGAIN | Errno::INTR) => {}
-                Err(_) => return Err(Trouble::Closed),
-            }
+    /// Waits until it can be read from or written to; `false` if the time is over.
+    fn is_ready(&self, how: PollFlags, time: Duration) -> Result<bool, Trouble> {
+        let Ok(time) = Timespec::try_from(time) else { return Err(Trouble::Closed) };
+        match poll(&mut [PollFd::new(&self.port, how)], Some(&time)) {
+            Ok(ready) => Ok(ready > 0),
+            Err(Errno::INTR) => Ok(false),
+            Err(_) => Err(Trouble::Closed),
         }
     }
 }

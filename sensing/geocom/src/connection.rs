@@ -1,0 +1,108 @@
+//! An instrument at the other end of a serial line: who asks, the line, and the clock.
+
+use std::os::fd::AsFd;
+use std::time::{Duration, Instant};
+
+use crate::angles::Face;
+use crate::client::{Client, Measured, Next, Patience, Trouble};
+use crate::line::Line;
+
+/// How long the line is waited for at most, until whoever runs a client looks at something else, such as the end of the cell.
+const SLICE: Duration = Duration::from_millis(100);
+
+/// Runs a client over a line.
+#[derive(Debug)]
+pub struct Transport<F> {
+    line: Line<F>,
+    since: Instant,
+    bytes: [u8; 256],
+    /// How many of them have come since the last poll.
+    came: usize,
+}
+
+impl<F: AsFd> Transport<F> {
+    pub fn over(line: Line<F>) -> Self {
+        Self { line, since: Instant::now(), bytes: [0; 256], came: 0 }
+    }
+
+    /// The time, and what has come since this was asked last.
+    pub fn take(&mut self) -> (Duration, &[u8]) {
+        (self.since.elapsed(), &self.bytes[..core::mem::take(&mut self.came)])
+    }
+
+    /// Does what a client needs before it goes on, or begins to.
+    ///
+    /// # Errors
+    /// [`Trouble::Closed`].
+    pub fn carry_out(&mut self, next: Next, client: &mut Client) -> Result<(), Trouble> {
+        let left = |until: Duration| until.saturating_sub(self.since.elapsed()).min(SLICE);
+        match next {
+            Next::Send { until } => {
+                let count = self.line.send(client.outgoing(), left(until))?;
+                client.sent(count);
+            }
+            Next::Receive { until } => self.came = self.line.receive(&mut self.bytes, left(until))?,
+            Next::Done(_) | Next::Idle => {}
+        }
+        Ok(())
+    }
+}
+
+/// An instrument that is asked, and waited for.
+#[derive(Debug)]
+pub struct Connection<F> {
+    client: Client,
+    transport: Transport<F>,
+}
+
+impl<F: AsFd> Connection<F> {
+    /// Over such a line.
+    #[must_use]
+    pub fn new(line: Line<F>, patience: Patience) -> Self {
+        Self { client: Client::new(patience), transport: Transport::over(line) }
+    }
+
+    /// Whether the instrument answers (`COM_NullProc`).
+    ///
+    /// # Errors
+    /// [`Trouble`].
+    pub fn greet(&mut self) -> Result<(), Trouble> {
+        self.client.greet();
+        self.run().map(drop)
+    }
+
+    /// Turns the telescope over if need be, then about to these angles, lets the instrument find the target there, and measures.
+    ///
+    /// # Errors
+    /// [`Trouble`].
+    pub fn sight(&mut self, about: [f64; 2], face: Face) -> Result<Measured, Trouble> {
+        self.client.sight(about, face);
+        self.run()?.ok_or(Trouble::Garbled)
+    }
+
+    /// Measures where the telescope points, with the compensator (`TMC_GetAngle1`).
+    ///
+    /// # Errors
+    /// [`Trouble`].
+    pub fn measure(&mut self) -> Result<Measured, Trouble> {
+        self.client.measure();
+        self.run()?.ok_or(Trouble::Garbled)
+    }
+
+    /// Both parts, of an instrument that goes on in a thread of its own.
+    pub(crate) fn into_parts(self) -> (Client, Transport<F>) {
+        (self.client, self.transport)
+    }
+
+    fn run(&mut self) -> Result<Option<Measured>, Trouble> {
+        loop {
+            let (now, bytes) = self.transport.take();
+            match self.client.poll(now, bytes) {
+                Next::Done(outcome) => return outcome,
+                // Something was asked for.
+                Next::Idle => return Ok(None),
+                next => self.transport.carry_out(next, &mut self.client)?,
+            }
+        }
+    }
+}
