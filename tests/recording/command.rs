@@ -6,10 +6,10 @@ use std::process::{Command, Output};
 
 use mrroc_tests::fixture::{CHANGE, PROGRAM, RECORDED};
 
-/// The program.
-pub fn program() -> Command {
+/// The program with these arguments. What is added to this command is an option of the test program.
+pub fn program(arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_cell"));
-    command.env(PROGRAM, RECORDED);
+    command.args(arguments).args(["--", &format!("--{PROGRAM}"), RECORDED]);
     command
 }
 
@@ -23,9 +23,8 @@ pub fn folder(name: &str, more: &str) -> PathBuf {
 }
 
 pub fn run(folder: &Path, arguments: &[&str]) -> Output {
-    let mut command = program();
-    command.current_dir(folder).arg("--no-picture").args(arguments);
-    command.output().expect("the program starts")
+    let mut command = program(&[&["--no-picture"], arguments].concat());
+    command.current_dir(folder).output().expect("the program starts")
 }
 
 pub fn said(output: &Output, status: i32) -> String {
@@ -47,8 +46,8 @@ fn a_recorded_run_is_replayed_identically() {
 fn a_changed_program_is_told_with_both_values() {
     let folder = folder("command-changed", "[recording]\nfile = \"b.mcap\"\n");
     said(&run(&folder, &[]), 0);
-    let mut command = program();
-    let changed = command.current_dir(&folder).env(CHANGE, "0.25").args(["replay", "b.mcap"]);
+    let mut command = program(&["replay", "b.mcap"]);
+    let changed = command.current_dir(&folder).args([&format!("--{CHANGE}"), "0.25"]);
     let told = said(&changed.output().expect("the program starts"), 1);
     assert!(told.starts_with("error: b.mcap: step "), "{told}");
     assert!(told.contains(", right joint 1: recorded ") && told.contains(", replayed "), "{told}");

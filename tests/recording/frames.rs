@@ -9,7 +9,6 @@ use std::rc::Rc;
 use mrroc::prelude::*;
 use mrroc_counting_allocator::allocations;
 use mrroc_robots::{Irp6, SimulatedIrp6};
-use mrroc_tests::late::{STARTS, is_late};
 use serde_json::Value;
 
 use crate::recording::camera::{Camera, SIZE, colour, depth, look, sample};
@@ -140,22 +139,25 @@ fn both_links_have_every_frame_in_the_recording_and_in_png_files() {
 /// In real time frames are dropped, and told, before a step waits; what is there is whole.
 #[test]
 fn in_real_time_frames_are_whole_or_counted() {
-    let Some((folder, told)) = (0..STARTS).find_map(|_| {
-        let folder = folder("frames-real", CAMERA);
-        let output = run(&folder, &["--processes", "--record", "run.mcap", "--frames", "images"]);
-        let told = said(&output, output.status.code().unwrap_or(-1));
-        assert!(output.status.success() || is_late(&told), "{told}");
-        output.status.success().then_some((folder, told))
-    }) else {
-        panic!("this machine was late {STARTS} times");
-    };
+    let folder = folder("frames-real", CAMERA);
+    let words = ["--processes", "--record", "run.mcap", "--frames", "images", "--outcome", "outcome.json"];
+    let output = run(&folder, &words);
+    let told = said(&output, output.status.code().unwrap_or(-1));
+    let outcome = fs::read(folder.join("outcome.json")).expect("the launcher has written it");
+    let outcome: Value = serde_json::from_slice(&outcome).expect("JSON");
+    // A machine that is late stops the cell before it has taken all frames.
+    let is_whole = output.status.success();
+    assert!(is_whole || matches!(outcome["fault"]["kind"].as_str(), Some("PeerLost" | "Overrun")), "{told}");
+    if !is_whole && !folder.join("images/camera").is_dir() {
+        return println!("stopped before the first frame: {told}");
+    }
     let (images, echoes) = check_messages(&folder.join("run.camera.mcap"));
     assert_eq!(check_images(&folder.join("images/camera")), images);
     let dropped =
         told.split("warning: ").find_map(|told| told.split_once(" frames of sensor `camera` were dropped"));
     let dropped: usize = dropped.map_or(0, |(count, _)| count.parse().expect("a number"));
     println!("{images} images, {echoes} echoes, {dropped} dropped");
-    assert!(images + echoes + dropped >= 60, "{images} {echoes} {dropped}: {told}");
+    assert!(!is_whole || images + echoes + dropped >= 60, "{images} {echoes} {dropped}: {told}");
 }
 
 #[test]

@@ -28,9 +28,8 @@ fn child(launcher: &Child, arguments: &str) -> Option<String> {
 #[test]
 fn a_process_that_is_killed_leaves_a_file_that_is_whole() {
     let folder = folder("killed", "");
-    let mut launcher = program();
-    launcher.current_dir(&folder).args(["--virtual", "--record", "b.mcap", "--quiet"]);
-    let launcher = launcher.spawn().expect("the program starts");
+    let mut launcher = program(&["--virtual", "--record", "b.mcap", "--quiet"]);
+    let launcher = launcher.current_dir(&folder).spawn().expect("the program starts");
     // In lock-step, so that a busy machine changes nothing; soon after the first chunk of the file.
     let killed = (0..20_000).any(|_| {
         std::thread::sleep(Duration::from_millis(1));
@@ -50,9 +49,8 @@ fn a_process_that_is_killed_leaves_a_file_that_is_whole() {
 fn demands_that_were_late_in_real_time_are_late_again() {
     let folder = folder("late", "");
     for pauses in [0, 4] {
-        let mut launcher = program();
-        launcher.current_dir(&folder).args(["--processes", "--record", "c.mcap", "--quiet"]);
-        let launcher = launcher.spawn().expect("the program starts");
+        let mut launcher = program(&["--processes", "--record", "c.mcap", "--quiet"]);
+        let launcher = launcher.current_dir(&folder).spawn().expect("the program starts");
         let signal = |name: &str, pid: &str| {
             let _ = Command::new("kill").args([name, pid]).status();
         };

@@ -1,6 +1,5 @@
 //! What the whole-system tests of `mrroc` share with the programs that they start.
 
 pub mod fixture;
-pub mod late;
 
 pub use mrroc_doubles::*;

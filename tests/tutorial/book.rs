@@ -4,8 +4,6 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 #[cfg(unix)]
-use mrroc_tests::late::{STARTS, is_late};
-
 use super::page::{Edit, Step, chapters, included, links, pages, read, root, shown, steps};
 use super::support::matches;
 
@@ -289,25 +287,14 @@ fn the_tutorial_works_word_for_word() {
     }
 }
 
-/// Whether a command ended well, and what it said. In real time this machine may be late: then it is tried again.
+/// Whether a command ended well, and what it said.
 #[cfg(unix)]
 fn run(command: &str, folder: &Path, target: &Path) -> (bool, String) {
-    let tries = if command.ends_with("--processes") { STARTS } else { 1 };
-    let mut last = None;
-    for _ in 0..tries {
-        let mut shell = Command::new("sh");
-        shell.args(["-c", command]).current_dir(folder).env("CARGO_TARGET_DIR", target);
-        let output = shell.env("CARGO_TERM_COLOR", "never").output().expect("a shell");
-        let said = [output.stdout, output.stderr].map(|said| String::from_utf8_lossy(&said).into_owned());
-        let success = output.status.success();
-        let said = said.concat();
-        let ended = success || !is_late(&said);
-        last = Some((success, said));
-        if ended {
-            break;
-        }
-    }
-    last.expect("it was tried")
+    let mut shell = Command::new("sh");
+    shell.args(["-c", command]).current_dir(folder).env("CARGO_TARGET_DIR", target);
+    let output = shell.env("CARGO_TERM_COLOR", "never").output().expect("a shell");
+    let said = [output.stdout, output.stderr].map(|said| String::from_utf8_lossy(&said).into_owned());
+    (output.status.success(), said.concat())
 }
 
 /// A command in a second terminal.
