@@ -48,16 +48,16 @@ instructions *ARGS:
 
 # What profiles and jerk-limited plans keep, for 256,000 random inputs of each kind.
 sweep-profiles:
-    MRROC_SWEEP=256000 cargo test --release -p mrroc-generators --test generators profile_properties
-    MRROC_SWEEP=256000 cargo test --release -p mrroc-generators --test generators jerk_properties
+    MRROC_SWEEP=256000 cargo test --release -p mrroc-generators --lib profile_properties
+    MRROC_SWEEP=256000 cargo test --release -p mrroc-generators --lib jerk_properties
 
 # Inverse kinematics of all robots, for 100,000 poses each; `cargo test` takes 10,000.
 test-inverse:
-    cargo test --release -p mrroc-robots --test robots -- inverse_returns urdf_inverse urdf_closed --nocapture
+    cargo test --release -p mrroc-robots --lib -- inverse_returns urdf_inverse urdf_closed --nocapture
 
 # The memory that a spline of ten million points takes; `cargo test` takes one million.
 test-memory:
-    cargo test --release -p mrroc-generators --test generators -- memory
+    cargo test --release -p mrroc-generators --lib -- memory
 
 # Kinematics beside KDL, Pinocchio and rs-opw-kinematics, motions beside KDL and Ruckig, all installed into target/peers.
 bench-peers:
@@ -105,7 +105,7 @@ maze-whole:
 
 # All mazes of a folder by each means, and by a ball that touches exactly, without an arm; such as contests' mazes, which are not in the tree.
 maze-sweep DIR:
-    MRROC_MAZES={{DIR}} cargo test --release -p mrroc-map --test touch -- --nocapture
+    MRROC_MAZES={{DIR}} cargo test --release -p mrroc-map --lib -- touch --nocapture
     cargo run --release -p maze -- --sweep {{DIR}}
     cargo run --release -p maze -- --sweep {{DIR}} --sensor force
     cargo run --release -p maze -- --sweep {{DIR}} --sensor camera
@@ -120,11 +120,11 @@ sorting-camera PARTS="500":
 # Two arms at one belt: so many parts at three arrival rates, each miss explained.
 sorting-two-arms PARTS="500":
     cargo run --release -p sorting -- --sensor camera --arms 2 --sweep {{PARTS}} --speeds 0.1
-    MRROC_LONG=1 cargo test --release -p sorting --test all -- two_arms --nocapture
+    MRROC_LONG=1 cargo test --release -p sorting --lib -- two_arms --nocapture
 
 # Parts on a belt below an ultrasonic matrix: recognition of others, faults, runs at three speeds; minutes.
 sorting-matrix:
-    MRROC_LONG=1 cargo test --release -p sorting --test all -- matrix --nocapture
+    MRROC_LONG=1 cargo test --release -p sorting --lib -- matrix --nocapture
     cargo run --release -p sorting -- --sensor ultrasonic --examine 2250
 
 # Trains the network of the sorting task's matrix anew; needs PyPI's numpy, scikit-learn and onnx.

@@ -46,3 +46,8 @@ pub mod rehearsal;
 pub mod teach;
 pub mod timing;
 pub mod via;
+
+// The files in `tests/` use this crate by its name, as its users do.
+#[cfg(test)]
+#[path = "../tests/main.rs"]
+mod usage;

@@ -1,6 +1,6 @@
 //! Curves against scipy, Pinocchio and KDL.
 
-use crate::reference::rows;
+use crate::usage::reference::rows;
 use mrroc::pose::Pose;
 use mrroc_generators::curve::*;
 use mrroc_generators::line::{LinePath, ToolPoint};

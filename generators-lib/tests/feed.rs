@@ -1,6 +1,6 @@
 //! The feed planner keeps its limits at and between samples, and its path at any feed rate.
 
-use crate::reference::*;
+use crate::usage::reference::*;
 use mrroc_generators::bspline::*;
 use mrroc_generators::feed::*;
 

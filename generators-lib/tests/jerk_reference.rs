@@ -1,6 +1,6 @@
 //! Jerk-limited plans against Ruckig's durations.
 
-use crate::reference::rows;
+use crate::usage::reference::rows;
 use mrroc_generators::jerk::*;
 use nalgebra::SVector;
 

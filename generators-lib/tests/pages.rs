@@ -271,7 +271,7 @@ fn presses() -> impl FnMut() -> Jogging {
 
 #[test]
 fn what_was_jogged_is_replayed_from_its_file() {
-    let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join("taught.txt");
+    let file = std::env::temp_dir().join("taught.txt");
     let drives = SimulatedIrp6::new(Irp6::nominal(), &start());
     let arm = RobotSetup::new("irp6", Irp6::nominal(), drives);
     let (to, end) = (file.clone(), Rc::new(RefCell::new(Pose::identity())));
@@ -298,7 +298,7 @@ fn what_was_jogged_is_replayed_from_its_file() {
 /// The arm is jogged along x until a joint would leave its limits, which ends the Move, the program and the cell.
 #[test]
 fn poses_that_were_taught_before_a_fault_are_in_their_file_and_more_can_be_added() {
-    let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join("taught_before_a_fault.txt");
+    let file = std::env::temp_dir().join("taught_before_a_fault.txt");
     drop(std::fs::remove_file(&file));
     let run = |begins: bool| {
         let drives = SimulatedIrp6::new(Irp6::nominal(), &start());

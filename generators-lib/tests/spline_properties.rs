@@ -1,6 +1,6 @@
 //! What every moving segment keeps, whatever the points.
 
-use crate::reference::*;
+use crate::usage::reference::*;
 use mrroc_generators::bspline::*;
 use nalgebra::{Matrix3, Vector3};
 use proptest::prelude::*;

@@ -1,6 +1,6 @@
 //! Splines against scipy, and against another implementation.
 
-use crate::reference::*;
+use crate::usage::reference::*;
 use mrroc_generators::bspline::*;
 
 /// Positions to 1e-9 of the size, derivatives to 1e-8 relative (of the largest met).

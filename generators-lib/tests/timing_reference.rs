@@ -1,6 +1,6 @@
 //! Time-optimal motion along paths, against TOPPRA's durations and within its limits.
 
-use crate::reference::rows;
+use crate::usage::reference::rows;
 use mrroc_generators::curve::{CubicSpline, SplineEnds};
 use mrroc_generators::profile::Profile;
 use mrroc_generators::timing::*;

@@ -53,3 +53,10 @@ mod wording;
 
 pub use film::Film;
 pub use plot::{Line, Plot};
+
+// The files in `tests/` use this crate by its name, as its users do.
+#[cfg(test)]
+extern crate self as mrroc_pictures;
+#[cfg(test)]
+#[path = "../tests/pictures/main.rs"]
+mod usage;

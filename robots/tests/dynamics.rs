@@ -10,7 +10,7 @@ use mrroc_robots::{
 };
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3, Vector6};
 
-use crate::support::Random;
+use crate::usage::support::Random;
 
 /// A base that stands nowhere in particular.
 fn base() -> Pose {

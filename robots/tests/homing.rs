@@ -9,7 +9,7 @@ use mrroc_robots::{
 };
 use nalgebra::SVector;
 
-use crate::support::{Random, engraving};
+use crate::usage::support::{Random, engraving};
 
 fn home<const N: usize, R: Driven<N>>(mut homing: Unhomed<R, N>) -> Result<Simulated<R, N>, DriveFault> {
     loop {

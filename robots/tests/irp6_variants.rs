@@ -5,7 +5,7 @@ use mrroc::robot::NoInverse;
 use mrroc_robots::{Five, Irp6, Irp6FiveDof, Irp6Track, Kinematics, Seven};
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 
-use crate::support::{Random, engraving};
+use crate::usage::support::{Random, engraving};
 
 const SEED: u64 = 9;
 

@@ -7,7 +7,7 @@ use mrroc::robot::NoInverse;
 use mrroc_robots::{Irp6, Kinematics, Six};
 use nalgebra::{Matrix3, Translation3, UnitQuaternion, Vector3};
 
-use crate::support::{Random, engraving};
+use crate::usage::support::{Random, engraving};
 
 const SEED: u64 = 20_061_973;
 

@@ -5,7 +5,7 @@ use mrroc::robot::NoInverse;
 use mrroc_robots::{Irp6, Irp6Track, Kinematics, Polycrank, Rnt, Seven, Six};
 use nalgebra::{Translation3, Vector3};
 
-use crate::support::{Random, engraving};
+use crate::usage::support::{Random, engraving};
 
 const SEED: u64 = 17;
 

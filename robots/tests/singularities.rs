@@ -5,7 +5,7 @@ use mrroc::prelude::*;
 use mrroc_robots::{Five, Irp6, Irp6FiveDof, Irp6Track, Kinematics, Polycrank, Rnt, Serial, Seven, Six};
 use nalgebra::{SVector, Translation3, UnitQuaternion, Vector3};
 
-use crate::support::{Random, engraving};
+use crate::usage::support::{Random, engraving};
 
 const SEED: u64 = 3;
 

@@ -4,7 +4,7 @@ use core::f64::consts::{FRAC_PI_2, PI};
 
 use mrroc_robots::{Irp6, Six};
 
-use crate::support::Random;
+use crate::usage::support::Random;
 
 const SEED: u64 = 5;
 

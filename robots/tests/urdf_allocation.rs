@@ -7,7 +7,7 @@ use mrroc_counting_allocator::{allocations, count};
 use mrroc_robots::{Kinematics, Serial};
 use nalgebra::SVector;
 
-use crate::support::Random;
+use crate::usage::support::Random;
 
 fn allocates_nothing<const N: usize>(arm: &str, base: &str, tip: &str) {
     let path = format!("{}/tests/reference/urdf/{arm}.urdf", env!("CARGO_MANIFEST_DIR"));

@@ -8,7 +8,7 @@ use mrroc::robot::NoInverse;
 use mrroc_robots::{Kinematics, Serial};
 use nalgebra::{SVector, Translation3, UnitQuaternion, Vector3};
 
-use crate::support::Random;
+use crate::usage::support::Random;
 
 const SEED: u64 = 20_131_207;
 

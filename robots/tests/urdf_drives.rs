@@ -6,7 +6,7 @@ use mrroc::robot::Driver;
 use mrroc_robots::{Driven, Serial, Simulated, UrdfError, driver_conformance};
 use nalgebra::{SVector, Vector2, Vector3};
 
-use crate::support::Random;
+use crate::usage::support::Random;
 
 const GRAVITY: f64 = 9.80665;
 

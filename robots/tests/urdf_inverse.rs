@@ -7,7 +7,7 @@ use mrroc::robot::NoInverse;
 use mrroc_robots::{Kinematics, Serial};
 use nalgebra::{SVector, Vector3};
 
-use crate::support::Random;
+use crate::usage::support::Random;
 
 const SEED: u64 = 20_140_522;
 

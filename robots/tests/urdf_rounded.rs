@@ -9,7 +9,7 @@ use mrroc_counting_allocator::count;
 use mrroc_robots::{Kinematics, Serial};
 use nalgebra::{SVector, Translation3, UnitQuaternion, Vector3};
 
-use crate::support::Random;
+use crate::usage::support::Random;
 
 const SEED: u64 = 15_707_963;
 const POSES: usize = 5_000;

@@ -1,5 +1,7 @@
 //! No allocation in a step once warm: counted over whole cells, whose processes are all of one thread.
 
+mod counting;
+
 use mrroc::prelude::*;
 use mrroc::sensor::VspMode;
 use mrroc_counting_allocator::allocations;

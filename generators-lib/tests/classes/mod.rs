@@ -10,7 +10,7 @@ fn the_table_in_the_documentation_is_that_of_the_code() {
     let documented = include_str!("../../classes.md");
     assert!(
         documented == table(),
-        "write it anew: cargo test -p mrroc-generators --test generators -- --ignored write_the_table_anew"
+        "write it anew: cargo test -p mrroc-generators --lib -- --ignored write_the_table_anew"
     );
 }
 

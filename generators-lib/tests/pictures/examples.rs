@@ -9,7 +9,7 @@ use mrroc_generators::conditions::{ConditionExt, all, any, elapsed, elapsed_sinc
 use nalgebra::Vector3;
 
 use super::sheet::{Chart, Paths, Sheet, Trace};
-use crate::examples::{
+use crate::usage::examples::{
     belt_in_the_background, conditions, force, jerk_limited_plan, spline_through_points, two_arms_carry,
     via_points,
 };

@@ -25,3 +25,10 @@ pub use generators::FollowCourse;
 pub use model::{DiffDrive, Two};
 pub use sensing::{Planar, Whereabouts};
 pub use simulation::{Floor, Rolling};
+
+// The files in `tests/` use this crate by its name, as its users do.
+#[cfg(test)]
+extern crate self as mrroc_wheels;
+#[cfg(test)]
+#[path = "../tests/main.rs"]
+mod usage;

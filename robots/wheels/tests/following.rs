@@ -7,7 +7,7 @@ use mrroc_wheels::simulation::{Chassis, Ground};
 use mrroc_wheels::{Course, DiffDrive, Planar, Two};
 use nalgebra::Vector2;
 
-use crate::bench::{LIMITS, followed};
+use crate::usage::bench::{LIMITS, followed};
 
 /// Around a room of a metre, and back to its start: 5 m with eleven corners.
 fn tour() -> Course {

@@ -12,7 +12,7 @@ use mrroc_wheels::simulation::{Floor, Ground};
 use mrroc_wheels::{Course, DiffDrive, Planar, Two, Whereabouts};
 use nalgebra::Vector2;
 
-use crate::bench::{ByWheels, Trace, Traced, run};
+use crate::usage::bench::{ByWheels, Trace, Traced, run};
 
 /// Side of the square \[m\].
 const SIDE: f64 = 1.0;

@@ -70,3 +70,10 @@ pub use postures::{NoPostures, Postures, Told, Wanted};
 pub use problem::{ArmId, Compliance, FrameId, Freedom, InstrumentId, Noise, PostureId, Problem, TargetId};
 pub use rnt::RntArm;
 pub use touches::{TouchedBase, Touches, WrongTouches};
+
+// The files in `tests/` use this crate by its name, as its users do.
+#[cfg(test)]
+extern crate self as mrroc_calibration;
+#[cfg(test)]
+#[path = "../tests/main.rs"]
+mod usage;

@@ -2,7 +2,7 @@
 
 use mrroc_calibration::*;
 
-use crate::case::{Case, Stated};
+use crate::usage::case::{Case, Stated};
 
 fn cases() -> Vec<(String, Case)> {
     let text = include_str!("reference/fits.json");

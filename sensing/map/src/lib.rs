@@ -48,3 +48,10 @@ pub use shortest::{Inflated, Region};
 pub use spacing::spacing;
 pub use taut::{Piece, Taut};
 pub use walls::{Place, Wall, Walls};
+
+// The files in `tests/` use this crate by its name, as its users do.
+#[cfg(test)]
+extern crate self as mrroc_map;
+#[cfg(test)]
+#[path = "../tests/main.rs"]
+mod usage;

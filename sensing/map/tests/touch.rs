@@ -1,6 +1,6 @@
 //! A point that feels walls exactly, with its ball's radius, finds the exit of mazes by map and planner: no robot, no runtime.
 //!
-//! `MRROC_MAZES=DIR cargo test --release -p mrroc-map --test touch -- --nocapture` runs all mazes of a folder instead of a few by
+//! `MRROC_MAZES=DIR cargo test --release -p mrroc-map --lib -- touch --nocapture` runs all mazes of a folder instead of a few by
 //! chance, and prints figures by which planners can be compared within a minute.
 
 use std::path::Path;

@@ -38,3 +38,10 @@ pub mod simulated;
 pub mod ultrasound;
 pub mod view;
 pub mod virtual_sensors;
+
+// The files in `tests/` use this crate by its name, as its users do.
+#[cfg(test)]
+extern crate self as mrroc_sensors;
+#[cfg(test)]
+#[path = "../tests/main.rs"]
+mod usage;

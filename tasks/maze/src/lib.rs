@@ -31,3 +31,10 @@ use mrroc::prelude::*;
 pub fn file() -> Result<CellFile, CellFileError> {
     CellFile::parse("cell.toml", include_str!("../cell.toml"))
 }
+
+// The files in `tests/` use this crate by its name, as its users do.
+#[cfg(test)]
+extern crate self as maze;
+#[cfg(test)]
+#[path = "../tests/main.rs"]
+mod usage;

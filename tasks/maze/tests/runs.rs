@@ -11,7 +11,7 @@ use mrroc_map::Layout;
 use mrroc_robots::Irp6;
 use nalgebra::{Point3, Vector3};
 
-use crate::camera::START;
+use crate::usage::camera::START;
 
 fn shipped() -> Vec<(String, Layout)> {
     [("islands", include_str!("../mazes/islands.txt")), ("comb", include_str!("../mazes/comb.txt"))]

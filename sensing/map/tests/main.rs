@@ -1,0 +1,4 @@
+//! Shortest ways, and mazes by touches, as users of this crate have them.
+
+mod shortest;
+mod touch;
