@@ -9,6 +9,7 @@
 //! | [`rtde`] | the protocol: packages, types, values, for both ends |
 //! | [`State`], [`SetPoint`], [`Script`] | what the controller tells, what its script is told, the script |
 //! | [`Wire`], [`Sockets`] | how a controller is reached |
+//! | [`Network`], [`Connections`] | the same over any network with a clock |
 //! | [`Ur`] | the drives |
 //! | [`UrModel`] | the arms |
 //! | [`payload`] | what the arm carries |
@@ -50,4 +51,7 @@ pub use script::{Ended, Script};
 pub use set_point::{Ask, SET_POINT_BYTES, SetPoint};
 pub use state::{Program, RECIPE, RobotMode, Safety, State, check_offers, recipe_names};
 pub use stop::Connected;
-pub use wire::{Heard, Job, JobState, Lost, Ports, Sockets, Wire};
+pub use wire::{
+    Connection, Connections, Heard, Job, JobState, Listener, Lost, Network, Ports, Received, Sockets, Tcp,
+    TcpCall, TcpConnection, TcpPort, Wire,
+};

@@ -2,12 +2,15 @@
 //!
 //! In: set-points, the script, commands of an operator's reset. Out: the controller's state in every period. Nothing here
 //! waits but [`Wire::connect`], [`Wire::calibration`] and [`Wire::wait`], which are called while the cell does not run. [`Sockets`] are the real
-//! ones; a controller in the same process, under the virtual clock, is another.
+//! ones: [`Connections`] over [`Tcp`]. Over another [`Network`] they reach a model of a controller in the same process, under a clock of
+//! its own; another `Wire` may do so without any protocol but RTDE's and the script's.
 
+mod connections;
 mod dashboard;
+mod network;
 mod primary;
 mod rtde;
-mod sockets;
+mod running;
 
 use core::time::Duration;
 
@@ -17,7 +20,8 @@ use crate::set_point::SetPoint;
 use crate::state::State;
 use crate::stop::Connected;
 
-pub use sockets::{Ports, Sockets};
+pub use connections::{Connections, Ports, Sockets};
+pub use network::{Connection, Listener, Network, Received, Tcp, TcpCall, TcpConnection, TcpPort};
 
 /// A state, and how long it has been here.
 #[derive(Clone, Copy, Debug, PartialEq)]

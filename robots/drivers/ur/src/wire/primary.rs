@@ -1,39 +1,54 @@
 //! The calibration, from the primary interface: the controller tells it to whoever calls.
+//!
+//! In: the time, and the messages that come. Out: the calibration. Nothing here has a clock or a socket.
 
-#![expect(clippy::disallowed_methods, reason = "a controller is waited for before the cell runs")]
+use core::time::Duration;
 
-use std::net::SocketAddr;
-use std::time::{Duration, Instant};
-
-use mrroc_driver_kit::{Cutting, Line};
+use mrroc_driver_kit::Cutting;
 
 use super::Lost;
 use crate::calibration::Calibration;
 use crate::primary::{calibration, message_length};
 
 /// How long a controller may take to answer the call, and then to tell it.
-const PATIENCE: Duration = Duration::from_secs(2);
+pub(super) const PATIENCE: Duration = Duration::from_secs(2);
 
-/// Calls the controller, and waits for the message that has it.
-pub(super) fn read(address: SocketAddr) -> Result<Calibration, Lost> {
-    let line = Line::call(address, PATIENCE, |bytes| match message_length(bytes) {
+/// Nobody has answered the call.
+pub(super) const ABSENT: Lost = Lost("nobody answers at its primary interface: is it switched on?");
+
+/// How the stream is cut into messages.
+pub(super) fn cut(bytes: &[u8]) -> Cutting {
+    match message_length(bytes) {
         Ok(Some(length)) => Cutting::Frame(length),
         Ok(None) => Cutting::More,
         Err(_) => Cutting::Bad,
-    });
-    let mut line = line.map_err(|_| Lost("nobody answers at its primary interface: is it switched on?"))?;
-    let until = Instant::now() + PATIENCE;
-    loop {
-        // What came before the end of the line is read, too.
-        let is_open = line.is_open();
-        while let Some(frame) = line.oldest() {
-            if let Some(calibration) = calibration(frame.bytes()) {
-                return Ok(calibration);
-            }
+    }
+}
+
+/// The calibration of a controller that was called; it is waited for until this time.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Reading(Duration);
+
+impl Reading {
+    /// From now on.
+    pub(super) fn new(now: Duration) -> Reading {
+        Reading(now + PATIENCE)
+    }
+
+    /// The calibration, if this message has it. What came before the end of the connection is read, too.
+    ///
+    /// # Errors
+    /// It is told no more.
+    pub(super) fn poll(
+        &self,
+        now: Duration,
+        message: Option<&[u8]>,
+        is_open: bool,
+    ) -> Result<Option<Calibration>, Lost> {
+        match message {
+            Some(message) => Ok(calibration(message)),
+            None if is_open && now <= self.0 => Ok(None),
+            None => Err(Lost("the controller does not tell its calibration at its primary interface")),
         }
-        if !is_open || Instant::now() > until {
-            return Err(Lost("the controller does not tell its calibration at its primary interface"));
-        }
-        std::thread::sleep(Duration::from_micros(200));
     }
 }

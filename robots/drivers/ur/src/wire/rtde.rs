@@ -1,10 +1,10 @@
 //! The negotiation of RTDE, which ends with the first state.
+//!
+//! In: the time, and the packages that come. Out: the next request, and what has been agreed on. Nothing here has a clock or a socket.
 
-#![expect(clippy::disallowed_methods, reason = "a controller is waited for before the cell runs")]
+use core::time::Duration;
 
-use std::time::{Duration, Instant};
-
-use mrroc_driver_kit::{Cutting, Line};
+use mrroc_driver_kit::Cutting;
 
 use super::Lost;
 use crate::outputs::{Group, Groups};
@@ -15,7 +15,7 @@ use crate::state::{State, check_offers, recipe_names};
 const FREQUENCY: f64 = 500.0;
 
 /// How long a controller may take for an answer.
-const ANSWER: Duration = Duration::from_secs(2);
+pub(super) const ANSWER: Duration = Duration::from_secs(2);
 
 /// How the stream is cut into packages.
 pub(super) fn cut(bytes: &[u8]) -> Cutting {
@@ -27,6 +27,7 @@ pub(super) fn cut(bytes: &[u8]) -> Cutting {
 }
 
 /// What has been agreed on.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Negotiated {
     /// The number of the recipe of a [`State`].
     pub recipe: u8,
@@ -36,50 +37,116 @@ pub(super) struct Negotiated {
     pub state: State,
 }
 
-/// Asks for the fields of a [`State`], for those by which outputs of some groups are switched, and starts them.
-pub(super) fn negotiate(line: &mut Line, switches: Groups) -> Result<Negotiated, Lost> {
-    ask(line, &Request::Version(VERSION))?;
-    match wait(line, |answer| if let Answer::Version(yes) = answer { Some(*yes) } else { None })? {
-        true => {}
-        false => return Err(Lost("the controller does not speak RTDE 2: its software is older than 3.4")),
-    }
-    ask(line, &Request::Outputs { frequency: FREQUENCY, names: &recipe_names() })?;
-    let offered = wait(line, |answer| match answer {
-        Answer::Outputs { recipe, offers } => Some((*recipe, Answer::offers(offers))),
-        _ => None,
-    })?;
-    let (recipe, Some(offers)) = offered else {
-        return Err(Lost("the controller answers with types of RTDE that are not known here"));
-    };
-    check_offers(&offers).map_err(|field| match field {
-        "actual_TCP_force" => Lost("the controller has no field `actual_TCP_force` of RTDE"),
-        "safety_status_bits" => Lost("the controller has no field `safety_status_bits` of RTDE"),
-        _ => Lost("the controller lacks a field of RTDE, or has another type for it"),
-    })?;
-    let mut written = [None; 2];
-    for (recipe, group) in written.iter_mut().zip(Group::ALL) {
-        if switches.has(group) {
-            *recipe = Some(negotiate_outputs(line, group)?);
-        }
-    }
-    ask(line, &Request::Start)?;
-    match wait(line, |answer| if let Answer::Started(yes) = answer { Some(*yes) } else { None })? {
-        true => {}
-        false => return Err(Lost("the controller does not start its outputs")),
-    }
-    let state = wait(line, |answer| state_of(answer, recipe))?;
-    Ok(Negotiated { recipe, written, state })
+/// Which answer is waited for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Awaited {
+    Version,
+    Outputs,
+    /// The fields by which outputs of this group are switched.
+    Inputs(Group),
+    Started,
+    State,
 }
 
-/// Asks for the fields by which outputs of a group are switched: the number of their recipe.
-fn negotiate_outputs(line: &mut Line, group: Group) -> Result<u8, Lost> {
-    ask(line, &Request::Inputs { names: group.names() })?;
-    let offered = wait(line, |answer| match answer {
-        Answer::Inputs { recipe, offers } => Some((*recipe, Answer::offers(offers))),
-        _ => None,
-    })?;
-    group.check(&offered.1.unwrap_or_default()).map_err(Lost)?;
-    Ok(offered.0)
+/// Asks for the fields of a [`State`], for those by which outputs of some groups are switched, and starts them.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Negotiation {
+    switches: Groups,
+    awaited: Awaited,
+    until: Duration,
+    recipe: u8,
+    written: [Option<u8>; 2],
+}
+
+impl Negotiation {
+    /// Begins with a controller that was called, and appends the first request.
+    pub(super) fn begin(now: Duration, switches: Groups, requests: &mut Vec<u8>) -> Negotiation {
+        Request::Version(VERSION).write(requests);
+        let (awaited, until) = (Awaited::Version, now + ANSWER);
+        Negotiation { switches, awaited, until, recipe: 0, written: [None; 2] }
+    }
+
+    /// Goes on at this time, with a package if one has come, and appends the next request, if there is one.
+    ///
+    /// # Errors
+    /// The controller does not answer, has closed the connection, or does not agree.
+    pub(super) fn poll(
+        &mut self,
+        now: Duration,
+        package: Option<&[u8]>,
+        is_open: bool,
+        requests: &mut Vec<u8>,
+    ) -> Result<Option<Negotiated>, Lost> {
+        let Some(package) = package else {
+            return match (is_open, now > self.until) {
+                (false, _) => Err(CLOSED),
+                (true, true) => Err(Lost("the controller does not answer on RTDE")),
+                (true, false) => Ok(None),
+            };
+        };
+        // What is none, or nothing that is wanted, is passed over.
+        let Ok(Some((package, _))) = Package::first(package) else { return Ok(None) };
+        let Some(answer) = Answer::read(&package) else { return Ok(None) };
+        let before = self.awaited;
+        let negotiated = self.hear(&answer, requests)?;
+        if self.awaited != before {
+            self.until = now + ANSWER;
+        }
+        Ok(negotiated)
+    }
+
+    fn hear(&mut self, answer: &Answer<'_>, requests: &mut Vec<u8>) -> Result<Option<Negotiated>, Lost> {
+        match (self.awaited, answer) {
+            (Awaited::Version, Answer::Version(false)) => {
+                return Err(Lost("the controller does not speak RTDE 2: its software is older than 3.4"));
+            }
+            (Awaited::Version, Answer::Version(true)) => {
+                Request::Outputs { frequency: FREQUENCY, names: &recipe_names() }.write(requests);
+                self.awaited = Awaited::Outputs;
+            }
+            (Awaited::Outputs, Answer::Outputs { recipe, offers }) => {
+                let offers = Answer::offers(offers);
+                let offers = offers
+                    .ok_or(Lost("the controller answers with types of RTDE that are not known here"))?;
+                check_offers(&offers).map_err(|field| match field {
+                    "actual_TCP_force" => Lost("the controller has no field `actual_TCP_force` of RTDE"),
+                    "safety_status_bits" => Lost("the controller has no field `safety_status_bits` of RTDE"),
+                    _ => Lost("the controller lacks a field of RTDE, or has another type for it"),
+                })?;
+                self.recipe = *recipe;
+                self.ask_for_inputs(0, requests);
+            }
+            (Awaited::Inputs(group), Answer::Inputs { recipe, offers }) => {
+                group.check(&Answer::offers(offers).unwrap_or_default()).map_err(Lost)?;
+                self.written[group as usize] = Some(*recipe);
+                self.ask_for_inputs(group as usize + 1, requests);
+            }
+            (Awaited::Started, Answer::Started(false)) => {
+                return Err(Lost("the controller does not start its outputs"));
+            }
+            (Awaited::Started, Answer::Started(true)) => self.awaited = Awaited::State,
+            (Awaited::State, answer) => {
+                let (recipe, written) = (self.recipe, self.written);
+                return Ok(state_of(answer, recipe).map(|state| Negotiated { recipe, written, state }));
+            }
+            _ => {}
+        }
+        Ok(None)
+    }
+
+    /// Asks for the fields of the next group from this place on, or starts where there is none.
+    fn ask_for_inputs(&mut self, from: usize, requests: &mut Vec<u8>) {
+        match Group::ALL.into_iter().skip(from).find(|group| self.switches.has(*group)) {
+            Some(group) => {
+                Request::Inputs { names: group.names() }.write(requests);
+                self.awaited = Awaited::Inputs(group);
+            }
+            None => {
+                Request::Start.write(requests);
+                self.awaited = Awaited::Started;
+            }
+        }
+    }
 }
 
 /// The state of a package with data of this recipe.
@@ -90,32 +157,5 @@ pub(super) fn state_of(answer: &Answer<'_>, of: u8) -> Option<State> {
     }
 }
 
-fn ask(line: &Line, request: &Request<'_>) -> Result<(), Lost> {
-    let mut bytes = Vec::new();
-    request.write(&mut bytes);
-    line.send(&bytes).map_err(|_| Lost("the controller has closed its RTDE"))
-}
-
-/// The first answer of which something is wanted.
-fn wait<T>(line: &mut Line, wanted: impl Fn(&Answer<'_>) -> Option<T>) -> Result<T, Lost> {
-    let until = Instant::now() + ANSWER;
-    loop {
-        while let Some(frame) = line.oldest() {
-            let package = Package::first(frame.bytes());
-            let found = match package {
-                Ok(Some((package, _))) => Answer::read(&package).as_ref().and_then(&wanted),
-                Ok(None) | Err(_) => None,
-            };
-            if let Some(found) = found {
-                return Ok(found);
-            }
-        }
-        if !line.is_open() {
-            return Err(Lost("the controller has closed its RTDE"));
-        }
-        if Instant::now() > until {
-            return Err(Lost("the controller does not answer on RTDE"));
-        }
-        std::thread::sleep(Duration::from_micros(200));
-    }
-}
+/// The connection has ended.
+pub(super) const CLOSED: Lost = Lost("the controller has closed its RTDE");
