@@ -9,9 +9,10 @@ use mrroc::robot::{DriveFault, Driver};
 use mrroc_robots::{Serial, Six};
 use mrroc_ur::outputs::Groups;
 use mrroc_ur::{
-    Calibration, Connected, Ended, Job, JobState, Ports, SetPoint, Sockets, Ur, UrModel, UrSettings, Wire,
+    Calibration, Connected, Ended, Job, JobState, Ports, Script, SetPoint, Sockets, Ur, UrModel, UrSettings,
+    Wire,
 };
-use mrroc_ur_controller::Server;
+use mrroc_ur_controller::{Press, Server};
 
 /// How long either end waits for the other one.
 const PATIENCE: Duration = Duration::from_secs(5);
@@ -95,4 +96,28 @@ fn fault_90_a_socket_that_takes_no_more_set_points_is_told_as_communication_lost
     while wire.tell(&message) {}
     assert_eq!(wire.script(), Connected::Ended(Some(Ended::Timeout)));
     drop(deaf);
+}
+
+#[test]
+fn a_program_node_asks_for_the_script_over_sockets() {
+    let (server, settings) = served();
+    let any = SocketAddr::new(settings.robot, 0);
+    let mut wire = Sockets::new(settings.robot, settings.listen, settings.ports).asked_at(Some(any));
+    wire.connect(Groups::NONE).expect("it answers");
+    let node = wire.node().expect("it listens");
+    wire.begin(Job::Offer(Script::new(wire.reverse(), 9.0).node_text()));
+    server.with(move |controller| {
+        controller.press(Press::TakeOver);
+        controller.set_external_control(node);
+        controller.press(Press::Play);
+    });
+    let state = loop {
+        while wire.heard(Duration::ZERO).expect("it is connected").is_some() {}
+        match wire.job() {
+            JobState::Busy => std::thread::sleep(LOOK),
+            state => break state,
+        }
+    };
+    assert_eq!((state, wire.script()), (JobState::Done, Connected::Yes));
+    assert_eq!(server.with(|controller| controller.runs()), Some(true));
 }
