@@ -57,4 +57,4 @@ pub use pipe::Pipe;
 pub use server::{Listening, Server};
 pub use service::Interface;
 pub use session::Session;
-pub use virtual_network::{Takes, VirtualConnection, VirtualNetwork, VirtualPort};
+pub use virtual_network::{OnCall, VirtualConnection, VirtualNetwork, VirtualPort};

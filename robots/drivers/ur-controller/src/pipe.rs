@@ -16,13 +16,13 @@ pub(crate) type Clock = Rc<core::cell::Cell<Duration>>;
 
 /// What goes one way.
 #[derive(Debug, Default)]
-struct Way {
+struct Direction {
     /// Each with when it came.
     bytes: VecDeque<(Duration, u8)>,
     is_closed: bool,
 }
 
-type Shared = Rc<RefCell<Way>>;
+type Shared = Rc<RefCell<Direction>>;
 
 /// One end of a connection, which is closed when it is let go.
 #[derive(Debug)]
@@ -50,8 +50,8 @@ impl Pipe {
     }
 
     /// Its connection, to see whether it is open.
-    pub(crate) fn seen(&self) -> Seen {
-        Seen(Rc::clone(&self.comes))
+    pub(crate) fn status(&self) -> Status {
+        Status(Rc::clone(&self.comes))
     }
 
     /// The time.
@@ -81,9 +81,9 @@ impl Pipe {
 
 /// Whether a connection is open, for who has no end of it.
 #[derive(Debug)]
-pub(crate) struct Seen(Shared);
+pub(crate) struct Status(Shared);
 
-impl Seen {
+impl Status {
     pub(crate) fn is_open(&self) -> bool {
         !self.0.borrow().is_closed
     }

@@ -14,47 +14,47 @@ use mrroc_driver_kit::{Cut, Cutting, MAX_FRAME, Refused};
 use mrroc_ur::{Connection, Listener, Network, PERIOD, Ports, Received};
 
 use crate::controller::Controller;
-use crate::pipe::{Clock, Pipe, Seen};
+use crate::pipe::{Clock, Pipe, Status};
 use crate::service::{self, Interface, Service};
 
 /// The first port that is given where 0 is asked for.
 const FIRST_PORT: u16 = 50001;
 
-/// How an interface of the controller takes calls.
+/// How an interface of the controller answers calls.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Takes {
-    /// As it should.
-    Calls,
-    /// Nobody is there.
-    Nothing,
-    /// It is connected, and says nothing.
-    Silently,
+pub enum OnCall {
+    /// It answers them and serves the caller.
+    Serve,
+    /// It refuses them: nobody is there.
+    Refuse,
+    /// It takes the connection, and says nothing.
+    StaySilent,
 }
 
 /// What listens to calls of the controller.
 #[derive(Debug)]
-struct Heard {
+struct OpenPort {
     at: SocketAddr,
     waiting: VecDeque<Pipe>,
     /// The connection that it has, if it is open.
-    one: Option<Seen>,
+    one: Option<Status>,
     second: u64,
 }
 
 /// The connections that are not accepted yet.
 #[derive(Debug)]
-struct Wires {
+struct Pending {
     clock: Clock,
-    takes: [Takes; 4],
+    on_call: [OnCall; 4],
     calls: [VecDeque<Pipe>; 4],
-    listeners: Vec<Heard>,
+    listeners: Vec<OpenPort>,
     /// Ends to which nobody listens.
     kept: Vec<Pipe>,
     next_port: u16,
 }
 
 /// The controller, and what it serves.
-struct Site {
+struct Served {
     controller: Controller,
     service: Service<Interfaces>,
     next: Duration,
@@ -78,8 +78,8 @@ struct Site {
 #[derive(Clone)]
 pub struct VirtualNetwork {
     clock: Clock,
-    wires: Rc<RefCell<Wires>>,
-    site: Rc<RefCell<Site>>,
+    pending: Rc<RefCell<Pending>>,
+    served: Rc<RefCell<Served>>,
 }
 
 impl core::fmt::Debug for VirtualNetwork {
@@ -96,24 +96,24 @@ impl VirtualNetwork {
     #[must_use]
     pub fn new(controller: Controller) -> VirtualNetwork {
         let clock = Clock::default();
-        let wires = Rc::new(RefCell::new(Wires {
+        let pending = Rc::new(RefCell::new(Pending {
             clock: Rc::clone(&clock),
-            takes: [Takes::Calls; 4],
+            on_call: [OnCall::Serve; 4],
             calls: Default::default(),
             listeners: Vec::new(),
             kept: Vec::new(),
             next_port: FIRST_PORT,
         }));
-        let service = Service::new(Interfaces(Rc::clone(&wires)));
-        let site = Rc::new(RefCell::new(Site { controller, service, next: Duration::ZERO }));
-        VirtualNetwork { clock, wires, site }
+        let service = Service::new(Interfaces(Rc::clone(&pending)));
+        let served = Rc::new(RefCell::new(Served { controller, service, next: Duration::ZERO }));
+        VirtualNetwork { clock, pending, served }
     }
 
     /// Lets so much time pass.
     pub fn pass(&self, time: Duration) {
         let until = self.clock.get() + time;
-        let mut site = self.site.borrow_mut();
-        let Site { controller, service, next } = &mut *site;
+        let mut served = self.served.borrow_mut();
+        let Served { controller, service, next } = &mut *served;
         while *next <= until {
             self.clock.set(*next);
             service.period(controller, &mut |_| {});
@@ -124,44 +124,44 @@ impl VirtualNetwork {
 
     /// Looks at the controller between two periods, or presses something.
     pub fn with<T>(&self, look: impl FnOnce(&mut Controller) -> T) -> T {
-        look(&mut self.site.borrow_mut().controller)
+        look(&mut self.served.borrow_mut().controller)
     }
 
-    /// How an interface takes calls from now on.
-    pub fn set(&self, interface: Interface, takes: Takes) {
-        self.wires.borrow_mut().takes[interface as usize] = takes;
+    /// How an interface answers calls from now on.
+    pub fn set(&self, interface: Interface, on_call: OnCall) {
+        self.pending.borrow_mut().on_call[interface as usize] = on_call;
     }
 
     /// Closes all connections, as a controller does that is switched off; who calls again is answered.
     pub fn cut(&self) {
-        self.site.borrow_mut().service = Service::new(Interfaces(Rc::clone(&self.wires)));
+        self.served.borrow_mut().service = Service::new(Interfaces(Rc::clone(&self.pending)));
     }
 
     /// Calls this machine as the controller does: the other end's connection, where somebody listens at this address.
     #[must_use]
     pub fn call_from_robot(&self, to: SocketAddr) -> Option<Pipe> {
-        self.wires.borrow_mut().call(to)
+        self.pending.borrow_mut().call(to)
     }
 }
 
-impl Wires {
+impl Pending {
     /// Calls a listener, which takes one connection at a time.
     fn call(&mut self, to: SocketAddr) -> Option<Pipe> {
         let clock = Rc::clone(&self.clock);
-        let heard = self.listeners.iter_mut().find(|heard| heard.at == to)?;
+        let port = self.listeners.iter_mut().find(|port| port.at == to)?;
         let [here, there] = Pipe::pair(&clock);
-        if heard.one.as_ref().is_some_and(Seen::is_open) {
-            heard.second += 1;
+        if port.one.as_ref().is_some_and(Status::is_open) {
+            port.second += 1;
         } else {
-            heard.one = Some(there.seen());
-            heard.waiting.push_back(there);
+            port.one = Some(there.status());
+            port.waiting.push_back(there);
         }
         Some(here)
     }
 }
 
 /// The controller's end of the network.
-struct Interfaces(Rc<RefCell<Wires>>);
+struct Interfaces(Rc<RefCell<Pending>>);
 
 impl service::Network for Interfaces {
     type Stream = Pipe;
@@ -222,12 +222,12 @@ impl Connection for VirtualConnection {
 pub struct VirtualPort {
     at: SocketAddr,
     cut: Cut,
-    wires: Rc<RefCell<Wires>>,
+    pending: Rc<RefCell<Pending>>,
 }
 
 impl Drop for VirtualPort {
     fn drop(&mut self) {
-        self.wires.borrow_mut().listeners.retain(|heard| heard.at != self.at);
+        self.pending.borrow_mut().listeners.retain(|port| port.at != self.at);
     }
 }
 
@@ -239,15 +239,15 @@ impl Listener for VirtualPort {
     }
 
     fn accept(&mut self) -> Option<VirtualConnection> {
-        let mut wires = self.wires.borrow_mut();
-        let heard = wires.listeners.iter_mut().find(|heard| heard.at == self.at)?;
-        let pipe = heard.waiting.pop_front()?;
+        let mut pending = self.pending.borrow_mut();
+        let port = pending.listeners.iter_mut().find(|port| port.at == self.at)?;
+        let pipe = port.waiting.pop_front()?;
         Some(VirtualConnection { pipe, cut: self.cut, frame: Vec::new() })
     }
 
     fn refused(&self) -> Refused {
-        let wires = self.wires.borrow();
-        let second = wires.listeners.iter().find(|heard| heard.at == self.at).map_or(0, |heard| heard.second);
+        let pending = self.pending.borrow();
+        let second = pending.listeners.iter().find(|port| port.at == self.at).map_or(0, |port| port.second);
         Refused { second, ..Refused::default() }
     }
 }
@@ -270,12 +270,12 @@ impl Network for VirtualNetwork {
             port if port == rtde => Interface::Rtde,
             _ => return Some(Err(ErrorKind::ConnectionRefused.into())),
         };
-        let mut wires = self.wires.borrow_mut();
+        let mut pending = self.pending.borrow_mut();
         let [pipe, there] = Pipe::pair(&self.clock);
-        match wires.takes[interface as usize] {
-            Takes::Nothing => return Some(Err(ErrorKind::ConnectionRefused.into())),
-            Takes::Silently => wires.kept.push(there),
-            Takes::Calls => wires.calls[interface as usize].push_back(there),
+        match pending.on_call[interface as usize] {
+            OnCall::Refuse => return Some(Err(ErrorKind::ConnectionRefused.into())),
+            OnCall::StaySilent => pending.kept.push(there),
+            OnCall::Serve => pending.calls[interface as usize].push_back(there),
         }
         Some(Ok(VirtualConnection { pipe, cut, frame: Vec::new() }))
     }
@@ -285,19 +285,19 @@ impl Network for VirtualNetwork {
     }
 
     fn listen(&mut self, at: SocketAddr, _: IpAddr, cut: Cut) -> io::Result<VirtualPort> {
-        let mut wires = self.wires.borrow_mut();
+        let mut pending = self.pending.borrow_mut();
         let at = match at.port() {
             0 => {
-                wires.next_port += 1;
-                SocketAddr::new(at.ip(), wires.next_port - 1)
+                pending.next_port += 1;
+                SocketAddr::new(at.ip(), pending.next_port - 1)
             }
             _ => at,
         };
-        if wires.listeners.iter().any(|heard| heard.at == at) {
+        if pending.listeners.iter().any(|port| port.at == at) {
             return Err(ErrorKind::AddrInUse.into());
         }
-        wires.listeners.push(Heard { at, waiting: VecDeque::new(), one: None, second: 0 });
-        Ok(VirtualPort { at, cut, wires: Rc::clone(&self.wires) })
+        pending.listeners.push(OpenPort { at, waiting: VecDeque::new(), one: None, second: 0 });
+        Ok(VirtualPort { at, cut, pending: Rc::clone(&self.pending) })
     }
 
     fn wait(&mut self, time: Duration) {

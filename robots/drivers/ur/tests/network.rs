@@ -11,7 +11,7 @@ use mrroc_ur::{
     Calibration, Connected, Connections, Ended, Job, JobState, Lost, Network, PERIOD, Ports, Script,
     SetPoint, Ur, UrModel, UrSettings, Wire,
 };
-use mrroc_ur_controller::{Controller, Interface, Press, Takes, VirtualNetwork};
+use mrroc_ur_controller::{Controller, Interface, OnCall, Press, VirtualNetwork};
 
 /// Drives for the arm of a UR5e.
 type Drives = Ur<Connections<VirtualNetwork>>;
@@ -192,11 +192,11 @@ fn the_calibration_is_read_from_the_primary_interface_before_anything_is_open() 
     assert_eq!(told(&mut ur), (UrModel::Ur5e, calibration(0.0)));
     network.with(|controller| controller.calibrate(&calibration(1e-3)).expect("a UR5e"));
     assert_eq!(told(&mut ur), (UrModel::Ur5e, calibration(1e-3)));
-    for (takes, says, time) in [
-        (Takes::Nothing, "nobody answers at its primary interface", Duration::ZERO),
-        (Takes::Silently, "does not tell its calibration", Duration::from_secs(2) + LOOK),
+    for (on_call, says, time) in [
+        (OnCall::Refuse, "nobody answers at its primary interface", Duration::ZERO),
+        (OnCall::StaySilent, "does not tell its calibration", Duration::from_secs(2) + LOOK),
     ] {
-        network.set(Interface::Primary, takes);
+        network.set(Interface::Primary, on_call);
         let before = network.now();
         let lost = edp(&mut ur).calibration().expect_err("it does not tell it");
         assert!(lost.to_string().contains(says), "{lost}");
@@ -219,12 +219,12 @@ fn fault_110_an_arm_with_another_calibration_than_its_cell_is_not_opened() {
 
 #[test]
 fn a_controller_that_is_not_there_or_says_nothing_is_told() {
-    for (takes, says, time) in [
-        (Takes::Nothing, "nobody answers at its address", Duration::ZERO),
-        (Takes::Silently, "the controller does not answer on RTDE", Duration::from_secs(2) + LOOK),
+    for (on_call, says, time) in [
+        (OnCall::Refuse, "nobody answers at its address", Duration::ZERO),
+        (OnCall::StaySilent, "the controller does not answer on RTDE", Duration::from_secs(2) + LOOK),
     ] {
         let network = network();
-        network.set(Interface::Rtde, takes);
+        network.set(Interface::Rtde, on_call);
         let lost = edp(&mut drives(&network, settings())).open().expect_err("nobody is there");
         assert!(lost.to_string().contains(says), "{lost}");
         assert_eq!(network.now(), time);
@@ -274,24 +274,24 @@ fn fault_90_a_network_that_takes_no_more_set_points_is_told_as_communication_los
 
 #[test]
 fn a_script_is_sent_whatever_becomes_of_the_dashboard_and_waited_for_for_5_s() {
-    for (takes, time) in [
-        (Takes::Calls, STARTS),
+    for (on_call, time) in [
+        (OnCall::Serve, STARTS),
         // PolyScope X has none.
-        (Takes::Nothing, PERIOD),
-        (Takes::Silently, Duration::from_secs(2) + PERIOD),
+        (OnCall::Refuse, PERIOD),
+        (OnCall::StaySilent, Duration::from_secs(2) + PERIOD),
     ] {
         let (network, mut wire) = connected();
-        network.set(Interface::Dashboard, takes);
+        network.set(Interface::Dashboard, on_call);
         let job = script(&wire);
-        assert_eq!(done(&network, &mut wire, job), (JobState::Done, time), "{takes:?}");
+        assert_eq!(done(&network, &mut wire, job), (JobState::Done, time), "{on_call:?}");
         assert_eq!(wire.script(), Connected::Yes);
     }
     let (network, mut wire) = connected();
-    network.set(Interface::Secondary, Takes::Nothing);
+    network.set(Interface::Secondary, OnCall::Refuse);
     let job = script(&wire);
     let refused = JobState::Refused("the controller takes no script at its secondary interface");
     assert_eq!(done(&network, &mut wire, job), (refused, 2 * PERIOD));
-    network.set(Interface::Secondary, Takes::Silently);
+    network.set(Interface::Secondary, OnCall::StaySilent);
     let job = script(&wire);
     let late = JobState::Refused("the script was sent, and does not call this machine");
     assert_eq!(done(&network, &mut wire, job), (late, Duration::from_secs(5) + PERIOD));
@@ -312,22 +312,22 @@ fn fault_91_a_protective_stop_is_released_5_s_after_it_or_refused_after_10_s() {
     });
     let held = JobState::Refused("the controller does not release it");
     assert_eq!(done(&network, &mut wire, Job::Unlock), (held, Duration::from_secs(10) + PERIOD));
-    network.set(Interface::Dashboard, Takes::Nothing);
+    network.set(Interface::Dashboard, OnCall::Refuse);
     let silent = JobState::Refused("its dashboard does not answer");
     assert_eq!(done(&network, &mut wire, Job::Unlock), (silent, Duration::ZERO));
-    network.set(Interface::Dashboard, Takes::Silently);
+    network.set(Interface::Dashboard, OnCall::StaySilent);
     assert_eq!(done(&network, &mut wire, Job::Unlock), (silent, Duration::from_secs(2)));
 }
 
 #[test]
 fn a_job_in_place_of_another_ends_that_one() {
     let (network, mut wire) = connected();
-    network.set(Interface::Secondary, Takes::Silently);
+    network.set(Interface::Secondary, OnCall::StaySilent);
     let job = script(&wire);
     wire.begin(job);
     network.pass(PERIOD);
     assert_eq!(wire.job(), JobState::Busy);
-    network.set(Interface::Secondary, Takes::Calls);
+    network.set(Interface::Secondary, OnCall::Serve);
     let job = script(&wire);
     assert_eq!(done(&network, &mut wire, job), (JobState::Done, STARTS));
     wire.disconnect();
