@@ -6,14 +6,15 @@
 //! positions are followed (`servoj`), which is the same for the script of `mrroc-ur`; other modes are not done.
 
 use core::time::Duration;
-use std::io::{self, ErrorKind, Read, Write};
-use std::net::{SocketAddr, TcpStream};
+use std::net::SocketAddr;
 
 use mrroc_ur::Script;
 
-/// How long the node waits for its call to be answered, and for a line.
-const CALL: Duration = Duration::from_secs(5);
-const LINE: Duration = Duration::from_millis(500);
+/// What the node says when its program is started.
+pub(crate) const ASKS: &[u8] = b"request_program\n";
+
+/// Periods for which the node waits for more of a line: 500 ms.
+const LINE: u32 = 250;
 
 /// The most bytes of a script.
 const MOST: usize = 256 * 1024;
@@ -50,26 +51,34 @@ impl External {
     }
 }
 
-/// Asks for a script as the node of UR's URCap does when its program is started, and gives the part of it that the node takes over.
-///
-/// # Errors
-/// Nobody is there, or says nothing in time.
-pub(crate) fn ask(at: SocketAddr) -> io::Result<String> {
-    let mut stream = TcpStream::connect_timeout(&at, CALL)?;
-    stream.set_read_timeout(Some(LINE))?;
-    stream.write_all(b"request_program\n")?;
-    let (mut came, mut bytes) = (Vec::new(), [0; 4096]);
-    // It waits for whole lines, and reads on while there is something.
-    while came.len() <= MOST {
-        match stream.read(&mut bytes) {
-            Ok(0) => break,
-            Ok(length) => came.extend_from_slice(&bytes[..length]),
-            Err(why) if why.kind() == ErrorKind::WouldBlock && came.last() == Some(&b'\n') => break,
-            Err(why) => return Err(why),
+/// A node that has asked for a script.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Asking {
+    came: usize,
+    /// Periods in which nothing came.
+    periods: u32,
+}
+
+/// What has come of it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum Answered {
+    NotYet,
+    /// Nobody says anything, in time.
+    Nothing,
+    /// The part of the text that the node takes over.
+    Script(String),
+}
+
+impl Asking {
+    /// Looks at all that `came`, once in a period. The node waits for whole lines, and reads on while there is something.
+    pub(crate) fn poll(&mut self, came: &[u8], is_open: bool) -> Answered {
+        if came.last() == Some(&b'\n') || came.len() > MOST || !is_open {
+            return Answered::Script(taken_over(&String::from_utf8_lossy(came)));
         }
-        stream.set_nonblocking(came.last() == Some(&b'\n'))?;
+        self.periods = if came.len() > self.came { 0 } else { self.periods + 1 };
+        self.came = came.len();
+        if self.periods > LINE { Answered::Nothing } else { Answered::NotYet }
     }
-    Ok(taken_over(&String::from_utf8_lossy(&came)))
 }
 
 /// What the node takes of a text, each line behind a space: from the line that begins the header on, where there is a header; otherwise all.
@@ -102,6 +111,19 @@ mod tests {
         assert_eq!(lookahead, Duration::from_millis(30));
         assert_eq!(External::read(&text.replace("50001", "home")), None);
         assert_eq!(External::read(&Script::new(address(1), 9.0).text()), None);
+    }
+
+    #[test]
+    fn a_node_waits_for_the_rest_of_a_line_for_half_a_second() {
+        let mut asking = Asking::default();
+        let mut polls = (0..).map(|_| asking.poll(b"a line\nand a ", true));
+        // The first look finds something new.
+        assert!(polls.by_ref().take(251).all(|answered| answered == Answered::NotYet));
+        assert_eq!(polls.next(), Some(Answered::Nothing));
+        let taken = Answered::Script(" a line\n and a half\n".to_owned());
+        for (came, is_open) in [("a line\nand a half\n", true), ("a line\nand a half", false)] {
+            assert_eq!(Asking::default().poll(came.as_bytes(), is_open), taken);
+        }
     }
 
     #[test]

@@ -7,6 +7,7 @@
 //! | [`Controller`] | the controller itself: a state machine that goes on by 2 ms in every [`step`](Controller::step) |
 //! | [`Session`] | one client of RTDE: recipes of any outputs and inputs of UR's lists, unknown ones refused, one writer of each input |
 //! | [`Inside`] | a `mrroc_ur::Wire` to a controller in the same process, under a virtual clock |
+//! | [`VirtualNetwork`] | a `mrroc_ur::Network` with all interfaces of a controller in the same process, under a virtual clock |
 //! | [`Server`] | the same controller on sockets, in real time: dashboard, primary and secondary interface, RTDE |
 //!
 //! **The arm** is [`mrroc_robots::Simulated`]: a motor with its regulator and encoder for each joint, without the masses of the
@@ -41,13 +42,19 @@ mod dashboard;
 mod external;
 mod fields;
 mod inside;
+mod pipe;
 mod primary;
 mod program;
 mod server;
+mod service;
 mod session;
 mod surroundings;
+mod virtual_network;
 
 pub use controller::{Controller, Press};
 pub use inside::Inside;
+pub use pipe::Pipe;
 pub use server::{Listening, Server};
+pub use service::Interface;
 pub use session::Session;
+pub use virtual_network::{OnCall, VirtualConnection, VirtualNetwork, VirtualPort};

@@ -3,6 +3,7 @@
 mod calibration;
 mod controller;
 mod load;
+mod network;
 mod real_time;
 mod wrench;
 

@@ -94,9 +94,9 @@ fn the_wrench_that_the_robot_estimates_is_told_at_its_flange_and_none_where_it_i
 
 #[test]
 fn fault_96_a_robot_of_another_version_or_none_at_all_is_told_and_nothing_moves() {
-    let open = |version, change: fn(&mut model::World)| {
+    let open = |version, change: fn(&mut model::Simulation)| {
         let mut fixture = Fixture::new(version, |settings| settings);
-        change(&mut fixture.world.borrow_mut());
+        change(&mut fixture.simulation.borrow_mut());
         let opened = fixture.drives().open();
         assert_eq!((fixture.told(), fixture.request()), (None, None));
         (opened, fixture.now())
@@ -106,11 +106,11 @@ fn fault_96_a_robot_of_another_version_or_none_at_all_is_told_and_nothing_moves(
     assert_eq!(open(None, |_| {}), (Err(ABSENT), Duration::ZERO));
     assert_eq!(open(Some(10), |_| {}), (Ok(()), took + PERIOD));
     // It takes the connection and answers nothing, or says nothing then, for 2 s.
-    assert_eq!(open(Some(10), |world| world.answers_after = None), (Err(ABSENT), PATIENCE));
-    assert_eq!(open(Some(10), |world| world.says_after = None), (Err(ABSENT), PATIENCE));
-    assert_eq!(open(Some(10), |world| world.says_after = Some(PATIENCE)), (Err(ABSENT), PATIENCE));
+    assert_eq!(open(Some(10), |simulation| simulation.answers_after = None), (Err(ABSENT), PATIENCE));
+    assert_eq!(open(Some(10), |simulation| simulation.says_after = None), (Err(ABSENT), PATIENCE));
+    assert_eq!(open(Some(10), |simulation| simulation.says_after = Some(PATIENCE)), (Err(ABSENT), PATIENCE));
     // What it says last is in time.
-    let late = |world: &mut model::World| world.answers_after = Some(PATIENCE - 2 * PERIOD);
+    let late = |simulation: &mut model::Simulation| simulation.answers_after = Some(PATIENCE - 2 * PERIOD);
     assert_eq!(open(Some(10), late), (Ok(()), PATIENCE - PERIOD));
 }
 
@@ -127,12 +127,12 @@ fn fault_96_a_reset_connects_again_after_a_silence_of_more_than_20_ms_and_not_be
     fixture.pass(Duration::from_nanos(1));
     assert_eq!((fixture.drives().switch_on(), fixture.connections()), (Ok(()), 2));
     // It has closed the connection.
-    fixture.world.borrow_mut().cut();
+    fixture.simulation.borrow_mut().cut();
     assert_eq!(fixture.drives().pulse(Duration::ZERO), Err(CUT_OFF));
     assert_eq!((fixture.drives().switch_on(), fixture.connections()), (Ok(()), 3));
     // It is not there any more.
-    fixture.world.borrow_mut().cut();
-    fixture.world.borrow_mut().version = None;
+    fixture.simulation.borrow_mut().cut();
+    fixture.simulation.borrow_mut().version = None;
     assert_eq!(fixture.drives().switch_on(), Err(ABSENT));
     assert_eq!(fixture.drives().switch_on(), Err(CLOSED));
 }
@@ -170,12 +170,12 @@ fn a_motion_that_the_robot_ends_by_itself_is_told_with_its_reason_or_5_states_la
 fn drives_that_are_closed_bring_the_robot_to_rest_and_end_its_motion_first() {
     let mut fixture = Fixture::moving();
     fixture.says(on_its_way).expect("it goes on");
-    fixture.world.borrow_mut().play();
+    fixture.simulation.borrow_mut().play();
     fixture.drives().close();
-    let world = fixture.world.borrow();
-    assert_eq!((world.state.mode, world.state.follows_positions), (Mode::Idle, false));
-    assert!(world.now < PATIENCE, "{:?}", world.now);
-    drop(world);
+    let simulation = fixture.simulation.borrow();
+    assert_eq!((simulation.state.mode, simulation.state.follows_positions), (Mode::Idle, false));
+    assert!(simulation.now < PATIENCE, "{:?}", simulation.now);
+    drop(simulation);
     // One that says nothing any more is let go after 2 s.
     let mut fixture = Fixture::moving();
     let before = fixture.now();
@@ -272,7 +272,7 @@ fn fault_99_a_demand_that_the_robot_would_not_take_is_refused_and_the_robot_is_h
         assert!((told - Joints::from(START)).amax() < 1e-6 && is_last, "{told}");
     }
     let mut fixture = Fixture::moving();
-    fixture.world.borrow_mut().cut();
+    fixture.simulation.borrow_mut().cut();
     assert_eq!(fixture.says(|_| {}), Err(CUT_OFF), "by the next look");
 }
 

@@ -65,7 +65,7 @@ fn every_message_gets_one_answer_with_its_clock_and_corrections_against_the_star
     assert_eq!(measured.position, at(10.25));
     let velocity = 0.25_f64.to_radians() / 4e-3;
     assert!((measured.velocity[0] - velocity).abs() < 1e-9, "{}", measured.velocity[0]);
-    let sent = fixture.world.borrow_mut().sent();
+    let sent = fixture.simulation.borrow_mut().sent();
     let [answer] = &sent[..] else { panic!("not one answer: {sent:?}") };
     assert!(
         answer.contains(r#"A1="1.000000" A2="0.000000""#) && answer.contains("<IPOC>4008</IPOC>"),
@@ -84,7 +84,7 @@ fn a_message_is_as_old_as_it_has_waited_and_the_newest_counts() {
     let mut fixture = Fixture::opened();
     for (ipoc, later) in [(4004, PERIOD), (4008, Duration::from_micros(300))] {
         fixture.says(said(ipoc, 10.0));
-        fixture.world.borrow_mut().pass(later);
+        fixture.simulation.borrow_mut().pass(later);
     }
     let pulse = fixture.drives.pulse(Duration::ZERO).expect("it goes on").expect("a message");
     assert_eq!((pulse.count, pulse.age), (1002, Duration::from_micros(300)));
@@ -97,7 +97,7 @@ fn a_controller_that_says_nothing_is_waited_for_for_2_s() {
     let mut fixture = Fixture::new(Corrections::Absolute, Says::Nothing);
     assert_eq!(fixture.open(), Err(SILENT));
     assert_eq!(fixture.now(), PATIENCE);
-    assert!(!fixture.world.borrow().is_open, "the port is let go");
+    assert!(!fixture.simulation.borrow().is_open, "the port is let go");
     // What it says is no message.
     let mut fixture = Fixture::new(Corrections::Absolute, Says::Same(b"<Rob></Rob>".to_vec()));
     assert_eq!(fixture.open(), Err(SILENT));
@@ -116,13 +116,13 @@ fn fault_89_a_reset_finds_a_controller_silent_after_100_periods_and_counts_anew_
     fixture.pulse(said(4008, 10.5)).expect("it goes on");
     fixture.drives.tick(&at(11.0)).expect("sent");
     assert_eq!(fixture.told(), [(4004, 0.0), (4008, 1.0)]);
-    fixture.world.borrow_mut().pass(patience);
+    fixture.simulation.borrow_mut().pass(patience);
     assert_eq!(fixture.drives.switch_on(), Ok(()), "not longer than that");
     // Within it corrections go on from what was told.
     fixture.says(said(4408, 11.0));
     assert_eq!(fixture.drives.switch_on(), Ok(()));
     assert_eq!(fixture.told(), [(4408, 1.0)]);
-    fixture.world.borrow_mut().pass(patience + Duration::from_nanos(1));
+    fixture.simulation.borrow_mut().pass(patience + Duration::from_nanos(1));
     assert_eq!(fixture.drives.switch_on(), Err(SILENT));
     fixture.says(said(4812, 12.0));
     assert_eq!(fixture.drives.switch_on(), Ok(()));
@@ -234,7 +234,7 @@ fn a_controller_that_is_cut_off_while_it_is_found_out_when_it_counts_is_waited_f
     let says = Says::Counts { counting: Counting::AtOnce, ipoc: FIRST, late: 7, missed: 0 };
     let mut fixture = Fixture::new(Corrections::Relative, says);
     // Its first message comes at the end of its first period, and then no other one.
-    fixture.world.borrow_mut().ends = Some(2 * PERIOD);
+    fixture.simulation.borrow_mut().ends = Some(2 * PERIOD);
     assert_eq!(fixture.open(), Err(SILENT));
     assert_eq!((fixture.now(), fixture.told()), (PERIOD + PATIENCE, vec![(FIRST + 4, 0.0)]));
 }
@@ -250,7 +250,7 @@ fn fault_89_answers_that_the_controller_does_not_take_are_told() {
     // It takes them again.
     fixture.says(said(4204, 10.0));
     fixture.drives.switch_on().expect("it speaks");
-    fixture.world.borrow_mut().sent();
+    fixture.simulation.borrow_mut().sent();
     assert_eq!(fixture.answers(4208, 50, 10.0), 0.0);
 }
 
@@ -275,7 +275,7 @@ fn fault_119_outputs_are_told_in_every_answer_and_where_the_controller_says_noth
     fixture.drives.declare_outputs(&named, &Outputs::NONE);
     fixture.open().expect("it sends both");
     let answer = |fixture: &Fixture| {
-        let sent = fixture.world.borrow_mut().sent();
+        let sent = fixture.simulation.borrow_mut().sent();
         let [answer] = &sent[..] else { panic!("not one answer: {sent:?}") };
         answer.clone()
     };

@@ -159,3 +159,112 @@ pub(super) fn state_of(answer: &Answer<'_>, of: u8) -> Option<State> {
 
 /// The connection has ended.
 pub(super) const CLOSED: Lost = Lost("the controller has closed its RTDE");
+<<<<<<< HEAD
+=======
+
+#[cfg(test)]
+mod tests {
+    use mrroc::robot::{Channel, Outputs, Value as Level};
+
+    use super::*;
+    use crate::rtde::Offer;
+
+    const NOW: Duration = Duration::from_secs(1);
+
+    /// A negotiation that has begun, and its first request.
+    fn begun(switches: Groups) -> Negotiation {
+        let (mut requests, mut expected) = (Vec::new(), Vec::new());
+        let negotiation = Negotiation::begin(NOW, switches, &mut requests);
+        Request::Version(VERSION).write(&mut expected);
+        assert_eq!(requests, expected);
+        negotiation
+    }
+
+    /// What comes of an answer, and the kinds of the requests after it.
+    fn answered(
+        negotiation: &mut Negotiation,
+        answer: &Answer<'_>,
+    ) -> (Result<Option<Negotiated>, Lost>, Vec<u8>) {
+        let (mut package, mut requests) = (Vec::new(), Vec::new());
+        answer.write(&mut package);
+        let outcome = negotiation.poll(NOW, Some(&package), true, &mut requests);
+        (outcome, requests)
+    }
+
+    fn bytes(request: &Request<'_>) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        request.write(&mut bytes);
+        bytes
+    }
+
+    /// All fields of a state, as they should be.
+    fn offers() -> String {
+        crate::state::RECIPE.iter().map(|(_, of)| Offer::Has(*of).to_string()).collect::<Vec<_>>().join(",")
+    }
+
+    #[test]
+    fn what_is_needed_is_asked_for_one_after_the_other() {
+        let mut negotiation = begun(Groups::of(&Outputs::NONE.with(Channel::Analog(0), Level::Analog(0.0))));
+        let (outcome, requests) = answered(&mut negotiation, &Answer::Version(true));
+        let names = recipe_names();
+        let expected = bytes(&Request::Outputs { frequency: FREQUENCY, names: &names });
+        assert_eq!((outcome, requests), (Ok(None), expected));
+        // What was not asked for is passed over.
+        assert_eq!(answered(&mut negotiation, &Answer::Started(false)), (Ok(None), vec![]));
+        let (outcome, requests) =
+            answered(&mut negotiation, &Answer::Outputs { recipe: 3, offers: &offers() });
+        // Of the digital ones none is switched.
+        let expected = bytes(&Request::Inputs { names: Group::Analog.names() });
+        assert_eq!((outcome, requests), (Ok(None), expected));
+        let taken = Answer::Inputs { recipe: 5, offers: "UINT8,UINT8,DOUBLE,DOUBLE" };
+        assert_eq!(answered(&mut negotiation, &taken), (Ok(None), bytes(&Request::Start)));
+        assert_eq!(answered(&mut negotiation, &Answer::Started(true)), (Ok(None), vec![]));
+        assert_eq!((negotiation.recipe, negotiation.written), (3, [None, Some(5)]));
+        // Data of another recipe is no state.
+        let other = Answer::Data { recipe: 2, values: &[0; 8] };
+        assert_eq!(answered(&mut negotiation, &other), (Ok(None), vec![]));
+    }
+
+    #[test]
+    fn what_a_controller_does_not_agree_to_is_told() {
+        let told = |negotiation: &mut Negotiation, answer: &Answer<'_>| {
+            let (outcome, requests) = answered(negotiation, answer);
+            assert_eq!(requests, []);
+            outcome.expect_err("it does not agree").0
+        };
+        let old = told(&mut begun(Groups::NONE), &Answer::Version(false));
+        assert!(old.contains("older than 3.4"), "{old}");
+        let mut asked = begun(Groups::NONE);
+        answered(&mut asked, &Answer::Version(true)).0.expect("it goes on");
+        for (offers, says) in [
+            ("DOUBLE,COLOUR".to_owned(), "types of RTDE that are not known"),
+            ("NOT_FOUND".to_owned(), "lacks a field"),
+        ] {
+            let why = told(&mut { asked }, &Answer::Outputs { recipe: 0, offers: &offers });
+            assert!(why.contains(says), "{why}");
+        }
+        answered(&mut asked, &Answer::Outputs { recipe: 1, offers: &offers() }).0.expect("it goes on");
+        let why = told(&mut asked, &Answer::Started(false));
+        assert!(why.contains("does not start its outputs"), "{why}");
+    }
+
+    #[test]
+    fn each_answer_is_waited_for_for_2_s_and_an_end_is_told_at_once() {
+        let mut negotiation = begun(Groups::NONE);
+        let mut silent = |now| negotiation.poll(now, None, true, &mut Vec::new());
+        assert_eq!(silent(NOW + ANSWER), Ok(None));
+        let late = Err(Lost("the controller does not answer on RTDE"));
+        assert_eq!(silent(NOW + ANSWER + Duration::from_nanos(1)), late);
+        assert_eq!(negotiation.poll(NOW, None, false, &mut Vec::new()), Err(CLOSED));
+        // What is nothing that is waited for gives no more time; what is does.
+        for (answer, outcome) in [(Answer::Paused(true), late), (Answer::Version(true), Ok(None))] {
+            let mut negotiation = begun(Groups::NONE);
+            let mut package = Vec::new();
+            answer.write(&mut package);
+            let later = NOW + Duration::from_secs(1);
+            assert_eq!(negotiation.poll(later, Some(&package), true, &mut Vec::new()), Ok(None));
+            assert_eq!(negotiation.poll(later + ANSWER, None, true, &mut Vec::new()), outcome);
+        }
+    }
+}
+>>>>>>> hb2

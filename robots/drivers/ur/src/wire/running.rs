@@ -27,7 +27,7 @@ pub(super) const UNLOCK: Duration = Duration::from_secs(10);
 
 /// Where a controller is asked for something.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Asked {
+pub(super) struct Addresses {
     pub dashboard: SocketAddr,
     pub secondary: SocketAddr,
 }
@@ -35,7 +35,7 @@ pub(super) struct Asked {
 /// A job that goes on.
 #[derive(Debug)]
 pub(super) struct Running<N: Network> {
-    asked: Asked,
+    addresses: Addresses,
     aim: Aim,
     /// The script that is sent.
     script: String,
@@ -82,7 +82,7 @@ fn unread(bytes: &[u8]) -> Cutting {
 
 impl<N: Network> Running<N> {
     /// Begins a job now. `offers`: a program node of the pendant is given the script when it asks for one.
-    pub(super) fn begin(network: &mut N, job: Job, asked: Asked, offers: bool) -> Running<N> {
+    pub(super) fn begin(network: &mut N, job: Job, addresses: Addresses, offers: bool) -> Running<N> {
         const NOT_CALLED: &str = "the script was sent, and does not call this machine";
         const NOT_PLAYED: &str =
             "start the program with the External Control node at the pendant, then reset";
@@ -99,10 +99,10 @@ impl<N: Network> Running<N> {
             Job::Offer(_) => {
                 (String::new(), Course::Refused("no address was given at which External Control asks"))
             }
-            Job::Start(script) => (script, call_dashboard(network, asked)),
-            Job::Unlock => (String::new(), call_dashboard(network, asked)),
+            Job::Start(script) => (script, call_dashboard(network, addresses)),
+            Job::Unlock => (String::new(), call_dashboard(network, addresses)),
         };
-        Running { asked, aim, script, course, starts, until, late }
+        Running { addresses, aim, script, course, starts, until, late }
     }
 
     /// How far it has come at this time; [`JobState::Busy`] while it goes on, or the script has been sent and not called.
@@ -164,7 +164,7 @@ impl<N: Network> Running<N> {
         match (self.aim, outcome) {
             (_, Outcome::Local) => Err(JobState::Local),
             // PolyScope X has no dashboard.
-            (Aim::Ask, _) => Ok(Course::CallsSecondary(network.call(self.asked.secondary, CALL, unread))),
+            (Aim::Ask, _) => Ok(Course::CallsSecondary(network.call(self.addresses.secondary, CALL, unread))),
             (Aim::Unlock, Outcome::Released) => Err(JobState::Done),
             (Aim::Unlock, Outcome::Held) => Err(JobState::Refused("the controller does not release it")),
             (Aim::Unlock, Outcome::Silent | Outcome::Remote) => {
@@ -181,8 +181,8 @@ impl<N: Network> Running<N> {
 
 const REFUSED: JobState = JobState::Refused("the controller takes no script at its secondary interface");
 
-fn call_dashboard<N: Network>(network: &mut N, asked: Asked) -> Course<N> {
-    Course::CallsDashboard(network.call(asked.dashboard, dashboard::ANSWER, dashboard::cut))
+fn call_dashboard<N: Network>(network: &mut N, addresses: Addresses) -> Course<N> {
+    Course::CallsDashboard(network.call(addresses.dashboard, dashboard::ANSWER, dashboard::cut))
 }
 
 fn send<C: Connection>(mut connection: C, script: &str) -> io::Result<C> {

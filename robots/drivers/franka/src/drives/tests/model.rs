@@ -21,7 +21,7 @@ pub type Told = (u64, Joints, bool);
 
 /// The robot, what is on its way, and the time.
 #[derive(Debug)]
-pub struct World {
+pub struct Simulation {
     pub now: Duration,
     /// The version that it speaks; `None`: nobody is there.
     pub version: Option<u16>,
@@ -43,9 +43,9 @@ pub struct World {
     told: Vec<Told>,
 }
 
-impl World {
-    fn new(version: Option<u16>) -> World {
-        World {
+impl Simulation {
+    fn new(version: Option<u16>) -> Simulation {
+        Simulation {
             now: Duration::ZERO,
             version,
             answers_after: Some(Duration::from_millis(3)),
@@ -143,66 +143,66 @@ impl World {
 
 /// The drives' end of the network.
 #[derive(Debug)]
-pub struct Connection {
-    world: Rc<RefCell<World>>,
+pub struct VirtualNetwork {
+    simulation: Rc<RefCell<Simulation>>,
     last: Vec<u8>,
 }
 
-impl Network for Connection {
+impl Network for VirtualNetwork {
     fn now(&self) -> Duration {
-        self.world.borrow().now
+        self.simulation.borrow().now
     }
 
     fn connect(&mut self, patience: Duration) -> Result<u16, DriveFault> {
         self.close();
-        let mut world = self.world.borrow_mut();
+        let mut simulation = self.simulation.borrow_mut();
         assert_eq!(patience, PATIENCE);
-        if world.version.is_none() {
+        if simulation.version.is_none() {
             return Err(ABSENT);
         }
-        world.is_connected = true;
-        world.connections += 1;
-        world.due = (world.answers_after.map(|after| world.now + after), None);
+        simulation.is_connected = true;
+        simulation.connections += 1;
+        simulation.due = (simulation.answers_after.map(|after| simulation.now + after), None);
         Ok(PORT)
     }
 
     fn close(&mut self) {
-        let mut world = self.world.borrow_mut();
-        world.is_connected = false;
-        world.answers.clear();
-        world.requests.clear();
-        world.states.clear();
+        let mut simulation = self.simulation.borrow_mut();
+        simulation.is_connected = false;
+        simulation.answers.clear();
+        simulation.requests.clear();
+        simulation.states.clear();
     }
 
     fn ask(&mut self, request: &[u8]) -> io::Result<()> {
-        let mut world = self.world.borrow_mut();
-        if !world.is_connected {
+        let mut simulation = self.simulation.borrow_mut();
+        if !simulation.is_connected {
             return Err(ErrorKind::BrokenPipe.into());
         }
         if request[0] == 0 {
             let own = [&10_u16.to_le_bytes()[..], &PORT.to_le_bytes()].concat();
             assert_eq!(request[12..], own, "the version, and where states go");
-            world.connect = request.to_vec();
+            simulation.connect = request.to_vec();
         } else {
-            world.requests.extend(request);
+            simulation.requests.extend(request);
         }
         Ok(())
     }
 
     fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
-        let mut world = self.world.borrow_mut();
-        if world.answers.is_empty() && !world.is_connected {
+        let mut simulation = self.simulation.borrow_mut();
+        if simulation.answers.is_empty() && !simulation.is_connected {
             return Err(ErrorKind::UnexpectedEof.into());
         }
-        let len = into.len().min(world.answers.len());
-        for (place, byte) in into.iter_mut().zip(world.answers.drain(..len)) {
+        let len = into.len().min(simulation.answers.len());
+        for (place, byte) in into.iter_mut().zip(simulation.answers.drain(..len)) {
             *place = byte;
         }
         Ok(len)
     }
 
     fn newest(&mut self) -> Option<Received<'_>> {
-        let (came, state) = self.world.borrow_mut().states.drain(..).next_back()?;
+        let (came, state) = self.simulation.borrow_mut().states.drain(..).next_back()?;
         self.last = state;
         Some(Received { bytes: &self.last, from: ROBOT, came })
     }
@@ -212,28 +212,28 @@ impl Network for Connection {
         let number = |at: usize| f64::from_le_bytes(bytes[at..at + 8].try_into().expect("eight"));
         let count = u64::from_le_bytes(bytes[..8].try_into().expect("eight"));
         let told = (count, Joints::from_fn(|i, _| number(8 + 8 * i)), bytes[313] == 1);
-        self.world.borrow_mut().told.push(told);
+        self.simulation.borrow_mut().told.push(told);
         Ok(())
     }
 
     fn wait(&mut self) {
-        self.world.borrow_mut().pass(WAIT);
+        self.simulation.borrow_mut().pass(WAIT);
     }
 }
 
 /// Drives, and the robot behind them.
 pub struct Fixture {
-    pub world: Rc<RefCell<World>>,
-    fci: Fci<Connection>,
+    pub simulation: Rc<RefCell<Simulation>>,
+    fci: Fci<VirtualNetwork>,
 }
 
 impl Fixture {
     /// Drives that are not open, for a robot with this version of the interface.
     pub fn new(version: Option<u16>, change: impl FnOnce(FciSettings) -> FciSettings) -> Fixture {
-        let world = Rc::new(RefCell::new(World::new(version)));
-        let network = Connection { world: Rc::clone(&world), last: Vec::new() };
+        let simulation = Rc::new(RefCell::new(Simulation::new(version)));
+        let network = VirtualNetwork { simulation: Rc::clone(&simulation), last: Vec::new() };
         let fci = Fci::over(network, change(FciSettings::new(ROBOT.ip())));
-        Fixture { world, fci }
+        Fixture { simulation, fci }
     }
 
     pub fn opened() -> Fixture {
@@ -263,7 +263,7 @@ impl Fixture {
         fixture.says(|_| {}).expect("it moves");
         // Until something is demanded the drives answer by themselves; from then on each state waits for a demand.
         fixture.drives().tick(&aside()).expect("told");
-        fixture.world.borrow_mut().told.clear();
+        fixture.simulation.borrow_mut().told.clear();
         fixture.says(|_| {}).expect("it moves");
         assert_eq!(fixture.told(), None);
         fixture
@@ -278,25 +278,25 @@ impl Fixture {
     }
 
     pub fn now(&self) -> Duration {
-        self.world.borrow().now
+        self.simulation.borrow().now
     }
 
     pub fn connections(&self) -> u32 {
-        self.world.borrow().connections
+        self.simulation.borrow().connections
     }
 
     pub fn pass(&self, time: Duration) {
-        self.world.borrow_mut().pass(time);
+        self.simulation.borrow_mut().pass(time);
     }
 
     /// The robot's next state, a period after the one before, and what the drives say to it.
     pub fn says(&mut self, change: impl FnOnce(&mut State)) -> Result<Pulse, DriveFault> {
         {
-            let mut world = self.world.borrow_mut();
-            world.now += PERIOD;
-            world.state.count += 1;
-            change(&mut world.state);
-            world.say();
+            let mut simulation = self.simulation.borrow_mut();
+            simulation.now += PERIOD;
+            simulation.state.count += 1;
+            change(&mut simulation.state);
+            simulation.say();
         }
         let pulse = self.drives().pulse(Duration::ZERO)?;
         Ok(pulse.expect("a state has come"))
@@ -304,12 +304,12 @@ impl Fixture {
 
     /// What the robot was told since this was asked last: one thing, for its last state, or nothing.
     pub fn told(&self) -> Option<(Joints, bool)> {
-        let mut world = self.world.borrow_mut();
-        let told = core::mem::take(&mut world.told);
+        let mut simulation = self.simulation.borrow_mut();
+        let told = core::mem::take(&mut simulation.told);
         match told[..] {
             [] => None,
             [(count, q, is_last)] => {
-                assert_eq!(count, world.state.count);
+                assert_eq!(count, simulation.state.count);
                 Some((q, is_last))
             }
             _ => panic!("more than one answer: {told:?}"),
@@ -318,24 +318,24 @@ impl Fixture {
 
     /// What it was told so far is not looked at.
     pub fn forget_told(&self) {
-        self.world.borrow_mut().told.clear();
+        self.simulation.borrow_mut().told.clear();
     }
 
     /// The robot follows what it is told from the next state on.
     pub fn follows(&self, told: &Joints) {
-        self.world.borrow_mut().follow(told);
+        self.simulation.borrow_mut().follow(told);
     }
 
     pub fn count(&self) -> u64 {
-        self.world.borrow().state.count
+        self.simulation.borrow().state.count
     }
 
     /// The next request, if one has come.
     pub fn request(&self) -> Option<Vec<u8>> {
-        self.world.borrow_mut().request()
+        self.simulation.borrow_mut().request()
     }
 
     pub fn answer(&self, asked: &[u8], says: &[u8]) {
-        self.world.borrow_mut().answer(asked, says);
+        self.simulation.borrow_mut().answer(asked, says);
     }
 }

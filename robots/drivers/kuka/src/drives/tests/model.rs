@@ -39,7 +39,7 @@ pub enum Says {
 
 /// The controller, the messages that are on their way, and the time.
 #[derive(Debug)]
-pub struct World {
+pub struct Simulation {
     pub now: Duration,
     pub says: Says,
     /// When its next period begins.
@@ -54,9 +54,9 @@ pub struct World {
     answered: Vec<u64>,
 }
 
-impl World {
-    pub fn new(says: Says) -> World {
-        World {
+impl Simulation {
+    pub fn new(says: Says) -> Simulation {
+        Simulation {
             now: Duration::ZERO,
             says,
             next: PERIOD,
@@ -119,35 +119,35 @@ pub const FIRST: u64 = 4000;
 
 /// The drives' end of the network.
 #[derive(Debug)]
-pub struct Link {
-    pub world: Rc<RefCell<World>>,
+pub struct VirtualNetwork {
+    pub simulation: Rc<RefCell<Simulation>>,
     last: Vec<u8>,
 }
 
-impl Link {
-    pub fn new(world: &Rc<RefCell<World>>) -> Link {
-        Link { world: Rc::clone(world), last: Vec::new() }
+impl VirtualNetwork {
+    pub fn new(simulation: &Rc<RefCell<Simulation>>) -> VirtualNetwork {
+        VirtualNetwork { simulation: Rc::clone(simulation), last: Vec::new() }
     }
 }
 
-impl Network for Link {
+impl Network for VirtualNetwork {
     fn now(&self) -> Duration {
-        self.world.borrow().now
+        self.simulation.borrow().now
     }
 
     fn listen(&mut self) -> io::Result<()> {
-        let mut world = self.world.borrow_mut();
-        world.waiting.clear();
-        world.is_open = true;
+        let mut simulation = self.simulation.borrow_mut();
+        simulation.waiting.clear();
+        simulation.is_open = true;
         Ok(())
     }
 
     fn close(&mut self) {
-        self.world.borrow_mut().is_open = false;
+        self.simulation.borrow_mut().is_open = false;
     }
 
     fn newest(&mut self) -> Option<Received<'_>> {
-        let (came, message) = self.world.borrow_mut().waiting.drain(..).next_back()?;
+        let (came, message) = self.simulation.borrow_mut().waiting.drain(..).next_back()?;
         self.last = message;
         Some(Received { bytes: &self.last, from: CONTROLLER, came })
     }
@@ -155,37 +155,37 @@ impl Network for Link {
     fn send(&mut self, to: SocketAddr, bytes: &[u8]) -> io::Result<()> {
         assert_eq!(to, CONTROLLER);
         let text = String::from_utf8(bytes.to_vec()).expect("text");
-        let mut world = self.world.borrow_mut();
-        world.answered.push(told(&text).0);
-        world.sent.push(text);
+        let mut simulation = self.simulation.borrow_mut();
+        simulation.answered.push(told(&text).0);
+        simulation.sent.push(text);
         Ok(())
     }
 
     fn wait(&mut self) {
-        self.world.borrow_mut().pass(WAIT);
+        self.simulation.borrow_mut().pass(WAIT);
     }
 }
 
 /// Drives, and the controller behind them.
 pub struct Fixture {
-    pub world: Rc<RefCell<World>>,
+    pub simulation: Rc<RefCell<Simulation>>,
     pub drives: Box<dyn Driver<Arm>>,
 }
 
 impl Fixture {
     /// Drives for a controller that says this while they are opened; nothing is open yet.
     pub fn new(corrections: Corrections, says: Says) -> Fixture {
-        let world = Rc::new(RefCell::new(World::new(says)));
+        let simulation = Rc::new(RefCell::new(Simulation::new(says)));
         let listen = SocketAddr::from(([10, 0, 0, 1], 49152));
         let settings = RsiSettings { corrections, ..RsiSettings::new(listen, CONTROLLER.ip()) };
-        let drives: Box<dyn Driver<Arm>> = Box::new(Rsi::over(Link::new(&world), settings));
-        Fixture { world, drives }
+        let drives: Box<dyn Driver<Arm>> = Box::new(Rsi::over(VirtualNetwork::new(&simulation), settings));
+        Fixture { simulation, drives }
     }
 
     /// Opens the drives. From then on the controller says only what a test has it say.
     pub fn open(&mut self) -> Result<(), DriveFault> {
         let opened = self.drives.open();
-        self.world.borrow_mut().says = Says::Nothing;
+        self.simulation.borrow_mut().says = Says::Nothing;
         opened
     }
 
@@ -198,12 +198,12 @@ impl Fixture {
     }
 
     pub fn now(&self) -> Duration {
-        self.world.borrow().now
+        self.simulation.borrow().now
     }
 
     /// The controller says this now.
     pub fn says(&self, message: Vec<u8>) {
-        self.world.borrow_mut().deliver(message);
+        self.simulation.borrow_mut().deliver(message);
     }
 
     /// What the drives make of a message.
@@ -214,7 +214,7 @@ impl Fixture {
 
     /// What was sent since this was asked last: the clock of each answer, and its correction of axis 1 \[deg\].
     pub fn told(&self) -> Vec<(u64, f64)> {
-        self.world.borrow_mut().sent().iter().map(|answer| told(answer)).collect()
+        self.simulation.borrow_mut().sent().iter().map(|answer| told(answer)).collect()
     }
 
     /// The correction of axis 1 in the answer to a message that says how many answers were late so far, with axis 1 demanded there.
