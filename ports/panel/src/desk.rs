@@ -19,6 +19,7 @@ use serde_json::{Value, json};
 use tokio::sync::{oneshot, watch};
 
 use crate::beside::Carried;
+use crate::driver::Asks;
 use crate::now::{Looks, Now, RobotNow};
 use crate::readings::{OLD, of_words};
 use crate::rules::request::Stamp;
@@ -110,9 +111,10 @@ impl Desk {
         carries(waiting);
         Desk { requests, releases, stops }
     }
+}
 
-    /// Asks for something; the answer comes within seconds.
-    pub fn ask(&self, request: Request, by: OnBehalf) -> oneshot::Receiver<Reply> {
+impl Asks for Desk {
+    fn ask(&self, request: Request, by: OnBehalf) -> oneshot::Receiver<Reply> {
         let (answer, answered) = oneshot::channel();
         let job = Job { request, by, since: Instant::now(), answer };
         let line = match job.request {
@@ -131,8 +133,7 @@ impl Desk {
         answered
     }
 
-    /// Stops the cell. However much else is asked for, this does not wait for it.
-    pub fn stop(&self, by: OnBehalf) -> oneshot::Receiver<Reply> {
+    fn stop(&self, by: OnBehalf) -> oneshot::Receiver<Reply> {
         let (answer, answered) = oneshot::channel();
         // What cannot be sent drops the answer, which the page is told.
         let request = Request::Press(Button::Stop);

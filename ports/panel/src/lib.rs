@@ -24,15 +24,25 @@ pub mod rules;
 #[cfg(all(feature = "server", target_os = "linux"))]
 mod beside;
 #[cfg(all(feature = "server", target_os = "linux"))]
+mod control;
+#[cfg(all(feature = "server", target_os = "linux"))]
 mod course;
 #[cfg(all(feature = "server", target_os = "linux"))]
 mod desk;
+#[cfg(all(feature = "server", target_os = "linux"))]
+mod driver;
+#[cfg(all(feature = "server", target_os = "linux"))]
+mod events;
 #[cfg(all(feature = "server", target_os = "linux"))]
 mod meshes;
 #[cfg(all(feature = "server", target_os = "linux"))]
 mod now;
 #[cfg(all(feature = "server", target_os = "linux"))]
+mod operate;
+#[cfg(all(feature = "server", target_os = "linux"))]
 mod page;
+#[cfg(all(feature = "server", target_os = "linux"))]
+mod pages;
 #[cfg(all(feature = "server", target_os = "linux"))]
 mod panel;
 #[cfg(all(feature = "server", target_os = "linux"))]
@@ -47,12 +57,12 @@ mod run;
 mod secured;
 #[cfg(all(feature = "server", target_os = "linux"))]
 mod server;
+#[cfg(all(feature = "server", target_os = "linux"))]
+mod session;
 #[cfg(all(test, feature = "server", target_os = "linux"))]
 mod shown_tests;
 #[cfg(all(feature = "server", target_os = "linux"))]
 mod socket;
-#[cfg(all(feature = "server", target_os = "linux"))]
-mod stand;
 #[cfg(all(feature = "server", target_os = "linux"))]
 mod teaching;
 #[cfg(all(test, feature = "server", target_os = "linux"))]

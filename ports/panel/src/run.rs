@@ -18,11 +18,11 @@ use tokio::sync::watch;
 
 use crate::course::Course;
 use crate::desk::{Desk, Shown};
+use crate::driver::{Panel, Source, look_after};
 use crate::now::Looks;
 use crate::rules::token::Token;
 use crate::secured::Secured;
-use crate::server::{Panel, Source, serve};
-use crate::socket::look_after;
+use crate::server::serve;
 
 /// How long pages are told of the end of a cell.
 const FAREWELL: Duration = Duration::from_millis(500);
@@ -45,7 +45,7 @@ pub fn attend(layout: &Layout, cell: &Path) -> ExitCode {
         Ok((desk, shown)) => {
             // Of this thread and those that it begins. Where it may not be set, the cell is shown all the same.
             let _ = rustix::process::nice(SERVES);
-            begin(looks, Source::Running(desk, shown), Some(cell))
+            begin(looks, Source::Running(Box::new(desk), shown), Some(cell))
         }
         Err(error) => refused(&error),
     }
@@ -114,7 +114,7 @@ async fn run(looks: Arc<Looks>, source: Source, cell: Option<&Path>) -> io::Resu
     let panel = Panel::new(source, looks, token, address);
     let panel = Arc::new(cell.into_iter().fold(panel, Panel::teaching));
     let how = if shown.is_some() { "" } else { " (Ctrl-C ends it)" };
-    let scheme = panel.scheme();
+    let scheme = panel.door.scheme();
     let mut told = format!("panel: {scheme}{address}/#token={token}{how}\n");
     if let Some(secured) = &secured {
         told += &format!(

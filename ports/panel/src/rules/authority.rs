@@ -81,6 +81,12 @@ impl Authority {
         had
     }
 
+    /// When it lapses, if its holder says nothing more.
+    #[must_use]
+    pub fn lapses(&self) -> Option<Duration> {
+        self.holder.map(|(_, at)| at + LAPSE)
+    }
+
     /// Takes it from a page that has said nothing for too long; which.
     pub fn lapse(&mut self, now: Duration) -> Option<Page> {
         let (page, _) = self.holder.filter(|(_, at)| now >= *at + LAPSE)?;
@@ -121,7 +127,7 @@ mod tests {
         for i in 1..=10 {
             authority.beat(1, MS(290 * i));
         }
-        assert_eq!(authority.check(1, MS(3199)), Ok(()));
+        assert_eq!((authority.lapses(), authority.check(1, MS(3199))), (Some(MS(3200)), Ok(())));
         assert_eq!(authority.check(1, MS(3200)), Err(NoAuthority::None));
         // A late sign of life is none.
         authority.beat(1, MS(3201));

@@ -1,0 +1,57 @@
+//! What happens to pages, and what is to be done for them then.
+
+use mrroc_processes::{OnBehalf, Request};
+
+use crate::desk::Shown;
+use crate::rules::authority::Page;
+use crate::rules::request::Asked;
+
+/// The number of a connection, among all that pages have made.
+pub type Key = u64;
+
+/// What a page says.
+#[derive(Debug)]
+pub enum Heard<'h> {
+    /// A message.
+    Text(&'h str),
+    /// A ping, or its answer.
+    Control,
+    /// What is no text.
+    Binary,
+    /// That it goes; or it has gone.
+    Closed,
+    /// The connection has failed, or what came was no frame.
+    Failed(String),
+}
+
+/// Whom an answer is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct To {
+    pub key: Key,
+    pub page: Page,
+    /// The number that the page gave its request.
+    pub number: u64,
+}
+
+/// What the desk answers.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// What all pages are told by this word.
+    Asked(String),
+    /// The renewal of a hold, of which no other page is told.
+    Renewal,
+    /// A stop.
+    Stop,
+}
+
+/// What is to be done for pages.
+pub enum Action {
+    /// The desk is asked for something, for somebody who waits for the answer, or for nobody.
+    Ask { request: Request, by: OnBehalf, to: Option<(To, Kind)> },
+    /// The desk is asked for a stop, which waits for nothing else.
+    Stop { by: OnBehalf, to: To },
+    /// Something is to be done with the files of poses, of a cell that showed this.
+    Files { asked: Asked, shown: Shown, to: To },
+    /// The terminal is told.
+    Say(String),
+}

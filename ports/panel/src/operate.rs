@@ -1,0 +1,143 @@
+//! What a page may ask for, and when.
+//!
+//! In: a message of a page that was let in, and the time. Out: requests to the desk; or why not.
+
+use core::time::Duration;
+
+use mrroc_processes::{OnBehalf, Request};
+
+use crate::events::{Key, Kind};
+use crate::pages::Pages;
+use crate::rules::request::{Asked, Message, Stamp};
+use crate::session::DoesNotRead;
+
+/// Requests of pages that may wait for files.
+const FILES: usize = 16;
+
+impl Pages {
+    /// Does what a page asks for, or says why not.
+    ///
+    /// # Errors
+    /// [`DoesNotRead`]
+    pub(crate) fn obey(
+        &mut self,
+        key: Key,
+        by: OnBehalf,
+        now: Duration,
+        message: Message,
+    ) -> Result<(), DoesNotRead> {
+        let Message { number, asked } = message;
+        if self.course.is_some() {
+            return self.replay(key, number, &asked);
+        }
+        match self.begin_to(key, by, now, number, asked) {
+            Ok(Some(told)) => self.answer(key, number, "done", told),
+            Ok(None) => Ok(()),
+            Err(why) => self.answer(key, number, "refused", &why),
+        }
+    }
+
+    /// Shows a moment of a run that is over.
+    fn replay(&mut self, key: Key, number: u64, asked: &Asked) -> Result<(), DoesNotRead> {
+        let Some(course) = &self.course else { return Ok(()) };
+        let why = match asked {
+            Asked::Frame(at, minute) => match course.at(*at) {
+                Some(now) => {
+                    let looks = &self.scene.looks;
+                    let mut state = looks.state(now);
+                    if *minute {
+                        state["minute"] = course.minute(*at).map(|now| looks.plotted(now)).collect();
+                    }
+                    return self.tell(key, state.to_string().into());
+                }
+                None => "nothing was seen of this run",
+            },
+            Asked::Beat => return Ok(()),
+            _ => "the run is over: there is nothing to operate",
+        };
+        self.answer(key, number, "refused", why)
+    }
+
+    /// Begins to do what a page asks for of a cell that runs. What it is told at once, if that is all; or why not.
+    fn begin_to(
+        &mut self,
+        key: Key,
+        by: OnBehalf,
+        now: Duration,
+        number: u64,
+        asked: Asked,
+    ) -> Result<Option<&'static str>, String> {
+        let page = by.page;
+        match asked {
+            Asked::Beat => self.control.beat(page, now),
+            Asked::Take => {
+                self.control.take(page, now).map_err(|why| why.to_string())?;
+                self.ask(key, by, number, Kind::Asked("take control".to_owned()), Request::Take);
+            }
+            Asked::LetGo => {
+                let left = self.control.leave(page);
+                self.tell_desk(by, left);
+                self.note(&format!("page {page}: let go of control"));
+                return Ok(Some("nobody has control"));
+            }
+            Asked::Press(button, stamp) => {
+                self.may_operate(by, now, stamp)?;
+                self.ask(key, by, number, Kind::Asked(button.to_string()), Request::Press(button));
+            }
+            Asked::Hold(begins, stamp) => {
+                self.may_operate(by, now, stamp)?;
+                let button = self.control.renew(begins, None, now).map_err(|why| why.to_string())?;
+                let kind = if begins { Kind::Asked("hold".to_owned()) } else { Kind::Renewal };
+                self.ask(key, by, number, kind, Request::Press(button));
+            }
+            Asked::Jog(begins, robot, order, stamp) => {
+                self.may_operate(by, now, stamp)?;
+                let button = self.control.renew(begins, Some((robot, order)), now);
+                let button = button.map_err(|why| why.to_string())?;
+                let kind = if begins { Kind::Asked(format!("jog {robot} {order}")) } else { Kind::Renewal };
+                self.ask(key, by, number, kind, Request::Press(button));
+            }
+            Asked::Release => {
+                let may = self.control.check(page, now);
+                match may.ok().and_then(|()| self.control.release()) {
+                    Some(button) => {
+                        self.ask(key, by, number, Kind::Asked("let go".to_owned()), Request::Press(button));
+                    }
+                    None => return Ok(Some("nothing is held")),
+                }
+            }
+            Asked::Teach(.., stamp) => {
+                self.may_operate(by, now, stamp)?;
+                self.use_files(key, by, number, asked)?;
+            }
+            Asked::Rename(..) | Asked::Forget(..) => {
+                self.control.check(page, now).map_err(|why| why.to_string())?;
+                self.use_files(key, by, number, asked)?;
+            }
+            Asked::Way(..) => self.use_files(key, by, number, asked)?,
+            Asked::Token(_) | Asked::Frame(..) => {
+                return Err("this is a cell that runs, and the page is let in already".to_owned());
+            }
+            // It is taken before.
+            Asked::Stop => {}
+        }
+        Ok(None)
+    }
+
+    /// Whether a page may operate the cell, as it is now, by what it saw of it.
+    fn may_operate(&mut self, by: OnBehalf, now: Duration, stamp: Stamp) -> Result<(), String> {
+        self.control.check(by.page, now).map_err(|why| why.to_string())?;
+        match self.scene.shown.get().stamp {
+            Some((newest, period)) => stamp.check(newest, period).map_err(|old| old.to_string()),
+            None => Err("the cell has not been seen yet".to_owned()),
+        }
+    }
+
+    fn use_files(&mut self, key: Key, by: OnBehalf, number: u64, asked: Asked) -> Result<(), String> {
+        if self.files >= FILES {
+            return Err("the files of the poses do not answer: ask again".to_owned());
+        }
+        self.begin_work(key, by.page, number, asked);
+        Ok(())
+    }
+}
