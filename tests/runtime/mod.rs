@@ -33,5 +33,6 @@ mod sensors;
 mod signals;
 mod suspending;
 mod sweeps;
+mod threads;
 mod waits;
 mod wrench;

@@ -11,11 +11,7 @@ use mrroc_driver_kit::{Cutting, Refused};
 use super::network::{Connection, Listener, Network, Received, Tcp};
 use super::primary::{self, Reading};
 use super::rtde::{self, Negotiated, Negotiation, state_of};
-<<<<<<< HEAD
-use super::running::{Asked, CALL, Running};
-=======
 use super::running::{Addresses, CALL, Running};
->>>>>>> hb2
 use super::{Heard, Job, JobState, Lost, Wire};
 use crate::calibration::Calibration;
 use crate::outputs::{Group, Groups};
@@ -321,19 +317,11 @@ impl<N: Network> Wire for Connections<N> {
         if let (Job::Offer(script), Some(node)) = (&job, &mut self.node) {
             node.offers.clone_from(script);
         }
-<<<<<<< HEAD
-        let asked = Asked {
-            dashboard: SocketAddr::new(self.robot, self.ports.dashboard),
-            secondary: SocketAddr::new(self.robot, self.ports.secondary),
-        };
-        self.job = Some(Running::begin(&mut self.network, job, asked, self.node.is_some()));
-=======
         let addresses = Addresses {
             dashboard: SocketAddr::new(self.robot, self.ports.dashboard),
             secondary: SocketAddr::new(self.robot, self.ports.secondary),
         };
         self.job = Some(Running::begin(&mut self.network, job, addresses, self.node.is_some()));
->>>>>>> hb2
     }
 
     fn job(&mut self) -> JobState {

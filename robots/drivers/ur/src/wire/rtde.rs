@@ -159,8 +159,6 @@ pub(super) fn state_of(answer: &Answer<'_>, of: u8) -> Option<State> {
 
 /// The connection has ended.
 pub(super) const CLOSED: Lost = Lost("the controller has closed its RTDE");
-<<<<<<< HEAD
-=======
 
 #[cfg(test)]
 mod tests {
@@ -267,4 +265,3 @@ mod tests {
         }
     }
 }
->>>>>>> hb2
