@@ -81,8 +81,9 @@ impl Panel {
             poses: None,
             news: watch::Sender::new(()),
             door: Door::at(address),
-            since: Instant::now(),
+            // First of the two, so that nothing is said to have been heard later than it was.
             began: monotonic(),
+            since: Instant::now(),
         }
     }
 
