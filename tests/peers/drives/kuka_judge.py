@@ -75,13 +75,17 @@ def judged(outcome, seen, path, period, fastest=FASTEST):
     return f"{seen['cycles']} cycles, {seen['late']} answers late, steps of up to {largest:.3f} degrees; {outcome}"
 
 
-def swing(name, outcome, seen):
+def swing(outcome, seen, path, period):
     """Axis 1 goes to 0.5 rad and back."""
     reached = seen["range_deg"][0] if seen["cycles"] else 0.0
-    if outcome.kind is None and outcome.skipped == 0:
-        has(SWING[0] <= reached <= SWING[1], f"axis 1 was moved by {reached} degrees, not by 28.65")
+    if outcome.kind is None:
+        # It is there for no longer than it takes to turn back, by 4 rad/s², and goes on in periods that were left out.
+        longest = max(taken - asked for (asked, *_), (_, taken, *_) in zip(path, path[1:]))
+        least = SWING[0] - (math.degrees(0.5 * 4.0 * longest**2) if longest > 3 * period else 0.0)
+        most = SWING[1] + FASTEST * outcome.skipped * period
+        has(least <= reached <= most, f"axis 1 was moved by {reached} degrees, not by 28.65 ({least} to {most})")
     else:
-        not_judged(name, f"that axis 1 moves by 28.65 degrees (it moved by {reached})", outcome)
+        not_judged("kuka", f"that axis 1 moves by 28.65 degrees (it moved by {reached})", outcome)
 
 
 def absolute(cycles):
@@ -89,7 +93,7 @@ def absolute(cycles):
     outcome, seen, path = run("cell.toml", cycles // 350 + 1)
     is_whole = outcome.ended_well(controller=True)
     figures = judged(outcome, seen, path, 0.004)
-    swing("kuka", outcome, seen)
+    swing(outcome, seen, path, 0.004)
     if is_whole:
         has(not seen["broke_off"], "the controller broke off, and the cell does not say so")
     print(f"kuka: {figures}")
@@ -114,7 +118,7 @@ def relative(cycles):
     is_whole = outcome.ended_well(controller=True)
     figures = judged(outcome, seen, path, 0.012)
     has(seen["late"] > 0 or not seen["cycles"], "the driver has not found out how the controller counts what is late")
-    swing("kuka", outcome, seen)
+    swing(outcome, seen, path, 0.012)
     if is_whole:
         has(max(map(abs, seen["end_deg"])) <= 1e-9, f"relative corrections do not add up: {seen['end_deg']}")
     print(f"kuka: relative corrections: {figures}")
