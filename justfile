@@ -38,7 +38,7 @@ bench-panel ROUNDS="5":
 
 # How soon an arm stands that is jogged in a browser: so many holds of each way to end one, judged from recordings. A quarter of an hour.
 test-panel-holds N="100":
-    MRROC_HOLDS={{N}} tests/peers/panel/run holds
+    tests/peers/panel/run holds --times {{N}}
 
 # Instructions of a step and of its parts, beside their tables: optimised, and as CI counts them; `--accept` writes both anew.
 instructions *ARGS:

@@ -15,15 +15,9 @@ import sys
 import threading
 import time
 
+from priority import urgent
+
 TUNSETIFF, IFF_TUN, IFF_NO_PI = 0x400454CA, 0x0001, 0x1000
-
-
-def urgent():
-    """Gives this thread a priority where it may have one, and none of what it starts: a cable is never busy with something else."""
-    try:
-        os.sched_setscheduler(0, os.SCHED_FIFO | os.SCHED_RESET_ON_FORK, os.sched_param(60))
-    except PermissionError:
-        pass
 
 
 class Wire(threading.Thread):
@@ -38,7 +32,7 @@ class Wire(threading.Thread):
         self.passed = self.lost = 0
         self.ended = False
         # Of the thread that starts it, too: Python lets one thread run at a time.
-        urgent()
+        urgent(inherited=False)
 
     @staticmethod
     def device(name):
@@ -47,7 +41,7 @@ class Wire(threading.Thread):
         return end
 
     def run(self):
-        urgent()
+        urgent(inherited=False)
         while not self.ended:
             now = time.monotonic()
             until = max(0.0, self.waiting[0][0] - now) if self.waiting else 0.1
@@ -111,15 +105,6 @@ def run(*command):
     subprocess.run(command, check=True)
 
 
-class Shortfall(Exception):
-    """What is not as it should be."""
-
-
-def has(condition, what):
-    if not condition:
-        raise Shortfall(what)
-
-
 class Cut(Clear):
     """The cable is pulled: nothing gets through."""
 
@@ -136,12 +121,25 @@ def unshare():
     return None
 
 
+# How the program in its namespace is told from the one that made it.
+INSIDE = "--in-namespace"
+
+
+def is_in_namespace():
+    """Whether this program may make namespaces."""
+    return INSIDE in sys.argv
+
+
+def arguments():
+    """Those of the program, for its parser."""
+    return [argument for argument in sys.argv[1:] if argument != INSIDE]
+
+
 def begin_in_namespace():
     """The same program once more, in a namespace in which it may make others; returns there, or False where there are none."""
-    if os.environ.get("MRROC_NAMESPACE") == "1":
+    if is_in_namespace():
         return True
     enter = unshare()
     if enter is None:
         return False
-    os.environ["MRROC_NAMESPACE"] = "1"
-    os.execvp("unshare", [*enter, sys.executable, *sys.argv])
+    os.execvp("unshare", [*enter, sys.executable, *sys.argv, INSIDE])

@@ -2,10 +2,11 @@
 //! --example follow -- --cell ports/external/examples/cell.toml` with a simulated camera, and with `--processes` where the
 //! program runs. `external camera` prints the module for that program, `external follow` that for a program that looks on.
 //!
-//! `MRROC_SECONDS` says for how long, three by default.
+//! `--seconds` behind a `--` says for how long, three by default.
 
 use mrroc_external::{External, Onlookers};
 use mrroc_robots::{Irp6, Six, simulated};
+use mrroc_runtime::launch::own_option;
 use mrroc_runtime::prelude::*;
 
 // ANCHOR: kind
@@ -59,7 +60,9 @@ fn cell(file: &CellFile) -> Result<Cell, CellError> {
 // ANCHOR_END: cell
 
 fn watch(mp: &mut Mp) -> Result<(), Fault> {
-    let seconds = std::env::var("MRROC_SECONDS").ok().and_then(|seconds| seconds.parse().ok()).unwrap_or(3.0);
+    let seconds = own_option("seconds")
+        .map_or(Ok(3.0), |seconds| seconds.parse())
+        .map_err(|_| Fault::thrown("--seconds needs a number"))?;
     let (mut arm, mut camera) = (mp.robot::<Irp6>("arm")?, mp.sensor::<Camera>("camera")?);
     // Its program may still be starting.
     mp.wait_until((), (&mut camera,), Seen)?;

@@ -2,13 +2,14 @@
 //! ports/external/examples/plant.toml` while `mujoco_arms.py` runs, or with `--simulated` without it. `external left` prints the
 //! Python module that this script imports.
 //!
-//! `MRROC_METRES` says how long the lines are, 0.2 by default.
+//! `--metres` behind a `--` says how long the lines are, 0.2 by default.
 
 use mrroc_external::plant;
 use mrroc_generators::generators::{Delay, StraightLine};
 use mrroc_generators::line::ToolLimits;
 use mrroc_generators::profile::ProfileLimits;
 use mrroc_robots::{Serial, simulated};
+use mrroc_runtime::launch::own_option;
 use mrroc_runtime::prelude::*;
 
 fn main() -> std::process::ExitCode {
@@ -24,7 +25,9 @@ fn cell(file: &CellFile) -> Result<Cell, CellError> {
 
 /// Down and back along the axis of the tool, then down again, and stay there until the arm stands.
 fn draw(ecp: &mut Ecp<Serial<6>>) -> Result<(), Fault> {
-    let metres = std::env::var("MRROC_METRES").ok().and_then(|metres| metres.parse().ok()).unwrap_or(0.2);
+    let metres = own_option("metres")
+        .map_or(Ok(0.2), |metres| metres.parse())
+        .map_err(|_| Fault::thrown("--metres needs a number"))?;
     let limits = ProfileLimits { velocity: 0.25, acceleration: 0.5 };
     let limits = ToolLimits { translation: limits, rotation: limits };
     let line = |z: f64| StraightLine::by(Pose::translation(0.0, 0.0, z), limits);

@@ -2,12 +2,13 @@
 //! links: `cargo run --release -p mrroc-panel --example shown --features mrroc/panel -- --cell ports/panel/examples/shown/cell.toml
 //! --processes --panel`.
 //!
-//! `MRROC_TURNS` says how often they go, a thousand times by default.
+//! `--turns` behind a `--` says how often they go, a thousand times by default.
 
 use std::cell::RefCell;
 use std::rc::Rc;
 use std::time::Duration;
 
+use mrroc::launch::own_option;
 use mrroc::nalgebra::Vector3;
 use mrroc::prelude::*;
 use mrroc::sensor::VspMode;
@@ -73,7 +74,9 @@ fn still(c: &mut Still, e: &State<(Irp6,)>, v: &Reading<(WristForce,)>) -> bool 
 }
 
 fn carry(mp: &mut Mp) -> Result<(), Fault> {
-    let turns = std::env::var("MRROC_TURNS").ok().and_then(|turns| turns.parse().ok()).unwrap_or(1000_u32);
+    let turns = own_option("turns")
+        .map_or(Ok(1000_u32), |turns| turns.parse())
+        .map_err(|_| Fault::thrown("--turns needs a number"))?;
     let (mut holder, mut shown) = (mp.robot::<Irp6>("holder")?, mp.robot::<Serial<3>>("shown")?);
     let mut wrist = mp.sensor::<WristForce>("wrist")?;
     let lamp = holder.output::<bool>("lamp")?;

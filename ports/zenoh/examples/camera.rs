@@ -2,7 +2,7 @@
 //! FOLDER/cell.toml --processes`, where `[sensors.camera.external]` has an `address`; `.. certificates FOLDER/keys` makes the certificates and
 //! `.. external camera` prints the module for the program. An arm turns its column to where the camera sees a part.
 //!
-//! With `MRROC_TRACE=FOLDER` the MP writes there, in every step of its Move, when it was by the wall clock [ns], how old the reading was
+//! With `--trace FOLDER` behind a `--` the MP writes there, in every step of its Move, when it was by the wall clock [ns], how old the reading was
 //! [steps], and the bits of its direction, and the plant what was demanded of the arm: the time [s] and the first joint, as two
 //! numbers of 8 bytes.
 
@@ -12,6 +12,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::{SystemTime, UNIX_EPOCH};
 
+use mrroc::launch::own_option;
 use mrroc::prelude::*;
 use mrroc_external::External;
 use mrroc_robots::{Irp6, Six, simulated};
@@ -51,7 +52,7 @@ fn cell(file: &CellFile) -> Result<Cell, CellError> {
 
 /// A file of the trace, if there is one: it is made when something is written.
 fn trace(name: &str) -> (Option<PathBuf>, Option<File>) {
-    (std::env::var_os("MRROC_TRACE").map(|folder| PathBuf::from(folder).join(name)), None)
+    (own_option("trace").map(|folder| PathBuf::from(folder).join(name)), None)
 }
 
 /// A disk that is full ends the trace and nothing else.
@@ -66,7 +67,9 @@ fn write((path, file): &mut (Option<PathBuf>, Option<File>), bytes: &[u8]) {
 }
 
 fn watch(mp: &mut Mp) -> Result<(), Fault> {
-    let seconds = std::env::var("MRROC_SECONDS").ok().and_then(|seconds| seconds.parse().ok()).unwrap_or(3.0);
+    let seconds = own_option("seconds")
+        .map_or(Ok(3.0), |seconds| seconds.parse())
+        .map_err(|_| Fault::thrown("--seconds needs a number"))?;
     let (mut arm, mut camera) = (mp.robot::<Irp6>("arm")?, mp.sensor::<Camera>("camera")?);
     mp.wait_until((), (&mut camera,), Seen)?;
     let from = arm.demanded().joints;

@@ -1,6 +1,6 @@
 //! A round trip between the MP and an ECP on another machine beside one of bare zenoh, by turns in one run: `tests/benches/peers/nodes`
 //! runs it. `.. --example round_trip -- --cell FOLDER/cell.toml --processes` is the cell, `.. node b` its other node,
-//! `.. echo` on the other node answers bare zenoh.
+//! `.. echo -- --echo-at ADDRESS:PORT --keys FOLDER` on the other node answers bare zenoh, where the cell asks it with the same options.
 //!
 //! The MP waits by turns for nothing, for the robot `far` on the other node, which is asked for its state and answers at once, and for bare
 //! zenoh: a message of the same size over a connection with the same settings. A Wait wakes at a step; so how long one takes is
@@ -14,6 +14,7 @@ use std::process::ExitCode;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
 
+use mrroc::launch::own_option;
 use mrroc::prelude::*;
 use mrroc_robots::{Irp6, simulated};
 use serde_json::json;
@@ -41,15 +42,15 @@ fn cell(file: &CellFile) -> Result<Cell, CellError> {
     Ok(file.cell(&simulated())?.program(move |mp| measure(mp, step)))
 }
 
-/// Where bare zenoh is answered, if it is: from the environment.
+/// Where bare zenoh is answered, if it is.
 fn echo_address() -> Option<SocketAddr> {
-    std::env::var("MRROC_ECHO").ok()?.parse().ok()
+    own_option("echo-at").map(|at| at.parse().expect("--echo-at needs an address and port"))
 }
 
 /// A session with the settings of a node's, which calls or waits.
 fn bare(calls: bool, name: &str) -> Session {
-    let endpoint = [format!("quic/{}", echo_address().expect("MRROC_ECHO has an address"))];
-    let keys = std::env::var("MRROC_KEYS").expect("MRROC_KEYS has the folder of certificates");
+    let endpoint = [format!("quic/{}", echo_address().expect("--echo-at ADDRESS:PORT"))];
+    let keys = own_option("keys").expect("--keys FOLDER: its certificates");
     let file = |name: &str| Path::new(&keys).join(name).to_string_lossy().into_owned();
     let (key, certificate) = (file(&format!("{name}.key")), file(&format!("{name}.pem")));
     let none: [String; 0] = [];

@@ -2,9 +2,9 @@
 //! --processes`, while `.. --example transfer -- --cell FOLDER/cell.toml node b` runs on the other one. It is the task of
 //! `tasks/transfer` without the bar, because each machine simulates its own arm.
 //!
-//! The first line of `main` is all that a program needs for this. With `MRROC_TRACE=FOLDER` each robot's process writes there
+//! The first line of `main` is all that a program needs for this. Behind a `--`, with `--trace FOLDER` each robot's process writes there
 //! what was demanded in every servo period: the time [s] and the joints [rad or m], as numbers of 8 bytes. With
-//! `MRROC_LOOSE=N` the arms only turn to and fro, N times, each by itself (a loose motion, by joints).
+//! `--loose N` the arms only turn to and fro, N times, each by itself (a loose motion, by joints).
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -13,6 +13,7 @@ use std::io::{BufWriter, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+use mrroc::launch::own_option;
 use mrroc::prelude::*;
 use mrroc::robot::JointVector;
 use mrroc_generators::generators::JointMove;
@@ -27,7 +28,10 @@ fn main() -> ExitCode {
 
 fn cell(file: &CellFile) -> Result<Cell, CellError> {
     let kinds = transfer::plant::drives();
-    let times = std::env::var("MRROC_LOOSE").ok().and_then(|times| times.parse::<u32>().ok());
+    let times = own_option("loose")
+        .map(|times| times.parse::<u32>())
+        .transpose()
+        .map_err(|_| Fault::thrown("--loose needs a number"))?;
     let cell = match times {
         Some(times) => file
             .cell(&kinds)?
@@ -36,7 +40,7 @@ fn cell(file: &CellFile) -> Result<Cell, CellError> {
             .program(move |mp| loosely(mp, times)),
         None => transfer::cell(file, &kinds)?.program(transfer::mp::coordinate),
     };
-    Ok(match std::env::var_os("MRROC_TRACE") {
+    Ok(match own_option("trace") {
         Some(folder) => traced(cell, folder.into()),
         None => cell,
     })

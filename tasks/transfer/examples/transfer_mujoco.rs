@@ -1,11 +1,12 @@
 //! The transfer with both arms, both hands and the bar in MuJoCo: `cargo run -p transfer --example transfer_mujoco -- --cell
 //! tasks/transfer/examples/mujoco.toml --virtual` while `transfer_mujoco.py` runs beside it; with `--simulated` in place of
-//! `--virtual` in the task's own simulation. The programs are those of the task. With `MRROC_SENSORS=1` it is the one that reads the
+//! `--virtual` in the task's own simulation. The programs are those of the task. With `-- --sensors` it is the one that reads the
 //! wrists' forces: those that MuJoCo tells.
 
 use std::process::ExitCode;
 
 use mrroc::cell_file::{Kinds, RobotEntry};
+use mrroc::launch::own_option;
 use mrroc::prelude::*;
 use mrroc_external::plant;
 use mrroc_robots::grasp::{Fingers, SimulatedWrist};
@@ -22,7 +23,7 @@ fn main() -> ExitCode {
 fn task(file: &CellFile) -> Result<Cell, CellError> {
     let around = Plant::new(Pose::identity()).map_err(|bad| Fault::thrown(&bad.to_string()))?;
     let cell = cell(file, &kinds(&around).plants(plant))?;
-    if std::env::var_os("MRROC_SENSORS").is_none() {
+    if own_option("sensors").is_none() {
         return Ok(cell.program(mp::coordinate));
     }
     let hands = ["rnt", "polycrank"].into_iter().filter_map(|arm| Some((arm, around.hand_of(arm)?)));

@@ -55,14 +55,13 @@ def measure(machines, folder, step, bare, cyclictest):
 
     def begin(place, *words, **how):
         home = folder / "ab"[place]
-        environment = {**os.environ, "MRROC_KEYS": str(home / "certificates")}
-        if bare:
-            environment["MRROC_ECHO"] = "10.77.0.2:7450"
         words = [PROGRAM, *words] if words[0] == "echo" else [PROGRAM, "--cell", home / "cell.toml", "--no-picture", *words]
+        if bare:
+            words += ["--", "--echo-at", "10.77.0.2:7450", "--keys", home / "certificates"]
         if words[1] == "echo" and URGENT:
             # As urgent as the cell's processes, and the MP's own end of it.
             words = ["chrt", "-f", "50", *words]
-        return subprocess.Popen(machines[place].within(*words), env=environment, stdin=subprocess.DEVNULL, text=True, **how)
+        return subprocess.Popen(machines[place].within(*words), stdin=subprocess.DEVNULL, text=True, **how)
 
     node = begin(1, "node", "b")
     echo = begin(1, "echo", stdout=subprocess.PIPE) if bare else None

@@ -100,8 +100,8 @@ def attack(address, token, ends):
 
 
 def run(program, cell, kind, traced):
-    words = [program, "--cell", cell, "--processes", "--no-picture"] + ([] if kind == WITHOUT else ["--panel"])
-    started = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env={**os.environ, "MRROC_TURNS": "2"})
+    words = [program, "--cell", cell, "--processes", "--no-picture"] + ([] if kind == WITHOUT else ["--panel"]) + ["--", "--turns", "2"]
+    started = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
     ends, threads, said, calls = threading.Event(), [], "", {}
     # A cell that has stopped waits for nobody here.
     bound = threading.Timer(TOO_LONG, started.send_signal, [signal.SIGINT])

@@ -1,7 +1,8 @@
-"""RSIPI's emulator of a KUKA controller on this machine's loopback, for a number of cycles, or until nobody answers any more.
+"""RSIPI's emulator of a KUKA controller on this machine's loopback, for a number of cycles, or until nobody answers any more, or its
+input ends.
 
 It owns the clock, rejects answers with another clock or name, and breaks off after too many late ones. It starts to send,
-waits until it is answered, and then counts. Prints what it saw as one line of JSON.
+waits until it is answered, and then counts. Prints what it saw as one line of JSON; `--path` has each answer that it took.
 """
 
 import argparse
@@ -11,7 +12,12 @@ import os
 import socket
 import sys
 import tempfile
+import threading
 import time
+from pathlib import Path
+
+sys.path.append(str(Path(__file__).resolve().parent.parent))
+from priority import urgent  # noqa: E402
 
 CONFIGURATION = """<ROOT>
   <CONFIG><IP_NUMBER>127.0.0.1</IP_NUMBER><PORT>{port}</PORT><SENTYPE>ImFree</SENTYPE><ONLYSEND>FALSE</ONLYSEND></CONFIG>
@@ -36,8 +42,11 @@ def main():
     parser.add_argument("--mode", choices=["absolute", "relative"], default="absolute")
     parser.add_argument("--period", type=int, choices=[4, 12], default=4, help="ms")
     parser.add_argument("--lose-after", type=int, help="answers after which every second one is not taken")
+    parser.add_argument("--path", type=Path, help="a JSON file: when each answer was asked for, when it was taken [s], and all axes [degrees]")
     options = parser.parse_args()
+    file_of_path = options.path and options.path.resolve()
 
+    urgent()
     os.chdir(tempfile.mkdtemp())  # it writes a log
     emulator = importlib.import_module("RSIPI.rsi_echo_server")
 
@@ -46,6 +55,10 @@ def main():
 
         def bind(self, address):
             super().bind((options.address, address[1]))
+
+        def sendto(self, *arguments):
+            self.sent = time.monotonic()
+            return super().sendto(*arguments)
 
     emulator.socket.socket = OneAddress
     with open("rsi.xml", "w") as file:
@@ -59,6 +72,7 @@ def main():
 
         def __init__(self):
             self.path = []
+            self.taken = []
             self.turn = False
             self.words = []
             super().__init__("rsi.xml", delay_ms=options.period, mode=options.mode)
@@ -76,19 +90,24 @@ def main():
             if word not in self.words[-1:]:
                 self.words.append(word)
             if accepted:
+                self.taken.append((self.udp_socket.sent, time.monotonic()))
                 self.path.append([self.state["AIPos"][f"A{i}"] for i in range(1, 7)])
             return accepted
 
     controller = Controller()
     controller.client_address = (options.cell, options.port)
     controller.start()
+    over = threading.Event()
+    threading.Thread(target=lambda: (sys.stdin.read(), over.set()), daemon=True).start()
     # It waits a minute for the first answer, and five seconds for each further one.
     answered, until = 0, time.monotonic() + 60
-    while controller.running and (options.cycles is None or answered < options.cycles) and time.monotonic() < until:
+    while controller.running and not over.is_set() and (options.cycles is None or answered < options.cycles) and time.monotonic() < until:
         time.sleep(0.05)
         if len(controller.path) > answered:
             answered, until = len(controller.path), time.monotonic() + 5
     controller.stop()
+    if file_of_path:
+        file_of_path.write_text(json.dumps([[*taken, *axes] for taken, axes in zip(controller.taken, controller.path)]))
     steps = [
         max(abs(b - a) for a, b in zip(before, after))
         for before, after in zip(controller.path, controller.path[1:])

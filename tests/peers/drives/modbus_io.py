@@ -1,7 +1,7 @@
 """A device with inputs and outputs by pymodbus on this machine's loopback, and a cell that switches them.
 
-    modbus_io.py PROGRAM CELL   runs the program of that file against servers, and says what falls short; ends with 75 where this
-                                machine is late
+    modbus_io.py PROGRAM CELL   runs the program of that file against servers, and says what falls short; where this machine was late,
+                                what was told in order until then is all that is judged
     modbus_io.py --serve        a server, which prints its port, and when it is ended what it saw as a line of JSON
 
 Input 0 follows coil 16 and input 5 follows coil 19, each 20 ms later as a contactor does; the analog input reads the analog output.
@@ -9,7 +9,6 @@ Input 0 follows coil 16 and input 5 follows coil 19, each 20 ms later as a conta
 
 import asyncio
 import json
-import os
 import pathlib
 import signal
 import subprocess
@@ -18,12 +17,14 @@ import tempfile
 import time
 
 sys.path.append(str(pathlib.Path(__file__).resolve().parent.parent))
-from late import late  # noqa: E402
+from outcome import Outcome, Shortfall, has, not_judged  # noqa: E402
+from priority import urgent  # noqa: E402
 
 FOLLOWS = {16: 0, 19: 5}
 DELAY = 0.02
 COILS, INPUTS = 16, 8
 READ_INPUTS, SWITCH, SET = 2, 5, 6
+OFF = [SWITCH, 19, False]
 
 
 async def serve():
@@ -70,45 +71,51 @@ async def serve():
 
 
 def run(program, cell, times=1, kill_after=None):
-    """What the cell says, its exit status, and what the server saw."""
-    server = subprocess.Popen([sys.executable, __file__, "--serve"], stdout=subprocess.PIPE, text=True)
+    """What the cell says, how it ended, and what the server saw."""
+    server = subprocess.Popen([sys.executable, __file__, "--serve"], stdout=subprocess.PIPE, text=True, preexec_fn=urgent)
     port = int(server.stdout.readline())
     with tempfile.TemporaryDirectory() as folder:
         file = pathlib.Path(folder) / "cell.toml"
         file.write_text(pathlib.Path(cell).read_text().replace("127.0.0.1:1503", f"127.0.0.1:{port}"))
-        command = [program, "--cell", str(file), "--processes", "--no-picture"]
-        env = {**os.environ, "MRROC_TIMES": str(times)}
-        running = subprocess.Popen(command, env=env, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        told = pathlib.Path(folder) / "outcome.json"
+        command = [program, "--cell", str(file), "--processes", "--no-picture", "--outcome", str(told), "--", "--times", str(times)]
+        running = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
         if kill_after is not None:
             time.sleep(kill_after)
             server.kill()
         said = running.communicate(timeout=60)[0]
+        outcome = Outcome(told, said)
     server.terminate()
-    return said, running.returncode, json.loads(server.communicate()[0].strip() or "[]")
+    return said, outcome, json.loads(server.communicate()[0].strip() or "[]")
 
 
 def main(program, cell):
-    said, status, seen = run(program, cell)
-    # The last is said of a server in Python.
-    if late(said, "no answer came", "no reading came"):
-        sys.exit(75)
+    said, outcome, seen = run(program, cell)
     relays = [[SWITCH, 16, True], [SWITCH, 16, False], [SWITCH, 19, True], [SWITCH, 19, False]]
     # 2.5 V of 10 V on 12 bits; where a program stands in between, an output is told once more.
     wanted = relays + [[SET, 0, 1024]]
     once = [what for i, what in enumerate(seen) if i == 0 or what != seen[i - 1]]
-    if status != 0 or once != wanted or "pressure: 2.501 V" not in said:
-        sys.exit(f"modbus: it ended with {status}, and the device was told {seen}: {said}")
-    print(f"modbus: {len(relays)} relays switched and followed, an analog output at 2.5 V read back")
-    said, status, _ = run(program, cell, times=100, kill_after=1.5)
-    if status != 1 or "communication lost" not in said and "the connection was closed" not in said:
-        if late(said):
-            sys.exit(75)
-        sys.exit(f"modbus: a lost device was not told: {status}: {said}")
-    print("modbus:", next(line for line in said.splitlines() if line.startswith("error")))
+    if outcome.ended_well(controller=True):
+        has(once == wanted and "pressure: 2.501 V" in said, f"the device was told {seen}: {said}")
+        print(f"modbus: {len(relays)} relays switched and followed, an analog output at 2.5 V read back")
+    else:
+        # When the cell stops, the second relay goes off.
+        stopped = [*once[:-1], *([] if once[-1:] == [OFF] else once[-1:])]
+        has(once == wanted[: len(once)] or stopped == wanted[: len(stopped)], f"the device was told {seen}: {said}")
+        not_judged("modbus", f"that all relays are switched, and an analog output (it was told {seen})", outcome)
+    said, outcome, _ = run(program, cell, times=100, kill_after=1.5)
+    is_told = "communication lost" in outcome.text or "the connection was closed" in outcome.text
+    has(not outcome.ended_by("RobotStopped") or is_told, f"a lost device was not told: {outcome}")
+    if outcome.kind != "RobotStopped":
+        not_judged("modbus", "how a device is lost", outcome)
+    print(f"modbus: {outcome}")
 
 
 if __name__ == "__main__":
     if sys.argv[1] == "--serve":
         asyncio.run(serve())
     else:
-        main(*sys.argv[1:])
+        try:
+            main(*sys.argv[1:])
+        except Shortfall as why:
+            sys.exit(f"modbus: {why}")

@@ -1,4 +1,7 @@
-"""The book's driver over TCP with the book's servo: it moves, its stops are told, others are refused, and a reset calls it again."""
+"""The book's driver over TCP with the book's servo: it moves, its stops are told, others are refused, and a reset calls it again.
+
+Where a late machine stops the cell in between, what comes after that is not judged, and told by name.
+"""
 
 import argparse
 import shutil
@@ -10,22 +13,16 @@ import time
 from pathlib import Path
 
 sys.path.append(str(Path(__file__).resolve().parent.parent))
-from late import Late, late  # noqa: E402
+from outcome import Outcome, Shortfall, has, not_judged  # noqa: E402
+from priority import urgent  # noqa: E402
 
 PAGE = Path(__file__).resolve().parents[2] / "tutorial/tcp_servo"
-# What a servo in Python causes that is given too little time.
-TOO_SLOW = ["has said nothing for", "following error"]
-
-
-def has(condition, said):
-    if not condition:
-        raise Late(said) if late(said, *TOO_SLOW) else SystemExit(f"servo: {said}")
 
 
 class Servo:
     def __init__(self, port=0):
         self.process = subprocess.Popen(
-            [sys.executable, PAGE / "servo.py", str(port)], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+            [sys.executable, PAGE / "servo.py", str(port)], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, preexec_fn=urgent
         )
         self.port = int(self.process.stdout.readline().rsplit(":", 1)[1])
 
@@ -49,10 +46,14 @@ def main():
     cell = (PAGE / "cell.toml").read_text().replace(":2000", f":{servo.port}")
     (folder / "cell.toml").write_text('after_fault = "await reset"\n' + cell)
 
+    program = [program, "--", "--program", "servo"]
+    judged = []
+
     def console(*words):
         # Until the cell runs, nobody listens.
         for _ in range(50):
-            done = subprocess.run([program, *words], cwd=folder, capture_output=True, text=True, timeout=30)
+            command = [program[0], *words, *program[1:]]
+            done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=30)
             if done.returncode == 0 or cell.poll() is not None:
                 break
             time.sleep(0.1)
@@ -65,24 +66,41 @@ def main():
             if what in said:
                 return said
             has("last fault: none" in said or "latched" not in said or time.monotonic() < end, said)
-            has(time.monotonic() < end, said)
+            has(time.monotonic() < end and cell.poll() is None, said)
             time.sleep(0.1)
 
     def at():
-        return float(console("status").split("measured")[1].split()[0])
+        found = console("status").split("measured")
+        has(len(found) == 2, found[0])
+        return float(found[1].split()[0])
+
+    def end_of_cell():
+        if cell.poll() is None:
+            console("abort")
+        try:
+            return cell.communicate(timeout=20)[0]
+        except subprocess.TimeoutExpired:
+            cell.kill()
+            return cell.communicate()[0]
 
     cell = subprocess.Popen(
-        [program, "--processes", "--no-picture"], cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
+        [program[0], "--processes", "--no-picture", "--outcome", "outcome.json", *program[1:]],
+        cwd=folder,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
     )
     try:
         until("running")
         begin = at()
         time.sleep(0.5)
         has(abs(at() - begin) > 0.01, "it does not move: " + console("status"))
+        judged.append("moved")
         # Another client is closed at once, and the servo goes on.
         other = socket.create_connection(("127.0.0.1", servo.port))
         has(other.recv(1) == b"", "the servo takes a second client")
         has("running" in console("status"), "a second client stopped it: " + console("status"))
+        judged.append("was left alone by a second client")
         servo.press()
         until("stopped at the robot: emergency stop")
         # A reset does not clear what needs a person: it stays latched.
@@ -97,7 +115,9 @@ def main():
         until("running")
         time.sleep(0.5)
         has(abs(at() - stood) > 0.01, "it does not go on: " + console("status"))
+        judged.append("was stopped by its emergency stop")
         servo.die()
+        judged.append("was lost")
         until("communication lost")
         console("acknowledge")
         console("reset")
@@ -113,19 +133,19 @@ def main():
             # With a new fault it awaits a reset.
             has("latched" not in said and time.monotonic() < end, said)
             time.sleep(0.5)
-        has(cell.returncode == 0, cell.stdout.read())
-    except Late as why:
-        print("servo:", why)
-        sys.exit(75)
+        outcome = Outcome(folder / "outcome.json", end_of_cell())
+        has(outcome.ended_well(), f"it ended by {outcome}")
+        judged.append("was called again by a reset")
+        print(f"servo: {', '.join(judged)}")
+    except Shortfall as why:
+        outcome = Outcome(folder / "outcome.json", end_of_cell())
+        # Who was lost by our doing is no sign of lateness.
+        if not outcome.is_late(controller="was lost" not in judged):
+            sys.exit(f"servo: after it {', '.join(judged)}: {why}: {outcome}")
+        not_judged("servo", f"what comes after it {', '.join(judged) or 'began'}", outcome)
     finally:
         servo.die()
-        if cell.poll() is None:
-            console("abort")
-            try:
-                cell.wait(timeout=20)
-            except subprocess.TimeoutExpired:
-                cell.kill()
-    print("servo: moved, stopped by its emergency stop, lost, and called again by a reset")
+        end_of_cell()
 
 
 main()

@@ -2,9 +2,10 @@
 
 In: the example `transfer_mujoco` and the task `transfer`, built. Out: exit status 0 if the bar, held by friction alone, and both arms end within 1 mm of
 where they end in our simulation and of where the bar's path leads; if two runs are equal to the bit; and if the wrists bear what
-the bar and the hands weigh. With MRROC_LONG=1 the second run is a whole one, and so is a third, whose program reads the wrists.
+the bar and the hands weigh. With --long the second run is a whole one, and so is a third, whose program reads the wrists.
 """
 
+import argparse
 import json
 import os
 import signal
@@ -19,6 +20,7 @@ import numpy as np
 
 sys.path.append(str(Path(__file__).resolve().parent.parent))
 from ending import end, interruptible  # noqa: E402
+from outcome import Shortfall, has  # noqa: E402
 from sensor import nothing_left  # noqa: E402
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -41,33 +43,28 @@ sys.path.insert(0, str(EXAMPLES))
 import transfer_mujoco  # noqa: E402
 
 
-def check(is_so, what):
-    if not is_so:
-        raise SystemExit(f"transfer: {what}")
-
-
 def run(folder, name, sensors=False, periods=None):
     """The rows of a run in MuJoCo, `periods` of them if it is not to be a whole one."""
     log = folder / name
-    env = {**os.environ, "MRROC_PORTS": str(folder / "ports"), **({"MRROC_SENSORS": "1"} if sensors else {})}
+    env = {**os.environ, "MRROC_PORTS": str(folder / "ports")}
     command = [sys.executable, EXAMPLES / "transfer_mujoco.py", "--log", log]
     with subprocess.Popen(command, env=env, stdout=subprocess.PIPE, text=True, preexec_fn=interruptible) as simulator:
         try:
-            check(simulator.stdout.readline().startswith("port"), "the simulator does not begin")
-            cell = [PROGRAM, "--cell", CELL, "--virtual", "--no-picture", "--quiet"]
+            has(simulator.stdout.readline().startswith("port"), "the simulator does not begin")
+            cell = [PROGRAM, "--cell", CELL, "--virtual", "--no-picture", "--quiet", *(["--", "--sensors"] if sensors else [])]
             running = subprocess.Popen(cell, env=env, cwd=folder, stderr=subprocess.PIPE, text=True)
             while periods and running.poll() is None and not (log.exists() and log.stat().st_size >= periods * ROW):
                 time.sleep(0.05)
             if periods and running.poll() is None:
                 running.send_signal(signal.SIGTERM)
             _, said = running.communicate(timeout=300)
-            check(periods or running.returncode == 0, f"the cell ended with {running.returncode}: {said}")
+            has(periods or running.returncode == 0, f"the cell ended with {running.returncode}: {said}")
         finally:
             end(simulator)
     raw = log.read_bytes()
     rows = [raw[i : i + ROW] for i in range(0, len(raw) - ROW + 1, ROW)][:periods]
     numbers = [struct.unpack("<Q", row[:8])[0] for row in rows]
-    check(numbers == list(range(len(rows))), "a period is missing")
+    has(numbers == list(range(len(rows))), "a period is missing")
     return np.array([np.frombuffer(row[8:]) for row in rows])
 
 
@@ -77,7 +74,7 @@ def own(folder, sensors):
 
     command = [TASK, "--no-error", *([] if sensors else ["--no-sensor"]), "--quiet", "--out", folder, "--record", folder / "own.mcap"]
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True)
-    check(done.returncode == 0, f"our own simulation ended with {done.returncode}: {done.stderr}")
+    has(done.returncode == 0, f"our own simulation ended with {done.returncode}: {done.stderr}")
     ends = {}
     with open(folder / "own.mcap", "rb") as file:
         for _, channel, message in make_reader(file).iter_messages():
@@ -106,12 +103,12 @@ def judge(rows, ends):
     leads = np.array([0.95, 0.10, 0.90])  # up, 0.25 m along y, turned by 20 degrees, and down: src/places.rs
     turned = np.array([np.cos(np.radians(10)), 0.0, 0.0, np.sin(np.radians(10))])
     apart, off = np.linalg.norm(bar[:3] - at), np.linalg.norm(bar[:3] - leads)
-    check(max(apart, off) < NEAR, f"the bar ends {apart} m from where it ends in our simulation, {off} m from the end of its path")
-    check(max(angle(bar[3:], turn), angle(bar[3:], turned)) < NEAR, f"the bar ends turned by {angle(bar[3:], turn)} rad from ours")
+    has(max(apart, off) < NEAR, f"the bar ends {apart} m from where it ends in our simulation, {off} m from the end of its path")
+    has(max(angle(bar[3:], turn), angle(bar[3:], turned)) < NEAR, f"the bar ends turned by {angle(bar[3:], turn)} rad from ours")
     lifted = rows[:, BAR][:, 2].max() - 0.9
-    check(abs(lifted - 0.12) < NEAR, f"the bar was lifted by {lifted} m")
+    has(abs(lifted - 0.12) < NEAR, f"the bar was lifted by {lifted} m")
     arms = max(np.linalg.norm(rows[-1][of] - place(ends[name]["pose"])[0]) for name, of in TOOLS.items())
-    check(arms < NEAR, f"a tool ends {arms} m from where it ends in our simulation")
+    has(arms < NEAR, f"a tool ends {arms} m from where it ends in our simulation")
     held = rows[GRASPED:][rows[GRASPED:, BAR][:, 2] > 0.91][:, WRENCHES]
     # The tools point down by 45 degrees along the bar: its axis and the vertical in their axes, of RNT's, and of Polycrank's mirrored.
     along, up = np.array([0.0, 1.0, 1.0]) / np.sqrt(2), np.array([0.0, 1.0, -1.0]) / np.sqrt(2)
@@ -119,13 +116,15 @@ def judge(rows, ends):
     hands = 2.0 * (transfer_mujoco.PALM + 0.4)  # a finger weighs 0.2 kg
     expected = (transfer_mujoco.MASS + hands) * G
     # Softly up and down, with at most 0.15 m/s².
-    check(np.abs(weight / expected - 1.0).max() < 0.15 / G + 0.01, f"the wrists bear {weight.min()} to {weight.max()} N, not {expected} N")
+    has(np.abs(weight / expected - 1.0).max() < 0.15 / G + 0.01, f"the wrists bear {weight.min()} to {weight.max()} N, not {expected} N")
     internal = np.abs(held[:, 0:3] @ along - held[:, 6:9] @ -along).max() / 2.0
     return apart, arms, internal, rows[:, -1].max()
 
 
 def main():
-    is_long = os.environ.get("MRROC_LONG") == "1"
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--long", action="store_true")
+    is_long = parser.parse_args().long
     with tempfile.TemporaryDirectory(prefix="mrx") as folder:
         folder = Path(folder)
         for sensors in (False, True) if is_long else (False,):
@@ -134,7 +133,7 @@ def main():
             took = time.monotonic() - began
             apart, arms, internal, gap = judge(rows, own(folder, sensors))
             again = run(folder, "again.log", sensors, None if is_long else GRASPED + 200)
-            check(again.tobytes() == rows[: len(again)].tobytes(), "two runs differ")
+            has(again.tobytes() == rows[: len(again)].tobytes(), "two runs differ")
             print(
                 f"transfer: {'with sensors, ' if sensors else ''}{len(rows)} periods in {took:.1f} s, {len(again)} of them twice equal to the "
                 f"bit; the bar ends {apart * 1e3:.3f} mm from where it ends in our own simulation, the tools {arms * 1e3:.3f} mm; at most {internal:.2f} N of stress, RNT's "
@@ -144,4 +143,7 @@ def main():
 
 
 if __name__ == "__main__":
-    main()
+    try:
+        main()
+    except Shortfall as why:
+        sys.exit(f"transfer: {why}")

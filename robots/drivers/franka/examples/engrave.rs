@@ -2,7 +2,7 @@
 //! robots/drivers/franka/examples/cell.toml --simulated`, and with `--processes` in its place where a robot is at the address
 //! of that file. The arm goes to a posture with a bent shoulder first; the plate lies 50 mm below where the tool is then.
 //!
-//! `MRROC_STROKES` says how many strokes of it, all by default: its last ones, since the first is the frame, which takes a minute.
+//! `--strokes` behind a `--` says how many strokes of it, all by default: its last ones, since the first is the frame, which takes a minute.
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 use std::time::Duration;
@@ -17,6 +17,7 @@ use mrroc_generators::generators::{JointMove, SplineTrack, StraightLine};
 use mrroc_generators::line::ToolLimits;
 use mrroc_generators::profile::ProfileLimits;
 use mrroc_robots::{Seven, simulated};
+use mrroc_runtime::launch::own_option;
 use mrroc_runtime::prelude::*;
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 
@@ -46,8 +47,9 @@ fn straight(velocity: f64) -> ToolLimits {
 }
 
 fn engrave(mp: &mut Mp, step: f64) -> Result<(), Fault> {
-    let count =
-        std::env::var("MRROC_STROKES").ok().and_then(|count| count.parse().ok()).unwrap_or(usize::MAX);
+    let strokes = own_option("strokes")
+        .map_or(Ok(usize::MAX), |strokes| strokes.parse())
+        .map_err(|_| Fault::thrown("--strokes needs a number"))?;
     let thrown = |why: &dyn std::fmt::Display| Fault::thrown(&why.to_string());
     let plate = Plate::default();
     let read =
@@ -72,7 +74,7 @@ fn engrave(mp: &mut Mp, step: f64) -> Result<(), Fault> {
     let feed =
         FeedLimits { feed: 0.01, tangential: 0.2, normal: 0.2, step, chord_error: 1e-6, jerk: f64::INFINITY };
     let sampling = Sampling::default();
-    let left_out = drawing.strokes.len().saturating_sub(count);
+    let left_out = drawing.strokes.len().saturating_sub(strokes);
     for (index, stroke) in drawing.strokes.iter().enumerate().skip(left_out) {
         let (start, end) = (stroke.start(), stroke.end());
         let down = over(start.x, start.y, stroke.tip(0.0).z * 1e-3);

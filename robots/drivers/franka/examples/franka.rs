@@ -1,13 +1,14 @@
 //! Moves an FR3 to its middle position, and from there to and fro: `cargo run -p mrroc-franka --example franka -- --cell robots/drivers/franka/examples/cell.toml
 //! --simulated`, and with `--processes` in its place where a robot is at the address of that file.
 //!
-//! `MRROC_TIMES` says how often, once by default; each time takes five seconds.
+//! `--times` behind a `--` says how often, once by default; each time takes five seconds.
 
 use std::time::Duration;
 
 use mrroc_franka::{Collision, FciSettings, Fr3, with_franka_as};
 use mrroc_generators::generators::JointMove;
 use mrroc_robots::{Seven, simulated};
+use mrroc_runtime::launch::own_option;
 use mrroc_runtime::prelude::*;
 
 /// Where the arm is far from the ends of its range \[rad\].
@@ -37,7 +38,9 @@ fn cell(file: &CellFile) -> Result<Cell, CellError> {
 }
 
 fn to_and_fro(mp: &mut Mp) -> Result<(), Fault> {
-    let times = std::env::var("MRROC_TIMES").ok().and_then(|times| times.parse().ok()).unwrap_or(1);
+    let times = own_option("times")
+        .map_or(Ok(1), |times| times.parse())
+        .map_err(|_| Fault::thrown("--times needs a number"))?;
     let mut arm = mp.robot::<Fr3>("arm")?;
     let here = Seven::from(MIDDLE);
     mp.move_robot(&mut arm, (), JointMove::to(here, Seven::repeat(0.3), Seven::repeat(0.6)))?;

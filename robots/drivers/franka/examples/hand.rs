@@ -2,12 +2,13 @@
 //! robots/drivers/franka/examples/hand.toml --simulated`, and with `--processes` in its place where a hand is at the address of
 //! that file.
 //!
-//! `MRROC_TIMES` says how often, once by default.
+//! `--times` behind a `--` says how often, once by default.
 
 use mrroc_franka::with_franka_hand;
 use mrroc_generators::conditions::{ConditionExt, elapsed};
 use mrroc_generators::generators::JointMove;
 use mrroc_robots::{Irp6, One, Six, TwoFingers, simulated};
+use mrroc_runtime::launch::own_option;
 use mrroc_runtime::prelude::*;
 use mrroc_runtime::robot::{Input, Regulators};
 
@@ -49,7 +50,9 @@ fn stand(_c: &mut Stand, e: &State<(TwoFingers,)>) -> bool {
 }
 
 fn carry(mp: &mut Mp) -> Result<(), Fault> {
-    let times = std::env::var("MRROC_TIMES").ok().and_then(|times| times.parse().ok()).unwrap_or(1);
+    let times = own_option("times")
+        .map_or(Ok(1), |times| times.parse())
+        .map_err(|_| Fault::thrown("--times needs a number"))?;
     let (mut arm, mut hand) = (mp.robot::<Irp6>("arm")?, mp.robot::<TwoFingers>("hand")?);
     let holds: Input<bool> = hand.input("holds")?;
     let here = arm.demanded().joints;

@@ -1,7 +1,7 @@
 //! Says what an FR3 feels at its tool, five times a second, without moving it: `cargo run -p mrroc-franka --example wrench -- --cell
 //! robots/drivers/franka/examples/wrench.toml --processes`, where a robot is at the address of that file. Push the tool by hand.
 //!
-//! `MRROC_TIMES` says how often, 50 times by default.
+//! `--times` behind a `--` says how often, 50 times by default.
 
 use std::time::Duration;
 
@@ -9,6 +9,7 @@ use mrroc_franka::{FciSettings, Fr3, with_franka_as};
 use mrroc_generators::conditions::elapsed;
 use mrroc_robots::sensors::{RobotWrench, WristForce};
 use mrroc_robots::simulated;
+use mrroc_runtime::launch::own_option;
 use mrroc_runtime::pose::Wrench;
 use mrroc_runtime::prelude::*;
 
@@ -35,7 +36,9 @@ fn felt(c: &mut Felt, v: &Reading<(WristForce,)>) -> bool {
 }
 
 fn feel(mp: &mut Mp) -> Result<(), Fault> {
-    let times = std::env::var("MRROC_TIMES").ok().and_then(|times| times.parse().ok()).unwrap_or(50);
+    let times = own_option("times")
+        .map_or(Ok(50), |times| times.parse())
+        .map_err(|_| Fault::thrown("--times needs a number"))?;
     let (mut arm, mut wrist) = (mp.robot::<Fr3>("arm")?, mp.sensor::<WristForce>("wrist")?);
     for _ in 0..times {
         mp.wait_until((&mut arm,), (), elapsed(0.2))?;

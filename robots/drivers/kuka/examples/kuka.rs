@@ -1,12 +1,13 @@
 //! Moves a KUKA arm to and fro: `cargo run -p mrroc-kuka --example kuka -- --cell robots/drivers/kuka/examples/cell.toml
 //! --simulated`, and with `--processes` in its place where a controller is at the address of that file.
 //!
-//! `MRROC_TIMES` says how often, once by default; each time takes two seconds. With `signals.toml` the arm grips something there, and
+//! `--times` behind a `--` says how often, once by default; each time takes two seconds. With `signals.toml` the arm grips something there, and
 //! lets it go here.
 
 use mrroc_generators::generators::{JointMove, Tell};
 use mrroc_kuka::with_rsi;
 use mrroc_robots::{Serial, Six, simulated};
+use mrroc_runtime::launch::own_option;
 use mrroc_runtime::prelude::*;
 use mrroc_runtime::robot::Input;
 
@@ -27,7 +28,9 @@ fn reads(c: &mut Reads, e: &State<(Serial<6>,)>) -> bool {
 }
 
 fn to_and_fro(mp: &mut Mp) -> Result<(), Fault> {
-    let times = std::env::var("MRROC_TIMES").ok().and_then(|times| times.parse().ok()).unwrap_or(1);
+    let times = own_option("times")
+        .map_or(Ok(1), |times| times.parse())
+        .map_err(|_| Fault::thrown("--times needs a number"))?;
     let mut arm = mp.robot::<Serial<6>>("arm")?;
     let here = arm.demanded().joints;
     let there = here + Six::new(0.5, -0.2, 0.2, 0.0, 0.3, 0.0);

@@ -2,12 +2,13 @@
 //! `cargo run -p mrroc-modbus --example modbus_io -- --cell robots/drivers/modbus/examples/cell.toml --processes`, where a device is at
 //! the address of that file.
 //!
-//! `MRROC_TIMES` says how often, once by default.
+//! `--times` behind a `--` says how often, once by default.
 
 use mrroc_generators::generators::Tell;
 use mrroc_modbus::{Layout, Scale, with_modbus_io};
 use mrroc_robots::{IoBlock, simulated};
 use mrroc_runtime::generator::RobotHandle;
+use mrroc_runtime::launch::own_option;
 use mrroc_runtime::prelude::*;
 use mrroc_runtime::robot::{Input, WhenLost};
 
@@ -49,7 +50,9 @@ fn above(c: &mut Above, e: &State<(IoBlock,)>) -> bool {
 
 fn switch(mp: &mut Mp) -> Result<(), Fault> {
     let mut cabinet = mp.robot::<IoBlock>("cabinet")?;
-    let times = std::env::var("MRROC_TIMES").ok().and_then(|times| times.parse().ok()).unwrap_or(1);
+    let times = own_option("times")
+        .map_or(Ok(1), |times| times.parse())
+        .map_err(|_| Fault::thrown("--times needs a number"))?;
     for _ in 0..times {
         switch_once(mp, &mut cabinet)?;
     }

@@ -2,12 +2,13 @@
 //! --cell robots/drivers/robotiq/examples/cell.toml --simulated`, and with `--processes` in its place where a gripper is at
 //! the address of that file.
 //!
-//! `MRROC_TIMES` says how often, once by default.
+//! `--times` behind a `--` says how often, once by default.
 
 use mrroc_generators::conditions::elapsed;
 use mrroc_generators::generators::JointMove;
 use mrroc_robotiq::with_robotiq;
 use mrroc_robots::{Irp6, One, Six, TwoFingers, simulated};
+use mrroc_runtime::launch::own_option;
 use mrroc_runtime::prelude::*;
 
 /// Openings around the part and, pressing on it, beyond it \[m\].
@@ -23,7 +24,9 @@ fn cell(file: &CellFile) -> Result<Cell, CellError> {
 }
 
 fn carry(mp: &mut Mp) -> Result<(), Fault> {
-    let times = std::env::var("MRROC_TIMES").ok().and_then(|times| times.parse().ok()).unwrap_or(1);
+    let times = own_option("times")
+        .map_or(Ok(1), |times| times.parse())
+        .map_err(|_| Fault::thrown("--times needs a number"))?;
     let (mut arm, mut hand) = (mp.robot::<Irp6>("arm")?, mp.robot::<TwoFingers>("hand")?);
     let here = arm.demanded().joints;
     let there = here + Six::x() * 0.3;

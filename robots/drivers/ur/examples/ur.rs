@@ -2,15 +2,16 @@
 //! robots/drivers/ur/examples/cell.toml --simulated`, and with `--processes` in its place where a controller is at the address of
 //! that file: `cargo run -p mrroc-ur-controller` is one.
 //!
-//! `MRROC_TIMES` says how often, once by default; each time takes one and a half seconds. With `MRROC_WRENCH` it prints at its end what
-//! the robot feels at its flange: force and torque, in the axes of the flange.
-//! `MRROC_EXTERNAL_CONTROL` is where a program node of the pendant asks for the script, such as `127.0.0.1:50002`.
+//! Behind a `--`, `--times` says how often, once by default; each time takes one and a half seconds. With `--wrench` it prints at its end
+//! what the robot feels at its flange: force and torque, in the axes of the flange. `--external-control` is where a program node of the
+//! pendant asks for the script, such as `127.0.0.1:50002`.
 
 use core::time::Duration;
 
 use mrroc_generators::generators::JointMove;
 use mrroc_robots::sensors::{RobotWrench, WristForce};
 use mrroc_robots::{Serial, Six, simulated};
+use mrroc_runtime::launch::own_option;
 use mrroc_runtime::pose::Wrench;
 use mrroc_runtime::prelude::*;
 use mrroc_ur::{UrSettings, with_ur_as};
@@ -25,10 +26,12 @@ fn cell(file: &CellFile) -> Result<Cell, CellError> {
 }
 
 /// A machine without a real-time kernel is late now and then: its script waits for longer than 20 ms, unless
-/// `MRROC_READ_TIMEOUT_MS` says something else.
+/// `--read-timeout` says something else \[ms\].
 fn settings(settings: UrSettings) -> UrSettings {
-    let ms = std::env::var("MRROC_READ_TIMEOUT_MS").ok().and_then(|ms| ms.parse().ok()).unwrap_or(200);
-    let external_control = std::env::var("MRROC_EXTERNAL_CONTROL").ok().and_then(|at| at.parse().ok());
+    let ms =
+        own_option("read-timeout").map_or(200, |ms| ms.parse().expect("--read-timeout needs milliseconds"));
+    let external_control = own_option("external-control")
+        .map(|at| at.parse().expect("--external-control needs an address and port"));
     UrSettings { read_timeout: Duration::from_millis(ms), external_control, ..settings }
 }
 
@@ -45,7 +48,9 @@ fn felt(c: &mut Felt, v: &Reading<(WristForce,)>) -> bool {
 }
 
 fn to_and_fro(mp: &mut Mp) -> Result<(), Fault> {
-    let times = std::env::var("MRROC_TIMES").ok().and_then(|times| times.parse().ok()).unwrap_or(1);
+    let times = own_option("times")
+        .map_or(Ok(1), |times| times.parse())
+        .map_err(|_| Fault::thrown("--times needs a number"))?;
     let mut arm = mp.robot::<Serial<6>>("arm")?;
     let here = arm.demanded().joints;
     let there = here + Six::new(0.5, -0.2, 0.2, 0.0, 0.3, 0.0);
@@ -54,7 +59,7 @@ fn to_and_fro(mp: &mut Mp) -> Result<(), Fault> {
             mp.move_robot(&mut arm, (), JointMove::to(goal, Six::repeat(1.0), Six::repeat(4.0)))?;
         }
     }
-    if std::env::var("MRROC_WRENCH").is_ok() {
+    if own_option("wrench").is_some() {
         let mut wrist = mp.sensor::<WristForce>("wrist")?;
         let Felt(Wrench { force: f, torque: t }, _) =
             mp.wait_until((&mut arm,), (&mut wrist,), Felt::default())?;
