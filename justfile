@@ -48,8 +48,7 @@ instructions *ARGS:
 
 # What profiles and jerk-limited plans keep, for 256,000 random inputs of each kind.
 sweep-profiles:
-    MRROC_SWEEP=256000 cargo test --release -p mrroc-generators --lib profile_properties
-    MRROC_SWEEP=256000 cargo test --release -p mrroc-generators --lib jerk_properties
+    cargo test --release -p mrroc-generators --test generators -- --ignored properties::whole::
 
 # Inverse kinematics of all robots, for 100,000 poses each; `cargo test` takes 10,000.
 test-inverse:
@@ -97,15 +96,15 @@ test-kills KILLS="2000":
 # Parts on a belt: one for each of 1,000 seeds, over all speeds, beside open loop; the table and sorting/scatter.svg.
 sorting-whole SEEDS="1000":
     cargo run --release -p sorting -- --sweep {{SEEDS}}
-    MRROC_WHOLE=1 cargo test --release -p sorting
+    cargo test --release -p sorting --test all -- --ignored --nocapture whole:: --skip two_arms:: --skip matrix
 
 # Mazes by touch, by force, by a camera, without a map and by wheels: all by chance that tests know, in release; takes tens of minutes.
 maze-whole:
-    MRROC_WHOLE=1 cargo test --release -p maze -- --nocapture
+    cargo test --release -p maze --test all -- --ignored --nocapture whole::
 
 # All mazes of a folder by each means, and by a ball that touches exactly, without an arm; such as contests' mazes, which are not in the tree.
 maze-sweep DIR:
-    MRROC_MAZES={{DIR}} cargo test --release -p mrroc-map --lib -- touch --nocapture
+    MRROC_MAZES={{DIR}} cargo test --release -p mrroc-map --test touch -- --ignored --nocapture mazes_of_a_folder
     cargo run --release -p maze -- --sweep {{DIR}}
     cargo run --release -p maze -- --sweep {{DIR}} --sensor force
     cargo run --release -p maze -- --sweep {{DIR}} --sensor camera
@@ -120,11 +119,11 @@ sorting-camera PARTS="500":
 # Two arms at one belt: so many parts at three arrival rates, each miss explained.
 sorting-two-arms PARTS="500":
     cargo run --release -p sorting -- --sensor camera --arms 2 --sweep {{PARTS}} --speeds 0.1
-    MRROC_LONG=1 cargo test --release -p sorting --lib -- two_arms --nocapture
+    cargo test --release -p sorting --test all -- --ignored --nocapture two_arms::whole::
 
 # Parts on a belt below an ultrasonic matrix: recognition of others, faults, runs at three speeds; minutes.
 sorting-matrix:
-    MRROC_LONG=1 cargo test --release -p sorting --lib -- matrix --nocapture
+    cargo test --release -p sorting --test all -- --ignored --nocapture matrix::whole:: matrix_faults::whole::
     cargo run --release -p sorting -- --sensor ultrasonic --examine 2250
 
 # Trains the network of the sorting task's matrix anew; needs PyPI's numpy, scikit-learn and onnx.
@@ -140,12 +139,21 @@ sorting-train:
 # A hundred whole walks of the legs, and what tests ask of them.
 legs-whole SEEDS="100":
     cargo run --release -p legs -- --seeds {{SEEDS}}
-    MRROC_WHOLE=1 cargo test --release -p legs
+    cargo test --release -p legs --test all -- --ignored --nocapture whole::
 
-# All that tests try of which `cargo test` takes a share: moments of the transfer, steps of small cells, damaged inputs.
+# The calibration of arms for 40 and 100 seeds, of which `cargo test` takes 3: the figures of tasks/calibration/README.md.
+calibration-whole:
+    cargo test --release -p calibration -p mrroc-calibration --test all -- --ignored --nocapture whole::
+
+# All that tests try of which `cargo test` takes a share: moments of the transfer, steps of small cells, sample drawings.
 test-whole:
-    MRROC_WHOLE=1 cargo test -p transfer -p mrroc-tests --test all
-    MRROC_WHOLE=1 cargo test -p engraving every_sample_drawing
+    cargo test -p transfer -p mrroc-tests --test all -- --ignored whole:: --skip wires::
+    cargo test -p engraving -- --ignored whole::
+
+# Wires between machines that are late, lose messages and are cut: in many more steps than `cargo test` takes.
+wires-whole:
+    cargo test --release -p mrroc-tests --test all -- --ignored --nocapture wires::whole::
+    cargo test --release -p mrroc-core --lib -- --ignored --nocapture arm_cut_off::whole::
 
 # The engraving of the nameplate and the transfer, whole, on both links: the same demands to the bit.
 test-both-links:
@@ -153,7 +161,7 @@ test-both-links:
 
 # Two robots on clocks of their own, 200 ppm apart, in one motion for so many seconds of the virtual clock.
 pacing SECONDS="600":
-    MRROC_PACING={{SECONDS}} cargo test -p mrroc-tests --test all runtime::pacing
+    MRROC_PACING={{SECONDS}} cargo test -p mrroc-tests --test all -- --ignored together_for_so_many_seconds
 
 # So many launches in real time, each under a disturbance that is drawn; MRROC_SEED chooses others. Six seconds each.
 launches N="200":
@@ -179,7 +187,7 @@ sweep:
 # Each fault in every so many steps of the transfer and of the engraving task: every 13th takes six minutes of two
 # cores, every one of the engraving seven, every one of the transfer two hours.
 sweep-tasks EVERY="7":
-    MRROC_EVERY={{EVERY}} cargo test --release -p mrroc-tests --test all -- --ignored --nocapture --test-threads 1 steps_of_the
+    MRROC_EVERY={{EVERY}} cargo test --release -p mrroc-tests --test all -- --ignored --nocapture of_the_engraving_and_of_the_transfer
 
 # As many robots as a cell may have, each with its processes.
 crowd:
@@ -194,14 +202,18 @@ safety:
     cargo test -p mrroc-tests --test all -- --ignored --nocapture safety::summary
     cargo test -p mrroc-core --lib -- --nocapture fault_03_arms fault_06_arms
 
-# Mutated files into all that reads files and messages: so many in all.
-fuzz N="10000000":
-    MRROC_FUZZ={{N}} cargo test --release -p mrroc-tests --test all -- --nocapture parsers::
+# Mutated files into all that reads files and messages: so many in all, by a seed.
+fuzz N="10000000" SEED="1":
+    MRROC_FUZZ={{N}} MRROC_FUZZ_SEED={{SEED}} cargo test --release -p mrroc-tests --test all -- --ignored --nocapture survive_so_many_inputs
 
 # The same with coverage, on nightly and with cargo-fuzz: a target of tests/parsers for some seconds; what it finds goes
 # into tests/fuzz/corpus.
 fuzz-nightly TARGET SECONDS="60":
     cd tests/fuzz && cargo +nightly fuzz run {{TARGET}} corpus/{{TARGET}} ../parsers/corpus/{{TARGET}} -- -max_total_time={{SECONDS}}
+
+# The recordings of the corpus anew, after a change of their format.
+corpus:
+    cargo test -p mrroc-tests --test all -- --ignored recordings_of_this_cell_are_made_anew
 
 # Mutants of one file and the unit tests of the runtime, with cargo-mutants; takes minutes to hours.
 mutants FILE="runtime/core/src/safety/stopping.rs":

@@ -33,11 +33,5 @@ mod generators {
 #[path = "tutorial/3_tight/orders.rs"]
 mod orders;
 
-/// Of what a test tries, all with `MRROC_WHOLE=1` (`just test-whole`), and otherwise one of so many: a share in cases, so
-/// that it is the same on every machine.
-fn one_of(many: u64) -> u64 {
-    if std::env::var_os("MRROC_WHOLE").is_some() { 1 } else { many }
-}
-
 #[global_allocator]
 static ALLOCATOR: mrroc_counting_allocator::Counting = mrroc_counting_allocator::Counting;

@@ -1,4 +1,4 @@
-//! What every jerk-limited plan keeps, for random inputs: MRROC_SWEEP says how many of each kind.
+//! What every jerk-limited plan keeps, for random inputs; `just sweep-profiles` takes many.
 
 use mrroc_generators::jerk::*;
 use nalgebra::Vector3;
@@ -72,10 +72,9 @@ impl Random {
     }
 }
 
-/// Few of them in every run of the tests, many in `just sweep-profiles`.
-fn count() -> u64 {
-    std::env::var("MRROC_SWEEP").map_or(8000, |text| text.parse().expect("MRROC_SWEEP is a number"))
-}
+/// How many inputs a test takes, and how many `just sweep-profiles` does.
+const SHARE: u64 = 8000;
+const WHOLE: u64 = 256_000;
 
 fn check(profile: &JerkProfile, axis: &(AxisState, AxisTarget, AxisLimits), what: &str) {
     let (start, target, limits) = axis;
@@ -99,9 +98,8 @@ fn check(profile: &JerkProfile, axis: &(AxisState, AxisTarget, AxisLimits), what
     );
 }
 
-#[test]
-fn a_fastest_motion_reaches_its_target_within_the_limits() {
-    for seed in 0..count() {
+fn fastest(count: u64) {
+    for seed in 0..count {
         let axis = Random(seed).axis();
         let plan = AxisPlan::new(&axis.0, &axis.1, &axis.2).unwrap_or_else(|e| panic!("{e}: {axis:?}"));
         check(&plan.fastest(), &axis, "fastest");
@@ -109,8 +107,12 @@ fn a_fastest_motion_reaches_its_target_within_the_limits() {
 }
 
 #[test]
-fn a_motion_of_any_possible_duration_reaches_its_target_within_the_limits() {
-    for seed in 0..count() {
+fn a_fastest_motion_reaches_its_target_within_the_limits() {
+    fastest(SHARE);
+}
+
+fn lasting(count: u64) {
+    for seed in 0..count {
         let mut random = Random(seed + 1_000_000_000);
         let axis = random.axis();
         let plan = AxisPlan::new(&axis.0, &axis.1, &axis.2).unwrap();
@@ -129,8 +131,12 @@ fn a_motion_of_any_possible_duration_reaches_its_target_within_the_limits() {
 }
 
 #[test]
-fn a_start_outside_the_limits_comes_back_and_reaches_its_target() {
-    for seed in 0..count() {
+fn a_motion_of_any_possible_duration_reaches_its_target_within_the_limits() {
+    lasting(SHARE);
+}
+
+fn from_outside(count: u64) {
+    for seed in 0..count {
         let mut random = Random(seed + 4_000_000_000);
         let (inside, target, limits) = random.axis();
         let (v, a) = (random.value(-3.0, 3.0), random.value(-3.0, 3.0));
@@ -168,10 +174,14 @@ fn a_start_outside_the_limits_comes_back_and_reaches_its_target() {
     }
 }
 
-/// The principle of optimality: what is left of a fastest motion is the fastest motion from there.
 #[test]
-fn the_rest_of_a_fastest_motion_is_a_fastest_motion() {
-    for seed in 0..count() {
+fn a_start_outside_the_limits_comes_back_and_reaches_its_target() {
+    from_outside(SHARE);
+}
+
+/// The principle of optimality: what is left of a fastest motion is the fastest motion from there.
+fn rests(count: u64) {
+    for seed in 0..count {
         let mut random = Random(seed + 2_000_000_000);
         let (start, target, limits) = random.axis();
         let fastest = AxisPlan::new(&start, &target, &limits).unwrap().fastest();
@@ -195,9 +205,13 @@ fn the_rest_of_a_fastest_motion_is_a_fastest_motion() {
 }
 
 #[test]
-fn axes_arrive_together_on_a_step_within_their_limits() {
+fn the_rest_of_a_fastest_motion_is_a_fastest_motion() {
+    rests(SHARE);
+}
+
+fn synchronised(count: u64) {
     const DT: f64 = 1e-3;
-    for seed in 0..count() / 3 {
+    for seed in 0..count / 3 {
         let mut random = Random(seed + 3_000_000_000);
         let axes: [_; 3] = std::array::from_fn(|_| random.axis());
         let vector =
@@ -225,5 +239,44 @@ fn axes_arrive_together_on_a_step_within_their_limits() {
                 check(profile, axis, "synchronised");
             }
         }
+    }
+}
+
+#[test]
+fn axes_arrive_together_on_a_step_within_their_limits() {
+    synchronised(SHARE);
+}
+
+mod whole {
+    use super::{WHOLE, fastest, from_outside, lasting, rests, synchronised};
+
+    #[test]
+    #[ignore = "takes a minute: `just sweep-profiles`"]
+    fn a_fastest_motion_reaches_its_target_within_the_limits() {
+        fastest(WHOLE);
+    }
+
+    #[test]
+    #[ignore = "takes a minute: `just sweep-profiles`"]
+    fn a_motion_of_any_possible_duration_reaches_its_target_within_the_limits() {
+        lasting(WHOLE);
+    }
+
+    #[test]
+    #[ignore = "takes a minute: `just sweep-profiles`"]
+    fn a_start_outside_the_limits_comes_back_and_reaches_its_target() {
+        from_outside(WHOLE);
+    }
+
+    #[test]
+    #[ignore = "takes a minute: `just sweep-profiles`"]
+    fn the_rest_of_a_fastest_motion_is_a_fastest_motion() {
+        rests(WHOLE);
+    }
+
+    #[test]
+    #[ignore = "takes a minute: `just sweep-profiles`"]
+    fn axes_arrive_together_on_a_step_within_their_limits() {
+        synchronised(WHOLE);
     }
 }

@@ -1,4 +1,4 @@
-//! What every profile of a path scalar keeps, for random inputs: MRROC_SWEEP says how many of each kind.
+//! What every profile of a path scalar keeps, for random inputs; `just sweep-profiles` takes many.
 
 use mrroc_generators::profile::*;
 
@@ -31,10 +31,9 @@ impl Random {
     }
 }
 
-/// Few of them in every run of the tests, many in `just sweep-profiles`.
-fn count() -> u64 {
-    std::env::var("MRROC_SWEEP").map_or(8000, |text| text.parse().expect("MRROC_SWEEP is a number"))
-}
+/// How many inputs a test takes, and how many `just sweep-profiles` does.
+const SHARE: u64 = 8000;
+const WHOLE: u64 = 256_000;
 
 /// Limits that a kind does not know are infinite: it steps there.
 struct Bounds {
@@ -100,25 +99,28 @@ fn check<P: Profile + Clone + std::fmt::Debug>(
 }
 
 /// Every kind by its limits, with the duration of its closed form.
-fn sweep(first: u64, mut kind: impl FnMut(f64, JerkLimits, &mut Random)) {
-    for seed in first..first + count() {
+fn sweep(first: u64, count: u64, mut kind: impl FnMut(f64, JerkLimits, &mut Random)) {
+    for seed in first..first + count {
         let mut random = Random(seed);
         let (distance, limits) = (random.distance(), random.limits());
         kind(distance, limits, &mut random);
     }
 }
 
-#[test]
-fn rectangular() {
-    sweep(0, |d, JerkLimits { velocity, .. }, random| {
+fn rectangular_profiles(count: u64) {
+    sweep(0, count, |d, JerkLimits { velocity, .. }, random| {
         let bounds = Bounds { velocity, acceleration: f64::INFINITY, jerk: f64::INFINITY };
         check(&Rectangular::new(d, velocity).expect("in range"), &bounds, d / velocity, random);
     });
 }
 
 #[test]
-fn trapezoidal() {
-    sweep(1 << 32, |d, JerkLimits { velocity, acceleration, .. }, random| {
+fn rectangular() {
+    rectangular_profiles(SHARE);
+}
+
+fn trapezoidal_profiles(count: u64) {
+    sweep(1 << 32, count, |d, JerkLimits { velocity, acceleration, .. }, random| {
         let bounds = Bounds { velocity, acceleration, jerk: f64::INFINITY };
         let profile = Trapezoid::new(d, ProfileLimits { velocity, acceleration }).expect("in range");
         let reached = d >= velocity * velocity / acceleration;
@@ -129,8 +131,12 @@ fn trapezoidal() {
 }
 
 #[test]
-fn triangular() {
-    sweep(2 << 32, |d, JerkLimits { acceleration, .. }, random| {
+fn trapezoidal() {
+    trapezoidal_profiles(SHARE);
+}
+
+fn triangular_profiles(count: u64) {
+    sweep(2 << 32, count, |d, JerkLimits { acceleration, .. }, random| {
         let bounds = Bounds { velocity: (d * acceleration).sqrt(), acceleration, jerk: f64::INFINITY };
         let profile = Trapezoid::triangular(d, acceleration).expect("in range");
         check(&profile, &bounds, 2.0 * (d / acceleration).sqrt(), random);
@@ -138,8 +144,12 @@ fn triangular() {
 }
 
 #[test]
-fn cubic() {
-    sweep(3 << 32, |d, JerkLimits { velocity, acceleration, .. }, random| {
+fn triangular() {
+    triangular_profiles(SHARE);
+}
+
+fn cubic_profiles(count: u64) {
+    sweep(3 << 32, count, |d, JerkLimits { velocity, acceleration, .. }, random| {
         let bounds = Bounds { velocity, acceleration, jerk: f64::INFINITY };
         let profile = Cubic::new(d, ProfileLimits { velocity, acceleration }).expect("in range");
         let expected = (1.5 * d / velocity).max((6.0 * d / acceleration).sqrt());
@@ -148,8 +158,12 @@ fn cubic() {
 }
 
 #[test]
-fn quintic() {
-    sweep(4 << 32, |d, limits, random| {
+fn cubic() {
+    cubic_profiles(SHARE);
+}
+
+fn quintic_profiles(count: u64) {
+    sweep(4 << 32, count, |d, limits, random| {
         let JerkLimits { velocity, acceleration, jerk } = limits;
         let profile = Quintic::new(d, limits).expect("in range");
         let by_acceleration = (10.0 * d / (acceleration * 3.0_f64.sqrt())).sqrt();
@@ -159,8 +173,12 @@ fn quintic() {
 }
 
 #[test]
-fn seven_phase() {
-    sweep(5 << 32, |d, limits, random| {
+fn quintic() {
+    quintic_profiles(SHARE);
+}
+
+fn seven_phase_profiles(count: u64) {
+    sweep(5 << 32, count, |d, limits, random| {
         let JerkLimits { velocity: v, acceleration: a, jerk: j } = limits;
         let ramp = if v >= a * a / j { v / a + a / j } else { 2.0 * (v / j).sqrt() };
         let expected = if d == 0.0 {
@@ -177,10 +195,14 @@ fn seven_phase() {
     });
 }
 
-/// A duration in whole steps is the next one, and no limit is broken by it.
 #[test]
-fn whole_steps() {
-    sweep(6 << 32, |d, JerkLimits { velocity, acceleration, .. }, random| {
+fn seven_phase() {
+    seven_phase_profiles(SHARE);
+}
+
+/// A duration in whole steps is the next one, and no limit is broken by it.
+fn profiles_in_whole_steps(count: u64) {
+    sweep(6 << 32, count, |d, JerkLimits { velocity, acceleration, .. }, random| {
         let fast = Trapezoid::new(d, ProfileLimits { velocity, acceleration }).expect("in range");
         let dt = random.sized(1e-4, 1e-1);
         let whole = fast.in_whole_steps(dt);
@@ -190,4 +212,58 @@ fn whole_steps() {
         let bounds = Bounds { velocity, acceleration, jerk: f64::INFINITY };
         check(&whole, &bounds, whole.duration(), random);
     });
+}
+
+#[test]
+fn whole_steps() {
+    profiles_in_whole_steps(SHARE);
+}
+
+mod whole {
+    use super::{
+        WHOLE, cubic_profiles, profiles_in_whole_steps, quintic_profiles, rectangular_profiles,
+        seven_phase_profiles, trapezoidal_profiles, triangular_profiles,
+    };
+
+    #[test]
+    #[ignore = "takes a minute: `just sweep-profiles`"]
+    fn rectangular() {
+        rectangular_profiles(WHOLE);
+    }
+
+    #[test]
+    #[ignore = "takes a minute: `just sweep-profiles`"]
+    fn trapezoidal() {
+        trapezoidal_profiles(WHOLE);
+    }
+
+    #[test]
+    #[ignore = "takes a minute: `just sweep-profiles`"]
+    fn triangular() {
+        triangular_profiles(WHOLE);
+    }
+
+    #[test]
+    #[ignore = "takes a minute: `just sweep-profiles`"]
+    fn cubic() {
+        cubic_profiles(WHOLE);
+    }
+
+    #[test]
+    #[ignore = "takes a minute: `just sweep-profiles`"]
+    fn quintic() {
+        quintic_profiles(WHOLE);
+    }
+
+    #[test]
+    #[ignore = "takes a minute: `just sweep-profiles`"]
+    fn seven_phase() {
+        seven_phase_profiles(WHOLE);
+    }
+
+    #[test]
+    #[ignore = "takes a minute: `just sweep-profiles`"]
+    fn whole_steps() {
+        profiles_in_whole_steps(WHOLE);
+    }
 }

@@ -73,7 +73,7 @@ fn robot<const N: usize, R: Driven<N>>(name: &str, robot: &R, start: [f64; N]) {
 }
 
 fn main() {
-    robot("irp6", &Irp6::nominal(), [0.0, -1.57, 0.16, -0.16, 4.71, 0.0]);
+    robot("irp6", &Irp6::nominal(), Irp6::READY.data.0[0]);
     robot("irp6-track", &Irp6Track::nominal(), [0.5, 0.0, -1.57, 0.16, -0.16, 4.71, 0.0]);
     robot("rnt", &Rnt::new(), [0.0, 0.5, 0.55, 0.0, 1.3, 0.0]);
     robot("polycrank", &Polycrank::new(), [0.3, 1.2, -0.4, 0.5, 1.1, -0.3, 0.2]);

@@ -52,7 +52,7 @@ const BLOCK: Duration = Duration::from_millis(2);
 /// a real robot in the place of simulated ones.
 #[must_use]
 pub fn simulated() -> Kinds {
-    const ARM: [f64; 6] = [0.0, -1.57, 0.16, -0.16, 4.71, 0.0];
+    const ARM: [f64; 6] = Irp6::READY.data.0[0];
     Kinds::new()
         .with("irp6", |entry| set_up(entry, irp6(entry)?, ARM))
         .with("irp6-calibrated", |entry| set_up(entry, Irp6::calibrated().with_base(entry.base()), ARM))

@@ -226,11 +226,10 @@ fn own_distance<O: Outline>(outline: O, q: &<O::Robot as Robot>::Joints) -> f64 
 #[test]
 fn no_arm_touches_itself_where_it_starts() {
     // The starts of the simulated robots of cell files.
-    let arm = [0.0, -1.57, 0.16, -0.16, 4.71, 0.0];
-    assert!(own_distance(Irp6::nominal(), &Six::from(arm)) > 0.05);
-    assert!(own_distance(Irp6::calibrated(), &Six::from(arm)) > 0.05);
+    assert!(own_distance(Irp6::nominal(), &Irp6::READY) > 0.05);
+    assert!(own_distance(Irp6::calibrated(), &Irp6::READY) > 0.05);
     assert!(own_distance(Irp6FiveDof::nominal(), &Five::from([0.0, -1.57, 0.16, 0.6, 1.0])) > 0.05);
-    let track = Seven::from_fn(|i, _| if i == 0 { 0.5 } else { arm[i - 1] });
+    let track = Seven::from_fn(|i, _| if i == 0 { 0.5 } else { Irp6::READY[i - 1] });
     assert!(own_distance(Irp6Track::nominal(), &track) > 0.05);
     assert!(own_distance(Rnt::new(), &Six::from([0.0, 0.5, 0.55, 0.0, 1.3, 0.0])) > 0.05);
     let polycrank = Seven::from([0.3, 1.2, -0.4, 0.5, 1.1, -0.3, 0.2]);

@@ -16,7 +16,7 @@ fn weighted() -> Serial<6> {
         .expect("the URDF is sound")
 }
 
-const ARM: [f64; 6] = [0.0, -1.57, 0.16, -0.16, 4.71, 0.0];
+const ARM: [f64; 6] = Irp6::READY.data.0[0];
 const CRANKS: [f64; 7] = [0.3, 1.2, -0.4, 0.5, 1.1, -0.3, 0.2];
 const RODS: [f64; 6] = [0.0, 0.5, 0.55, 0.0, 1.3, 0.0];
 const SIX: [f64; 6] = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6];

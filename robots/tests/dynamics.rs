@@ -223,7 +223,7 @@ fn lift() -> Option<[Six; 2]> {
     let arm = Irp6::nominal();
     let load = Load::point(2.0, Vector3::new(0.0, 0.0, 0.1)); // 2 kg, 0.1 m in front of the flange
     let tree = arm.tree()?.with_load(&load);
-    let q = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
+    let q = Irp6::READY;
     let at_rest = Six::zeros();
     let up = Vector6::new(0.0, 0.0, 0.5, 0.0, 0.0, 0.0);
     let acceleration = arm.jacobian(&q).lu().solve(&up)?; // at rest

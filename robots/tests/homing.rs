@@ -206,7 +206,7 @@ fn a_cell_file_asks_for_homing() {
         begin.get()
     };
     let (early, there) = began("true");
-    assert!(early < 3 && (there - Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0)).amax() < 1e-4);
+    assert!(early < 3 && (there - Irp6::READY).amax() < 1e-4);
     let (late, there) = began("false");
     // The N motor alone goes some hundred rad at 15 rad/s.
     assert!(late > 10_000, "step {late}");

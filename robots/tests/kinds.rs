@@ -87,7 +87,7 @@ fn waves_in<const N: usize, R: Kinematics<N>>(file: &CellFile, kind: &str, robot
     assert!((report.time.as_secs_f64() - DURATION).abs() < 0.05, "{kind}: {:?}", report.time);
 }
 
-const ARM: [f64; 6] = [0.0, -1.57, 0.16, -0.16, 4.71, 0.0];
+const ARM: [f64; 6] = Irp6::READY.data.0[0];
 
 #[test]
 fn every_kind_moves_in_a_cell_made_of_its_file_with_its_motors_coupled_too() {

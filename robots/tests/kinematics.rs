@@ -282,3 +282,26 @@ fn no_joint_moving_alone_overspeeds_a_motor() {
         }
     }
 }
+
+#[test]
+fn the_posture_to_begin_with_has_the_tool_down_and_is_far_from_limits_and_singularities() {
+    // From the geometry: the lower arm upright (a2 = 0.455 m), the upper one (0.67 m) 0.16 rad below level, then d5 = 0.19 m.
+    let arm = Irp6::nominal();
+    let flange = arm.forward(&Irp6::READY);
+    let expected = Vector3::new(0.67 * 0.16_f64.cos() + 0.19, 0.0, 0.455 - 0.67 * 0.16_f64.sin());
+    assert!((flange.translation.vector - expected).norm() < 2e-3, "{}", flange.translation);
+    for arm in models() {
+        assert!(arm.is_feasible(&Irp6::READY));
+        let limits = arm.limits();
+        let margins = (Irp6::READY - limits.lower).inf(&(limits.upper - Irp6::READY));
+        assert!(margins.min() > 0.5, "{margins}");
+    }
+    let down = (flange.rotation * Vector3::z()).angle(&-Vector3::z());
+    assert!(down < 3e-3, "{down} rad");
+    assert!(Irp6::wrist_singularity_distance(&Irp6::READY) > FRAC_PI_2 - 3e-3);
+    // Lengths in units of the reach, so that rows are comparable.
+    let mut jacobian = arm.jacobian(&Irp6::READY);
+    jacobian.rows_mut(0, 3).scale_mut(1.0 / arm.reach());
+    let values = jacobian.singular_values();
+    assert!(values.max() / values.min() < 10.0, "{values}");
+}

@@ -1,6 +1,6 @@
 //! Readers under bad input, row 33 of SAFETY.md: no panic, and no more than 256 MB, whatever they read.
 //!
-//! `MRROC_FUZZ=1000000` runs so many mutated inputs in all; inputs that fail are written to the target folder.
+//! `just fuzz 1000000` runs so many mutated inputs in all; inputs that fail are written to the target folder.
 
 mod bombs;
 mod mutation;
@@ -12,8 +12,6 @@ use std::time::Instant;
 use mrroc_counting_allocator::peak;
 use mutation::{Random, mutate};
 use targets::TARGETS;
-
-use crate::one_of;
 
 /// Most memory that reading may take \[bytes\].
 const MEMORY: usize = 256 << 20;
@@ -36,12 +34,9 @@ fn read(name: &str, target: targets::Target, input: &[u8]) {
     }
 }
 
-#[test]
-fn fault_33_readers_survive_what_they_read() {
-    let all: Option<usize> = std::env::var("MRROC_FUZZ").ok().and_then(|n| n.parse().ok());
-    let all = all.unwrap_or(70_000 / one_of(3) as usize);
-    let seed = std::env::var("MRROC_SEED").ok().and_then(|n| n.parse().ok()).unwrap_or(1);
-    let each = all / TARGETS.len();
+/// So many mutated inputs in all, by a seed.
+fn readers_survive(inputs: usize, seed: u64) {
+    let each = inputs / TARGETS.len();
     std::thread::scope(|scope| {
         for half in 0..2 {
             scope.spawn(move || {
@@ -64,4 +59,20 @@ fn fault_33_readers_survive_what_they_read() {
             });
         }
     });
+}
+
+#[test]
+fn fault_33_readers_survive_what_they_read() {
+    readers_survive(23_333, 1);
+}
+
+#[test]
+#[ignore = "takes minutes: `just fuzz`"]
+fn fault_33_readers_survive_so_many_inputs() {
+    let inputs = std::env::var("MRROC_FUZZ").expect("`just fuzz` sets MRROC_FUZZ");
+    let seed = std::env::var("MRROC_FUZZ_SEED").expect("`just fuzz` sets MRROC_FUZZ_SEED");
+    readers_survive(
+        inputs.parse().expect("MRROC_FUZZ is a number"),
+        seed.parse().expect("MRROC_FUZZ_SEED is a number"),
+    );
 }

@@ -50,20 +50,33 @@ pub fn cell() -> Cell {
     Cell::new(MS).robot(gantry).sensor(SensorSetup::new("depth", Sounding).of("g"))
 }
 
-/// The corpus has a complete recording of this cell, and one that was cut off; `MRROC_CORPUS=1` makes them anew.
-#[test]
-fn the_corpus_of_recordings_has_one_of_this_cell() {
-    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("parsers/corpus/recording");
-    if std::env::var_os("MRROC_CORPUS").is_some() {
-        std::fs::create_dir_all(&folder).expect("a folder");
-        cell().record(mrroc::recording::to(folder.join("whole.mcap"))).run().expect("runs");
-        let whole = std::fs::read(folder.join("whole.mcap")).expect("recorded");
-        std::fs::write(folder.join("cut.mcap"), &whole[..whole.len() * 2 / 3]).expect("written");
-    }
+/// Recordings in a folder: a complete one of this cell, and one that was cut off.
+fn are_whole_and_cut(folder: &std::path::Path) {
     let read = |name: &str| {
         let bytes = std::fs::read(folder.join(name)).expect("in the corpus");
         mrroc::recording::read_bytes(&cell(), &bytes)
     };
     assert_eq!(read("whole.mcap"), Ok(()));
     assert!(read("cut.mcap").is_err());
+}
+
+/// The folder of the corpus.
+fn corpus() -> std::path::PathBuf {
+    std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("parsers/corpus/recording")
+}
+
+#[test]
+fn the_corpus_of_recordings_has_one_of_this_cell() {
+    are_whole_and_cut(&corpus());
+}
+
+#[test]
+#[ignore = "overwrites files of the corpus: `just corpus`"]
+fn recordings_of_this_cell_are_made_anew() {
+    let folder = corpus();
+    std::fs::create_dir_all(&folder).expect("a folder");
+    cell().record(mrroc::recording::to(folder.join("whole.mcap"))).run().expect("runs");
+    let whole = std::fs::read(folder.join("whole.mcap")).expect("recorded");
+    std::fs::write(folder.join("cut.mcap"), &whole[..whole.len() * 2 / 3]).expect("written");
+    are_whole_and_cut(&folder);
 }

@@ -3,7 +3,6 @@
 use mrroc::cell::Cell;
 use mrroc::testing::{LinkFault, Press, Sweep, SweepReport};
 
-use crate::one_of;
 use crate::runtime::lower_cells::plant;
 use crate::safety::cells::{cooperating, interpolated, sensing, transparent};
 
@@ -51,16 +50,22 @@ fn all_stop(sweep: Sweep<'_>, more_than: u64) {
     assert!(report.is_clean() && total.cases > more_than && total.stopped == total.cases, "{report}");
 }
 
-#[test]
-fn every_fault_in_a_share_of_the_steps_of_small_cells_breaks_no_promise() {
+/// How many times as many steps a test leaves out as `just test-whole` does.
+const SHARE: u64 = 3;
+
+fn faults_in_small_cells(every: u64) {
     for cell in [transparent, cooperating, interpolated, sensing] {
-        clean(&everything(cell).every(29 * one_of(3)).run());
+        clean(&everything(cell).every(29 * every).run());
     }
 }
 
-/// Two cells under one MP. When that MP is killed, they have the bound of row 162, which has a test of its own.
 #[test]
-fn fault_169_faults_of_links_in_a_plant_break_no_promise() {
+fn every_fault_in_a_share_of_the_steps_of_small_cells_breaks_no_promise() {
+    faults_in_small_cells(SHARE);
+}
+
+/// Two cells under one MP. When that MP is killed, they have the bound of row 162, which has a test of its own.
+fn faults_of_links_in_a_plant(every: u64) {
     let sweep = [1, 5, 20, 21, 100].into_iter().fold(Sweep::new(plant).threads(2), Sweep::stalls);
     let sweep = [1, 19, 20, 21, 60].into_iter().fold(sweep, |sweep, n| sweep.links(LinkFault::Drop, n));
     let faults = [
@@ -73,12 +78,16 @@ fn fault_169_faults_of_links_in_a_plant_break_no_promise() {
     ];
     let sweep = faults.into_iter().fold(sweep, |sweep, fault| sweep.links(fault, 3));
     let presses = [Press::Abort, Press::Stop, Press::SuspendAndResume(50), Press::Everything];
-    clean(&presses.into_iter().fold(sweep, Sweep::presses).every(97 * one_of(3)).run());
+    clean(&presses.into_iter().fold(sweep, Sweep::presses).every(97 * every).run());
 }
 
-/// `just sweep`.
 #[test]
-#[ignore = "takes minutes"]
+fn fault_169_faults_of_links_in_a_plant_break_no_promise() {
+    faults_of_links_in_a_plant(SHARE);
+}
+
+#[test]
+#[ignore = "takes minutes: `just sweep`"]
 fn every_fault_in_every_step_of_small_cells_breaks_no_promise() {
     let mut all = SweepReport::default();
     for cell in [transparent, cooperating, interpolated, sensing] {
@@ -137,11 +146,15 @@ fn fault_16_a_damaged_message_is_a_lost_one() {
     }
 }
 
+fn senders_are_out_of_their_minds(every: u64) {
+    for cell in [transparent, cooperating, interpolated, sensing] {
+        clean(&Sweep::new(cell).links(LinkFault::Forge, 1).every(3 * every).threads(2).run());
+    }
+}
+
 #[test]
 fn a_sender_that_is_out_of_its_mind_gets_nothing_beyond_a_limit_to_the_drives() {
-    for cell in [transparent, cooperating, interpolated, sensing] {
-        clean(&Sweep::new(cell).links(LinkFault::Forge, 1).every(3 * one_of(3)).threads(2).run());
-    }
+    senders_are_out_of_their_minds(SHARE);
 }
 
 #[test]
@@ -154,20 +167,24 @@ fn what_is_wrong_with_a_cell_or_its_undisturbed_run_is_a_failure_and_no_case() {
     assert!(report.to_string().contains("the box is empty"), "{report}");
 }
 
-#[test]
-fn copies_of_one_run_come_to_what_runs_of_their_own_come_to() {
+fn copies_come_to_the_same(every: u64) {
     for cell in [transparent, cooperating, interpolated, sensing] {
         let sorted = |report: SweepReport| {
             let mut rows = report.rows().to_vec();
             rows.sort_by(|(a, _), (b, _)| a.cmp(b));
             (rows, report)
         };
-        let every = 61 * one_of(3);
+        let every = 61 * every;
         let (alone, report) = sorted(everything(cell).every(every).run());
         let (copied, copies) = sorted(everything(cell).every(every).forking(u64::MAX).run());
         assert_eq!(alone, copied, "{report}\n{copies}");
         assert!(report.is_clean() && copies.is_clean(), "{report}\n{copies}");
     }
+}
+
+#[test]
+fn copies_of_one_run_come_to_what_runs_of_their_own_come_to() {
+    copies_come_to_the_same(SHARE);
 }
 
 #[test]
@@ -177,4 +194,30 @@ fn a_case_that_is_repeated_comes_to_the_same() {
     let case = Case { injected: Injected::Kill(mrroc::fault::ProcessId::MP), at: 100, seed: 5 };
     let (first, second) = (sweep.repeat(&case), sweep.repeat(&case));
     assert!(first.total().stopped == 1 && first == second, "{first}");
+}
+
+mod whole {
+    #[test]
+    #[ignore = "takes minutes: `just test-whole`"]
+    fn every_fault_in_a_share_of_the_steps_of_small_cells_breaks_no_promise() {
+        super::faults_in_small_cells(1);
+    }
+
+    #[test]
+    #[ignore = "takes minutes: `just test-whole`"]
+    fn fault_169_faults_of_links_in_a_plant_break_no_promise() {
+        super::faults_of_links_in_a_plant(1);
+    }
+
+    #[test]
+    #[ignore = "takes minutes: `just test-whole`"]
+    fn a_sender_that_is_out_of_its_mind_gets_nothing_beyond_a_limit_to_the_drives() {
+        super::senders_are_out_of_their_minds(1);
+    }
+
+    #[test]
+    #[ignore = "takes minutes: `just test-whole`"]
+    fn copies_of_one_run_come_to_what_runs_of_their_own_come_to() {
+        super::copies_come_to_the_same(1);
+    }
 }

@@ -74,22 +74,14 @@ fn a_process_that_is_killed_in_either_task_leaves_all_robots_standing_within_the
     }
 }
 
-/// `just sweep-tasks`: each fault in every so many steps, `MRROC_EVERY`, different faults in different steps.
-fn sweep(name: &str, cell: fn() -> Cell) {
-    let every = std::env::var("MRROC_EVERY").ok().and_then(|every| every.parse().ok()).unwrap_or(997);
-    let report = task(cell, every).run();
-    println!("{name}: each fault in every {every}th step\n{report}");
-    assert!(report.is_clean(), "{report}");
-}
-
 #[test]
-#[ignore = "takes minutes, or hours"]
-fn every_fault_in_a_share_of_the_steps_of_the_engraving_breaks_no_promise() {
-    sweep("engraving", engraving);
-}
-
-#[test]
-#[ignore = "takes minutes, or hours"]
-fn every_fault_in_a_share_of_the_steps_of_the_transfer_breaks_no_promise() {
-    sweep("transfer", transfer);
+#[ignore = "takes minutes, or hours: `just sweep-tasks`"]
+fn every_fault_in_a_share_of_the_steps_of_the_engraving_and_of_the_transfer_breaks_no_promise() {
+    let every = std::env::var("MRROC_EVERY").expect("`just sweep-tasks` sets MRROC_EVERY");
+    let every = every.parse().expect("MRROC_EVERY is a number");
+    for (name, cell) in [("engraving", engraving as fn() -> Cell), ("transfer", transfer)] {
+        let report = task(cell, every).run();
+        println!("{name}: each fault in every {every}th step\n{report}");
+        assert!(report.is_clean(), "{report}");
+    }
 }

@@ -12,11 +12,6 @@ use mrroc_tests::{Gantry, MS};
 
 use super::cells::{Phase, Smooth, gantry, nudged, posed};
 
-/// Whether all cases are tried, and not a share of them.
-fn is_long() -> bool {
-    std::env::var("MRROC_LONG").is_ok_and(|long| long == "1")
-}
-
 /// Wires of 0 to 15 ms to and fro, half of it each way: always the same, or each message by itself.
 fn wires(lost_per_mille: u32) -> impl Iterator<Item = Wire> {
     (0..=15_u32).flat_map(move |ms| {
@@ -46,10 +41,9 @@ fn over(wires: impl Iterator<Item = Wire>, step_ms: u32, every: u64, seed: u64) 
     sweep.every(every).end_tolerance(0.0).threads(2).run()
 }
 
-#[test]
-fn fault_150_a_delay_of_up_to_fifteen_milliseconds_changes_nothing_of_where_a_loose_move_ends() {
+fn messages_are_late(every: u64) {
     for step_ms in [1, 2, 4, 8] {
-        let report = over(wires(0), step_ms, (if is_long() { 13 } else { 601 }) / u64::from(step_ms), 1);
+        let report = over(wires(0), step_ms, every / u64::from(step_ms), 1);
         println!("steps of {step_ms} ms\n{report}");
         let total = report.total();
         assert!(report.is_clean() && total.cases >= 60 && total.survived == total.cases, "{report}");
@@ -57,8 +51,11 @@ fn fault_150_a_delay_of_up_to_fifteen_milliseconds_changes_nothing_of_where_a_lo
 }
 
 #[test]
-fn fault_151_a_wire_that_loses_up_to_five_in_a_hundred_changes_nothing_or_all_robots_stop_in_order() {
-    let seeds = if is_long() { 40 } else { 1 };
+fn fault_150_a_delay_of_up_to_fifteen_milliseconds_changes_nothing_of_where_a_loose_move_ends() {
+    messages_are_late(601);
+}
+
+fn messages_are_lost(seeds: u64) {
     for step_ms in [1, 2, 4, 8] {
         let mut report = SweepReport::default();
         for seed in 1..=seeds {
@@ -78,6 +75,11 @@ fn fault_151_a_wire_that_loses_up_to_five_in_a_hundred_changes_nothing_or_all_ro
         );
         assert!(report.is_clean() && total.survived * 10 >= total.cases * 9, "{report}");
     }
+}
+
+#[test]
+fn fault_151_a_wire_that_loses_up_to_five_in_a_hundred_changes_nothing_or_all_robots_stop_in_order() {
+    messages_are_lost(1);
 }
 
 /// What the tight Move of this cell comes to where replies of robot b take `late` more for so many steps.
@@ -113,15 +115,14 @@ fn fault_154_a_tight_move_bears_a_delay_of_less_than_two_steps_and_beyond_all_ro
 }
 
 /// The table of nodes.md of a network of 0.3 ms there and back: which steps it carries, with each message late by itself as well.
-#[test]
-fn a_network_of_three_tenths_of_a_millisecond_carries_steps_of_one_millisecond_also_with_jitter() {
+fn a_network_carries_steps(every: u64) {
     println!("step [ms]  each way [ms]  loose  tight");
     for step_ms in [1, 2, 4] {
         for takes_us in [[150, 150], [50, 250], [150, 450]] {
             let wire = Wire { takes_us, lost_per_mille: 0 };
             let sweep = |cell: fn(Duration) -> Cell, end: f64| {
                 let sweep = Sweep::new(move || cell(step_ms * MS)).seed(7).apart(None, wire, u32::MAX);
-                sweep.every(if is_long() { 13 } else { 601 }).end_tolerance(end).threads(2).run()
+                sweep.every(every).end_tolerance(end).threads(2).run()
             };
             let reports = [sweep(loose, 0.0), sweep(posed, 0.0)];
             let [loose, tight] = reports.each_ref().map(|report| {
@@ -136,6 +137,11 @@ fn a_network_of_three_tenths_of_a_millisecond_carries_steps_of_one_millisecond_a
             println!("{step_ms:9}  {least:.2} to {most:.2}   {loose}  {tight}");
         }
     }
+}
+
+#[test]
+fn a_network_of_three_tenths_of_a_millisecond_carries_steps_of_one_millisecond_also_with_jitter() {
+    a_network_carries_steps(601);
 }
 
 /// Where both flanges are at the end of every servo period: the time [us], and the poses.
@@ -244,17 +250,16 @@ fn cut(step_ms: u64, arm: &str, every: u64) -> Cuts {
 /// How well the relative pose is kept \[m, rad\].
 const KEPT: f64 = 1e-6;
 
-#[test]
-fn fault_153_a_wire_that_is_cut_in_a_tight_move_stops_both_arms_on_their_common_screw() {
-    let cases: &[_] = if is_long() {
-        &[(1, "polycrank", 50), (2, "polycrank", 50), (2, "rnt", 50), (4, "polycrank", 50)]
-    } else {
-        &[(2, "polycrank", 2267)]
-    };
+fn wires_are_cut(cases: &[(u64, &str, u64)]) {
     for &(step_ms, arm, every) in cases {
         let Cuts { all, worst } = cut(step_ms, arm, every);
         assert!(all > 1 && worst <= KEPT, "steps of {step_ms} ms, {arm}");
     }
+}
+
+#[test]
+fn fault_153_a_wire_that_is_cut_in_a_tight_move_stops_both_arms_on_their_common_screw() {
+    wires_are_cut(&[(2, "polycrank", 2267)]);
 }
 
 /// By how much the relative pose is off at most \[m, rad\] where the MP dies in a step.
@@ -268,11 +273,48 @@ fn off_without_mp(step_ms: u64, at: u64) -> f64 {
 }
 
 /// In this leg of the transfer the screw alone takes up to a third of the limit of the Polycrank's elbow: what braking may take is less.
-#[test]
-fn fault_03_arms_on_a_screw_that_bends_a_joint_hard_stay_together_until_they_stand() {
-    let every = if is_long() { 10 } else { 80 };
+fn the_mp_dies(every: usize) {
     for at in (6080..6420).step_by(every) {
         let off = off_without_mp(2, at);
         assert!(off <= 1e-9, "step {at}: {off:e}");
+    }
+}
+
+#[test]
+fn fault_03_arms_on_a_screw_that_bends_a_joint_hard_stay_together_until_they_stand() {
+    the_mp_dies(80);
+}
+
+mod whole {
+    use super::{a_network_carries_steps, messages_are_late, messages_are_lost, the_mp_dies, wires_are_cut};
+
+    #[test]
+    #[ignore = "takes minutes: `just wires-whole`"]
+    fn fault_150_a_delay_of_up_to_fifteen_milliseconds_changes_nothing_of_where_a_loose_move_ends() {
+        messages_are_late(13);
+    }
+
+    #[test]
+    #[ignore = "takes minutes: `just wires-whole`"]
+    fn fault_151_a_wire_that_loses_up_to_five_in_a_hundred_changes_nothing_or_all_robots_stop_in_order() {
+        messages_are_lost(40);
+    }
+
+    #[test]
+    #[ignore = "takes minutes: `just wires-whole`"]
+    fn a_network_of_three_tenths_of_a_millisecond_carries_steps_of_one_millisecond_also_with_jitter() {
+        a_network_carries_steps(13);
+    }
+
+    #[test]
+    #[ignore = "takes minutes: `just wires-whole`"]
+    fn fault_153_a_wire_that_is_cut_in_a_tight_move_stops_both_arms_on_their_common_screw() {
+        wires_are_cut(&[(1, "polycrank", 50), (2, "polycrank", 50), (2, "rnt", 50), (4, "polycrank", 50)]);
+    }
+
+    #[test]
+    #[ignore = "takes minutes: `just wires-whole`"]
+    fn fault_03_arms_on_a_screw_that_bends_a_joint_hard_stay_together_until_they_stand() {
+        the_mp_dies(10);
     }
 }

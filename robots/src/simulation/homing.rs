@@ -42,8 +42,8 @@ const REST: u32 = 50;
 ///
 /// ```compile_fail,E0599
 /// use mrroc::robot::Driver;
-/// use mrroc_robots::{Irp6, Six, Unhomed};
-/// let q = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
+/// use mrroc_robots::{Irp6, Unhomed};
+/// let q = Irp6::READY;
 /// let mut drives = Unhomed::new(Irp6::nominal(), &q);
 /// drives.tick(&q);
 /// ```
@@ -52,8 +52,8 @@ const REST: u32 = 50;
 ///
 /// ```
 /// use mrroc::robot::{Driver, Homing, Search};
-/// use mrroc_robots::{Irp6, Six, Unhomed};
-/// let q = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
+/// use mrroc_robots::{Irp6, Unhomed};
+/// let q = Irp6::READY;
 /// let mut search = Unhomed::new(Irp6::nominal(), &q);
 /// let mut drives = loop {
 ///     match search.search()? {

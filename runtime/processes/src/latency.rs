@@ -35,8 +35,6 @@ const KINDS: [&str; 4] = ["mrroc", "iceoryx2", "futex", "socket"];
 /// Size of an envelope \[bytes\].
 const SIZE: usize = 8 * (4 + 11 + mrroc_core::payload::WORDS);
 const SEAL: Seal = Seal { session: 1, epoch: 1 };
-/// The environment variable that makes a test the answering process: the kind, the cores, the folder.
-const PEER: &str = "MRROC_LATENCY_PEER";
 
 fn ids() -> [ProcessId; 2] {
     [ProcessId::MP, ProcessId::new(Role::Ecp, Name::new("peer").expect("a name"))]
@@ -259,17 +257,29 @@ fn end(
     }
 }
 
-/// Starts this executable as a process of the measurement: it runs the test `what`, with the arguments `words`.
+/// The name by which the test harness knows a test of a module: its path without the crate.
+fn path(module: &str, test: &str) -> String {
+    let (_crate, module) = module.split_once("::").expect("a module of a crate");
+    format!("{module}::{test}")
+}
+
+/// Starts this executable as a process of the measurement: it runs the test `what`, with the arguments `words`. The harness takes
+/// these for one more name of a test, which no test has.
 fn start(what: &str, words: &str, stdin: UnixStream, shared: &OwnedFd) -> Child {
     let shared = shared.try_clone().expect("a descriptor");
     Command::new("/proc/self/exe")
-        .args(["--exact", what, "--ignored", "--nocapture", "--test-threads=1"])
-        .env(PEER, words)
+        .args(["--exact", "--ignored", "--nocapture", "--test-threads=1", what, words])
         .stdin(OwnedFd::from(stdin))
         .stdout(Stdio::from(shared))
         .stderr(Stdio::inherit())
         .spawn()
         .expect("the peer starts")
+}
+
+/// The arguments that [`start`] gave the test `what`, which this process runs; `None` where somebody else started it.
+fn words(what: &str) -> Option<String> {
+    let mut arguments = std::env::args().skip_while(|argument| argument != what);
+    arguments.nth(1)
 }
 
 fn barrier(control: &Control) {
@@ -280,8 +290,8 @@ fn barrier(control: &Control) {
 #[test]
 #[ignore = "the answering process of the measurement"]
 fn peer() {
-    let Ok(what) = std::env::var(PEER) else { return };
-    let mut words = what.split(' ');
+    let Some(words) = words(&path(module_path!(), "peer")) else { return };
+    let mut words = words.split(' ');
     let mut next = || words.next().expect("a word");
     let (kind, core, of) = (next(), next().parse().expect("a core"), next().parse().expect("a number"));
     let stdin = std::io::stdin().as_fd().try_clone_to_owned().expect("a descriptor");
@@ -305,7 +315,7 @@ fn round(kind: &str, cores: [usize; 2]) -> Vec<u64> {
     let (ours, theirs) = UnixStream::pair().expect("sockets");
     let control: &'static Control = Box::leak(Box::new(Control::new(ours)));
     let words = format!("{kind} {} {of}", cores[1]);
-    let mut child = start("processes::latency::peer", &words, theirs, &shared);
+    let mut child = start(&path(module_path!(), "peer"), &words, theirs, &shared);
     let mut end = end(kind, true, of, control, &shared, &|| barrier(control));
     barrier(control);
     let samples = (0..WARM_UP + SAMPLES).map(|_| {

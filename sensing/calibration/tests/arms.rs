@@ -140,13 +140,12 @@ fn calibrated(
     }
 }
 
-/// How many seeds: 40 with `MRROC_LONG=1`.
-fn seeds() -> u64 {
-    if std::env::var_os("MRROC_LONG").is_some() { 40 } else { 3 }
-}
+/// How many seeds a test takes, and how many `just calibration-whole` does.
+const SHARE: u64 = 3;
+const WHOLE: u64 = 40;
 
-fn judged(name: &str, figures: impl Fn(u64) -> Figures) {
-    let all: Vec<Figures> = (1..=seeds()).map(figures).collect();
+fn judged(name: &str, seeds: u64, figures: impl Fn(u64) -> Figures) {
+    let all: Vec<Figures> = (1..=seeds).map(figures).collect();
     let rms = |of: &dyn Fn(&Figures) -> f64| {
         (all.iter().map(|one| of(one).powi(2)).sum::<f64>() / all.len() as f64).sqrt()
     };
@@ -163,7 +162,7 @@ fn judged(name: &str, figures: impl Fn(u64) -> Figures) {
     assert!(before > 2e-3 && after < 4e-5, "{name}: {before} m, {after} m");
     // The actual error of one calibration is one draw of few numbers: of few seeds it may be small.
     assert!(ratio < 1.5, "{name}: {ratio}");
-    assert!(seeds() < 40 || ratio > 1.0 / 1.5, "{name}: {ratio}");
+    assert!(seeds < WHOLE || ratio > 1.0 / 1.5, "{name}: {ratio}");
 }
 
 /// True values of parameters: normally distributed, as large as their tolerances.
@@ -174,8 +173,7 @@ fn truth(arm: &impl Arm, seed: u64) -> Vec<f64> {
 
 const TOLERANCES: Tolerances = Tolerances { length: 1e-3, angle: 1e-3, zero: 5e-3, encoder: 3e-4 };
 
-#[test]
-fn polycrank_is_calibrated_by_theodolites() {
+fn polycrank(seeds: u64) {
     const UP: f64 = core::f64::consts::FRAC_PI_2;
     let rows = [
         (1.145, -0.299, 0.0),
@@ -202,11 +200,15 @@ fn polycrank_is_calibrated_by_theodolites() {
     assert!((nominal.to_homogeneous() - own.to_homogeneous()).amax() < 1e-12);
     // All of its joints turn without end.
     let draw = |random: &mut Random| (0..7).map(|_| random.between(-3.1, 3.1)).collect();
-    judged("polycrank", |seed| calibrated(arm.clone(), &truth(&arm, seed), &[WINDUP; 7], &draw, seed));
+    judged("polycrank", seeds, |seed| calibrated(arm.clone(), &truth(&arm, seed), &[WINDUP; 7], &draw, seed));
 }
 
 #[test]
-fn an_rnt_is_calibrated_by_theodolites() {
+fn polycrank_is_calibrated_by_theodolites() {
+    polycrank(SHARE);
+}
+
+fn rnt(seeds: u64) {
     let arm = RntArm::new();
     let draw = |random: &mut Random| loop {
         let mut between = |low: f64, high: f64| random.between(low, high);
@@ -224,15 +226,46 @@ fn an_rnt_is_calibrated_by_theodolites() {
         }
     };
     let windup = [WINDUP, NUT, NUT, WINDUP, WINDUP, WINDUP];
-    judged("rnt", |seed| calibrated(arm.clone(), &truth(&arm, seed), &windup, &draw, seed));
+    judged("rnt", seeds, |seed| calibrated(arm.clone(), &truth(&arm, seed), &windup, &draw, seed));
 }
 
 #[test]
-fn an_arm_from_a_urdf_is_calibrated_by_theodolites() {
+fn an_rnt_is_calibrated_by_theodolites() {
+    rnt(SHARE);
+}
+
+fn arm_from_a_urdf(seeds: u64) {
     let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/drivers/kuka/examples/kr6_r700.urdf");
     let described = Described::urdf(file.as_ref(), None, "flange").expect("an arm");
     let arm = described.chain.with(Detail::Geometry, &TOLERANCES);
     let limits = [[-2.9, 2.9], [-2.6, 0.4], [-1.5, 2.5], [-3.1, 3.1], [-2.0, 2.0], [-3.0, 3.0]];
     let draw = |random: &mut Random| limits.map(|[low, high]| random.between(low, high)).to_vec();
-    judged("kr6", |seed| calibrated(arm.clone(), &truth(&arm, seed), &[WINDUP; 6], &draw, seed));
+    judged("kr6", seeds, |seed| calibrated(arm.clone(), &truth(&arm, seed), &[WINDUP; 6], &draw, seed));
+}
+
+#[test]
+fn an_arm_from_a_urdf_is_calibrated_by_theodolites() {
+    arm_from_a_urdf(SHARE);
+}
+
+mod whole {
+    use super::{WHOLE, arm_from_a_urdf, polycrank, rnt};
+
+    #[test]
+    #[ignore = "takes minutes: `just calibration-whole`"]
+    fn polycrank_is_calibrated_by_theodolites() {
+        polycrank(WHOLE);
+    }
+
+    #[test]
+    #[ignore = "takes minutes: `just calibration-whole`"]
+    fn an_rnt_is_calibrated_by_theodolites() {
+        rnt(WHOLE);
+    }
+
+    #[test]
+    #[ignore = "takes minutes: `just calibration-whole`"]
+    fn an_arm_from_a_urdf_is_calibrated_by_theodolites() {
+        arm_from_a_urdf(WHOLE);
+    }
 }

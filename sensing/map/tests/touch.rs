@@ -1,7 +1,6 @@
 //! A point that feels walls exactly, with its ball's radius, finds the exit of mazes by map and planner: no robot, no runtime.
 //!
-//! `MRROC_MAZES=DIR cargo test --release -p mrroc-map --lib -- touch --nocapture` runs all mazes of a folder instead of a few by
-//! chance, and prints figures by which planners can be compared within a minute.
+//! `just maze-sweep DIR` also runs all mazes of a folder, and prints figures by which planners can be compared within a minute.
 
 use std::path::Path;
 
@@ -130,12 +129,12 @@ fn mazes(folder: &Path) -> Vec<(String, Layout)> {
     mazes
 }
 
+fn by_chance() -> Vec<(String, Layout)> {
+    (0..8).map(|seed| (format!("seed {seed}"), Layout::random(16, seed))).collect()
+}
+
 /// All these mazes: the medians of touches and of the way through the shortest one.
-fn runs(then: Then) -> (f64, f64) {
-    let mazes = match std::env::var_os("MRROC_MAZES") {
-        Some(folder) => mazes(Path::new(&folder)),
-        None => (0..8).map(|seed| (format!("seed {seed}"), Layout::random(16, seed))).collect(),
-    };
+fn runs(mazes: &[(String, Layout)], then: Then) -> (f64, f64) {
     let (mut ratios, mut touches, mut learned) = (vec![], vec![], 0);
     for (number, (name, maze)) in mazes.iter().enumerate() {
         let pitch = if maze.columns().max(maze.rows()) <= 16 { 0.025 } else { 0.0125 };
@@ -166,11 +165,22 @@ fn runs(then: Then) -> (f64, f64) {
 
 #[test]
 fn the_exit_is_found_by_touch_and_the_spacing_of_walls_is_learned() {
-    runs(Then::Back);
+    runs(&by_chance(), Then::Back);
+}
+
+fn sliding_needs_fewer_touches(mazes: &[(String, Layout)]) {
+    let [(back, _), (slide, way)] = [Then::Back, Then::Slide].map(|then| runs(mazes, then));
+    assert!(slide < back, "{slide} touches instead of {back}, {way} times the shortest way");
 }
 
 #[test]
 fn sliding_along_walls_needs_fewer_touches() {
-    let [(back, _), (slide, way)] = [Then::Back, Then::Slide].map(runs);
-    assert!(slide < back, "{slide} touches instead of {back}, {way} times the shortest way");
+    sliding_needs_fewer_touches(&by_chance());
+}
+
+#[test]
+#[ignore = "needs a folder of mazes: `just maze-sweep DIR`"]
+fn the_exits_of_all_mazes_of_a_folder_are_found_and_sliding_needs_fewer_touches() {
+    let folder = std::env::var_os("MRROC_MAZES").expect("`just maze-sweep DIR` sets MRROC_MAZES");
+    sliding_needs_fewer_touches(&mazes(Path::new(&folder)));
 }

@@ -65,8 +65,8 @@ fn the_same_job_gives_the_same_figures_to_the_bit() {
     assert_eq!(run("once"), run("twice"));
 }
 
-#[test]
-fn every_sample_drawing_is_engraved_within_the_bounds() {
+/// The sample drawings, but for some.
+fn samples_are_engraved(but: &[&str]) {
     let samples = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("assets/drawings");
     let files = std::fs::read_dir(samples).expect("the samples are there");
     let mut files: Vec<_> = files.map(|entry| entry.expect("the samples can be listed").path()).collect();
@@ -75,11 +75,7 @@ fn every_sample_drawing_is_engraved_within_the_bounds() {
         ["svg", "dxf", "gcode", "ngc"].contains(&ending.as_str())
     });
     assert!(files.len() >= 10, "{files:?}");
-    if std::env::var_os("MRROC_WHOLE").is_none() {
-        // They take as long as all others together, and the nameplate is engraved by other tests.
-        let long = ["nameplate.svg", "gcodecrate_circle_a.gcode"];
-        files.retain(|path| long.iter().all(|long| !path.ends_with(long)));
-    }
+    files.retain(|path| but.iter().all(|but| !path.ends_with(but)));
     // The largest of them take most of the time: two at once.
     let next = std::sync::atomic::AtomicUsize::new(0);
     std::thread::scope(|scope| {
@@ -95,6 +91,20 @@ fn every_sample_drawing_is_engraved_within_the_bounds() {
             });
         }
     });
+}
+
+#[test]
+fn sample_drawings_are_engraved_within_the_bounds() {
+    // These take as long as all others together, and the nameplate is engraved by other tests.
+    samples_are_engraved(&["nameplate.svg", "gcodecrate_circle_a.gcode"]);
+}
+
+mod whole {
+    #[test]
+    #[ignore = "takes minutes: `just test-whole`"]
+    fn every_sample_drawing_is_engraved_within_the_bounds() {
+        super::samples_are_engraved(&[]);
+    }
 }
 
 #[test]

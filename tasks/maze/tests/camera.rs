@@ -1,6 +1,6 @@
 //! Known layout: one image, the way that it shows, and faults on it.
 //!
-//! A few mazes; `MRROC_WHOLE=1` takes thirty more by chance.
+//! A few mazes; `just maze-whole` takes thirty more by chance.
 
 use maze::camera::eye::{floor, truly};
 use maze::camera::mp::CLEARANCE;
@@ -25,9 +25,8 @@ fn islands() -> Layout {
 /// `start` of `cell.toml`.
 pub const START: [f64; 6] = [-0.394791, -2.046687, 0.407842, 0.068049, 4.712389, 1.176005];
 
-#[test]
-fn the_shortest_way_of_an_image_is_gone_without_a_contact() {
-    let count = if std::env::var_os("MRROC_WHOLE").is_some() { 30 } else { 1 };
+/// The shipped mazes and so many by chance.
+fn shortest_ways_are_gone(count: u64) {
     let mut mazes = vec![islands(), include_str!("../mazes/comb.txt").parse().expect("a maze")];
     mazes.extend((0..count).map(|seed| Layout::random(16, seed)));
     for (seed, maze) in (0..).zip(&mazes) {
@@ -64,6 +63,19 @@ fn the_shortest_way_of_an_image_is_gone_without_a_contact() {
         assert!(outcome.shortest < planned && planned < most, "{} {planned} {most}", outcome.shortest);
         // The ball goes that way, and at its ends less than a millimetre more.
         assert!((outcome.way - planned).abs() < 1e-3, "maze {seed}: {} {planned}", outcome.way);
+    }
+}
+
+#[test]
+fn the_shortest_way_of_an_image_is_gone_without_a_contact() {
+    shortest_ways_are_gone(1);
+}
+
+mod whole {
+    #[test]
+    #[ignore = "takes minutes: `just maze-whole`"]
+    fn the_shortest_way_of_an_image_is_gone_without_a_contact() {
+        super::shortest_ways_are_gone(30);
     }
 }
 

@@ -1,6 +1,6 @@
 //! A force sensor at the wrist: the ball slides along walls, needs fewer touches, and what is wrong with the sensor is named.
 //!
-//! The shipped mazes and one by chance; `MRROC_WHOLE=1` takes thirty.
+//! The shipped mazes and one by chance; `just maze-whole` takes thirty.
 
 use maze::force::sensor::{Failing, Felt, Going, WallForce, Wrist};
 use maze::options::Means;
@@ -14,17 +14,29 @@ fn islands() -> Layout {
     include_str!("../mazes/islands.txt").parse().expect("a maze")
 }
 
-#[test]
-fn the_exit_is_found_by_force_without_a_fault_or_over_travel() {
+/// The shipped mazes and so many by chance.
+fn exits_are_found(count: u64) {
     let comb = include_str!("../mazes/comb.txt").parse().expect("a maze");
     let mut mazes = vec![("islands".to_owned(), islands()), ("comb".to_owned(), comb)];
-    let count = if std::env::var_os("MRROC_WHOLE").is_some() { 30 } else { 1 };
     mazes.extend((0..count).map(|seed| (format!("seed {seed}"), Layout::random(16, seed))));
     let [probe, force] = [Means::Probe, Means::Force].map(|means| Summary::sweep(means, &mazes));
     println!("{probe}\n{force}");
     assert_eq!(force.faults(), 0, "{force}");
     for row in &force.0 {
         assert!(row.travel < TRAVEL && row.ratio > 0.999, "{force}");
+    }
+}
+
+#[test]
+fn the_exit_is_found_by_force_without_a_fault_or_over_travel() {
+    exits_are_found(1);
+}
+
+mod whole {
+    #[test]
+    #[ignore = "takes minutes: `just maze-whole`"]
+    fn the_exit_is_found_by_force_without_a_fault_or_over_travel() {
+        super::exits_are_found(30);
     }
 }
 

@@ -1,6 +1,6 @@
 //! The reactive controller without a map: out of mazes, and within the bound of Bug2 where that applies.
 //!
-//! The shipped mazes and a few worlds; `MRROC_WHOLE=1` takes all worlds, and thirty mazes by chance.
+//! The shipped mazes and a few worlds; `just maze-whole` takes all worlds, and thirty mazes by chance.
 
 use maze::mp::Told;
 use maze::options::Means;
@@ -10,17 +10,12 @@ use maze::reactive::run::Ready;
 use maze::summary::Summary;
 use mrroc_map::{Knowledge, Layout, Place, Region, Wall, Walls};
 
-fn is_whole() -> bool {
-    std::env::var_os("MRROC_WHOLE").is_some()
-}
-
-#[test]
-fn the_shipped_mazes_are_left_without_a_map_also_where_the_left_hand_goes_round() {
+/// The shipped mazes, and beside them so many by chance.
+fn shipped_mazes_are_left(count: u64) {
     let shipped =
         [("islands", include_str!("../mazes/islands.txt")), ("comb", include_str!("../mazes/comb.txt"))];
     let mut mazes: Vec<(String, Layout)> =
         shipped.map(|(name, text)| (name.to_owned(), text.parse().expect("a maze"))).into();
-    let count = if is_whole() { 30 } else { 0 };
     mazes.extend((0..count).map(|seed| (format!("seed {seed}"), Layout::random(16, seed))));
     let summary = Summary::sweep(Means::Reactive, &mazes);
     println!("{summary}");
@@ -28,6 +23,11 @@ fn the_shipped_mazes_are_left_without_a_map_also_where_the_left_hand_goes_round(
         assert!(row.fault.is_none() && row.travel < TRAVEL && row.ratio > 0.999, "{name}: {summary}");
     }
     assert!(!summary.0[0].by_hand, "the left-hand rule goes round the islands");
+}
+
+#[test]
+fn the_shipped_mazes_are_left_without_a_map_also_where_the_left_hand_goes_round() {
+    shipped_mazes_are_left(0);
 }
 
 /// A world of `reference/bug2.csv`: boxes \[m\], and the bound of Bug2 for a ball among them \[m\].
@@ -54,8 +54,8 @@ fn worlds() -> Vec<World> {
 const SIDE: f64 = 0.4;
 const ENDS: [[f64; 2]; 2] = [[0.03, 0.05], [0.37, 0.33]];
 
-#[test]
-fn among_obstacles_its_way_is_within_1_3_times_the_bound_of_bug2() {
+/// So many of the worlds.
+fn ways_are_within_the_bound_of_bug2(count: usize) {
     let sizes = Sizes::CLASSIC;
     let (h, side) = (0.5 * sizes.thickness, SIDE);
     let frame = [
@@ -67,7 +67,6 @@ fn among_obstacles_its_way_is_within_1_3_times_the_bound_of_bug2() {
     .map(|[a, b, c, d]| Wall { lower: Place::new(a, b), upper: Place::new(c, d) });
     let near = Place::new(5e-3, 5e-3);
     let [start, goal] = ENDS.map(Place::from);
-    let count = if is_whole() { usize::MAX } else { 4 };
     let (mut shares, mut within) = (vec![], 0);
     for (seed, world) in worlds().into_iter().enumerate().take(count) {
         let told = Told {
@@ -100,6 +99,25 @@ fn among_obstacles_its_way_is_within_1_3_times_the_bound_of_bug2() {
         shares[shares.len() / 2],
         shares[shares.len() - 1]
     );
+}
+
+#[test]
+fn among_obstacles_its_way_is_within_1_3_times_the_bound_of_bug2() {
+    ways_are_within_the_bound_of_bug2(4);
+}
+
+mod whole {
+    #[test]
+    #[ignore = "takes minutes: `just maze-whole`"]
+    fn the_shipped_mazes_are_left_without_a_map_also_where_the_left_hand_goes_round() {
+        super::shipped_mazes_are_left(30);
+    }
+
+    #[test]
+    #[ignore = "takes minutes: `just maze-whole`"]
+    fn among_obstacles_its_way_is_within_1_3_times_the_bound_of_bug2() {
+        super::ways_are_within_the_bound_of_bug2(usize::MAX);
+    }
 }
 
 #[test]

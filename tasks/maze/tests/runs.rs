@@ -1,6 +1,6 @@
 //! Undisturbed runs: the exit is found by touch alone.
 //!
-//! A few mazes; `MRROC_WHOLE=1` takes a hundred by chance.
+//! A few mazes; `just maze-whole` takes a hundred by chance.
 
 use maze::places::{HIGH, LOOSE, LOW, Sizes, TURNED, said, tool};
 use maze::plant::stylus::TRAVEL;
@@ -19,10 +19,9 @@ fn shipped() -> Vec<(String, Layout)> {
         .into()
 }
 
-#[test]
-fn the_exit_is_found_by_touch_without_a_fault_or_over_travel() {
+/// The shipped mazes and so many by chance.
+fn exits_are_found(count: u64) {
     let mut mazes = shipped();
-    let count = if std::env::var_os("MRROC_WHOLE").is_some() { 100 } else { 1 };
     mazes.extend((0..count).map(|seed| (format!("seed {seed}"), Layout::random(16, seed))));
     let summary = Summary::sweep(maze::options::EffectorKind::Arm, &mazes);
     println!("{summary}");
@@ -31,6 +30,19 @@ fn the_exit_is_found_by_touch_without_a_fault_or_over_travel() {
         assert!(row.travel < TRAVEL, "{summary}");
         // No way of a ball is shorter than the shortest one, which is 0.3 % too short at most.
         assert!(row.ratio > 0.999, "{summary}");
+    }
+}
+
+#[test]
+fn the_exit_is_found_by_touch_without_a_fault_or_over_travel() {
+    exits_are_found(1);
+}
+
+mod whole {
+    #[test]
+    #[ignore = "takes minutes: `just maze-whole`"]
+    fn the_exit_is_found_by_touch_without_a_fault_or_over_travel() {
+        super::exits_are_found(100);
     }
 }
 

@@ -1,6 +1,6 @@
 //! The base with wheels in the maze: the same coordinator, map and planner; no wall is touched.
 //!
-//! One maze and four by chance; `MRROC_WHOLE=1` takes thirty by chance.
+//! One maze and four by chance; `just maze-whole` takes thirty by chance.
 
 use maze::options::EffectorKind;
 use maze::summary::Summary;
@@ -15,10 +15,9 @@ fn islands() -> Layout {
     include_str!("../mazes/islands.txt").parse().expect("a maze")
 }
 
-#[test]
-fn a_base_finds_the_exit_and_touches_no_wall() {
+/// One maze and so many by chance.
+fn exits_are_found(count: u64) {
     let mut mazes = vec![("islands".to_owned(), islands())];
-    let count = if std::env::var_os("MRROC_WHOLE").is_some() { 30 } else { 4 };
     mazes.extend((0..count).map(|seed| (format!("seed {seed}"), Layout::random(16, seed))));
     let summary = Summary::sweep(EffectorKind::Wheels, &mazes);
     println!("{summary}");
@@ -27,6 +26,19 @@ fn a_base_finds_the_exit_and_touches_no_wall() {
         // How deep the body pressed into a wall: never.
         assert!(row.travel == 0.0, "{summary}");
         assert!(row.ratio > 0.999, "{summary}");
+    }
+}
+
+#[test]
+fn a_base_finds_the_exit_and_touches_no_wall() {
+    exits_are_found(4);
+}
+
+mod whole {
+    #[test]
+    #[ignore = "takes minutes: `just maze-whole`"]
+    fn a_base_finds_the_exit_and_touches_no_wall() {
+        super::exits_are_found(30);
     }
 }
 

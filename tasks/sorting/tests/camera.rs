@@ -10,13 +10,8 @@ use sorting::camera::summary::{Confusion, Line, Table, examination};
 use sorting::summary::quantile;
 use sorting::witness::Fate;
 
-fn whole() -> bool {
-    std::env::var_os("MRROC_WHOLE").is_some()
-}
-
-#[test]
-fn parts_that_no_training_has_seen_are_recognised_and_strangers_rejected() {
-    let count = if whole() { 2400 } else { 48 };
+/// So many parts and strangers that no training has seen.
+fn parts_are_recognised(count: usize) {
     let classifier = Box::new(network().expect("a network"));
     let trials = examine(count, 2_000_000, 6, classifier, |_, _| ()).expect("light");
     println!("{}", examination(&trials));
@@ -32,6 +27,11 @@ fn parts_that_no_training_has_seen_are_recognised_and_strangers_rejected() {
     };
     let (off, turned) = (of(|trial| trial.off), of(|trial| trial.turned).to_degrees());
     assert!(off <= 5e-4 && turned <= 0.5, "{off} m, {turned} deg");
+}
+
+#[test]
+fn parts_that_no_training_has_seen_are_recognised_and_strangers_rejected() {
+    parts_are_recognised(48);
 }
 
 #[test]
@@ -63,9 +63,8 @@ fn images_in_files_are_judged_as_those_in_memory() {
     std::fs::remove_dir_all(&folder).expect("removed");
 }
 
-#[test]
-fn parts_seen_by_the_camera_go_to_the_bins_of_their_kinds() {
-    let (parts, speeds): (usize, &[f64]) = if whole() { (500, &[0.05, 0.1, 0.15]) } else { (5, &[0.1]) };
+/// So many parts at each speed \[m/s\].
+fn parts_go_to_their_bins(parts: usize, speeds: &[f64]) {
     for &speed in speeds {
         let settings = Settings::of(speed, parts, Settings::CYCLE / 0.6, 4);
         let outcome = settings.run().expect("a cell");
@@ -82,6 +81,25 @@ fn parts_seen_by_the_camera_go_to_the_bins_of_their_kinds() {
             [&line.places, &line.angles, &line.off].map(|values| quantile(values, 0.95));
         assert!(place <= 5e-4 && angle.to_degrees() <= 0.5, "place {place} m, angle {angle} rad");
         assert!(off <= 1e-3, "{off} m off the middle");
+    }
+}
+
+#[test]
+fn parts_seen_by_the_camera_go_to_the_bins_of_their_kinds() {
+    parts_go_to_their_bins(5, &[0.1]);
+}
+
+mod whole {
+    #[test]
+    #[ignore = "takes minutes: `just sorting-whole`"]
+    fn parts_that_no_training_has_seen_are_recognised_and_strangers_rejected() {
+        super::parts_are_recognised(2400);
+    }
+
+    #[test]
+    #[ignore = "takes minutes: `just sorting-whole`"]
+    fn parts_seen_by_the_camera_go_to_the_bins_of_their_kinds() {
+        super::parts_go_to_their_bins(500, &[0.05, 0.1, 0.15]);
     }
 }
 

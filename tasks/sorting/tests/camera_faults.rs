@@ -41,7 +41,6 @@ fn judged(ready: Ready, case: &str) -> (Fate, Option<String>) {
 /// Every so many seconds from when the part is below the camera until it is held.
 fn moments(step: f64) -> impl Iterator<Item = f64> {
     let held = held();
-    let step = if std::env::var_os("MRROC_WHOLE").is_some() { 0.1 } else { step };
     (0..).map(move |i| held - 7.0 + step * f64::from(i)).take_while(move |time| *time < held + 0.5)
 }
 
@@ -126,11 +125,11 @@ fn fault_192_a_vsp_of_the_camera_cell_that_is_killed_in_mid_pick_stops_all_robot
     }
 }
 
-#[test]
-fn fault_193_a_belt_that_stops_or_turns_back_is_followed_by_its_encoder_or_the_part_is_missed() {
+/// A belt that stops or turns back, every so many seconds.
+fn belt_changes(step: f64) {
     let mut sorted = 0;
     for share in [0.0, -0.8] {
-        for time in moments(3.6) {
+        for time in moments(step) {
             let case = format!("share {share} from {time} s");
             let changed = Settings { change: Some((time, share)), ..settings() };
             let (fate, fault) = judged(changed.ready().expect("a cell"), &case);
@@ -140,6 +139,11 @@ fn fault_193_a_belt_that_stops_or_turns_back_is_followed_by_its_encoder_or_the_p
     }
     // Once the arm is at the part it goes with it, also to a standstill.
     assert!(sorted > 0);
+}
+
+#[test]
+fn fault_193_a_belt_that_stops_or_turns_back_is_followed_by_its_encoder_or_the_part_is_missed() {
+    belt_changes(3.6);
 }
 
 #[test]
@@ -233,16 +237,9 @@ fn standing(from: f64, long: f64) -> Outcome {
     settings().sensed_by(|camera| camera, sense).expect("a cell").run()
 }
 
-#[test]
-fn fault_208_an_encoder_whose_count_stands_below_the_camera_makes_a_missed_part_or_a_named_fault() {
+/// A count that stands from a time on for so long \[s\].
+fn the_count_stands(cases: impl IntoIterator<Item = (f64, f64)>) {
     let held = held();
-    let all = moments(0.2).flat_map(|time| [(time, 0.1), (time, 100.0)]);
-    // From the beginning; while the hand closes; and for a moment, which would put the arm 13 mm off.
-    let some = [(0.0, 100.0), (held - 0.1, 100.0), (held - 1.8, 0.1)];
-    let cases: Vec<_> = match std::env::var_os("MRROC_LONG") {
-        Some(_) => some.into_iter().chain(all).collect(),
-        None => some.into(),
-    };
     for (time, lasts) in cases {
         let case = format!("the count stands from {time} s on for {lasts} s, held at {held} s");
         let outcome = standing(time, lasts);
@@ -257,6 +254,28 @@ fn fault_208_an_encoder_whose_count_stands_below_the_camera_makes_a_missed_part_
         let crashes = outcome.crashes;
         let lost = || with_faults("encoder", time).run().crashes;
         assert!(crashes == 0 || crashes <= lost(), "{case}: fingers came down on a part");
+    }
+}
+
+#[test]
+fn fault_208_an_encoder_whose_count_stands_below_the_camera_makes_a_missed_part_or_a_named_fault() {
+    // From the beginning; while the hand closes; and for a moment, which would put the arm 13 mm off.
+    the_count_stands([(0.0, 100.0), (held() - 0.1, 100.0), (held() - 1.8, 0.1)]);
+}
+
+mod whole {
+    use super::{belt_changes, moments, the_count_stands};
+
+    #[test]
+    #[ignore = "takes minutes: `just sorting-whole`"]
+    fn fault_193_a_belt_that_stops_or_turns_back_is_followed_by_its_encoder_or_the_part_is_missed() {
+        belt_changes(0.1);
+    }
+
+    #[test]
+    #[ignore = "takes minutes: `just sorting-whole`"]
+    fn fault_208_an_encoder_whose_count_stands_below_the_camera_makes_a_missed_part_or_a_named_fault() {
+        the_count_stands(moments(0.2).flat_map(|time| [(time, 0.1), (time, 100.0)]));
     }
 }
 

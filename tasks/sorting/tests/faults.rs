@@ -1,6 +1,6 @@
 //! Faults of the belt and of sensors: a named fault, or a part that passes; never a wrong grasp.
 //!
-//! A share of the moments; `MRROC_WHOLE=1` takes all of them, and more parts.
+//! A share of the moments; `just sorting-whole` takes all of them, and more parts.
 
 use mrroc::fault::{Name, ProcessId, Role};
 use mrroc::prelude::*;
@@ -47,16 +47,9 @@ fn moments(step: f64) -> impl Iterator<Item = f64> {
     (0..).map(move |i| held - 4.0 + step * f64::from(i)).take_while(move |time| *time < held + 0.5)
 }
 
-/// All of these in a whole sweep, else a share.
-fn share<'a>(whole: &'a [f64], share: &'a [f64]) -> &'a [f64] {
-    if std::env::var_os("MRROC_WHOLE").is_some() { whole } else { share }
-}
-
-/// A belt that goes on at a share of its speed, from each moment on, with parts of several lengths.
-fn belt_changes(share: f64) {
+/// A belt that goes on at a share of its speed, from moments on that are so many seconds apart, with parts of several lengths.
+fn belt_changes(share: f64, seeds: &[u64], step: f64) {
     let mut passed = 0;
-    let whole = std::env::var_os("MRROC_WHOLE").is_some();
-    let (seeds, step): (&[u64], f64) = if whole { (&[SEED, 4, 8, 11, 15], 0.1) } else { (&[SEED, 8], 1.0) };
     for &seed in seeds {
         for time in moments(step) {
             let settings = Settings { change: Some((time, share)), seed, ..settings() };
@@ -71,12 +64,12 @@ fn belt_changes(share: f64) {
 
 #[test]
 fn fault_170_a_belt_that_stops_makes_a_missed_part_and_no_wrong_grasp() {
-    belt_changes(0.0);
+    belt_changes(0.0, &[SEED, 8], 1.0);
 }
 
 #[test]
 fn fault_171_a_belt_that_turns_back_makes_a_missed_part_and_no_wrong_grasp() {
-    belt_changes(-0.8);
+    belt_changes(-0.8, &[SEED, 8], 1.0);
 }
 
 /// The cell with a gate of which a barrier fails, or a finger barrier that does.
@@ -94,8 +87,8 @@ fn with_barrier(number: Option<usize>, from: f64, stuck: Stuck) -> Ready {
     settings().sensed_by(sense).expect("a cell")
 }
 
-#[test]
-fn fault_172_a_dead_barrier_of_the_gate_makes_missed_parts_and_no_grasp_beside_them() {
+/// Barriers of the gate that are dead from the beginning, or die so many seconds before the grasp.
+fn barriers_die(before: &[f64]) {
     let held = undisturbed().time;
     for number in [0, 1] {
         for stuck in [Stuck::Open, Stuck::Covered] {
@@ -103,12 +96,17 @@ fn fault_172_a_dead_barrier_of_the_gate_makes_missed_parts_and_no_grasp_beside_t
             // Dead from the beginning.
             assert_eq!(judged(with_barrier(Some(number), 0.0, stuck), &case), (Fate::Missed, None), "{case}");
             // Dying while the part is at the gate, and after it.
-            for &before in share(&[4.0, 3.5, 3.0, 2.5, 1.0], &[3.5, 2.5]) {
+            for &before in before {
                 let (_, fault) = judged(with_barrier(Some(number), held - before, stuck), &case);
                 assert_eq!(fault, None, "{case}");
             }
         }
     }
+}
+
+#[test]
+fn fault_172_a_dead_barrier_of_the_gate_makes_missed_parts_and_no_grasp_beside_them() {
+    barriers_die(&[3.5, 2.5]);
 }
 
 #[test]
@@ -129,11 +127,11 @@ fn fault_173_a_barrier_between_the_fingers_that_is_always_covered_is_a_named_fau
     }
 }
 
-#[test]
-fn fault_174_a_sensor_that_is_lost_in_mid_pick_is_a_named_fault_or_not_needed_any_more() {
+/// Each sensor is lost so many seconds before the grasp.
+fn sensors_are_lost(before: &[f64]) {
     let held = undisturbed().time;
     for name in ["gate", "range", "fingers"] {
-        for &before in share(&[3.0, 1.6, 0.8, 0.2, -0.3], &[1.6, 0.2]) {
+        for &before in before {
             let at = ((held - before) / 4e-3) as u64;
             let sense = |plant: &Plant, file: &CellFile, cell: Cell| {
                 let step = file.step().as_secs_f64();
@@ -163,6 +161,11 @@ fn fault_174_a_sensor_that_is_lost_in_mid_pick_is_a_named_fault_or_not_needed_an
 }
 
 #[test]
+fn fault_174_a_sensor_that_is_lost_in_mid_pick_is_a_named_fault_or_not_needed_any_more() {
+    sensors_are_lost(&[1.6, 0.2]);
+}
+
+#[test]
 fn fault_174_a_vsp_that_is_killed_in_mid_pick_stops_all_robots_within_their_bounds() {
     let held = undisturbed().time;
     let sweep = Sweep::new(|| settings().ready().expect("a cell").cell);
@@ -174,5 +177,35 @@ fn fault_174_a_vsp_that_is_killed_in_mid_pick_stops_all_robots_within_their_boun
             let report = sweep.repeat(&Case { injected: Injected::Kill(process), at, seed: 1 });
             assert!(report.is_clean(), "{report}");
         }
+    }
+}
+
+mod whole {
+    use super::{SEED, barriers_die, belt_changes, sensors_are_lost};
+
+    const SEEDS: [u64; 5] = [SEED, 4, 8, 11, 15];
+
+    #[test]
+    #[ignore = "takes minutes: `just sorting-whole`"]
+    fn fault_170_a_belt_that_stops_makes_a_missed_part_and_no_wrong_grasp() {
+        belt_changes(0.0, &SEEDS, 0.1);
+    }
+
+    #[test]
+    #[ignore = "takes minutes: `just sorting-whole`"]
+    fn fault_171_a_belt_that_turns_back_makes_a_missed_part_and_no_wrong_grasp() {
+        belt_changes(-0.8, &SEEDS, 0.1);
+    }
+
+    #[test]
+    #[ignore = "takes minutes: `just sorting-whole`"]
+    fn fault_172_a_dead_barrier_of_the_gate_makes_missed_parts_and_no_grasp_beside_them() {
+        barriers_die(&[4.0, 3.5, 3.0, 2.5, 1.0]);
+    }
+
+    #[test]
+    #[ignore = "takes minutes: `just sorting-whole`"]
+    fn fault_174_a_sensor_that_is_lost_in_mid_pick_is_a_named_fault_or_not_needed_any_more() {
+        sensors_are_lost(&[3.0, 1.6, 0.8, 0.2, -0.3]);
     }
 }

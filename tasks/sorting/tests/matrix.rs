@@ -1,4 +1,4 @@
-//! With the matrix: recognition, places, grasps. `MRROC_LONG=1` tries what `just sorting-matrix` does.
+//! With the matrix: recognition, places, grasps. `just sorting-matrix` tries more.
 
 use mrroc::prelude::*;
 use sorting::camera::kinds::KINDS;
@@ -10,14 +10,9 @@ use sorting::matrix::studio::{Conditions, Trial, examine};
 use sorting::summary::quantile;
 use sorting::witness::Fate;
 
-fn long() -> bool {
-    std::env::var_os("MRROC_LONG").is_some()
-}
-
 /// Parts and strangers that no training has heard; so many of the parts are to be recognised.
 fn examined(conditions: &Conditions, count: usize, share: f64) {
     let conditions = Conditions { stranger: 9, ..*conditions };
-    let count = if long() { 2250 } else { count };
     let trials =
         examine(count, 3_000_000, &conditions, Box::new(network().expect("a network")), |_, _, _| ());
     let trials = trials.expect("it hears");
@@ -49,12 +44,11 @@ fn parts_that_no_training_has_heard_are_recognised_and_strangers_rejected() {
 
 #[test]
 fn a_tenth_of_the_echoes_may_be_lost_and_the_air_be_warmer_or_colder_by_5_kelvin() {
-    examined(&Conditions::HARD, 11, if long() { 0.95 } else { 0.88 });
+    examined(&Conditions::HARD, 11, 0.88);
 }
 
-#[test]
-fn parts_heard_by_the_matrix_go_to_the_bins_of_their_kinds() {
-    let (parts, speeds): (usize, &[f64]) = if long() { (200, &[0.05, 0.1, 0.15]) } else { (1, &[0.1]) };
+/// So many parts at each speed \[m/s\], of which at least a share is sorted.
+fn parts_go_to_their_bins(parts: usize, speeds: &[f64], least: f64) {
     for &speed in speeds {
         let settings = Settings::of(speed, parts, Settings::CYCLE / 0.6, 4).below(Overhead::Matrix);
         let outcome = settings.run().expect("a cell");
@@ -63,10 +57,14 @@ fn parts_heard_by_the_matrix_go_to_the_bins_of_their_kinds() {
         assert!(outcome.report.is_ok(), "{:?}", outcome.report);
         assert_eq!((line.wrong, line.crashes), (0, 0));
         // What is not recognised passes; there are no other misses.
-        let least = if long() { 0.97 } else { 1.0 };
         assert!(outcome.count(Fate::Sorted) as f64 >= least * parts as f64, "{:?}", line.missed);
         assert!(rms(&line.places) <= 2e-3, "{} m", rms(&line.places));
     }
+}
+
+#[test]
+fn parts_heard_by_the_matrix_go_to_the_bins_of_their_kinds() {
+    parts_go_to_their_bins(1, &[0.1], 1.0);
 }
 
 /// The programs are the same functions, because one line of `camera/run.rs` gives them to both cells.
@@ -80,13 +78,14 @@ fn the_cells_of_camera_and_matrix_differ_in_the_sensors_table_alone() {
     assert_eq!(tables(files[0]), tables(files[1]));
 }
 
-#[test]
-fn parts_are_placed_within_3_mm_and_sorted_in_each_mode_of_the_matrix_s_vsp() {
+/// The modes of a VSP other than the one of the cell's file.
+const MODES: [&str; 2] = ["mode = \"free running\"\nperiod_ms = 4", "mode = \"interactive\""];
+
+fn parts_are_placed_and_sorted_in(modes: &[&str]) {
     let text = include_str!("../cell-matrix.toml");
     let table = "readers = []\nmode = \"with delay\"";
     assert!(text.contains(table));
-    let modes = ["mode = \"free running\"\nperiod_ms = 4", "mode = \"interactive\""];
-    for mode in modes.iter().take(if long() { 2 } else { 1 }) {
+    for mode in modes {
         let text = text.replace(table, &format!("readers = []\n{mode}"));
         let file = CellFile::parse("cell-matrix.toml", &text).expect("a file");
         let settings = Settings::of(0.1, 1, 10.0, 4).below(Overhead::Matrix);
@@ -98,8 +97,41 @@ fn parts_are_placed_within_3_mm_and_sorted_in_each_mode_of_the_matrix_s_vsp() {
 }
 
 #[test]
+fn parts_are_placed_within_3_mm_and_sorted_in_each_mode_of_the_matrix_s_vsp() {
+    parts_are_placed_and_sorted_in(&MODES[..1]);
+}
+
+#[test]
 fn the_same_seed_gives_the_same_run_with_the_matrix_to_the_bit() {
     let settings = Settings::of(0.12, 1, 10.0, 9).below(Overhead::Matrix);
     let [one, two] = [(), ()].map(|()| settings.run().expect("a cell"));
     assert!(!one.looks.is_empty() && (one.grips, one.looks) == (two.grips, two.looks));
+}
+
+mod whole {
+    use super::{Conditions, MODES, examined, parts_are_placed_and_sorted_in, parts_go_to_their_bins};
+
+    #[test]
+    #[ignore = "takes minutes: `just sorting-matrix`"]
+    fn parts_that_no_training_has_heard_are_recognised_and_strangers_rejected() {
+        examined(&Conditions::USUAL, 2250, 0.98);
+    }
+
+    #[test]
+    #[ignore = "takes minutes: `just sorting-matrix`"]
+    fn a_tenth_of_the_echoes_may_be_lost_and_the_air_be_warmer_or_colder_by_5_kelvin() {
+        examined(&Conditions::HARD, 2250, 0.95);
+    }
+
+    #[test]
+    #[ignore = "takes minutes: `just sorting-matrix`"]
+    fn parts_heard_by_the_matrix_go_to_the_bins_of_their_kinds() {
+        parts_go_to_their_bins(200, &[0.05, 0.1, 0.15], 0.97);
+    }
+
+    #[test]
+    #[ignore = "takes minutes: `just sorting-matrix`"]
+    fn parts_are_placed_within_3_mm_and_sorted_in_each_mode_of_the_matrix_s_vsp() {
+        parts_are_placed_and_sorted_in(&MODES);
+    }
 }

@@ -22,11 +22,8 @@ use super::judged::first_hold;
 
 const STEP: f64 = 4e-3;
 
-/// The first two cases, or all of them.
-fn some<T>(cases: impl IntoIterator<Item = T>) -> impl Iterator<Item = T> {
-    let count = if std::env::var_os("MRROC_LONG").is_some() { usize::MAX } else { 2 };
-    cases.into_iter().take(count)
-}
+/// How many of its cases a test tries; `just sorting-matrix` tries all.
+const SHARE: usize = 2;
 
 fn settings() -> Settings {
     Settings::of(0.12, 1, 2.0, 3).below(Overhead::Matrix)
@@ -55,10 +52,11 @@ fn with_matrix(change: impl FnOnce(&mut MatrixSensor<Sight>)) -> Ready {
     settings().heard_by(changed, sensors).expect("a cell")
 }
 
-#[test]
-fn fault_198_a_dead_transducer_or_a_dead_matrix_is_a_named_fault() {
+fn transducers_are_dead(cases: usize) {
     // Dead from the beginning, or from before the part comes.
-    for (from, silent) in some([(0.0, Silent::All), (1.0, Silent::One(17)), (0.0, Silent::One(17))]) {
+    for (from, silent) in
+        [(0.0, Silent::All), (1.0, Silent::One(17)), (0.0, Silent::One(17))].into_iter().take(cases)
+    {
         let ready = with_matrix(|matrix| matrix.sounders().silence(from, silent));
         let (fate, fault) = judged(ready, &format!("{silent:?} from {from} s"));
         let text = fault.expect("a fault");
@@ -69,8 +67,12 @@ fn fault_198_a_dead_transducer_or_a_dead_matrix_is_a_named_fault() {
 }
 
 #[test]
-fn fault_199_echoes_that_are_lost_make_missed_parts_at_most() {
-    for lost in some([0.1, 0.6, 0.3]) {
+fn fault_198_a_dead_transducer_or_a_dead_matrix_is_a_named_fault() {
+    transducers_are_dead(SHARE);
+}
+
+fn echoes_are_lost(cases: usize) {
+    for lost in [0.1, 0.6, 0.3].into_iter().take(cases) {
         let ready = with_matrix(|matrix| *matrix.sounders() = matrix.sounders().clone().losing(lost));
         let (fate, fault) = judged(ready, &format!("{lost} lost"));
         assert_eq!(fault, None);
@@ -79,11 +81,17 @@ fn fault_199_echoes_that_are_lost_make_missed_parts_at_most() {
 }
 
 #[test]
-fn fault_214_air_that_changes_is_followed_or_a_named_fault() {
+fn fault_199_echoes_that_are_lost_make_missed_parts_at_most() {
+    echoes_are_lost(SHARE);
+}
+
+fn the_air_changes(cases: usize) {
     let held = held();
     // Before the part comes, and while it is below the matrix.
     for (time, kelvin, named) in
-        some([(1.0, 30.0, true), (held - 6.0, 5.0, false), (1.0, -5.0, false), (1.0, -30.0, true)])
+        [(1.0, 30.0, true), (held - 6.0, 5.0, false), (1.0, -5.0, false), (1.0, -30.0, true)]
+            .into_iter()
+            .take(cases)
     {
         let ready = with_matrix(|matrix| matrix.sounders().warm(time, Air { celsius: 20.0 + kelvin }));
         let (fate, fault) = judged(ready, &format!("{kelvin} K at {time} s"));
@@ -95,7 +103,11 @@ fn fault_214_air_that_changes_is_followed_or_a_named_fault() {
 }
 
 #[test]
-fn fault_218_a_part_that_lies_below_the_matrix_from_the_beginning_is_not_learned_as_belt() {
+fn fault_214_air_that_changes_is_followed_or_a_named_fault() {
+    the_air_changes(SHARE);
+}
+
+fn parts_lie_below_the_matrix(cases: usize) {
     let array = array();
     // Whether what lies on a belt that stands is learned as bare belt.
     let learn = |parts: Vec<Lying>, celsius: f64, seed: u64| {
@@ -109,7 +121,7 @@ fn fault_218_a_part_that_lies_below_the_matrix_from_the_beginning_is_not_learned
         }
         Ok::<_, Deaf>(reliefs.is_taught())
     };
-    for (seed, celsius) in some([(1, 20.0), (2, 5.0), (3, 35.0), (4, 20.0), (5, 20.0)]) {
+    for (seed, celsius) in [(1, 20.0), (2, 5.0), (3, 35.0), (4, 20.0), (5, 20.0)].into_iter().take(cases) {
         assert_eq!(learn(Vec::new(), celsius, seed), Ok(true), "a bare belt at {celsius} °C");
         for (number, kind) in kinds().iter().enumerate() {
             let place = [MATRIX[0] + 0.02, -0.01];
@@ -121,10 +133,14 @@ fn fault_218_a_part_that_lies_below_the_matrix_from_the_beginning_is_not_learned
 }
 
 #[test]
-fn fault_215_an_encoder_whose_count_stands_makes_missed_parts() {
+fn fault_218_a_part_that_lies_below_the_matrix_from_the_beginning_is_not_learned_as_belt() {
+    parts_lie_below_the_matrix(SHARE);
+}
+
+fn the_count_stands(cases: usize) {
     // Of all kinds and at any angle: what passes a matrix that believes the belt to stand.
     let kinds = kinds();
-    for (kind, of) in some(kinds.iter().enumerate()) {
+    for (kind, of) in kinds.iter().enumerate().take(cases) {
         let mut passing = Passing {
             parts: vec![Lying::of(Some(kind), of.class.form.clone(), [MATRIX[0] - 0.25, 0.01], 0.7, 0.5)],
             speed: 0.1,
@@ -157,6 +173,11 @@ fn fault_215_an_encoder_whose_count_stands_makes_missed_parts() {
 }
 
 #[test]
+fn fault_215_an_encoder_whose_count_stands_makes_missed_parts() {
+    the_count_stands(SHARE);
+}
+
+#[test]
 fn fault_216_a_sensor_of_the_matrix_cell_that_is_lost_or_killed_in_mid_pick_is_a_named_fault_or_not_needed_any_more()
  {
     let held = held();
@@ -184,4 +205,40 @@ fn fault_216_a_sensor_of_the_matrix_cell_that_is_lost_or_killed_in_mid_pick_is_a
     let report =
         sweep.repeat(&Case { injected: Injected::Kill(process), at: ((held - 0.4) / STEP) as u64, seed: 1 });
     assert!(report.is_clean(), "{report}");
+}
+
+mod whole {
+    use super::{
+        echoes_are_lost, parts_lie_below_the_matrix, the_air_changes, the_count_stands, transducers_are_dead,
+    };
+
+    #[test]
+    #[ignore = "takes minutes: `just sorting-matrix`"]
+    fn fault_198_a_dead_transducer_or_a_dead_matrix_is_a_named_fault() {
+        transducers_are_dead(usize::MAX);
+    }
+
+    #[test]
+    #[ignore = "takes minutes: `just sorting-matrix`"]
+    fn fault_199_echoes_that_are_lost_make_missed_parts_at_most() {
+        echoes_are_lost(usize::MAX);
+    }
+
+    #[test]
+    #[ignore = "takes minutes: `just sorting-matrix`"]
+    fn fault_214_air_that_changes_is_followed_or_a_named_fault() {
+        the_air_changes(usize::MAX);
+    }
+
+    #[test]
+    #[ignore = "takes minutes: `just sorting-matrix`"]
+    fn fault_218_a_part_that_lies_below_the_matrix_from_the_beginning_is_not_learned_as_belt() {
+        parts_lie_below_the_matrix(usize::MAX);
+    }
+
+    #[test]
+    #[ignore = "takes minutes: `just sorting-matrix`"]
+    fn fault_215_an_encoder_whose_count_stands_makes_missed_parts() {
+        the_count_stands(usize::MAX);
+    }
 }

@@ -1,4 +1,4 @@
-//! Two arms share the belt. `MRROC_LONG=1` tries more; `just sorting-two-arms` gives the figures.
+//! Two arms share the belt. `just sorting-two-arms` tries more, and gives the figures.
 
 use mrroc::fault::{Name, ProcessId, Role};
 use mrroc::prelude::*;
@@ -76,21 +76,25 @@ fn fault_223_a_part_that_one_arm_could_not_take_is_taken_by_the_other() {
     assert!(outcome.fates[outcome.vain[0].0 as usize - 1] == Fate::Sorted, "{:?}", outcome.fates);
 }
 
-#[test]
-fn fault_224_an_edp_of_one_of_two_arms_that_is_killed_stops_both() {
+/// EDPs, each of which is killed so many seconds before the second arm takes its part.
+fn edps_are_killed(cases: &[(&str, f64)]) {
     let settings = Settings { parts: 3, ..crowd() };
     let outcome = settings.run().expect("a cell");
     // The second arm is down at its part, and the first one on its way.
     let held = outcome.grips.iter().find(|grip| grip.arm == 1).expect("the second arm took one").time;
     let sweep = Sweep::new(|| settings.ready().expect("a cell").cell);
-    let all = if std::env::var_os("MRROC_LONG").is_some() { 2 } else { 1 };
-    for (name, before) in [("arm-2", 0.4), ("hand", 0.2)].into_iter().take(all) {
+    for &(name, before) in cases {
         let process = ProcessId::new(Role::Edp, Name::new(name).expect("a name"));
         // Judged: limits, the cause, standstill within the bound, and that no gripper opens.
         let at = ((held - before) / 4e-3) as u64;
         let report = sweep.repeat(&Case { injected: Injected::Kill(process), at, seed: 1 });
         assert!(report.is_clean(), "{name}: {report}");
     }
+}
+
+#[test]
+fn fault_224_an_edp_of_one_of_two_arms_that_is_killed_stops_both() {
+    edps_are_killed(&[("arm-2", 0.4)]);
 }
 
 #[test]
@@ -111,11 +115,9 @@ fn two_arms_share_the_belt_below_the_matrix_by_the_same_programs() {
     shared(&Settings { parts: 3, ..crowd() }.below(Overhead::Matrix));
 }
 
-#[test]
-fn fault_207_each_part_that_is_not_sorted_is_explained_by_name() {
-    // Quite at random, and sooner than the arm can take them.
-    let long = std::env::var_os("MRROC_LONG").is_some();
-    let settings = Settings { regular: 0.0, ..Settings::of(0.15, if long { 40 } else { 5 }, 5.0, 8) };
+/// So many parts quite at random, and sooner than the arm can take them.
+fn misses_are_explained(parts: usize) {
+    let settings = Settings { regular: 0.0, ..Settings::of(0.15, parts, 5.0, 8) };
     let outcome = settings.run().expect("a cell");
     let line = Line::of(&settings, &outcome);
     println!("{}", Table(vec![line.clone()]));
@@ -130,5 +132,26 @@ fn fault_207_each_part_that_is_not_sorted_is_explained_by_name() {
         } else {
             assert!(!outcome.late.contains(&(miss.part as u32 + 1)) || miss.why == Missed::Late, "{miss:?}");
         }
+    }
+}
+
+#[test]
+fn fault_207_each_part_that_is_not_sorted_is_explained_by_name() {
+    misses_are_explained(5);
+}
+
+mod whole {
+    use super::{edps_are_killed, misses_are_explained};
+
+    #[test]
+    #[ignore = "takes minutes: `just sorting-two-arms`"]
+    fn fault_224_an_edp_of_one_of_two_arms_that_is_killed_stops_both() {
+        edps_are_killed(&[("arm-2", 0.4), ("hand", 0.2)]);
+    }
+
+    #[test]
+    #[ignore = "takes minutes: `just sorting-two-arms`"]
+    fn fault_207_each_part_that_is_not_sorted_is_explained_by_name() {
+        misses_are_explained(40);
     }
 }

@@ -13,8 +13,6 @@ use transfer::variant::{Bases, Ready, Sensors, Variant};
 use transfer::witness::{Seen, Witness};
 use transfer::{cell, file, plant, sensed};
 
-use crate::one_of;
-
 /// Stiffness of a grasp [N/m].
 const K: f64 = 5e4;
 
@@ -51,15 +49,15 @@ fn force_sensors_take_at_least_four_fifths_of_the_stress_that_a_base_out_of_plac
     assert!(without.demanded.distance <= 1e-9 && without.demanded.angle <= 1e-9, "{:?}", without.demanded);
 }
 
-#[test]
-fn wherever_the_operator_suspends_and_resumes_the_stress_stays_low() {
+/// Suspends in one of `every` 145 steps, and resumes.
+fn the_operator_suspends_and_resumes(every: usize) {
     let file = file().expect("in order");
     let variant = Variant::Bar { bases: Bases::Off, sensors: Sensors::Used };
     let (without, _) = run(Bases::Off, Sensors::Unused);
     assert!(without.is_held() && without.internal > 15.0, "{}", without.internal);
     // As in tests/task.rs, but less often.
     const PERIOD: u64 = 1160;
-    for offset in (0..PERIOD).step_by(145).step_by(one_of(3)) {
+    for offset in (0..PERIOD).step_by(145 * every) {
         let seen = variant.watched(&file, |cell, _| {
             cell.on_step(move |step, operator| match (step + PERIOD - offset) % PERIOD {
                 0 => operator.suspend(),
@@ -71,6 +69,19 @@ fn wherever_the_operator_suspends_and_resumes_the_stress_stays_low() {
         assert!(seen.is_held(), "a hand lost the bar when suspended in step {offset}");
         let (with, without) = (seen.internal, without.internal);
         assert!(with <= without / 5.0, "{with} N of {without} N when suspended in step {offset}");
+    }
+}
+
+#[test]
+fn wherever_the_operator_suspends_and_resumes_the_stress_stays_low() {
+    the_operator_suspends_and_resumes(3);
+}
+
+mod whole {
+    #[test]
+    #[ignore = "takes minutes: `just test-whole`"]
+    fn wherever_the_operator_suspends_and_resumes_the_stress_stays_low() {
+        super::the_operator_suspends_and_resumes(1);
     }
 }
 

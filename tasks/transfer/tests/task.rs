@@ -1,6 +1,5 @@
 //! The task with nothing between the hands: what is demanded of the arms, whatever the operator does.
 
-use crate::one_of;
 use crate::support::{Demands, apart, off_path, task, watched};
 use mrroc::fault::FaultKind;
 use mrroc::prelude::*;
@@ -40,14 +39,14 @@ fn both_tools_carry_the_body_along_its_path_and_leave_it_where_it_belongs() {
     }
 }
 
-#[test]
-fn wherever_the_operator_suspends_and_resumes_both_arms_stay_on_the_bodys_path() {
+/// Suspends in one of `every` 29 steps, and resumes.
+fn the_operator_suspends_and_resumes(every: usize) {
     let (undisturbed, calm) = task();
     let steps = undisturbed.run().expect("within all limits").steps;
     // Slowing down takes some hundred steps. The first suspension of a run comes ever later, the next follow it, so that
-    // every 29th step of all phases is one in which the operator suspends; here every 145th.
+    // so many steps of all phases are some in which the operator suspends.
     const PERIOD: u64 = 1160;
-    for offset in (0..PERIOD).step_by(29).step_by(one_of(5)) {
+    for offset in (0..PERIOD).step_by(29 * every) {
         let (cell, demands) = task();
         let report = cell
             .on_step(move |step, operator| match (step + PERIOD - offset) % PERIOD {
@@ -68,10 +67,15 @@ fn wherever_the_operator_suspends_and_resumes_both_arms_stay_on_the_bodys_path()
 }
 
 #[test]
-fn wherever_the_operator_aborts_both_arms_stop_on_the_bodys_path() {
+fn wherever_the_operator_suspends_and_resumes_both_arms_stay_on_the_bodys_path() {
+    the_operator_suspends_and_resumes(5);
+}
+
+/// Aborts in one of `every` 97 steps.
+fn the_operator_aborts(every: usize) {
     let (undisturbed, _) = task();
     let steps = undisturbed.run().expect("within all limits").steps;
-    for at in (10..steps).step_by(97).step_by(one_of(6)) {
+    for at in (10..steps).step_by(97 * every) {
         let (cell, demands) = task();
         let outcome = cell
             .on_step(move |step, operator| {
@@ -86,6 +90,25 @@ fn wherever_the_operator_aborts_both_arms_stop_on_the_bodys_path() {
         assert!(off_path(&demands) <= EXACT, "{} when aborted in step {at}", off_path(&demands));
         // At rest, but for the last of a rate that falls by 5/s, 0.01 in a step: 0.125 m/s * 2 ms * 0.01.
         assert!(demands.moved < 2.5e-6, "{} m in the last period when aborted in step {at}", demands.moved);
+    }
+}
+
+#[test]
+fn wherever_the_operator_aborts_both_arms_stop_on_the_bodys_path() {
+    the_operator_aborts(6);
+}
+
+mod whole {
+    #[test]
+    #[ignore = "takes minutes: `just test-whole`"]
+    fn wherever_the_operator_suspends_and_resumes_both_arms_stay_on_the_bodys_path() {
+        super::the_operator_suspends_and_resumes(1);
+    }
+
+    #[test]
+    #[ignore = "takes minutes: `just test-whole`"]
+    fn wherever_the_operator_aborts_both_arms_stop_on_the_bodys_path() {
+        super::the_operator_aborts(1);
     }
 }
 

@@ -71,6 +71,10 @@ pub struct Irp6 {
 }
 
 impl Irp6 {
+    /// A posture to begin motions in \[rad\]: the lower arm upright and the tool pointing down, to 3 mrad. The flange is 0.85 m ahead
+    /// of the shoulder and 0.35 m above it. Every joint is half a radian within its limits, and the arm is far from its singularities.
+    pub const READY: Six = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
+
     /// Lowest motor angles \[rad\] (MRROC++).
     pub const MOTOR_LOWER: Six = Six::new(-470.0, -110.0, -80.0, -70.0, -80.0, -1000.0);
     /// Highest motor angles \[rad\] (MRROC++).

@@ -17,7 +17,7 @@ use rustix::time::Timespec;
 use super::super::control::{Control, Frame};
 use super::super::scheduling::set_priority;
 use super::topology::{MEMORY, ROBOTS, Topology, bare, id, ours};
-use super::{barrier, folder, remove_segments, samples_folder, start};
+use super::{barrier, folder, path, remove_segments, samples_folder, start, words};
 use crate::iceoryx::monotonic;
 use mrroc_core::cell::{Permission, Realtime};
 use mrroc_core::fault::Role;
@@ -173,7 +173,7 @@ impl Part {
 #[test]
 #[ignore = "an ECP or an EDP of the measurement"]
 fn part() {
-    let Ok(words) = std::env::var(super::PEER) else { return };
+    let Some(words) = words(&path(module_path!(), "part")) else { return };
     let (part, of) = Part::read(&words);
     let stdin = std::io::stdin().as_fd().try_clone_to_owned().expect("a descriptor");
     let shared = std::io::stdout().as_fd().try_clone_to_owned().expect("a descriptor");
@@ -199,7 +199,7 @@ fn round(kind: &'static str, robots: usize, work: u64, placement: Placement) -> 
         .map(|place| {
             let (ours, theirs) = UnixStream::pair().expect("sockets");
             let words = part(place).words(of);
-            (start("processes::latency::step::part", &words, theirs, &shared), Control::new(ours))
+            (start(&path(module_path!(), "part"), &words, theirs, &shared), Control::new(ours))
         })
         .unzip();
     let meet = || {

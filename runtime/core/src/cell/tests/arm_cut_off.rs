@@ -123,11 +123,13 @@ const NEVER: u64 = u64::MAX;
 /// A link on which everything arrives.
 const WHOLE: Cut = Cut { arm: "left", orders: NEVER, replies: NEVER, lost: NEVER };
 
-/// Steps of so many milliseconds, and those of them in which something is cut: a share of them, unless all are asked for.
-fn steps_of(millis: u64) -> (Duration, impl Iterator<Item = u64>) {
-    let all = std::env::var("MRROC_LONG").is_ok_and(|long| long == "1");
+/// In which steps something is cut: in one in each so many milliseconds.
+const SHARE: u64 = 22;
+
+/// Steps of so many milliseconds, and those of them in which something is cut, one in each `every` milliseconds.
+fn steps_of(millis: u64, every: u64) -> (Duration, impl Iterator<Item = u64>) {
     let last = (DURATION * 1e3) as u64 / millis;
-    (Duration::from_millis(millis), (2..last).step_by(if all { 1 } else { 22 / millis as usize }))
+    (Duration::from_millis(millis), (2..last).step_by((every / millis).max(1) as usize))
 }
 
 /// By how much an arm that goes on for two steps as the path changed last may be off it \[m, rad\]: by `1 + 3` third differences
@@ -136,10 +138,9 @@ fn four_third_differences(step: Duration) -> f64 {
     4.0 * 3.0_f64.sqrt() * 60.0 * 0.55 * (step.as_secs_f64() / DURATION).powi(3)
 }
 
-#[test]
-fn fault_153_arms_of_which_one_is_cut_off_in_any_step_brake_together_on_their_screw() {
+fn arms_are_cut_off(every: u64) {
     for millis in [1, 2, 4] {
-        let (step, steps) = steps_of(millis);
+        let (step, steps) = steps_of(millis, every);
         let bound = four_third_differences(step);
         let mut worst = [0.0_f64; 3];
         for (at, arm) in steps.flat_map(|at| ["left", "right"].map(|arm| (at, arm))) {
@@ -158,11 +159,15 @@ fn fault_153_arms_of_which_one_is_cut_off_in_any_step_brake_together_on_their_sc
     }
 }
 
-/// Nobody can say what two ends should do together whose last message may have arrived or not: this bound is the best one.
 #[test]
-fn fault_155_arms_of_which_one_is_cut_off_between_an_order_and_its_answer_come_apart_by_the_way_of_a_step() {
+fn fault_153_arms_of_which_one_is_cut_off_in_any_step_brake_together_on_their_screw() {
+    arms_are_cut_off(SHARE);
+}
+
+/// Nobody can say what two ends should do together whose last message may have arrived or not: this bound is the best one.
+fn arms_are_cut_off_before_an_answer(every: u64) {
     for millis in [1, 2, 4] {
-        let (step, steps) = steps_of(millis);
+        let (step, steps) = steps_of(millis, every);
         // The path's largest speed in a step, 15/8 of the mean one, and that of a flange is less than √3 times as much.
         let way = 3.0_f64.sqrt() * 15.0 / 8.0 * 0.55 * step.as_secs_f64() / DURATION;
         let bound = way + four_third_differences(step);
@@ -178,9 +183,13 @@ fn fault_155_arms_of_which_one_is_cut_off_between_an_order_and_its_answer_come_a
 }
 
 #[test]
-fn fault_153_an_order_that_one_arm_has_lost_is_bridged_and_both_go_on_together() {
+fn fault_155_arms_of_which_one_is_cut_off_between_an_order_and_its_answer_come_apart_by_the_way_of_a_step() {
+    arms_are_cut_off_before_an_answer(SHARE);
+}
+
+fn orders_are_lost(every: u64) {
     for millis in [1, 2, 4] {
-        let (step, steps) = steps_of(millis);
+        let (step, steps) = steps_of(millis, every);
         let (calm, fault) = run(step, WHOLE);
         assert_eq!((fault, off(&calm).0 < 1e-9), (None, true));
         let bound = four_third_differences(step);
@@ -191,5 +200,34 @@ fn fault_153_an_order_that_one_arm_has_lost_is_bridged_and_both_go_on_together()
             assert!(off <= bound, "{step:?}, {arm} has lost {lost}: {off}, {bound}");
             assert!((end - self::off(&calm).1).abs() < 1e-12, "{step:?}, {arm} has lost {lost}: {end}");
         }
+    }
+}
+
+#[test]
+fn fault_153_an_order_that_one_arm_has_lost_is_bridged_and_both_go_on_together() {
+    orders_are_lost(SHARE);
+}
+
+/// In all steps.
+mod whole {
+    use super::{arms_are_cut_off, arms_are_cut_off_before_an_answer, orders_are_lost};
+
+    #[test]
+    #[ignore = "takes minutes: `just wires-whole`"]
+    fn fault_153_arms_of_which_one_is_cut_off_in_any_step_brake_together_on_their_screw() {
+        arms_are_cut_off(1);
+    }
+
+    #[test]
+    #[ignore = "takes minutes: `just wires-whole`"]
+    fn fault_155_arms_of_which_one_is_cut_off_between_an_order_and_its_answer_come_apart_by_the_way_of_a_step()
+     {
+        arms_are_cut_off_before_an_answer(1);
+    }
+
+    #[test]
+    #[ignore = "takes minutes: `just wires-whole`"]
+    fn fault_153_an_order_that_one_arm_has_lost_is_bridged_and_both_go_on_together() {
+        orders_are_lost(1);
     }
 }
