@@ -48,7 +48,7 @@ instructions *ARGS:
 
 # What profiles and jerk-limited plans keep, for 256,000 random inputs of each kind.
 sweep-profiles:
-    cargo test --release -p mrroc-generators --test generators -- --ignored properties::whole::
+    cargo test --release -p mrroc-generators --lib -- --ignored properties::whole::
 
 # Inverse kinematics of all robots, for 100,000 poses each; `cargo test` takes 10,000.
 test-inverse:
@@ -96,15 +96,15 @@ test-kills KILLS="2000":
 # Parts on a belt: one for each of 1,000 seeds, over all speeds, beside open loop; the table and sorting/scatter.svg.
 sorting-whole SEEDS="1000":
     cargo run --release -p sorting -- --sweep {{SEEDS}}
-    cargo test --release -p sorting --test all -- --ignored --nocapture whole:: --skip two_arms:: --skip matrix
+    cargo test --release -p sorting --lib -- --ignored --nocapture whole:: --skip two_arms:: --skip matrix
 
 # Mazes by touch, by force, by a camera, without a map and by wheels: all by chance that tests know, in release; takes tens of minutes.
 maze-whole:
-    cargo test --release -p maze --test all -- --ignored --nocapture whole::
+    cargo test --release -p maze --lib -- --ignored --nocapture whole::
 
 # All mazes of a folder by each means, and by a ball that touches exactly, without an arm; such as contests' mazes, which are not in the tree.
 maze-sweep DIR:
-    MRROC_MAZES={{DIR}} cargo test --release -p mrroc-map --test touch -- --ignored --nocapture mazes_of_a_folder
+    MRROC_MAZES={{DIR}} cargo test --release -p mrroc-map --lib -- --ignored --nocapture mazes_of_a_folder
     cargo run --release -p maze -- --sweep {{DIR}}
     cargo run --release -p maze -- --sweep {{DIR}} --sensor force
     cargo run --release -p maze -- --sweep {{DIR}} --sensor camera
@@ -119,11 +119,11 @@ sorting-camera PARTS="500":
 # Two arms at one belt: so many parts at three arrival rates, each miss explained.
 sorting-two-arms PARTS="500":
     cargo run --release -p sorting -- --sensor camera --arms 2 --sweep {{PARTS}} --speeds 0.1
-    cargo test --release -p sorting --test all -- --ignored --nocapture two_arms::whole::
+    cargo test --release -p sorting --lib -- --ignored --nocapture two_arms::whole::
 
 # Parts on a belt below an ultrasonic matrix: recognition of others, faults, runs at three speeds; minutes.
 sorting-matrix:
-    cargo test --release -p sorting --test all -- --ignored --nocapture matrix::whole:: matrix_faults::whole::
+    cargo test --release -p sorting --lib -- --ignored --nocapture matrix::whole:: matrix_faults::whole::
     cargo run --release -p sorting -- --sensor ultrasonic --examine 2250
 
 # Trains the network of the sorting task's matrix anew; needs PyPI's numpy, scikit-learn and onnx.
@@ -139,11 +139,11 @@ sorting-train:
 # A hundred whole walks of the legs, and what tests ask of them.
 legs-whole SEEDS="100":
     cargo run --release -p legs -- --seeds {{SEEDS}}
-    cargo test --release -p legs --test all -- --ignored --nocapture whole::
+    cargo test --release -p legs --lib -- --ignored --nocapture whole::
 
 # The calibration of arms for 40 and 100 seeds, of which `cargo test` takes 3: the figures of tasks/calibration/README.md.
 calibration-whole:
-    cargo test --release -p calibration -p mrroc-calibration --test all -- --ignored --nocapture whole::
+    cargo test --release -p calibration -p mrroc-calibration -- --ignored --nocapture whole::
 
 # All that tests try of which `cargo test` takes a share: moments of the transfer, steps of small cells, sample drawings.
 test-whole:
