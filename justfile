@@ -33,7 +33,7 @@ bench:
 
 # What an attached panel costs the processes that move robots: lateness in alternating runs, system calls for each step.
 bench-panel ROUNDS="5":
-    cargo build --release -p mrroc-panel --features mrroc-panel/server,mrroc/panel --examples
+    cargo build --release -p mrroc-examples --features panel --examples
     python3 tests/benches/peers/panel.py target/release/examples/to_and_fro ports/panel/examples/cell.toml {{ROUNDS}}
 
 # How soon an arm stands that is jogged in a browser: so many holds of each way to end one, judged from recordings. A quarter of an hour.

@@ -1,7 +1,7 @@
 //! A plan of three joints that start and arrive together, in the shortest time that their limits of velocity,
 //! acceleration and jerk allow; and the same motion slowed down to a given time.
 //!
-//! `cargo run -p mrroc-generators --example 01_jerk_limited_plan`
+//! `cargo run -p mrroc-examples --example 01_jerk_limited_plan`
 
 use mrroc_generators::jerk::{JerkError, JointLimits, JointState, JointTarget, SynchronisedMove};
 use nalgebra::Vector3;

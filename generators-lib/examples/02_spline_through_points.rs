@@ -1,6 +1,6 @@
 //! The tool of an arm goes exactly through four poses on one smooth curve, without a stop.
 //!
-//! `cargo run -p mrroc-generators --example 02_spline_through_points`
+//! `cargo run -p mrroc-examples --example 02_spline_through_points`
 
 use std::cell::RefCell;
 use std::rc::Rc;

@@ -1,6 +1,6 @@
 //! The tool of an arm goes round a square on straight lines without a stop, past each corner within 5 mm.
 //!
-//! `cargo run -p mrroc-generators --example 03_via_points`
+//! `cargo run -p mrroc-examples --example 03_via_points`
 
 use std::cell::RefCell;
 use std::rc::Rc;

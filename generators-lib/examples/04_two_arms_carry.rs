@@ -1,6 +1,6 @@
 //! Two arms carry one body, which turns on its way: the pose of one tool relative to the other stays what it was.
 //!
-//! `cargo run -p mrroc-generators --example 04_two_arms_carry`
+//! `cargo run -p mrroc-examples --example 04_two_arms_carry`
 
 use std::cell::RefCell;
 use std::rc::Rc;

@@ -1,6 +1,6 @@
 //! The tool of an arm goes down to a table that it does not know, and presses on it with 10 N.
 //!
-//! `cargo run -p mrroc-generators --example 05_force`
+//! `cargo run -p mrroc-examples --example 05_force`
 
 use std::cell::RefCell;
 use std::rc::Rc;

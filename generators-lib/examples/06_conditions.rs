@@ -1,6 +1,6 @@
 //! A Wait for a part that sits firmly behind a closed door, as seen by a switch that bounces, or for a time-out.
 //!
-//! `cargo run -p mrroc-generators --example 06_conditions`
+//! `cargo run -p mrroc-examples --example 06_conditions`
 
 use std::time::Duration;
 

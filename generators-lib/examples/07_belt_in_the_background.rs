@@ -1,6 +1,6 @@
 //! A belt runs in the background while an arm moves there and back; then it runs slower, and at the end it stops.
 //!
-//! `cargo run -p mrroc-generators --example 07_belt_in_the_background`
+//! `cargo run -p mrroc-examples --example 07_belt_in_the_background`
 
 use std::cell::RefCell;
 use std::rc::Rc;

@@ -1,7 +1,7 @@
 //! Two cells of an arm each are robots of one MP. One has a fault; the other goes on without it, until the operator of that
 //! cell has reset it.
 //!
-//! `cargo run -p mrroc-generators --example 08_cells_of_cells`
+//! `cargo run -p mrroc-examples --example 08_cells_of_cells`
 
 use std::time::Duration;
 

@@ -1,6 +1,6 @@
 //! Two simulated IRp-6 arms face each other and wave; the picture shows what moved.
 //!
-//! `cargo run -p mrroc-pictures --example two_arms` writes `picture.svg`.
+//! `cargo run -p mrroc-examples --example two_arms` writes `picture.svg`.
 
 use std::time::Duration;
 

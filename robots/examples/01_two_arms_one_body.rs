@@ -1,6 +1,6 @@
 //! Two arms lift one body; the base of the second stands 1 mm off where the program believes it to be.
 //!
-//! `cargo run -p mrroc-robots --example 01_two_arms_one_body`
+//! `cargo run -p mrroc-examples --example 01_two_arms_one_body`
 
 use std::time::Duration;
 

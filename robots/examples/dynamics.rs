@@ -1,7 +1,7 @@
 //! Writes the robots of the library as URDFs, with random states and what our dynamics says of them, for
 //! `tests/peers/dynamics`.
 //!
-//! `cargo run --release -p mrroc-robots --example dynamics -- FOLDER STATES [SEED]` writes for every robot `NAME.urdf` and
+//! `cargo run --release -p mrroc-examples --example dynamics -- FOLDER STATES [SEED]` writes for every robot `NAME.urdf` and
 //! `NAME.f64`: per state, numbers of 8 bytes, little-endian, in the joints' order: q, qdot, qddot, the tip's wrench in the world
 //! (force, torque), tau (inverse dynamics of these), qddot (forward dynamics of that tau and wrench), the bias, the weight's
 //! torques, M column by column, kinetic and potential energy. Of RNT, whose joints are no tree: q, qdot, M, bias.

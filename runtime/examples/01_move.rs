@@ -1,6 +1,6 @@
 //! One robot, one generator, no level of its own: the MP moves the arm through a transparent ECP.
 //!
-//! `cargo run -p mrroc --example 01_move`
+//! `cargo run -p mrroc-examples --example 01_move`
 
 use std::time::Duration;
 

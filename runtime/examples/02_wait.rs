@@ -1,6 +1,6 @@
 //! A virtual sensor, a Wait with a time-out, and a motion that a sensor ends.
 //!
-//! `cargo run -p mrroc --example 02_wait`
+//! `cargo run -p mrroc-examples --example 02_wait`
 
 use std::time::Duration;
 

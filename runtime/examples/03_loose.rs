@@ -1,6 +1,6 @@
 //! Two arms, loosely: the MP says what, each ECP decides how, and the early one holds until both are there.
 //!
-//! `cargo run -p mrroc --example 03_loose`
+//! `cargo run -p mrroc-examples --example 03_loose`
 
 use std::time::Duration;
 

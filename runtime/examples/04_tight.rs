@@ -1,6 +1,6 @@
 //! Two arms, tightly: the MP computes a number for every step, and an operator suspends both on their paths.
 //!
-//! `cargo run -p mrroc --example 04_tight`
+//! `cargo run -p mrroc-examples --example 04_tight`
 
 use std::time::Duration;
 

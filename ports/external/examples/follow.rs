@@ -1,4 +1,4 @@
-//! An arm turns its column to where a camera sees a part, which a program in Python says: `cargo run -p mrroc-external
+//! An arm turns its column to where a camera sees a part, which a program in Python says: `cargo run -p mrroc-examples
 //! --example follow -- --cell ports/external/examples/cell.toml` with a simulated camera, and with `--processes` where the
 //! program runs. `external camera` prints the module for that program, `external follow` that for a program that looks on.
 //!
@@ -6,8 +6,8 @@
 
 use mrroc_external::{External, Onlookers};
 use mrroc_robots::{Irp6, Six, simulated};
-use mrroc_runtime::launch::own_option;
-use mrroc_runtime::prelude::*;
+use mrroc::launch::own_option;
+use mrroc::prelude::*;
 
 // ANCHOR: kind
 /// Where the part is.
@@ -49,7 +49,7 @@ impl VirtualSensor for Belt {
 // ANCHOR_END: stand-in
 
 fn main() -> std::process::ExitCode {
-    mrroc_runtime::launch(cell, mrroc_pictures::Film::new())
+    mrroc::launch(cell, mrroc_pictures::Film::new())
 }
 
 // ANCHOR: cell

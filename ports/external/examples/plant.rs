@@ -1,4 +1,4 @@
-//! Arms draw straight lines in a simulator that others wrote: `cargo run -p mrroc-external --example plant -- --cell
+//! Arms draw straight lines in a simulator that others wrote: `cargo run -p mrroc-examples --example plant -- --cell
 //! ports/external/examples/plant.toml` while `mujoco_arms.py` runs, or with `--simulated` without it. `external left` prints the
 //! Python module that this script imports.
 //!
@@ -9,11 +9,11 @@ use mrroc_generators::generators::{Delay, StraightLine};
 use mrroc_generators::line::ToolLimits;
 use mrroc_generators::profile::ProfileLimits;
 use mrroc_robots::{Serial, simulated};
-use mrroc_runtime::launch::own_option;
-use mrroc_runtime::prelude::*;
+use mrroc::launch::own_option;
+use mrroc::prelude::*;
 
 fn main() -> std::process::ExitCode {
-    mrroc_runtime::launch(cell, mrroc_pictures::Film::new())
+    mrroc::launch(cell, mrroc_pictures::Film::new())
 }
 
 // ANCHOR: cell

@@ -1,5 +1,5 @@
-//! Two arms that a person jogs and teaches at the panel: `cargo run --release -p mrroc-panel --example jog_and_teach --features
-//! mrroc/panel -- --cell ports/panel/examples/cell.toml --processes --panel --reduced`.
+//! Two arms that a person jogs and teaches at the panel: `cargo run --release -p mrroc-examples --example jog_and_teach --features
+//! panel -- --cell ports/panel/examples/cell.toml --processes --panel --reduced`.
 //!
 //! The left arm goes home, lets itself be jogged until that is done, goes through what it was taught, and begins anew. The right
 //! one is jogged all the time.

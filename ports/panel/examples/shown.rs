@@ -1,5 +1,5 @@
 //! What the panel shows beside arms: a bar that an arm holds, the wrench at its wrist, a lamp and a switch, and the shapes of a URDF's
-//! links: `cargo run --release -p mrroc-panel --example shown --features mrroc/panel -- --cell ports/panel/examples/shown/cell.toml
+//! links: `cargo run --release -p mrroc-examples --example shown --features panel -- --cell ports/panel/examples/shown/cell.toml
 //! --processes --panel`.
 //!
 //! `--turns` behind a `--` says how often they go, a thousand times by default.

@@ -1,5 +1,5 @@
-//! Two arms that go to and fro, to be looked at and operated: `cargo run --release -p mrroc-panel --example to_and_fro --features
-//! mrroc/panel -- --cell ports/panel/examples/cell.toml --processes --panel`.
+//! Two arms that go to and fro, to be looked at and operated: `cargo run --release -p mrroc-examples --example to_and_fro --features
+//! panel -- --cell ports/panel/examples/cell.toml --processes --panel`.
 //!
 //! `--turns` behind a `--` says how often they go, a thousand times by default.
 

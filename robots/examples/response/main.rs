@@ -1,7 +1,7 @@
 //! Draws how the simulated drives of a robot answer: of each joint, its step response and its following error.
 //!
 //! ```text
-//! cargo run -p mrroc-robots --example response -- irp6 [--out FILE]
+//! cargo run -p mrroc-examples --example response -- irp6 [--out FILE]
 //! ```
 //!
 //! Names: those of [`KINDS`], and `urdf`: the weighted arm of the tests. The default file is `response-NAME.svg`. The

@@ -1,7 +1,7 @@
 //! Draws a robot in a pose, its links' frames and a slice of its workspace, from the side and from above.
 //!
 //! ```text
-//! cargo run -p mrroc-robots --example show -- irp6 [--out FILE] [--joints q1,q2,..]
+//! cargo run -p mrroc-examples --example show -- irp6 [--out FILE] [--joints q1,q2,..]
 //! ```
 //!
 //! Names: those of [`KINDS`]. Joints in rad and m. The default file is `NAME.svg`.

@@ -1,7 +1,7 @@
 //! One's own arm: from a URDF and a tracker to a file for `cell.toml`. The tracker is made up here, and so is what the arm is off by.
 //!
 //! ```text
-//! cargo run --release -p mrroc-calibration --example own_arm -- FILE.toml
+//! cargo run --release -p mrroc-examples --example own_arm -- FILE.toml
 //! ```
 
 use std::path::Path;

@@ -1,8 +1,8 @@
 //! A simulated instrument on a serial port, or sights by one.
 //!
 //! ```text
-//! cargo run -p mrroc-geocom --example geocom -- instrument /dev/pts/3
-//! cargo run -p mrroc-geocom --example geocom -- sight /dev/ttyUSB0 0.7 -0.3     # about where, rad: in both faces
+//! cargo run -p mrroc-examples --example geocom -- instrument /dev/pts/3
+//! cargo run -p mrroc-examples --example geocom -- sight /dev/ttyUSB0 0.7 -0.3     # about where, rad: in both faces
 //! ```
 
 use std::error::Error;

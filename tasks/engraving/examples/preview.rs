@@ -1,4 +1,4 @@
-//! Shows a drawing as it would be engraved, without the arm: `cargo run --release -p engraving --example preview -- FILE`.
+//! Shows a drawing as it would be engraved, without the arm: `cargo run --release -p mrroc-examples --example preview -- FILE`.
 
 use engraving::chosen::{DEFAULT_DEPTH, DEFAULT_FEED};
 use engraving::deviation::{Corners, Deviation};

@@ -1,4 +1,4 @@
-//! Writes what a walk does to its feet, for programs that simulate the same: `cargo run -p legs --example forces -- SEED FOLDER FOOTSTEPS`.
+//! Writes what a walk does to its feet, for programs that simulate the same: `cargo run -p mrroc-examples --example forces -- SEED FOLDER FOOTSTEPS`.
 //!
 //! `ground.csv`: side (1 left, -1 right), from x, to x, height \[m\] of every tread. `walk.csv`: from the beginning, every 4 ms: time \[s\], twelve true
 //! joint positions \[rad\], the trunk's place \[m\] and quaternion (w, x, y, z), the normal forces of the four feet \[N\]. `figures.csv`: name and

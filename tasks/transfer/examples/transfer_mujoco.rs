@@ -1,4 +1,4 @@
-//! The transfer with both arms, both hands and the bar in MuJoCo: `cargo run -p transfer --example transfer_mujoco -- --cell
+//! The transfer with both arms, both hands and the bar in MuJoCo: `cargo run -p mrroc-examples --example transfer_mujoco -- --cell
 //! tasks/transfer/examples/mujoco.toml --virtual` while `transfer_mujoco.py` runs beside it; with `--simulated` in place of
 //! `--virtual` in the task's own simulation. The programs are those of the task. With `-- --sensors` it is the one that reads the
 //! wrists' forces: those that MuJoCo tells.

@@ -1,4 +1,4 @@
-//! The transfer with a Robotiq gripper as the hand of one arm: `cargo run -p transfer --example transfer_robotiq -- --cell
+//! The transfer with a Robotiq gripper as the hand of one arm: `cargo run -p mrroc-examples --example transfer_robotiq -- --cell
 //! tasks/transfer/examples/robotiq.toml --processes`, where a gripper is at the address of that file; with `--simulated` in
 //! place of `--processes` a simulated one stands in. The arms are simulated, and the programs are those of the task.
 

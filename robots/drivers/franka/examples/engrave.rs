@@ -1,4 +1,4 @@
-//! Engraves the nameplate of the engraving task with an FR3: `cargo run --release -p mrroc-franka --example engrave -- --cell
+//! Engraves the nameplate of the engraving task with an FR3: `cargo run --release -p mrroc-examples --example engrave -- --cell
 //! robots/drivers/franka/examples/cell.toml --simulated`, and with `--processes` in its place where a robot is at the address
 //! of that file. The arm goes to a posture with a bent shoulder first; the plate lies 50 mm below where the tool is then.
 //!
@@ -17,8 +17,8 @@ use mrroc_generators::generators::{JointMove, SplineTrack, StraightLine};
 use mrroc_generators::line::ToolLimits;
 use mrroc_generators::profile::ProfileLimits;
 use mrroc_robots::{Seven, simulated};
-use mrroc_runtime::launch::own_option;
-use mrroc_runtime::prelude::*;
+use mrroc::launch::own_option;
+use mrroc::prelude::*;
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 
 /// A posture with the tool straight down, away from the shoulder's singularity at 0 of joint 2 \[rad\].
@@ -29,7 +29,7 @@ const TRAVEL: f64 = 0.002;
 const DEPTH: f64 = 0.3;
 
 fn main() -> std::process::ExitCode {
-    mrroc_runtime::launch(cell, mrroc_pictures::Film::new())
+    mrroc::launch(cell, mrroc_pictures::Film::new())
 }
 
 fn cell(file: &CellFile) -> Result<Cell, CellError> {

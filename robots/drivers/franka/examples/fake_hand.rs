@@ -1,4 +1,4 @@
-//! The hand of this crate's tests, served for clients of others: `cargo run -p mrroc-franka --example fake_hand -- 127.0.0.1:1338 part=0.03
+//! The hand of this crate's tests, served for clients of others: `cargo run -p mrroc-examples --example fake_hand -- 127.0.0.1:1338 part=0.03
 //! unhomed`. `part` is how wide what lies between its fingers is \[m\].
 //!
 //! For each line that it reads it says what it was asked for since, and where its fingers are, as one line of JSON; it ends where its

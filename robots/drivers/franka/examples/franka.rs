@@ -1,4 +1,4 @@
-//! Moves an FR3 to its middle position, and from there to and fro: `cargo run -p mrroc-franka --example franka -- --cell robots/drivers/franka/examples/cell.toml
+//! Moves an FR3 to its middle position, and from there to and fro: `cargo run -p mrroc-examples --example franka -- --cell robots/drivers/franka/examples/cell.toml
 //! --simulated`, and with `--processes` in its place where a robot is at the address of that file.
 //!
 //! `--times` behind a `--` says how often, once by default; each time takes five seconds.
@@ -8,8 +8,8 @@ use std::time::Duration;
 use mrroc_franka::{Collision, FciSettings, Fr3, with_franka_as};
 use mrroc_generators::generators::JointMove;
 use mrroc_robots::{Seven, simulated};
-use mrroc_runtime::launch::own_option;
-use mrroc_runtime::prelude::*;
+use mrroc::launch::own_option;
+use mrroc::prelude::*;
 
 /// Where the arm is far from the ends of its range \[rad\].
 const MIDDLE: [f64; 7] = [0.0, 0.0, 0.0, -1.57, 0.0, 1.57, 0.785];
@@ -23,7 +23,7 @@ const COLLISION: Collision = Collision {
 };
 
 fn main() -> std::process::ExitCode {
-    mrroc_runtime::launch(cell, mrroc_pictures::Film::new())
+    mrroc::launch(cell, mrroc_pictures::Film::new())
 }
 
 fn cell(file: &CellFile) -> Result<Cell, CellError> {

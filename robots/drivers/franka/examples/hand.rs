@@ -1,4 +1,4 @@
-//! Closes a Franka Hand on a part, carries it by a simulated arm and opens it: `cargo run -p mrroc-franka --example hand -- --cell
+//! Closes a Franka Hand on a part, carries it by a simulated arm and opens it: `cargo run -p mrroc-examples --example hand -- --cell
 //! robots/drivers/franka/examples/hand.toml --simulated`, and with `--processes` in its place where a hand is at the address of
 //! that file.
 //!
@@ -8,9 +8,9 @@ use mrroc_franka::with_franka_hand;
 use mrroc_generators::conditions::{ConditionExt, elapsed};
 use mrroc_generators::generators::JointMove;
 use mrroc_robots::{Irp6, One, Six, TwoFingers, simulated};
-use mrroc_runtime::launch::own_option;
-use mrroc_runtime::prelude::*;
-use mrroc_runtime::robot::{Input, Regulators};
+use mrroc::launch::own_option;
+use mrroc::prelude::*;
+use mrroc::robot::{Input, Regulators};
 
 /// Openings around the part and, pressing on it, beyond it \[m\].
 const OPEN: f64 = 0.07;
@@ -22,7 +22,7 @@ const GRASPS: Regulators = Regulators::uniform(0);
 const MOVES: Regulators = Regulators::uniform(1);
 
 fn main() -> std::process::ExitCode {
-    mrroc_runtime::launch(cell, mrroc_pictures::Film::new())
+    mrroc::launch(cell, mrroc_pictures::Film::new())
 }
 
 fn cell(file: &CellFile) -> Result<Cell, CellError> {

@@ -1,4 +1,4 @@
-//! Says what an FR3 feels at its tool, five times a second, without moving it: `cargo run -p mrroc-franka --example wrench -- --cell
+//! Says what an FR3 feels at its tool, five times a second, without moving it: `cargo run -p mrroc-examples --example wrench -- --cell
 //! robots/drivers/franka/examples/wrench.toml --processes`, where a robot is at the address of that file. Push the tool by hand.
 //!
 //! `--times` behind a `--` says how often, 50 times by default.
@@ -9,12 +9,12 @@ use mrroc_franka::{FciSettings, Fr3, with_franka_as};
 use mrroc_generators::conditions::elapsed;
 use mrroc_robots::sensors::{RobotWrench, WristForce};
 use mrroc_robots::simulated;
-use mrroc_runtime::launch::own_option;
-use mrroc_runtime::pose::Wrench;
-use mrroc_runtime::prelude::*;
+use mrroc::launch::own_option;
+use mrroc::pose::Wrench;
+use mrroc::prelude::*;
 
 fn main() -> std::process::ExitCode {
-    mrroc_runtime::launch(cell, mrroc_pictures::Film::new())
+    mrroc::launch(cell, mrroc_pictures::Film::new())
 }
 
 fn cell(file: &CellFile) -> Result<Cell, CellError> {

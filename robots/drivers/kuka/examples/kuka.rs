@@ -1,4 +1,4 @@
-//! Moves a KUKA arm to and fro: `cargo run -p mrroc-kuka --example kuka -- --cell robots/drivers/kuka/examples/cell.toml
+//! Moves a KUKA arm to and fro: `cargo run -p mrroc-examples --example kuka -- --cell robots/drivers/kuka/examples/cell.toml
 //! --simulated`, and with `--processes` in its place where a controller is at the address of that file.
 //!
 //! `--times` behind a `--` says how often, once by default; each time takes two seconds. With `signals.toml` the arm grips something there, and
@@ -7,12 +7,12 @@
 use mrroc_generators::generators::{JointMove, Tell};
 use mrroc_kuka::with_rsi;
 use mrroc_robots::{Serial, Six, simulated};
-use mrroc_runtime::launch::own_option;
-use mrroc_runtime::prelude::*;
-use mrroc_runtime::robot::Input;
+use mrroc::launch::own_option;
+use mrroc::prelude::*;
+use mrroc::robot::Input;
 
 fn main() -> std::process::ExitCode {
-    mrroc_runtime::launch(cell, mrroc_pictures::Film::new())
+    mrroc::launch(cell, mrroc_pictures::Film::new())
 }
 
 fn cell(file: &CellFile) -> Result<Cell, CellError> {

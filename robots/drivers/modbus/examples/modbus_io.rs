@@ -1,5 +1,5 @@
 //! Switches the relays of a device by Modbus TCP one after another, and waits each time until an input has followed:
-//! `cargo run -p mrroc-modbus --example modbus_io -- --cell robots/drivers/modbus/examples/cell.toml --processes`, where a device is at
+//! `cargo run -p mrroc-examples --example modbus_io -- --cell robots/drivers/modbus/examples/cell.toml --processes`, where a device is at
 //! the address of that file.
 //!
 //! `--times` behind a `--` says how often, once by default.
@@ -7,10 +7,10 @@
 use mrroc_generators::generators::Tell;
 use mrroc_modbus::{Layout, Scale, with_modbus_io};
 use mrroc_robots::{IoBlock, simulated};
-use mrroc_runtime::generator::RobotHandle;
-use mrroc_runtime::launch::own_option;
-use mrroc_runtime::prelude::*;
-use mrroc_runtime::robot::{Input, WhenLost};
+use mrroc::generator::RobotHandle;
+use mrroc::launch::own_option;
+use mrroc::prelude::*;
+use mrroc::robot::{Input, WhenLost};
 
 /// Eight inputs, four relays at coils 16 to 19, and an analog input and output of 0 to 10 V on 12 bits.
 const LAYOUT: Layout = Layout {
@@ -25,7 +25,7 @@ const LAYOUT: Layout = Layout {
 const VOLTAGE: Scale = Scale { at_zero: 0.0, per_count: 10.0 / 4095.0 };
 
 fn main() -> std::process::ExitCode {
-    mrroc_runtime::launch(cell, mrroc_pictures::Film::new())
+    mrroc::launch(cell, mrroc_pictures::Film::new())
 }
 
 fn cell(file: &CellFile) -> Result<Cell, CellError> {

@@ -1,4 +1,4 @@
-//! Closes a gripper on a part, carries it by a simulated arm and opens it: `cargo run -p mrroc-robotiq --example robotiq --
+//! Closes a gripper on a part, carries it by a simulated arm and opens it: `cargo run -p mrroc-examples --example robotiq --
 //! --cell robots/drivers/robotiq/examples/cell.toml --simulated`, and with `--processes` in its place where a gripper is at
 //! the address of that file.
 //!
@@ -8,15 +8,15 @@ use mrroc_generators::conditions::elapsed;
 use mrroc_generators::generators::JointMove;
 use mrroc_robotiq::with_robotiq;
 use mrroc_robots::{Irp6, One, Six, TwoFingers, simulated};
-use mrroc_runtime::launch::own_option;
-use mrroc_runtime::prelude::*;
+use mrroc::launch::own_option;
+use mrroc::prelude::*;
 
 /// Openings around the part and, pressing on it, beyond it \[m\].
 const OPEN: f64 = 0.08;
 const CLOSED: f64 = 0.01;
 
 fn main() -> std::process::ExitCode {
-    mrroc_runtime::launch(cell, mrroc_pictures::Film::new())
+    mrroc::launch(cell, mrroc_pictures::Film::new())
 }
 
 fn cell(file: &CellFile) -> Result<Cell, CellError> {

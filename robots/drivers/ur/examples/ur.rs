@@ -1,4 +1,4 @@
-//! Moves an arm of Universal Robots to and fro: `cargo run -p mrroc-ur --example ur -- --cell
+//! Moves an arm of Universal Robots to and fro: `cargo run -p mrroc-examples --example ur -- --cell
 //! robots/drivers/ur/examples/cell.toml --simulated`, and with `--processes` in its place where a controller is at the address of
 //! that file: `cargo run -p mrroc-ur-controller` is one.
 //!
@@ -11,13 +11,13 @@ use core::time::Duration;
 use mrroc_generators::generators::JointMove;
 use mrroc_robots::sensors::{RobotWrench, WristForce};
 use mrroc_robots::{Serial, Six, simulated};
-use mrroc_runtime::launch::own_option;
-use mrroc_runtime::pose::Wrench;
-use mrroc_runtime::prelude::*;
+use mrroc::launch::own_option;
+use mrroc::pose::Wrench;
+use mrroc::prelude::*;
 use mrroc_ur::{UrSettings, with_ur_as};
 
 fn main() -> std::process::ExitCode {
-    mrroc_runtime::launch(cell, mrroc_pictures::Film::new())
+    mrroc::launch(cell, mrroc_pictures::Film::new())
 }
 
 fn cell(file: &CellFile) -> Result<Cell, CellError> {
