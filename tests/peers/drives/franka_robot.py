@@ -21,7 +21,7 @@ import threading
 from pathlib import Path
 
 sys.path.append(str(Path(__file__).resolve().parent.parent))
-from priority import urgent  # noqa: E402
+from device_priority import urgent  # noqa: E402
 
 # Threads hand over soon: each millisecond has an answer that is waited for.
 sys.setswitchinterval(0.0002)

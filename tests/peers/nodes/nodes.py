@@ -19,7 +19,7 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent.parent.parent
 sys.path.append(str(HERE.parent))
-from outcome import Outcome, Shortfall, has, not_judged  # noqa: E402
+from cell_outcome import Outcome, Shortfall, has, not_judged  # noqa: E402
 from wire import Bad, Clear, Cut, Namespace, Wire, arguments, begin_in_namespace, is_in_namespace  # noqa: E402
 
 PROGRAM = ROOT / "target/debug/examples/transfer"

@@ -21,8 +21,8 @@ HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent.parent.parent
 sys.path.append(str(HERE.parent))
 from ending import until_interrupted  # noqa: E402
-from outcome import Outcome, Shortfall, has, not_judged  # noqa: E402
-from priority import urgent  # noqa: E402
+from cell_outcome import Outcome, Shortfall, has, not_judged  # noqa: E402
+from device_priority import urgent  # noqa: E402
 from wire import Bad, Cut, Namespace, Wire, arguments, begin_in_namespace, is_in_namespace  # noqa: E402
 
 PROGRAM = ROOT / "target/debug/examples/camera"
