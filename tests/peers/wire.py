@@ -15,7 +15,7 @@ import sys
 import threading
 import time
 
-from priority import urgent
+from device_priority import urgent
 
 TUNSETIFF, IFF_TUN, IFF_NO_PI = 0x400454CA, 0x0001, 0x1000
 

@@ -2,6 +2,8 @@
 
 `--serve SIMULATOR` is the hand of franka-sim or of franky-sim on this machine's loopback, for the process that judges: it says where it
 is when it is ready, and at each line that it reads what it was asked for and where its fingers are, as one line of JSON.
+
+Of a cell that a late machine ended it is judged what the hand was asked for, and what the program said until then.
 """
 
 import argparse
@@ -16,7 +18,8 @@ import time
 from pathlib import Path
 
 sys.path.append(str(Path(__file__).resolve().parent.parent))
-from late import late  # noqa: E402
+from cell_outcome import Outcome, Shortfall, has, not_judged  # noqa: E402
+from device_priority import urgent  # noqa: E402
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent.parent.parent
@@ -77,21 +80,12 @@ def serve(options):
     os._exit(0)
 
 
-class Shortfall(Exception):
-    """What is not as it should be."""
-
-
-def has(condition, what):
-    if not condition:
-        raise Shortfall(what)
-
-
 class Hand:
     """A hand in a process of its own."""
 
     def __init__(self, command):
         self.process = subprocess.Popen(
-            command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, cwd=ROOT
+            command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, cwd=ROOT, preexec_fn=urgent
         )
         while not self.line().startswith(("ready", "a hand at")):
             pass
@@ -177,28 +171,18 @@ def own_client():
 
 
 def cell(times=1, homed=True):
-    """What the cell says, and its exit status."""
+    """What the cell says, and how it ended; None if it was refused."""
     file = ROOT / "robots/drivers/franka/examples/hand.toml"
     if not homed:
         text = file.read_text().replace("homed = true", "homed = false")
         file = ROOT / "target/peers/unhomed.toml"
         file.write_text(text)
-    for _ in range(5):
-        done = subprocess.run(
-            [str(ROOT / "target/debug/examples/hand"), "--cell", str(file), "--processes", "--no-picture"],
-            env={**os.environ, "MRROC_TIMES": str(times)},
-            capture_output=True,
-            text=True,
-            cwd=ROOT,
-            timeout=120,
-        )
-        said = done.stdout + done.stderr
-        # The last is said of a hand in Python.
-        why = late(said, "no state came")
-        if not why:
-            break
-        print("hand: late,", why, file=sys.stderr)
-    return said, done.returncode
+    told = ROOT / "target/peers/hand.json"
+    told.unlink(missing_ok=True)
+    command = [ROOT / "target/debug/examples/hand", "--cell", file, "--processes", "--no-picture", "--outcome", told]
+    done = subprocess.run([*command, "--", "--times", str(times)], capture_output=True, text=True, cwd=ROOT, timeout=120)
+    said = done.stdout + done.stderr
+    return said, None if done.returncode == 2 else Outcome(told, said)
 
 
 def openings(said, what):
@@ -207,18 +191,25 @@ def openings(said, what):
     return [(float(width), held == "true") for width, held in found]
 
 
+def whole(what, said, outcome):
+    """Whether the cell ran to its end; if it did not, that is told."""
+    has(outcome is not None, f"the cell was refused: {said}")
+    if outcome.ended_well(controller=True):
+        return True
+    not_judged("hand", what, outcome)
+    return False
+
+
 def carried(hand, part, name, times=2):
     """Closed on a part and opened, by the driver in a cell."""
-    said, status = cell(times)
-    has(status == 0, f"the cell ended with {status}: {said}")
+    said, outcome = cell(times)
+    is_whole = whole(f"that {name} carries a part", said, outcome)
     time.sleep(0.3)
     seen = hand.seen()
     asked = [(REQUESTS[number], numbers) for number, numbers in seen["asked"]]
     # A machine that is late lets demands stand on their way: then there are more, and stops between them.
     moves = [numbers for request, numbers in asked if request == "move"]
-    has(moves[-1] == [0.07, 0.1] and [0.05, 0.1] in moves, f"it was asked for {asked}")
     around, closed, opened = (openings(said, what) for what in ("around", "closed", "opened"))
-    has(len(around) == len(closed) == len(opened) == times, f"the program says {said}")
     for width, held in around:
         has(abs(width - 0.05) < 1e-3 and not held, f"around the part: {width} m, {held}")
     for width, held in closed:
@@ -226,9 +217,16 @@ def carried(hand, part, name, times=2):
     for width, held in opened:
         has(abs(width - 0.07) < 1e-3 and not held, f"opened: {width} m, {held}")
     grasps = [numbers for request, numbers in asked if request == "grasp"]
-    has(len(grasps) >= times, f"it was asked for {asked}")
-    has(grasps[-1] == [0.01, 0.0, 0.08, 0.1, 40.0], f"it grasps by {grasps[-1]}")
-    has(abs(seen["width"] - 0.07) < 1e-3 and not seen["is_grasped"], f"{name} ends at {seen}")
+    # Where a cell stops on its way, its fingers close to where they are demanded then.
+    told = grasps if is_whole else grasps[:-1]
+    has(all(numbers[1:] == [0.0, 0.08, 0.1, 40.0] for numbers in grasps), f"it grasps by {grasps}")
+    has(all(numbers[0] == 0.01 for numbers in told[-1:]), f"it grasps by {grasps}")
+    has("homing" not in [request for request, _ in asked], f"a hand that is homed was homed: {asked}")
+    if is_whole:
+        has(moves[-1] == [0.07, 0.1] and [0.05, 0.1] in moves, f"it was asked for {asked}")
+        has(len(around) == len(closed) == len(opened) == times, f"the program says {said}")
+        has(len(grasps) >= times, f"it was asked for {asked}")
+        has(abs(seen["width"] - 0.07) < 1e-3 and not seen["is_grasped"], f"{name} ends at {seen}")
     return f"{[request for request, _ in asked]}, closed at {[width for width, _ in closed]} m"
 
 
@@ -239,14 +237,18 @@ def own_hand():
     with fake() as hand:
         carried(hand, None, "the hand", 1)
     with fake("unhomed") as hand:
-        said, status = cell()
-        has(status > 0 and "not homed" in said, f"a hand that is not homed was not refused: {said}")
+        said, outcome = cell()
         has(hand.seen()["asked"] == [], "a hand that is not homed was asked for something")
-        said, status = cell(homed=False)
-        has(status == 0, f"it was not homed: {said}")
+        if outcome is not None and outcome.is_late():
+            not_judged("hand", "that a hand that is not homed is refused", outcome)
+        else:
+            has((outcome is None or outcome.kind) and "not homed" in said, f"a hand that is not homed was not refused: {outcome}: {said}")
+        said, outcome = cell(homed=False)
+        is_whole = whole("that a hand is homed, and used", said, outcome)
         asked = [number for number, _ in hand.seen()["asked"]]
-        # What somebody else has begun is stopped first. A cell that was late is started again, and homes what is not homed yet.
-        has(asked[:2] == [4, 1] and 1 not in asked[asked.index(3):], f"it was asked for {asked}")
+        # What somebody else has begun is stopped first.
+        has(asked[:2] == [4, 1][: len(asked)] and asked.count(1) <= 1, f"it was asked for {asked}")
+        has(not is_whole or 3 in asked, f"it was asked for {asked}")
     return told
 
 
@@ -261,15 +263,17 @@ def of_franka_sim():
 def of_franky_sim():
     """Its fingers have dynamics. A grasp that finds nothing it calls a failure, which is told as such."""
     with simulated("franky-sim") as hand:
-        said, status = cell()
+        said, outcome = cell()
         time.sleep(0.3)
         seen = hand.seen()
-        moves = [numbers for number, numbers in seen["asked"] if number == 3]
-        has([0.07, 0.1] in moves and [0.05, 0.1] in moves, f"it was asked for {seen['asked']}: {said}")
-        [(width, held)] = openings(said, "around")
-        has(abs(width - 0.05) < 1e-3 and not held, f"around: {width} m, {held}")
-        failed = "protective stop: grasp failed" in said
-        has(status == 0 or failed, f"the cell ended with {status}: {said}")
+        has(outcome is not None, f"the cell was refused: {said}")
+        failed = outcome.kind == "RobotStopped" and "protective stop: grasp failed" in outcome.text
+        if failed or whole("that the hand of franky-sim closes", said, outcome):
+            moves = [numbers for number, numbers in seen["asked"] if number == 3]
+            has([0.07, 0.1] in moves and [0.05, 0.1] in moves, f"it was asked for {seen['asked']}: {said}")
+            has(len(openings(said, "around")) == 1, f"the program says {said}")
+        for width, held in openings(said, "around"):
+            has(abs(width - 0.05) < 1e-3 and not held, f"around: {width} m, {held}")
     return f"{seen['asked']}; {'its failed grasp was told' if failed else 'all done'}"
 
 

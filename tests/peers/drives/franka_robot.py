@@ -20,6 +20,9 @@ import tempfile
 import threading
 from pathlib import Path
 
+sys.path.append(str(Path(__file__).resolve().parent.parent))
+from device_priority import urgent  # noqa: E402
+
 # Threads hand over soon: each millisecond has an answer that is waited for.
 sys.setswitchinterval(0.0002)
 
@@ -192,13 +195,9 @@ def main():
     parser.add_argument("simulator", choices=["franka-sim", "franky-sim"])
     parser.add_argument("--address", default="127.0.0.1")
     options = parser.parse_args()
-    try:
-        # Before other programs of this machine, on a core that the cell leaves alone. Where that is not permitted, it runs as they do.
-        cores = sorted(os.sched_getaffinity(0))
-        os.sched_setaffinity(0, cores[:1])
-        os.nice(-19)
-    except PermissionError:
-        pass
+    # Before other programs of this machine, on a core that the cell leaves alone. Where that is not permitted, it runs as they do.
+    os.sched_setaffinity(0, sorted(os.sched_getaffinity(0))[:1])
+    urgent()
     options.drop, options.feels = 0, {}
     seen = Seen()
     stop = {"franka-sim": franka_sim, "franky-sim": franky_sim}[options.simulator](options, seen)

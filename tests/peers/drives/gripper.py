@@ -20,8 +20,8 @@ import tempfile
 import time
 
 sys.path.append(str(pathlib.Path(__file__).resolve().parent.parent))
-from outcome import Outcome, Shortfall, has, not_judged  # noqa: E402
-from priority import urgent  # noqa: E402
+from cell_outcome import Outcome, Shortfall, has, not_judged  # noqa: E402
+from device_priority import urgent  # noqa: E402
 
 REQUEST, STATUS, UNIT = 0x03E8, 0x07D0, 9
 CLOSE, OPEN, PART = 203, 16, 120  # 10 mm, 80 mm and 41 mm, in the gripper's numbers

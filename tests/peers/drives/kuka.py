@@ -17,7 +17,7 @@ import time
 from pathlib import Path
 
 sys.path.append(str(Path(__file__).resolve().parent.parent))
-from priority import urgent  # noqa: E402
+from device_priority import urgent  # noqa: E402
 
 CONFIGURATION = """<ROOT>
   <CONFIG><IP_NUMBER>127.0.0.1</IP_NUMBER><PORT>{port}</PORT><SENTYPE>ImFree</SENTYPE><ONLYSEND>FALSE</ONLYSEND></CONFIG>

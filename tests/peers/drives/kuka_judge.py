@@ -18,7 +18,7 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent.parent.parent
 sys.path.append(str(HERE.parent))
-from outcome import Outcome, Shortfall, has, not_judged  # noqa: E402
+from cell_outcome import Outcome, Shortfall, has, not_judged  # noqa: E402
 
 PROGRAM = ROOT / "target/debug/examples/kuka"
 EXAMPLES = ROOT / "robots/drivers/kuka/examples"

@@ -15,8 +15,8 @@ from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
 sys.path.append(str(HERE.parent))
-from outcome import Outcome, Shortfall, has, not_judged  # noqa: E402
-from priority import urgent  # noqa: E402
+from cell_outcome import Outcome, Shortfall, has, not_judged  # noqa: E402
+from device_priority import urgent  # noqa: E402
 from wire import Bad, Clear, Namespace, Wire, arguments, begin_in_namespace  # noqa: E402
 
 ROOT = HERE.parent.parent.parent

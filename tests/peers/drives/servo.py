@@ -13,8 +13,8 @@ import time
 from pathlib import Path
 
 sys.path.append(str(Path(__file__).resolve().parent.parent))
-from outcome import Outcome, Shortfall, has, not_judged  # noqa: E402
-from priority import urgent  # noqa: E402
+from cell_outcome import Outcome, Shortfall, has, not_judged  # noqa: E402
+from device_priority import urgent  # noqa: E402
 
 PAGE = Path(__file__).resolve().parents[2] / "tutorial/tcp_servo"
 

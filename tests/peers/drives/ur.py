@@ -19,8 +19,8 @@ from rtde_io import RTDEIOInterface
 from rtde_receive import RTDEReceiveInterface
 
 sys.path.append(str(Path(__file__).resolve().parent.parent))
-from outcome import Outcome, Shortfall, not_judged  # noqa: E402
-from priority import urgent  # noqa: E402
+from cell_outcome import Outcome, Shortfall, not_judged  # noqa: E402
+from device_priority import urgent  # noqa: E402
 
 HOST = "127.0.0.1"
 

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from sensor import CELL, FOLLOW, Program, bits, cell, ended, env, has, not_judged, nothing_left, stale
 
-from outcome import Shortfall
+from cell_outcome import Shortfall
 
 
 def modules(folder):

@@ -21,8 +21,8 @@ import numpy as np
 
 sys.path.append(str(Path(__file__).resolve().parent.parent))
 from ending import end, interruptible  # noqa: E402
-from outcome import Outcome, Shortfall, has, not_judged  # noqa: E402
-from priority import urgent  # noqa: E402
+from cell_outcome import Outcome, Shortfall, has, not_judged  # noqa: E402
+from device_priority import urgent  # noqa: E402
 from sensor import nothing_left  # noqa: E402
 
 ROOT = Path(__file__).resolve().parents[3]

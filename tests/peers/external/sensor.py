@@ -20,8 +20,8 @@ from pathlib import Path
 
 sys.path.append(str(Path(__file__).resolve().parent.parent))
 from ending import end, until_interrupted  # noqa: E402
-from outcome import Outcome, Shortfall, has, not_judged  # noqa: E402
-from priority import urgent  # noqa: E402
+from cell_outcome import Outcome, Shortfall, has, not_judged  # noqa: E402
+from device_priority import urgent  # noqa: E402
 
 ROOT = Path(__file__).resolve().parents[3]
 FOLLOW = ROOT / "target/debug/examples/follow"

@@ -20,7 +20,7 @@ import numpy as np
 
 sys.path.append(str(Path(__file__).resolve().parent.parent))
 from ending import end, interruptible  # noqa: E402
-from outcome import Shortfall, has  # noqa: E402
+from cell_outcome import Shortfall, has  # noqa: E402
 from sensor import nothing_left  # noqa: E402
 
 ROOT = Path(__file__).resolve().parents[3]

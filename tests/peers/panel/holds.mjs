@@ -1,15 +1,22 @@
-// How soon an arm stands that is jogged, however its hold ends: as often as `MRROC_HOLDS` says each (1), judged from recordings by
-// holds.py. Where it has a network of its own (`network` as the last argument), the link to the page is taken down as well.
+// How soon an arm stands that is jogged, however its hold ends: `--times` holds each way (1), judged from a recording by holds.py. Where it has
+// a network of its own (`--network`), the link to the page is taken down as well.
+//
+// Always, of each hold: the rate falls without rising again, within the longest stop, and then robots stand. In how many steps it begins to
+// fall is up to threads that do not keep real time, too: it is 3 at most of half of all holds, and of each one where there are many. A hold
+// of which nothing can be said is not made again, and counted.
 
 import { spawnSync } from 'node:child_process';
 import { copyFileSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { chromium } from 'playwright-core';
-import { check, enough, nicely, shows, start, state, take, until } from './kit.mjs';
+import { check, inWords, lateness, nicely, option, shows, start, state, take, until } from './kit.mjs';
 
-const [browserPath, program, cellFile, python, judge, network] = process.argv.slice(2);
-const times = Number(process.env.MRROC_HOLDS ?? 1);
+const [browserPath, program, cellFile, python, judge] = process.argv.slice(2);
+const times = Number(option('times') ?? 1);
+const network = process.argv.includes('--network');
+/** So many holds each way are many, and so many steps are soon. */
+const MANY = 10, SOON = 3;
 /** The date, by which recordings go [ns]. */
 const now = () => Date.now() * 1e6;
 /** How long the machine below has taken processors away from this one [ms]. */
@@ -31,10 +38,6 @@ const ways = {
 if (network) {
   ways['the link is down'] = async () => { link('down'); setTimeout(() => link('up'), 1000); };
 }
-/** How often a hold is tried whose rate began to fall too late. The panel's threads do not keep real time, and this machine is shared; of
- *  many holds each one counts. */
-const ASKED = times < 10 ? 3 : 1;
-const late = (why) => /began to fall \d+ steps after/.test(why);
 const loses = ['the page hangs', 'the page is killed', 'the link is down', 'the tab is hidden'];
 
 /** Holds the button that turns the tool to a side, until it moves; gives the window in which this was, or nothing if it did not move. */
@@ -62,7 +65,7 @@ async function trial(page, side, way) {
   return { way, from, to: now(), taken };
 }
 
-async function round(browser, wanted, folder) {
+async function made(browser, folder) {
   const cell = join(folder, 'cell.toml'), recorded = join(folder, 'holds.mcap'), list = join(folder, 'trials.json');
   copyFileSync(cellFile, cell);
   const said = spawnSync(program, ['--cell', cell, '--check'], { encoding: 'utf8' }).stdout;
@@ -87,14 +90,13 @@ async function round(browser, wanted, folder) {
       await until(page, () => window.mrrocPanel.state().robots[0].jogs, null, 3000).catch(() => {});
       await page.keyboard.up(' ');
     }
-    for (const [way, count] of Object.entries(wanted)) {
-      for (let i = 0, tried = 0; i < count && tried < 3 * count; tried++) {
+    for (const way of Object.keys(ways)) {
+      for (let i = 0; i < times; i++) {
         // A cell that has stopped, because this machine was late, does no more; what was done before is judged.
         check((await state(page))?.state !== 'latched', 'the cell runs');
         const done = await trial(page, side, way).catch((error) => { console.error(`panel: ${way}: ${error.message.split('\n')[0]}`); return null; });
         if (done) {
           trials.push(done);
-          i += 1;
           side = side === 'plus' ? 'minus' : 'plus';
         }
         if (way === 'the page is killed') {
@@ -116,49 +118,36 @@ async function round(browser, wanted, folder) {
   writeFileSync(list, JSON.stringify(trials));
   const judged = spawnSync(python, [judge, recorded, list, stop], { encoding: 'utf8', maxBuffer: 1 << 28 });
   check(judged.status === 0, `it can be judged: ${judged.stderr}`);
-  if (process.env.MRROC_KEEP) { copyFileSync(recorded, process.env.MRROC_KEEP); copyFileSync(list, `${process.env.MRROC_KEEP}.json`); }
-  return { stop, found: JSON.parse(judged.stdout) };
+  const keep = option('keep');
+  if (keep) { copyFileSync(recorded, keep); copyFileSync(list, `${keep}.json`); }
+  return { stop, found: JSON.parse(judged.stdout), outcome: cellRuns.outcome() };
 }
 
 const browser = await chromium.launch({ executablePath: nicely(browserPath, 5), args: ['--no-sandbox', '--disable-3d-apis', '--disable-gpu'] });
-const all = Object.fromEntries(Object.keys(ways).map((way) => [way, { good: [], bad: [], again: [], void: [] }]));
+const folder = mkdtempSync(join(tmpdir(), 'mrroc-holds-'));
 try {
-  // Trials of which nothing can be said are made again.
-  for (let rounds = 0; rounds < 4 + times; rounds++) {
-    const wanted = Object.fromEntries(Object.entries(all).map(([way, { good, bad }]) => [way, times - good.length - bad.length]).filter(([, count]) => count > 0));
-    if (Object.keys(wanted).length === 0 || (times < 10 && enough())) break;
-    const folder = mkdtempSync(join(tmpdir(), 'mrroc-holds-'));
-    try {
-      const { stop, found } = await round(browser, wanted, folder);
-      for (const [way, { good, bad, void: nothing }] of Object.entries(found)) {
-        all[way].good.push(...good);
-        for (const why of bad) {
-          const { again } = all[way];
-          (late(why) && again.length + 1 < ASKED ? again : all[way].bad).push(why);
-        }
-        all[way].void.push(...nothing);
-        all[way].stop = stop;
-      }
-    } catch (error) {
-      console.error(`panel: holds, round ${rounds + 1}: ${error.stack ?? error}`);
-    } finally {
-      rmSync(folder, { recursive: true, force: true });
+  const { stop, found, outcome } = await made(browser, folder);
+  const all = [];
+  for (const way of Object.keys(ways)) {
+    const { good, bad, void: nothing } = found[way] ?? { good: [], bad: [], void: [] };
+    const worst = (of) => (good.length ? Math.max(...good.map((trial) => trial[of])).toFixed(1) : '-');
+    const unmade = times - good.length - bad.length - nothing.length;
+    if (unmade > 0) nothing.push(...Array(unmade).fill('the arm was not moved'));
+    console.log(`panel: ${way}: ${good.length} of ${times} stood; at most ${worst('steps')} steps, ${worst('fell_ms')} ms until the rate falls, `
+      + `${worst('stopped_ms')} ms of ${stop} ms until it is 0${nothing.length ? `; ${nothing.length} void: ${[...new Set(nothing)].join('; ')}` : ''}`);
+    if (times >= MANY) bad.push(...good.filter(({ steps, taken }) => steps > SOON && taken === 0).map(({ steps }) => `the rate began to fall ${steps} steps after the hold had ended`));
+    for (const why of bad) {
+      console.error(`panel: ${way}: ${why}`);
+      process.exitCode = 1;
     }
+    all.push(...good.map(({ steps }) => steps));
   }
+  all.sort((a, b) => a - b);
+  console.log(`panel: holds: ${all.length} of ${times * Object.keys(ways).length} judged; the rate began to fall after ${all.join(', ')} steps; the cell ended: ${inWords(outcome)}`);
+  if (lateness(outcome)) console.log('panel: not judged, for this machine was late: holds that the cell did not live to see');
+  else check(all.length > 0, 'one of the holds can be judged');
+  if (all.length) check(all[Math.floor((all.length - 1) / 2)] <= SOON, `half of the holds end within ${SOON} steps: ${all}`);
 } finally {
   await browser.close();
+  rmSync(folder, { recursive: true, force: true });
 }
-let ok = true, left = 0;
-for (const [way, { good, bad, again, void: nothing, stop }] of Object.entries(all)) {
-  // Nothing says that it was this machine if it never went well.
-  if (good.length === 0) bad.push(...again.splice(0));
-  const worst = (of) => Math.max(...good.map((trial) => trial[of])).toFixed(1);
-  console.log(`panel: ${way}: ${good.length} of ${good.length + bad.length} in time; at most ${Math.max(...good.map(({ steps }) => steps))} steps, ${worst('fell_ms')} ms until the rate falls, `
-    + `${worst('stopped_ms')} ms of ${stop} ms until it is 0${nothing.length ? `; ${nothing.length} more not judged: ${[...new Set(nothing)].join('; ')}` : ''}`);
-  bad.forEach((why) => console.log(`panel: ${way}: ${why}`));
-  again.forEach((why) => console.log(`panel: ${way}: tried again: ${why}`));
-  ok &&= bad.length === 0;
-  left += times - good.length - bad.length;
-}
-if (!ok) process.exitCode = 1;
-else if (left > 0) console.log(`skipped: ${left} holds on the panel: this machine was late by more than the cell bears`);

@@ -5,7 +5,7 @@ import { copyFileSync, mkdtempSync, readFileSync, rmSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { chromium } from 'playwright-core';
-import { DRAWING, PATIENCE, check, checks, enough, judged, nicely, shot, shots, shows, start, state, take, told, until, violations } from './kit.mjs';
+import { DRAWING, PATIENCE, check, checks, judged, nicely, pressedAgain, shot, shots, shows, start, state, take, told, until, violations } from './kit.mjs';
 
 const [browserPath, program, cellFile] = process.argv.slice(2);
 const robot = async (page, name = 'left') => (await state(page)).robots.find((shown) => shown.name === name);
@@ -13,22 +13,22 @@ const far = (a, b) => Math.hypot(...[0, 1, 2].map((i) => a.tool[i] - b.tool[i]))
 const button = (page, label) => page.getByRole('button', { name: label, exact: true });
 const why = (page) => page.locator('#jog-why').textContent();
 
-/** The page says this of the arm, once it has control; once more where it has lost that, because this machine was late. */
+/** The page says this of the arm, once it has control; a page that has lost that takes it again. */
 async function says(page, words) {
-  for (let trial = 1; ; trial++) {
+  for (let trial = 0; ; trial++) {
+    pressedAgain(trial, 6, `the page says ${words}: ${await why(page)}`);
     await take(page);
-    try {
-      return await until(page, (expected) => document.getElementById('jog-why').textContent.includes(expected), words, 3000);
-    } catch {
-      check(trial < 6 && !enough(), `the page says ${words}: ${await why(page)}`);
-    }
+    const found = await until(page, (expected) => document.getElementById('jog-why').textContent.includes(expected), words, 3000).catch(() => null);
+    if (found) return;
   }
 }
 const stands = (page) => until(page, () => !window.mrrocPanel.state().held && window.mrrocPanel.state().rate === 0);
 
-/** Holds a button by the pointer while `meanwhile` lasts; once more where this machine was late and the page has lost control. */
+/** Holds a button by the pointer while `meanwhile` lasts; a page that has lost control meanwhile presses it again. */
 async function held(page, label, meanwhile, end = (of) => of.mouse.up()) {
-  for (let trial = 1; ; trial++) {
+  let failed = '';
+  for (let trial = 0; ; trial++) {
+    pressedAgain(trial, 12, `${label} is held: ${failed}`);
     try {
       await take(page);
       const place = await button(page, label).boundingBox() ?? (await button(page, label).scrollIntoViewIfNeeded(), await button(page, label).boundingBox());
@@ -37,7 +37,6 @@ async function held(page, label, meanwhile, end = (of) => of.mouse.up()) {
       await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
       await page.mouse.down();
       await until(page, () => window.mrrocPanel.state().held, null, 3000);
-      // What is held is lost where this machine was late.
       const lost = until(page, () => !window.mrrocPanel.state().held, null, 60000).then(() => { throw new Error('the hold was lost'); });
       lost.catch(() => {});
       await Promise.race([meanwhile(), lost]);
@@ -45,7 +44,9 @@ async function held(page, label, meanwhile, end = (of) => of.mouse.up()) {
       return;
     } catch (error) {
       if (!page.isClosed()) await page.mouse.up();
-      if (trial === 12 || enough()) throw new Error(`${label}: ${error.message}`);
+      failed = error.message;
+      // A cell that has stopped does no more.
+      check((await state(page).catch(() => null))?.state !== 'latched', `the cell runs while ${label} is held: ${failed}`);
     }
   }
 }
@@ -186,7 +187,7 @@ async function jogged(browser, drawingBrowser, folder) {
       await held(one, label, () => until(one, () => window.mrrocPanel.state().robots[0].stop.includes('there')));
       await stands(one);
       for (let trial = 0; !(await one.locator(`[data-pose="${name}"]`).count()); trial++) {
-        check(trial < 12 && !enough(), `${name} is taught`);
+        pressedAgain(trial, 12, `${name} is taught`);
         await take(one);
         await one.waitForTimeout(200);
         await one.locator('#pose-name').fill(name);
@@ -201,7 +202,7 @@ async function jogged(browser, drawingBrowser, folder) {
 
     // Back to the first one: its way is shown, then held.
     for (let trial = 0; await one.locator('[data-pose="a"]').isDisabled(); trial++) {
-      check(trial < 12 && !enough(), 'the way to a is shown');
+      pressedAgain(trial, 12, 'the way to a is shown');
       await take(one);
       await button(one, 'Way: a').click({ timeout: 3000 }).catch(() => {});
       await one.waitForTimeout(500);
@@ -244,7 +245,7 @@ async function jogged(browser, drawingBrowser, folder) {
 
     // Another name, and one forgotten.
     for (let trial = 0; !(await one.locator('[data-pose="end"]').count()); trial++) {
-      check(trial < 12 && !enough(), 'c has another name');
+      pressedAgain(trial, 12, 'c has another name');
       await take(one);
       await one.locator('#pose-name').fill('end');
       await button(one, 'Rename: c').click({ timeout: 3000 }).catch(() => {});
@@ -253,7 +254,7 @@ async function jogged(browser, drawingBrowser, folder) {
 
     // Done: the program goes through them, held, and comes home again.
     for (let trial = 0; (await robot(one)).jogs; trial++) {
-      check(trial < 12 && !enough(), 'the program goes on');
+      pressedAgain(trial, 12, 'the program goes on');
       await take(one);
       await button(one, 'Done: the program goes on').click({ timeout: 3000 }).catch(() => {});
       await one.waitForTimeout(500);
@@ -275,7 +276,7 @@ async function jogged(browser, drawingBrowser, folder) {
 
     check(errors.length === 0, `no error on a page: ${errors.join('; ')}`);
   } catch (error) {
-    throw told(error, cellRuns);
+    throw await told(error, cellRuns);
   } finally {
     await context.close();
     await cellRuns.end('SIGINT');
@@ -304,7 +305,7 @@ async function stopped(browser, folder) {
     await until(two, () => /Nothing can be jogged: the cell is latched|Take control/.test(document.getElementById('jog-why').textContent));
     for (const [name, word] of [['Acknowledge', 'acknowledged'], ['Reset', 'suspended']]) {
       for (let trial = 0; (await state(one)).state !== word; trial++) {
-        check(trial < 12 && !enough(), `${name} makes the cell ${word}; it is ${(await state(one)).state}`);
+        pressedAgain(trial, 12, `${name} makes the cell ${word}; it is ${(await state(one)).state}`);
         await take(one);
         await button(one, name).click({ timeout: 3000 }).catch(() => {});
         await until(one, (expected) => window.mrrocPanel.state().state === expected, word, 3000).catch(() => {});
@@ -313,7 +314,7 @@ async function stopped(browser, folder) {
     await run(one, () => window.mrrocPanel.state().robots[0].jogs);
     check(true, 'after the reset it may be jogged again');
   } catch (error) {
-    throw told(error, cellRuns);
+    throw await told(error, cellRuns);
   } finally {
     await context.close();
     await cellRuns.end('SIGINT');

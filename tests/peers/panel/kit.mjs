@@ -1,25 +1,22 @@
 // What those who drive the panel in a browser share: the program that is started, facts that must hold, and what pages show.
 
-import { spawn, spawnSync } from 'node:child_process';
-import { mkdirSync, readFileSync, writeFileSync } from 'node:fs';
+import { spawn } from 'node:child_process';
+import { existsSync, mkdirSync, mkdtempSync, readFileSync, writeFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
-import { cpus, loadavg } from 'node:os';
+import { tmpdir } from 'node:os';
 import { dirname, join } from 'node:path';
 import { fileURLToPath } from 'node:url';
 
-export const shots = process.env.MRROC_SHOTS;
+/** The value of an option of the judge, `--shots FOLDER`. */
+export const option = (name) => (process.argv.includes(`--${name}`) ? process.argv[process.argv.indexOf(`--${name}`) + 1] : undefined);
+/** Where pictures are kept. */
+export const shots = option('shots');
 if (shots) mkdirSync(shots, { recursive: true });
 const axe = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
 /** What a page waits for at most [ms]: this machine may be late. */
 export const PATIENCE = 15000;
 /** How a browser draws on a machine without a graphics processor. */
 export const DRAWING = ['--enable-unsafe-swiftshader'];
-/** A judge asks at most so often: a cell that keeps real time may find this machine late. */
-const TRIALS = 3;
-/** A judge begins nothing again when it has taken so long [ms]: whoever waits for it pays for it. */
-const ENOUGH = 120000;
-/** Whether it has. */
-export const enough = () => performance.now() > ENOUGH;
 let held = 0;
 export const checks = () => held;
 
@@ -30,33 +27,46 @@ export function nicely(browserPath, nice) {
   return path;
 }
 
-/**
- * Why this machine cannot judge, or nothing: the cell says that its processes were given too little time, or a browser that draws by the
- * processor shares it with too many others.
- */
-export function excuse(said) {
-  if (spawnSync('python3', ['tests/peers/late.py'], { input: said }).status === 0) return 'the cell says that this machine was late';
-  const load = loadavg()[0] / cpus().length;
-  return load > 3 ? `${load.toFixed(1)} tasks wait for each processor of this machine` : '';
+/** Faults that a cell has whose machine is late: a process waited for another one for too long, or missed too many of its own steps. */
+const LATENESS = ['PeerLost', 'Overrun'];
+/** The fault that has ended or stopped a cell, where it is that of a late machine. */
+export const lateness = (outcome) => (LATENESS.includes(outcome?.fault?.kind) ? outcome.fault : null);
+/** How a run ended, with the figures of how late it was. */
+export const inWords = (outcome) => (outcome
+  ? `${outcome.fault?.kind ?? 'no fault'}: ${outcome.fault?.text ?? ''} (${outcome.steps} steps, ${outcome.skipped} periods left out, the longest stall was ${(1e3 * outcome.longest_stall).toFixed(1)} ms)`
+  : 'no outcome');
+
+/** What went wrong, with how the cell ended, which it is made to do, and what it said last. */
+export async function told(error, runs) {
+  await runs.end('SIGINT');
+  const outcome = runs.outcome();
+  return Object.assign(new Error(`${error.stack}\nThe cell ended: ${inWords(outcome)}\nIt said last:\n${runs.said().split('\n').slice(-12).join('\n')}`), { outcome });
 }
 
-/** What went wrong, with what the cell said last, which tells whether this machine was late. */
-export const told = (error, runs) => new Error(`${error.stack}\nThe cell said last:\n${runs.said().split('\n').slice(-12).join('\n')}`);
-
-/** Judges, again where that fails; what this machine cannot judge is skipped by name, else this process fails. */
+/**
+ * Judges, once. A cell in real time that a late machine stopped has done what it must: what it could not show is told by name. Whatever else
+ * falls short ends this process with a failure.
+ */
 export async function judged(what, judge) {
-  for (let trial = 1; ; trial++) {
-    try {
-      return await judge();
-    } catch (error) {
-      console.error(`panel: ${what}, trial ${trial}: ${error.stack ?? error}`);
-      if (trial < TRIALS && !enough()) continue;
-      const excused = excuse(error.message);
-      if (excused) console.log(`skipped: ${what}: ${excused}`);
-      else process.exitCode = 1;
-      return undefined;
+  try {
+    return await judge();
+  } catch (error) {
+    if (lateness(error.outcome)) console.log(`panel: not judged, for this machine was late: ${what} after ${held} facts: ${inWords(error.outcome)}`);
+    else {
+      console.error(`panel: ${what}: ${error.stack ?? error}`);
+      process.exitCode = 1;
     }
+    return undefined;
+  } finally {
+    if (again) console.log(`panel: ${what}: ${again} times a page pressed once more, for it had lost control or the cell did not do it at once`);
   }
+}
+
+let again = 0;
+/** A person presses once more what a page that had lost control, for the browser was late, did not do; it is counted. */
+export function pressedAgain(trial, most, what) {
+  check(trial < most, what);
+  again += trial > 0;
 }
 
 export function check(fact, what) {
@@ -64,9 +74,11 @@ export function check(fact, what) {
   if (!fact) throw new Error(`not so: ${what}`);
 }
 
-/** Starts the program; gives the address that it prints, and how to end it. */
-export async function start(program, words, variables = {}) {
-  const child = spawn(program, words, { stdio: ['ignore', 'pipe', 'pipe'], env: { ...process.env, ...variables } });
+/** Starts the program, with options of its own; gives the address that it prints, how to end it, and how it ended. */
+export async function start(program, words, { own = [], variables = {} } = {}) {
+  const file = join(mkdtempSync(join(tmpdir(), 'mrroc-outcome-')), 'outcome.json');
+  const outcome = words[0] === 'panel' ? [] : ['--outcome', file];
+  const child = spawn(program, [...words, ...outcome, '--', ...own], { stdio: ['ignore', 'pipe', 'pipe'], env: { ...process.env, ...variables } });
   let said = '';
   const ended = new Promise((resolve) => child.on('close', resolve));
   const address = new Promise((resolve, reject) => {
@@ -88,7 +100,8 @@ export async function start(program, words, variables = {}) {
       reject(new Error(`it has ended:\n${said}`));
     });
   });
-  return { address: await address, ended, said: () => said, end: (signal = 'SIGTERM') => { child.kill(signal); return ended; } };
+  return { address: await address, ended, said: () => said, end: (signal = 'SIGTERM') => { child.kill(signal); return ended; },
+    outcome: () => (existsSync(file) ? JSON.parse(readFileSync(file, 'utf8')) : null) };
 }
 
 export const state = (page) => page.evaluate(() => window.mrrocPanel.state());

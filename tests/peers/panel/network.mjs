@@ -9,7 +9,7 @@ import { chromium } from 'playwright-core';
 import { PATIENCE, check, checks, judged, nicely, start as started, told } from './kit.mjs';
 
 const [browserPath, program, cellFile] = process.argv.slice(2);
-const start = (words, variables) => started(program, words, variables);
+const start = (words, variables) => started(program, words, { variables });
 const address = '192.0.2.1:7411';
 const folder = mkdtempSync(join(tmpdir(), 'mrroc-panel-network-'));
 const cell = join(folder, 'cell.toml');
@@ -74,7 +74,7 @@ async function signedByItself() {
     await page.keyboard.press('Escape');
     await shows('latched');
   } catch (error) {
-    throw told(error, runs);
+    throw await told(error, runs);
   } finally {
     await browser.close();
     await runs.end();

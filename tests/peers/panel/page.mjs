@@ -7,12 +7,12 @@ import { connect } from 'node:net';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { chromium } from 'playwright-core';
-import { DRAWING, PATIENCE, check, checks, judged, nicely, press, shot, shots, shows, start as started, state, take, violations } from './kit.mjs';
+import { DRAWING, PATIENCE, check, checks, judged, nicely, press, pressedAgain, shot, shots, shows, start as started, state, take, told, violations } from './kit.mjs';
 import { lastLink, multiply } from './urdf.mjs';
 
 const [browserPath, program, cell] = process.argv.slice(2);
 const folder = mkdtempSync(join(tmpdir(), 'mrroc-panel-'));
-const start = (words, variables) => started(program, words, variables);
+const start = (words, own) => started(program, words, { own });
 /** A connection from the origin of a page: sends frames, and tells what came and how it was closed. */
 const connection = (page, frames, token, time = 1500) => page.evaluate(async ([sent, secret, wait]) => {
   const socket = new WebSocket(`ws://${location.host}/connect`), came = [];
@@ -86,7 +86,7 @@ async function operate(browser, plainBrowser) {
 
     await does(one, 'Resume', 'running');
     for (let trial = 0; (await state(one)).speed !== 0.5; trial++) {
-      check(trial < 5, 'the speed is set by keys');
+      pressedAgain(trial, 5, 'the speed is set by keys');
       await take(one);
       await one.locator('#speed').fill('50');
       await one.waitForTimeout(500);
@@ -116,6 +116,8 @@ async function operate(browser, plainBrowser) {
     check((await state(one)).state === 'running', 'the cell runs on');
     check(errors.length === 0, `no error on a page: ${errors.join('; ')}`);
     check([...asked].every((host) => origin.endsWith(host)), `no request leaves for elsewhere: ${[...asked]}`);
+  } catch (error) {
+    throw await told(error, cellRuns);
   } finally {
     await Promise.all([context.close(), plainContext.close()]);
     await cellRuns.end('SIGINT');
@@ -124,38 +126,23 @@ async function operate(browser, plainBrowser) {
   return file;
 }
 
-/** Tries once more, for a page that was silent for too long, because this machine was, has lost control. */
-async function again(what, attempt) {
-  for (let trial = 1; ; trial++) {
-    try {
-      return await attempt();
-    } catch (error) {
-      if (trial === 6) throw new Error(`${what}: ${error.message}`);
-    }
-  }
-}
-
 /** One page has control: another one can neither take it nor operate. */
 async function onlyOne(one, two, token) {
-  await again('one page has control, and the other one is refused it', async () => {
-    await take(one);
-    await two.getByText(/Page \d+ has control\./).waitFor({ timeout: 2000 });
-    check(await two.getByRole('button', { name: 'Suspend' }).isDisabled(), 'a page without control cannot suspend');
-    await two.locator('#take').click({ timeout: 2000 });
-    await two.getByText(/refused: page \d+ has control/).waitFor({ timeout: 2000 });
-  });
-  await again('nor can it operate by a message', async () => {
-    await take(one);
-    const { epoch, step } = await state(two);
-    const { came } = await connection(two, [{ say: { n: 5, do: 'suspend', epoch, step } }], token);
-    check(came.some(({ n, outcome }) => n === 5 && outcome === 'refused'), 'a message of a page without control is refused');
-  });
+  await take(one);
+  await two.getByText(/Page \d+ has control\./).waitFor({ timeout: PATIENCE });
+  check(await two.getByRole('button', { name: 'Suspend' }).isDisabled(), 'a page without control cannot suspend');
+  await two.locator('#take').click({ timeout: PATIENCE });
+  await two.getByText(/refused: page \d+ has control/).waitFor({ timeout: PATIENCE });
+  await take(one);
+  const { epoch, step } = await state(two);
+  const { came } = await connection(two, [{ say: { n: 5, do: 'suspend', epoch, step } }], token);
+  check(came.some(({ n, outcome }) => n === 5 && outcome === 'refused'), 'a message of a page without control is refused');
 }
 
 /** Presses a button until the cell is in a state. */
 async function does(page, name, word) {
   for (let trial = 0; (await state(page)).state !== word; trial++) {
-    check(trial < 5, `${name} makes the cell ${word}; it is ${(await state(page)).state}`);
+    pressedAgain(trial, 5, `${name} makes the cell ${word}; it is ${(await state(page)).state}`);
     await take(page);
     await page.getByRole('button', { name, exact: true }).click({ timeout: 3000 }).catch(() => {});
     await page.waitForFunction((expected) => window.mrrocPanel.state().state === expected, word, { timeout: 3000, polling: 50 }).catch(() => {});
@@ -193,7 +180,7 @@ async function look(page, name) {
 /** Switches reduced speed. */
 async function reduced(page, on) {
   for (let trial = 0; (await state(page)).reduced !== on; trial++) {
-    check(trial < 5, 'reduced speed is switched');
+    pressedAgain(trial, 5, 'reduced speed is switched');
     await take(page);
     await press(page, 'Reduced speed');
     await page.waitForTimeout(500);
@@ -215,8 +202,9 @@ async function holds(one, two, open) {
   };
   let page = one;
   for (const [way, end] of Object.entries(ways)) {
-    // A page that was silent for too long, because this machine was, has lost control: it is tried again.
+    // A page that was silent for too long has lost control, and takes it again.
     for (let trial = 0; ; trial++) {
+      pressedAgain(trial, 5, `robots move while the button is held: ${way}`);
       try {
         if (page.isClosed()) page = await open();
         await page.bringToFront();
@@ -225,9 +213,8 @@ async function holds(one, two, open) {
         await page.keyboard.down(' ');
         await moving();
         break;
-      } catch (error) {
+      } catch {
         await page.keyboard.up(' ');
-        if (trial === 4) throw error;
       }
     }
     const began = Date.now();
@@ -314,9 +301,9 @@ async function harm(page, address, origin, token, browser) {
 
 /** A run that is over is played, and a panel changes nothing in a run on the memory link. */
 async function play(browser, plainBrowser, recorded) {
-  const turns = { MRROC_TURNS: '1' };
+  const turns = ['--turns', '1'];
   const files = ['without', 'with'].map((name) => join(folder, `${name}.mcap`));
-  const run = (words) => spawnSync(program, ['--cell', cell, '--no-picture', ...words], { env: { ...process.env, ...turns }, encoding: 'utf8' });
+  const run = (words) => spawnSync(program, ['--cell', cell, '--no-picture', ...words, '--', ...turns], { encoding: 'utf8' });
   check(run(['--record', files[0]]).status === 0, 'a run without a panel');
   const shown = await start(['--cell', cell, '--no-picture', '--panel', '--record', files[1]], turns);
   const context = await plainBrowser.newContext();
@@ -375,7 +362,7 @@ start = [0.0, -1.57, 0.16, -0.16, 4.71, 0.0]
 base = { position = [${2.5 * (i % 8) + 5}.0, ${2.5 * Math.floor(i / 8) - 8}.0, 0.0] }
 `.replace(/(\.5)\.0/g, '$1'));
   writeFileSync(many, readFileSync(cell, 'utf8') + standing.join(''));
-  const shown = await start(['--cell', many, '--no-picture', '--panel'], { MRROC_TURNS: '1' });
+  const shown = await start(['--cell', many, '--no-picture', '--panel'], ['--turns', '1']);
   const page = await browser.newPage({ viewport: { width: 1280, height: 800 } });
   try {
     await page.goto(shown.address);
