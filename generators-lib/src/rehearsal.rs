@@ -129,7 +129,7 @@ mod tests {
     use mrroc_robots::{Irp6, Six};
 
     fn start() -> Six {
-        Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0)
+        Irp6::READY
     }
 
     fn line(height: f64) -> StraightLine<Irp6> {

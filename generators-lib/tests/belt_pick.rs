@@ -13,7 +13,7 @@ use mrroc_generators::cooperation::Functional;
 use mrroc_generators::generators::{JointMove, JointVelocity, MovingFrame, Sleep, StraightLine};
 use mrroc_generators::line::ToolLimits;
 use mrroc_generators::profile::ProfileLimits;
-use mrroc_robots::{Conveyor, Gripper, Irp6, One, Simulated, SimulatedIrp6, Six};
+use mrroc_robots::{Conveyor, Gripper, Irp6, One, Simulated, SimulatedIrp6};
 
 /// How fast the belt runs [m/s].
 const BELT: f64 = 0.03;
@@ -104,7 +104,7 @@ fn cell(arm: RobotSetup<Irp6>, hand: RobotSetup<Gripper>, belt: RobotSetup<Conve
 }
 
 fn robots() -> (RobotSetup<Irp6>, RobotSetup<Gripper>, RobotSetup<Conveyor>) {
-    let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
+    let start = Irp6::READY;
     let (irp6, fingers, belt) = (Irp6::nominal(), Gripper::new(), Conveyor::new());
     (
         RobotSetup::new("arm", irp6.clone(), SimulatedIrp6::new(irp6, &start)),

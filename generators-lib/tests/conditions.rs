@@ -7,7 +7,7 @@ use mrroc::generator::{AnyRobots, Condition};
 use mrroc::prelude::*;
 use mrroc::sensor::SensorImage;
 use mrroc_generators::conditions::{ConditionExt, all, any, elapsed, elapsed_since, not, separate};
-use mrroc_robots::{Irp6, Polycrank, SimulatedIrp6, Six};
+use mrroc_robots::{Irp6, Polycrank, SimulatedIrp6};
 use proptest::bool::ANY as BOOL;
 use proptest::collection::vec;
 use proptest::{prop_assert_eq, proptest};
@@ -334,7 +334,7 @@ impl VirtualSensor for Belt {
 }
 
 fn arm() -> RobotSetup<Irp6> {
-    let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
+    let start = Irp6::READY;
     RobotSetup::new("irp6", Irp6::nominal(), SimulatedIrp6::new(Irp6::nominal(), &start))
 }
 

@@ -14,7 +14,7 @@ use mrroc_robots::{Irp6, Polycrank, Seven, Simulated, SimulatedIrp6, Six};
 use nalgebra::Vector3;
 
 fn six() -> Six {
-    Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0)
+    Irp6::READY
 }
 
 /// By 2 sqrt(D / A) of a joint whose velocity limit is not reached.

@@ -23,7 +23,7 @@ use mrroc_robots::{Irp6, SimulatedIrp6, Six};
 use nalgebra::Vector3;
 
 fn start() -> Six {
-    Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0)
+    Irp6::READY
 }
 
 /// The fault of a Move by the MP, and how far any joint was demanded to go meanwhile \[rad\].

@@ -134,7 +134,7 @@ fn cooperation_allocates_nothing() {
 
 #[test]
 fn smooth_motions_allocate_nothing() {
-    let (robot, q) = (Irp6::nominal(), Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0));
+    let (robot, q) = (Irp6::nominal(), Irp6::READY);
     let state = RobotState { joints: q, velocity: Six::zeros(), pose: robot.forward(&q) };
     let (e, none, no_order) =
         (State::<Irp6>::new(RobotImage::new(state, state)), Reading::new(()), Order::new(()));

@@ -24,7 +24,7 @@ use mrroc_generators::generators::Tell;
 use nalgebra::Vector3;
 
 fn start() -> Six {
-    Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0)
+    Irp6::READY
 }
 
 fn limits(velocity: f64, acceleration: f64) -> ToolLimits {

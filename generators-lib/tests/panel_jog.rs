@@ -21,7 +21,7 @@ const STEP: Duration = Duration::from_millis(2);
 /// Steps between two renewals of a button that is held, and until a hold lapses.
 const BEAT: u64 = 50;
 const LAPSED: u64 = 150;
-const HOME: Six = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
+const HOME: Six = Irp6::READY;
 
 fn order(text: &str) -> JogOrder {
     JogOrder::read(&mut text.split_whitespace()).expect(text)

@@ -2,7 +2,6 @@
 
 use mrroc::sensor::SensorImage;
 use mrroc_generators::rehearsal::rehearse_with;
-use mrroc_robots::Six;
 // ANCHOR: behaviours
 use mrroc::generator::{Generator, Motion};
 use mrroc::prelude::*;
@@ -63,7 +62,7 @@ fn behaviours(
 
 #[test]
 fn each_behaviour_runs_while_its_condition_lets_it() {
-    let (irp6, start, dt) = (Irp6::nominal(), Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0), 0.002);
+    let (irp6, start, dt) = (Irp6::nominal(), Irp6::READY, 0.002);
     let home = irp6.forward(&start);
     let goal = home * Pose::translation(0.0, 0.0, -0.1);
     let mut step = 0;

@@ -30,7 +30,7 @@
 //!     turn(c, t)
 //! }
 //!
-//! let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
+//! let start = Irp6::READY;
 //! let arm = SimulatedIrp6::new(Irp6::nominal(), &start);
 //! let report = Cell::new(std::time::Duration::from_millis(2))
 //!     .robot(RobotSetup::new("irp6", Irp6::nominal(), arm))

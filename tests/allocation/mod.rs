@@ -14,7 +14,7 @@ fn start() -> Six {
         Translation3::new(0.85, 0.0, 0.35),
         UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI),
     );
-    let near = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
+    let near = Irp6::READY;
     mrroc::robot::Robot::inverse(&Irp6::nominal(), &flange, &near).expect("within reach")
 }
 

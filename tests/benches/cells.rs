@@ -54,7 +54,7 @@ pub fn down() -> UnitQuaternion<f64> {
 /// Where the IRp-6 begins.
 pub fn start() -> Six {
     let flange = Pose::from_parts(Translation3::new(0.85, 0.0, 0.35), down());
-    let near = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
+    let near = Irp6::READY;
     Irp6::nominal().inverse(&flange, &near).expect("within reach")
 }
 

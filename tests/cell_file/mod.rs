@@ -546,7 +546,7 @@ fn drives_of_the_kind_that_was_replaced_stand_in_for_hardware_or_else_ideal_ones
         let moved = cell.program(|mp| {
             let (mut left, mut right) = (mp.robot::<Irp6>("left")?, mp.robot::<Irp6>("right")?);
             // Encoders of simulated drives count.
-            let off = left.demanded().joints - Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
+            let off = left.demanded().joints - Irp6::READY;
             assert!(off.amax() < 1e-5, "{off}");
             mp.move_robots((&mut left, &mut right), (), Turn(0)).map(drop)
         });

@@ -129,9 +129,7 @@ fn a_smooth_joint_move_takes_the_closed_form_time_and_keeps_its_jerk() {
 
 fn irp6_at(position: [f64; 3]) -> (Irp6, Six) {
     let robot = Irp6::nominal();
-    let q = robot
-        .inverse(&flange(position), &Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0))
-        .expect("within reach");
+    let q = robot.inverse(&flange(position), &Irp6::READY).expect("within reach");
     (robot, q)
 }
 

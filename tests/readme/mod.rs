@@ -8,7 +8,7 @@ use std::time::Duration;
 use crate::tutorial::support::{ONE, TWO, extent, file, watched};
 use mrroc::cell::RunReport;
 use mrroc::prelude::*;
-use mrroc_robots::{Irp6, SimulatedIrp6, Six};
+use mrroc_robots::{Irp6, SimulatedIrp6};
 use nalgebra::Translation3;
 
 // ANCHOR: program
@@ -73,7 +73,7 @@ fn run_file(path: &Path) -> Result<RunReport, Box<dyn Error>> {
 
 // ANCHOR: by_hand
 fn run_by_hand() -> Result<RunReport, CellError> {
-    let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
+    let start = Irp6::READY;
     let arm = |name| RobotSetup::new(name, Irp6::nominal(), SimulatedIrp6::new(Irp6::nominal(), &start));
     Cell::new(Duration::from_millis(2))
         .robot(arm("left"))

@@ -7,10 +7,11 @@ use mrroc::operator::Operator;
 use mrroc::prelude::*;
 use mrroc::sensor::VspMode;
 use mrroc_robots::{Irp6, SimulatedIrp6, Six};
+use mrroc_tests::{Follow, Turned};
 
 pub const STEP: Duration = Duration::from_millis(2);
 
-pub const START: Six = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
+pub const START: Six = Irp6::READY;
 
 /// What is changed in the programs.
 #[derive(Clone, Copy, PartialEq)]
@@ -56,12 +57,6 @@ fn operate(step: u64, operator: &Operator) {
 pub enum Phase {
     Out,
     Back,
-}
-
-/// An offset of the column \[rad\].
-#[derive(Clone, Copy, Payload)]
-pub struct Turned {
-    pub by: f64,
 }
 
 /// Counts its aggregations, and tells where its robot's column was measured.
@@ -155,7 +150,7 @@ fn obey(ecp: &mut Ecp<Irp6>) -> Result<(), Fault> {
             Phase::Back => ecp.move_robot((), GoTo { angle: 0.0, from, t: 0.0 }).map(drop),
         })?;
     }
-    ecp.obey(|ecp, _: Turned| ecp.move_robot((), Follow { from: Six::zeros() }).map(drop))
+    ecp.obey(|ecp, _: Turned| ecp.move_robot((), Follow::from_here()).map(drop))
 }
 
 /// The column to an angle \[rad\] in a second.
@@ -205,25 +200,6 @@ impl Feel {
         let felt = v.0.reading().map_or(0.0, |reading| 1e-3 * reading.column);
         let mut q = self.from;
         q[0] += (self.goal + felt - self.from[0]) * smooth(self.t);
-        Step::Next(Demand::joints(q))
-    }
-}
-
-/// Where the MP's order turns the column to.
-struct Follow {
-    from: Six,
-}
-
-#[generator(ecp)]
-impl Follow {
-    fn first_step(&mut self, order: &Order<Turned>, e: &State<Irp6>) -> Step<Irp6> {
-        self.from = e.demanded().joints;
-        self.next_step(order)
-    }
-
-    fn next_step(&mut self, order: &Order<Turned>) -> Step<Irp6> {
-        let mut q = self.from;
-        q[0] += order.value().by;
         Step::Next(Demand::joints(q))
     }
 }

@@ -7,7 +7,7 @@ use std::time::Duration;
 use mrroc::fault::{Excess, FaultKind};
 use mrroc::prelude::*;
 use mrroc::robot::{CoupledLimit, JointKind, Limits, NoInverse};
-use mrroc_robots::{Irp6, SimulatedIrp6, Six};
+use mrroc_robots::{Irp6, SimulatedIrp6};
 use mrroc_tests::{ExactDrive, MS, Q, fault, peaks, traced};
 
 /// Three slides with any limits, weak brakes and a limit on x + y.
@@ -182,7 +182,7 @@ fn a_robot_s_own_stop_time_takes_the_place_of_the_cell_s() {
 
 #[test]
 fn the_limits_of_the_irp6_pass_at_its_step() {
-    let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
+    let start = Irp6::READY;
     let setup = || RobotSetup::new("irp6", Irp6::nominal(), SimulatedIrp6::new(Irp6::nominal(), &start));
     Cell::new(2 * MS).robot(setup()).program(|_| Ok(())).run().expect("1.5 / 7 s and 22 ms");
     // The very bound: 0.2363 s.

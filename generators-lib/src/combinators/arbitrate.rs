@@ -26,7 +26,7 @@ use mrroc::prelude::*;
 /// use mrroc_generators::line::ToolLimits;
 /// use mrroc_generators::profile::ProfileLimits;
 /// use mrroc_generators::rehearsal::rehearse_with;
-/// use mrroc_robots::{Irp6, Six};
+/// use mrroc_robots::Irp6;
 ///
 /// # #[derive(Clone, Copy, Debug, PartialEq, Payload)]
 /// # struct Distance {
@@ -38,12 +38,11 @@ use mrroc::prelude::*;
 /// #     type Reading = Distance;
 /// #     type Configuration = ();
 /// # }
-/// # let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
 /// # let irp6 = Irp6::nominal();
 /// // To the goal; from where somebody is nearer than 1 m until they are 1.2 m away it stands, braked within 0.1 s.
 /// let limits = ProfileLimits { velocity: 0.1, acceleration: 0.5 };
 /// let limits = ToolLimits { translation: limits, rotation: limits };
-/// let goal = irp6.forward(&start) * Pose::translation(0.0, 0.0, -0.05);
+/// let goal = irp6.forward(&Irp6::READY) * Pose::translation(0.0, 0.0, -0.05);
 /// let nearer = |v: &Reading<(Scanner,)>| v.0.reading().is_some_and(|seen| seen.to_person < 1.0);
 /// let away = |v: &Reading<(Scanner,)>| v.0.reading().is_some_and(|seen| seen.to_person > 1.2);
 /// let stand = || Blind::new(Sleep::lasting(f64::INFINITY));
@@ -51,7 +50,7 @@ use mrroc::prelude::*;
 /// let motion = Arbitrate::of(stand, nearer, away, 0.1, go);
 /// // Somebody is near from 0.3 s to 1 s. It stands from 0.4 s, when it is braked, to 1.1 s: what stands is braked, too.
 /// let mut step = 0;
-/// let demands = rehearse_with(motion, &irp6, start, 0.002, |_| {
+/// let demands = rehearse_with(motion, &irp6, Irp6::READY, 0.002, |_| {
 ///     step += 1;
 ///     let to_person = if (150..500).contains(&step) { 0.9 } else { 1.3 };
 ///     (Order::new(()), Reading::new((SensorImage::new(Distance { to_person }, 0),)))

@@ -38,7 +38,7 @@ pub struct CorrectionLimits {
 /// use mrroc_generators::line::ToolLimits;
 /// use mrroc_generators::profile::ProfileLimits;
 /// use mrroc_generators::rehearsal::rehearse_with;
-/// use mrroc_robots::{Irp6, Six};
+/// use mrroc_robots::Irp6;
 ///
 /// # struct Camera;
 /// # impl Sensor for Camera {
@@ -46,7 +46,6 @@ pub struct CorrectionLimits {
 /// #     type Reading = Displacement;
 /// #     type Configuration = ();
 /// # }
-/// # let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
 /// let limits = ProfileLimits { velocity: 0.1, acceleration: 0.5 };
 /// let limits = ToolLimits { translation: limits, rotation: limits };
 /// let line = ToolOffset::<Irp6>::by(Pose::translation(0.2, 0.0, 0.0), limits);
@@ -54,7 +53,7 @@ pub struct CorrectionLimits {
 /// let motion = Corrected::<_, Camera>::by(line, |seam| seam.pose, within);
 /// // The seam that the camera sees is 1 cm beside the line.
 /// let seam = Displacement { pose: Pose::translation(0.0, 0.01, 0.0) };
-/// let demands = rehearse_with(motion, &Irp6::nominal(), start, 0.002, |_| {
+/// let demands = rehearse_with(motion, &Irp6::nominal(), Irp6::READY, 0.002, |_| {
 ///     (Order::new(()), Reading::new((SensorImage::new(seam, 0),)))
 /// })?;
 /// let end = demands.last().and_then(Demand::as_displacement).map(|end| end.translation.vector);

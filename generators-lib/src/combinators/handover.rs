@@ -25,18 +25,17 @@ use nalgebra::{Translation3, UnitQuaternion, Vector3};
 /// use mrroc_generators::line::ToolLimits;
 /// use mrroc_generators::profile::ProfileLimits;
 /// use mrroc_generators::rehearsal::rehearse;
-/// use mrroc_robots::{Irp6, Six};
+/// use mrroc_robots::Irp6;
 ///
-/// # let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
 /// let irp6 = Irp6::nominal();
-/// let from = irp6.forward(&start);
+/// let from = irp6.forward(&Irp6::READY);
 /// // Onto a belt of 0.1 m/s within 0.5 s, 0.2 s with it, and to a pose beside it.
 /// let belt = move |age: f64| Pose::translation(0.0, 0.1 * age, 0.0) * from;
 /// let onto = MovingFrame::to(Functional::new(belt), Pose::identity(), 0.5, 0.7);
 /// let limits = ProfileLimits { velocity: 0.2, acceleration: 0.5 };
 /// let goal = belt(0.7) * Pose::translation(0.0, 0.0, -0.05);
 /// let off = StraightLine::to(goal, ToolLimits { translation: limits, rotation: limits });
-/// let demands = rehearse(Handover::of(onto, off, 0.4), &irp6, start, 0.002)?;
+/// let demands = rehearse(Handover::of(onto, off, 0.4), &irp6, Irp6::READY, 0.002)?;
 /// // No acceleration is above 3.95 v / T of the fading velocity of the belt, and 0.5 m/s² of the line.
 /// let p: Vec<_> = demands.iter().filter_map(Demand::as_pose).map(|pose| pose.translation.vector).collect();
 /// let fastest = p[340..].windows(3).map(|w| (w[2] - 2.0 * w[1] + w[0]).norm() / 4e-6).fold(0.0, f64::max);

@@ -13,7 +13,7 @@ use mrroc::prelude::*;
 /// use mrroc_generators::force::{Behaviour, Bound, ForceControl, Give};
 /// use mrroc_generators::generators::{ForceLaw, GuardedApproach};
 /// use mrroc_generators::rehearsal::rehearse_with;
-/// use mrroc_robots::{Irp6, Six};
+/// use mrroc_robots::Irp6;
 /// use nalgebra::Vector3;
 ///
 /// # struct Wrist;
@@ -22,7 +22,6 @@ use mrroc::prelude::*;
 /// #     type Reading = Wrench;
 /// #     type Configuration = ();
 /// # }
-/// # let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
 /// // Along z until something is felt, braked within 0.1 s; then the tool presses with 10 N.
 /// let along = GuardedApproach::<Irp6, Wrist>::along(-Vector3::z_axis(), 0.05, 0.25, 0.2, |_| false);
 /// let felt = |v: &Reading<(Wrist,)>| v.0.reading().is_some_and(|felt| felt.force.norm() > 1.0);
@@ -32,8 +31,9 @@ use mrroc::prelude::*;
 /// let motion = Override::of(along, felt, 0.1, ForceLaw::lasting(law, 3.0, 1));
 /// let irp6 = Irp6::nominal();
 /// // A spring of 2 N/mm, 2 cm below the tool.
-/// let force = |pose: Pose| 2000.0 * (irp6.forward(&start).translation.z - 0.02 - pose.translation.z).max(0.0);
-/// let demands = rehearse_with(motion, &irp6, start, 0.002, |arm| {
+/// let table = irp6.forward(&Irp6::READY).translation.z - 0.02;
+/// let force = |pose: Pose| 2000.0 * (table - pose.translation.z).max(0.0);
+/// let demands = rehearse_with(motion, &irp6, Irp6::READY, 0.002, |arm| {
 ///     let pose = arm.measured().pose;
 ///     let push = pose.rotation.inverse_transform_vector(&(Vector3::z() * force(pose)));
 ///     (Order::new(()), Reading::new((SensorImage::new(Wrench::new(push, Vector3::zeros()), 0),)))

@@ -16,11 +16,10 @@ use mrroc::prelude::*;
 /// use mrroc_generators::rehearsal::rehearse;
 /// use mrroc_robots::{Irp6, Six};
 ///
-/// # let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
-/// let goal = start + Six::x() * 0.2;
+/// let goal = Irp6::READY + Six::x() * 0.2;
 /// let to = |q| JointMove::to(q, Six::repeat(0.4), Six::repeat(0.8));
-/// let there_and_back = Sequence::of(to(goal), Sequence::of(Sleep::lasting(0.1), to(start)));
-/// let demands = rehearse(there_and_back, &Irp6::nominal(), start, 0.002)?;
+/// let there_and_back = Sequence::of(to(goal), Sequence::of(Sleep::lasting(0.1), to(Irp6::READY)));
+/// let demands = rehearse(there_and_back, &Irp6::nominal(), Irp6::READY, 0.002)?;
 /// // Twice 2 sqrt(0.2 / 0.8) s, and the sleep; no step is lost between them.
 /// assert_eq!(demands.len(), 500 + 50 + 500);
 /// assert_eq!(demands[499].as_joints(), Some(goal));
@@ -122,7 +121,7 @@ mod tests {
 
     #[test]
     fn three_motions_take_the_sum_of_their_times_and_no_step_more() {
-        let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
+        let start = Irp6::READY;
         let to = move |q: f64| {
             JointMove::<Irp6>::to(
                 start + Six::new(q, 0.0, 0.0, 0.0, 0.0, 0.0),

@@ -40,7 +40,7 @@ use nalgebra::Vector3;
 /// use mrroc_generators::line::ToolLimits;
 /// use mrroc_generators::profile::ProfileLimits;
 /// use mrroc_generators::rehearsal::rehearse_with;
-/// use mrroc_robots::{Irp6, Six};
+/// use mrroc_robots::Irp6;
 ///
 /// # #[derive(Clone, Copy, Debug, PartialEq, Payload)]
 /// # struct Slope {
@@ -52,7 +52,6 @@ use nalgebra::Vector3;
 /// #     type Reading = Slope;
 /// #     type Configuration = ();
 /// # }
-/// # let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
 /// // Along x by 0.1 m; aside by 0.05 m, as far as the sensor calls for it: half, here.
 /// let limits = ProfileLimits { velocity: 0.1, acceleration: 0.5 };
 /// let limits = ToolLimits { translation: limits, rotation: limits };
@@ -61,7 +60,7 @@ use nalgebra::Vector3;
 /// let within = ProfileLimits { velocity: 0.2, acceleration: 1.0 };
 /// let within = ToolLimits { translation: within, rotation: within };
 /// let motion = Superpose::of(by(0.1, 0.0), by(0.0, 0.05), weights, within);
-/// let demands = rehearse_with(motion, &Irp6::nominal(), start, 0.002, |_| {
+/// let demands = rehearse_with(motion, &Irp6::nominal(), Irp6::READY, 0.002, |_| {
 ///     (Order::new(()), Reading::new((SensorImage::new(Slope { share: 0.5 }, 0),)))
 /// })?;
 /// let end = demands.last().and_then(Demand::as_displacement).map(|end| end.translation.vector);

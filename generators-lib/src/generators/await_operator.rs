@@ -12,16 +12,15 @@ use mrroc::prelude::*;
 /// use mrroc::prelude::*;
 /// use mrroc_generators::generators::AwaitOperator;
 /// use mrroc_generators::rehearsal::rehearse;
-/// use mrroc_robots::{Irp6, Six};
+/// use mrroc_robots::Irp6;
 ///
-/// # let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
 /// // A button that is pressed after 100 steps.
 /// let mut asked = 0;
 /// let pressed = || {
 ///     asked += 1;
 ///     asked > 100
 /// };
-/// let demands = rehearse(AwaitOperator::until(pressed), &Irp6::nominal(), start, 0.002)?;
+/// let demands = rehearse(AwaitOperator::until(pressed), &Irp6::nominal(), Irp6::READY, 0.002)?;
 /// assert_eq!(demands, vec![Demand::hold(); 100]);
 /// # Ok::<(), Fault>(())
 /// ```
@@ -49,14 +48,14 @@ impl<R: Robot, F: FnMut() -> bool> AwaitOperator<R, F> {
 mod tests {
     use super::*;
 
-    use mrroc_robots::{Irp6, SimulatedIrp6, Six};
+    use mrroc_robots::{Irp6, SimulatedIrp6};
     use std::sync::Arc;
     use std::sync::atomic::{AtomicU32, Ordering};
     use std::time::Duration;
 
     #[test]
     fn it_asks_once_a_step_until_it_is_confirmed() {
-        let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
+        let start = Irp6::READY;
         let asked = Arc::new(AtomicU32::new(0));
         let button = Arc::clone(&asked);
         let robot = RobotSetup::new("irp6", Irp6::nominal(), SimulatedIrp6::new(Irp6::nominal(), &start))

@@ -22,16 +22,15 @@ use mrroc_generators::profile::{JerkLimits, ProfileCursor, SevenPhase};
 /// use mrroc_generators::line::SmoothToolLimits;
 /// use mrroc_generators::profile::JerkLimits;
 /// use mrroc_generators::rehearsal::rehearse;
-/// use mrroc_robots::{Irp6, Six};
+/// use mrroc_robots::Irp6;
 ///
-/// # let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
 /// let irp6 = Irp6::nominal();
 /// let limits = JerkLimits { velocity: 0.1, acceleration: 0.5, jerk: 5.0 };
 /// let limits = SmoothToolLimits { translation: limits, rotation: limits };
 /// // Half a circle of 5 cm radius beside the tool.
-/// let at = |x, y| irp6.forward(&start) * Pose::translation(x, y, 0.0);
+/// let at = |x, y| irp6.forward(&Irp6::READY) * Pose::translation(x, y, 0.0);
 /// let arc = CircularMove::through(at(0.05, 0.05).translation.vector, at(0.1, 0.0), limits);
-/// let demands = rehearse(arc, &irp6, start, 0.002)?;
+/// let demands = rehearse(arc, &irp6, Irp6::READY, 0.002)?;
 /// // D / V + V / A + A / J = (1.5708 + 0.2 + 0.1) s, in steps of 2 ms.
 /// assert_eq!(demands.len(), 936);
 /// let radius = |pose: Pose| (pose.translation.vector - at(0.05, 0.0).translation.vector).norm();
@@ -98,14 +97,14 @@ mod tests {
     use super::*;
     use mrroc::observe::ServoRecord;
 
-    use mrroc_robots::{Irp6, SimulatedIrp6, Six};
+    use mrroc_robots::{Irp6, SimulatedIrp6};
     use std::{cell::RefCell, rc::Rc, time::Duration};
 
     #[test]
     fn half_a_circle_is_a_circle_and_takes_the_closed_form_time() {
         const RADIUS: f64 = 0.03;
         let irp6 = Irp6::nominal();
-        let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
+        let start = Irp6::READY;
         let trace = Rc::new(RefCell::new(Vec::new()));
         let pose = irp6.forward(&start);
         let recorder = Rc::clone(&trace);

@@ -93,7 +93,7 @@ mod tests {
 
     #[test]
     fn robots_work_on_their_own_at_what_each_is_told() {
-        let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
+        let start = Irp6::READY;
         let drives = [0, 1].map(|_| SimulatedIrp6::new(Irp6::nominal(), &start));
         let shafts = drives.each_ref().map(|drive| drive.shaft());
         let [one, two] = drives.map(|drive| {

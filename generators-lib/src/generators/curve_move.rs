@@ -21,15 +21,14 @@ use mrroc_generators::profile::{JerkLimits, ProfileCursor, SevenPhase};
 /// use mrroc_generators::generators::CurveMove;
 /// use mrroc_generators::profile::JerkLimits;
 /// use mrroc_generators::rehearsal::rehearse;
-/// use mrroc_robots::{Irp6, Six};
+/// use mrroc_robots::Irp6;
 /// use nalgebra::Vector3;
 ///
-/// # let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
 /// // A turn about the z axis of the tool as it stands at the start, 5 cm beside it, which advances by 2 cm.
 /// let helix = Helix::about(Vector3::zeros(), Vector3::x() * 0.05, Vector3::z_axis(), std::f64::consts::TAU, 0.02);
 /// let helix = helix.map_err(|bad| Fault::thrown(&bad.to_string()))?;
 /// let limits = JerkLimits { velocity: 0.1, acceleration: 0.5, jerk: 5.0 };
-/// let demands = rehearse(CurveMove::along(helix, limits), &Irp6::nominal(), start, 0.002)?;
+/// let demands = rehearse(CurveMove::along(helix, limits), &Irp6::nominal(), Irp6::READY, 0.002)?;
 /// // D / V + V / A + A / J with D = |(0.05 * 2 pi, 0.02)| = 0.3148 m: 3.448 s.
 /// assert_eq!(demands.len(), 1724);
 /// # Ok::<(), Fault>(())
@@ -81,14 +80,14 @@ mod tests {
     use super::*;
 
     use mrroc_generators::curve::Helix;
-    use mrroc_robots::{Irp6, SimulatedIrp6, Six};
+    use mrroc_robots::{Irp6, SimulatedIrp6};
     use nalgebra::Vector3;
     use std::time::Duration;
 
     #[test]
     fn a_turn_of_a_helix_ends_one_pitch_higher_in_the_closed_form_time() {
         let irp6 = Irp6::nominal();
-        let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
+        let start = Irp6::READY;
         let arm = SimulatedIrp6::new(irp6.clone(), &start);
         let shaft = arm.shaft();
         let turn = std::f64::consts::TAU;

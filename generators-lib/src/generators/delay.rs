@@ -12,11 +12,10 @@ use mrroc::prelude::*;
 /// use mrroc::prelude::*;
 /// use mrroc_generators::generators::Delay;
 /// use mrroc_generators::rehearsal::rehearse;
-/// use mrroc_robots::{Irp6, Six};
+/// use mrroc_robots::Irp6;
 ///
-/// # let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
 /// // 0.5 s are 250 steps of 2 ms.
-/// let demands = rehearse(Delay::lasting(0.5), &Irp6::nominal(), start, 0.002)?;
+/// let demands = rehearse(Delay::lasting(0.5), &Irp6::nominal(), Irp6::READY, 0.002)?;
 /// assert_eq!(demands, vec![Demand::hold(); 250]);
 /// # Ok::<(), Fault>(())
 /// ```

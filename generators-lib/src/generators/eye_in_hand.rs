@@ -38,7 +38,7 @@ pub struct Servoing {
 /// use mrroc_generators::cooperation::Displacement;
 /// use mrroc_generators::generators::{EyeInHand, Servoing};
 /// use mrroc_generators::rehearsal::rehearse_with;
-/// use mrroc_robots::{Irp6, Six};
+/// use mrroc_robots::Irp6;
 ///
 /// # struct Camera;
 /// # impl Sensor for Camera {
@@ -46,14 +46,13 @@ pub struct Servoing {
 /// #     type Reading = Displacement;
 /// #     type Configuration = ();
 /// # }
-/// # let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
 /// let irp6 = Irp6::nominal();
-/// let object = irp6.forward(&start) * Pose::translation(0.1, 0.05, 0.1);
+/// let object = irp6.forward(&Irp6::READY) * Pose::translation(0.1, 0.05, 0.1);
 /// let (speed, turning, tolerance, angle_tolerance) = (0.1, 0.5, 1e-4, 1e-3);
 /// let how = Servoing { speed, turning, ramp: 0.2, gain: 4.0, tolerance, angle_tolerance, oldest: 1 };
 /// // The camera is at the origin of the tool.
 /// let to_it = EyeInHand::<Irp6, Camera>::to(Pose::identity(), Pose::identity(), |seen| Some(seen.pose), how);
-/// let demands = rehearse_with(to_it, &irp6, start, 0.002, |arm| {
+/// let demands = rehearse_with(to_it, &irp6, Irp6::READY, 0.002, |arm| {
 ///     let pose = arm.measured().pose.inv_mul(&object);
 ///     (Order::new(()), Reading::new((SensorImage::new(Displacement { pose }, 0),)))
 /// })?;

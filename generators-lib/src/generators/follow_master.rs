@@ -24,13 +24,15 @@ use mrroc_generators::cooperation::{BodyPath, Grasps, Placed, Smoothed};
 /// use mrroc_generators::line::ToolLimits;
 /// use mrroc_generators::profile::ProfileLimits;
 /// use mrroc_generators::rehearsal::{at_rest, rehearse_all};
-/// use mrroc_robots::{Irp6, Six};
+/// use mrroc_robots::Irp6;
 ///
-/// # let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
 /// let limits = ProfileLimits { velocity: 0.1, acceleration: 0.5 };
 /// let limits = ToolLimits { translation: limits, rotation: limits };
 /// let path = StraightBody::by(Pose::translation(0.05, 0.0, -0.05), limits);
-/// let arms = [0.0, 0.5].map(|y| at_rest(&Irp6::nominal().with_base(Pose::translation(0.0, y, 0.0)), start));
+/// let arms = [0.0, 0.5].map(|y| {
+///     let base = Pose::translation(0.0, y, 0.0);
+///     at_rest(&Irp6::nominal().with_base(base), Irp6::READY)
+/// });
 /// // Arms that are where they are demanded to be.
 /// let image = |i: usize, demand: &Demand<Irp6>| {
 ///     let pose = demand.as_pose().unwrap_or(arms[i].demanded().pose);

@@ -18,7 +18,7 @@ use mrroc_generators::line::LinePath;
 /// use mrroc_generators::cooperation::{Displacement, Tracking};
 /// use mrroc_generators::generators::FollowedFrame;
 /// use mrroc_generators::rehearsal::rehearse_with;
-/// use mrroc_robots::{Irp6, Six};
+/// use mrroc_robots::Irp6;
 ///
 /// # struct Camera;
 /// # impl Sensor for Camera {
@@ -26,14 +26,13 @@ use mrroc_generators::line::LinePath;
 /// #     type Reading = Displacement;
 /// #     type Configuration = ();
 /// # }
-/// # let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
 /// let irp6 = Irp6::nominal();
 /// // A part that moves along y at 0.05 m/s; 5 cm above it after 1 s, and with it until 1.5 s have passed.
-/// let mut part = irp6.forward(&start) * Pose::translation(0.0, 0.0, 0.1);
+/// let mut part = irp6.forward(&Irp6::READY) * Pose::translation(0.0, 0.0, 0.1);
 /// let how = Tracking { rate: 15.0, acceleration: 1.0, turning: 5.0 };
 /// let above = Pose::translation(0.0, 0.0, -0.05);
 /// let follow = FollowedFrame::<Irp6, Camera>::to(|seen| Some(seen.pose), above, how, 1.0, 1.5, 1);
-/// let demands = rehearse_with(follow, &irp6, start, 0.002, |_| {
+/// let demands = rehearse_with(follow, &irp6, Irp6::READY, 0.002, |_| {
 ///     part.translation.y += 0.05 * 0.002;
 ///     (Order::new(()), Reading::new((SensorImage::new(Displacement { pose: part }, 0),)))
 /// })?;

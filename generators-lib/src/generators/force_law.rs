@@ -20,7 +20,7 @@ use mrroc_generators::force::ForceControl;
 /// use mrroc_generators::force::{Behaviour, Bound, ForceControl, Give};
 /// use mrroc_generators::generators::ForceLaw;
 /// use mrroc_generators::rehearsal::rehearse_with;
-/// use mrroc_robots::{Irp6, Six};
+/// use mrroc_robots::Irp6;
 /// use nalgebra::Vector3;
 ///
 /// # struct Wrist;
@@ -29,14 +29,14 @@ use mrroc_generators::force::ForceControl;
 /// #     type Reading = Wrench;
 /// #     type Configuration = ();
 /// # }
-/// # let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
 /// // Along its z axis the tool presses with 10 N on a spring of 2 N/mm; along the others it stays.
 /// let mut axes = [Behaviour::Unguarded { velocity: 0.0 }; 6];
 /// axes[2] = Behaviour::Contact { load: 10.0, give: Give::FORCE, within: Bound { speed: 0.1, way: 0.05 } };
 /// let law = ForceControl::new(axes).map_err(|bad| Fault::thrown(&bad.to_string()))?;
 /// let irp6 = Irp6::nominal();
-/// let depth = |arm: Pose| irp6.forward(&start).inv_mul(&arm).translation.z;
-/// let demands = rehearse_with(ForceLaw::<Irp6, Wrist>::lasting(law, 3.0, 1), &irp6, start, 0.002, |arm| {
+/// let depth = |arm: Pose| irp6.forward(&Irp6::READY).inv_mul(&arm).translation.z;
+/// let motion = ForceLaw::<Irp6, Wrist>::lasting(law, 3.0, 1);
+/// let demands = rehearse_with(motion, &irp6, Irp6::READY, 0.002, |arm| {
 ///     let push = Vector3::z() * -2000.0 * depth(arm.measured().pose);
 ///     (Order::new(()), Reading::new((SensorImage::new(Wrench::new(push, Vector3::zeros()), 0),)))
 /// })?;
@@ -91,7 +91,7 @@ mod tests {
     use super::*;
 
     use mrroc_generators::force::{Behaviour, Bound, Give};
-    use mrroc_robots::{Irp6, SimulatedIrp6, Six};
+    use mrroc_robots::{Irp6, SimulatedIrp6};
     use nalgebra::Vector3;
     use std::time::Duration;
 
@@ -120,7 +120,7 @@ mod tests {
     #[test]
     fn the_tool_finds_the_table_and_presses_on_it_as_told() {
         let irp6 = Irp6::nominal();
-        let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
+        let start = Irp6::READY;
         let arm = SimulatedIrp6::new(irp6.clone(), &start);
         let shaft = arm.shaft();
         let height = irp6.forward(&start).translation.z - 5e-3;

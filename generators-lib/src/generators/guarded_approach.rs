@@ -15,7 +15,7 @@ use nalgebra::{Translation3, Unit, Vector3};
 /// use mrroc::prelude::*;
 /// use mrroc_generators::generators::GuardedApproach;
 /// use mrroc_generators::rehearsal::rehearse_with;
-/// use mrroc_robots::{Irp6, Six};
+/// use mrroc_robots::Irp6;
 /// use nalgebra::Vector3;
 ///
 /// # struct Wrist;
@@ -24,13 +24,12 @@ use nalgebra::{Translation3, Unit, Vector3};
 /// #     type Reading = Wrench;
 /// #     type Configuration = ();
 /// # }
-/// # let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
 /// // Down at 0.05 m/s, by 0.2 m at most, until the sensor feels more than 5 N.
 /// let down = -Vector3::z_axis();
 /// let approach = GuardedApproach::<Irp6, Wrist>::along(down, 0.05, 0.5, 0.2, |felt| felt.force.norm() > 5.0);
 /// let irp6 = Irp6::nominal();
-/// let table = irp6.forward(&start).translation.z - 0.02;
-/// let demands = rehearse_with(approach, &irp6, start, 0.002, |arm| {
+/// let table = irp6.forward(&Irp6::READY).translation.z - 0.02;
+/// let demands = rehearse_with(approach, &irp6, Irp6::READY, 0.002, |arm| {
 ///     let touches = arm.measured().pose.translation.z < table;
 ///     let felt = Wrench::new(Vector3::z() * if touches { 10.0 } else { 0.0 }, Vector3::zeros());
 ///     (Order::new(()), Reading::new((SensorImage::new(felt, 0),)))
@@ -114,7 +113,7 @@ impl<R: Robot, S: Sensor> GuardedApproach<R, S> {
 mod tests {
     use super::*;
 
-    use mrroc_robots::{Irp6, SimulatedIrp6, Six};
+    use mrroc_robots::{Irp6, SimulatedIrp6};
     use std::time::Duration;
 
     struct Probe;
@@ -144,7 +143,7 @@ mod tests {
     #[test]
     fn the_tool_stops_at_the_surface() {
         let irp6 = Irp6::nominal();
-        let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
+        let start = Irp6::READY;
         let arm = SimulatedIrp6::new(irp6.clone(), &start);
         let shaft = arm.shaft();
         let surface = irp6.forward(&start).translation.z - 0.01;

@@ -24,7 +24,7 @@ use mrroc_generators::force::Give;
 /// use mrroc_generators::force::Give;
 /// use mrroc_generators::generators::GuidedBody;
 /// use mrroc_generators::rehearsal::{at_rest, rehearse_all};
-/// use mrroc_robots::{Irp6, Six};
+/// use mrroc_robots::Irp6;
 /// use nalgebra::Vector3;
 ///
 /// # struct Wrist;
@@ -33,8 +33,10 @@ use mrroc_generators::force::Give;
 /// #     type Reading = Wrench;
 /// #     type Configuration = ();
 /// # }
-/// # let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
-/// let arms = [0.0, 0.5].map(|y| at_rest(&Irp6::nominal().with_base(Pose::translation(0.0, y, 0.0)), start));
+/// let arms = [0.0, 0.5].map(|y| {
+///     let base = Pose::translation(0.0, y, 0.0);
+///     at_rest(&Irp6::nominal().with_base(base), Irp6::READY)
+/// });
 /// let give = Give { reciprocal_damping: 0.01, inertia: 0.0 };
 /// let guided = GuidedBody::<[Irp6; 2], [Wrist; 2]>::yielding(give, 1.0, 0.5, 1.0);
 /// // Nothing in the first step, then 10 N along the x axis of the world, half of it felt by each arm.

@@ -15,10 +15,9 @@ use mrroc_generators::teach::{Jogging, Kept, Reference, Space, Taught, TaughtFil
 /// use mrroc_generators::generators::Jog;
 /// use mrroc_generators::rehearsal::rehearse;
 /// use mrroc_generators::teach::Jogging;
-/// use mrroc_robots::{Irp6, Six};
+/// use mrroc_robots::Irp6;
 /// use nalgebra::Vector3;
 ///
-/// # let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
 /// // A panel on which a person jogs along x at 0.1 m/s for a second, lets go, and is done half a second later.
 /// let mut steps = 0;
 /// let panel = || {
@@ -27,9 +26,9 @@ use mrroc_generators::teach::{Jogging, Kept, Reference, Space, Taught, TaughtFil
 ///     Jogging { along: Vector3::x() * speed, done: steps > 750, ..Jogging::default() }
 /// };
 /// let irp6 = Irp6::nominal();
-/// let demands = rehearse(Jog::by(panel, 0.5, 1.0, 0), &irp6, start, 0.002)?;
+/// let demands = rehearse(Jog::by(panel, 0.5, 1.0, 0), &irp6, Irp6::READY, 0.002)?;
 /// let end = demands.last().and_then(Demand::as_pose);
-/// let way = end.map(|end| irp6.forward(&start).inv_mul(&end).translation.vector.norm());
+/// let way = end.map(|end| irp6.forward(&Irp6::READY).inv_mul(&end).translation.vector.norm());
 /// // The ramps at 0.5 m/s² cost at the start what they give at the end.
 /// assert!(way.is_some_and(|way| (way - 0.1).abs() < 1e-9), "{way:?}");
 /// # Ok::<(), Fault>(())

@@ -15,10 +15,9 @@ use mrroc_generators::profile::ProfileCursor;
 /// use mrroc_generators::rehearsal::rehearse;
 /// use mrroc_robots::{Irp6, Six};
 ///
-/// # let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
-/// let goal = start + Six::new(0.2, 0.1, 0.0, 0.0, 0.0, 0.0);
+/// let goal = Irp6::READY + Six::new(0.2, 0.1, 0.0, 0.0, 0.0, 0.0);
 /// let motion = JointMove::to(goal, Six::repeat(0.4), Six::repeat(0.8));
-/// let demands = rehearse(motion, &Irp6::nominal(), start, 0.002)?;
+/// let demands = rehearse(motion, &Irp6::nominal(), Irp6::READY, 0.002)?;
 /// // The first joint just reaches its velocity: 2 sqrt(0.2 / 0.8) = 1 s. The second one arrives with it.
 /// assert_eq!((demands.len(), demands[499].as_joints()), (500, Some(goal)));
 /// # Ok::<(), Fault>(())
@@ -71,7 +70,7 @@ mod tests {
 
     #[test]
     fn the_slowest_joint_sets_the_pace_and_all_arrive() {
-        let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
+        let start = Irp6::READY;
         let goal = start + Six::new(0.5, 0.0, 0.0, 0.1, 0.0, -0.2);
         let arm = SimulatedIrp6::new(Irp6::nominal(), &start);
         let shaft = arm.shaft();

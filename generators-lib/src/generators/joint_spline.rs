@@ -17,10 +17,9 @@ use mrroc_generators::profile::{JerkLimits, ProfileCursor, SevenPhase};
 /// use mrroc_generators::rehearsal::rehearse;
 /// use mrroc_robots::{Irp6, Six};
 ///
-/// # let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
-/// let points = vec![start + Six::repeat(0.1), start + Six::new(0.2, 0.1, 0.1, 0.0, -0.1, 0.3)];
+/// let points = vec![Irp6::READY + Six::repeat(0.1), Irp6::READY + Six::new(0.2, 0.1, 0.1, 0.0, -0.1, 0.3)];
 /// let motion = JointSpline::through(points.clone(), Six::repeat(0.4), Six::repeat(0.8), 0.1);
-/// let demands = rehearse(motion, &Irp6::nominal(), start, 0.002)?;
+/// let demands = rehearse(motion, &Irp6::nominal(), Irp6::READY, 0.002)?;
 /// // It passes the first point within half a step at 0.4 rad/s, and ends at the last one.
 /// let past = |point: Six| demands.iter().filter_map(Demand::as_joints).any(|q| (q - point).amax() <= 4e-4);
 /// assert!(past(points[0]));
@@ -100,7 +99,7 @@ mod tests {
     #[test]
     fn every_point_is_passed_within_the_limits_of_every_joint() {
         let robot = Irp6::nominal();
-        let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
+        let start = Irp6::READY;
         let at = |x: f64, y: f64| start + Six::new(x, y, -0.5 * x, 0.0, y * x, 0.3 * x);
         let points = vec![at(0.2, 0.1), at(0.4, -0.1), at(0.3, 0.2), at(0.0, 0.1)];
         let velocity = Six::repeat(0.5);

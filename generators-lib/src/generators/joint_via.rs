@@ -20,13 +20,12 @@ use mrroc_generators::via::ViaJoints;
 /// use mrroc_generators::rehearsal::rehearse;
 /// use mrroc_robots::{Irp6, Six};
 ///
-/// # let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
 /// let limits = JointLimits { velocity: Six::repeat(0.4), acceleration: Six::repeat(0.8), jerk: Six::repeat(8.0) };
 /// // There, and on at a right angle: past the via point within 0.01 rad.
-/// let via = start + Six::x() * 0.2;
+/// let via = Irp6::READY + Six::x() * 0.2;
 /// let goal = via + Six::y() * 0.2;
 /// let motion = JointVia::through(vec![via, goal], Six::repeat(0.01), limits);
-/// let demands = rehearse(motion, &Irp6::nominal(), start, 0.002)?;
+/// let demands = rehearse(motion, &Irp6::nominal(), Irp6::READY, 0.002)?;
 /// let off = demands.iter().filter_map(Demand::as_joints).map(|q| (q - via).amax()).fold(1.0, f64::min);
 /// // Of the positions demanded, the nearest may be half a step at 0.4 rad/s before or behind the nearest of the path.
 /// assert!(off > 1e-4 && off <= 0.01 + 4e-4, "{off}");
@@ -109,7 +108,7 @@ mod tests {
     #[test]
     fn via_points_are_passed_within_the_deviation_and_all_limits_kept() {
         let robot = Irp6::nominal();
-        let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
+        let start = Irp6::READY;
         let at = |x: f64, y: f64| start + Six::new(x, y, -0.5 * x, 0.0, y * x, 0.3 * x);
         let points = vec![at(0.2, 0.1), at(0.4, -0.1), at(0.3, 0.2), at(0.0, 0.1)];
         let limits = JointLimits {

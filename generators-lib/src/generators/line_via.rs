@@ -20,17 +20,16 @@ use mrroc_generators::via::{PoseDeviation, ViaPoses};
 /// use mrroc_generators::profile::JerkLimits;
 /// use mrroc_generators::rehearsal::rehearse;
 /// use mrroc_generators::via::PoseDeviation;
-/// use mrroc_robots::{Irp6, Six};
+/// use mrroc_robots::Irp6;
 ///
-/// # let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
 /// let irp6 = Irp6::nominal();
 /// let limits = JerkLimits { velocity: 0.1, acceleration: 0.5, jerk: 5.0 };
 /// let limits = SmoothToolLimits { translation: limits, rotation: limits };
-/// let at = |x, y| irp6.forward(&start) * Pose::translation(x, y, 0.0);
+/// let at = |x, y| irp6.forward(&Irp6::READY) * Pose::translation(x, y, 0.0);
 /// // Round a corner, which may be cut by 5 mm.
 /// let within = PoseDeviation { distance: 0.005, angle: 0.05 };
 /// let motion = LineVia::through(vec![at(0.08, 0.0), at(0.08, 0.08)], within, limits);
-/// let demands = rehearse(motion, &irp6, start, 0.002)?;
+/// let demands = rehearse(motion, &irp6, Irp6::READY, 0.002)?;
 /// let off = |pose: Pose| (pose.translation.vector - at(0.08, 0.0).translation.vector).norm();
 /// let nearest = demands.iter().filter_map(Demand::as_pose).map(off).fold(1.0, f64::min);
 /// // The nearest pose demanded may be half a step at 0.1 m/s before or behind the nearest of the path.
@@ -94,14 +93,14 @@ mod tests {
     use super::*;
 
     use mrroc_generators::profile::JerkLimits;
-    use mrroc_robots::{Irp6, SimulatedIrp6, Six};
+    use mrroc_robots::{Irp6, SimulatedIrp6};
     use nalgebra::Vector3;
     use std::time::Duration;
 
     #[test]
     fn a_square_with_rounded_corners_is_executed_and_ends_where_it_began() {
         let irp6 = Irp6::nominal();
-        let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
+        let start = Irp6::READY;
         let arm = SimulatedIrp6::new(irp6.clone(), &start);
         let shaft = arm.shaft();
         let here = irp6.forward(&start);

@@ -20,15 +20,15 @@ use mrroc_generators::line::LinePath;
 /// use mrroc_generators::cooperation::Functional;
 /// use mrroc_generators::generators::MovingFrame;
 /// use mrroc_generators::rehearsal::rehearse;
-/// use mrroc_robots::{Irp6, Six};
+/// use mrroc_robots::Irp6;
 ///
-/// # let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
 /// let irp6 = Irp6::nominal();
 /// // A belt at 0.05 m/s carries a part; the tool is above it after 1 s, and goes on with it for 0.5 s.
-/// let part = irp6.forward(&start) * Pose::translation(0.0, 0.0, 0.1);
+/// let part = irp6.forward(&Irp6::READY) * Pose::translation(0.0, 0.0, 0.1);
 /// let belt = move |age: f64| Pose::translation(0.0, 0.05 * age, 0.0) * part;
 /// let above = Pose::translation(0.0, 0.0, -0.05);
-/// let demands = rehearse(MovingFrame::to(Functional::new(belt), above, 1.0, 1.5), &irp6, start, 0.002)?;
+/// let motion = MovingFrame::to(Functional::new(belt), above, 1.0, 1.5);
+/// let demands = rehearse(motion, &irp6, Irp6::READY, 0.002)?;
 /// assert_eq!(demands.len(), 750);
 /// let end = demands[749].as_pose().map(|end| (belt(1.5) * above).inv_mul(&end).translation.vector.norm());
 /// assert!(end.is_some_and(|off| off < 1e-12));

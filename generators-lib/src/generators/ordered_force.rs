@@ -28,7 +28,7 @@ pub struct Pressing {
 /// use mrroc_generators::force::{Bound, Give};
 /// use mrroc_generators::generators::{OrderedForce, Pressing};
 /// use mrroc_generators::rehearsal::at_rest;
-/// use mrroc_robots::{Irp6, Six};
+/// use mrroc_robots::Irp6;
 /// use nalgebra::Vector3;
 ///
 /// # struct Wrist;
@@ -40,8 +40,7 @@ pub struct Pressing {
 /// // A tool of 13.18 N that hangs down freely and is ordered to press with 10 N: the law is m dv/dt + v / b = 10 N.
 /// let give = Give { reciprocal_damping: 0.005, inertia: 0.0 };
 /// let mut press = OrderedForce::<Irp6, Wrist>::with_tool(13.18, give, Bound { speed: 0.1, way: 0.05 });
-/// # let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
-/// let arm = at_rest(&Irp6::nominal(), start);
+/// let arm = at_rest(&Irp6::nominal(), Irp6::READY);
 /// let order = Order::new(Pressing { force: 10.0, across: [0.0, 0.0] });
 /// let weight = arm.measured().pose.rotation.inverse_transform_vector(&(Vector3::z() * -13.18));
 /// let v = Reading::new((SensorImage::new(Wrench::new(weight, Vector3::zeros()), 0),));

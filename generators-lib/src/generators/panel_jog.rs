@@ -20,13 +20,13 @@ use mrroc_generators::jogging::{Ahead, JogLimits, Run, Way};
 /// use mrroc_generators::rehearsal::rehearse_all;
 /// use mrroc_generators::conformance::Given;
 /// use mrroc_generators::rehearsal::at_rest;
-/// use mrroc_robots::{Irp6, Six};
+/// use mrroc_robots::Irp6;
 ///
-/// let (irp6, start) = (Irp6::nominal(), Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0));
+/// let irp6 = Irp6::nominal();
 /// // In a cell the panel is `ecp.jog_panel()`. A person jogs by 30 mm down, along the world's z axis, and is done after 2 s.
 /// let (panel, seat) = JogPanel::alone(irp6.clone());
 /// let down = JogOrder::read(&mut "world z -100% by 0.03".split_whitespace())?;
-/// let e = at_rest(&irp6, start);
+/// let e = at_rest(&irp6, Irp6::READY);
 /// let mut steps = 0;
 /// let demands = rehearse_all(PanelJog::by(panel), 0.002, |_| {
 ///     steps += 1;
@@ -35,7 +35,7 @@ use mrroc_generators::jogging::{Ahead, JogLimits, Run, Way};
 ///     Ok(Given { order: Order::new(()), e: State::new(e), v: Reading::new(()) })
 /// })?;
 /// let end = demands.last().and_then(Demand::as_joints).expect("joints");
-/// let way = irp6.forward(&end).translation.vector - irp6.forward(&start).translation.vector;
+/// let way = irp6.forward(&end).translation.vector - irp6.forward(&Irp6::READY).translation.vector;
 /// assert!((way.z + 0.03).abs() < 1e-9 && way.xy().norm() < 1e-9, "{way}");
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```

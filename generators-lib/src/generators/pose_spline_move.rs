@@ -23,15 +23,14 @@ const TURN: f64 = 0.1;
 /// use mrroc_generators::line::SmoothToolLimits;
 /// use mrroc_generators::profile::JerkLimits;
 /// use mrroc_generators::rehearsal::rehearse;
-/// use mrroc_robots::{Irp6, Six};
+/// use mrroc_robots::Irp6;
 ///
-/// # let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
 /// let irp6 = Irp6::nominal();
 /// let limits = JerkLimits { velocity: 0.1, acceleration: 0.5, jerk: 5.0 };
 /// let limits = SmoothToolLimits { translation: limits, rotation: limits };
-/// let at = |x, y| irp6.forward(&start) * Pose::translation(x, y, 0.0);
+/// let at = |x, y| irp6.forward(&Irp6::READY) * Pose::translation(x, y, 0.0);
 /// let motion = PoseSplineMove::through(vec![at(0.08, 0.0), at(0.08, 0.08)], limits);
-/// let demands = rehearse(motion, &irp6, start, 0.002)?;
+/// let demands = rehearse(motion, &irp6, Irp6::READY, 0.002)?;
 /// // It passes the first pose within half a step at 0.1 m/s, and ends at the last one.
 /// let off = |pose: Pose, x, y| (pose.translation.vector - at(x, y).translation.vector).norm();
 /// assert!(demands.iter().filter_map(Demand::as_pose).any(|pose| off(pose, 0.08, 0.0) <= 1e-4));
@@ -119,7 +118,7 @@ mod tests {
     #[test]
     fn every_pose_is_passed_within_the_limits_of_the_tool() {
         let robot = Irp6::nominal();
-        let q = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
+        let q = Irp6::READY;
         let start = robot.forward(&q);
         let by =
             |x: f64, y: f64, z: f64| start * Pose::new(Vector3::new(x, y, z), Vector3::new(y, z, x) * 5.0);

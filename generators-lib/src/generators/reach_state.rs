@@ -25,13 +25,12 @@ pub struct JointOrder {
 /// use mrroc_generators::rehearsal::at_rest;
 /// use mrroc_robots::{Irp6, Six};
 ///
-/// # let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
 /// let limits = JointLimits { velocity: Six::repeat(0.5), acceleration: Six::repeat(1.0), jerk: Six::repeat(10.0) };
 /// let mut reach = ReachState::<Irp6>::within(limits);
 /// // The coordinator wants the first joint 0.5 rad on.
 /// let mut joints = [0.0; MAX_JOINTS];
-/// joints[..6].copy_from_slice((start + Six::x() * 0.5).as_slice());
-/// let (order, e) = (Order::new(JointOrder { joints }), State::new(at_rest(&Irp6::nominal(), start)));
+/// joints[..6].copy_from_slice((Irp6::READY + Six::x() * 0.5).as_slice());
+/// let (order, e) = (Order::new(JointOrder { joints }), State::new(at_rest(&Irp6::nominal(), Irp6::READY)));
 /// let (v, t) = (Reading::new(()), Tick { step: 0, dt: 0.002, duration: 0.002 });
 /// let mut step = reach.first_step(&order, &e, &v, t)?;
 /// for _ in 1..800 {
@@ -39,7 +38,7 @@ pub struct JointOrder {
 /// }
 /// // D / V + V / A + A / J = 1.6 s are 800 steps of 2 ms.
 /// let Step::Next(demand) = step else { unreachable!() };
-/// assert!(demand.as_joints().is_some_and(|q| (q[0] - start[0] - 0.5).abs() < 1e-9));
+/// assert!(demand.as_joints().is_some_and(|q| (q[0] - Irp6::READY[0] - 0.5).abs() < 1e-9));
 /// # Ok::<(), Fault>(())
 /// ```
 pub struct ReachState<R: Robot> {
@@ -93,7 +92,7 @@ mod tests {
     fn a_target_that_moves_in_every_step_is_pursued_within_the_limits_and_caught() {
         const DT: f64 = 1e-3;
         let robot = Irp6::nominal();
-        let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
+        let start = Irp6::READY;
         let velocity = 0.5;
         let acceleration = 2.0;
         let jerk = 20.0;

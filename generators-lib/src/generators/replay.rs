@@ -19,7 +19,6 @@ use mrroc_generators::teach::{Reference, Space, Taught, TaughtPose};
 /// use mrroc_generators::teach::{Reference, Space, Taught, TaughtPose};
 /// use mrroc_robots::{Irp6, Six};
 ///
-/// # let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
 /// // Taught: by 0.2 rad of the first joint, at the whole velocity and acceleration, and back at half of either.
 /// let leg = |(share, q)| TaughtPose::new(share, share, &[q, 0.0, 0.0, 0.0, 0.0, 0.0]);
 /// let legs = [(1.0, 0.2), (0.5, -0.2)].map(leg);
@@ -28,10 +27,10 @@ use mrroc_generators::teach::{Reference, Space, Taught, TaughtPose};
 /// let limits = ProfileLimits { velocity: 0.1, acceleration: 0.5 };
 /// let limits = ToolLimits { translation: limits, rotation: limits };
 /// let replay = Replay::of(taught, Six::repeat(0.4), Six::repeat(0.8), limits);
-/// let demands = rehearse(replay, &Irp6::nominal(), start, 0.002)?;
+/// let demands = rehearse(replay, &Irp6::nominal(), Irp6::READY, 0.002)?;
 /// // D / V + V / A = 1 s there and 0.2 / 0.2 + 0.2 / 0.4 = 1.5 s back.
 /// assert_eq!(demands.len(), 500 + 750);
-/// assert!(demands[1249].as_joints().is_some_and(|q| (q - start).amax() < 1e-12));
+/// assert!(demands[1249].as_joints().is_some_and(|q| (q - Irp6::READY).amax() < 1e-12));
 /// # Ok::<(), Fault>(())
 /// ```
 pub struct Replay<R: Robot> {
@@ -129,7 +128,7 @@ mod tests {
 
     #[test]
     fn a_trj_file_is_replayed_in_the_closed_form_time() {
-        let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
+        let start = Irp6::READY;
         let arm = SimulatedIrp6::new(Irp6::nominal(), &start);
         let shaft = arm.shaft();
         let share = |x: f64| [x; 6].map(|x| format!("{x} ")).concat() + "\n";

@@ -22,14 +22,16 @@ use mrroc_generators::cooperation::{BodyFrame, BodyPath, Displacement, Grasps, P
 /// use mrroc_generators::line::ToolLimits;
 /// use mrroc_generators::profile::ProfileLimits;
 /// use mrroc_generators::rehearsal::{at_rest, rehearse_all};
-/// use mrroc_robots::{Irp6, Six};
+/// use mrroc_robots::Irp6;
 /// use nalgebra::Vector3;
 ///
-/// # let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
 /// let limits = ProfileLimits { velocity: 0.1, acceleration: 0.5 };
 /// let limits = ToolLimits { translation: limits, rotation: limits };
 /// let path = StraightBody::by(Pose::new(Vector3::z() * 0.1, Vector3::z() * 0.1), limits);
-/// let arms = [0.0, 0.5].map(|y| at_rest(&Irp6::nominal().with_base(Pose::translation(0.0, y, 0.0)), start));
+/// let arms = [0.0, 0.5].map(|y| {
+///     let base = Pose::translation(0.0, y, 0.0);
+///     at_rest(&Irp6::nominal().with_base(base), Irp6::READY)
+/// });
 /// // In a Move the handles say which arms they are: `RigidCarry::along(..)`.
 /// let carry = RigidCarry::<[Irp6; 2], _>::along(BodyFrame::Centroid, path);
 /// let demands = rehearse_all(carry, 0.002, |_| {
@@ -100,13 +102,13 @@ mod tests {
     use mrroc_generators::cooperation::StraightBody;
     use mrroc_generators::line::ToolLimits;
     use mrroc_generators::profile::ProfileLimits;
-    use mrroc_robots::{Irp6, SimulatedIrp6, Six};
+    use mrroc_robots::{Irp6, SimulatedIrp6};
     use nalgebra::Vector3;
     use std::time::Duration;
 
     #[test]
     fn two_arms_lift_a_body_in_the_closed_form_time() {
-        let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
+        let start = Irp6::READY;
         let left = Irp6::nominal();
         let right = Irp6::nominal().with_base(Pose::translation(1.8, 0.3, 0.0));
         let arms = [SimulatedIrp6::new(left.clone(), &start), SimulatedIrp6::new(right.clone(), &start)];

@@ -14,11 +14,10 @@ use mrroc::robot::JointVector;
 /// use mrroc_generators::rehearsal::rehearse;
 /// use mrroc_robots::{Irp6, Six};
 ///
-/// # let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
 /// // Within 1 mrad for 0.2 s, which must happen within a second.
 /// let settle = Settle::within(Six::repeat(1e-3), 0.2, 1.0);
 /// // A robot that obeys to the letter is there at once: it is done in its hundredth step.
-/// let demands = rehearse(settle, &Irp6::nominal(), start, 0.002)?;
+/// let demands = rehearse(settle, &Irp6::nominal(), Irp6::READY, 0.002)?;
 /// assert_eq!(demands, vec![Demand::hold(); 99]);
 /// # Ok::<(), Fault>(())
 /// ```

@@ -23,12 +23,14 @@ use mrroc_generators::profile::ProfileCursor;
 /// use mrroc_generators::line::ToolLimits;
 /// use mrroc_generators::profile::ProfileLimits;
 /// use mrroc_generators::rehearsal::{at_rest, rehearse_all};
-/// use mrroc_robots::{Irp6, Six};
+/// use mrroc_robots::Irp6;
 ///
-/// # let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
 /// let limits = ProfileLimits { velocity: 0.1, acceleration: 0.5 };
 /// let limits = ToolLimits { translation: limits, rotation: limits };
-/// let arms = [0.0, 0.5].map(|y| at_rest(&Irp6::nominal().with_base(Pose::translation(0.0, y, 0.0)), start));
+/// let arms = [0.0, 0.5].map(|y| {
+///     let base = Pose::translation(0.0, y, 0.0);
+///     at_rest(&Irp6::nominal().with_base(base), Irp6::READY)
+/// });
 /// // Each arm goes to its place 2 cm above where it is, by itself; then both move with the drive by 10 cm.
 /// let loops = arms.map(|arm| {
 ///     KinematicLoop::held(&Pose::identity(), &(Pose::translation(0.0, 0.0, 0.02) * arm.demanded().pose))

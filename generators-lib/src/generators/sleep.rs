@@ -12,11 +12,10 @@ use mrroc::prelude::*;
 /// use mrroc::prelude::*;
 /// use mrroc_generators::generators::Sleep;
 /// use mrroc_generators::rehearsal::rehearse;
-/// use mrroc_robots::{Irp6, Six};
+/// use mrroc_robots::Irp6;
 ///
-/// # let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
 /// // 0.5 s are 250 steps of 2 ms.
-/// let demands = rehearse(Sleep::lasting(0.5), &Irp6::nominal(), start, 0.002)?;
+/// let demands = rehearse(Sleep::lasting(0.5), &Irp6::nominal(), Irp6::READY, 0.002)?;
 /// assert_eq!(demands, vec![Demand::hold(); 250]);
 /// # Ok::<(), Fault>(())
 /// ```
@@ -53,12 +52,12 @@ impl<R: Robot> Sleep<R> {
 mod tests {
     use super::*;
 
-    use mrroc_robots::{Irp6, SimulatedIrp6, Six};
+    use mrroc_robots::{Irp6, SimulatedIrp6};
     use std::time::Duration;
 
     #[test]
     fn it_sleeps_as_long_as_told() {
-        let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
+        let start = Irp6::READY;
         let robot = RobotSetup::new("irp6", Irp6::nominal(), SimulatedIrp6::new(Irp6::nominal(), &start))
             .program(|ecp| ecp.move_robot((), Sleep::lasting(0.5)).map(drop));
         let report = Cell::new(Duration::from_millis(2)).robot(robot).run().expect("nothing moves");

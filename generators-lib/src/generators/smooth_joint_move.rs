@@ -16,10 +16,9 @@ use mrroc_generators::jerk::{JointLimits, JointState, JointTarget, MoveCursor, S
 /// use mrroc_generators::rehearsal::rehearse;
 /// use mrroc_robots::{Irp6, Six};
 ///
-/// # let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
 /// let limits = JointLimits { velocity: Six::repeat(0.5), acceleration: Six::repeat(1.0), jerk: Six::repeat(10.0) };
-/// let goal = start + Six::new(0.5, 0.1, 0.0, 0.0, 0.0, 0.0);
-/// let demands = rehearse(SmoothJointMove::to(goal, limits), &Irp6::nominal(), start, 0.002)?;
+/// let goal = Irp6::READY + Six::new(0.5, 0.1, 0.0, 0.0, 0.0, 0.0);
+/// let demands = rehearse(SmoothJointMove::to(goal, limits), &Irp6::nominal(), Irp6::READY, 0.002)?;
 /// // The first joint has the longest way: D / V + V / A + A / J = 1.6 s.
 /// assert_eq!((demands.len(), demands[799].as_joints()), (800, Some(goal)));
 /// # Ok::<(), Fault>(())
@@ -70,7 +69,7 @@ mod tests {
 
     #[test]
     fn the_slowest_joint_sets_the_pace_and_all_arrive() {
-        let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
+        let start = Irp6::READY;
         let goal = start + Six::new(0.5, 0.0, 0.0, 0.1, 0.0, -0.2);
         let arm = SimulatedIrp6::new(Irp6::nominal(), &start);
         let shaft = arm.shaft();

@@ -19,19 +19,18 @@ use mrroc_generators::feed::{FedPath, FeedError, FeedLimits};
 /// use mrroc_generators::feed::FeedLimits;
 /// use mrroc_generators::generators::SplineTrack;
 /// use mrroc_generators::rehearsal::rehearse;
-/// use mrroc_robots::{Irp6, Six};
+/// use mrroc_robots::Irp6;
 /// use nalgebra::{UnitQuaternion, Vector3};
 ///
-/// # let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
 /// // Points of a wave, in the coordinates of the tool as it stands; they may come from any iterator.
 /// let point = |i: i32| Vector3::new(0.002 * f64::from(i), 0.01 * (0.2 * f64::from(i)).sin(), 0.0);
 /// let (tangential, normal, chord_error, jerk) = (0.5, 0.5, f64::INFINITY, f64::INFINITY);
 /// let feed = FeedLimits { feed: 0.1, tangential, normal, step: 0.002, chord_error, jerk };
 /// let irp6 = Irp6::nominal();
-/// let (at, upright) = (irp6.forward(&start), UnitQuaternion::identity());
+/// let (at, upright) = (irp6.forward(&Irp6::READY), UnitQuaternion::identity());
 /// let track = SplineTrack::through((0..=50).map(point), SplineSettings::default(), feed, at, upright);
 /// let track = track.map_err(|bad| Fault::thrown(&bad.to_string()))?;
-/// let demands = rehearse(track, &irp6, start, 0.002)?;
+/// let demands = rehearse(track, &irp6, Irp6::READY, 0.002)?;
 /// let end = demands.last().and_then(Demand::as_pose).map(|end| at.inv_mul(&end).translation.vector);
 /// assert!(end.is_some_and(|end| (end - point(50)).norm() < 1e-6), "{end:?}");
 /// # Ok::<(), Fault>(())
@@ -93,7 +92,7 @@ mod tests {
     use super::*;
     use mrroc::observe::ServoRecord;
 
-    use mrroc_robots::{Irp6, SimulatedIrp6, Six};
+    use mrroc_robots::{Irp6, SimulatedIrp6};
     use nalgebra::Vector3;
     use std::{cell::RefCell, rc::Rc, time::Duration};
 
@@ -102,7 +101,7 @@ mod tests {
         const RADIUS: f64 = 0.02;
         const SPAN: f64 = std::f64::consts::TAU / 48.0;
         let irp6 = Irp6::nominal();
-        let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
+        let start = Irp6::READY;
         let points = (0..=48)
             .map(|i| f64::from(i) * SPAN)
             .map(|angle| Vector3::new(angle.cos(), angle.sin(), 0.0) * RADIUS);

@@ -26,7 +26,7 @@ use mrroc_generators::cooperation::{InternalForce, Placed, Sharing, SqueezeLaw, 
 /// use mrroc_generators::line::ToolLimits;
 /// use mrroc_generators::profile::ProfileLimits;
 /// use mrroc_generators::rehearsal::{at_rest, rehearse_all};
-/// use mrroc_robots::{Irp6, Six};
+/// use mrroc_robots::Irp6;
 /// use nalgebra::Vector3;
 ///
 /// # struct Wrist;
@@ -35,7 +35,6 @@ use mrroc_generators::cooperation::{InternalForce, Placed, Sharing, SqueezeLaw, 
 /// #     type Reading = Wrench;
 /// #     type Configuration = ();
 /// # }
-/// # let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
 /// let stiffness = GraspStiffness { force: 2000.0, torque: 20.0 };
 /// let gains = SqueezeGains { stiffness, rate: 5.0, inertia: 0.0 };
 /// let bounds = SqueezeBounds { speed: 0.2, turning: 0.2, way: 0.1, angle: 0.1 };
@@ -43,7 +42,10 @@ use mrroc_generators::cooperation::{InternalForce, Placed, Sharing, SqueezeLaw, 
 /// let limits = ProfileLimits { velocity: 0.1, acceleration: 0.5 };
 /// let limits = ToolLimits { translation: limits, rotation: limits };
 /// let path = StraightBody::by(Pose::translation(0.1, 0.0, 0.0), limits);
-/// let arms = [0.0, 0.5].map(|y| at_rest(&Irp6::nominal().with_base(Pose::translation(0.0, y, 0.0)), start));
+/// let arms = [0.0, 0.5].map(|y| {
+///     let base = Pose::translation(0.0, y, 0.0);
+///     at_rest(&Irp6::nominal().with_base(base), Irp6::READY)
+/// });
 /// let carry = SqueezedCarry::<[Irp6; 2], [Wrist; 2], _>::along(BodyFrame::Centroid, path, law, 0.0, 1);
 /// // Both feel in every step that they are pulled apart by 20 N, along y.
 /// let felt = [0, 1].map(|i| {

@@ -18,17 +18,16 @@ use mrroc_generators::profile::ProfileCursor;
 /// use mrroc_generators::line::ToolLimits;
 /// use mrroc_generators::profile::ProfileLimits;
 /// use mrroc_generators::rehearsal::rehearse;
-/// use mrroc_robots::{Irp6, Six};
+/// use mrroc_robots::Irp6;
 ///
-/// # let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
 /// let irp6 = Irp6::nominal();
 /// let limits = ProfileLimits { velocity: 0.1, acceleration: 0.1 };
 /// let limits = ToolLimits { translation: limits, rotation: limits };
 /// let along_z = StraightLine::by(Pose::translation(0.0, 0.0, 0.1), limits);
-/// let demands = rehearse(along_z, &irp6, start, 0.002)?;
+/// let demands = rehearse(along_z, &irp6, Irp6::READY, 0.002)?;
 /// // D / V + V / A = 2 s.
 /// assert_eq!(demands.len(), 1000);
-/// let end = demands[999].as_pose().map(|end| irp6.forward(&start).inv_mul(&end).translation.vector);
+/// let end = demands[999].as_pose().map(|end| irp6.forward(&Irp6::READY).inv_mul(&end).translation.vector);
 /// assert!(end.is_some_and(|end| (end - nalgebra::Vector3::z() * 0.1).norm() < 1e-12));
 /// # Ok::<(), Fault>(())
 /// ```
@@ -97,13 +96,13 @@ mod tests {
 
     use mrroc_generators::line::SmoothToolLimits;
     use mrroc_generators::profile::{JerkLimits, ProfileLimits};
-    use mrroc_robots::{Irp6, SimulatedIrp6, Six};
+    use mrroc_robots::{Irp6, SimulatedIrp6};
     use std::{cell::RefCell, rc::Rc, time::Duration};
 
     /// Moves the tool of an arm straight down by 50 mm, sees that it went there straight, and returns how long it took \[s\].
     fn straight_down(limits: impl MotionLimits) -> f64 {
         let irp6 = Irp6::nominal();
-        let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
+        let start = Irp6::READY;
         let trace = Rc::new(RefCell::new(Vec::new()));
         let recorder = Rc::clone(&trace);
         let robot = RobotSetup::new("irp6", irp6.clone(), SimulatedIrp6::new(irp6.clone(), &start))

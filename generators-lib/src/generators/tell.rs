@@ -14,13 +14,12 @@ use mrroc::robot::{Level, Output, Tool, Value};
 /// use mrroc::robot::{Channel, Output};
 /// use mrroc_generators::generators::Tell;
 /// use mrroc_generators::rehearsal::rehearse;
-/// use mrroc_robots::{Irp6, Six};
+/// use mrroc_robots::Irp6;
 ///
-/// # let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
 /// # let output = |number| Output::<bool>::of(Channel::Digital(number)).ok_or_else(|| Fault::thrown("not digital"));
 /// // In a program: `let (vacuum, lamp) = (arm.output("vacuum")?, arm.output("lamp")?)`.
 /// let (vacuum, lamp) = (output(0)?, output(1)?);
-/// let demands = rehearse(Tell::output(vacuum, true).and(lamp, false), &Irp6::nominal(), start, 0.002)?;
+/// let demands = rehearse(Tell::output(vacuum, true).and(lamp, false), &Irp6::nominal(), Irp6::READY, 0.002)?;
 /// assert_eq!(demands, vec![Demand::hold().with_output(vacuum, true).with_output(lamp, false)]);
 /// # Ok::<(), Fault>(())
 /// ```

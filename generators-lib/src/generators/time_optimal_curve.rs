@@ -22,12 +22,11 @@ use mrroc_generators::timing::{PathLimits, TimeOptimal, grid, joint_spline};
 /// use mrroc_robots::{Irp6, Six};
 /// use nalgebra::Vector3;
 ///
-/// # let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
 /// let helix = Helix::about(Vector3::zeros(), Vector3::x() * 0.05, Vector3::z_axis(), 3.0, 0.02);
 /// let helix = helix.map_err(|bad| Fault::thrown(&bad.to_string()))?;
 /// let limits = PathLimits { velocity: Six::repeat(0.2), acceleration: Six::repeat(1.0), speed: f64::INFINITY };
 /// let irp6 = Irp6::nominal();
-/// let demands = rehearse(TimeOptimalCurve::along(irp6.clone(), helix, limits), &irp6, start, 0.002)?;
+/// let demands = rehearse(TimeOptimalCurve::along(irp6.clone(), helix, limits), &irp6, Irp6::READY, 0.002)?;
 /// // No joint is faster than its limit, and in the least time one of them is that fast.
 /// let joints: Vec<Six> = demands.iter().filter_map(Demand::as_joints).collect();
 /// let fastest = joints.windows(2).map(|q| (q[1] - q[0]).amax() / 0.002).fold(0.0, f64::max);
@@ -82,14 +81,14 @@ mod tests {
     use super::*;
 
     use mrroc_generators::curve::Helix;
-    use mrroc_robots::{Irp6, SimulatedIrp6, Six};
+    use mrroc_robots::{Irp6, SimulatedIrp6};
     use nalgebra::Vector3;
     use std::time::Duration;
 
     #[test]
     fn a_helix_is_executed_within_the_robots_own_limits() {
         let irp6 = Irp6::nominal();
-        let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
+        let start = Irp6::READY;
         let arm = SimulatedIrp6::new(irp6.clone(), &start);
         let shaft = arm.shaft();
         let turn = std::f64::consts::TAU;

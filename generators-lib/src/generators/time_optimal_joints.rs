@@ -18,10 +18,10 @@ use mrroc_generators::timing::{PathLimits, TimeOptimal, grid};
 /// use mrroc_generators::timing::PathLimits;
 /// use mrroc_robots::{Irp6, Six};
 ///
-/// # let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
 /// let limits = PathLimits { velocity: Six::repeat(1.0), acceleration: Six::repeat(0.8), speed: f64::INFINITY };
-/// let goal = start + Six::x() * 0.2;
-/// let demands = rehearse(TimeOptimalJoints::through(vec![goal], limits), &Irp6::nominal(), start, 0.002)?;
+/// let goal = Irp6::READY + Six::x() * 0.2;
+/// let motion = TimeOptimalJoints::through(vec![goal], limits);
+/// let demands = rehearse(motion, &Irp6::nominal(), Irp6::READY, 0.002)?;
 /// // One joint, from rest to rest: 2 sqrt(D / A) = 1 s, within what the grid of the plan costs.
 /// assert!((500..=510).contains(&demands.len()), "{}", demands.len());
 /// assert!(demands.last().and_then(Demand::as_joints).is_some_and(|q| (q - goal).amax() < 1e-9));
@@ -113,7 +113,7 @@ mod tests {
     #[test]
     fn some_joint_is_at_a_limit_throughout_and_none_beyond() {
         let robot = Irp6::nominal();
-        let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
+        let start = Irp6::READY;
         let at = |x: f64, y: f64| start + Six::new(x, y, -0.5 * x, 0.0, y * x, 0.3 * x);
         let points = vec![at(0.2, 0.1), at(0.4, -0.1), at(0.3, 0.2), at(0.0, 0.1)];
         let limits =

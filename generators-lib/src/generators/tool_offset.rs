@@ -16,13 +16,12 @@ use mrroc_generators::profile::ProfileCursor;
 /// use mrroc_generators::line::ToolLimits;
 /// use mrroc_generators::profile::ProfileLimits;
 /// use mrroc_generators::rehearsal::rehearse;
-/// use mrroc_robots::{Irp6, Six};
+/// use mrroc_robots::Irp6;
 ///
-/// # let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
 /// let limits = ProfileLimits { velocity: 0.1, acceleration: 0.1 };
 /// let limits = ToolLimits { translation: limits, rotation: limits };
 /// let offset = Pose::translation(0.0, 0.0, 0.1);
-/// let demands = rehearse(ToolOffset::by(offset, limits), &Irp6::nominal(), start, 0.002)?;
+/// let demands = rehearse(ToolOffset::by(offset, limits), &Irp6::nominal(), Irp6::READY, 0.002)?;
 /// // D / V + V / A = 2 s.
 /// assert_eq!((demands.len(), demands[999]), (1000, Demand::displacement(offset)));
 /// # Ok::<(), Fault>(())

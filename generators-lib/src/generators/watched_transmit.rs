@@ -18,11 +18,10 @@ use mrroc_generators::cooperation::Displacement;
 /// use mrroc_generators::cooperation::Displacement;
 /// use mrroc_generators::generators::WatchedTransmit;
 /// use mrroc_generators::rehearsal::at_rest;
-/// use mrroc_robots::{Irp6, Six};
+/// use mrroc_robots::Irp6;
 ///
-/// # let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
 /// let irp6 = Irp6::nominal();
-/// let at = *at_rest(&irp6, start).demanded();
+/// let at = *at_rest(&irp6, Irp6::READY).demanded();
 /// let mut watch = WatchedTransmit::<Irp6>::within(5e-3, 0.05);
 /// let pose = Pose::translation(0.0, 0.0, 0.01);
 /// let (order, v) = (Order::new(Displacement { pose }), Reading::new(()));

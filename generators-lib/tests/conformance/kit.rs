@@ -43,7 +43,7 @@ pub fn load(z: f64) -> SensorImage<Wrist> {
 }
 
 pub fn arm() -> Six {
-    Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0)
+    Irp6::READY
 }
 
 pub fn start() -> Pose {

@@ -38,7 +38,7 @@ pub fn arm<R: Driven<N>, const N: usize>(
 
 /// Where the IRp-6 arms of these tests begin.
 pub fn irp6_start() -> Six {
-    Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0)
+    Irp6::READY
 }
 
 /// An IRp-6 whose base stands `distance` \[m\] from the world's axis in the direction `angle` \[rad\], and faces the axis.

@@ -41,7 +41,7 @@ impl Sensor for Camera {
 
 /// Where the joints are at the start [rad].
 pub fn joints() -> Six {
-    Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0)
+    Irp6::READY
 }
 
 fn image(pose: Pose) -> Image {

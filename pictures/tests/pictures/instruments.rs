@@ -98,7 +98,7 @@ fn pause(c: &mut Pause) -> bool {
 /// A Move of a second that reads, a Wait of half a second that does not, a Move of a second that reads and switches a
 /// vacuum on at once; suspended for a second in between. The switch of the vacuum follows 100 ms after it.
 fn picture() -> String {
-    let rest = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
+    let rest = Irp6::READY;
     let arm = RobotSetup::new("arm", Irp6::nominal(), SimulatedIrp6::new(Irp6::nominal(), &rest))
         .output(OutputSetup::new("vacuum", Channel::Digital(2)).holds_body())
         .input(

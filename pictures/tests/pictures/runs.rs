@@ -138,7 +138,7 @@ impl<R: Robot> Along<R> {
     }
 }
 
-const START: Six = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
+const START: Six = Irp6::READY;
 
 fn arm(name: &str, base: Pose, duration: f64, way: fn(f64, Six) -> Six) -> RobotSetup<Irp6> {
     let robot = Irp6::nominal().with_base(base);

@@ -377,7 +377,7 @@ fn waiter(fabric: &Fabric) -> RealTime {
 
 /// The folder for raw samples.
 fn samples_folder() -> PathBuf {
-    let folder = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../target/latency"));
+    let folder = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../target/latency"));
     std::fs::create_dir_all(&folder).expect("a folder");
     folder
 }

@@ -32,9 +32,9 @@ pub enum DriveTrouble {
 /// ```
 /// use mrroc::cell::RobotSetup;
 /// use mrroc::testing::{DriveTrouble, FaultyDrive};
-/// use mrroc_robots::{Irp6, SimulatedIrp6, Six};
+/// use mrroc_robots::{Irp6, SimulatedIrp6};
 ///
-/// let arm = SimulatedIrp6::new(Irp6::nominal(), &Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0));
+/// let arm = SimulatedIrp6::new(Irp6::nominal(), &Irp6::READY);
 /// // The second joint is blocked from the 300th servo period on.
 /// let drives = FaultyDrive::<Irp6, _>::new(arm, DriveTrouble::Blocked, 1, 300);
 /// let setup = RobotSetup::new("irp6", Irp6::nominal(), drives);

@@ -16,9 +16,7 @@
 //! ```
 //! use mrroc::testing::{LinkFault, Press, Sweep};
 //! use mrroc::prelude::*;
-//! use mrroc_robots::{Irp6, SimulatedIrp6, Six};
-//!
-//! const START: [f64; 6] = [0.0, -1.57, 0.16, -0.16, 4.71, 0.0];
+//! use mrroc_robots::{Irp6, SimulatedIrp6};
 //!
 //! /// Turns the column by 0.02 rad, smoothly, in 0.2 s of path time.
 //! struct Turn { t: f64 }
@@ -30,13 +28,13 @@
 //!     }
 //!     c.t = (c.t + t.dt).min(0.2);
 //!     let u = c.t / 0.2;
-//!     let mut q = Six::from(START);
+//!     let mut q = Irp6::READY;
 //!     q[0] += 0.02 * u * u * u * (10.0 - 15.0 * u + 6.0 * u * u);
 //!     Step::Next((Demand::joints(q),))
 //! }
 //!
 //! let cell = || {
-//!     let arm = SimulatedIrp6::new(Irp6::nominal(), &Six::from(START));
+//!     let arm = SimulatedIrp6::new(Irp6::nominal(), &Irp6::READY);
 //!     Cell::new(std::time::Duration::from_millis(2))
 //!         .robot(RobotSetup::new("irp6", Irp6::nominal(), arm))
 //!         .program(|mp| {

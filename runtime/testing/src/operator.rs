@@ -27,9 +27,7 @@ use mrroc_core::operator::{Latch, Operator};
 /// use mrroc::prelude::*;
 /// use mrroc::fault::FaultKind;
 /// use mrroc::testing::RandomOperator;
-/// use mrroc_robots::{Irp6, SimulatedIrp6, Six};
-///
-/// const START: [f64; 6] = [0.0, -1.57, 0.16, -0.16, 4.71, 0.0];
+/// use mrroc_robots::{Irp6, SimulatedIrp6};
 ///
 /// /// Turns the column to and fro by 0.1 rad, once in a second.
 /// struct Sway { t: f64 }
@@ -37,7 +35,7 @@ use mrroc_core::operator::{Latch, Operator};
 /// #[generator(mp)]
 /// fn sway(c: &mut Sway, t: Tick) -> Step<(Irp6,)> {
 ///     c.t += t.dt;
-///     let mut q = Six::from(START);
+///     let mut q = Irp6::READY;
 ///     // (1 - cos u)² / 4 begins without acceleration.
 ///     let u = core::f64::consts::TAU * c.t;
 ///     q[0] += 0.025 * (1.0 - u.cos()).powi(2);
@@ -45,7 +43,7 @@ use mrroc_core::operator::{Latch, Operator};
 /// }
 ///
 /// let report = RandomOperator::new(|_seed| {
-///     let arm = SimulatedIrp6::new(Irp6::nominal(), &Six::from(START));
+///     let arm = SimulatedIrp6::new(Irp6::nominal(), &Irp6::READY);
 ///     Cell::new(std::time::Duration::from_millis(2))
 ///         .robot(RobotSetup::new("irp6", Irp6::nominal(), arm))
 ///         .program(|mp| {

@@ -64,7 +64,7 @@ impl Layout {
             tool: Pose::translation(0.0, 0.0, TOOL_LENGTH),
             plate: Pose::from_parts(Translation3::from(corner), turn),
             orientation: turn.inverse() * down,
-            park: Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0),
+            park: Irp6::READY,
         };
         let middle = Vec2::new(plate.width / 2.0, plate.height / 2.0);
         layout.park = layout.joints(middle, PARK_HEIGHT)?;

@@ -1,5 +1,5 @@
 //! What the whole-system tests and the benchmarks of `mrroc` share: two small robots, drives that follow their demands
-//! exactly (they are about the runtime; real dynamics are in `mrroc-robots`), and a recorder of demands.
+//! exactly (they are about the runtime; real dynamics are in `mrroc-robots`), a motion by orders, and a recorder of demands.
 
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -8,7 +8,7 @@ use std::time::Duration;
 use mrroc::fault::Excess;
 use mrroc::observe::ServoRecord;
 use mrroc::prelude::*;
-use mrroc::robot::{DriveFault, Driver, JointKind, Limits, Measured, NoInverse};
+use mrroc::robot::{DriveFault, Driver, JointKind, JointVector, Limits, Measured, NoInverse};
 use nalgebra::{SVector, Translation3};
 
 /// The step that most tests use.
@@ -177,6 +177,42 @@ impl<R: Robot<Joints = Q<N>>, const N: usize> Driver<R> for ExactDrive<N> {
             self.measured = Measured { position: *demanded, velocity };
         }
         Ok(self.measured)
+    }
+}
+
+/// An order for [`Follow`]: by how much the first joint is off where the Move began \[rad or m\].
+#[derive(Clone, Copy, Debug, PartialEq, Payload)]
+pub struct Turned {
+    /// The offset \[rad or m\].
+    pub by: f64,
+}
+
+/// A motion of an ECP that goes where the MP's order turns the first joint to, and ends with the MP's Move.
+#[derive(Clone, Debug)]
+pub struct Follow<R: Robot> {
+    /// Where it began \[rad or m\].
+    from: R::Joints,
+}
+
+impl<R: Robot> Follow<R> {
+    /// Takes the offset from the joint positions that are demanded when it begins.
+    #[must_use]
+    pub fn from_here() -> Self {
+        Follow { from: R::Joints::zeros() }
+    }
+}
+
+#[generator(ecp)]
+impl<R: Robot> Follow<R> {
+    fn first_step(&mut self, order: &Order<Turned>, e: &State<R>) -> Step<R> {
+        self.from = e.demanded().joints;
+        self.next_step(order)
+    }
+
+    fn next_step(&mut self, order: &Order<Turned>) -> Step<R> {
+        let mut q = self.from;
+        q[0] += order.value().by;
+        Step::Next(Demand::joints(q))
     }
 }
 
