@@ -1,12 +1,26 @@
 # Mirrors CI; the README's two commands need none of it.
 
-# What CI runs, in two parts: the tests, and what compares with other software or needs much of it.
-ci:
-    .ci/run
+# What CI runs: the tests, the same in release's code, the linters, and the peers whose crates have changed since a commit.
+ci COMMIT="":
+    .ci/run {{COMMIT}}
 
-# Its second part alone.
-peers:
-    .ci/peers
+# What compares with software of others; with a commit only what has changed since.
+peers COMMIT="":
+    .ci/peers {{COMMIT}}
+
+# The tests that need the machine's clock, so many times, none of them again because it failed: how many passed, and how cells ended.
+real-time N="30":
+    tests/real_time {{N}}
+
+# Whether rustc drops a comparison that is read, in all crates of the lock file (decision 75): release code, from clean.
+dropped-comparisons:
+    RUSTC_WRAPPER="$PWD/.ci/dropped-comparisons" cargo build --release --workspace --exclude mrroc-zenoh --target-dir target/dropped-comparisons
+
+# Recordings of release builds replayed by debug builds, and the other way round, so many of each task.
+recordings N="20":
+    cargo build -p engraving -p transfer -p maze -p sorting -p legs --features mrroc/recording --bins
+    cargo build --release -p engraving -p transfer -p maze -p sorting -p legs --features mrroc/recording --bins
+    .ci/recordings {{N}} target/debug target/release
 
 # All tests but those of `mrroc-new`.
 test:
