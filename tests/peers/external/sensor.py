@@ -29,6 +29,7 @@ CELL = ROOT / "ports/external/examples/cell.toml"
 STEP = 0.002
 STALE = 50  # steps: 100 ms
 RATE = 30.0  # of readings [Hz]
+AFTER = 0.7  # so long a cell of two seconds reads a program before something happens to that [s]
 # The joint that moves, at 0.5 rad/s: its braking time at 7 rad/s² is 0.214 s by `--check`.
 BRAKING = 107
 DELAY = 1
@@ -51,27 +52,29 @@ def program(mode, log):
         print(error)
         raise SystemExit(3) from None
     with ends, open(log, "w", buffering=1) as sent:
-        direction, began, hiccup = 0.0, time.monotonic(), False
+        began, heard, hiccup = time.monotonic(), None, False
         while True:
             now = time.monotonic_ns()
-            t = time.monotonic() - began
+            order = ends.order()
+            heard = time.monotonic() if heard is None and order is not None else heard
+            # It goes wrong when the cell has read it for a while.
+            t, reads = time.monotonic() - began, time.monotonic() - (heard or time.monotonic())
             # Noise in every bit, slower than 2 rad/s.
             direction = 0.2 * math.sin(t) + 1e-3 * rng.random()
             reading = port.Reading(direction, True)
-            if t > 1.0 and mode == "hiccup" and not hiccup:
+            if reads > AFTER and mode == "hiccup" and not hiccup:
                 hiccup = True
                 time.sleep(0.2)
-            if t > 1.0 and mode == "other layout":
+            if reads > AFTER and mode == "other layout":
                 port.LAYOUT ^= 1
-            if t > 1.0 and mode == "jump":
+            if reads > AFTER and mode == "jump":
                 reading = port.Reading(direction + 0.25, True)
-            if t > 1.0 and mode == "future":
+            if reads > AFTER and mode == "future":
                 now += 10**12
-            order = ends.order()
-            version, port.VERSION = port.VERSION, 2 if t > 1.0 and mode == "other version" else port.VERSION
+            version, port.VERSION = port.VERSION, 2 if reads > AFTER and mode == "other version" else port.VERSION
             ends.send(reading, now, order)
             port.VERSION = version
-            sent.write(f"{struct.pack('>d', reading.direction).hex()} {now}\n")
+            sent.write(f"{struct.pack('>d', reading.direction).hex()} {now} {heard is not None:d}\n")
             time.sleep(max(0.0, 1 / port.RATE_HZ - (time.monotonic_ns() - now) / 1e9))
 
 
@@ -140,6 +143,13 @@ def bits(number):
     return struct.pack(">d", number).hex()
 
 
+def until_read(folder, mode, running):
+    """Until the cell has read a program for a while."""
+    while running.poll() is None and not any(line.endswith(" 1") for line in (folder / f"{mode}.sent").read_text().splitlines()):
+        time.sleep(0.02)
+    time.sleep(AFTER)
+
+
 def stale(outcome, program):
     """Whether the program, in Python, was late itself: no reading of it was taken for so long though it was there to the end."""
     return outcome.kind == "SensorStale" and program.poll() is None
@@ -184,7 +194,7 @@ def stopped(folder, mode, kind, told, kill=False):
     with Program(folder, mode) as python:
         running = cell(folder)
         if kill:
-            time.sleep(1.5)
+            until_read(folder, mode, running)
             python.kill()
         outcome, _ = ended(running, folder)
     # A program that is late makes a stale sensor of any.
