@@ -4,10 +4,10 @@
 //!
 //! `--seconds` behind a `--` says for how long, three by default.
 
-use mrroc_external::{External, Onlookers};
-use mrroc_robots::{Irp6, Six, simulated};
 use mrroc::launch::own_option;
 use mrroc::prelude::*;
+use mrroc_external::{External, Onlookers};
+use mrroc_robots::{Irp6, Six, simulated};
 
 // ANCHOR: kind
 /// Where the part is.

@@ -4,13 +4,13 @@
 //!
 //! `--metres` behind a `--` says how long the lines are, 0.2 by default.
 
+use mrroc::launch::own_option;
+use mrroc::prelude::*;
 use mrroc_external::plant;
 use mrroc_generators::generators::{Delay, StraightLine};
 use mrroc_generators::line::ToolLimits;
 use mrroc_generators::profile::ProfileLimits;
 use mrroc_robots::{Serial, simulated};
-use mrroc::launch::own_option;
-use mrroc::prelude::*;
 
 fn main() -> std::process::ExitCode {
     mrroc::launch(cell, mrroc_pictures::Film::new())

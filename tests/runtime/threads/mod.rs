@@ -38,7 +38,7 @@ fn cell(mode: VspMode, latency: u64, operated: bool) -> (Cell, [Trace<3>; 2], Se
     let cell = Cell::new(MS).robot(one).robot(two).sensor(sensor.latency(Duration::from_micros(latency)));
     let cell = cell.on_step(move |step, operator| match (operated, step) {
         (true, 200) => operator.suspend(),
-        (true, 400) => drop(operator.resume()),
+        (true, 400) => operator.resume(),
         (true, 900) => operator.protective_stop(),
         _ => {}
     });

@@ -10,6 +10,8 @@ use std::time::Duration;
 use engraving::drawing::{Limits, read_str};
 use engraving::placement::{Plate, Sizing, place};
 use engraving::sampling::{Mark, Sampling};
+use mrroc::launch::own_option;
+use mrroc::prelude::*;
 use mrroc_franka::{FciSettings, Fr3, with_franka_as};
 use mrroc_generators::bspline::{Junction, Method, SplinePoint, SplineSettings};
 use mrroc_generators::feed::FeedLimits;
@@ -17,8 +19,6 @@ use mrroc_generators::generators::{JointMove, SplineTrack, StraightLine};
 use mrroc_generators::line::ToolLimits;
 use mrroc_generators::profile::ProfileLimits;
 use mrroc_robots::{Seven, simulated};
-use mrroc::launch::own_option;
-use mrroc::prelude::*;
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 
 /// A posture with the tool straight down, away from the shoulder's singularity at 0 of joint 2 \[rad\].

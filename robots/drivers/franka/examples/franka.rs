@@ -5,11 +5,11 @@
 
 use std::time::Duration;
 
+use mrroc::launch::own_option;
+use mrroc::prelude::*;
 use mrroc_franka::{Collision, FciSettings, Fr3, with_franka_as};
 use mrroc_generators::generators::JointMove;
 use mrroc_robots::{Seven, simulated};
-use mrroc::launch::own_option;
-use mrroc::prelude::*;
 
 /// Where the arm is far from the ends of its range \[rad\].
 const MIDDLE: [f64; 7] = [0.0, 0.0, 0.0, -1.57, 0.0, 1.57, 0.785];

@@ -4,13 +4,13 @@
 //!
 //! `--times` behind a `--` says how often, once by default.
 
+use mrroc::launch::own_option;
+use mrroc::prelude::*;
+use mrroc::robot::{Input, Regulators};
 use mrroc_franka::with_franka_hand;
 use mrroc_generators::conditions::{ConditionExt, elapsed};
 use mrroc_generators::generators::JointMove;
 use mrroc_robots::{Irp6, One, Six, TwoFingers, simulated};
-use mrroc::launch::own_option;
-use mrroc::prelude::*;
-use mrroc::robot::{Input, Regulators};
 
 /// Openings around the part and, pressing on it, beyond it \[m\].
 const OPEN: f64 = 0.07;

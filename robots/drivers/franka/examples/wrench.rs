@@ -5,13 +5,13 @@
 
 use std::time::Duration;
 
+use mrroc::launch::own_option;
+use mrroc::pose::Wrench;
+use mrroc::prelude::*;
 use mrroc_franka::{FciSettings, Fr3, with_franka_as};
 use mrroc_generators::conditions::elapsed;
 use mrroc_robots::sensors::{RobotWrench, WristForce};
 use mrroc_robots::simulated;
-use mrroc::launch::own_option;
-use mrroc::pose::Wrench;
-use mrroc::prelude::*;
 
 fn main() -> std::process::ExitCode {
     mrroc::launch(cell, mrroc_pictures::Film::new())

@@ -4,12 +4,12 @@
 //! `--times` behind a `--` says how often, once by default; each time takes two seconds. With `signals.toml` the arm grips something there, and
 //! lets it go here.
 
-use mrroc_generators::generators::{JointMove, Tell};
-use mrroc_kuka::with_rsi;
-use mrroc_robots::{Serial, Six, simulated};
 use mrroc::launch::own_option;
 use mrroc::prelude::*;
 use mrroc::robot::Input;
+use mrroc_generators::generators::{JointMove, Tell};
+use mrroc_kuka::with_rsi;
+use mrroc_robots::{Serial, Six, simulated};
 
 fn main() -> std::process::ExitCode {
     mrroc::launch(cell, mrroc_pictures::Film::new())

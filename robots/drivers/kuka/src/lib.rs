@@ -96,8 +96,9 @@ mod tests {
     /// The refusal of a KUKA arm with these lines in its table, in the cell of the example; or none.
     fn refusal(lines: &str) -> Option<String> {
         let example = include_str!("../examples/cell.toml").replace("stop_ms = 1000", "stop_ms = 2000");
+        let example = example.replace("file = \"kr6", &format!("{lines}\nfile = \"kr6"));
         let name = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/cell.toml");
-        let file = CellFile::parse(name, &format!("{example}{lines}\n")).expect("well-formed");
+        let file = CellFile::parse(name, &example).expect("well-formed");
         file.cell(&with_rsi(mrroc_robots::simulated())).err().map(|why| why.to_string())
     }
 

@@ -4,13 +4,13 @@
 //!
 //! `--times` behind a `--` says how often, once by default.
 
-use mrroc_generators::generators::Tell;
-use mrroc_modbus::{Layout, Scale, with_modbus_io};
-use mrroc_robots::{IoBlock, simulated};
 use mrroc::generator::RobotHandle;
 use mrroc::launch::own_option;
 use mrroc::prelude::*;
 use mrroc::robot::{Input, WhenLost};
+use mrroc_generators::generators::Tell;
+use mrroc_modbus::{Layout, Scale, with_modbus_io};
+use mrroc_robots::{IoBlock, simulated};
 
 /// Eight inputs, four relays at coils 16 to 19, and an analog input and output of 0 to 10 V on 12 bits.
 const LAYOUT: Layout = Layout {

@@ -4,12 +4,12 @@
 //!
 //! `--times` behind a `--` says how often, once by default.
 
+use mrroc::launch::own_option;
+use mrroc::prelude::*;
 use mrroc_generators::conditions::elapsed;
 use mrroc_generators::generators::JointMove;
 use mrroc_robotiq::with_robotiq;
 use mrroc_robots::{Irp6, One, Six, TwoFingers, simulated};
-use mrroc::launch::own_option;
-use mrroc::prelude::*;
 
 /// Openings around the part and, pressing on it, beyond it \[m\].
 const OPEN: f64 = 0.08;

@@ -8,12 +8,12 @@
 
 use core::time::Duration;
 
-use mrroc_generators::generators::JointMove;
-use mrroc_robots::sensors::{RobotWrench, WristForce};
-use mrroc_robots::{Serial, Six, simulated};
 use mrroc::launch::own_option;
 use mrroc::pose::Wrench;
 use mrroc::prelude::*;
+use mrroc_generators::generators::JointMove;
+use mrroc_robots::sensors::{RobotWrench, WristForce};
+use mrroc_robots::{Serial, Six, simulated};
 use mrroc_ur::{UrSettings, with_ur_as};
 
 fn main() -> std::process::ExitCode {
