@@ -77,21 +77,25 @@ impl Patience {
         }
     }
 
-    /// The note about a cell that has stopped for a fault, once: under the virtual clock no console can reset it.
+    /// The note about a cell that has stopped for a fault, once: it awaits its reset.
     fn after_stop(&mut self, operator: &Operator) -> Option<String> {
         let is_latched = matches!(operator.state(), CellState::Latched | CellState::Acknowledged);
         let was_told = core::mem::replace(&mut self.is_latch_told, is_latched);
-        if was_told || !is_latched || !self.awaits_reset || !matches!(self.awaited, Awaited::Run) {
+        if was_told || !is_latched || !self.awaits_reset {
             return None;
         }
+        let how = match self.awaited {
+            Awaited::DryRun => return None,
+            Awaited::OperatedRun => "press `acknowledge`, then `reset`, from another terminal, or `abort`",
+            Awaited::Run => {
+                "on the memory link only the program can press it; run it by --processes to reset it from another terminal; stop it by Ctrl-C"
+            }
+        };
         let cause = operator.fault().map_or_else(String::new, |fault| match fault.help() {
             Some(help) => format!(": {fault}\n help: {help}"),
             None => format!(": {fault}"),
         });
-        Some(format!(
-            "the cell has stopped{cause}\n it awaits its reset, which under the virtual clock only the program can press; run it by \
-             --processes to reset it from another terminal; stop it by Ctrl-C"
-        ))
+        Some(format!("the cell has stopped{cause}\n it awaits its reset: {how}"))
     }
 
     /// The note about a run that is in this step after this time, if one is due.
@@ -103,7 +107,7 @@ impl Patience {
         let seconds = elapsed.as_secs();
         Some(match self.awaited {
             Awaited::Run | Awaited::DryRun if suspended => format!(
-                "still suspended after {seconds} s, in step {step}: under the virtual clock no console resumes it, only the program \
+                "still suspended after {seconds} s, in step {step}: on the memory link no console resumes it, only the program \
                  that has suspended it can; run it by --processes to resume it from another terminal; stop it by Ctrl-C"
             ),
             Awaited::Run | Awaited::OperatedRun => format!(

@@ -107,8 +107,8 @@ fn take_part(
     }
     if !how.quiet {
         let patience = match how.clock {
-            // No console can reach it.
-            Some(Clock::Virtual) => Patience::begin().with_reset(cell.awaits_reset()),
+            // Its launcher does not look at what the MP shows.
+            Some(Clock::Virtual) => Patience::begin_operated().with_reset(cell.awaits_reset()),
             Some(Clock::Real) | None => Patience::begin_operated(),
         };
         cell = cell.also_on_step(patience.notes());

@@ -35,9 +35,7 @@ pub(crate) enum NoCell {
     )]
     NotRun(PathBuf),
     /// The cell runs, but has no console server.
-    #[error(
-        "the cell of {0} takes no orders now\n help: it is starting or ending, or runs under the virtual clock, which waits for nobody"
-    )]
+    #[error("the cell of {0} takes no orders now\n help: it is starting or ending")]
     Closed(PathBuf),
     /// Another user runs the cell.
     #[error(
