@@ -130,7 +130,8 @@ impl Judged {
 
     /// An arm of the tests read from URDF. One whose links have no `<inertial>` is given masses: what counts is that both read the same.
     fn serial<const N: usize>(&mut self, name: &str, base_link: &str, tip: &str) -> Outcome {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("tests/reference/urdf/{name}.urdf"));
+        let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+            .join(format!("../../robots/tests/reference/urdf/{name}.urdf"));
         let mut text = fs::read_to_string(path)?;
         for k in 1_u32.. {
             let Some((before, after)) =

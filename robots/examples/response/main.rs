@@ -188,8 +188,8 @@ pub fn picture(kind: &str) -> Result<String, String> {
         "gripper" => page(kind, &Gripper::new(), [0.07]),
         "conveyor" => page(kind, &Conveyor::new(), [0.0]),
         "urdf" => {
-            let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/reference/urdf/weighted_arm.urdf");
-            let robot = Serial::<6>::from_urdf_file(path, "base_link", "tool0")
+            let text = include_str!("../../tests/reference/urdf/weighted_arm.urdf");
+            let robot = Serial::<6>::from_urdf(text, "base_link", "tool0")
                 .and_then(|robot| robot.with_acceleration(SVector::repeat(10.0)))
                 .map_err(|why| why.to_string())?;
             page(kind, &robot, [0.1, 0.2, 0.3, 0.4, 0.5, 0.6])
