@@ -75,22 +75,22 @@ pub(crate) struct RealTime {
     told: Cell<Nanos>,
     /// How long to poll before sleeping \[ns\].
     spin: Nanos,
-    said: Said,
+    outside: Outside,
     samples: Arc<Samples>,
-    shows: Option<Shows>,
     supervised: Option<Supervised>,
 }
 
-/// What the launcher has said, until the process takes it.
+/// What the launcher has said, until the process takes it; and who is shown what the process does.
 #[derive(Default)]
-struct Said {
+struct Outside {
     closing: Cell<bool>,
     news: Cell<Option<News>>,
     /// The press of each kind that was not taken yet; a newer press replaces it.
     pressed: [Cell<Option<(u64, Button)>>; Button::KINDS],
+    shows: Option<Shows>,
 }
 
-impl Said {
+impl Outside {
     /// Keeps it. Returns the time at which the process is to go on, if that is what was said \[ns\].
     fn hear(&self, heard: Heard) -> Option<Nanos> {
         match heard {
@@ -104,8 +104,39 @@ impl Said {
         None
     }
 
+    /// Whether the cell is still open.
+    fn open(&self) -> Result<(), Closed> {
+        if self.closing.get() { Err(Closed) } else { Ok(()) }
+    }
+}
+
+impl Console for Outside {
     fn pressed(&self, kind: usize) -> Option<(u64, Button)> {
         self.pressed.get(kind)?.take()
+    }
+
+    fn show(&self, state: &MpState) {
+        if let Some(Shows::Mp(shows)) = &self.shows {
+            shows(state);
+        }
+    }
+
+    fn show_ecp(&self, state: &EcpState) {
+        if let Some(Shows::Ecp(shows)) = &self.shows {
+            shows(state);
+        }
+    }
+
+    fn show_edp(&self, state: &EdpState<'_>) {
+        if let Some(Shows::Edp(shows)) = &self.shows {
+            shows(state);
+        }
+    }
+
+    fn show_vsp(&self, state: &VspState<'_>) {
+        if let Some(Shows::Vsp(shows)) = &self.shows {
+            shows(state);
+        }
     }
 }
 
@@ -119,32 +150,6 @@ pub(crate) enum Shows {
     Edp(Box<dyn Fn(&EdpState<'_>)>),
     /// Of a VSP.
     Vsp(Box<dyn Fn(&VspState<'_>)>),
-}
-
-impl Shows {
-    fn show(&self, state: &MpState) {
-        if let Shows::Mp(shows) = self {
-            shows(state);
-        }
-    }
-
-    fn show_ecp(&self, state: &EcpState) {
-        if let Shows::Ecp(shows) = self {
-            shows(state);
-        }
-    }
-
-    fn show_edp(&self, state: &EdpState<'_>) {
-        if let Shows::Edp(shows) = self {
-            shows(state);
-        }
-    }
-
-    fn show_vsp(&self, state: &VspState<'_>) {
-        if let Shows::Vsp(shows) = self {
-            shows(state);
-        }
-    }
 }
 
 /// What tells an MP, at a time of the machine's clock \[ns\], whether its launcher supervises the cell.
@@ -171,16 +176,15 @@ impl RealTime {
             slew: None,
             told: Cell::new(0),
             spin,
-            said: Said::default(),
+            outside: Outside::default(),
             samples,
-            shows: None,
             supervised: None,
         }
     }
 
     /// Lets the process show its state by `shows`.
     pub fn showing(mut self, shows: Option<Shows>) -> Self {
-        self.shows = shows;
+        self.outside.shows = shows;
         self
     }
 
@@ -203,7 +207,7 @@ impl RealTime {
 
     /// All that the link offers to a process.
     pub fn host(&self) -> Host<'_> {
-        Host { waiter: self, meter: self, notices: self, console: self }
+        Host { waiter: self, meter: self, notices: self, console: &self.outside }
     }
 
     /// Whether the process was woken since the last call.
@@ -215,7 +219,7 @@ impl RealTime {
     /// Takes all that the launcher has said.
     fn hear(&self) {
         while let Ok(heard) = self.heard.try_recv() {
-            self.said.hear(heard);
+            self.outside.hear(heard);
         }
     }
 }
@@ -229,7 +233,7 @@ impl Waiter for RealTime {
     }
 
     fn wait(&self, deadline: Option<Nanos>) -> Result<(), Closed> {
-        if !self.said.closing.get() && !self.was_woken() {
+        if !self.outside.closing.get() && !self.was_woken() {
             if self.spin > 0 {
                 let until = deadline.unwrap_or(Nanos::MAX).min(self.now().saturating_add(self.spin));
                 while self.now() < until && self.wake_futex.wakes() == self.wakes.get() {
@@ -240,7 +244,7 @@ impl Waiter for RealTime {
             self.was_woken();
         }
         self.hear();
-        if self.said.closing.get() { Err(Closed) } else { Ok(()) }
+        self.outside.open()
     }
 
     fn wait_closing(&self, until: Nanos) -> Result<(), Closed> {
@@ -259,33 +263,11 @@ impl Meter for RealTime {
 
 impl Notices for RealTime {
     fn news(&self) -> Option<News> {
-        self.said.news.take()
+        self.outside.news.take()
     }
 
     fn is_supervised(&self) -> bool {
         self.supervised.as_ref().is_none_or(|supervised| supervised(monotonic()))
-    }
-}
-
-impl Console for RealTime {
-    fn pressed(&self, kind: usize) -> Option<(u64, Button)> {
-        self.said.pressed(kind)
-    }
-
-    fn show(&self, state: &MpState) {
-        self.shows.iter().for_each(|shows| shows.show(state));
-    }
-
-    fn show_ecp(&self, state: &EcpState) {
-        self.shows.iter().for_each(|shows| shows.show_ecp(state));
-    }
-
-    fn show_edp(&self, state: &EdpState<'_>) {
-        self.shows.iter().for_each(|shows| shows.show_edp(state));
-    }
-
-    fn show_vsp(&self, state: &VspState<'_>) {
-        self.shows.iter().for_each(|shows| shows.show_vsp(state));
     }
 }
 
@@ -294,34 +276,30 @@ pub(crate) struct LockStep<'a, L: Launcher> {
     launcher: &'a L,
     woken: Rc<Cell<Places>>,
     now: Cell<Nanos>,
-    said: Said,
-    shows: Option<Shows>,
+    outside: Outside,
 }
 
 impl<'a, L: Launcher> LockStep<'a, L> {
     /// Waits to be resumed for the first time. The process shows its state by `shows`.
     pub fn new(launcher: &'a L, woken: Rc<Cell<Places>>, shows: Option<Shows>) -> Self {
-        let waiter = LockStep { launcher, woken, now: Cell::new(0), said: Said::default(), shows };
+        let outside = Outside { shows, ..Outside::default() };
+        let waiter = LockStep { launcher, woken, now: Cell::new(0), outside };
         waiter.be_resumed();
         waiter
     }
 
     /// All that the link offers to a process. In lock-step nothing is late, so there is nothing to measure.
     pub fn host(&self) -> Host<'_> {
-        Host { notices: self, console: self, ..Host::of(self) }
+        Host { notices: self, console: &self.outside, ..Host::of(self) }
     }
 
     /// Waits until the launcher lets the process go on, and keeps what it says before that.
     fn be_resumed(&self) {
-        while !self.said.closing.get() {
-            if let Some(now) = self.said.hear(self.launcher.hear()) {
+        while !self.outside.closing.get() {
+            if let Some(now) = self.outside.hear(self.launcher.hear()) {
                 return self.now.set(now);
             }
         }
-    }
-
-    fn open(&self) -> Result<(), Closed> {
-        if self.said.closing.get() { Err(Closed) } else { Ok(()) }
     }
 }
 
@@ -332,46 +310,24 @@ impl<L: Launcher> Waiter for LockStep<'_, L> {
 
     fn wait(&self, deadline: Option<Nanos>) -> Result<(), Closed> {
         let deadline = deadline.unwrap_or(Nanos::MAX);
-        if deadline > self.now.get() && !self.said.closing.get() {
+        if deadline > self.now.get() && !self.outside.closing.get() {
             self.launcher.yields(deadline, self.woken.take());
             self.be_resumed();
         }
-        self.open()
+        self.outside.open()
     }
 
     fn call(&self, place: usize) -> Result<(), Closed> {
-        if !self.said.closing.get() {
+        if !self.outside.closing.get() {
             self.launcher.calls(place, self.woken.take().without(place));
             self.be_resumed();
         }
-        self.open()
+        self.outside.open()
     }
 }
 
 impl<L: Launcher> Notices for LockStep<'_, L> {
     fn news(&self) -> Option<News> {
-        self.said.news.take()
-    }
-}
-
-impl<L: Launcher> Console for LockStep<'_, L> {
-    fn pressed(&self, kind: usize) -> Option<(u64, Button)> {
-        self.said.pressed(kind)
-    }
-
-    fn show(&self, state: &MpState) {
-        self.shows.iter().for_each(|shows| shows.show(state));
-    }
-
-    fn show_ecp(&self, state: &EcpState) {
-        self.shows.iter().for_each(|shows| shows.show_ecp(state));
-    }
-
-    fn show_edp(&self, state: &EdpState<'_>) {
-        self.shows.iter().for_each(|shows| shows.show_edp(state));
-    }
-
-    fn show_vsp(&self, state: &VspState<'_>) {
-        self.shows.iter().for_each(|shows| shows.show_vsp(state));
+        self.outside.news.take()
     }
 }
