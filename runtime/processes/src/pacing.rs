@@ -64,11 +64,7 @@ impl Consoles {
     /// Takes what was pressed for an MP.
     fn take(&self, mp: ProcessId) -> Vec<Frame> {
         let mut pressed = self.pressed.borrow_mut();
-        pressed.extend(
-            self.server
-                .presses()
-                .map(|(process, press)| (ProcessId { name: process.cell(), ..ProcessId::MP }, press)),
-        );
+        pressed.extend(self.server.presses());
         pressed.extract_if(.., |(of, _)| *of == mp).map(|(_, press)| press).collect()
     }
 }

@@ -184,6 +184,7 @@ impl<'a> Supervision<'a> {
     }
 
     fn pass_presses_on(&mut self) {
+        self.console_server.clear();
         for (mp, press) in self.console_server.presses() {
             if mp != ProcessId::MP {
                 self.process_set.tell_mp_of(mp, &press);

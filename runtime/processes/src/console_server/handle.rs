@@ -104,9 +104,13 @@ impl ConsoleServer {
         self.wakes.as_fd()
     }
 
+    /// Makes the descriptor unreadable until the next press has come.
+    pub fn clear(&self) {
+        drop((&self.wakes).read(&mut [0; 64]));
+    }
+
     /// Takes the presses that have come, each with the MP that it is for.
     pub fn presses(&self) -> impl Iterator<Item = (ProcessId, Frame)> {
-        drop((&self.wakes).read(&mut [0; 64]));
         self.presses.try_iter()
     }
 
