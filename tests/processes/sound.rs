@@ -3,7 +3,10 @@
 //! In: the file of its outcome, the records of its demands and of its drives. Out: how it ended; or a failed assertion. A cell whose
 //! machine is late stops for it, with a fault that says so; no demand beyond a limit belongs to that.
 
+use std::time::Duration;
+
 use mrroc::robot::Robot;
+use mrroc::testing::first_beyond_limits;
 use mrroc_robots::Irp6;
 use serde_json::Value;
 
@@ -84,47 +87,24 @@ pub fn rests(launch: &Launch, robot: &str) -> bool {
         || launch.drives(robot).last().is_some_and(|last| !last.powered)
 }
 
-/// A period of the drives of [`ROBOTS`] \[s\].
-const PERIOD: f64 = 2e-3;
+/// A period of the drives of [`ROBOTS`].
+const PERIOD: Duration = Duration::from_millis(2);
 
-/// Asserts that what an IRp-6 was demanded keeps its limits of velocity and acceleration, in all that its EDP carried out.
+/// Asserts that what an IRp-6 was demanded keeps its limits of position, velocity and acceleration, in all that its EDP carried out.
 pub fn assert_within_limits(launch: &Launch, robot: &str) {
-    let arm = Irp6::nominal();
-    let limits = arm.limits();
-    let rows: Vec<(f64, Vec<f64>)> = launch.record(robot).iter().map(|line| read(line)).collect();
-    let mut before: Option<Vec<f64>> = None;
-    for pair in rows.windows(2) {
-        let [(from, a), (to, b)] = pair else { continue };
-        // An EDP that its machine kept waiting leaves periods out, and is where it would have been with them.
-        let periods = ((to - from) / PERIOD).round().max(1.0);
-        let time = periods * PERIOD;
-        let velocity: Vec<f64> = a.iter().zip(b).map(|(a, b)| (b - a) / time).collect();
-        for (joint, v) in velocity.iter().enumerate() {
-            let most = limits.velocity[joint];
-            assert!(
-                v.abs() <= most * (1.0 + 1e-9),
-                "{robot} joint {}: {v} rad/s of {most} at {to} s",
-                joint + 1
-            );
-            let Some(last) = before.as_ref().map(|before| before[joint]) else { continue };
-            let (a, most) = ((v - last) / time, limits.acceleration[joint]);
-            // Joints are rounded to the last bit of some radians, twice differentiated.
-            assert!(a.abs() <= most + 1e-6, "{robot} joint {}: {a} rad/s² of {most} at {to} s", joint + 1);
-        }
-        // Across periods that were left out only the mean is known.
-        before = (periods < 1.5).then_some(velocity);
-    }
+    let (arm, rows) = (Irp6::nominal(), rows(launch, robot));
+    let demands = rows.iter().map(|(end, demanded)| (*end, demanded.as_slice()));
+    assert_eq!(first_beyond_limits(robot, arm.limits(), PERIOD, demands), None, "{}", launch.said());
 }
 
 /// Asserts that an IRp-6 that was moving was demanded to stand at last, whoever kept its EDP from demanding more: its last change is one
 /// after which a period within its limits of acceleration is left to none.
 pub fn assert_comes_to_rest(launch: &Launch, robot: &str) {
-    let arm = Irp6::nominal();
-    let rows: Vec<(f64, Vec<f64>)> = launch.record(robot).iter().map(|line| read(line)).collect();
+    let (arm, rows) = (Irp6::nominal(), rows(launch, robot));
     let [.., (_, before), (_, last)] = &rows[..] else { panic!("{robot} has not moved") };
     assert!(rows.iter().any(|(_, row)| row != last), "{robot} has not moved");
     for (joint, (a, b)) in before.iter().zip(last).enumerate() {
-        let most = arm.limits().acceleration[joint] * PERIOD * PERIOD;
+        let most = arm.limits().acceleration[joint] * PERIOD.as_secs_f64().powi(2);
         assert!(
             (b - a).abs() <= most,
             "{robot} joint {}: {} of {most} rad: {}",
@@ -135,9 +115,13 @@ pub fn assert_comes_to_rest(launch: &Launch, robot: &str) {
     }
 }
 
-/// The time \[s\] and the joints \[rad\] of a line of a record.
-fn read(line: &str) -> (f64, Vec<f64>) {
-    let time = line.split(' ').next().and_then(|time| time.parse().ok()).expect("a time");
+/// The lines of a robot's record: the end of the servo period \[ns\] and the joints \[rad\] of each.
+fn rows(launch: &Launch, robot: &str) -> Vec<(u64, Vec<f64>)> {
+    launch.record(robot).iter().map(|line| read(line)).collect()
+}
+
+fn read(line: &str) -> (u64, Vec<f64>) {
+    let seconds: f64 = line.split(' ').next().and_then(|time| time.parse().ok()).expect("a time");
     let bits = demanded(line).split(' ').map(|bits| u64::from_str_radix(bits, 16).expect("bits"));
-    (time, bits.map(f64::from_bits).collect())
+    ((seconds * 1e9).round() as u64, bits.map(f64::from_bits).collect())
 }

@@ -80,6 +80,7 @@ mod verdict;
 
 pub use case::{Case, Channel, Injected, LinkFault, Press, Wire};
 pub use drive::{DriveTrouble, FaultyDrive};
+pub use onlooker::first_beyond_limits;
 pub use operator::{OperatorReport, RandomOperator};
 pub use report::{Failure, SweepReport, Tally};
 pub use sensor::{FaultySensor, SensorFault};

@@ -10,6 +10,7 @@ use std::collections::VecDeque;
 
 use mrroc_core::link::Nanos;
 use mrroc_core::observe::layout::{JointLayout, RobotLayout};
+use mrroc_core::robot::{JointVector, Limits};
 
 /// The limits of what a robot's drives may be demanded.
 #[derive(Clone, Debug)]
@@ -36,6 +37,20 @@ impl Bounds {
             jerk: Vec::new(),
             over: 0,
             servo: robot.servo.as_nanos() as Nanos,
+        }
+    }
+
+    /// The limits of a robot whose drives have this servo period; jerk is not judged.
+    pub fn of_limits<J: JointVector>(limits: &Limits<J>, servo: Duration) -> Bounds {
+        let joints = |all: &J| all.as_slice().to_vec();
+        Bounds {
+            lower: joints(&limits.lower),
+            upper: joints(&limits.upper),
+            velocity: joints(&limits.velocity),
+            acceleration: joints(&limits.acceleration),
+            jerk: Vec::new(),
+            over: 0,
+            servo: servo.as_nanos() as Nanos,
         }
     }
 
@@ -195,6 +210,35 @@ impl Onlooker {
     pub fn stood(&self) -> Nanos {
         self.episodes.last().map_or(0, |&(_, stood)| stood)
     }
+}
+
+/// The first demand beyond a robot's limits of position, velocity or acceleration, as text, of those that its drives got: each the end of its
+/// servo period \[ns\] and positions [rad or m]. Periods that a late EDP left out are missing.
+///
+/// ```
+/// # use std::time::Duration;
+/// use mrroc::robot::Robot;
+/// use mrroc_robots::Irp6;
+/// use mrroc_testing::first_beyond_limits;
+///
+/// let (arm, servo) = (Irp6::nominal(), Duration::from_millis(2));
+/// let mut there = Irp6::READY;
+/// let stands = [(2_000_000, Irp6::READY), (4_000_000, there)];
+/// assert_eq!(first_beyond_limits("arm", arm.limits(), servo, stands.iter().map(|(end, q)| (*end, q.as_slice()))), None);
+/// there[0] += 0.1;
+/// let jumps = [(2_000_000, Irp6::READY), (4_000_000, there)];
+/// let found = first_beyond_limits("arm", arm.limits(), servo, jumps.iter().map(|(end, q)| (*end, q.as_slice())));
+/// assert!(found.is_some_and(|text| text.starts_with("arm joint 1 at 0.0040 s: velocity beyond its limit")));
+/// ```
+pub fn first_beyond_limits<'a, J: JointVector>(
+    name: &str,
+    limits: &Limits<J>,
+    servo: Duration,
+    demands: impl IntoIterator<Item = (Nanos, &'a [f64])>,
+) -> Option<String> {
+    let mut onlooker = Onlooker::new(name, Bounds::of_limits(limits, servo));
+    demands.into_iter().for_each(|(end, demanded)| onlooker.see(end, demanded));
+    onlooker.wrong
 }
 
 #[cfg(test)]
