@@ -171,7 +171,7 @@ wires-whole:
 
 # The engraving of the nameplate and the transfer, whole, on both links: the same demands to the bit.
 test-both-links:
-    MRROC_WHOLE=1 cargo test --release -p mrroc-tests --test processes -- --nocapture both_links
+    cargo test --release -p mrroc-tests --test processes -- --include-ignored --nocapture both_links
 
 # Two robots on clocks of their own, 200 ppm apart, in one motion for so many seconds of the virtual clock.
 pacing SECONDS="600":

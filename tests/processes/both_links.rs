@@ -23,11 +23,18 @@ fn a_sensor_of_two_readers_is_drawn_the_same_on_both_links_to_the_byte() {
     compare(49, &["readers"], &["arm"]);
 }
 
-/// One letter; `just test-both-links` engraves the nameplate.
+/// One letter.
 #[test]
 fn the_engraving_demands_the_same_on_both_links_to_the_bit() {
-    let whole = std::env::var_os("MRROC_WHOLE").is_some();
-    compare(41, &["engraving", if whole { "nameplate" } else { "I" }], &["irp6"]);
+    compare(41, &["engraving", "I"], &["irp6"]);
+}
+
+mod whole {
+    #[test]
+    #[ignore = "takes minutes: `just test-both-links`"]
+    fn the_engraving_demands_the_same_on_both_links_to_the_bit() {
+        super::compare(42, &["engraving", "nameplate"], &["irp6"]);
+    }
 }
 
 /// Runs a task on both links and compares every demand of every servo period.
