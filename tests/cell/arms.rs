@@ -16,6 +16,7 @@ use mrroc::prelude::*;
 use mrroc::robot::{DriveFault, Driver, Measured, SimulatedDrives};
 use mrroc_robots::{Irp6, Shaft, SimulatedIrp6, Six};
 use mrroc_tests::fixture::{COMPUTES, FARTHER, HARDWARE, OTHER, PATIENCE, PLANS, RECORDS, TIMES};
+use mrroc_tests::{Follow, Turned};
 
 use crate::Nothing;
 use crate::calls::Calls;
@@ -153,12 +154,6 @@ enum Phase {
     Back,
 }
 
-/// An offset of the column \[rad\].
-#[derive(Clone, Copy, Payload)]
-struct Turned {
-    by: f64,
-}
-
 /// Counts its aggregations, and tells where its robot's column was measured.
 struct Count;
 
@@ -291,7 +286,7 @@ fn arm(ecp: &mut Ecp<Irp6>) -> Result<(), Fault> {
             Phase::Back => ecp.move_robot((), go(0.0, 1.5)).map(drop),
         })?;
     }
-    ecp.obey(|ecp, _: Turned| ecp.move_robot((), Follow { from: Six::zeros() }).map(drop))
+    ecp.obey(|ecp, _: Turned| ecp.move_robot((), Follow::from_here()).map(drop))
 }
 
 /// The column to an angle \[rad\] in a time \[s\].
@@ -323,25 +318,6 @@ impl GoTo {
         self.t = (self.t + t.dt).min(self.duration);
         let mut q = self.from;
         q[0] += (self.angle - self.from[0]) * smooth(self.t / self.duration);
-        Step::Next(Demand::joints(q))
-    }
-}
-
-/// Where the MP's order turns the column to.
-struct Follow {
-    from: Six,
-}
-
-#[generator(ecp)]
-impl Follow {
-    fn first_step(&mut self, order: &mrroc::payload::Order<Turned>, e: &State<Irp6>) -> Step<Irp6> {
-        self.from = e.demanded().joints;
-        self.next_step(order)
-    }
-
-    fn next_step(&mut self, order: &mrroc::payload::Order<Turned>) -> Step<Irp6> {
-        let mut q = self.from;
-        q[0] += order.value().by;
         Step::Next(Demand::joints(q))
     }
 }

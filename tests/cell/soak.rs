@@ -11,8 +11,9 @@ use std::time::Instant;
 use mrroc::launch::own_option;
 use mrroc::operator::Operator;
 use mrroc::prelude::*;
-use mrroc_robots::{Irp6, Six};
+use mrroc_robots::Irp6;
 use mrroc_tests::fixture::{COUNT, RECORDS, SECONDS};
+use mrroc_tests::{Follow, Turned};
 
 use crate::Nothing;
 
@@ -129,12 +130,6 @@ fn coordinate(mp: &mut Mp) -> Result<(), Fault> {
     Ok(())
 }
 
-/// An offset of the column \[rad\].
-#[derive(Clone, Copy, Payload)]
-struct Turned {
-    by: f64,
-}
-
 /// Both columns to and fro, against each other; the reading makes a difference of its own.
 struct Swing {
     t: f64,
@@ -158,24 +153,5 @@ fn swing(c: &mut Swing, v: &Reading<(Column,)>, t: Tick) -> Step<(Irp6, Irp6), T
 }
 
 fn arm(ecp: &mut Ecp<Irp6>) -> Result<(), Fault> {
-    ecp.obey(|ecp, _: Turned| ecp.move_robot((), Follow { from: Six::zeros() }).map(drop))
-}
-
-/// Where the MP's order turns the column to.
-struct Follow {
-    from: Six,
-}
-
-#[generator(ecp)]
-impl Follow {
-    fn first_step(&mut self, order: &Order<Turned>, e: &State<Irp6>) -> Step<Irp6> {
-        self.from = e.demanded().joints;
-        self.next_step(order)
-    }
-
-    fn next_step(&mut self, order: &Order<Turned>) -> Step<Irp6> {
-        let mut q = self.from;
-        q[0] += order.value().by;
-        Step::Next(Demand::joints(q))
-    }
+    ecp.obey(|ecp, _: Turned| ecp.move_robot((), Follow::from_here()).map(drop))
 }
