@@ -68,7 +68,8 @@ pub use hand::with_franka_hand;
 pub use limits::velocities;
 pub use link::Answers;
 pub use message::{Answer, JOINTS, Mode, State};
-pub use network::{Network, Received, Sockets};
+pub use mrroc_driver_kit::Arrived;
+pub use network::{Network, Sockets};
 pub use settings::FciSettings;
 pub use wrench::External;
 

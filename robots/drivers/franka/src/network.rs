@@ -12,23 +12,12 @@ use std::net::{SocketAddr, TcpStream};
 use std::time::Instant;
 
 use mrroc::robot::DriveFault;
-use mrroc_driver_kit::{Datagram, Guest};
+use mrroc_driver_kit::{Arrived, Datagram, Guest};
 
 use crate::stops::{ABSENT, CUT_OFF};
 
 /// How often it is looked for what the robot says while nothing else is to be done.
 const LOOK: Duration = Duration::from_micros(100);
-
-/// A state of the robot.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Received<'a> {
-    /// What it says.
-    pub bytes: &'a [u8],
-    /// Who sent it: where the answer goes.
-    pub from: SocketAddr,
-    /// When it came in, by the clock of the network.
-    pub came: Duration,
-}
 
 /// A network with one robot in it, and a clock.
 pub trait Network {
@@ -58,7 +47,7 @@ pub trait Network {
     fn read(&mut self, into: &mut [u8]) -> io::Result<usize>;
 
     /// The last state that has not been read. Older ones are thrown away. It returns at once.
-    fn newest(&mut self) -> Option<Received<'_>>;
+    fn newest(&mut self) -> Option<Arrived<'_>>;
 
     /// Sends an answer to a state. It returns at once.
     ///
@@ -129,11 +118,9 @@ impl Network for Sockets {
         }
     }
 
-    fn newest(&mut self) -> Option<Received<'_>> {
+    fn newest(&mut self) -> Option<Arrived<'_>> {
         self.last = Some(self.connection.as_mut()?.1.newest()?);
-        let datagram = self.last.as_ref()?;
-        let came = self.began.elapsed().saturating_sub(datagram.age());
-        Some(Received { bytes: datagram.bytes(), from: datagram.from(), came })
+        self.last.as_ref().map(|datagram| datagram.by_clock(self.began))
     }
 
     fn send(&mut self, to: SocketAddr, bytes: &[u8]) -> io::Result<()> {

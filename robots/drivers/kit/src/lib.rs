@@ -35,4 +35,4 @@ pub use speed::Speed;
 pub use talk::{Handed, Talk, Watch};
 pub use tcp::{Cut, Cutting, Door, Frame, Line, MAX_FRAME, Refused};
 pub use times::Times;
-pub use udp::{Counted, Datagram, Guest, MAX_DATAGRAM};
+pub use udp::{Arrived, Counted, Datagram, Guest, MAX_DATAGRAM};

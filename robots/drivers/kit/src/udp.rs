@@ -48,6 +48,23 @@ impl Datagram {
     pub fn from(&self) -> SocketAddr {
         self.from
     }
+
+    /// The same by a clock that began then.
+    #[must_use]
+    pub fn by_clock(&self, began: Instant) -> Arrived<'_> {
+        Arrived { bytes: self.bytes(), from: self.from, came: self.came.saturating_duration_since(began) }
+    }
+}
+
+/// A datagram of the robot, by the clock of a driver's network: that of this machine, or a virtual one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Arrived<'a> {
+    /// What it says.
+    pub bytes: &'a [u8],
+    /// Who sent it: where the answer goes.
+    pub from: SocketAddr,
+    /// When it came in, since the clock began.
+    pub came: Duration,
 }
 
 /// What was not taken.

@@ -41,7 +41,8 @@ use mrroc_robots::{Simulated, urdf_arm};
 pub use corrections::Corrections;
 pub use drives::{Rsi, RsiSettings};
 pub use message::{AXES, FromController, ToController};
-pub use network::{Network, Received, Sockets};
+pub use mrroc_driver_kit::Arrived;
+pub use network::{Network, Sockets};
 
 /// Adds the kind `kuka-rsi`: an arm of six axes, read from the URDF `file` as the kind `urdf` is, and moved by a controller
 /// at `address`, which sends to this machine's `listen`. `period_ms` is 4 or 12, and `corrections` are "absolute" or "relative", as

@@ -10,21 +10,10 @@ use std::io::{self, ErrorKind};
 use std::net::{IpAddr, SocketAddr};
 use std::time::Instant;
 
-use mrroc_driver_kit::{Counted, Datagram, Guest};
+use mrroc_driver_kit::{Arrived, Counted, Datagram, Guest};
 
 /// How often it is looked for a message while nothing else is to be done.
 const LOOK: Duration = Duration::from_micros(200);
-
-/// A message of the controller.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Received<'a> {
-    /// What it says.
-    pub bytes: &'a [u8],
-    /// Who sent it: where the answer goes.
-    pub from: SocketAddr,
-    /// When it came in, by the clock of the network.
-    pub came: Duration,
-}
 
 /// A network with one controller in it, and a clock.
 pub trait Network {
@@ -41,7 +30,7 @@ pub trait Network {
     fn close(&mut self);
 
     /// The last message that has not been read. Older ones are thrown away. It returns at once.
-    fn newest(&mut self) -> Option<Received<'_>>;
+    fn newest(&mut self) -> Option<Arrived<'_>>;
 
     /// Sends an answer. It returns at once.
     ///
@@ -93,11 +82,9 @@ impl Network for Sockets {
         (self.guest, self.last) = (None, None);
     }
 
-    fn newest(&mut self) -> Option<Received<'_>> {
+    fn newest(&mut self) -> Option<Arrived<'_>> {
         self.last = Some(self.guest.as_mut()?.newest()?);
-        let datagram = self.last.as_ref()?;
-        let came = self.began.elapsed().saturating_sub(datagram.age());
-        Some(Received { bytes: datagram.bytes(), from: datagram.from(), came })
+        self.last.as_ref().map(|datagram| datagram.by_clock(self.began))
     }
 
     fn send(&mut self, to: SocketAddr, bytes: &[u8]) -> io::Result<()> {

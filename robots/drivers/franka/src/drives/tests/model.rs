@@ -7,7 +7,7 @@ use std::rc::Rc;
 
 use super::*;
 use crate::message::COMMAND;
-use crate::network::Received;
+use mrroc_driver_kit::Arrived;
 
 /// How much time passes when the drives wait: as much as with real sockets.
 const WAIT: Duration = Duration::from_micros(100);
@@ -201,10 +201,10 @@ impl Network for VirtualNetwork {
         Ok(len)
     }
 
-    fn newest(&mut self) -> Option<Received<'_>> {
+    fn newest(&mut self) -> Option<Arrived<'_>> {
         let (came, state) = self.simulation.borrow_mut().states.drain(..).next_back()?;
         self.last = state;
-        Some(Received { bytes: &self.last, from: ROBOT, came })
+        Some(Arrived { bytes: &self.last, from: ROBOT, came })
     }
 
     fn send(&mut self, to: SocketAddr, bytes: &[u8]) -> io::Result<()> {

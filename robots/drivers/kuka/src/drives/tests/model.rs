@@ -6,7 +6,7 @@ use std::io;
 use std::rc::Rc;
 
 use super::*;
-use crate::network::Received;
+use mrroc_driver_kit::Arrived;
 
 /// The controller's period.
 pub const PERIOD: Duration = Duration::from_millis(4);
@@ -146,10 +146,10 @@ impl Network for VirtualNetwork {
         self.simulation.borrow_mut().is_open = false;
     }
 
-    fn newest(&mut self) -> Option<Received<'_>> {
+    fn newest(&mut self) -> Option<Arrived<'_>> {
         let (came, message) = self.simulation.borrow_mut().waiting.drain(..).next_back()?;
         self.last = message;
-        Some(Received { bytes: &self.last, from: CONTROLLER, came })
+        Some(Arrived { bytes: &self.last, from: CONTROLLER, came })
     }
 
     fn send(&mut self, to: SocketAddr, bytes: &[u8]) -> io::Result<()> {
