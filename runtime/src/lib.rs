@@ -73,7 +73,7 @@ pub mod launch {
     pub use mrroc_core::cell::RunPicture;
     pub use mrroc_core::link::Clock;
     pub use mrroc_launch::network::nodes_over;
-    pub use mrroc_launch::{Launch, Ran, files, own_option};
+    pub use mrroc_launch::{Launch, Ran, files, own_number, own_option};
 
     pub use crate::parts::{launch, program};
 }

@@ -4,7 +4,7 @@
 //!
 //! `--seconds` behind a `--` says for how long, three by default.
 
-use mrroc::launch::own_option;
+use mrroc::launch::own_number;
 use mrroc::prelude::*;
 use mrroc_external::{External, Onlookers};
 use mrroc_robots::{Irp6, Six, simulated};
@@ -60,9 +60,7 @@ fn cell(file: &CellFile) -> Result<Cell, CellError> {
 // ANCHOR_END: cell
 
 fn watch(mp: &mut Mp) -> Result<(), Fault> {
-    let seconds = own_option("seconds")
-        .map_or(Ok(3.0), |seconds| seconds.parse())
-        .map_err(|_| Fault::thrown("--seconds needs a number"))?;
+    let seconds = own_number("seconds", 3.0)?;
     let (mut arm, mut camera) = (mp.robot::<Irp6>("arm")?, mp.sensor::<Camera>("camera")?);
     // Its program may still be starting.
     mp.wait_until((), (&mut camera,), Seen)?;

@@ -4,7 +4,7 @@
 //!
 //! `--metres` behind a `--` says how long the lines are, 0.2 by default.
 
-use mrroc::launch::own_option;
+use mrroc::launch::own_number;
 use mrroc::prelude::*;
 use mrroc_external::plant;
 use mrroc_generators::generators::{Delay, StraightLine};
@@ -25,9 +25,7 @@ fn cell(file: &CellFile) -> Result<Cell, CellError> {
 
 /// Down and back along the axis of the tool, then down again, and stay there until the arm stands.
 fn draw(ecp: &mut Ecp<Serial<6>>) -> Result<(), Fault> {
-    let metres = own_option("metres")
-        .map_or(Ok(0.2), |metres| metres.parse())
-        .map_err(|_| Fault::thrown("--metres needs a number"))?;
+    let metres = own_number("metres", 0.2)?;
     let limits = ProfileLimits { velocity: 0.25, acceleration: 0.5 };
     let limits = ToolLimits { translation: limits, rotation: limits };
     let line = |z: f64| StraightLine::by(Pose::translation(0.0, 0.0, z), limits);

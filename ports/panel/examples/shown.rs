@@ -8,7 +8,7 @@ use std::cell::RefCell;
 use std::rc::Rc;
 use std::time::Duration;
 
-use mrroc::launch::own_option;
+use mrroc::launch::own_number;
 use mrroc::nalgebra::Vector3;
 use mrroc::prelude::*;
 use mrroc::sensor::VspMode;
@@ -74,9 +74,7 @@ fn still(c: &mut Still, e: &State<(Irp6,)>, v: &Reading<(WristForce,)>) -> bool 
 }
 
 fn carry(mp: &mut Mp) -> Result<(), Fault> {
-    let turns = own_option("turns")
-        .map_or(Ok(1000_u32), |turns| turns.parse())
-        .map_err(|_| Fault::thrown("--turns needs a number"))?;
+    let turns = own_number("turns", 1000_u32)?;
     let (mut holder, mut shown) = (mp.robot::<Irp6>("holder")?, mp.robot::<Serial<3>>("shown")?);
     let mut wrist = mp.sensor::<WristForce>("wrist")?;
     let lamp = holder.output::<bool>("lamp")?;

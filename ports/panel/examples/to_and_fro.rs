@@ -3,7 +3,7 @@
 //!
 //! `--turns` behind a `--` says how often they go, a thousand times by default.
 
-use mrroc::launch::own_option;
+use mrroc::launch::own_number;
 use mrroc::prelude::*;
 use mrroc_generators::generators::JointMove;
 use mrroc_robots::{Irp6, Six, simulated};
@@ -17,9 +17,7 @@ fn cell(file: &CellFile) -> Result<Cell, CellError> {
 }
 
 fn to_and_fro(mp: &mut Mp) -> Result<(), Fault> {
-    let turns = own_option("turns")
-        .map_or(Ok(1000_u32), |turns| turns.parse())
-        .map_err(|_| Fault::thrown("--turns needs a number"))?;
+    let turns = own_number("turns", 1000_u32)?;
     let (mut left, mut right) = (mp.robot::<Irp6>("left")?, mp.robot::<Irp6>("right")?);
     let to = |column: f64, arm: f64| {
         let mut q = Six::new(column, -1.57 + arm, 0.16 - 0.5 * arm, -0.16, 4.71, 0.8 * column);

@@ -12,7 +12,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use mrroc::launch::own_option;
+use mrroc::launch::{own_number, own_option};
 use mrroc::prelude::*;
 use mrroc_external::External;
 use mrroc_robots::{Irp6, Six, simulated};
@@ -67,9 +67,7 @@ fn write((path, file): &mut (Option<PathBuf>, Option<File>), bytes: &[u8]) {
 }
 
 fn watch(mp: &mut Mp) -> Result<(), Fault> {
-    let seconds = own_option("seconds")
-        .map_or(Ok(3.0), |seconds| seconds.parse())
-        .map_err(|_| Fault::thrown("--seconds needs a number"))?;
+    let seconds = own_number("seconds", 3.0)?;
     let (mut arm, mut camera) = (mp.robot::<Irp6>("arm")?, mp.sensor::<Camera>("camera")?);
     mp.wait_until((), (&mut camera,), Seen)?;
     let from = arm.demanded().joints;

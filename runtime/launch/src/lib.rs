@@ -40,7 +40,7 @@ use crate::table::Table;
 use crate::telling::Asked;
 
 pub use crate::options::Operating;
-pub use crate::own::own_option;
+pub use crate::own::{own_number, own_option};
 pub use crate::parts::{LooksOn, Panel, Parts, Processes, Replays};
 pub use crate::program::{Launch, Ran};
 

@@ -3,6 +3,9 @@
 //! In: the arguments of this process, which a launcher gives to every process of the cell. Out: the value of an option.
 
 use std::ffi::{OsStr, OsString};
+use std::str::FromStr;
+
+use mrroc_core::fault::Fault;
 
 /// Whether options of the program itself begin here.
 pub(crate) fn is_beginning(argument: &OsStr) -> bool {
@@ -21,6 +24,25 @@ pub(crate) fn is_beginning(argument: &OsStr) -> bool {
 #[must_use]
 pub fn own_option(name: &str) -> Option<String> {
     of(std::env::args_os(), name)
+}
+
+/// The number of such an option, or `default` where the option is not given.
+///
+/// ```
+/// # fn program() -> Result<(), mrroc_core::fault::Fault> {
+/// let times = mrroc_launch::own_number("times", 1)?;
+/// # assert_eq!(times, 1);
+/// # Ok(())
+/// # }
+/// # program().expect("it was not given");
+/// ```
+///
+/// # Errors
+/// What is given is no such number.
+pub fn own_number<N: FromStr>(name: &str, default: N) -> Result<N, Fault> {
+    own_option(name)
+        .map_or(Ok(default), |number| number.parse())
+        .map_err(|_| Fault::thrown(&format!("--{name} needs a number")))
 }
 
 fn of(arguments: impl IntoIterator<Item = OsString>, name: &str) -> Option<String> {

@@ -10,7 +10,7 @@ use std::time::Duration;
 use engraving::drawing::{Limits, read_str};
 use engraving::placement::{Plate, Sizing, place};
 use engraving::sampling::{Mark, Sampling};
-use mrroc::launch::own_option;
+use mrroc::launch::own_number;
 use mrroc::prelude::*;
 use mrroc_franka::{FciSettings, Fr3, with_franka_as};
 use mrroc_generators::bspline::{Junction, Method, SplinePoint, SplineSettings};
@@ -47,9 +47,7 @@ fn straight(velocity: f64) -> ToolLimits {
 }
 
 fn engrave(mp: &mut Mp, step: f64) -> Result<(), Fault> {
-    let strokes = own_option("strokes")
-        .map_or(Ok(usize::MAX), |strokes| strokes.parse())
-        .map_err(|_| Fault::thrown("--strokes needs a number"))?;
+    let strokes = own_number("strokes", usize::MAX)?;
     let thrown = |why: &dyn std::fmt::Display| Fault::thrown(&why.to_string());
     let plate = Plate::default();
     let read =

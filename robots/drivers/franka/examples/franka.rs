@@ -5,7 +5,7 @@
 
 use std::time::Duration;
 
-use mrroc::launch::own_option;
+use mrroc::launch::own_number;
 use mrroc::prelude::*;
 use mrroc_franka::{Collision, FciSettings, Fr3, with_franka_as};
 use mrroc_generators::generators::JointMove;
@@ -38,9 +38,7 @@ fn cell(file: &CellFile) -> Result<Cell, CellError> {
 }
 
 fn to_and_fro(mp: &mut Mp) -> Result<(), Fault> {
-    let times = own_option("times")
-        .map_or(Ok(1), |times| times.parse())
-        .map_err(|_| Fault::thrown("--times needs a number"))?;
+    let times = own_number("times", 1)?;
     let mut arm = mp.robot::<Fr3>("arm")?;
     let here = Seven::from(MIDDLE);
     mp.move_robot(&mut arm, (), JointMove::to(here, Seven::repeat(0.3), Seven::repeat(0.6)))?;

@@ -4,7 +4,7 @@
 //!
 //! `--times` behind a `--` says how often, once by default.
 
-use mrroc::launch::own_option;
+use mrroc::launch::own_number;
 use mrroc::prelude::*;
 use mrroc::robot::{Input, Regulators};
 use mrroc_franka::with_franka_hand;
@@ -50,9 +50,7 @@ fn stand(_c: &mut Stand, e: &State<(TwoFingers,)>) -> bool {
 }
 
 fn carry(mp: &mut Mp) -> Result<(), Fault> {
-    let times = own_option("times")
-        .map_or(Ok(1), |times| times.parse())
-        .map_err(|_| Fault::thrown("--times needs a number"))?;
+    let times = own_number("times", 1)?;
     let (mut arm, mut hand) = (mp.robot::<Irp6>("arm")?, mp.robot::<TwoFingers>("hand")?);
     let holds: Input<bool> = hand.input("holds")?;
     let here = arm.demanded().joints;

@@ -5,7 +5,7 @@
 
 use std::time::Duration;
 
-use mrroc::launch::own_option;
+use mrroc::launch::own_number;
 use mrroc::pose::Wrench;
 use mrroc::prelude::*;
 use mrroc_franka::{FciSettings, Fr3, with_franka_as};
@@ -36,9 +36,7 @@ fn felt(c: &mut Felt, v: &Reading<(WristForce,)>) -> bool {
 }
 
 fn feel(mp: &mut Mp) -> Result<(), Fault> {
-    let times = own_option("times")
-        .map_or(Ok(50), |times| times.parse())
-        .map_err(|_| Fault::thrown("--times needs a number"))?;
+    let times = own_number("times", 50)?;
     let (mut arm, mut wrist) = (mp.robot::<Fr3>("arm")?, mp.sensor::<WristForce>("wrist")?);
     for _ in 0..times {
         mp.wait_until((&mut arm,), (), elapsed(0.2))?;

@@ -4,7 +4,7 @@
 //! `--times` behind a `--` says how often, once by default; each time takes two seconds. With `signals.toml` the arm grips something there, and
 //! lets it go here.
 
-use mrroc::launch::own_option;
+use mrroc::launch::own_number;
 use mrroc::prelude::*;
 use mrroc::robot::Input;
 use mrroc_generators::generators::{JointMove, Tell};
@@ -28,9 +28,7 @@ fn reads(c: &mut Reads, e: &State<(Serial<6>,)>) -> bool {
 }
 
 fn to_and_fro(mp: &mut Mp) -> Result<(), Fault> {
-    let times = own_option("times")
-        .map_or(Ok(1), |times| times.parse())
-        .map_err(|_| Fault::thrown("--times needs a number"))?;
+    let times = own_number("times", 1)?;
     let mut arm = mp.robot::<Serial<6>>("arm")?;
     let here = arm.demanded().joints;
     let there = here + Six::new(0.5, -0.2, 0.2, 0.0, 0.3, 0.0);

@@ -5,7 +5,7 @@
 //! `--times` behind a `--` says how often, once by default.
 
 use mrroc::generator::RobotHandle;
-use mrroc::launch::own_option;
+use mrroc::launch::own_number;
 use mrroc::prelude::*;
 use mrroc::robot::{Input, WhenLost};
 use mrroc_generators::generators::Tell;
@@ -50,9 +50,7 @@ fn above(c: &mut Above, e: &State<(IoBlock,)>) -> bool {
 
 fn switch(mp: &mut Mp) -> Result<(), Fault> {
     let mut cabinet = mp.robot::<IoBlock>("cabinet")?;
-    let times = own_option("times")
-        .map_or(Ok(1), |times| times.parse())
-        .map_err(|_| Fault::thrown("--times needs a number"))?;
+    let times = own_number("times", 1)?;
     for _ in 0..times {
         switch_once(mp, &mut cabinet)?;
     }

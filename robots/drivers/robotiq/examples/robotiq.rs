@@ -4,7 +4,7 @@
 //!
 //! `--times` behind a `--` says how often, once by default.
 
-use mrroc::launch::own_option;
+use mrroc::launch::own_number;
 use mrroc::prelude::*;
 use mrroc_generators::conditions::elapsed;
 use mrroc_generators::generators::JointMove;
@@ -24,9 +24,7 @@ fn cell(file: &CellFile) -> Result<Cell, CellError> {
 }
 
 fn carry(mp: &mut Mp) -> Result<(), Fault> {
-    let times = own_option("times")
-        .map_or(Ok(1), |times| times.parse())
-        .map_err(|_| Fault::thrown("--times needs a number"))?;
+    let times = own_number("times", 1)?;
     let (mut arm, mut hand) = (mp.robot::<Irp6>("arm")?, mp.robot::<TwoFingers>("hand")?);
     let here = arm.demanded().joints;
     let there = here + Six::x() * 0.3;

@@ -8,7 +8,7 @@
 
 use core::time::Duration;
 
-use mrroc::launch::own_option;
+use mrroc::launch::{own_number, own_option};
 use mrroc::pose::Wrench;
 use mrroc::prelude::*;
 use mrroc_generators::generators::JointMove;
@@ -48,9 +48,7 @@ fn felt(c: &mut Felt, v: &Reading<(WristForce,)>) -> bool {
 }
 
 fn to_and_fro(mp: &mut Mp) -> Result<(), Fault> {
-    let times = own_option("times")
-        .map_or(Ok(1), |times| times.parse())
-        .map_err(|_| Fault::thrown("--times needs a number"))?;
+    let times = own_number("times", 1)?;
     let mut arm = mp.robot::<Serial<6>>("arm")?;
     let here = arm.demanded().joints;
     let there = here + Six::new(0.5, -0.2, 0.2, 0.0, 0.3, 0.0);
