@@ -211,6 +211,10 @@ crowd:
 sweep-operators:
     cargo test -p mrroc-tests --test all random_operators -- --ignored --nocapture
 
+# Stops on the path in every state of the robots: 15,000 cells under random operators (about four minutes).
+sweep-states:
+    cargo test -p mrroc-tests --test all safety::states -- --ignored --nocapture
+
 # Rows of SAFETY.md and their tests, the cases of a share of the sweeps, and the worst stop beside its bound.
 safety:
     cargo test -p mrroc-tests --test all -- --ignored --nocapture safety::summary

@@ -7,6 +7,7 @@ mod operators;
 #[cfg(target_os = "linux")]
 mod overflow;
 mod sensors;
+mod states;
 mod summary;
 mod sweeps;
 mod tasks;

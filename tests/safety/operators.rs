@@ -9,18 +9,23 @@ use mrroc_generators::jerk::{JointLimits, JointState, JointTarget, MoveCursor, S
 use mrroc_tests::{ExactDrive, Gantry, MS, Q};
 
 /// Numbers from 0 to 1 (xorshift).
-struct Random(u64);
+pub struct Random(u64);
 
 impl Random {
-    fn of(seed: u64) -> Random {
+    pub fn of(seed: u64) -> Random {
         Random(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1)
     }
 
-    fn next(&mut self) -> f64 {
+    pub fn next(&mut self) -> f64 {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 7;
         self.0 ^= self.0 << 17;
         (self.0 >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    /// Numbers of their own.
+    pub fn fork(&mut self) -> Random {
+        Random::of((self.next() * (1_u64 << 53) as f64) as u64)
     }
 }
 

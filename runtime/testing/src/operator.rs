@@ -11,9 +11,10 @@ use std::rc::Rc;
 use super::onlooker::{Bounds, Onlooker};
 use super::random::Random;
 use mrroc_core::cell::{AfterFault, Cell, CellError};
-use mrroc_core::fault::{BY_OPERATOR, Fault, FaultKind};
+use mrroc_core::fault::{BY_OPERATOR, Fault, FaultKind, Name};
 use mrroc_core::link::Nanos;
-use mrroc_core::operator::{Latch, Operator};
+use mrroc_core::operator::jog::{JogMotion, JogOrder};
+use mrroc_core::operator::{Latch, Operator, Renewal};
 
 /// Runs a cell again and again under a random operator, who suspends and resumes it, changes its speed, aborts, stops it and
 /// resets it in random steps.
@@ -65,13 +66,14 @@ pub struct RandomOperator<B> {
     runs: u64,
     seed: u64,
     steps: u64,
+    by_hand: Option<Vec<Name>>,
 }
 
 impl<B: FnMut(u64) -> Cell> RandomOperator<B> {
     /// For the cell that `cell` makes of a run's seed.
     #[must_use]
     pub const fn new(cell: B) -> Self {
-        RandomOperator { cell, runs: 100, seed: 1, steps: 2000 }
+        RandomOperator { cell, runs: 100, seed: 1, steps: 2000, by_hand: None }
     }
 
     /// The number of runs; 100 if nothing is said.
@@ -95,12 +97,20 @@ impl<B: FnMut(u64) -> Cell> RandomOperator<B> {
         self
     }
 
+    /// Lets the operator work at reduced speed, where he holds and lets go instead of suspending and resuming: the joints of one of
+    /// these robots at a time, which he jogs, or with none of them what the programs do.
+    #[must_use]
+    pub fn holding(self, jogged: impl IntoIterator<Item = Name>) -> Self {
+        RandomOperator { by_hand: Some(jogged.into_iter().collect()), ..self }
+    }
+
     /// Runs all.
     pub fn run(mut self) -> OperatorReport {
         let mut report = OperatorReport::default();
         for seed in self.seed..self.seed.saturating_add(self.runs) {
             report.runs += 1;
-            run(seed, (self.cell)(seed), self.steps, &mut report);
+            let by_hand = self.by_hand.clone().map(|jogged| ByHand { jogged, held: None });
+            run(seed, (self.cell)(seed), (self.steps, by_hand), &mut report);
         }
         report
     }
@@ -113,8 +123,8 @@ pub struct OperatorReport {
     periods: u64,
     presses: u64,
     stops: u64,
-    /// The stop, the suspension and the abort that used the largest share of their bounds \[steps\].
-    worst: [(u64, u64); 3],
+    /// Of each way to stand, the one that used the largest share of its bound \[steps\].
+    worst: [(u64, u64); Pressed::NAMES.len()],
     false_stops: Vec<String>,
     failures: Vec<String>,
 }
@@ -165,22 +175,59 @@ enum Pressed {
     Stop,
     Suspend,
     Abort,
+    LetGo,
 }
 
 impl Pressed {
-    const NAMES: [&str; 3] = ["stop", "suspension", "abort"];
+    const NAMES: [&str; 4] = ["stop", "suspension", "abort", "end of a hold"];
+}
+
+/// What an operator at reduced speed does.
+struct ByHand {
+    jogged: Vec<Name>,
+    held: Option<(Renewal, Option<(Name, JogOrder)>)>,
+}
+
+impl ByHand {
+    /// Holds on, lets go or begins another hold; whether he has just let go, or has begun.
+    fn hold(&mut self, step: u64, random: &mut Random, operator: &Operator) -> Option<bool> {
+        operator.set_reduced(true);
+        let Some((renewal, jog)) = self.held else {
+            if random.below(60) != 0 {
+                return None;
+            }
+            let of = usize::try_from(random.below(self.jogged.len().max(1) as u64)).unwrap_or(0);
+            let speed = (0.1 + 0.9 * random.below(1 << 20) as f64 / f64::from(1 << 20))
+                * if random.below(2) == 0 { 1.0 } else { -1.0 };
+            let joint = random.below(3) as u8;
+            let order = JogOrder { motion: JogMotion::Joint { joint }, speed, way: None };
+            self.held = Some((Renewal::first(step), self.jogged.get(of).map(|name| (*name, order))));
+            return Some(false);
+        };
+        match jog {
+            Some((robot, order)) => operator.jog(renewal, robot, order),
+            None => operator.renew_hold(renewal),
+        }
+        let lets_go = random.below(250) == 0;
+        if lets_go {
+            operator.let_go(renewal.hold());
+        }
+        self.held = if lets_go { None } else { renewal.next().map(|next| (next, jog)) };
+        lets_go.then_some(true)
+    }
 }
 
 /// One operator.
 struct Pressing {
     random: Random,
     last_step: u64,
-    /// What was pressed in which step, and is not over: a stop, a suspension, an abort.
-    pending: [Option<u64>; 3],
+    by_hand: Option<ByHand>,
+    /// What was pressed in which step, and is not over.
+    pending: [Option<u64>; Pressed::NAMES.len()],
     /// Their bounds \[steps\].
-    bounds: [u64; 3],
+    bounds: [u64; Pressed::NAMES.len()],
     presses: u64,
-    worst: [(u64, u64); 3],
+    worst: [(u64, u64); Pressed::NAMES.len()],
     late: Option<String>,
 }
 
@@ -192,6 +239,7 @@ impl Pressing {
             return;
         }
         if operator.latch() != Latch::Clear {
+            self.by_hand.iter_mut().for_each(|by_hand| by_hand.held = None);
             if self.random.below(10) == 0 {
                 // Both may be refused: too early, or something persists.
                 let _ = operator.acknowledge();
@@ -199,11 +247,18 @@ impl Pressing {
             }
             return;
         }
+        if let Some(by_hand) = &mut self.by_hand
+            && let Some(lets_go) = by_hand.hold(step, &mut self.random, operator)
+        {
+            self.presses += 1;
+            self.pending[Pressed::LetGo as usize] = lets_go.then_some(step);
+        }
         if self.random.below(50) != 0 {
             return;
         }
         self.presses += 1;
         match self.random.below(12) {
+            0..=6 if self.by_hand.is_some() => {}
             0..=2 => {
                 operator.suspend();
                 self.pending[Pressed::Suspend as usize].get_or_insert(step);
@@ -213,8 +268,9 @@ impl Pressing {
                 self.pending[Pressed::Suspend as usize] = None;
             }
             7..=9 => {
-                let _ =
-                    operator.set_speed(0.1 + 0.9 * self.random.below(1 << 20) as f64 / f64::from(1 << 20));
+                // Full speed as often as all others: a rate that changes has least room there.
+                let share = self.random.below(1 << 21) as f64 / f64::from(1 << 20);
+                let _ = operator.set_speed(0.1 + 0.9 * share.min(1.0));
             }
             10 => {
                 operator.abort();
@@ -232,17 +288,20 @@ impl Pressing {
     /// Judges what is under way; `moved` is the last step in which a robot moved.
     fn judge(&mut self, step: u64, operator: &Operator, moved: u64) {
         let latched = operator.latch() != Latch::Clear;
-        for pressed in [Pressed::Stop, Pressed::Suspend, Pressed::Abort] {
+        for pressed in [Pressed::Stop, Pressed::Suspend, Pressed::Abort, Pressed::LetGo] {
             let place = pressed as usize;
             let Some(began) = self.pending[place] else { continue };
             let is_over = match pressed {
                 Pressed::Stop => latched,
-                Pressed::Suspend => latched || step > began + self.bounds[place],
+                Pressed::Suspend | Pressed::LetGo => latched || step > began + self.bounds[place],
                 Pressed::Abort => latched || !operator.is_aborting(),
             };
             let bound = self.bounds[place];
             // While it lasts the robots move, and after it they do not.
-            let steps = if pressed == Pressed::Suspend { moved.saturating_sub(began) } else { step - began };
+            let steps = match pressed {
+                Pressed::Suspend | Pressed::LetGo => moved.saturating_sub(began),
+                Pressed::Stop | Pressed::Abort => step - began,
+            };
             if steps > bound && self.late.is_none() {
                 let name = Pressed::NAMES[place];
                 self.late = Some(format!("{name} of step {began} is not over after {bound} steps"));
@@ -257,7 +316,7 @@ impl Pressing {
     }
 }
 
-fn run(seed: u64, mut cell: Cell, last_step: u64, report: &mut OperatorReport) {
+fn run(seed: u64, mut cell: Cell, (last_step, by_hand): (u64, Option<ByHand>), report: &mut OperatorReport) {
     let failed =
         |report: &mut OperatorReport, what: &str| report.failures.push(format!("seed {seed}: {what}"));
     if let Err(error) = cell.check() {
@@ -280,10 +339,11 @@ fn run(seed: u64, mut cell: Cell, last_step: u64, report: &mut OperatorReport) {
     let pressing = Rc::new(RefCell::new(Pressing {
         random: Random::new(seed),
         last_step,
-        pending: [None; 3],
-        bounds: [stop, on_path, on_path],
+        by_hand,
+        pending: [None; 4],
+        bounds: [stop, on_path, on_path, on_path],
         presses: 0,
-        worst: [(0, 1); 3],
+        worst: [(0, 1); 4],
         late: None,
     }));
     let pressed = Rc::clone(&pressing);
@@ -337,7 +397,9 @@ fn run(seed: u64, mut cell: Cell, last_step: u64, report: &mut OperatorReport) {
     }
     report.stops += causes.len() as u64;
     causes.retain(|fault| {
-        !(fault.kind() == FaultKind::ProtectiveStop && fault.message().starts_with(BY_OPERATOR))
+        // Where no program goes on after an abort, the run is over.
+        fault.kind() != FaultKind::Aborted
+            && !(fault.kind() == FaultKind::ProtectiveStop && fault.message().starts_with(BY_OPERATOR))
     });
     // What ends the run has been told when it was latched.
     causes.dedup();

@@ -361,14 +361,18 @@ impl Cell {
     }
 
     /// The longest time that a stop on the path, a suspension or an abort, takes: that of robots at their velocity
-    /// limits, on paths that use nine tenths of their acceleration and jerk limits.
+    /// limits, on paths that use nine tenths of their acceleration and jerk limits. Those of a lower cell follow the rate of
+    /// this one by a rate of their own.
     pub fn path_stop_time(&self) -> Duration {
         let step = self.timing.step;
         let headroom = |rate: f64| {
             let robots = self.parts.robots.iter().map(|robot| robot.least_headroom(rate, step));
             robots.fold(RateHeadroom::UNLIMITED, RateHeadroom::and)
         };
-        Duration::from_secs_f64(path_stop_time(self.timing.rate_change, step.as_secs_f64(), headroom))
+        let own =
+            Duration::from_secs_f64(path_stop_time(self.timing.rate_change, step.as_secs_f64(), headroom));
+        let of_cells = self.parts.cells.iter().map(|lower| lower.cell.path_stop_time());
+        own + of_cells.max().unwrap_or_default()
     }
 
     /// The delay of the drives behind their demands; `None` if each drive takes every demand as it is.

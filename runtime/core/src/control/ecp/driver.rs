@@ -11,6 +11,7 @@ use crate::model::fault::{Fault, FaultKind};
 use crate::model::image::RobotImage;
 use crate::model::robot::Robot;
 use crate::model::wire::Wire;
+use crate::safety::rate::RateHeadroom;
 
 /// What the MP's orders tell an EDP by their flags.
 const PASSED_ON: u32 = flag::WANT_STATE
@@ -51,6 +52,11 @@ impl<R: Robot> DriverPort<R> {
     /// The EDP's last reply.
     pub const fn reply(&self) -> &Message {
         &self.reply
+    }
+
+    /// Says how fast the rate of path time may change, in the place of what the EDP said last.
+    pub const fn set_headroom(&mut self, headroom: RateHeadroom) {
+        self.reply.header.headroom = headroom;
     }
 
     /// Whether the EDP said last that the robot stands.

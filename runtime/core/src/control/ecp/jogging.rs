@@ -38,6 +38,11 @@ impl<R: Robot> Jogging<R> {
         }
     }
 
+    /// The robot.
+    pub fn model(&self) -> &R {
+        &self.model
+    }
+
     /// A Move begins.
     pub fn begin_move(&mut self) {
         // Its generator has not been asked yet: a panel that the program has is taken for one that it asks.

@@ -46,6 +46,8 @@ use crate::observe::activity::Activity;
 use crate::observe::shown::Shown;
 use crate::observe::witness::{What, Witnesses};
 use crate::operator::state::Doing;
+use crate::safety::limits::rates::standing_headroom;
+use crate::safety::rate::RateHeadroom;
 
 use driver::DriverPort;
 use instruction::OfInstruction;
@@ -272,7 +274,25 @@ impl<'w, R: Robot> Ecp<'w, R> {
 
     /// Answers the open order.
     fn reply(&mut self, flags: u32) {
+        if !self.driver.moving {
+            self.stand_beside_rate();
+        }
         self.orders.reply(flags | self.jog_flags(), self.driver.reply());
+    }
+
+    /// A robot in no motion, which stands or brakes by its own law, bounds the changes of the rate by what it may begin in the
+    /// next step, at the rate that all have now: not at that of its last motion. Once its program is over, by nothing.
+    fn stand_beside_rate(&mut self) {
+        let header = self.orders.header();
+        let rate = if header.duration > 0.0 { header.dt / header.duration } else { 0.0 };
+        let headroom = match self.orders.phase {
+            Phase::Finished => RateHeadroom::UNLIMITED,
+            Phase::Idle | Phase::Started | Phase::Obeying | Phase::Latched(_) => {
+                standing_headroom(self.jogging.model().limits(), rate, self.pace.period as f64 * 1e-9)
+            }
+        };
+        let most = self.driver.reply().header.headroom.most;
+        self.driver.set_headroom(RateHeadroom { most, ..headroom });
     }
 
     /// Answers the open order, with the robot's image if the EDP gave it in this step; or with what is wrong, once.
@@ -302,6 +322,7 @@ impl<'w, R: Robot> Ecp<'w, R> {
             flags |= self.driver.reply().header.flags & flag::STATE;
         }
         if brakes {
+            self.stand_beside_rate();
             self.driver.moving = !self.driver.is_at_standstill();
             flags &= if self.driver.moving { !flag::ENDED } else { !0 };
         }
@@ -318,6 +339,7 @@ impl<'w, R: Robot> Ecp<'w, R> {
             if self.driver.is_at_standstill() {
                 self.driver.moving = false;
             } else {
+                self.stand_beside_rate();
                 self.reply(flag::STATE);
             }
         }

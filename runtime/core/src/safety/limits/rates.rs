@@ -137,6 +137,12 @@ pub(crate) fn least_headroom<J: JointVector>(limits: &Limits<J>, rate: f64, peri
     Headroom { limits, rate, period, bridged: 0.0 }.at_speed(|i| limits.velocity[i])
 }
 
+/// What a robot that stands leaves for changes of the rate, in steps of `period` \[s\]: it may begin to move in the next one.
+pub(crate) fn standing_headroom<J: JointVector>(limits: &Limits<J>, rate: f64, period: f64) -> RateHeadroom {
+    let pace = Pace { rate, period, ..Pace::at_rest() };
+    pace.headroom(limits)
+}
+
 /// How fast a robot in this state may slow down on its screw, in steps of `period` \[s\]: within [`braking::SHARE`] of the
 /// acceleration limits, and within what the screw's `curvature` \[rad/s² or m/s²\] leaves of them where it slows a joint down as well.
 /// Where the curvature leaves enough, that takes no longer than braking from the velocity limits. It never takes longer than
