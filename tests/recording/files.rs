@@ -147,3 +147,83 @@ proptest! {
         prop_assert!(refused.is_err());
     }
 }
+
+/// The recording with the messages of a topic changed.
+fn with(topic: &str, change: impl Fn(&mut serde_json::Value)) -> Vec<u8> {
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    let options = mcap::WriteOptions::new().profile("mrroc").chunk_size(Some(1 << 18));
+    let mut writer = options.create(&mut bytes).expect("in memory");
+    let mut channels = std::collections::BTreeMap::new();
+    for record in mcap::read::ChunkFlattener::new(whole()).expect("a file") {
+        match record.expect("whole") {
+            mcap::records::Record::Metadata(metadata) => writer.write_metadata(&metadata).expect("in memory"),
+            mcap::records::Record::Channel(channel) => {
+                let id = writer.add_channel(0, &channel.topic, "json", &Default::default()).expect("few");
+                channels.insert(channel.id, (id, channel.topic));
+            }
+            mcap::records::Record::Message { mut header, data } => {
+                let (id, of) = &channels[&header.channel_id];
+                let mut json = serde_json::from_slice(&data).expect("JSON");
+                if of == topic {
+                    change(&mut json);
+                }
+                header.channel_id = *id;
+                writer.write_to_known_channel(&header, json.to_string().as_bytes()).expect("in memory");
+            }
+            _ => {}
+        }
+    }
+    writer.finish().expect("in memory");
+    drop(writer);
+    bytes.into_inner()
+}
+
+#[test]
+fn fault_249_a_recording_whose_steps_jump_is_refused_before_it_is_replayed() {
+    let unchanged = written("unchanged.mcap", &with("", |_| {}));
+    assert!(arms(Change::Nothing).replay(unchanged, CutOff::Refused).expect("replayed").is_identical());
+    let later = |json: &mut serde_json::Value| {
+        let step = json["step"].as_u64().expect("a step");
+        if step >= 5 {
+            json["step"] = (step + (1 << 40)).into();
+        }
+    };
+    let found = |json: &mut serde_json::Value| {
+        (json["what"], json["process"]) = ("late request".into(), "edp left".into());
+        json["text"] = format!("request 0 in step {}", 1_u64 << 40).into();
+    };
+    let [steps, late] = [with("/steps", later), with("/events", found)];
+    for bytes in [steps, late] {
+        let refused = refusal("jumps.mcap", &bytes);
+        assert!(refused.contains("that does not fit"), "{refused}");
+        let taken = arms(Change::Nothing).replay(written("jumps.mcap", &bytes), CutOff::Taken);
+        assert!(taken.is_err_and(|error| error.to_string().contains("that does not fit")));
+    }
+}
+
+#[test]
+fn fault_249_a_small_file_that_unpacks_to_much_is_refused() {
+    // Chunks of nothing but the same byte: 250 times smaller.
+    let mut bytes = Vec::new();
+    let mut writer = mcap::WriteOptions::new()
+        .profile("mrroc")
+        .compression(Some(mcap::Compression::Lz4))
+        .chunk_size(Some(1 << 19))
+        .create(std::io::Cursor::new(&mut bytes))
+        .expect("in memory");
+    let channel = writer.add_channel(0, "/steps", "json", &Default::default()).expect("few");
+    for sequence in 0..1000 {
+        let header =
+            mcap::records::MessageHeader { channel_id: channel, sequence, log_time: 0, publish_time: 0 };
+        writer.write_to_known_channel(&header, &vec![b' '; 1 << 18]).expect("in memory");
+    }
+    writer.finish().expect("in memory");
+    drop(writer);
+    assert!(bytes.len() < 3_000_000, "{}", bytes.len());
+    let file = written("unpacks.mcap", &bytes);
+    let mut taken = 0;
+    let read = mrroc::recording::each_message(&file, |_, _, data| taken += data.len());
+    assert!(read.is_err_and(|error| error.to_string().contains("unpacks to far more than a recording does")));
+    // What was read until then is bounded by the file.
+    assert!(taken <= 50 * bytes.len() + (1 << 20), "{taken}");
+}

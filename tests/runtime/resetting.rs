@@ -2,15 +2,17 @@
 
 use std::cell::{Cell as Shared, RefCell};
 use std::rc::Rc;
+use std::time::Duration;
 
 use mrroc::cell::{AfterFault, RunReport};
 use mrroc::fault::{Excess, FaultKind};
 use mrroc::operator::{Latch, LatchRefusal, Operator};
 use mrroc::prelude::*;
 use mrroc::robot::{DriveFault, Driver, Measured};
+use mrroc::sensor::VspMode;
 use mrroc_tests::{Gantry, MS, Q, fault, gantry, peaks, traced};
 
-use crate::runtime::kit::{Phase, Smooth};
+use crate::runtime::kit::{Counter, Counting, Phase, Smooth};
 
 /// The left gantry to `end` and the right one to `-end` \[m\], by a smoothstep of 1 s from where they are; throws a fault
 /// in a step, if it is to.
@@ -524,5 +526,54 @@ fn fault_25_robots_stop_on_their_paths_together_when_a_sensor_of_one_of_them_fai
         assert!(a <= 10.0 + 1e-6 && left[left.len() - 1] == left[left.len() - 2], "{a} m/s²");
         // Both ran the same path, and stopped at one place of it.
         assert!(left.iter().zip(right.iter()).all(|(l, r)| (l - r).norm() < 1e-12), "fails at {fails_at}");
+    }
+}
+
+/// Keeps what it reads, and for how many steps it has been asking when it does.
+struct Asking(Rc<RefCell<Vec<Option<u32>>>>, u32);
+
+#[generator(ecp)]
+fn asking(c: &mut Asking, v: &Reading<(Counter,)>) -> Step<Gantry> {
+    // The orders of one or two steps were out before its first step; a free-running sensor has read in the three before that.
+    let since = c.1 + 2 + 3;
+    c.1 += 1;
+    let age = v.0.reading().map(|_| v.0.age());
+    assert!(age.is_none_or(|age| age <= since), "a reading of {age:?} steps after {since} steps");
+    c.0.borrow_mut().push(age);
+    if c.1 == 40 { Step::Done } else { Step::Next(Demand::hold()) }
+}
+
+#[test]
+fn fault_248_after_a_reset_no_motion_begins_by_a_reading_from_before_the_stop() {
+    let free = VspMode::NonInteractive(MS * 3);
+    for mode in [VspMode::Interactive, VspMode::WithDelay, free] {
+        for latency in [0, 3500, 9000].map(Duration::from_micros) {
+            if mode != VspMode::WithDelay && latency > Duration::ZERO {
+                continue;
+            }
+            for stop in 3..30 {
+                let ages = Rc::new(RefCell::new(Vec::new()));
+                let keep = Rc::clone(&ages);
+                let robot = gantry("g").0.program(move |ecp| {
+                    keep.borrow_mut().clear();
+                    let mut counter = ecp.sensor::<Counter>("counter")?;
+                    ecp.move_robot((&mut counter,), Asking(Rc::clone(&keep), 0)).map(drop)
+                });
+                let sensor =
+                    SensorSetup::new("counter", Counting::default()).of("g").mode(mode).latency(latency);
+                let cell = Cell::new(MS).robot(robot).sensor(sensor).after_fault(AfterFault::AwaitReset);
+                let cell = cell.on_step(move |step, operator| match step {
+                    step if step == stop => operator.protective_stop(),
+                    // Sixty steps later, as a person who is quick.
+                    step if step >= stop + 60 && operator.latch() == Latch::Latched => {
+                        operator.acknowledge().and_then(|()| operator.reset()).expect("nothing persists");
+                    }
+                    _ => {}
+                });
+                cell.run().expect("the second run of the program is over");
+                assert_eq!(ages.borrow().len(), 40, "{mode:?}, stopped in step {stop}");
+                assert!(ages.borrow().last().expect("asked").is_some(), "{mode:?}, stopped in step {stop}");
+            }
+        }
     }
 }

@@ -3,7 +3,6 @@
 //! In: what a run on the memory link shows, or a recording. Out: the cell at any moment of it.
 
 use std::cell::RefCell;
-use std::path::Path;
 use std::process::ExitCode;
 use std::sync::Arc;
 
@@ -335,12 +334,4 @@ impl LooksOn for OnMemory {
         let course = std::mem::replace(&mut *self.course.borrow_mut(), Course::of(&self.layout));
         crate::run::play(Arc::new(Looks::of(&self.layout)), course)
     }
-}
-
-/// Reads the course of a recorded run.
-///
-/// # Errors
-/// Why the file is no recording of a cell of this layout.
-pub fn recorded(file: &Path, layout: &Layout) -> Result<Course, String> {
-    crate::recording::read(file, layout).map_err(|why| format!("{}: {why}", file.display()))
 }

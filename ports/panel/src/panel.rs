@@ -9,7 +9,7 @@ use mrroc_core::console::refused;
 use mrroc_core::observe::layout::Layout;
 use mrroc_launch::{LooksOn, Panel};
 
-use crate::course::{OnMemory, recorded};
+use crate::course::OnMemory;
 use crate::now::Looks;
 use crate::run::{attend, play};
 
@@ -23,7 +23,7 @@ impl Panel for InBrowser {
     }
 
     fn play(&self, layout: Layout, recording: &Path) -> ExitCode {
-        match recorded(recording, &layout) {
+        match crate::recording::read(recording, &layout) {
             Ok(course) => play(Arc::new(Looks::of(&layout)), course),
             Err(why) => refused(&why),
         }

@@ -2,11 +2,8 @@
 //!
 //! In: an MCAP file that `--record` has written. Out: the course of its run; what a page does not show is passed over.
 
-use std::fs::File;
-use std::io::Read;
 use std::path::Path;
 
-use mcap::MessageStream;
 use mrroc_core::nalgebra::{Quaternion, Translation3, UnitQuaternion};
 use mrroc_core::observe::layout::{Layout, SignalLayout};
 use mrroc_core::operator::state::Doing;
@@ -25,26 +22,22 @@ const LARGEST: u64 = 1 << 30;
 /// # Errors
 /// What is wrong with the file.
 pub fn read(file: &Path, layout: &Layout) -> Result<Course, String> {
-    let mut bytes = Vec::new();
-    let opened = File::open(file).and_then(|from| from.take(LARGEST + 1).read_to_end(&mut bytes));
-    opened.map_err(|error| format!("cannot be read: {error}"))?;
-    if bytes.len() as u64 > LARGEST {
-        return Err("is larger than 1 GiB\n help: record a shorter run, or fewer robots".to_owned());
+    let named = |what: &str| format!("{}: {what}", file.display());
+    if file.metadata().is_ok_and(|about| about.len() > LARGEST) {
+        return Err(named("is larger than 1 GiB\n help: record a shorter run, or fewer robots"));
     }
-    let help = "\n help: give a file that --record has written";
-    let messages = MessageStream::new(&bytes).map_err(|error| format!("is no recording: {error}{help}"))?;
     let mut course = Course::of(layout);
     let (mut start, mut last) = (None, 0);
-    for message in messages {
-        // The rest of a file that was cut off.
-        let Ok(message) = message else { break };
-        let time = message.log_time.saturating_sub(*start.get_or_insert(message.log_time));
+    let read = mrroc_recording::each_message(file, |topic, at, data| {
+        let time = at.saturating_sub(*start.get_or_insert(at));
         last = last.max(time);
-        take(&mut course, layout, time, &message.channel.topic, &message.data);
-    }
+        take(&mut course, layout, time, topic, data);
+    });
+    read.map_err(|wrong| wrong.to_string())?;
     course.end(last, None);
     if course.lasts() == 0.0 {
-        return Err(format!("shows no robot of this cell{help}, of this cell"));
+        let help = "give a file that --record has written, of this cell";
+        return Err(named(&format!("shows no robot of this cell\n help: {help}")));
     }
     Ok(course)
 }

@@ -46,6 +46,7 @@ mod json;
 mod messages;
 mod reader;
 mod recorder;
+mod records;
 mod relay;
 mod replaying;
 mod ring;
@@ -56,7 +57,7 @@ use std::path::PathBuf;
 use mrroc_core::observe::recording::Recording;
 
 pub use compare::{Compared, Difference};
-pub use reader::{CutOff, NotReplayable};
+pub use reader::{CutOff, NotReplayable, each_message};
 pub use recorder::Mcap;
 pub use replaying::{Replay, ReplayError, replay_command};
 

@@ -39,6 +39,10 @@ pub(super) struct Messages {
     end: Option<Option<String>>,
 }
 
+/// The most steps that a machine can have left out between two that are recorded, or before the first one. A replay goes through
+/// every step: more than these would keep it at work for what no run has done.
+const LONGEST_GAP: u64 = 100_000;
+
 const OTHER_CELL: &str = "replay it with the cell that was recorded, with all its robots and sensors";
 
 impl Messages {
@@ -146,7 +150,9 @@ impl Messages {
             aborts: false,
             late: false,
         };
-        let follows = self.steps.last().is_none_or(|last| last.step < scripted.step);
+        let last = self.steps.last().map(|last| last.step);
+        let follows =
+            last.is_none_or(|last| last < scripted.step) && scripted.step - last.unwrap_or(0) <= LONGEST_GAP;
         self.steps.extend(follows.then_some(scripted));
         follows.then_some(())
     }
@@ -163,6 +169,9 @@ impl Messages {
             "late request" => {
                 let (nth, due) = text.strip_prefix("request ")?.split_once(" in step ")?;
                 let late = LateRequest { step, nth: nth.parse().ok()?, due: due.parse().ok()? };
+                if late.due.saturating_sub(late.step) > LONGEST_GAP {
+                    return None;
+                }
                 let robot = self.robots.iter_mut().find(|robot| Some(robot.name) == by.name)?;
                 robot.late.push(late);
             }
@@ -211,6 +220,10 @@ impl Messages {
         };
         if robot.images.is_empty() {
             robot.first = step;
+            let last = self.steps.last().map_or(0, |last| last.step);
+            if step.saturating_sub(last) > LONGEST_GAP {
+                return None;
+            }
         }
         let follows = step == robot.first + robot.images.len() as u64;
         robot.images.extend(follows.then_some(image));

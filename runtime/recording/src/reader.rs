@@ -1,27 +1,22 @@
 //! Reads a recording, as far as a replay needs it.
 //!
-//! In: a file, and the layout of the cell. Out: a [`RecordedRun`], or what is wrong with the file. The file may have
-//! any contents: it is read piece by piece, and no piece is larger than [`LARGEST`].
+//! In: the [`records`] of a file, and the layout of the cell. Out: a [`RecordedRun`], or what is wrong with the file, which may
+//! have any contents; or its messages as they are, for programs that only look at them.
 
-use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use lz4::Decoder;
-use mcap::McapError;
-use mcap::records::{Metadata, Record, op};
-use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
+use mcap::records::{Metadata, Record};
 
 use super::file::{END, PROFILE, START, VERSION};
 use super::messages::Messages;
+use super::records::{self, Ended};
 use mrroc_core::console::quoted;
+use mrroc_core::link::Nanos;
 use mrroc_core::observe::layout::Layout;
 use mrroc_core::replay::RecordedRun;
 use mrroc_launch::files;
-
-/// The largest record or chunk that is read \[bytes\]; the chunks of a recording have a quarter of a megabyte.
-const LARGEST: usize = 1 << 20;
 
 /// What to do with a recording that was cut off.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -62,7 +57,7 @@ impl Wrong {
     }
 }
 
-const DAMAGED: &str =
+pub(super) const DAMAGED: &str =
     "record the run again; what is there up to the damage can be looked at with an MCAP viewer";
 
 /// Reads a recording of a cell.
@@ -83,139 +78,43 @@ pub(crate) fn read_bytes(
     read_from(bytes, layout, cut_off).map_err(|wrong| wrong.of(Path::new("bytes")))
 }
 
-fn unreadable(error: std::io::Error) -> Wrong {
+pub(super) fn unreadable(error: std::io::Error) -> Wrong {
     Wrong::new(format!("cannot be read: {error}"), "see whether it is a file, and who may read it")
 }
 
-fn read_from(mut from: impl Read, layout: &Layout, cut_off: CutOff) -> Result<RecordedRun, Wrong> {
+fn read_from(from: impl Read, layout: &Layout, cut_off: CutOff) -> Result<RecordedRun, Wrong> {
     if !layout.cells.is_empty() {
         let help =
             "look at it with an MCAP viewer, or record one of its cells in a run of its own and replay that";
         return Err(Wrong::new("a cell of cells cannot be replayed", help));
     }
-    let options = LinearReaderOptions::default()
-        .with_record_length_limit(LARGEST)
-        .with_emit_chunks(true)
-        .with_validate_data_section_crc(true);
-    let mut reader = LinearReader::new_with_options(options);
     let mut taker = Taker { layout, messages: None, channels: BTreeMap::new(), start: 0, end: None };
-    while let Some(event) = reader.next_event() {
-        match event {
-            Ok(LinearReadEvent::ReadRequest(size)) => {
-                let read = from.read(reader.insert(size.min(LARGEST))).map_err(unreadable)?;
-                reader.notify_read(read);
+    match records::each(from, &mut |record| taker.take(record))? {
+        Ended::Whole if taker.end.is_some() => taker.finish(cut_off),
+        Ended::Whole | Ended::CutOff => taker.cut_off(cut_off),
+    }
+}
+
+/// Hands over the messages of a recording as they are in the file: the topic, when it was written by the clock of the machine
+/// that recorded it \[ns\], and the JSON. Of one that was cut off, those that there are.
+///
+/// # Errors
+/// [`NotReplayable`]: the file is no MCAP file, or is damaged.
+pub fn each_message(file: &Path, mut take: impl FnMut(&str, Nanos, &[u8])) -> Result<(), NotReplayable> {
+    let mut channels = BTreeMap::new();
+    let mut take = |record: Record<'_>| {
+        match record {
+            Record::Channel(channel) => drop(channels.insert(channel.id, channel.topic)),
+            Record::Message { header, data } => {
+                let topic = channels.get(&header.channel_id).map_or("", String::as_str);
+                take(topic, header.log_time, &data);
             }
-            Ok(LinearReadEvent::Record { data, opcode }) => taker.take_bytes(opcode, data)?,
-            Err(McapError::UnexpectedEof) => {
-                return taker.cut_off(cut_off);
-            }
-            Err(error) => return Err(damaged(error)),
+            _ => {}
         }
-    }
-    if taker.end.is_none() {
-        return taker.cut_off(cut_off);
-    }
-    taker.finish(cut_off)
-}
-
-/// An error for a part that states a length beyond the end of what contains it.
-fn torn(what: &str) -> Wrong {
-    Wrong::new(format!("is damaged: {what} is longer than what it is in"), DAMAGED)
-}
-
-/// The records in a chunk, after its checksum is verified. The parser's own function for chunks is not used: its
-/// counter underflows if a record is longer than its chunk.
-fn chunk(data: &[u8]) -> Result<Cow<'_, [u8]>, Wrong> {
-    let (size, sum, compression, records) = chunk_parts(data).ok_or_else(|| torn("a chunk"))?;
-    let records = match compression {
-        b"" => Cow::Borrowed(records),
-        b"lz4" => Cow::Owned(decompressed(records, size)?),
-        other => {
-            let other = quoted(&String::from_utf8_lossy(other), 20);
-            return Err(Wrong::foreign(format!("is compressed by {other}, recordings are by lz4")));
-        }
+        Ok(())
     };
-    let is_whole = size == records.len() as u64 && (sum == 0 || crc32fast::hash(&records) == sum);
-    if is_whole {
-        Ok(records)
-    } else {
-        Err(Wrong::new("is damaged: a chunk is not as its checksum says", DAMAGED))
-    }
-}
-
-/// Undoes the compression of a chunk that states this size \[bytes\]. What is longer than it states is cut off, and found out
-/// by the checksum.
-fn decompressed(data: &[u8], size: u64) -> Result<Vec<u8>, Wrong> {
-    if size > LARGEST as u64 {
-        return Err(Wrong::foreign(format!("has a chunk of {size} bytes, more than a recording's")));
-    }
-    let mut records = Vec::new();
-    let read = Decoder::new(data).and_then(|decoder| decoder.take(size + 1).read_to_end(&mut records));
-    read.map_err(|_| Wrong::new("is damaged: a chunk cannot be decompressed", DAMAGED))?;
-    Ok(records)
-}
-
-/// The parts of a chunk: its uncompressed size \[bytes\], its checksum, the name of its compression, and its records.
-fn chunk_parts(mut rest: &[u8]) -> Option<(u64, u32, &[u8], &[u8])> {
-    // The times of the chunk's first and last message, which are not needed.
-    rest.split_off(..16)?;
-    let (size, sum) = (u64_of(&mut rest)?, u32_of(&mut rest)?);
-    let compression = text(&mut rest)?;
-    let len = usize::try_from(u64_of(&mut rest)?).ok()?;
-    Some((size, sum, compression, rest.split_off(..len)?))
-}
-
-/// Splits the next record off a chunk: its opcode and its data.
-fn record<'a>(rest: &mut &'a [u8]) -> Option<(u8, &'a [u8])> {
-    let opcode = *rest.split_off_first()?;
-    let len = usize::try_from(u64_of(rest)?).ok()?;
-    Some((opcode, rest.split_off(..len)?))
-}
-
-fn u64_of(rest: &mut &[u8]) -> Option<u64> {
-    rest.split_off(..8)?.try_into().ok().map(u64::from_le_bytes)
-}
-
-/// Whether the texts of a record fit into it: the parser allocates as much memory as their lengths state. `None` for
-/// records that are not used.
-fn has_its_texts(opcode: u8, data: &[u8]) -> Option<bool> {
-    // The number of bytes before the texts, the number of texts, and whether a map of texts follows.
-    let (skipped, count, map) = match opcode {
-        op::HEADER => (0, 2, false),
-        op::CHANNEL => (4, 2, true),
-        op::MESSAGE => (0, 0, false),
-        op::METADATA => (0, 1, true),
-        _ => return None,
-    };
-    let fits = |mut rest: &[u8]| {
-        rest.split_off(..skipped)?;
-        (0..count).try_for_each(|_| text(&mut rest).map(drop))?;
-        // A map has a length in bytes before it, as a text has.
-        let mut map = if map { text(&mut rest)? } else { &[] };
-        while !map.is_empty() {
-            let _key = text(&mut map)?;
-            let _value = text(&mut map)?;
-        }
-        Some(())
-    };
-    Some(fits(data).is_some())
-}
-
-/// Splits a text off, which stands after its length.
-fn text<'a>(rest: &mut &'a [u8]) -> Option<&'a [u8]> {
-    let len = usize::try_from(u32_of(rest)?).ok()?;
-    rest.split_off(..len)
-}
-
-fn u32_of(rest: &mut &[u8]) -> Option<u32> {
-    rest.split_off(..4)?.try_into().ok().map(u32::from_le_bytes)
-}
-
-fn damaged(error: McapError) -> Wrong {
-    match error {
-        McapError::BadMagic => Wrong::foreign("is no MCAP file"),
-        error => Wrong::new(format!("is damaged: {}", quoted(&error.to_string(), 200)), DAMAGED),
-    }
+    let read = files::open(file).map_err(unreadable).and_then(|from| records::each(from, &mut take));
+    read.map(drop).map_err(|wrong| wrong.of(file))
 }
 
 /// Takes the records of a file one after another.
@@ -231,27 +130,6 @@ struct Taker<'a> {
 }
 
 impl Taker<'_> {
-    fn take_bytes(&mut self, opcode: u8, data: &[u8]) -> Result<(), Wrong> {
-        if opcode == op::CHUNK {
-            let records = chunk(data)?;
-            let mut records = &*records;
-            while !records.is_empty() {
-                let (opcode, data) = record(&mut records).ok_or_else(|| torn("a chunk"))?;
-                self.take_record(opcode, data)?;
-            }
-            return Ok(());
-        }
-        self.take_record(opcode, data)
-    }
-
-    fn take_record(&mut self, opcode: u8, data: &[u8]) -> Result<(), Wrong> {
-        match has_its_texts(opcode, data) {
-            None => Ok(()),
-            Some(false) => Err(torn("a record")),
-            Some(true) => self.take(mcap::parse_record(opcode, data).map_err(damaged)?),
-        }
-    }
-
     fn take(&mut self, record: Record<'_>) -> Result<(), Wrong> {
         match record {
             Record::Header(header) if header.profile != PROFILE => Err(Wrong::foreign(format!(

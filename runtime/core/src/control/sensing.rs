@@ -55,13 +55,33 @@ pub(crate) struct SensorPort {
     pub taken: bool,
     order: Message,
     reply: Message,
-    awaiting: bool,
+    delayed: Delayed,
     read: bool,
     /// The step in which a reading was asked for last, and that of the last question after a pause.
     asked: Option<u64>,
     since: u64,
     /// The step of the last order: where not every step orders a reading, it is before the last question.
     ordered: Option<u64>,
+}
+
+/// An order of a sensor with delay.
+#[derive(Default)]
+struct Delayed {
+    /// Whether it is not answered yet.
+    awaiting: bool,
+    /// Whether it is one of a program that a stop has ended: nobody reads the answer.
+    discards: bool,
+}
+
+impl Delayed {
+    /// Takes the answer; whether it has come and counts.
+    fn receive(&mut self, client: &dyn Client, reply: &mut Message) -> bool {
+        if !(self.awaiting && client.receive(reply)) {
+            return false;
+        }
+        self.awaiting = false;
+        !core::mem::take(&mut self.discards)
+    }
 }
 
 /// What the readings of a sensor are.
@@ -84,7 +104,7 @@ impl SensorPort {
             taken: false,
             order: Message::new(Kind::Read),
             reply: Message::empty(),
-            awaiting: false,
+            delayed: Delayed::default(),
             read: false,
             asked: None,
             since: 0,
@@ -92,12 +112,31 @@ impl SensorPort {
         }
     }
 
+    /// The program starts again: nothing that the one before has read or ordered counts.
+    fn release(&mut self) {
+        self.taken = false;
+        self.read = false;
+        self.delayed.discards = self.delayed.awaiting;
+        (self.asked, self.ordered) = (None, None);
+    }
+
     /// Orders a reading in `step` if one is due, with the state of the robot that the sensor belongs to.
     fn order(&mut self, step: u64, robot: Option<StateWords<'_>>) {
+        let resumes = self.asked.is_none_or(|asked| step > asked + 1);
+        let begins = match self.source {
+            Source::WithDelay(_) | Source::Recorded(_, VspMode::WithDelay) => resumes,
+            Source::NonInteractive(_) | Source::Recorded(_, VspMode::NonInteractive(_)) => {
+                self.asked.is_none()
+            }
+            Source::Interactive(_) | Source::Recorded(_, VspMode::Interactive) => false,
+        };
+        if begins {
+            self.since = step;
+        }
         // A step may ask more than once, before and after a motion begins: each gets the answer of that step.
         let is_due =
             self.ordered.is_none_or(|ordered| step == ordered || step >= ordered + self.asking.every);
-        if !is_due && !self.awaiting {
+        if !is_due && !self.delayed.awaiting {
             self.asked = Some(step);
             return;
         }
@@ -110,38 +149,16 @@ impl SensorPort {
             Source::Interactive(client) => client.send(&self.order),
             Source::WithDelay(client) => {
                 // A sensor with delay that is still at work is not disturbed: it has taken the order.
-                if self.awaiting && client.receive(&mut self.reply) {
-                    self.awaiting = false;
-                    self.read = true;
-                }
-                if self.awaiting {
+                self.read |= self.delayed.receive(&**client, &mut self.reply);
+                if self.delayed.awaiting {
                     client.send_again();
                 } else if is_due {
-                    if self.asked.is_none_or(|asked| step > asked + 1) {
-                        self.since = step;
-                    }
                     client.send(&self.order);
-                    self.awaiting = true;
+                    self.delayed.awaiting = true;
                 }
             }
-            Source::NonInteractive(boards) => {
-                if self.asked.is_none() {
-                    self.since = step;
-                }
-                boards.orders.write(&self.order);
-            }
-            // Whether an order of before a pause was still awaited then is not recorded; in a pause it is answered.
-            Source::Recorded(_, VspMode::WithDelay) => {
-                if self.asked.is_none_or(|asked| step > asked + 1) {
-                    self.since = step;
-                }
-            }
-            Source::Recorded(_, VspMode::NonInteractive(_)) => {
-                if self.asked.is_none() {
-                    self.since = step;
-                }
-            }
-            Source::Recorded(_, VspMode::Interactive) => {}
+            Source::NonInteractive(boards) => boards.orders.write(&self.order),
+            Source::Recorded(..) => {}
         }
         self.asked = Some(step);
         if is_due {
@@ -181,10 +198,7 @@ impl SensorPort {
                 self.read = true;
             }
             Source::WithDelay(client) => {
-                if self.awaiting && client.receive(&mut self.reply) {
-                    self.awaiting = false;
-                    self.read = true;
-                }
+                self.read |= self.delayed.receive(&**client, &mut self.reply);
             }
             Source::NonInteractive(boards) => {
                 self.read = boards.readings.read(&mut self.reply) || self.read;
@@ -280,9 +294,9 @@ impl Sensing {
         Owner::refuse("sensor", sensors.stranger(self.owner))
     }
 
-    /// Programs start again: each sensor has its handle to give.
+    /// Programs start again: each sensor has its handle to give, and the age of its readings counts anew.
     pub fn release(&mut self) {
-        self.ports.iter_mut().for_each(|port| port.taken = false);
+        self.ports.iter_mut().for_each(SensorPort::release);
     }
 
     /// The robot that the sensor at a place of a list belongs to.
