@@ -10,10 +10,10 @@ impl Fault {
     pub fn help(&self) -> Option<&'static str> {
         use FaultKind as K;
         let demanded = match self.kind() {
-            K::DemandOutOfRange if self.message().starts_with(GOAL) => {
+            K::DemandOutOfRange if self.says(GOAL) => {
                 return Some("give the motion a goal within the joint's limits; nothing has moved for it");
             }
-            K::NoInverseKinematics if self.message().starts_with(GOAL) => {
+            K::NoInverseKinematics if self.says(GOAL) => {
                 return Some(
                     "give the motion a goal that the arm reaches; if it is to end before its goal, as on contact, one that is nearer; \
                      nothing has moved for it",
@@ -22,7 +22,7 @@ impl Fault {
             K::DemandOutOfRange => {
                 "keep the motion within the joint's limits: a joint must always be able to stop before them"
             }
-            K::DemandedVelocity if self.message() == AT_REDUCED_SPEED => {
+            K::DemandedVelocity if self.says(AT_REDUCED_SPEED) => {
                 return Some("set a lower speed before the next try: speed 10%");
             }
             K::DemandedVelocity | K::DemandedAcceleration | K::DemandedJerk | K::StartPoseMismatch
@@ -49,20 +49,20 @@ impl Fault {
             K::DemandedJerk => {
                 "change the acceleration more slowly: use a smoother profile, or give the motion more time"
             }
-            K::NoInverseKinematics if self.message() == DISAGREEMENT => {
+            K::NoInverseKinematics if self.says(DISAGREEMENT) => {
                 return Some(
                     "mend the robot's model: `inverse(forward(q), q)` must give `q`; test it for some positions in the limits",
                 );
             }
-            K::NoInverseKinematics if self.message().starts_with(NOT_ATTAINABLE) => {
+            K::NoInverseKinematics if self.says(NOT_ATTAINABLE) => {
                 "demand a pose that the joints can give: the message names the direction in which the robot does not move"
             }
-            K::NoInverseKinematics if self.message() == NOT_REDUNDANT => {
+            K::NoInverseKinematics if self.says(NOT_REDUNDANT) => {
                 return Some(
                     "leave `with_redundancy` out: the kind of robot has as many joints as a pose asks for",
                 );
             }
-            K::NoInverseKinematics if self.message().starts_with(NOT_FOUND) => {
+            K::NoInverseKinematics if self.says(NOT_FOUND) => {
                 "demand poses close to each other: the search begins at the joints demanded last and keeps their limits; for \
                  a far goal, demand joints"
             }
@@ -157,8 +157,8 @@ impl Fault {
             K::TimedOut => {
                 return Some("allow the Wait more steps, or handle the time-out: match on `Fault::kind`");
             }
-            K::ProtectiveStop if self.message() == BY_OPERATOR => return None,
-            K::ProtectiveStop if self.message() == UNSUPERVISED => {
+            K::ProtectiveStop if self.says(BY_OPERATOR) => return None,
+            K::ProtectiveStop if self.says(UNSUPERVISED) => {
                 return Some(
                     "let the launcher's process go on: kill -CONT and its number; if it was not stopped by a signal, the machine \
                      gives it too little time",
@@ -177,7 +177,37 @@ impl Fault {
         };
         Some(if self.is_of_first_demand() { BEGIN } else { demanded })
     }
+
+    /// Whether its message begins with this: a stop may have added what became of it, as in `by the operator; left the path`.
+    fn says(&self, what: &str) -> bool {
+        self.message().starts_with(what)
+    }
 }
 
 const BEGIN: &str = "begin where the robot is: write a first step, `#[generator(.., first = begin)]`, that takes `e: &State<..>` and \
      starts from `e.demanded()`, in an MP from `e.0.demanded()`, `e.1.demanded()` ..";
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_added_to_a_message_changes_no_advice() {
+        for (kind, message) in [
+            (FaultKind::DemandedVelocity, AT_REDUCED_SPEED),
+            (FaultKind::NoInverseKinematics, DISAGREEMENT),
+            (FaultKind::NoInverseKinematics, NOT_ATTAINABLE),
+            (FaultKind::NoInverseKinematics, NOT_FOUND),
+            (FaultKind::NoInverseKinematics, NOT_REDUNDANT),
+            (FaultKind::NoInverseKinematics, GOAL),
+            (FaultKind::DemandOutOfRange, GOAL),
+            (FaultKind::ProtectiveStop, BY_OPERATOR),
+            (FaultKind::ProtectiveStop, UNSUPERVISED),
+        ] {
+            let help = |text: &str| Fault::new(kind).text(text).help();
+            assert_eq!(help(&format!("{message}; left the path")), help(message), "{message}");
+            // It is advice of its own.
+            assert_ne!(help(message), help("something else"), "{message}");
+        }
+    }
+}
