@@ -11,6 +11,7 @@
 //! - [`feed`]: the speed along such a spline;
 //! - [`timing`]: the fastest motion along a given path of joints;
 //! - [`via`]: straight legs through via points within a stated deviation;
+//! - [`way_points`]: which points of a path count;
 //! - [`jogging`]: ways of a robot that a person jogs, looked at before they are gone;
 //! - [`teach`]: taught poses and their files, also in the format of MRROC++;
 //! - [`cooperation`]: several arms on one body;
@@ -46,6 +47,7 @@ pub mod rehearsal;
 pub mod teach;
 pub mod timing;
 pub mod via;
+pub mod way_points;
 
 // The files in `tests/` use this crate by its name, as its users do.
 #[cfg(test)]

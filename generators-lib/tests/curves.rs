@@ -5,6 +5,7 @@ use mrroc_generators::bspline::Span;
 use mrroc_generators::curve::*;
 use mrroc_generators::line::SmoothToolLimits;
 use mrroc_generators::profile::{JerkLimits, Profile, SevenPhase};
+use mrroc_generators::way_points::PointsError;
 use nalgebra::{UnitQuaternion, Vector3};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -120,7 +121,10 @@ fn a_blended_corner_is_passed_at_the_deviation_asked_for() {
     let short = [v(0.0, 0.0, 0.0), v(1.0, 0.0, 0.0), v(1.0, 0.01, 0.0), v(2.0, 0.01, 0.0)];
     assert!(blended(&short, 1.0).unwrap().spans().len() >= 4);
     let (same, none) = ([v(1.0, 0.0, 0.0); 3], blended(&corner, 0.0));
-    assert_eq!((blended(&same, 0.1), none), (Err(CurveError::Coincident), Err(CurveError::Deviation(0.0))));
+    assert_eq!(
+        (blended(&same, 0.1), none),
+        (Err(CurveError::Points(PointsError::Coincident)), Err(CurveError::Deviation(0.0)))
+    );
     assert!(SpanCurve::new(Vec::<Span>::new()).is_err() && Segment::new(corner[0], corner[0]).is_err());
 }
 

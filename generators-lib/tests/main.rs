@@ -29,6 +29,7 @@ mod spline_reference;
 mod timing;
 mod timing_reference;
 mod via;
+mod way_points;
 
 #[global_allocator]
 static ALLOCATOR: mrroc_counting_allocator::Counting = mrroc_counting_allocator::Counting;

@@ -5,6 +5,7 @@ use mrroc_generators::jerk::JointLimits;
 use mrroc_generators::line::SmoothToolLimits;
 use mrroc_generators::profile::JerkLimits;
 use mrroc_generators::via::*;
+use mrroc_generators::way_points::PointsError;
 use nalgebra::{Vector2, Vector3};
 use proptest::prelude::*;
 
@@ -57,7 +58,7 @@ fn what_is_no_motion_is_refused() {
     let two = [Vector2::zeros(), Vector2::x()];
     let one = Vector2::repeat(0.1);
     let coincident = ViaJoints::new(&[two[0], two[0]], &limits(1.0, 1.0, 1.0), &one);
-    assert_eq!(coincident, Err(ViaError::Coincident));
+    assert_eq!(coincident, Err(ViaError::Points(PointsError::Coincident)));
     assert!(ViaJoints::<Vector2<f64>>::new(&[], &limits(1.0, 1.0, 1.0), &one).is_err());
     for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         for limits in [limits(bad, 1.0, 1.0), limits(1.0, bad, 1.0)] {
@@ -69,7 +70,10 @@ fn what_is_no_motion_is_refused() {
         }
     }
     let nan = [two[0], Vector2::repeat(f64::NAN)];
-    assert_eq!(ViaJoints::new(&nan, &limits(1.0, 1.0, 1.0), &one), Err(ViaError::NotFinite));
+    assert_eq!(
+        ViaJoints::new(&nan, &limits(1.0, 1.0, 1.0), &one),
+        Err(ViaError::Points(PointsError::NotFinite(1)))
+    );
 }
 
 fn poses() -> impl Strategy<Value = Vec<Pose>> {

@@ -7,6 +7,7 @@
 use mrroc::robot::JointVector;
 
 use super::CurveError;
+use crate::way_points;
 
 /// What holds at the ends of a spline.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -76,6 +77,15 @@ impl<V: JointVector> CubicSpline<V> {
             return Err(CurveError::NotFinite);
         }
         Ok(CubicSpline { knots, points, slopes })
+    }
+
+    /// The natural spline through `points` [rad or m] that count by the rule of [`way_points`], at knots by their distances.
+    ///
+    /// # Errors
+    /// [`CurveError::Points`]: a number that is not finite, or no two points that are apart.
+    pub fn by_chords(points: &[V]) -> Result<Self, CurveError> {
+        let points = way_points::joints(points)?;
+        CubicSpline::new(way_points::knots(&points, way_points::chord), points, SplineEnds::Natural)
     }
 
     /// The knots.

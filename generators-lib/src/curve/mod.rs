@@ -55,6 +55,8 @@ pub use turned::TurnedCurve;
 use nalgebra::Vector3;
 use thiserror::Error;
 
+use crate::way_points::PointsError;
+
 /// A curve at one length.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CurvePoint {
@@ -81,6 +83,9 @@ pub enum CurveError {
     /// A coordinate, a radius or an angle is infinite or not a number.
     #[error("a coordinate, radius or angle of the curve is not finite")]
     NotFinite,
+    /// The points make no path.
+    #[error(transparent)]
+    Points(#[from] PointsError),
     /// Points that must differ do not, or an axis has no direction.
     #[error("points of the curve coincide, or its axis, radius or angle is zero")]
     Coincident,

@@ -3,15 +3,16 @@
 //! A corner P between the directions t and t' is cut by a parabola from `P - d t` to `P + d t'`, tangent to both. It
 //! passes the corner at `d |t - t'| / 4 = (d / 2) sin(turn / 2)`.
 
-use super::{CurveError, SpanCurve, finite};
+use super::{CurveError, SpanCurve};
 use crate::bspline::Span;
+use crate::way_points;
 use nalgebra::Vector3;
 
 /// Share of a leg that the blends at either of its ends may take.
 const HALF: f64 = 0.5;
 
 /// The polyline through `points` \[m\] with its corners blended by parabolas that pass them at `deviation` \[m\], > 0, or
-/// nearer where legs are short. Points that coincide with the one before are left out.
+/// nearer where legs are short. Points count by the rule of [`way_points`].
 ///
 /// Its tangent is continuous, its curvature is not. A corner that turns straight back is not blended: nothing passes
 /// there without stopping.
@@ -19,19 +20,11 @@ const HALF: f64 = 0.5;
 /// # Errors
 /// Fewer than two points that differ, a number that is not finite, a deviation that is not positive.
 pub fn blended(points: &[Vector3<f64>], deviation: f64) -> Result<SpanCurve, CurveError> {
-    finite(points)?;
+    let corners = way_points::places(points)?;
     if !(deviation.is_finite() && deviation > 0.0) {
         return Err(CurveError::Deviation(deviation));
     }
-    let mut corners: Vec<Vector3<f64>> = Vec::with_capacity(points.len());
-    for point in points {
-        if corners.last() != Some(point) {
-            corners.push(*point);
-        }
-    }
-    let (Some(first), Some(last)) = (corners.first().copied(), corners.last().copied()) else {
-        return Err(CurveError::Coincident);
-    };
+    let (first, last) = (corners[0], corners[corners.len() - 1]);
     let line = |a: Vector3<f64>, b: Vector3<f64>| Span::cubic(a, b, b - a, b - a, 1.0);
     let mut spans = Vec::with_capacity(2 * corners.len());
     let mut at = first;

@@ -4,6 +4,7 @@ use mrroc::pose::Pose;
 use nalgebra::{Translation3, Vector3};
 
 use super::{CubicSpline, CurveError, RotationSpline, SplineEnds};
+use crate::way_points;
 
 /// A natural cubic spline of the origin and a [`RotationSpline`], by one parameter: velocity and acceleration, linear and
 /// angular, do not jump.
@@ -32,6 +33,20 @@ impl PoseSpline {
         let origin = CubicSpline::new(knots.clone(), origins, SplineEnds::Natural)?;
         let orientation = RotationSpline::new(knots, poses.iter().map(|pose| pose.rotation).collect())?;
         Ok(PoseSpline { origin, orientation })
+    }
+
+    /// Through `poses` \[m\] that count by the rule of [`way_points`], at knots by their distances: a radian counts as `turn`
+    /// metres.
+    ///
+    /// # Errors
+    /// [`CurveError::Points`]: a number that is not finite, or no two poses that are apart; as [`RotationSpline::new`].
+    pub fn by_chords(poses: &[Pose], turn: f64) -> Result<Self, CurveError> {
+        let poses = way_points::poses(poses)?;
+        let chord = |from: &Pose, to: &Pose| {
+            let by = from.inv_mul(to);
+            by.translation.vector.norm().hypot(turn * by.rotation.angle())
+        };
+        PoseSpline::new(way_points::knots(&poses, chord), &poses)
     }
 
     /// The first and the last knot.

@@ -3,8 +3,9 @@
 use mrroc::prelude::*;
 use mrroc::robot::JointVector;
 
-use mrroc_generators::curve::{CubicSpline, SplineEnds};
+use mrroc_generators::curve::{CubicSpline, CurveError};
 use mrroc_generators::profile::{JerkLimits, ProfileCursor, SevenPhase};
+use mrroc_generators::way_points::PointsError;
 
 /// Moves the joints from where they are through all points without a stop, on the natural cubic spline.
 ///
@@ -60,16 +61,12 @@ impl<R: Robot> JointSpline<R> {
     fn first_step(&mut self, e: &State<R>, t: Tick) -> Result<Step<R>, Fault> {
         self.goals.clone_from(&self.points);
         self.points.insert(0, e.demanded().joints);
-        // Knots by the distance between the points, the chord.
-        let chord = |p: &[R::Joints]| (p[1] - p[0]).as_slice().iter().map(|x| x * x).sum::<f64>().sqrt();
-        let knots = self.points.windows(2).scan(0.0, |u, pair| {
-            *u += chord(pair);
-            Some(*u)
-        });
-        let knots: Vec<f64> = core::iter::once(0.0).chain(knots).collect();
-        let length = knots[knots.len() - 1];
-        let spline = CubicSpline::new(knots, core::mem::take(&mut self.points), SplineEnds::Natural);
-        let spline = spline.map_err(|error| Fault::thrown(&error.to_string()))?;
+        let spline = match CubicSpline::by_chords(&self.points) {
+            // It is there.
+            Err(CurveError::Points(PointsError::Coincident)) => return Ok(Step::Done),
+            spline => spline.map_err(|error| Fault::thrown(&error.to_string()))?,
+        };
+        let length = spline.range().1;
         let (first, second) = spline.peaks();
         let mut velocity = f64::MAX;
         let mut acceleration = f64::MAX;

@@ -3,7 +3,8 @@
 use mrroc::prelude::*;
 
 use mrroc_generators::jerk::JointLimits;
-use mrroc_generators::via::ViaJoints;
+use mrroc_generators::via::{ViaError, ViaJoints};
+use mrroc_generators::way_points::PointsError;
 
 /// Moves the joints from where they are along straight legs past all points, to rest at the last one.
 ///
@@ -88,8 +89,12 @@ impl<R: Robot> JointVia<R> {
         if let Plan::Asked { points, limits, deviation } = &mut self.plan {
             self.goals.clone_from(points);
             points.insert(0, e.demanded().joints);
-            let motion = ViaJoints::new(points, limits, deviation);
-            self.plan = Plan::Ready(motion.map_err(|error| Fault::thrown(&error.to_string()))?);
+            let motion = match ViaJoints::new(points, limits, deviation) {
+                // It is there.
+                Err(ViaError::Points(PointsError::Coincident)) => return Ok(Step::Done),
+                motion => motion.map_err(|error| Fault::thrown(&error.to_string()))?,
+            };
+            self.plan = Plan::Ready(motion);
         }
         Ok(self.advance(t))
     }

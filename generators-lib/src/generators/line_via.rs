@@ -5,7 +5,8 @@ use core::marker::PhantomData;
 use mrroc::prelude::*;
 
 use mrroc_generators::line::SmoothToolLimits;
-use mrroc_generators::via::{PoseDeviation, ViaPoses};
+use mrroc_generators::via::{PoseDeviation, ViaError, ViaPoses};
+use mrroc_generators::way_points::PointsError;
 
 /// Moves the tool from where it is on straight lines from pose to pose, to rest at the last one: with limited jerk or,
 /// if the limit is infinite, with parabolic blends.
@@ -78,8 +79,12 @@ impl<R: Robot> LineVia<R> {
     fn first_step(&mut self, e: &State<R>, t: Tick) -> Result<Step<R>, Fault> {
         self.goals.clone_from(&self.poses);
         self.poses.insert(0, e.demanded().pose);
-        let motion = ViaPoses::new(&self.poses, self.limits, self.deviation);
-        self.motion = Some((motion.map_err(|error| Fault::thrown(&error.to_string()))?, 0.0));
+        let motion = match ViaPoses::new(&self.poses, self.limits, self.deviation) {
+            // It is there.
+            Err(ViaError::Points(PointsError::Coincident)) => return Ok(Step::Done),
+            motion => motion.map_err(|error| Fault::thrown(&error.to_string()))?,
+        };
+        self.motion = Some((motion, 0.0));
         Ok(self.advance(t))
     }
 

@@ -4,9 +4,10 @@ use core::marker::PhantomData;
 
 use mrroc::prelude::*;
 
-use mrroc_generators::curve::PoseSpline;
+use mrroc_generators::curve::{CurveError, PoseSpline};
 use mrroc_generators::line::SmoothToolLimits;
 use mrroc_generators::profile::{JerkLimits, ProfileCursor, SevenPhase};
+use mrroc_generators::way_points::PointsError;
 
 /// Way of the tool that counts like a turn of 1 rad \[m\].
 const TURN: f64 = 0.1;
@@ -85,18 +86,12 @@ impl<R: Robot> PoseSplineMove<R> {
     fn first_step(&mut self, e: &State<R>, t: Tick) -> Result<Step<R>, Fault> {
         self.goals.clone_from(&self.poses);
         self.poses.insert(0, e.demanded().pose);
-        let chord = |p: &[Pose]| {
-            let by = p[0].inv_mul(&p[1]);
-            by.translation.vector.norm().hypot(TURN * by.rotation.angle())
+        let spline = match PoseSpline::by_chords(&self.poses, TURN) {
+            // It is there.
+            Err(CurveError::Points(PointsError::Coincident)) => return Ok(Step::Done),
+            spline => spline.map_err(|error| Fault::thrown(&error.to_string()))?,
         };
-        let knots = self.poses.windows(2).scan(0.0, |u, pair| {
-            *u += chord(pair);
-            Some(*u)
-        });
-        let knots: Vec<f64> = core::iter::once(0.0).chain(knots).collect();
-        let length = knots[knots.len() - 1];
-        let spline =
-            PoseSpline::new(knots, &self.poses).map_err(|error| Fault::thrown(&error.to_string()))?;
+        let length = spline.range().1;
         let profile = SevenPhase::new(length, along(&spline, self.limits));
         let profile = profile.map_err(|error| Fault::thrown(&error.to_string()))?;
         self.path = Some((spline, ProfileCursor::new(profile)));

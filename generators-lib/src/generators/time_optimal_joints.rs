@@ -3,9 +3,10 @@
 use mrroc::prelude::*;
 use mrroc::robot::JointVector;
 
-use mrroc_generators::curve::{CubicSpline, SplineEnds};
+use mrroc_generators::curve::{CubicSpline, CurveError};
 use mrroc_generators::profile::ProfileCursor;
 use mrroc_generators::timing::{PathLimits, TimeOptimal, grid};
+use mrroc_generators::way_points::PointsError;
 
 /// Moves the joints from where they are through all points without a stop, on the natural cubic spline, as fast as the
 /// velocity and acceleration limits of all joints allow at every place: one of them is always reached. Jerk is not
@@ -57,15 +58,11 @@ impl<R: Robot> TimeOptimalJoints<R> {
     fn plan(&mut self, start: R::Joints) -> Result<(), Fault> {
         self.goals.clone_from(&self.points);
         self.points.insert(0, start);
-        // Knots by the distance between the points, the chord.
-        let chord = |p: &[R::Joints]| (p[1] - p[0]).as_slice().iter().map(|x| x * x).sum::<f64>().sqrt();
-        let knots = self.points.windows(2).scan(0.0, |u, pair| {
-            *u += chord(pair);
-            Some(*u)
-        });
-        let knots = core::iter::once(0.0).chain(knots).collect();
-        let path = CubicSpline::new(knots, core::mem::take(&mut self.points), SplineEnds::Natural);
-        let path = path.map_err(|error| Fault::thrown(&error.to_string()))?;
+        let path = match CubicSpline::by_chords(&self.points) {
+            // It is there.
+            Err(CurveError::Points(PointsError::Coincident)) => return Ok(()),
+            path => path.map_err(|error| Fault::thrown(&error.to_string()))?,
+        };
         let plan = TimeOptimal::plan(&path, &grid(&path, 200), &self.limits, [0.0; 2]);
         let plan = plan.map_err(|error| Fault::thrown(&error.to_string()))?;
         self.path = Some((path, ProfileCursor::new(plan)));

@@ -7,6 +7,7 @@ use super::legs::{Group, plan};
 use super::times::Times;
 use crate::jerk::JointLimits;
 use crate::profile::JerkLimits;
+use crate::way_points;
 
 /// Straight legs in joint space through via points, from rest to rest, over path time; immutable.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,16 +18,12 @@ pub struct ViaJoints<J> {
 
 impl<J: JointVector> ViaJoints<J> {
     /// Through `points` [rad or m], which every joint passes within its `deviation` [rad or m], > 0, and within `limits`, of
-    /// which jerk may be infinite. Points that coincide with the one before are left out.
+    /// which jerk may be infinite. Points count by the rule of [`way_points`].
     ///
     /// # Errors
     /// No two points that differ; numbers out of range.
     pub fn new(points: &[J], limits: &JointLimits<J>, deviation: &J) -> Result<Self, ViaError> {
-        if !points.iter().all(J::is_finite) {
-            return Err(ViaError::NotFinite);
-        }
-        let mut points = points.to_vec();
-        points.dedup();
+        let points = way_points::joints(points)?;
         let ways: Vec<_> = points
             .windows(2)
             .map(|p| core::array::from_fn(|i| if i < J::LEN { p[1][i] - p[0][i] } else { 0.0 }))

@@ -101,9 +101,6 @@ impl<'a> Problem<'a> {
     /// Each corner as fast as it may be passed by itself.
     fn new(ways: &'a [Way], groups: &'a [Group]) -> Result<Problem<'a>, ViaError> {
         check(groups)?;
-        if ways.is_empty() {
-            return Err(ViaError::Coincident);
-        }
         let rate = |way: &Way| {
             groups.iter().map(|group| group.limits.velocity / group.norm(way)).fold(f64::INFINITY, f64::min)
         };

@@ -28,6 +28,8 @@ pub use poses::{PoseDeviation, ViaPoses};
 
 use thiserror::Error;
 
+use crate::way_points::PointsError;
+
 /// Why there is no motion through the points.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum ViaError {
@@ -41,12 +43,9 @@ pub enum ViaError {
         /// Its value, SI.
         value: f64,
     },
-    /// A coordinate is infinite or not a number.
-    #[error("a coordinate of the via points is not finite")]
-    NotFinite,
-    /// All points are the same.
-    #[error("the via points coincide: there is no way to go")]
-    Coincident,
+    /// The points make no path.
+    #[error(transparent)]
+    Points(#[from] PointsError),
     /// Distances and limits are too many orders of magnitude apart.
     #[error("the via points and their limits are too many orders of magnitude apart")]
     Precision,

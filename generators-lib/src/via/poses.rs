@@ -8,6 +8,7 @@ use super::ViaError;
 use super::legs::{Group, Way, plan};
 use super::times::Times;
 use crate::line::SmoothToolLimits;
+use crate::way_points;
 
 /// How far from a via pose the tool may pass.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,30 +33,17 @@ pub struct ViaPoses {
 
 impl ViaPoses {
     /// Through `poses` in one common frame \[m\], each passed within `deviation`, and within `limits`, of which jerk may be
-    /// infinite. The limit of angular jerk is that of the rotation vector. Poses that coincide with the one before are left out.
+    /// infinite. The limit of angular jerk is that of the rotation vector. Poses count by the rule of [`way_points`].
     ///
     /// # Errors
     /// No two poses that differ; numbers out of range.
     pub fn new(poses: &[Pose], limits: SmoothToolLimits, deviation: PoseDeviation) -> Result<Self, ViaError> {
-        let finite = |pose: &Pose| {
-            pose.translation.vector.iter().chain(pose.rotation.coords.iter()).all(|x| x.is_finite())
+        let poses = way_points::poses(poses)?;
+        let leg = |leg: &[Pose]| {
+            let way = leg[1].translation.vector - leg[0].translation.vector;
+            (way, (leg[0].rotation.inverse() * leg[1].rotation).scaled_axis())
         };
-        if !poses.iter().all(finite) {
-            return Err(ViaError::NotFinite);
-        }
-        let mut kept: Vec<Pose> = Vec::with_capacity(poses.len());
-        let mut ways = Vec::with_capacity(poses.len());
-        for pose in poses {
-            if let Some(before) = kept.last() {
-                let way = pose.translation.vector - before.translation.vector;
-                let turn = (before.rotation.inverse() * pose.rotation).scaled_axis();
-                if way == Vector3::zeros() && turn == Vector3::zeros() {
-                    continue;
-                }
-                ways.push((way, turn));
-            }
-            kept.push(*pose);
-        }
+        let ways: Vec<_> = poses.windows(2).map(leg).collect();
         let group = |first: usize, limits, deviation, turns| Group {
             axes: first..first + 3,
             limits,
@@ -76,7 +64,7 @@ impl ViaPoses {
             })
             .collect();
         let times = plan(&coordinates, &groups)?;
-        Ok(ViaPoses { poses: kept, ways, times })
+        Ok(ViaPoses { poses, ways, times })
     }
 
     /// Duration \[s\].
