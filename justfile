@@ -125,6 +125,10 @@ maze-sweep DIR:
     cargo run --release -p maze -- --sweep {{DIR}} --controller reactive
     cargo run --release -p maze -- --sweep {{DIR}} --effector wheels
 
+# Parts on a belt in long runs: 20 seeds of 500 parts at 0.02 to 0.15 m/s; what came of each.
+sorting-long:
+    cargo test --release -p sorting --lib -- --ignored --nocapture ten_thousand_parts
+
 # Parts on a belt below a camera: so many at each of three speeds and three arrival rates, and recognition of others; sorting/scatter.svg.
 sorting-camera PARTS="500":
     cargo run --release -p sorting -- --sensor camera --sweep {{PARTS}}

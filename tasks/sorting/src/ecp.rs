@@ -39,9 +39,11 @@ pub fn arm(ecp: &mut Ecp<Irp6>, chase: &Chase) -> Result<(), Fault> {
             let acquire = Arbitrate::in_motion(close, covered, |_| false, rest);
             ecp.blend_robot((&mut gate, &mut range, &mut fingers), acquire)?;
             ecp.move_robot((&mut fingers,), Rise::new(chase.clone()))?;
-            if chase.part.get().is_some() && fingers.reading().is_some_and(|fingers| fingers.covered) {
+            let is_there = fingers.reading().is_some_and(|fingers| fingers.covered);
+            if chase.part.get().is_some() && is_there {
                 return Ok(());
             }
+            chase.part.set(None);
         },
         Task::Carry { short, long } => {
             let is_long = chase.part.take().is_some_and(|part| part.length >= LIMIT);

@@ -1,6 +1,8 @@
 //! One run: a belt, a seed, some parts.
 
+use core::cell::Cell as Count;
 use core::time::Duration;
+use std::rc::Rc;
 use std::time::Instant;
 
 use mrroc::cell::RunReport;
@@ -47,6 +49,7 @@ pub struct Ready {
     pub parts: Vec<Arrival>,
     /// Why parts were let pass.
     pub chase: Chase,
+    failed: Rc<Count<u32>>,
     witness: Witness,
 }
 
@@ -63,6 +66,8 @@ pub struct Outcome {
     pub grips: Vec<Grip>,
     /// How often a finger came down on a part.
     pub crashes: u32,
+    /// How often the hand closed on nothing, and was opened again.
+    pub failed: u32,
 }
 
 impl Settings {
@@ -114,6 +119,8 @@ impl Settings {
         let slowest = (1.0 - 1.1 * Uneven::OFF) * self.speed;
         let patience = 3.0 * self.gap() + (END + 2.0 * SPACING) / slowest + self.first();
         let Self { speed, seed, change, parts: count, .. } = *self;
+        let failed = Rc::<Count<u32>>::default();
+        let fails = Rc::clone(&failed);
         let cell =
             cell.ecp("arm", move |ecp| ecp::arm(ecp, &arm)).ecp("hand", ecp::hand).program(move |mp| {
                 let belt = Uneven::about(speed, seed.wrapping_add(77));
@@ -121,12 +128,12 @@ impl Settings {
                     Some((time, share)) => belt.changing(time, share),
                     None => belt,
                 };
-                mp::coordinate(mp, belt, count as u32, patience)
+                mp::coordinate(mp, belt, (count as u32, patience), &fails)
             });
         let hand = plant.world.hand(0).ok_or_else(|| Fault::thrown("the cell has no arm"))?;
         let witness = Witness::of(hand);
         let cell = cell.guard(1, witness.look());
-        Ok(Ready { cell, plant, parts, chase, witness })
+        Ok(Ready { cell, plant, parts, chase, failed, witness })
     }
 
     /// Runs it.
@@ -152,6 +159,7 @@ impl Ready {
             fates: fates(&self.plant.world, &self.parts),
             grips: self.witness.grips(),
             crashes: hand.map_or(0, |hand| hand.crashes()),
+            failed: self.failed.get(),
         }
     }
 }

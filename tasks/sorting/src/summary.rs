@@ -28,6 +28,8 @@ pub struct Row {
     pub faults: usize,
     /// Fingers that came down on a part.
     pub crashes: u32,
+    /// Picks in which the hand closed on nothing, and was opened again.
+    pub failed: u32,
     /// Distance of the part's middle from that of the fingers along the belt, of each grasp \[m\].
     pub off: Vec<f64>,
     /// Relative speed along the belt at the first touch, of each grasp [m/s].
@@ -46,6 +48,7 @@ impl Row {
         self.wrong += outcome.count(Fate::Wrong);
         self.missed += outcome.count(Fate::Missed);
         self.crashes += outcome.crashes;
+        self.failed += outcome.failed;
         self.off.extend(outcome.grips.iter().map(|grip| grip.along.abs()));
         self.slip.extend(outcome.grips.iter().map(|grip| grip.slip.abs()));
         match &outcome.report {
@@ -64,6 +67,7 @@ impl Row {
         self.missed += other.missed;
         self.faults += other.faults;
         self.crashes += other.crashes;
+        self.failed += other.failed;
         self.off.extend(&other.off);
         self.slip.extend(&other.slip);
         self.time += other.time;
@@ -173,8 +177,9 @@ impl fmt::Display for Summary {
         }
         writeln!(
             f,
-            "fingers came down on a part {} times; speed: times faster than real time, each run on one processor",
-            all.crashes
+            "fingers came down on a part {} times, and closed on nothing and were opened again {} times; speed: times faster than \
+             real time, each run on one processor",
+            all.crashes, all.failed
         )
     }
 }

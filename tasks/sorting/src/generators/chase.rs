@@ -140,6 +140,12 @@ impl Chase {
         Step::Next(Demand::pose(next.pose()))
     }
 
+    /// Takes the tool up from a part that was lost: the hand may have it all the same.
+    pub fn lose<R: Robot>(&self) -> Step<R> {
+        self.missed.set(Some(Missed::Lost));
+        Step::Done
+    }
+
     /// Lets the part pass.
     pub fn miss<R: Robot>(&self, why: Missed) -> Step<R> {
         self.missed.set(Some(why));

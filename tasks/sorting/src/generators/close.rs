@@ -58,7 +58,7 @@ impl Close {
     fn next_step(&mut self, v: &Reading<Senses>, t: Tick) -> Result<Step<Irp6>, Fault> {
         let Some(part) = self.chase.part.get() else { return Ok(self.chase.miss(Missed::Lost)) };
         if !v.2.reading().is_some_and(|fingers| fingers.covered) {
-            return Ok(self.chase.miss(Missed::Lost));
+            return Ok(self.chase.lose());
         }
         if self.age >= Self::WAITING + Self::CLOSING {
             return Ok(Step::Done);
