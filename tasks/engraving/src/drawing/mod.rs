@@ -8,6 +8,7 @@
 mod affine;
 mod bezier;
 mod bounds;
+mod composed;
 pub mod dxf;
 mod ellipse;
 mod flattening;
