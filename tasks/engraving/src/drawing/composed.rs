@@ -232,7 +232,7 @@ fn add_mark(glyph: &mut Glyph, base: char, mark: char) -> Option<()> {
         ('\u{308}', _) => (Side::Above, &[DOT_LEFT, DOT_RIGHT]),
         ('\u{309}', _) => (Side::Above, &[&[(-2, 5), (0, 6), (2, 5), (2, 3), (0, 2), (0, 0)]]),
         ('\u{30a}', _) => {
-            (Side::Above, &[&[(2, 2), (1, 4), (0, 4), (-1, 4), (-2, 2), (-1, 0), (0, 0), (1, 0), (2, 2)]])
+            (Side::Above, &[&[(2, 1), (2, 3), (1, 4), (-1, 4), (-2, 3), (-2, 1), (-1, 0), (1, 0), (2, 1)]])
         }
         ('\u{30b}', _) => (Side::Above, &[&[(0, 5), (-3, 0)], &[(5, 5), (2, 0)]]),
         ('\u{30c}', _) => (Side::Above, &[&[(-4, 4), (0, 0), (4, 4)]]),
@@ -346,7 +346,6 @@ fn bounds(lines: &[Vec<Vec2>]) -> Option<Bounds> {
 #[cfg(test)]
 mod tests {
     use super::super::hershey::Font;
-    use super::*;
 
     /// The letters of the languages of Europe that are written in Latin letters, and signs of drawings.
     const LETTERS: &str = "ÀÁÂÃÄÅÆÇÈÉÊËÌÍÎÏÐÑÒÓÔÕÖØÙÚÛÜÝÞßàáâãäåæçèéêëìíîïðñòóôõöøùúûüýþÿ\
