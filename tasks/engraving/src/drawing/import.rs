@@ -110,11 +110,11 @@ pub fn read_bytes(name: &str, bytes: Vec<u8>, reading: impl Into<Reading>) -> Re
     }
     let text = match String::from_utf8(bytes) {
         Ok(text) => text,
-        // DXF before 2007 and old G-code comments use 8-bit code pages, in texts that are not engraved.
-        Err(error)
-            if matches!(Format::of(name, ""), Some(Format::Dxf | Format::Gcode))
-                && !error.as_bytes().contains(&0) =>
-        {
+        // DXF before 2007 has an 8-bit code page; so have comments of old G-code, which are not engraved.
+        Err(error) if Format::of(name, "") == Some(Format::Dxf) && !error.as_bytes().contains(&0) => {
+            dxf::decoded(error.as_bytes())
+        }
+        Err(error) if Format::of(name, "") == Some(Format::Gcode) && !error.as_bytes().contains(&0) => {
             error.as_bytes().iter().map(|b| char::from(*b)).collect()
         }
         Err(error) => {

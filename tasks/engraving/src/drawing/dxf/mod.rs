@@ -7,6 +7,7 @@
 //! Curves whose ends touch are joined into strokes.
 
 mod blocks;
+mod code_page;
 mod codes;
 mod curves;
 mod entity;
@@ -21,6 +22,7 @@ mod units;
 
 use super::{Affine, Budget, Drawing, Import, Stroke, join_touching};
 use crate::error::DrawingError;
+pub use code_page::decoded;
 use layers::Layers;
 use reader::Reader;
 use tags::Tags;

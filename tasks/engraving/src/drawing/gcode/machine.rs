@@ -217,10 +217,8 @@ impl<'a> Machine<'a> {
 
     fn say_values(&mut self, block: &Block) {
         // Beside the word of another machine S is that word's own.
-        let of_spindle = |word: &Word| match word.value.floor() as i64 {
-            0..=9 | 30 | 48..=60 | 98 | 99 | 106 | 107 => true,
-            _ => false,
-        };
+        let of_spindle =
+            |word: &Word| matches!(word.value.floor() as i64, 0..=9 | 30 | 48..=60 | 98 | 99 | 106 | 107);
         if block.has("s")
             && block.all('m').all(of_spindle)
             && let Some(power) = block.value('s')
