@@ -131,6 +131,12 @@ fn is_corner(a: Vec2, b: Vec2, c: Vec2, corner: f64) -> bool {
     turn >= corner || (uneven && turn > 20f64.to_radians())
 }
 
+/// The closed cubic spline through points, over chord length: smooth at every one of them.
+#[must_use]
+pub fn smooth_ring(points: &[Vec2]) -> Vec<Piece> {
+    smooth_loop(points, &[])
+}
+
 /// A loop that is smooth at its first vertex: started at a corner, or, without one, wrapped far enough around that
 /// the natural ends no longer matter (their influence falls to 0.27 per point).
 fn smooth_loop(points: &[Vec2], breaks: &[usize]) -> Vec<Piece> {

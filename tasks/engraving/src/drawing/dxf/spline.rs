@@ -2,9 +2,8 @@
 
 use super::entity::{Entity, number};
 use super::space::{Lie, Space, lie_of_points};
-use crate::drawing::{NaturalSpline, Piece, PlanarNurbs, Vec2, Vec3, smooth_pieces};
+use crate::drawing::{NaturalSpline, Piece, PlanarNurbs, Vec2, Vec3, smooth_ring};
 use crate::error::DrawingError;
-use std::f64::consts::PI;
 
 /// What a SPLINE says.
 #[derive(Default)]
@@ -35,9 +34,12 @@ pub fn pieces(entity: &Entity<'_>, map: &Space, file: &str) -> Result<(Vec<Piece
         }
         let lie = lie_of_points(fits.iter().map(|fit| map.point(*fit)));
         if entity.flags(70) & 1 == 1 {
-            fits.push(fits[0]);
-            let fits: Vec<Vec2> = fits.iter().map(|fit| map.point(*fit).xy()).collect();
-            return Ok((smooth_pieces(&fits, PI), lie));
+            let mut fits: Vec<Vec2> = fits.iter().map(|fit| map.point(*fit).xy()).collect();
+            // Also where the last point is the first one again.
+            if fits.len() > 2 && (fits[0] - fits[fits.len() - 1]).norm() < 1e-9 {
+                fits.pop();
+            }
+            return Ok((smooth_ring(&fits), lie));
         }
         let ends = ends.map(|end| end.and_then(|end| end.try_normalize(1e-12)));
         let spline = NaturalSpline::with_ends(fits, ends);

@@ -182,4 +182,15 @@ for name, (fits, start, end) in FITS.items():
     ends = "".join(f" {code} {t[0]} {code + 10} {t[1]}" for code, t in ((12, start), (13, end)) if t)
     middle = spline(chords[-1] / 2)
     rows.append({"name": name, "entities": f"0 SPLINE 70 0 71 3{ends} {said}", "length": length, "middle": [*middle]})
+ring = np.array([(0, 0), (20, 1), (23, 9), (4, 14), (2, 13), (0, 0)], float)
+chords = np.concatenate([[0], np.cumsum(np.hypot(*np.diff(ring, axis=0).T))])
+spline = CubicSpline(chords, ring, bc_type="periodic")
+fine = spline(np.linspace(0, chords[-1], 200_001))
+said = " ".join(f"11 {x} 21 {y}" for x, y in ring[:-1])
+rows.append({
+    "name": "closed",
+    "entities": f"0 SPLINE 70 1 71 3 {said}",
+    "length": float(np.hypot(*np.diff(fine, axis=0).T).sum()),
+    "middle": [*spline(chords[-1] / 2)],
+})
 write("fit_splines.jsonl", rows)
