@@ -3,7 +3,7 @@
 use super::machine::{Done, Said};
 use super::notes::Notes;
 use super::pen::{Pen, PenLift, Signal, Signals};
-use super::{Stop, unsupported};
+use super::{Cause, Stop, unsupported};
 use crate::drawing::{Height, Manner, Piece, Stroke};
 
 /// How a move was commanded.
@@ -21,8 +21,8 @@ pub enum Pace {
 #[derive(Clone, Debug)]
 pub enum Step {
     Move(Move),
-    /// G4, or at the bottom of a hole \[s\].
-    Dwell(f64),
+    /// G4, or at the bottom of a hole \[s\], with the words that may lift a pen.
+    Dwell(f64, Signals),
 }
 
 /// A move.
@@ -93,8 +93,11 @@ pub fn cuts(done: Done, lift: PenLift) -> Result<Cuts, Stop> {
     let mut chain = Chain::default();
     for step in steps {
         let one = match step {
-            Step::Dwell(seconds) => {
-                chain.rest(seconds);
+            Step::Dwell(seconds, signals) => {
+                // A pen that is up rests until its servo has moved, not on the plate.
+                if !matches!(rule, Rule::Pen(pen) if !pen.is_down(&signals)) {
+                    chain.rest(seconds);
+                }
                 continue;
             }
             Step::Move(one) => one,
@@ -115,7 +118,7 @@ pub fn cuts(done: Done, lift: PenLift) -> Result<Cuts, Stop> {
             if rule != Rule::Depth {
                 let cut = match rule {
                     Rule::Depth => false,
-                    Rule::Pen(pen) => pen.is_down(&one),
+                    Rule::Pen(pen) => pen.is_down(&one.signals),
                     Rule::Beam => one.on && on_the_plate(&one),
                     Rule::All => on_the_plate(&one),
                 };
@@ -158,7 +161,7 @@ pub fn cuts(done: Done, lift: PenLift) -> Result<Cuts, Stop> {
 fn feeds(steps: &[Step]) -> impl Iterator<Item = &Move> {
     steps.iter().filter_map(|step| match step {
         Step::Move(one) if one.pace == Pace::Feed => Some(one),
-        Step::Move(_) | Step::Dwell(_) => None,
+        Step::Move(_) | Step::Dwell(..) => None,
     })
 }
 
@@ -184,13 +187,8 @@ fn rule(steps: &[Step], said: &Said, lift: PenLift) -> Result<Rule, Stop> {
         PenLift::Word { signal, down } => match Pen::find(signal, down, said, steps) {
             Some(pen) => Rule::Pen(pen),
             None => {
-                let what =
-                    format!("--pen {}, and a program in which {signal} has no two values", name_of(signal));
-                return unsupported(
-                    0,
-                    what,
-                    "leave --pen out, or say what lifts the pen: z, m3, m280 or m300",
-                );
+                let what = format!("--pen {} in a program whose {signal} has no two values", name_of(signal));
+                return Err(Stop { byte: 0, cause: Cause::NoPen(what), line: None });
             }
         },
     })

@@ -334,7 +334,7 @@ impl<'a> Machine<'a> {
                 format!("a rest of {seconds} s left out: P counts seconds here, 60 at most")
             });
         } else if seconds > 0.0 && self.steps.len() < self.budget.limits().pieces {
-            self.steps.push(Step::Dwell(seconds));
+            self.steps.push(Step::Dwell(seconds, self.signals));
         }
     }
 

@@ -79,6 +79,11 @@ pub fn read(file: &str, text: &str, switches: Switches, budget: &mut Budget) -> 
                 help: "a cut is below Z0, the plate's surface; --surface says at which Z of the file it lies"
                     .to_owned(),
             },
+            Cause::NoPen(found) => DrawingError::Empty {
+                file: file.to_owned(),
+                found,
+                help: "leave --pen out, or say what lifts the pen: z, m3, m280 or m300".to_owned(),
+            },
             cause => cause.at(at),
         }
     })
@@ -171,6 +176,8 @@ enum Cause {
     TooMany(usize),
     TooDeep(&'static str, usize),
     Nothing(String),
+    /// The option names a word that moves no pen.
+    NoPen(String),
 }
 
 impl Cause {
@@ -184,7 +191,9 @@ impl Cause {
             Self::Range(what, value) => DrawingError::OutOfRange { at, what, value },
             Self::TooMany(limit) => DrawingError::TooManyPieces { at, limit },
             Self::TooDeep(what, limit) => DrawingError::TooDeep { at, what, limit },
-            Self::Nothing(what) => DrawingError::Unsupported { at, what, help: String::new() },
+            Self::Nothing(what) | Self::NoPen(what) => {
+                DrawingError::Unsupported { at, what, help: String::new() }
+            }
         }
     }
 }

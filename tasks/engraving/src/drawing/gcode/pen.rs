@@ -77,10 +77,10 @@ pub struct Pen {
 }
 
 impl Pen {
-    /// Whether the pen is down in a move.
-    pub fn is_down(&self, one: &Move) -> bool {
+    /// Whether the pen is down while these are in force.
+    pub fn is_down(&self, signals: &Signals) -> bool {
         // Before the first word it is up.
-        one.signals.of(self.signal).is_some_and(|value| self.means_down(value))
+        signals.of(self.signal).is_some_and(|value| self.means_down(value))
     }
 
     fn means_down(&self, value: f64) -> bool {
@@ -138,8 +138,10 @@ impl Pen {
             .skip_while(|one| one.signals.spindle.is_none())
             .collect();
         let always_on = feeds.iter().all(|one| one.on);
-        let both = feeds.iter().any(|one| pen.is_down(one)) && feeds.iter().any(|one| !pen.is_down(one));
-        let rapid_with_pen_down = sideways(steps).any(|one| one.pace == Pace::Rapid && pen.is_down(one));
+        let both = feeds.iter().any(|one| pen.is_down(&one.signals))
+            && feeds.iter().any(|one| !pen.is_down(&one.signals));
+        let rapid_with_pen_down =
+            sideways(steps).any(|one| one.pace == Pace::Rapid && pen.is_down(&one.signals));
         (always_on && both && !rapid_with_pen_down).then_some(pen)
     }
 }
@@ -148,6 +150,6 @@ impl Pen {
 fn sideways(steps: &[Step]) -> impl Iterator<Item = &Move> {
     steps.iter().filter_map(|step| match step {
         Step::Move(one) if one.pieces.iter().any(|(piece, _)| piece.length() > 1e-6) => Some(one),
-        Step::Move(_) | Step::Dwell(_) => None,
+        Step::Move(_) | Step::Dwell(..) => None,
     })
 }

@@ -70,6 +70,8 @@ fn what_the_program_does_tells_which_value_is_down() {
     let read = import(text);
     assert_eq!(lines(&read), [[5.0, 0.0, 10.0, 0.0], [15.0, 0.0, 15.0, 5.0]]);
     assert!(read.warnings[0].contains("M3 lifts a pen: S30 is down"), "{:?}", read.warnings);
+    // The rests of 0.2 s are those of the servo with the pen up, and with it down at the start of a line.
+    assert!(read.drawing.strokes.iter().all(|stroke| stroke.manner().dwell == 0.0));
     let lifted_by_m5 = "G21\nM5\nG1 X5 F900\nM3 S30\nG1 X10\nM5\nG1 X15";
     assert_eq!(lines(&import(lifted_by_m5)), [[5.0, 0.0, 10.0, 0.0]]);
 }
@@ -91,7 +93,7 @@ fn the_option_decides_before_what_the_program_does() {
     assert_eq!(lines(&import_with(inverse, word(Signal::Spindle, Some(0.0)))), [[5.0, 0.0, 10.0, 0.0]]);
     let gcode = Switches { pen: word(Signal::Tone, None), ..Switches::default() };
     let message = read_str("a.gcode", text, Reading { gcode, ..Reading::default() }).unwrap_err().to_string();
-    assert!(message.contains("--pen m300, and a program in which M300 has no two values"), "{message}");
+    assert!(message.contains("--pen m300 in a program whose M300 has no two values"), "{message}");
 }
 
 #[test]
