@@ -37,6 +37,12 @@ impl HiddenEntities {
 
     /// A sentence for each reason; a unit of the drawing is so many millimetres.
     pub fn sentences(&self, mm_per_unit: f64) -> Vec<String> {
+        if self.more && self.counts.is_empty() {
+            return vec![
+                "more entities than are counted are hidden by the drawing, left out: show their layers to engrave them"
+                    .to_owned(),
+            ];
+        }
         let at_least = if self.more { "at least " } else { "" };
         self.counts
             .iter()

@@ -100,6 +100,11 @@ fn hidden_entities_do_not_use_up_what_a_drawing_may_have() {
         "{:?}",
         import.warnings
     );
+    // An array that is too large to be counted.
+    let block = format!("0 BLOCK 2 A 10 0 20 0 {} 0 ENDBLK", line("0", 1, ""));
+    let array = "0 INSERT 8 FROZ 2 A 10 0 20 0 70 30000 71 30000 ";
+    let import = with_layers(&block, &format!("{array}{}", line("0", 9, "")));
+    assert!(import.warnings[0].contains("more entities than are counted"), "{:?}", import.warnings);
     // Blocks of blocks that are hidden end as well.
     let mut blocks = format!("0 BLOCK 2 b0 {} 0 ENDBLK ", line("0", 1, ""));
     for k in 1..30 {
