@@ -2,12 +2,14 @@
 //!
 //! A JHF line is a glyph: five characters of number, three of how many coordinate pairs follow, then pairs of
 //! characters that count from `R`: first the left and right edges, then vertices, ` R` lifting the pen. Glyphs stand
-//! in ASCII order from the blank. The coarse polylines are drawn as smooth curves through their vertices; turns of
+//! in ASCII order from the blank; other letters are composed of these. The coarse polylines are drawn as smooth curves through their vertices; turns of
 //! 50 degrees or more stay corners.
 
+use super::composed::composed;
 use super::{Affine, Drawing, Import, Stroke, Vec2, smooth_pieces};
 use crate::error::{DrawingError, Place};
 use mrroc::launch::files;
+use std::borrow::Cow;
 use std::io::Read;
 
 /// The fonts that are shipped: name, JHF text.
@@ -41,10 +43,10 @@ pub const PIECES_OF_A_LETTER: usize = 8;
 
 /// A glyph: edges and polylines in font units, y up from the baseline.
 #[derive(Clone, Debug, Default, PartialEq)]
-struct Glyph {
-    left: f64,
-    right: f64,
-    lines: Vec<Vec<Vec2>>,
+pub(super) struct Glyph {
+    pub left: f64,
+    pub right: f64,
+    pub lines: Vec<Vec<Vec2>>,
 }
 
 /// A single-stroke font.
@@ -195,17 +197,35 @@ impl Font {
         Ok((placed, x))
     }
 
-    fn glyph(&self, character: char, place: usize) -> Result<&Glyph, DrawingError> {
-        let index = (u32::from(character) as usize).checked_sub(32);
-        index
-            .and_then(|i| self.glyphs.get(i))
-            .filter(|_| character.is_ascii() && !character.is_control())
-            .ok_or_else(|| DrawingError::MissingGlyph {
-                character,
-                place,
-                font: self.name.clone(),
-                coverage: "the characters of ASCII".to_owned(),
-            })
+    /// The text with a blank for each letter that the font does not have, and those letters.
+    #[must_use]
+    pub fn engravable(&self, text: &str) -> (String, Vec<char>) {
+        let mut missing = Vec::new();
+        let mut kept = |c: char| {
+            let has = self.glyph(c, 0).is_ok();
+            if !has {
+                missing.push(c);
+            }
+            if has { c } else { ' ' }
+        };
+        (plain(text).chars().map(&mut kept).collect(), missing)
+    }
+
+    fn glyph(&self, character: char, place: usize) -> Result<Cow<'_, Glyph>, DrawingError> {
+        if let Some(glyph) = self.ascii(character) {
+            return Ok(Cow::Borrowed(glyph));
+        }
+        composed(character, &|c| self.ascii(c)).map(Cow::Owned).ok_or_else(|| DrawingError::MissingGlyph {
+            character,
+            place,
+            font: self.name.clone(),
+            coverage: "the letters of Latin alphabets".to_owned(),
+        })
+    }
+
+    fn ascii(&self, character: char) -> Option<&Glyph> {
+        let index = (u32::from(character) as usize).checked_sub(32)?;
+        self.glyphs.get(index).filter(|_| character.is_ascii() && !character.is_control())
     }
 }
 
@@ -218,7 +238,7 @@ fn plain(text: &str) -> String {
             '“' | '”' | '″' => plain.push('"'),
             '–' | '—' | '−' | '‐' => plain.push('-'),
             '…' => plain.push_str("..."),
-            '\u{a0}' | '\u{2009}' | '\t' => plain.push(' '),
+            '\u{a0}' | '\u{2000}'..='\u{200a}' | '\u{202f}' | '\t' => plain.push(' '),
             '×' => plain.push('x'),
             c => plain.push(c),
         }
@@ -274,8 +294,8 @@ mod tests {
 
     #[test]
     fn a_character_that_is_missing_is_named() {
-        let message = Font::open("futural").unwrap().write("Zażółć", 10.0).unwrap_err().to_string();
-        assert!(message.contains("'ż' (U+017C) at place 3"), "{message}");
+        let message = Font::open("futural").unwrap().write("Zażół漢", 10.0).unwrap_err().to_string();
+        assert!(message.contains("'漢' (U+6F22) at place 6"), "{message}");
         let message = Font::open("comic").unwrap_err().to_string();
         assert!(message.contains("shipped are futural, rowmans, scripts, timesr"), "{message}");
         assert!(Font::open("futural").unwrap().write(" \n ", 10.0).is_err());

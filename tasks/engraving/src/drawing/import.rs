@@ -4,6 +4,7 @@ use super::gcode::Switches;
 use super::{Budget, Drawing, Limits, dxf, gcode, svg};
 use crate::error::{DrawingError, Place};
 use mrroc::launch::files;
+use std::borrow::Cow;
 use std::io::Read;
 use std::path::Path;
 
@@ -109,11 +110,11 @@ pub fn read_bytes(name: &str, bytes: Vec<u8>, reading: impl Into<Reading>) -> Re
     }
     let text = match String::from_utf8(bytes) {
         Ok(text) => text,
-        // DXF before 2007 and old G-code comments use 8-bit code pages, in texts that are not engraved.
-        Err(error)
-            if matches!(Format::of(name, ""), Some(Format::Dxf | Format::Gcode))
-                && !error.as_bytes().contains(&0) =>
-        {
+        // DXF before 2007 has an 8-bit code page; so have comments of old G-code, which are not engraved.
+        Err(error) if Format::of(name, "") == Some(Format::Dxf) && !error.as_bytes().contains(&0) => {
+            dxf::decoded(error.as_bytes())
+        }
+        Err(error) if Format::of(name, "") == Some(Format::Gcode) && !error.as_bytes().contains(&0) => {
             error.as_bytes().iter().map(|b| char::from(*b)).collect()
         }
         Err(error) => {
@@ -134,6 +135,7 @@ pub fn read_bytes(name: &str, bytes: Vec<u8>, reading: impl Into<Reading>) -> Re
 pub fn read_str(name: &str, text: &str, reading: impl Into<Reading>) -> Result<Import, DrawingError> {
     let Reading { limits, gcode: switches } = reading.into();
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    let text = &*with_line_feeds(text);
     let mut budget = Budget::new(limits);
     let format =
         Format::of(name, text).ok_or_else(|| DrawingError::UnknownFormat { file: name.to_owned() })?;
@@ -166,6 +168,18 @@ pub fn read_str(name: &str, text: &str, reading: impl Into<Reading>) -> Result<I
         });
     }
     Ok(import)
+}
+
+/// A text whose lines end with carriage returns alone, as on old machines, with line feeds.
+fn with_line_feeds(text: &str) -> Cow<'_, str> {
+    let pairs = text.matches("\r\n").count();
+    let alone = text.matches('\r').count() - pairs;
+    // A few beside line feeds are noise of a conversion, as in `\r\r\n`.
+    if alone > text.matches('\n').count() {
+        Cow::Owned(text.replace("\r\n", "\n").replace('\r', "\n"))
+    } else {
+        Cow::Borrowed(text)
+    }
 }
 
 fn check_lines(name: &str, text: &str, limits: &Limits) -> Result<(), DrawingError> {

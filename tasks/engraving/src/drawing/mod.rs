@@ -8,6 +8,7 @@
 mod affine;
 mod bezier;
 mod bounds;
+mod composed;
 pub mod dxf;
 mod ellipse;
 mod flattening;
@@ -37,7 +38,7 @@ pub use list::Drawing;
 pub use manner::Manner;
 pub(crate) use nurbs::PlanarNurbs;
 pub use piece::Piece;
-pub use spline::{NaturalSpline, smooth_pieces};
+pub use spline::{NaturalSpline, smooth_pieces, smooth_ring};
 pub use stroke::{Closure, Stroke};
 
 /// A point or a displacement in the plane of the drawing \[mm\], x to the right, y up.

@@ -19,11 +19,17 @@ impl<const D: usize> NaturalSpline<D> {
     /// The spline through two or more points; `None` for fewer, or where neighbours lie within 1e-9 mm.
     #[must_use]
     pub fn new(points: Vec<SVector<f64, D>>) -> Option<Self> {
+        Self::with_ends(points, [None, None])
+    }
+
+    /// The spline that begins and ends in these directions, of length 1, where they are given.
+    #[must_use]
+    pub fn with_ends(points: Vec<SVector<f64, D>>, ends: [Option<SVector<f64, D>>; 2]) -> Option<Self> {
         let chords: Vec<f64> = points.windows(2).map(|w| (w[1] - w[0]).norm()).collect();
         if chords.is_empty() || chords.iter().any(|h| *h <= 1e-9) {
             return None;
         }
-        let slopes = slopes(&points, &chords);
+        let slopes = slopes(&points, &chords, ends);
         Some(Self { points, chords, slopes })
     }
 
@@ -44,35 +50,44 @@ impl<const D: usize> NaturalSpline<D> {
     }
 }
 
+impl<const D: usize> NaturalSpline<D> {
+    /// The control points of the spans as cubic Bézier curves: the same curve.
+    pub fn controls(&self) -> impl Iterator<Item = [SVector<f64, D>; 4]> {
+        (0..self.spans()).map(|i| {
+            let (a, b, third) = (self.points[i], self.points[i + 1], self.chords[i] / 3.0);
+            [a, a + self.slopes[i] * third, b - self.slopes[i + 1] * third, b]
+        })
+    }
+}
+
 impl NaturalSpline<2> {
     /// The spans as cubic Bézier pieces: the same curve.
     #[must_use]
     pub fn pieces(&self) -> Vec<Piece> {
-        (0..self.spans())
-            .map(|i| {
-                let (a, b, third) = (self.points[i], self.points[i + 1], self.chords[i] / 3.0);
-                Piece::Cubic([a, a + self.slopes[i] * third, b - self.slopes[i + 1] * third, b])
-            })
-            .collect()
+        self.controls().map(Piece::Cubic).collect()
     }
 }
 
-/// Thomas' algorithm on the natural spline's rows.
-fn slopes<const D: usize>(points: &[SVector<f64, D>], h: &[f64]) -> Vec<SVector<f64, D>> {
+/// Thomas' algorithm on the spline's rows: at an end the slope that is given, else no second derivative.
+fn slopes<const D: usize>(
+    points: &[SVector<f64, D>],
+    h: &[f64],
+    [first, last]: [Option<SVector<f64, D>>; 2],
+) -> Vec<SVector<f64, D>> {
     let n = points.len();
     let slope = |i: usize| (points[i + 1] - points[i]) / h[i];
-    if n == 2 {
+    if n == 2 && first.is_none() && last.is_none() {
         return vec![slope(0); 2];
     }
-    let mut upper = vec![0.5; n];
-    let mut right = vec![slope(0) * 1.5; n];
+    let mut upper = vec![if first.is_none() { 0.5 } else { 0.0 }; n];
+    let mut right = vec![first.unwrap_or(slope(0) * 1.5); n];
     for i in 1..n - 1 {
         let pivot = 2.0 * (h[i - 1] + h[i]) - h[i] * upper[i - 1];
         upper[i] = h[i - 1] / pivot;
         let rhs = (slope(i - 1) * h[i] + slope(i) * h[i - 1]) * 3.0;
         right[i] = (rhs - right[i - 1] * h[i]) / pivot;
     }
-    right[n - 1] = (slope(n - 2) * 3.0 - right[n - 2]) / (2.0 - upper[n - 2]);
+    right[n - 1] = last.unwrap_or((slope(n - 2) * 3.0 - right[n - 2]) / (2.0 - upper[n - 2]));
     for i in (0..n - 1).rev() {
         let next = right[i + 1];
         right[i] -= next * upper[i];
@@ -114,6 +129,12 @@ fn is_corner(a: Vec2, b: Vec2, c: Vec2, corner: f64) -> bool {
     let turn = before.angle(&after);
     let uneven = before.norm().max(after.norm()) > 3.0 * before.norm().min(after.norm());
     turn >= corner || (uneven && turn > 20f64.to_radians())
+}
+
+/// The closed cubic spline through points, over chord length: smooth at every one of them.
+#[must_use]
+pub fn smooth_ring(points: &[Vec2]) -> Vec<Piece> {
+    smooth_loop(points, &[])
 }
 
 /// A loop that is smooth at its first vertex: started at a corner, or, without one, wrapped far enough around that

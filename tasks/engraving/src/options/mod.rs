@@ -12,7 +12,7 @@ use clap::error::ErrorKind;
 use mrroc::launch::{Clock, Launch};
 
 use crate::drawing::Reading;
-use crate::drawing::gcode::{BlockDelete, DEEPEST, Switches};
+use crate::drawing::gcode::{BlockDelete, DEEPEST, PenLift, Signal, Switches};
 use crate::drawing::hershey::Font;
 use crate::placement::{Plate, Sizing};
 use crate::plate::Cutter;
@@ -81,9 +81,11 @@ arc, spline and text of a DXF drawing. Of G-code, whose Z0 is the plate's
 surface:
   1. where a feed move (G1 G2 G3 G5 G6.2, a hole) goes below Z0: of all feed
      moves what is below Z0, as deep as Z and as fast as F say;
-  2. else, feed moves at Z0 or before any Z while M3 or M4 is on;
-  3. else, all feed moves at Z0 or before any Z.
-G0 is travel. What is read and not obeyed is said as a warning.
+  2. else, where M280, M300 or the S of M3 lifts a pen: feed moves with it down;
+  3. else, feed moves at Z0 or before any Z while M3 or M4 is on;
+  4. else, all feed moves at Z0 or before any Z.
+G0 is travel. What is read and not obeyed is said as a warning; so is what a
+DXF drawing hides: layers that are off, frozen or not plotted are not cut.
 ";
 
 /// The command line as it is written.
@@ -123,6 +125,11 @@ struct Arguments {
     /// Whether lines of G-code that begin with / are left out.
     #[arg(long, value_name = "on|off", value_parser = switch, default_value = "on", help_heading = "Drawing")]
     block_delete: BlockDelete,
+
+    /// What lifts the pen in G-code: auto (found by what the program does), z, m3, m280, m300; m280:30 says that S30
+    /// is down.
+    #[arg(long, value_name = "WORD[:S]", value_parser = pen, default_value = "auto", help_heading = "Drawing")]
+    pen: PenLift,
 
     /// Size of the plate in mm.
     #[arg(long, value_name = "WxH", value_parser = sides, default_value = "200x120")]
@@ -214,7 +221,7 @@ pub fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Options, c
         depth: read.depth,
         feed: read.feed,
         reading: Reading {
-            gcode: Switches { block_delete: read.block_delete, surface: read.surface },
+            gcode: Switches { block_delete: read.block_delete, surface: read.surface, pen: read.pen },
             ..Reading::default()
         },
         step: read.step,
@@ -301,6 +308,27 @@ fn switch(text: &str) -> Result<BlockDelete, &'static str> {
         "off" => Ok(BlockDelete::Off),
         _ => Err("give on or off"),
     }
+}
+
+fn pen(text: &str) -> Result<PenLift, &'static str> {
+    const HELP: &str = "give auto, z, m3, m280 or m300, or with the S of a pen that is down, as m280:30";
+    let text = text.to_ascii_lowercase();
+    let (word, down) = match text.split_once(':') {
+        Some((word, down)) => (word, Some(down.trim_start_matches('s').parse::<f64>().map_err(|_| HELP)?)),
+        None => (&*text, None),
+    };
+    if down.is_some_and(|down| !down.is_finite()) {
+        return Err(HELP);
+    }
+    let signal = match (word, down) {
+        ("auto", None) => return Ok(PenLift::Auto),
+        ("z", None) => return Ok(PenLift::Height),
+        ("m3", _) => Signal::Spindle,
+        ("m280", _) => Signal::Servo,
+        ("m300", _) => Signal::Tone,
+        _ => return Err(HELP),
+    };
+    Ok(PenLift::Word { signal, down })
 }
 
 fn sides(text: &str) -> Result<Sides, &'static str> {

@@ -60,6 +60,11 @@ fn all_options_are_read() {
     assert_eq!(options("--depth 1 --depth 2").depth, Some(2.0));
     let gcode = options("a.ngc --surface -30 --block-delete off").reading.gcode;
     assert_eq!((gcode.surface, gcode.block_delete), (-30.0, BlockDelete::Off));
+    let pen = |line: &str| options(line).reading.gcode.pen;
+    assert_eq!(pen("a.gcode"), PenLift::Auto);
+    assert_eq!(pen("a.gcode --pen z"), PenLift::Height);
+    assert_eq!(pen("a.gcode --pen M280:30"), PenLift::Word { signal: Signal::Servo, down: Some(30.0) });
+    assert_eq!(pen("a.gcode --pen m3:s0"), PenLift::Word { signal: Signal::Spindle, down: Some(0.0) });
     assert_eq!(run("--help").expect_err("help").kind(), ErrorKind::DisplayHelp);
     assert_eq!(run("-V").expect_err("version").kind(), ErrorKind::DisplayVersion);
 }
@@ -83,6 +88,9 @@ fn wrong_options_say_what_to_write() {
         ("--feed", "a value is required for '--feed <MM/S>'"),
         ("--margin 90", "leaves nothing"),
         ("--tool spoon", "v:90"),
+        ("--pen up", "auto, z, m3, m280 or m300"),
+        ("--pen z:3", "as m280:30"),
+        ("--pen m300:nan", "as m280:30"),
     ] {
         let message = run(line).unwrap_err().to_string();
         assert!(message.contains(part), "{line}: {message}");

@@ -60,8 +60,8 @@ const SMALLEST_CAPITAL: f64 = 1.4;
 impl Pen {
     fn lines(&self, text: &str) -> Vec<Vec<Vec2>> {
         // Characters that the font lacks are left out of a caption.
-        let plain: String = text.chars().filter(|c| c.is_ascii() && !c.is_control()).collect();
-        let written = Font::open("futural").and_then(|font| font.write(&plain, self.capital));
+        let written =
+            Font::open("futural").and_then(|font| font.write(&font.engravable(text).0, self.capital));
         written
             .map(|import| import.drawing.strokes.iter().map(|s| s.flattened(0.02)).collect())
             .unwrap_or_default()

@@ -2,14 +2,14 @@
 
 use super::entity::{self, Entity};
 use super::tags::Tags;
-use crate::drawing::{Budget, Vec2};
+use crate::drawing::{Budget, Vec3};
 use crate::error::DrawingError;
 use std::collections::HashMap;
 
 /// A block: its base point and its entities.
 #[derive(Clone, Debug)]
 pub struct Block<'a> {
-    pub base: Vec2,
+    pub base: Vec3,
     pub entities: Vec<Entity<'a>>,
 }
 
@@ -41,10 +41,10 @@ pub fn read<'a>(tags: &mut Tags<'a>, budget: &Budget) -> Result<Blocks<'a>, Draw
         match entity.kind {
             "BLOCK" => {
                 let name = entity.text(2).unwrap_or("").to_ascii_uppercase();
-                let base = Vec2::new(
-                    entity.number(10, file)?.unwrap_or(0.0),
-                    entity.number(20, file)?.unwrap_or(0.0),
-                );
+                let mut base = Vec3::zeros();
+                for (axis, code) in [10, 20, 30].into_iter().enumerate() {
+                    base[axis] = entity.number(code, file)?.unwrap_or(0.0);
+                }
                 open = Some((name, Block { base, entities: Vec::new() }));
             }
             "ENDBLK" => {

@@ -1,7 +1,7 @@
-//! One entity: its kind and its tags, with polyline vertices gathered behind it.
+//! One entity: its kind and its tags, with the vertices of a polyline and the attributes of an insert behind it.
 
 use super::tags::{Tag, Tags};
-use crate::drawing::{Affine, Vec2};
+use crate::drawing::{Vec2, Vec3};
 use crate::error::{DrawingError, Place};
 use mrroc::console::quoted;
 
@@ -11,8 +11,11 @@ pub struct Entity<'a> {
     pub kind: &'a str,
     pub line: usize,
     pub tags: Vec<Tag<'a>>,
-    /// The VERTEX entities of a POLYLINE.
-    pub vertices: Vec<Entity<'a>>,
+    /// The tags behind group 101: an object of its own within the entity, whose groups mean other things. AutoCAD 2018
+    /// keeps the columns of an MTEXT there, and the lines of an attribute.
+    pub embedded: Vec<Tag<'a>>,
+    /// The VERTEX entities of a POLYLINE, the ATTRIB entities of an INSERT.
+    pub parts: Vec<Entity<'a>>,
 }
 
 /// Calls `take` with each entity up to the tag `0 end`.
@@ -21,13 +24,14 @@ pub fn each<'a>(
     end: &str,
     mut take: impl FnMut(Entity<'a>) -> Result<(), DrawingError>,
 ) -> Result<(), DrawingError> {
-    let mut polyline: Option<Entity<'a>> = None;
+    // A POLYLINE or an INSERT whose parts may follow.
+    let mut open: Option<Entity<'a>> = None;
     while let Some(start) = tags.next()? {
         if start.code != 0 {
             continue;
         }
         if start.value == end {
-            return match polyline {
+            return match open {
                 Some(entity) => take(entity),
                 None => Ok(()),
             };
@@ -35,38 +39,49 @@ pub fn each<'a>(
         if start.value == "EOF" {
             break;
         }
-        let mut entity =
-            Entity { kind: start.value, line: start.line, tags: Vec::new(), vertices: Vec::new() };
-        while let Some(tag) = tags.next()? {
-            if tag.code == 0 {
-                tags.give_back(tag);
-                break;
-            }
-            // Only codes that geometry uses: a table or a picture may carry megabytes of others.
-            if tag.code < 300 {
-                entity.tags.push(tag);
-            }
-        }
-        match (entity.kind, polyline.as_mut()) {
-            ("VERTEX", Some(open)) => open.vertices.push(entity),
-            ("SEQEND" | "ATTRIB", _) => {
-                if let Some(open) = polyline.take() {
-                    take(open)?;
-                }
-            }
+        let entity = one(start, tags)?;
+        match (entity.kind, open.as_mut()) {
+            ("VERTEX", Some(whole)) if whole.kind == "POLYLINE" => whole.parts.push(entity),
+            ("ATTRIB", Some(whole)) if whole.kind == "INSERT" => whole.parts.push(entity),
             (kind, _) => {
-                if let Some(open) = polyline.take() {
-                    take(open)?;
+                if let Some(whole) = open.take() {
+                    take(whole)?;
                 }
-                if kind == "POLYLINE" {
-                    polyline = Some(entity);
-                } else {
-                    take(entity)?;
+                match kind {
+                    "SEQEND" => {}
+                    "POLYLINE" | "INSERT" => open = Some(entity),
+                    _ => take(entity)?,
                 }
             }
         }
     }
     Err(tags.truncated("inside a section"))
+}
+
+/// The entity that begins with this tag.
+fn one<'a>(start: Tag<'a>, tags: &mut Tags<'a>) -> Result<Entity<'a>, DrawingError> {
+    let mut entity = Entity {
+        kind: start.value,
+        line: start.line,
+        tags: Vec::new(),
+        embedded: Vec::new(),
+        parts: Vec::new(),
+    };
+    let mut within = false;
+    while let Some(tag) = tags.next()? {
+        match tag.code {
+            0 => {
+                tags.give_back(tag);
+                break;
+            }
+            101 => within = true,
+            // Only codes that geometry uses: a table or a picture may carry megabytes of others.
+            code if code >= 300 => {}
+            _ if within => entity.embedded.push(tag),
+            _ => entity.tags.push(tag),
+        }
+    }
+    Ok(entity)
 }
 
 impl<'a> Entity<'a> {
@@ -107,36 +122,15 @@ impl<'a> Entity<'a> {
         self.text(code).and_then(|text| text.parse().ok()).unwrap_or(0)
     }
 
-    /// Invisible, or in paper space: not part of the model.
-    pub fn is_hidden(&self) -> bool {
-        self.flags(60) == 1 || self.flags(67) == 1
+    /// The point of the group codes `code`, `code + 10` and `code + 20`.
+    pub fn point_in_space(&self, code: i32, file: &str) -> Result<Vec3, DrawingError> {
+        let p = self.point(code, file)?;
+        Ok(Vec3::new(p.x, p.y, self.number(code + 20, file)?.unwrap_or(0.0)))
     }
 
-    /// From object coordinates: an extrusion along -z mirrors x (DXF's arbitrary axis algorithm for that case).
-    pub fn extrusion_map(&self) -> Affine {
-        let down = self.text(230).and_then(|z| z.parse::<f64>().ok()).is_some_and(|z| z < 0.0);
-        let in_object_coordinates = !matches!(self.kind, "LINE" | "ELLIPSE" | "SPLINE" | "POINT");
-        if down && in_object_coordinates { Affine::scaling(-1.0, 1.0) } else { Affine::IDENTITY }
-    }
-
-    /// The maps of an INSERT: one, or one for each column and row of an array.
-    pub fn insertions(&self, file: &str) -> Result<Vec<Affine>, DrawingError> {
-        let at = self.point(10, file)?;
-        let sx = self.number(41, file)?.unwrap_or(1.0);
-        let sy = self.number(42, file)?.unwrap_or(1.0);
-        let turn = Affine::rotation(self.number(50, file)?.unwrap_or(0.0).to_radians());
-        let columns = self.flags(70).clamp(1, 1000);
-        let rows = self.flags(71).clamp(1, 1000);
-        let step = Vec2::new(self.number(44, file)?.unwrap_or(0.0), self.number(45, file)?.unwrap_or(0.0));
-        let mut maps = Vec::new();
-        for row in 0..rows {
-            for column in 0..columns {
-                let shift = Vec2::new(step.x * column as f64, step.y * row as f64);
-                let place = Affine::translation(at).after(&turn).after(&Affine::translation(shift));
-                maps.push(place.after(&Affine::scaling(sx, sy)));
-            }
-        }
-        Ok(maps)
+    /// The name of its layer.
+    pub fn layer(&self) -> &'a str {
+        self.text(8).filter(|name| !name.is_empty()).unwrap_or("0")
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::error::{DrawingError, Place};
 
-/// A group code and its value.
+/// A group code and its value: without blanks around it, but for the texts of groups 1 and 3, whose blanks are letters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tag<'a> {
     pub code: i32,
@@ -54,7 +54,8 @@ impl<'a> Tags<'a> {
             };
             self.line += 1;
             if code != 999 {
-                return Ok(Some(Tag { code, value: value.trim(), line: self.line }));
+                let value = if matches!(code, 1 | 3) { value } else { value.trim() };
+                return Ok(Some(Tag { code, value, line: self.line }));
             }
         }
     }

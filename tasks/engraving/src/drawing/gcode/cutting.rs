@@ -1,6 +1,9 @@
 //! Which moves of a program cut, how deep and how fast: the rule of the module [`super`].
 
-use super::{Stop, unsupported};
+use super::machine::{Done, Said};
+use super::notes::Notes;
+use super::pen::{Pen, PenLift, Signal, Signals};
+use super::{Cause, Stop, unsupported};
 use crate::drawing::{Height, Manner, Piece, Stroke};
 
 /// How a move was commanded.
@@ -18,8 +21,8 @@ pub enum Pace {
 #[derive(Clone, Debug)]
 pub enum Step {
     Move(Move),
-    /// G4, or at the bottom of a hole \[s\].
-    Dwell(f64),
+    /// G4, or at the bottom of a hole \[s\], with the words that may lift a pen.
+    Dwell(f64, Signals),
 }
 
 /// A move.
@@ -31,6 +34,8 @@ pub struct Move {
     pub feed: Option<f64>,
     /// Whether spindle or laser were on.
     pub on: bool,
+    /// The words that may lift a pen.
+    pub signals: Signals,
     /// Whether the program has said any Z yet.
     pub z_said: bool,
     /// Its line, from 0.
@@ -52,32 +57,53 @@ const SURFACE: f64 = -1e-9;
 pub const DEEPEST: f64 = 20.0;
 
 /// The rule that a program is read by.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 enum Rule {
     /// What is below Z0.
     Depth,
+    /// What is done with the pen down, at any Z.
+    Pen(Pen),
     /// What is on the plate while spindle or laser are on.
     Beam,
     /// What is on the plate.
     All,
 }
 
-/// The strokes of a program's steps.
-pub fn cuts(steps: Vec<Step>) -> Result<Cuts, Stop> {
-    let rule = rule(&steps);
-    let nothing = if rule == Rule::Depth { None } else { nothing(&steps) };
+/// The strokes of what a program has done, cut while this lets them.
+pub fn cuts(done: Done, lift: PenLift) -> Result<Cuts, Stop> {
+    let Done { steps, said, mut notes, warnings: mut after } = done;
+    let rule = rule(&steps, &said, lift)?;
+    let mut warnings: Vec<String> = what_was_found(rule, &steps, lift).into_iter().collect();
+    for (signal, line) in [(Signal::Servo, said.servo_line), (Signal::Tone, said.tone_line)] {
+        let obeyed = matches!(rule, Rule::Pen(pen) if pen.signal == signal);
+        if let Some(line) = line.filter(|_| !obeyed) {
+            let what = match said.of(signal) {
+                [_, _, ..] => {
+                    format!("{signal} left out; if it lifts the pen, say --pen {}", name_of(signal))
+                }
+                _ => format!("{signal} left out: an M word of another machine"),
+            };
+            notes.add(&signal.to_string(), line, || what);
+        }
+    }
+    let nothing = match rule {
+        Rule::Depth | Rule::Pen(_) => None,
+        Rule::Beam | Rule::All => nothing(&steps),
+    };
     let mut chain = Chain::default();
-    let mut warnings = Vec::new();
     for step in steps {
         let one = match step {
-            Step::Dwell(seconds) => {
-                chain.rest(seconds);
+            Step::Dwell(seconds, signals) => {
+                // A pen that is up rests until its servo has moved, not on the plate.
+                if !matches!(rule, Rule::Pen(pen) if !pen.is_down(&signals)) {
+                    chain.rest(seconds);
+                }
                 continue;
             }
             Step::Move(one) => one,
         };
         if rule == Rule::Depth && one.pace == Pace::Rapid {
-            check_rapid(&one, &mut warnings)?;
+            check_rapid(&one, &mut notes)?;
         }
         for (piece, height) in &one.pieces {
             if one.pace == Pace::Withdrawal && height.range().1 < 0.0 {
@@ -90,7 +116,13 @@ pub fn cuts(steps: Vec<Step>) -> Result<Cuts, Stop> {
                 continue;
             }
             if rule != Rule::Depth {
-                if on_the_plate(&one) && (rule == Rule::All || one.on) {
+                let cut = match rule {
+                    Rule::Depth => false,
+                    Rule::Pen(pen) => pen.is_down(&one.signals),
+                    Rule::Beam => one.on && on_the_plate(&one),
+                    Rule::All => on_the_plate(&one),
+                };
+                if cut {
                     chain.cut(piece.clone(), None, one.feed);
                 } else {
                     chain.travel(height, one.z_said);
@@ -121,24 +153,73 @@ pub fn cuts(steps: Vec<Step>) -> Result<Cuts, Stop> {
         }
     }
     chain.end();
+    warnings.extend(notes.sentences());
+    warnings.append(&mut after);
     Ok(Cuts { strokes: chain.strokes, warnings, nothing })
 }
 
 fn feeds(steps: &[Step]) -> impl Iterator<Item = &Move> {
     steps.iter().filter_map(|step| match step {
         Step::Move(one) if one.pace == Pace::Feed => Some(one),
-        Step::Move(_) | Step::Dwell(_) => None,
+        Step::Move(_) | Step::Dwell(..) => None,
     })
 }
 
-fn rule(steps: &[Step]) -> Rule {
-    let deep = |one: &Move| one.pieces.iter().any(|(_, height)| height.range().0 < SURFACE);
-    if feeds(steps).any(deep) {
-        Rule::Depth
-    } else if feeds(steps).any(|one| one.on && on_the_plate(one)) {
-        Rule::Beam
-    } else {
-        Rule::All
+fn rule(steps: &[Step], said: &Said, lift: PenLift) -> Result<Rule, Stop> {
+    let deep = feeds(steps).any(|one| one.pieces.iter().any(|(_, height)| height.range().0 < SURFACE));
+    let beam = feeds(steps).any(|one| one.on && on_the_plate(one));
+    let found = |signal| Pen::find(signal, None, said, steps);
+    Ok(match lift {
+        PenLift::Auto | PenLift::Height if deep => Rule::Depth,
+        PenLift::Height => Rule::All,
+        PenLift::Auto => {
+            let on_spindle = || Pen::find_on_spindle(said, steps);
+            let pen = found(Signal::Servo).or_else(|| found(Signal::Tone));
+            match pen.or_else(on_spindle) {
+                Some(pen) => Rule::Pen(pen),
+                None if beam => Rule::Beam,
+                None => Rule::All,
+            }
+        }
+        PenLift::Word { signal: Signal::Spindle, down: None } if beam => {
+            Pen::find_on_spindle(said, steps).map_or(Rule::Beam, Rule::Pen)
+        }
+        PenLift::Word { signal, down } => match Pen::find(signal, down, said, steps) {
+            Some(pen) => Rule::Pen(pen),
+            None => {
+                let what = format!("--pen {} in a program whose {signal} has no two values", name_of(signal));
+                return Err(Stop { byte: 0, cause: Cause::NoPen(what), line: None });
+            }
+        },
+    })
+}
+
+/// A signal as the option names it.
+fn name_of(signal: Signal) -> &'static str {
+    match signal {
+        Signal::Spindle => "m3",
+        Signal::Servo => "m280",
+        Signal::Tone => "m300",
+    }
+}
+
+/// What to say of a pen or a beam, unless the options have said it all.
+fn what_was_found(rule: Rule, steps: &[Step], lift: PenLift) -> Option<String> {
+    match rule {
+        Rule::Pen(_) if matches!(lift, PenLift::Word { down: Some(_), .. }) => None,
+        Rule::Pen(Pen { signal, down, up }) => Some(format!(
+            "{signal} lifts a pen: S{down} is down, S{up} is up, and what is drawn with the pen down is cut; \
+             --pen {}:{up} says that S{up} is down, --pen z that Z decides",
+            name_of(signal)
+        )),
+        Rule::Beam => {
+            let off = feeds(steps).filter(|one| !one.on && on_the_plate(one)).count();
+            let moves = if off == 1 { "feed move is" } else { "feed moves are" };
+            (off > 0).then(|| {
+                format!("{off} {moves} not cut, because M3 or M4 is off or S is 0; --pen z cuts them all")
+            })
+        }
+        Rule::Depth | Rule::All => None,
     }
 }
 
@@ -157,7 +238,7 @@ fn nothing(steps: &[Step]) -> Option<String> {
 }
 
 /// A rapid move in the material is an error of the program, or an unusual way to put a pen down.
-fn check_rapid(one: &Move, warnings: &mut Vec<String>) -> Result<(), Stop> {
+fn check_rapid(one: &Move, notes: &mut Notes) -> Result<(), Stop> {
     for (piece, height) in &one.pieces {
         let (from, to) = (height.at(0.0), height.at(1.0));
         let sideways = piece.length() > 1e-6;
@@ -173,9 +254,7 @@ fn check_rapid(one: &Move, warnings: &mut Vec<String>) -> Result<(), Stop> {
         } else {
             continue;
         };
-        if warnings.len() < 3 {
-            warnings.push(format!("line {}: {what}", one.line + 1));
-        }
+        notes.add(what, one.line, || what.to_owned());
     }
     Ok(())
 }

@@ -1,13 +1,13 @@
 //! The machine that runs blocks: position, modes, and the steps that come out.
 
-use std::collections::BTreeSet;
-
 use super::block::{Block, Word};
 use super::coordinates::Coordinates;
 use super::cutting::{Move, Pace, Step};
 use super::cycles::Sticky;
 use super::modes::{Distance, FeedMode, MachineWord, Modes, Plane, Request, check_groups, tenths};
+use super::notes::Notes;
 use super::parameters::{Parameters, Told};
+use super::pen::{Signal, Signals};
 use super::spline::Collected;
 use super::{Cause, Stop, malformed, unsupported};
 use crate::drawing::{Budget, Height, Piece, Vec2, Vec3};
@@ -27,8 +27,8 @@ pub enum Asked {
 
 /// The longest rest that is kept \[s\]: more is a program that counts milliseconds.
 const LONGEST_DWELL: f64 = 60.0;
-/// The most warnings.
-const MOST_WARNINGS: usize = 40;
+/// The most values of S that are kept of a word that may lift a pen.
+const MOST_VALUES: usize = 1000;
 
 /// The machine's state. Places are machine coordinates \[mm\].
 pub struct Machine<'a> {
@@ -50,8 +50,12 @@ pub struct Machine<'a> {
     /// The tangent with which the last G5 arrived.
     pub(super) tangent: Option<Vec2>,
     pub(super) sticky: Sticky,
-    warnings: Vec<String>,
-    told: BTreeSet<String>,
+    /// The words that may lift a pen: the values in force, and all that were said.
+    pub(super) signals: Signals,
+    pub(super) said: Said,
+    /// Which servo it is: P of the first M280.
+    servo: Option<f64>,
+    pub(super) notes: Notes,
     /// The line that runs, from 0.
     pub(super) line: usize,
 }
@@ -59,7 +63,47 @@ pub struct Machine<'a> {
 /// What the program has done.
 pub struct Done {
     pub steps: Vec<Step>,
+    pub said: Said,
+    pub notes: Notes,
     pub warnings: Vec<String>,
+}
+
+/// The values of S beside words that may lift a pen, in the order in which they came first.
+#[derive(Debug, Default)]
+pub struct Said {
+    spindle: Vec<f64>,
+    servo: Vec<f64>,
+    tone: Vec<f64>,
+    /// What was in force at the first move over the plate, and at the end.
+    pub first_move: Option<Signals>,
+    pub end: Signals,
+    /// The spindle's S was said without M3, too: it is a power or a speed.
+    pub spindle_alone: bool,
+    /// The first line of M280 and of M300, from 0.
+    pub servo_line: Option<usize>,
+    pub tone_line: Option<usize>,
+}
+
+impl Said {
+    /// The values of a signal.
+    pub fn of(&self, signal: Signal) -> &[f64] {
+        match signal {
+            Signal::Spindle => &self.spindle,
+            Signal::Servo => &self.servo,
+            Signal::Tone => &self.tone,
+        }
+    }
+
+    fn add(&mut self, signal: Signal, value: f64) {
+        let values = match signal {
+            Signal::Spindle => &mut self.spindle,
+            Signal::Servo => &mut self.servo,
+            Signal::Tone => &mut self.tone,
+        };
+        if values.len() < MOST_VALUES && !values.contains(&value) {
+            values.push(value);
+        }
+    }
 }
 
 impl<'a> Machine<'a> {
@@ -81,8 +125,10 @@ impl<'a> Machine<'a> {
             nurbs: None,
             tangent: None,
             sticky: Sticky::default(),
-            warnings: Vec::new(),
-            told: BTreeSet::new(),
+            signals: Signals::default(),
+            said: Said::default(),
+            servo: None,
+            notes: Notes::default(),
             line: 0,
         }
     }
@@ -170,7 +216,14 @@ impl<'a> Machine<'a> {
     }
 
     fn say_values(&mut self, block: &Block) {
-        if let Some(power) = block.value('s') {
+        // Beside the word of another machine S is that word's own.
+        let of_spindle =
+            |word: &Word| matches!(word.value.floor() as i64, 0..=9 | 30 | 48..=60 | 98 | 99 | 106 | 107);
+        if block.has("s")
+            && block.all('m').all(of_spindle)
+            && let Some(power) = block.value('s')
+        {
+            self.said.spindle_alone |= !block.has("m") && self.modes.power.is_some_and(|old| old != power);
             self.modes.power = Some(power);
         }
         if let Some(tool) = block.value('t') {
@@ -183,7 +236,14 @@ impl<'a> Machine<'a> {
         for word in block.all('m') {
             match self.modes.m(word.value.floor() as i64) {
                 MachineWord::End => asked = Asked::End,
-                MachineWord::Beam => {}
+                MachineWord::Fan => {}
+                MachineWord::Spindle => {
+                    if let Some(value) = self.modes.power {
+                        self.signals.spindle = Some(value);
+                        self.said.add(Signal::Spindle, value);
+                    }
+                }
+                MachineWord::Pen(signal) => self.pen_word(signal, block),
                 MachineWord::Call => {
                     let Some(number) = block.value('p') else {
                         return malformed(
@@ -202,6 +262,33 @@ impl<'a> Machine<'a> {
             }
         }
         Ok(asked)
+    }
+
+    /// M280 or M300: whether it lifts a pen, the whole program tells.
+    fn pen_word(&mut self, signal: Signal, block: &Block) {
+        let (value, which) = (block.value('s'), block.value('p'));
+        let Some(value) = value else { return };
+        match signal {
+            Signal::Servo => {
+                self.said.servo_line.get_or_insert(self.line);
+                let which = which.unwrap_or(0.0);
+                if *self.servo.get_or_insert(which) != which {
+                    self.warn_once("servo", "M280 of another servo left out: the first one lifts the pen");
+                    return;
+                }
+                self.signals.servo = Some(value);
+            }
+            Signal::Tone => {
+                self.said.tone_line.get_or_insert(self.line);
+                // With a duration it is a tone.
+                if which.is_some() {
+                    return;
+                }
+                self.signals.tone = Some(value);
+            }
+            Signal::Spindle => self.signals.spindle = Some(value),
+        }
+        self.said.add(signal, value);
     }
 
     /// The feed of this line's modes: units in a minute, or in a turn of the spindle; G93 counts each move apart.
@@ -243,38 +330,27 @@ impl<'a> Machine<'a> {
     /// Rests where the tool is \[s\].
     pub(super) fn rest(&mut self, seconds: f64) {
         if seconds > LONGEST_DWELL {
-            self.warn(format!("a rest of {seconds} s left out: P counts seconds here, 60 at most"));
+            self.notes.add("rest", self.line, || {
+                format!("a rest of {seconds} s left out: P counts seconds here, 60 at most")
+            });
         } else if seconds > 0.0 && self.steps.len() < self.budget.limits().pieces {
-            self.steps.push(Step::Dwell(seconds));
+            self.steps.push(Step::Dwell(seconds, self.signals));
         }
     }
 
     fn left_out(&mut self, letter: char, word: &Word, what: &str) {
         let name = format!("{letter}{}", word.value);
-        if self.told.len() < MOST_WARNINGS && self.told.insert(name.clone()) {
-            self.warn(format!("{name} left out: {what}"));
-        }
+        self.notes.add(&name, self.line, || format!("{name} left out: {what}"));
     }
 
-    /// Tells words that nothing has obeyed, once a letter.
+    /// Tells words that nothing has obeyed, by letters.
     fn tell_untaken(&mut self, block: &Block) {
         for word in block.untaken() {
             let letter = word.letter.to_ascii_uppercase();
-            if self.told.insert(format!("word {letter}")) {
-                self.warn(format!("{letter}{} left out: it says nothing in this line", word.value));
-            }
-        }
-    }
-
-    /// Whether this was not told yet.
-    pub(super) fn tell(&mut self, key: &str) -> bool {
-        self.told.insert(key.to_owned())
-    }
-
-    /// One sentence about the line that runs.
-    pub(super) fn warn(&mut self, what: String) {
-        if self.warnings.len() < MOST_WARNINGS {
-            self.warnings.push(format!("line {}: {what}", self.line + 1));
+            let kind = format!("word {letter}");
+            self.notes.add(&kind, self.line, || {
+                format!("{letter}{} left out: it says nothing in this line", word.value)
+            });
         }
     }
 
@@ -316,20 +392,21 @@ impl<'a> Machine<'a> {
             (Pace::Feed, None) => self.feed,
             (Pace::Rapid | Pace::Withdrawal, _) => None,
         };
-        let (on, z_said, line) = (self.modes.is_on(), self.z_said, self.line);
-        self.steps.push(Step::Move(Move { pieces, pace, feed, on, z_said, line }));
+        let (on, z_said, signals, line) = (self.modes.is_on(), self.z_said, self.signals, self.line);
+        self.steps.push(Step::Move(Move { pieces, pace, feed, on, signals, z_said, line }));
         Ok(())
     }
 
     /// The next stroke does not begin where the last one ended: a move of no pieces says so.
     pub(super) fn push_away(&mut self) -> Result<(), Stop> {
         self.take_budget(1)?;
-        let (on, z_said, line) = (self.modes.is_on(), self.z_said, self.line);
+        let (on, z_said, signals, line) = (self.modes.is_on(), self.z_said, self.signals, self.line);
         self.steps.push(Step::Move(Move {
             pieces: Vec::new(),
             pace: Pace::Rapid,
             feed: None,
             on,
+            signals,
             z_said,
             line,
         }));
@@ -360,7 +437,8 @@ impl<'a> Machine<'a> {
                 }
             }
         }
-        let mut warnings = self.warnings;
+        self.said.end = self.signals;
+        let mut warnings = Vec::new();
         for name in self.coordinates.unplaced() {
             warnings
                 .push(format!("the program does not place {name}: it counts as lying where G54 first lay"));
@@ -368,7 +446,7 @@ impl<'a> Machine<'a> {
         if self.modes.mm_per_unit.is_none() && !self.steps.is_empty() {
             warnings.push("neither G20 nor G21 in the program: millimetres are assumed".to_owned());
         }
-        Ok(Done { steps: self.steps, warnings })
+        Ok(Done { steps: self.steps, said: self.said, notes: self.notes, warnings })
     }
 }
 

@@ -9,8 +9,9 @@
 //! The plate's surface is the machine's Z0, where all coordinate systems lie until the program moves them. Which moves
 //! cut is decided once for the whole program:
 //! 1. a feed move somewhere below Z0: of every feed move the part that is below Z0 is cut, as deep as its Z says;
-//! 2. else, feed moves at Z0 (or before any Z) after M3 or M4 (before M5, and power not S0): only such moves cut;
-//! 3. else: every feed move at Z0 (or before any Z) cuts.
+//! 2. else, a pen that M280, M300 or the S of M3 lifts ([`PenLift`]): feed moves with the pen down;
+//! 3. else, feed moves at Z0 (or before any Z) after M3 or M4 (before M5, and power not S0): only such moves cut;
+//! 4. else: every feed move at Z0 (or before any Z) cuts.
 //!
 //! Above Z0 nothing is cut. G0 is travel in each of them, and refused where it would drag the tool below Z0.
 
@@ -26,8 +27,10 @@ mod flow;
 mod machine;
 mod modes;
 mod motion;
+mod notes;
 mod o_word;
 mod parameters;
+mod pen;
 mod program;
 mod spline;
 
@@ -38,6 +41,7 @@ pub use cutting::DEEPEST;
 use cutting::cuts;
 use flow::Control;
 use machine::{Asked, Machine};
+pub use pen::{PenLift, Signal};
 pub use program::BlockDelete;
 use program::Program;
 
@@ -48,6 +52,8 @@ pub struct Switches {
     pub block_delete: BlockDelete,
     /// The Z of the program that is the plate's surface \[mm\].
     pub surface: f64,
+    /// What lifts the pen of a plotter's program.
+    pub pen: PenLift,
 }
 
 /// Reads an RS-274 program.
@@ -73,6 +79,11 @@ pub fn read(file: &str, text: &str, switches: Switches, budget: &mut Budget) -> 
                 help: "a cut is below Z0, the plate's surface; --surface says at which Z of the file it lies"
                     .to_owned(),
             },
+            Cause::NoPen(found) => DrawingError::Empty {
+                file: file.to_owned(),
+                found,
+                help: "leave --pen out, or say what lifts the pen: z, m3, m280 or m300".to_owned(),
+            },
             cause => cause.at(at),
         }
     })
@@ -93,12 +104,11 @@ fn interpret(text: &str, switches: Switches, budget: &mut Budget) -> Result<Impo
         }
     }
     let done = machine.finish()?;
-    let cuts = cuts(done.steps)?;
+    let cuts = cuts(done, switches.pen)?;
     if let Some(found) = cuts.nothing {
         return Err(Stop { byte: 0, cause: Cause::Nothing(found), line: None });
     }
-    let mut warnings = done.warnings;
-    warnings.extend(cuts.warnings);
+    let mut warnings = cuts.warnings;
     if program.deleted > 0 {
         let lines = if program.deleted == 1 { "line that begins" } else { "lines that begin" };
         warnings
@@ -166,6 +176,8 @@ enum Cause {
     TooMany(usize),
     TooDeep(&'static str, usize),
     Nothing(String),
+    /// The option names a word that moves no pen.
+    NoPen(String),
 }
 
 impl Cause {
@@ -179,7 +191,9 @@ impl Cause {
             Self::Range(what, value) => DrawingError::OutOfRange { at, what, value },
             Self::TooMany(limit) => DrawingError::TooManyPieces { at, limit },
             Self::TooDeep(what, limit) => DrawingError::TooDeep { at, what, limit },
-            Self::Nothing(what) => DrawingError::Unsupported { at, what, help: String::new() },
+            Self::Nothing(what) | Self::NoPen(what) => {
+                DrawingError::Unsupported { at, what, help: String::new() }
+            }
         }
     }
 }

@@ -1,6 +1,7 @@
 //! The modes that G and M words switch.
 
 use super::block::Word;
+use super::pen::Signal;
 use super::{Stop, malformed, unsupported};
 use crate::drawing::{Vec2, Vec3};
 
@@ -282,9 +283,9 @@ impl Modes {
             921 => return Ok(Request::ForgetShift),
             922 => return Ok(Request::PutShiftBy),
             923 => return Ok(Request::RestoreShift),
-            // What changes nothing here: radius mode, compensation off, exact paths and speeds of the spindle. The
+            // What changes nothing here: radius mode, compensation and turning off, exact paths and speeds of the spindle. The
             // program's Z is that of the tool's tip, as it is with the length compensation of G43.
-            80 | 400 | 440 | 490 | 610 | 611 | 970 => {}
+            80 | 400 | 440 | 490 | 610 | 611 | 690 | 970 => {}
             430 => return Ok(Request::Takes("h")),
             640 => return Ok(Request::Takes("pq")),
             960 => return Ok(Request::Takes("d")),
@@ -301,21 +302,27 @@ impl Modes {
     pub fn m(&mut self, number: i64) -> MachineWord {
         match number {
             2 | 30 => MachineWord::End,
-            3 | 4 | 106 => {
+            3 | 4 => {
                 self.beam_on = true;
-                MachineWord::Beam
+                MachineWord::Spindle
+            }
+            106 => {
+                self.beam_on = true;
+                MachineWord::Fan
             }
             5 | 107 => {
                 self.beam_on = false;
-                MachineWord::Beam
+                MachineWord::Fan
             }
+            280 => MachineWord::Pen(Signal::Servo),
+            300 => MachineWord::Pen(Signal::Tone),
             98 => MachineWord::Call,
             99 => MachineWord::Return,
             0 | 1 | 60 => MachineWord::LeftOut("a pause", ""),
             6 => MachineWord::LeftOut("a tool change: one tool engraves all", ""),
             7..=9 => MachineWord::LeftOut("coolant, of which the arm has none", ""),
             48..=53 => MachineWord::LeftOut("a switch for the operator's speed", "p"),
-            _ => MachineWord::LeftOut("an M word of another machine", "pqel"),
+            _ => MachineWord::LeftOut("an M word of another machine", "pqels"),
         }
     }
 
@@ -330,8 +337,12 @@ impl Modes {
 pub enum MachineWord {
     /// M2, M30.
     End,
-    /// M3 to M5: may say what is a cut.
-    Beam,
+    /// M3, M4: may say what is a cut, and lift a pen by S.
+    Spindle,
+    /// M5, and M106 and M107 of lasers that are driven as fans.
+    Fan,
+    /// M280, M300: may lift a pen.
+    Pen(Signal),
     /// M98, M99.
     Call,
     Return,
@@ -354,7 +365,7 @@ fn refuse_g(tenths: i64, byte: usize) -> Result<Request, Stop> {
         870 | 880 => ("a boring cycle that needs an operator", "use G81 to G83, G85, G86 or G89"),
         330 | 331 | 760 => ("threading", "an engraving has no threads; remove it"),
         541 => ("one of more than nine coordinate systems", "use G54 to G59.3"),
-        500 | 510 | 680 | 690 => ("scaling or turning of coordinates", "export the program without it"),
+        500 | 510 | 680 => ("scaling or turning of coordinates", "export the program without it"),
         120 | 130 | 150 | 160 => ("a pocket or polar mode of another dialect", "export it as G1, G2 and G3"),
         650..=670 => ("a call of a macro", "write it by O-words: o<name> sub and o<name> call"),
         380..=389 => ("probing", "remove it: the plate's height is found by the arm itself"),

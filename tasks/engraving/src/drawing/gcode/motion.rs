@@ -48,6 +48,9 @@ impl Machine<'_> {
             return Ok(());
         };
         let to = self.target(block, in_machine)?;
+        if block.has("xy@^") {
+            self.said.first_move.get_or_insert(self.signals);
+        }
         let pieces = self.pieces(block, to, byte)?;
         let pace = if self.modes.motion == Motion::Rapid { Pace::Rapid } else { Pace::Feed };
         let per_minute = match (pace, self.modes.feed_mode) {
@@ -265,11 +268,9 @@ impl Machine<'_> {
         Ok(())
     }
 
-    /// Says something once.
-    pub(super) fn warn_once(&mut self, key: &str, what: &str) {
-        if self.tell(key) {
-            self.warn(what.to_owned());
-        }
+    /// Says something of a kind once.
+    pub(super) fn warn_once(&mut self, kind: &str, what: &str) {
+        self.notes.add(kind, self.line, || what.to_owned());
     }
 }
 

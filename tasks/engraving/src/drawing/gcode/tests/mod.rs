@@ -1,10 +1,11 @@
 //! G-code: moves, rules for cutting, what is refused, and that nothing panics.
 
 mod depth;
+mod pens;
 mod places;
 mod programs;
 
-use super::{BlockDelete, Switches};
+use super::{BlockDelete, PenLift, Signal, Switches};
 use crate::drawing::{Closure, Drawing, Import, Limits, Reading, Vec2, Vec3, read_str};
 use std::f64::consts::{PI, TAU};
 
@@ -180,7 +181,7 @@ proptest::proptest! {
     #![proptest_config(proptest::prelude::ProptestConfig { failure_persistence: None, ..proptest::prelude::ProptestConfig::with_cases(1000) })]
 
     #[test]
-    fn no_program_panics(text in "([GMXYZIJKRPQLFSNO#\\[\\]0-9.+*/ ();=<>%\n-]{0,80}|.{0,40})", tail in "(G([0-5](\\.[123])?|6\\.2|1[0789]|5[2-9]|7[3]|8[0-9]|9[0-9](\\.[123])?)|[XYZIJKRPQL@^]-?[0-9.]{1,5}|\n| ){0,40}") {
+    fn no_program_panics(text in "([GMXYZIJKRPQLFSNO#\\[\\]0-9.+*/ ();=<>%\r\n-]{0,80}|.{0,40})", tail in "(G([0-5](\\.[123])?|6\\.2|1[0789]|5[2-9]|7[3]|8[0-9]|9[0-9](\\.[123])?)|M(3|4|5|280 P0|300)|[SXYZIJKRPQL@^]-?[0-9.]{1,5}|\n| ){0,40}") {
         let _ = read_str("a.ngc", &text, Limits::default());
         let _ = read_str("a.ngc", &tail, Limits::default());
     }

@@ -1,5 +1,9 @@
 //! DXF: entities, blocks, units, what is refused, and that nothing panics.
 
+mod hidden;
+mod in_space;
+mod texts;
+
 use crate::drawing::{Closure, Import, Limits, Vec2, read_str};
 use std::f64::consts::TAU;
 
@@ -83,32 +87,6 @@ fn other_entities_are_counted() {
 }
 
 #[test]
-fn texts_are_written_at_their_places() {
-    let bounds = |entities: &str| import("", entities).drawing.bounds().unwrap();
-    let near = |a: f64, b: f64| (a - b).abs() < 1e-9;
-    // H: its stems 4 and 18 units from the left edge of 22, in capitals of 21 units that are 42 high.
-    let left = bounds("0 TEXT 10 10 20 5 40 42 1 H");
-    assert!(
-        near(left.min.x, 18.0) && near(left.max.x, 46.0) && near(left.min.y, 5.0) && near(left.max.y, 47.0)
-    );
-    let centred = bounds("0 TEXT 10 0 20 0 11 10 21 5 40 42 72 4 1 H");
-    assert!(near(centred.centre().x, 10.0) && near(centred.centre().y, 5.0), "{centred:?}");
-    let turned = bounds("0 TEXT 10 10 20 5 40 42 50 90 1 H");
-    assert!(near(turned.max.x, 10.0) && near(turned.min.x, -32.0) && near(turned.min.y, 13.0), "{turned:?}");
-    let fitted = bounds("0 TEXT 10 0 20 0 11 88 21 0 40 42 72 5 1 H");
-    assert!(near(fitted.min.x, 16.0) && near(fitted.max.x, 72.0) && near(fitted.max.y, 42.0), "{fitted:?}");
-    // The lower right corner of two lines: 1 + 5/3 capitals high, the second line on the baseline.
-    let lines = bounds("0 MTEXT 10 10 20 5 40 42 71 9 1 H\\PH");
-    assert!(
-        near(lines.max.x, 10.0 - 8.0) && near(lines.min.y, 5.0) && near(lines.max.y, 5.0 + 42.0 * 8.0 / 3.0)
-    );
-    let told = import("", "0 TEXT 10 1 20 1 40 2 1 Hi").warnings;
-    assert!(told.iter().any(|w| w.contains("a text is written in a single-stroke font")), "{told:?}");
-    let told = import("", "0 TEXT 10 1 20 1 40 2 1 Ż 0 LINE 10 0 20 0 11 1 21 0").warnings.join("\n");
-    assert!(told.contains("TEXT with 'Ż', which no font here has, left out"), "{told}");
-}
-
-#[test]
 fn refusals_say_where_and_what() {
     let cut = file("", "0 LINE 10 0 20 0 11 1 21 0", 4);
     let cut = &cut[..cut.len() - 20];
@@ -147,7 +125,7 @@ proptest::proptest! {
     #[test]
     fn no_file_panics(
         noise in ".{0,60}",
-        entities in "(0 (LINE|ARC|CIRCLE|ELLIPSE|SPLINE|TEXT|MTEXT|LWPOLYLINE|POLYLINE|VERTEX|SEQEND|INSERT|BLOCK|ENDBLK) |(10|20|11|21|40|41|42|50|51|70|71|72|73|1|2) (-?[0-9]{1,3}(\\.5)?|A|1e300) ){0,25}"
+        entities in "(0 (LINE|ARC|CIRCLE|ELLIPSE|SPLINE|TEXT|MTEXT|LWPOLYLINE|POLYLINE|VERTEX|SEQEND|INSERT|ATTRIB|ATTDEF|BLOCK|ENDBLK) |(10|20|30|11|21|31|12|22|13|23|40|41|42|43|50|51|60|62|66|70|71|72|73|74|101|210|220|230|1|2|3|8) (-?[0-9]{1,3}(\\.5)?|A|1e300|%%065|\\\\U\\+00D8|1e-300) ){0,25}"
     ) {
         let _ = read_str("a.dxf", &noise, Limits::default());
         let _ = read_str("a.dxf", &file(&format!("0 BLOCK 2 A {entities} 0 ENDBLK"), &format!("0 INSERT 2 A {entities}"), 4), Limits::default());
