@@ -8,11 +8,12 @@ use core::fmt;
 use mrroc::pose::Pose;
 use mrroc_sensors::aggregation::Board;
 use mrroc_sensors::camera::{Camera, Lens};
-use nalgebra::{DMatrix, Matrix3, Rotation3, UnitQuaternion, Vector2, Vector3};
+use nalgebra::{DMatrix, DVector, Matrix3, Rotation3, UnitQuaternion, Vector2, Vector3};
 use toml::de::{DeTable, DeValue};
 
 use crate::file::quoted;
 use crate::fit::NoFit;
+use crate::known::{LENS, SEEING_PIXELS};
 use crate::least_squares::Settings;
 use crate::pixels::{List, Pixels, names, numbers};
 use crate::problem::{Freedom, Noise, Problem};
@@ -34,6 +35,10 @@ pub struct Intrinsics {
     pub rms: f64,
     /// What these photos do not tell, by name.
     pub unseen: Vec<String>,
+    /// What they tell too badly, by name, with how well: more than [`LENS`] of a focal length.
+    pub unsure: Vec<String>,
+    /// How well the lens is known at the image's corners [pixel], if the board was never near them and it is no better than that.
+    pub beside: Option<f64>,
 }
 
 /// The camera that saw a board like this: `seen` are its corners in each photo \[pixel\], in the order of [`Board::points`].
@@ -51,14 +56,82 @@ pub fn intrinsics(size: [usize; 2], board: &Board, seen: &[Vec<Vector2<f64>>]) -
     // Boards that are hardly tilted say nothing of the focal length: then usual ones are tried.
     let usual = [0.8, 1.5, 3.0].map(|share| [share * wide; 2]);
     let mut why = NoFit::Empty;
+    let mut best: Option<Intrinsics> = None;
     for focal in zhang(&planes, centre).into_iter().chain(usual) {
         let about = Camera { size, focal, centre, lens: Lens::default() };
         match fitted(&about, &points, &planes, seen) {
-            Ok(found) => return Ok(found),
+            Ok(found) if found.is_known() => return Ok(found),
+            // A minimum that says little may be one of several: another start may lead to a lower one.
+            Ok(found) if best.as_ref().is_none_or(|best| found.rms < best.rms) => best = Some(found),
+            Ok(_) => {}
             Err(no) => why = no,
         }
     }
-    Err(why)
+    best.ok_or(why)
+}
+
+/// How boards were held before a camera of which nothing is known.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Held {
+    /// By how much one photo's board is tilted against that of another, at most \[rad\]; as a camera with a usual lens would see it.
+    pub tilt: f64,
+    /// How much of the image's longer side the largest board covers, 0 to 1.
+    pub share: f64,
+    /// Photos.
+    pub photos: usize,
+}
+
+impl Held {
+    /// Of corners in photos, as [`intrinsics`] takes them.
+    #[must_use]
+    pub fn of(size: [usize; 2], board: &Board, seen: &[Vec<Vector2<f64>>]) -> Self {
+        let points: Vec<Vector3<f64>> = board.points().collect();
+        let wide = size[0].max(size[1]) as f64;
+        let centre = size.map(|pixels| 0.5 * (pixels as f64 - 1.0));
+        let usual = Camera { size, focal: [wide; 2], centre, lens: Lens::default() };
+        let rays = |corners: &Vec<Vector2<f64>>| -> Vec<Vector2<f64>> {
+            corners.iter().map(|pixel| usual.ray(pixel, None)).collect()
+        };
+        let pose = |corners| in_camera(&homography(&points, &rays(corners))?);
+        let normals: Vec<Vector3<f64>> =
+            seen.iter().filter_map(pose).map(|pose| pose.rotation * Vector3::z()).collect();
+        let of = |normal: &Vector3<f64>| normals.iter().map(|other| normal.angle(other)).fold(0.0, f64::max);
+        let extent = |corners: &Vec<Vector2<f64>>| {
+            let along = |axis: usize| {
+                let all = || corners.iter().map(|corner| corner[axis]);
+                all().fold(f64::NEG_INFINITY, f64::max) - all().fold(f64::INFINITY, f64::min)
+            };
+            along(0).max(along(1))
+        };
+        Self {
+            tilt: normals.iter().map(of).fold(0.0, f64::max),
+            share: seen.iter().map(extent).fold(0.0, f64::max) / wide,
+            photos: seen.len(),
+        }
+    }
+}
+
+impl fmt::Display for Held {
+    /// What a photographer should do otherwise.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "tilt the board by about 30 degrees, in some photos to the left, in some to the right, up and down (from one of these photos to another it is tilted by {:.0} \
+             degrees at most)",
+            self.tilt.to_degrees()
+        )?;
+        if self.share < 0.5 {
+            let percent = 100.0 * self.share;
+            write!(
+                f,
+                "; bring it nearer, so that it fills most of the image (it covers {percent:.0} % of the image's longer side at most)"
+            )?;
+        }
+        if self.photos < 10 {
+            write!(f, "; take ten photos or more (these are {})", self.photos)?;
+        }
+        Ok(())
+    }
 }
 
 /// Where a board is in a camera that is known, from its corners in one photo \[pixel\]; `None` if they are no picture of it.
@@ -101,9 +174,18 @@ fn fitted(
         .collect();
     let covariance =
         DMatrix::from_fn(columns.len(), columns.len(), |i, j| fit.covariance()[(columns[i], columns[j])]);
-    let sigma = core::array::from_fn(|i| fit.constant_sigma(camera, i).unwrap_or(f64::INFINITY));
+    let sigma: [f64; 9] = core::array::from_fn(|i| fit.constant_sigma(camera, i).unwrap_or(f64::INFINITY));
+    let found = device.camera(fit.constants(camera));
+    // Corners may by accident fit better than anybody sees them.
+    let noise = fit.noise(camera).first().copied().unwrap_or(0.0);
+    let floor = (SEEING_PIXELS / noise.max(f64::MIN_POSITIVE)).max(1.0);
+    let sure =
+        Sure { camera: &found, sigma: sigma.map(|sigma| floor * sigma), covariance: &covariance, floor };
+    let (unsure, beside) = (sure.unsure(seen), sure.beside());
     Ok(Intrinsics {
-        camera: device.camera(fit.constants(camera)),
+        camera: found,
+        unsure,
+        beside,
         sigma,
         covariance,
         boards: boards.into_iter().map(|frame| fit.frame(frame)).collect(),
@@ -111,6 +193,70 @@ fn fitted(
         rms: mean.sqrt(),
         unseen: fit.unseen().iter().map(ToString::to_string).collect(),
     })
+}
+
+/// How well a camera is known.
+struct Sure<'c> {
+    camera: &'c Camera,
+    sigma: [f64; 9],
+    covariance: &'c DMatrix<f64>,
+    floor: f64,
+}
+
+impl Sure<'_> {
+    fn unsure(&self, seen: &[Vec<Vector2<f64>>]) -> Vec<String> {
+        let [fx, fy] = self.camera.focal;
+        let mut unsure = Vec::new();
+        let names = ["fx", "fy", "cx", "cy"];
+        for ((name, sigma), focal) in names.into_iter().zip(self.sigma).zip([fx, fy, fx, fy]) {
+            let most = LENS * focal.abs();
+            let is_sure = sigma <= most;
+            if !is_sure {
+                unsure.push(format!("{name} is known to {sigma:.0} px only, of {most:.0} px at most"));
+            }
+        }
+        let (most, far) = (LENS * fx.abs().min(fy.abs()), self.farthest(seen));
+        let sigma = far.map_or(0.0, |far| self.bent(&far));
+        if !(sigma <= most) {
+            unsure.push(format!(
+                "k1, k2, k3, p1, p2: where the board was seen farthest from the middle, by how much the lens bends is known to {sigma:.0} px only, of {most:.0} px at most"
+            ));
+        }
+        unsure
+    }
+
+    fn beside(&self) -> Option<f64> {
+        let [w, h] = self.camera.size.map(|pixels| pixels as f64 - 1.0);
+        let corners = [[0.0, 0.0], [w, 0.0], [0.0, h], [w, h]];
+        let far = self.farthest(&[corners.map(|[u, v]| Vector2::new(u, v)).to_vec()])?;
+        let sigma = self.bent(&far);
+        let is_sure = sigma <= LENS * self.camera.focal[0].abs();
+        (!is_sure).then_some(sigma)
+    }
+
+    /// The corner that is farthest from the centre, as a ray that the lens has not bent yet, about.
+    fn farthest(&self, seen: &[Vec<Vector2<f64>>]) -> Option<Vector2<f64>> {
+        let Camera { focal: [fx, fy], centre: [cx, cy], .. } = *self.camera;
+        let all = seen.iter().flatten();
+        all.map(|at| Vector2::new((at.x - cx) / fx, (at.y - cy) / fy))
+            .max_by(|a, b| a.norm().total_cmp(&b.norm()))
+    }
+
+    /// The standard deviation of what the lens does there [pixel].
+    fn bent(&self, ray: &Vector2<f64>) -> f64 {
+        if self.covariance.nrows() != 9 {
+            return f64::INFINITY;
+        }
+        let (a, b, q) = (ray.x, ray.y, ray.norm_squared());
+        let by = |own: f64, tangential: [f64; 2]| {
+            DVector::from_column_slice(&[q * own, q * q * own, tangential[0], tangential[1], q * q * q * own])
+        };
+        let (u, v) = (by(a, [2.0 * a * b, q + 2.0 * a * a]), by(b, [q + 2.0 * b * b, 2.0 * a * b]));
+        let lens = self.covariance.view((4, 4), (5, 5));
+        let [fx, fy] = self.camera.focal;
+        let variance = fx * fx * (lens * &u).dot(&u) + fy * fy * (lens * &v).dot(&v);
+        self.floor * variance.max(0.0).sqrt()
+    }
 }
 
 /// The root mean square of the distances of pixels.
@@ -192,6 +338,12 @@ fn in_camera(plane: &Matrix3<f64>) -> Option<Pose> {
 }
 
 impl Intrinsics {
+    /// Whether these photos tell all of the camera, and well enough.
+    #[must_use]
+    pub fn is_known(&self) -> bool {
+        self.unseen.is_empty() && self.unsure.is_empty()
+    }
+
     /// The text of a calibration file: what [`camera_of`] reads, and what else is known.
     #[must_use]
     pub fn text(&self, photos: &[String], board: &Board, made: &str) -> String {
@@ -210,7 +362,13 @@ impl Intrinsics {
         text.push_str("]\n");
         let named: Vec<&str> = names().map(|(name, _)| name).collect();
         text.push_str(&format!(
-            "\n[parameters]\nnames = {named:?}\nvalues = {}\n",
+            "\n[parameters]\nnames = {named:?}\n{}values = {}\n",
+            match self.beside {
+                None => String::new(),
+                Some(sigma) => format!(
+                    "# In the image's corners k1, k2, k3, p1, p2 are known to this only [pixel].\nunknown_in_corners = {sigma:.1}\n"
+                ),
+            },
             List(&numbers(&self.camera))
         ));
         text.push_str(&format!("sigmas = {}\ncovariance = [\n", List(&self.sigma)));
@@ -230,7 +388,14 @@ impl fmt::Display for Intrinsics {
             let decimals = if unit.is_empty() { 5 } else { 3 };
             writeln!(f, "{:21} {value:12.decimals$}   known to {sigma:.decimals$}", format!("{name}{unit}"))?;
         }
-        writeln!(f, "left: {:.3} px rms", self.rms)
+        writeln!(f, "left: {:.3} px rms", self.rms)?;
+        match self.beside {
+            None => Ok(()),
+            Some(sigma) => writeln!(
+                f,
+                "unknown: k1, k2, k3, p1, p2 beside where the board was: in the image's corners the lens is known to {sigma:.0} px only; hold the board there, too"
+            ),
+        }
     }
 }
 
