@@ -11,7 +11,9 @@ use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use crate::arm::Arm;
 use crate::device::{FullPose, Touch};
 use crate::fit::{Fit, NoFit};
-use crate::known::{CAMERA, CAMERA_TURN, SEEING, SEEING_TURN, TIP, TOUCHING};
+use crate::known::{
+    CAMERA, CAMERA_TURN, SEEING, SEEING_TURN, TIP, TOUCHING, WRONG, WRONG_ALONE, WRONG_PIXELS, WRONG_TURN,
+};
 use crate::least_squares::Settings;
 use crate::parameter::{Parameter, Unit};
 use crate::problem::{ArmId, Freedom, Noise, Problem};
@@ -55,6 +57,34 @@ pub struct InHand {
 }
 
 impl InHand {
+    /// By what poses do not fit, if they do not.
+    #[must_use]
+    pub fn misfit(&self) -> Option<String> {
+        let worst = |part: usize| self.poses.iter().map(|left| left[part]).fold(0.0, f64::max);
+        if let Some(pixels) = self.pixels {
+            let worst = worst(0);
+            let is_wrong = pixels > WRONG_PIXELS || worst > WRONG_ALONE * WRONG_PIXELS;
+            return is_wrong.then(|| {
+                format!(
+                    "{pixels:.1} px rms are left, of {WRONG_PIXELS:.0} at most, and {worst:.1} px in one pose"
+                )
+            });
+        }
+        let limits = [WRONG, WRONG_TURN];
+        let is_wrong =
+            (0..2).any(|part| self.left[part] > limits[part] || worst(part) > WRONG_ALONE * limits[part]);
+        let [length, turn] = self.left.map(|left| 1e3 * left);
+        let [most, most_turn] = limits.map(|limit| 1e3 * limit);
+        let one = format!("{:.1} mm", 1e3 * worst(0));
+        is_wrong.then(|| match self.sigma.len() {
+        0..=3 => format!("{length:.1} mm rms are left, of {most:.0} mm at most, and {one} in one pose"),
+        _ => format!(
+            "{length:.1} mm and {turn:.1} mrad rms are left, of {most:.0} mm and {most_turn:.0} mrad at most, and {one} and {:.1} mrad in one pose",
+            1e3 * worst(1)
+        ),
+    })
+    }
+
     /// A pose in the arm's base, of what stands beside the arm.
     #[must_use]
     pub fn base_text(&self, name: &str, made: &str) -> String {

@@ -70,6 +70,13 @@ pub fn intrinsics(size: [usize; 2], board: &Board, seen: &[Vec<Vector2<f64>>]) -
     best.ok_or(why)
 }
 
+/// A board is tilted enough from one photo to another \[rad\], and large enough as a share of the image's longer side.
+const ENOUGH_TILT: f64 = 0.6;
+const ENOUGH_SHARE: f64 = 0.5;
+
+/// From so little tilt on a board that is not quite flat tells another focal length \[rad\].
+const LITTLE_TILT: f64 = 0.35;
+
 /// How boards were held before a camera of which nothing is known.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Held {
@@ -111,26 +118,41 @@ impl Held {
     }
 }
 
+impl Held {
+    /// A note on photos that tell all, though not reliably.
+    #[must_use]
+    pub fn note(&self) -> Option<String> {
+        (self.tilt < LITTLE_TILT).then(|| {
+            format!(
+                "note: from one photo to another the board is tilted by {:.0} degrees at most: if it is not quite flat, the focal length is off by more than is said; tilt it by about \
+                 30 degrees to all sides",
+                self.tilt.to_degrees()
+            )
+        })
+    }
+}
+
 impl fmt::Display for Held {
     /// What a photographer should do otherwise.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(
-            f,
-            "tilt the board by about 30 degrees, in some photos to the left, in some to the right, up and down (from one of these photos to another it is tilted by {:.0} \
-             degrees at most)",
-            self.tilt.to_degrees()
-        )?;
-        if self.share < 0.5 {
+        let mut advice = Vec::new();
+        if self.tilt < ENOUGH_TILT || self.share >= ENOUGH_SHARE {
+            advice.push(format!(
+                "tilt the board by about 30 degrees, in some photos to the left, in some to the right, up and down (from one of these photos to another it is tilted by {:.0} \
+                 degrees at most)",
+                self.tilt.to_degrees()
+            ));
+        }
+        if self.share < ENOUGH_SHARE {
             let percent = 100.0 * self.share;
-            write!(
-                f,
-                "; bring it nearer, so that it fills most of the image (it covers {percent:.0} % of the image's longer side at most)"
-            )?;
+            advice.push(format!(
+                "bring it nearer, so that it fills most of the image (it covers {percent:.0} % of the image's longer side at most)"
+            ));
         }
         if self.photos < 10 {
-            write!(f, "; take ten photos or more (these are {})", self.photos)?;
+            advice.push(format!("take ten photos or more (these are {})", self.photos));
         }
-        Ok(())
+        f.write_str(&advice.join("; "))
     }
 }
 
@@ -217,7 +239,8 @@ impl Sure<'_> {
         }
         let (most, far) = (LENS * fx.abs().min(fy.abs()), self.farthest(seen));
         let sigma = far.map_or(0.0, |far| self.bent(&far));
-        if !(sigma <= most) {
+        let is_sure = sigma <= most;
+        if !is_sure {
             unsure.push(format!(
                 "k1, k2, k3, p1, p2: where the board was seen farthest from the middle, by how much the lens bends is known to {sigma:.0} px only, of {most:.0} px at most"
             ));

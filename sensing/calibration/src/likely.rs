@@ -66,6 +66,12 @@ enum Mistake {
     Scale,
 }
 
+/// By pose what is left, and how the board seems turned.
+type AllLeft = Vec<(Left, Vector3<f64>)>;
+
+/// Poses of the flange and of the board, and their lines.
+type Undone = (Vec<Pose>, Option<Vec<Pose>>, Vec<usize>);
+
 /// What a mistake leaves if it is undone.
 struct Tried {
     mistakes: Vec<Mistake>,
@@ -151,8 +157,7 @@ impl Asked {
     }
 
     /// The poses without these mistakes, with the rows that are left; `None` where they are none.
-    #[allow(clippy::type_complexity)]
-    fn without(&self, mistakes: &[Mistake]) -> Option<(Vec<Pose>, Option<Vec<Pose>>, Vec<usize>)> {
+    fn without(&self, mistakes: &[Mistake]) -> Option<Undone> {
         let (mut flange, mut board) = (self.flange.clone(), self.board.clone());
         let (mut is_inverse, mut rows) = ([self.is_beside, false], (0, 0));
         for mistake in mistakes {
@@ -202,7 +207,7 @@ impl Asked {
         let pairs: Option<Vec<(Pose, Pose)>> =
             boards.map(|boards| flanges.iter().copied().zip(boards).collect());
         // By pose what is left, with what is found from some of them.
-        let left = |of: &[usize]| -> Option<(Vec<(Left, Vector3<f64>)>, f64)> {
+        let left = |of: &[usize]| -> Option<(AllLeft, f64)> {
             match &pairs {
                 Some(pairs) => {
                     let some: Vec<(Pose, Pose)> = of.iter().map(|i| pairs[*i]).collect();

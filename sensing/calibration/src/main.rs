@@ -6,6 +6,7 @@ use std::process::ExitCode;
 use mrroc::console::{complain, refused, say};
 use mrroc_calibration::data::Data;
 use mrroc_calibration::file::{Account, of_chain, text, today};
+use mrroc_calibration::known::{FRAME, FRAME_TURN, is_unknown};
 use mrroc_calibration::report::Report;
 use mrroc_calibration::trials::{Errors, Trial, chosen, folds, lengths, scales, trials};
 use mrroc_calibration::{Detail, Fit, bent};
@@ -60,6 +61,15 @@ or zyz; for cameras the same of the board in the camera, as board_x_mm and so on
   --no-local      leave out the local corrector: what dimensions cannot say, corrected in
                   the region that was measured, and only where it helps at postures left out
   --check         read the data, say what is wrong with them, and stop
+
+What is known too badly is not written: standard deviations of more than 1 mm of a tip,
+2 mm and 5 mrad of a camera's place, 1 mm and 2 mrad of a base, 1 % of the focal length of a
+lens (of fx and fy themselves, of cx, cy and of how far the lens bends where the board was),
+5 mm and 20 mrad of frames of an arm. Of touches at least 0.1 mm counts as noise, of boards
+0.1 mm and 0.3 mrad, of corners 0.1 px. Parameters of an arm are named as unknown if more
+than half of their tolerance is left. Poses do not fit of which more than 5 mm, 20 mrad or
+8 px rms are left, or three times that of one; then the likely mistake is named: units, the
+order of angles or of a quaternion's parts, inverse poses, the board's size, a wrong pose.
 
 The book's page Calibration says how to write the header.
 ";
@@ -175,6 +185,24 @@ fn run(options: &Options) -> Result<String, Failed> {
     let taken = local.as_ref().and_then(|local| local.taken.as_ref());
     let correction = taken.map(|(correction, _)| correction.clone());
     let fit = taken.map_or(&trial.fit, |(_, fit)| fit);
+    // What was believed of the arm stands in for what is unknown of it; nothing stands in for a frame.
+    let frames = fit.found().filter(|found| found.parameter.tolerance.is_none() && is_unknown(found));
+    let frames: Vec<String> = frames
+        .map(|found| {
+            let (unit, factor) = found.parameter.unit.shown();
+            format!("{} is known to {:.0} {unit} only", found.parameter.name, factor * found.sigma)
+        })
+        .collect();
+    if !frames.is_empty() {
+        let what = format!(
+            "these measurements do not tell where all stands: {}, of {:.0} mm or {:.0} mrad at most",
+            frames.join("; "),
+            1e3 * FRAME,
+            1e3 * FRAME_TURN
+        );
+        let help = "measure more postures, in which every joint turns over more of its range, and points farther from each other";
+        return Err(Failed::Before(format!("{file}: {what}\n help: {help}")));
+    }
     let tested = test.as_ref().map(|test| {
         let errors = |trial: &Trial, fit: &Fit, correction: Option<&LocalCorrection>| {
             let mut other = data.with_rows_of(test, trial).map_err(|why| before(&why))?;

@@ -6,6 +6,7 @@ use mrroc::robot::JointKind;
 
 use crate::data::Data;
 use crate::fit::Fit;
+use crate::known::is_unknown;
 use crate::local::LocalTrial;
 use crate::trials::{Errors, Scale, Trial, lengths};
 
@@ -74,7 +75,8 @@ impl Report<'_> {
         for found in fit.found() {
             let (unit, factor) = found.parameter.unit.shown();
             let (value, sigma) = (factor * found.value, factor * found.sigma);
-            writeln!(out, "  {:28} {value:10.4} +- {sigma:.4} {unit}", found.parameter.name)?;
+            let mark = if is_unknown(&found) { "   unknown: hardly better than before" } else { "" };
+            writeln!(out, "  {:28} {value:10.4} +- {sigma:.4} {unit}{mark}", found.parameter.name)?;
         }
         self.noise(out)?;
         self.scales(out)?;

@@ -5,7 +5,6 @@ use std::path::Path;
 use mrroc::pose::Pose;
 use mrroc_calibration::columns::{Angles, Columns, Written, WrongLine};
 use mrroc_calibration::file::today;
-use mrroc_calibration::known::{WRONG, WRONG_ALONE, WRONG_PIXELS, WRONG_TURN};
 use mrroc_calibration::likely::{Asked, another_scale, causes};
 use mrroc_calibration::photo::Photo;
 use mrroc_calibration::{
@@ -135,6 +134,9 @@ pub fn camera(arguments: &[String]) -> Result<String, Failed> {
             "suspect: {file}: {left:.2} px rms are left, usual are {usual:.2}: is it sharp, and the board flat?\n"
         );
     }
+    if let Some(note) = Held::of(size, &board, &seen).note() {
+        left_out += &format!("{note}\n");
+    }
     let [across, down] = board.corners;
     Ok(format!(
         "the camera, from {} photos of a board of {across} x {down} corners\n{found}{left_out}see {out}\n",
@@ -232,12 +234,12 @@ pub fn hand(what: &str, arguments: &[String]) -> Result<String, Failed> {
     };
     let found = match found {
         Ok(found) => found,
-        Err(why @ (NoFit::NoMinimum(_) | NoFit::NoStart { .. })) => {
-            return Err(misfit(&data, &format!("no place of the {name} explains them ({why})"), &asked));
+        Err(NoFit::NoMinimum(_) | NoFit::NoStart { .. }) => {
+            return Err(misfit(&data, &format!("no place of the {name} explains them"), &asked));
         }
         Err(why) => return Err(Failed::Late(format!("{data}: {why}"))),
     };
-    if let Some(what) = wrong_by(&found) {
+    if let Some(what) = found.misfit() {
         return Err(misfit(&data, &what, &asked));
     }
     let list: Vec<&str> = found.unseen.iter().chain(&found.unsure).map(String::as_str).collect();
@@ -286,33 +288,6 @@ fn in_reach(data: &str, what: &str, written: &Written) -> Result<(), Failed> {
     let what = format!("{what} is {far:.3} m away at most");
     let help = format!("its numbers are likely {is}, and the columns' names say {not}: rename the columns");
     Err(Failed::Before(format!("{data}: {what}\n help: {help}")))
-}
-
-/// By what poses do not fit, if they do not.
-fn wrong_by(found: &InHand) -> Option<String> {
-    let worst = |part: usize| found.poses.iter().map(|left| left[part]).fold(0.0, f64::max);
-    if let Some(pixels) = found.pixels {
-        let worst = worst(0);
-        let is_wrong = pixels > WRONG_PIXELS || worst > WRONG_ALONE * WRONG_PIXELS;
-        return is_wrong.then(|| {
-            format!(
-                "{pixels:.1} px rms are left, of {WRONG_PIXELS:.0} at most, and {worst:.1} px in one pose"
-            )
-        });
-    }
-    let limits = [WRONG, WRONG_TURN];
-    let is_wrong =
-        (0..2).any(|part| found.left[part] > limits[part] || worst(part) > WRONG_ALONE * limits[part]);
-    let [length, turn] = found.left.map(|left| 1e3 * left);
-    let [most, most_turn] = limits.map(|limit| 1e3 * limit);
-    let one = format!("{:.1} mm", 1e3 * worst(0));
-    is_wrong.then(|| match found.sigma.len() {
-        0..=3 => format!("{length:.1} mm rms are left, of {most:.0} mm at most, and {one} in one pose"),
-        _ => format!(
-            "{length:.1} mm and {turn:.1} mrad rms are left, of {most:.0} mm and {most_turn:.0} mrad at most, and {one} and {:.1} mrad in one pose",
-            1e3 * worst(1)
-        ),
-    })
 }
 
 /// Poses that do not fit, with why that is, as far as it can be found.

@@ -3,7 +3,7 @@
 
 use mrroc::pose::Pose;
 use mrroc_calibration::{
-    Eye, Intrinsics, Seen as SeenBy, board_in_camera, camera_of, eye, intrinsics, square_seen,
+    Eye, Held, Intrinsics, NoFit, Seen as SeenBy, board_in_camera, camera_of, eye, intrinsics, square_seen,
 };
 use mrroc_sensors::aggregation::{Board, Grey, NoBoard};
 use mrroc_sensors::camera::{Camera, Lens, Plane};
@@ -225,6 +225,37 @@ fn photos_of_a_board_that_is_never_tilted_do_not_tell_the_focal_length() {
         Err(why) => why.to_string(),
     };
     assert!(told.contains("camera f"), "{told}");
+}
+
+/// `tests/reference/tilted.py`: OpenCV's corners of rendered photos of a camera with 1000 pixels of focal length, by the board's tilt in degrees.
+fn tilted(by: &str) -> Vec<Vec<Vector2<f64>>> {
+    let rows = include_str!("reference/tilted.csv").lines().skip(1).map(|line| line.split(',').collect());
+    let rows = rows.filter(|row: &Vec<&str>| row[0] == by);
+    let corners: Vec<Vector2<f64>> =
+        rows.map(|row| Vector2::new(row[2].parse().expect("u"), row[3].parse().expect("v"))).collect();
+    corners.chunks(54).map(<[_]>::to_vec).collect()
+}
+
+#[test]
+fn photos_that_hardly_tell_the_focal_length_are_told_by_what_they_leave_unknown() {
+    let size = [1280, 960];
+    let told = intrinsics(size, &BOARD, &tilted("30")).expect("a camera");
+    assert!(told.is_known(), "{:?}", told.unsure);
+    let [fx, fy] = told.camera.focal;
+    assert!((fx - 1000.0).abs() < 1.0 && (fy - 1000.0).abs() < 1.0, "{told}");
+    for by in ["0", "2"] {
+        match intrinsics(size, &BOARD, &tilted(by)) {
+            Ok(found) => {
+                assert!(!found.is_known(), "{by} degrees: {found}");
+                let unsure = found.unseen.iter().chain(&found.unsure);
+                assert!(unsure.into_iter().any(|one| one.contains("fx")), "{by} degrees: {found:?}");
+            }
+            // No minimum: nothing in these photos tells one focal length from another.
+            Err(why) => assert!(matches!(why, NoFit::NoMinimum(_)), "{by} degrees: {why}"),
+        }
+        let advice = Held::of(size, &BOARD, &tilted(by)).to_string();
+        assert!(advice.contains("tilt the board by about 30 degrees"), "{advice}");
+    }
 }
 
 /// A camera on a hand, and one beside the arm that looks at a board on the hand.
