@@ -4,7 +4,7 @@
 //! that of [`hand_eye`](crate::hand_eye), from poses of the board; then pixels count, as the camera has them.
 
 use mrroc::pose::Pose;
-use mrroc_sensors::aggregation::Board;
+use mrroc_sensors::aggregation::Pattern;
 use mrroc_sensors::camera::Camera;
 use nalgebra::Vector2;
 
@@ -34,7 +34,7 @@ pub enum Eye {
 pub struct Seen {
     /// Where the flange was, in the arm's base.
     pub flange: Pose,
-    /// Where the corners were seen \[pixel\], in the order of [`Board::points`].
+    /// Where the corners were seen \[pixel\], in the order of [`Pattern::points`].
     pub corners: Vec<Vector2<f64>>,
 }
 
@@ -43,14 +43,14 @@ pub struct Seen {
 ///
 /// # Errors
 /// [`NoFit`].
-pub fn eye(camera: &Camera, board: &Board, mounted: Eye, seen: &[Seen]) -> Result<InHand, NoFit> {
-    found(camera, board, mounted, seen, true)
+pub fn eye(camera: &Camera, board: impl Into<Pattern>, mounted: Eye, seen: &[Seen]) -> Result<InHand, NoFit> {
+    found(camera, &board.into(), mounted, seen, true)
 }
 
 /// The same, or without a judgement of how well it is known, which takes a second fit.
 fn found(
     camera: &Camera,
-    board: &Board,
+    board: &Pattern,
     mounted: Eye,
     seen: &[Seen],
     is_judged: bool,
@@ -108,13 +108,14 @@ fn found(
 /// [`NoFit`].
 pub fn square_seen(
     camera: &Camera,
-    board: &Board,
+    board: impl Into<Pattern>,
     mounted: Eye,
     seen: &[Seen],
 ) -> Result<Option<f64>, NoFit> {
+    let board = board.into();
     let corners: usize = seen.iter().map(|one| one.corners.len()).sum();
     let left = |log: f64| -> Result<f64, NoFit> {
-        let board = Board { square: board.square * log.exp(), ..*board };
+        let board = board.with_step(board.step() * log.exp());
         Ok(found(camera, &board, mounted, seen, false)?.pixels.unwrap_or(f64::INFINITY))
     };
     // Golden section of the logarithm of the size.
@@ -137,5 +138,5 @@ pub fn square_seen(
     // The sum of squares, in units of their variance, that the other size takes away.
     let squares = 2.0 * corners as f64 * ((left(0.0)? / least).powi(2) - 1.0);
     let fits = least < FITS;
-    Ok((fits && log.abs() > 1e-3 && squares > 25.0).then(|| board.square * log.exp()))
+    Ok((fits && log.abs() > 1e-3 && squares > 25.0).then(|| board.step() * log.exp()))
 }

@@ -1,4 +1,4 @@
-//! What a camera is: focal lengths, centre and distortion, from photos of a chessboard in several positions.
+//! What a camera is: focal lengths, centre and distortion, from photos of a chessboard or a grid of circles in several positions.
 //!
 //! The start is that of Zhang (*A flexible new technique for camera calibration*, 2000): each photo of a plane is a homography, and the axes of the plane are
 //! perpendicular and of one length. Then everything is one problem, with [`Pixels`] as the device and each photo's board as a target.
@@ -6,7 +6,7 @@
 use core::fmt;
 
 use mrroc::pose::Pose;
-use mrroc_sensors::aggregation::Board;
+use mrroc_sensors::aggregation::Pattern;
 use mrroc_sensors::camera::{Camera, Lens};
 use nalgebra::{DMatrix, DVector, Matrix3, Rotation3, UnitQuaternion, Vector2, Vector3};
 use toml::de::{DeTable, DeValue};
@@ -41,12 +41,16 @@ pub struct Intrinsics {
     pub beside: Option<f64>,
 }
 
-/// The camera that saw a board like this: `seen` are its corners in each photo \[pixel\], in the order of [`Board::points`].
+/// The camera that saw a board like this: `seen` are its corners in each photo \[pixel\], in the order of [`Pattern::points`].
 ///
 /// # Errors
 /// [`NoFit`]: [`NoFit::Empty`] without photos, or of corners that are no picture of a board.
-pub fn intrinsics(size: [usize; 2], board: &Board, seen: &[Vec<Vector2<f64>>]) -> Result<Intrinsics, NoFit> {
-    let points: Vec<Vector3<f64>> = board.points().collect();
+pub fn intrinsics(
+    size: [usize; 2],
+    board: impl Into<Pattern>,
+    seen: &[Vec<Vector2<f64>>],
+) -> Result<Intrinsics, NoFit> {
+    let points = board.into().points();
     let planes: Vec<Matrix3<f64>> = seen.iter().filter_map(|corners| homography(&points, corners)).collect();
     if planes.len() < seen.len() {
         return Err(NoFit::Empty);
@@ -91,8 +95,8 @@ pub struct Held {
 impl Held {
     /// Of corners in photos, as [`intrinsics`] takes them.
     #[must_use]
-    pub fn of(size: [usize; 2], board: &Board, seen: &[Vec<Vector2<f64>>]) -> Self {
-        let points: Vec<Vector3<f64>> = board.points().collect();
+    pub fn of(size: [usize; 2], board: impl Into<Pattern>, seen: &[Vec<Vector2<f64>>]) -> Self {
+        let points = board.into().points();
         let wide = size[0].max(size[1]) as f64;
         let centre = size.map(|pixels| 0.5 * (pixels as f64 - 1.0));
         let usual = Camera { size, focal: [wide; 2], centre, lens: Lens::default() };
@@ -158,8 +162,8 @@ impl fmt::Display for Held {
 
 /// Where a board is in a camera that is known, from its corners in one photo \[pixel\]; `None` if they are no picture of it.
 #[must_use]
-pub fn board_in_camera(camera: &Camera, board: &Board, corners: &[Vector2<f64>]) -> Option<Pose> {
-    let points: Vec<Vector3<f64>> = board.points().collect();
+pub fn board_in_camera(camera: &Camera, board: impl Into<Pattern>, corners: &[Vector2<f64>]) -> Option<Pose> {
+    let points = board.into().points();
     let rays: Vec<Vector2<f64>> = corners.iter().map(|pixel| camera.ray(pixel, None)).collect();
     in_camera(&homography(&points, &rays)?)
 }
@@ -369,15 +373,24 @@ impl Intrinsics {
 
     /// The text of a calibration file: what [`camera_of`] reads, and what else is known.
     #[must_use]
-    pub fn text(&self, photos: &[String], board: &Board, made: &str) -> String {
+    pub fn text(&self, photos: &[String], board: impl Into<Pattern>, made: &str) -> String {
+        let board = board.into();
+        let (what, step) = match board {
+            Pattern::Chessboard(_) => ("corners", "square"),
+            Pattern::Circles(_) => ("circles", "step"),
+        };
         let Camera { size, focal, centre, lens } = self.camera;
         let mut text = format!(
             "# A camera: u = fx a + cx, v = fy b + cy [pixel] of a ray that the lens has bent to (a, b); the middle of the first pixel is (0, 0).\n\
              # Distortion as OpenCV writes it: radial k1, k2, k3, tangential p1, p2.\n\
              model = \"camera\"\nsize = {size:?}\nfocal = {focal:?}\ncentre = {centre:?}\nradial = {:?}\ntangential = {:?}\n\
-             made = {made:?}\n\n[board]\ncorners = {:?}\nsquare = {:?} # m\n\n\
+             made = {made:?}\n\n[board]\n{what} = {:?}\n{step} = {:?} # m\n\n\
              # What is left of corners [pixel], in all and photo by photo.\n[left]\nrms = {:?}\nphotos = [\n",
-            lens.radial, lens.tangential, board.corners, board.square, self.rms
+            lens.radial,
+            lens.tangential,
+            board.count(),
+            board.step(),
+            self.rms
         );
         for (photo, left) in photos.iter().zip(&self.left) {
             text.push_str(&format!("    [{}, {left:?}],\n", quoted(photo)));

@@ -12,7 +12,7 @@ use mrroc_calibration::{
     square_seen, text_file, tip, turned,
 };
 use mrroc_launch::files;
-use mrroc_sensors::aggregation::Board;
+use mrroc_sensors::aggregation::Pattern;
 use mrroc_sensors::camera::Camera;
 
 use crate::Failed;
@@ -78,7 +78,7 @@ pub fn bases(arguments: &[String]) -> Result<String, Failed> {
 pub fn camera(arguments: &[String]) -> Result<String, Failed> {
     let (photos, options) = apart(arguments);
     let [board, out, table] = given(&options, ["--board", "--out", "--corners"])?;
-    let board = Board::parse(&needed(board, "--board 9x6:25mm")?).map_err(Failed::Before)?;
+    let board = Pattern::parse(&needed(board, "--board 9x6:25mm")?).map_err(Failed::Before)?;
     let (mut size, mut seen, mut used, mut left_out) = (None, Vec::new(), Vec::new(), String::new());
     for file in photos {
         let photo = Photo::read(&file).map_err(Failed::Before)?;
@@ -137,11 +137,7 @@ pub fn camera(arguments: &[String]) -> Result<String, Failed> {
     if let Some(note) = Held::of(size, &board, &seen).note() {
         left_out += &format!("{note}\n");
     }
-    let [across, down] = board.corners;
-    Ok(format!(
-        "the camera, from {} photos of a board of {across} x {down} corners\n{found}{left_out}see {out}\n",
-        used.len()
-    ))
+    Ok(format!("the camera, from {} photos of a board of {board}\n{found}{left_out}see {out}\n", used.len()))
 }
 
 /// The arguments that are no options, and the others: each option has a value.
@@ -193,11 +189,11 @@ pub fn hand(what: &str, arguments: &[String]) -> Result<String, Failed> {
         ("tcp", ..) => tip(&flanges),
         (_, Some(lens), Some(board)) => {
             let camera = camera_of(&table(&lens)?).map_err(|why| Failed::Before(format!("{lens}: {why}")))?;
-            let board = Board::parse(&board).map_err(Failed::Before)?;
+            let board = Pattern::parse(&board).map_err(Failed::Before)?;
             if !board.has_ends() {
                 let what =
                     "both ends of such a board look alike, so that photos do not tell how it is turned";
-                let help = "take one with an even number of inner corners along one side and an odd one along the other, such as 9x6";
+                let help = "take a chessboard with an even number of inner corners along one side and an odd one along the other, such as 9x6; or a grid of circles with shifted rows, of which there are an odd number, such as 4x11";
                 return Err(Failed::Before(format!("{what}\n help: {help}")));
             }
             let photos = columns.texts("photo").map_err(wrong)?;
@@ -209,9 +205,10 @@ pub fn hand(what: &str, arguments: &[String]) -> Result<String, Failed> {
             let boards: Option<Vec<Pose>> = boards.collect();
             asked.board = boards.map(|boards| Written::of_poses(&boards));
             if let Ok(Some(square)) = square_seen(&camera, &board, mounted, &seen) {
-                let [own, believed] = [square, board.square].map(|side| 1e3 * side);
+                let [own, believed] = [square, board.step()].map(|side| 1e3 * side);
                 let what = format!(
-                    "the arm's motions say that a square of the board is {own:.3} mm, and not {believed:.3} mm"
+                    "the arm's motions say that {} is {own:.3} mm, and not {believed:.3} mm",
+                    board.step_name()
                 );
                 let help =
                     "measure the board with a calliper, over many squares; or compare the unit of the poses";
@@ -338,7 +335,7 @@ fn suspects(found: &InHand, lines: &[usize]) -> String {
 /// What the camera saw, with the row of the table; and photos in which it saw no board.
 fn photographed(
     camera: &Camera,
-    board: &Board,
+    board: &Pattern,
     data: &Path,
     flanges: &[Pose],
     photos: &[&str],

@@ -3,6 +3,7 @@
 mod bars;
 mod blobs;
 mod chessboard;
+mod circles;
 mod debounce;
 mod features;
 mod hearing;
@@ -10,6 +11,7 @@ mod lateral;
 #[cfg(feature = "networks")]
 mod network;
 mod passages;
+mod pattern;
 mod rectified;
 mod relief;
 mod relief_features;
@@ -19,6 +21,7 @@ mod vision;
 pub use bars::{Bars, BarsKnown, NoBars};
 pub use blobs::{Blob, Blobs};
 pub use chessboard::{Board, Grey, NoBoard, refine};
+pub use circles::{Circles, Rows};
 pub use debounce::{Debounce, Edge};
 pub use features::{FEATURES, Moments, features};
 pub use hearing::{Heard, Hearing};
@@ -26,6 +29,7 @@ pub use lateral::{Lateral, Laterals};
 #[cfg(feature = "networks")]
 pub use network::{Network, NetworkError};
 pub use passages::{Passage, Passages};
+pub use pattern::Pattern;
 pub use rectified::Rectified;
 pub use relief::{Deaf, Relief, Reliefs, Sample};
 pub use relief_features::{RELIEF_FEATURES, relief_features};

@@ -48,6 +48,16 @@ pub enum NoBoard {
         /// Corners of the board.
         wanted: usize,
     },
+    /// The largest grid of circles is another one.
+    #[error(
+        "{found} circles of a grid are seen together, and not {wanted}: count circles in a row, and rows (of OpenCV's asymmetric grid 4x11), and keep all of the board in the image"
+    )]
+    Circles {
+        /// Circles seen.
+        found: usize,
+        /// Circles of the grid.
+        wanted: usize,
+    },
 }
 
 /// The longest side of an image in which corners are looked for first \[pixel\]: larger ones are halved until they are so small.
