@@ -20,11 +20,11 @@ calibrate: the true dimensions of an arm, from what an instrument measured of it
 
 usage: calibrate --data FILE.csv [options]
        calibrate poses --data HEADER.csv --count N [options]
-       calibrate camera --board 9x6:25mm PHOTOS.. [--out FILE] [--corners FILE]
+       calibrate camera --board BOARD PHOTOS.. [--out FILE] [--corners FILE]
        calibrate bases --data TOUCHES.csv --of ARM --in ARM [--out FILE]
        calibrate tcp --data POSES.csv [--angles ORDER] [--out FILE]
        calibrate hand-eye --data POSES.csv [--angles ORDER] [--out FILE]
-                          [--lens FILE --board 9x6:25mm]
+                          [--lens FILE --board BOARD]
        calibrate eye-to-hand (as hand-eye)
 
 poses: which N postures to measure, of those within the joints' limits: so that points on
@@ -35,9 +35,12 @@ with joint positions, in which what is measured is filled in. --seed of what is 
 --facing z:60: the points' z looks towards the instrument, 60 degrees aside at most;
 --range 500:3000: so near and so far the points are from it, in mm
 
-camera: focal lengths, centre and distortion, from JPEG or PNG photos of a chessboard
-with so many inner corners and squares of that size; --out (lens.toml) is for hand-eye;
---corners FILE writes where the corners were seen
+camera: focal lengths, centre and distortion, from JPEG or PNG photos of a board: ten or
+more, tilted by about 30 degrees to all sides, that fill the image. BOARD is 9x6:25mm, a
+chessboard with so many inner corners and squares of that size; circles:7x6:25mm, dark
+circles in rows, so many in a row, and from one row to the next; or
+asymmetric-circles:4x11:20mm, of which every second row is shifted by half a step;
+--out (lens.toml) is for hand-eye; --corners FILE writes where corners or circles were seen
 
 bases: where one arm's base is in another's, from at least three points that both have
 touched; a table with the columns point, arm, x_mm, y_mm, z_mm, where each arm's

@@ -1,6 +1,5 @@
 """Grids of circles: rendered photos, and what OpenCV makes of them.
 
-    circles.py                          writes circles.png (asymmetric, tilted) and circles.csv (where its middles truly are) beside this file
     circles.py FOLDER                   renders ten photos each of circles:7x6:25mm and asymmetric-circles:4x11:20mm into FOLDER/straight and FOLDER/shifted
     circles.py FOLDER KIND CORNERS LENS compares what `calibrate camera --corners CORNERS --out LENS` has found in these with the truth and with OpenCV
 
@@ -79,15 +78,6 @@ def rms(numbers):
 
 
 def main():
-    here = pathlib.Path(__file__)
-    if len(sys.argv) == 1:
-        image, truth = photo("shifted", *list(held("shifted", 10))[1], 1)
-        cv2.imwrite(str(here.with_suffix(".png")), image[::1, ::1])
-        with open(here.with_suffix(".csv"), "w", newline="") as file:
-            writer = csv.writer(file, lineterminator="\n")
-            writer.writerow(["u_px", "v_px"])
-            writer.writerows([f"{u:.4f}", f"{v:.4f}"] for u, v in truth)
-        return
     folder = pathlib.Path(sys.argv[1])
     if len(sys.argv) == 2:
         for kind in KINDS:
