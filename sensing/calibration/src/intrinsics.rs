@@ -376,7 +376,7 @@ impl Intrinsics {
     pub fn text(&self, photos: &[String], board: impl Into<Pattern>, made: &str) -> String {
         let board = board.into();
         let (what, step) = match board {
-            Pattern::Chessboard(_) => ("corners", "square"),
+            Pattern::Chessboard(_) | Pattern::Charuco(_) => ("corners", "square"),
             Pattern::Circles(_) => ("circles", "step"),
         };
         let Camera { size, focal, centre, lens } = self.camera;

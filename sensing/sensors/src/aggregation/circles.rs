@@ -10,9 +10,11 @@
 
 use std::collections::{BTreeMap, VecDeque};
 
-use nalgebra::{Matrix2, Matrix3, SMatrix, Vector2, Vector3};
+use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 
 use super::chessboard::{Grey, NoBoard};
+use super::dark::dark_regions;
+use super::homography::homography;
 
 /// How every second row of a grid lies beside the others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -36,9 +38,6 @@ pub struct Circles {
 
 /// The mean around a pixel is that of a square with this share of the image's longer side, the first that finds a grid.
 const AROUND: [usize; 3] = [8, 16, 32];
-
-/// So much darker than the mean around it \[grey values\].
-const DARKER: f64 = 12.0;
 
 /// Pixels of a circle, at least.
 const LEAST: usize = 16;
@@ -197,31 +196,6 @@ struct Ellipse {
     area: f64,
 }
 
-/// The homography that maps points of a plane to pixels, by least squares with its last number 1, in units of the pixels' spread.
-fn homography(points: &[Vector2<f64>], pixels: &[Vector2<f64>]) -> Option<Matrix3<f64>> {
-    let n = points.len() as f64;
-    let mean = pixels.iter().sum::<Vector2<f64>>() / n;
-    let spread = (pixels.iter().map(|one| (one - mean).norm_squared()).sum::<f64>() / n).sqrt();
-    let mut square = SMatrix::<f64, 8, 8>::zeros();
-    let mut right = SMatrix::<f64, 8, 1>::zeros();
-    for (p, pixel) in points.iter().zip(pixels) {
-        let [u, v] = <[f64; 2]>::from((pixel - mean) / spread);
-        for (row, value) in [
-            ([p.x, p.y, 1.0, 0.0, 0.0, 0.0, -u * p.x, -u * p.y], u),
-            ([0.0, 0.0, 0.0, p.x, p.y, 1.0, -v * p.x, -v * p.y], v),
-        ] {
-            let row = SMatrix::<f64, 8, 1>::from(row);
-            square += row * row.transpose();
-            right += row * value;
-        }
-    }
-    let h = square.lu().solve(&right)?;
-    let own = Matrix3::new(h[0], h[1], h[2], h[3], h[4], h[5], h[6], h[7], 1.0);
-    let back = Matrix3::new(spread, 0.0, mean.x, 0.0, spread, mean.y, 0.0, 0.0, 1.0);
-    let plane = back * own;
-    plane.iter().all(|number| number.is_finite()).then_some(plane)
-}
-
 /// The circles that a lattice reaches from one of them, by their places in it.
 fn lattice(middles: &[Vector2<f64>], first: usize) -> BTreeMap<[i64; 2], usize> {
     let mut lattice = BTreeMap::from([([0, 0], first)]);
@@ -264,54 +238,7 @@ fn lattice(middles: &[Vector2<f64>], first: usize) -> BTreeMap<[i64; 2], usize> 
 
 /// All dark ellipses.
 fn ellipses(image: &Grey<'_>, around: usize) -> Vec<Ellipse> {
-    let (width, height) = (image.width, image.height);
-    let grey = |x: usize, y: usize| f64::from(image.pixels[y * width + x]);
-    // Sums of all pixels above and to the left.
-    let mut sums = vec![0.0; (width + 1) * (height + 1)];
-    for y in 0..height {
-        let mut row = 0.0;
-        for x in 0..width {
-            row += grey(x, y);
-            sums[(y + 1) * (width + 1) + x + 1] = sums[y * (width + 1) + x + 1] + row;
-        }
-    }
-    let half = (around / 2).max(2);
-    let mean = |x: usize, y: usize| {
-        let (x0, x1) = (x.saturating_sub(half), (x + half + 1).min(width));
-        let (y0, y1) = (y.saturating_sub(half), (y + half + 1).min(height));
-        let of = |x: usize, y: usize| sums[y * (width + 1) + x];
-        (of(x1, y1) - of(x0, y1) - of(x1, y0) + of(x0, y0)) / ((x1 - x0) * (y1 - y0)) as f64
-    };
-    let mut dark: Vec<bool> = (0..width * height)
-        .map(|i| grey(i % width, i / width) < mean(i % width, i / width) - DARKER)
-        .collect();
-    let mut found = Vec::new();
-    for first in 0..dark.len() {
-        if !dark[first] {
-            continue;
-        }
-        let mut pixels = vec![first];
-        dark[first] = false;
-        let (mut next, mut leaves) = (0, false);
-        while let Some(i) = pixels.get(next).copied() {
-            next += 1;
-            let (x, y) = (i % width, i / width);
-            if x == 0 || y == 0 || x + 1 == width || y + 1 == height {
-                leaves = true;
-                continue;
-            }
-            for other in [i - 1, i + 1, i - width, i + width] {
-                if dark[other] {
-                    dark[other] = false;
-                    pixels.push(other);
-                }
-            }
-        }
-        if !leaves && let Some(ellipse) = ellipse(image, &pixels) {
-            found.push(ellipse);
-        }
-    }
-    found
+    dark_regions(image, around).iter().filter_map(|pixels| ellipse(image, pixels)).collect()
 }
 
 /// The ellipse that these dark pixels are; `None` of what is none.

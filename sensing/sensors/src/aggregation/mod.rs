@@ -2,11 +2,14 @@
 
 mod bars;
 mod blobs;
+mod charuco;
 mod chessboard;
 mod circles;
+mod dark;
 mod debounce;
 mod features;
 mod hearing;
+mod homography;
 mod lateral;
 #[cfg(feature = "networks")]
 mod network;
@@ -20,6 +23,7 @@ mod vision;
 
 pub use bars::{Bars, BarsKnown, NoBars};
 pub use blobs::{Blob, Blobs};
+pub use charuco::{Charuco, Dictionary};
 pub use chessboard::{Board, Grey, NoBoard, refine};
 pub use circles::{Circles, Rows};
 pub use debounce::{Debounce, Edge};
