@@ -15,7 +15,8 @@
 //! | [`Fit::local`], [`LocalTrial`] | what dimensions cannot say of an arm, corrected where it was measured, if that helps |
 //! | [`data`], [`trials`] | tables of measurements of others; how much of an arm they can tell |
 //! | [`tip`], [`hand_eye`], [`eye`] | the tip of a tool, and a camera, on a flange; a camera beside an arm |
-//! | [`intrinsics`], [`photo`] | a camera, from photos of a chessboard |
+//! | [`intrinsics`], [`photo`] | a camera, from photos of a chessboard, a grid of circles or a ChArUco board |
+//! | [`known`], [`likely`] | what is known too badly; why poses do not fit |
 //! | [`Touches`] | one base in another, from points that both arms touch |
 //! | [`file`](mod@file) | the file that is written for `cell.toml` |
 //!

@@ -39,7 +39,8 @@ camera: focal lengths, centre and distortion, from JPEG or PNG photos of a board
 more, tilted by about 30 degrees to all sides, that fill the image. BOARD is 9x6:25mm, a
 chessboard with so many inner corners and squares of that size; circles:7x6:25mm, dark
 circles in rows, so many in a row, and from one row to the next; or
-asymmetric-circles:4x11:20mm, of which every second row is shifted by half a step;
+asymmetric-circles:4x11:20mm, of which every second row is shifted by half a step; or
+charuco:8x6:30mm:22mm:DICT_5X5_100: squares, sides of a square and of a marker, dictionary;
 --out (lens.toml) is for hand-eye; --corners FILE writes where corners or circles were seen
 
 bases: where one arm's base is in another's, from at least three points that both have

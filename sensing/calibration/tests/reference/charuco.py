@@ -1,6 +1,7 @@
 """ChArUco boards: OpenCV's dictionaries, rendered photos, and what OpenCV makes of them.
 
     charuco.py dictionaries FILE          writes the bits of OpenCV's dictionaries, as `sensing/sensors/src/aggregation/charuco/markers.txt` has them
+    charuco.py                            writes charuco.png, one photo of half the size, and charuco.csv, where its corners truly are, beside this file
     charuco.py FOLDER                     renders ten photos of charuco:8x6:30mm:22mm:DICT_5X5_100 into FOLDER
     charuco.py FOLDER CORNERS LENS        compares what `calibrate camera --corners CORNERS --out LENS` has found in these with the truth and with OpenCV
 
@@ -38,7 +39,7 @@ def dictionaries(file):
     pathlib.Path(file).write_text("\n".join(lines) + "\n")
 
 
-def photo(turn, place, seed):
+def photo(turn, place, seed, noise=2):
     rim = PIXELS
     size = (SQUARES[0] * PIXELS + 2 * rim, SQUARES[1] * PIXELS + 2 * rim)
     board = BOARD.generateImage(size, marginSize=rim)
@@ -51,7 +52,7 @@ def photo(turn, place, seed):
     size = (SIZE[0] * FINER, SIZE[1] * FINER)
     image = cv2.warpPerspective(board, plane, size, borderMode=cv2.BORDER_CONSTANT, borderValue=110)
     image = cv2.resize(image, SIZE, interpolation=cv2.INTER_AREA).astype(float)
-    image += numpy.random.default_rng(seed).normal(0, 2, image.shape)
+    image += numpy.random.default_rng(seed).normal(0, noise, image.shape)
     seen = (turn @ BOARD.getChessboardCorners().T).T + place
     truth = seen[:, :2] / seen[:, 2:] * 1000 + CAMERA[:2, 2]
     return numpy.clip(image, 0, 255).astype(numpy.uint8), truth
@@ -73,6 +74,17 @@ def rms(numbers):
 
 
 def main():
+    if len(sys.argv) == 1:
+        image, truth = photo(*list(held(10))[3], 3, 0)
+        here = pathlib.Path(__file__)
+        half = image.reshape(SIZE[1] // 2, 2, SIZE[0] // 2, 2).mean(axis=(1, 3)).round().astype(numpy.uint8)
+        cv2.imwrite(str(here.with_suffix(".png")), half)
+        with open(here.with_suffix(".csv"), "w", newline="") as file:
+            writer = csv.writer(file, lineterminator="\n")
+            writer.writerow(["u_px", "v_px"])
+            # The middle of the first pixel is that of four.
+            writer.writerows([f"{u:.4f}", f"{v:.4f}"] for u, v in (truth - 0.5) / 2)
+        return
     if sys.argv[1] == "dictionaries":
         return dictionaries(sys.argv[2])
     folder = pathlib.Path(sys.argv[1])
