@@ -104,10 +104,10 @@ pub fn camera(arguments: &[String]) -> Result<String, Failed> {
         return Err(Failed::Before(format!("{left_out}{what}\n help: {help}")));
     };
     let untold = |what: &str| {
-        let help = Held::of(size, &board, &seen);
+        let help = Held::of(size, board, &seen);
         Failed::Before(format!("these photos do not tell all of the camera: {what}\n help: {help}"))
     };
-    let found = intrinsics(size, &board, &seen).map_err(|why| match why {
+    let found = intrinsics(size, board, &seen).map_err(|why| match why {
         NoFit::NoMinimum(_) => untold("no focal length explains them better than all others"),
         other => Failed::Late(other.to_string()),
     })?;
@@ -125,7 +125,7 @@ pub fn camera(arguments: &[String]) -> Result<String, Failed> {
         }
         write(&table, &text)?;
     }
-    write(&out, &found.text(&used, &board, &today()))?;
+    write(&out, &found.text(&used, board, &today()))?;
     let mut middle = found.left.clone();
     middle.sort_by(f64::total_cmp);
     let usual = middle[middle.len() / 2];
@@ -134,7 +134,7 @@ pub fn camera(arguments: &[String]) -> Result<String, Failed> {
             "suspect: {file}: {left:.2} px rms are left, usual are {usual:.2}: is it sharp, and the board flat?\n"
         );
     }
-    if let Some(note) = Held::of(size, &board, &seen).note() {
+    if let Some(note) = Held::of(size, board, &seen).note() {
         left_out += &format!("{note}\n");
     }
     Ok(format!("the camera, from {} photos of a board of {board}\n{found}{left_out}see {out}\n", used.len()))
@@ -201,10 +201,10 @@ pub fn hand(what: &str, arguments: &[String]) -> Result<String, Failed> {
             (seen, rows, left_out) = photographed(&camera, &board, Path::new(&data), &flanges, &photos)?;
             asked.flange = asked.flange.of_rows(&rows);
             flanges = rows.iter().map(|row| flanges[*row]).collect();
-            let boards = seen.iter().map(|one| board_in_camera(&camera, &board, &one.corners));
+            let boards = seen.iter().map(|one| board_in_camera(&camera, board, &one.corners));
             let boards: Option<Vec<Pose>> = boards.collect();
             asked.board = boards.map(|boards| Written::of_poses(&boards));
-            if let Ok(Some(square)) = square_seen(&camera, &board, mounted, &seen) {
+            if let Ok(Some(square)) = square_seen(&camera, board, mounted, &seen) {
                 let [own, believed] = [square, board.step()].map(|side| 1e3 * side);
                 let what = format!(
                     "the arm's motions say that {} is {own:.3} mm, and not {believed:.3} mm",
@@ -214,7 +214,7 @@ pub fn hand(what: &str, arguments: &[String]) -> Result<String, Failed> {
                     "measure the board with a calliper, over many squares; or compare the unit of the poses";
                 return Err(Failed::Before(format!("{data}: {what}\n help: {help}")));
             }
-            eye(&camera, &board, mounted, &seen)
+            eye(&camera, board, mounted, &seen)
         }
         (_, None, None) => {
             let boards = columns.written("board_", angles).map_err(wrong)?;
@@ -229,19 +229,37 @@ pub fn hand(what: &str, arguments: &[String]) -> Result<String, Failed> {
             return Err(Failed::Before(format!("--lens or --board is missing\n help: {help}")));
         }
     };
+    let (found, notes) = judged(&data, name, found, &asked, &flanges)?;
+    left_out += &notes;
+    let out = out.unwrap_or_else(|| format!("{name}.toml"));
+    let place = if mounted == Eye::Fixed { "in the arm's base" } else { "on the flange" };
+    let text =
+        if mounted == Eye::Fixed { found.base_text(name, &today()) } else { found.text(name, &today()) };
+    write(&out, &text)?;
+    Ok(format!("the {name} {place}\n{found}{left_out}see {out}\n"))
+}
+
+/// What was found, if the poses fit and tell enough, with notes on it.
+fn judged(
+    data: &str,
+    name: &str,
+    found: Result<InHand, NoFit>,
+    asked: &Asked,
+    flanges: &[Pose],
+) -> Result<(InHand, String), Failed> {
     let found = match found {
         Ok(found) => found,
         Err(NoFit::NoMinimum(_) | NoFit::NoStart { .. }) => {
-            return Err(misfit(&data, &format!("no place of the {name} explains them"), &asked));
+            return Err(misfit(data, &format!("no place of the {name} explains them"), asked));
         }
         Err(why) => return Err(Failed::Late(format!("{data}: {why}"))),
     };
     if let Some(what) = found.misfit() {
-        return Err(misfit(&data, &what, &asked));
+        return Err(misfit(data, &what, asked));
     }
     let list: Vec<&str> = found.unseen.iter().chain(&found.unsure).map(String::as_str).collect();
     if !list.is_empty() {
-        let [most, aside] = turned(&flanges).map(f64::to_degrees);
+        let [most, aside] = turned(flanges).map(f64::to_degrees);
         let what = format!("these poses do not tell all: {}", list.join("; "));
         let help = format!(
             "turn the hand by 30 degrees or more between poses, about two axes at least (it is turned by {most:.1} degrees at most, and about other axes than the main one by {aside:.1}); \
@@ -250,26 +268,21 @@ pub fn hand(what: &str, arguments: &[String]) -> Result<String, Failed> {
         return Err(Failed::Before(format!("{data}: {what}\n help: {help}")));
     }
     if let Some(board) = asked.board.as_ref().filter(|_| asked.is_board_written) {
-        in_reach(&data, "the board", board)?;
-        if let Some(cause) = another_scale(&asked, SCALE) {
+        in_reach(data, "the board", board)?;
+        if let Some(cause) = another_scale(asked, SCALE) {
             let what = "these poses fit much better if the board has another size";
             return Err(Failed::Before(format!("{data}: {what}\n help: likely {cause}")));
         }
     }
-    left_out += &suspects(&found, &asked.flange.lines);
+    let mut notes = suspects(&found, &asked.flange.lines);
     let far = found.frame.translation.vector.norm();
     if !asked.is_beside && far > FAR {
-        left_out += &format!(
+        notes += &format!(
             "note: the {name} is {far:.2} m from the flange: if it is not, the poses are inverse: those of the base in the flange{}\n",
-            if what == "tcp" { "" } else { ", and of the camera in the board" }
+            if asked.board.is_none() { "" } else { ", and of the camera in the board" }
         );
     }
-    let out = out.unwrap_or_else(|| format!("{name}.toml"));
-    let place = if mounted == Eye::Fixed { "in the arm's base" } else { "on the flange" };
-    let text =
-        if mounted == Eye::Fixed { found.base_text(name, &today()) } else { found.text(name, &today()) };
-    write(&out, &text)?;
-    Ok(format!("the {name} {place}\n{found}{left_out}see {out}\n"))
+    Ok((found, notes))
 }
 
 /// Whether places are as far from the base, or the camera, as arms and boards are; otherwise their unit is another one.
