@@ -37,7 +37,7 @@ pub struct Intrinsics {
     pub unseen: Vec<String>,
     /// What they tell too badly, by name, with how well: more than [`LENS`] of a focal length.
     pub unsure: Vec<String>,
-    /// How well the lens is known at the image's corners [pixel], if the board was never near them and it is no better than that.
+    /// How well the lens is known at the image's corners \[pixel\], if the board was never near them and it is no better than that.
     pub beside: Option<f64>,
 }
 
