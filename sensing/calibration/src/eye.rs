@@ -4,13 +4,15 @@
 //! that of [`hand_eye`](crate::hand_eye), from poses of the board; then pixels count, as the camera has them.
 
 use mrroc::pose::Pose;
-use mrroc_sensors::aggregation::Board;
+use mrroc_sensors::aggregation::Pattern;
 use mrroc_sensors::camera::Camera;
 use nalgebra::Vector2;
 
+use crate::device::Device;
 use crate::fit::NoFit;
-use crate::hand::{InHand, PoseArm, hand_eye, in_hand, posture};
+use crate::hand::{InHand, PoseArm, hand_eye, in_hand, posture, unsure};
 use crate::intrinsics::board_in_camera;
+use crate::known::{CAMERA, CAMERA_TURN, SEEING_PIXELS};
 use crate::least_squares::Settings;
 use crate::pixels::Pixels;
 use crate::problem::{Freedom, Noise, Problem};
@@ -32,7 +34,7 @@ pub enum Eye {
 pub struct Seen {
     /// Where the flange was, in the arm's base.
     pub flange: Pose,
-    /// Where the corners were seen \[pixel\], in the order of [`Board::points`].
+    /// Where the corners were seen \[pixel\], in the order of [`Pattern::points`].
     pub corners: Vec<Vector2<f64>>,
 }
 
@@ -41,7 +43,18 @@ pub struct Seen {
 ///
 /// # Errors
 /// [`NoFit`].
-pub fn eye(camera: &Camera, board: &Board, mounted: Eye, seen: &[Seen]) -> Result<InHand, NoFit> {
+pub fn eye(camera: &Camera, board: impl Into<Pattern>, mounted: Eye, seen: &[Seen]) -> Result<InHand, NoFit> {
+    found(camera, &board.into(), mounted, seen, true)
+}
+
+/// The same, or without a judgement of how well it is known, which takes a second fit.
+fn found(
+    camera: &Camera,
+    board: &Pattern,
+    mounted: Eye,
+    seen: &[Seen],
+    is_judged: bool,
+) -> Result<InHand, NoFit> {
     let boards: Option<Vec<Pose>> =
         seen.iter().map(|one| board_in_camera(camera, board, &one.corners)).collect();
     let boards = boards.ok_or(NoFit::Empty)?;
@@ -53,22 +66,39 @@ pub fn eye(camera: &Camera, board: &Board, mounted: Eye, seen: &[Seen]) -> Resul
     let pairs: Vec<(Pose, Pose)> = seen.iter().map(flange).zip(boards).collect();
     let start = hand_eye(&pairs)?.frame;
     let (first, in_camera) = pairs.first().ok_or(NoFit::Empty)?;
-    let mut problem = Problem::new();
-    let arm = problem.arm("arm", PoseArm, Pose::identity(), Freedom::FIXED);
-    let target = problem.target("board", None, *first * start * in_camera, Freedom::FRAME);
     let device = Pixels::of(*camera, board.points());
-    let noise = Noise::Unknown(vec![0.5; 2 * board.corners[0] * board.corners[1]]);
-    let id = problem.instrument("camera", device, Some(arm), start, Freedom::FRAME, noise);
-    for (one, (flange, _)) in seen.iter().zip(&pairs) {
-        let posture = posture(&mut problem, arm, flange);
-        let read: Vec<f64> = one.corners.iter().flat_map(|at| [at.x, at.y]).collect();
-        problem.measure(id, target, &[posture], &read);
-    }
-    let fit = problem.fit(&Settings { tolerance: 1e-12, ..Settings::default() })?;
-    let found = in_hand(&fit, fit.frame(problem.place_of(id)), "camera ");
-    let raw = fit.residuals().flat_map(|(_, _, raw)| raw);
-    let (sum, count) = raw.fold((0.0, 0.0_f64), |(sum, count), one| (sum + one * one, count + 0.5));
-    Ok(InHand { left: [0.0; 2], pixels: Some((sum / count.max(1.0)).sqrt()), ..found })
+    let fitted = |noise: f64, is_known: bool| {
+        let mut problem = Problem::new();
+        let arm = problem.arm("arm", PoseArm, Pose::identity(), Freedom::FIXED);
+        let target = problem.target("board", None, *first * start * in_camera, Freedom::FRAME);
+        let noise = vec![noise; device.readings()];
+        let noise = if is_known { Noise::Known(noise) } else { Noise::Unknown(noise) };
+        let id = problem.instrument("camera", device.clone(), Some(arm), start, Freedom::FRAME, noise);
+        for (one, (flange, _)) in seen.iter().zip(&pairs) {
+            let posture = posture(&mut problem, arm, flange);
+            let read: Vec<f64> = one.corners.iter().flat_map(|at| [at.x, at.y]).collect();
+            problem.measure(id, target, &[posture], &read);
+        }
+        let fit = problem.fit(&Settings { tolerance: 1e-12, ..Settings::default() })?;
+        let noise = fit.noise(id).first().copied().unwrap_or(0.0);
+        Ok::<_, NoFit>((fit.frame(problem.place_of(id)), noise, fit))
+    };
+    let (frame, noise, fit) = fitted(0.5, false)?;
+    let unsure = if is_judged {
+        unsure(&fitted(noise.max(SEEING_PIXELS), true)?.2, "camera ", [CAMERA, CAMERA_TURN])
+    } else {
+        Vec::new()
+    };
+    let found = in_hand(&fit, frame, "camera ");
+    let square = |raw: &[f64]| 2.0 * raw.iter().map(|one| one * one).sum::<f64>() / raw.len().max(1) as f64;
+    let squares: Vec<f64> = fit.residuals().map(|(_, _, raw)| square(raw)).collect();
+    Ok(InHand {
+        left: [0.0; 2],
+        pixels: Some((squares.iter().sum::<f64>() / squares.len().max(1) as f64).sqrt()),
+        unsure,
+        poses: squares.into_iter().map(|square| [square.sqrt(); 2]).collect(),
+        ..found
+    })
 }
 
 /// The side of a square \[m\] with which what a camera saw fits best, beside that of the board; `None` unless it is another one without doubt: more than
@@ -78,14 +108,15 @@ pub fn eye(camera: &Camera, board: &Board, mounted: Eye, seen: &[Seen]) -> Resul
 /// [`NoFit`].
 pub fn square_seen(
     camera: &Camera,
-    board: &Board,
+    board: impl Into<Pattern>,
     mounted: Eye,
     seen: &[Seen],
 ) -> Result<Option<f64>, NoFit> {
+    let board = board.into();
     let corners: usize = seen.iter().map(|one| one.corners.len()).sum();
     let left = |log: f64| -> Result<f64, NoFit> {
-        let board = Board { square: board.square * log.exp(), ..*board };
-        Ok(eye(camera, &board, mounted, seen)?.pixels.unwrap_or(f64::INFINITY))
+        let board = board.with_step(board.step() * log.exp());
+        Ok(found(camera, &board, mounted, seen, false)?.pixels.unwrap_or(f64::INFINITY))
     };
     // Golden section of the logarithm of the size.
     let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
@@ -107,5 +138,5 @@ pub fn square_seen(
     // The sum of squares, in units of their variance, that the other size takes away.
     let squares = 2.0 * corners as f64 * ((left(0.0)? / least).powi(2) - 1.0);
     let fits = least < FITS;
-    Ok((fits && log.abs() > 1e-3 && squares > 25.0).then(|| board.square * log.exp()))
+    Ok((fits && log.abs() > 1e-3 && squares > 25.0).then(|| board.step() * log.exp()))
 }

@@ -8,6 +8,7 @@ use mrroc_robots::{ArmCalibration, ChainCalibration, LocalCorrection};
 
 use crate::chain::ChainArm;
 use crate::fit::Fit;
+use crate::known::is_unknown;
 use crate::problem::ArmId;
 use crate::trials::Errors;
 
@@ -85,7 +86,11 @@ pub fn text(calibration: &ArmCalibration, fit: &Fit, arm: ArmId, account: &Accou
     }
     let values: Vec<f64> = columns.iter().map(|i| found[*i].value).collect();
     let sigmas: Vec<f64> = columns.iter().map(|i| found[*i].sigma).collect();
-    let _ = writeln!(text, "]\nvalues = {values:?}\nsigmas = {sigmas:?}\ncovariance = [");
+    let unknown = columns.iter().filter(|i| is_unknown(&found[**i]));
+    let unknown: Vec<String> = unknown.map(|i| quoted(&found[*i].parameter.name)).collect();
+    let _ = writeln!(text, "]\n# Of these the measurements tell hardly more than was believed before.");
+    let _ = writeln!(text, "unknown = [{}]", unknown.join(", "));
+    let _ = writeln!(text, "values = {values:?}\nsigmas = {sigmas:?}\ncovariance = [");
     for i in &columns {
         let row: Vec<f64> = columns.iter().map(|j| fit.covariance()[(*i, *j)]).collect();
         let _ = writeln!(text, "    {row:?},");

@@ -11,8 +11,11 @@ use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use crate::arm::Arm;
 use crate::device::{FullPose, Touch};
 use crate::fit::{Fit, NoFit};
+use crate::known::{
+    CAMERA, CAMERA_TURN, SEEING, SEEING_TURN, TIP, TOUCHING, WRONG, WRONG_ALONE, WRONG_PIXELS, WRONG_TURN,
+};
 use crate::least_squares::Settings;
-use crate::parameter::Parameter;
+use crate::parameter::{Parameter, Unit};
 use crate::problem::{ArmId, Freedom, Noise, Problem};
 
 /// An arm of which only poses of its flange are known: its six joint positions are x, y, z \[m\] and a rotation vector \[rad\].
@@ -47,9 +50,41 @@ pub struct InHand {
     pub pixels: Option<f64>,
     /// What these poses do not tell, by name.
     pub unseen: Vec<String>,
+    /// What they tell too badly, by name, with how well; by the limits of [`known`](crate::known).
+    pub unsure: Vec<String>,
+    /// By pose what is left: of its position \[m\] and orientation \[rad\], or of its pixels, twice.
+    pub poses: Vec<[f64; 2]>,
 }
 
 impl InHand {
+    /// By what poses do not fit, if they do not.
+    #[must_use]
+    pub fn misfit(&self) -> Option<String> {
+        let worst = |part: usize| self.poses.iter().map(|left| left[part]).fold(0.0, f64::max);
+        if let Some(pixels) = self.pixels {
+            let worst = worst(0);
+            let is_wrong = pixels > WRONG_PIXELS || worst > WRONG_ALONE * WRONG_PIXELS;
+            return is_wrong.then(|| {
+                format!(
+                    "{pixels:.1} px rms are left, of {WRONG_PIXELS:.0} at most, and {worst:.1} px in one pose"
+                )
+            });
+        }
+        let limits = [WRONG, WRONG_TURN];
+        let is_wrong =
+            (0..2).any(|part| self.left[part] > limits[part] || worst(part) > WRONG_ALONE * limits[part]);
+        let [length, turn] = self.left.map(|left| 1e3 * left);
+        let [most, most_turn] = limits.map(|limit| 1e3 * limit);
+        let one = format!("{:.1} mm", 1e3 * worst(0));
+        is_wrong.then(|| match self.sigma.len() {
+        0..=3 => format!("{length:.1} mm rms are left, of {most:.0} mm at most, and {one} in one pose"),
+        _ => format!(
+            "{length:.1} mm and {turn:.1} mrad rms are left, of {most:.0} mm and {most_turn:.0} mrad at most, and {one} and {:.1} mrad in one pose",
+            1e3 * worst(1)
+        ),
+    })
+    }
+
     /// A pose in the arm's base, of what stands beside the arm.
     #[must_use]
     pub fn base_text(&self, name: &str, made: &str) -> String {
@@ -123,19 +158,25 @@ pub fn tip(flanges: &[Pose]) -> Result<InHand, NoFit> {
         right -= turn.transpose() * (flange.translation.vector - places);
     }
     let at = normal.pseudo_inverse(1e-6).map_or(Vector3::zeros(), |inverse| inverse * right);
-    let mut problem = Problem::new();
-    let arm = problem.arm("arm", PoseArm, Pose::identity(), Freedom::FIXED);
-    let target = problem.target("tip", Some(arm), Pose::translation(at.x, at.y, at.z), Freedom::POINT);
     let point = turns * at + places;
     let place = Pose::translation(point.x, point.y, point.z);
-    let noise = Noise::Unknown(vec![1e-4; 3]);
-    let touched = problem.instrument("point", Touch, None, place, Freedom::POINT, noise);
-    for flange in flanges {
-        let posture = posture(&mut problem, arm, flange);
-        problem.measure(touched, target, &[posture], &[0.0; 3]);
-    }
-    let fit = problem.fit(&Settings { tolerance: 1e-12, ..Settings::default() })?;
-    Ok(in_hand(&fit, fit.frame(problem.frame_of(target)), "tip "))
+    let settings = Settings { tolerance: 1e-12, ..Settings::default() };
+    let fitted = |noise: Noise| {
+        let mut problem = Problem::new();
+        let arm = problem.arm("arm", PoseArm, Pose::identity(), Freedom::FIXED);
+        let start = Pose::translation(at.x, at.y, at.z);
+        let target = problem.target("tip", Some(arm), start, Freedom::POINT);
+        let touched = problem.instrument("point", Touch, None, place, Freedom::POINT, noise);
+        for flange in flanges {
+            let posture = posture(&mut problem, arm, flange);
+            problem.measure(touched, target, &[posture], &[0.0; 3]);
+        }
+        let fit = problem.fit(&settings)?;
+        Ok::<_, NoFit>((fit.frame(problem.frame_of(target)), fit.noise(touched).to_vec(), fit))
+    };
+    let (frame, noise, fit) = fitted(Noise::Unknown(vec![1e-4; 3]))?;
+    let (_, _, judged) = fitted(Noise::Known(noise.iter().map(|sigma| sigma.max(TOUCHING)).collect()))?;
+    Ok(InHand { unsure: unsure(&judged, "tip ", [TIP, f64::INFINITY]), ..in_hand(&fit, frame, "tip ") })
 }
 
 /// A camera on the flange that sees a board fixed in the world: poses of the flange, each with where the board is in the camera.
@@ -143,20 +184,63 @@ pub fn tip(flanges: &[Pose]) -> Result<InHand, NoFit> {
 /// # Errors
 /// [`NoFit`].
 pub fn hand_eye(seen: &[(Pose, Pose)]) -> Result<InHand, NoFit> {
-    let mut problem = Problem::new();
-    let arm = problem.arm("arm", PoseArm, Pose::identity(), Freedom::FIXED);
-    let board = problem.target("board", None, Pose::identity(), Freedom::FRAME);
-    let noise = Noise::Unknown(vec![1e-3, 1e-3, 1e-3, 2e-3, 2e-3, 2e-3]);
-    let camera =
-        problem.instrument("camera", FullPose::new(), Some(arm), Pose::identity(), Freedom::FRAME, noise);
-    for (flange, board_in_camera) in seen {
-        let posture = posture(&mut problem, arm, flange);
-        let (p, q) = (board_in_camera.translation.vector, board_in_camera.rotation.quaternion());
-        problem.measure(camera, board, &[posture], &[p.x, p.y, p.z, q.w, q.i, q.j, q.k]);
+    let settings = Settings { tolerance: 1e-12, ..Settings::default() };
+    let fitted = |noise: Noise| {
+        let mut problem = Problem::new();
+        let arm = problem.arm("arm", PoseArm, Pose::identity(), Freedom::FIXED);
+        let board = problem.target("board", None, Pose::identity(), Freedom::FRAME);
+        let camera =
+            problem.instrument("camera", FullPose::new(), Some(arm), Pose::identity(), Freedom::FRAME, noise);
+        for (flange, board_in_camera) in seen {
+            let posture = posture(&mut problem, arm, flange);
+            let (p, q) = (board_in_camera.translation.vector, board_in_camera.rotation.quaternion());
+            problem.measure(camera, board, &[posture], &[p.x, p.y, p.z, q.w, q.i, q.j, q.k]);
+        }
+        problem.find_start(camera)?;
+        let fit = problem.fit(&settings)?;
+        Ok::<_, NoFit>((fit.frame(problem.place_of(camera)), fit.noise(camera).to_vec(), fit))
+    };
+    let (frame, noise, fit) = fitted(Noise::Unknown(vec![1e-3, 1e-3, 1e-3, 2e-3, 2e-3, 2e-3]))?;
+    let floors = [SEEING, SEEING, SEEING, SEEING_TURN, SEEING_TURN, SEEING_TURN];
+    let noise = noise.iter().zip(floors).map(|(sigma, floor)| sigma.max(floor)).collect();
+    let (_, _, judged) = fitted(Noise::Known(noise))?;
+    let unsure = unsure(&judged, "camera ", [CAMERA, CAMERA_TURN]);
+    Ok(InHand { unsure, ..in_hand(&fit, frame, "camera ") })
+}
+
+/// What was found less well than to these standard deviations \[m, rad\].
+pub(crate) fn unsure(fit: &Fit, name: &str, limits: [f64; 2]) -> Vec<String> {
+    let told = |found: crate::Found| {
+        let limit = if found.parameter.unit == Unit::Metre { limits[0] } else { limits[1] };
+        let (unit, factor) = found.parameter.unit.shown();
+        let (sigma, most) = (factor * found.sigma, factor * limit);
+        let sure = found.sigma <= limit;
+        (!sure).then(|| {
+            format!(
+                "{} is known to {sigma:.1} {unit} only, of {most:.0} {unit} at most",
+                found.parameter.name
+            )
+        })
+    };
+    fit.found().filter(|found| found.parameter.name.starts_with(name)).filter_map(told).collect()
+}
+
+/// How the hand was turned between poses: by how much at most \[rad\], and, beside the axis about which it was turned most, by how much about others.
+#[must_use]
+pub fn turned(flanges: &[Pose]) -> [f64; 2] {
+    let mut spread = Matrix3::zeros();
+    let (mut most, mut count) = (0.0_f64, 0.0_f64);
+    for (i, a) in flanges.iter().enumerate() {
+        for b in &flanges[..i] {
+            let turn = a.rotation.rotation_to(&b.rotation).scaled_axis();
+            most = most.max(turn.norm());
+            spread += turn * turn.transpose();
+            count += 1.0;
+        }
     }
-    problem.find_start(camera)?;
-    let fit = problem.fit(&Settings { tolerance: 1e-12, ..Settings::default() })?;
-    Ok(in_hand(&fit, fit.frame(problem.place_of(camera)), "camera "))
+    let mut squares: Vec<f64> = spread.symmetric_eigenvalues().iter().copied().collect();
+    squares.sort_by(|a, b| b.total_cmp(a));
+    [most, (squares[1].max(0.0) / count.max(1.0)).sqrt()]
 }
 
 pub(crate) fn posture(problem: &mut Problem, arm: ArmId, flange: &Pose) -> crate::PostureId {
@@ -166,7 +250,13 @@ pub(crate) fn posture(problem: &mut Problem, arm: ArmId, flange: &Pose) -> crate
 
 pub(crate) fn in_hand(fit: &Fit, frame: Pose, name: &str) -> InHand {
     let mut sums = [(0.0, 0.0_f64); 2];
+    let mut poses = Vec::new();
     for (_, _, raw) in fit.residuals() {
+        let norm = |part: Option<&[f64]>| {
+            part.map_or(0.0, |part| part.iter().map(|one| one * one).sum::<f64>().sqrt())
+        };
+        let mut parts = raw.chunks(3);
+        poses.push([norm(parts.next()), norm(parts.next())]);
         for (sum, part) in sums.iter_mut().zip(raw.chunks(3)) {
             sum.0 += part.iter().map(|one| one * one).sum::<f64>();
             sum.1 += 1.0;
@@ -179,6 +269,8 @@ pub(crate) fn in_hand(fit: &Fit, frame: Pose, name: &str) -> InHand {
         left: sums.map(|(sum, count)| (sum / count.max(1.0)).sqrt()),
         pixels: None,
         unseen: fit.unseen().iter().map(ToString::to_string).collect(),
+        unsure: Vec::new(),
+        poses,
     }
 }
 

@@ -96,10 +96,8 @@ pub enum NoMinimum {
         /// Its value.
         value: f64,
     },
-    /// The iteration has not converged.
-    #[error(
-        "no minimum after {iterations} iterations, cost {cost:.3e}: start nearer, or give the parameters tolerances"
-    )]
+    /// The iteration has not converged: it began too far away, or what is measured tells too little of a parameter without a tolerance.
+    #[error("no minimum after {iterations} iterations, cost {cost:.3e}")]
     NotConverged {
         /// How many there were.
         iterations: usize,
@@ -110,6 +108,9 @@ pub enum NoMinimum {
 
 /// Where the damping starts, as a part of the squared norms of the columns.
 const FIRST_DAMPING: f64 = 1e-9;
+
+/// Residuals are 0 where the mean of their squares is below this: what is left then is round-off, which steps might lower for ever.
+const EXACT: f64 = 1e-24;
 
 /// A damping above which steps are no steps.
 const STUCK: f64 = 1e12;
@@ -161,7 +162,7 @@ pub fn minimise<P: LeastSquares>(
         }
         let end =
             |at, cost, residuals, jacobian| Minimum { at, cost, residuals, jacobian, iterations: iteration };
-        if cost == 0.0 {
+        if cost <= EXACT * m as f64 {
             return Ok(end(at, cost, residuals, jacobian));
         }
         let gradient = weigh(settings.loss, &residuals, &jacobian, &mut weighted);

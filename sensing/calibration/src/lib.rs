@@ -15,7 +15,8 @@
 //! | [`Fit::local`], [`LocalTrial`] | what dimensions cannot say of an arm, corrected where it was measured, if that helps |
 //! | [`data`], [`trials`] | tables of measurements of others; how much of an arm they can tell |
 //! | [`tip`], [`hand_eye`], [`eye`] | the tip of a tool, and a camera, on a flange; a camera beside an arm |
-//! | [`intrinsics`], [`photo`] | a camera, from photos of a chessboard |
+//! | [`intrinsics`], [`photo`] | a camera, from photos of a chessboard, a grid of circles or a ChArUco board |
+//! | [`known`], [`likely`] | what is known too badly; why poses do not fit |
 //! | [`Touches`] | one base in another, from points that both arms touch |
 //! | [`file`](mod@file) | the file that is written for `cell.toml` |
 //!
@@ -36,7 +37,9 @@ mod hand;
 mod information;
 mod intrinsics;
 mod irp6;
+pub mod known;
 mod least_squares;
+pub mod likely;
 mod local;
 mod loss;
 mod parameter;
@@ -44,10 +47,12 @@ pub mod photo;
 mod pixels;
 mod postures;
 mod problem;
+mod quick;
 pub mod report;
 mod rnt;
 mod scatter;
 mod start;
+pub mod text_file;
 mod touches;
 pub mod trials;
 
@@ -57,9 +62,9 @@ pub use choice::{Aim, Choice, choose, judge};
 pub use device::{Angles, Device, Distance, FullPose, Plane, Points, Touch};
 pub use eye::{Eye, Seen, eye, square_seen};
 pub use fit::{Fit, Found, Indistinct, NoFit};
-pub use hand::{InHand, PoseArm, hand_eye, tip};
+pub use hand::{InHand, PoseArm, hand_eye, tip, turned};
 pub use information::{Information, Unseen, covariance};
-pub use intrinsics::{Intrinsics, board_in_camera, camera_of, intrinsics};
+pub use intrinsics::{Held, Intrinsics, board_in_camera, camera_of, intrinsics};
 pub use irp6::Irp6Arm;
 pub use least_squares::{LeastSquares, Minimum, NoMinimum, Settings, minimise};
 pub use local::{LocalTrial, bent};

@@ -6,6 +6,7 @@ use std::process::ExitCode;
 use mrroc::console::{complain, refused, say};
 use mrroc_calibration::data::Data;
 use mrroc_calibration::file::{Account, of_chain, text, today};
+use mrroc_calibration::known::{FRAME, FRAME_TURN, is_unknown};
 use mrroc_calibration::report::Report;
 use mrroc_calibration::trials::{Errors, Trial, chosen, folds, lengths, scales, trials};
 use mrroc_calibration::{Detail, Fit, bent};
@@ -19,11 +20,11 @@ calibrate: the true dimensions of an arm, from what an instrument measured of it
 
 usage: calibrate --data FILE.csv [options]
        calibrate poses --data HEADER.csv --count N [options]
-       calibrate camera --board 9x6:25mm PHOTOS.. [--out FILE] [--corners FILE]
+       calibrate camera --board BOARD PHOTOS.. [--out FILE] [--corners FILE]
        calibrate bases --data TOUCHES.csv --of ARM --in ARM [--out FILE]
        calibrate tcp --data POSES.csv [--angles ORDER] [--out FILE]
        calibrate hand-eye --data POSES.csv [--angles ORDER] [--out FILE]
-                          [--lens FILE --board 9x6:25mm]
+                          [--lens FILE --board BOARD]
        calibrate eye-to-hand (as hand-eye)
 
 poses: which N postures to measure, of those within the joints' limits: so that points on
@@ -34,9 +35,13 @@ with joint positions, in which what is measured is filled in. --seed of what is 
 --facing z:60: the points' z looks towards the instrument, 60 degrees aside at most;
 --range 500:3000: so near and so far the points are from it, in mm
 
-camera: focal lengths, centre and distortion, from JPEG or PNG photos of a chessboard
-with so many inner corners and squares of that size; --out (lens.toml) is for hand-eye;
---corners FILE writes where the corners were seen
+camera: focal lengths, centre and distortion, from JPEG or PNG photos of a board: ten or
+more, tilted by about 30 degrees to all sides, that fill the image. BOARD is 9x6:25mm, a
+chessboard with so many inner corners and squares of that size; circles:7x6:25mm, dark
+circles in rows, so many in a row, and from one row to the next; or
+asymmetric-circles:4x11:20mm, of which every second row is shifted by half a step; or
+charuco:8x6:30mm:22mm:DICT_5X5_100: squares, sides of a square and of a marker, dictionary;
+--out (lens.toml) is for hand-eye; --corners FILE writes where corners or circles were seen
 
 bases: where one arm's base is in another's, from at least three points that both have
 touched; a table with the columns point, arm, x_mm, y_mm, z_mm, where each arm's
@@ -60,6 +65,15 @@ or zyz; for cameras the same of the board in the camera, as board_x_mm and so on
   --no-local      leave out the local corrector: what dimensions cannot say, corrected in
                   the region that was measured, and only where it helps at postures left out
   --check         read the data, say what is wrong with them, and stop
+
+What is known too badly is not written: standard deviations of more than 1 mm of a tip,
+2 mm and 5 mrad of a camera's place, 1 mm and 2 mrad of a base, 1 % of the focal length of a
+lens (of fx and fy themselves, of cx, cy and of how far the lens bends where the board was),
+5 mm and 20 mrad of frames of an arm. Of touches at least 0.1 mm counts as noise, of boards
+0.1 mm and 0.3 mrad, of corners 0.1 px. Parameters of an arm are named as unknown if more
+than half of their tolerance is left. Poses do not fit of which more than 5 mm, 20 mrad or
+8 px rms are left, or three times that of one; then the likely mistake is named: units, the
+order of angles or of a quaternion's parts, inverse poses, the board's size, a wrong pose.
 
 The book's page Calibration says how to write the header.
 ";
@@ -175,6 +189,24 @@ fn run(options: &Options) -> Result<String, Failed> {
     let taken = local.as_ref().and_then(|local| local.taken.as_ref());
     let correction = taken.map(|(correction, _)| correction.clone());
     let fit = taken.map_or(&trial.fit, |(_, fit)| fit);
+    // What was believed of the arm stands in for what is unknown of it; nothing stands in for a frame.
+    let frames = fit.found().filter(|found| found.parameter.tolerance.is_none() && is_unknown(found));
+    let frames: Vec<String> = frames
+        .map(|found| {
+            let (unit, factor) = found.parameter.unit.shown();
+            format!("{} is known to {:.0} {unit} only", found.parameter.name, factor * found.sigma)
+        })
+        .collect();
+    if !frames.is_empty() {
+        let what = format!(
+            "these measurements do not tell where all stands: {}, of {:.0} mm or {:.0} mrad at most",
+            frames.join("; "),
+            1e3 * FRAME,
+            1e3 * FRAME_TURN
+        );
+        let help = "measure more postures, in which every joint turns over more of its range, and points farther from each other";
+        return Err(Failed::Before(format!("{file}: {what}\n help: {help}")));
+    }
     let tested = test.as_ref().map(|test| {
         let errors = |trial: &Trial, fit: &Fit, correction: Option<&LocalCorrection>| {
             let mut other = data.with_rows_of(test, trial).map_err(|why| before(&why))?;

@@ -6,11 +6,15 @@ use mrroc::robot::JointKind;
 
 use crate::data::Data;
 use crate::fit::Fit;
+use crate::known::is_unknown;
 use crate::local::LocalTrial;
 use crate::trials::{Errors, Scale, Trial, lengths};
 
 /// A measurement is suspect that is off by this many times the root mean square of all.
 const SUSPECT: f64 = 4.0;
+
+/// Postures left out are foretold so many times worse than those that were used: as much was found from too little.
+const FITTED: f64 = 5.0;
 
 /// What tells a scale that the data do not.
 const TELLS: &str = "a known distance of two points tells, as [[distances]] in the header";
@@ -74,7 +78,8 @@ impl Report<'_> {
         for found in fit.found() {
             let (unit, factor) = found.parameter.unit.shown();
             let (value, sigma) = (factor * found.value, factor * found.sigma);
-            writeln!(out, "  {:28} {value:10.4} +- {sigma:.4} {unit}", found.parameter.name)?;
+            let mark = if is_unknown(&found) { "   unknown: hardly better than before" } else { "" };
+            writeln!(out, "  {:28} {value:10.4} +- {sigma:.4} {unit}{mark}", found.parameter.name)?;
         }
         self.noise(out)?;
         self.scales(out)?;
@@ -131,6 +136,14 @@ impl Report<'_> {
             let [a, b, c, d, e] =
                 [within.mean, within.max, foretold.mean, foretold.rms, foretold.max].map(|error| 1e3 * error);
             writeln!(out, "{name:20} x {factor:<8} {a:8.4} {b:8.4}   {c:8.4} {d:8.4} {e:8.4}  {mark}")?;
+        }
+        let Trial { within, foretold, .. } = &self.trials[self.chosen];
+        if foretold.mean > FITTED * within.mean {
+            let times = foretold.mean / within.mean;
+            writeln!(
+                out,
+                "warning: errors at postures left out are {times:.0} times those at the postures used: these are too few, and the arm will be off by the former; measure more postures"
+            )?;
         }
         Ok(())
     }

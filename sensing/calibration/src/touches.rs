@@ -11,12 +11,10 @@ use mrroc::pose::Pose;
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 
 use crate::columns::{Columns, WrongLine};
+use crate::known::{BASE, BASE_TURN, TOUCHING, WRONG};
 
 /// Points nearer to a line than this part of their extent tell no turn about it.
 const FLAT: f64 = 0.05;
-
-/// What is left is a mistake, and no touch \[m\].
-const WRONG: f64 = 5e-3;
 
 /// Touches, as a table has them.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -79,6 +77,20 @@ pub enum WrongTouches {
         point: String,
         /// How much \[mm\].
         left: f64,
+    },
+    /// Points too near to each other, or that fit too badly.
+    #[error(
+        "these points do not tell the base well enough: it is known to {middle:.1} mm in their middle, of {} mm at most, and to {turn:.1} mrad, of {} mrad at most\n help: touch \
+         points that are farther apart ({reach:.0} mm are the most now), best as far as both arms reach, and more of them",
+        1e3 * BASE, 1e3 * BASE_TURN
+    )]
+    Unsure {
+        /// Standard deviation of the points' middle \[mm\].
+        middle: f64,
+        /// Of the least sure turn \[mrad\].
+        turn: f64,
+        /// The largest distance of two points \[mm\].
+        reach: f64,
     },
 }
 
@@ -164,7 +176,15 @@ impl Touches {
         let square = left.iter().map(|(_, left)| left * left).sum::<f64>() / (3.0 * n - 6.0);
         // About the axis of the greatest extent the others alone resist.
         let lever = (extents[1].powi(2) + extents[2].powi(2)).sqrt();
-        Ok(TouchedBase { base, left, sigma: [(3.0 * square / n).sqrt(), square.sqrt() / lever] })
+        let sigma = |square: f64| [(3.0 * square / n).sqrt(), square.sqrt() / lever];
+        let [middle, turn] = sigma(square.max(TOUCHING * TOUCHING));
+        if middle > BASE || turn > BASE_TURN {
+            let apart = |a: &Vector3<f64>| common.iter().map(|b| (a - b.2).norm()).fold(0.0, f64::max);
+            let reach = common.iter().map(|one| apart(&one.2)).fold(0.0, f64::max);
+            let [middle, turn, reach] = [middle, turn, reach].map(|one| 1e3 * one);
+            return Err(WrongTouches::Unsure { middle, turn, reach });
+        }
+        Ok(TouchedBase { base, left, sigma: sigma(square) })
     }
 }
 
@@ -241,6 +261,9 @@ mod tests {
         );
         assert!(told(&table(&corners[..2], 0.0)).contains("2 points in common"));
         assert!(told(&table(&corners, 0.05)).contains("the arms disagree by"));
+        // Points 20 mm from each other, touched to 0.1 mm: a turn of 0.1 / (20 / sqrt(2)) = 7 mrad.
+        let near = [[0.9, 0.1, 0.2], [0.92, 0.1, 0.2], [0.9, 0.12, 0.2]];
+        assert!(told(&table(&near, 0.0)).contains("farther apart (28 mm"), "{}", told(&table(&near, 0.0)));
         assert!(told(&table(&corners, 0.0).replace("left", "lfet")).contains("the arms are lfet, right"));
         assert!(told("point,arm,x,y,z\n").contains("line 1: no column `x_mm`"));
         assert!(told("point,arm,x_mm,y_mm,z_mm\nA,left,1,2\n").contains("line 2: 4 cells"));

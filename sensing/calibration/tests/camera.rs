@@ -2,10 +2,11 @@
 //! `mrroc-sensors` makes, of which the truth is known.
 
 use mrroc::pose::Pose;
+use mrroc_calibration::photo::Photo;
 use mrroc_calibration::{
-    Eye, Intrinsics, Seen as SeenBy, board_in_camera, camera_of, eye, intrinsics, square_seen,
+    Eye, Held, Intrinsics, NoFit, Seen as SeenBy, board_in_camera, camera_of, eye, intrinsics, square_seen,
 };
-use mrroc_sensors::aggregation::{Board, Grey, NoBoard};
+use mrroc_sensors::aggregation::{Board, Grey, NoBoard, Pattern};
 use mrroc_sensors::camera::{Camera, Lens, Plane};
 use mrroc_sensors::form::{Form, Piece};
 use mrroc_sensors::physics::Imager;
@@ -225,6 +226,78 @@ fn photos_of_a_board_that_is_never_tilted_do_not_tell_the_focal_length() {
         Err(why) => why.to_string(),
     };
     assert!(told.contains("camera f"), "{told}");
+}
+
+/// `tests/reference/charuco.py`: a board that OpenCV has drawn, and where its corners truly are.
+#[test]
+fn corners_of_a_charuco_board_are_seen_in_opencvs_order_though_markers_are_hidden() {
+    let photo = Photo::parse(include_bytes!("reference/charuco.png")).expect("a photo");
+    let truth: Vec<Vector2<f64>> = include_str!("reference/charuco.csv")
+        .lines()
+        .skip(1)
+        .filter_map(|row| row.split_once(','))
+        .map(|(u, v)| Vector2::new(u.parse().expect("u"), v.parse().expect("v")))
+        .collect();
+    let board = Pattern::parse("charuco:8x6:30mm:22mm:DICT_5X5_100").expect("a board");
+    assert_eq!((board.points().len(), truth.len(), board.has_ends()), (35, 35, true));
+    let off = |grey: &[u8]| {
+        let seen = board.seen(&Grey::new(photo.size[0], photo.size[1], grey).expect("an image"));
+        let seen = seen.unwrap_or_else(|why| panic!("{why}"));
+        seen.iter().zip(&truth).map(|(own, truth)| (own - truth).norm()).fold(0.0, f64::max)
+    };
+    assert!(off(&photo.grey) < 0.2, "{}", off(&photo.grey));
+    // A finger on the marker between the first four corners, which it does not touch.
+    let mut hidden = photo.grey.clone();
+    let middle = (truth[0] + truth[1] + truth[7] + truth[8]) / 4.0;
+    for (i, grey) in hidden.iter_mut().enumerate() {
+        let at = Vector2::new((i % photo.size[0]) as f64, (i / photo.size[0]) as f64);
+        if (at - middle).norm() < 8.0 {
+            *grey = 128;
+        }
+    }
+    assert!(hidden != photo.grey && off(&hidden) < 0.2, "{}", off(&hidden));
+    let other = Pattern::parse("charuco:8x6:30mm:22mm:DICT_4X4_50").expect("a board");
+    let seen = other.seen(&Grey::new(photo.size[0], photo.size[1], &photo.grey).expect("an image"));
+    assert!(matches!(seen, Err(NoBoard::Markers { wanted: 24, .. })), "{seen:?}");
+    for wrong in [
+        "charuco:8x6:30mm:22mm",
+        "charuco:8x6:22mm:30mm:DICT_5X5_100",
+        "charuco:8x6:30mm:22mm:DICT_5X6_100",
+        "circles:7x6",
+    ] {
+        assert!(Pattern::parse(wrong).is_err(), "{wrong}");
+    }
+}
+
+/// `tests/reference/tilted.py`: OpenCV's corners of rendered photos of a camera with 1000 pixels of focal length, by the board's tilt in degrees.
+fn tilted(by: &str) -> Vec<Vec<Vector2<f64>>> {
+    let rows = include_str!("reference/tilted.csv").lines().skip(1).map(|line| line.split(',').collect());
+    let rows = rows.filter(|row: &Vec<&str>| row[0] == by);
+    let corners: Vec<Vector2<f64>> =
+        rows.map(|row| Vector2::new(row[2].parse().expect("u"), row[3].parse().expect("v"))).collect();
+    corners.chunks(54).map(<[_]>::to_vec).collect()
+}
+
+#[test]
+fn photos_that_hardly_tell_the_focal_length_are_told_by_what_they_leave_unknown() {
+    let size = [1280, 960];
+    let told = intrinsics(size, &BOARD, &tilted("30")).expect("a camera");
+    assert!(told.is_known(), "{:?}", told.unsure);
+    let [fx, fy] = told.camera.focal;
+    assert!((fx - 1000.0).abs() < 1.0 && (fy - 1000.0).abs() < 1.0, "{told}");
+    for by in ["0", "2"] {
+        match intrinsics(size, &BOARD, &tilted(by)) {
+            Ok(found) => {
+                assert!(!found.is_known(), "{by} degrees: {found}");
+                let unsure = found.unseen.iter().chain(&found.unsure);
+                assert!(unsure.into_iter().any(|one| one.contains("fx")), "{by} degrees: {found:?}");
+            }
+            // No minimum: nothing in these photos tells one focal length from another.
+            Err(why) => assert!(matches!(why, NoFit::NoMinimum(_)), "{by} degrees: {why}"),
+        }
+        let advice = Held::of(size, &BOARD, &tilted(by)).to_string();
+        assert!(advice.contains("tilt the board by about 30 degrees"), "{advice}");
+    }
 }
 
 /// A camera on a hand, and one beside the arm that looks at a board on the hand.

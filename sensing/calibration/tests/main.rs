@@ -6,6 +6,7 @@ mod camera;
 mod case;
 mod chain;
 mod data;
+mod hand;
 mod local;
 mod own_arm;
 mod postures;

@@ -66,7 +66,8 @@ fn an_arm_of_ones_own_is_calibrated_for_its_cell() {
 #[test]
 fn a_camera_beside_the_arm_is_a_frame_of_its_cell() {
     let frame = Pose::new(Vector3::new(1.2, -0.3, 0.8), Vector3::new(0.4, -2.1, 0.7));
-    let found = InHand { frame, sigma: vec![1e-4; 6], left: [0.0; 2], pixels: None, unseen: Vec::new() };
+    let (unseen, unsure, poses) = (Vec::new(), Vec::new(), Vec::new());
+    let found = InHand { frame, sigma: vec![1e-4; 6], left: [0.0; 2], pixels: None, unseen, unsure, poses };
     let text = found.base_text("camera", "2026-11-24");
     let cell = format!(
         "step_ms = 2\nstop_ms = 3000\n[robots.arm]\nkind = \"urdf\"\nfile = \"three_parallel.urdf\"\ntip = \"wrist_3\"\n\

@@ -9,6 +9,7 @@
 pub mod drives;
 pub mod estimate;
 pub mod mp;
+pub mod options;
 pub mod pictures;
 pub mod random;
 pub mod scene;

@@ -1,15 +1,14 @@
-//! Two simulated arms are calibrated by two simulated theodolites: `cargo run --release -p calibration -- [FOLDER]`.
+//! Two simulated arms are calibrated by two simulated theodolites: `cargo run --release -p calibration -- --help`.
 //!
-//! It prints what was found, and writes a file for each arm into the folder (`calibration/` by default), for `calibration` of its robot in
-//! cell.toml, and pictures.
+//! It prints what was found, and writes a file for each arm into a folder, for `calibration` of its robot in cell.toml, and pictures.
 
 use std::error::Error;
-use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Duration;
 
 use calibration::estimate::{Accuracy, Bases, Estimate, estimate};
-use calibration::mp::run;
+use calibration::mp::run_telling;
+use calibration::options::{Options, parse};
 use calibration::pictures;
 use calibration::random::Random;
 use calibration::scene::{NAMES, Scene, posture};
@@ -25,14 +24,24 @@ use mrroc_robots::{ArmCalibration, Irp6, Irp6Calibration, Six};
 const SIGHT: f64 = 2.0 * SECOND;
 /// What friction winds up between a motor and its joint \[rad\] (assumed).
 const WINDUP: f64 = 1e-5;
-/// Postures that are visited, and of how many they are chosen.
-const VISITS: usize = 120;
+/// Of how many postures those are chosen that are visited.
 const CANDIDATES: usize = 800;
+/// After so many postures it is said how far it is.
+const TELLING: usize = 10;
 /// How long a motorised instrument takes to turn to a ball and to sight it (assumed; a person takes 8 to 20 s).
 const POINTING: Duration = Duration::from_secs(1);
 
 fn main() -> ExitCode {
-    match calibrate() {
+    let options = match parse(std::env::args_os().skip(1)) {
+        Ok(options) => options,
+        Err(answer) if answer.use_stderr() => {
+            complain(answer.to_string().trim_end());
+            return ExitCode::from(2);
+        }
+        Err(answer) => return say(&answer.to_string()),
+    };
+    match calibrate(&options) {
+        Ok(_) if options.quiet => ExitCode::SUCCESS,
         Ok(text) => say(&text),
         Err(error) => {
             complain(&format!("error: {error}"));
@@ -41,12 +50,28 @@ fn main() -> ExitCode {
     }
 }
 
-fn calibrate() -> Result<String, Box<dyn Error>> {
-    let folder = PathBuf::from(std::env::args().nth(1).unwrap_or_else(|| "calibration".to_owned()));
-    std::fs::create_dir_all(&folder)?;
-    let scene = Scene::new(SIGHT, WINDUP, 1);
-    let visits = chosen(VISITS, CANDIDATES, 5);
-    let (sights, time, shared) = run(scene, &visits, POINTING)?;
+fn calibrate(options: &Options) -> Result<String, Box<dyn Error>> {
+    let Options { seed, visits: count, out: folder, quiet } = options;
+    let (count, quiet) = (*count as usize, *quiet);
+    let tell = move |what: &str| {
+        if !quiet {
+            complain(what);
+        }
+    };
+    // Found out now, and not when all is computed.
+    std::fs::create_dir_all(folder).map_err(|why| {
+        format!("the folder {} cannot be made: {why}\n help: write another one: --out DIR", folder.display())
+    })?;
+    let scene = Scene::new(SIGHT, WINDUP, u64::from(*seed));
+    tell(&format!("choosing {count} of {CANDIDATES} postures"));
+    let visits = chosen(count, CANDIDATES, 5);
+    let made = move |made: usize| {
+        if made % TELLING == 1 {
+            tell(&format!("measuring posture {made} of {count}"));
+        }
+    };
+    let (sights, time, shared) = run_telling(scene, &visits, POINTING, made)?;
+    tell("computing arms and bases");
     let estimate = estimate(&sights)?;
     let scene = &mut *shared.scene.borrow_mut();
     let mut told = format!(
@@ -104,6 +129,7 @@ fn calibrate() -> Result<String, Box<dyn Error>> {
     for unseen in estimate.fit.unseen() {
         told += &format!("cannot be told apart: {unseen}\n");
     }
+    tell("drawing");
     let drawn = draw(&estimate, scene, &visits);
     for (name, picture) in &drawn {
         std::fs::write(folder.join(name), picture)?;

@@ -139,6 +139,19 @@ pub fn run(
     visits: &[Visit],
     pointing: Duration,
 ) -> Result<(Sights, Duration, Shared), CellError> {
+    run_telling(scene, visits, pointing, |_| {})
+}
+
+/// The same; `tell` is told which visit begins, from 1.
+///
+/// # Errors
+/// The first cause when it ends with a fault.
+pub fn run_telling(
+    scene: Scene,
+    visits: &[Visit],
+    pointing: Duration,
+    tell: impl Fn(usize) + 'static,
+) -> Result<(Sights, Duration, Shared), CellError> {
     let start = visits.first().map_or([Six::zeros(); ARMS], |visit| visit.both);
     let shared = Shared::new(scene, &start);
     let bases = crate::scene::believed_bases();
@@ -157,7 +170,12 @@ pub fn run(
     let sights = Rc::new(RefCell::new(Sights::default()));
     let (own, all, plant) = (Rc::clone(&sights), visits.to_vec(), shared.clone());
     // A person does it while the arms stand.
-    let hang = move |mass: f64| plant.scene.borrow_mut().payload = [mass; ARMS];
+    let made = core::cell::Cell::new(0);
+    let hang = move |mass: f64| {
+        plant.scene.borrow_mut().payload = [mass; ARMS];
+        made.set(made.get() + 1);
+        tell(made.get());
+    };
     let report = cell.program(move |mp: &mut Mp| coordinate(mp, &all, &hang, &own)).run()?;
     shared.scene.borrow_mut().payload = [0.0; ARMS];
     let sights = sights.borrow().clone();

@@ -3,17 +3,14 @@
 use core::fmt;
 use core::ops::Range;
 use std::cell::RefCell;
-use std::io::Read;
 use std::path::Path;
 
 use mrroc::console::{excerpt, quoted};
-use mrroc_launch::files;
+
+use crate::text_file;
 
 /// The longest sentence of a message \[characters\], which only a quotation can make so long.
 const LONGEST: usize = 400;
-
-/// The most bytes of a file.
-const MOST: u64 = 64 << 20;
 
 /// The most mistakes that are told.
 const TOLD: usize = 20;
@@ -62,22 +59,11 @@ impl Source {
     /// Reads a file.
     pub(super) fn read(path: &Path) -> Result<Self, Mistakes> {
         let file = path.display().to_string();
-        let mut text = String::new();
-        let refuse = |what: String, help: &str| {
-            let (at, help) = (file.clone(), help.to_owned());
-            Mistakes(vec![Mistake { offset: 0, at, what, excerpt: String::new(), help }])
+        let refused = |[what, help]: [String; 2]| {
+            Mistakes(vec![Mistake { offset: 0, at: file.clone(), what, excerpt: String::new(), help }])
         };
-        let read = files::open(path).and_then(|file| file.take(MOST + 1).read_to_string(&mut text));
-        match read {
-            Err(why) => Err(refuse(
-                format!("cannot be read: {why}"),
-                "see its name, and that it is plain text in UTF-8",
-            )),
-            Ok(_) if text.len() as u64 > MOST => {
-                Err(refuse(format!("has more than {} MB", MOST >> 20), "leave out rows or columns"))
-            }
-            Ok(_) => Ok(Self::new(&file, text.strip_prefix('\u{feff}').unwrap_or(&text))),
-        }
+        let text = text_file::read(path).map_err(refused)?;
+        Ok(Self::new(&file, &text))
     }
 
     /// Notes a mistake at a place in the text \[bytes\].

@@ -58,7 +58,7 @@ impl Spelling {
     }
 
     /// Whether its numbers are angles.
-    pub(super) const fn is_angles(self) -> bool {
+    pub(crate) const fn is_angles(self) -> bool {
         matches!(self, Self::Vector | Self::Euler(..))
     }
 

@@ -2,14 +2,19 @@
 
 mod bars;
 mod blobs;
+mod charuco;
 mod chessboard;
+mod circles;
+mod dark;
 mod debounce;
 mod features;
 mod hearing;
+mod homography;
 mod lateral;
 #[cfg(feature = "networks")]
 mod network;
 mod passages;
+mod pattern;
 mod rectified;
 mod relief;
 mod relief_features;
@@ -18,7 +23,9 @@ mod vision;
 
 pub use bars::{Bars, BarsKnown, NoBars};
 pub use blobs::{Blob, Blobs};
+pub use charuco::{Charuco, Dictionary};
 pub use chessboard::{Board, Grey, NoBoard, refine};
+pub use circles::{Circles, Rows};
 pub use debounce::{Debounce, Edge};
 pub use features::{FEATURES, Moments, features};
 pub use hearing::{Heard, Hearing};
@@ -26,6 +33,7 @@ pub use lateral::{Lateral, Laterals};
 #[cfg(feature = "networks")]
 pub use network::{Network, NetworkError};
 pub use passages::{Passage, Passages};
+pub use pattern::Pattern;
 pub use rectified::Rectified;
 pub use relief::{Deaf, Relief, Reliefs, Sample};
 pub use relief_features::{RELIEF_FEATURES, relief_features};

@@ -48,6 +48,29 @@ pub enum NoBoard {
         /// Corners of the board.
         wanted: usize,
     },
+    /// Too few markers of a ChArUco board are seen.
+    #[error(
+        "{found} markers of the board are seen, of {wanted}: compare the number of squares and the dictionary, light it evenly, and keep a white rim around it"
+    )]
+    Markers {
+        /// Markers that are where a board has them.
+        found: usize,
+        /// Those of the board.
+        wanted: usize,
+    },
+    /// A part of a ChArUco board is not in the image.
+    #[error("a part of the board is not in the image: hold it so that all of its corners are")]
+    Leaves,
+    /// The largest grid of circles is another one.
+    #[error(
+        "{found} circles of a grid are seen together, and not {wanted}: count circles in a row, and rows (of OpenCV's asymmetric grid 4x11), and keep all of the board in the image"
+    )]
+    Circles {
+        /// Circles seen.
+        found: usize,
+        /// Circles of the grid.
+        wanted: usize,
+    },
 }
 
 /// The longest side of an image in which corners are looked for first \[pixel\]: larger ones are halved until they are so small.
