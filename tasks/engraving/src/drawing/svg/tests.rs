@@ -277,3 +277,19 @@ proptest::proptest! {
         let _ = read_str("a.svg", &format!("<svg viewBox='{d}'><path d='{d}'/><g transform='{t}'><path d='M0 0 {d}'/><rect width='{d}'/></g></svg>"), Limits::default());
     }
 }
+
+#[test]
+fn temp_dump() {
+    let (Ok(from), Ok(to)) = (std::env::var("SVGFILES"), std::env::var("SVGDUMP")) else { return };
+    for f in std::fs::read_dir(from).unwrap() {
+        let path = f.unwrap().path();
+        if path.extension().is_some_and(|e| e == "svg") {
+            let text = std::fs::read_to_string(&path).unwrap();
+            let t = std::time::Instant::now();
+            let r = read_str("a.svg", &text, Limits::default());
+            if t.elapsed().as_secs_f64() > 1.0 { eprintln!("SLOW {path:?} {:?}", t.elapsed()); }
+            let out = match &r { Ok(i) => format!("{:#?}", i.drawing.strokes.iter().map(|s| s.pieces().iter().map(|p| (0..=16).map(|k| { let q = p.part(0.0, k as f64 / 16.0 + 1e-300).end(); if k == 0 { (p.start().x, p.start().y) } else { (q.x, q.y) } }).collect::<Vec<_>>()).collect::<Vec<_>>()).collect::<Vec<_>>()) + &format!("\nWARN {:?}", i.warnings), Err(e) => format!("ERR {e}") };
+            std::fs::write(format!("{to}/{}.txt", path.file_stem().unwrap().to_str().unwrap()), out).unwrap();
+        }
+    }
+}
