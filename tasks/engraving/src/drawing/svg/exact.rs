@@ -12,8 +12,9 @@ use crate::error::DrawingError;
 use roxmltree::Node;
 use std::str::FromStr;
 
-/// How far a transform of usvg may lie from the exact one, over its greatest number.
-const ROUNDED: f64 = 1e-6;
+/// How far numbers of usvg's transforms may lie from the exact ones, over the greatest that they are computed from: some
+/// steps of `f32`.
+const ROUNDED: f64 = 4e-7;
 /// Most of the document's transforms that are compared with one of usvg's.
 const MOST_COMPARED: usize = 200;
 
@@ -21,6 +22,8 @@ const MOST_COMPARED: usize = 200;
 pub struct Transforms {
     /// In the order of their sums, which few of them share.
     sorted: Vec<(f64, Affine)>,
+    /// The document's size [px]: usvg computes places as differences of such lengths.
+    page: f64,
 }
 
 fn numbers(map: &Affine) -> [f64; 6] {
@@ -86,7 +89,7 @@ impl Transforms {
         let mut sorted: Vec<_> = maps.into_iter().map(|map| (sum(&map), map)).collect();
         sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
         sorted.dedup();
-        Ok(Self { sorted })
+        Ok(Self { sorted, page: source.page().norm() })
     }
 
     /// The exact transform for one of usvg's.
@@ -94,16 +97,19 @@ impl Transforms {
         let usvg::Transform { sx, kx, ky, sy, tx, ty } = rounded;
         let [a, b, c, d, e, f] = [sx, ky, kx, sy, tx, ty].map(f64::from);
         let map = Affine::new(a, b, c, d, e, f);
-        let scale = numbers(&map).into_iter().fold(1.0, |m: f64, n| m.max(n.abs()));
-        let (middle, reach) = (sum(&map), 6.0 * ROUNDED * scale);
+        let greatest = |part: &[f64], least: f64| ROUNDED * part.iter().fold(least, |m, n| m.max(n.abs()));
+        let all = numbers(&map);
+        let (turn, place) = (greatest(&all[..4], 0.0), greatest(&all[4..], self.page));
+        let off = |other: &Affine| {
+            // In units of what is allowed.
+            let off = numbers(other).into_iter().zip(all).zip([turn, turn, turn, turn, place, place]);
+            off.map(|((a, b), allowed)| (a - b).abs() / allowed).fold(0.0, f64::max)
+        };
+        let (middle, reach) = (sum(&map), 4.0 * turn + 2.0 * place);
         let from = self.sorted.partition_point(|(s, _)| *s < middle - reach);
         let near = self.sorted[from..].iter().take(MOST_COMPARED).take_while(|(s, _)| *s <= middle + reach);
-        let distance = |other: &Affine| {
-            let off = numbers(other).into_iter().zip(numbers(&map)).map(|(a, b)| (a - b).abs());
-            off.fold(0.0, f64::max)
-        };
-        let nearest = near.map(|(_, other)| (distance(other), other)).min_by(|a, b| a.0.total_cmp(&b.0));
-        nearest.filter(|(off, _)| *off <= ROUNDED * scale).map_or(map, |(_, exact)| *exact)
+        let nearest = near.map(|(_, other)| (off(other), other)).min_by(|a, b| a.0.total_cmp(&b.0));
+        nearest.filter(|(off, _)| *off <= 1.0).map_or(map, |(_, exact)| *exact)
     }
 }
 
