@@ -25,11 +25,6 @@ pub fn attribute<'a>(node: Node<'a, '_>, name: &str) -> Option<&'a str> {
 }
 
 impl<'a> Cascade<'a> {
-    /// How often a rule would be compared with an element.
-    pub fn work(sheet: &StyleSheet<'_>, elements: usize) -> usize {
-        sheet.rules.len().saturating_mul(elements)
-    }
-
     /// The rules of a sheet that match the elements of a document.
     pub fn new(sheet: StyleSheet<'a>, document: &Document<'_>) -> Self {
         let mut matching: HashMap<NodeId, Vec<usize>> = HashMap::new();
@@ -44,13 +39,17 @@ impl<'a> Cascade<'a> {
     }
 
     /// What rules and `style` declare for an element, in the order in which later ones win.
-    fn declared(&self, node: Node<'_, '_>, mut each: impl FnMut(&str, &str, bool)) {
+    ///
+    /// A `style` in which the word does not occur is not taken apart.
+    fn declared(&self, node: Node<'_, '_>, word: &str, mut each: impl FnMut(&str, &str, bool)) {
         for &k in self.matching.get(&node.id()).into_iter().flatten() {
             for declaration in &self.sheet.rules[k].declarations {
                 each(declaration.name, declaration.value, declaration.important);
             }
         }
-        if let Some(style) = attribute(node, "style") {
+        let may_say =
+            |style: &&str| style.contains(word) || style.bytes().any(|byte| byte.is_ascii_uppercase());
+        if let Some(style) = attribute(node, "style").filter(may_say) {
             for declaration in css::declarations(&css::without_comments(style)) {
                 each(&declaration.name, &declaration.value, declaration.important);
             }
@@ -60,7 +59,7 @@ impl<'a> Cascade<'a> {
     /// All that rules and `style` declare for an element, as a `style`.
     pub fn style(&self, node: Node<'_, '_>) -> String {
         let mut style = String::new();
-        self.declared(node, |name, value, important| {
+        self.declared(node, "", |name, value, important| {
             style += &format!("{name}:{value}{};", if important { "!important" } else { "" });
         });
         style
@@ -69,7 +68,8 @@ impl<'a> Cascade<'a> {
     /// The element's own value of a property.
     pub fn own(&self, node: Node<'_, '_>, property: &str) -> Option<String> {
         let mut found = attribute(node, property).map(|value| (value.trim().to_owned(), false));
-        self.declared(node, |name, value, important| {
+        let word = if property.starts_with("font-") { "font" } else { property };
+        self.declared(node, word, |name, value, important| {
             if found.as_ref().is_some_and(|(_, wins)| *wins) {
                 return;
             }

@@ -33,7 +33,8 @@ impl<'c> Clip<'c> {
         let [a, b, c, d, e, f] = [sx, ky, kx, sy, tx, ty].map(f64::from);
         let map = map.after(&Affine::new(a, b, c, d, e, f));
         let points = shape.data().points().iter();
-        let points: Vec<Vec2> = points.map(|p| map.point(Vec2::new(f64::from(p.x), f64::from(p.y)))).collect();
+        let points: Vec<Vec2> =
+            points.map(|p| map.point(Vec2::new(f64::from(p.x), f64::from(p.y)))).collect();
         let bounds = Bounds::around(points.iter().copied());
         let near = |a: f64, b: f64| (a - b).abs() < TOLERANCE;
         let is_corner = |p: &Vec2| {
@@ -42,7 +43,8 @@ impl<'c> Clip<'c> {
             })
         };
         let sides = points.windows(2).all(|w| near(w[0].x, w[1].x) || near(w[0].y, w[1].y));
-        let is_rectangle = path.clip_path().is_none() && points.len() == 4 && sides && points.iter().all(is_corner);
+        let is_rectangle =
+            path.clip_path().is_none() && points.len() == 4 && sides && points.iter().all(is_corner);
         Self { rectangle: bounds.filter(|_| is_rectangle), outer, beyond: Within::Nothing }
     }
 

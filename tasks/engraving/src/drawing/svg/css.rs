@@ -127,7 +127,8 @@ fn transform(css: &str) -> Option<String> {
     while !rest.is_empty() {
         let (name, tail) = rest.split_once('(')?;
         let (arguments, tail) = tail.split_once(')')?;
-        let words = arguments.split(|c: char| c == ',' || c.is_ascii_whitespace()).filter(|word| !word.is_empty());
+        let words =
+            arguments.split(|c: char| c == ',' || c.is_ascii_whitespace()).filter(|word| !word.is_empty());
         let words: Vec<&str> = words.collect();
         let name = name.trim().to_ascii_lowercase();
         let number = |word: &str| -> Option<f64> {

@@ -64,7 +64,8 @@ impl Transforms {
                 "use" => {
                     let place = Affine::translation(Vec2::new(at("x", 'x')?, at("y", 'y')?));
                     maps.extend([own, own.after(&place)]);
-                    let Some(target) = used(node, ids).filter(|t| matches!(name_of(*t), "symbol" | "svg")) else {
+                    let Some(target) = used(node, ids).filter(|t| matches!(name_of(*t), "symbol" | "svg"))
+                    else {
                         continue;
                     };
                     let is_svg = name_of(target) == "svg";
@@ -119,7 +120,9 @@ fn own<'a>(source: &Source<'a>, node: Node<'a, 'a>) -> Result<Affine, DrawingErr
     let t = match svgtypes::Transform::from_str(&text) {
         Ok(t) => t,
         // In a style there may be what has no meaning here, such as three dimensions.
-        Err(error) if attribute(node, "transform").is_some_and(|said| said.trim() == text && text != "none") => {
+        Err(error)
+            if attribute(node, "transform").is_some_and(|said| said.trim() == text && text != "none") =>
+        {
             return Err(source.bad_data(node, "transform", 0, &error.to_string()));
         }
         Err(_) => return Ok(Affine::IDENTITY),
@@ -137,7 +140,9 @@ fn own<'a>(source: &Source<'a>, node: Node<'a, 'a>) -> Result<Affine, DrawingErr
                 units::to_px(origin.y_offset, page.y, size),
             )
         }
-        Some(origin) => Vec2::new(source.px(node, origin.x_offset, 'x'), source.px(node, origin.y_offset, 'y')),
+        Some(origin) => {
+            Vec2::new(source.px(node, origin.x_offset, 'x'), source.px(node, origin.y_offset, 'y'))
+        }
         None if is_root => source.page() * 0.5,
         None => return Ok(map),
     };

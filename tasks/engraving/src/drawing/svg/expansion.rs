@@ -51,11 +51,11 @@ struct Size {
     attributes: usize,
 }
 
-/// Refuses a document that is too much.
+/// How many uses there are. Refuses a document that is too much.
 ///
 /// # Errors
 /// [`DrawingError::TooDeep`], also for a `use` of itself; [`DrawingError::TooManyPieces`].
-pub fn check<'a>(source: &Source<'a>, ids: &Ids<'a>, budget: &Budget) -> Result<(), DrawingError> {
+pub fn check<'a>(source: &Source<'a>, ids: &Ids<'a>, budget: &Budget) -> Result<usize, DrawingError> {
     let root = source.document.root_element();
     let mut known = HashMap::new();
     let all = Count { source, ids, budget }.of(root, 0, &mut known)?;
@@ -66,7 +66,7 @@ pub fn check<'a>(source: &Source<'a>, ids: &Ids<'a>, budget: &Budget) -> Result<
     if all.elements > MOST_ELEMENTS || all.elements.saturating_mul(all.attributes) > MOST_COMPARED {
         return too_many(MOST_ELEMENTS);
     }
-    Ok(())
+    Ok(all.uses)
 }
 
 struct Count<'b, 'a> {

@@ -21,22 +21,25 @@ mod source;
 mod text;
 mod units;
 
-use super::{Budget, Drawing, Import};
+use super::{Budget, Drawing, Import, Stroke};
 use crate::error::{DrawingError, Place};
+use cascade::Cascade;
+use exact::Transforms;
 use mrroc::console::quoted;
 use mrroc_robots::models::xml::{
     MOST_ATTRIBUTES, MOST_ATTRIBUTES_IN_ALL, MOST_NAMESPACES, TooMuchXml, check_xml,
 };
-use roxmltree::Document;
-use cascade::Cascade;
-use exact::Transforms;
 use rewrite::Rewritten;
+use roxmltree::Document;
 use seen::Seen;
-use source::Source;
+use source::{Mentions, Source};
 use text::Letters;
 
-/// Most comparisons of a rule of a style sheet with an element.
-const MOST_COMPARED_RULES: usize = 20_000_000;
+/// Most rules of style sheets.
+const MOST_RULES: usize = 5_000;
+
+/// Most comparisons of a rule of a style sheet with an element, of some 100 ns.
+const MOST_COMPARED_RULES: usize = 5_000_000;
 
 /// Reads an SVG document.
 ///
@@ -57,29 +60,38 @@ pub fn read(file: &str, text: &str, budget: &mut Budget) -> Result<Import, Drawi
     }
     let sheet = cascade::sheets(&document);
     let cascade = cascade(file, &sheet, &document)?;
-    let source = Source { file, text, document: &document, cascade, most: budget.limits().pieces };
+    let source = Source {
+        file,
+        text,
+        document: &document,
+        cascade,
+        most: budget.limits().pieces,
+        mentions: Mentions::of(text),
+    };
     source.view_box(root)?;
     for (name, axis) in [("width", 'x'), ("height", 'y')] {
         source.length(root, name, axis)?;
     }
     let ids = expansion::ids(&source);
-    expansion::check(&source, &ids, budget)?;
+    let uses = expansion::check(&source, &ids, budget)?;
     let transforms = Transforms::of(&source, &ids)?;
-    let Rewritten { text: rewritten, marks } = rewrite::rewrite(&source, &ids, &sheet)?;
+    let Rewritten { text: rewritten, marks } = rewrite::rewrite(&source, &ids, uses, &sheet)?;
     let tree = resolved(file, &rewritten)?;
     let mut seen = Seen {
         source: &source,
         marks: &marks,
         transforms: &transforms,
         budget,
-        strokes: Vec::new(),
+        outlines: Vec::new(),
         warnings: Vec::new(),
         texts: 0,
         letters: Letters::default(),
         outside: (0, 0),
     };
     seen.draw(&tree, seen::to_mm(source.page().y))?;
-    let Seen { strokes, mut warnings, texts, .. } = seen;
+    let Seen { outlines, mut warnings, texts, .. } = seen;
+    drop(tree);
+    let strokes: Vec<Stroke> = outlines.into_iter().filter_map(Stroke::new).collect();
     if texts > 0 {
         let what = if texts == 1 { "a text is".to_owned() } else { format!("{texts} texts are") };
         warnings.push(format!(
@@ -95,12 +107,21 @@ fn parsed<'a>(file: &str, text: &'a str) -> Result<Document<'a>, DrawingError> {
 }
 
 fn cascade<'a>(file: &str, sheet: &'a str, document: &Document<'_>) -> Result<Cascade<'a>, DrawingError> {
-    let sheet = simplecss::StyleSheet::parse(sheet);
+    let rules = sheet.matches(['{', ',']).count();
     let elements = document.descendants().filter(roxmltree::Node::is_element).count();
-    if Cascade::work(&sheet, elements) > MOST_COMPARED_RULES {
-        let at = Place::file(file);
-        return Err(DrawingError::TooMany { at, what: "rules times elements", limit: MOST_COMPARED_RULES });
+    for (what, count, limit) in [
+        ("rules of style sheets", rules, MOST_RULES),
+        (
+            "comparisons of rules of style sheets with elements",
+            rules.saturating_mul(elements),
+            MOST_COMPARED_RULES,
+        ),
+    ] {
+        if count > limit {
+            return Err(DrawingError::TooMany { at: Place::file(file), what, limit });
+        }
     }
+    let sheet = simplecss::StyleSheet::parse(sheet);
     Ok(Cascade::new(sheet, document))
 }
 

@@ -23,8 +23,10 @@ pub fn without_document_type<'a>(file: &str, text: &'a str) -> Result<Cow<'a, st
             help: "save it as plain SVG".to_owned(),
         });
     }
-    let blank: String =
-        declared.bytes().map(|byte| if matches!(byte, b'\n' | b'\r') { char::from(byte) } else { ' ' }).collect();
+    let blank: String = declared
+        .bytes()
+        .map(|byte| if matches!(byte, b'\n' | b'\r') { char::from(byte) } else { ' ' })
+        .collect();
     Ok(Cow::Owned([&text[..start], &blank, &text[start + length..]].concat()))
 }
 

@@ -28,6 +28,9 @@ const EMPTIED: &[(&str, &str)] = &[
 /// Most definitions of these, which usvg compares with one another.
 const MOST_DEFINITIONS: usize = 20_000;
 
+/// Most elements of markers, if all were drawn at each place of each `use`.
+const MOST_MARKED: usize = 100_000;
+
 /// What a mark stands for.
 #[derive(Clone, Copy)]
 pub enum Mark<'a> {
@@ -56,15 +59,29 @@ pub fn number(x: f32, y: f32) -> Option<usize> {
 ///
 /// # Errors
 /// [`DrawingError::TooManyPieces`] for more definitions than usvg can compare.
-pub fn rewrite<'a>(source: &Source<'a>, ids: &Ids<'a>, sheet: &str) -> Result<Rewritten<'a>, DrawingError> {
-    let mut rewriting =
-        Rewriting { source, ids, sheet: Some(sheet), edits: Vec::new(), marks: Vec::new(), definitions: 0 };
+pub fn rewrite<'a>(
+    source: &Source<'a>,
+    ids: &Ids<'a>,
+    uses: usize,
+    sheet: &str,
+) -> Result<Rewritten<'a>, DrawingError> {
+    let mut rewriting = Rewriting {
+        source,
+        ids,
+        sheet: Some(sheet),
+        edits: Vec::new(),
+        marks: Vec::new(),
+        definitions: 0,
+        marked: 0,
+        largest: 0,
+    };
     rewriting.root();
-    if rewriting.definitions > MOST_DEFINITIONS {
-        return Err(DrawingError::TooManyPieces {
-            at: source.place(source.document.root_element()),
-            limit: MOST_DEFINITIONS,
-        });
+    let marked = rewriting.marked.saturating_mul(rewriting.largest).saturating_mul(1 + uses);
+    for (count, limit) in [(rewriting.definitions, MOST_DEFINITIONS), (marked, MOST_MARKED)] {
+        if count > limit {
+            let at = source.place(source.document.root_element());
+            return Err(DrawingError::TooManyPieces { at, limit });
+        }
     }
     let Rewriting { mut edits, marks, .. } = rewriting;
     edits.sort_by_key(|(range, _)| range.start);
@@ -87,6 +104,10 @@ struct Rewriting<'b, 'a> {
     edits: Vec<(Range<usize>, String)>,
     marks: Vec<Mark<'a>>,
     definitions: usize,
+    /// Places for markers.
+    marked: usize,
+    /// Elements of the largest marker.
+    largest: usize,
 }
 
 impl<'a> Rewriting<'_, 'a> {
@@ -107,6 +128,7 @@ impl<'a> Rewriting<'_, 'a> {
             return;
         }
         match name {
+            "marker" => self.largest = self.largest.max(node.descendants().count()),
             "style" => {
                 let sheet = self.sheet.take().unwrap_or("");
                 let style = self.prefixed(node, "style");
@@ -134,13 +156,13 @@ impl<'a> Rewriting<'_, 'a> {
             }
             "image" | "flowRoot" => {
                 let k = self.mark(Mark::Other(node));
-                let style = self.source.cascade.style(node) + "fill:#000!important";
+                let style = self.source.cascade.style(node) + "fill:#000!important;marker:none!important";
                 self.replace(node, "path", &style, &path(k), "");
                 return;
             }
             "use" if used(node, self.ids).is_none() => {
                 let k = self.mark(Mark::Other(node));
-                let style = self.source.cascade.style(node) + "fill:#000!important";
+                let style = self.source.cascade.style(node) + "fill:#000!important;marker:none!important";
                 self.replace(node, "path", &style, &path(k), "");
                 return;
             }
@@ -158,7 +180,10 @@ impl<'a> Rewriting<'_, 'a> {
 
     fn shape(&mut self, node: Node<'a, 'a>, name: &str) {
         let style = attribute(node, "style").unwrap_or("");
-        let has_markers = matches!(name, "path" | "line" | "polyline" | "polygon")
+        // Markers on what is itself in a marker grow like a power.
+        let may_have = self.source.mentions.markers && !node.ancestors().any(|n| name_of(n) == "marker");
+        let has_markers = may_have
+            && matches!(name, "path" | "line" | "polyline" | "polygon")
             && ["marker", "marker-start", "marker-mid", "marker-end"]
                 .into_iter()
                 .any(|property| self.source.cascade.inherited(node, property).is_some_and(|v| v != "none"));
@@ -166,10 +191,14 @@ impl<'a> Rewriting<'_, 'a> {
             // usvg puts markers on a copy, which is itself not seen.
             let style = self.source.cascade.style(node);
             let unseen = style + "fill-opacity:0!important;stroke-opacity:0!important";
+            let pieces: usize = self.source.shape(node).map_or(0, |chains| chains.iter().map(Vec::len).sum());
+            self.marked += pieces + 2;
             let copy = self.copy(node, name, &unseen, "", "");
             let end = node.range().end;
             self.edits.push((end..end, copy));
             self.restyle(node, attribute(node, "style").unwrap_or(""), "marker:none!important");
+        } else if self.source.mentions.markers {
+            self.restyle(node, style, "marker:none!important");
         } else if !style.is_empty() {
             self.restyle(node, style, "");
         }
@@ -231,7 +260,11 @@ impl<'a> Rewriting<'_, 'a> {
         let name = self.prefixed(node, name);
         let mut tag = format!("<{name}");
         for own in node.attributes() {
-            let left_out = if is_same { own.name() == "id" || own.name() == "style" } else { LEFT_OUT.contains(&own.name()) };
+            let left_out = if is_same {
+                own.name() == "id" || own.name() == "style"
+            } else {
+                LEFT_OUT.contains(&own.name())
+            };
             if !left_out {
                 tag.push(' ');
                 tag.push_str(&self.source.text[own.range()]);
@@ -274,7 +307,8 @@ impl<'a> Rewriting<'_, 'a> {
             _ => "",
         };
         let declared = self.declared(node);
-        let element = format!("<{prefix}{name}{declared} id='{}' {units}>{content}</{prefix}{name}>", escaped(id));
+        let element =
+            format!("<{prefix}{name}{declared} id='{}' {units}>{content}</{prefix}{name}>", escaped(id));
         self.edits.push((node.range(), element));
     }
 }
@@ -284,7 +318,9 @@ fn is_plain_clip(node: Node<'_, '_>) -> bool {
     let mut inner = node.children().filter(Node::is_element);
     let one = inner.next().filter(|shape| name_of(*shape) == "rect" || name_of(*shape) == "path");
     let is_simple = |node: Node<'_, '_>| {
-        ["clip-path", "style", "class", "clipPathUnits"].into_iter().all(|name| attribute(node, name).is_none())
+        ["clip-path", "style", "class", "clipPathUnits"]
+            .into_iter()
+            .all(|name| attribute(node, name).is_none())
     };
     let is_short = one.and_then(|shape| attribute(shape, "d")).is_none_or(|data| data.len() < 200);
     one.is_some_and(is_simple) && is_short && inner.next().is_none() && is_simple(node)
@@ -301,7 +337,8 @@ fn path_mark(k: usize) -> String {
 
 /// The attributes with which a shape is the mark `k`.
 fn shape_mark(name: &str, k: usize) -> Vec<(&'static str, String)> {
-    let (x, y, right, below) = (k.to_string(), MARKS_AT.to_string(), (k + 1).to_string(), (MARKS_AT + 1.0).to_string());
+    let (x, y, right, below) =
+        (k.to_string(), MARKS_AT.to_string(), (k + 1).to_string(), (MARKS_AT + 1.0).to_string());
     let one = || "1".to_owned();
     match name {
         "path" => vec![("d", path_mark(k))],

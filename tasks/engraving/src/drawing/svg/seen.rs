@@ -25,8 +25,8 @@ pub struct Seen<'b, 'a> {
     pub marks: &'b [Mark<'a>],
     pub transforms: &'b Transforms,
     pub budget: &'b mut Budget,
-    /// Strokes \[mm\].
-    pub strokes: Vec<Stroke>,
+    /// Chains of pieces \[mm\].
+    pub outlines: Vec<Vec<Piece>>,
     /// What was left out.
     pub warnings: Vec<String>,
     /// How many texts there are.
@@ -193,7 +193,8 @@ impl<'a> Seen<'_, 'a> {
             (Some(_), Some(seen), Some(stated)) => {
                 let near = |a: f64, b: f64| (a - b).abs() <= 1e-5 * (a.abs() + b.abs());
                 let twice = stated.0.iter().chain(&stated.0);
-                let same = seen.0.len() <= 2 * stated.0.len() && seen.0.iter().zip(twice).all(|(a, b)| near(*a, *b));
+                let same =
+                    seen.0.len() <= 2 * stated.0.len() && seen.0.iter().zip(twice).all(|(a, b)| near(*a, *b));
                 Some(if same && near(seen.1, stated.1) { stated } else { seen })
             }
             // Only dashes are stated, and no colour: they are meant.
@@ -235,6 +236,9 @@ impl<'a> Seen<'_, 'a> {
 
     /// Dashes and offset [px] as the document states them for an element; `None` for none.
     fn stated_dashes(&self, node: Node<'a, 'a>) -> Result<Option<(Vec<f64>, f64)>, DrawingError> {
+        if !self.source.mentions.dashes {
+            return Ok(None);
+        }
         let cascade = &self.source.cascade;
         let bad = |name: &str, why: &str| {
             let at = node.ancestors().find(|n| cascade.own(*n, name).is_some()).unwrap_or(node);
@@ -262,7 +266,7 @@ impl<'a> Seen<'_, 'a> {
         chains: Vec<Vec<Piece>>,
         round: Round<'_>,
     ) -> Result<(), DrawingError> {
-        let mut strokes = Vec::with_capacity(chains.len());
+        let mut partly = false;
         for chain in chains {
             self.take(chain.len(), node)?;
             let chain: Vec<Piece> = chain.iter().map(|piece| piece.transformed(&round.map)).collect();
@@ -273,12 +277,7 @@ impl<'a> Seen<'_, 'a> {
                 let what = format!("a coordinate of <{}>", quoted(name, 60));
                 return Err(DrawingError::OutOfRange { at: self.place(node), what, value });
             }
-            strokes.extend(Stroke::new(chain));
-        }
-        let mut partly = false;
-        for stroke in strokes {
-            let bounds = stroke.bounds();
-            match round.clips.map_or(Within::Whole, |clip| clip.shows(&bounds)) {
+            match shown(&chain, round.clips) {
                 Within::Whole => {}
                 Within::Part => partly = true,
                 Within::Nothing => {
@@ -286,7 +285,7 @@ impl<'a> Seen<'_, 'a> {
                     continue;
                 }
             }
-            self.strokes.push(stroke);
+            self.outlines.push(chain);
         }
         self.outside.1 += usize::from(partly);
         Ok(())
@@ -321,6 +320,30 @@ pub enum Within {
 
 fn outlines(count: usize) -> String {
     if count == 1 { "an outline is".to_owned() } else { format!("{count} outlines are") }
+}
+
+/// How much of an outline is seen within what clips it.
+fn shown(chain: &[Piece], clips: Option<&Clip<'_>>) -> Within {
+    let Some(clip) = clips else { return Within::Whole };
+    let hull = Bounds::around(chain.iter().flat_map(hull));
+    match hull.map_or(Within::Whole, |hull| clip.shows(&hull)) {
+        Within::Whole => Within::Whole,
+        // What lies within the hull may be less: now it is worth the time.
+        _ => Stroke::new(chain.to_vec()).map_or(Within::Whole, |stroke| clip.shows(&stroke.bounds())),
+    }
+}
+
+/// Points round a piece.
+fn hull(piece: &Piece) -> [Vec2; 4] {
+    match piece {
+        Piece::Line { from, to } => [*from, *to, *from, *to],
+        Piece::Cubic(points) => *points,
+        Piece::Arc(arc) => {
+            let reach = arc.u.abs() + arc.v.abs();
+            [arc.centre - reach, arc.centre + reach, arc.centre, arc.centre]
+        }
+        other => [other.start(), other.end(), other.start(), other.end()],
+    }
 }
 
 /// An outline as usvg has it.

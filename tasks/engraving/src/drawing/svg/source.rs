@@ -33,6 +33,24 @@ pub struct Source<'a> {
     pub cascade: Cascade<'a>,
     /// Most pieces of a path.
     pub most: usize,
+    pub mentions: Mentions,
+}
+
+/// Whether a document says anything of what few documents have: each outline need not be asked then.
+#[derive(Clone, Copy)]
+pub struct Mentions {
+    pub markers: bool,
+    pub dashes: bool,
+}
+
+impl Mentions {
+    /// Of this document.
+    pub fn of(text: &str) -> Self {
+        Self {
+            markers: text.contains("arker") || text.contains("ARKER"),
+            dashes: text.contains("ash") || text.contains("ASH"),
+        }
+    }
 }
 
 /// The name of an element of SVG; empty for one of another namespace.
@@ -57,7 +75,8 @@ impl<'a> Source<'a> {
         let chain = match name {
             "path" => {
                 let data = attribute(node, "d").unwrap_or("");
-                return path_data::chains(data, self.most).map_err(|(at, why)| self.bad_data(node, "d", at, &why));
+                return path_data::chains(data, self.most)
+                    .map_err(|(at, why)| self.bad_data(node, "d", at, &why));
             }
             "rect" => {
                 let (rx, ry) = self.radii(node)?;

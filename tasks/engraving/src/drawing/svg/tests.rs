@@ -1,5 +1,7 @@
 //! SVG: shapes, units, what is refused, and that nothing panics.
 
+mod seen;
+
 use crate::drawing::{Drawing, Limits, Vec2, read_str};
 
 fn drawn(body: &str) -> Drawing {
@@ -287,8 +289,35 @@ fn temp_dump() {
             let text = std::fs::read_to_string(&path).unwrap();
             let t = std::time::Instant::now();
             let r = read_str("a.svg", &text, Limits::default());
-            if t.elapsed().as_secs_f64() > 1.0 { eprintln!("SLOW {path:?} {:?}", t.elapsed()); }
-            let out = match &r { Ok(i) => format!("{:#?}", i.drawing.strokes.iter().map(|s| s.pieces().iter().map(|p| (0..=16).map(|k| { let q = p.part(0.0, k as f64 / 16.0 + 1e-300).end(); if k == 0 { (p.start().x, p.start().y) } else { (q.x, q.y) } }).collect::<Vec<_>>()).collect::<Vec<_>>()).collect::<Vec<_>>()) + &format!("\nWARN {:?}", i.warnings), Err(e) => format!("ERR {e}") };
+            if t.elapsed().as_secs_f64() > 1.0 {
+                eprintln!("SLOW {path:?} {:?}", t.elapsed());
+            }
+            eprintln!("TIME {:?} {:?}", path.file_stem().unwrap(), t.elapsed());
+            if std::env::var("NODUMP").is_ok() {
+                continue;
+            }
+            let out = match &r {
+                Ok(i) => {
+                    format!(
+                        "{:#?}",
+                        i.drawing
+                            .strokes
+                            .iter()
+                            .map(|s| s
+                                .pieces()
+                                .iter()
+                                .map(|p| (0..=16)
+                                    .map(|k| {
+                                        let q = p.part(0.0, k as f64 / 16.0 + 1e-300).end();
+                                        if k == 0 { (p.start().x, p.start().y) } else { (q.x, q.y) }
+                                    })
+                                    .collect::<Vec<_>>())
+                                .collect::<Vec<_>>())
+                            .collect::<Vec<_>>()
+                    ) + &format!("\nWARN {:?}", i.warnings)
+                }
+                Err(e) => format!("ERR {e}"),
+            };
             std::fs::write(format!("{to}/{}.txt", path.file_stem().unwrap().to_str().unwrap()), out).unwrap();
         }
     }

@@ -190,7 +190,8 @@ impl<'a> Writing<'_, 'a> {
             if let Some(text) = child.text().filter(|_| child.is_text()) {
                 self.write(node, text, lettering)?;
             }
-            let is_none = |name, none: &dyn Fn(&str) -> bool| cascade.own(child, name).is_some_and(|v| none(&v));
+            let is_none =
+                |name, none: &dyn Fn(&str) -> bool| cascade.own(child, name).is_some_and(|v| none(&v));
             if !child.is_element()
                 || is_none("display", &|value| value == "none")
                 || is_none("opacity", &|value| value.parse::<f64>().is_ok_and(|opacity| opacity <= 0.0))
@@ -234,7 +235,12 @@ impl<'a> Writing<'_, 'a> {
         Ok(())
     }
 
-    fn first_length(&mut self, node: Node<'a, 'a>, name: &str, size: f64) -> Result<Option<f64>, DrawingError> {
+    fn first_length(
+        &mut self,
+        node: Node<'a, 'a>,
+        name: &str,
+        size: f64,
+    ) -> Result<Option<f64>, DrawingError> {
         let Some(list) = attribute(node, name) else { return Ok(None) };
         let mut lengths = svgtypes::LengthListParser::from(list);
         let first = match lengths.next() {
