@@ -203,8 +203,15 @@ impl<'a> Rewriting<'_, 'a> {
             self.restyle(node, style, "");
         }
         // Where its lengths depend on where it is used, usvg's outline is taken.
-        let is_used = node.ancestors().any(|n| matches!(name_of(n), "defs" | "symbol" | "marker"));
-        if is_used && self.source.is_relative(node) {
+        let depends = |depth: usize| {
+            node.ancestors().take(depth).any(|n| matches!(name_of(n), "defs" | "symbol" | "marker"))
+        };
+        // Percentages are of the nearest view box, wherever that is used.
+        let has_view =
+            |n: Node<'_, '_>| matches!(name_of(n), "svg" | "symbol") && attribute(n, "viewBox").is_some();
+        let to_view = node.ancestors().position(has_view).unwrap_or(usize::MAX);
+        let (of_viewport, of_font) = self.source.relative(node);
+        if of_viewport && depends(to_view) || of_font && depends(usize::MAX) {
             return;
         }
         let k = self.mark(Mark::Shape(node));

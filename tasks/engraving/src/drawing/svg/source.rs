@@ -119,11 +119,15 @@ impl<'a> Source<'a> {
         Ok((rx.or(ry).unwrap_or(0.0), ry.or(rx).unwrap_or(0.0)))
     }
 
-    /// Whether a shape has lengths of its viewport or of its font, which depend on where it is used.
-    pub fn is_relative(&self, node: Node<'a, 'a>) -> bool {
+    /// Whether a shape has lengths of its viewport, and whether of its font: these depend on where it is used.
+    pub fn relative(&self, node: Node<'a, 'a>) -> (bool, bool) {
         let lengths = lengths_of(name_of(node)).unwrap_or(&[]);
         let said = lengths.iter().filter_map(|(name, _)| attribute(node, name));
-        said.filter_map(|text| svgtypes::Length::from_str(text).ok()).any(units::is_relative)
+        let said = said.filter_map(|text| svgtypes::Length::from_str(text).ok());
+        said.filter(|length| units::is_relative(*length)).fold((false, false), |(viewport, font), length| {
+            let is_percent = length.unit == svgtypes::LengthUnit::Percent;
+            (viewport || is_percent, font || !is_percent)
+        })
     }
 
     /// An attribute's length in px; `None` where it is not given.
