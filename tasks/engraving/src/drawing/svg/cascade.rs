@@ -75,11 +75,12 @@ impl<'a> Cascade<'a> {
             }
             if name == property {
                 found = Some((value.to_owned(), important));
-            } else if name == "font" && property.starts_with("font-") {
-                if let Ok(font) = svgtypes::FontShorthand::from_str(value) {
-                    let part = if property == "font-size" { font.font_size } else { font.font_family };
-                    found = Some((part.to_owned(), important));
-                }
+            } else if name == "font"
+                && property.starts_with("font-")
+                && let Ok(font) = svgtypes::FontShorthand::from_str(value)
+            {
+                let part = if property == "font-size" { font.font_size } else { font.font_family };
+                found = Some((part.to_owned(), important));
             }
         });
         found.map(|(value, _)| value)

@@ -97,7 +97,7 @@ pub fn sheet(css: &str) -> String {
         }
         let block = block(rest);
         if !selector.starts_with('@') && !selector.is_empty() {
-            let _ = write!(tidy, "{selector}{{{}}}\n", style(block));
+            let _ = writeln!(tidy, "{selector}{{{}}}", style(block));
         }
         rest = rest.get(block.len() + 1..).unwrap_or("");
     }

@@ -7,12 +7,12 @@ use crate::error::DrawingError;
 use roxmltree::{Node, NodeId};
 use std::collections::HashMap;
 
-/// Most elements that usvg is to build: it takes some 600 bytes for each.
-const MOST_ELEMENTS: usize = 250_000;
+/// Most elements that usvg is to build: with all that is known of each it takes some 2 kB.
+const MOST_ELEMENTS: usize = 100_000;
 /// Most elements that are used.
 const MOST_USES: usize = 100_000;
 /// Most attributes that usvg compares while it looks for inherited properties: those of all elements round each element.
-const MOST_COMPARED: usize = 50_000_000;
+const MOST_COMPARED: usize = 10_000_000;
 
 const XLINK: &str = "http://www.w3.org/1999/xlink";
 
@@ -63,8 +63,13 @@ pub fn check<'a>(source: &Source<'a>, ids: &Ids<'a>, budget: &Budget) -> Result<
     if all.uses > MOST_USES {
         return too_many(MOST_USES);
     }
-    if all.elements > MOST_ELEMENTS || all.elements.saturating_mul(all.attributes) > MOST_COMPARED {
-        return too_many(MOST_ELEMENTS);
+    if all.elements > MOST_ELEMENTS {
+        let what = "elements, those that are used counted each time";
+        return Err(DrawingError::TooMany { at: source.place(root), what, limit: MOST_ELEMENTS });
+    }
+    if all.elements.saturating_mul(all.attributes) > MOST_COMPARED {
+        let what = "attributes round its elements, counted for each element";
+        return Err(DrawingError::TooMany { at: source.place(root), what, limit: MOST_COMPARED });
     }
     Ok(all.uses)
 }
