@@ -3,55 +3,9 @@
 //! In: subpaths in the element's own units, and a pattern of lengths. Out: the dashes as chains of exact pieces. The pattern
 //! begins anew with each subpath, and dashes do not join across its start.
 
-use super::visibility::property;
 use crate::drawing::{Piece, Vec2};
-use roxmltree::Node;
 use std::str::FromStr;
 use svgtypes::Length;
-
-/// What an element inherits for its dashes.
-#[derive(Clone, Copy)]
-pub struct Dashing {
-    /// The place of the list of lengths among those that were read; `None`: no dashes.
-    pub array: Option<usize>,
-    /// How far into the pattern a subpath begins.
-    pub offset: Length,
-    /// Whether it is said that there is no stroke, and so no dash: the outline is that of a filled shape.
-    is_off: bool,
-    /// Whether dashes have caps, by which those of no length are dots.
-    has_caps: bool,
-}
-
-impl Default for Dashing {
-    fn default() -> Self {
-        Dashing { array: None, offset: Length::zero(), is_off: false, has_caps: false }
-    }
-}
-
-impl Dashing {
-    /// With what the element says of its stroke besides lengths.
-    #[must_use]
-    pub fn inherited(self, node: Node<'_, '_>) -> Dashing {
-        let said = |name| property(node, name).filter(|&value| value != "inherit");
-        Dashing {
-            is_off: said("stroke").map_or(self.is_off, |stroke| stroke == "none"),
-            has_caps: said("stroke-linecap").map_or(self.has_caps, |cap| matches!(cap, "round" | "square")),
-            ..self
-        }
-    }
-
-    /// The list by which outlines are to be dashed.
-    #[must_use]
-    pub fn list(&self) -> Option<usize> {
-        self.array.filter(|_| !self.is_off)
-    }
-
-    /// Whether dashes of no length are dots.
-    #[must_use]
-    pub fn has_caps(&self) -> bool {
-        self.has_caps
-    }
-}
 
 /// The lengths of a `stroke-dasharray`; none for `none`.
 ///

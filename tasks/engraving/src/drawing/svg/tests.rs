@@ -1,5 +1,7 @@
 //! SVG: shapes, units, what is refused, and that nothing panics.
 
+mod seen;
+
 use crate::drawing::{Drawing, Limits, Vec2, read_str};
 
 fn drawn(body: &str) -> Drawing {

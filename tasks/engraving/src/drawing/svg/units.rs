@@ -6,9 +6,9 @@ use svgtypes::{Length, LengthUnit};
 /// Millimetres of one px: 96 to the inch.
 pub const MM_PER_PX: f64 = 25.4 / 96.0;
 
-/// A length in px; a percentage of `whole` px.
+/// A length in px; a percentage of `whole` px, an em of `font_size` px.
 #[must_use]
-pub fn to_px(length: Length, whole: f64) -> f64 {
+pub fn to_px(length: Length, whole: f64, font_size: f64) -> f64 {
     let n = length.number;
     match length.unit {
         LengthUnit::None | LengthUnit::Px => n,
@@ -17,10 +17,22 @@ pub fn to_px(length: Length, whole: f64) -> f64 {
         LengthUnit::In => n * 96.0,
         LengthUnit::Pt => n * 96.0 / 72.0,
         LengthUnit::Pc => n * 16.0,
-        LengthUnit::Em => n * 16.0,
-        LengthUnit::Ex => n * 8.0,
+        LengthUnit::Em => n * font_size,
+        LengthUnit::Ex => n * font_size / 2.0,
         LengthUnit::Percent => n * whole / 100.0,
     }
+}
+
+/// Whether a length is one of its surroundings: of the viewport or of the font's size.
+#[must_use]
+pub fn is_relative(length: Length) -> bool {
+    matches!(length.unit, LengthUnit::Percent | LengthUnit::Em | LengthUnit::Ex)
+}
+
+/// A length in px; `None` for one that is relative.
+#[must_use]
+pub fn absolute(length: Length) -> Option<f64> {
+    (!is_relative(length)).then(|| to_px(length, 0.0, 0.0))
 }
 
 /// The map of a view box into a viewport of `width` x `height`, by `preserveAspectRatio`'s value.
