@@ -55,7 +55,7 @@ const CRATES: &[(&str, &[&str])] = &[
         &["mrroc-core", "mrroc-driver-kit", "mrroc-launch", "mrroc-modbus", "mrroc-robots"],
     ),
     ("ports/external", &["mrroc-core", "mrroc-launch"]),
-    ("ports/panel", &["mrroc-core", "mrroc-launch", "mrroc-processes"]),
+    ("ports/panel", &["mrroc-core", "mrroc-launch", "mrroc-processes", "mrroc-recording"]),
     ("sensing/sensors", &["mrroc-core", "mrroc-robots"]),
     ("sensing/calibration", &["mrroc-core", "mrroc-launch", "mrroc-robots", "mrroc-sensors"]),
     ("sensing/geocom", &["mrroc-core", "mrroc-driver-kit"]),
