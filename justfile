@@ -127,7 +127,7 @@ maze-sweep DIR:
 
 # Parts on a belt in long runs: 20 seeds of 500 parts at 0.02 to 0.15 m/s; what came of each.
 sorting-long:
-    cargo test --release -p sorting --lib -- --ignored --nocapture ten_thousand_parts
+    cargo test --release -p sorting --lib -- --ignored --nocapture a_pick_that_fails ten_thousand_parts
 
 # Parts on a belt below a camera: so many at each of three speeds and three arrival rates, and recognition of others; sorting/scatter.svg.
 sorting-camera PARTS="500":

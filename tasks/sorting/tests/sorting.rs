@@ -69,6 +69,7 @@ fn long(speed: f64, seed: u64, parts: usize) -> sorting::run::Outcome {
 }
 
 #[test]
+#[ignore = "takes minutes: `just sorting-long`"]
 fn a_pick_that_fails_is_put_right_and_the_parts_after_it_are_sorted() {
     // In this run the hand closes on nothing once: it stayed closed, and came down on every part after that.
     long(0.05, 7001, 100);

@@ -223,13 +223,15 @@ impl<'a> Writing<'_, 'a> {
             return Ok(());
         }
         let source = self.source;
+        if lettering.is_visible {
+            // Every letter has its cost before its curves are computed.
+            self.budget.take(letters.len() * PIECES_OF_A_LETTER, || source.place(node))?;
+        }
         let width = self.letters.font(lettering.font)?.width(&letters);
         let width = width.map_err(|error| unwritable(source, node, &error))?;
         let at = chunk.pen;
         chunk.pen.x += width * lettering.size * CAPITALS;
         if lettering.is_visible {
-            // Every letter has its cost before its curves are computed.
-            self.budget.take(letters.len() * PIECES_OF_A_LETTER, || source.place(node))?;
             chunk.runs.push(Run { text: letters, lettering, at });
         }
         Ok(())
