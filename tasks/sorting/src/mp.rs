@@ -93,7 +93,7 @@ impl Generator for Pick {
     type Sensors = (Gate,);
     type Order = ();
     const CLASS: Class =
-        Class::new(Level::Mp, Uses { state: true, sensors: true, tick: true, ..Uses::NOTHING });
+        Class::new(Level::Mp, Uses { state: true, robots: true, sensors: true, tick: true, ..Uses::NOTHING });
     const ENDS: bool = false;
 
     fn first_step(
