@@ -15,7 +15,7 @@ use crate::places::{CLOSED, END, OPEN, PART};
 /// The arm and its hand.
 pub type Arm = (Irp6, TwoFingers);
 
-/// So many picks in a row that fail are no chance.
+/// After so many failed picks in a row the cell stops: something is wrong with it.
 const FAILED: u32 = 3;
 
 /// Sorts what the belt brings, until so many parts have come and gone, or nothing has passed the gate for `patience` \[s\].
