@@ -135,6 +135,24 @@ fn fault_15_messages_that_come_twice_late_or_again_change_nothing() {
     }
 }
 
+/// Path time that passes again comes with demands of its own for robots that held meanwhile.
+#[test]
+fn fault_22_motions_whose_demands_are_late_after_a_suspension_go_on_late_and_end_where_they_should() {
+    for (cell, suspended) in [(transparent as fn() -> Cell, 60), (cooperating, 150), (interpolated, 60)] {
+        let suspended_for_a_while = move || {
+            cell().also_on_step(move |step, operator| match step {
+                _ if step == suspended => operator.suspend(),
+                _ if step == suspended + 60 => operator.resume(),
+                _ => {}
+            })
+        };
+        let late = (1..=6).fold(Sweep::new(suspended_for_a_while), |sweep, steps| {
+            sweep.links(LinkFault::Delay(steps), 8).links(LinkFault::Drop, steps).stalls(steps)
+        });
+        all_go_on(late.every(7), 200);
+    }
+}
+
 #[test]
 fn fault_16_a_damaged_message_is_a_lost_one() {
     for cell in [transparent, cooperating, interpolated, sensing] {

@@ -76,6 +76,8 @@ pub(super) struct DemandedPath<R: Robot> {
     heard: bool,
     /// By how many steps the demands of this motion were early when it began.
     lead: i64,
+    /// Whether it holds in a motion, which goes on with the next demand.
+    is_paused: bool,
 }
 
 impl<R: Robot> DemandedPath<R> {
@@ -101,6 +103,7 @@ impl<R: Robot> DemandedPath<R> {
             budget: missed_step_budget(period),
             heard: false,
             lead: 0,
+            is_paused: false,
         }
     }
 
@@ -161,7 +164,7 @@ impl<R: Robot> DemandedPath<R> {
         self.next = Some(accepted.map_err(|fault| if first { fault.of_first_demand() } else { fault })?);
         self.move_together(together);
         self.mode = Mode::Moving { missed: 0 };
-        self.heard = false;
+        (self.heard, self.is_paused) = (false, false);
         Ok(())
     }
 
@@ -243,8 +246,8 @@ impl<R: Robot> DemandedPath<R> {
         self.mode = undone.missed.map_or(Mode::Holding, |missed| Mode::Moving { missed });
     }
 
-    /// Notes a demand that is too late for its step; step `due` is the next one. A motion that it begins has begun all the
-    /// same: the robot has missed the steps in which it stood.
+    /// Notes a demand that is too late for its step; step `due` is the next one. A motion that it begins, or goes on with after
+    /// path time stood still, has done so all the same: the robot has missed the steps in which it stood.
     ///
     /// # Errors
     /// What is wrong with the demand itself.
@@ -255,7 +258,9 @@ impl<R: Robot> DemandedPath<R> {
         due: u64,
         together: Option<BrakingLaw>,
     ) -> Result<(), Fault> {
-        let begins = request.is(flag::FIRST) && matches!(self.mode, Mode::Holding);
+        let first = request.is(flag::FIRST);
+        let goes_on = self.is_paused && request.header.dt > 0.0;
+        let begins = (first || goes_on) && matches!(self.mode, Mode::Holding);
         if !begins {
             return self.acceptor.note_late(demand);
         }
@@ -264,7 +269,7 @@ impl<R: Robot> DemandedPath<R> {
         self.move_together(together);
         let period = self.seconds;
         let begun = self.acceptor.begin_late(demand, period, missed as f64, self.together.is_some());
-        begun.map_err(Fault::of_first_demand)?;
+        begun.map_err(|fault| if first { fault.of_first_demand() } else { fault })?;
         self.mode = Mode::Moving { missed: u32::try_from(missed).unwrap_or(u32::MAX) };
         if alone && missed <= u64::from(self.budget) {
             self.hear(demand, request, self.behind(request.header.step, due))?;
@@ -376,6 +381,7 @@ impl<R: Robot> DemandedPath<R> {
 
     /// A motion ends, or its path time stands still: a robot that may hold does, so that it is where the path is.
     pub fn come_to_hold(&mut self) {
+        self.is_paused |= self.is_moving();
         match self.mode {
             Mode::Moving { .. } if self.acceptor.can_hold(self.seconds) => {
                 self.mode = Mode::Holding;
