@@ -2,7 +2,7 @@
 //!
 //! The task itself is small: [`mp`] plans by a map that grows, [`ecp`] is what the arm does, [`generators`] how it moves, [`orders`] what
 //! it is told, [`found`] where the maze stands, [`feeling`] what is asked of a sensor. The rest surrounds it: [`places`] says where things are, [`plant`] what the simulated
-//! arm and probe do, [`run`] is one run, [`summary`] many.
+//! arm and probe do, [`run`] is one run of one of the [`mazes`], [`summary`] many.
 
 pub mod camera;
 pub mod ecp;
@@ -10,6 +10,7 @@ pub mod feeling;
 pub mod force;
 pub mod found;
 pub mod generators;
+pub mod mazes;
 pub mod mp;
 pub mod options;
 pub mod orders;

@@ -7,16 +7,14 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use maze::camera;
+use maze::mazes::Seeded;
 use maze::options::{Means, Options, parse};
 use maze::pictures::film;
 use maze::run::solve;
 use maze::summary::{Row, Summary};
 use mrroc::console::{complain, refused, say};
 use mrroc::launch::Launch;
-use mrroc_map::{Layout, Walls};
-
-/// The maze that is solved where none is named.
-const SHIPPED: &str = include_str!("../mazes/islands.txt");
+use mrroc_map::Walls;
 
 fn main() -> ExitCode {
     let options = match parse(std::env::args_os().skip(1)) {
@@ -34,7 +32,7 @@ fn main() -> ExitCode {
             let summary = Summary::sweep(means, &mazes);
             Ok((summary.faults(), summary.to_string()))
         }
-        Some(means) => one(means, &options, &mazes[0]),
+        Some(means) => one(means, &options.out, &mazes[0]),
     };
     match ran {
         Ok((faults, text)) => {
@@ -48,12 +46,11 @@ fn main() -> ExitCode {
     }
 }
 
-/// The mazes that are asked for, at least one, with their names.
-fn mazes(options: &Options) -> Result<Vec<(String, Layout)>, String> {
+/// The mazes that are asked for, at least one.
+fn mazes(options: &Options) -> Result<Vec<Seeded>, String> {
+    let seed = u64::from(options.seed);
     if let Some(count) = options.random {
-        return Ok((0..u64::from(count))
-            .map(|seed| (format!("seed {seed}"), Layout::random(16, seed)))
-            .collect());
+        return Ok((seed..seed + u64::from(count)).map(Seeded::by_chance).collect());
     }
     if let Some(folder) = &options.sweep {
         let unread = |error: io::Error| {
@@ -73,8 +70,8 @@ fn mazes(options: &Options) -> Result<Vec<(String, Layout)>, String> {
         }
         let mut mazes = vec![];
         for file in &files {
-            match read(file) {
-                Ok((name, maze)) if maze.cells_to_goal().is_none() => {
+            match read(file, seed) {
+                Ok(Seeded { name, layout, .. }) if layout.cells_to_goal().is_none() => {
                     complain(&format!("{name}: left out: it has no way to its goal"));
                 }
                 Ok(read) => mazes.push(read),
@@ -89,36 +86,33 @@ fn mazes(options: &Options) -> Result<Vec<(String, Layout)>, String> {
         return Ok(mazes);
     }
     match &options.file {
-        Some(file) => Ok(vec![read(file)?]),
-        None => Ok(vec![(
-            "islands".to_owned(),
-            SHIPPED.parse().map_err(|error| format!("islands.txt: {error}"))?,
-        )]),
+        Some(file) => Ok(vec![read(file, seed)?]),
+        None => {
+            let [islands, _] = Seeded::shipped(seed).map_err(|error| format!("islands.txt: {error}"))?;
+            Ok(vec![islands])
+        }
     }
 }
 
-fn read(file: &Path) -> Result<(String, Layout), String> {
+fn read(file: &Path, seed: u64) -> Result<Seeded, String> {
     let shown = file.display();
     let text = fs::read_to_string(file).map_err(|error| {
         format!(
             "{shown}: cannot be read: {error}\n help: name a maze in the text format of micromouse contests"
         )
     })?;
-    let maze = text.parse().map_err(|error| format!("{shown}: {error}"))?;
-    Ok((file.file_stem().unwrap_or_default().to_string_lossy().into_owned(), maze))
+    let name = file.file_stem().unwrap_or_default().to_string_lossy();
+    Seeded::read(&name, &text, seed).map_err(|error| format!("{shown}: {error}"))
 }
 
 /// One run, and its film.
-fn one(
-    means: Means,
-    options: &Options,
-    (name, layout): &(String, Layout),
-) -> Result<(usize, String), Box<dyn Error>> {
-    let outcome = solve(means, layout, options.seed.into())?;
+fn one(means: Means, out: &Path, maze: &Seeded) -> Result<(usize, String), Box<dyn Error>> {
+    let layout = &maze.layout;
+    let outcome = solve(means, layout, maze.seed)?;
     let walls = Walls::of(layout, outcome.sizes.pitch, outcome.sizes.thickness);
-    let file = options.out.join("maze.svg");
+    let file = out.join("maze.svg");
     let drawn = film(&outcome, &walls, outcome.sizes.sides(layout));
-    fs::create_dir_all(&options.out).and_then(|()| fs::write(&file, drawn)).map_err(|error| {
+    fs::create_dir_all(out).and_then(|()| fs::write(&file, drawn)).map_err(|error| {
         format!(
             "{}: cannot be written: {error}\n help: give a folder that can be written by --out",
             file.display()
@@ -127,6 +121,6 @@ fn one(
     if let Err(error) = outcome.report {
         return Err(error.to_string().into());
     }
-    let summary = Summary(vec![Row::of(name, layout, &outcome)]);
+    let summary = Summary(vec![Row::of(&maze.name, layout, &outcome)]);
     Ok((summary.faults(), format!("{summary}see {}\n", file.display())))
 }

@@ -29,13 +29,13 @@ pub struct Options {
     /// Who decides where to go.
     #[arg(long, value_enum, default_value = "map")]
     pub controller: ControllerKind,
-    /// Of where the maze stands, and of the probe.
+    /// Of where the maze stands, and of the probe: that of every maze of a folder, and of the first one by chance.
     #[arg(long, value_name = "N", default_value = "0")]
     pub seed: u32,
     /// All mazes of a folder.
     #[arg(long, value_name = "DIR", conflicts_with_all = ["file", "random"])]
     pub sweep: Option<PathBuf>,
-    /// So many mazes by chance, seeds from 0.
+    /// So many mazes by chance, each by a seed of its own, from --seed on.
     #[arg(long, value_name = "N", conflicts_with = "file", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub random: Option<u32>,
     /// Where the picture goes.

@@ -7,6 +7,7 @@ use std::thread;
 
 use mrroc_map::Layout;
 
+use crate::mazes::Seeded;
 use crate::options::Means;
 use crate::run::{Outcome, solve};
 
@@ -45,11 +46,11 @@ pub fn quantile(values: impl IntoIterator<Item = f64>, share: f64) -> f64 {
 }
 
 impl Row {
-    fn by_running(means: Means, name: &str, maze: &Layout, seed: u64) -> Self {
-        match solve(means, maze, seed) {
-            Ok(outcome) => Self::of(name, maze, &outcome),
+    fn by_running(means: Means, maze: &Seeded) -> Self {
+        match solve(means, &maze.layout, maze.seed) {
+            Ok(outcome) => Self::of(&maze.name, &maze.layout, &outcome),
             Err(error) => Self {
-                name: name.to_owned(),
+                name: maze.name.clone(),
                 ratio: 0.0,
                 touches: 0,
                 travel: 0.0,
@@ -78,17 +79,17 @@ impl Row {
 }
 
 impl Summary {
-    /// Runs all these mazes, with their numbers as seeds, on all processors.
+    /// Runs all these mazes on all processors.
     #[must_use]
-    pub fn sweep(means: impl Into<Means>, mazes: &[(String, Layout)]) -> Self {
+    pub fn sweep(means: impl Into<Means>, mazes: &[Seeded]) -> Self {
         let means = means.into();
         let next = AtomicUsize::new(0);
         let worker = || {
             let mut rows = vec![];
             loop {
                 let number = next.fetch_add(1, Ordering::Relaxed);
-                let Some((name, maze)) = mazes.get(number) else { return rows };
-                rows.push((number, Row::by_running(means, name, maze, number as u64)));
+                let Some(maze) = mazes.get(number) else { return rows };
+                rows.push((number, Row::by_running(means, maze)));
             }
         };
         let count = thread::available_parallelism().map_or(1, usize::from);
@@ -124,6 +125,10 @@ impl fmt::Display for Summary {
                 "maze", "way", "touches", "travel", "time", "left hand"
             )?;
             for row in &self.0 {
+                if row.fault.is_some() {
+                    writeln!(f, "{:<24} the exit was not found, after {} touches", row.name, row.touches)?;
+                    continue;
+                }
                 let hand = if row.by_hand { "gets there" } else { "goes round" };
                 writeln!(
                     f,

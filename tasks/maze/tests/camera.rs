@@ -7,36 +7,33 @@ use maze::camera::mp::CLEARANCE;
 use maze::camera::run::Ready;
 use maze::camera::scene::Overlooked;
 use maze::camera::summary::Summary;
+use maze::mazes::Seeded;
 use maze::places::{HEIGHT, HIGH, MIDDLE, Sizes, said, tool};
 use maze::plant::Plant;
 use maze::run::told;
 use mrroc::pose::Pose;
 use mrroc::robot::Robot as _;
-use mrroc_map::{Inflated, Layout};
+use mrroc_map::Inflated;
 use mrroc_robots::{Irp6, Six};
 use mrroc_sensors::aggregation::{Bars, BarsKnown, NoBars};
 use mrroc_sensors::physics::{Dark, Imager};
 use nalgebra::{Vector2, Vector3};
 
-fn islands() -> Layout {
-    include_str!("../mazes/islands.txt").parse().expect("a maze")
-}
+use crate::usage::{islands, with_shipped};
 
 /// `start` of `cell.toml`.
 pub const START: [f64; 6] = [-0.394791, -2.046687, 0.407842, 0.068049, 4.712389, 1.176005];
 
 /// The shipped mazes and so many by chance.
 fn shortest_ways_are_gone(count: u64) {
-    let mut mazes = vec![islands(), include_str!("../mazes/comb.txt").parse().expect("a maze")];
-    mazes.extend((0..count).map(|seed| Layout::random(16, seed)));
-    for (seed, maze) in (0..).zip(&mazes) {
-        let outcome = Ready::new(maze, seed).expect("a cell").run();
-        assert!(outcome.report.is_ok(), "maze {seed}: {:?}", outcome.report);
+    for Seeded { name, layout, seed } in with_shipped(count) {
+        let outcome = Ready::new(&layout, seed).expect("a cell").run();
+        assert!(outcome.report.is_ok(), "{name}: {:?}", outcome.report);
         // No contact in the physics, at places and between them.
-        assert!(outcome.travel == 0.0 && outcome.clearance > 0.0, "maze {seed}: {} m", outcome.clearance);
+        assert!(outcome.travel == 0.0 && outcome.clearance > 0.0, "{name}: {} m", outcome.clearance);
         // Each true wall was seen once, its corners to 0.15 mm in the maze's frame, and to 0.05 mm rms.
         let bars = outcome.taken.bars.as_ref().expect("seen");
-        assert_eq!(bars.boxes.len(), outcome.walls.boxes().len(), "maze {seed}");
+        assert_eq!(bars.boxes.len(), outcome.walls.boxes().len(), "{name}");
         let mut squares = 0.0;
         for wall in outcome.walls.boxes() {
             // Of both corners, along both axes.
@@ -47,11 +44,11 @@ fn shortest_ways_are_gone(count: u64) {
             let worst = |off: &[f64; 4]| off.iter().fold(0.0, |worst: f64, by| worst.max(by.abs()));
             let offs = bars.boxes.iter().map(off);
             let nearest = offs.min_by(|a, b| worst(a).total_cmp(&worst(b))).expect("a wall");
-            assert!(worst(&nearest) < 1.5e-4, "maze {seed}: {wall:?} is off by {nearest:?} m");
+            assert!(worst(&nearest) < 1.5e-4, "{name}: {wall:?} is off by {nearest:?} m");
             squares += nearest.iter().map(|by| by * by).sum::<f64>() / 4.0;
         }
         let rms = (squares / bars.boxes.len() as f64).sqrt();
-        assert!(rms < 5e-5, "maze {seed}: walls are off by {rms} m rms");
+        assert!(rms < 5e-5, "{name}: walls are off by {rms} m rms");
         // The way that was planned is no shorter than for the ball alone, and no longer than for one that is larger by the clearance, what
         // walls are off by, and what arcs are less than polygons around them.
         let planned = outcome.planned.way.as_ref().expect("planned").length();
@@ -62,7 +59,7 @@ fn shortest_ways_are_gone(count: u64) {
             Inflated::by(&outcome.walls, larger).shortest(&told.start, &told.goal).expect("a way");
         assert!(outcome.shortest < planned && planned < most, "{} {planned} {most}", outcome.shortest);
         // The ball goes that way, and at its ends less than a millimetre more.
-        assert!((outcome.way - planned).abs() < 1e-3, "maze {seed}: {} {planned}", outcome.way);
+        assert!((outcome.way - planned).abs() < 1e-3, "{name}: {} {planned}", outcome.way);
     }
 }
 
@@ -81,8 +78,10 @@ mod whole {
 
 #[test]
 fn a_sweep_says_how_long_ways_are_and_what_failed() {
-    let closed: Layout = "o---o---o\n|   | G |\no   o---o\n| S     |\no---o---o".parse().expect("a maze");
-    let summary = Summary::sweep(&[("islands".to_owned(), islands()), ("closed".to_owned(), closed)]);
+    let closed = "o---o---o\n|   | G |\no   o---o\n| S     |\no---o---o";
+    let closed = Seeded::read("closed", closed, 1).expect("a maze");
+    let [islands, _] = Seeded::shipped(0).expect("mazes");
+    let summary = Summary::sweep(&[islands, closed]);
     let text = summary.to_string();
     assert_eq!(summary.faults(), 1, "{text}");
     assert!(text.contains("closed: ") && text.contains("no way to the exit"), "{text}");

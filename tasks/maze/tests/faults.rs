@@ -6,11 +6,9 @@ use maze::run::Ready;
 use mrroc::prelude::*;
 use mrroc_map::Layout;
 
-/// Undisturbed it takes some 6,000 steps.
-fn islands() -> Layout {
-    include_str!("../mazes/islands.txt").parse().expect("a maze")
-}
+use crate::usage::islands;
 
+/// Undisturbed it takes some 6,000 steps.
 /// A probe that fails from a step on.
 struct Failing {
     probe: Probe,

@@ -8,17 +8,12 @@ use maze::plant::stylus::TRAVEL;
 use maze::run::Ready;
 use maze::summary::Summary;
 use mrroc::prelude::*;
-use mrroc_map::Layout;
 
-fn islands() -> Layout {
-    include_str!("../mazes/islands.txt").parse().expect("a maze")
-}
+use crate::usage::{islands, with_shipped};
 
 /// The shipped mazes and so many by chance.
 fn exits_are_found(count: u64) {
-    let comb = include_str!("../mazes/comb.txt").parse().expect("a maze");
-    let mut mazes = vec![("islands".to_owned(), islands()), ("comb".to_owned(), comb)];
-    mazes.extend((0..count).map(|seed| (format!("seed {seed}"), Layout::random(16, seed))));
+    let mazes = with_shipped(count);
     let [probe, force] = [Means::Probe, Means::Force].map(|means| Summary::sweep(means, &mazes));
     println!("{probe}\n{force}");
     assert_eq!(force.faults(), 0, "{force}");

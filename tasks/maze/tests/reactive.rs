@@ -2,6 +2,7 @@
 //!
 //! The shipped mazes and a few worlds; `just maze-whole` takes all worlds, and thirty mazes by chance.
 
+use maze::mazes::Seeded;
 use maze::mp::Told;
 use maze::options::Means;
 use maze::places::Sizes;
@@ -10,16 +11,14 @@ use maze::reactive::run::Ready;
 use maze::summary::Summary;
 use mrroc_map::{Knowledge, Layout, Place, Region, Wall, Walls};
 
+use crate::usage::with_shipped;
+
 /// The shipped mazes, and beside them so many by chance.
 fn shipped_mazes_are_left(count: u64) {
-    let shipped =
-        [("islands", include_str!("../mazes/islands.txt")), ("comb", include_str!("../mazes/comb.txt"))];
-    let mut mazes: Vec<(String, Layout)> =
-        shipped.map(|(name, text)| (name.to_owned(), text.parse().expect("a maze"))).into();
-    mazes.extend((0..count).map(|seed| (format!("seed {seed}"), Layout::random(16, seed))));
+    let mazes = with_shipped(count);
     let summary = Summary::sweep(Means::Reactive, &mazes);
     println!("{summary}");
-    for (row, (name, _)) in summary.0.iter().zip(&mazes).take(2) {
+    for (row, Seeded { name, .. }) in summary.0.iter().zip(&mazes).take(2) {
         assert!(row.fault.is_none() && row.travel < TRAVEL && row.ratio > 0.999, "{name}: {summary}");
     }
     assert!(!summary.0[0].by_hand, "the left-hand rule goes round the islands");

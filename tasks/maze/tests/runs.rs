@@ -2,28 +2,21 @@
 //!
 //! A few mazes; `just maze-whole` takes a hundred by chance.
 
+use maze::mazes::Seeded;
 use maze::places::{HIGH, LOOSE, LOW, Sizes, TURNED, said, tool};
 use maze::plant::stylus::TRAVEL;
 use maze::run::Ready;
 use maze::summary::Summary;
 use mrroc::prelude::*;
-use mrroc_map::Layout;
 use mrroc_robots::Irp6;
 use nalgebra::{Point3, Vector3};
 
 use crate::usage::camera::START;
-
-fn shipped() -> Vec<(String, Layout)> {
-    [("islands", include_str!("../mazes/islands.txt")), ("comb", include_str!("../mazes/comb.txt"))]
-        .map(|(name, text)| (name.to_owned(), text.parse().expect("a maze")))
-        .into()
-}
+use crate::usage::with_shipped;
 
 /// The shipped mazes and so many by chance.
 fn exits_are_found(count: u64) {
-    let mut mazes = shipped();
-    mazes.extend((0..count).map(|seed| (format!("seed {seed}"), Layout::random(16, seed))));
-    let summary = Summary::sweep(maze::options::EffectorKind::Arm, &mazes);
+    let summary = Summary::sweep(maze::options::EffectorKind::Arm, &with_shipped(count));
     println!("{summary}");
     assert_eq!(summary.faults(), 0, "{summary}");
     for row in &summary.0 {
@@ -48,14 +41,14 @@ mod whole {
 
 #[test]
 fn the_left_hand_rule_goes_round_an_island_where_the_map_finds_the_exit() {
-    let (_, islands) = &shipped()[0];
-    assert_eq!(islands.cells_by_the_left_hand(), None);
+    let [islands, _] = Seeded::shipped(0).expect("mazes");
+    assert_eq!(islands.layout.cells_by_the_left_hand(), None);
 }
 
 #[test]
 fn the_same_seed_gives_the_same_run_to_the_bit() {
-    let (_, comb) = &shipped()[1];
-    let [one, two] = [(), ()].map(|()| Ready::new(comb, 4).expect("a cell").run());
+    let [_, comb] = Seeded::shipped(4).expect("mazes");
+    let [one, two] = [(), ()].map(|()| Ready::new(&comb.layout, comb.seed).expect("a cell").run());
     assert!(one.way.to_bits() == two.way.to_bits() && one.trace == two.trace && one.contacts == two.contacts);
 }
 

@@ -7,18 +7,14 @@ use maze::summary::Summary;
 use maze::wheels::plant::Traced;
 use maze::wheels::run::Ready;
 use mrroc::prelude::*;
-use mrroc_map::Layout;
 use mrroc_wheels::sensing::infrared::SENSORS;
 use mrroc_wheels::sensing::{Lookout, Sight, Watch};
 
-fn islands() -> Layout {
-    include_str!("../mazes/islands.txt").parse().expect("a maze")
-}
+use crate::usage::{islands, with_shipped};
 
 /// One maze and so many by chance.
 fn exits_are_found(count: u64) {
-    let mut mazes = vec![("islands".to_owned(), islands())];
-    mazes.extend((0..count).map(|seed| (format!("seed {seed}"), Layout::random(16, seed))));
+    let mazes: Vec<_> = with_shipped(count).into_iter().filter(|maze| maze.name != "comb").collect();
     let summary = Summary::sweep(EffectorKind::Wheels, &mazes);
     println!("{summary}");
     assert_eq!(summary.faults(), 0, "{summary}");

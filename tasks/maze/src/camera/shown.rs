@@ -3,31 +3,25 @@
 use std::error::Error;
 use std::fs;
 
-use mrroc_map::Layout;
-
 use super::eye::believed;
 use super::picture::png;
 use super::run::Ready;
 use super::summary::{Row, Summary};
+use crate::mazes::Seeded;
 use crate::options::Options;
 
 /// Runs many mazes, or the first one and draws it: how many faults there were, and what is to be said.
 ///
 /// # Errors
 /// The fault of a single run; a picture that cannot be written.
-pub fn runs(
-    mazes: &[(String, Layout)],
-    many: bool,
-    options: &Options,
-) -> Result<(usize, String), Box<dyn Error>> {
-    let Some((name, maze)) = mazes.first().filter(|_| !many) else {
+pub fn runs(mazes: &[Seeded], many: bool, options: &Options) -> Result<(usize, String), Box<dyn Error>> {
+    let Some(maze) = mazes.first().filter(|_| !many) else {
         let summary = Summary::sweep(mazes);
         return Ok((summary.faults(), summary.to_string()));
     };
-    let seed = u64::from(options.seed);
-    let outcome = Ready::new(maze, seed)?.run();
+    let outcome = Ready::new(&maze.layout, maze.seed)?.run();
     let file = options.out.join("camera.png");
-    let drawn = png(&outcome, &believed(seed));
+    let drawn = png(&outcome, &believed(maze.seed));
     if let Ok(drawn) = &drawn {
         fs::create_dir_all(&options.out).and_then(|()| fs::write(&file, drawn)).map_err(|error| {
             format!(
@@ -36,7 +30,7 @@ pub fn runs(
             )
         })?;
     }
-    let summary = Summary(vec![Row::of(name, &outcome)]);
+    let summary = Summary(vec![Row::of(&maze.name, &outcome)]);
     outcome.report?;
     drawn?;
     Ok((summary.faults(), format!("{summary}see {}\n", file.display())))

@@ -2,9 +2,8 @@
 
 use core::fmt;
 
-use mrroc_map::Layout;
-
 use super::run::{Outcome, Ready};
+use crate::mazes::Seeded;
 use crate::summary::quantile;
 
 /// A run, in figures.
@@ -54,14 +53,14 @@ impl Row {
 }
 
 impl Summary {
-    /// Runs all these mazes, with their numbers as seeds.
+    /// Runs all these mazes.
     #[must_use]
-    pub fn sweep(mazes: &[(String, Layout)]) -> Self {
-        let run = |(number, (name, maze)): (usize, &(String, Layout))| match Ready::new(maze, number as u64) {
-            Ok(ready) => Row::of(name, &ready.run()),
-            Err(error) => Row { name: name.clone(), fault: Some(error.to_string()), ..Row::default() },
+    pub fn sweep(mazes: &[Seeded]) -> Self {
+        let run = |maze: &Seeded| match Ready::new(&maze.layout, maze.seed) {
+            Ok(ready) => Row::of(&maze.name, &ready.run()),
+            Err(error) => Row { name: maze.name.clone(), fault: Some(error.to_string()), ..Row::default() },
         };
-        Self(mazes.iter().enumerate().map(run).collect())
+        Self(mazes.iter().map(run).collect())
     }
 
     /// Those that came to the exit.
@@ -85,6 +84,10 @@ impl fmt::Display for Summary {
                 "maze", "way", "planned", "clearance", "image to path", "time"
             )?;
             for row in &self.0 {
+                if row.fault.is_some() {
+                    writeln!(f, "{:<24} the exit was not reached", row.name)?;
+                    continue;
+                }
                 writeln!(
                     f,
                     "{:<24} {:>8.4} x {:>8.4} x {:>9.3} mm {:>11.0} ms {:>6.1} s",

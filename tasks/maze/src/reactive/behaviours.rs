@@ -2,7 +2,7 @@
 //! to go on.
 
 use std::cell::Cell;
-use std::f64::consts::FRAC_PI_2;
+use std::f64::consts::{FRAC_PI_2, TAU};
 use std::rc::Rc;
 
 use mrroc::prelude::*;
@@ -99,12 +99,15 @@ impl Retreat {
     }
 }
 
-/// On along a wall at the left: in a curve to the left, until that touches again. Around the end of a wall it is the same curve.
+/// On along a wall at the left: in a curve to the left, until that touches again. Around the end of a wall it is the same curve. Where a
+/// whole turn meets nothing there is no wall within it, and the curve becomes wider and wider until it meets one.
 pub struct Follow {
     heading: Heading,
     sizes: Sizes,
     at: Vector2<f64>,
     speed: f64,
+    /// How far it has been turned since it touched last \[rad\].
+    turned: f64,
 }
 
 impl Follow {
@@ -114,14 +117,14 @@ impl Follow {
     /// From where the ball is, in that direction.
     #[must_use]
     pub fn along(heading: &Heading, sizes: &Sizes) -> Self {
-        Self { heading: Rc::clone(heading), sizes: *sizes, at: Vector2::zeros(), speed: 0.0 }
+        Self { heading: Rc::clone(heading), sizes: *sizes, at: Vector2::zeros(), speed: 0.0, turned: 0.0 }
     }
 }
 
 #[generator(ecp)]
 impl Follow {
     fn first_step(&mut self, e: &State<Irp6>, v: &Reading<(Seeking,)>, t: Tick) -> Result<Step<Irp6>, Fault> {
-        (self.at, self.speed) = (e.demanded().pose.translation.vector.xy(), 0.0);
+        (self.at, self.speed, self.turned) = (e.demanded().pose.translation.vector.xy(), 0.0, 0.0);
         self.next_step(v, t)
     }
 
@@ -142,7 +145,10 @@ impl Follow {
         }
         self.speed = (self.speed + self.sizes.acceleration * t.dt).min(self.sizes.velocity);
         let way = self.speed * t.dt;
-        self.heading.set(self.heading.get() + way / (Self::RADIUS * self.sizes.pitch));
+        let wider = (self.turned / TAU).max(1.0);
+        let turn = way / (wider * Self::RADIUS * self.sizes.pitch);
+        self.turned += turn;
+        self.heading.set(self.heading.get() + turn);
         self.at += direction(&self.heading) * way;
         Ok(Step::Next(Demand::pose(tool(self.at.x, self.at.y, LOW))))
     }
