@@ -30,6 +30,7 @@ extern crate self as mrroc_generators;
 
 pub mod ahead;
 pub mod between;
+mod braked;
 pub mod bspline;
 pub mod combinators;
 pub mod conditions;

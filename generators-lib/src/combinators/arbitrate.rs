@@ -3,6 +3,8 @@
 use mrroc::generator::{Class, Generator, Uses};
 use mrroc::prelude::*;
 
+use crate::braked::Braked;
+
 /// Two behaviours, of which one is preferred: it takes over when its condition on the readings begins to hold, and gives back when
 /// another one ends it. Between the two conditions nothing changes, so that noise about a threshold does not hand the robot to and fro
 /// (hysteresis). More than two are a list by priority: the usual behaviour is an `Arbitrate` itself.
@@ -70,8 +72,8 @@ pub struct Arbitrate<A: Generator, B, MakeA, MakeB> {
     /// Whether the preferred behaviour is to run.
     chosen: bool,
     running: Option<Running<A, B>>,
-    /// The share of path time that the running behaviour still gets, while it is braked.
-    share: Option<f64>,
+    /// While the running behaviour is braked.
+    braked: Option<Braked>,
 }
 
 enum Running<A, B> {
@@ -87,7 +89,8 @@ where
     MakeB: FnMut() -> B,
 {
     /// What `preferred` makes, from where `begins` holds until `ends` does, and else what `usual` makes. What hands over is braked
-    /// within `braking` \[s\], finite, > 0: at a speed `v` that is a deceleration of `v / braking`.
+    /// within `braking` \[s\], finite, > 0: at a speed `v` that is a deceleration of `1.5 v / braking` and a jerk of
+    /// `4.5 v / braking²` at most, besides what the path itself takes.
     #[must_use]
     pub fn of(
         preferred: MakeA,
@@ -119,7 +122,7 @@ where
         usual: MakeB,
     ) -> Self {
         const { assert!(A::CLASS.level as u8 == B::CLASS.level as u8, "both of an MP, or both of an ECP") };
-        Arbitrate { preferred, usual, begins, ends, braking, chosen: false, running: None, share: None }
+        Arbitrate { preferred, usual, begins, ends, braking, chosen: false, running: None, braked: None }
     }
 
     /// Chooses by the readings.
@@ -135,7 +138,7 @@ where
         v: &Reading<A::Sensors>,
         t: Tick,
     ) -> Result<Step<A::Robots, A::Language>, Fault> {
-        self.share = None;
+        self.braked = None;
         if self.chosen {
             let mut preferred = (self.preferred)();
             let step = preferred.first_step(c0, e, v, t);
@@ -178,7 +181,7 @@ where
         v: &Reading<A::Sensors>,
         t: Tick,
     ) -> Result<Step<A::Robots, A::Language>, Fault> {
-        if self.braking.is_some_and(|braking| !(braking.is_finite() && braking > 0.0)) {
+        if self.braking.is_some_and(|braking| !Braked::is_possible(braking)) {
             return Err(Fault::thrown("the time in which a behaviour is braked must be finite and > 0"));
         }
         self.choose(v);
@@ -193,7 +196,7 @@ where
         t: Tick,
     ) -> Result<Step<A::Robots, A::Language>, Fault> {
         self.choose(v);
-        let stands = self.share.is_some_and(|share| share <= 0.0);
+        let stands = self.braked.as_ref().is_some_and(Braked::stands);
         let Some(running) = self.running.as_mut().filter(|_| !stands) else {
             return self.begin(c0, e, v, t);
         };
@@ -208,10 +211,11 @@ where
             };
         };
         // Once begun, braking goes on to rest, whatever is chosen meanwhile: no behaviour can speed up again where it was.
-        if self.share.is_some() || !is_chosen {
-            self.share = Some((self.share.unwrap_or(1.0) - t.dt / braking).max(0.0));
+        if !is_chosen && self.braked.is_none() {
+            self.braked = Some(Braked::within(braking));
         }
-        let t = Tick { dt: t.dt * self.share.unwrap_or(1.0), ..t };
+        let share = self.braked.as_mut().map_or(1.0, |braked| braked.share(t.dt));
+        let t = Tick { dt: t.dt * share, ..t };
         match running {
             Running::Preferred(preferred) => preferred.next_step(c0, e, v, t),
             Running::Usual(usual) => usual.next_step(c0, e, v, t),
@@ -295,9 +299,9 @@ mod tests {
         let (trace, done) = run(motion, 10_000, |step| if near(step) { 0.9 } else { 1.3 });
         assert!(done);
         assert!((trace[trace.len() - 1] - 0.3).abs() < 1e-12);
-        // The lines take 0.5 m/s², and braking 0.1 m/s within 0.1 s takes 1 m/s², on top of which a line may speed up or slow down.
+        // The lines take 0.5 m/s², and braking 0.1 m/s within 0.1 s takes 1.5 m/s², on top of which a line may speed up or slow down.
         let most = accelerations(&trace).map(f64::abs).fold(0.0, f64::max);
-        assert!(most < 1.0 + 0.5 + 1e-6, "{most}");
+        assert!(most < 1.5 + 0.5 + 1e-6, "{most}");
         // It turned back four times: the velocity changes its sign so often.
         let moves: Vec<_> = trace.windows(2).map(|x| x[1] - x[0]).filter(|x| x.abs() > 1e-12).collect();
         let turns = moves.windows(2).filter(|x| x[0] * x[1] < 0.0).count();
@@ -335,7 +339,37 @@ mod tests {
         let distance = |step| [1.5, 0.8, 0.4, 0.8, 1.5][(step as usize / 400).min(4)];
         let (trace, done) = run(list(), 10_000, distance);
         assert!(done && (trace[trace.len() - 1] - 0.3).abs() < 1e-12);
-        assert!(accelerations(&trace).all(|a| a.abs() < 1.5 + 1e-6));
+        assert!(accelerations(&trace).all(|a| a.abs() < 1.5 + 0.5 + 1e-6));
+    }
+
+    #[test]
+    fn what_hands_over_is_braked_within_a_jerk() {
+        // Both go on at 0.1 m/s, from rest and at once; braked within 0.2 s that takes 4.5 v / T² = 11.25 m/s³.
+        let ahead = || Blind::<_, (Scanner,)>::new(Steady { velocity: 0.1, x: 0.0 });
+        let away = || Blind::new(Sleep::lasting(f64::INFINITY));
+        let motion = Arbitrate::of(away, |v| nearer(1.0, v), |v| !nearer(1.2, v), 0.2, ahead);
+        let (trace, _) = run(motion, 600, |step| if step > 300 { 0.9 } else { 1.3 });
+        let jerk = |x: &[f64]| (x[3] - 3.0 * x[2] + 3.0 * x[1] - x[0]).abs() / DT.powi(3);
+        let most = trace[10..].windows(4).map(jerk).fold(0.0, f64::max);
+        assert!((11.0..11.25 + 1e-4).contains(&most), "{most}");
+        assert!(trace.windows(2).skip(420).all(|x| x[0].to_bits() == x[1].to_bits()), "it stands");
+    }
+
+    struct Steady {
+        velocity: f64,
+        x: f64,
+    }
+
+    #[generator(ecp)]
+    impl Steady {
+        fn first_step(&mut self, t: Tick) -> Step<Irp6> {
+            self.next_step(t)
+        }
+
+        fn next_step(&mut self, t: Tick) -> Step<Irp6> {
+            self.x += self.velocity * t.dt;
+            Step::Next(Demand::pose(Pose::translation(self.x, 0.0, 0.0)))
+        }
     }
 
     /// Goes on at a velocity that it approaches from whatever it finds, which it is told.
