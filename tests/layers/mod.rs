@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 
 /// The layers of the core, from the bottom up.
 const CORE: &[&str] =
-    &["console", "suggestion", "model", "safety", "operator", "link", "observe", "control", "cell"];
+    &["console", "files", "suggestion", "model", "safety", "operator", "link", "observe", "control", "cell"];
 
 /// Which folders of the robots each one may import.
 const ROBOTS: &[(&str, &[&str])] = &[

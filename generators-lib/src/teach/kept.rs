@@ -5,13 +5,14 @@
 
 use std::fs::{self, OpenOptions};
 use std::io;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
 use mrroc::console::complain;
+use mrroc::files::replace;
 use mrroc::payload::Wire;
 use mrroc::pose::Pose;
 
@@ -180,12 +181,4 @@ impl Drop for TaughtFile {
             complain(&format!("error: taught poses cannot be written: {error}"));
         }
     }
-}
-
-/// Puts a text in the place of the file's, as a whole.
-fn replace(file: &Path, text: &str) -> io::Result<()> {
-    let mut beside = file.as_os_str().to_owned();
-    beside.push(".part");
-    fs::write(&beside, text)?;
-    fs::rename(&beside, file)
 }

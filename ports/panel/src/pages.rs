@@ -81,10 +81,14 @@ impl Pages {
         self.has_news = true;
     }
 
-    /// A place for a page, whose connection is being made; `None`: there are too many.
+    /// A place for a page, whose connection is being made; `None`: there are too many. The oldest of those that have not shown the token
+    /// makes room.
     pub fn connect(&mut self) -> Option<Key> {
         if self.sessions.len() >= PAGES {
-            return None;
+            let oldest = self.sessions.iter().find(|(_, session)| session.has_shown_nothing());
+            let oldest = oldest.map(|(&key, _)| key)?;
+            self.forget(oldest);
+            self.has_news = true;
         }
         self.keys += 1;
         self.sessions.insert(self.keys, Session::new());

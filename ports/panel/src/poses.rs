@@ -16,6 +16,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
 use mrroc_core::fault::Name;
+use mrroc_core::files::replace;
 use mrroc_launch::files;
 
 /// What a new file begins with.
@@ -106,12 +107,8 @@ impl Poses {
             Err(error) => return Err(told(&error)),
         };
         let after = change(&before).map_err(|why| told(&why))?;
-        // Whoever reads it meanwhile reads the old one or the new one.
-        let beside = file.with_extension("txt.new");
         let folder = file.parent().map_or(Ok(()), fs::create_dir_all);
-        let written =
-            folder.and_then(|()| fs::write(&beside, after)).and_then(|()| fs::rename(&beside, &file));
-        written.map_err(|error| told(&error))?;
+        folder.and_then(|()| replace(&file, &after)).map_err(|error| told(&error))?;
         Ok(file)
     }
 }

@@ -168,6 +168,11 @@ impl Session {
         if let State::Known = self.state { self.own } else { None }
     }
 
+    /// Whether it connects, or has to show the token.
+    pub const fn has_shown_nothing(&self) -> bool {
+        matches!(self.state, State::Begins | State::Unknown { .. })
+    }
+
     /// Whether it has to show the token now.
     pub const fn is_unknown(&self) -> bool {
         matches!(self.state, State::Unknown { .. })

@@ -59,6 +59,7 @@ extern crate self as mrroc;
 
 // The layers, from the bottom up; a test of the workspace reads the imports and lets none point upwards.
 pub mod console;
+pub mod files;
 mod model;
 mod safety;
 pub mod suggestion;

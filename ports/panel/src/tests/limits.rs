@@ -116,11 +116,12 @@ fn fault_203_malformed_messages_and_floods_disconnect_who_sends_them_and_reach_n
 fn fault_203_of_a_crowd_of_pages_as_many_find_a_place_as_there_are() {
     let mut fixture = fixture();
     let good = fixture.known();
+    // Of those that show nothing the oldest makes room, and never a page that has shown the token.
     let crowd: Vec<_> = (0..60).map(|_| fixture.connect()).collect();
-    assert_eq!(crowd.iter().flatten().count(), PAGES - 1);
-    // Those that show nothing make room.
-    fixture.pass(MS(5000));
-    let (_, news) = (fixture.known(), fixture.known());
+    assert_eq!(crowd.iter().flatten().count(), 60);
+    let known: Vec<_> = (2..PAGES).map(|_| fixture.known()).collect();
+    let news = fixture.known();
+    assert_eq!((known.len(), fixture.connect()), (PAGES - 2, None), "all places are those of pages");
     fixture.say(good, &json!({"n": 4, "do": "suspend", "epoch": 0, "step": 1000}));
     assert_eq!(fixture.answer(good, 4)["outcome"], "refused");
     fixture.say(news, &json!({"n": 4, "do": "suspend", "epoch": 0, "step": 1000}));
