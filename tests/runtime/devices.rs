@@ -8,7 +8,7 @@ use mrroc::cell::CellError;
 use mrroc::fault::FaultKind;
 use mrroc::observe::layout::HardwareLayout;
 use mrroc::prelude::*;
-use mrroc::sensor::VspMode;
+use mrroc::sensor::{Taken, VspMode};
 use mrroc_tests::{MS, fault, gantry};
 
 use crate::runtime::kit::{Count, Counter, Counting, Offset, Watch};
@@ -38,8 +38,8 @@ impl VirtualSensor for Camera {
         Ok(())
     }
 
-    fn taken(&mut self, order: &ReadingOrder<Offset>) -> Option<u64> {
-        order.step.checked_sub(self.age)
+    fn taken(&mut self, order: &ReadingOrder<Offset>) -> Taken {
+        order.step.checked_sub(self.age).map_or(Taken::NotYet, Taken::In)
     }
 
     fn aggregate(&mut self, order: &ReadingOrder<Offset>) -> Result<Count, Fault> {

@@ -177,7 +177,7 @@ use std::path::PathBuf;
 use mrroc::cell::{CellError, SensorSetup};
 use mrroc::fault::{Fault, FaultKind};
 use mrroc::payload::Wire;
-use mrroc::sensor::{EffectorState, ReadingOrder, Sensor, VirtualSensor};
+use mrroc::sensor::{EffectorState, ReadingOrder, Sensor, Taken, VirtualSensor};
 use mrroc_launch::cell_file::{CellFile, ExternalEntry};
 use mrroc_launch::network::doors_by;
 
@@ -354,15 +354,19 @@ impl<K: Sensor> VirtualSensor for External<K> {
         Ok(())
     }
 
-    fn taken(&mut self, order: &ReadingOrder<K::Configuration>) -> Option<u64> {
+    fn taken(&mut self, order: &ReadingOrder<K::Configuration>) -> Taken {
         let now = monotonic();
-        let port = self.port.as_ref()?;
+        let Some(port) = &self.port else { return Taken::NotYet };
         port.order(Self::order(order, now));
         if let Some(message) = port.newest() {
             // The message may have been written after `now`.
             self.hear(&message, order.step, monotonic());
         }
-        self.newest.as_ref().map(|newest| newest.as_ref().map_or(order.step, |(_, taken)| *taken))
+        match &self.newest {
+            None => Taken::NotYet,
+            Some(Ok((_, taken))) => Taken::In(*taken),
+            Some(Err(_)) => Taken::In(order.step),
+        }
     }
 
     fn aggregate(&mut self, _: &ReadingOrder<K::Configuration>) -> Result<K::Reading, Fault> {

@@ -110,7 +110,7 @@ fn order(step: u64) -> ReadingOrder<Which> {
 
 /// What is read for the order of a step: the step in which it was taken, and the reading or the fault.
 fn read(sensor: &mut External<Camera>, step: u64) -> Option<(u64, Result<Part, String>)> {
-    let taken = sensor.taken(&order(step))?;
+    let Taken::In(taken) = sensor.taken(&order(step)) else { return None };
     Some((taken, sensor.aggregate(&order(step)).map_err(|fault| fault.to_string())))
 }
 
@@ -148,7 +148,7 @@ fn an_order_carries_the_state_of_the_sensors_robot() {
         wrench: None,
     };
     let order = ReadingOrder { robot: Some(state), ..order(3) };
-    assert_eq!(sensor.taken(&order), None);
+    assert_eq!(sensor.taken(&order), Taken::NotYet);
     let ordered = program.orders.receive().expect("no failure").expect("an order");
     // 16 words, 8 positions, 8 velocities, a position and a quaternion.
     assert_eq!(ordered.len, 16 + 8 + 8 + 7);

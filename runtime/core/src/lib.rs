@@ -118,7 +118,7 @@ pub mod sensor {
     pub use crate::model::image::{Sensor, SensorImage};
     pub use crate::model::list::Reading;
     pub use crate::model::plausible::Plausible;
-    pub use crate::model::sensor::{EffectorState, ReadingOrder, VirtualSensor, VspMode};
+    pub use crate::model::sensor::{EffectorState, ReadingOrder, Taken, VirtualSensor, VspMode};
 }
 
 /// Generators and conditions: what they demand, what they take, and for which robots and sensors.

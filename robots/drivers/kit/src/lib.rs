@@ -9,14 +9,17 @@
 //! | is called, and sends over the connection | [`Line`] |
 //! | calls | [`Door`], which gives a [`Line`] |
 //! | answers when it likes | a [`Session`], which runs a [`Protocol`] beside the servo periods; [`recall`] connects again at a reset |
+//! | sends lines of text, as many sensors do, over TCP or a serial line | [`Lines`], which connects again whenever that is needed |
 //!
 //! A [`Protocol`] is a state machine: it is given the time and what has come, and gives what is to be sent. Its [`Session`] runs it over
 //! sockets in a thread; the feature `testing` adds a virtual network, on which tests run it against a model of the device under a
 //! virtual clock.
 
+mod lines;
 mod number;
 mod protocol;
 mod recall;
+mod serial;
 mod session;
 mod sockets;
 mod speed;
@@ -27,6 +30,7 @@ pub mod testing;
 mod times;
 mod udp;
 
+pub use lines::{Lines, NoLines};
 pub use number::Number;
 pub use protocol::{NotConnected, Peer, Protocol, Received};
 pub use recall::{Recalled, recall};

@@ -9,6 +9,7 @@ use std::io;
 use std::sync::{Arc, OnceLock};
 
 use crate::protocol::{NotConnected, Peer, Protocol, Received};
+use crate::serial::Serial;
 use crate::sockets::Thread;
 
 /// Where sessions run. By default over the sockets of this machine, each in a thread of its own, by the monotonic clock; in tests over a
@@ -161,6 +162,18 @@ impl<F: Copy + Send + Sync + 'static> Session<F> {
         let outcome = Arc::new(OnceLock::new());
         let run = Run { protocol, outcome: Arc::clone(&outcome), closed };
         Ok(Session { outcome, closed, running: network.run(name, peer, Box::new(run))? })
+    }
+
+    /// The same over a serial line of this machine.
+    pub(crate) fn begin_serial<P: Protocol<Fault = F>>(
+        name: &str,
+        port: Serial,
+        protocol: P,
+        closed: F,
+    ) -> io::Result<Session<F>> {
+        let outcome = Arc::new(OnceLock::new());
+        let run = Run { protocol, outcome: Arc::clone(&outcome), closed };
+        Ok(Session { outcome, closed, running: Box::new(Thread::start_serial(name, port, Box::new(run))?) })
     }
 
     /// Whether it goes on.

@@ -8,6 +8,7 @@
 use core::time::Duration;
 use std::io::{self, ErrorKind, Read, Write};
 use std::net::{Shutdown, SocketAddr, TcpStream};
+use std::os::fd::AsFd;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
 use std::thread::JoinHandle;
@@ -16,6 +17,7 @@ use std::time::Instant;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 
 use crate::protocol::{NotConnected, Peer, Received};
+use crate::serial::{self, Serial};
 use crate::session::{Running, Task};
 use crate::udp::Guest;
 
@@ -24,6 +26,9 @@ const TAKEN: usize = 4096;
 
 /// The longest wait, of a protocol that waits for bytes alone.
 const LONGEST: Duration = Duration::from_secs(3600);
+
+/// The same where only the thread itself sees that it is to end.
+const SHORT: Duration = Duration::from_millis(20);
 
 /// What the thread and who started it see.
 #[derive(Debug)]
@@ -43,15 +48,25 @@ pub(crate) struct Thread {
 
 impl Thread {
     pub(crate) fn start(name: &str, peer: Peer, mut task: Box<dyn Task>) -> io::Result<Thread> {
+        Thread::spawn(name, move |shared| match connect(&peer, &shared.socket) {
+            Ok((socket, guest)) => run(socket, guest, &mut *task, shared, LONGEST),
+            Err(why) => task.fail(why),
+        })
+    }
+
+    pub(crate) fn start_serial(name: &str, port: Serial, mut task: Box<dyn Task>) -> io::Result<Thread> {
+        Thread::spawn(name, move |shared| match serial::open(&port) {
+            // Nothing shuts a serial line down while the thread waits.
+            Ok(line) => run(line, None, &mut *task, shared, SHORT),
+            Err(_) => task.fail(NotConnected::Unreachable),
+        })
+    }
+
+    fn spawn(name: &str, work: impl FnOnce(&Shared) + Send + 'static) -> io::Result<Thread> {
         let (ends, socket) = (AtomicBool::new(false), OnceLock::new());
         let shared = Arc::new(Shared { began: Instant::now(), ends, socket });
         let of_thread = Arc::clone(&shared);
-        let thread = std::thread::Builder::new().name(name.to_owned()).spawn(move || {
-            match connect(&peer, &of_thread.socket) {
-                Ok((socket, guest)) => run(socket, guest, &mut *task, &of_thread),
-                Err(why) => task.fail(why),
-            }
-        })?;
+        let thread = std::thread::Builder::new().name(name.to_owned()).spawn(move || work(&of_thread))?;
         Ok(Thread { shared, thread: Some(thread) })
     }
 }
@@ -98,12 +113,18 @@ fn connect(peer: &Peer, shared: &OnceLock<TcpStream>) -> Result<(TcpStream, Opti
     Ok((socket, Some(guest.map_err(|_| NotConnected::NoPort)?)))
 }
 
-fn run(mut socket: TcpStream, mut guest: Option<Guest>, task: &mut dyn Task, shared: &Shared) {
+fn run(
+    mut socket: impl Read + Write + AsFd,
+    mut guest: Option<Guest>,
+    task: &mut dyn Task,
+    shared: &Shared,
+    longest: Duration,
+) {
     let port = guest.as_ref().map_or(0, |guest| guest.address().port());
     let (mut bytes, mut send) = ([0; TAKEN], Vec::new());
     let (mut next, mut is_closed) = (Duration::ZERO, false);
     loop {
-        let left = next.saturating_sub(shared.began.elapsed()).min(LONGEST);
+        let left = next.saturating_sub(shared.began.elapsed()).min(longest);
         let len = if is_closed {
             std::thread::park_timeout(left);
             0
@@ -131,7 +152,7 @@ fn run(mut socket: TcpStream, mut guest: Option<Guest>, task: &mut dyn Task, sha
 }
 
 /// Waits for bytes: how many have come. An error is the end of the connection.
-fn receive(socket: &mut TcpStream, time: Duration, bytes: &mut [u8]) -> Result<usize, ()> {
+fn receive(socket: &mut (impl Read + AsFd), time: Duration, bytes: &mut [u8]) -> Result<usize, ()> {
     let timeout = Timespec::try_from(time).map_err(drop)?;
     // A signal ends the wait early, which does no harm.
     let ready = poll(&mut [PollFd::new(&*socket, PollFlags::IN)], Some(&timeout)).unwrap_or(0);

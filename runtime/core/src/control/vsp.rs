@@ -4,6 +4,7 @@ use crate::link::Host;
 use crate::model::sensor::CONFIGURATION_WORDS;
 use crate::model::sensor::EffectorState;
 use crate::model::sensor::ReadingOrder;
+use crate::model::sensor::Taken;
 use crate::model::sensor::VirtualSensor;
 use std::rc::Rc;
 
@@ -93,6 +94,10 @@ impl<V: VirtualSensor> Vsp<'_, V> {
                         };
                         // Requesters that ask for the same share one aggregation.
                         if requests[..i].iter().any(like) {
+                            continue;
+                        }
+                        // A sensor that belongs to a robot is asked for nothing before that has told its state.
+                        if self.state.is_some() && request.words().len() == CONFIGURATION_WORDS {
                             continue;
                         }
                         self.work()?;
@@ -226,7 +231,11 @@ impl<V: VirtualSensor> Aggregator<V> {
             Some((fault, _)) => Err(fault.clone()),
             None => Self::read(request).and_then(|order| {
                 let aggregated = guarded(|| {
-                    let Some(taken) = self.sensor.taken(&order) else { return Ok(None) };
+                    let taken = match self.sensor.taken(&order) {
+                        Taken::NotYet => return Ok(None),
+                        Taken::In(step) => step.min(order.step),
+                        Taken::NothingNew => order.step,
+                    };
                     Ok(Some((taken, self.sensor.aggregate(&order)?)))
                 });
                 aggregated.and_then(|aggregated| aggregated).map_err(Fault::thrown_by_program)
@@ -236,7 +245,7 @@ impl<V: VirtualSensor> Aggregator<V> {
         let is_there = !matches!(result, Ok(None));
         match result.and_then(|reading| reading.ok_or_else(nothing)) {
             Ok((taken, reading)) => {
-                reply.header.step = taken.min(request.header.step);
+                reply.header.step = taken;
                 reply.header.kind = Kind::Reply;
                 reply.header.len = <V::Kind as Sensor>::Reading::LEN as u32;
                 reading.put(&mut reply.body);

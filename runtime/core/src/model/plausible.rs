@@ -7,7 +7,7 @@
 use crate::model::fault::{Fault, FaultKind};
 use crate::model::frames::Frames;
 use crate::model::image::Sensor;
-use crate::model::sensor::{ReadingOrder, VirtualSensor};
+use crate::model::sensor::{ReadingOrder, Taken, VirtualSensor};
 
 type ReadingOf<V> = <<V as VirtualSensor>::Kind as Sensor>::Reading;
 type ConfigurationOf<V> = <<V as VirtualSensor>::Kind as Sensor>::Configuration;
@@ -124,7 +124,7 @@ impl<V: VirtualSensor, const N: usize> VirtualSensor for Plausible<V, N> {
         self.sensor.open()
     }
 
-    fn taken(&mut self, order: &ReadingOrder<ConfigurationOf<V>>) -> Option<u64> {
+    fn taken(&mut self, order: &ReadingOrder<ConfigurationOf<V>>) -> Taken {
         self.sensor.taken(order)
     }
 

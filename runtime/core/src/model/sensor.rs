@@ -52,11 +52,10 @@ pub trait VirtualSensor: 'static {
         Ok(())
     }
 
-    /// The step in which what it would aggregate for this order was taken, at the latest that of the order: a reading of a
-    /// free-running sensor is as old as that. `None`: nothing has been taken yet, and there is no reading. By default the
+    /// When what it would aggregate for this order was taken: a reading of a free-running sensor is as old as that. By default in the
     /// order's step.
-    fn taken(&mut self, order: &ReadingOrder<<Self::Kind as Sensor>::Configuration>) -> Option<u64> {
-        Some(order.step)
+    fn taken(&mut self, order: &ReadingOrder<<Self::Kind as Sensor>::Configuration>) -> Taken {
+        Taken::In(order.step)
     }
 
     /// A Python module by which a program of another sends what this sensor reads: `external NAME` on the command line prints
@@ -90,7 +89,7 @@ impl<K: Sensor> VirtualSensor for Box<dyn VirtualSensor<Kind = K>> {
         (**self).open()
     }
 
-    fn taken(&mut self, order: &ReadingOrder<K::Configuration>) -> Option<u64> {
+    fn taken(&mut self, order: &ReadingOrder<K::Configuration>) -> Taken {
         (**self).taken(order)
     }
 
@@ -101,6 +100,17 @@ impl<K: Sensor> VirtualSensor for Box<dyn VirtualSensor<Kind = K>> {
     fn frames(&mut self) -> Option<&mut Frames> {
         (**self).frames()
     }
+}
+
+/// When what a virtual sensor would aggregate was taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Taken {
+    /// Nothing has been taken yet: there is no reading.
+    NotYet,
+    /// In this step, at the latest that of the order: the reading gets older from then on.
+    In(u64),
+    /// Nothing new has come and the sensor lives, as a bar-code scanner does between two parts: the reading is as good as new.
+    NothingNew,
 }
 
 /// What a virtual sensor is told with each order.
