@@ -27,6 +27,11 @@ fn main() -> ExitCode {
             &"two arms share the belt with a camera or a matrix alone: add --sensor camera, or leave out --arms",
         );
     }
+    if options.sensor == SensorKind::Infrared && (options.strangers.is_some() || options.touching.is_some()) {
+        return refused(
+            &"strangers and parts that touch are told by a camera or a matrix alone: add --sensor camera, or leave them out",
+        );
+    }
     if let Err(error) = std::fs::create_dir_all(&options.out) {
         return refused(&unwritable(&options.out, &error));
     }
@@ -84,7 +89,8 @@ fn overhead(options: &Options) -> ExitCode {
 fn sort(options: &Options) -> Result<(Row, String), Box<dyn Error>> {
     let sensing = if options.first_edge { Sensing::FirstEdge } else { Sensing::Reactive };
     let parts = options.parts as usize;
-    let settings = Settings { parts, sensing, ..Settings::one(options.belt, options.seed.into()) };
+    let profile = options.lasting_profile();
+    let settings = Settings { parts, sensing, profile, ..Settings::one(options.belt, options.seed.into()) };
     let ready = settings.ready()?;
     let arrivals = ready.parts.clone();
     let outcome = ready.run();

@@ -26,8 +26,8 @@ pub struct Settings {
     pub parts: usize,
     /// Whether the arm is led by the first edge alone.
     pub sensing: Sensing,
-    /// When the belt stops or turns back \[s\], and at which share of its speed it goes on.
-    pub change: Option<(f64, f64)>,
+    /// From when on \[s\] the belt goes at which share of its speed.
+    pub profile: &'static [(f64, f64)],
 }
 
 /// What the arm is led by.
@@ -74,7 +74,7 @@ impl Settings {
     /// One part, sensed.
     #[must_use]
     pub const fn one(speed: f64, seed: u64) -> Self {
-        Self { speed, seed, parts: 1, sensing: Sensing::Reactive, change: None }
+        Self { speed, seed, parts: 1, sensing: Sensing::Reactive, profile: &[] }
     }
 
     /// When the first part comes \[s\]: the belt has its speed.
@@ -118,16 +118,12 @@ impl Settings {
         let arm = chase.clone();
         let slowest = (1.0 - 1.1 * Uneven::OFF) * self.speed;
         let patience = 3.0 * self.gap() + (END + 2.0 * SPACING) / slowest + self.first();
-        let Self { speed, seed, change, parts: count, .. } = *self;
+        let Self { speed, seed, profile, parts: count, .. } = *self;
         let failed = Rc::<Count<u32>>::default();
         let fails = Rc::clone(&failed);
         let cell =
             cell.ecp("arm", move |ecp| ecp::arm(ecp, &arm)).ecp("hand", ecp::hand).program(move |mp| {
-                let belt = Uneven::about(speed, seed.wrapping_add(77));
-                let belt = match change {
-                    Some((time, share)) => belt.changing(time, share),
-                    None => belt,
-                };
+                let belt = Uneven::about(speed, seed.wrapping_add(77)).changing(profile);
                 mp::coordinate(mp, belt, (count as u32, patience), &fails)
             });
         let hand = plant.world.hand(0).ok_or_else(|| Fault::thrown("the cell has no arm"))?;

@@ -131,7 +131,7 @@ fn belt_changes(step: f64) {
     for share in [0.0, -0.8] {
         for time in moments(step) {
             let case = format!("share {share} from {time} s");
-            let changed = Settings { change: Some((time, share)), ..settings() };
+            let changed = Settings { profile: Box::leak(Box::new([(time, share)])), ..settings() };
             let (fate, fault) = judged(changed.ready().expect("a cell"), &case);
             assert_eq!(fault, None, "{case}");
             sorted += usize::from(fate == Fate::Sorted);

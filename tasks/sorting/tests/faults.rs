@@ -52,7 +52,7 @@ fn belt_changes(share: f64, seeds: &[u64], step: f64) {
     let mut passed = 0;
     for &seed in seeds {
         for time in moments(step) {
-            let settings = Settings { change: Some((time, share)), seed, ..settings() };
+            let settings = Settings { profile: Box::leak(Box::new([(time, share)])), seed, ..settings() };
             let case = format!("seed {seed}, at {time} s");
             let (fate, fault) = judged(settings.ready().expect("a cell"), &case);
             assert_eq!(fault, None, "{case}");

@@ -11,7 +11,9 @@ use nalgebra::Vector3;
 
 use super::kinds::{KINDS, Kind, kinds, lying, strangers};
 use super::layout::{ACROSS, FEED, X_WF};
+use super::run::Settings;
 use super::studio::{REFLECTANCE, TOLERANCE};
+use crate::generators::Uneven;
 
 /// A part that comes.
 #[derive(Clone, Debug)]
@@ -31,25 +33,31 @@ pub struct Coming {
     pub reflectance: f64,
 }
 
-/// So many parts from `first` \[s\] on: one every `every` \[s\] in the mean as Poisson's law says, but none less than `gap` \[s\] after another; the
-/// first one may be one of the [`strangers`].
+/// The parts of a run: one every so often in the mean as Poisson's law says, but none less than `gap` \[s\] after another; the first one, and
+/// every so many, may be one of the [`strangers`], and every so many comes so close behind another one that they touch.
 #[must_use]
-pub fn coming(
-    count: usize,
-    first: f64,
-    every: f64,
-    gap: f64,
-    seed: u64,
-    stranger: Option<usize>,
-) -> Vec<Coming> {
+pub fn coming(settings: &Settings, gap: f64) -> Vec<Coming> {
+    let Settings { parts: count, every, seed, stranger, strangers: each_strange, touching, .. } = *settings;
     let mut random = Noise::seeded(seed);
     let mut made: Vec<_> = kinds();
-    made.extend(stranger.and_then(|which| strangers().into_iter().nth(which)));
-    let mut time = first;
-    let mut next = |number| {
-        let is_strange = number == 0 && stranger.is_some();
+    made.extend(strangers());
+    let speed = Uneven::about(settings.speed, seed.wrapping_add(77)).speed();
+    let is_due = |number: usize, each: usize| each > 0 && number > 0 && number.is_multiple_of(each);
+    let mut time = settings.first();
+    let mut before: Option<(f64, f64)> = None;
+    let mut next = |number: usize| {
         let drawn = ((random.uniform() * KINDS as f64) as usize).min(KINDS - 1);
-        let coming = part(&made, if is_strange { KINDS } else { drawn }, time, &mut random);
+        let kind = match stranger.filter(|_| number == 0) {
+            Some(which) => KINDS + which,
+            None if is_due(number, each_strange) => KINDS + (number / each_strange) % (made.len() - KINDS),
+            None => drawn,
+        };
+        let mut coming = part(&made, kind, time, &mut random);
+        let half = coming.half_along();
+        if let Some((came, length)) = before.filter(|_| is_due(number, touching)) {
+            coming.time = came + (length + half + CLOSE) / speed;
+        }
+        before = Some((coming.time, half));
         time += gap - (every - gap).max(0.0) * random.uniform().ln();
         coming
     };
@@ -59,6 +67,7 @@ pub fn coming(
 #[allow(non_snake_case)]
 fn part(made: &[Kind], kind: usize, time: f64, random: &mut Noise) -> Coming {
     let (form, body, in_body) = made[kind].made(1.0 + random.between(-TOLERANCE, TOLERANCE));
+    let kind = kind.min(KINDS);
     let angle = random.between(-PI, PI);
     let X_BP = Pose::translation(in_body.x, in_body.y, in_body.z);
     // Its middle comes to the place, whatever its frame is.
@@ -71,7 +80,18 @@ fn part(made: &[Kind], kind: usize, time: f64, random: &mut Noise) -> Coming {
     Coming { time, kind, form, body: body.at(X_WB), X_BP, reflectance }
 }
 
+/// Parts that touch are so far apart, for what the belt's speed has wandered by then \[m\].
+const CLOSE: f64 = 1e-3;
+
 impl Coming {
+    /// Half of its length along the belt \[m\].
+    fn half_along(&self) -> f64 {
+        let truly = self.place(&self.body.pose());
+        let along = self.form.corners().map(|corner| (truly * nalgebra::Point3::from(corner)).x);
+        let (least, most) = along.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
+        0.5 * (most - least)
+    }
+
     /// What sensors see of it.
     #[must_use]
     #[allow(non_snake_case)]

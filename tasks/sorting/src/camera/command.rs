@@ -166,8 +166,12 @@ struct Kept {
 pub fn sort(options: &Options) -> Said {
     let (parts, seed) = (options.parts as usize, options.seed.into());
     let every = options.every.unwrap_or(Settings::CYCLE / (0.6 * f64::from(options.arms)));
+    let each = |count: Option<u32>| count.map_or(0, |count| count as usize);
     let settings = Settings {
         regular: regular(options),
+        strangers: each(options.strangers),
+        touching: each(options.touching),
+        profile: options.lasting_profile(),
         ..Settings::of(options.belt, parts, every, seed).below(overhead(options)).by(options.arms as usize)
     };
     let way = parts as f64 * every * options.belt * 1.2;

@@ -52,8 +52,12 @@ pub struct Settings {
     pub regular: f64,
     /// Which of the strangers comes first, if any.
     pub stranger: Option<usize>,
-    /// When the belt stops or turns back \[s\], and at which share of its speed it goes on.
-    pub change: Option<(f64, f64)>,
+    /// Every so many parts comes a stranger, and one that touches the part before it; 0: none.
+    pub strangers: usize,
+    /// See [`strangers`](Self::strangers).
+    pub touching: usize,
+    /// From when on \[s\] the belt goes at which share of its speed.
+    pub profile: &'static [(f64, f64)],
     /// What is over the belt.
     pub overhead: Overhead,
     /// How many arms are at it, 1 or 2.
@@ -201,7 +205,9 @@ impl Settings {
             every,
             regular: Self::REGULAR,
             stranger: None,
-            change: None,
+            strangers: 0,
+            touching: 0,
+            profile: &[],
             overhead: Overhead::Camera,
             arms: 1,
             margin: MARGIN,
@@ -284,8 +290,7 @@ impl Settings {
         let slowest = (1.0 - 1.1 * Uneven::OFF) * self.speed;
         let gap = self.spacing() / slowest;
         let apart = gap.max(self.regular * self.every);
-        let parts = coming(self.parts, self.first(), self.every, apart, self.seed, self.stranger);
-        let parts: Rc<[Coming]> = parts.into();
+        let parts: Rc<[Coming]> = coming(self, apart).into();
         let world = bins(self.arms).map_err(|error| wrong(&error))?;
         for part in parts.iter() {
             world.put_at(&part.body, part.time).map_err(|error| wrong(&error))?;
@@ -307,18 +312,14 @@ impl Settings {
             cell = cell.ecp(arm, |ecp| ecp::arm(ecp, station)).ecp(hand, |ecp| ecp::hand(ecp, station));
         }
         let patience = 8.0 * self.every.max(gap) + (LAST + longer - FEED) / slowest + self.first();
-        let Self { speed, seed, change, parts: count, .. } = *self;
+        let Self { speed, seed, profile, parts: count, .. } = *self;
         let late = Rc::<RefCell<Vec<u32>>>::default();
         let missed = late.clone();
         let vain = Rc::<RefCell<Vec<(u32, usize)>>>::default();
         let tried = vain.clone();
         let arms = stations.len();
         let cell = cell.program(move |mp| {
-            let belt = Uneven::about(speed, seed.wrapping_add(77));
-            let belt = match change {
-                Some((time, share)) => belt.changing(time, share),
-                None => belt,
-            };
+            let belt = Uneven::about(speed, seed.wrapping_add(77)).changing(profile);
             if arms > 1 {
                 let shared = share::coordinate(mp, eye, belt, Shared::of(count as u32, patience))?;
                 missed.replace(shared.late());

@@ -17,8 +17,8 @@ pub struct Uneven {
     /// How fast it is, and how far \[m/s, m\].
     now: f64,
     x: f64,
-    /// When it stops or turns back \[s\], and at which share of its speed it then goes on.
-    change: Option<(f64, f64)>,
+    /// From when on \[s\] it goes at which share of its speed.
+    profile: &'static [(f64, f64)],
     age: f64,
 }
 
@@ -35,13 +35,13 @@ impl Uneven {
     pub fn about(nominal: f64, seed: u64) -> Self {
         let mut random = Noise::seeded(seed);
         let speed = nominal * (1.0 + random.between(-Self::OFF, Self::OFF));
-        Self { random, speed, share: 0.0, rate: 0.0, left: 0.0, now: 0.0, x: 0.0, change: None, age: 0.0 }
+        Self { random, speed, share: 0.0, rate: 0.0, left: 0.0, now: 0.0, x: 0.0, profile: &[], age: 0.0 }
     }
 
-    /// The same that goes on at this share of its speed after `time` \[s\]: 0 stops it, -1 turns it back.
+    /// The same that goes at these shares of its speed, each from a time on \[s\]: 0 stops it, -1 turns it back.
     #[must_use]
-    pub const fn changing(self, time: f64, share: f64) -> Self {
-        Self { change: Some((time, share)), ..self }
+    pub const fn changing(self, profile: &'static [(f64, f64)]) -> Self {
+        Self { profile, ..self }
     }
 
     /// The speed about which it wanders [m/s].
@@ -66,8 +66,9 @@ impl Uneven {
             self.rate = self.random.between(-Self::WANDERING, Self::WANDERING);
         }
         self.share += self.rate * t.dt;
-        let fault = self.change.filter(|(time, _)| self.age > *time).map_or(1.0, |(_, share)| share);
-        let wanted = self.speed * (1.0 + self.share) * fault;
+        let begun = self.profile.iter().filter(|(time, _)| self.age > *time);
+        let share = begun.last().map_or(1.0, |(_, share)| *share);
+        let wanted = self.speed * (1.0 + self.share) * share;
         let change = Self::ACCELERATION * t.dt;
         self.now += (wanted - self.now).clamp(-change, change);
         self.x += self.now * t.dt;
