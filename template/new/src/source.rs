@@ -6,11 +6,17 @@ use crate::choices::Given;
 use crate::error::Error;
 use crate::template::Template;
 
-/// The checkout that this program was built from, when it is still there.
+/// The checkout that this program was built from, when it is still there and the program is run from it: a copy of the program knows
+/// nothing of the folder in which somebody has built it.
 #[must_use]
 pub fn checkout() -> Option<PathBuf> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).ancestors().nth(2)?;
-    is_checkout(root).then(|| root.to_owned())
+    let built = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let root = built.ancestors().nth(2)?;
+    let is_there = std::env::current_exe().is_ok_and(|program| program.starts_with(root));
+    // As cargo tells what it runs, wherever its target folder is.
+    let is_run_by_cargo =
+        std::env::var_os("CARGO_MANIFEST_DIR").is_some_and(|folder| Path::new(&folder) == built);
+    (is_checkout(root) && (is_there || is_run_by_cargo)).then(|| root.to_owned())
 }
 
 fn is_checkout(folder: &Path) -> bool {
@@ -31,7 +37,7 @@ pub fn complete(template: &Template, given: &mut Given, checkout: Option<&Path>)
         (None, None, Some(_)) => "git".to_owned(),
         (None, None, None) if checkout.is_some() => "path".to_owned(),
         (None, None, None) => {
-            let what = "mrroc is not where this program was built any more";
+            let what = "nothing says where mrroc is";
             let help = "say where it lies by `--define mrroc_path=FOLDER`, or take it from elsewhere by `--define mrroc_source=registry` or `mrroc_git=ADDRESS`";
             return Err(Error::refused(what, help));
         }
