@@ -320,10 +320,11 @@ fn set_up<const N: usize, R: Driven<N> + Kinematics<N>>(
 ) -> Result<RobotSetup<R>, CellError> {
     let start: SVector<f64, N> = entry.start(&robot)?;
     robot.check_coupled(&start, &start, 1.0).map_err(|limit| {
-        let CoupledLimit { joint, what, excess: Excess { actual, limit, unit } } = limit;
+        let CoupledLimit { joint, what, excess } = limit;
+        let (Excess { actual, limit, unit }, allowed) = (excess, excess.allowed());
         let space = if unit.is_empty() { "" } else { " " };
         let what = format!(
-            "the drives cannot take this `start`: joint {}: {what} {actual:.4}{space}{unit}, limit {limit:.4}{space}{unit}",
+            "the drives cannot take this `start`: joint {}: {what} {actual:.4}{space}{unit}, {allowed} {limit:.4}{space}{unit}",
             joint + 1
         );
         entry.refuse_start(what, format!("write joint positions that they can take, such as {example:?}"))

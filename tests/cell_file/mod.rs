@@ -702,3 +702,39 @@ fn what_is_wrong_with_signals_frames_and_tools_is_told_with_what_to_write() {
         "{refused}"
     );
 }
+
+#[test]
+fn what_is_improbable_in_a_cell_is_asked_about() {
+    let questions = |text: &str| {
+        let file = CellFile::parse("cell.toml", text).expect("allowed");
+        let layout = file.cell(&simulated()).expect("kinds are known").layout();
+        let in_one_place = file.arms_in_one_place(&layout).len();
+        (file.questions().map(ToString::to_string).unwrap_or_default(), in_one_place)
+    };
+    assert_eq!(questions(GOOD), (String::new(), 0));
+    for (probable, improbable, line, asked) in [
+        ("position = [0.0, 0.0, 0.1]", "position = [0.0, 0.0, 100]", 7, "100 m away: are these millimetres?"),
+        ("position = [0.0, 0.0, 0.1]", "position = [0.0, 0.0, 5]", 7, "5 m away: are these millimetres?"),
+        (
+            "position = [0.0, 1.5, 0.0]",
+            "position = [0.0, 600, 0.0]",
+            12,
+            "600 m away: are these millimetres?",
+        ),
+        ("zyz = [2.5, 0.0, 0.0]", "zyz = [90, 0.0, 0.0]", 12, "90 rad: are these degrees?"),
+        ("zyz = [2.5, 0.0, 0.0]", "zyz = [2.5, -180, 0.0]", 12, "180 rad: are these degrees?"),
+    ] {
+        let (text, _) = questions(&GOOD.replace(probable, improbable));
+        assert!(
+            text.starts_with(&format!("cell.toml:{line}:")) && text.contains(asked),
+            "{improbable}: {text}"
+        );
+    }
+    let tool = "\n[tools.pen]\nposition = [0.0, 0.0, 0.1]\nmass = 0.3\ncentre = [0, 0, 40]\n[frames.table]\nposition = [400, 0, 0]\n";
+    let (text, _) = questions(&format!("{GOOD}{tool}"));
+    assert!(text.contains("40 m away") && text.contains("400 m away"), "{text}");
+    // Without its base one arm stands in the other; a belt may.
+    let in_one_place = GOOD.replace("base = { position = [0.0, 1.5, 0.0], zyz = [2.5, 0.0, 0.0] }", "");
+    assert_eq!(questions(&in_one_place).1, 1);
+    assert_eq!(questions(&format!("{GOOD}\n[robots.belt]\nkind = \"conveyor\"\n")).1, 0);
+}

@@ -312,7 +312,7 @@ fn fault_23_each_cause_of_a_pose_without_joint_positions_has_its_figures_and_its
                 unit: "rad",
             },
             "not attainable, tool demanded at (-10.0000, -10.0000, -10.0000) m: lean out of the arm's plane: \
-             0.250000 rad, limit 0.000001 rad",
+             0.250000 rad, at most 0.000001 rad",
             "the message names the direction",
         ),
         (

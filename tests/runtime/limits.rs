@@ -131,7 +131,7 @@ fn all_that_is_wrong_with_a_cell_is_told_at_once() {
     assert_eq!(texts.len(), 6, "{texts:?}");
     assert!(texts[0].contains("`a` joint 1: acceleration limit -1 m/s²"), "{}", texts[0]);
     assert!(texts[1].contains("`a` joint 2: lower position limit -1 m must be below"), "{}", texts[1]);
-    assert!(texts[2].contains("`b` joint 3: a stop may take 1.021 s, limit 0.600 s"), "{}", texts[2]);
+    assert!(texts[2].contains("`b` joint 3: a stop may take 1.021 s, at most 0.600 s"), "{}", texts[2]);
     assert_eq!(errors[3], CellError::Twice(mrroc::fault::Name::new("b").expect("a name")));
     assert!(matches!(&errors[4], CellError::NoSuchRobot(_, robot) if robot == "c"), "{}", texts[4]);
     assert_eq!(errors[5], CellError::NoProgram);
@@ -171,7 +171,7 @@ fn a_robot_s_own_stop_time_takes_the_place_of_the_cell_s() {
     assert_eq!(cell(millis(622), millis(100)).stop_limit(), millis(622));
     assert_eq!(cell(millis(622), millis(100)).layout().robots[0].stop_time, millis(622));
     let why = cell(millis(620), millis(5000)).run().expect_err("its own time is too short").to_string();
-    assert!(why.contains("`slow` joint 1: a stop may take 0.621 s, limit 0.620 s"), "{why}");
+    assert!(why.contains("`slow` joint 1: a stop may take 0.621 s, at most 0.620 s"), "{why}");
     assert!(why.contains("stop_ms = 621 in [robots.slow] of cell.toml"), "{why}");
     // Others keep the cell's.
     let both =

@@ -274,7 +274,7 @@ fn fault_88_a_cell_whose_robots_could_not_stop_in_time_after_a_silence_is_refuse
     };
     assert!(patient(MS * 301).check().is_ok());
     let refused = patient(MS * 299).check().expect_err("too late").to_string();
-    assert!(refused.contains("robot `g` joint 1: a stop may take 0.300 s, limit 0.299 s"), "{refused}");
+    assert!(refused.contains("robot `g` joint 1: a stop may take 0.300 s, at most 0.299 s"), "{refused}");
 }
 
 /// A controller that may say nothing for 200 ms.

@@ -220,6 +220,15 @@ pub(crate) fn check_motors_on_ways<const N: usize, const WAYS: usize>(
     Ok(())
 }
 
+/// The limits that these checks keep, in words.
+pub(crate) fn motor_limits_in_words<const N: usize>(robot: &impl Driven<N>) -> Vec<String> {
+    let MotorLimits { lower, upper, speed } = robot.motor_limits();
+    let range = |i: usize| {
+        format!("motor {}: {:.1} to {:.1} rad, at most {speed:.1} rad/s", i + 1, lower[i], upper[i])
+    };
+    (0..N).map(range).collect()
+}
+
 /// Whether the motors may turn so far in `duration` \[s\].
 fn check_turn<const N: usize>(
     limits: &MotorLimits<N>,

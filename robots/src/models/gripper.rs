@@ -24,7 +24,9 @@ use nalgebra::{Translation3, Vector3};
 
 use crate::dynamics::{Segment, Tree};
 use crate::models::base::Base;
-use crate::models::drives::{Driven, Encoder, Gains, MotorData, MotorLimits, Overload, Shafts, check_motors};
+use crate::models::drives::{
+    Driven, Encoder, Gains, MotorData, MotorLimits, Overload, Shafts, check_motors, motor_limits_in_words,
+};
 use crate::models::kinematics::{Jacobian, Kinematics, column, way_along_x};
 use crate::models::urdf::export::exported;
 use crate::models::vectors::One;
@@ -100,6 +102,10 @@ impl Robot for Gripper {
 
     fn limits(&self) -> &Limits<One> {
         &self.limits
+    }
+
+    fn coupled_limits(&self) -> Vec<String> {
+        motor_limits_in_words(self)
     }
 
     fn check_coupled(&self, from: &One, to: &One, duration: f64) -> Result<(), CoupledLimit> {

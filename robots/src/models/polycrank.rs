@@ -57,7 +57,9 @@ use nalgebra::{Quaternion, Translation3, UnitQuaternion, Vector3};
 
 use crate::dynamics::Tree;
 use crate::models::base::Base;
-use crate::models::drives::{Driven, Encoder, GRAVITY, MotorData, MotorLimits, Shafts, check_motors};
+use crate::models::drives::{
+    Driven, Encoder, GRAVITY, MotorData, MotorLimits, Shafts, check_motors, motor_limits_in_words,
+};
 use crate::models::kinematics::{Jacobian, Kinematics, column, doubled};
 use crate::models::shape::Outline;
 use crate::models::sines::sin_cos;
@@ -200,6 +202,10 @@ impl Robot for Polycrank {
 
     fn limits(&self) -> &Limits<Seven> {
         &self.limits
+    }
+
+    fn coupled_limits(&self) -> Vec<String> {
+        motor_limits_in_words(self)
     }
 
     fn check_coupled(&self, from: &Seven, to: &Seven, duration: f64) -> Result<(), CoupledLimit> {

@@ -46,7 +46,9 @@ use nalgebra::{Quaternion, Translation3, UnitQuaternion, Vector2, Vector3};
 
 use crate::dynamics::Dynamics;
 use crate::models::base::Base;
-use crate::models::drives::{Driven, GRAVITY, MotorData, MotorLimits, Shafts, check_motors};
+use crate::models::drives::{
+    Driven, GRAVITY, MotorData, MotorLimits, Shafts, check_motors, motor_limits_in_words,
+};
 use crate::models::irp6::Irp6;
 use crate::models::kinematics::{Jacobian, Kinematics, closest, column, doubled};
 use crate::models::shape::Outline;
@@ -238,6 +240,12 @@ impl Robot for Rnt {
 
     fn limits(&self) -> &Limits<Six> {
         &self.limits
+    }
+
+    fn coupled_limits(&self) -> Vec<String> {
+        let transmission =
+            format!("sine of the linkage's transmission angle: at least {:.3}", Self::TRANSMISSION);
+        motor_limits_in_words(self).into_iter().chain([transmission]).collect()
     }
 
     fn check_coupled(&self, from: &Six, to: &Six, duration: f64) -> Result<(), CoupledLimit> {

@@ -22,7 +22,7 @@ use nalgebra::{Translation3, Vector3};
 
 use crate::dynamics::{Segment, Tree};
 use crate::models::base::Base;
-use crate::models::drives::{Driven, MotorData, MotorLimits, Shafts, check_motors};
+use crate::models::drives::{Driven, MotorData, MotorLimits, Shafts, check_motors, motor_limits_in_words};
 use crate::models::gripper::Gripper;
 use crate::models::kinematics::{Jacobian, Kinematics, column, way_along_x};
 use crate::models::urdf::export::exported;
@@ -95,6 +95,10 @@ impl Robot for TwoFingers {
 
     fn limits(&self) -> &Limits<One> {
         &self.limits
+    }
+
+    fn coupled_limits(&self) -> Vec<String> {
+        motor_limits_in_words(self)
     }
 
     fn check_coupled(&self, from: &One, to: &One, duration: f64) -> Result<(), CoupledLimit> {

@@ -2,7 +2,8 @@
 //!
 //! In: the demanded position of every joint in every step. Out: the largest velocity, acceleration and jerk, as first,
 //! second and third differences of positions over the step, and the smallest distance from a position limit; and the first
-//! step of a motion that leaves too little for a suspension. Limits are checked where demands are accepted, and not here.
+//! step of a motion that leaves too little for a suspension. Accelerations and jerks are those of motions: what ends a motion or brakes
+//! may take all of a limit. Limits are checked where demands are accepted, and not here.
 
 use std::cell::RefCell;
 use std::fmt;
@@ -42,17 +43,17 @@ impl Course {
         Course { position, velocity: 0.0, acceleration: 0.0, jerk: 0.0, extremes }
     }
 
-    fn advance(&mut self, position: f64, joint: &JointLayout, step: f64) {
+    fn advance(&mut self, position: f64, joint: &JointLayout, step: f64, mode: Mode) {
         let velocity = (position - self.position) / step;
         let acceleration = (velocity - self.velocity) / step;
         let jerk = (acceleration - self.acceleration) / step;
-        let Extremes { velocity: v, acceleration: a, jerk: j, margin: m } = self.extremes;
-        self.extremes = Extremes {
-            velocity: v.max(velocity.abs()),
-            acceleration: a.max(acceleration.abs()),
-            jerk: j.max(jerk.abs()),
-            margin: m.min(margin(position, joint)),
-        };
+        let extremes = &mut self.extremes;
+        extremes.velocity = extremes.velocity.max(velocity.abs());
+        extremes.margin = extremes.margin.min(margin(position, joint));
+        if mode == Mode::Moving {
+            extremes.acceleration = extremes.acceleration.max(acceleration.abs());
+            extremes.jerk = extremes.jerk.max(jerk.abs());
+        }
         self.position = position;
         self.velocity = velocity;
         self.acceleration = acceleration;
@@ -132,8 +133,7 @@ impl Approach {
             return;
         }
         for (i, ((course, joint), position)) in courses.iter_mut().zip(joints).zip(positions).enumerate() {
-            course.advance(position, joint, period);
-            // What ends a motion or brakes is no part of its plan.
+            course.advance(position, joint, period, mode);
             if mode != Mode::Moving {
                 continue;
             }
@@ -227,6 +227,7 @@ mod tests {
             space: InterpolationSpace::Joints,
             mounted_on: None,
             stop_time: Duration::from_millis(600),
+            coupled_limits: Vec::new(),
             signals: Vec::new(),
             joints: vec![joint],
             figure: Arc::new(Nowhere),
@@ -266,6 +267,17 @@ mod tests {
             approach.too_near().is_some()
         };
         assert!(!told(0.9, Mode::Moving) && told(0.91, Mode::Moving) && !told(1.0, Mode::Braking));
+        // And the table says of a motion what is judged: at 0.9 it is well, whatever its end takes.
+        let approach = Approach::of(layout(step, vec![slide("arm", step)]));
+        let by = ProcessId::new(Role::Edp, Name::new("arm").expect("a name"));
+        for (k, (position, mode)) in
+            [(0.0, Mode::Holding), (36e-6, Mode::Moving), (36e-6, Mode::Holding)].into_iter().enumerate()
+        {
+            let mut words = [0; mrroc_core::observe::witness::IMAGE_WORDS];
+            words[0] = f64::to_bits(position);
+            approach.see(0, by, &What::Image { step: k as u64, mode }, &words);
+        }
+        assert!((approach.extremes(0)[0].acceleration - 9.0).abs() < 1e-9, "{approach}");
     }
 
     #[test]

@@ -28,6 +28,7 @@ use std::process::ExitCode;
 use mrroc_core::cell::{Cell, CellError, RunPicture};
 use mrroc_core::console::{refused, say};
 use mrroc_core::link::Clock;
+use mrroc_core::observe::layout::{HardwareLayout, Layout};
 use mrroc_core::observe::{NotRecorded, Recording};
 
 use crate::cell_file::CellFile;
@@ -87,10 +88,12 @@ pub fn launch(
         )
         | None => {}
     }
-    let assembled = CellFile::read(&path).map_err(CellError::from).and_then(|file| cell(&file));
-    let checked = assembled.and_then(|mut cell| cell.check().map(|_| parts.equip(cell)));
-    let mut cell = match checked {
-        Ok(cell) => cell,
+    let assembled = CellFile::read(&path)
+        .map_err(CellError::from)
+        .and_then(|file| Ok((cell(&file)?, file)))
+        .and_then(|(mut cell, file)| cell.check().map(|_| (parts.equip(cell), file)));
+    let (mut cell, file) = match assembled {
+        Ok(assembled) => assembled,
         Err(error) => return cell_refused(&error),
     };
     let asked = match &options.word {
@@ -110,12 +113,14 @@ pub fn launch(
     if let Some((asked, name)) = asked {
         return telling::tell(&mut cell, &path, name, asked);
     }
-    if options.simulates() && !options.check {
+    // A plain run is under the virtual clock, which no hardware follows: where robots are simulated anyway, so are their sensors.
+    let is_plain = options.is_plain() && has_real_sensors_alone(&cell.layout());
+    if (options.simulates() || is_plain) && !options.check {
         cell = match cell.simulated() {
             Ok(cell) => cell,
             Err(error) => return cell_refused(&error),
         };
-        if options.simulated && options.part.is_none() && !options.quiet {
+        if (options.simulated || is_plain) && options.part.is_none() && !options.quiet {
             stand_ins(&cell.layout()).for_each(|told| note(&told));
         }
     }
@@ -157,7 +162,8 @@ pub fn launch(
             Some(Clock::Real) => "iceoryx2, in real time",
         };
         let table = Table::of(&cell, link).to_string();
-        let well = format!("{}: nothing is wrong with the cell\n\n{table}", path.display());
+        let questions = questions(&file, &cell.layout());
+        let well = format!("{}: nothing is wrong with the cell\n\n{table}{questions}", path.display());
         // No driver has been opened. Whether anything could stand in for those of real drives is known only if it is made.
         let well = match cell.simulated() {
             Ok(_) => well,
@@ -183,10 +189,43 @@ pub fn launch(
     {
         return status;
     }
+    if options.part.is_none() && clock == Some(Clock::Real) && !options.quiet && lacks_priority(&cell) {
+        note(NO_PRIORITY);
+    }
     let is_shown = options.panel && options.part.is_none();
     let _panel =
         is_shown.then(|| panel::begin([OsString::from("panel"), "--cell".into(), path.clone().into()]));
     watched(cell, picture, path, options, parts)
+}
+
+/// Whether some sensors of a cell read hardware, and no robot has any.
+fn has_real_sensors_alone(layout: &Layout) -> bool {
+    let is_real = |hardware: &HardwareLayout| match hardware {
+        HardwareLayout::Real(_) | HardwareLayout::Simulator(_) => true,
+        HardwareLayout::Nothing | HardwareLayout::StandIn(_) => false,
+    };
+    layout.sensors.iter().any(|sensor| is_real(&sensor.hardware))
+        && !layout.robots.iter().any(|robot| is_real(&robot.drives))
+}
+
+/// What is said of a cell with several arms that asks for no priority.
+const NO_PRIORITY: &str = "no priority is asked of this machine: arms that one Move leads by poses stop together when it is late by two steps\n help: write [realtime] into cell.toml, with priority = 50 and permission = \"best effort\"";
+
+/// Whether a cell has several arms, and asks for no priority.
+fn lacks_priority(cell: &Cell) -> bool {
+    let arms = cell.layout().robots.iter().filter(|robot| robot.joints.len() > 3).count();
+    cell.realtime().is_none() && arms > 1
+}
+
+/// What is improbable in a cell, as `--check` asks about it.
+fn questions(file: &CellFile, layout: &Layout) -> String {
+    let of_file = file
+        .questions()
+        .map(|asked| format!("\nquestion: {}\n", asked.to_string().replace("\nerror: ", "\nquestion: ")));
+    let in_one_place = file.arms_in_one_place(layout).into_iter().map(|[a, b]| {
+        format!("\nquestion: robots `{a}` and `{b}` stand in one place\n help: give each a `base` of its own, where it stands in the world\n")
+    });
+    of_file.into_iter().chain(in_one_place).collect()
 }
 
 /// Has the processes of a node.

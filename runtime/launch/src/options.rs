@@ -237,6 +237,11 @@ impl Options {
         self.simulated || self.dry_run && self.clock().is_none() && self.part.is_none()
     }
 
+    /// Whether the program of the cell runs in this process, by no word and no other option.
+    pub(super) fn is_plain(&self) -> bool {
+        self.word.is_none() && self.part.is_none() && !self.dry_run && self.clock().is_none()
+    }
+
     /// By which clock the cell runs as processes of the operating system; `None` if it does not.
     pub(super) fn clock(&self) -> Option<Clock> {
         match (self.processes, self.lock_step) {

@@ -15,7 +15,8 @@ use mrroc_core::operator::button::CellState;
 enum Awaited {
     /// The end of a run.
     Run,
-    /// The end of a run that an operator can suspend from another terminal.
+    /// The end of a run in real time, which takes as long as its motions do, and which an operator sees and stops from another
+    /// terminal: its length is no news.
     OperatedRun,
     /// The end of a dry run, in which nothing moves.
     DryRun,
@@ -37,7 +38,7 @@ impl Patience {
         Patience::of(Awaited::Run)
     }
 
-    /// The same for a run with consoles: who has suspended it knows.
+    /// The same for a run in real time with consoles: notes about faults alone.
     pub fn begin_operated() -> Patience {
         Patience::of(Awaited::OperatedRun)
     }
@@ -69,7 +70,6 @@ impl Patience {
             }
             if step % 1024 == 0
                 && !waits_for_something_else(operator)
-                && !(suspended && matches!(self.awaited, Awaited::OperatedRun))
                 && let Some(text) = self.after(self.since.elapsed(), step, suspended)
             {
                 note(&text);
@@ -106,11 +106,12 @@ impl Patience {
         self.next = elapsed * 2;
         let seconds = elapsed.as_secs();
         Some(match self.awaited {
+            Awaited::OperatedRun => return None,
             Awaited::Run | Awaited::DryRun if suspended => format!(
                 "still suspended after {seconds} s, in step {step}: on the memory link no console resumes it, only the program \
                  that has suspended it can; run it by --processes to resume it from another terminal; stop it by Ctrl-C"
             ),
-            Awaited::Run | Awaited::OperatedRun => format!(
+            Awaited::Run => format!(
                 "still running after {seconds} s, in step {step}: a motion ends where its step function returns `Step::Done`, a \
                  Wait where its condition holds; stop the program by Ctrl-C"
             ),
@@ -174,6 +175,14 @@ mod tests {
         assert_eq!(told, [10, 20, 40, 80]);
         let text = patience.after(Duration::from_secs(160), 80_000, false).expect("160 s is twice 80 s");
         assert!(text.contains("160 s, in step 80000") && text.contains("`Step::Done`"), "{text}");
+    }
+
+    #[test]
+    fn a_run_in_real_time_is_not_told_of_however_long_it_takes() {
+        let mut patience = Patience::begin_operated();
+        let told =
+            (0..10_000).filter_map(|second| patience.after(Duration::from_secs(second), second, false));
+        assert_eq!(told.count(), 0);
     }
 
     #[test]

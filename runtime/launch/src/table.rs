@@ -155,6 +155,7 @@ impl Table<'_> {
             .iter()
             .enumerate()
             .try_for_each(|(i, joint)| self.joint(i, joint, robot.stop_time, f))?;
+        robot.coupled_limits.iter().try_for_each(|limit| writeln!(f, "{limit}"))?;
         robot.signals.iter().try_for_each(|SignalLayout { name, channel, is_output, note }| {
             let direction = if *is_output { "output" } else { "input" };
             let channel = channel.to_string();

@@ -109,6 +109,13 @@ impl Robot for Fr3 {
         &self.limits
     }
 
+    fn coupled_limits(&self) -> Vec<String> {
+        vec![
+            "velocities become lower towards both ends of each joint's range, as the robot's own limits do"
+                .to_owned(),
+        ]
+    }
+
     fn check_coupled(&self, from: &Joints, to: &Joints, duration: f64) -> Result<(), CoupledLimit> {
         limits::check_speed(from, to, duration)
     }

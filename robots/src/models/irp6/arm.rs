@@ -55,7 +55,7 @@ use super::wrist::{Side, Wrist};
 use crate::dynamics::Tree;
 use crate::models::base::Base;
 use crate::models::drives::{Driven, Encoder, GRAVITY, Gains, MotorData, MotorLimits, Shafts};
-use crate::models::drives::{check_motors, check_motors_on_ways};
+use crate::models::drives::{check_motors, check_motors_on_ways, motor_limits_in_words};
 use crate::models::kinematics::{Jacobian, Kinematics};
 use crate::models::shape::Outline;
 use crate::models::urdf::export::exported;
@@ -231,6 +231,10 @@ impl Robot for Irp6 {
 
     fn near_singularity(&self, q: &Six) -> Option<&'static str> {
         (Self::wrist_singularity_distance(q) < Self::NEAR_SINGULARITY).then_some("near the wrist singularity")
+    }
+
+    fn coupled_limits(&self) -> Vec<String> {
+        motor_limits_in_words(self)
     }
 
     fn check_coupled(&self, from: &Six, to: &Six, duration: f64) -> Result<(), CoupledLimit> {

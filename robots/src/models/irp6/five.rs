@@ -40,7 +40,7 @@ use super::links::{Elbow, Geometry, two_links};
 use super::transmission::Transmission;
 use crate::dynamics::Tree;
 use crate::models::base::Base;
-use crate::models::drives::{Driven, MotorData, MotorLimits, Shafts, check_motors};
+use crate::models::drives::{Driven, MotorData, MotorLimits, Shafts, check_motors, motor_limits_in_words};
 use crate::models::kinematics::{Jacobian, Kinematics, closest, doubled};
 use crate::models::shape::Outline;
 use crate::models::sines::sin_cos;
@@ -187,6 +187,10 @@ impl Robot for Irp6FiveDof {
 
     fn limits(&self) -> &Limits<Five> {
         &self.limits
+    }
+
+    fn coupled_limits(&self) -> Vec<String> {
+        motor_limits_in_words(self)
     }
 
     fn check_coupled(&self, from: &Five, to: &Five, duration: f64) -> Result<(), CoupledLimit> {

@@ -33,7 +33,9 @@ use super::links::Geometry;
 use super::transmission::{Linear, Transmission};
 use crate::dynamics::Tree;
 use crate::models::base::Base;
-use crate::models::drives::{Driven, Gains, MotorData, MotorLimits, Shafts, check_motors};
+use crate::models::drives::{
+    Driven, Gains, MotorData, MotorLimits, Shafts, check_motors, motor_limits_in_words,
+};
 use crate::models::kinematics::{Jacobian, Kinematics, column};
 use crate::models::shape::Outline;
 use crate::models::urdf::export::exported;
@@ -233,6 +235,10 @@ impl Robot for Irp6Track {
     fn near_singularity(&self, q: &Seven) -> Option<&'static str> {
         (Irp6::wrist_singularity_distance(&arm_of(q)) < Irp6::NEAR_SINGULARITY)
             .then_some("near the wrist singularity")
+    }
+
+    fn coupled_limits(&self) -> Vec<String> {
+        motor_limits_in_words(self)
     }
 
     fn check_coupled(&self, from: &Seven, to: &Seven, duration: f64) -> Result<(), CoupledLimit> {

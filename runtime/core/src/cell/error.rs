@@ -236,7 +236,7 @@ pub enum CellError {
     /// A joint that could not stop in the time that the cell allows its robot, by
     /// [`Cell::stop_time`](crate::cell::Cell::stop_time) or [`RobotSetup::stop_time`](crate::cell::RobotSetup::stop_time).
     #[error(
-        "robot `{robot}` joint {}: a stop may take {time:.3} s, limit {limit:.3} s: lower its velocity limit or allow it longer stops, stop_ms = {} in [robots.{robot}] of cell.toml",
+        "robot `{robot}` joint {}: a stop may take {time:.3} s, at most {limit:.3} s: lower its velocity limit or allow it longer stops, stop_ms = {} in [robots.{robot}] of cell.toml",
         joint + 1,
         (time * 1e3).ceil()
     )]

@@ -68,7 +68,10 @@ impl fmt::Display for DriveFault {
         }
         f.write_str(self.what())?;
         match self.excess() {
-            Some(Excess { actual, limit, unit }) => write!(f, ": {actual} {unit}, limit {limit} {unit}"),
+            Some(excess) => {
+                let Excess { actual, limit, unit } = excess;
+                write!(f, ": {actual} {unit}, {} {limit} {unit}", excess.allowed())
+            }
             None => Ok(()),
         }
     }

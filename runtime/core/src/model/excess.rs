@@ -17,4 +17,10 @@ impl Excess {
     pub const fn new(actual: f64, limit: f64, unit: &'static str) -> Self {
         Excess { actual, limit, unit }
     }
+
+    /// Which side of the limit is allowed, in words: `at least` it where the value is below it, else `at most` it.
+    #[must_use]
+    pub fn allowed(&self) -> &'static str {
+        if self.actual < self.limit { "at least" } else { "at most" }
+    }
 }

@@ -79,6 +79,12 @@ pub trait Robot: Clone + Send + Sync + 'static {
         self.check_coupled(to, stop, time)
     }
 
+    /// The limits that [`check_coupled`](Robot::check_coupled) checks, in words, one in each line: what is limited, by what, and the unit.
+    /// `--check` prints them. By default there are none.
+    fn coupled_limits(&self) -> Vec<String> {
+        Vec::new()
+    }
+
     /// The name of the singularity near which `q` lies, if there is one: joints must turn fast there even if the tool
     /// moves slowly. If a demanded pose asks too much of the joints there, the fault gives this name. `None` by
     /// default.

@@ -74,6 +74,8 @@ pub struct RobotLayout {
     pub mounted_on: Option<String>,
     /// The longest stop that it is allowed.
     pub stop_time: Duration,
+    /// Limits that cannot be said joint by joint, in words: [`Robot::coupled_limits`].
+    pub coupled_limits: Vec<String>,
     /// Its named inputs and outputs.
     pub signals: Vec<SignalLayout>,
     /// Its joints, from the base on.

@@ -1,5 +1,6 @@
 //! What to do about a fault: a sentence for the person at the terminal.
 
+use crate::model::excess::Excess;
 use crate::model::fault::{BY_OPERATOR, Fault, FaultKind, Role, UNSUPERVISED};
 use crate::model::robot_stop::Stopped;
 use crate::safety::limits::{AT_REDUCED_SPEED, DISAGREEMENT, GOAL, NOT_ATTAINABLE, NOT_FOUND, NOT_REDUNDANT};
@@ -19,6 +20,7 @@ impl Fault {
                      nothing has moved for it",
                 );
             }
+            K::DemandOutOfRange if self.message().contains("singularity") => return Some(BESIDE_SINGULARITY),
             K::DemandOutOfRange => {
                 "keep the motion within the joint's limits: a joint must always be able to stop before them"
             }
@@ -28,10 +30,7 @@ impl Fault {
             K::DemandedVelocity | K::DemandedAcceleration | K::DemandedJerk | K::StartPoseMismatch
                 if self.message().contains("singularity") =>
             {
-                return Some(
-                    "beside a singularity joints turn fast even if the tool moves slowly: demand joints there, as JointMove does, \
-                     or keep the tool away from it",
-                );
+                return Some(BESIDE_SINGULARITY);
             }
             K::DemandedVelocity => {
                 "move slower: give the motion more time, or its profile a lower velocity; near a singularity joints turn \
@@ -39,8 +38,8 @@ impl Fault {
             }
             K::DemandedAcceleration | K::DemandedJerk if self.is_of_first_demand() => {
                 return Some(
-                    "begin at rest and where the robot is: use a profile that starts slowly, and a first step, \
-                     `#[generator(.., first = begin)]`, that takes `e: &State<..>` and starts from `e.demanded()`",
+                    "begin exactly where the robot is, at `e.demanded()`, which a first step, `#[generator(.., first = begin)]`, is \
+                     given as `e: &State<..>`, and without an offset; then speed up slowly: look at how far the first demand is away",
                 );
             }
             K::DemandedAcceleration => {
@@ -49,6 +48,7 @@ impl Fault {
             K::DemandedJerk => {
                 "change the acceleration more slowly: use a smoother profile, or give the motion more time"
             }
+            K::NoInverseKinematics if self.is_far_away() => return Some(UNITS),
             K::NoInverseKinematics if self.says(DISAGREEMENT) => {
                 return Some(
                     "mend the robot's model: `inverse(forward(q), q)` must give `q`; test it for some positions in the limits",
@@ -103,6 +103,7 @@ impl Fault {
                      from `tick` what its encoders read after the drives got `demanded`",
                 );
             }
+            K::StartPoseMismatch if self.is_of_first_demand() && self.is_far_away() => return Some(UNITS),
             K::StartPoseMismatch if self.is_of_first_demand() => BEGIN,
             K::StartPoseMismatch => {
                 return Some(
@@ -178,11 +179,22 @@ impl Fault {
         Some(if self.is_of_first_demand() { BEGIN } else { demanded })
     }
 
+    /// Whether it is about a place so far away as a number of millimetres or degrees makes it in the place of one of metres or radians.
+    fn is_far_away(&self) -> bool {
+        self.excess()
+            .is_some_and(|Excess { actual, unit, .. }| (unit == "m" || unit == "rad") && actual.abs() > 20.0)
+    }
+
     /// Whether its message begins with this: a stop may have added what became of it, as in `by the operator; left the path`.
     fn says(&self, what: &str) -> bool {
         self.message().starts_with(what)
     }
 }
+
+const BESIDE_SINGULARITY: &str = "beside a singularity joints turn fast even if the tool moves slowly: demand joints there, as JointMove does, \
+     or keep the tool away from it";
+
+const UNITS: &str = "write metres and radians: what is demanded is as far away as a number of millimetres or degrees would be";
 
 const BEGIN: &str = "begin where the robot is: write a first step, `#[generator(.., first = begin)]`, that takes `e: &State<..>` and \
      starts from `e.demanded()`, in an MP from `e.0.demanded()`, `e.1.demanded()` ..";

@@ -112,6 +112,7 @@ use std::rc::Rc;
 use mrroc_core::cell::Realtime;
 use mrroc_core::cell::{AfterFault, Cell, CellError, Nodes, SensorSetup};
 use mrroc_core::observe::Recording;
+use mrroc_core::observe::layout::Layout;
 use mrroc_core::pose::Pose;
 use mrroc_core::robot::Tool;
 use mrroc_core::sensor::Sensor;
@@ -132,6 +133,7 @@ use lower::LowerEntry;
 #[derive(Clone, Debug)]
 pub struct CellFile {
     source: Rc<Source>,
+    questions: Option<CellFileError>,
     step: Duration,
     stop_time: Option<Duration>,
     after_fault: AfterFault,
@@ -182,6 +184,28 @@ impl CellFile {
     #[must_use]
     pub fn poses(&self, robot: &str) -> PathBuf {
         crate::files::poses(Path::new(&self.source.file), robot)
+    }
+
+    /// What is allowed in the file but improbable, such as a tool of 300 m: probably it has another unit.
+    #[must_use]
+    pub const fn questions(&self) -> Option<&CellFileError> {
+        self.questions.as_ref()
+    }
+
+    /// The pairs of robots in a cell's layout that stand in one place although both are arms: probably one has no `base`.
+    #[must_use]
+    pub fn arms_in_one_place(&self, layout: &Layout) -> Vec<[&str; 2]> {
+        // A belt, a gripper or a table may well be where an arm is.
+        let is_arm =
+            |name: &str| layout.robots.iter().any(|robot| robot.name == name && robot.joints.len() > 3);
+        let stands = |robot: &&RobotEntry| robot.mounted_on().is_none() && is_arm(robot.name());
+        let arms: Vec<_> = self.robots.iter().filter(stands).collect();
+        let near = |a: &RobotEntry, b: &RobotEntry| {
+            let by = a.base().inv_mul(&b.base());
+            by.translation.vector.norm() < 1e-3 && by.rotation.angle() < 1e-3
+        };
+        let pairs = arms.iter().enumerate().flat_map(|(i, a)| arms[i + 1..].iter().map(move |b| (*a, *b)));
+        pairs.filter(|(a, b)| near(a, b)).map(|(a, b)| [a.name(), b.name()]).collect()
     }
 
     /// The step of the cell, `Ts`.

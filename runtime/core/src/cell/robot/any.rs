@@ -197,6 +197,7 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
             space: self.space,
             mounted_on: self.mounted_on.clone(),
             stop_time: self.stop_time.unwrap_or(stop_time),
+            coupled_limits: self.robot.coupled_limits(),
             signals: self.signals.layout(self.channels().unwrap_or(Channels::ALL).when_lost),
             joints: joints(&self.robot, &self.following_error),
             figure: Arc::new(self.robot.clone()),

@@ -280,7 +280,7 @@ impl Fault {
     }
 }
 
-/// `edp rnt joint 3: demanded velocity exceeds the limit: 2.91 rad/s, limit 2.62 rad/s in Move 7 (Carry) at step 10482`.
+/// `edp rnt joint 3: demanded velocity exceeds the limit: 2.91 rad/s, at most 2.62 rad/s in Move 7 (Carry) at step 10482`.
 impl fmt::Display for Fault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let report = &self.0;
@@ -299,10 +299,12 @@ impl fmt::Display for Fault {
             // A fault may come from a recording, and a text of a program from a file.
             write!(f, ": {}", quoted(report.text.as_str(), report.text.bytes.len()))?;
         }
-        if let Some(Excess { actual, limit, unit }) = report.excess {
+        if let Some(excess) = report.excess {
+            let Excess { actual, limit, unit } = excess;
             let digits = if unit == "step" { 0 } else { 6 };
             let space = if unit.is_empty() { "" } else { " " };
-            write!(f, ": {actual:.digits$}{space}{unit}, limit {limit:.digits$}{space}{unit}")?;
+            let allowed = excess.allowed();
+            write!(f, ": {actual:.digits$}{space}{unit}, {allowed} {limit:.digits$}{space}{unit}")?;
         }
         if let Some(instruction) = report.instruction {
             write!(f, " in {instruction}")?;

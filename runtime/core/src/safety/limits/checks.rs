@@ -160,6 +160,14 @@ impl<R: Robot> Checks<R> {
         let limits: &Limits<R::Joints> = self.robot.limits();
         let per_second = duration.recip();
         let slack = |limit: f64, round_off: f64| limit * (1.0 + RELATIVE) + round_off;
+        // At the beginning of a motion that is how far its first demand is away.
+        let first_of = |fault: Fault, i: usize| {
+            if !step.starting {
+                return fault;
+            }
+            let away = (q[i] - step.from.position[i]).abs();
+            fault.text(&format!("its first demand is {away:.6} {} away", self.robot.joint(i).unit(0)))
+        };
         // Without a jerk limit all joints brake in the time that the slowest to stop needs.
         let faster = |i: usize| v[i].abs().max(held[i].abs());
         let stop_time = (0..R::Joints::LEN).map(|i| faster(i) / limits.acceleration[i]).fold(0.0, f64::max);
@@ -234,22 +242,16 @@ impl<R: Robot> Checks<R> {
                 return Err(out_of_range(lowest, limits.lower[i]));
             }
             if a[i].abs() > slack(limit, 4.0 * round_off * per_second * per_second) {
-                return Err(excess(
-                    FaultKind::DemandedAcceleration,
-                    a[i].abs(),
-                    limit,
-                    self.robot.joint(i).unit(2),
-                ));
+                let fault =
+                    excess(FaultKind::DemandedAcceleration, a[i].abs(), limit, self.robot.joint(i).unit(2));
+                return Err(first_of(fault, i));
             }
             if let Some(limit) = jerk_limit {
                 let jerk = (a[i] - step.from.acceleration[i]) * per_second;
                 if jerk.abs() > slack(limit, 8.0 * round_off * per_second * per_second * per_second) {
-                    return Err(excess(
-                        FaultKind::DemandedJerk,
-                        jerk.abs(),
-                        limit,
-                        self.robot.joint(i).unit(3),
-                    ));
+                    let fault =
+                        excess(FaultKind::DemandedJerk, jerk.abs(), limit, self.robot.joint(i).unit(3));
+                    return Err(first_of(fault, i));
                 }
             }
         }

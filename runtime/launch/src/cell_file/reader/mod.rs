@@ -38,7 +38,9 @@ const TOML: &str = "write key = value, texts in \"quotes\", lists in [1.0, 2.0],
 pub(super) fn read(name: &str, text: &str) -> Result<CellFile, CellFileError> {
     let source = Rc::new(Source { file: name.to_owned(), text: text.to_owned() });
     let (document, syntax) = DeTable::parse_recoverable(text);
-    let mut reader = Reader { source: Rc::clone(&source), errors: Vec::new(), doors: Vec::new() };
+    let source_of_reader = Rc::clone(&source);
+    let mut reader =
+        Reader { source: source_of_reader, errors: Vec::new(), questions: Vec::new(), doors: Vec::new() };
     // Other errors are not reported, because they may only follow from the line that is no TOML.
     let place = |error: &toml::de::Error| error.span().unwrap_or(0..0);
     if let Some(error) = syntax.iter().min_by_key(|error| place(error).start) {
@@ -91,6 +93,7 @@ pub(super) fn read(name: &str, text: &str) -> Result<CellFile, CellFileError> {
     let dry_run = dry_run.is_some_and(|dry_run| dry_run.value);
     CellFileError::all(reader.errors)?;
     Ok(CellFile {
+        questions: CellFileError::all(reader.questions).err(),
         dry_run,
         nodes,
         recording,
@@ -110,6 +113,8 @@ pub(super) fn read(name: &str, text: &str) -> Result<CellFile, CellFileError> {
 struct Reader {
     source: Rc<Source>,
     errors: Vec<CellFileError>,
+    /// What is allowed and improbable.
+    questions: Vec<CellFileError>,
     /// Sensors whose programs are on other machines, and where those call.
     doors: Vec<(String, SocketAddr)>,
 }
@@ -123,6 +128,10 @@ struct Entry<'t> {
 impl Reader {
     fn complain(&mut self, at: &Range<usize>, what: String, help: String) {
         self.errors.push(self.source.complain(at, what, help));
+    }
+
+    fn ask(&mut self, at: &Range<usize>, what: String, help: &str) {
+        self.questions.push(self.source.complain(at, what, help.to_owned()));
     }
 
     /// Reads the named tables below a key.

@@ -13,6 +13,7 @@ use toml::de::{DeTable, DeValue};
 use crate::files;
 
 use super::super::entry::{At, Description, RobotEntry};
+use super::value::{IN_CELL, ON_FLANGE};
 use super::{Entry, Reader, Value};
 
 pub(in super::super) const ROBOT_KEYS: [&str; 21] = [
@@ -87,9 +88,10 @@ impl Reader {
         let start =
             table.get("start").and_then(|value| self.numbers(value, "a list of joint positions [rad or m]"));
         let homed = table.get("homed").and_then(|value| self.truth(value, "true or false"));
+        let farthest = if table.contains_key("mounted_on") { ON_FLANGE } else { IN_CELL };
         let base = table.get("base").and_then(|value| match value.get_ref().as_str() {
             Some(file) => self.calibrated_base(value, file),
-            None => self.pose(value),
+            None => self.pose(value, farthest),
         });
         let tool = table.get("tool").and_then(|value| self.tool_of_robot(value, tools));
         let inputs = table.get("inputs").map_or_else(Vec::new, |value| self.inputs(value));
@@ -143,7 +145,7 @@ impl Reader {
     /// Reads the tool at the start: a pose, or the name of one of the cell's tools.
     fn tool_of_robot(&mut self, value: &Value<'_>, tools: &[(String, Tool)]) -> Option<Tool> {
         let Some(name) = value.get_ref().as_str() else {
-            return self.pose(value).map(|frame| Tool { frame, load: Load::NONE });
+            return self.pose(value, ON_FLANGE).map(|frame| Tool { frame, load: Load::NONE });
         };
         let found = tools.iter().find(|(known, _)| known == name);
         if found.is_none() {

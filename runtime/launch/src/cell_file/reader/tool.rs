@@ -5,7 +5,7 @@ use mrroc_core::pose::Pose;
 use mrroc_core::robot::{Load, Tool};
 use toml::de::DeTable;
 
-use super::value::POSE_KEYS;
+use super::value::{IN_CELL, ON_FLANGE, POSE_KEYS};
 use super::{Entry, Reader};
 
 pub(in super::super) const TOOL_KEYS: [&str; 5] = ["position", "zyz", "mass", "centre", "inertia"];
@@ -14,7 +14,7 @@ impl Reader {
     /// Reads a tool: its frame on the flange, and what the flange carries with it.
     pub(super) fn tool(&mut self, Entry { name, table }: Entry<'_>) -> Option<(String, Tool)> {
         self.known(table, &TOOL_KEYS, "a tool has");
-        let frame = self.pose_of(table)?;
+        let frame = self.pose_of(table, ON_FLANGE)?;
         let load = self.load(table)?;
         if let Some(wrong) = load.fault() {
             let help =
@@ -28,7 +28,7 @@ impl Reader {
     /// Reads a frame in the world.
     pub(super) fn frame(&mut self, Entry { name, table }: Entry<'_>) -> Option<(String, Pose)> {
         self.known(table, &POSE_KEYS, "a frame has");
-        Some((name.value, self.pose_of(table)?))
+        Some((name.value, self.pose_of(table, IN_CELL)?))
     }
 
     /// Reads `mass`, `centre` and `inertia`; each is zero by default.
@@ -45,7 +45,11 @@ impl Reader {
                 self.complain(&numbers.span, what, format!("write {expected}"));
                 return None;
             }
-            Some(numbers.value.iter().map(|number| number.value).collect::<Vec<_>>())
+            let values: Vec<_> = numbers.value.iter().map(|number| number.value).collect();
+            if let [x, y, z] = *values {
+                self.ask_about_place([x, y, z], ON_FLANGE, &numbers.span);
+            }
+            Some(values)
         };
         let centre = numbers("centre", 3, "three numbers [m]");
         let inertia = numbers("inertia", 6, "six numbers, xx, xy, xz, yy, yz, zz [kg m²]");
