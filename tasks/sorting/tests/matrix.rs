@@ -42,6 +42,23 @@ fn parts_that_no_training_has_heard_are_recognised_and_strangers_rejected() {
     examined(&Conditions::USUAL, 11, 0.98);
 }
 
+/// Each seed is another matrix, in air of another temperature, over a belt of another speed.
+fn bare_belts_are_learned(seeds: core::ops::Range<u64>) {
+    for seed in seeds {
+        for conditions in [Conditions::USUAL, Conditions::HARD, Conditions::ALL] {
+            let network = Box::new(network().expect("a network"));
+            let trials = examine(1, seed, &conditions, network, |_, _, _| ());
+            let trials = trials.unwrap_or_else(|deaf| panic!("seed {seed}, {conditions:?}: {deaf}"));
+            assert!(trials[0].heard.is_some(), "seed {seed}, {conditions:?}: the part was not noticed");
+        }
+    }
+}
+
+#[test]
+fn a_bare_belt_is_learned_before_a_part_comes_though_echoes_are_lost() {
+    bare_belts_are_learned(0..6);
+}
+
 #[test]
 fn a_tenth_of_the_echoes_may_be_lost_and_the_air_be_warmer_or_colder_by_5_kelvin() {
     examined(&Conditions::HARD, 11, 0.88);
@@ -109,7 +126,13 @@ fn the_same_seed_gives_the_same_run_with_the_matrix_to_the_bit() {
 }
 
 mod whole {
-    use super::{Conditions, MODES, examined, parts_are_placed_and_sorted_in, parts_go_to_their_bins};
+    use super::{Conditions, MODES, bare_belts_are_learned, examined, parts_are_placed_and_sorted_in, parts_go_to_their_bins};
+
+    #[test]
+    #[ignore = "takes minutes: `just sorting-matrix`"]
+    fn a_bare_belt_is_learned_before_a_part_comes_though_echoes_are_lost() {
+        bare_belts_are_learned(0..1000);
+    }
 
     #[test]
     #[ignore = "takes minutes: `just sorting-matrix`"]

@@ -92,6 +92,8 @@ struct Bare {
     /// Time of the echo's middle \[s\], and its amplitude.
     time: f64,
     amplitude: f64,
+    /// Pings by which that was learned, and how many of them had an echo.
+    pings: u32,
     count: u32,
     /// Pings without an echo, and where the belt was at the first of them \[m\].
     unheard: u32,
@@ -124,8 +126,11 @@ impl Reliefs {
     const ABOUT: f64 = 0.02;
     /// What has fewer samples than this is noise.
     const FEWEST: usize = 6;
-    /// Pings by which a transducer learns the bare belt.
+    /// Pings by which a transducer learns the bare belt. One that has lost more than one of their echoes goes by what the others have
+    /// learned, so that learning is over before a part comes; at least so large a share of all must have learned it themselves.
     const LEARNING: u32 = 4;
+    const ENOUGH: u32 = 3;
+    const LEARNED: f64 = 0.6;
     /// What is learned as the bare belt may be so far from the others' \[m\]: bare belts are learned within 2 mm, and what is 4 mm off is none later on.
     const LEVEL: f64 = 3.5e-3;
     /// A transducer that hears nothing so often, over so much belt \[m\], is dead.
@@ -174,23 +179,17 @@ impl Reliefs {
     /// # Errors
     /// [`Deaf`].
     pub fn take(&mut self, number: usize, echo: Option<Echo>, way: f64) -> Result<(), Deaf> {
+        if echo.is_none() {
+            self.count_unheard(number, way)?;
+        }
+        let Some(learned) = self.learned else { return self.learn(number, echo) };
         let place = self.array.places[number];
-        let (of, bare) = (self.bare.len(), &mut self.bare[number]);
+        let bare = &mut self.bare[number];
         let along = place.x - way;
         let heard = if let Some(echo) = echo {
             bare.unheard = 0;
+            bare.count = bare.count.saturating_add(1);
             let middle = self.transducer.middle(&echo);
-            if bare.count < Self::LEARNING {
-                bare.count += 1;
-                let share = f64::from(bare.count).recip();
-                bare.time += share * (middle - bare.time);
-                bare.amplitude += share * (echo.amplitude - bare.amplitude);
-                if self.learned.is_none() && self.bare.iter().all(|bare| bare.count >= Self::LEARNING) {
-                    self.check_level()?;
-                    self.learned = Some(self.mean());
-                }
-                return Ok(());
-            }
             let height = place.z * (1.0 - middle / bare.time);
             let loud = echo.amplitude / bare.amplitude;
             let is_belt = height.abs() < 0.5 * Self::RAISED;
@@ -206,59 +205,95 @@ impl Reliefs {
             }
             Some([height, loud])
         } else {
-            if bare.unheard == 0 {
-                bare.from = way;
-            }
-            bare.unheard += 1;
-            let run = (way - bare.from).abs();
-            if bare.unheard >= Self::DEAF.0 && (run >= Self::DEAF.1 || bare.count < Self::LEARNING) {
-                return Err(Deaf::Transducer {
-                    number: number + 1,
-                    of,
-                    count: bare.unheard,
-                    way_mm: 1e3 * run,
-                });
-            }
             None
         };
-        if let Some(learned) = self.learned {
-            // Warm air brings the belt nearer, and so higher: as much as its echo comes sooner.
-            let off = place.z * (1.0 - self.mean() / learned);
-            if off.abs() > Self::MOVED {
-                return Err(Deaf::Belt { off_mm: 1e3 * off, limit_mm: 1e3 * Self::MOVED });
-            }
-            let bare = &mut self.bare[number];
-            let is_new = bare.stored.is_none_or(|stored| (along - stored).abs() >= Self::SPACED);
-            if along < self.done && is_new {
-                bare.stored = Some(along);
-                self.samples.push_back(Sample { along, across: place.y, heard });
-            }
-            if self.samples.len() > Self::KEPT {
-                self.samples.pop_front();
-            }
+        // Warm air brings the belt nearer, and so higher: as much as its echo comes sooner.
+        let off = place.z * (1.0 - self.mean() / learned);
+        if off.abs() > Self::MOVED {
+            return Err(Deaf::Belt { off_mm: 1e3 * off, limit_mm: 1e3 * Self::MOVED });
+        }
+        let bare = &mut self.bare[number];
+        let is_new = bare.stored.is_none_or(|stored| (along - stored).abs() >= Self::SPACED);
+        if along < self.done && is_new {
+            bare.stored = Some(along);
+            self.samples.push_back(Sample { along, across: place.y, heard });
+        }
+        if self.samples.len() > Self::KEPT {
+            self.samples.pop_front();
         }
         Ok(())
     }
 
-    /// Checks that all transducers have learned one level. How far off that is, the air's temperature and the matrix's height say,
-    /// which all have in common: the median of them is the belt, as long as less than a half are above something else.
-    fn check_level(&self) -> Result<(), Deaf> {
+    /// Counts a ping without an echo.
+    fn count_unheard(&mut self, number: usize, way: f64) -> Result<(), Deaf> {
+        let (of, bare) = (self.bare.len(), &mut self.bare[number]);
+        if bare.unheard == 0 {
+            bare.from = way;
+        }
+        bare.unheard += 1;
+        let run = (way - bare.from).abs();
+        if bare.unheard >= Self::DEAF.0 && (run >= Self::DEAF.1 || bare.count < Self::ENOUGH) {
+            let (count, way_mm) = (bare.unheard, 1e3 * run);
+            return Err(Deaf::Transducer { number: number + 1, of, count, way_mm });
+        }
+        Ok(())
+    }
+
+    /// Learns what a transducer hears of the bare belt.
+    fn learn(&mut self, number: usize, echo: Option<Echo>) -> Result<(), Deaf> {
+        let bare = &mut self.bare[number];
+        if bare.pings >= Self::LEARNING && bare.count >= Self::ENOUGH {
+            return Ok(());
+        }
+        bare.pings += 1;
+        if let Some(echo) = echo {
+            bare.unheard = 0;
+            bare.count += 1;
+            let share = f64::from(bare.count).recip();
+            bare.time += share * (self.transducer.middle(&echo) - bare.time);
+            bare.amplitude += share * (echo.amplitude - bare.amplitude);
+        }
+        let have = self.bare.iter().filter(|bare| bare.count >= Self::ENOUGH).count() as f64;
+        let are_enough = have >= Self::LEARNED * self.bare.len() as f64;
+        if are_enough && self.bare.iter().all(|bare| bare.pings >= Self::LEARNING) {
+            self.learn_level()?;
+            self.learned = Some(self.mean());
+        }
+        Ok(())
+    }
+
+    /// Checks that all transducers that have heard enough have learned one level, and lets the others go by that. How far off it is, the
+    /// air's temperature and the matrix's height say, which all have in common: the median of them is the belt, as long as less than a
+    /// half are above something else.
+    fn learn_level(&mut self) -> Result<(), Deaf> {
+        let places = &self.array.places;
+        let knows = |bare: &Bare| bare.count >= Self::ENOUGH;
         // Time for each metre of height.
-        let slowness = |number: usize| self.bare[number].time / self.array.places[number].z;
-        let mut sorted: Vec<f64> = (0..self.bare.len()).map(slowness).collect();
+        let all = || self.bare.iter().zip(places).filter(|(bare, _)| knows(bare));
+        let mut sorted: Vec<f64> = all().map(|(bare, place)| bare.time / place.z).collect();
         sorted.sort_by(f64::total_cmp);
         let level = sorted[sorted.len() / 2];
-        let off = |number: usize| self.array.places[number].z * (1.0 - slowness(number) / level);
-        let farthest = (0..self.bare.len()).max_by(|a, b| off(*a).abs().total_cmp(&off(*b).abs()));
-        match farthest {
-            Some(number) if off(number).abs() > Self::LEVEL => Err(Deaf::Uneven {
-                number: number + 1,
-                of: self.bare.len(),
-                off_mm: 1e3 * off(number),
-                limit_mm: 1e3 * Self::LEVEL,
-            }),
-            _ => Ok(()),
+        let loud = all().map(|(bare, _)| bare.amplitude).sum::<f64>() / sorted.len() as f64;
+        let off = |number: usize| places[number].z - self.bare[number].time / level;
+        let known = (0..self.bare.len()).filter(|&number| knows(&self.bare[number]));
+        match known.max_by(|a, b| off(*a).abs().total_cmp(&off(*b).abs())) {
+            Some(number) if off(number).abs() > Self::LEVEL => {
+                return Err(Deaf::Uneven {
+                    number: number + 1,
+                    of: self.bare.len(),
+                    off_mm: 1e3 * off(number),
+                    limit_mm: 1e3 * Self::LEVEL,
+                });
+            }
+            _ => {}
         }
+        for (bare, place) in self.bare.iter_mut().zip(places).filter(|(bare, _)| !knows(bare)) {
+            bare.time = level * place.z;
+            if bare.count == 0 {
+                bare.amplitude = loud;
+            }
+        }
+        Ok(())
     }
 
     fn mean(&self) -> f64 {
