@@ -287,7 +287,10 @@ fn refused(entry: &RobotEntry, path: &Path, why: &UrdfError) -> CellError {
         UrdfError::File { why, .. } => (
             EntryKey::File,
             format!("{file} cannot be read: {why}"),
-            "write the name of a URDF, as seen from the folder of this file",
+            match why.kind() == std::io::ErrorKind::InvalidData {
+                true => "save it as plain text in UTF-8",
+                false => "write the name of a URDF, as seen from the folder of this file",
+            },
         ),
         UrdfError::NoSuchLink { role: "tip", .. } => {
             (EntryKey::Tip, format!("{file}: {why}"), "write the link that is the flange")

@@ -6,7 +6,6 @@ use std::f64::consts::TAU;
 use mrroc::operator::jog::{JogNow, JogOrder, JogPanel, JogSeat};
 use mrroc::pose::Wrench;
 use mrroc::prelude::*;
-use mrroc::robot::{Channel, Output};
 use mrroc::sensor::SensorImage;
 use mrroc_generators::bspline::SplineSettings;
 use mrroc_generators::combinators::*;
@@ -84,11 +83,6 @@ fn plain() -> Sheets {
         let turned = if step < 200 { Vector3::x() } else { Vector3::y() };
         Jogging { along: turned * 0.1, done: step > 400, ..Jogging::default() }
     };
-    let mut asked = 0;
-    let confirmed = move || {
-        asked += 1;
-        asked > 125
-    };
     let sixth = Six::repeat(1.0);
     Ok(vec![
         ("joint_move", alone(JointMove::<Irp6>::to(goal(), sixth * 0.4, sixth * 1.6))),
@@ -131,11 +125,6 @@ fn plain() -> Sheets {
         ("replay", alone(Replay::<Irp6>::of(taught, sixth, sixth, limits()))),
         ("jog", alone(Jog::<Irp6, _>::by(panel, 0.5, 1.0, 0))),
         ("panel_jog", alone(Pressed::new())),
-        ("sleep", alone(Sleep::<Irp6>::lasting(0.5))),
-        ("delay", alone(Delay::<Irp6>::lasting(0.5))),
-        ("await_operator", alone(AwaitOperator::<Irp6, _>::until(confirmed))),
-        ("tell", alone(Sequence::of(telling(), Delay::<Irp6>::lasting(0.2)))),
-        ("settle", alone(Settle::<Irp6>::within(Six::repeat(1e-3), 0.5, 1.0))),
     ])
 }
 
@@ -178,11 +167,6 @@ impl Pressed {
     fn next_step(&mut self, e: &State<Irp6>, t: Tick) -> Result<Step<Irp6>, Fault> {
         self.step(e, t)
     }
-}
-
-/// A vacuum is switched on.
-fn telling() -> Tell<Irp6> {
-    Tell::output(Output::of(Channel::Digital(0)).expect("a digital one"), true)
 }
 
 fn onto_the_belt(duration: f64) -> MovingFrame<Irp6, impl Transform> {
@@ -371,7 +355,6 @@ fn pairs() -> Sheets {
         StraightLine::<Irp6>::by(offset(), limits()),
         StraightLine::<Irp6, _>::by(Pose::translation(0.0, -0.03, 0.05), smooth()),
     ));
-    let constant = ConstantOrder::<Two>::separate([Demand::joints(joints()), Demand::hold()]);
     Ok(vec![
         ("rigid_carry", alone(RigidCarry::<Two, _>::along(BodyFrame::Centroid, body()))),
         ("follow_master", alone(FollowMaster::<Two, _>::along(body(), 0.02))),
@@ -379,7 +362,6 @@ fn pairs() -> Sheets {
         ("squeezed_carry", follow(squeezed, 2000, between)),
         ("guided_body", follow(guided, 1000, pushed)),
         ("each", alone(each)),
-        ("constant_order", follow(constant, 125, |_, _| ((), Reading::new(())))),
     ])
 }
 

@@ -16,14 +16,17 @@ const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/pictures");
 /// The example whose point is who orders whom, which is no motion.
 const ORDERED: &str = "08_cells_of_cells";
 
-/// Names of the files of a folder of this crate.
+/// Generators with which an arm stands, or with one constant: their pictures would be level lines.
+const LEVEL: [&str; 6] = ["await_operator", "constant_order", "delay", "settle", "sleep", "tell"];
+
+/// Names of the files of a folder of this crate that have pictures.
 fn names(folder: &str) -> Vec<String> {
     let files = fs::read_dir(format!("{}/{folder}", env!("CARGO_MANIFEST_DIR"))).expect("a folder");
     let name = |file: fs::DirEntry| file.file_name().into_string().expect("a plain name");
     let files = files.map(|file| name(file.expect("an entry")));
     files
         .filter_map(|file| file.strip_suffix(".rs").map(str::to_owned))
-        .filter(|name| !["mod", "joined", ORDERED].contains(&name.as_str()))
+        .filter(|name| !["mod", "joined", ORDERED].iter().chain(&LEVEL).any(|other| other == name))
         .collect()
 }
 

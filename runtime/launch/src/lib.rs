@@ -36,6 +36,7 @@ use crate::dry_run::{dry_run, dry_run_first};
 use crate::files::check_outputs;
 use crate::options::{Options, Word, nearest_cell, parse};
 use crate::outcome::{answered, cell_refused, note, stand_ins};
+use crate::outcome_file::check_outcome;
 use crate::running::{run, watched};
 use crate::table::Table;
 use crate::telling::Asked;
@@ -147,11 +148,24 @@ pub fn launch(
         cell = cell.frames_to(folder);
     }
     let clock = options.clock();
+    let writes =
+        options.outcome.is_some() || options.recording.file.is_some() || options.recording.frames.is_some();
+    if writes && options.part.is_none() && (options.check || options.dry_run && clock.is_none()) {
+        return refused(
+            &"a check and a dry run write no outcome, no recording and no frames\n help: leave those options out, or run the cell",
+        );
+    }
     let is_run = options.part.is_none() && options.word.is_none() && !options.dry_run;
     if is_run
         && let Err(error) = check_outputs(
             options.picture().into_iter().chain(recorded(&cell)).chain(options.outcome.as_deref()),
         )
+    {
+        return refused(&error);
+    }
+    if is_run
+        && let Some(file) = &options.outcome
+        && let Err(error) = check_outcome(file)
     {
         return refused(&error);
     }

@@ -126,9 +126,22 @@ fn quoted(text: &str) -> String {
 /// # Errors
 /// What to tell the user.
 pub fn write_outcome(file: &Path, outcome: &Outcome<'_>) -> Result<(), String> {
-    std::fs::write(file, outcome.json()).map_err(|error| {
-        format!("{}: cannot be written: {error}\n help: give another file by --outcome", file.display())
-    })
+    std::fs::write(file, outcome.json()).map_err(|error| unwritable(file, &error))
+}
+
+/// Checks, before a run, that its outcome can be written. It leaves no file where there was none: that would be the outcome of no run.
+///
+/// # Errors
+/// It cannot be.
+pub(crate) fn check_outcome(file: &Path) -> Result<(), String> {
+    let is_new = !file.exists();
+    let opened = std::fs::OpenOptions::new().append(true).create(true).open(file);
+    let checked = opened.and_then(|_| if is_new { std::fs::remove_file(file) } else { Ok(()) });
+    checked.map_err(|error| unwritable(file, &error))
+}
+
+fn unwritable(file: &Path, error: &std::io::Error) -> String {
+    format!("{}: cannot be written: {error}\n help: give another file by --outcome", file.display())
 }
 
 #[cfg(test)]

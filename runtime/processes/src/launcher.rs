@@ -191,7 +191,7 @@ fn check_nodes(plan: &Plan) -> Result<(), LaunchError> {
 /// console server.
 pub(super) fn make_shared(session: &Session, places: usize) -> Result<(StateBoard, StateBoard), LaunchError> {
     let _private = Private::begin();
-    make_management(session.folder(), &prefix(session.number()))?;
+    make_management(&prefix(session.number()))?;
     let make =
         || Ok((StateBoard::create(session.number(), places)?, StateBoard::open(session.number(), places)?));
     make().map_err(LaunchError::Board)

@@ -179,6 +179,9 @@ fn u32_of(rest: &mut &[u8]) -> Option<u32> {
 fn damaged(error: McapError) -> Wrong {
     match error {
         McapError::BadMagic => Wrong::foreign("is no MCAP file"),
+        McapError::RecordTooLarge { len, .. } => Wrong::foreign(format!(
+            "has a record of {len} bytes, where a recording has {LARGEST} at most: leave out what was added to it"
+        )),
         error => Wrong::new(format!("is damaged: {}", quoted(&error.to_string(), 200)), DAMAGED),
     }
 }

@@ -52,8 +52,8 @@ fn shortest_ways_are_gone(count: u64) {
         // The way that was planned is no shorter than for the ball alone, and no longer than for one that is larger by the clearance, what
         // walls are off by, and what arcs are less than polygons around them.
         let planned = outcome.planned.way.as_ref().expect("planned").length();
-        let sizes = Sizes::within_reach(maze);
-        let told = told(maze, &sizes);
+        let sizes = Sizes::within_reach(&layout);
+        let told = told(&layout, &sizes);
         let larger = (sizes.radius + CLEARANCE + 1.5e-4) * 1.0824;
         let (most, _) =
             Inflated::by(&outcome.walls, larger).shortest(&told.start, &told.goal).expect("a way");

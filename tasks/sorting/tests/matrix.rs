@@ -126,7 +126,10 @@ fn the_same_seed_gives_the_same_run_with_the_matrix_to_the_bit() {
 }
 
 mod whole {
-    use super::{Conditions, MODES, bare_belts_are_learned, examined, parts_are_placed_and_sorted_in, parts_go_to_their_bins};
+    use super::{
+        Conditions, MODES, bare_belts_are_learned, examined, parts_are_placed_and_sorted_in,
+        parts_go_to_their_bins,
+    };
 
     #[test]
     #[ignore = "takes minutes: `just sorting-matrix`"]

@@ -195,7 +195,7 @@ impl Link {
     /// The robot has ended the motion. Its next state says why, if there is a reason.
     fn has_ended(&mut self, fault: DriveFault) {
         self.end();
-        self.ended = Some((fault, self.said.count + REASON));
+        self.ended = Some((fault, self.said.count.saturating_add(REASON)));
     }
 
     /// There is no motion.
@@ -230,7 +230,7 @@ impl Link {
         } else {
             (told, periods)
         };
-        self.answers.lost += lost;
+        self.answers.lost = self.answers.lost.saturating_add(lost);
         self.told = Some((self.said.count, course, course));
     }
 

@@ -62,6 +62,9 @@ pub struct Course {
     pub ddq: Joints,
 }
 
+/// The most periods for which the robot goes on by itself, and some more.
+const MOST_LOST: u64 = 32;
+
 impl Course {
     /// At rest.
     pub fn at_rest(q: Joints) -> Course {
@@ -75,9 +78,9 @@ impl Course {
         Course { q: self.q + dq * PERIOD, dq, ddq }
     }
 
-    /// So many periods later, by no jerk: what the robot makes of answers that it does not get.
+    /// So many periods later, by no jerk: what the robot makes of answers that it does not get. After [`MOST_LOST`] it has stopped.
     pub fn extrapolated(&self, periods: u64) -> Course {
-        (0..periods).fold(*self, |course, _| course.after(&Joints::zeros()))
+        (0..periods.min(MOST_LOST)).fold(*self, |course, _| course.after(&Joints::zeros()))
     }
 
     /// Brings it to rest a little: the next course, within `jerk` [rad/s³].

@@ -131,7 +131,7 @@ impl Session {
 
     /// Whether this is what the controller says in the period after that of its last message.
     pub fn is_next(&self, said: &FromController) -> bool {
-        said.ipoc == self.said.ipoc + millis(self.period)
+        said.ipoc == self.said.ipoc.wrapping_add(millis(self.period))
     }
 }
 

@@ -14,9 +14,6 @@ use crate::models::xml::check_xml;
 /// Longest text that is read \[bytes\].
 pub(super) const LONGEST: usize = 8 << 20;
 
-/// Longest tag that is read \[bytes\]: the reader compares all attributes of an element with one another.
-const LONGEST_TAG: usize = 4 << 10;
-
 /// Most elements, comments and texts that are read.
 const MOST_NODES: u32 = 400_000;
 
@@ -28,7 +25,6 @@ pub(super) fn parsed(text: &str) -> Result<Document<'_>, UrdfError> {
     if text.len() > LONGEST {
         return Err(UrdfError::TooLarge { limit: LONGEST });
     }
-    check_tags(text)?;
     // Elements may be nested as deep as they like: neither the reader nor the robot goes down level by level.
     check_xml(text, usize::MAX)?;
     let options = ParsingOptions { nodes_limit: MOST_NODES, ..ParsingOptions::default() };
@@ -46,25 +42,17 @@ pub(super) fn parsed(text: &str) -> Result<Document<'_>, UrdfError> {
     Ok(document)
 }
 
-/// Refuses tags longer than [`LONGEST_TAG`].
-fn check_tags(text: &str) -> Result<(), UrdfError> {
-    let mut line = 1;
-    for (i, tag) in text.split('<').enumerate() {
-        if i > 0 && tag.len() > LONGEST_TAG && !tag.starts_with(['!', '?']) {
-            return Err(UrdfError::LongElement { line, limit: LONGEST_TAG });
-        }
-        line += tag.bytes().filter(|byte| *byte == b'\n').count();
-    }
-    Ok(())
-}
-
 /// What the XML reader refused.
 fn refused(text: &str, why: &roxmltree::Error) -> UrdfError {
     let place = why.pos();
     let line = place.row as usize;
     let column = place.col as usize;
     match why {
-        roxmltree::Error::DtdDetected => UrdfError::Doctype { line },
+        // The reader does not say where.
+        roxmltree::Error::DtdDetected => {
+            let before = text.find("<!DOCTYPE").map_or("", |at| &text[..at]);
+            UrdfError::Doctype { line: before.bytes().filter(|byte| *byte == b'\n').count() + 1 }
+        }
         roxmltree::Error::NodesLimitReached => UrdfError::TooLarge { limit: LONGEST },
         roxmltree::Error::UnknownNamespace(prefix, _) if prefix == "xacro" => {
             UrdfError::Xacro { line, what: "the prefix xacro:".to_owned() }

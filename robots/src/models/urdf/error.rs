@@ -23,14 +23,6 @@ pub enum UrdfError {
         /// Longest text that is read \[bytes\].
         limit: usize,
     },
-    /// One tag is longer than any URDF element.
-    #[error("line {line}: an element of more than {limit} bytes: split or correct it")]
-    LongElement {
-        /// Line where the element begins.
-        line: usize,
-        /// Longest tag that is read \[bytes\].
-        limit: usize,
-    },
     /// An element has more attributes than any URDF element, or sees more namespaces.
     #[error("{0}: remove what a URDF has no need of")]
     TooMuch(#[from] TooMuchXml),

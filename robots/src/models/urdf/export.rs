@@ -122,7 +122,9 @@ pub(crate) fn written<const N: usize>(
     let segments = tree.segments();
     let fixed = |wanted: &str| {
         let mut name = wanted.to_owned();
-        while segments.iter().any(|segment| segment.name == name || link_of(segment) == name) {
+        let is_taken =
+            |name: &str| segments.iter().any(|segment| segment.name == name || link_of(segment) == name);
+        while is_taken(&name) || is_taken(&format!("{name}_fixed")) {
             name.push('_');
         }
         name

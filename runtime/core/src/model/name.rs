@@ -21,7 +21,7 @@ pub struct Name {
 
 /// A text that is no [`Name`].
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("`{}` is no name: write 1 to 24 of the characters a-z A-Z 0-9 _ -", quoted(.0, 60))]
+#[error("`{}` is no name: write 1 to 24 of the characters a-z A-Z 0-9 _ -, and none of the hyphens first", quoted(.0, 60))]
 pub struct BadName(pub String);
 
 impl Name {
@@ -40,7 +40,8 @@ impl Name {
     pub fn of_process(text: &str) -> Result<Name, BadName> {
         let is_plain = |part: &str| {
             let plain = |b: u8| b.is_ascii_alphanumeric() || b == b'_' || b == b'-';
-            !part.is_empty() && part.bytes().all(plain)
+            // One that begins with a hyphen would be an option on a command line.
+            !part.is_empty() && !part.starts_with('-') && part.bytes().all(plain)
         };
         if !text.split(WITHIN).all(is_plain) || text.len() > MAX_NAME {
             return Err(BadName(text.to_owned()));

@@ -1,53 +1,41 @@
 //! The segment that the nodes of a session count themselves in, made before any node is.
 //!
-//! iceoryx2 lets all users write to this one segment, whatever the umask says, and the first node makes it. So the
-//! launcher lets iceoryx2 make one under a name that nobody uses, and copies it to the name that the nodes will find, in a
-//! file that only its user may open. That file is the user's alone from the moment in which it exists.
+//! iceoryx2 lets all users write to this one segment, whatever the umask says, and the first node makes it. So the launcher makes it in
+//! place of that node, as iceoryx2 would: a file that only its user may open, from the moment in which it exists. What iceoryx2 makes is known
+//! for the version that is used, and a test compares it.
 
-use std::fs::{self, File, OpenOptions};
-use std::io;
+use std::fs::OpenOptions;
+use std::io::Write;
 use std::os::unix::fs::OpenOptionsExt;
 use std::path::Path;
 
-use super::fabric::{LinkError, node};
+use super::fabric::LinkError;
 use crate::session::SHARED_MEMORY;
 
-/// The longest segment that is copied \[bytes\]; it has 16.
-const LONGEST: u64 = 4096;
+/// Its name behind the prefix of a session.
+const NAME: &str = "9204dd183d1c4d8e1ff592a30766ffa6765aa8b5_node.0_10_0.global_mgmt";
 
-/// Makes the segment for the nodes of the session whose files are in the folder `root` and whose shared memory has this
-/// prefix.
+/// What is in it while there is no node: the version, and how many nodes there are.
+const EMPTY: [u8; 16] = [0, 0, 10, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0];
+
+/// Makes the segment for the nodes of a session whose shared memory has this prefix.
 ///
 /// # Errors
 /// [`LinkError`]: it could not be made, or a file of its name is there.
-pub(crate) fn make_management(root: &Path, prefix: &str) -> Result<(), LinkError> {
-    let other = format!("{prefix}first_");
-    drop(node(root, &other, "first")?);
-    for entry in fs::read_dir(SHARED_MEMORY).map_err(LinkError::of(SHARED_MEMORY))?.flatten() {
-        let name = entry.file_name();
-        let Some(rest) = name.to_str().and_then(|name| name.strip_prefix(&other)) else { continue };
-        let copied = copy(&entry.path(), &Path::new(SHARED_MEMORY).join(format!("{prefix}{rest}")));
-        let removed = fs::remove_file(entry.path());
-        copied.and(removed).map_err(LinkError::of("its management segment"))?;
-    }
-    Ok(())
-}
-
-/// Copies a segment to a new file. Nothing is followed that is a link.
-fn copy(from: &Path, to: &Path) -> io::Result<()> {
-    let from = File::options().read(true).custom_flags(libc::O_NOFOLLOW | libc::O_NONBLOCK).open(from)?;
-    let mut to = OpenOptions::new().write(true).create_new(true).mode(0o600).open(to)?;
-    let about = from.metadata()?;
-    if !about.is_file() || about.len() > LONGEST {
-        return Err(io::Error::other("another program has put a file in its place"));
-    }
-    io::copy(&mut io::Read::take(from, LONGEST), &mut to).map(drop)
+pub(crate) fn make_management(prefix: &str) -> Result<(), LinkError> {
+    let path = Path::new(SHARED_MEMORY).join(format!("{prefix}{NAME}"));
+    // Nothing is followed that is a link, and nothing opened that is there.
+    let made = OpenOptions::new().write(true).create_new(true).mode(0o600).open(path);
+    made.and_then(|mut file| file.write_all(&EMPTY)).map_err(LinkError::of("its management segment"))
 }
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use std::fs;
     use std::os::unix::fs::{MetadataExt, PermissionsExt};
+
+    use super::*;
+    use crate::iceoryx::fabric::node;
 
     /// The files of a test in shared memory, by their names; removed at its end.
     struct Segments(String);
@@ -71,7 +59,14 @@ mod tests {
         let root = std::env::temp_dir().join(format!("mrroc-m{}", std::process::id()));
         fs::create_dir_all(&root).expect("a folder");
         let segments = Segments(format!("mrroc_management_test_{}_", std::process::id()));
-        make_management(&root, &segments.0).expect("a segment");
+        // As iceoryx2 leaves its own behind its only node.
+        let own = Segments(format!("mrroc_management_own_{}_", std::process::id()));
+        drop(node(&root, &own.0, "first").expect("a node"));
+        let made = own.all();
+        assert_eq!(made.len(), 1, "{made:?}");
+        assert!(made[0].ends_with(format!("{}{NAME}", own.0)), "iceoryx2 calls it otherwise: {made:?}");
+        assert_eq!(fs::read(&made[0]).expect("read"), EMPTY, "iceoryx2 has something else in it");
+        make_management(&segments.0).expect("a segment");
         let made = segments.all();
         assert_eq!(made.len(), 1, "the management segment and nothing else: {made:?}");
         let about = made[0].metadata().expect("there");
@@ -83,7 +78,7 @@ mod tests {
         assert_eq!((now.ino(), now.permissions().mode() & 0o7777), (about.ino(), 0o600));
         drop(nodes);
         // A file of its name that was there before is neither opened nor changed.
-        assert!(make_management(&root, &segments.0).is_err());
+        assert!(make_management(&segments.0).is_err());
         drop(fs::remove_dir_all(root));
     }
 }

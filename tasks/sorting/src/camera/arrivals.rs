@@ -52,8 +52,7 @@ pub fn coming(settings: &Settings, gap: f64) -> Vec<Coming> {
             None if is_due(number, each_strange) => KINDS + (number / each_strange) % (made.len() - KINDS),
             None => drawn,
         };
-        let mut coming = part(&made, kind, time, &mut random);
-        let half = coming.half_along();
+        let (mut coming, half) = part(&made, kind, time, &mut random);
         if let Some((came, length)) = before.filter(|_| is_due(number, touching)) {
             coming.time = came + (length + half + CLOSE) / speed;
         }
@@ -64,8 +63,9 @@ pub fn coming(settings: &Settings, gap: f64) -> Vec<Coming> {
     (0..count).map(&mut next).collect()
 }
 
+/// A part of a kind, and half of its length along the belt \[m\].
 #[allow(non_snake_case)]
-fn part(made: &[Kind], kind: usize, time: f64, random: &mut Noise) -> Coming {
+fn part(made: &[Kind], kind: usize, time: f64, random: &mut Noise) -> (Coming, f64) {
     let (form, body, in_body) = made[kind].made(1.0 + random.between(-TOLERANCE, TOLERANCE));
     let kind = kind.min(KINDS);
     let angle = random.between(-PI, PI);
@@ -73,25 +73,20 @@ fn part(made: &[Kind], kind: usize, time: f64, random: &mut Noise) -> Coming {
     // Its middle comes to the place, whatever its frame is.
     let corners: Vec<_> = form.corners().collect();
     let (least, most) = corners.iter().fold((corners[0], corners[0]), |(a, b), c| (a.inf(c), b.sup(c)));
-    let middle = nalgebra::Rotation2::new(angle) * (0.5 * (least + most)).xy();
+    let turned = nalgebra::Rotation2::new(angle);
+    let middle = turned * (0.5 * (least + most)).xy();
+    let along = corners.iter().map(|corner| ((turned * corner.xy()).x - middle.x).abs());
+    let half = along.fold(0.0, f64::max);
     let X_FP = lying(FEED - middle.x, random.between(-ACROSS, ACROSS) - middle.y, angle);
     let X_WB = X_WF() * X_FP * X_BP.inverse();
     let reflectance = random.between(REFLECTANCE[0], REFLECTANCE[1]);
-    Coming { time, kind, form, body: body.at(X_WB), X_BP, reflectance }
+    (Coming { time, kind, form, body: body.at(X_WB), X_BP, reflectance }, half)
 }
 
 /// Parts that touch are so far apart, for what the belt's speed has wandered by then \[m\].
 const CLOSE: f64 = 1e-3;
 
 impl Coming {
-    /// Half of its length along the belt \[m\].
-    fn half_along(&self) -> f64 {
-        let truly = self.place(&self.body.pose());
-        let along = self.form.corners().map(|corner| (truly * nalgebra::Point3::from(corner)).x);
-        let (least, most) = along.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
-        0.5 * (most - least)
-    }
-
     /// What sensors see of it.
     #[must_use]
     #[allow(non_snake_case)]

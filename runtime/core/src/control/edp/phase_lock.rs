@@ -78,21 +78,26 @@ impl PhaseLock {
         }
     }
 
-    /// A message has come. `None` if it repeats one that has come before, or is older.
+    /// A message has come. `None` if it repeats one that has come before, is older, or counts periods for which there was no time yet.
     pub fn hear(&mut self, now: Nanos, pulse: Pulse) -> Option<Began> {
         let age = pulse.age.as_nanos() as Nanos;
         let arrival = now.saturating_sub(age);
         let Some(last) = self.last else { return Some(self.begin(pulse.count, arrival, age)) };
-        let periods = pulse.count.checked_sub(last.count).filter(|&periods| periods > 0);
-        let Some(periods) = periods else {
-            // A controller that was started anew counts from the beginning.
+        // One whose count stands still is silent.
+        if pulse.count == last.count {
+            return None;
+        }
+        let periods = pulse.count.checked_sub(last.count);
+        let passed = periods.unwrap_or(0) as f64;
+        let expected = last.began + last.period * passed;
+        let off = arrival as f64 - expected;
+        let Some(periods) = periods.filter(|_| off >= -last.period) else {
+            // A controller that was started anew counts from another beginning. A single such count is none: its robot would be told
+            // where to be at a time that is still to come.
             self.strange += 1;
             return (self.strange >= STRANGE).then(|| self.begin(pulse.count, arrival, age));
         };
-        let passed = periods as f64;
-        let expected = last.began + last.period * passed;
-        let off = arrival as f64 - expected;
-        if off.abs() > last.period {
+        if off > last.period {
             self.strange += 1;
             if self.strange >= STRANGE {
                 return Some(self.begin(pulse.count, arrival, age));
@@ -128,7 +133,7 @@ impl PhaseLock {
         let pause = (self.nominal as Nanos / LOOKS).max(1);
         let Some(last) = self.last else { return now + pause };
         // Later ones are due as well, once the next one has been missed.
-        let first = (last.began + last.period) as Nanos + pause;
+        let first = ((last.began + last.period) as Nanos).saturating_add(pause);
         if first > now { first } else { now + pause }
     }
 
@@ -243,6 +248,41 @@ mod tests {
         assert!(heard[..STRANGE as usize - 1].iter().all(Option::is_none));
         let last = heard[99].expect("locked");
         assert!((last.at as f64 - clock.begins(3099) - 400_000.0).abs() < 1.0, "{last:?}");
+    }
+
+    #[test]
+    fn fault_250_a_count_for_which_there_was_no_time_is_no_period_and_nothing_waits_for_it() {
+        for jump in [2, 20, 300, 20_000, u64::MAX / 2, u64::MAX - 1001] {
+            let mut clock = Clock::new(1e-4, 0.0);
+            let mut lock = lock();
+            (0..1000).for_each(|count| _ = hear(&mut lock, clock.comes(count), count, 0));
+            let came = clock.comes(1000);
+            assert_eq!(hear(&mut lock, came, 1000 + jump, 0), None, "{jump}");
+            // The next look and the next message are as without it, and it counts as nothing that was heard.
+            assert!(lock.next_look(came) <= came + 1_200_000, "{jump}");
+            assert_eq!(lock.silent_for(clock.comes(999) + 20_000_001), Some(20_000_001));
+            let began = hear(&mut lock, clock.comes(1001), 1001, 0).expect("a new one");
+            assert!(
+                (began.at as f64 - clock.begins(1001)).abs() < 100.0 && began.lost == 1,
+                "{jump}: {began:?}"
+            );
+            // A clock that goes on from there was set anew.
+            let heard = (2..100).map(|n| {
+                hear(&mut lock, clock.comes(1000 + n), 1000_u64.wrapping_add(jump).wrapping_add(n), 0)
+            });
+            let heard: Vec<_> = heard.collect();
+            assert!(heard[..STRANGE as usize - 1].iter().all(Option::is_none), "{jump}");
+            assert!(heard[97].is_some(), "{jump}");
+        }
+    }
+
+    #[test]
+    fn fault_250_a_robot_whose_count_stands_still_is_silent() {
+        let mut clock = Clock::new(0.0, 0.0);
+        let mut lock = lock();
+        (0..1000).for_each(|count| _ = hear(&mut lock, clock.comes(count), count, 0));
+        assert!((1000..1100).all(|n| hear(&mut lock, clock.comes(n), 999, 0).is_none()));
+        assert_eq!(lock.silent_for(clock.comes(1100)), Some(clock.comes(1100) - clock.comes(999)));
     }
 
     #[test]

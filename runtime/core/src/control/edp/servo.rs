@@ -108,8 +108,13 @@ impl<R: Robot> Servo<R> {
         for i in 0..R::Joints::LEN {
             let error = (self.measured.position[i] - demanded[i]).abs();
             let limit = self.following_error[i];
+            if !self.measured.velocity[i].is_finite() {
+                return Err(Fault::new(kind)
+                    .at_joint(i)
+                    .text("the drives measure a velocity that is no number"));
+            }
             // A NaN from an encoder is no small error.
-            let is_small = error <= limit && self.measured.velocity[i].is_finite();
+            let is_small = error <= limit;
             if !is_small {
                 return Err(Fault::new(kind).at_joint(i).exceeds(error, limit, robot.joint(i).unit(0)));
             }
