@@ -101,7 +101,15 @@ fn entities_long_tags_and_huge_files_are_refused_quickly() {
     let bomb = "<!DOCTYPE robot [<!ENTITY a \"aaaa\">]><robot/>";
     assert_eq!(of(bomb), "line 1: a document type declaration: remove <!DOCTYPE ..>, URDF has none");
     let long = format!("<robot>\n<link {}/></robot>", "a=\"\" ".repeat(100_000));
-    assert_eq!(of(&long), "line 2: an element of more than 4096 bytes: split or correct it");
+    assert_eq!(
+        of(&long),
+        "line 2: an element of more than 128 attributes: remove what a URDF has no need of"
+    );
+    let talk = format!("<!-- a < b {} -->\n<note>{}</note>", "c".repeat(5000), " ".repeat(5000));
+    assert_eq!(
+        of(&format!("<robot>{talk}<!DOCTYPE robot></robot>")),
+        "line 2: a document type declaration: remove <!DOCTYPE ..>, URDF has none"
+    );
     let huge = " ".repeat(9 << 20);
     assert!(of(&huge).starts_with("the URDF has more than 8388608 bytes"));
     let many = format!("<robot>{}</robot>", "<a/>".repeat(1_000_000));

@@ -736,5 +736,5 @@ fn what_is_improbable_in_a_cell_is_asked_about() {
     // Without its base one arm stands in the other; a belt may.
     let in_one_place = GOOD.replace("base = { position = [0.0, 1.5, 0.0], zyz = [2.5, 0.0, 0.0] }", "");
     assert_eq!(questions(&in_one_place).1, 1);
-    assert_eq!(questions(&format!("{GOOD}\n[robots.belt]\nkind = \"conveyor\"\n")).1, 0);
+    assert_eq!(questions(&format!("{GOOD}\n[robots.belt]\nkind = \"conveyor\"\nstart = [0]\n")).1, 0);
 }

@@ -78,12 +78,17 @@ fn fault_70_nothing_that_a_run_reads_is_overwritten_under_any_of_its_names() {
     std::os::unix::fs::symlink("cell.toml", kept.join("soft.svg")).expect("a link");
     for name in ["cell.toml", "./cell.toml", &whole, "hard.mcap", "soft.svg"] {
         for option in ["--record", "--picture"] {
-            for more in [&[][..], &["--check"], &["--virtual"], &["--processes"]] {
+            for more in [&[][..], &["--virtual"], &["--processes"]] {
                 let told = said(&run(&kept, &[&[option, name], more].concat()), 2);
                 assert!(told.contains("which this run reads: it is not overwritten\n help: "), "{told}");
                 assert_eq!(fs::read(&whole).expect("a file"), before, "{option} {name} {more:?}");
             }
         }
+    }
+    // What writes nothing is asked for nothing that is written.
+    for more in ["--check", "--dry-run"] {
+        let told = said(&run(&kept, &["--record", "a.mcap", more]), 2);
+        assert!(told.contains("write no outcome, no recording and no frames"), "{told}");
     }
     let told = said(&run(&kept, &["--record", "a.svg", "--picture", "./a.svg"]), 2);
     assert!(told.contains("two results are to be written there"), "{told}");

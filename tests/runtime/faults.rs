@@ -327,8 +327,8 @@ fn fault_23_each_cause_of_a_pose_without_joint_positions_has_its_figures_and_its
         ),
         (
             NoInverse::OutOfReach { distance: 2.0, min: 0.5, max: 1.0 },
-            "out of reach, tool demanded at (-10.0000, -10.0000, -10.0000) m: wrist to shoulder: 2.000000 m, limit \
-             1.000000 m",
+            "out of reach, tool demanded at (-10.0000, -10.0000, -10.0000) m: wrist to shoulder: 2.000000 m, \
+             at most 1.000000 m",
             "demand a pose that the arm reaches",
         ),
     ];

@@ -140,10 +140,16 @@ fn fault_15_messages_that_come_twice_late_or_again_change_nothing() {
 fn fault_22_motions_whose_demands_are_late_after_a_suspension_go_on_late_and_end_where_they_should() {
     for (cell, suspended) in [(transparent as fn() -> Cell, 60), (cooperating, 150), (interpolated, 60)] {
         let suspended_for_a_while = move || {
-            cell().also_on_step(move |step, operator| match step {
-                _ if step == suspended => operator.suspend(),
-                _ if step == suspended + 60 => operator.resume(),
-                _ => {}
+            let mut pressed = 0;
+            cell().also_on_step(move |step, operator| {
+                // An MP that is late leaves steps out.
+                if pressed == 0 && step >= suspended {
+                    pressed = 1;
+                    operator.suspend();
+                } else if pressed == 1 && step >= suspended + 60 {
+                    pressed = 2;
+                    operator.resume();
+                }
             })
         };
         let late = (1..=6).fold(Sweep::new(suspended_for_a_while), |sweep, steps| {

@@ -82,6 +82,9 @@ impl Key {
     }
 }
 
+/// What ends a hold: q, Ctrl-C and Ctrl-D.
+const ENDS: [u8; 3] = [b'q', 3, 4];
+
 /// A terminal that gives every byte at once and shows none.
 struct Raw {
     before: Termios,
@@ -91,7 +94,8 @@ impl Raw {
     fn begin() -> io::Result<Raw> {
         let before = tcgetattr(io::stdin())?;
         let mut raw = before.clone();
-        raw.local_modes -= LocalModes::ICANON | LocalModes::ECHO;
+        // Ctrl-C comes as a byte as well: a signal would leave the terminal as it is then.
+        raw.local_modes -= LocalModes::ICANON | LocalModes::ECHO | LocalModes::ISIG;
         tcsetattr(io::stdin(), OptionalActions::Now, &raw)?;
         Ok(Raw { before })
     }
@@ -140,7 +144,7 @@ fn hold_by_keys(caller: &mut Caller, jog: Option<(Name, JogOrder)>) -> io::Resul
         let now = start + began.elapsed();
         let (next, told) = if came {
             let count = stdin.lock().read(&mut bytes)?;
-            if count == 0 || bytes[..count].contains(&b'q') {
+            if count == 0 || bytes[..count].iter().any(|byte| ENDS.contains(byte)) {
                 if let Key::Held { renewal, .. } = key {
                     tell(caller, jog, Told::LetGo(renewal.hold()))?;
                 }

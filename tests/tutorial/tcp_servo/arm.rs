@@ -112,10 +112,13 @@ impl Driver<Arm> for Servo {
     /// Before the cell begins: the one call that may wait.
     fn open(&mut self) -> Result<(), DriveFault> {
         self.call(OPENING)?;
-        while self.hear()?.is_none() {
+        for _ in 0..OPENING.as_millis() {
+            if self.hear()?.is_some() {
+                return self.may_move();
+            }
             std::thread::sleep(Duration::from_millis(1));
         }
-        self.may_move()
+        Err(LOST) // it has accepted, and says nothing
     }
 
     fn close(&mut self) {

@@ -39,7 +39,7 @@ impl Fault {
             K::DemandedAcceleration | K::DemandedJerk if self.is_of_first_demand() => {
                 return Some(
                     "begin exactly where the robot is, at `e.demanded()`, which a first step, `#[generator(.., first = begin)]`, is \
-                     given as `e: &State<..>`, and without an offset; then speed up slowly: look at how far the first demand is away",
+                     given as `e: &State<..>`, and without an offset; then speed up slowly",
                 );
             }
             K::DemandedAcceleration => {
