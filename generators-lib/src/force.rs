@@ -11,8 +11,10 @@
 //! a first-order lag of the velocity with the time constant `b m`. The second form is the one used: it stays true when the
 //! path time of a step changes, and nothing moves at `T = 0`. Source: MRROC++, `edp_e_manip.cc`.
 
+use mrroc::fault::FaultKind;
 use mrroc::pose::Wrench;
 use mrroc::prelude::*;
+use mrroc::sensor::SensorImage;
 use nalgebra::{Translation3, UnitQuaternion, Vector3, Vector6};
 use thiserror::Error;
 
@@ -102,6 +104,32 @@ pub struct ForceControl {
     velocity: Vector6<f64>,
     /// How far each axis has gone since it keeps a load [m or rad].
     way: Vector6<f64>,
+}
+
+/// What a tool feels that moves by a force law, and how far the law has moved it: what a motion may end by.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Felt {
+    /// Load of the surroundings on the tool, in its axes \[N\], [N m].
+    pub load: Wrench,
+    /// How far the law has moved the tool since the motion began \[m\], in the axes that the tool had then. What a path moves it
+    /// beside is not in it.
+    pub way: Vector3<f64>,
+}
+
+/// The load that a wrist sensor tells; `None` before it has told any.
+///
+/// # Errors
+/// A reading that is older than `oldest` \[steps\].
+pub fn fresh<S: Sensor<Reading = Wrench>>(
+    image: &SensorImage<S>,
+    oldest: u32,
+) -> Result<Option<Wrench>, Fault> {
+    let Some(load) = image.reading() else { return Ok(None) };
+    let age = image.age();
+    if age > oldest {
+        return Err(Fault::new(FaultKind::SensorStale).exceeds(age.into(), oldest.into(), "step"));
+    }
+    Ok(Some(load))
 }
 
 /// What a fault calls the axes.

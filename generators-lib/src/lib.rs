@@ -16,6 +16,7 @@
 //! - [`teach`]: taught poses and their files, also in the format of MRROC++;
 //! - [`cooperation`]: several arms on one body;
 //! - [`force`]: force control: each axis of a tool moves freely, is guarded, or keeps a load;
+//! - [`spiral`]: the way of a search;
 //! - [`ahead`]: places that a generator names before it comes to them;
 //! - [`between`]: the way from one pose to another, as velocities of a tool are told;
 //! - [`rehearsal`]: what a generator demands, without a cell;
@@ -45,6 +46,7 @@ pub mod jogging;
 pub mod line;
 pub mod profile;
 pub mod rehearsal;
+pub mod spiral;
 pub mod teach;
 pub mod timing;
 pub mod via;

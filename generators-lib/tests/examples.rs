@@ -10,6 +10,8 @@ pub mod conditions;
 pub mod force;
 #[path = "../examples/01_jerk_limited_plan.rs"]
 pub mod jerk_limited_plan;
+#[path = "../examples/09_pallet.rs"]
+pub mod pallet;
 #[path = "../examples/02_spline_through_points.rs"]
 pub mod spline_through_points;
 #[path = "../examples/04_two_arms_carry.rs"]
@@ -55,6 +57,11 @@ fn example_07_runs_a_belt_while_an_arm_moves() {
 #[test]
 fn example_08_goes_on_without_a_cell_until_it_is_reset() {
     cells_of_cells::main().expect("runs without a fault");
+}
+
+#[test]
+fn example_09_takes_parts_from_one_pallet_to_another() {
+    pallet::main().expect("runs without a fault");
 }
 
 /// `cargo test --doc` runs them.

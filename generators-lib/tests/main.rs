@@ -19,6 +19,7 @@ mod jerk_reference;
 mod memory;
 mod pages;
 mod panel_jog;
+mod peg_in_hole;
 mod pictures;
 mod profile_properties;
 mod profiles;

@@ -11,8 +11,8 @@ use mrroc_generators::generators::{
     AwaitOperator, CircularMove, CompliantTransmit, ConstantOrder, CurveMove, Delay, EyeInHand, FollowMaster,
     ForceLaw, GuardedApproach, GuidedBody, Jog, JointMove, JointSpline, JointVia, LineVia, MovingFrame,
     OrderedForce, PoseSplineMove, ReachState, Replay, RigidCarry, Settle, SharedDrive, Sleep,
-    SmoothJointMove, SplineTrack, SqueezedCarry, StraightLine, TimeOptimalCurve, TimeOptimalJoints,
-    ToolOffset, TransmitDisplacement, WatchedTransmit, YieldingTransmit,
+    SmoothJointMove, SpiralSearch, SplineTrack, SqueezedCarry, StraightLine, TiltSearch, TimeOptimalCurve,
+    TimeOptimalJoints, ToolOffset, TransmitDisplacement, WatchedTransmit, YieldingTransmit,
 };
 use mrroc_generators::jerk::JointLimits;
 use mrroc_generators::line::{SmoothToolLimits, ToolLimits};
@@ -47,6 +47,8 @@ fn classes_are_those_of_the_paper() {
     assert_eq!(LineVia::<Gantry>::CLASS.to_string(), "ECP f*0(c), first step f*2(c, e)");
     assert_eq!(PoseSplineMove::<Gantry>::CLASS.to_string(), "ECP f*0(c), first step f*2(c, e)");
     assert_eq!(ReachState::<Gantry>::CLASS.to_string(), "ECP f*4(c0, c), first step f*6(c0, c, e)");
+    assert_eq!(SpiralSearch::<Gantry>::CLASS.to_string(), "ECP f*0(c), first step f*2(c, e)");
+    assert_eq!(TiltSearch::<Gantry>::CLASS.to_string(), "ECP f*0(c), first step f*2(c, e)");
     assert_eq!(SplineTrack::<Gantry, Points>::CLASS.to_string(), "ECP f*0(c)");
     assert_eq!(GuardedApproach::<Gantry, Probe>::CLASS.to_string(), "ECP f*1(c, v), first step f*3(c, e, v)");
     type Mixed = (Gantry, Irp6);

@@ -2,17 +2,16 @@
 
 use core::marker::PhantomData;
 
-use mrroc::fault::FaultKind;
 use mrroc::pose::Wrench;
 use mrroc::prelude::*;
 
-use mrroc_generators::force::ForceControl;
+use mrroc_generators::force::{Felt, ForceControl, fresh};
 
 /// Moves the tool by a [`ForceControl`] and the readings of a wrist sensor: the load of the surroundings on the tool,
 /// in the axes of the tool.
 ///
-/// Starts from the pose demanded last, at rest, and ends after a path time. Without a reading nothing moves; a reading
-/// that is too old is a fault.
+/// Starts from the pose demanded last, at rest, and ends after a path time, or where a condition holds on what is felt.
+/// Without a reading nothing moves; a reading that is too old is a fault.
 ///
 /// ```
 /// use mrroc::{pose::Wrench, sensor::SensorImage};
@@ -48,6 +47,9 @@ pub struct ForceLaw<R, S> {
     law: ForceControl,
     duration: f64,
     oldest: u32,
+    until: Option<fn(&Felt) -> bool>,
+    found: bool,
+    start: Pose,
     pose: Pose,
     time: f64,
     of: PhantomData<(R, S)>,
@@ -57,14 +59,37 @@ impl<R: Robot, S: Sensor<Reading = Wrench>> ForceLaw<R, S> {
     /// By `law` for `duration` \[s\], >= 0, which may be infinite; readings may be `oldest` steps old.
     #[must_use]
     pub fn lasting(law: ForceControl, duration: f64, oldest: u32) -> Self {
-        ForceLaw { law, duration, oldest, pose: Pose::identity(), time: 0.0, of: PhantomData }
+        ForceLaw {
+            law,
+            duration,
+            oldest,
+            until: None,
+            found: false,
+            start: Pose::identity(),
+            pose: Pose::identity(),
+            time: 0.0,
+            of: PhantomData,
+        }
+    }
+
+    /// The same, which ends where `found` holds, if that is before its time.
+    #[must_use]
+    pub fn until(self, found: fn(&Felt) -> bool) -> Self {
+        ForceLaw { until: Some(found), ..self }
+    }
+
+    /// Whether the condition of [`until`](Self::until) has held.
+    #[must_use]
+    pub const fn has_found(&self) -> bool {
+        self.found
     }
 }
 
 #[generator(ecp)]
 impl<R: Robot, S: Sensor<Reading = Wrench>> ForceLaw<R, S> {
     fn first_step(&mut self, e: &State<R>, v: &Reading<(S,)>, t: Tick) -> Result<Step<R>, Fault> {
-        self.pose = e.demanded().pose;
+        self.start = e.demanded().pose;
+        self.pose = self.start;
         self.next_step(v, t)
     }
 
@@ -73,11 +98,11 @@ impl<R: Robot, S: Sensor<Reading = Wrench>> ForceLaw<R, S> {
             return Ok(Step::Done);
         }
         self.time += t.dt;
-        if let Some(load) = v.0.reading() {
-            let age = v.0.age();
-            if age > self.oldest {
-                let fault = Fault::new(FaultKind::SensorStale);
-                return Err(fault.exceeds(age.into(), self.oldest.into(), "step"));
+        if let Some(load) = fresh(&v.0, self.oldest)? {
+            let way = self.start.inv_mul(&self.pose).translation.vector;
+            if self.until.is_some_and(|found| found(&Felt { load, way })) {
+                self.found = true;
+                return Ok(Step::Done);
             }
             self.pose *= self.law.advance(&load, t.dt)?;
             self.pose.rotation.renormalize_fast();
@@ -136,5 +161,28 @@ mod tests {
         let depth = height - irp6.forward(&shaft.state().position).translation.z;
         // F = K depth; an encoder count is some 10 um, which is 0.02 N.
         assert!((2000.0 * depth - 10.0).abs() < 0.2, "{} N", 2000.0 * depth);
+    }
+
+    /// Free space: with `b F` = 50 mm/s and the time constant `b m` = 0.1 s, 20 mm are gone where
+    /// `50 (t - 0.1 (1 - exp(-t / 0.1))) = 20`, at 0.499 s.
+    #[test]
+    fn it_ends_where_the_tool_has_gone_as_far_as_its_condition_says() {
+        let irp6 = Irp6::nominal();
+        let mut axes = [Behaviour::Unguarded { velocity: 0.0 }; 6];
+        axes[2] = Behaviour::Contact { load: 10.0, give: Give::FORCE, within: WITHIN };
+        let law = ForceControl::new(axes).expect("in range");
+        let mut motion = ForceLaw::<Irp6, Wrist>::lasting(law, 4.0, 1).until(|felt| felt.way.z > 0.02);
+        let e = State::new(mrroc_generators::rehearsal::at_rest(&irp6, Irp6::READY));
+        let v = Reading::new((mrroc::sensor::SensorImage::new(Wrench::default(), 0),));
+        let t = Tick { step: 0, dt: 2e-3, duration: 2e-3 };
+        let mut step = motion.first_step(&e, &v, t);
+        let mut steps = 0;
+        while let Ok(Step::Next(_)) = step {
+            assert!(!motion.has_found());
+            steps += 1;
+            step = motion.next_step(&v, t);
+        }
+        assert!(step == Ok(Step::Done) && motion.has_found());
+        assert!((f64::from(steps) * 2e-3 - 0.499).abs() < 0.005, "{steps} steps");
     }
 }

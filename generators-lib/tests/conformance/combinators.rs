@@ -1,11 +1,11 @@
 //! Generators made of generators.
 
 use super::kit::{
-    Arbitrated, Belt, Camera, Wrist, arbitrated, arm, away, bytes, corrected, handed, image, image_at,
-    odd_poses, overridden, pressed, seen, start, superposed, tool_limits,
+    Arbitrated, Belt, Camera, Wrist, arbitrated, arm, away, bytes, compliant, corrected, handed, image,
+    image_at, odd_poses, overridden, pressed, seen, start, superposed, tool_limits,
 };
 use mrroc::prelude::*;
-use mrroc_generators::combinators::{Blind, Corrected, Handover, Override, Sequence, Superpose};
+use mrroc_generators::combinators::{Blind, Compliant, Corrected, Handover, Override, Sequence, Superpose};
 use mrroc_generators::conformance::Given;
 use mrroc_generators::generator_conformance;
 use mrroc_generators::generators::{ForceLaw, GuardedApproach, JointMove, MovingFrame, StraightLine};
@@ -68,6 +68,20 @@ generator_conformance! {
     make: corrected(0.02, 0.2, 1.0),
     given: |step| seen(1e-5 * step as f64),
     odd: |x| vec![corrected(x, 0.2, 1.0), corrected(0.02, x, 1.0), corrected(0.02, 0.2, x), corrected(x, x, x)],
+    allocated: bytes,
+}
+
+generator_conformance! {
+    compliant: Compliant<StraightLine<Irp6>, Wrist>,
+    class: "ECP f*1(c, v), first step f*3(c, e, v)",
+    make: compliant(10.0, 0.01, 0.2),
+    given: |step| pressed(-0.02 * step as f64),
+    odd: |x| vec![
+        compliant(x, 0.01, 0.2),
+        compliant(10.0, x, 0.2),
+        compliant(10.0, 0.01, x),
+        compliant(x, x, x),
+    ],
     allocated: bytes,
 }
 

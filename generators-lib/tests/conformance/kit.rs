@@ -9,7 +9,9 @@ use mrroc::robot::JointVector as _;
 use mrroc::robot::{RobotImage, RobotState};
 use mrroc::sensor::SensorImage;
 use mrroc_generators::bspline::SplineSettings;
-use mrroc_generators::combinators::{Arbitrate, Corrected, CorrectionLimits, Handover, Override, Superpose};
+use mrroc_generators::combinators::{
+    Arbitrate, Compliant, Corrected, CorrectionLimits, Handover, Override, Superpose,
+};
 use mrroc_generators::conformance::Given;
 use mrroc_generators::cooperation::*;
 use mrroc_generators::curve::{CurveError, Helix};
@@ -267,6 +269,14 @@ pub fn corrected(speed: f64, ramp: f64, way: f64) -> Corrected<StraightLine<Irp6
     let line = StraightLine::by(Pose::translation(0.0, 0.0, 0.1), tool_limits(0.3, 1.0));
     let limits = CorrectionLimits { speed, turning: speed, ramp, way, angle: 1.0, oldest: 1 };
     Corrected::by(line, |seen: &Displacement| seen.pose, limits)
+}
+
+/// Goes on while it presses, until it is pressed by 5 N. A law of numbers that are none is one that stands.
+pub fn compliant(load: f64, velocity: f64, braking: f64) -> Compliant<StraightLine<Irp6>, Wrist> {
+    let line = StraightLine::by(Pose::translation(0.0, 0.0, 0.1), tool_limits(0.3, 1.0));
+    let still = || law(0.0, 0.0, Give::FORCE).expect("in range");
+    let law = law(load, velocity, Give::FORCE).unwrap_or_else(still);
+    Compliant::by(line, law, 1).until(|felt| felt.load.force.z < -5.0, braking)
 }
 
 /// Goes on until it is pressed by 5 N, and then presses.

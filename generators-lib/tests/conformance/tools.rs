@@ -9,8 +9,8 @@ use mrroc::pose::Pose;
 use mrroc_generators::curve::Helix;
 use mrroc_generators::generator_conformance;
 use mrroc_generators::generators::{
-    CircularMove, CurveMove, Jog, LineVia, MovingFrame, PanelJog, PoseSplineMove, Replay, SplineTrack,
-    StraightLine, TimeOptimalCurve, ToolOffset,
+    CircularMove, CurveMove, Jog, LineVia, MovingFrame, PanelJog, PoseSplineMove, Replay, SpiralSearch,
+    SplineTrack, StraightLine, TiltSearch, TimeOptimalCurve, ToolOffset,
 };
 use mrroc_generators::jogging::JogLimits;
 use mrroc_generators::line::SmoothToolLimits;
@@ -133,6 +133,37 @@ generator_conformance! {
             }
         }
         odd
+    },
+    allocated: bytes,
+}
+
+/// Sizes that are none, one at a time and both.
+fn odd_sizes(x: f64) -> [[f64; 2]; 4] {
+    [[0.02, 8e-3], [x, 8e-3], [0.02, x], [x, x]]
+}
+
+generator_conformance! {
+    spiral_search: SpiralSearch<Irp6>,
+    class: "ECP f*0(c), first step f*2(c, e)",
+    make: SpiralSearch::over(0.02, 8e-3, JerkLimits { velocity: 0.1, acceleration: 0.5, jerk: 5.0 }),
+    given: alone,
+    odd: |x| {
+        let limits = odd_limits(x).map(|[velocity, acceleration, jerk]| JerkLimits { velocity, acceleration, jerk });
+        let of = |limits| odd_sizes(x).map(|[radius, pitch]| SpiralSearch::over(radius, pitch, limits));
+        limits.into_iter().flat_map(of).collect()
+    },
+    allocated: bytes,
+}
+
+generator_conformance! {
+    tilt_search: TiltSearch<Irp6>,
+    class: "ECP f*0(c), first step f*2(c, e)",
+    make: TiltSearch::within(0.1, 0.04, JerkLimits { velocity: 0.5, acceleration: 2.0, jerk: 20.0 }),
+    given: alone,
+    odd: |x| {
+        let limits = odd_limits(x).map(|[velocity, acceleration, jerk]| JerkLimits { velocity, acceleration, jerk });
+        let of = |limits| odd_sizes(x).map(|[largest, pitch]| TiltSearch::within(largest, pitch, limits));
+        limits.into_iter().flat_map(of).collect()
     },
     allocated: bytes,
 }

@@ -34,6 +34,12 @@ fn limits() -> ToolLimits {
     ToolLimits { translation: limits, rotation: limits }
 }
 
+/// A path so slow that the tool comes to the surface on it.
+fn slow() -> ToolLimits {
+    let limits = ProfileLimits { velocity: 0.05, acceleration: 0.2 };
+    ToolLimits { translation: limits, rotation: limits }
+}
+
 fn smooth() -> SmoothToolLimits {
     SmoothToolLimits { translation: along(), rotation: along() }
 }
@@ -108,6 +114,8 @@ fn plain() -> Sheets {
             )),
         ),
         ("curve_move", alone(CurveMove::<Irp6, _>::along(helix, along()))),
+        ("spiral_search", alone(SpiralSearch::<Irp6>::over(0.02, 8e-3, along()))),
+        ("tilt_search", alone(TiltSearch::<Irp6>::within(0.1, 0.04, along()))),
         ("joint_via", alone(JointVia::<Irp6>::through(through.clone(), sixth * 0.01, joint_limits()))),
         (
             "line_via",
@@ -229,6 +237,7 @@ fn told() -> Sheets {
     let bounds = CorrectionLimits { speed: 0.02, turning: 0.1, ramp: 0.1, way: 0.02, angle: 0.1, oldest: 1 };
     let corrected =
         Corrected::<_, Camera>::by(ToolOffset::<Irp6>::by(offset(), limits()), |seen| seen.pose, bounds);
+    let compliant = Compliant::<_, Wrist>::by(ToolOffset::<Irp6>::by(offset(), slow()), pressing(0.0)?, 1);
     let touched = |v: &Reading<(Wrist,)>| v.0.reading().is_some_and(|felt| felt.force.z < -1.0);
     let blind: GuardedApproach<Irp6, Wrist> =
         GuardedApproach::along(start().rotation * Vector3::z_axis(), 0.05, 0.25, 0.2, |_: &Wrench| false);
@@ -294,6 +303,7 @@ fn told() -> Sheets {
         ("followed_frame", follow(followed, 1000, late)),
         ("corrected", follow(corrected, 1000, aside)),
         ("override_", follow(over, 1000, pressed)),
+        ("compliant", follow(compliant, 1000, pressed)),
         ("arbitrate", follow(arbitrated, 1000, leaned)),
         ("superpose", follow(superposed, 1000, leaned)),
         ("blind", follow(go(), 1000, leaned)),

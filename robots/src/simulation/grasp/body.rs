@@ -22,6 +22,8 @@ pub struct Body {
     pub(super) inertia: Matrix3<f64>,
     pub(super) points: Vec<Vector3<f64>>,
     pub(super) faces: Vec<Face>,
+    /// Its side, if that is round where it touches the edge of a hole.
+    pub(super) barrel: Option<Barrel>,
     pub(super) X_WB: Pose,
 }
 
@@ -34,15 +36,36 @@ pub(super) struct Face {
     pub offset: f64,
 }
 
+/// An upright cylinder about z of B.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Barrel {
+    /// \[m\].
+    pub radius: f64,
+    /// Half of its height \[m\].
+    pub half: f64,
+}
+
+impl Barrel {
+    /// How deep a point of B is in it \[m\], negative outside, and the normal of the nearest face, outwards.
+    pub fn depth(&self, at: &Vector3<f64>) -> (f64, Vector3<f64>) {
+        let rho = at.x.hypot(at.y);
+        let end = (self.half - at.z.abs(), Vector3::z() * at.z.signum());
+        let side = self.radius - rho;
+        if side < end.0 && rho > 0.0 { (side, Vector3::new(at.x / rho, at.y / rho, 0.0)) } else { end }
+    }
+}
+
 impl Body {
     /// Points of a cylinder's rim.
     pub const SIDES: usize = 16;
+    /// Points of the rim of a [`peg`](Self::peg)'s end.
+    pub const RIM: usize = 32;
 
     /// A body of this mass \[kg\] and tensor of inertia about its centre of mass, in the axes of B [kg m²]. It goes
     /// through a table until it is given [points](Self::with_points) that touch, and through fingers.
     #[must_use]
     pub fn new(mass: f64, inertia: Matrix3<f64>) -> Self {
-        Self { mass, inertia, points: Vec::new(), faces: Vec::new(), X_WB: Pose::identity() }
+        Self { mass, inertia, points: Vec::new(), faces: Vec::new(), barrel: None, X_WB: Pose::identity() }
     }
 
     /// A homogeneous block of this mass \[kg\] and these edges along x, y, z of B \[m\], which touches with its corners.
@@ -84,6 +107,19 @@ impl Body {
         let end = |sign: f64| Face { normal: Vector3::z() * sign, offset: h };
         let faces = (0..Self::SIDES).map(side).chain([end(1.0), end(-1.0)]).collect();
         Self { faces, ..Self::new(mass, inertia).with_points((0..2 * Self::SIDES).map(rim)) }
+    }
+
+    /// A peg for a hole in a [`Plate`](super::Plate): the cylinder of [`disc`](Self::disc), whose side is round for the edge of a
+    /// hole. It touches with [`RIM`](Self::RIM) points of the rim of its end at -z of B.
+    #[must_use]
+    pub fn peg(mass: f64, diameter: f64, length: f64) -> Self {
+        let (radius, half) = (0.5 * diameter, 0.5 * length);
+        let rim = |i: usize| {
+            let angle = i as f64 * core::f64::consts::TAU / Self::RIM as f64;
+            Vector3::new(radius * angle.cos(), radius * angle.sin(), -half)
+        };
+        let disc = Self::disc(mass, diameter, length).with_points((0..Self::RIM).map(rim));
+        Self { barrel: Some(Barrel { radius, half }), ..disc }
     }
 
     /// A body of this mass \[kg\] and tensor of inertia about its centre of mass, in the axes of B [kg m²], whose hull is an upright

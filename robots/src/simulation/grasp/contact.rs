@@ -10,7 +10,7 @@
 //! the force leaves it. No term creates energy: stretch beyond the cone is cut off, never put on.
 
 use mrroc::pose::Wrench;
-use nalgebra::{Vector2, Vector3};
+use nalgebra::{SVector, Vector2, Vector3};
 
 use super::error::{WorldError, not_negative, positive};
 
@@ -103,7 +103,7 @@ impl Table {
 }
 
 /// The largest share of `b`, 0 to 1, with which `a + share b` is at most `cone` long; `a` alone is.
-fn within(a: &Vector2<f64>, b: &Vector2<f64>, cone: f64) -> f64 {
+pub(super) fn within<const N: usize>(a: &SVector<f64, N>, b: &SVector<f64, N>, cone: f64) -> f64 {
     if (a + b).norm_squared() <= cone * cone {
         return 1.0;
     }

@@ -4,10 +4,11 @@ use mrroc::pose::Pose;
 use nalgebra::{Vector2, Vector3};
 
 use super::belt::BeltState;
-use super::body::{Body, Face, Moving};
+use super::body::{Barrel, Body, Face, Moving};
 use super::contact::Point;
 use super::error::WorldError;
 use super::motion::{Nanos, seconds};
+use super::plate::{Plate, Scrape};
 
 /// Where a body of a world is.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,6 +54,9 @@ pub(super) struct Entry {
     pub points: Vec<Point>,
     pub hull: Vec<Vector3<f64>>,
     pub faces: Vec<Face>,
+    pub barrel: Option<Barrel>,
+    /// Its contacts with a plate.
+    pub scrapes: Vec<Scrape>,
     /// Distance of the farthest point of the hull from the centre \[m\].
     pub radius: f64,
     pub whereabouts: Whereabouts,
@@ -72,7 +76,7 @@ impl Entry {
     /// The share of friction that the belt may need for its own acceleration without waking the body.
     const SHARE: f64 = 0.5;
 
-    pub fn new(body: &Body, since: Nanos) -> Result<Self, WorldError> {
+    pub fn new(body: &Body, since: Nanos, plate: Option<&Plate>) -> Result<Self, WorldError> {
         let moving = Moving::at_rest(body)?;
         let point = |at: &Vector3<f64>| Point {
             at: *at,
@@ -85,6 +89,8 @@ impl Entry {
             points: body.points.iter().map(point).collect(),
             hull: body.points.clone(),
             faces: body.faces.clone(),
+            barrel: body.barrel,
+            scrapes: plate.map_or_else(Vec::new, |plate| plate.contacts(&body.points, body.barrel)),
             radius: body.points.iter().map(Vector3::norm).fold(0.0, f64::max),
             body: moving,
             whereabouts: Whereabouts::Awaited,
@@ -92,6 +98,11 @@ impl Entry {
             resting: None,
             calm: 0.0,
         })
+    }
+
+    /// It is to touch this plate.
+    pub fn face(&mut self, plate: &Plate) {
+        self.scrapes = plate.contacts(&self.hull, self.barrel);
     }
 
     /// Finds the points that may touch a belt within `duration` \[s\].

@@ -1,10 +1,12 @@
-//! Rigid bodies as physics: grippers that hold them by springs, a table or a belt that they stand on, sensors that feel them.
+//! Rigid bodies as physics: grippers that hold them by springs, a table or a belt that they stand on, a plate
+//! with holes, sensors that feel them.
 //!
 //! | file | concept |
 //! |---|---|
 //! | `body.rs` | a rigid body, and how it moves under forces |
 //! | `compliance.rs` | a compliant grasp |
 //! | `contact.rs` | a table |
+//! | `plate.rs` | a plate with round holes |
 //! | `belt.rs` | a belt that carries bodies by friction, and its drive |
 //! | `entry.rs` | bodies that come, rest on a belt, and go into sinks |
 //! | `motion.rs`, `hand.rs` | what drives move in the world; a gripper there |
@@ -52,6 +54,7 @@ mod jaws;
 mod motion;
 mod noise;
 mod pads;
+mod plate;
 mod stepping;
 #[cfg(test)]
 mod tests;
@@ -71,5 +74,6 @@ pub use grip::Hand;
 pub use internal::Sharing;
 pub use jaws::{Jaws, Pressed};
 pub use pads::{Pads, Touch};
+pub use plate::{Hole, Plate};
 pub use world::World;
 pub use wrist::SimulatedWrist;

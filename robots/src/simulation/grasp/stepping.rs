@@ -180,7 +180,8 @@ impl State {
         let gravity = self.gravity.norm();
         self.entries[number].find_belts(&self.belts, gravity, duration);
         let touching = self.is_near_table(number, duration);
-        let steps = (duration / self.longest_step(number, touching)).ceil().max(1.0);
+        let scraping = self.is_near_plate(number, duration);
+        let steps = (duration / self.longest_step(number, touching, scraping)).ceil().max(1.0);
         let h = duration / steps;
         self.drift(number, 0.5 * h);
         for left in (0..steps as usize).rev() {
@@ -191,7 +192,7 @@ impl State {
     }
 
     /// The longest step that is stable and accurate enough \[s\].
-    fn longest_step(&self, number: usize, touching: bool) -> f64 {
+    fn longest_step(&self, number: usize, touching: bool, scraping: usize) -> f64 {
         let entry = &self.entries[number];
         let mut stiffness = 0.0;
         let mut damping = 0.0;
@@ -204,6 +205,13 @@ impl State {
             let yielding: f64 = entry.points.iter().map(|point| point.yielding).sum();
             stiffness += k * yielding;
             damping += c * yielding;
+        }
+        if let Some(plate) = self.plate.as_ref().filter(|_| scraping > 0) {
+            let (k, c) = plate.compliance();
+            // No contact lies farther from the centre than the hull does.
+            let yielding = entry.points.iter().map(|point| point.yielding).fold(0.0, f64::max);
+            stiffness += k * yielding * scraping as f64;
+            damping += c * yielding * scraping as f64;
         }
         for point in &entry.points {
             if let Some(belt) = point.on.and_then(|on| self.belts.get(on)) {
@@ -235,6 +243,14 @@ impl State {
         near
     }
 
+    /// How many contacts of the body may touch the plate within `duration` \[s\].
+    fn is_near_plate(&mut self, number: usize, duration: f64) -> usize {
+        let gravity = self.gravity.norm();
+        let Some(plate) = &self.plate else { return 0 };
+        let Entry { body, barrel, scrapes, .. } = &mut self.entries[number];
+        plate.find(body, barrel.as_ref(), scrapes, gravity, duration)
+    }
+
     fn drift(&mut self, number: usize, h: f64) {
         self.entries[number].body.drift(h);
         self.hands.iter_mut().filter(|hand| hand.engaged() == Some(number)).for_each(|hand| hand.drift(h));
@@ -242,7 +258,7 @@ impl State {
 
     /// The total wrench on the body, about its centre of mass along the world's axes.
     fn wrench(&mut self, number: usize, h: f64, touching: bool, idle: bool) -> Wrench {
-        let Entry { body, points, faces, .. } = &mut self.entries[number];
+        let Entry { body, points, faces, barrel, scrapes, .. } = &mut self.entries[number];
         let mut sum = Wrench::new(body.mass * self.gravity, Vector3::zeros());
         let velocity = body.velocity();
         let omega = body.angular_velocity();
@@ -255,6 +271,9 @@ impl State {
             } else if idle && hand.engaged().is_none() {
                 hand.idle(h);
             }
+        }
+        if let Some(plate) = &self.plate {
+            sum = sum + plate.press(body, barrel.as_ref(), scrapes, h);
         }
         for point in points.iter_mut().filter(|point| touching || point.on.is_some()) {
             let lever = body.rotation * point.at;
@@ -278,7 +297,7 @@ impl State {
     /// Kinetic energy, energy of position over z = 0, and energy of all springs \[J\].
     pub fn energy(&self) -> f64 {
         let of_body = |&number: &usize| {
-            let Entry { body, points, .. } = &self.entries[number];
+            let Entry { body, points, barrel, scrapes, .. } = &self.entries[number];
             let holding = self.hands.iter().filter(|hand| hand.held() == Some(number));
             let springs: f64 = holding.map(|hand| hand.energy(body)).sum();
             let contact = |point: &Point| {
@@ -287,7 +306,8 @@ impl State {
                 table.map_or(0.0, |table| table.energy(height, &point.stretch))
             };
             let contacts: f64 = points.iter().map(contact).sum();
-            body.kinetic_energy() - body.mass * self.gravity.dot(&body.position) + springs + contacts
+            let plate = self.plate.as_ref().map_or(0.0, |plate| plate.energy(body, barrel.as_ref(), scrapes));
+            body.kinetic_energy() - body.mass * self.gravity.dot(&body.position) + springs + contacts + plate
         };
         self.active.iter().map(of_body).sum()
     }

@@ -26,6 +26,7 @@ use super::error::{WorldError, positive};
 use super::grip::Hand;
 use super::hand::HandState;
 use super::motion::{Nanos, seconds};
+use super::plate::Plate;
 use super::stepping::Mover;
 use crate::models::{Conveyor, Driven, GRAVITY, Kinematics};
 use crate::simulation::simulated::Simulated;
@@ -45,6 +46,7 @@ pub(super) struct State {
     pub next: Nanos,
     pub gravity: Vector3<f64>,
     pub table: Option<Table>,
+    pub plate: Option<Plate>,
     pub belts: Vec<BeltState>,
     pub sinks: Vec<Sink>,
     /// Whether bodies may rest on belts without being integrated.
@@ -73,6 +75,7 @@ impl World {
             next: 0,
             gravity: Vector3::new(0.0, 0.0, -GRAVITY),
             table: None,
+            plate: None,
             belts: Vec::new(),
             sinks: Vec::new(),
             rests: false,
@@ -97,7 +100,7 @@ impl World {
     pub fn put_at(&self, body: &Body, time: f64) -> Result<usize, WorldError> {
         let time = super::error::not_negative("the time at which a body comes", time, "s")?;
         let state = &mut *self.state_mut();
-        state.entries.push(Entry::new(body, (time * 1e9).round() as Nanos)?);
+        state.entries.push(Entry::new(body, (time * 1e9).round() as Nanos, state.plate.as_ref())?);
         let room = state.entries.len() - state.active.len();
         state.active.reserve(room);
         state.next = 0;
@@ -130,6 +133,17 @@ impl World {
     pub fn with_table(self, table: Table) -> Result<Self, WorldError> {
         table.check()?;
         self.state_mut().table = Some(table);
+        Ok(self)
+    }
+
+    /// The same world with this plate. A body that rests on a belt does not touch it.
+    ///
+    /// # Errors
+    /// [`WorldError`] when one of its figures is out of range, or two holes meet.
+    pub fn with_plate(self, plate: Plate) -> Result<Self, WorldError> {
+        plate.check()?;
+        self.state_mut().entries.iter_mut().for_each(|entry| entry.face(&plate));
+        self.state_mut().plate = Some(plate);
         Ok(self)
     }
 
@@ -299,6 +313,14 @@ impl World {
         let state = self.state();
         let points = state.active.iter().flat_map(|&number| &state.entries[number].points);
         points.map(|point| point.force).sum()
+    }
+
+    /// The force of the plate on the bodies \[N\], along the world's axes.
+    #[must_use]
+    pub fn plate_force(&self) -> Vector3<f64> {
+        let state = self.state();
+        let scrapes = state.active.iter().flat_map(|&number| &state.entries[number].scrapes);
+        scrapes.map(|scrape| scrape.force).sum()
     }
 
     /// The greatest internal force that a closed gripper exerts on the body \[N\], mean over its last servo period: the

@@ -6,6 +6,7 @@ mod contact;
 mod dynamics;
 mod internal;
 mod pads;
+mod plate;
 mod refusals;
 mod statics;
 mod time;
