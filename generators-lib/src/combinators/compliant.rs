@@ -7,6 +7,7 @@ use mrroc::pose::Wrench;
 use mrroc::prelude::*;
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 
+use crate::braked::Braked;
 use crate::force::{Felt, ForceControl, fresh};
 
 /// Adds to what a generator `G` of one sensor at most demands, poses or displacements, the motion of a [`ForceControl`] by
@@ -67,8 +68,8 @@ pub struct Compliant<G, S> {
     law: ForceControl,
     oldest: u32,
     until: Option<Until>,
-    /// The share of its path time that the generator still gets once the condition has held.
-    share: Option<f64>,
+    /// While the generator is braked, once the condition has held.
+    braked: Option<Braked>,
     /// Rotation of the first demand.
     start: Option<UnitQuaternion<f64>>,
     /// `d` \[m\] and `Q`.
@@ -94,7 +95,7 @@ impl<G: Generator<Language = Motion>, S: Sensor<Reading = Wrench>> Compliant<G, 
             law,
             oldest,
             until: None,
-            share: None,
+            braked: None,
             start: None,
             way: Vector3::zeros(),
             turn: UnitQuaternion::identity(),
@@ -103,7 +104,8 @@ impl<G: Generator<Language = Motion>, S: Sensor<Reading = Wrench>> Compliant<G, 
     }
 
     /// The same, which ends where `found` holds: the generator is braked on its path, by taking its path time away
-    /// within `braking` \[s\], > 0, while the law goes on. At a speed `v` that is a deceleration of `v / braking`.
+    /// within `braking` \[s\], > 0, while the law goes on. At a speed `v` that is a deceleration of `1.5 v / braking` and a jerk of
+    /// `4.5 v / braking²` at most.
     #[must_use]
     pub fn until(self, found: fn(&Felt) -> bool, braking: f64) -> Self {
         Compliant { until: Some(Until { found, braking }), ..self }
@@ -112,7 +114,7 @@ impl<G: Generator<Language = Motion>, S: Sensor<Reading = Wrench>> Compliant<G, 
     /// Whether the condition of [`until`](Self::until) has held. Where it has not, the generator came to its end.
     #[must_use]
     pub const fn has_found(&self) -> bool {
-        self.share.is_some()
+        self.braked.is_some()
     }
 
     /// What is felt now; the tick of the generator, without path time where nothing has been felt yet; `None` at the end.
@@ -120,14 +122,14 @@ impl<G: Generator<Language = Motion>, S: Sensor<Reading = Wrench>> Compliant<G, 
         let Some(load) = fresh(&v.0, self.oldest)? else { return Ok(Some((None, Tick { dt: 0.0, ..t }))) };
         let way = self.start.map_or_else(Vector3::zeros, |start| start.inverse_transform_vector(&self.way));
         let Some(Until { found, braking }) = self.until else { return Ok(Some((Some(load), t))) };
-        let left = match self.share {
-            Some(share) if share <= 0.0 => return Ok(None),
-            Some(share) => Some((share - t.dt / braking).max(0.0)),
-            None if found(&Felt { load, way }) => Some((1.0 - t.dt / braking).max(0.0)),
-            None => None,
-        };
-        self.share = left;
-        Ok(Some((Some(load), Tick { dt: t.dt * left.unwrap_or(1.0), ..t })))
+        if self.braked.as_ref().is_some_and(Braked::stands) {
+            return Ok(None);
+        }
+        if self.braked.is_none() && found(&Felt { load, way }) {
+            self.braked = Some(Braked::within(braking));
+        }
+        let share = self.braked.as_mut().map_or(1.0, |braked| braked.share(t.dt));
+        Ok(Some((Some(load), Tick { dt: t.dt * share, ..t })))
     }
 
     /// What the generator demands, moved as the law has moved the tool.
@@ -179,7 +181,7 @@ where
         v: &Reading<Self::Sensors>,
         t: Tick,
     ) -> Result<Step<R>, Fault> {
-        if self.until.is_some_and(|Until { braking, .. }| !(braking.is_finite() && braking > 0.0)) {
+        if self.until.is_some_and(|Until { braking, .. }| !Braked::is_possible(braking)) {
             return Err(Fault::thrown("the time in which a motion is braked must be finite and > 0"));
         }
         let (own, v) = G::Sensors::split(v);

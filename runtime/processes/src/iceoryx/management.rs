@@ -15,8 +15,8 @@ use crate::session::SHARED_MEMORY;
 /// Its name behind the prefix of a session.
 const NAME: &str = "9204dd183d1c4d8e1ff592a30766ffa6765aa8b5_node.0_10_0.global_mgmt";
 
-/// What is in it while there is no node: the version, and how many nodes there are.
-const EMPTY: [u8; 16] = [0, 0, 10, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0];
+/// What is in it behind its first node, which is gone: the version, and the count of nodes that there have been.
+const EMPTY: [u8; 16] = [0, 0, 10, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0];
 
 /// Makes the segment for the nodes of a session whose shared memory has this prefix.
 ///
