@@ -66,7 +66,7 @@ mod tests {
             let steps = shares.len() - 4;
             assert!((within..within + dt + 1e-9).contains(&(steps as f64 * dt)), "{steps} of {within}, {dt}");
             assert_eq!(shares[steps + 1], 0.0);
-            let slope = shares.windows(2).map(|s| (s[1] - s[0]) / dt).fold(0.0, |most, s| f64::min(most, s));
+            let slope = shares.windows(2).map(|s| (s[1] - s[0]) / dt).fold(0.0, f64::min);
             assert!(slope >= -1.5 / within - 1e-9, "{slope} of {within}, {dt}");
             let bend = shares.windows(3).map(|s| (s[2] - 2.0 * s[1] + s[0]).abs() / dt.powi(2));
             let bend = bend.fold(0.0, f64::max);

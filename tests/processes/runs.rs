@@ -84,7 +84,7 @@ fn fault_120_a_sensor_s_hardware_is_refused_under_the_virtual_clock_and_where_no
     let cell = format!("step_ms = 2\nstop_ms = 2500\n{}{}[sensors.camera]\n", robot("soon"), robot("late"));
     let place = Place::of(96, REMOTE, &cell);
     for (arguments, refused) in [
-        (["--no-picture"].as_slice(), "which cannot follow the virtual clock"),
+        (["--no-picture"].as_slice(), "nothing to stand in for it"),
         (&["--processes", "--virtual", "--no-picture"], "which cannot follow the virtual clock"),
         (&["--dry-run"], "nothing to stand in for it"),
     ] {

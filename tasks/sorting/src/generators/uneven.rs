@@ -66,8 +66,8 @@ impl Uneven {
             self.rate = self.random.between(-Self::WANDERING, Self::WANDERING);
         }
         self.share += self.rate * t.dt;
-        let begun = self.profile.iter().filter(|(time, _)| self.age > *time);
-        let share = begun.last().map_or(1.0, |(_, share)| *share);
+        let mut begun = self.profile.iter().rev().filter(|(time, _)| self.age > *time);
+        let share = begun.next().map_or(1.0, |(_, share)| *share);
         let wanted = self.speed * (1.0 + self.share) * share;
         let change = Self::ACCELERATION * t.dt;
         self.now += (wanted - self.now).clamp(-change, change);
