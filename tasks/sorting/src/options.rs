@@ -47,7 +47,7 @@ pub struct Options {
     /// Camera, ultrasonic: parts come quite at random, as Poisson's law says; else at least 70 % of the mean time after another.
     #[arg(long)]
     pub poisson: bool,
-    /// How the belt's speed changes: from each TIME [s] on it goes at SHARE of its speed, such as `30:0,32:1` for a stop of two seconds, or
+    /// How the belt's speed changes: from each TIME in seconds on it goes at SHARE of its speed, such as `30:0,32:1` for a stop of two seconds, or
     /// `20:0.5,40:1.2`.
     #[arg(long, value_name = "TIME:SHARE,..", value_delimiter = ',', value_parser = change)]
     pub profile: Vec<(f64, f64)>,

@@ -92,14 +92,30 @@ struct Bare {
     /// Time of the echo's middle \[s\], and its amplitude.
     time: f64,
     amplitude: f64,
-    /// Pings by which that was learned, and how many of them had an echo.
+    /// Pings by which that was learned, how many of them had an echo, and the first of these: times \[s\] and amplitudes.
     pings: u32,
     count: u32,
+    first: [[f64; 2]; Reliefs::LEARNING as usize],
     /// Pings without an echo, and where the belt was at the first of them \[m\].
     unheard: u32,
     from: f64,
     /// Along the belt, where its last sample is \[m\].
     stored: Option<f64>,
+}
+
+impl Bare {
+    /// Goes by the median of the first echoes: a single one may be of something else.
+    fn learn(&mut self) {
+        let mut first = self.first;
+        let known = &mut first[..self.count as usize];
+        known.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        let (Some(low), Some(high)) =
+            (known.get(known.len().saturating_sub(1) / 2), known.get(known.len() / 2))
+        else {
+            return;
+        };
+        (self.time, self.amplitude) = (0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1]));
+    }
 }
 
 /// Makes reliefs of echoes.
@@ -248,10 +264,11 @@ impl Reliefs {
         bare.pings += 1;
         if let Some(echo) = echo {
             bare.unheard = 0;
-            bare.count += 1;
-            let share = f64::from(bare.count).recip();
-            bare.time += share * (self.transducer.middle(&echo) - bare.time);
-            bare.amplitude += share * (echo.amplitude - bare.amplitude);
+            if let Some(place) = bare.first.get_mut(bare.count as usize) {
+                *place = [self.transducer.middle(&echo), echo.amplitude];
+                bare.count += 1;
+            }
+            bare.learn();
         }
         let have = self.bare.iter().filter(|bare| bare.count >= Self::ENOUGH).count() as f64;
         let are_enough = have >= Self::LEARNED * self.bare.len() as f64;
@@ -275,22 +292,22 @@ impl Reliefs {
         let level = sorted[sorted.len() / 2];
         let loud = all().map(|(bare, _)| bare.amplitude).sum::<f64>() / sorted.len() as f64;
         let off = |number: usize| places[number].z - self.bare[number].time / level;
-        let known = (0..self.bare.len()).filter(|&number| knows(&self.bare[number]));
-        match known.max_by(|a, b| off(*a).abs().total_cmp(&off(*b).abs())) {
-            Some(number) if off(number).abs() > Self::LEVEL => {
-                return Err(Deaf::Uneven {
-                    number: number + 1,
-                    of: self.bare.len(),
-                    off_mm: 1e3 * off(number),
-                    limit_mm: 1e3 * Self::LEVEL,
-                });
-            }
-            _ => {}
+        let is_off = |number: &usize| knows(&self.bare[*number]) && off(*number).abs() > Self::LEVEL;
+        let numbers: Vec<usize> = (0..self.bare.len()).filter(is_off).collect();
+        // A part is below several. A single one has heard something else, and goes by the others, too.
+        if numbers.len() > 1
+            && let Some(&number) = numbers.iter().max_by(|a, b| off(**a).abs().total_cmp(&off(**b).abs()))
+        {
+            return Err(Deaf::Uneven {
+                number: number + 1,
+                of: self.bare.len(),
+                off_mm: 1e3 * off(number),
+                limit_mm: 1e3 * Self::LEVEL,
+            });
         }
-        for (bare, place) in self.bare.iter_mut().zip(places).filter(|(bare, _)| !knows(bare)) {
-            bare.time = level * place.z;
-            if bare.count == 0 {
-                bare.amplitude = loud;
+        for (number, (bare, place)) in self.bare.iter_mut().zip(places).enumerate() {
+            if !knows(bare) || numbers.contains(&number) {
+                (bare.time, bare.amplitude) = (level * place.z, loud);
             }
         }
         Ok(())
