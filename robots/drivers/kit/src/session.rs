@@ -159,9 +159,7 @@ impl<F: Copy + Send + Sync + 'static> Session<F> {
         protocol: P,
         closed: F,
     ) -> io::Result<Session<F>> {
-        let outcome = Arc::new(OnceLock::new());
-        let run = Run { protocol, outcome: Arc::clone(&outcome), closed };
-        Ok(Session { outcome, closed, running: network.run(name, peer, Box::new(run))? })
+        Session::of(protocol, closed, |task| network.run(name, peer, task))
     }
 
     /// The same over a serial line of this machine.
@@ -171,9 +169,17 @@ impl<F: Copy + Send + Sync + 'static> Session<F> {
         protocol: P,
         closed: F,
     ) -> io::Result<Session<F>> {
+        Session::of(protocol, closed, |task| Ok(Box::new(Thread::start_serial(name, port, task)?)))
+    }
+
+    fn of<P: Protocol<Fault = F>>(
+        protocol: P,
+        closed: F,
+        start: impl FnOnce(Box<dyn Task>) -> io::Result<Box<dyn Running>>,
+    ) -> io::Result<Session<F>> {
         let outcome = Arc::new(OnceLock::new());
         let run = Run { protocol, outcome: Arc::clone(&outcome), closed };
-        Ok(Session { outcome, closed, running: Box::new(Thread::start_serial(name, port, Box::new(run))?) })
+        Ok(Session { outcome, closed, running: start(Box::new(run))? })
     }
 
     /// Whether it goes on.
