@@ -5,10 +5,9 @@ use std::os::fd::AsFd;
 use std::path::Path;
 use std::time::Duration;
 
+use mrroc_driver_kit::Serial;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
-use rustix::fs::{Mode, OFlags, open};
 use rustix::io::Errno;
-use rustix::termios::{ControlModes, OptionalActions, tcgetattr, tcsetattr};
 
 use crate::client::Trouble;
 
@@ -24,15 +23,7 @@ impl Line<File> {
     /// # Errors
     /// It cannot be opened, or is no serial port.
     pub fn open(port: impl AsRef<Path>, baud: u32) -> std::io::Result<Self> {
-        let flags = OFlags::RDWR | OFlags::NOCTTY | OFlags::NONBLOCK | OFlags::CLOEXEC;
-        let port = open(port.as_ref(), flags, Mode::empty())?;
-        let mut modes = tcgetattr(&port)?;
-        modes.make_raw();
-        modes.control_modes |= ControlModes::CREAD | ControlModes::CLOCAL;
-        modes.control_modes &= !(ControlModes::CSTOPB | ControlModes::CRTSCTS);
-        modes.set_speed(baud)?;
-        tcsetattr(&port, OptionalActions::Now, &modes)?;
-        Ok(Self::over(File::from(port)))
+        Serial { path: port.as_ref().to_owned(), baud }.open().map(Self::over)
     }
 }
 

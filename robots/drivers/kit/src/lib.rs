@@ -34,6 +34,7 @@ pub use lines::{Lines, NoLines};
 pub use number::Number;
 pub use protocol::{NotConnected, Peer, Protocol, Received};
 pub use recall::{Recalled, recall};
+pub use serial::Serial;
 pub use session::{Network, Session};
 pub use speed::Speed;
 pub use talk::{Handed, Talk, Watch};

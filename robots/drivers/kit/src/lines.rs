@@ -11,7 +11,7 @@ use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use crate::protocol::{NotConnected, Peer, Protocol, Received};
-use crate::serial::{self, Serial};
+use crate::serial::Serial;
 use crate::session::{Network, Session};
 
 /// The longest line \[bytes\]; what is longer is no line of a device, and is left out.
@@ -170,7 +170,7 @@ impl Lines {
             std::io::Error::new(std::io::ErrorKind::NotConnected, format!("{place}: {why}"))
         };
         if let Place::Serial(port) = &self.place {
-            serial::open(port).map_err(|why| failed(&self.place, &why))?;
+            port.open().map_err(|why| failed(&self.place, &why))?;
         }
         self.begin();
         loop {

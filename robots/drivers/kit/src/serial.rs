@@ -8,34 +8,43 @@ use std::path::PathBuf;
 use rustix::fs::OFlags;
 use rustix::termios::{ControlModes, OptionalActions, tcgetattr, tcsetattr};
 
-/// A serial line.
+/// A serial line: 8 bits, no parity, one stop bit, no flow control.
+///
+/// ```
+/// use mrroc_driver_kit::Serial;
+///
+/// let nowhere = Serial { path: "/dev/no-such-line".into(), baud: 9600 };
+/// assert_eq!(nowhere.open().map_err(|why| why.kind()).err(), Some(std::io::ErrorKind::NotFound));
+/// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Serial {
+pub struct Serial {
     /// Its device file.
     pub path: PathBuf,
     /// Bits per second.
     pub baud: u32,
 }
 
-/// Opens a serial line: 8 bits, no parity, one stop bit, no flow control, nothing done to what comes. Neither reading nor writing waits.
-///
-/// # Errors
-/// There is none, nobody may open it, it is no serial line, or it does not know this baud rate.
-pub(crate) fn open(port: &Serial) -> io::Result<File> {
-    // Not the terminal that controls this program, and without waiting for a modem.
-    let flags = OFlags::NOCTTY | OFlags::NONBLOCK;
-    let file = OpenOptions::new()
-        .read(true)
-        .write(true)
-        .custom_flags(flags.bits().cast_signed())
-        .open(&port.path)?;
-    let mut settings = tcgetattr(&file)?;
-    settings.make_raw();
-    settings.set_speed(port.baud)?;
-    settings.control_modes |= ControlModes::CLOCAL | ControlModes::CREAD;
-    settings.control_modes -= ControlModes::CSTOPB | ControlModes::CRTSCTS;
-    tcsetattr(&file, OptionalActions::Flush, &settings)?;
-    Ok(file)
+impl Serial {
+    /// Opens it: nothing is done to what comes, and what came before is dropped. Neither reading nor writing waits.
+    ///
+    /// # Errors
+    /// There is none, nobody may open it, it is no serial line, or it does not know this baud rate.
+    pub fn open(&self) -> io::Result<File> {
+        // Not the terminal that controls this program, and without waiting for a modem.
+        let flags = OFlags::NOCTTY | OFlags::NONBLOCK;
+        let file = OpenOptions::new()
+            .read(true)
+            .write(true)
+            .custom_flags(flags.bits().cast_signed())
+            .open(&self.path)?;
+        let mut settings = tcgetattr(&file)?;
+        settings.make_raw();
+        settings.set_speed(self.baud)?;
+        settings.control_modes |= ControlModes::CLOCAL | ControlModes::CREAD;
+        settings.control_modes -= ControlModes::CSTOPB | ControlModes::CRTSCTS;
+        tcsetattr(&file, OptionalActions::Flush, &settings)?;
+        Ok(file)
+    }
 }
 
 #[cfg(test)]

@@ -17,7 +17,7 @@ use std::time::Instant;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 
 use crate::protocol::{NotConnected, Peer, Received};
-use crate::serial::{self, Serial};
+use crate::serial::Serial;
 use crate::session::{Running, Task};
 use crate::udp::Guest;
 
@@ -55,7 +55,7 @@ impl Thread {
     }
 
     pub(crate) fn start_serial(name: &str, port: Serial, mut task: Box<dyn Task>) -> io::Result<Thread> {
-        Thread::spawn(name, move |shared| match serial::open(&port) {
+        Thread::spawn(name, move |shared| match port.open() {
             // Nothing shuts a serial line down while the thread waits.
             Ok(line) => run(line, None, &mut *task, shared, SHORT),
             Err(_) => task.fail(NotConnected::Unreachable),
