@@ -18,6 +18,11 @@ pub fn poses(cell: &Path, robot: &str) -> PathBuf {
     cell.parent().unwrap_or(Path::new("")).join("poses").join(format!("{robot}.txt"))
 }
 
+/// What is told of a file that cannot be written, with the options by which another one is given.
+pub(crate) fn unwritable(file: &Path, error: &io::Error, instead: &str) -> String {
+    format!("{}: cannot be written: {error}\n help: give another file by {instead}", file.display())
+}
+
 /// What was read so far, by whole paths.
 static READ: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 

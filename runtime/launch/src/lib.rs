@@ -28,7 +28,7 @@ use std::process::ExitCode;
 use mrroc_core::cell::{Cell, CellError, RunPicture};
 use mrroc_core::console::{refused, say};
 use mrroc_core::link::Clock;
-use mrroc_core::observe::layout::{HardwareLayout, Layout};
+use mrroc_core::observe::layout::{HardwareLayout, Layout, RobotLayout};
 use mrroc_core::observe::{NotRecorded, Recording};
 
 use crate::cell_file::CellFile;
@@ -225,10 +225,14 @@ fn has_real_sensors_alone(layout: &Layout) -> bool {
 /// What is said of a cell with several arms that asks for no priority.
 const NO_PRIORITY: &str = "no priority is asked of this machine: arms that one Move leads by poses stop together when it is late by two steps\n help: write [realtime] into cell.toml, with priority = 50 and permission = \"best effort\"";
 
+/// Whether a robot is an arm: a belt, a gripper or a table has at most three joints.
+fn is_arm(robot: &&RobotLayout) -> bool {
+    robot.joints.len() > 3
+}
+
 /// Whether a cell has several arms, and asks for no priority.
 fn lacks_priority(cell: &Cell) -> bool {
-    let arms = cell.layout().robots.iter().filter(|robot| robot.joints.len() > 3).count();
-    cell.realtime().is_none() && arms > 1
+    cell.realtime().is_none() && cell.layout().robots.iter().filter(is_arm).count() > 1
 }
 
 /// What is improbable in a cell, as `--check` asks about it.

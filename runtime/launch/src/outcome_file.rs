@@ -9,6 +9,8 @@ use std::path::Path;
 use mrroc_core::cell::{CellError, RunReport};
 use mrroc_core::fault::{Fault, ProcessId};
 
+use crate::files::unwritable;
+
 /// A distribution of times of one process \[ns\].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Times {
@@ -126,7 +128,7 @@ fn quoted(text: &str) -> String {
 /// # Errors
 /// What to tell the user.
 pub fn write_outcome(file: &Path, outcome: &Outcome<'_>) -> Result<(), String> {
-    std::fs::write(file, outcome.json()).map_err(|error| unwritable(file, &error))
+    std::fs::write(file, outcome.json()).map_err(|error| unwritable(file, &error, "--outcome"))
 }
 
 /// Checks, before a run, that its outcome can be written. It leaves no file where there was none: that would be the outcome of no run.
@@ -137,11 +139,7 @@ pub(crate) fn check_outcome(file: &Path) -> Result<(), String> {
     let is_new = !file.exists();
     let opened = std::fs::OpenOptions::new().append(true).create(true).open(file);
     let checked = opened.and_then(|_| if is_new { std::fs::remove_file(file) } else { Ok(()) });
-    checked.map_err(|error| unwritable(file, &error))
-}
-
-fn unwritable(file: &Path, error: &std::io::Error) -> String {
-    format!("{}: cannot be written: {error}\n help: give another file by --outcome", file.display())
+    checked.map_err(|error| unwritable(file, &error, "--outcome"))
 }
 
 #[cfg(test)]

@@ -3,11 +3,11 @@
 //! In: an assembled cell, a picture of its run and the options. Out: the run, its picture, and an exit status.
 
 use std::fs::OpenOptions;
-use std::io;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Duration;
 
+use super::files::unwritable;
 use super::options::Options;
 use super::outcome::{cell_refused, note, report, stopped, tell};
 use super::outcome_file::{Outcome, write_outcome};
@@ -17,6 +17,9 @@ use super::{Launch, Parts, Ran};
 use mrroc_core::cell::{Cell, CellError, RunPicture, RunReport};
 use mrroc_core::console::{Background, refused};
 use mrroc_core::fault::Fault;
+
+/// What to do where the picture cannot be written.
+const INSTEAD: &str = "--picture, or --no-picture";
 
 /// How long a process may compute without waiting: long enough for planning, which takes seconds.
 const STUCK: Duration = Duration::from_secs(60);
@@ -31,7 +34,7 @@ pub(super) fn run(
     if let Some(file) = options.picture() {
         // Checked before the run, because a run may be long.
         if let Err(error) = OpenOptions::new().append(true).create(true).open(file) {
-            return refused(&unwritable(file, &error));
+            return refused(&unwritable(file, &error, INSTEAD));
         }
         cell = picture.watch(cell);
     }
@@ -90,7 +93,7 @@ pub(super) fn watched(
     if let Some(file) = file
         && let Err(error) = OpenOptions::new().append(true).create(true).open(file)
     {
-        return refused(&unwritable(file, &error));
+        return refused(&unwritable(file, &error, INSTEAD));
     }
     if draws {
         // The program's own observers are in the EDPs.
@@ -121,8 +124,9 @@ pub(super) fn watched(
 
 /// Draws what moved, and prints how the run ended.
 fn conclude(outcome: Result<RunReport, Fault>, mut picture: impl RunPicture, options: &Options) -> ExitCode {
-    let drawn =
-        options.picture().map_or(Ok(()), |file| picture.save(file).map_err(|error| unwritable(file, &error)));
+    let drawn = options
+        .picture()
+        .map_or(Ok(()), |file| picture.save(file).map_err(|error| unwritable(file, &error, INSTEAD)));
     let ended = match outcome {
         Ok(_) if options.quiet => ExitCode::SUCCESS,
         Ok(report) => tell(&report, options.picture().filter(|_| drawn.is_ok())),
@@ -135,9 +139,4 @@ fn conclude(outcome: Result<RunReport, Fault>, mut picture: impl RunPicture, opt
             ExitCode::FAILURE
         }
     }
-}
-
-fn unwritable(file: &Path, error: &io::Error) -> String {
-    let file = file.display();
-    format!("{file}: cannot be written: {error}\n help: give another file by --picture, or --no-picture")
 }

@@ -125,6 +125,7 @@ pub use kinds::{AnySetup, Kinds};
 pub use plant::PlantEntry;
 
 use crate::files;
+use crate::is_arm;
 use entry::SensorEntry;
 use error::Source;
 use lower::LowerEntry;
@@ -196,8 +197,7 @@ impl CellFile {
     #[must_use]
     pub fn arms_in_one_place(&self, layout: &Layout) -> Vec<[&str; 2]> {
         // A belt, a gripper or a table may well be where an arm is.
-        let is_arm =
-            |name: &str| layout.robots.iter().any(|robot| robot.name == name && robot.joints.len() > 3);
+        let is_arm = |name: &str| layout.robots.iter().filter(is_arm).any(|robot| robot.name == name);
         let stands = |robot: &&RobotEntry| robot.mounted_on().is_none() && is_arm(robot.name());
         let arms: Vec<_> = self.robots.iter().filter(stands).collect();
         let near = |a: &RobotEntry, b: &RobotEntry| {
