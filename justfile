@@ -4,9 +4,9 @@
 ci COMMIT="":
     .ci/run {{COMMIT}}
 
-# What compares with software of others; with a commit only what has changed since.
-peers COMMIT="":
-    .ci/peers {{COMMIT}}
+# What compares with software of others: all of it, or what has changed since a commit, or with `--passed` since each passed; `--record` writes down what passes.
+peers *ARGS:
+    .ci/peers {{ARGS}}
 
 # The tests that need the machine's clock, so many times, none of them again because it failed: how many passed, and how cells ended.
 real-time N="30":
