@@ -1,6 +1,7 @@
 //! A cell of processes from its launch to its end: its demands, and the files that it leaves behind.
 
-use mrroc_tests::fixture::{OPENED, REMOTE};
+use mrroc_tests::fixture::{OPENED, REMOTE, SILENT};
+use rustix::process::Signal;
 
 use crate::launch::{Place, has_moved};
 
@@ -94,4 +95,17 @@ fn fault_120_a_sensor_s_hardware_is_refused_under_the_virtual_clock_and_where_no
         assert!(said.contains(refused), "{arguments:?}: {said}");
         assert!(launch.text(OPENED).is_empty(), "{arguments:?}");
     }
+}
+
+#[test]
+fn fault_251_ctrl_c_ends_a_launch_whose_robot_does_not_answer() {
+    let cell = "step_ms = 2\nstop_ms = 2500\n[robots.soon]\nkind = \"remote\"\n[robots.late]\nkind = \"remote\"\n[sensors.camera]\n";
+    let place = Place::of(97, REMOTE, cell);
+    let mut launch = place.start_with(&[(SILENT, "")], "silent", REAL);
+    assert!(launch.comes_to(|launch| !launch.text(SILENT).is_empty()), "{}", launch.said());
+    let processes = launch.processes();
+    launch.signal(Signal::INT);
+    let (status, said) = (launch.end().code(), launch.said());
+    assert!(status == Some(2) && said.contains("interrupted while edp soon started"), "{status:?}: {said}");
+    launch.assert_nothing_left(&processes);
 }

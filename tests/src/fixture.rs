@@ -59,6 +59,9 @@ pub const COUNT: &str = "steps";
 /// Where the camera of [`REMOTE`] writes down which processes opened it.
 pub const OPENED: &str = "opened";
 
+/// The option that makes the controllers of [`REMOTE`] never answer, and the file beside the records that says that one is called.
+pub const SILENT: &str = "silent";
+
 /// What a controller of [`REMOTE`] says when it was told nothing for too long.
 pub const NOT_TOLD: &str = "nobody told it anything";
 

@@ -114,7 +114,14 @@ pub(crate) fn launch(cell: Cell, plan: &Plan) -> Result<Launched, LaunchError> {
                 Some(listening.map_err(CellError::from)?)
             }
         };
-        match ProcessSet::start(fabric.places(), fabric.fingerprint(), &session, epoch, (plan, stop)) {
+        match ProcessSet::start(
+            fabric.places(),
+            fabric.fingerprint(),
+            &session,
+            epoch,
+            (plan, stop),
+            &signals,
+        ) {
             Ok(process_set) => {
                 // Commands are recorded by the machine's clock, which a cell under the virtual clock does not have.
                 let recorder = relay.as_ref().and(recorder).filter(|_| plan.clock == Clock::Real);

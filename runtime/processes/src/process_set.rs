@@ -14,11 +14,14 @@ use std::process::{Child, Command, ExitStatus, Stdio};
 use std::rc::Rc;
 use std::time::{Duration, Instant};
 
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
+
 use super::control::{Control, Frame};
 use super::figures::Figures;
 use super::nodes::carrier::FAR;
 use super::scheduling::Lacks;
 use super::session::Session;
+use super::signals::Signals;
 use crate::iceoryx::{Clock, Seal};
 use mrroc_core::cell::Rest;
 use mrroc_core::cell::{Nodes, Permission};
@@ -66,6 +69,9 @@ pub(crate) enum NoStart {
     /// A signal killed the process: another start may succeed.
     #[error("{0} ended while it started: {1}")]
     Died(ProcessId, String),
+    /// Ctrl-C came while the process started: while it opened its robot, perhaps, whose controller does not answer.
+    #[error("interrupted while {0} started")]
+    Interrupted(ProcessId),
     /// The process ended by itself, and another start would end in the same way.
     #[error("{0} ended while it started: {1}")]
     Ended(ProcessId, String),
@@ -225,12 +231,13 @@ impl Member {
         Fault::new(FaultKind::PeerLost).in_process(self.id).text(how)
     }
 
-    /// Waits for the next frame of the process while the cell is set up.
-    fn expect(&self) -> Result<Frame, NoStart> {
-        match self.next_but_figures() {
+    /// Waits for the next frame of the process while the cell is set up, or for Ctrl-C.
+    fn expect(&self, signals: &Signals) -> Result<Frame, NoStart> {
+        match self.next_but_figures(signals) {
             Ok(Frame::Refuses(text)) => Err(NoStart::Refuses(self.id, text)),
             Ok(Frame::Gone(how)) => Err(NoStart::Ended(self.id, how)),
             Ok(frame) => Ok(frame),
+            Err(error) if error.kind() == io::ErrorKind::Interrupted => Err(NoStart::Interrupted(self.id)),
             Err(error) if error.kind() == io::ErrorKind::WouldBlock => {
                 Err(NoStart::Ended(self.id, format!("it did nothing for {} s", SETTING_UP.as_secs())))
             }
@@ -248,9 +255,32 @@ impl Member {
         }
     }
 
+    /// Waits until the process says something: [`io::ErrorKind::Interrupted`] if Ctrl-C comes before, and
+    /// [`io::ErrorKind::WouldBlock`] after the time in which it should have been set up.
+    fn wait(&self, signals: &Signals) -> io::Result<()> {
+        let until = Instant::now() + SETTING_UP;
+        while !signals.ends() {
+            let left = until.saturating_duration_since(Instant::now());
+            let mut ready = [
+                PollFd::from_borrowed_fd(self.control.descriptor(), PollFlags::IN),
+                PollFd::from_borrowed_fd(signals.descriptor(), PollFlags::IN),
+            ];
+            match poll(&mut ready, Timespec::try_from(left).ok().as_ref()) {
+                Ok(0) => return Err(io::ErrorKind::WouldBlock.into()),
+                Ok(_) if !ready[0].revents().is_empty() => return Ok(()),
+                // Ctrl-Z suspends what runs, and nothing runs yet.
+                Ok(_) => signals.clear(),
+                Err(rustix::io::Errno::INTR) => {}
+                Err(error) => return Err(error.into()),
+            }
+        }
+        Err(io::ErrorKind::Interrupted.into())
+    }
+
     /// What the process says next. One that opens its drives says its figures once a second meanwhile: they do not count.
-    fn next_but_figures(&self) -> io::Result<Frame> {
+    fn next_but_figures(&self, signals: &Signals) -> io::Result<Frame> {
         for _ in 0..SETTING_UP.as_secs() {
+            self.wait(signals)?;
             match self.control.receive()? {
                 Frame::Figures(_) => {}
                 frame => return Ok(frame),
@@ -289,13 +319,18 @@ impl ProcessSet {
         session: &Session,
         epoch: u64,
         (plan, stop): (&Plan, Duration),
+        signals: &Signals,
     ) -> Result<ProcessSet, NoStart> {
         let mut process_set = ProcessSet { members: Vec::new(), stop, runs: Cell::new(false) };
         // Nothing is started here before all other machines are ready for it.
         let carrier = match plan.nodes.as_ref().and_then(Nodes::first) {
-            Some(node) => {
-                Some(carry(ProcessId::new(Role::Node, node.name), fingerprint, (session, epoch), plan)?)
-            }
+            Some(node) => Some(carry(
+                ProcessId::new(Role::Node, node.name),
+                fingerprint,
+                (session, epoch),
+                plan,
+                signals,
+            )?),
             None => None,
         };
         for (place, &id) in places.iter().enumerate() {
@@ -307,8 +342,9 @@ impl ProcessSet {
         }
         // Behind the others, so that these are at their places.
         process_set.members.extend(carrier);
-        match process_set.set_up(fingerprint, (session, epoch), plan) {
+        match process_set.set_up(fingerprint, (session, epoch), plan, signals) {
             Ok(()) => Ok(process_set),
+            Err(interrupted @ NoStart::Interrupted(_)) => Err(interrupted),
             // If a process has died, its death is the reason for the other processes' errors.
             Err(error) => Err(process_set.first_dead().unwrap_or(error)),
         }
@@ -319,6 +355,7 @@ impl ProcessSet {
         fingerprint: u64,
         (session, epoch): (&Session, u64),
         plan: &Plan,
+        signals: &Signals,
     ) -> Result<(), NoStart> {
         let seal = Seal { session: session.number(), epoch };
         let welcome = Frame::Welcome { seal, cell: session.cell(), clock: plan.clock, spin: plan.spin };
@@ -327,14 +364,16 @@ impl ProcessSet {
             drop(member.control.send_now(&welcome));
         }
         for member in others() {
-            if member.expect()? != (Frame::Created { fingerprint }) {
+            if member.expect(signals)? != (Frame::Created { fingerprint }) {
                 return Err(NoStart::OtherCell(member.id));
             }
         }
         self.tell(&Frame::Connect);
         let mut lacking = Lacks::default();
         for member in &self.members {
-            let Frame::Ready { lacks } = member.expect()? else { return Err(NoStart::OtherCell(member.id)) };
+            let Frame::Ready { lacks } = member.expect(signals)? else {
+                return Err(NoStart::OtherCell(member.id));
+            };
             if lacks.is_nothing() {
                 continue;
             }
@@ -434,12 +473,13 @@ fn carry(
     fingerprint: u64,
     (session, epoch): (&Session, u64),
     plan: &Plan,
+    signals: &Signals,
 ) -> Result<Rc<Member>, NoStart> {
     let carrier = Member::spawn(id, session, plan).map_err(|error| NoStart::Spawn(id, error))?;
     let seal = Seal { session: session.number(), epoch };
     let welcome = Frame::Welcome { seal, cell: session.cell(), clock: plan.clock, spin: plan.spin };
     drop(carrier.control.send_now(&welcome));
-    match carrier.expect() {
+    match carrier.expect(signals) {
         Ok(Frame::Created { fingerprint: other }) if other == fingerprint => Ok(Rc::new(carrier)),
         Ok(_) => {
             carrier.kill();
