@@ -188,6 +188,25 @@ def left(bench):
     return found
 
 
+def segments_of(folders):
+    """The shared memory of these sessions."""
+    prefixes = tuple(f"mrroc_{Path(folder).name.partition('-')[2]}_" for folder in folders)
+    return sorted(path.name for path in Path("/dev/shm").iterdir() if path.name.startswith(prefixes))
+
+
+def sessions(bench):
+    """The folders of the sessions that processes of this bench are in."""
+    folders = set()
+    for entry in Path("/proc").iterdir():
+        try:
+            words = (entry / "cmdline").read_bytes().split(b"\0")
+        except (OSError, ValueError):
+            continue
+        if str(bench.folder).encode() in b" ".join(words) and b"--session" in words:
+            folders.add(words[words.index(b"--session") + 1].decode())
+    return folders
+
+
 def nothing_left(bench):
     for _ in range(200):
         if not left(bench):
@@ -397,12 +416,13 @@ def joins_twice(bench):
 
 
 def node_killed(bench):
-    """The agent is killed in mid-motion: its robots brake, nothing of it is left, and the cell stops and says so."""
+    """The agent is killed in mid-motion: its robots brake, the cell stops and says so, and what it leaves goes with the next agent."""
     node = bench.node(loose=6)
     try:
         cell = bench.run(loose=6)
         begins(bench, cell)
         time.sleep(1.0)
+        had = sessions(bench)
         # Where it is in a namespace, the program is a child of what entered it; the same process, since both are one `exec`.
         node.kill()
         node.wait()
@@ -415,7 +435,10 @@ def node_killed(bench):
         rest = {robot: moved(bench.trace(robot)) or 0.0 for robot in JOINTS}
         bound = 0.02 + STEP + STOP + 0.25 + outcome.longest_stall + outcome.skipped * STEP
         has(abs(rest["rnt"] - rest["polycrank"]) < bound, f"an arm goes on: {rest}")
-        print(f"agent killed: nothing left, the arms stand {abs(rest['rnt'] - rest['polycrank']) * 1e3:.0f} ms apart")
+        remains = segments_of(had)
+        node = bench.node(loose=6)
+        has(had and not segments_of(had), f"an agent that begins leaves what a killed one has left: {segments_of(had)}")
+        print(f"agent killed: it leaves {len(remains)} segments, which the next agent removes; the arms stand {abs(rest['rnt'] - rest['polycrank']) * 1e3:.0f} ms apart")
     finally:
         end(node)
 

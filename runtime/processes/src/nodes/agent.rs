@@ -167,6 +167,8 @@ impl Agent {
             ));
         }
         let lock = CellLock::take(&file, &hardware).map_err(|error| text(&error))?;
+        // A node may wait for its cell for days, and what a killed one has left takes shared memory until then.
+        lock.remove_remains().map_err(|error| text(&error))?;
         capacity::check(fabric.places().len() + fabric.ways()).map_err(|error| text(&error))?;
         let own = Identity::here(nodes.file()).map_err(|error| text(&error))?;
         let (tells, events) = channel();

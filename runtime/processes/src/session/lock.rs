@@ -70,11 +70,7 @@ impl CellLock {
     pub fn session(&self) -> Result<Session, SessionError> {
         let patience = Instant::now() + BRAKING;
         loop {
-            // One launcher at a time does this, so that a folder without a lock is the rest of a crashed launch and not
-            // a folder that is being made.
-            let guard = self.base.join("making");
-            let making = open(&guard).map_err(at(&guard))?;
-            making.lock().map_err(at(&guard))?;
+            let making = self.begin_making()?;
             match self.remove_crashed()? {
                 None if !self.id.has_parts() => return Session::make(&self.base, self.cell, self.id),
                 Some(alive) if Instant::now() > patience => return Err(SessionError::Orphans(alive)),
@@ -85,6 +81,21 @@ impl CellLock {
             drop(making);
             std::thread::sleep(Duration::from_millis(20));
         }
+    }
+
+    /// Removes what crashed sessions of this user have left, without making a new one.
+    pub fn remove_remains(&self) -> Result<(), SessionError> {
+        let _making = self.begin_making()?;
+        self.remove_crashed().map(drop)
+    }
+
+    /// One launcher at a time makes or removes sessions, so that a folder without a lock is the rest of a crashed launch and not a
+    /// folder that is being made.
+    fn begin_making(&self) -> Result<File, SessionError> {
+        let guard = self.base.join("making");
+        let making = open(&guard).map_err(at(&guard))?;
+        making.lock().map_err(at(&guard))?;
+        Ok(making)
     }
 
     /// Removes the sessions that no process is in; returns the folder of a session of this cell that still has
