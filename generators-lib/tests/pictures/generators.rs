@@ -309,15 +309,6 @@ fn told() -> Sheets {
         ("blind", follow(go(), 1000, leaned)),
         ("compliant_transmit", follow(CompliantTransmit::<Irp6, Wrist>::by(law, 1), 300, felt)),
         ("transmit_displacement", follow(TransmitDisplacement::<Irp6>::new(), 300, by_order)),
-        ("watched_transmit", follow(WatchedTransmit::<Irp6>::within(5e-3, 0.05), 300, by_order)),
-        (
-            "yielding_transmit",
-            follow(
-                YieldingTransmit::by(Irp6::nominal(), FreeDirection::Turn(Vector3::x_axis())),
-                300,
-                by_order,
-            ),
-        ),
         ("reach_state", follow(ReachState::<Irp6>::within(joint_limits()), 500, reached)),
         (
             "sequence",
