@@ -10,7 +10,7 @@ use maze::camera;
 use maze::mazes::Seeded;
 use maze::options::{Means, Options, parse};
 use maze::pictures::film;
-use maze::run::solve;
+use maze::run::{solve, told};
 use maze::summary::{Row, Summary};
 use mrroc::console::{complain, refused, say};
 use mrroc::launch::Launch;
@@ -111,7 +111,7 @@ fn one(means: Means, out: &Path, maze: &Seeded) -> Result<(usize, String), Box<d
     let outcome = solve(means, layout, maze.seed)?;
     let walls = Walls::of(layout, outcome.sizes.pitch, outcome.sizes.thickness);
     let file = out.join("maze.svg");
-    let drawn = film(&outcome, &walls, outcome.sizes.sides(layout));
+    let drawn = film(&outcome, &walls, &told(layout, &outcome.sizes));
     fs::create_dir_all(out).and_then(|()| fs::write(&file, drawn)).map_err(|error| {
         format!(
             "{}: cannot be written: {error}\n help: give a folder that can be written by --out",

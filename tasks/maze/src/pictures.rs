@@ -1,27 +1,31 @@
-//! A film of the map growing: walls as they are, pale; what was touched, as it was; the ball and its way.
+//! A film of the map growing: walls as they are, pale; start, exit and a scale; what was touched, as it was; the ball and its way.
 
 use std::fmt::Write as _;
 
 use mrroc_map::{Contact, Place, Walls};
 
+use crate::mp::Told;
 use crate::run::Outcome;
 
 /// How long the film takes \[s\].
 const FILM: f64 = 24.0;
 
-/// An SVG of a run in a maze of these sides \[m\]. It is drawn in millimetres where cells are 25 mm, others as
-/// if they were, and repeats itself.
+/// The length that the scale shows \[m\].
+const SCALE: f64 = 0.1;
+
+/// An SVG of a run in the maze of which this was told. It is drawn in millimetres where cells are 25 mm, others as
+/// if they were, and repeats itself; without its animation it shows the whole run.
 #[must_use]
-pub fn film(outcome: &Outcome, walls: &Walls, sides: [f64; 2]) -> String {
+pub fn film(outcome: &Outcome, walls: &Walls, told: &Told) -> String {
     let mm = 25.0 / outcome.sizes.pitch;
-    let [width, height] = sides.map(|side| mm * side);
+    let [width, height] = told.known.size.map(|side| mm * side);
     let mut svg = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"-6 -6 {:.0} {:.0}\" font-family=\"sans-serif\" font-size=\"7\">\n\
          <title>the map of a maze grows by touches</title>\n\
          <rect x=\"-6\" y=\"-6\" width=\"100%\" height=\"100%\" fill=\"white\"/>\n\
          <g transform=\"translate(0 {height:.1}) scale(1 -1)\">\n",
         width + 12.0,
-        height + 24.0
+        height + 34.0
     );
     for wall in walls.boxes() {
         let (at, size) = (wall.lower * mm, (wall.upper - wall.lower) * mm);
@@ -31,6 +35,13 @@ pub fn film(outcome: &Outcome, walls: &Walls, sides: [f64; 2]) -> String {
             at.x, at.y, size.x, size.y
         );
     }
+    let (start, exit) = (told.start * mm, [told.goal.lower * mm, (told.goal.upper - told.goal.lower) * mm]);
+    let _ = writeln!(
+        svg,
+        "<rect x=\"{:.1}\" y=\"{:.1}\" width=\"{:.1}\" height=\"{:.1}\" fill=\"#cfe8cf\"/>\n\
+         <circle cx=\"{:.1}\" cy=\"{:.1}\" r=\"3\" fill=\"none\" stroke=\"#3a8a3a\" stroke-width=\"1\"/>",
+        exit[0].x, exit[0].y, exit[1].x, exit[1].y, start.x, start.y
+    );
     // How far along the way each touch is, as a share.
     let mut lengths = vec![0.0];
     for leg in outcome.trace.windows(2) {
@@ -66,11 +77,18 @@ pub fn film(outcome: &Outcome, walls: &Walls, sides: [f64; 2]) -> String {
     }
     let _ = writeln!(
         svg,
-        "</g>\n<text x=\"0\" y=\"{:.1}\">{} {} (red); way {:.2} x the shortest</text>\n</svg>",
+        "</g>\n<text x=\"0\" y=\"{:.1}\">from the ring to the green exit: {} {} (red), way {:.2} x the shortest</text>\n\
+         <path d=\"M0 {:.1}v3h{:.1}v-3\" fill=\"none\" stroke=\"black\" stroke-width=\"0.6\"/>\n\
+         <text x=\"{:.1}\" y=\"{:.1}\">{:.0} mm</text>\n</svg>",
         height + 12.0,
         outcome.touches,
         if outcome.travel == 0.0 { "places of walls that were seen" } else { "touches" },
-        outcome.ratio()
+        outcome.ratio(),
+        height + 18.0,
+        mm * SCALE,
+        mm * SCALE + 3.0,
+        height + 22.0,
+        1e3 * SCALE
     );
     svg
 }

@@ -12,9 +12,9 @@ use crate::model::list::{ListOf, RobotList, RobotsOf, Spoken};
 ///
 /// `O` and `L` are [`Generator::Language`] and [`Generator::Robots`] of `G`.
 #[diagnostic::on_unimplemented(
-    message = "these are not the robots of the list `{L}`",
-    label = "the list asks for `{L}`",
-    note = "pass one `&mut` handle for each robot of the list `{L}`, in its order; these are `{Self}`",
+    message = "expected one `&mut` handle for each robot of the list",
+    label = "these are `{Self}`",
+    note = "the list is `{L}`: pass the handles in its order",
     note = "a list of one robot needs a comma: `(&mut rnt,)`; a handle is asked for once, by `let mut rnt = mp.robot::<Rnt>(\"rnt\")?`",
     note = "a motion of one robot, whose list is `Rnt` alone, is moved by `move_robot`: `mp.move_robot(&mut rnt, (), motion)`; such motions of several robots at once by `mp.move_robots((&mut a, &mut b), (), Each::of((motion, motion)))`"
 )]

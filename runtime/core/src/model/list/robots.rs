@@ -343,9 +343,9 @@ impl<R: Robot> fmt::Debug for RobotHandle<R> {
 
 /// Handles of the robots of the list `L`, in its order: `(&mut rnt, &mut polycrank)` for `(Rnt, Polycrank)`.
 #[diagnostic::on_unimplemented(
-    message = "these are not the robots of the list `{L}`",
-    label = "the list asks for `{L}`",
-    note = "pass one `&mut` handle for each robot of the list `{L}`, in its order; these are `{Self}`",
+    message = "expected one `&mut` handle for each robot of the list",
+    label = "these are `{Self}`",
+    note = "the list is `{L}`: pass the handles in its order",
     note = "a list of one robot needs a comma: `(&mut rnt,)`; a handle is asked for once, by `let mut rnt = mp.robot::<Rnt>(\"rnt\")?`"
 )]
 pub trait RobotsOf<L: RobotList> {

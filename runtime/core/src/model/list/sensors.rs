@@ -86,9 +86,9 @@ impl<S: Sensor> fmt::Debug for SensorHandle<S> {
 
 /// Handles of the sensors of the list `L`, in its order: `(&mut force,)` for `(WristForce,)`.
 #[diagnostic::on_unimplemented(
-    message = "these are not the sensors of the list `{L}`",
-    label = "the list asks for `{L}`",
-    note = "pass one `&mut` handle for each sensor of the list `{L}`, in its order, `()` for none; these are `{Self}`",
+    message = "expected one `&mut` handle for each sensor of the list, or `()` for none",
+    label = "these are `{Self}`",
+    note = "the list is `{L}`: pass the handles in its order",
     note = "a list of one sensor needs a comma: `(&mut force,)`",
     note = "a handle is asked for once, by `let mut force = mp.sensor::<WristForce>(\"force\")?`"
 )]
