@@ -3,7 +3,7 @@
 use core::time::Duration;
 
 use super::{Client, Closed, Nanos, Waiter};
-pub use crate::safety::stopping::missed_step_budget;
+pub use crate::safety::stopping::{missed_step_budget, together_budget};
 
 /// How long a process waits for an answer.
 #[derive(Clone, Copy, Debug)]

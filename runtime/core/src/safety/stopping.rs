@@ -22,8 +22,23 @@ pub fn missed_step_budget(step: Duration) -> u32 {
 
 /// Missed steps that an EDP goes on for along the screw of robots that move together. An MP that has had no answer from one of
 /// them for so many steps stops all: each of them begins in the same step, whether the order of the first of these steps has
-/// come to it or not (decision 42). More would strain what they hold; steps of 20 ms and more leave time for a single one.
-pub(crate) const TOGETHER_BUDGET: u32 = 2;
+/// come to it or not (decision 42).
+///
+/// An arm that misses its orders alone is off the others by what its path has changed meanwhile: after `n` steps by
+/// `n (n + 1) / 2 a Ts²`, where the acceleration of the path jumps by `a`. So many steps are bridged as keep that within
+/// [`APART`], and at least two, which the agreement needs; steps of 20 ms and more leave time for a single one.
+pub fn together_budget(step: Duration) -> u32 {
+    let seconds = step.as_secs_f64().max(1e-9);
+    let steps = ((1.0 + 8.0 * APART / (JUMP * seconds * seconds)).sqrt() - 1.0) / 2.0;
+    // `as` saturates: no float is out of range.
+    (steps as u32).max(2).min(missed_step_budget(step))
+}
+
+/// How far an arm that misses its orders alone may come off the others, where its path is as [`JUMP`] says \[m\].
+const APART: f64 = 50e-6;
+
+/// The largest jump of the acceleration of a path that arms go together [m/s²]: from 1 m/s² to as much the other way.
+const JUMP: f64 = 2.0;
 
 /// Time between a lost peer and the start of braking \[s\].
 pub(crate) fn detection_time(step: Duration) -> f64 {

@@ -10,6 +10,7 @@ use std::time::{Duration, Instant};
 
 use mrroc_core::cell::Nodes;
 use mrroc_core::link::Nanos;
+use mrroc_core::link::patience::together_budget;
 use mrroc_launch::network::{Hears, Joining, Side, Wires, network};
 
 use super::absence::absent;
@@ -122,10 +123,12 @@ fn describe(figures: &Figures) -> String {
 }
 
 /// The shortest steps \[whole ms\] that a round trip carries: in which the answer comes within its step, and, in a tight Move, before
-/// the second step that the MP waits for it is over.
+/// the last step that the MP waits for it is over.
 fn steps(round_trip: Nanos) -> (u64, u64) {
-    let whole = |nanos: Nanos| nanos.div_ceil(1_000_000).max(1);
-    (whole(round_trip + WORK), whole((round_trip + WORK).div_ceil(2)))
+    let least = (round_trip + WORK).div_ceil(1_000_000).max(1);
+    let waits = |ms: u64| ms * u64::from(together_budget(Duration::from_millis(ms)));
+    let tight = (1..least).find(|&ms| waits(ms) * 1_000_000 >= round_trip + WORK);
+    (least, tight.unwrap_or(least))
 }
 
 #[cfg(test)]
@@ -133,10 +136,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_step_that_a_link_carries_is_as_long_as_its_round_trip_and_half_of_it_for_a_tight_move() {
+    fn the_step_that_a_link_carries_is_as_long_as_its_round_trip_and_shorter_for_a_tight_move_that_waits_for_several()
+     {
         // 0.3 ms of a switch, 0.5 ms of work.
         assert_eq!(steps(300_000), (1, 1));
-        assert_eq!(steps(3_000_000), (4, 2));
+        // Six steps of 1 ms are waited for.
+        assert_eq!(steps(3_000_000), (4, 1));
+        assert_eq!(steps(5_600_000), (7, 4));
         assert_eq!(steps(15_000_000), (16, 8));
     }
 

@@ -15,6 +15,7 @@ use crate::model::fault::{FaultKind, ProcessId, Role};
 use crate::model::pose::Pose;
 use crate::model::robot::Robot;
 use crate::observe::servo::ServoRecord;
+use crate::safety::stopping::together_budget;
 
 /// What does not arrive of one arm's orders and replies: those from a step on, and all those of one step.
 #[derive(Clone, Copy, Debug)]
@@ -132,16 +133,18 @@ fn steps_of(millis: u64, every: u64) -> (Duration, impl Iterator<Item = u64>) {
     (Duration::from_millis(millis), (2..last).step_by((every / millis).max(1) as usize))
 }
 
-/// By how much an arm that goes on for two steps as the path changed last may be off it \[m, rad\]: by `1 + 3` third differences
-/// of the path. Its largest jerk is `60 / T³` times its whole displacement, and in the flange less than √3 times as much.
-fn four_third_differences(step: Duration) -> f64 {
-    4.0 * 3.0_f64.sqrt() * 60.0 * 0.55 * (step.as_secs_f64() / DURATION).powi(3)
+/// By how much an arm that goes on for `n` steps as the path changed last may be off it \[m, rad\]: by `1 + 3 + 6 + ..`, which are
+/// `n (n + 1) (n + 2) / 6`, third differences of the path. Its largest jerk is `60 / T³` times its whole displacement, and in the flange less
+/// than √3 times as much.
+fn third_differences(step: Duration) -> f64 {
+    let n = f64::from(together_budget(step));
+    n * (n + 1.0) * (n + 2.0) / 6.0 * 3.0_f64.sqrt() * 60.0 * 0.55 * (step.as_secs_f64() / DURATION).powi(3)
 }
 
 fn arms_are_cut_off(every: u64) {
     for millis in [1, 2, 4] {
         let (step, steps) = steps_of(millis, every);
-        let bound = four_third_differences(step);
+        let bound = third_differences(step);
         let mut worst = [0.0_f64; 3];
         for (at, arm) in steps.flat_map(|at| ["left", "right"].map(|arm| (at, arm))) {
             // Both directions, orders alone, replies alone.
@@ -170,7 +173,7 @@ fn arms_are_cut_off_before_an_answer(every: u64) {
         let (step, steps) = steps_of(millis, every);
         // The path's largest speed in a step, 15/8 of the mean one, and that of a flange is less than √3 times as much.
         let way = 3.0_f64.sqrt() * 15.0 / 8.0 * 0.55 * step.as_secs_f64() / DURATION;
-        let bound = way + four_third_differences(step);
+        let bound = way + third_differences(step);
         let mut worst = 0.0_f64;
         for at in steps {
             let (traces, fault) = run(step, Cut { orders: at + 1, replies: at, ..WHOLE });
@@ -192,7 +195,7 @@ fn orders_are_lost(every: u64) {
         let (step, steps) = steps_of(millis, every);
         let (calm, fault) = run(step, WHOLE);
         assert_eq!((fault, off(&calm).0 < 1e-9), (None, true));
-        let bound = four_third_differences(step);
+        let bound = third_differences(step);
         for (lost, arm) in steps.flat_map(|at| ["left", "right"].map(|arm| (at, arm))) {
             let (traces, fault) = run(step, Cut { arm, lost, ..WHOLE });
             assert_eq!(fault, None, "{step:?}, {arm} has lost {lost}");

@@ -15,7 +15,7 @@ use crate::model::robot::Robot;
 use crate::safety::braking::{Braking, BrakingLaw};
 use crate::safety::limits::{AcceptedDemand, Acceptor, Before};
 use crate::safety::screw::{Bridging, ScrewBraking};
-use crate::safety::stopping::{TOGETHER_BUDGET, detection_time, missed_step_budget};
+use crate::safety::stopping::{detection_time, missed_step_budget, together_budget};
 
 /// What a robot does.
 pub(super) enum Mode<J> {
@@ -72,6 +72,8 @@ pub(super) struct DemandedPath<R: Robot> {
     pub seconds: f64,
     /// Missing demands that are bridged, of a robot that moves by itself.
     budget: u32,
+    /// The same, of a robot that moves together with others.
+    budget_together: u32,
     /// Whether a demand of another step has come that has not been followed yet.
     heard: bool,
     /// By how many steps the demands of this motion were early when it began.
@@ -101,6 +103,7 @@ impl<R: Robot> DemandedPath<R> {
             period,
             seconds: period.as_secs_f64(),
             budget: missed_step_budget(period),
+            budget_together: together_budget(period),
             heard: false,
             lead: 0,
             is_paused: false,
@@ -311,12 +314,7 @@ impl<R: Robot> DemandedPath<R> {
 
     /// Missing demands that are bridged.
     fn missed_step_budget(&self) -> u32 {
-        if self.together.is_some() { self.budget_together() } else { self.budget }
-    }
-
-    /// The same, of a robot that moves together with others.
-    fn budget_together(&self) -> u32 {
-        self.budget.min(TOGETHER_BUDGET)
+        if self.together.is_some() { self.budget_together } else { self.budget }
     }
 
     /// The demand of the step that begins: the one that came, or what replaces it.
@@ -414,7 +412,7 @@ impl<R: Robot> DemandedPath<R> {
             && let Ok(before) = guarded(|| self.acceptor.bridging_before(&self.undone.acceptor, period))
         {
             self.together = Some(law);
-            let bridged = missed.saturating_add(1).min(self.budget_together());
+            let bridged = missed.saturating_add(1).min(self.budget_together);
             self.bridging = Some((0..bridged).fold(before, |bridging, _| bridging.advanced()));
         }
         self.brake();

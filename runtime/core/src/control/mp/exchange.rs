@@ -3,12 +3,14 @@
 //! In: one order per robot. Out: one reply per robot, with its image and the headroom of its rate; or the first
 //! cause of what is wrong.
 
+use core::time::Duration;
+
 use crate::control::state_words::StateWords;
 use crate::link::message::{Kind, OrderKind, flag};
 use crate::model::fault::{Fault, FaultKind};
 use crate::model::list::{SensorList, SensorsOf};
 use crate::safety::braking::BrakingLaw;
-use crate::safety::stopping::TOGETHER_BUDGET;
+use crate::safety::stopping::together_budget;
 
 use super::background::Background;
 use super::{Mp, stops};
@@ -202,7 +204,8 @@ impl Mp<'_> {
         let Mp { robots, upper, host, sensing, clock, .. } = self;
         let mut waiting = sensing.patience.begin(host.waiter);
         if indices.iter().any(|&index| robots[index].is_together()) {
-            waiting = waiting.until((clock.step() + u64::from(TOGETHER_BUDGET)) * clock.period());
+            let bridged = together_budget(Duration::from_nanos(clock.period()));
+            waiting = waiting.until((clock.step() + u64::from(bridged)) * clock.period());
         }
         for &index in indices.iter().rev() {
             let robot = &mut robots[index];
