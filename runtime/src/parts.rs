@@ -19,14 +19,9 @@ const RECORDING: Parts = Parts { recorder: None, replay: None, processes: None, 
 
 #[cfg(all(feature = "processes", target_os = "linux"))]
 const PROCESSES: Option<&'static dyn mrroc_launch::Processes> =
-    Some(&mrroc_processes::OverSharedMemory { recorder: RECORDING.recorder, view: VIEW });
+    Some(&mrroc_processes::OverSharedMemory { recorder: RECORDING.recorder });
 #[cfg(not(all(feature = "processes", target_os = "linux")))]
 const PROCESSES: Option<&'static dyn mrroc_launch::Processes> = None;
-
-#[cfg(all(feature = "view", target_os = "linux"))]
-const VIEW: Option<mrroc_processes::View> = Some(mrroc_view::view);
-#[cfg(all(feature = "processes", not(feature = "view"), target_os = "linux"))]
-const VIEW: Option<mrroc_processes::View> = None;
 
 #[cfg(all(feature = "panel", target_os = "linux"))]
 const PANEL: Option<&'static dyn mrroc_launch::Panel> = Some(&mrroc_panel::InBrowser);

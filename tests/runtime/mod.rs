@@ -21,7 +21,7 @@ mod limits;
 pub mod lower_cells;
 mod moves;
 mod opening;
-mod pacing;
+pub mod pacing;
 mod pairing;
 mod panics;
 mod path_stops;

@@ -5,13 +5,12 @@ use std::path::{Path, PathBuf};
 
 /// Files that may read the machine's clock: the waits of a launcher, a console, or a thread that records or shows what a
 /// process did are no part of control.
-const MAY: [&str; 6] = [
+const MAY: [&str; 5] = [
     "runtime/core/src/observe/ring.rs",
     "runtime/processes/",
     "runtime/launch/src/panel.rs",
     "runtime/launch/src/patience.rs",
     "runtime/recording/",
-    "runtime/view/",
 ];
 
 fn sources(folder: &Path, found: &mut Vec<PathBuf>) {

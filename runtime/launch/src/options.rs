@@ -206,8 +206,6 @@ pub(super) enum OperatingWord {
     },
     /// Any of these, line by line; `take` and `release` keep the control from others meanwhile.
     Console,
-    /// All of it as a screen with keys (feature `view`).
-    View,
 }
 
 /// What an operator wants of a cell that runs already.
@@ -221,8 +219,6 @@ pub enum Operating {
     Console,
     /// Hold a key, which jogs a robot if one is named.
     Hold(Option<(Name, JogOrder)>),
-    /// All of it as a screen.
-    View,
 }
 
 impl Options {
@@ -261,7 +257,6 @@ impl OperatingWord {
         Ok(Operating::Press(match self {
             OperatingWord::Status => return Ok(Operating::Status),
             OperatingWord::Console => return Ok(Operating::Console),
-            OperatingWord::View => return Ok(Operating::View),
             OperatingWord::Hold { jog } if jog.is_empty() => return Ok(Operating::Hold(None)),
             // Which hold it is, the key that is held says.
             OperatingWord::Hold { jog } => match Button::read("jog", &format!("0 0 {}", jog.join(" ")))? {
@@ -484,7 +479,7 @@ mod tests {
         let help = parsed(&["--help"]).expect_err("help");
         for text in [help, help_beside_own()] {
             assert!(text.lines().all(|line| line.len() <= 80), "{text}");
-            for word in ["replay", "doctor", "status", "console", "view", "--record"]
+            for word in ["replay", "doctor", "status", "console", "--record"]
                 .iter()
                 .chain(Button::NAMES.iter().filter(|word| !["let-go", "jog"].contains(word)))
             {
@@ -549,8 +544,7 @@ mod tests {
         assert_eq!(asked(&[]), Ok(None));
         assert_eq!(asked(&["status"]), Ok(Some(Operating::Status)));
         assert_eq!(asked(&["console"]), Ok(Some(Operating::Console)));
-        assert_eq!(asked(&["view", "--cell", "c"]), Ok(Some(Operating::View)));
-        assert_eq!(options(&["view", "--cell", "c"]).cell, Some(PathBuf::from("c")));
+        assert_eq!(options(&["console", "--cell", "c"]).cell, Some(PathBuf::from("c")));
         for of in [&["--of", "line.press", "reset"], &["reset", "--of", "line.press"]] {
             assert_eq!(asked(of), Ok(Some(Operating::Press(Button::Reset))));
             assert_eq!(options(of).of, Name::of_process("line.press").ok());

@@ -56,4 +56,4 @@ pub use console_server::{
     Picture, ProcessPicture, ReadingPicture, Reply, Request, RobotPicture,
 };
 pub use figures::{Figures, Spread};
-pub use part::{OverSharedMemory, View};
+pub use part::OverSharedMemory;

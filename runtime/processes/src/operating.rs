@@ -17,10 +17,9 @@ use mrroc_launch::outcome::report;
 use crate::console_server::{Addressed, Caller, Heard, Picture, Reply, Request};
 use crate::figures::Figures;
 use crate::holding::hold;
-use crate::part::View;
 
 /// Sends a request to the running cell of the file at `cell`, or to the lower cell `of` in it, and prints the answer.
-pub(super) fn operate(cell: &Path, of: Option<Name>, operating: Operating, view: Option<View>) -> ExitCode {
+pub(super) fn operate(cell: &Path, of: Option<Name>, operating: Operating) -> ExitCode {
     let caller = match Caller::find(cell) {
         Ok(caller) => caller.of(of),
         Err(error) => return refused(&error),
@@ -30,23 +29,6 @@ pub(super) fn operate(cell: &Path, of: Option<Name>, operating: Operating, view:
         Operating::Press(button) => once(caller, &Request::Press(button)),
         Operating::Console => converse(caller),
         Operating::Hold(jog) => hold(caller, jog),
-        Operating::View => show(caller, view),
-    }
-}
-
-fn show(caller: Caller, view: Option<View>) -> ExitCode {
-    let Some(view) = view else {
-        return refused(
-            &"this program was built without the view\n help: build it with mrroc's feature `view`: \
-              cargo run --release --features mrroc/view -- view",
-        );
-    };
-    match view(caller) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            report(&error);
-            ExitCode::FAILURE
-        }
     }
 }
 
@@ -91,7 +73,7 @@ fn converse(mut caller: Caller) -> ExitCode {
         match request {
             // A console prints one answer after another: it asks again for each picture.
             Ok(Request::Watch) => {
-                let _ = tell(&Reply::Refused("write status, or start the view".to_owned()));
+                let _ = tell(&Reply::Refused("write status".to_owned()));
             }
             Err(text) => {
                 let _ = tell(&Reply::Refused(text));

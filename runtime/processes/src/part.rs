@@ -17,7 +17,6 @@ use mrroc_core::observe::witness::Witness;
 use mrroc_launch::patience::Patience;
 use mrroc_launch::{Launch, Operating, Processes, Ran};
 
-use crate::console_server::Caller;
 use crate::doctor::examine;
 use crate::launcher::{LaunchError, Launched, launch};
 use crate::member::{NoPart, run};
@@ -26,16 +25,11 @@ use crate::operating::operate;
 use crate::picture_socket::{self, Receiver};
 use crate::process_set::Plan;
 
-/// Shows a running cell on a screen until the operator quits.
-pub type View = fn(Caller) -> io::Result<()>;
-
 /// Cells as processes over shared memory.
 #[derive(Clone, Copy, Debug)]
 pub struct OverSharedMemory {
     /// What records the runs, if the program was built with it.
     pub recorder: Option<&'static dyn Recorder>,
-    /// The operator's view, if the program was built with it.
-    pub view: Option<View>,
 }
 
 impl Processes for OverSharedMemory {
@@ -48,7 +42,7 @@ impl Processes for OverSharedMemory {
     }
 
     fn operate(&self, cell: &Path, of: Option<Name>, operating: Operating) -> ExitCode {
-        operate(cell, of, operating, self.view)
+        operate(cell, of, operating)
     }
 
     fn take_part(

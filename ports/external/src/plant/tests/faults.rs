@@ -24,7 +24,7 @@ use crate::port::Ends;
 
 const ARMS: [&str; 2] = ["left", "right"];
 
-/// Impatient, because what is waited for does not come.
+/// Impatient, where what is waited for does not come. Elsewhere the machine may be late.
 const SHORT: &str = ", patience_ms = 400";
 
 fn edp(robot: &str) -> ProcessId {
@@ -33,6 +33,7 @@ fn edp(robot: &str) -> ProcessId {
 
 /// The fault with which a cell ends in a simulator that answers so.
 fn fault_of(
+    patience: &str,
     name: &str,
     answer: impl FnMut(&str, u64, PlantState) -> Option<PlantState> + Send + 'static,
 ) -> Fault {
@@ -40,7 +41,7 @@ fn fault_of(
     let mut answer = answer;
     let simulator =
         Simulator::answering(&folder.0, &ARMS, move |robot, order, state| answer(robot, order.period, state));
-    let outcome = folder.cell(&two_arms(SHORT)).run();
+    let outcome = folder.cell(&two_arms(patience)).run();
     simulator.end();
     match outcome {
         Err(CellError::Fault(fault)) => fault,
@@ -55,7 +56,7 @@ fn fault_125_a_simulator_that_is_not_there_hangs_or_ends_is_told_and_stops_the_c
     assert_eq!(fault.kind(), FaultKind::RobotStopped);
     assert!(fault.to_string().contains(NONE_THERE.to_string().as_str()), "{fault}");
 
-    let fault = fault_of("hangs", |_, period, state| (period < 200).then_some(state));
+    let fault = fault_of(SHORT, "hangs", |_, period, state| (period < 200).then_some(state));
     assert_eq!((fault.kind(), fault.process()), (FaultKind::RobotStopped, Some(edp("left"))));
     assert!(fault.to_string().contains(SILENT.to_string().as_str()), "{fault}");
 }
@@ -116,7 +117,7 @@ fn fault_122_what_a_simulator_answers_and_cannot_be_is_named_with_its_robot() {
         ("future", |state| PlantState { period: state.period + 1, ..state }, "has not begun"),
     ];
     for (name, lie, told) in lies {
-        let fault = fault_of(name, move |robot, period, state| {
+        let fault = fault_of("", name, move |robot, period, state| {
             Some(if robot == "right" && period == 200 { lie(state) } else { state })
         });
         assert_eq!((fault.kind(), fault.process()), (FaultKind::DriveFault, Some(edp("right"))), "{name}");
@@ -126,7 +127,7 @@ fn fault_122_what_a_simulator_answers_and_cannot_be_is_named_with_its_robot() {
         let fails = robot == "left" && period == 100;
         Some(if fails { PlantState { kind: Says::Failed as u32, ..state } } else { state })
     };
-    assert!(fault_of("failed", failed).to_string().contains("cannot go on"));
+    assert!(fault_of("", "failed", failed).to_string().contains("cannot go on"));
 }
 
 #[test]
@@ -166,7 +167,7 @@ fn fault_123_a_second_simulator_and_a_second_cell_are_refused_and_the_first_stay
     let folder = Folder::new("second");
     let plant =
         |file: &CellFile| Plant::new(file.robots()[0].plant().expect("in a simulator"), folder.0.clone());
-    let file = two_arms(SHORT);
+    let file = two_arms("");
     let simulator = Simulator::of(&folder.0, &["left"]);
     let start = [0.5; 6];
     let begin = Begin { clock: Clock::Virtual, period: Duration::from_millis(2), start: &start, first: 0 };
@@ -243,7 +244,7 @@ fn fault_123_robots_of_one_simulator_must_have_one_servo_period() {
 #[test]
 fn fault_124_answers_that_are_late_in_real_time_are_counted_and_too_many_are_a_fault() {
     let folder = Folder::new("late");
-    let file = two_arms(SHORT);
+    let file = two_arms("");
     let mut plant = Plant::new(file.robots()[0].plant().expect("in a simulator"), folder.0.clone());
     let ends = Ends::open(&folder.0).expect("a node");
     let mut robot = Robot::open(&ends, "left").expect("the only simulator");
@@ -283,7 +284,7 @@ fn a_servo_period_allocates_nothing_but_what_iceoryx2_takes_to_lend_a_sample() {
     for clock in [Clock::Virtual, Clock::Real] {
         let folder = Folder::new(&format!("memory-{clock:?}"));
         let simulator = Simulator::of(&folder.0, &["left"]);
-        let file = two_arms(SHORT);
+        let file = two_arms("");
         let mut plant = Plant::new(file.robots()[0].plant().expect("in a simulator"), folder.0.clone());
         let start = [0.5; 6];
         let begin = Begin { clock, period: Duration::from_millis(2), start: &start, first: 0 };
