@@ -22,6 +22,16 @@ recordings N="20":
     cargo build --release -p engraving -p transfer -p maze -p sorting -p legs --features mrroc/recording --bins
     .ci/recordings {{N}} target/debug target/release
 
+# The pictures on the tasks' pages anew, from the programs that `cargo test` compiles: look at them.
+pictures:
+    cargo build -p maze -p legs -p transfer --bins
+    .ci/pictures target/debug --accept
+    cargo test -p mrroc-generators --lib -- --ignored draw_all_pictures_anew
+
+# The crates that make demands with checks of overflow, which release's code has not.
+test-checked:
+    cargo test --config .ci/checked.toml -p mrroc-core -p mrroc-generators -p mrroc-robots -p mrroc-recording --lib
+
 # All tests but those of `mrroc-new`.
 test:
     cargo test
