@@ -50,7 +50,12 @@ impl<const N: usize> JointVector for SVector<f64, N> {
     };
 
     fn from_joints(mut entry: impl FnMut(usize) -> f64) -> Self {
-        SVector::from_fn(|i, _| entry(i))
+        // Less than half of the code that `SVector::from_fn` is compiled to, for every closure and number of joints.
+        let mut joints = [0.0; N];
+        for (i, joint) in joints.iter_mut().enumerate() {
+            *joint = entry(i);
+        }
+        SVector::from(joints)
     }
 
     fn as_slice(&self) -> &[f64] {
