@@ -247,6 +247,10 @@ fuzz-nightly TARGET SECONDS="60":
 corpus:
     cargo test -p mrroc-tests --test all -- --ignored recordings_of_this_cell_are_made_anew
 
+# Eleven faults of limits and stops, planted one after the other: which tests catch each, with so many busy loops beside them.
+planted LOAD="4":
+    tests/planted --load {{LOAD}}
+
 # Mutants of one file and the unit tests of the runtime, with cargo-mutants; takes minutes to hours.
 mutants FILE="runtime/core/src/safety/stopping.rs":
     CARGO_INCREMENTAL=0 CARGO_PROFILE_DEV_DEBUG=0 cargo mutants --in-place --file {{FILE}}
