@@ -24,7 +24,7 @@ recordings N="20":
 
 # The pictures on the tasks' pages anew, from the programs that `cargo test` compiles: look at them.
 pictures:
-    cargo build -p maze -p legs -p transfer --bins
+    cargo build -p maze -p legs --bins
     .ci/pictures target/debug --accept
     cargo test -p mrroc-generators --lib -- --ignored draw_all_pictures_anew
 
