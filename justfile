@@ -1,6 +1,6 @@
 # Mirrors CI; the README's two commands need none of it.
 
-# What CI runs: the tests, the same in release's code, the linters, and the peers whose crates have changed since a commit.
+# What CI runs: the tests, the linters, where there is time the tests with checks of overflow, and the peers whose crates have changed since a commit.
 ci COMMIT="":
     .ci/run {{COMMIT}}
 
@@ -16,9 +16,9 @@ real-time N="30":
 dropped-comparisons:
     RUSTC_WRAPPER="$PWD/.ci/dropped-comparisons" cargo build --release --workspace --exclude mrroc-zenoh --target-dir target/dropped-comparisons
 
-# Recordings of release builds replayed by debug builds, and the other way round, so many of each task.
+# Recordings of release builds replayed by builds with checks and little optimisation, and the other way round, so many of each task.
 recordings N="20":
-    cargo build -p engraving -p transfer -p maze -p sorting -p legs --features mrroc/recording --bins
+    cargo build --config .ci/checked.toml -p engraving -p transfer -p maze -p sorting -p legs --features mrroc/recording --bins
     cargo build --release -p engraving -p transfer -p maze -p sorting -p legs --features mrroc/recording --bins
     .ci/recordings {{N}} target/debug target/release
 
@@ -28,9 +28,10 @@ pictures:
     .ci/pictures target/debug --accept
     cargo test -p mrroc-generators --lib -- --ignored draw_all_pictures_anew
 
-# The crates that make demands with checks of overflow, which release's code has not.
+# The crates that make demands, and all that reads files, with checks of overflow, which release's code has not.
 test-checked:
     cargo test --config .ci/checked.toml -p mrroc-core -p mrroc-generators -p mrroc-robots -p mrroc-recording --lib
+    cargo test --config .ci/checked.toml -p mrroc-tests --test all -- parsers recording allocation safety::sweeps
 
 # All tests but those of `mrroc-new`.
 test:

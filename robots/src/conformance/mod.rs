@@ -25,7 +25,7 @@ pub use kinematics::{
 /// Seed of all random draws.
 pub const SEED: u64 = 20_080_131;
 
-/// How many poses inverse kinematics must give back: 100,000 in an optimised build, 10,000 in others.
+/// How many poses inverse kinematics must give back: 100,000, and 10,000 where a build has debug assertions.
 pub const POSES: usize = if cfg!(debug_assertions) { 10_000 } else { 100_000 };
 
 /// A promise that a robot does not keep, with the figures.

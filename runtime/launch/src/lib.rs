@@ -21,6 +21,7 @@ mod running;
 mod table;
 mod telling;
 
+use core::time::Duration;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -28,6 +29,7 @@ use std::process::ExitCode;
 use mrroc_core::cell::{Cell, CellError, RunPicture};
 use mrroc_core::console::{refused, say};
 use mrroc_core::link::Clock;
+use mrroc_core::link::patience::together_budget;
 use mrroc_core::observe::layout::{HardwareLayout, Layout, RobotLayout};
 use mrroc_core::observe::{NotRecorded, Recording};
 
@@ -204,7 +206,7 @@ pub fn launch(
         return status;
     }
     if options.part.is_none() && clock == Some(Clock::Real) && !options.quiet && lacks_priority(&cell) {
-        note(NO_PRIORITY);
+        note(&no_priority(cell.step_length()));
     }
     let is_shown = options.panel && options.part.is_none();
     let _panel =
@@ -222,8 +224,13 @@ fn has_real_sensors_alone(layout: &Layout) -> bool {
         && !layout.robots.iter().any(|robot| is_real(&robot.drives))
 }
 
-/// What is said of a cell with several arms that asks for no priority.
-const NO_PRIORITY: &str = "no priority is asked of this machine: arms that one Move leads by poses stop together when it is late by two steps\n help: write [realtime] into cell.toml, with priority = 50 and permission = \"best effort\"";
+/// What is said of a cell with several arms that asks for no priority, in steps of so long.
+fn no_priority(step: Duration) -> String {
+    format!(
+        "no priority is asked of this machine: arms that one Move leads by poses stop together when it is late by more than {} steps\n help: write [realtime] into cell.toml, with priority = 50 and permission = \"best effort\"",
+        together_budget(step)
+    )
+}
 
 /// Whether a robot is an arm: a belt, a gripper or a table has at most three joints.
 fn is_arm(robot: &&RobotLayout) -> bool {

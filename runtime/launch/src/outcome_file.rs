@@ -136,9 +136,15 @@ pub fn write_outcome(file: &Path, outcome: &Outcome<'_>) -> Result<(), String> {
 /// # Errors
 /// It cannot be.
 pub(crate) fn check_outcome(file: &Path) -> Result<(), String> {
-    let is_new = !file.exists();
-    let opened = std::fs::OpenOptions::new().append(true).create(true).open(file);
-    let checked = opened.and_then(|_| if is_new { std::fs::remove_file(file) } else { Ok(()) });
+    let mut options = std::fs::OpenOptions::new();
+    let made = options.write(true).create_new(true).open(file).and_then(|_| std::fs::remove_file(file));
+    let checked = match made {
+        // What is there, or where a link leads, stays as it is.
+        Err(error) if error.kind() == std::io::ErrorKind::AlreadyExists => {
+            options.create_new(false).create(true).open(file).map(drop)
+        }
+        made => made,
+    };
     checked.map_err(|error| unwritable(file, &error, "--outcome"))
 }
 

@@ -82,8 +82,8 @@ impl Key {
     }
 }
 
-/// What ends a hold: q, Ctrl-C and Ctrl-D.
-const ENDS: [u8; 3] = [b'q', 3, 4];
+/// What ends a hold: q, and Ctrl-C, Ctrl-D, Ctrl-Z and Ctrl-\\.
+const ENDS: [u8; 5] = [b'q', 3, 4, 26, 28];
 
 /// A terminal that gives every byte at once and shows none.
 struct Raw {

@@ -39,9 +39,9 @@ pub(super) struct Messages {
     end: Option<Option<String>>,
 }
 
-/// The most steps that a machine can have left out between two that are recorded, or before the first one. A replay goes through
-/// every step: more than these would keep it at work for what no run has done.
-const LONGEST_GAP: u64 = 100_000;
+/// The most steps that can lie between two that are recorded, or before the first one: a quarter of an hour of a program that computes, in the
+/// shortest steps of 0.1 ms. A replay goes through every step: more than these would keep it at work for what no run has done.
+const LONGEST_GAP: u64 = 10_000_000;
 
 const OTHER_CELL: &str = "replay it with the cell that was recorded, with all its robots and sensors";
 

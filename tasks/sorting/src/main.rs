@@ -32,6 +32,11 @@ fn main() -> ExitCode {
             &"strangers and parts that touch are told by a camera or a matrix alone: add --sensor camera, or leave them out",
         );
     }
+    if options.sensor == SensorKind::Infrared && options.sweep.is_some() && !options.profile.is_empty() {
+        return refused(
+            &"a sweep of the infrared sensors has belts of one speed each: leave out --profile, or --sweep",
+        );
+    }
     if let Err(error) = std::fs::create_dir_all(&options.out) {
         return refused(&unwritable(&options.out, &error));
     }

@@ -49,13 +49,13 @@ pub struct Options {
     pub poisson: bool,
     /// How the belt's speed changes: from each TIME in seconds on it goes at SHARE of its speed, such as `30:0,32:1` for a stop of two seconds, or
     /// `20:0.5,40:1.2`.
-    #[arg(long, value_name = "TIME:SHARE,..", value_delimiter = ',', value_parser = change)]
+    #[arg(long, value_name = "TIME:SHARE,..", value_delimiter = ',', value_parser = change, conflicts_with_all = ["examine", "images", "data_set"])]
     pub profile: Vec<(f64, f64)>,
     /// Camera, ultrasonic: one part in so many is a stranger, which is to pass.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=100_000))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=100_000), conflicts_with_all = ["examine", "images", "data_set"])]
     pub strangers: Option<u32>,
     /// Camera, ultrasonic: one part in so many touches the part before it.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=100_000))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=100_000), conflicts_with_all = ["examine", "images", "data_set"])]
     pub touching: Option<u32>,
     /// Camera, ultrasonic: recognise so many parts, one in ten a stranger, without a cell.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]

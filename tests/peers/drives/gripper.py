@@ -134,7 +134,7 @@ def run(program, cell, *options, homed=True, own=(), kill_after=None):
     server = Server(options)
     text = pathlib.Path(cell).read_text().replace("127.0.0.1:1502", f"127.0.0.1:{server.port}")
     text = text.replace("homed = true", f"homed = {str(homed).lower()}")
-    # Tight motions bridge one step: those of a step that a busy machine keeps.
+    # Tight motions bridge one step of 20 ms, which a busy machine keeps.
     text = text.replace("step_ms = 2\n", "step_ms = 20\n")
     with tempfile.TemporaryDirectory() as folder:
         file, told = pathlib.Path(folder) / "cell.toml", pathlib.Path(folder) / "outcome.json"

@@ -24,7 +24,7 @@ from wire import Bad, Clear, Cut, Namespace, Wire, arguments, begin_in_namespace
 
 PROGRAM = ROOT / "target/debug/examples/transfer"
 JOINTS = {"rnt": 6, "polycrank": 7}
-# Loose motions, and the whole transfer with its tight ones, which bridge one step: in steps that a busy machine keeps [s].
+# Loose motions, and the whole transfer with its tight ones, which bridge one step of 20 ms: in steps that a busy machine keeps [s].
 STEP, LONG_STEP = 0.004, 0.02
 # The longest stop that the cell allows any joint [s].
 STOP = 0.6

@@ -169,10 +169,15 @@ impl Lines {
         let failed = |place: &Place, why: &dyn fmt::Display| {
             std::io::Error::new(std::io::ErrorKind::NotConnected, format!("{place}: {why}"))
         };
-        if let Place::Serial(port) = &self.place {
-            port.open().map_err(|why| failed(&self.place, &why))?;
-        }
+        let refused = match &self.place {
+            Place::Serial(port) => port.open().err(),
+            Place::Tcp(_) => None,
+        };
+        // A session that finds nobody is over, after which the next one is tried.
         self.begin();
+        if let Some(why) = refused {
+            return Err(failed(&self.place, &why));
+        }
         loop {
             if self.heard().is_connected {
                 return Ok(());
@@ -203,7 +208,7 @@ impl Lines {
             Place::Serial(port) => Session::begin_serial("lines", port.clone(), protocol, NoLines::HungUp),
         };
         self.session = session.ok();
-        self.over = None;
+        self.over = self.session.is_none().then_some((NoLines::NoThread, Duration::ZERO));
     }
 
     /// Whether the device is connected and speaks.
@@ -226,6 +231,8 @@ impl Lines {
             if now >= at && self.heard().lines.is_empty() {
                 self.begin();
             }
+        } else if self.session.is_none() && self.over.is_some() {
+            self.begin();
         }
         self.heard().lines.pop_front()
     }

@@ -156,7 +156,8 @@ mod tests {
         };
         let told = describe(&figures);
         assert!(
-            told.contains("2.60 ms (99.9 %), 2 of 1000 lost") && told.contains("from step_ms = 4 on"),
+            told.contains("2.60 ms (99.9 %), 2 of 1000 lost")
+                && told.contains("from step_ms = 4 on, and a tight Move goes on from 1 on"),
             "{told}"
         );
     }

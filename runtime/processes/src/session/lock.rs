@@ -83,10 +83,18 @@ impl CellLock {
         }
     }
 
-    /// Removes what crashed sessions of this user have left, without making a new one.
+    /// Removes what crashed sessions of this user have left, without making a new one. Processes of this cell's may still brake their robots:
+    /// they are waited for.
     pub fn remove_remains(&self) -> Result<(), SessionError> {
-        let _making = self.begin_making()?;
-        self.remove_crashed().map(drop)
+        let patience = Instant::now() + BRAKING;
+        loop {
+            let making = self.begin_making()?;
+            if self.remove_crashed()?.is_none() || Instant::now() > patience {
+                return Ok(());
+            }
+            drop(making);
+            std::thread::sleep(Duration::from_millis(20));
+        }
     }
 
     /// One launcher at a time makes or removes sessions, so that a folder without a lock is the rest of a crashed launch and not a

@@ -166,7 +166,6 @@ struct Kept {
 pub fn sort(options: &Options) -> Said {
     let (parts, seed) = (options.parts as usize, options.seed.into());
     let every = options.every.unwrap_or(Settings::CYCLE / (0.6 * f64::from(options.arms)));
-    let each = |count: Option<u32>| count.map_or(0, |count| count as usize);
     let settings = Settings {
         regular: regular(options),
         strangers: each(options.strangers),
@@ -218,13 +217,18 @@ pub fn sort(options: &Options) -> Said {
     Ok((text, line.wrong == 0 && line.crashes == 0))
 }
 
+/// One part in so many; 0 is none.
+fn each(count: Option<u32>) -> usize {
+    count.map_or(0, |count| count as usize)
+}
+
 /// Runs at several speeds and arrival rates, which are shares of the cycle-time bound at each speed.
 ///
 /// # Errors
 /// A run ended with a fault, or a picture cannot be written.
 pub fn sweep(options: &Options, parts: usize) -> Said {
     let (mut table, mut bounds) = (Table::default(), String::new());
-    let arms = options.arms as usize;
+    let (arms, profile) = (options.arms as usize, options.lasting_profile());
     for &speed in &options.speeds {
         let of =
             |parts, every, seed| Settings::of(speed, parts, every, seed).below(overhead(options)).by(arms);
@@ -236,7 +240,13 @@ pub fn sweep(options: &Options, parts: usize) -> Said {
             for first in (0..parts).step_by(RUN) {
                 let seed = u64::from(options.seed) + (first / RUN) as u64;
                 let settings = of(RUN.min(parts - first), every, seed);
-                let settings = Settings { regular: regular(options), ..settings };
+                let settings = Settings {
+                    regular: regular(options),
+                    strangers: each(options.strangers),
+                    touching: each(options.touching),
+                    profile,
+                    ..settings
+                };
                 let (outcome, _) = run(&settings, options.quiet, 0)?;
                 if let Err(error) = &outcome.report {
                     return Err(error.to_string().into());

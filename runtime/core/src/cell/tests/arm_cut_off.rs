@@ -136,15 +136,15 @@ fn steps_of(millis: u64, every: u64) -> (Duration, impl Iterator<Item = u64>) {
 /// By how much an arm that goes on for `n` steps as the path changed last may be off it \[m, rad\]: by `1 + 3 + 6 + ..`, which are
 /// `n (n + 1) (n + 2) / 6`, third differences of the path. Its largest jerk is `60 / T³` times its whole displacement, and in the flange less
 /// than √3 times as much.
-fn third_differences(step: Duration) -> f64 {
-    let n = f64::from(together_budget(step));
+fn third_differences(step: Duration, n: u32) -> f64 {
+    let n = f64::from(n);
     n * (n + 1.0) * (n + 2.0) / 6.0 * 3.0_f64.sqrt() * 60.0 * 0.55 * (step.as_secs_f64() / DURATION).powi(3)
 }
 
 fn arms_are_cut_off(every: u64) {
     for millis in [1, 2, 4] {
         let (step, steps) = steps_of(millis, every);
-        let bound = third_differences(step);
+        let bound = third_differences(step, together_budget(step));
         let mut worst = [0.0_f64; 3];
         for (at, arm) in steps.flat_map(|at| ["left", "right"].map(|arm| (at, arm))) {
             // Both directions, orders alone, replies alone.
@@ -173,7 +173,7 @@ fn arms_are_cut_off_before_an_answer(every: u64) {
         let (step, steps) = steps_of(millis, every);
         // The path's largest speed in a step, 15/8 of the mean one, and that of a flange is less than √3 times as much.
         let way = 3.0_f64.sqrt() * 15.0 / 8.0 * 0.55 * step.as_secs_f64() / DURATION;
-        let bound = way + third_differences(step);
+        let bound = way + third_differences(step, together_budget(step));
         let mut worst = 0.0_f64;
         for at in steps {
             let (traces, fault) = run(step, Cut { orders: at + 1, replies: at, ..WHOLE });
@@ -195,7 +195,8 @@ fn orders_are_lost(every: u64) {
         let (step, steps) = steps_of(millis, every);
         let (calm, fault) = run(step, WHOLE);
         assert_eq!((fault, off(&calm).0 < 1e-9), (None, true));
-        let bound = third_differences(step);
+        // The order is sent again in the next step.
+        let bound = third_differences(step, 2);
         for (lost, arm) in steps.flat_map(|at| ["left", "right"].map(|arm| (at, arm))) {
             let (traces, fault) = run(step, Cut { arm, lost, ..WHOLE });
             assert_eq!(fault, None, "{step:?}, {arm} has lost {lost}");

@@ -280,6 +280,28 @@ fn fault_03_arms_whose_mp_dies_begin_to_brake_when_they_have_gone_on_for_the_bri
 }
 
 #[test]
+fn fault_06_arms_whose_mp_stalls_for_the_steps_that_they_bridge_keep_their_relative_pose_and_go_on() {
+    let calm = run(Upset::Dies(u64::MAX));
+    let relative = calm[0][0].inv_mul(&calm[1][0]);
+    let mut worst = 0.0_f64;
+    // So many steps and a half: demands of one step more are missing.
+    for stall in 1..bridged() - 1 {
+        for step in (2 + stall..480).step_by(23) {
+            let traces = run(Upset::Late { step, by: stall * NANOS + NANOS / 2, again: 0 });
+            for (a, b) in traces[0].iter().zip(&traces[1]) {
+                worst = worst.max(apart(&a.inv_mul(b), &relative));
+            }
+            assert!(worst <= 1e-6, "stalls for {stall} steps in step {step}: {worst}");
+            for (trace, calm) in traces.iter().zip(&calm) {
+                let off = apart(&trace[trace.len() - 1], &calm[calm.len() - 1]);
+                assert!(off < 1e-12, "stalls for {stall} steps in step {step}: ends {off} off");
+            }
+        }
+    }
+    println!("worst relative pose error {worst:.1e} m or rad");
+}
+
+#[test]
 fn fault_06_arms_whose_mp_is_late_keep_their_relative_pose_and_come_back_onto_their_path() {
     // The path takes up to 5.43 m/s² and 11.1 rad/s² of them: nine tenths.
     let limits = slides_and_turns(6.04, 12.34);
