@@ -21,7 +21,7 @@ mod limits;
 pub mod lower_cells;
 mod moves;
 mod opening;
-pub mod pacing;
+mod pacing;
 mod pairing;
 mod panics;
 mod path_stops;

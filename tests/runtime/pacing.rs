@@ -17,10 +17,10 @@ use crate::runtime::kit::Smooth;
 const PATIENCE: Duration = Duration::from_millis(20);
 
 /// What a controller was told: for each of its periods, and when by the cell's clock that period began [s].
-pub type Told = Rc<RefCell<Vec<(u64, f64, Q<3>)>>>;
+type Told = Rc<RefCell<Vec<(u64, f64, Q<3>)>>>;
 
 /// A robot whose controller counts periods on a clock of its own, and tells each of them over a network with jitter.
-pub struct Controller {
+struct Controller {
     drives: ExactDrive<3>,
     /// Length of its period by the cell's clock [s], and when its first one begins.
     period: f64,
@@ -39,7 +39,7 @@ pub struct Controller {
 
 impl Controller {
     /// A period of so many milliseconds on a clock that is slow by `rate`.
-    pub fn new(millis: u32, rate: f64, jitter: f64) -> (Controller, Told) {
+    fn new(millis: u32, rate: f64, jitter: f64) -> (Controller, Told) {
         let told = Told::default();
         let period = f64::from(millis) * 1e-3 * (1.0 + rate);
         let mut controller = Controller {

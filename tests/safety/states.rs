@@ -1,4 +1,4 @@
-//! Stops on the path in every state that the robots of a cell may be in, on the cell's clock or on clocks of their own. How long they take is a property of the cell, whoever
+//! Stops on the path in every state that the robots of a cell may be in. How long they take is a property of the cell, whoever
 //! of its robots moves, waits, has finished or is jogged.
 
 use std::time::Duration;
@@ -14,7 +14,6 @@ use mrroc_generators::jerk::{JointLimits, JointState, JointTarget, MoveCursor, S
 use mrroc_tests::{ExactDrive, Gantry, MS, Q};
 
 use super::operators::Random;
-use crate::runtime::pacing::Controller;
 
 /// What the robots of a cell do.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -121,14 +120,7 @@ fn cell(seed: u64, doing: Doing, fastest: f64) -> Cell {
     for (i, name) in ["left", "right"].into_iter().enumerate() {
         let (limits, plan) = limits(&mut random, ts, fastest);
         planned.push(plan);
-        let gantry = Gantry::with_limits(limits);
-        // In every third cell the robots say themselves when their periods begin, on clocks 200 ppm apart, with jitter.
-        let robot = if seed.is_multiple_of(3) {
-            let rate = [1e-4, -1e-4][i];
-            RobotSetup::new(name, gantry, Controller::new(step.as_millis() as u32, rate, 0.1 * ts).0)
-        } else {
-            RobotSetup::new(name, gantry, ExactDrive::new(Q::zeros(), step))
-        };
+        let robot = RobotSetup::new(name, Gantry::with_limits(limits), ExactDrive::new(Q::zeros(), step));
         let mut own = random.fork();
         let is_over_after = if i == 1 && seed.is_multiple_of(2) { 1 } else { u32::MAX };
         cell = cell.robot(match doing {

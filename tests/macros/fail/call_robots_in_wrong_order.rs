@@ -1,5 +1,5 @@
 //! Robots in the wrong order in the call.
-//! says: of the list `(mistakes::Rnt, mistakes::Polycrank)`, in its order; these are `(&mut RobotHandle<mistakes::Polycrank>, &mut RobotHandle<mistakes::Rnt>)`
+//! says: the list is `(mistakes::Rnt, mistakes::Polycrank)`: pass the handles in its order
 
 use mistakes::*;
 use mrroc::prelude::*;
