@@ -77,18 +77,18 @@ pub fn film(outcome: &Outcome, walls: &Walls, told: &Told) -> String {
     }
     let _ = writeln!(
         svg,
-        "</g>\n<text x=\"0\" y=\"{:.1}\">from the ring to the green exit: {} {} (red), way {:.2} x the shortest</text>\n\
+        "</g>\n<text x=\"0\" y=\"{:.1}\">{} {} (red), from the ring to the green exit</text>\n\
          <path d=\"M0 {:.1}v3h{:.1}v-3\" fill=\"none\" stroke=\"black\" stroke-width=\"0.6\"/>\n\
-         <text x=\"{:.1}\" y=\"{:.1}\">{:.0} mm</text>\n</svg>",
+         <text x=\"{:.1}\" y=\"{:.1}\">{:.0} mm; way {:.2} x the shortest</text>\n</svg>",
         height + 12.0,
         outcome.touches,
         if outcome.travel == 0.0 { "places of walls that were seen" } else { "touches" },
-        outcome.ratio(),
         height + 18.0,
         mm * SCALE,
         mm * SCALE + 3.0,
         height + 22.0,
-        1e3 * SCALE
+        1e3 * SCALE,
+        outcome.ratio()
     );
     svg
 }
