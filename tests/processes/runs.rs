@@ -100,7 +100,7 @@ fn fault_120_a_sensor_s_hardware_is_refused_under_the_virtual_clock_and_where_no
 #[test]
 fn fault_251_ctrl_c_ends_a_launch_whose_robot_does_not_answer() {
     let cell = "step_ms = 2\nstop_ms = 2500\n[robots.soon]\nkind = \"remote\"\n[robots.late]\nkind = \"remote\"\n[sensors.camera]\n";
-    let place = Place::of(97, REMOTE, cell);
+    let place = Place::of(98, REMOTE, cell);
     let mut launch = place.start_with(&[(SILENT, "")], "silent", REAL);
     assert!(launch.comes_to(|launch| !launch.text(SILENT).is_empty()), "{}", launch.said());
     let processes = launch.processes();
