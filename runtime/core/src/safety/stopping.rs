@@ -26,7 +26,7 @@ pub fn missed_step_budget(step: Duration) -> u32 {
 ///
 /// An arm that misses its orders alone is off the others by what its path has changed meanwhile: after `n` steps by
 /// `n (n + 1) / 2 a Ts²`, where the acceleration of the path jumps by `a`. So many steps are bridged as keep that within
-/// [`APART`], and at least two, which the agreement needs; steps of 20 ms and more leave time for a single one.
+/// 0.05 mm for a jump of 2 m/s², and at least two, which the agreement needs; steps of 20 ms and more leave time for a single one.
 pub fn together_budget(step: Duration) -> u32 {
     let seconds = step.as_secs_f64().max(1e-9);
     let steps = ((1.0 + 8.0 * APART / (JUMP * seconds * seconds)).sqrt() - 1.0) / 2.0;
@@ -34,7 +34,7 @@ pub fn together_budget(step: Duration) -> u32 {
     (steps as u32).max(2).min(missed_step_budget(step))
 }
 
-/// How far an arm that misses its orders alone may come off the others, where its path is as [`JUMP`] says \[m\].
+/// How far an arm that misses its orders alone may come off the others, where its path jumps by [`JUMP`] \[m\].
 const APART: f64 = 50e-6;
 
 /// The largest jump of the acceleration of a path that arms go together [m/s²]: from 1 m/s² to as much the other way.
