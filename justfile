@@ -254,7 +254,7 @@ planted LOAD="4":
 
 # Mutants of one file and the unit tests of the runtime, with cargo-mutants; takes minutes to hours.
 mutants FILE="runtime/core/src/safety/stopping.rs":
-    CARGO_INCREMENTAL=0 CARGO_PROFILE_DEV_DEBUG=0 cargo mutants --in-place --file {{FILE}}
+    CARGO_INCREMENTAL=0 cargo mutants --in-place --file {{FILE}}
 
 # All that the tutorial says, word for word: builds six projects, which takes minutes, and needs Python.
 tutorial:

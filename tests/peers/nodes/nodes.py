@@ -175,17 +175,20 @@ def where(trace):
     return trace[-1][1]
 
 
-def left(bench):
-    """Processes of this bench, besides those that it started itself."""
-    found = []
+def members(bench):
+    """The words with which each process of a session of this bench was started."""
     for entry in Path("/proc").iterdir():
         try:
             words = (entry / "cmdline").read_bytes().split(b"\0")
         except (OSError, ValueError):
             continue
         if str(bench.folder).encode() in b" ".join(words) and b"--session" in words:
-            found.append(b" ".join(words[1:4]).decode())
-    return found
+            yield words
+
+
+def left(bench):
+    """Processes of this bench, besides those that it started itself."""
+    return [b" ".join(words[1:4]).decode() for words in members(bench)]
 
 
 def segments_of(folders):
@@ -196,15 +199,7 @@ def segments_of(folders):
 
 def sessions(bench):
     """The folders of the sessions that processes of this bench are in."""
-    folders = set()
-    for entry in Path("/proc").iterdir():
-        try:
-            words = (entry / "cmdline").read_bytes().split(b"\0")
-        except (OSError, ValueError):
-            continue
-        if str(bench.folder).encode() in b" ".join(words) and b"--session" in words:
-            folders.add(words[words.index(b"--session") + 1].decode())
-    return folders
+    return {words[words.index(b"--session") + 1].decode() for words in members(bench)}
 
 
 def nothing_left(bench):
