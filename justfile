@@ -230,7 +230,7 @@ sweep-operators:
 sweep-states:
     cargo test -p mrroc-tests --test all safety::states -- --ignored --nocapture
 
-# Rows of SAFETY.md and their tests, the cases of a share of the sweeps, and the worst stop beside its bound.
+# Faults (docs/safety) and their tests, the cases of a share of the sweeps, and the worst stop beside its bound.
 safety:
     cargo test -p mrroc-tests --test all -- --ignored --nocapture safety::summary
     cargo test -p mrroc-core --lib -- --nocapture fault_03_arms fault_06_arms

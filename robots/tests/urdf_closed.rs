@@ -12,7 +12,7 @@ use crate::usage::support::Random;
 
 const SEED: u64 = 20_131_207;
 
-/// Poses per robot, as many in every build. Of 100,000 with this seed one is not given back (SAFETY.md, known and not corrected).
+/// Poses per robot, as many in every build. Of 100,000 with this seed one is not given back (SAFETY.md, known exceptions).
 const POSES: usize = 10_000;
 
 type Six = SVector<f64, 6>;

@@ -11,7 +11,7 @@ use crate::usage::support::Random;
 
 const SEED: u64 = 20_140_522;
 
-/// Poses per robot, as many in every build. Of 100,000 with this seed one is not given back (SAFETY.md, known and not corrected).
+/// Poses per robot, as many in every build. Of 100,000 with this seed one is not given back (SAFETY.md, known exceptions).
 const POSES: usize = 10_000;
 
 fn arm<const N: usize>(arm: &str, base: &str, tip: &str) -> Serial<N> {

@@ -1,4 +1,4 @@
-//! Readers under bad input, row 33 of SAFETY.md: no panic, and no more than 256 MB, whatever they read.
+//! Readers under bad input, fault 33 in docs/safety: no panic, and no more than 256 MB, whatever they read.
 //!
 //! `just fuzz 1000000` runs so many mutated inputs in all; inputs that fail are written to the target folder.
 

@@ -53,7 +53,7 @@ fn fault_01_to_03_robots_of_a_cell_of_which_a_process_is_killed_stand_within_the
     );
 }
 
-/// Row 1: drives whose EDP is gone bridge `L` steps, then brake to a standstill.
+/// Fault 1: drives whose EDP is gone bridge `L` steps, then brake to a standstill.
 fn assert_drives_brake(launch: &Launch, robot: &str) {
     let (commanded, drives) = (launch.record(robot).len(), launch.drives(robot));
     let Some(last) = drives.last() else { return };

@@ -197,7 +197,7 @@ fn at_the_end_of_the_program_it_brakes() {
     keeps_to_its_limits(&belts.borrow());
 }
 
-/// `SAFETY.md` row 37: it stops on its path with the others and goes on with them.
+/// Fault 37: it stops on its path with the others and goes on with them.
 #[test]
 fn fault_37_suspend_and_speed_act_on_the_background_as_on_the_others() {
     for at in [1, 2, 60, 150, 399, 400, 401, 500] {

@@ -1,5 +1,5 @@
-//! Faults: what is refused, which process is named, and how the robots come to a standstill. Numbers are rows of
-//! SAFETY.md.
+//! Faults: what is refused, which process is named, and how the robots come to a standstill. Numbers are faults of
+//! docs/safety.
 
 use mrroc::fault::FaultKind;
 use mrroc::pose::{AngleAxis, Zyz};

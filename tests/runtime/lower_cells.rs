@@ -642,7 +642,7 @@ fn fault_166_a_lower_mp_that_is_killed_is_lost_and_stops_every_cell() {
             (cause.kind(), cause.process().map(|p| p.to_string())),
             (FaultKind::PeerLost, Some("mp press".to_owned()))
         );
-        // The upper MP notices it after L + 1; the robots of the cell itself by rows 2 and 3.
+        // The upper MP notices it after L + 1; the robots of the cell itself by faults 1 and 3.
         assert!(
             last_moved(&two.painted[0]) <= at as usize + 21 + 3 + T_B,
             "{at}: {}",

@@ -1,4 +1,4 @@
-//! Tests of what SAFETY.md promises under faults: the numbers in the tests' names are its rows.
+//! Tests of what SAFETY.md promises under faults: the numbers in the tests' names are faults of docs/safety.
 
 mod cells;
 mod drives;

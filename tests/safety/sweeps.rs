@@ -64,7 +64,7 @@ fn every_fault_in_a_share_of_the_steps_of_small_cells_breaks_no_promise() {
     faults_in_small_cells(SHARE);
 }
 
-/// Two cells under one MP. When that MP is killed, they have the bound of row 162, which has a test of its own.
+/// Two cells under one MP. When that MP is killed, they have the bound of fault 162, which has a test of its own.
 fn faults_of_links_in_a_plant(every: u64) {
     let sweep = [1, 5, 20, 21, 100].into_iter().fold(Sweep::new(plant).threads(2), Sweep::stalls);
     let sweep = [1, 19, 20, 21, 60].into_iter().fold(sweep, |sweep, n| sweep.links(LinkFault::Drop, n));

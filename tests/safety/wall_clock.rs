@@ -1,4 +1,4 @@
-//! Row 13: jumps of the wall clock do not affect control.
+//! Fault 13: jumps of the wall clock do not affect control.
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -1,4 +1,4 @@
-//! Whether a machine has enough shared memory and open files for a cell's processes (row 35 of SAFETY.md).
+//! Whether a machine has enough shared memory and open files for a cell's processes (fault 35 in docs/safety).
 //!
 //! In: the number of processes and of ways between them. Out: nothing if there is enough, or what is too little and
 //! what to change. The check comes before the processes start, because later errors are hard to understand: a process

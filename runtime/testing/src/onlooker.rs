@@ -3,7 +3,7 @@
 //! In: the position demanded of the drives in each servo period. Out: the first demand that the drives should not have
 //! got, and the intervals of motion. Velocity and acceleration are computed here, independently of the runtime: as
 //! differences of the positions that the drives got, divided by the time that passed. Servo periods that a late EDP
-//! left out have no demands (SAFETY.md, row 11).
+//! left out have no demands (fault 11 in docs/safety).
 
 use core::time::Duration;
 use std::collections::VecDeque;

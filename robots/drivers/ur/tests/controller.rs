@@ -1,5 +1,5 @@
-//! The driver against the controller of `mrroc-ur-controller`, in one process and under the virtual clock: faults of rows 90
-//! to 93 and 107 of SAFETY.md, its inputs and outputs, and that no period is without a set-point.
+//! The driver against the controller of `mrroc-ur-controller`, in one process and under the virtual clock: faults 90
+//! to 93 and 107 in docs/safety, its inputs and outputs, and that no period is without a set-point.
 
 use core::cell::{Cell as Shared, RefCell};
 use core::time::Duration;

@@ -1,5 +1,5 @@
-//! What the arm carries, told to the controller of `mrroc-ur-controller` in one process and under the virtual clock: row 118 of
-//! SAFETY.md, and when it is told.
+//! What the arm carries, told to the controller of `mrroc-ur-controller` in one process and under the virtual clock: fault
+//! 118 in docs/safety, and when it is told.
 
 use core::cell::{Cell as Shared, RefCell};
 use core::time::Duration;

@@ -1,8 +1,8 @@
 //! Steps that a process missed by its own fault: because it woke late, or because what it had to do took too long.
 //!
-//! In: for each step how many periods went by meanwhile. Out: nothing, or the fault that ends the cell (rows 11 and 12 of
-//! SAFETY.md). A counter that leaks: each late step adds one, each punctual one takes one away; ten are too many, and so
-//! are more than `L` periods missed in a row.
+//! In: for each step how many periods went by meanwhile. Out: nothing, or the fault that ends the cell (faults 11 and 12
+//! in docs/safety). A counter that leaks: each late step adds one, each punctual one takes one away; ten are too many,
+//! and so are more than `L` periods missed in a row.
 
 use core::cell::Cell;
 use core::time::Duration;

@@ -507,7 +507,7 @@ mod tests {
         operator
     }
 
-    /// Row 36: what each button does in each state, as SAFETY.md's stop categories say it.
+    /// Fault 36: what each button does in each state, as the states of SAFETY.md say it.
     #[test]
     fn fault_36_a_button_that_contradicts_the_state_of_the_cell_is_refused() {
         use CellState::{Aborting, Acknowledged, Latched, Running, Suspended};

@@ -1,7 +1,7 @@
 //! The plant: the simulated drives of a cell, where they are a process of their own.
 //!
 //! In: commands of EDPs, one per servo period and robot. Out: what the encoders read. It outlives the EDPs as real drives
-//! do: drives whose commands stop bridge `L` steps and apply their brakes in the next one (rows 1 to 3 of SAFETY.md). One
+//! do: drives whose commands stop bridge `L` steps and apply their brakes in the next one (faults 1 to 3 in docs/safety). One
 //! process has all of them, because simulated robots may be in one world, with a body between them.
 //!
 //! Drives that have yet to find their reference marks stay in their EDP, and so do the drives that they become: while a
