@@ -12,7 +12,7 @@ peers *ARGS:
 real-time N="30":
     tests/real_time {{N}}
 
-# Whether rustc drops a comparison that is read, in all crates of the lock file (decision 75): release code, from clean.
+# Whether rustc drops a comparison that is read, in all crates of the lock file (decision 24): release code, from clean.
 dropped-comparisons:
     RUSTC_WRAPPER="$PWD/.ci/dropped-comparisons" cargo build --release --workspace --exclude mrroc-zenoh --target-dir target/dropped-comparisons
 

@@ -1,4 +1,4 @@
-//! What the compiler makes of a flag in an optimised build (decision 75).
+//! What the compiler makes of a flag in an optimised build (decision 24).
 
 use std::path::Path;
 use std::process::Command;
@@ -33,7 +33,7 @@ fn the_form_in_which_the_runtime_sets_a_flag_is_compiled_rightly() {
         }
         // The versions that are known to do it: else the program shows it no more, or the compiler is another one.
         if version.starts_with("rustc 1.95.") && level != "1" {
-            assert_eq!(or, "true", "decision 75 is about a compiler that does this");
+            assert_eq!(or, "true", "decision 24 is about a compiler that does this");
         }
     }
 }

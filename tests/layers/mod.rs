@@ -1,4 +1,4 @@
-//! Folders are layers and crates are optional parts: nothing imports what stands above it (decision 22).
+//! Folders are layers and crates are optional parts: nothing imports what stands above it (decision 2).
 //!
 //! The imports are read from the source as text: every `crate::..` path of a file, without its comments and its tests.
 //! `cargo test -p mrroc-tests --test all layers -- --nocapture` prints the lines of each layer and crate.

@@ -8,7 +8,7 @@
 //! s = (d1.d2 d2.r - d1.r d2.d2) / (d1.d1 d2.d2 - (d1.d2)^2),    t = (d1.d2 s + d2.r) / d2.d2
 //! ```
 //!
-//! each brought into 0..1, `t` first and `s` again for it. Why no library does this: decision 12.
+//! each brought into 0..1, `t` first and `s` again for it. Why no library does this: decision 3.
 
 use nalgebra::Vector3;
 

@@ -1,7 +1,7 @@
 //! The XML of a URDF: text in, elements with their lines out.
 //!
 //! Values are read as they are used, and strictly: text where a number must stand, or an attribute that URDF does not
-//! have, is an error and never a default: `docs/decisions/0011-own-reader-for-urdf.md`.
+//! have, is an error and never a default: `docs/decisions/0003-own-code-or-a-crate.md`.
 
 use std::collections::HashMap;
 

@@ -39,7 +39,7 @@ impl Realtime {
 impl Realtime {
     /// The core of a process, of those that it may use. A robot's ECP and EDP share one: on the same core the one wakes
     /// the other three to ten times sooner than across cores. The MP shares the first robot's: of all places that is the
-    /// best for it (docs/decisions/0014-a-process-sleeps-on-a-futex.md). The others run where there is room.
+    /// best for it (docs/decisions/0011-processes-and-shared-memory.md). The others run where there is room.
     pub fn core(&self, process: ProcessId, robots: &[ProcessId], usable: &[usize]) -> Option<usize> {
         let cores = self.cores.as_deref().unwrap_or(usable);
         let place = match process.role {

@@ -22,7 +22,7 @@ pub fn missed_step_budget(step: Duration) -> u32 {
 
 /// Missed steps that an EDP goes on for along the screw of robots that move together. An MP that has had no answer from one of
 /// them for so many steps stops all: each of them begins in the same step, whether the order of the first of these steps has
-/// come to it or not (decision 42).
+/// come to it or not (decision 8).
 ///
 /// An arm that misses its orders alone is off the others by what its path has changed meanwhile: after `n` steps by
 /// `n (n + 1) / 2 a Ts²`, where the acceleration of the path jumps by `a`. So many steps are bridged as keep that within

@@ -2,7 +2,7 @@
 //!
 //! In: wake-ups by other processes, and by threads of this process. Out: a sleep until the next wake-up, or until a
 //! time. A wake-up makes a system call only if the process sleeps. The event service of iceoryx2 is a socket and takes
-//! four system calls for each message: see docs/decisions/0014-a-process-sleeps-on-a-futex.md.
+//! four system calls for each message: see docs/decisions/0011-processes-and-shared-memory.md.
 
 use core::num::NonZeroU32;
 use core::sync::atomic::{AtomicU32, Ordering};

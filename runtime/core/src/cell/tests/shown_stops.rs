@@ -46,7 +46,7 @@ fn run(stop: Option<u64>) -> (Vec<(u64, bool)>, Result<(), CellError>) {
     (steps.0.take(), outcome)
 }
 
-/// A release build of rustc 1.95 showed one in every step (decision 75); so did its recordings, which could not be replayed.
+/// A release build of rustc 1.95 showed one in every step (decision 24); so did its recordings, which could not be replayed.
 #[test]
 fn a_step_shows_a_protective_stop_only_where_the_operator_has_asked_for_one() {
     let (steps, outcome) = run(None);

@@ -166,7 +166,7 @@ impl Operating {
     /// Takes the protective stop that the operator has asked for.
     pub fn take_protective_stop(&mut self) -> bool {
         let asked = self.operator.take_protective_stop();
-        // Not `|=`: rustc 1.95 would set it whatever was asked (decision 75).
+        // Not `|=`: rustc 1.95 would set it whatever was asked (decision 24).
         if asked {
             self.stopping = true;
         }

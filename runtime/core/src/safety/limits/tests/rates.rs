@@ -55,7 +55,7 @@ fn with_a_jerk_limit_the_rate_may_change_by_what_a_path_leaves_of_that_as_well()
 
 #[test]
 fn a_stop_on_the_path_takes_the_time_that_the_limits_leave() {
-    // Without a jerk limit from the velocity limit 2.05 v/a, see `docs/decisions/0004`: the integral of
+    // Without a jerk limit from the velocity limit 2.05 v/a, see `docs/decisions/0005`: the integral of
     // dr v / (0.98 - 0.9 r²) a from 0 to 1, with v + a T for v.
     let limits =
         Turntable::with(|l| (l.velocity, l.acceleration) = (Two::repeat(1.0), Two::repeat(2.0))).limits;
