@@ -2,7 +2,8 @@
 //!
 //! Every file of `fail/` is a program. Its head says what the mistake is and, where a text can be demanded,
 //! what the error must say (``says: `(Rnt,)` ``); a program with more errors than one says why (`errors: 2, ..`).
-//! One run of `cargo check` checks them all. The snapshots contain the place, the code, and the texts of the macros and
+//! They are modules of one crate, which is checked once for all of them, and again for those whose errors are hidden by errors of an earlier
+//! stage of the compiler. The snapshots contain the place, the code, and the texts of the macros and
 //! the runtime. They leave out the compiler's own texts and layout, so that they hold for later versions of it.
 #![allow(missing_docs)]
 
@@ -57,7 +58,7 @@ fn head<'a>(source: &'a str, key: &'a str) -> impl Iterator<Item = &'a str> {
     source.lines().map_while(|line| line.strip_prefix("//! ")).filter_map(move |line| line.strip_prefix(key))
 }
 
-/// Checks all programs as the examples of one package; returns the errors of each.
+/// Checks all programs; returns the errors of each.
 fn check(here: &Path, cases: &BTreeMap<String, String>) -> BTreeMap<String, Vec<Mistake>> {
     let scratch = Path::new(env!("CARGO_TARGET_TMPDIR")).join("diagnostics");
     let _ = fs::remove_dir_all(&scratch);
@@ -76,29 +77,55 @@ fn check(here: &Path, cases: &BTreeMap<String, String>) -> BTreeMap<String, Vec<
     );
     fs::write(scratch.join("Cargo.toml"), manifest).unwrap();
     fs::write(scratch.join("src/lib.rs"), library).unwrap();
-    for (name, source) in cases {
-        fs::write(scratch.join(format!("examples/{name}.rs")), source).unwrap();
-    }
 
-    let output = crate::outside::cargo(&root, &scratch, "check")
-        .args(["--keep-going", "--message-format=json", "--examples"])
+    let mut errors = BTreeMap::<String, Vec<Mistake>>::new();
+    let mut left: Vec<&String> = cases.keys().collect();
+    // A program that is checked again has had no error yet, so none is counted twice.
+    while !left.is_empty() {
+        let modules: String = left
+            .iter()
+            .map(|name| format!("#[path = {:?}]\nmod {name};\n", here.join(format!("fail/{name}.rs"))))
+            .collect();
+        fs::write(scratch.join("examples/all.rs"), format!("{modules}\nfn main() {{}}\n")).unwrap();
+        let found = errors_of(&root, &scratch);
+        let before = left.len();
+        left.retain(|name| !found.contains_key(*name));
+        errors.extend(found);
+        if left.len() == before {
+            break;
+        }
+    }
+    errors
+}
+
+/// The errors of the programs that the crate at `scratch` has as modules.
+fn errors_of(root: &Path, scratch: &Path) -> BTreeMap<String, Vec<Mistake>> {
+    let output = crate::outside::cargo(root, scratch, "check")
+        .args(["--message-format=json", "--example", "all"])
         .output()
         .unwrap();
     let stdout = String::from_utf8(output.stdout).unwrap();
     let messages: Vec<Value> = stdout.lines().filter_map(|line| serde_json::from_str(line).ok()).collect();
-    let ran = messages.iter().any(|message| message["target"]["kind"][0] == "example");
-    assert!(ran, "cargo did not come to the programs:\n{}", String::from_utf8_lossy(&output.stderr));
+    let of_programs = || messages.iter().filter(|message| message["target"]["kind"][0] == "example");
+    assert!(
+        of_programs().next().is_some(),
+        "cargo did not come to the programs:\n{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
 
     let mut errors = BTreeMap::<String, Vec<Mistake>>::new();
     // What cargo prints: it leaves out what it has printed already, word for word.
     let mut printed = HashSet::new();
     let is_new =
         |message: &&Value| printed.insert(message["message"]["rendered"].as_str().map(str::to_owned));
-    for message in messages.iter().filter(|message| message["message"]["level"] == "error").filter(is_new) {
-        let text = message["message"]["message"].as_str().unwrap();
-        if !text.starts_with("aborting due to") {
-            let case = message["target"]["name"].as_str().unwrap();
-            errors.entry(case.to_owned()).or_default().push(Mistake::of(&message["message"]));
+    for message in of_programs().filter(|message| message["message"]["level"] == "error").filter(is_new) {
+        let error = &message["message"];
+        // What the compiler says of the whole crate has no place.
+        if let Some(file) =
+            error["spans"].as_array().unwrap().iter().find_map(|span| span["file_name"].as_str())
+        {
+            let name = Path::new(file).file_stem().unwrap().to_str().unwrap();
+            errors.entry(name.to_owned()).or_default().push(Mistake::of(error, name));
         }
     }
     errors
@@ -113,8 +140,10 @@ struct Mistake {
 }
 
 impl Mistake {
-    fn of(error: &Value) -> Mistake {
-        let text = |value: &Value| value.as_str().unwrap_or_default().to_owned();
+    /// An error in the program of a name. Where types stand the compiler says by chance: their names count alone.
+    fn of(error: &Value, program: &str) -> Mistake {
+        let module = format!("{program}::");
+        let text = |value: &Value| value.as_str().unwrap_or_default().replace(&module, "").replace("mistakes::", "");
         let code = text(&error["code"]["code"]);
         // Errors without a code come from the macros; unsatisfied bounds have texts of ours.
         let is_ours = code.is_empty() || code == "E0277";

@@ -13,7 +13,7 @@ use super::figures::table;
 use super::latch_notes::LatchNotes;
 use super::nodes::carrier::NO_NETWORK;
 use super::pacing::pace;
-use super::process_set::{Member, NoStart, Plan, ProcessSet};
+use super::process_set::{Member, NoStart, Plan, ProcessSet, Start};
 use super::session::{CellLock, Private, Session, SessionError, prefix};
 use super::signals::Signals;
 use super::supervision::{Patience, Supervision};
@@ -114,14 +114,9 @@ pub(crate) fn launch(cell: Cell, plan: &Plan) -> Result<Launched, LaunchError> {
                 Some(listening.map_err(CellError::from)?)
             }
         };
-        match ProcessSet::start(
-            fabric.places(),
-            fabric.fingerprint(),
-            &session,
-            epoch,
-            (plan, stop),
-            &signals,
-        ) {
+        let fingerprint = fabric.fingerprint();
+        let start = Start { plan, fingerprint, session: &session, epoch, signals: &signals };
+        match ProcessSet::start(fabric.places(), stop, &start) {
             Ok(process_set) => {
                 // Commands are recorded by the machine's clock, which a cell under the virtual clock does not have.
                 let recorder = relay.as_ref().and(recorder).filter(|_| plan.clock == Clock::Real);

@@ -299,6 +299,45 @@ fn how(status: ExitStatus) -> String {
     }
 }
 
+/// What processes are started with.
+pub(super) struct Start<'a> {
+    pub plan: &'a Plan,
+    /// Of the cell that the launcher has put together: the processes put together the same.
+    pub fingerprint: u64,
+    pub session: &'a Session,
+    /// Which start of the session this is.
+    pub epoch: u64,
+    /// Ctrl-C ends it.
+    pub signals: &'a Signals,
+}
+
+impl Start<'_> {
+    /// What a process is told first.
+    fn welcome(&self) -> Frame {
+        let seal = Seal { session: self.session.number(), epoch: self.epoch };
+        let Plan { clock, spin, .. } = *self.plan;
+        Frame::Welcome { seal, cell: self.session.cell(), clock, spin }
+    }
+
+    /// Starts the carrier, and waits until it has found all other machines ready.
+    fn carrier(&self, id: ProcessId) -> Result<Rc<Member>, NoStart> {
+        let carrier =
+            Member::spawn(id, self.session, self.plan).map_err(|error| NoStart::Spawn(id, error))?;
+        drop(carrier.control.send_now(&self.welcome()));
+        match carrier.expect(self.signals) {
+            Ok(Frame::Created { fingerprint }) if fingerprint == self.fingerprint => Ok(Rc::new(carrier)),
+            Ok(_) => {
+                carrier.kill();
+                Err(NoStart::OtherCell(id))
+            }
+            Err(error) => {
+                carrier.kill();
+                Err(error)
+            }
+        }
+    }
+}
+
 /// All processes of a launch. Dropping it ends those that still run: once robots may move, it hangs up, by which
 /// each process closes the cell, and waits until robots have braked, before it kills anything.
 pub(super) struct ProcessSet {
@@ -313,24 +352,12 @@ pub(super) struct ProcessSet {
 impl ProcessSet {
     /// Starts the processes at `places` and connects them. They then wait for [`go`](ProcessSet::go). Their robots take up
     /// to `stop` for a stop.
-    pub fn start(
-        places: &[ProcessId],
-        fingerprint: u64,
-        session: &Session,
-        epoch: u64,
-        (plan, stop): (&Plan, Duration),
-        signals: &Signals,
-    ) -> Result<ProcessSet, NoStart> {
+    pub fn start(places: &[ProcessId], stop: Duration, start: &Start) -> Result<ProcessSet, NoStart> {
         let mut process_set = ProcessSet { members: Vec::new(), stop, runs: Cell::new(false) };
+        let Start { plan, session, .. } = *start;
         // Nothing is started here before all other machines are ready for it.
         let carrier = match plan.nodes.as_ref().and_then(Nodes::first) {
-            Some(node) => Some(carry(
-                ProcessId::new(Role::Node, node.name),
-                fingerprint,
-                (session, epoch),
-                plan,
-                signals,
-            )?),
+            Some(node) => Some(start.carrier(ProcessId::new(Role::Node, node.name))?),
             None => None,
         };
         for (place, &id) in places.iter().enumerate() {
@@ -342,7 +369,7 @@ impl ProcessSet {
         }
         // Behind the others, so that these are at their places.
         process_set.members.extend(carrier);
-        match process_set.set_up(fingerprint, (session, epoch), plan, signals) {
+        match process_set.set_up(start) {
             Ok(()) => Ok(process_set),
             Err(interrupted @ NoStart::Interrupted(_)) => Err(interrupted),
             // If a process has died, its death is the reason for the other processes' errors.
@@ -350,15 +377,9 @@ impl ProcessSet {
         }
     }
 
-    fn set_up(
-        &self,
-        fingerprint: u64,
-        (session, epoch): (&Session, u64),
-        plan: &Plan,
-        signals: &Signals,
-    ) -> Result<(), NoStart> {
-        let seal = Seal { session: session.number(), epoch };
-        let welcome = Frame::Welcome { seal, cell: session.cell(), clock: plan.clock, spin: plan.spin };
+    fn set_up(&self, start: &Start) -> Result<(), NoStart> {
+        let Start { plan, fingerprint, signals, .. } = *start;
+        let welcome = start.welcome();
         let others = || self.members.iter().filter(|member| member.id.role != Role::Node);
         for member in others() {
             drop(member.control.send_now(&welcome));
@@ -463,31 +484,6 @@ impl ProcessSet {
                 }
                 std::thread::sleep(Duration::from_millis(1));
             }
-        }
-    }
-}
-
-/// Starts the carrier, and waits until it has found all other machines ready.
-fn carry(
-    id: ProcessId,
-    fingerprint: u64,
-    (session, epoch): (&Session, u64),
-    plan: &Plan,
-    signals: &Signals,
-) -> Result<Rc<Member>, NoStart> {
-    let carrier = Member::spawn(id, session, plan).map_err(|error| NoStart::Spawn(id, error))?;
-    let seal = Seal { session: session.number(), epoch };
-    let welcome = Frame::Welcome { seal, cell: session.cell(), clock: plan.clock, spin: plan.spin };
-    drop(carrier.control.send_now(&welcome));
-    match carrier.expect(signals) {
-        Ok(Frame::Created { fingerprint: other }) if other == fingerprint => Ok(Rc::new(carrier)),
-        Ok(_) => {
-            carrier.kill();
-            Err(NoStart::OtherCell(id))
-        }
-        Err(error) => {
-            carrier.kill();
-            Err(error)
         }
     }
 }

@@ -5,6 +5,6 @@ use task::belt::{PART, Shown, place};
 fn main() -> std::process::ExitCode {
     let shown = Shown::default();
     let part = shown.clone();
-    let film = mrroc_pictures::Film::new().with_block(PART, move || place(&part)).without(&["hand", "belt"]);
+    let film = mrroc_pictures::Film::new().with_block(PART, move || place(&part));
     mrroc::launch(move |file| task::cell(file, &shown), film)
 }

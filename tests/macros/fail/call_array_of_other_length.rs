@@ -1,5 +1,5 @@
 //! A list of two robots of one kind is passed three.
-//! says: the list is `[mistakes::Rnt; 2]`: pass the handles in its order
+//! says: the list is `[Rnt; 2]`: pass the handles in its order
 
 use mistakes::*;
 use mrroc::prelude::*;

@@ -1,5 +1,5 @@
 //! Another sensor than that of the list in the call.
-//! says: the list is `(mistakes::WristForce,)`: pass the handles in its order
+//! says: the list is `(WristForce,)`: pass the handles in its order
 
 use mistakes::*;
 use mrroc::prelude::*;

@@ -1,5 +1,5 @@
 //! Robots in the wrong order in the call.
-//! says: the list is `(mistakes::Rnt, mistakes::Polycrank)`: pass the handles in its order
+//! says: the list is `(Rnt, Polycrank)`: pass the handles in its order
 
 use mistakes::*;
 use mrroc::prelude::*;

@@ -1,5 +1,5 @@
 //! A demand is missing in the tuple that is returned.
-//! says: mistakes::Polycrank
+//! says: Polycrank
 
 use mistakes::*;
 use mrroc::prelude::*;

@@ -68,29 +68,28 @@ impl CellLock {
 
     /// Makes a new session of the cell, after the remains of crashed sessions are removed.
     pub fn session(&self) -> Result<Session, SessionError> {
-        let patience = Instant::now() + BRAKING;
-        loop {
-            let making = self.begin_making()?;
-            match self.remove_crashed()? {
-                None if !self.id.has_parts() => return Session::make(&self.base, self.cell, self.id),
-                Some(alive) if Instant::now() > patience => return Err(SessionError::Orphans(alive)),
-                None if Instant::now() > patience => return Err(SessionError::Parts),
-                // Processes of the crashed session still brake their robots.
-                Some(_) | None => {}
-            }
-            drop(making);
-            std::thread::sleep(Duration::from_millis(20));
+        let (_making, alive) = self.wait_for_remains(|| self.id.has_parts())?;
+        match alive {
+            Some(alive) => Err(SessionError::Orphans(alive)),
+            None if self.id.has_parts() => Err(SessionError::Parts),
+            None => Session::make(&self.base, self.cell, self.id),
         }
     }
 
-    /// Removes what crashed sessions of this user have left, without making a new one. Processes of this cell's may still brake their robots:
-    /// they are waited for.
+    /// Removes what crashed sessions of this user have left, without making a new one.
     pub fn remove_remains(&self) -> Result<(), SessionError> {
-        let patience = Instant::now() + BRAKING;
+        self.wait_for_remains(|| false).map(drop)
+    }
+
+    /// Removes what crashed sessions have left. While processes of this cell's still brake their robots, or `goes_on` says so, it is tried again, for
+    /// as long as they may brake. The folder of a session that still has processes, and the right to make one.
+    fn wait_for_remains(&self, goes_on: impl Fn() -> bool) -> Result<(File, Option<PathBuf>), SessionError> {
+        let until = Instant::now() + BRAKING;
         loop {
             let making = self.begin_making()?;
-            if self.remove_crashed()?.is_none() || Instant::now() > patience {
-                return Ok(());
+            let alive = self.remove_crashed()?;
+            if alive.is_none() && !goes_on() || Instant::now() > until {
+                return Ok((making, alive));
             }
             drop(making);
             std::thread::sleep(Duration::from_millis(20));

@@ -12,12 +12,15 @@ use crate::model::fault::Fault;
 use crate::model::step::Tick;
 use crate::model::time::Nanos;
 use crate::safety::rate::Feed;
+use crate::safety::stopping::together_budget;
 
 /// The steps of a cell.
 pub(super) struct StepClock {
     period: Nanos,
     /// Time into a step after which its demands would come too late for the EDPs' ticks \[ns\].
     grace: Nanos,
+    /// Missed steps that robots which move together go on for.
+    together: u64,
     /// Index of the step that has begun, and whether it has been used up.
     step: u64,
     used: bool,
@@ -37,11 +40,13 @@ pub(super) struct StepClock {
 impl StepClock {
     pub fn new(period: Duration, grace: Nanos, feed: Feed) -> Self {
         let overruns = Overruns::new(period);
+        let together = u64::from(together_budget(period));
         let period = period.as_nanos() as Nanos;
         let duration = period as f64 * 1e-9;
         StepClock {
             period,
             grace,
+            together,
             step: 0,
             used: true,
             earliest: 0,
@@ -61,6 +66,11 @@ impl StepClock {
     /// Index of the step that has begun.
     pub const fn step(&self) -> u64 {
         self.step
+    }
+
+    /// When robots that move together and have missed their orders from this step on begin to brake.
+    pub fn together_until(&self) -> Nanos {
+        (self.step + self.together) * self.period()
     }
 
     /// Steps in a time.

@@ -3,14 +3,11 @@
 //! In: one order per robot. Out: one reply per robot, with its image and the headroom of its rate; or the first
 //! cause of what is wrong.
 
-use core::time::Duration;
-
 use crate::control::state_words::StateWords;
 use crate::link::message::{Kind, OrderKind, flag};
 use crate::model::fault::{Fault, FaultKind};
 use crate::model::list::{SensorList, SensorsOf};
 use crate::safety::braking::BrakingLaw;
-use crate::safety::stopping::together_budget;
 
 use super::background::Background;
 use super::{Mp, stops};
@@ -204,8 +201,7 @@ impl Mp<'_> {
         let Mp { robots, upper, host, sensing, clock, .. } = self;
         let mut waiting = sensing.patience.begin(host.waiter);
         if indices.iter().any(|&index| robots[index].is_together()) {
-            let bridged = together_budget(Duration::from_nanos(clock.period()));
-            waiting = waiting.until((clock.step() + u64::from(bridged)) * clock.period());
+            waiting = waiting.until(clock.together_until());
         }
         for &index in indices.iter().rev() {
             let robot = &mut robots[index];
