@@ -143,7 +143,8 @@ impl Mistake {
     /// An error in the program of a name. Where types stand the compiler says by chance: their names count alone.
     fn of(error: &Value, program: &str) -> Mistake {
         let module = format!("{program}::");
-        let text = |value: &Value| value.as_str().unwrap_or_default().replace(&module, "").replace("mistakes::", "");
+        let text =
+            |value: &Value| value.as_str().unwrap_or_default().replace(&module, "").replace("mistakes::", "");
         let code = text(&error["code"]["code"]);
         // Errors without a code come from the macros; unsatisfied bounds have texts of ours.
         let is_ours = code.is_empty() || code == "E0277";
