@@ -1,10 +1,10 @@
 //! The state board of a session: shared memory in which each process shows what it does.
 //!
 //! In: numbers that each process writes into its own entry in every step, and the launcher's heartbeat. Out: the newest
-//! numbers, read by the launcher, and the heartbeat, read by the MP. Writing takes a few stores and never waits: a sequence number that is odd while the numbers change tells a
+//! numbers, read by the launcher, the heartbeat, read by the MP, and the stops that consoles ask for, read by the MP and all EDPs. Writing takes a few stores and never waits: a sequence number that is odd while the numbers change tells a
 //! reader to read again (a sequence lock). A reader that finds them changing each time it tries gets nothing.
 
-use std::fs::{File, OpenOptions};
+use std::fs::{self, File, OpenOptions};
 use std::io;
 use std::os::fd::AsFd;
 use std::os::unix::fs::OpenOptionsExt;
@@ -80,6 +80,15 @@ impl StateBoard {
         StateBoard::map(&file, count)
     }
 
+    /// Opens the board of a session, however many processes it has.
+    ///
+    /// # Errors
+    /// There is none.
+    pub fn of(session: u64) -> io::Result<StateBoard> {
+        let length = fs::metadata(path(session))?.len() as usize;
+        StateBoard::open(session, length.saturating_sub(bytes(0)) / size_of::<Entry>())
+    }
+
     /// Opens the board that the session's launcher made.
     ///
     /// # Errors
@@ -128,6 +137,24 @@ impl StateBoard {
         }
     }
 
+    /// How many stops consoles have asked for.
+    pub fn stops_asked(&self) -> &AtomicU64 {
+        self.stops(0)
+    }
+
+    /// How many of them the MP has begun to carry out.
+    pub fn stops_begun(&self) -> &AtomicU64 {
+        self.stops(1)
+    }
+
+    fn stops(&self, nth: usize) -> &AtomicU64 {
+        // SAFETY: as of the heartbeat, behind which and the slew they lie; `nth` is 0 or 1.
+        #[allow(unsafe_code)]
+        unsafe {
+            self.panels.add(self.count).cast::<Heartbeat>().add(2).cast::<AtomicU64>().add(nth).as_ref()
+        }
+    }
+
     /// Shows the numbers of the process at a place; only that process may call this. Words beyond the entry's size are
     /// left out.
     pub fn write(&self, place: usize, words: &[u64]) {
@@ -157,7 +184,7 @@ impl Drop for StateBoard {
 }
 
 fn bytes(count: usize) -> usize {
-    count * size_of::<Entry>() + size_of::<Heartbeat>() + size_of::<AtomicI64>()
+    count * size_of::<Entry>() + size_of::<Heartbeat>() + size_of::<AtomicI64>() + 2 * size_of::<AtomicU64>()
 }
 
 fn path(session: u64) -> PathBuf {

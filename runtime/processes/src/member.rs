@@ -211,7 +211,7 @@ fn take_part(
             let (heard, receiver) =
                 listen(control, wake_futex, has_robot(me)).map_err(Ended::for_want_of_a_thread)?;
             let waiter = RealTime::new(wake_futex, heard, (origin, spin), gauge.samples())
-                .showing(entry.of(me))
+                .showing(entry.of(me), entry.stops(me))
                 .supervised_by(entry.supervised(me))
                 .slewed_by(entry.slew());
             if let Some(preparation) = preparation {
@@ -222,7 +222,7 @@ fn take_part(
             (waiter.now(), Some(receiver))
         }
         _ => {
-            let waiter = LockStep::new(control, fabric.woken(), entry.of(me));
+            let waiter = LockStep::new(control, fabric.woken(), entry.of(me), entry.stops(me));
             body(waiter.host());
             (waiter.now(), None)
         }

@@ -8,7 +8,7 @@ use std::rc::Rc;
 use std::sync::atomic::Ordering;
 
 use mrroc_core::fault::{ProcessId, Role};
-use mrroc_core::link::Nanos;
+use mrroc_core::link::{Nanos, Notices};
 use mrroc_core::observe::Observation;
 use mrroc_core::observe::layout::BodyLayout;
 use mrroc_core::observe::witness::{What, Witness};
@@ -78,6 +78,12 @@ impl OwnEntry {
         Some(Box::new(move || entry.get().map_or(0, |(board, _)| board.slew().load(Ordering::Relaxed))))
     }
 
+    /// The stops that consoles ask for, as the uppermost MP and all EDPs see them; `None` in any other process.
+    pub fn stops(&self, me: ProcessId) -> Option<Rc<dyn Notices>> {
+        let looks = me == ProcessId::MP || me.role == Role::Edp;
+        looks.then(|| Rc::new(StopsOnBoard(Rc::clone(&self.0))) as Rc<dyn Notices>)
+    }
+
     /// What tells an MP whether its launcher supervises the cell; `None` in any other process.
     pub fn supervised(&self, me: ProcessId) -> Option<Supervised> {
         let (entry, silence) = (Rc::clone(&self.0), Silence::default());
@@ -86,6 +92,25 @@ impl OwnEntry {
             board.is_none_or(|board| !silence.look(board.heartbeat().read(), now))
         };
         (me == ProcessId::MP).then(|| -> Supervised { Box::new(supervised) })
+    }
+}
+
+/// The stops on the board.
+struct StopsOnBoard(Rc<OnceCell<(StateBoard, usize)>>);
+
+impl Notices for StopsOnBoard {
+    fn stops_asked(&self) -> u64 {
+        self.0.get().map_or(0, |(board, _)| board.stops_asked().load(Ordering::Acquire))
+    }
+
+    fn stops_begun(&self) -> u64 {
+        self.0.get().map_or(0, |(board, _)| board.stops_begun().load(Ordering::Acquire))
+    }
+
+    fn show_stops_begun(&self, stops: u64) {
+        if let Some((board, _)) = self.0.get() {
+            board.stops_begun().store(stops, Ordering::Release);
+        }
     }
 }
 

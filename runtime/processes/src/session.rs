@@ -158,6 +158,11 @@ pub(super) fn sessions_of(cell: &Path) -> Result<Vec<PathBuf>, SessionError> {
     Ok(ours.map(|entry| entry.path()).filter(|folder| is_used(folder)).collect())
 }
 
+/// The number of the session in a folder.
+pub(super) fn number_of_session(folder: &Path) -> Option<u64> {
+    folder.file_name()?.to_str().and_then(read_name).map(|(_, number)| number)
+}
+
 /// Whether a session has processes: the lock of one that has ended or crashed is free, or gone.
 pub(super) fn is_used(folder: &Path) -> bool {
     File::open(folder.join("lock")).is_ok_and(|lock| lock.try_lock().is_err())

@@ -24,10 +24,9 @@ fn fault_60_robots_whose_launcher_stands_still_stop_on_their_paths_and_consoles_
     let stopped = moved && launch.comes_to(|launch| launch.is_stopped());
     if stopped {
         let told = format!("its launcher, process {}, was stopped by a signal", launch.pid());
-        for (status, said) in ["status", "stop"].map(|word| ask(&place, &[word])) {
-            assert!(status == Some(1) && said.contains("has not answered for 5 s"), "{status:?}: {said}");
-            assert!(said.contains(&told) && said.contains(&format!("kill -CONT {}", launch.pid())), "{said}");
-        }
+        let (status, said) = ask(&place, &["status"]);
+        assert!(status == Some(1) && said.contains("has not answered for 5 s"), "{status:?}: {said}");
+        assert!(said.contains(&told) && said.contains(&format!("kill -CONT {}", launch.pid())), "{said}");
         wait_until(|| ROBOTS.iter().all(|robot| rests(&launch, robot)));
         // 1750 periods make the whole run.
         assert!(launch.record("left").len() < 1750);
@@ -37,6 +36,34 @@ fn fault_60_robots_whose_launcher_stands_still_stop_on_their_paths_and_consoles_
     let unsupervised = |_: &str, text: &str| text.contains("protective stop: the launcher stands still");
     let ended = assert_sound(&launch, status, None, unsupervised);
     assert!(!stopped || ended != Ended::Well, "{}", launch.said());
+    launch.assert_nothing_left(&[]);
+    println!("stopped: {stopped}, {ended:?}");
+}
+
+#[test]
+fn fault_60_a_stop_needs_no_launcher() {
+    let place = Place::new(67);
+    let mut launch = place.start("operated", REAL);
+    let moved = launch.comes_to(has_moved(100));
+    launch.signal(Signal::STOP);
+    let stopped = moved && launch.comes_to(|launch| launch.is_stopped());
+    // A cell that its machine has ended by then has nothing to stop.
+    let mut told = (None, String::new());
+    if stopped {
+        told = ask(&place, &["stop"]);
+        wait_until(|| ROBOTS.iter().all(|robot| rests(&launch, robot)));
+        launch.signal(Signal::CONT);
+    }
+    let status = launch.end().code();
+    let by_operator = |_: &str, text: &str| text.contains("protective stop: by the operator");
+    let ended = assert_sound(&launch, status, None, by_operator);
+    if stopped && ended != Ended::Late {
+        let (status, said) = told;
+        let carried_out =
+            said.contains("stop: the MP stops the robots, but the cell has not answered for 5 s");
+        assert!(status == Some(0) && carried_out, "{status:?}: {said}");
+        assert_eq!(ended, Ended::Stopped, "{}", launch.said());
+    }
     launch.assert_nothing_left(&[]);
     println!("stopped: {stopped}, {ended:?}");
 }
@@ -184,18 +211,33 @@ fn fault_64_an_mp_that_stands_still_is_told_and_the_cell_ended() {
 #[test]
 fn fault_64_a_stop_ends_a_cell_whose_mp_does_not_carry_it_out() {
     let place = Place::new(66);
-    let mut launch = place.start_with(&[(COMPUTES, "")], "still", REAL);
-    mp(&mut launch);
-    // As soon as the console server is there.
-    let mut told = (None, String::new());
-    wait_until(|| {
-        told = ask(&place, &["stop"]);
-        told.0 != Some(2)
-    });
-    let (status, said) = told;
-    assert!(status == Some(3) && said.contains("or in 5 s, when the cell is ended"), "{status:?}: {said}");
-    let status = launch.end().code();
-    let said = launch.said();
-    assert!(status == Some(1) && said.contains("protective stop: by the operator: "), "{status:?}: {said}");
-    launch.assert_nothing_left(&[]);
+    for computes in [true, false] {
+        let variables: &[_] = if computes { &[(COMPUTES, "")] } else { &[] };
+        let mut launch = place.start_with(variables, "still", REAL);
+        if !computes && !launch.comes_to(has_moved(100)) {
+            // Its machine was late before.
+            let status = launch.end().code();
+            assert_sound(&launch, status, None, nothing);
+            continue;
+        }
+        let mp = mp(&mut launch);
+        if !computes {
+            mp.signal(Signal::STOP);
+        }
+        // As soon as the console server is there.
+        let mut told = (None, String::new());
+        wait_until(|| {
+            told = ask(&place, &["stop"]);
+            told.0 != Some(2)
+        });
+        let (status, said) = told;
+        let pending = said.contains("its robots stop by themselves")
+            && said.contains("or in 5 s, when the cell is ended");
+        assert!(status == Some(3) && pending, "{status:?}: {said}");
+        let status = launch.end().code();
+        let said = launch.said();
+        assert!(status == Some(1) && said.contains("protective stop: by the operator"), "{status:?}: {said}");
+        assert_robots_stand(&launch, None);
+        launch.assert_nothing_left(&[]);
+    }
 }

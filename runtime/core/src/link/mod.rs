@@ -103,6 +103,19 @@ pub trait Notices {
     fn is_supervised(&self) -> bool {
         true
     }
+
+    /// How many stops consoles have asked for where every process sees it: the uppermost MP and all EDPs look in each period.
+    fn stops_asked(&self) -> u64 {
+        0
+    }
+
+    /// How many of them the MP has begun to carry out.
+    fn stops_begun(&self) -> u64 {
+        0
+    }
+
+    /// Shows how many the MP has begun to carry out.
+    fn show_stops_begun(&self, _stops: u64) {}
 }
 
 /// The meter and the notices of a link that measures nothing and has no events.

@@ -6,16 +6,19 @@
 use std::io::{self, BufReader, ErrorKind, Write};
 use std::os::unix::net::UnixStream;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
 use rustix::net::sockopt::{Timeout, set_socket_timeout, socket_peercred};
 use rustix::net::{AddressFamily, SocketAddrUnix, SocketFlags, SocketType, connect, socket_with};
 
-use super::protocol::{Addressed, Heard, OnBehalf, Request};
+use super::protocol::{Addressed, Heard, OnBehalf, Reply, Request};
 use super::service::SOCKET;
+use crate::board::StateBoard;
 use crate::identity::{CellId, Holder};
-use crate::session::{SessionError, is_stopped, is_used, sessions_of};
+use crate::session::{SessionError, is_stopped, is_used, number_of_session, sessions_of};
 use mrroc_core::fault::Name;
+use mrroc_core::operator::button::Button;
 
 /// How long a console waits for the cell to take its connection, its request, and to answer.
 pub(super) const PATIENCE: Duration = Duration::from_secs(5);
@@ -77,6 +80,8 @@ pub struct Asks {
     cell: Option<Name>,
     /// The number of the launcher's process.
     launcher: Option<u32>,
+    /// Where a stop is asked for directly: the launcher and the MP may stand still.
+    board: Option<StateBoard>,
 }
 
 /// The direction from the console server to a console.
@@ -103,14 +108,19 @@ impl Caller {
             let address = SocketAddrUnix::new_abstract_name(id.console().as_bytes());
             tried.push((address, Box::new(move || id.holder().is_some()) as Runs));
         }
+        let mut board = None;
         for session in sessions_of(cell)? {
+            board = board.or_else(|| StateBoard::of(number_of_session(&session)?).ok());
             let address = SocketAddrUnix::new(session.join(SOCKET));
             tried.push((address, Box::new(move || is_used(&session))));
         }
         let (runs, mut silent) = (!tried.is_empty(), false);
         for (address, runs) in tried {
             match address.map_err(io::Error::from).and_then(|address| Caller::connect(&address, runs)) {
-                Ok(caller) => return Ok(caller),
+                Ok(mut caller) => {
+                    caller.asks.board = board;
+                    return Ok(caller);
+                }
                 Err(error) => silent |= is_timeout(&error),
             }
         }
@@ -138,7 +148,7 @@ impl Caller {
         let launcher =
             socket_peercred(&socket).ok().map(|peer| peer.pid.as_raw_nonzero().get().unsigned_abs());
         let stream = UnixStream::from(socket);
-        let asks = Asks { stream: stream.try_clone()?, cell: None, launcher };
+        let asks = Asks { stream: stream.try_clone()?, cell: None, launcher, board: None };
         Ok(Caller { asks, hears: Hears { stream: BufReader::new(stream), launcher, runs } })
     }
 
@@ -161,10 +171,16 @@ impl Caller {
     /// # Errors
     /// As of [`ask`](Caller::ask).
     pub fn ask_for(&mut self, request: &Request, by: Option<OnBehalf>) -> io::Result<Heard> {
-        match self.asks.ask_for(request, by) {
+        let heard = match self.asks.ask_for(request, by) {
             Err(error) if error.kind() == ErrorKind::TimedOut => Err(error),
             // A console server that has hung up may have said why.
             Ok(()) | Err(_) => self.hears.hear(),
+        };
+        match heard {
+            Err(error) if error.kind() == ErrorKind::TimedOut && self.asks.stop_has_begun(request) => {
+                Ok(Heard::Reply(Reply::Done(format!("stop: the MP stops the robots, but {error}"))))
+            }
+            heard => heard,
         }
     }
 }
@@ -188,8 +204,24 @@ impl Asks {
         self.ask_for(request, None)
     }
 
+    /// The board on which this request is asked for as well, if it is a stop of the whole cell.
+    fn stop_on_board(&self, request: &Request) -> Option<&StateBoard> {
+        let is_stop = matches!(request, Request::Press(Button::Stop)) && self.cell.is_none();
+        self.board.as_ref().filter(|_| is_stop)
+    }
+
+    /// Whether it is a stop that the MP has begun to carry out.
+    fn stop_has_begun(&self, request: &Request) -> bool {
+        self.stop_on_board(request).is_some_and(|board| {
+            board.stops_begun().load(Ordering::Acquire) >= board.stops_asked().load(Ordering::Acquire)
+        })
+    }
+
     /// Sends a request of a page, or of this console itself.
     fn ask_for(&mut self, request: &Request, by: Option<OnBehalf>) -> io::Result<()> {
+        if let Some(board) = self.stop_on_board(request) {
+            board.stops_asked().fetch_add(1, Ordering::AcqRel);
+        }
         let line = Addressed { by, cell: self.cell, request: *request };
         let sent = self.stream.write_all(format!("{line}\n").as_bytes());
         sent.map_err(|error| told(error, self.launcher))

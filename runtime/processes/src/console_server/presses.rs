@@ -77,11 +77,14 @@ impl Service {
 
 /// When a button is carried out that was pressed while the MP begins no step.
 fn pending(button: Button) -> String {
-    let end = match button {
-        Button::Stop => format!(", or in {} s, when the cell is ended", STOPPING.as_secs()),
-        _ => String::new(),
-    };
-    format!("{button}: the program computes; when it moves or waits again{end}")
+    match button {
+        // It is also asked for on the state board.
+        Button::Stop => format!(
+            "{button}: the MP begins no step, and its robots stop by themselves; when it goes on, or in {} s, when the cell is ended",
+            STOPPING.as_secs()
+        ),
+        _ => format!("{button}: the program computes; when it moves or waits again"),
+    }
 }
 
 /// `suspended: step 1203`; `refused nothing runs: step 1203`.

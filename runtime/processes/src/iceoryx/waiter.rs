@@ -88,9 +88,30 @@ struct Outside {
     /// The press of each kind that was not taken yet; a newer press replaces it.
     pressed: [Cell<Option<(u64, Button)>>; Button::KINDS],
     shows: Option<Shows>,
+    /// The stops on the state board, in a process that looks at them.
+    stops: Option<Rc<dyn Notices>>,
 }
 
 impl Outside {
+    /// All of it: who is shown what the process does, and the stops on the state board.
+    fn new(shows: Option<Shows>, stops: Option<Rc<dyn Notices>>) -> Outside {
+        Outside { shows, stops, ..Outside::default() }
+    }
+
+    fn stops_asked(&self) -> u64 {
+        self.stops.as_ref().map_or(0, |stops| stops.stops_asked())
+    }
+
+    fn stops_begun(&self) -> u64 {
+        self.stops.as_ref().map_or(0, |stops| stops.stops_begun())
+    }
+
+    fn show_stops_begun(&self, begun: u64) {
+        if let Some(stops) = &self.stops {
+            stops.show_stops_begun(begun);
+        }
+    }
+
     /// Keeps it. Returns the time at which the process is to go on, if that is what was said \[ns\].
     fn hear(&self, heard: Heard) -> Option<Nanos> {
         match heard {
@@ -182,9 +203,9 @@ impl RealTime {
         }
     }
 
-    /// Lets the process show its state by `shows`.
-    pub fn showing(mut self, shows: Option<Shows>) -> Self {
-        self.outside.shows = shows;
+    /// Lets the process show its state by `shows`, and see the stops on the state board.
+    pub fn showing(mut self, shows: Option<Shows>, stops: Option<Rc<dyn Notices>>) -> Self {
+        self.outside = Outside::new(shows, stops);
         self
     }
 
@@ -269,6 +290,18 @@ impl Notices for RealTime {
     fn is_supervised(&self) -> bool {
         self.supervised.as_ref().is_none_or(|supervised| supervised(monotonic()))
     }
+
+    fn stops_asked(&self) -> u64 {
+        self.outside.stops_asked()
+    }
+
+    fn stops_begun(&self) -> u64 {
+        self.outside.stops_begun()
+    }
+
+    fn show_stops_begun(&self, stops: u64) {
+        self.outside.show_stops_begun(stops);
+    }
 }
 
 /// Waits in lock-step: the launcher resumes one process at a time and tells it the time.
@@ -280,9 +313,14 @@ pub(crate) struct LockStep<'a, L: Launcher> {
 }
 
 impl<'a, L: Launcher> LockStep<'a, L> {
-    /// Waits to be resumed for the first time. The process shows its state by `shows`.
-    pub fn new(launcher: &'a L, woken: Rc<Cell<Places>>, shows: Option<Shows>) -> Self {
-        let outside = Outside { shows, ..Outside::default() };
+    /// Waits to be resumed for the first time. The process shows its state by `shows`, and sees the stops on the state board.
+    pub fn new(
+        launcher: &'a L,
+        woken: Rc<Cell<Places>>,
+        shows: Option<Shows>,
+        stops: Option<Rc<dyn Notices>>,
+    ) -> Self {
+        let outside = Outside::new(shows, stops);
         let waiter = LockStep { launcher, woken, now: Cell::new(0), outside };
         waiter.be_resumed();
         waiter
@@ -329,5 +367,17 @@ impl<L: Launcher> Waiter for LockStep<'_, L> {
 impl<L: Launcher> Notices for LockStep<'_, L> {
     fn news(&self) -> Option<News> {
         self.outside.news.take()
+    }
+
+    fn stops_asked(&self) -> u64 {
+        self.outside.stops_asked()
+    }
+
+    fn stops_begun(&self) -> u64 {
+        self.outside.stops_begun()
+    }
+
+    fn show_stops_begun(&self, stops: u64) {
+        self.outside.show_stops_begun(stops);
     }
 }

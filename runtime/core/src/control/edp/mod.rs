@@ -8,7 +8,7 @@
 //! robot moves.
 //!
 //! Its parts own their state: [`answers`] is the ECP's side, [`path`] the demands and what replaces them, [`servo`] the drives,
-//! [`signals`] its inputs and outputs, [`clock`] the time, [`shown`] those who watch. What takes all of them is here, in [`serving`], [`stepping`] and
+//! [`signals`] its inputs and outputs, [`clock`] the time, [`shown`] those who watch, [`stop_asked`] a stop that the MP does not begin. What takes all of them is here, in [`serving`], [`stepping`] and
 //! [`resetting`].
 
 mod answers;
@@ -21,6 +21,7 @@ mod servo;
 mod shown;
 pub(crate) mod signals;
 mod stepping;
+mod stop_asked;
 #[cfg(test)]
 mod tests;
 
@@ -45,6 +46,7 @@ use path::{DemandedPath, Mode};
 use servo::{Servo, Timing};
 use shown::Shown;
 use signals::{Declared, SignalPort};
+use stop_asked::StopAsked;
 
 /// How a robot is set up.
 pub(crate) struct EdpConfig<R: Robot> {
@@ -80,6 +82,7 @@ pub(crate) struct Edp<'w, R: Robot> {
     signals: SignalPort,
     clock: ServoClock,
     shown: Shown<R>,
+    stop_asked: StopAsked,
     /// Steps within which the robot must stand after a stop began.
     stop_steps: u64,
     /// What it replays.
@@ -102,6 +105,7 @@ impl<'w, R: Robot> Edp<'w, R> {
             signals: SignalPort::new(config.declared, period, config.delay),
             clock,
             shown: Shown { observers: config.observers, witnesses: config.witnesses, states: config.states },
+            stop_asked: StopAsked::new(period),
             stop_steps: config.stop_steps,
             replayed: config.replayed,
             is_held_back: false,

@@ -9,7 +9,7 @@ use nalgebra::Vector1;
 
 use super::*;
 use crate::link::message::{Kind, Message, OrderKind, RequestKind, flag};
-use crate::link::{Closed, Waiter};
+use crate::link::{Closed, Notices, Waiter};
 use crate::model::demand::Demand;
 use crate::model::fault::Role;
 use crate::model::name::Name;
@@ -97,6 +97,33 @@ fn fault_14_an_edp_bridges_twenty_steps_however_long_its_servo_period_is() {
     }
 }
 
+/// A state board on which consoles have asked for a stop.
+struct Asked(core::cell::Cell<u64>);
+
+impl Notices for Asked {
+    fn stops_asked(&self) -> u64 {
+        self.0.get()
+    }
+}
+
+#[test]
+fn fault_64_a_robot_whose_mp_does_not_begin_a_stop_that_was_asked_for_stops_by_itself() {
+    let (board, waiter) = (Asked(core::cell::Cell::new(0)), Late(core::cell::Cell::new(0)));
+    let host = Host { notices: &board, ..Host::of(&waiter) };
+    let mut moving = Moving::on(host, Duration::from_millis(1));
+    // Demands come in every step: an ECP goes on, whatever its MP does.
+    for step in 0..60 {
+        waiter.0.set(step * 1_000_000);
+        moving.demand(step);
+        board.0.set(u64::from(step >= 30));
+        moving.edp.serve();
+        moving.edp.begin_step();
+        let stops = moving.edp.answers.fault.as_ref().map(|fault| (fault.kind(), fault.step()));
+        let expected = (step >= 51).then_some((FaultKind::ProtectiveStop, Some(51)));
+        assert_eq!(stops, expected, "step {step}: L is 20, and it was asked for in step 30");
+    }
+}
+
 #[test]
 fn what_is_no_request_is_a_fault_and_moves_nothing() {
     for kind in [Kind::Order(OrderKind::Step), Kind::Command, Kind::Read, Kind::Reply, Kind::Fault] {
@@ -130,6 +157,10 @@ struct Moving<'w> {
 
 impl<'w> Moving<'w> {
     fn new(waiter: &'w Late, servo: Duration) -> Self {
+        Self::on(Host::of(waiter), servo)
+    }
+
+    fn on(host: Host<'w>, servo: Duration) -> Self {
         let mut config = config(servo);
         let told = Rc::<RefCell<Vec<(u64, f64)>>>::default();
         let (seen, servo) = (Rc::clone(&told), servo.as_secs_f64());
@@ -137,7 +168,7 @@ impl<'w> Moving<'w> {
             let period = (record.time / servo - 1.5).round() as u64;
             seen.borrow_mut().push((period, record.demanded[0]));
         }));
-        Moving { edp: Edp::new(config, Host::of(waiter), Box::new(Replies(Rc::default()))), told, step: 0 }
+        Moving { edp: Edp::new(config, host, Box::new(Replies(Rc::default()))), told, step: 0 }
     }
 
     /// The demand of a step, for which all periods have passed since the one before.

@@ -266,6 +266,12 @@ impl<'w> Mp<'w> {
                 }
             }
         }
+        let asked = self.host.notices.stops_asked();
+        if asked != self.stops.asked {
+            self.stops.asked = asked;
+            self.operating.operator.protective_stop();
+            self.host.notices.show_stops_begun(asked);
+        }
         if self.stops.latched.is_none() && !self.host.notices.is_supervised() {
             // A recording shows it as a stop of the operator, so that a replay stops in the same step.
             self.operating.stopping = true;

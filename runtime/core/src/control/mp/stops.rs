@@ -19,6 +19,8 @@ pub(super) struct Stops {
     pub protective: Option<Fault>,
     /// What looks at all robots.
     pub guard: Option<Guard>,
+    /// How many stops were asked for directly, past the launcher.
+    pub asked: u64,
     /// A process that is gone: without it there is no restart.
     pub gone: Option<ProcessId>,
     /// Instructions that the program began although a fault was latched.
@@ -28,7 +30,7 @@ pub(super) struct Stops {
 impl Stops {
     /// None, of this MP.
     pub const fn of(process: ProcessId) -> Stops {
-        Stops { process, latched: None, protective: None, guard: None, gone: None, refusals: 0 }
+        Stops { process, latched: None, protective: None, guard: None, asked: 0, gone: None, refusals: 0 }
     }
 
     /// A fault in step `step` that leaves the demands sound: all robots stop on their paths for it. The first one is kept.
