@@ -1,6 +1,6 @@
 //! What the processes of a cell show while it runs: the rate of path time, readings of sensors, inputs and outputs of robots.
 //!
-//! In: what a witness of the picture is shown, by each process in its order, but by several processes in any order. Out: numbers
+//! In: what an observer of the picture is shown, by each process in its order, but by several processes in any order. Out: numbers
 //! and states over time, in bounded memory, which do not depend on that order: the rate comes from the MP, inputs and outputs of a
 //! robot from its EDP, and readings of several processes are put together step by step ([`Track`]).
 
@@ -8,7 +8,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use mrroc::fault::{Name, ProcessId, Role};
 use mrroc::observe::layout::{Layout, RobotLayout, SensorLayout, SignalLayout};
-use mrroc::observe::witness::{ReadingState, What, Witness};
+use mrroc::observe::step_observer::{ReadingState, StepObserver, What};
 use mrroc::payload::Wire;
 use mrroc::robot::{Channel, Signals};
 
@@ -16,7 +16,7 @@ use crate::quantities::Quantities;
 use crate::states::States;
 use crate::track::Track;
 
-/// A witness of the run.
+/// An observer of the run.
 #[derive(Debug, Default)]
 pub(crate) struct Seen(Mutex<Sights>);
 
@@ -84,7 +84,7 @@ impl Seen {
     }
 }
 
-impl Witness for Seen {
+impl StepObserver for Seen {
     fn see(&self, time: u64, by: ProcessId, what: &What, words: &[u64]) {
         self.lock().see(time as f64 * 1e-9, by, what, words);
     }

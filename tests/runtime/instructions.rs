@@ -6,7 +6,7 @@ use std::rc::Rc;
 use mrroc::cell::AfterFault;
 use mrroc::fault::{FaultWords, ProcessId};
 use mrroc::link::Nanos;
-use mrroc::observe::witness::{What, Witness};
+use mrroc::observe::step_observer::{StepObserver, What};
 use mrroc::operator::Latch;
 use mrroc::operator::state::Doing;
 use mrroc::prelude::*;
@@ -18,7 +18,7 @@ use crate::runtime::kit::{Phase, Smooth};
 #[derive(Default)]
 struct Notes(RefCell<Vec<(Nanos, String, Doing, String)>>);
 
-impl Witness for Notes {
+impl StepObserver for Notes {
     fn see(&self, time: Nanos, by: ProcessId, what: &What, _: &[u64]) {
         if let What::Instruction { doing, by: of, .. } = what {
             self.0.borrow_mut().push((time, by.to_string(), *doing, of.to_string()));
@@ -64,7 +64,7 @@ fn programs_of_ecps_show_their_own_generators_and_conditions() {
     for coordinated in [false, true] {
         let notes = Rc::new(Notes::default());
         let (robot, _) = gantry("g");
-        let cell = Cell::new(MS).witnessed_by(Rc::clone(&notes) as Rc<dyn Witness>);
+        let cell = Cell::new(MS).observed_by(Rc::clone(&notes) as Rc<dyn StepObserver>);
         let cell = match coordinated {
             false => cell.robot(robot.program(approach)),
             true => {
@@ -93,7 +93,7 @@ fn programs_of_ecps_show_their_own_generators_and_conditions() {
 fn the_instructions_of_transparent_ecps_are_those_of_the_mp() {
     let notes = Rc::new(Notes::default());
     let (robot, _) = gantry("g");
-    let cell = Cell::new(MS).witnessed_by(Rc::clone(&notes) as Rc<dyn Witness>).robot(robot);
+    let cell = Cell::new(MS).observed_by(Rc::clone(&notes) as Rc<dyn StepObserver>).robot(robot);
     let cell = cell.program(|mp| {
         let mut g = mp.robot::<Gantry>("g")?;
         // One motion by itself, and beside others in a list, are shown by the names that the program writes.

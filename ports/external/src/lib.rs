@@ -1,5 +1,5 @@
 //! Programs of others in a cell: virtual sensors whose readings a program of another sends, one in Python, say, with a camera and a
-//! network in it; robots that move in a simulator of others ([`plant`](fn@plant)); and programs that look on ([`Onlookers`]).
+//! network in it; robots that move in a simulator of others ([`plant`](fn@plant)); and programs that subscribe ([`Subscribers`]).
 //!
 //! In: messages over shared memory, and what `cell.toml` says may be believed of them. Out: a
 //! [`VirtualSensor`]. The program is a process of its own that nobody waits for: one that hangs is a reading that gets
@@ -131,7 +131,7 @@
 //! The simulator answers a period when it has simulated it, which it does when it has the orders of all robots that have begun. Under the
 //! virtual clock the cell waits for that; the answer is what its robots measure in the next period.
 
-//! # The port of those who look on
+//! # The port of subscribers
 //!
 //! For each robot of the cell `mrroc/PORT/ROBOT/images`, and `mrroc/PORT/steps` of the coordinator, of which 256 messages are
 //! kept each; nobody sends anything back. They carry the types `mrroc_image_1`, 464 bytes, and `mrroc_step_1`, 296 bytes,
@@ -161,10 +161,10 @@
 mod door;
 mod message;
 mod numbers;
-mod onlookers;
 mod plant;
 mod port;
 mod python;
+mod subscribers;
 #[cfg(test)]
 mod tests;
 
@@ -181,8 +181,8 @@ use mrroc::sensor::{EffectorState, ReadingOrder, Sensor, Taken, VirtualSensor};
 use mrroc_launch::cell_file::{CellFile, ExternalEntry};
 use mrroc_launch::network::doors_by;
 
-pub use onlookers::Onlookers;
 pub use plant::plant;
+pub use subscribers::Subscribers;
 
 use door::Opened;
 use message::{Foreign, Message, VERSION};

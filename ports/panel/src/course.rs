@@ -8,12 +8,12 @@ use std::sync::Arc;
 
 use mrroc_core::fault::{Fault, FaultWords, ProcessId, Role};
 use mrroc_core::observe::layout::Layout;
-use mrroc_core::observe::witness::{ReadingState, STATE_WORDS, What, Witness};
+use mrroc_core::observe::step_observer::{ReadingState, STATE_WORDS, StepObserver, What};
 use mrroc_core::operator::state::Doing;
 use mrroc_core::payload::Wire;
 use mrroc_core::pose::Pose;
 use mrroc_core::robot::{MAX_JOINTS, Signals};
-use mrroc_launch::LooksOn;
+use mrroc_launch::MemoryRunViewer;
 
 use crate::beside::{Carried, ReadingNow};
 use crate::now::{Looks, Now, RobotNow};
@@ -269,7 +269,7 @@ impl OnMemory {
     }
 }
 
-impl Witness for OnMemory {
+impl StepObserver for OnMemory {
     fn see(&self, time: u64, by: ProcessId, what: &What, words: &[u64]) {
         let mut course = self.course.borrow_mut();
         match *what {
@@ -329,7 +329,7 @@ impl Witness for OnMemory {
     }
 }
 
-impl LooksOn for OnMemory {
+impl MemoryRunViewer for OnMemory {
     fn show(&self) -> ExitCode {
         let course = std::mem::replace(&mut *self.course.borrow_mut(), Course::of(&self.layout));
         crate::run::play(Arc::new(Looks::of(&self.layout)), course)

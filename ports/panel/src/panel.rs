@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use mrroc_core::console::refused;
 use mrroc_core::observe::layout::Layout;
-use mrroc_launch::{LooksOn, Panel};
+use mrroc_launch::{MemoryRunViewer, Panel};
 
 use crate::course::OnMemory;
 use crate::now::Looks;
@@ -29,7 +29,7 @@ impl Panel for InBrowser {
         }
     }
 
-    fn look_on(&self, layout: Layout) -> Rc<dyn LooksOn> {
+    fn view_memory_run(&self, layout: Layout) -> Rc<dyn MemoryRunViewer> {
         Rc::new(OnMemory::of(layout))
     }
 }

@@ -13,7 +13,7 @@ use mrroc_core::fault::Name;
 use mrroc_core::fault::ProcessId;
 use mrroc_core::link::Nanos;
 use mrroc_core::observe::layout::{JointLayout, Layout};
-use mrroc_core::observe::witness::{Mode, What, Witness};
+use mrroc_core::observe::step_observer::{Mode, StepObserver, What};
 use mrroc_core::robot::{MAX_JOINTS, POSITION_ROUND_OFF};
 
 /// The extreme values of one joint [rad or m, s].
@@ -153,7 +153,7 @@ impl Approach {
     }
 }
 
-impl Witness for Approach {
+impl StepObserver for Approach {
     fn see(&self, _: Nanos, by: ProcessId, what: &What, words: &[u64]) {
         if let (What::Image { step, mode }, Some(robot)) = (what, by.name) {
             self.show(robot, *step, *mode, words);
@@ -260,7 +260,7 @@ mod tests {
             let by = ProcessId::new(Role::Edp, Name::new("arm").expect("a name"));
             // From rest at `share` of 10 m/s².
             for k in 0..20_u32 {
-                let mut words = [0; mrroc_core::observe::witness::IMAGE_WORDS];
+                let mut words = [0; mrroc_core::observe::step_observer::IMAGE_WORDS];
                 words[0] = (0.5 * share * 10.0 * 4e-6 * f64::from(k * (k + 1))).to_bits();
                 approach.see(0, by, &What::Image { step: u64::from(k), mode }, &words);
             }
@@ -273,7 +273,7 @@ mod tests {
         for (k, (position, mode)) in
             [(0.0, Mode::Holding), (36e-6, Mode::Moving), (36e-6, Mode::Holding)].into_iter().enumerate()
         {
-            let mut words = [0; mrroc_core::observe::witness::IMAGE_WORDS];
+            let mut words = [0; mrroc_core::observe::step_observer::IMAGE_WORDS];
             words[0] = f64::to_bits(position);
             approach.see(0, by, &What::Image { step: k as u64, mode }, &words);
         }
@@ -287,7 +287,7 @@ mod tests {
         let by = ProcessId::new(Role::Edp, Name::new("arm").expect("a name"));
         let path = |k: f64| 0.1 * (0.004 * k).sin();
         for step in 0..1000 {
-            let mut words = [0; mrroc_core::observe::witness::IMAGE_WORDS];
+            let mut words = [0; mrroc_core::observe::step_observer::IMAGE_WORDS];
             words[0] = path(f64::from(step)).to_bits();
             let what = What::Image { step: u64::from(step as u32), mode: Mode::Moving };
             approach.see(0, by, &what, &words);

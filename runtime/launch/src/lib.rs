@@ -45,7 +45,7 @@ use crate::telling::Asked;
 
 pub use crate::options::Operating;
 pub use crate::own::{own_number, own_option};
-pub use crate::parts::{LooksOn, Panel, Parts, Processes, Replays};
+pub use crate::parts::{MemoryRunViewer, Panel, Parts, Processes, Replays};
 pub use crate::program::{Launch, Ran};
 
 /// The main function of a task program: `cell` makes a cell from `cell.toml`, and this function runs it with the

@@ -171,7 +171,7 @@ fn take_part(
         Role::Edp => cell.watch(entry.of_robot()),
         Role::Plant => {
             let bodies = entry.of_bodies(&cell.layout().bodies);
-            cell.witnessed_by(bodies)
+            cell.observed_by(bodies)
         }
         Role::Mp | Role::Ecp | Role::Vsp | Role::Node => cell,
     };

@@ -10,7 +10,7 @@ use std::rc::Rc;
 use mrroc_core::fault::ProcessId;
 use mrroc_core::fault::{Fault, Name};
 use mrroc_core::link::Nanos;
-use mrroc_core::observe::witness::{What, Witness};
+use mrroc_core::observe::step_observer::{StepObserver, What};
 
 use mrroc_core::replay::RecordedRun;
 
@@ -119,7 +119,7 @@ impl Comparison {
     }
 }
 
-impl Witness for Comparison {
+impl StepObserver for Comparison {
     fn see(&self, _: Nanos, by: ProcessId, what: &What, words: &[u64]) {
         match *what {
             What::Image { step, .. } => {

@@ -14,7 +14,7 @@ use mrroc_core::link::Clock;
 use mrroc_core::observe::layout::Layout;
 use mrroc_core::observe::recording::Recording;
 use mrroc_core::observe::ring::{Record, Ring, RingUse, Sink, Trouble};
-use mrroc_core::observe::witness::What;
+use mrroc_core::observe::step_observer::What;
 
 /// Number of records that the ring holds: those of a second with two robots and a sensor at 1 kHz.
 const LENGTH: usize = 8192;

@@ -165,6 +165,6 @@ fn delay(trial: &Trial) -> Nanos {
     2 * trial.step + 2 * trial.robots.iter().map(|robot| robot.servo()).max().unwrap_or(0)
 }
 
-fn is_of(robot: &super::onlooker::Onlooker, name: Option<mrroc_core::fault::Name>) -> bool {
+fn is_of(robot: &super::motion_monitor::MotionMonitor, name: Option<mrroc_core::fault::Name>) -> bool {
     name.is_some_and(|name| name.as_str() == robot.name)
 }

@@ -9,10 +9,10 @@ use mrroc::cell::RunReport;
 use mrroc::prelude::*;
 
 use crate::generators::{Chase, Open, Uneven};
+use crate::monitor::{Fate, Grip, HandMonitor, fates};
 use crate::parts::{Arrival, arrivals};
 use crate::places::{END, SPACING};
 use crate::plant::Plant;
-use crate::witness::{Fate, Grip, Witness, fates};
 use crate::{ecp, file, mp};
 
 /// What is run.
@@ -50,7 +50,7 @@ pub struct Ready {
     /// Why parts were let pass.
     pub chase: Chase,
     failed: Rc<Count<u32>>,
-    witness: Witness,
+    monitor: HandMonitor,
 }
 
 /// What came of a run.
@@ -127,9 +127,9 @@ impl Settings {
                 mp::coordinate(mp, belt, (count as u32, patience), &fails)
             });
         let hand = plant.world.hand(0).ok_or_else(|| Fault::thrown("the cell has no arm"))?;
-        let witness = Witness::of(hand);
-        let cell = cell.guard(1, witness.look());
-        Ok(Ready { cell, plant, parts, chase, failed, witness })
+        let monitor = HandMonitor::of(hand);
+        let cell = cell.guard(1, monitor.look());
+        Ok(Ready { cell, plant, parts, chase, failed, monitor })
     }
 
     /// Runs it.
@@ -153,7 +153,7 @@ impl Ready {
             report,
             wall,
             fates: fates(&self.plant.world, &self.parts),
-            grips: self.witness.grips(),
+            grips: self.monitor.grips(),
             crashes: hand.map_or(0, |hand| hand.crashes()),
             failed: self.failed.get(),
         }

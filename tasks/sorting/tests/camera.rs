@@ -7,8 +7,8 @@ use sorting::camera::picture::{read, write};
 use sorting::camera::run::{Settings, network};
 use sorting::camera::studio::{Trial, examine};
 use sorting::camera::summary::{Confusion, Line, Table, examination};
+use sorting::monitor::Fate;
 use sorting::summary::quantile;
-use sorting::witness::Fate;
 
 /// So many parts and strangers that no training has seen.
 fn parts_are_recognised(count: usize) {

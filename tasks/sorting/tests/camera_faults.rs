@@ -11,9 +11,9 @@ use mrroc_sensors::virtual_sensors::{CameraSensor, Encoder, FingerBarrier};
 use sorting::camera::layout::BEAM;
 use sorting::camera::run::{Outcome, Ready, Settings};
 use sorting::camera::sight::Sight;
+use sorting::monitor::Fate;
 use sorting::plant::Plant;
 use sorting::scene::AtTool;
-use sorting::witness::Fate;
 
 use super::judged::first_hold;
 

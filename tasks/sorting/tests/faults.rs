@@ -6,9 +6,9 @@ use mrroc::fault::{Name, ProcessId, Role};
 use mrroc::prelude::*;
 use mrroc::testing::{Case, FaultySensor, Injected, SensorFault, Sweep};
 use mrroc_sensors::physics::Stuck;
+use sorting::monitor::{Fate, Grip};
 use sorting::plant::Plant;
 use sorting::run::{Ready, Sensing, Settings};
-use sorting::witness::{Fate, Grip};
 
 const SPEED: f64 = 0.12;
 const SEED: u64 = 3;

@@ -1,7 +1,7 @@
 //! What becomes of the one part of a cell with a fault.
 
 use sorting::camera::run::{Ready, Settings};
-use sorting::witness::Fate;
+use sorting::monitor::Fate;
 
 /// When the undisturbed run gets hold of its part \[s\].
 pub fn first_hold(settings: &Settings) -> f64 {

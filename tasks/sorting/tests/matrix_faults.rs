@@ -16,7 +16,7 @@ use sorting::camera::sight::Sight;
 use sorting::camera::studio::{Lying, Passing};
 use sorting::matrix::layout::{MATRIX, array};
 use sorting::matrix::run::{network, sensors};
-use sorting::witness::Fate;
+use sorting::monitor::Fate;
 
 use super::judged::first_hold;
 

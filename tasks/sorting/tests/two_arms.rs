@@ -10,7 +10,7 @@ use sorting::camera::misses::Missed;
 use sorting::camera::run::{Outcome, Overhead, Settings, file};
 use sorting::camera::sight::Sight;
 use sorting::camera::summary::{Line, Table};
-use sorting::witness::Fate;
+use sorting::monitor::Fate;
 
 /// Parts that come faster than one arm could take them.
 fn crowd() -> Settings {

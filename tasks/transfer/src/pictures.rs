@@ -4,10 +4,10 @@ use mrroc::cell::RunPicture;
 use mrroc::prelude::*;
 use mrroc_pictures::{Film, Line, Plot};
 
+use crate::monitor::{Sample, Seen};
 use crate::places::{EDGES, TABLE_EDGES, table};
 use crate::summary::Summary;
 use crate::variant::{Bases, Ready, Sensors, Variant};
-use crate::witness::{Sample, Seen};
 
 /// A film of a run.
 ///

@@ -5,8 +5,8 @@ use core::fmt;
 use mrroc::prelude::*;
 
 use crate::lines::{Counts, LIMITS};
+use crate::monitor::Seen;
 use crate::variant::{Bases, Sensors, Variant};
-use crate::witness::Seen;
 
 /// Bounds of what is measured.
 const DEMANDED: f64 = 1e-9;

@@ -5,9 +5,9 @@ use std::time::{Duration, Instant};
 use mrroc::cell::RunReport;
 use mrroc::prelude::*;
 
+use crate::monitor::{CellMonitor, Seen};
 use crate::places::{EDGES, TABLE_EDGES, polycrank_base, table};
 use crate::plant::{Plant, calibration_error, drives};
-use crate::witness::{Seen, Witness};
 use crate::{cell, clear, mp, sensed};
 
 /// What the arms do it with.
@@ -117,9 +117,9 @@ impl Variant {
         also: impl FnOnce(Cell, Option<&Plant>) -> Cell,
     ) -> Result<Seen, CellError> {
         let Ready { cell, plant } = self.ready(file)?;
-        let witness = Witness::new();
+        let monitor = CellMonitor::new();
         let guard = clear::guard(file, clear::MARGINS)?;
-        also(witness.watch(cell, plant.as_ref(), guard), plant.as_ref()).run()?;
-        Ok(witness.into_seen())
+        also(monitor.watch(cell, plant.as_ref(), guard), plant.as_ref()).run()?;
+        Ok(monitor.into_seen())
     }
 }

@@ -23,7 +23,7 @@ use crate::model::name::Name;
 use crate::model::robot::Robot;
 use crate::model::time::Nanos;
 use crate::observe::shown::AnyShown;
-use crate::observe::witness::{What, Witnesses};
+use crate::observe::step_observer::{StepObservers, What};
 
 /// How the programs of a cell's processes ended.
 pub type Outcomes = Rc<RefCell<Vec<(ProcessId, Result<(), Fault>)>>>;
@@ -92,21 +92,26 @@ impl Cell {
         let delay = self.delay();
         let frames = self.watching.frames_to(self.timing.step);
         let of_all = self.watching.of_all;
-        let witnesses = Witnesses::to(self.watching.witnesses.iter().chain(&of_all).cloned().collect());
+        let step_observers =
+            StepObservers::to(self.watching.observers.iter().chain(&of_all).cloned().collect());
         let bodies = self.watching.bodies.into_iter().map(|(_, body)| body).collect();
-        let bodies = Bodies::of(bodies, witnesses.of(ProcessId::PLANT), self.timing.step);
+        let bodies = Bodies::of(bodies, step_observers.of(ProcessId::PLANT), self.timing.step);
         let here = if bodies.is_idle() { None } else { plant.take_bodies(bodies) };
         if let (Some(mut bodies), Some(robot)) = (here, self.parts.robots.first_mut()) {
             // One robot's servo periods are the occasions to look.
             robot.on_servo_period(Box::new(move |time| bodies.look(time)));
         }
-        let mut mp_sensing =
-            Sensing { owner: Owner::unique(), ports: Vec::new(), patience, witnesses: witnesses.of(me) };
+        let mut mp_sensing = Sensing {
+            owner: Owner::unique(),
+            ports: Vec::new(),
+            patience,
+            step_observers: step_observers.of(me),
+        };
         // An ECP loses patience first, so that it can say with whom, but not before the last demand that is bridged.
         let shorter = Patience { most: patience.most - patience.again / 2, ..patience };
         let of_ecp = |process: &ProcessId| {
-            let witnesses = witnesses.of(*process);
-            Sensing { owner: Owner::unique(), ports: Vec::new(), patience: shorter, witnesses }
+            let step_observers = step_observers.of(*process);
+            Sensing { owner: Owner::unique(), ports: Vec::new(), patience: shorter, step_observers }
         };
         let mut ecp_sensing: Vec<_> = processes.iter().map(of_ecp).collect();
         // EDPs tick first half a servo period after a step's beginning.
@@ -151,7 +156,7 @@ impl Cell {
                 delay,
                 pace,
                 nudged,
-                witnesses: witnesses.clone(),
+                step_observers: step_observers.clone(),
                 signals,
                 named: Rc::clone(&named),
                 wanted: wanted.iter().filter(|wanted| wanted.robot == i).cloned().collect(),
@@ -207,7 +212,7 @@ impl Cell {
                 });
                 counted.set(mp.step());
                 let end = What::End { step: mp.step() };
-                witnesses.of(me).show_fault(host.waiter.now(), &end, outcome.as_ref().err());
+                step_observers.of(me).show_fault(host.waiter.now(), &end, outcome.as_ref().err());
                 ended.borrow_mut().push((me, outcome));
                 if is_lower {
                     mp.serve_upper();

@@ -43,10 +43,10 @@ use crate::model::robot::Robot;
 use crate::model::sensor::VirtualSensor;
 use crate::model::time::Clock;
 use crate::observe::layout::BodyLayout;
-use crate::observe::onlooking::Onlooking;
 use crate::observe::recording::{Recorder, Recording, RunRecord};
 use crate::observe::servo::Observation;
-use crate::observe::witness::{SharedWitness, Witness};
+use crate::observe::step_observer::{SharedStepObserver, StepObserver};
+use crate::observe::subscription::Subscription;
 use crate::operator::Operator;
 pub use crate::safety::limits::rates::PATH_SHARE;
 use crate::safety::rate::{RateHeadroom, path_stop_time};
@@ -334,17 +334,18 @@ impl Cell {
     }
 
     /// The Python module by which a program of another sends what the sensor of this name reads
-    /// ([`VirtualSensor::python`]), simulates the robot of this name ([`Driver::python`](crate::robot::Driver::python)), or looks on
-    /// by this name ([`Onlooking::python`]); `None` if no program does, or there is none of the three.
+    /// ([`VirtualSensor::python`]), simulates the robot of this name ([`Driver::python`](crate::robot::Driver::python)), or subscribes
+    /// by this name ([`Subscription::python`]); `None` if no program does, or there is none of the three.
     #[must_use]
     pub fn python(&self, name: &str) -> Option<String> {
-        let mut onlooking = self.watching.onlooking.iter().filter(|onlooking| onlooking.name() == name);
+        let mut subscriptions =
+            self.watching.subscriptions.iter().filter(|subscription| subscription.name() == name);
         let mut sensors = self.parts.sensors.iter().filter(|sensor| sensor.name() == name);
         let mut robots = self.parts.robots.iter().filter(|robot| robot.name() == name);
         sensors
             .find_map(|sensor| sensor.python())
             .or_else(|| robots.find_map(|robot| robot.python()))
-            .or_else(|| onlooking.next().map(|onlooking| onlooking.python(&self.layout())))
+            .or_else(|| subscriptions.next().map(|subscription| subscription.python(&self.layout())))
     }
 
     /// The length of a step.
@@ -457,7 +458,7 @@ impl Cell {
     /// Records nothing, and shows nothing to programs of others.
     pub fn unrecorded(mut self) -> Cell {
         self.watching.recording = None;
-        self.watching.onlooking.clear();
+        self.watching.subscriptions.clear();
         self.watching.frames = None;
         self
     }
@@ -483,50 +484,50 @@ impl Cell {
         self.watching.recorder
     }
 
-    /// Shows a witness what happens in the cell's processes.
-    pub fn witnessed_by(mut self, witness: Rc<dyn Witness>) -> Cell {
-        self.watching.witnesses.push(witness);
+    /// Shows an observer what happens in the cell's processes.
+    pub fn observed_by(mut self, observer: Rc<dyn StepObserver>) -> Cell {
+        self.watching.observers.push(observer);
         self
     }
 
-    /// Shows a witness what happens in the processes of the cell and of all lower cells. What a robot or a process is called says in which
+    /// Shows an observer what happens in the processes of the cell and of all lower cells. What a robot or a process is called says in which
     /// one: `press.arm`, `mp press`. A sensor has its name in the cell of the process that has read it.
-    pub fn witnessed_in_all_cells_by(mut self, witness: Rc<dyn Witness>) -> Cell {
-        self.watching.of_all.push(witness);
+    pub fn observed_in_all_cells_by(mut self, observer: Rc<dyn StepObserver>) -> Cell {
+        self.watching.of_all.push(observer);
         self
     }
 
-    /// Shows the cell to programs of others that look on.
+    /// Shows the cell to programs of others.
     #[must_use]
-    pub fn shown_to(mut self, onlooking: impl Onlooking + 'static) -> Cell {
-        self.watching.onlooking.push(Rc::new(onlooking));
+    pub fn shown_to(mut self, subscription: impl Subscription + 'static) -> Cell {
+        self.watching.subscriptions.push(Rc::new(subscription));
         self
     }
 
     /// Begins to [show](Cell::shown_to) what happens in this process of it, or in all of them.
-    pub fn begin_onlooking(&self, process: Option<ProcessId>, clock: Clock) -> Vec<Rc<dyn RunRecord>> {
-        // A cell at which nobody looks on needs no layout for it.
-        if self.watching.onlooking.is_empty() {
+    pub fn begin_subscriptions(&self, process: Option<ProcessId>, clock: Clock) -> Vec<Rc<dyn RunRecord>> {
+        // A cell without subscribers needs no layout for it.
+        if self.watching.subscriptions.is_empty() {
             return Vec::new();
         }
-        self.watching.begin_onlooking(process, &self.layout(), clock)
+        self.watching.begin_subscriptions(process, &self.layout(), clock)
     }
 
-    /// Shows a witness what a picture needs besides the robots: every [`Step`](crate::observe::witness::What::Step) of the MP,
-    /// every [`Reading`](crate::observe::witness::What::Reading) that a process collects, the
-    /// [`Signals`](crate::observe::witness::What::Signals) of every robot. On the memory link it sees everything else, too.
+    /// Shows an observer what a picture needs besides the robots: every [`Step`](crate::observe::step_observer::What::Step) of the MP,
+    /// every [`Reading`](crate::observe::step_observer::What::Reading) that a process collects, the
+    /// [`Signals`](crate::observe::step_observer::What::Signals) of every robot. On the memory link it sees everything else, too.
     ///
     /// Where the cell runs as processes and the program [watches](Self::watched_in_plant), it is shown these on a thread of the
     /// plant: what one process shows in its order, but what several show in any order, and in real time not all of it if
     /// the plant is slow.
     #[must_use]
-    pub fn shown_to_picture(mut self, witness: SharedWitness) -> Cell {
-        self.watching.of_picture.push(witness);
+    pub fn shown_to_picture(mut self, observer: SharedStepObserver) -> Cell {
+        self.watching.of_picture.push(observer);
         self
     }
 
-    /// Takes the witnesses of its [picture](Cell::shown_to_picture).
-    pub fn take_witnesses_of_picture(&mut self) -> Vec<SharedWitness> {
+    /// Takes the observers of its [picture](Cell::shown_to_picture).
+    pub fn take_observers_of_picture(&mut self) -> Vec<SharedStepObserver> {
         core::mem::take(&mut self.watching.of_picture)
     }
 

@@ -20,7 +20,7 @@ pub(crate) struct Command<J> {
     pub regulators: Regulators,
     /// The position for the period's end [rad or m].
     pub demanded: J,
-    /// The tool in force, `X_FE`: for those who look on.
+    /// The tool in force, `X_FE`: for observers.
     pub tool: Pose,
     pub told: Told,
 }

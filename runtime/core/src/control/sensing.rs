@@ -18,7 +18,7 @@ use crate::model::name::Name;
 use crate::model::sensor::{CONFIGURATION_WORDS, VspMode};
 use crate::model::shape::Shape;
 use crate::model::time::Nanos;
-use crate::observe::witness::{ReadingState, What, Witnesses};
+use crate::observe::step_observer::{ReadingState, StepObservers, What};
 use crate::suggestion::suggestion;
 
 /// How a virtual sensor is asked.
@@ -218,7 +218,7 @@ impl SensorPort {
     }
 
     /// Shows what was collected in a step.
-    fn show(&self, collected: &Result<(), Fault>, step: u64, witnesses: &Witnesses, now: Nanos) {
+    fn show(&self, collected: &Result<(), Fault>, step: u64, step_observers: &StepObservers, now: Nanos) {
         let state = match collected {
             Ok(()) if self.read => ReadingState::There,
             Ok(()) => ReadingState::None,
@@ -231,7 +231,7 @@ impl SensorPort {
         };
         let taken = self.reply.header.step;
         let what = What::Reading { sensor: self.name, step, state, taken, shape: self.shape };
-        witnesses.show(now, &what, words);
+        step_observers.show(now, &what, words);
     }
 
     fn fault(&self, kind: FaultKind) -> Fault {
@@ -247,7 +247,7 @@ pub struct Sensing {
     /// Of readings, and of other answers.
     pub patience: Patience,
     /// Where what was collected is shown.
-    pub witnesses: Witnesses,
+    pub step_observers: StepObservers,
 }
 
 impl Sensing {
@@ -336,7 +336,7 @@ impl Sensing {
         for (i, &index) in sensors.indices().as_ref().iter().enumerate() {
             let port = &mut self.ports[index];
             let collected = port.collect(waiter, waiting);
-            port.show(&collected, step, &self.witnesses, waiter.now());
+            port.show(&collected, step, &self.step_observers, waiter.now());
             collected?;
             let age = |from: u64| u32::try_from(step.saturating_sub(from)).unwrap_or(u32::MAX);
             if let Some(age) = port.age_counts_from().map(age).filter(|&age| age > port.asking.max_age) {

@@ -23,7 +23,7 @@ use crate::model::fault::ProcessId;
 use crate::model::time::{Clock, Nanos};
 use crate::model::wire::WORDS;
 use crate::observe::recording::RunRecord;
-use crate::observe::witness::{IMAGE_WORDS, What, Witness};
+use crate::observe::step_observer::{IMAGE_WORDS, StepObserver, What};
 
 const _: () = assert!(IMAGE_WORDS <= WORDS);
 
@@ -133,7 +133,7 @@ struct Shared {
     closing: AtomicBool,
 }
 
-/// The witness of a run that passes what it sees to a thread.
+/// The observer of a run that passes what it sees to a thread.
 pub struct Ring {
     records: RefCell<Producer<Record>>,
     shared: Arc<Shared>,
@@ -217,7 +217,7 @@ impl RunRecord for Ring {
     }
 }
 
-impl Witness for Ring {
+impl StepObserver for Ring {
     fn see(&self, time: Nanos, by: ProcessId, what: &What, words: &[u64]) {
         if !(self.about.is_asked_for)(by, what) {
             return;

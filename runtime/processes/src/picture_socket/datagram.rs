@@ -6,7 +6,7 @@ use mrroc_core::fault::{Name, ProcessId, Role};
 use mrroc_core::link::Nanos;
 use mrroc_core::observe::layout::Layout;
 use mrroc_core::observe::ring::Record;
-use mrroc_core::observe::witness::{ReadingState, What};
+use mrroc_core::observe::step_observer::{ReadingState, What};
 use mrroc_core::payload::{WORDS, Wire};
 
 /// The kinds of what is shown.

@@ -13,7 +13,7 @@ use mrroc_core::console::complain;
 use mrroc_core::fault::{ProcessId, Role};
 use mrroc_core::link::Clock;
 use mrroc_core::observe::ring::{Record, Ring, RingUse, Sink, Trouble};
-use mrroc_core::observe::witness::What;
+use mrroc_core::observe::step_observer::What;
 
 use super::{PATIENCE, datagram, socket};
 

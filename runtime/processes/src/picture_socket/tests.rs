@@ -11,7 +11,7 @@ use mrroc_core::link::{Clock, Nanos};
 use mrroc_core::observe::layout::{Layout, SensorLayout};
 use mrroc_core::observe::recording::RunRecord;
 use mrroc_core::observe::ring::Ring;
-use mrroc_core::observe::witness::{ReadingState, What, Witness};
+use mrroc_core::observe::step_observer::{ReadingState, StepObserver, What};
 use mrroc_core::payload::Shape;
 use mrroc_core::sensor::VspMode;
 use proptest::prelude::*;
@@ -92,14 +92,14 @@ fn reading(step: u64, state: ReadingState) -> What {
     What::Reading { sensor: name("eye"), step, state, taken: step - 1, shape: &Shape::Float }
 }
 
-/// What a witness saw.
+/// What an observer saw.
 type Sight = (Nanos, ProcessId, String, Vec<u64>);
 
 /// Keeps what it sees.
 #[derive(Default)]
 struct Keeps(Mutex<Vec<Sight>>);
 
-impl Witness for Keeps {
+impl StepObserver for Keeps {
     fn see(&self, time: Nanos, by: ProcessId, what: &What, words: &[u64]) {
         let sight = (time, by, format!("{what:?}"), words.to_vec());
         self.0.lock().expect("no panic").push(sight);
@@ -138,7 +138,7 @@ fn the_plant_sees_what_a_picture_needs_as_the_processes_have_shown_it() {
 /// Looks on as slowly as it is allowed to.
 struct Waits(Mutex<(Heard<()>, u64)>);
 
-impl Witness for Waits {
+impl StepObserver for Waits {
     fn see(&self, _: Nanos, _: ProcessId, what: &What, _: &[u64]) {
         let mut seen = self.0.lock().expect("no panic");
         let expected = seen.1;
@@ -157,8 +157,8 @@ fn waits() -> (Tells<()>, Arc<Waits>) {
 #[test]
 fn under_the_virtual_clock_nothing_is_lost_however_slow_the_plant_is() {
     let folder = Folder::new("slow");
-    let (lets, witness) = waits();
-    let receiver = Receiver::open(&folder.0, layout(), vec![witness.clone()]).expect("a socket");
+    let (lets, observer) = waits();
+    let receiver = Receiver::open(&folder.0, layout(), vec![observer.clone()]).expect("a socket");
     let ring = send(socket(&folder.0), Clock::Virtual, Duration::from_secs(60)).expect("a thread");
     // Time in which the ring becomes full; the result does not depend on it.
     let later = std::thread::spawn(move || {
@@ -169,7 +169,7 @@ fn under_the_virtual_clock_nothing_is_lost_however_slow_the_plant_is() {
     ring.finish();
     receiver.finish();
     later.join().expect("it ends");
-    assert_eq!(witness.0.lock().expect("no panic").1, MANY);
+    assert_eq!(observer.0.lock().expect("no panic").1, MANY);
 }
 
 /// Reads a socket to the end of what a process shows: how much of it came, and how much the process has dropped.

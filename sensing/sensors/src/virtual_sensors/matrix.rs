@@ -15,7 +15,7 @@ use crate::physics::Sounders;
 use crate::ultrasound::Echo;
 use crate::view::View;
 
-/// Who looks on.
+/// A listener to what the sensor sees.
 pub trait Listener {
     /// A transducer of this number has pinged at a time \[s\].
     fn pinged(&mut self, number: usize, time: f64, echo: Option<Echo>, sounders: &Sounders);
@@ -70,7 +70,7 @@ impl<S: View + 'static> MatrixSensor<S> {
         }
     }
 
-    /// The same, with somebody who looks on.
+    /// The same, with a listener.
     #[must_use]
     pub fn watched(self, listener: Box<dyn Listener>) -> Self {
         Self { listener: Some(listener), ..self }

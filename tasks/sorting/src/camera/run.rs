@@ -28,11 +28,11 @@ use super::studio::misplaced;
 use super::{ecp, mp};
 use crate::generators::Uneven;
 use crate::matrix::{self, run::Trace};
+use crate::monitor::Fate;
 use crate::places::{BELT, SURFACE, TRAY, TRAYS};
 use crate::plant::Plant;
 use crate::progress::Progress;
 use crate::scene::Belt;
-use crate::witness::Fate;
 
 /// The sink at the end of the belt; the bins are those before it.
 pub const END_BIN: usize = BINS;
@@ -366,8 +366,8 @@ impl Settings {
         let beam = Translation3::new(BELT[0] - 0.5 * SURFACE[2], BELT[1] + s, over) * look;
         let barrier = Sampled::new(LightBarrier::new(0.004, self.seed.wrapping_add(6)));
         let trigger = Trigger::Barrier(beam, barrier);
-        let onlooker = compare(sight.clone(), plant.world.clone(), parts.clone(), looks.clone());
-        Ok(CameraSensor::new(sight, imager, vision, trigger, Acquire::LATCH).watched(Box::new(onlooker)))
+        let observer = compare(sight.clone(), plant.world.clone(), parts.clone(), looks.clone());
+        Ok(CameraSensor::new(sight, imager, vision, trigger, Acquire::LATCH).watched(Box::new(observer)))
     }
 
     /// Runs it.

@@ -25,7 +25,7 @@ use crate::model::named::{CellNames, SignalNames};
 use crate::model::payload::Nudge;
 use crate::model::robot::Robot;
 use crate::observe::shown::AnyShown;
-use crate::observe::witness::{What, Witnesses};
+use crate::observe::step_observer::{StepObservers, What};
 use crate::safety::latch::Gate;
 
 /// Where a robot's processes are.
@@ -38,7 +38,7 @@ pub struct Place {
     pub delay: Option<Duration>,
     pub pace: Pace,
     pub nudged: bool,
-    pub witnesses: Witnesses,
+    pub step_observers: StepObservers,
     /// The names of its inputs and outputs, and of the cell's frames and tools.
     pub signals: Rc<SignalNames>,
     pub named: Rc<CellNames>,
@@ -105,12 +105,12 @@ impl<R: Robot> RobotSetup<R> {
         }
         let run = move |host: Host<'_>| {
             let waiter = host.waiter;
-            let witnesses = place.witnesses.of(process);
+            let step_observers = place.step_observers.of(process);
             let homed = match drives {
                 Ok(opening) => opening.take().map(|drive| (drive, Gate::default())),
                 Err(homing) => home(process, waiter, &*server, homing).map(|(driver, gate)| {
                     let now = waiter.now();
-                    witnesses.show(now, &What::Found { step: now / place.pace.period.max(1) }, &[]);
+                    step_observers.show(now, &What::Found { step: now / place.pace.period.max(1) }, &[]);
                     (Drive::Here(prepared(driver)), gate)
                 }),
             };
@@ -127,7 +127,7 @@ impl<R: Robot> RobotSetup<R> {
                     stop_steps: place.pace.stop_steps,
                     declared,
                     observers,
-                    witnesses,
+                    step_observers,
                     states,
                     replayed,
                 };

@@ -44,7 +44,7 @@ use crate::model::time::Nanos;
 use crate::model::type_name::TypeName;
 use crate::observe::activity::Activity;
 use crate::observe::shown::Shown;
-use crate::observe::witness::{What, Witnesses};
+use crate::observe::step_observer::{StepObservers, What};
 use crate::operator::state::Doing;
 use crate::safety::limits::rates::standing_headroom;
 use crate::safety::rate::RateHeadroom;
@@ -68,7 +68,7 @@ pub struct Ecp<'w, R: Robot> {
     trouble: Trouble,
     jogging: Jogging<R>,
     /// Where instructions and late steps are shown.
-    witnesses: Witnesses,
+    step_observers: StepObservers,
     /// Where the instructions of a user's program are shown to observers; those of a transparent ECP are the MP's.
     activity: Option<Shown<Activity>>,
     /// The program's present instruction, and how many it has begun.
@@ -79,7 +79,7 @@ pub struct Ecp<'w, R: Robot> {
     named: Rc<CellNames>,
 }
 
-/// How far a program has come, for those who look on and for the faults that it meets.
+/// How far a program has come, for observers and for the faults that it meets.
 #[derive(Clone, Copy, Default)]
 struct AtWork {
     instructions: u64,
@@ -126,7 +126,7 @@ impl<'w, R: Robot> Ecp<'w, R> {
             host,
             orders: Orders::new(mp),
             driver: DriverPort::new(edp, sensing.patience),
-            witnesses: sensing.witnesses.clone(),
+            step_observers: sensing.step_observers.clone(),
             sensing,
             overruns: Overruns::new(Duration::from_nanos(pace.period)),
             pace,
@@ -154,7 +154,7 @@ impl<'w, R: Robot> Ecp<'w, R> {
         Ecp { activity, ..self }
     }
 
-    /// Shows those who look on at the run that an instruction of the program begins, or is over.
+    /// Shows observers at the run that an instruction of the program begins, or is over.
     fn show_instruction(&mut self, doing: Doing, by: TypeName) {
         let Some(activity) = &self.activity else { return };
         let begun = u64::from(doing != Doing::Nothing);
@@ -162,7 +162,7 @@ impl<'w, R: Robot> Ecp<'w, R> {
         activity.set(activity.get().changed(doing, by));
         self.host.console.show_ecp(&self.shown_state());
         let shown = What::Instruction { step: self.orders.header().step, doing, by };
-        self.witnesses.show(self.host.waiter.now(), &shown, &[]);
+        self.step_observers.show(self.host.waiter.now(), &shown, &[]);
     }
 
     /// The instruction of the program that is at work, as a fault names it; those of a transparent ECP are the MP's.
@@ -361,7 +361,7 @@ impl<'w, R: Robot> Ecp<'w, R> {
             None => now > began && now >= step * self.pace.period + self.pace.grace,
         };
         if is_late {
-            self.witnesses.show(now, &What::Late { step }, &[]);
+            self.step_observers.show(now, &What::Late { step }, &[]);
         }
         is_late
     }

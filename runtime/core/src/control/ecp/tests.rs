@@ -154,7 +154,7 @@ fn what_a_wait_took_in_all_its_steps_is_no_late_step_of_the_move_after_it() {
         owner: Owner::unique(),
         ports: Vec::new(),
         patience: Patience { most: 20 * STEP, again: STEP },
-        witnesses: Witnesses::to(Vec::new()),
+        step_observers: StepObservers::to(Vec::new()),
     };
     let pace = Pace { period: STEP, grace: STEP / 2, stop_steps: 100 };
     let process = ProcessId::new(Role::Ecp, name);

@@ -14,7 +14,7 @@ use crate::model::signals::SIGNAL_WORDS;
 use crate::model::time::Nanos;
 use crate::model::wire::Wire;
 use crate::observe::servo::ServoRecord;
-use crate::observe::witness::What;
+use crate::observe::step_observer::What;
 use crate::operator::state::EdpState;
 use crate::safety::limits::AcceptedDemand;
 
@@ -122,15 +122,15 @@ impl<R: Robot> Edp<'_, R> {
         })
     }
 
-    /// Shows the step that begins to the witnesses.
+    /// Shows the step that begins to the observers.
     fn show_step(&mut self) {
-        if !self.shown.witnesses.is_watched() {
+        if !self.shown.step_observers.is_watched() {
             return;
         }
         let what = What::Image { step: self.clock.due, mode: shown_mode(&self.path.mode) };
         // Kinematics are the user's code.
         match guarded(|| image_words(&self.path.acceptor, &self.measured_state())) {
-            Ok(words) => self.shown.witnesses.show(self.host.waiter.now(), &what, &words),
+            Ok(words) => self.shown.step_observers.show(self.host.waiter.now(), &what, &words),
             Err(panic) => self.stop_for(panic, self.clock.due),
         }
         self.show_currents();
@@ -150,7 +150,7 @@ impl<R: Robot> Edp<'_, R> {
                     *word = current.to_bits();
                 }
                 let what = What::Currents { step: self.clock.due };
-                self.shown.witnesses.show(self.host.waiter.now(), &what, &words[..R::Joints::LEN]);
+                self.shown.step_observers.show(self.host.waiter.now(), &what, &words[..R::Joints::LEN]);
             }
             Err(panic) => self.stop_for(panic, self.clock.due),
         }
@@ -162,7 +162,7 @@ impl<R: Robot> Edp<'_, R> {
             let mut words = [0; SIGNAL_WORDS];
             self.signals.signals().put(&mut words);
             let what = What::Signals { step: self.clock.due };
-            self.shown.witnesses.show(self.host.waiter.now(), &what, &words);
+            self.shown.step_observers.show(self.host.waiter.now(), &what, &words);
         }
     }
 

@@ -141,7 +141,7 @@ impl Mp<'_> {
             None => robot.client.send(&robot.order),
             Some(jog) => robot.send_with(jog),
         }
-        robot.show_order(kind, &self.witnesses, || self.host.waiter.now());
+        robot.show_order(kind, &self.step_observers, || self.host.waiter.now());
     }
 
     /// What the replies of robots say that an instruction, or a motion in the background, names: they bound the rate of path

@@ -15,7 +15,7 @@ use crate::model::list::{Owner, RobotHandle};
 use crate::model::name::Name;
 use crate::model::robot::Robot;
 use crate::model::wire::WORDS;
-use crate::observe::witness::What;
+use crate::observe::step_observer::What;
 use crate::operator::button::Button;
 use crate::operator::jog::panel::{named, switchable};
 use crate::operator::jog::{JogFrame, JogMotion, JogNow, JogOrder, JogPanel, JogRefusal, JogSeat, JogStop};
@@ -262,12 +262,12 @@ impl Mp<'_> {
 
     fn ask_to_jog(&mut self, now: Option<(usize, JogNow)>) {
         let before = core::mem::replace(&mut self.jogging.now, now);
-        if before != now && self.witnesses.is_watched() {
+        if before != now && self.step_observers.is_watched() {
             let mut words = [0; JogNow::WORDS];
             let index = now.or(before).map_or(0, |(index, _)| index);
             now.unwrap_or_default().1.put(&mut words);
             let what = What::Jog { step: self.clock.step(), robot: self.robots[index].name };
-            self.witnesses.show(self.host.waiter.now(), &what, &words);
+            self.step_observers.show(self.host.waiter.now(), &what, &words);
         }
         self.jogging.say();
     }

@@ -49,7 +49,7 @@ use crate::model::type_name::TypeName;
 use crate::model::wire::Wire;
 use crate::observe::activity::Activity;
 use crate::observe::shown::Shown;
-use crate::observe::witness::{What, Witnesses};
+use crate::observe::step_observer::{StepObservers, What};
 use crate::operator::Operator;
 use crate::operator::button::{Button, CellState};
 use crate::operator::state::Doing;
@@ -77,7 +77,7 @@ pub struct Mp<'w> {
     operating: Operating,
     jogging: Jogging,
     stops: Stops,
-    witnesses: Witnesses,
+    step_observers: StepObservers,
     /// Steps after which a protective stop leaves the path.
     path_stop: u64,
     /// The recorded steps, in a replay.
@@ -112,7 +112,7 @@ impl<'w> Mp<'w> {
             process: ProcessId::MP,
             host,
             robots: RobotPorts::new(robots),
-            witnesses: sensing.witnesses.clone(),
+            step_observers: sensing.step_observers.clone(),
             sensing,
             background: Background::default(),
             clock: StepClock::new(timing.period, timing.grace, Feed::new(timing.rate_change)),
@@ -365,12 +365,12 @@ impl<'w> Mp<'w> {
         outcome
     }
 
-    /// Shows those who look on at the run that an instruction begins or is over.
+    /// Shows observers at the run that an instruction begins or is over.
     fn show_instruction(&self, doing: Doing, by: TypeName) {
         let activity = &self.operating.activity;
         activity.set(activity.get().changed(doing, by));
         let shown = What::Instruction { step: self.clock.step(), doing, by };
-        self.witnesses.show(self.host.waiter.now(), &shown, &[]);
+        self.step_observers.show(self.host.waiter.now(), &shown, &[]);
     }
 
     fn carry_out<T>(&mut self, work: impl FnOnce(&mut Self) -> Result<T, Fault>) -> Result<T, Fault> {

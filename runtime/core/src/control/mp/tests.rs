@@ -34,7 +34,7 @@ fn run(work: impl Fn(u64) -> Nanos, steps: u64) -> Option<(u64, FaultKind)> {
         owner: crate::model::list::Owner::unique(),
         ports: Vec::new(),
         patience: Patience { most: STEP, again: STEP },
-        witnesses: Witnesses::to(Vec::new()),
+        step_observers: StepObservers::to(Vec::new()),
     };
     let timing =
         MpTiming { period: Duration::from_nanos(STEP), grace: STEP / 2, rate_change: 5.0, path_stop: 100 };

@@ -160,7 +160,7 @@ impl Site {
         RawSensors::Plant(PlantSensor { port, plant, patience: Patience::of_step(self.period) })
     }
 
-    /// Takes the bodies that are shown to those who look on, if the plant has a place; gives them back otherwise.
+    /// Takes the bodies that are shown to observers, if the plant has a place; gives them back otherwise.
     pub(crate) fn take_bodies(&mut self, bodies: Bodies) -> Option<Bodies> {
         if self.place.is_none() {
             return Some(bodies);

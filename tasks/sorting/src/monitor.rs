@@ -38,12 +38,12 @@ pub enum Fate {
 
 /// Watches a hand.
 #[derive(Clone, Debug)]
-pub struct Witness {
+pub struct HandMonitor {
     hand: Hand,
     grips: Rc<RefCell<Vec<Grip>>>,
 }
 
-impl Witness {
+impl HandMonitor {
     /// Of this hand.
     #[must_use]
     pub fn of(hand: Hand) -> Self {

@@ -1,8 +1,8 @@
 """Looks on at the cell that is shown at port `@PORT@`. Needs iceoryx2==0.10.0, on the cell's machine.
 
-    with Onlooker() as onlooker:
+    with Subscriber() as subscriber:
         while True:
-            for name, image in onlooker.images():
+            for name, image in subscriber.images():
                 print(name, image.step, image.measured.joints)
             time.sleep(0.01)
 
@@ -98,7 +98,7 @@ class _CellMessage(ctypes.Structure):
         return "mrroc_step_1"
 
 
-class Onlooker:
+class Subscriber:
     """Sees what the cell shows, and changes nothing. It may begin before the cell, and see several runs of it."""
 
     def __init__(self) -> None:
@@ -132,7 +132,7 @@ class Onlooker:
             end.delete()
         del self._images, self._steps, self._node
 
-    def __enter__(self) -> "Onlooker":
+    def __enter__(self) -> "Subscriber":
         return self
 
     def __exit__(self, *_: Any) -> None:

@@ -1,4 +1,4 @@
-"""A Python program on PyPI's iceoryx2 that looks on at a cell in real time, and is killed, which the cell does not notice.
+"""A Python program on PyPI's iceoryx2 that subscribes at a cell in real time, and is killed, which the cell does not notice.
 
 In: the example `follow`, built. Out: exit status 0 if what it saw is what the cell recorded, to the bit, and how much it missed.
 """
@@ -22,18 +22,18 @@ def modules(folder):
         (folder / f"{file}.py").write_bytes(module.stdout)
 
 
-def look_on(log):
+def subscribe(log):
     """Writes down all that it sees, until the cell's program is over."""
     import follow_port as port
 
-    with port.Onlooker() as onlooker, open(log, "w") as seen:
+    with port.Subscriber() as subscriber, open(log, "w") as seen:
         print("ready", flush=True)
         over = False
         while not over:
-            for name, image in onlooker.images():
+            for name, image in subscriber.images():
                 words = map(bits, image.measured.joints + image.demanded.joints)
                 print(json.dumps(["image", name, image.step, *words]), file=seen)
-            for step in onlooker.steps():
+            for step in subscriber.steps():
                 times = (bits(step.path_time), step.sent, time.monotonic_ns())
                 print(json.dumps(["step", step.step, *times]), file=seen)
                 over = step.over
@@ -41,10 +41,10 @@ def look_on(log):
 
 
 def begin(folder, log):
-    command = [sys.executable, __file__, "look on", str(folder / log)]
-    onlooker = subprocess.Popen(command, env=env(folder), stdout=subprocess.PIPE, text=True)
-    has(onlooker.stdout.readline() == "ready\n", "it does not begin")
-    return onlooker
+    command = [sys.executable, __file__, "subscribe", str(folder / log)]
+    subscriber = subprocess.Popen(command, env=env(folder), stdout=subprocess.PIPE, text=True)
+    has(subscriber.stdout.readline() == "ready\n", "it does not begin")
+    return subscriber
 
 
 def recorded(folder):
@@ -75,7 +75,7 @@ def judged(folder):
             first.communicate(timeout=30)
         except subprocess.TimeoutExpired:
             # The word that the program is over may be lost with the process that has it.
-            has(not is_whole, "the onlooker does not hear that the program is over")
+            has(not is_whole, "the subscriber does not hear that the program is over")
             first.kill()
             first.communicate()
     images, steps = recorded(folder)
@@ -87,14 +87,14 @@ def judged(folder):
     # A message may be sent again in the step of a fault or of the end.
     of_cell = {line[1]: line[2] for line in seen if line[0] == "step"}
     has(all(steps.get(step, dt) == dt for step, dt in of_cell.items()), "path times are not those that were recorded")
-    # It is nobody's duty to wait for who looks on.
+    # It is nobody's duty to wait for a subscriber.
     if is_whole and outcome.longest_stall < 0.02:
         has(len(of_arm) > len(images) / 2, f"it saw {len(of_arm)} of {len(images)} steps")
     else:
-        not_judged("external", f"that an onlooker sees most steps (it saw {len(of_arm)} of {len(images)})", outcome)
+        not_judged("external", f"that a subscriber sees most steps (it saw {len(of_arm)} of {len(images)})", outcome)
     late = sorted(line[4] - line[3] for line in seen if line[0] == "step")
     print(
-        f"external: an onlooker saw {len(of_arm)} of {len(images)} steps of the arm, equal to the bit; "
+        f"external: a subscriber saw {len(of_arm)} of {len(images)} steps of the arm, equal to the bit; "
         f"{late[len(late) // 2] / 1e6 if late else 0.0:.1f} ms old in the median; another one was killed"
     )
 
@@ -107,11 +107,11 @@ def main():
             judged(folder)
             nothing_left(folder)
         except Shortfall as why:
-            sys.exit(f"external: onlooker: {why}")
+            sys.exit(f"external: subscriber: {why}")
 
 
 if __name__ == "__main__":
-    if sys.argv[1:2] == ["look on"]:
-        look_on(sys.argv[2])
+    if sys.argv[1:2] == ["subscribe"]:
+        subscribe(sys.argv[2])
     else:
         main()

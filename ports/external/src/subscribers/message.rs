@@ -1,10 +1,10 @@
-//! What onlookers are shown: a message of each robot and one of the coordinator, in each step.
+//! What subscribers are shown: a message of each robot and one of the coordinator, in each step.
 //!
 //! In: what a process shows. Out: plain numbers in C's layout, the same in every language.
 
 use iceoryx2::prelude::ZeroCopySend;
 use mrroc::fault::Fault;
-use mrroc::observe::witness::{IMAGE_WORDS, Mode, What};
+use mrroc::observe::step_observer::{IMAGE_WORDS, Mode, What};
 
 /// The version of this interface.
 pub(crate) const VERSION: u32 = 1;

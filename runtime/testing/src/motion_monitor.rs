@@ -66,7 +66,7 @@ impl Bounds {
 
 /// The demands that one robot's drives got in a trial.
 #[derive(Clone, Debug)]
-pub(crate) struct Onlooker {
+pub(crate) struct MotionMonitor {
     pub name: String,
     bounds: Bounds,
     last: Vec<f64>,
@@ -88,12 +88,12 @@ const SHARE: f64 = 1e-9;
 /// Relative round-off error of a position.
 const ROUND_OFF: f64 = 1e-15;
 
-impl Onlooker {
-    pub fn new(name: &str, bounds: Bounds) -> Onlooker {
+impl MotionMonitor {
+    pub fn new(name: &str, bounds: Bounds) -> MotionMonitor {
         let velocity = vec![0.0; bounds.lower.len()];
         let (last, episodes) = (Vec::new(), Vec::new());
         let lasted = bounds.servo as f64 * 1e-9;
-        Onlooker {
+        MotionMonitor {
             name: name.to_owned(),
             bounds,
             last,
@@ -236,16 +236,16 @@ pub fn first_beyond_limits<'a, J: JointVector>(
     servo: Duration,
     demands: impl IntoIterator<Item = (Nanos, &'a [f64])>,
 ) -> Option<String> {
-    let mut onlooker = Onlooker::new(name, Bounds::of_limits(limits, servo));
-    demands.into_iter().for_each(|(end, demanded)| onlooker.see(end, demanded));
-    onlooker.wrong
+    let mut monitor = MotionMonitor::new(name, Bounds::of_limits(limits, servo));
+    demands.into_iter().for_each(|(end, demanded)| monitor.see(end, demanded));
+    monitor.wrong
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn onlooker() -> Onlooker {
+    fn monitor() -> MotionMonitor {
         let bounds = Bounds {
             lower: vec![-1.0],
             upper: vec![1.0],
@@ -255,15 +255,15 @@ mod tests {
             over: 1_000_000,
             servo: 1_000_000,
         };
-        Onlooker::new("g", bounds)
+        MotionMonitor::new("g", bounds)
     }
 
-    fn seen(demands: &[f64]) -> Onlooker {
-        let mut onlooker = onlooker();
+    fn seen(demands: &[f64]) -> MotionMonitor {
+        let mut monitor = monitor();
         for (i, &q) in demands.iter().enumerate() {
-            onlooker.see((i as u64 + 1) * 1_000_000, &[q]);
+            monitor.see((i as u64 + 1) * 1_000_000, &[q]);
         }
-        onlooker
+        monitor
     }
 
     #[test]
@@ -293,8 +293,8 @@ mod tests {
 
     #[test]
     fn episodes_are_when_the_robot_moves() {
-        let onlooker = seen(&[0.0, 0.0, 1e-6, 2e-6, 2e-6, 2e-6, 1e-6]);
-        assert_eq!(onlooker.episodes, [(2_000_000, 4_000_000), (6_000_000, 7_000_000)]);
-        assert_eq!(onlooker.stood(), 7_000_000);
+        let monitor = seen(&[0.0, 0.0, 1e-6, 2e-6, 2e-6, 2e-6, 1e-6]);
+        assert_eq!(monitor.episodes, [(2_000_000, 4_000_000), (6_000_000, 7_000_000)]);
+        assert_eq!(monitor.stood(), 7_000_000);
     }
 }

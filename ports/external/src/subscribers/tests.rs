@@ -1,4 +1,4 @@
-//! Onlookers of whole cells, in this process.
+//! Subscribers of whole cells, in this process.
 
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -10,14 +10,14 @@ use iceoryx2::prelude::*;
 use mrroc::cell::Cell;
 use mrroc::fault::{Fault, ProcessId};
 use mrroc::generator::RobotHandle;
-use mrroc::observe::witness::{What, Witness};
+use mrroc::observe::step_observer::{StepObserver, What};
 use mrroc::prelude::*;
 use mrroc_generators::generators::JointMove;
 use mrroc_launch::cell_file::CellFile;
 use mrroc_robots::{Irp6, Six, simulated};
 
 use super::message::{CellMessage, OVER, RobotMessage, SUSPENDED};
-use super::{KEPT, Onlookers};
+use super::{KEPT, Subscribers};
 use crate::plant::tests::Folder;
 use crate::port::{Ends, channel};
 
@@ -25,24 +25,24 @@ use crate::port::{Ends, channel};
 fn cell(folder: &Folder) -> Cell {
     let text = "step_ms = 2\nrobots.arm = { kind = \"irp6\", start = [0.0, -1.57, 0.16, -0.16, 4.71, 0.0] }";
     let file = CellFile::parse("cell.toml", text).expect("nothing is wrong with it");
-    let onlookers = Onlookers { port: "cell".to_owned(), folder: folder.0.clone() };
-    file.cell(&simulated()).expect("a kind that is known").shown_to(onlookers)
+    let subscribers = Subscribers { port: "cell".to_owned(), folder: folder.0.clone() };
+    file.cell(&simulated()).expect("a kind that is known").shown_to(subscribers)
 }
 
-/// A program that looks on.
-struct Onlooker {
+/// A program that subscribes.
+struct Program {
     images: Subscriber<ipc::Service, RobotMessage, ()>,
     steps: Subscriber<ipc::Service, CellMessage, ()>,
     _ends: Ends,
 }
 
-impl Onlooker {
-    fn at(folder: &Folder) -> Onlooker {
+impl Program {
+    fn at(folder: &Folder) -> Program {
         let ends = Ends::open(&folder.0).expect("a folder of ports");
         let images = channel(&ends.node, "cell/arm/images", KEPT).expect("a service");
         let steps = channel(&ends.node, "cell/steps", KEPT).expect("a service");
         let images = images.subscriber_builder().create().expect("there is room");
-        Onlooker { images, steps: steps.subscriber_builder().create().expect("there is room"), _ends: ends }
+        Program { images, steps: steps.subscriber_builder().create().expect("there is room"), _ends: ends }
     }
 
     fn images(&self) -> Vec<RobotMessage> {
@@ -58,7 +58,7 @@ impl Onlooker {
 #[derive(Default)]
 struct Seen(RefCell<Vec<(u64, u64, Vec<u64>)>>);
 
-impl Witness for Seen {
+impl StepObserver for Seen {
     fn see(&self, time: u64, _: ProcessId, what: &What, words: &[u64]) {
         if let What::Image { step, .. } = what {
             self.0.borrow_mut().push((*step, time, words.to_vec()));
@@ -79,24 +79,24 @@ fn raise(mp: &mut Mp, arm: &mut RobotHandle<Irp6>, by: f64) -> Result<(), Fault>
 
 const AWRY: &str = "the work is not where it should be";
 
-/// What a program sees that looks on until the cell is over, and says when it has seen something.
-fn look_on(
+/// What a program sees that subscribes until the cell is over, and says when it has seen something.
+fn subscribe(
     folder: &Folder,
     has_begun: &AtomicBool,
     has_seen: &AtomicBool,
 ) -> (Vec<RobotMessage>, Vec<CellMessage>) {
-    let onlooker = Onlooker::at(folder);
+    let subscriber = Program::at(folder);
     has_begun.store(true, Ordering::Release);
     let (mut images, mut steps) = (Vec::new(), Vec::new());
     while steps.last().is_none_or(|step: &CellMessage| step.flags & OVER == 0) {
-        images.append(&mut onlooker.images());
-        steps.append(&mut onlooker.steps());
+        images.append(&mut subscriber.images());
+        steps.append(&mut subscriber.steps());
         if !images.is_empty() && !steps.is_empty() {
             has_seen.store(true, Ordering::Release);
         }
         std::thread::yield_now();
     }
-    images.append(&mut onlooker.images());
+    images.append(&mut subscriber.images());
     (images, steps)
 }
 
@@ -107,15 +107,15 @@ fn wait_for(it: &AtomicBool) {
 }
 
 #[test]
-fn onlookers_see_the_images_of_each_step_to_the_bit_and_the_fault_that_ends_it() {
-    let folder = Folder::new("onlooker");
+fn subscribers_see_the_images_of_each_step_to_the_bit_and_the_fault_that_ends_it() {
+    let folder = Folder::new("subscriber");
     let (has_begun, has_seen) = (AtomicBool::new(false), Arc::new(AtomicBool::new(false)));
     let seen = Rc::new(Seen::default());
     let (images, steps) = std::thread::scope(|scope| {
-        let onlooker = scope.spawn(|| look_on(&folder, &has_begun, &has_seen));
+        let subscriber = scope.spawn(|| subscribe(&folder, &has_begun, &has_seen));
         wait_for(&has_begun);
         let has_seen = Arc::clone(&has_seen);
-        // It looks on from a first motion, until which the cell waits.
+        // It subscribes from a first motion, until which the cell waits.
         let program = move |mp: &mut Mp| {
             let mut arm = mp.robot::<Irp6>("arm")?;
             raise(mp, &mut arm, 0.01)?;
@@ -123,9 +123,10 @@ fn onlookers_see_the_images_of_each_step_to_the_bit_and_the_fault_that_ends_it()
             raise(mp, &mut arm, 0.05)?;
             Err(Fault::thrown(AWRY))
         };
-        let ended = cell(&folder).witnessed_by(Rc::clone(&seen) as Rc<dyn Witness>).program(program).run();
+        let ended =
+            cell(&folder).observed_by(Rc::clone(&seen) as Rc<dyn StepObserver>).program(program).run();
         assert!(ended.is_err());
-        onlooker.join().expect("it has seen the end")
+        subscriber.join().expect("it has seen the end")
     });
     let seen = seen.0.take();
     assert!(seen.len() > 100 && !images.is_empty(), "{} of {}", images.len(), seen.len());
@@ -145,9 +146,9 @@ fn onlookers_see_the_images_of_each_step_to_the_bit_and_the_fault_that_ends_it()
 
 #[test]
 fn a_second_cell_at_the_same_port_runs_unseen_and_the_first_one_stays_shown() {
-    let folder = Folder::new("onlooker-twice");
-    let onlooker = Onlooker::at(&folder);
-    let shown = cell(&folder).begin_onlooking(None, mrroc::link::Clock::Virtual);
+    let folder = Folder::new("subscriber-twice");
+    let subscriber = Program::at(&folder);
+    let shown = cell(&folder).begin_subscriptions(None, mrroc::link::Clock::Virtual);
     assert_eq!(shown.len(), 1);
     // Its thread has opened the port when it has shown something.
     let step = What::Step {
@@ -162,22 +163,22 @@ fn a_second_cell_at_the_same_port_runs_unseen_and_the_first_one_stays_shown() {
         resetting: false,
     };
     shown[0].see(14_000_000, ProcessId::MP, &step, &[]);
-    let mut first = onlooker.steps();
+    let mut first = subscriber.steps();
     while first.is_empty() {
         std::thread::yield_now();
-        first = onlooker.steps();
+        first = subscriber.steps();
     }
     assert_eq!((first[0].step, first[0].time, first[0].flags), (7, 14_000_000, SUSPENDED));
     assert!(cell(&folder).program(lift).run().is_err());
-    assert!(onlooker.images().is_empty());
+    assert!(subscriber.images().is_empty());
     shown[0].see(16_000_000, ProcessId::MP, &step, &[]);
     shown[0].finish();
-    assert_eq!(onlooker.steps().len(), 1);
+    assert_eq!(subscriber.steps().len(), 1);
 }
 
 #[test]
-fn a_cell_that_nobody_may_look_on_runs_all_the_same() {
-    let folder = Folder::new("onlooker-refused");
+fn a_cell_that_nobody_may_subscribe_runs_all_the_same() {
+    let folder = Folder::new("subscriber-refused");
     std::fs::write(&folder.0, "a file where the folder should be").expect("a file");
     assert!(cell(&folder).program(lift).run().is_err());
     std::fs::remove_file(&folder.0).expect("it is there");

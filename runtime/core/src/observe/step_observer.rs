@@ -1,7 +1,7 @@
 //! What happens in the processes of a cell, shown to those who watch a run: a recording, a dry run, a replay.
 //!
 //! In: every step, order, image, reading and fault, from the process that has it. Out: nothing that a process acts on,
-//! but for one word: the run is [over](Witness::is_over). A run that nobody watches pays a branch.
+//! but for one word: the run is [over](StepObserver::is_over). A run that nobody watches pays a branch.
 
 use std::rc::Rc;
 use std::sync::Arc;
@@ -180,7 +180,7 @@ pub enum ReadingState {
 }
 
 /// Who watches.
-pub trait Witness {
+pub trait StepObserver {
     /// A process shows something at a time of the cell.
     fn see(&self, time: Nanos, by: ProcessId, what: &What, words: &[u64]);
 
@@ -190,10 +190,10 @@ pub trait Witness {
     }
 }
 
-/// A witness that may be on another thread than the steps.
-pub type SharedWitness = Arc<dyn Witness + Send + Sync>;
+/// An observer that may be on another thread than the steps.
+pub type SharedStepObserver = Arc<dyn StepObserver + Send + Sync>;
 
-impl Witness for SharedWitness {
+impl StepObserver for SharedStepObserver {
     fn see(&self, time: Nanos, by: ProcessId, what: &What, words: &[u64]) {
         (**self).see(time, by, what, words);
     }
@@ -205,30 +205,30 @@ impl Witness for SharedWitness {
 
 /// Where a process shows what happens in it.
 #[derive(Clone)]
-pub struct Witnesses {
+pub struct StepObservers {
     process: ProcessId,
-    witnesses: Rc<[Rc<dyn Witness>]>,
+    observers: Rc<[Rc<dyn StepObserver>]>,
 }
 
-impl Witnesses {
+impl StepObservers {
     /// Shown to these.
-    pub fn to(witnesses: Vec<Rc<dyn Witness>>) -> Witnesses {
-        Witnesses { process: ProcessId::MP, witnesses: witnesses.into() }
+    pub fn to(observers: Vec<Rc<dyn StepObserver>>) -> StepObservers {
+        StepObservers { process: ProcessId::MP, observers: observers.into() }
     }
 
     /// The same for another process.
-    pub fn of(&self, process: ProcessId) -> Witnesses {
-        Witnesses { process, witnesses: Rc::clone(&self.witnesses) }
+    pub fn of(&self, process: ProcessId) -> StepObservers {
+        StepObservers { process, observers: Rc::clone(&self.observers) }
     }
 
     /// Whether anybody watches.
     pub fn is_watched(&self) -> bool {
-        !self.witnesses.is_empty()
+        !self.observers.is_empty()
     }
 
     /// Shows something.
     pub fn show(&self, time: Nanos, what: &What, words: &[u64]) {
-        self.witnesses.iter().for_each(|witness| witness.see(time, self.process, what, words));
+        self.observers.iter().for_each(|observer| observer.see(time, self.process, what, words));
     }
 
     /// Shows something that is told in the words of a fault, if there is one.
@@ -243,6 +243,6 @@ impl Witnesses {
 
     /// Whether the cell is to end before this step.
     pub fn is_over(&self, step: u64) -> bool {
-        self.witnesses.iter().any(|witness| witness.is_over(step))
+        self.observers.iter().any(|observer| observer.is_over(step))
     }
 }

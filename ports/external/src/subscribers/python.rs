@@ -1,14 +1,14 @@
-//! The Python module of a program that looks on.
+//! The Python module of a subscriber.
 
 use mrroc::observe::layout::Layout;
-use mrroc::observe::witness::IMAGE_WORDS;
+use mrroc::observe::step_observer::IMAGE_WORDS;
 use mrroc::robot::MAX_JOINTS;
 
 use super::KEPT;
 use super::message::{TEXT, VERSION};
 
 /// The module without what differs from cell to cell.
-const MODULE: &str = include_str!("../python/onlooker.py");
+const MODULE: &str = include_str!("../python/subscriber.py");
 
 /// What it has in common with that of a sensor.
 const ENDS: &str = include_str!("../python/ends.py");

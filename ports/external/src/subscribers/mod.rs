@@ -1,7 +1,7 @@
-//! Programs of others that look on: what each robot does, and what the coordinator does, in each step.
+//! Subscribers, programs of others: what each robot does, and what the coordinator does, in each step.
 //!
 //! In: what the processes of a cell show. Out: the newest of it at a port, by a thread of each process, which waits for nobody. Who
-//! looks on can change nothing.
+//! subscribes can change nothing.
 
 mod message;
 mod python;
@@ -19,17 +19,17 @@ use iceoryx2::prelude::*;
 use mrroc::console::complain;
 use mrroc::fault::{Fault, FaultWords, Name, ProcessId, Role};
 use mrroc::link::Clock;
-use mrroc::observe::Onlooking;
+use mrroc::observe::Subscription;
 use mrroc::observe::layout::Layout;
 use mrroc::observe::recording::RunRecord;
 use mrroc::observe::ring::{Record, Ring, RingUse, Sink, Trouble};
-use mrroc::observe::witness::What;
+use mrroc::observe::step_observer::What;
 use mrroc::payload::Wire;
 
 use crate::port::{Ends, channel, folder, monotonic};
 use message::{CellMessage, RobotMessage};
 
-/// Messages that wait for a program that looks on: those of a quarter of a second at 1 kHz.
+/// Messages that wait for a program that subscribes: those of a quarter of a second at 1 kHz.
 pub(crate) const KEPT: usize = 256;
 
 /// Records that wait for the thread of a process.
@@ -44,7 +44,7 @@ const PATIENCE: Duration = Duration::from_secs(3);
 /// Its stack, on which iceoryx2 makes services \[bytes\].
 const STACK: usize = 2 << 20;
 
-/// Shows a cell to programs of others, which look on at a port of this name:
+/// Shows a cell to programs of others, which subscribe at a port of this name:
 ///
 /// ```
 /// # use mrroc_launch::cell_file::CellFile;
@@ -52,29 +52,29 @@ const STACK: usize = 2 << 20;
 /// # step_ms = 2
 /// # robots.arm = { kind = "irp6", start = [0.0, -1.57, 0.16, -0.16, 4.71, 0.0] }
 /// # "#)?;
-/// use mrroc_external::Onlookers;
+/// use mrroc_external::Subscribers;
 ///
-/// let cell = file.cell(&mrroc_robots::simulated())?.shown_to(Onlookers::at("welding"));
+/// let cell = file.cell(&mrroc_robots::simulated())?.shown_to(Subscribers::at("welding"));
 /// # let _ = cell;
 /// # Ok::<(), mrroc::cell::CellError>(())
 /// ```
 ///
 /// `cargo run -- external welding` prints the module for a program in Python.
 #[derive(Clone, Debug)]
-pub struct Onlookers {
+pub struct Subscribers {
     port: String,
     folder: PathBuf,
 }
 
-impl Onlookers {
+impl Subscribers {
     /// At the port of this name. Two cells at one port cannot run at a time: the second one is not shown, and says so.
     #[must_use]
-    pub fn at(port: &str) -> Onlookers {
-        Onlookers { port: port.to_owned(), folder: folder() }
+    pub fn at(port: &str) -> Subscribers {
+        Subscribers { port: port.to_owned(), folder: folder() }
     }
 }
 
-impl Onlooking for Onlookers {
+impl Subscription for Subscribers {
     fn name(&self) -> &str {
         &self.port
     }
@@ -111,7 +111,7 @@ impl Onlooking for Onlookers {
             let show = Show::open(&folder, &port, &robots, has_mp).map_err(io::Error::other)?;
             Ok(Box::new(show) as Box<dyn Sink>)
         };
-        let begun = Ring::begin("onlookers", about, Box::new(open)).map_err(|error| error.to_string())?;
+        let begun = Ring::begin("subscribers", about, Box::new(open)).map_err(|error| error.to_string())?;
         Ok(Some(Rc::new(begun)))
     }
 
@@ -120,7 +120,7 @@ impl Onlooking for Onlookers {
     }
 }
 
-/// Whether onlookers are shown this.
+/// Whether subscribers are shown this.
 fn is_shown(what: &What) -> bool {
     match what {
         What::Step { .. } | What::Image { .. } | What::Fault { .. } | What::End { .. } => true,
@@ -140,9 +140,9 @@ fn is_shown(what: &What) -> bool {
 
 fn tell(port: &str, trouble: &Trouble) {
     match trouble {
-        // Messages are numbered by their steps: who looks on sees which are missing.
+        // Messages are numbered by their steps: a subscriber sees which are missing.
         Trouble::Slow | Trouble::Stuck { .. } | Trouble::Lost { .. } => {}
-        Trouble::Failed(why) => complain(&format!("warning: nobody looks on at `{port}`: {why}")),
+        Trouble::Failed(why) => complain(&format!("warning: nobody can subscribe at `{port}`: {why}")),
     }
 }
 
@@ -181,7 +181,7 @@ impl Show {
     fn show_cell(&mut self) {
         self.newest.sent = monotonic();
         if let Some(cell) = &self.cell {
-            // Nobody may look on, which is nobody's fault.
+            // Nobody may have subscribed, which is nobody's fault.
             let _ = cell.send_copy(self.newest);
         }
     }

@@ -83,13 +83,13 @@ pub struct Seen {
 
 /// Watches a cell.
 #[derive(Clone, Debug, Default)]
-pub struct Witness(Rc<RefCell<Seen>>);
+pub struct CellMonitor(Rc<RefCell<Seen>>);
 
-impl Witness {
+impl CellMonitor {
     /// One that has seen nothing yet.
     #[must_use]
-    pub fn new() -> Witness {
-        Witness::default()
+    pub fn new() -> CellMonitor {
+        CellMonitor::default()
     }
 
     /// What it has seen.
