@@ -1,6 +1,6 @@
-//! What drives the [pages](crate::pages) of a panel: the machine's clock, the desk of the cell, and the files of poses.
+//! What drives the [pages](crate::pages) of a panel: the machine's clock, the console server of the cell, and the files of poses.
 //!
-//! In: what connections hear, and what the desk shows and answers. Out: requests to the desk, work with files, sentences at the terminal, and news for
+//! In: what connections hear, and what the console server shows and answers. Out: requests to the console server, work with files, sentences at the terminal, and news for
 //! connections.
 
 use std::net::SocketAddr;
@@ -14,7 +14,7 @@ use tokio::sync::{oneshot, watch};
 use tokio::time::Instant;
 
 use crate::course::Course;
-use crate::desk::Shown;
+use crate::console_session::Shown;
 use crate::events::{Action, Key, Kind, To};
 use crate::now::Looks;
 use crate::pages::Pages;
@@ -43,10 +43,10 @@ pub enum Source {
     Over(Box<Course>),
 }
 
-/// The pages of a panel, and what stands around them: the clock, the desk, and the files of poses.
+/// The pages of a panel, and what stands around them: the clock, the console server, and the files of poses.
 pub struct Panel {
     state: Mutex<Shared>,
-    desk: Option<Box<dyn Asks>>,
+    console: Option<Box<dyn Asks>>,
     looks: Arc<Looks>,
     poses: Option<Arc<Poses>>,
     /// Tells connections that their pages have something new to be told.
@@ -66,17 +66,17 @@ impl Panel {
     /// Of a source, at an address, known by a token.
     #[must_use]
     pub fn new(source: Source, looks: Arc<Looks>, token: Token, address: SocketAddr) -> Panel {
-        let (desk, shown, course) = match source {
-            Source::Running(desk, mut shown) => {
+        let (console, shown, course) = match source {
+            Source::Running(console, mut shown) => {
                 shown.mark_changed();
-                (Some(desk), Some(shown), None)
+                (Some(console), Some(shown), None)
             }
             Source::Over(course) => (None, None, Some(course)),
         };
         let pages = Pages::new(Arc::clone(&looks), token, course);
         Panel {
             state: Mutex::new(Shared { pages, shown }),
-            desk,
+            console,
             looks,
             poses: None,
             news: watch::Sender::new(()),
@@ -143,14 +143,14 @@ impl Panel {
         match action {
             Action::Say(text) => complain(&format!("panel: {text}")),
             Action::Ask { request, by, to } => {
-                let answered = self.desk.as_ref().map(|desk| desk.ask(request, by));
+                let answered = self.console.as_ref().map(|console| console.ask(request, by));
                 if let Some(((to, kind), answered)) = to.zip(answered) {
                     self.tell(to, kind, answered);
                 }
             }
             Action::Stop { by, to } => {
-                if let Some(desk) = &self.desk {
-                    self.tell(to, Kind::Stop, desk.stop(by));
+                if let Some(console) = &self.console {
+                    self.tell(to, Kind::Stop, console.stop(by));
                 }
             }
             Action::Files { asked, shown, to } => {
@@ -167,7 +167,7 @@ impl Panel {
         }
     }
 
-    /// Tells a page what the desk answers, when it does.
+    /// Tells a page what the console server answers, when it does.
     fn tell(self: &Arc<Self>, to: To, kind: Kind, answered: oneshot::Receiver<Reply>) {
         let panel = Arc::clone(self);
         tokio::spawn(async move {

@@ -2,7 +2,7 @@
 
 use mrroc_processes::{OnBehalf, Request};
 
-use crate::desk::Shown;
+use crate::console_session::Shown;
 use crate::rules::authority::Page;
 use crate::rules::request::Asked;
 
@@ -33,7 +33,7 @@ pub struct To {
     pub number: u64,
 }
 
-/// What the desk answers.
+/// What the console server answers.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// What all pages are told by this word.
@@ -46,9 +46,9 @@ pub enum Kind {
 
 /// What is to be done for pages.
 pub enum Action {
-    /// The desk is asked for something, for somebody who waits for the answer, or for nobody.
+    /// The console server is asked for something, for somebody who waits for the answer, or for nobody.
     Ask { request: Request, by: OnBehalf, to: Option<(To, Kind)> },
-    /// The desk is asked for a stop, which waits for nothing else.
+    /// The console server is asked for a stop, which waits for nothing else.
     Stop { by: OnBehalf, to: To },
     /// Something is to be done with the files of poses, of a cell that showed this.
     Files { asked: Asked, shown: Shown, to: To },

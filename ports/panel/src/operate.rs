@@ -1,6 +1,6 @@
 //! What a page may ask for, and when.
 //!
-//! In: a message of a page that was let in, and the time. Out: requests to the desk; or why not.
+//! In: a message of a page that was let in, and the time. Out: requests to the console server; or why not.
 
 use core::time::Duration;
 
@@ -76,7 +76,7 @@ impl Pages {
             }
             Asked::LetGo => {
                 let left = self.control.leave(page);
-                self.tell_desk(by, left);
+                self.tell_console_server(by, left);
                 self.note(&format!("page {page}: let go of control"));
                 return Ok(Some("nobody has control"));
             }

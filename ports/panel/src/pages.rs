@@ -1,6 +1,6 @@
 //! All pages that are connected: what they are told, and what becomes of what they ask for.
 //!
-//! In: what they say, what the desk answers, and when, by the machine's monotonic clock. Out: frames for each of them, requests to the desk, and when to
+//! In: what they say, what the console server answers, and when, by the machine's monotonic clock. Out: frames for each of them, requests to the console server, and when to
 //! look again. Nothing here reads a clock, waits, or touches a socket: [`driver`](crate::driver) does. Nothing is shown and nothing is done before a page
 //! has shown the token. A page that speaks too much, says what is no message, or does not read, is disconnected; no other page and no cell waits for it.
 
@@ -14,7 +14,7 @@ use serde_json::json;
 
 use crate::control::Control;
 use crate::course::Course;
-use crate::desk::Shown;
+use crate::console_session::Shown;
 use crate::events::{Action, Heard, Key, Kind, To};
 use crate::now::Looks;
 use crate::rules::PAGES;
@@ -146,11 +146,11 @@ impl Pages {
     /// Ends the hold of a page that has said nothing for too long, and takes authority from it. When to look again, if nothing else happens.
     pub fn look(&mut self, now: Duration) -> Option<Duration> {
         if let Some((page, button)) = self.control.lapsed_hold(now) {
-            self.tell_desk(OnBehalf { page, heard: nanos(now) }, vec![Request::Press(button)]);
+            self.tell_console_server(OnBehalf { page, heard: nanos(now) }, vec![Request::Press(button)]);
             self.note(&format!("page {page} did not renew its hold"));
         }
         if let Some((page, requests)) = self.control.lapse(now) {
-            self.tell_desk(OnBehalf { page, heard: nanos(now) }, requests);
+            self.tell_console_server(OnBehalf { page, heard: nanos(now) }, requests);
             self.note(&format!("page {page} was silent for too long, and has lost control"));
         }
         self.control.lapses()
@@ -158,7 +158,7 @@ impl Pages {
 
     /// A page says something.
     pub fn hear(&mut self, key: Key, now: Duration, heard: Heard<'_>) {
-        // What has lapsed by now has done so before this, and the desk is told.
+        // What has lapsed by now has done so before this, and the console server is told.
         self.look(now);
         let holder = self.control.holder();
         let Some(session) = self.sessions.get(&key) else { return };
@@ -246,7 +246,7 @@ impl Pages {
         session.leave(now + FAREWELL, "the panel has closed the connection");
         // First of all: nobody holds anything for a page that is gone.
         let left = self.control.leave(page);
-        self.tell_desk(OnBehalf { page, heard: nanos(now) }, left);
+        self.tell_console_server(OnBehalf { page, heard: nanos(now) }, left);
         self.note(&format!("page {page} is gone{why}"));
     }
 
@@ -258,7 +258,7 @@ impl Pages {
         To { key, page, number }
     }
 
-    /// Asks the desk for something that a page is told of.
+    /// Asks the console server for something that a page is told of.
     pub(crate) fn ask(&mut self, key: Key, by: OnBehalf, number: u64, kind: Kind, request: Request) {
         let to = Some((self.awaits(key, by.page, number), kind));
         self.actions.push_back(Action::Ask { request, by, to });
@@ -271,15 +271,15 @@ impl Pages {
         self.actions.push_back(Action::Files { asked, shown, to });
     }
 
-    /// Asks the desk for something of which no page waits for the answer.
-    pub(crate) fn tell_desk(&mut self, by: OnBehalf, requests: Vec<Request>) {
+    /// Asks the console server for something of which no page waits for the answer.
+    pub(crate) fn tell_console_server(&mut self, by: OnBehalf, requests: Vec<Request>) {
         if self.course.is_none() {
             let ask = |request| Action::Ask { request, by, to: None };
             self.actions.extend(requests.into_iter().map(ask));
         }
     }
 
-    /// The desk has answered; `None`: it never will.
+    /// The console server has answered; `None`: it never will.
     pub fn answered(&mut self, to: To, kind: &Kind, reply: Option<Reply>) {
         let To { key, page, number } = to;
         let word = match (kind, &reply) {

@@ -17,7 +17,7 @@ use tokio::net::TcpListener;
 use tokio::sync::watch;
 
 use crate::course::Course;
-use crate::desk::{Desk, Shown};
+use crate::console_session::{ConsoleSession, Shown};
 use crate::driver::{Panel, Source, look_after};
 use crate::now::Looks;
 use crate::rules::token::Token;
@@ -41,11 +41,11 @@ const CERTIFICATES: &str = "certificates";
 /// Shows a cell that runs, until it ends.
 pub fn attend(layout: &Layout, cell: &Path) -> ExitCode {
     let looks = Arc::new(Looks::of(layout));
-    match Desk::open(cell, Arc::clone(&looks)) {
-        Ok((desk, shown)) => {
+    match ConsoleSession::open(cell, Arc::clone(&looks)) {
+        Ok((console, shown)) => {
             // Of this thread and those that it begins. Where it may not be set, the cell is shown all the same.
             let _ = rustix::process::nice(SERVES);
-            begin(looks, Source::Running(Box::new(desk), shown), Some(cell))
+            begin(looks, Source::Running(Box::new(console), shown), Some(cell))
         }
         Err(error) => refused(&error),
     }

@@ -10,7 +10,7 @@ use std::sync::Arc;
 use axum::extract::ws::Utf8Bytes;
 use serde_json::json;
 
-use crate::desk::Shown;
+use crate::console_session::Shown;
 use crate::now::Looks;
 use crate::rules::authority::Page;
 use crate::rules::rate::Rate;

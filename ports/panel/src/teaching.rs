@@ -7,7 +7,7 @@ use axum::extract::ws::Utf8Bytes;
 use mrroc_core::fault::Name;
 use serde_json::json;
 
-use crate::desk::Shown;
+use crate::console_session::Shown;
 use crate::now::Looks;
 use crate::poses::{Pose, Poses};
 use crate::rules::request::Asked;

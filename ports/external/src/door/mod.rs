@@ -9,7 +9,7 @@
 //! input: the door ends with it, however that ends.
 
 mod clock;
-mod desk;
+mod registry;
 mod frame;
 
 use std::io::{BufRead, BufReader, Read, Write};
@@ -26,7 +26,7 @@ use mrroc_launch::network::{Door, Doorway, HearsAtDoor, Network};
 
 use crate::message::Message;
 use crate::port::{Ends, ProgramEnds, folder, monotonic};
-use desk::Desk;
+use registry::ProgramRegistry;
 
 /// How often the door looks for an order: so much later one is at most.
 const LOOK: Duration = Duration::from_millis(1);
@@ -99,30 +99,30 @@ impl Drop for Opened {
 /// What threads of the network and the door's own share.
 #[derive(Debug, Default)]
 struct Shared {
-    desk: Mutex<Desk>,
+    registry: Mutex<ProgramRegistry>,
     woken: Condvar,
     /// Who has started the door is gone.
     is_over: AtomicBool,
 }
 
 impl Shared {
-    fn desk(&self) -> MutexGuard<'_, Desk> {
-        self.desk.lock().unwrap_or_else(PoisonError::into_inner)
+    fn registry(&self) -> MutexGuard<'_, ProgramRegistry> {
+        self.registry.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
 impl HearsAtDoor for Shared {
     fn came(&self, bytes: &[u8]) {
-        self.desk().came(bytes, monotonic());
+        self.registry().came(bytes, monotonic());
         self.woken.notify_one();
     }
 
     fn is_there(&self, program: u64) {
-        self.desk().is_there(program);
+        self.registry().is_there(program);
     }
 
     fn is_lost(&self, program: u64) {
-        self.desk().is_lost(program);
+        self.registry().is_lost(program);
     }
 }
 
@@ -165,11 +165,11 @@ pub(crate) fn keep(entry: &ExternalEntry, network: &'static dyn Network) -> Resu
 fn pass(ends: &ProgramEnds, doorway: &dyn Doorway, shared: &Shared) {
     let mut sent = 0;
     while !shared.is_over.load(Ordering::Acquire) {
-        let desk = shared.desk();
-        let waited = shared.woken.wait_timeout(desk, LOOK);
-        let mut desk = waited.map_or_else(|error| error.into_inner().0, |(desk, _)| desk);
-        let (reading, holder): (Option<Message>, u64) = (desk.take(), desk.holder());
-        drop(desk);
+        let registry = shared.registry();
+        let waited = shared.woken.wait_timeout(registry, LOOK);
+        let mut registry = waited.map_or_else(|error| error.into_inner().0, |(registry, _)| registry);
+        let (reading, holder): (Option<Message>, u64) = (registry.take(), registry.holder());
+        drop(registry);
         if let Some(reading) = reading {
             ends.send(reading);
         }

@@ -22,12 +22,12 @@ const UPGRADE: &str = "Connection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocke
 struct Served {
     connections: Connections,
     token: String,
-    /// What its desk was asked for.
+    /// What its console server was asked for.
     asked: Arc<AtomicUsize>,
     _shown: watch::Sender<Shown>,
 }
 
-/// A desk that does at once all that it is asked for, and counts it.
+/// A console server that does at once all that it is asked for, and counts it.
 struct AtOnce(Arc<AtomicUsize>);
 
 impl Asks for AtOnce {
@@ -47,9 +47,9 @@ fn served() -> Served {
     let (looks, token) = (Arc::new(looks()), Token::draw().expect("random numbers"));
     let (show, shown) = watch::channel(shown(&looks));
     let asked = Arc::new(AtomicUsize::new(0));
-    let desk = Box::new(AtOnce(Arc::clone(&asked)));
+    let console = Box::new(AtOnce(Arc::clone(&asked)));
     let address = HOST.parse().expect("an address");
-    let panel = Arc::new(Panel::new(Source::Running(desk, shown), looks, token, address));
+    let panel = Arc::new(Panel::new(Source::Running(console, shown), looks, token, address));
     tokio::spawn(look_after(Arc::clone(&panel)));
     Served { connections: Connections::of(panel), token: token.to_string(), asked, _shown: show }
 }
@@ -221,7 +221,7 @@ fn fault_203_of_a_crowd_of_connections_the_oldest_make_room_and_pages_are_answer
 }
 
 #[test]
-fn fault_203_huge_and_malformed_messages_floods_and_crowds_disconnect_who_sends_them_and_reach_no_desk() {
+fn fault_203_huge_and_malformed_messages_floods_and_crowds_disconnect_who_sends_them_and_reach_no_console_server() {
     run(async {
         let served = served();
         let mut good = served.known().await;

@@ -69,7 +69,7 @@ fn fault_200_who_does_not_take_the_refusal_of_the_token_is_gone_after_five_secon
 }
 
 #[test]
-fn fault_203_malformed_messages_and_floods_disconnect_who_sends_them_and_reach_no_desk() {
+fn fault_203_malformed_messages_and_floods_disconnect_who_sends_them_and_reach_no_console_server() {
     let mut fixture = fixture();
     let good = fixture.known();
     let page = fixture.known();
@@ -148,7 +148,7 @@ fn fault_203_a_page_that_does_not_read_is_disconnected_after_five_seconds_and_op
         fixture.pass(MS(100));
     }
     fixture.pass(MS(2000));
-    // The desk is told at the end of the fifth second; the connection is closed a second later, whatever it takes.
+    // The console server is told at the end of the fifth second; the connection is closed a second later, whatever it takes.
     assert_eq!(fixture.asked, [(at + MS(5000), Request::Release)]);
     assert_eq!(fixture.closed[&page].0, at + MS(6000));
     assert!(fixture.said.iter().any(|said| said == "page 2 is gone: it does not read"));

@@ -16,7 +16,7 @@ use std::sync::Arc;
 use mrroc_core::robot::Robot;
 use mrroc_robots::{Irp6, Six};
 
-use crate::desk::Shown;
+use crate::console_session::Shown;
 use crate::now::{Looks, Now, RobotNow};
 use crate::rules::request::Stamp;
 

@@ -1,4 +1,4 @@
-//! Pages, their desk and their clock, in one thread.
+//! Pages, their console server and their clock, in one thread.
 
 use std::collections::BTreeMap;
 use std::collections::VecDeque;
@@ -17,7 +17,7 @@ use crate::rules::token::Token;
 use crate::session::Outgoing;
 use crate::teaching;
 
-/// What a desk answers to a request.
+/// What a console server answers to a request.
 type Answers = Box<dyn FnMut(&Request) -> Option<Reply>>;
 
 /// Pages of a cell that is not there.
@@ -27,7 +27,7 @@ pub struct Fixture {
     pub token: String,
     pub now: Duration,
     answers: Answers,
-    /// What the desk was asked for and does not answer yet.
+    /// What the console server was asked for and does not answer yet.
     pub waiting: VecDeque<(To, Kind)>,
     /// What it was asked for, and when.
     pub asked: VecDeque<(Duration, Request)>,
@@ -44,12 +44,12 @@ pub struct Fixture {
     pub closed: BTreeMap<Key, (Duration, Option<&'static str>)>,
 }
 
-/// Pages of a cell whose desk does all that it is asked for.
+/// Pages of a cell whose console server does all that it is asked for.
 pub fn fixture() -> Fixture {
     fixture_by(|request| Some(Reply::Done(format!("{request}"))))
 }
 
-/// The same, whose desk answers so; nothing, if it does not answer.
+/// The same, whose console server answers so; nothing, if it does not answer.
 pub fn fixture_by(answers: impl FnMut(&Request) -> Option<Reply> + 'static) -> Fixture {
     let mut fixture = of_course(None);
     fixture.answers = Box::new(answers);
@@ -185,7 +185,7 @@ impl Fixture {
         self.settle();
     }
 
-    /// The next request that the desk was asked for.
+    /// The next request that the console server was asked for.
     pub fn request(&mut self) -> Option<Request> {
         self.asked.pop_front().map(|(_, request)| request)
     }

@@ -32,8 +32,8 @@ pub(super) struct Console {
     pub id: u64,
     pub pid: u32,
     pub asked: Asked,
-    /// Which MP its last request is for, and which one it watches, by the places of their desks.
-    pub desk: usize,
+    /// Which MP its last request is for, and which one it watches, by the places of their sessions.
+    pub session: usize,
     pub watched: usize,
     /// When it gets its next picture, if it watches.
     pub watches: Option<Instant>,
@@ -64,7 +64,7 @@ impl Console {
             id,
             pid,
             asked: Asked::Nothing,
-            desk: 0,
+            session: 0,
             watched: 0,
             watches: None,
             is_served: false,

@@ -5,13 +5,13 @@
 //! cell.
 //!
 //! [`protocol`] defines what the two sides write, [`picture`] and [`beside`] the state of the cell that is shown. On the launcher's
-//! side [`service`] is the server's thread, [`handle`] the launcher's handle of it, [`console`] one connection, [`desk`]
+//! side [`service`] is the server's thread, [`handle`] the launcher's handle of it, [`console`] one connection, [`mp_session`]
 //! what is asked of one MP, and [`presses`] the way of presses to the MP and back. [`caller`] is the console's side.
 
 mod beside;
 mod caller;
 mod console;
-mod desk;
+mod mp_session;
 mod handle;
 mod picture;
 mod presses;

@@ -1,6 +1,6 @@
-//! The cell's desk: this panel is one more console at it.
+//! A session with the cell's console server, of which this panel is one more console.
 //!
-//! In: what pages ask for. Out: the desk's answers, and what the cell does, twenty times a second. There are four connections, so
+//! In: what pages ask for. Out: the console server's answers, and what the cell does, twenty times a second. There are four connections, so
 //! that neither a picture nor another request ever holds up a stop, and a hold that is let go does not wait until its last renewal is
 //! answered, which takes a step and more.
 
@@ -24,7 +24,7 @@ use crate::now::{Looks, Now, RobotNow};
 use crate::readings::{OLD, of_words};
 use crate::rules::request::Stamp;
 
-/// Requests that wait for the desk.
+/// Requests that wait for the console server.
 const WAITING: usize = 16;
 
 /// How much nicer the thread is that makes pictures: it takes the time that all others leave.
@@ -56,20 +56,20 @@ struct Job {
     answer: oneshot::Sender<Reply>,
 }
 
-/// The desk.
+/// A session with the console server.
 #[derive(Clone)]
-pub struct Desk {
+pub struct ConsoleSession {
     requests: SyncSender<Job>,
     releases: SyncSender<Job>,
     stops: Sender<Job>,
 }
 
-impl Desk {
+impl ConsoleSession {
     /// Connects to the cell of a file, which may still be starting.
     ///
     /// # Errors
     /// No such cell runs, or it does not answer; with what to do.
-    pub fn open(cell: &Path, looks: Arc<Looks>) -> std::io::Result<(Desk, watch::Receiver<Shown>)> {
+    pub fn open(cell: &Path, looks: Arc<Looks>) -> std::io::Result<(ConsoleSession, watch::Receiver<Shown>)> {
         let (since, is_awaited) = (Instant::now(), std::env::var_os(AWAITED).is_some());
         let mut watching = loop {
             match Caller::to(cell) {
@@ -90,12 +90,12 @@ impl Desk {
         let (stops, waiting) = channel();
         let of = cell.to_owned();
         spawn("stops", move || stop(&of, &waiting))?;
-        Ok((Desk { requests, releases, stops }, shown))
+        Ok((ConsoleSession { requests, releases, stops }, shown))
     }
 
-    /// A desk of a test, which answers by a function.
+    /// A console session of a test, which answers by a function.
     #[cfg(test)]
-    pub fn of(answers: impl Fn(&Request) -> Reply + Send + Sync + 'static) -> Desk {
+    pub fn of(answers: impl Fn(&Request) -> Reply + Send + Sync + 'static) -> ConsoleSession {
         let answers = Arc::new(answers);
         let carries = |waiting: Receiver<Job>| {
             let answers = Arc::clone(&answers);
@@ -109,11 +109,11 @@ impl Desk {
         carries(waiting);
         let (stops, waiting) = channel();
         carries(waiting);
-        Desk { requests, releases, stops }
+        ConsoleSession { requests, releases, stops }
     }
 }
 
-impl Asks for Desk {
+impl Asks for ConsoleSession {
     fn ask(&self, request: Request, by: OnBehalf) -> oneshot::Receiver<Reply> {
         let (answer, answered) = oneshot::channel();
         let job = Job { request, by, since: Instant::now(), answer };
@@ -177,7 +177,7 @@ fn watch(mut caller: Caller, looks: &Looks, show: &watch::Sender<Shown>) {
     }
 }
 
-/// What a picture of the desk says.
+/// What a picture of the console server says.
 pub fn now(picture: Picture, looks: &Looks) -> Now {
     let time = picture.robots.iter().map(|robot| robot.time).fold(0.0, f64::max);
     let by = picture.by_whom().to_owned();
@@ -256,7 +256,7 @@ fn process(of: &ProcessPicture) -> Value {
     })
 }
 
-/// Carries requests to the desk, one after another.
+/// Carries requests to the console server, one after another.
 fn carry(cell: &Path, jobs: &Receiver<Job>) {
     let mut line = Line::to(cell);
     // It is there before it is needed.
@@ -274,7 +274,7 @@ fn carry(cell: &Path, jobs: &Receiver<Job>) {
     }
 }
 
-/// Carries stops to the desk: one for all that wait.
+/// Carries stops to the console server: one for all that wait.
 fn stop(cell: &Path, jobs: &Receiver<Job>) {
     let mut line = Line::to(cell);
     // It is there before it is needed.
@@ -290,7 +290,7 @@ fn stop(cell: &Path, jobs: &Receiver<Job>) {
     }
 }
 
-/// A connection to the desk, which is made again if it breaks.
+/// A connection to the console server, which is made again if it breaks.
 struct Line {
     cell: PathBuf,
     caller: Option<Caller>,
@@ -334,7 +334,7 @@ mod tests {
     fn fault_206_a_hold_that_is_let_go_does_not_wait_until_its_last_renewal_is_answered() {
         let (let_go, is_let_go) = sync_channel(1);
         let is_let_go = std::sync::Mutex::new(is_let_go);
-        let desk = Desk::of(move |request| match request {
+        let console = ConsoleSession::of(move |request| match request {
             Request::Press(Button::LetGo(_)) => {
                 let_go.send(()).expect("the renewal waits");
                 Reply::Done("let go".to_owned())
@@ -346,8 +346,8 @@ mod tests {
         });
         let by = OnBehalf { page: 1, heard: 0 };
         let renewal = Renewal::first(7);
-        let renewed = desk.ask(Request::Press(Button::Hold(renewal)), by);
-        let released = desk.ask(Request::Press(Button::LetGo(renewal.hold())), by);
+        let renewed = console.ask(Request::Press(Button::Hold(renewal)), by);
+        let released = console.ask(Request::Press(Button::LetGo(renewal.hold())), by);
         assert_eq!(released.blocking_recv(), Ok(Reply::Done("let go".to_owned())));
         assert_eq!(renewed.blocking_recv(), Ok(Reply::Done("after".to_owned())));
     }

@@ -15,7 +15,7 @@ const PROGRAMS: usize = 16;
 const NONE: u32 = 0;
 
 #[derive(Debug, Default)]
-pub(crate) struct Desk {
+pub(crate) struct ProgramRegistry {
     /// Those that are there, in the order in which they came.
     programs: Vec<u64>,
     holder: Option<u64>,
@@ -23,7 +23,7 @@ pub(crate) struct Desk {
     newest: Option<Message>,
 }
 
-impl Desk {
+impl ProgramRegistry {
     /// A program is there. Number 0 is nobody's.
     pub fn is_there(&mut self, program: u64) {
         if program != 0 && !self.programs.contains(&program) && self.programs.len() < PROGRAMS {
@@ -91,27 +91,27 @@ mod tests {
 
     #[test]
     fn fault_158_the_first_program_at_a_door_counts_until_it_is_gone_and_no_second_one_before() {
-        let mut desk = Desk::default();
-        desk.is_there(7);
-        desk.is_there(8);
-        assert_eq!(desk.holder(), 0, "nobody has sent anything");
-        desk.came(&said(9, [100, 100], 100), 100);
-        assert_eq!((desk.holder(), desk.take()), (0, None), "9 is not there");
-        desk.came(&said(8, [100, 1100], 1150), 200);
-        assert_eq!(desk.holder(), 8);
-        let taken = desk.take().expect("a message");
+        let mut registry = ProgramRegistry::default();
+        registry.is_there(7);
+        registry.is_there(8);
+        assert_eq!(registry.holder(), 0, "nobody has sent anything");
+        registry.came(&said(9, [100, 100], 100), 100);
+        assert_eq!((registry.holder(), registry.take()), (0, None), "9 is not there");
+        registry.came(&said(8, [100, 1100], 1150), 200);
+        assert_eq!(registry.holder(), 8);
+        let taken = registry.take().expect("a message");
         assert_eq!((taken.version, taken.time, taken.words[0]), (VERSION, 150, 42), "by the clock of here");
-        desk.came(&said(7, [100, 100], 150), 300);
-        assert_eq!((desk.holder(), desk.take()), (8, None));
-        desk.is_lost(7);
-        assert_eq!(desk.holder(), 8);
-        desk.is_there(7);
-        desk.is_lost(8);
-        desk.came(&said(8, [100, 1100], 1250), 300);
-        assert_eq!((desk.holder(), desk.take()), (0, None), "8 is gone");
-        desk.came(&said(7, [100, 100], 350), 400);
+        registry.came(&said(7, [100, 100], 150), 300);
+        assert_eq!((registry.holder(), registry.take()), (8, None));
+        registry.is_lost(7);
+        assert_eq!(registry.holder(), 8);
+        registry.is_there(7);
+        registry.is_lost(8);
+        registry.came(&said(8, [100, 1100], 1250), 300);
+        assert_eq!((registry.holder(), registry.take()), (0, None), "8 is gone");
+        registry.came(&said(7, [100, 100], 350), 400);
         assert_eq!(
-            (desk.holder(), desk.take().map(|taken| taken.time)),
+            (registry.holder(), registry.take().map(|taken| taken.time)),
             (7, Some(350)),
             "with a clock of its own"
         );
@@ -119,16 +119,16 @@ mod tests {
 
     #[test]
     fn fault_157_what_is_no_message_is_passed_on_as_one_of_another_version_and_what_has_no_time_is_not() {
-        let mut desk = Desk::default();
-        desk.is_there(7);
-        desk.came(&said(7, [0, 0], 5), 100);
-        assert_eq!(desk.take(), None, "it has got no order yet");
-        desk.came(&said(7, [100, 50], 60), 120);
-        assert_eq!(desk.take().map(|taken| taken.time), Some(110));
-        desk.came(&said(7, [100, 50], 60)[..100], 130);
-        assert_eq!(desk.take().map(|taken| (taken.version, taken.time)), Some((0, 130)));
+        let mut registry = ProgramRegistry::default();
+        registry.is_there(7);
+        registry.came(&said(7, [0, 0], 5), 100);
+        assert_eq!(registry.take(), None, "it has got no order yet");
+        registry.came(&said(7, [100, 50], 60), 120);
+        assert_eq!(registry.take().map(|taken| taken.time), Some(110));
+        registry.came(&said(7, [100, 50], 60)[..100], 130);
+        assert_eq!(registry.take().map(|taken| (taken.version, taken.time)), Some((0, 130)));
         // Crowds and nobody are not let in.
-        (0..100).for_each(|program| desk.is_there(program));
-        assert!(desk.programs.len() <= PROGRAMS && !desk.programs.contains(&0));
+        (0..100).for_each(|program| registry.is_there(program));
+        assert!(registry.programs.len() <= PROGRAMS && !registry.programs.contains(&0));
     }
 }

@@ -1,4 +1,4 @@
-//! The desk of one MP: that of the cell, or that of a lower one.
+//! The console session of one MP: that of the cell, or that of a lower one.
 //!
 //! In: the processes of the launch. Out: for each MP among them what consoles ask of it, and which processes its picture shows.
 
@@ -9,7 +9,7 @@ use mrroc_core::fault::{ProcessId, Role};
 use mrroc_core::operator::button::Button;
 
 /// What consoles ask of one MP: that of the cell, or that of a lower one.
-pub(super) struct Desk {
+pub(super) struct MpSession {
     pub mp: ProcessId,
     /// The presses under way, by their kinds.
     pub flights: [Option<Flight>; Button::KINDS],
@@ -20,15 +20,15 @@ pub(super) struct Desk {
     pub drawn: Option<Arc<str>>,
 }
 
-impl Desk {
-    /// The desks of the MPs among these processes.
-    pub fn of(processes: impl Iterator<Item = ProcessId>) -> Vec<Desk> {
+impl MpSession {
+    /// The sessions of the MPs among these processes.
+    pub fn of(processes: impl Iterator<Item = ProcessId>) -> Vec<MpSession> {
         let mps = processes.filter(|id| id.role == Role::Mp);
-        let desk =
-            |mp| Desk { mp, flights: [None; Button::KINDS], presses_made: 0, holder: None, drawn: None };
-        let mut desks: Vec<_> = mps.map(desk).collect();
-        desks.sort_by_key(|desk| desk.mp.name.is_some());
-        desks
+        let session =
+            |mp| MpSession { mp, flights: [None; Button::KINDS], presses_made: 0, holder: None, drawn: None };
+        let mut sessions: Vec<_> = mps.map(session).collect();
+        sessions.sort_by_key(|session| session.mp.name.is_some());
+        sessions
     }
 
     /// Whether a process is one of its cell.
@@ -47,7 +47,7 @@ mod tests {
     use mrroc_core::fault::Name;
 
     #[test]
-    fn the_uppermost_desk_comes_first_and_a_desk_has_the_processes_of_its_cell_and_of_those_in_it() {
+    fn the_uppermost_session_comes_first_and_a_session_has_the_processes_of_its_cell_and_of_those_in_it() {
         let id = |role, name: &str| ProcessId::new(role, Name::of_process(name).expect("a name"));
         let processes = [
             id(Role::Mp, "line"),
@@ -58,14 +58,14 @@ mod tests {
             id(Role::Vsp, "camera"),
             id(Role::Ecp, "line.arm"),
         ];
-        let desks = Desk::of(processes.into_iter());
-        let has = |desk: &Desk| processes.map(|process| desk.has(process));
+        let sessions = MpSession::of(processes.into_iter());
+        let has = |session: &MpSession| processes.map(|process| session.has(process));
         assert_eq!(
-            desks.iter().map(|desk| desk.mp).collect::<Vec<_>>(),
+            sessions.iter().map(|session| session.mp).collect::<Vec<_>>(),
             [processes[3], processes[0], processes[1]]
         );
-        assert_eq!(has(&desks[0]), [true; 7]);
-        assert_eq!(has(&desks[1]), [true, true, true, false, false, false, true]);
-        assert_eq!(has(&desks[2]), [false, true, true, false, false, false, false]);
+        assert_eq!(has(&sessions[0]), [true; 7]);
+        assert_eq!(has(&sessions[1]), [true, true, true, false, false, false, true]);
+        assert_eq!(has(&sessions[2]), [false, true, true, false, false, false, false]);
     }
 }
