@@ -158,7 +158,7 @@
 //! | 48 | `f64` | the speed that the operator wants, 0 to 1 |
 //! | 56 | `[u8; 240]` | the first fault since the last reset, as text, and zeros |
 
-mod door;
+mod gateway;
 mod message;
 mod numbers;
 mod plant;
@@ -179,12 +179,12 @@ use mrroc::fault::{Fault, FaultKind};
 use mrroc::payload::Wire;
 use mrroc::sensor::{EffectorState, ReadingOrder, Sensor, Taken, VirtualSensor};
 use mrroc_launch::cell_file::{CellFile, ExternalEntry};
-use mrroc_launch::network::doors_by;
+use mrroc_launch::network::gateways_by;
 
 pub use plant::plant;
 pub use subscribers::Subscribers;
 
-use door::Opened;
+use gateway::Opened;
 use message::{Foreign, Message, VERSION};
 use numbers::Numbers;
 use port::{Port, monotonic};
@@ -211,7 +211,7 @@ pub struct External<K: Sensor> {
     /// Of a program on another machine: where it calls, and the cell file.
     elsewhere: Option<(SocketAddr, PathBuf)>,
     // It ends before the port, which removes what a killed one leaves.
-    door: Option<Opened>,
+    gateway: Option<Opened>,
     port: Option<Port>,
     /// The last message that was believed.
     last: Option<Message>,
@@ -235,7 +235,7 @@ impl<K: Sensor> External<K> {
     where
         K::Configuration: Default,
     {
-        doors_by(door::keep);
+        gateways_by(gateway::run);
         file.sensor(name, Self::new(file.external(name)?)?)
     }
 
@@ -252,7 +252,7 @@ impl<K: Sensor> External<K> {
             numbers,
             patience: PATIENCE,
             elsewhere: entry.address().map(|address| (address, entry.cell_file().to_owned())),
-            door: None,
+            gateway: None,
             port: None,
             last: None,
             newest: None,
@@ -343,12 +343,12 @@ impl<K: Sensor> VirtualSensor for External<K> {
 
     fn open(&mut self) -> Result<(), Fault> {
         // What an attempt before has left is in the way of this one.
-        (self.door, self.port) = (None, None);
+        (self.gateway, self.port) = (None, None);
         let port = Port::open(&self.folder, &self.port_name);
         let failed = |why: String| Fault::new(FaultKind::SensorFailed).text(&why);
         self.port = Some(port.map_err(failed)?);
         if let Some((_, cell)) = &self.elsewhere {
-            self.door = Some(Opened::start(cell, &self.name).map_err(failed)?);
+            self.gateway = Some(Opened::start(cell, &self.name).map_err(failed)?);
         }
         self.await_program();
         Ok(())

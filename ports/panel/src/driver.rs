@@ -19,7 +19,7 @@ use crate::events::{Action, Key, Kind, To};
 use crate::now::Looks;
 use crate::pages::Pages;
 use crate::poses::Poses;
-use crate::rules::door::Door;
+use crate::rules::origin::OriginPolicy;
 use crate::rules::token::Token;
 use crate::teaching;
 
@@ -51,7 +51,7 @@ pub struct Panel {
     poses: Option<Arc<Poses>>,
     /// Tells connections that their pages have something new to be told.
     news: watch::Sender<()>,
-    pub door: Door,
+    pub origins: OriginPolicy,
     since: Instant,
     /// The machine's monotonic clock when the panel began.
     began: Duration,
@@ -80,7 +80,7 @@ impl Panel {
             looks,
             poses: None,
             news: watch::Sender::new(()),
-            door: Door::at(address),
+            origins: OriginPolicy::at(address),
             // First of the two, so that nothing is said to have been heard later than it was.
             began: monotonic(),
             since: Instant::now(),

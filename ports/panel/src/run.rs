@@ -114,7 +114,7 @@ async fn run(looks: Arc<Looks>, source: Source, cell: Option<&Path>) -> io::Resu
     let panel = Panel::new(source, looks, token, address);
     let panel = Arc::new(cell.into_iter().fold(panel, Panel::teaching));
     let how = if shown.is_some() { "" } else { " (Ctrl-C ends it)" };
-    let scheme = panel.door.scheme();
+    let scheme = panel.origins.scheme();
     let mut told = format!("panel: {scheme}{address}/#token={token}{how}\n");
     if let Some(secured) = &secured {
         told += &format!(

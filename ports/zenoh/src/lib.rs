@@ -12,7 +12,7 @@
 //! }
 //! ```
 //!
-//! [`Zenoh`] joins a node to the others (`session`), and opens the `door` of a sensor whose program is on another machine;
+//! [`Zenoh`] joins a node to the others (`session`), and opens the `gateway` of a sensor whose program is on another machine;
 //! `certificates` are made by `PROGRAM certificates FOLDER`, and `access`
 //! says which node may say what. What nodes say to one another, and when robots stop, is none of this crate's business:
 //! that is in `mrroc-processes`.
@@ -21,7 +21,7 @@
 
 mod access;
 mod certificates;
-mod door;
+mod gateway;
 mod session;
 #[cfg(test)]
 mod tests;
@@ -29,7 +29,7 @@ mod tests;
 use std::path::Path;
 use std::sync::Arc;
 
-use mrroc_launch::network::{Certified, Door, Doorway, Hears, HearsAtDoor, Joining, Network, Wires};
+use mrroc_launch::network::{Certified, Gateway, GatewayPort, Hears, HearsAtGateway, Joining, Network, Wires};
 
 /// The network of zenoh.
 #[derive(Clone, Copy, Debug)]
@@ -44,7 +44,7 @@ impl Network for Zenoh {
         certificates::make(whom, folder).map_err(|error| format!("{}: {error}", folder.display()))
     }
 
-    fn open_door(&self, door: &Door<'_>, hears: Arc<dyn HearsAtDoor>) -> Result<Box<dyn Doorway>, String> {
-        door::open(door, hears).map(|door| Box::new(door) as Box<dyn Doorway>)
+    fn open_gateway(&self, gateway: &Gateway<'_>, hears: Arc<dyn HearsAtGateway>) -> Result<Box<dyn GatewayPort>, String> {
+        gateway::open(gateway, hears).map(|gateway| Box::new(gateway) as Box<dyn GatewayPort>)
     }
 }

@@ -23,7 +23,7 @@ use zenoh::{Config, Session, Wait};
 use crate::access::{alive, control, way};
 use crate::certificates::Files;
 
-/// What nodes and doors speak below zenoh: QUIC, which is encrypted by TLS 1.3 over UDP. zenoh's other transport with certificates, TLS
+/// What nodes and gateways speak below zenoh: QUIC, which is encrypted by TLS 1.3 over UDP. zenoh's other transport with certificates, TLS
 /// over TCP, reads and writes one state of rustls from two threads at once (zenoh's issue 2557): messages vanish, and programs crash.
 const PROTOCOL: &str = "quic";
 

@@ -86,7 +86,7 @@ pub fn launch(
             | Word::External { .. }
             | Word::Node { .. }
             | Word::Certificates { .. }
-            | Word::Door { .. }
+            | Word::Gateway { .. }
             | Word::Panel { .. },
         )
         | None => {}
@@ -104,7 +104,7 @@ pub fn launch(
         Some(Word::ExportUrdf { robot }) => Some((Asked::Urdf, robot)),
         Some(Word::External { name }) => Some((Asked::Python, name)),
         Some(Word::Certificates { folder }) => Some((Asked::Certificates, folder)),
-        Some(Word::Door { name }) => Some((Asked::Door, name)),
+        Some(Word::Gateway { name }) => Some((Asked::Gateway, name)),
         Some(
             Word::Node { .. } | Word::Doctor | Word::Operating(_) | Word::Replay { .. } | Word::Panel { .. },
         )

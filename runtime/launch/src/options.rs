@@ -150,9 +150,9 @@ pub(super) enum Word {
         /// A new folder.
         folder: String,
     },
-    /// Keep the door of a sensor whose program is on another machine: its process starts this.
-    #[command(hide = true)]
-    Door {
+    /// Run the gateway of a sensor whose program is on another machine: its process starts this.
+    #[command(name = "door", hide = true)]
+    Gateway {
         /// The sensor.
         name: String,
     },

@@ -168,7 +168,7 @@ impl Launch {
             | Word::External { .. }
             | Word::Node { .. }
             | Word::Certificates { .. }
-            | Word::Door { .. }
+            | Word::Gateway { .. }
             | Word::Panel { .. } => {
                 return None;
             }

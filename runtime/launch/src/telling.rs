@@ -13,7 +13,7 @@ use mrroc_core::suggestion::suggestion;
 
 use super::cell_file::CellFile;
 use super::external;
-use super::network::{Certified, NO_NETWORK, keep_door, network};
+use super::network::{Certified, NO_NETWORK, run_gateway, network};
 
 /// What a part of the cell is asked for instead of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -28,8 +28,8 @@ pub(super) enum Asked {
     Node,
     /// To make certificates for all machines, in a folder of this name.
     Certificates,
-    /// To keep the door of a sensor, for the process of that sensor.
-    Door,
+    /// To run the gateway of a sensor, for the process of that sensor.
+    Gateway,
     /// To show it in a browser.
     Panel,
 }
@@ -43,7 +43,7 @@ impl Asked {
             "external" => Some(Asked::Python),
             "node" => Some(Asked::Node),
             "certificates" => Some(Asked::Certificates),
-            "door" => Some(Asked::Door),
+            "door" => Some(Asked::Gateway),
             "panel" => Some(Asked::Panel),
             _ => None,
         }
@@ -57,7 +57,7 @@ pub(super) fn tell(cell: &mut Cell, file: &Path, name: &str, asked: Asked) -> Ex
         Asked::Calibration => of_robot(cell, name, calibration),
         Asked::Urdf => of_robot(cell, name, urdf),
         Asked::Certificates => certificates(cell, file, name),
-        Asked::Door => keep_door(file, name),
+        Asked::Gateway => run_gateway(file, name),
         // What is no word of a robot or a sensor is asked of the processes.
         Asked::Node | Asked::Panel => refused(&"that is no part of a cell"),
     }
@@ -73,9 +73,9 @@ fn certificates(cell: &Cell, file: &Path, folder: &str) -> ExitCode {
             Err(error) => return refused(&error),
         },
     };
-    let doors: Vec<_> = file.iter().flat_map(CellFile::doors).collect();
+    let gateways: Vec<_> = file.iter().flat_map(CellFile::gateways).collect();
     let nodes = cell.nodes();
-    if nodes.is_none() && doors.is_empty() {
+    if nodes.is_none() && gateways.is_empty() {
         return refused(
             &"cell.toml has no nodes\n help: write a table [nodes.NAME] for each machine, or `address` into \
               [sensors.NAME.external] for a program on another one",
@@ -86,9 +86,9 @@ fn certificates(cell: &Cell, file: &Path, folder: &str) -> ExitCode {
         let (nodes, id) = (nodes?, ProcessId::new(Role::Vsp, Name::new(name).ok()?));
         nodes.all().get(nodes.of(id)?).map(|node| node.name.as_str())
     };
-    let doors =
-        doors.iter().filter_map(|door| Some((door.name(), door.address()?, place(door.name())))).collect();
-    let whom = Certified { nodes: nodes.map_or(&[], |nodes| nodes.all()), doors };
+    let gateways =
+        gateways.iter().filter_map(|gateway| Some((gateway.name(), gateway.address()?, place(gateway.name())))).collect();
+    let whom = Certified { nodes: nodes.map_or(&[], |nodes| nodes.all()), gateways };
     match network.certify(&whom, Path::new(folder)) {
         Ok(told) => say(&told),
         Err(error) => refused(&error),

@@ -20,7 +20,7 @@ const WAITING: usize = 16;
 /// How long the receiving thread sleeps at most, which is how long a [`Line`] takes to end.
 const NAP: Duration = Duration::from_millis(50);
 
-/// How often a [`Door`] looks whether the robot has come.
+/// How often a [`RobotListener`] looks whether the robot has come.
 const KNOCK: Duration = Duration::from_millis(2);
 
 /// Where the frame at the front of these bytes ends: how a protocol cuts its stream.
@@ -239,14 +239,14 @@ fn receive(
 /// are closed before anything of them is read, and counted.
 ///
 /// ```
-/// use mrroc_driver_kit::{Cutting, Door};
+/// use mrroc_driver_kit::{Cutting, RobotListener};
 /// use std::io::Write;
 ///
-/// let mut door = Door::open("127.0.0.1:0".parse()?, "127.0.0.1".parse()?, |_| Cutting::Frame(1))?;
-/// let mut robot = std::net::TcpStream::connect(door.address())?;
+/// let mut listener = RobotListener::open("127.0.0.1:0".parse()?, "127.0.0.1".parse()?, |_| Cutting::Frame(1))?;
+/// let mut robot = std::net::TcpStream::connect(listener.address())?;
 /// robot.write_all(b"!")?;
 /// let mut line = loop {
-///     if let Some(line) = door.answer() {
+///     if let Some(line) = listener.answer() {
 ///         break line;
 ///     }
 /// };
@@ -259,7 +259,7 @@ fn receive(
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug)]
-pub struct Door {
+pub struct RobotListener {
     address: SocketAddr,
     come: rtrb::Consumer<Line>,
     counters: Arc<Counters>,
@@ -267,12 +267,12 @@ pub struct Door {
     thread: Option<JoinHandle<()>>,
 }
 
-impl Door {
+impl RobotListener {
     /// Listens on `address`, one address of this machine and a port, for the robot alone.
     ///
     /// # Errors
     /// The address is none of this machine, or its port is taken; or a thread cannot be started.
-    pub fn open(address: SocketAddr, robot: IpAddr, cut: Cut) -> io::Result<Door> {
+    pub fn open(address: SocketAddr, robot: IpAddr, cut: Cut) -> io::Result<RobotListener> {
         let listener = TcpListener::bind(address)?;
         listener.set_nonblocking(true)?;
         let address = listener.local_addr()?;
@@ -280,9 +280,9 @@ impl Door {
         let (counters, ends) = (Arc::<Counters>::default(), Arc::<AtomicBool>::default());
         let (counts, over) = (Arc::clone(&counters), Arc::clone(&ends));
         let thread = std::thread::Builder::new()
-            .name("door".to_owned())
+            .name("listener".to_owned())
             .spawn(move || admit(&listener, robot, cut, sender, &counts, &over))?;
-        Ok(Door { address, come, counters, ends, thread: Some(thread) })
+        Ok(RobotListener { address, come, counters, ends, thread: Some(thread) })
     }
 
     /// Where it listens: the port that was found, where 0 was asked for.
@@ -303,7 +303,7 @@ impl Door {
     }
 }
 
-impl Drop for Door {
+impl Drop for RobotListener {
     fn drop(&mut self) {
         self.ends.store(true, Ordering::Release);
         // A thread that panicked has nothing left to end.
@@ -366,16 +366,16 @@ mod tests {
         }
     }
 
-    fn door() -> Door {
-        Door::open("127.0.0.1:0".parse().expect("an address"), "127.0.0.1".parse().expect("one"), cut)
+    fn listener() -> RobotListener {
+        RobotListener::open("127.0.0.1:0".parse().expect("an address"), "127.0.0.1".parse().expect("one"), cut)
             .expect("it listens")
     }
 
     #[test]
     fn frames_are_cut_from_the_stream_however_they_come() {
-        let mut door = door();
-        let mut robot = TcpStream::connect(door.address()).expect("connected");
-        let mut line = until(|| door.answer());
+        let mut listener = listener();
+        let mut robot = TcpStream::connect(listener.address()).expect("connected");
+        let mut line = until(|| listener.answer());
         for byte in [3, 1, 2, 1, 2, 9, 1] {
             robot.write_all(&[byte]).expect("sent");
             robot.flush().expect("sent");
@@ -396,32 +396,32 @@ mod tests {
 
     #[test]
     fn one_connection_of_the_robot_is_taken_and_none_of_others() {
-        let mut door = door();
+        let mut listener = listener();
         // It comes from the address that it calls.
         let others =
-            Door::open("127.0.0.1:0".parse().expect("an address"), "127.0.0.2".parse().expect("one"), cut);
+            RobotListener::open("127.0.0.1:0".parse().expect("an address"), "127.0.0.2".parse().expect("one"), cut);
         let mut others = others.expect("it listens");
         let mut stranger = TcpStream::connect(others.address()).expect("connected");
         until(|| (others.refused().of_others == 1).then_some(()));
         assert_eq!(stranger.read(&mut [0]).unwrap_or(0), 0, "it is closed");
         assert!(others.answer().is_none());
 
-        let first = TcpStream::connect(door.address()).expect("connected");
-        let line = until(|| door.answer());
-        let _second = TcpStream::connect(door.address()).expect("connected");
-        until(|| (door.refused().second == 1).then_some(()));
-        assert!(door.answer().is_none() && line.is_open());
+        let first = TcpStream::connect(listener.address()).expect("connected");
+        let line = until(|| listener.answer());
+        let _second = TcpStream::connect(listener.address()).expect("connected");
+        until(|| (listener.refused().second == 1).then_some(()));
+        assert!(listener.answer().is_none() && line.is_open());
         drop(first);
         until(|| (!line.is_open()).then_some(()));
-        let _third = TcpStream::connect(door.address()).expect("connected");
-        assert!(until(|| door.answer()).is_open());
+        let _third = TcpStream::connect(listener.address()).expect("connected");
+        assert!(until(|| listener.answer()).is_open());
     }
 
     #[test]
     fn what_the_other_end_does_not_take_closes_the_line_and_is_not_waited_for() {
-        let mut door = door();
-        let _robot = TcpStream::connect(door.address()).expect("connected");
-        let line = until(|| door.answer());
+        let mut listener = listener();
+        let _robot = TcpStream::connect(listener.address()).expect("connected");
+        let line = until(|| listener.answer());
         let lost = (0..100_000).find(|_| line.send(&[7; 4096]).is_err());
         assert!(lost.is_some_and(|full| full > 0) && !line.is_open());
     }

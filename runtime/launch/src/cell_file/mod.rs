@@ -290,7 +290,7 @@ impl CellFile {
     }
 
     /// The sensors whose programs are on other machines.
-    pub fn doors(&self) -> impl Iterator<Item = &ExternalEntry> {
+    pub fn gateways(&self) -> impl Iterator<Item = &ExternalEntry> {
         let external = self.sensors.iter().filter_map(|sensor| sensor.external.as_ref());
         external.filter(|external| external.address().is_some())
     }

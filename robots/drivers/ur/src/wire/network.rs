@@ -11,7 +11,7 @@ use std::net::{IpAddr, SocketAddr};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::time::Instant;
 
-use mrroc_driver_kit::{Cut, Door, Frame, Line, Refused};
+use mrroc_driver_kit::{Cut, RobotListener, Frame, Line, Refused};
 
 /// A frame that has come.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -125,7 +125,7 @@ impl Connection for TcpConnection {
 
 /// A listening socket.
 #[derive(Debug)]
-pub struct TcpPort(Door);
+pub struct TcpPort(RobotListener);
 
 impl Listener for TcpPort {
     type Connection = TcpConnection;
@@ -173,7 +173,7 @@ impl Network for Tcp {
     }
 
     fn listen(&mut self, at: SocketAddr, robot: IpAddr, cut: Cut) -> io::Result<TcpPort> {
-        Door::open(at, robot, cut).map(TcpPort)
+        RobotListener::open(at, robot, cut).map(TcpPort)
     }
 
     fn wait(&mut self, time: Duration) {

@@ -1,21 +1,21 @@
-//! The door of a sensor: where the program that sends its readings calls from another machine.
+//! The gateway of a sensor: where the program that sends its readings calls from another machine.
 //!
 //! In: what the sensor's process sends. Out: what a program with the certificate of that one sensor has sent, and which
 //! programs are there: each declares a token with a number of its own. Which of them is believed is the sensor's to say.
 
 use std::sync::Arc;
 
-use mrroc_launch::network::{Door, Doorway, HearsAtDoor};
+use mrroc_launch::network::{Gateway, GatewayPort, HearsAtGateway};
 use zenoh::pubsub::{Publisher, Subscriber};
 use zenoh::qos::{CongestionControl, Priority};
 use zenoh::sample::SampleKind;
 use zenoh::{Config, Wait};
 
-use crate::access::{DoorKeys, at_door};
-use crate::certificates::{Files, door};
+use crate::access::{GatewayKeys, at_gateway};
+use crate::certificates::{Files, gateway};
 use crate::session::{Parting, endpoint, settings};
 
-/// A door, as long as it lives.
+/// A gateway, as long as it lives.
 pub(crate) struct Open(Parting<Ways>);
 
 struct Ways {
@@ -23,25 +23,25 @@ struct Ways {
     _subscribers: [Subscriber<()>; 2],
 }
 
-impl Doorway for Open {
+impl GatewayPort for Open {
     fn send(&self, bytes: &[u8]) {
         // What cannot be sent is lost, as it would be in a cable.
         let _ = self.0.parts().map(|ways| ways.orders.put(bytes).wait());
     }
 }
 
-/// Opens a door.
-pub(crate) fn open(asked: &Door<'_>, hears: Arc<dyn HearsAtDoor>) -> Result<Open, String> {
-    let Door { sensor, address, keys } = *asked;
-    let files = Files::of(&door(sensor), keys, "NODE, or FOLDER/cell of a cell without nodes,")?;
+/// Opens a gateway.
+pub(crate) fn open(asked: &Gateway<'_>, hears: Arc<dyn HearsAtGateway>) -> Result<Open, String> {
+    let Gateway { sensor, address, keys } = *asked;
+    let files = Files::of(&gateway(sensor), keys, "NODE, or FOLDER/cell of a cell without nodes,")?;
     let endpoint = endpoint(address);
-    let config = settings(&[endpoint], &[], at_door(sensor), &files).to_string();
+    let config = settings(&[endpoint], &[], at_gateway(sensor), &files).to_string();
     let config = Config::from_json5(&config).map_err(|error| error.to_string())?;
     let session = zenoh::open(config).wait().map_err(|error| {
         format!("sensor {sensor} cannot wait at {address}: {error}\n help: is it this machine's address, and free?")
     })?;
-    let failed = |error: zenoh::Error| format!("the door of sensor {sensor}: {error}");
-    let keys = DoorKeys::of(sensor);
+    let failed = |error: zenoh::Error| format!("the gateway of sensor {sensor}: {error}");
+    let keys = GatewayKeys::of(sensor);
     // An order that the network does not take is dropped: the next one is newer.
     let orders = session.declare_publisher(keys.orders).congestion_control(CongestionControl::Drop);
     let orders = orders.priority(Priority::RealTime).express(true).wait().map_err(failed)?;

@@ -1,4 +1,4 @@
-//! The door: which requests come from a page of this panel.
+//! The origins that are admitted: which requests come from a page of this panel.
 //!
 //! In: the headers `Host` and `Origin`. Out: whether the request is answered. A page of another site cannot connect, because its
 //! origin is another one; a name of another site that is made to lead to this machine is no host of this panel.
@@ -7,7 +7,7 @@ use std::net::SocketAddr;
 
 /// The hosts by which this panel is called, and how its pages are reached.
 #[derive(Clone, Debug)]
-pub struct Door {
+pub struct OriginPolicy {
     hosts: Vec<String>,
     scheme: &'static str,
 }
@@ -32,10 +32,10 @@ pub enum Way {
     Connection,
 }
 
-impl Door {
+impl OriginPolicy {
     /// Of a panel at this address: of the loopback interface, by any of its names; or of a network, by that address alone and with TLS.
     #[must_use]
-    pub fn at(address: SocketAddr) -> Door {
+    pub fn at(address: SocketAddr) -> OriginPolicy {
         let port = address.port();
         if address.ip().is_loopback() {
             let mut hosts: Vec<_> =
@@ -44,14 +44,14 @@ impl Door {
             if !hosts.contains(&address.to_string()) {
                 hosts.push(address.to_string());
             }
-            return Door { hosts, scheme: "http://" };
+            return OriginPolicy { hosts, scheme: "http://" };
         }
         let mut hosts = vec![address.to_string()];
         if port == 443 {
             // What browsers leave out.
             hosts.extend(address.to_string().strip_suffix(":443").map(str::to_owned));
         }
-        Door { hosts, scheme: "https://" }
+        OriginPolicy { hosts, scheme: "https://" }
     }
 
     /// How its pages are reached: `http://`, or `https://` on a network.
@@ -85,12 +85,12 @@ mod tests {
 
     #[test]
     fn fault_201_a_page_of_another_origin_or_a_host_of_another_name_is_not_admitted() {
-        let door = Door::at(SocketAddr::from(([127, 0, 0, 1], 7411)));
-        let connection = |host: Option<&str>, origin: Option<&str>| door.admit(Way::Connection, host, origin);
+        let origins = OriginPolicy::at(SocketAddr::from(([127, 0, 0, 1], 7411)));
+        let connection = |host: Option<&str>, origin: Option<&str>| origins.admit(Way::Connection, host, origin);
         for host in ["127.0.0.1:7411", "localhost:7411", "[::1]:7411", "LocalHost:7411"] {
             let origin = format!("http://{host}");
             assert_eq!(connection(Some(host), Some(&origin)), Ok(()), "{host}");
-            assert_eq!(door.admit(Way::File, Some(host), None), Ok(()), "{host}");
+            assert_eq!(origins.admit(Way::File, Some(host), None), Ok(()), "{host}");
         }
         let own = Some("127.0.0.1:7411");
         for origin in [
@@ -104,38 +104,38 @@ mod tests {
             "",
         ] {
             assert_eq!(connection(own, Some(origin)), Err(NotAdmitted::Origin), "{origin}");
-            assert_eq!(door.admit(Way::File, own, Some(origin)), Err(NotAdmitted::Origin), "{origin}");
+            assert_eq!(origins.admit(Way::File, own, Some(origin)), Err(NotAdmitted::Origin), "{origin}");
         }
         assert_eq!(connection(own, None), Err(NotAdmitted::Origin));
         // A name that was made to lead here, the right name of another port, and none.
         for host in [Some("evil.example:7411"), Some("127.0.0.1:80"), Some("127.0.0.1"), Some(""), None] {
             assert_eq!(connection(host, Some("http://127.0.0.1:7411")), Err(NotAdmitted::Host), "{host:?}");
-            assert_eq!(door.admit(Way::File, host, None), Err(NotAdmitted::Host), "{host:?}");
+            assert_eq!(origins.admit(Way::File, host, None), Err(NotAdmitted::Host), "{host:?}");
         }
     }
 
     #[test]
     fn fault_201_on_a_network_a_panel_is_called_by_its_own_address_alone_and_never_without_tls() {
-        let door = Door::at(SocketAddr::from(([192, 0, 2, 1], 7411)));
+        let origins = OriginPolicy::at(SocketAddr::from(([192, 0, 2, 1], 7411)));
         let own = Some("192.0.2.1:7411");
-        assert_eq!(door.admit(Way::Connection, own, Some("https://192.0.2.1:7411")), Ok(()));
-        assert_eq!(door.admit(Way::File, own, None), Ok(()));
+        assert_eq!(origins.admit(Way::Connection, own, Some("https://192.0.2.1:7411")), Ok(()));
+        assert_eq!(origins.admit(Way::File, own, None), Ok(()));
         for origin in ["http://192.0.2.1:7411", "https://192.0.2.2:7411", "https://192.0.2.1", "null"] {
-            assert_eq!(door.admit(Way::Connection, own, Some(origin)), Err(NotAdmitted::Origin), "{origin}");
+            assert_eq!(origins.admit(Way::Connection, own, Some(origin)), Err(NotAdmitted::Origin), "{origin}");
         }
-        let second = Door::at(SocketAddr::from(([127, 0, 0, 2], 7411)));
+        let second = OriginPolicy::at(SocketAddr::from(([127, 0, 0, 2], 7411)));
         assert_eq!(second.admit(Way::File, Some("127.0.0.2:7411"), None), Ok(()));
         // Names that lead to loopback, and any other name.
         for host in ["127.0.0.1:7411", "localhost:7411", "cell.example:7411", "192.0.2.1"] {
             let origin = format!("https://{host}");
             assert_eq!(
-                door.admit(Way::Connection, Some(host), Some(&origin)),
+                origins.admit(Way::Connection, Some(host), Some(&origin)),
                 Err(NotAdmitted::Host),
                 "{host}"
             );
         }
         // The port of https is not said.
-        let door = Door::at(SocketAddr::from(([192, 0, 2, 1], 443)));
-        assert_eq!(door.admit(Way::Connection, Some("192.0.2.1"), Some("https://192.0.2.1")), Ok(()));
+        let origins = OriginPolicy::at(SocketAddr::from(([192, 0, 2, 1], 443)));
+        assert_eq!(origins.admit(Way::Connection, Some("192.0.2.1"), Some("https://192.0.2.1")), Ok(()));
     }
 }

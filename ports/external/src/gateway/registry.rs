@@ -1,4 +1,4 @@
-//! Who is at the door, whose readings count, and the newest of them.
+//! Who is at the gateway, whose readings count, and the newest of them.
 //!
 //! In: what programs send, and which of them are there. Out: messages as a program on this machine would send them, with times
 //! of this machine's clock. The first program that sends something counts for as long as it is there; no other one
@@ -90,7 +90,7 @@ mod tests {
     }
 
     #[test]
-    fn fault_158_the_first_program_at_a_door_counts_until_it_is_gone_and_no_second_one_before() {
+    fn fault_158_the_first_program_at_a_gateway_counts_until_it_is_gone_and_no_second_one_before() {
         let mut registry = ProgramRegistry::default();
         registry.is_there(7);
         registry.is_there(8);

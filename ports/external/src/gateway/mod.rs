@@ -1,12 +1,12 @@
-//! The door of a sensor for a program on another machine: a process of its own, which is to the sensor what a program on this
+//! The gateway of a sensor for a program on another machine: a process of its own, which is to the sensor what a program on this
 //! machine is.
 //!
 //! In: the sensor's orders by its port, and a program's readings by a network ([`mrroc_launch::network`]). Out: orders to
 //! the program, and readings to the port. So there is one adapter with one set of rules, no process with steps has a thread of
-//! the network in it, and iceoryx2 lets no second program of this machine write beside the door.
+//! the network in it, and iceoryx2 lets no second program of this machine write beside the gateway.
 //!
-//! The sensor's process starts the door as `PROGRAM door NAME --cell FILE` when it opens, and holds the other end of its standard
-//! input: the door ends with it, however that ends.
+//! The sensor's process starts the gateway as `PROGRAM door NAME --cell FILE` when it opens, and holds the other end of its standard
+//! input: the gateway ends with it, however that ends.
 
 mod clock;
 mod registry;
@@ -22,32 +22,32 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use mrroc_launch::cell_file::ExternalEntry;
-use mrroc_launch::network::{Door, Doorway, HearsAtDoor, Network};
+use mrroc_launch::network::{Gateway, GatewayPort, HearsAtGateway, Network};
 
 use crate::message::Message;
 use crate::port::{Ends, ProgramEnds, folder, monotonic};
 use registry::ProgramRegistry;
 
-/// How often the door looks for an order: so much later one is at most.
+/// How often the gateway looks for an order: so much later one is at most.
 const LOOK: Duration = Duration::from_millis(1);
 
 /// How long nothing is sent at most: before the cell begins, there are no orders \[ns\].
 const QUIET: u64 = 20_000_000;
 
-/// How long a door may take to open.
+/// How long a gateway may take to open.
 const OPENS: Duration = Duration::from_secs(10);
 
 /// How long it may take to end.
 const ENDS: Duration = Duration::from_millis(500);
 
-/// What a door says when it is open.
+/// What a gateway says when it is open.
 const OPEN: &str = "open";
 
-/// The door's process, which ends with this.
+/// The gateway's process, which ends with this.
 pub(crate) struct Opened(Child);
 
 impl Opened {
-    /// Starts the process that keeps the door of a sensor, and waits until it is open. It says itself what is wrong.
+    /// Starts the process that runs the gateway of a sensor, and waits until it is open. It says itself what is wrong.
     ///
     /// # Errors
     /// It does not open.
@@ -58,12 +58,12 @@ impl Opened {
                 .arg(cell)
                 .stdin(Stdio::piped())
                 .stdout(Stdio::piped())
-                // Ctrl-C is for the cell: a door that ended at once would be a sensor that is lost.
+                // Ctrl-C is for the cell: a gateway that ended at once would be a sensor that is lost.
                 .process_group(0)
                 .spawn()
         };
         let mut child =
-            start().map_err(|error: std::io::Error| format!("its door cannot be started: {error}"))?;
+            start().map_err(|error: std::io::Error| format!("its gateway cannot be started: {error}"))?;
         let said = child.stdout.take();
         let opened = Opened(child);
         let (tells, told) = channel();
@@ -74,8 +74,8 @@ impl Opened {
         });
         match told.recv_timeout(OPENS) {
             Ok(true) => Ok(opened),
-            Ok(false) => Err("its door to another machine does not open; that process says why".to_owned()),
-            Err(_) => Err("its door to another machine has not opened for 10 s".to_owned()),
+            Ok(false) => Err("its gateway to another machine does not open; that process says why".to_owned()),
+            Err(_) => Err("its gateway to another machine has not opened for 10 s".to_owned()),
         }
     }
 }
@@ -96,12 +96,12 @@ impl Drop for Opened {
     }
 }
 
-/// What threads of the network and the door's own share.
+/// What threads of the network and the gateway's own share.
 #[derive(Debug, Default)]
 struct Shared {
     registry: Mutex<ProgramRegistry>,
     woken: Condvar,
-    /// Who has started the door is gone.
+    /// Who has started the gateway is gone.
     is_over: AtomicBool,
 }
 
@@ -111,7 +111,7 @@ impl Shared {
     }
 }
 
-impl HearsAtDoor for Shared {
+impl HearsAtGateway for Shared {
     fn came(&self, bytes: &[u8]) {
         self.registry().came(bytes, monotonic());
         self.woken.notify_one();
@@ -126,11 +126,11 @@ impl HearsAtDoor for Shared {
     }
 }
 
-/// Keeps the door of a sensor until the process is gone that has started it.
+/// Runs the gateway of a sensor until the process is gone that has started it.
 ///
 /// # Errors
 /// Why it cannot be opened, and what to do.
-pub(crate) fn keep(entry: &ExternalEntry, network: &'static dyn Network) -> Result<(), String> {
+pub(crate) fn run(entry: &ExternalEntry, network: &'static dyn Network) -> Result<(), String> {
     give_back_priority();
     let Some(address) = entry.address() else {
         return Err(format!(
@@ -143,8 +143,8 @@ pub(crate) fn keep(entry: &ExternalEntry, network: &'static dyn Network) -> Resu
     let ends = ProgramEnds::open(node, entry.port())?;
     let shared = Arc::new(Shared::default());
     let keys = entry.cell_file().parent().unwrap_or(Path::new("")).join("certificates");
-    let door = Door { sensor: entry.name(), address, keys: &keys };
-    let doorway = network.open_door(&door, Arc::clone(&shared) as Arc<dyn HearsAtDoor>)?;
+    let gateway = Gateway { sensor: entry.name(), address, keys: &keys };
+    let port = network.open_gateway(&gateway, Arc::clone(&shared) as Arc<dyn HearsAtGateway>)?;
     let mut out = std::io::stdout();
     // Who has started it may be gone already, which is seen below.
     let _ = writeln!(out, "{OPEN}").and_then(|()| out.flush());
@@ -155,14 +155,14 @@ pub(crate) fn keep(entry: &ExternalEntry, network: &'static dyn Network) -> Resu
         seen.is_over.store(true, Ordering::Release);
         seen.woken.notify_one();
     });
-    pass(&ends, &*doorway, &shared);
+    pass(&ends, &*port, &shared);
     // The port is given back; a network may take its time for a farewell, which the end of the process says as well.
     drop(ends);
     std::process::exit(0)
 }
 
 /// Passes messages on until it is over.
-fn pass(ends: &ProgramEnds, doorway: &dyn Doorway, shared: &Shared) {
+fn pass(ends: &ProgramEnds, port: &dyn GatewayPort, shared: &Shared) {
     let mut sent = 0;
     while !shared.is_over.load(Ordering::Acquire) {
         let registry = shared.registry();
@@ -175,10 +175,10 @@ fn pass(ends: &ProgramEnds, doorway: &dyn Doorway, shared: &Shared) {
         }
         let now = monotonic();
         if let Some(order) = ends.newest() {
-            doorway.send(&frame::order(holder, now, &order));
+            port.send(&frame::order(holder, now, &order));
             sent = now;
         } else if now.saturating_sub(sent) > QUIET {
-            doorway.send(&frame::no_order(holder, now));
+            port.send(&frame::no_order(holder, now));
             sent = now;
         }
     }
