@@ -138,16 +138,16 @@ mod tests {
     #[test]
     fn an_mp_without_a_program_has_no_instructions_and_a_suspension_lasts_until_it_is_resumed() {
         let mut log = Log::default();
-        let nudge = Activity::default().begun(Doing::Move, TypeName::NONE);
+        let trigger = Activity::default().begun(Doing::Move, TypeName::NONE);
         for i in 0..10 {
-            let mut now = nudge;
+            let mut now = trigger;
             now.suspended = (3..6).contains(&i);
             log.observe(f64::from(i), &now);
         }
         assert!(log.spans().is_empty());
         assert_eq!(log.suspensions(), [Range { low: 3.0, high: 6.0 }]);
         // Of another robot's slower period, which is told later.
-        let mut late = nudge;
+        let mut late = trigger;
         late.suspended = true;
         log.observe(4.0, &late);
         assert_eq!(log.suspensions().len(), 1);

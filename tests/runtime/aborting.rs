@@ -115,7 +115,7 @@ fn a_program_of_an_ecp_that_ignores_the_end_of_its_instruction_is_ended() {
     });
     let cell = Cell::new(MS).robot(robot).program(|mp| {
         let mut g = mp.robot::<Gantry>("g")?;
-        mp.move_robots((&mut g,), (), Nudging(100)).map(drop)
+        mp.move_robots((&mut g,), (), Triggering(100)).map(drop)
     });
     let fault = fault(cell.run());
     assert_eq!(fault.robot().expect("named").as_str(), "g", "{fault}");
@@ -124,10 +124,10 @@ fn a_program_of_an_ecp_that_ignores_the_end_of_its_instruction_is_ended() {
     assert!(fault.message().contains("the end of its instruction"), "{fault}");
 }
 
-struct Nudging(u32);
+struct Triggering(u32);
 
 #[generator(mp)]
-fn nudging(c: &mut Nudging) -> mrroc::generator::Step<(Gantry,), Phase> {
+fn triggering(c: &mut Triggering) -> mrroc::generator::Step<(Gantry,), Phase> {
     if c.0 == 0 {
         return mrroc::generator::Step::Done;
     }
@@ -144,12 +144,12 @@ fn fault_36_an_abort_while_nothing_runs_is_refused_and_the_next_instruction_runs
     operator.abort();
     let cell = cell.program(move |mp| {
         let mut g = mp.robot::<Gantry>("g")?;
-        mp.move_robots((&mut g,), (), Nudging2(5))?;
+        mp.move_robots((&mut g,), (), Triggering2(5))?;
         assert!(!operator.is_running());
         operator.abort();
         mp.wait_until((), (), Soon(5))?;
         operator.abort();
-        mp.move_robots((&mut g,), (), Nudging2(5)).map(drop)
+        mp.move_robots((&mut g,), (), Triggering2(5)).map(drop)
     });
     cell.run().expect("there was nothing to abort");
 }
@@ -193,10 +193,10 @@ fn rising(c: &mut Rising, t: mrroc::generator::Tick) -> mrroc::generator::Step<(
     mrroc::generator::Step::Next((crate::runtime::kit::x(c.x),))
 }
 
-struct Nudging2(u32);
+struct Triggering2(u32);
 
 #[generator(mp)]
-fn nudging2(c: &mut Nudging2) -> mrroc::generator::Step<(Gantry,)> {
+fn triggering2(c: &mut Triggering2) -> mrroc::generator::Step<(Gantry,)> {
     if c.0 == 0 {
         return mrroc::generator::Step::Done;
     }
@@ -291,7 +291,7 @@ fn a_program_that_returns_the_end_of_an_instruction_that_goes_on_is_stopped() {
         });
         let cell = Cell::new(MS).robot(robot).program(|mp| {
             let mut g = mp.robot::<Gantry>("g")?;
-            mp.move_robots((&mut g,), (), Nudging(1000)).map(drop)
+            mp.move_robots((&mut g,), (), Triggering(1000)).map(drop)
         });
         let fault = fault(cell.run());
         assert!(matches!(fault.kind(), FaultKind::Program | FaultKind::TimedOut), "{kind:?}: {fault}");

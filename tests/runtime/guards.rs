@@ -159,15 +159,15 @@ struct Slow;
 
 impl mrroc::sensor::Sensor for Slow {
     const KIND: &'static str = "slow";
-    type Reading = mrroc::payload::Nudge;
+    type Reading = mrroc::payload::Trigger;
     type Configuration = ();
 }
 
 impl mrroc::sensor::VirtualSensor for Slow {
     type Kind = Slow;
 
-    fn aggregate(&mut self, _: &mrroc::sensor::ReadingOrder<()>) -> Result<mrroc::payload::Nudge, Fault> {
-        Ok(mrroc::payload::Nudge)
+    fn aggregate(&mut self, _: &mrroc::sensor::ReadingOrder<()>) -> Result<mrroc::payload::Trigger, Fault> {
+        Ok(mrroc::payload::Trigger)
     }
 }
 

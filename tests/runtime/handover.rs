@@ -154,11 +154,11 @@ fn a_robot_whose_program_is_over_brakes_from_a_blend_at_once() {
     brakes_at_once(&trace.borrow());
 }
 
-/// Nudges for so many steps.
-struct Nudging(u32);
+/// Triggers for so many steps.
+struct Triggering(u32);
 
 #[generator(mp)]
-fn nudging(c: &mut Nudging) -> Step<(Gantry,), Phase> {
+fn triggering(c: &mut Triggering) -> Step<(Gantry,), Phase> {
     if c.0 == 0 {
         return Step::Done;
     }
@@ -213,8 +213,8 @@ fn a_blend_of_the_mp_hands_over_a_robot_in_the_middle_of_a_path_of_its_own() {
     });
     let cell = Cell::new(MS).robot(robot).program(|mp| {
         let mut g = mp.robot::<Gantry>("g")?;
-        mp.blend_robots((&mut g,), (), Nudging(150))?;
-        mp.move_robots((&mut g,), (), nudge {}).map(drop)
+        mp.blend_robots((&mut g,), (), Triggering(150))?;
+        mp.move_robots((&mut g,), (), trigger {}).map(drop)
     });
     cell.run().expect("the hand-over keeps the limits");
     let trace = trace.borrow();
@@ -225,7 +225,7 @@ fn a_blend_of_the_mp_hands_over_a_robot_in_the_middle_of_a_path_of_its_own() {
 }
 
 #[generator(mp)]
-fn nudge() -> Always<(Gantry,), Phase> {
+fn trigger() -> Always<(Gantry,), Phase> {
     Always((Phase::Approach,))
 }
 

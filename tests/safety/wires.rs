@@ -10,7 +10,7 @@ use mrroc::testing::{Case, Channel, Injected, LinkFault, Sweep, SweepReport, Wir
 use mrroc_robots::{Polycrank, Rnt};
 use mrroc_tests::{Gantry, MS};
 
-use super::cells::{Phase, Smooth, gantry, nudged, posed};
+use super::cells::{Phase, Smooth, gantry, posed, triggered};
 
 /// Wires of 0 to 15 ms to and fro, half of it each way: always the same, or each message by itself.
 fn wires(lost_per_mille: u32) -> impl Iterator<Item = Wire> {
@@ -28,7 +28,7 @@ fn loose(step: Duration) -> Cell {
         ecp.obey(|ecp, _: Phase| ecp.move_robot((), Smooth::to(-0.03, 0.3)).map(drop))
     };
     let [a, b] = ["a", "b"].map(|name| gantry(name, MS).program(program));
-    Cell::new(step).robot(a).robot(b).program(nudged)
+    Cell::new(step).robot(a).robot(b).program(triggered)
 }
 
 /// The loose motions at the other end of each wire, which begins in one of `every` steps, or ends in one of them.

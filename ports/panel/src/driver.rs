@@ -13,8 +13,8 @@ use mrroc_processes::{OnBehalf, Reply, Request};
 use tokio::sync::{oneshot, watch};
 use tokio::time::Instant;
 
-use crate::course::Course;
 use crate::console_session::Shown;
+use crate::course::Course;
 use crate::events::{Action, Key, Kind, To};
 use crate::now::Looks;
 use crate::pages::Pages;

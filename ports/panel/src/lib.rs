@@ -24,11 +24,11 @@ pub mod rules;
 #[cfg(all(feature = "server", target_os = "linux"))]
 mod beside;
 #[cfg(all(feature = "server", target_os = "linux"))]
+mod console_session;
+#[cfg(all(feature = "server", target_os = "linux"))]
 mod control;
 #[cfg(all(feature = "server", target_os = "linux"))]
 mod course;
-#[cfg(all(feature = "server", target_os = "linux"))]
-mod console_session;
 #[cfg(all(feature = "server", target_os = "linux"))]
 mod driver;
 #[cfg(all(feature = "server", target_os = "linux"))]

@@ -12,9 +12,9 @@ use axum::extract::ws::Utf8Bytes;
 use mrroc_processes::{OnBehalf, Reply, Request};
 use serde_json::json;
 
+use crate::console_session::Shown;
 use crate::control::Control;
 use crate::course::Course;
-use crate::console_session::Shown;
 use crate::events::{Action, Heard, Key, Kind, To};
 use crate::now::Looks;
 use crate::rules::PAGES;

@@ -16,8 +16,8 @@ use mrroc_core::observe::layout::Layout;
 use tokio::net::TcpListener;
 use tokio::sync::watch;
 
-use crate::course::Course;
 use crate::console_session::{ConsoleSession, Shown};
+use crate::course::Course;
 use crate::driver::{Panel, Source, look_after};
 use crate::now::Looks;
 use crate::rules::token::Token;

@@ -14,8 +14,8 @@ use mrroc_robots::sensors::{WristForce, WristOrder};
 use mrroc_robots::{Irp6, SimulatedIrp6, Six};
 use serde_json::json;
 
-use crate::course::{Course, StepSeen};
 use crate::console_session::now;
+use crate::course::{Course, StepSeen};
 use crate::now::Looks;
 
 const START: Six = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);

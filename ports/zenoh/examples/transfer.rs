@@ -18,7 +18,7 @@ use mrroc::prelude::*;
 use mrroc::robot::JointVector;
 use mrroc_generators::generators::JointMove;
 use mrroc_robots::{Polycrank, Rnt};
-use transfer::generators::Nudge;
+use transfer::generators::Trigger;
 use transfer::orders::Phase;
 
 fn main() -> ExitCode {
@@ -60,8 +60,8 @@ fn with_start<R: Robot>(
 fn loosely(mp: &mut Mp, times: u32) -> Result<(), Fault> {
     let (mut rnt, mut polycrank) = (mp.robot::<Rnt>("rnt")?, mp.robot::<Polycrank>("polycrank")?);
     for _ in 0..times {
-        mp.move_robots((&mut rnt, &mut polycrank), (), Nudge::to(Phase::Approach))?;
-        mp.move_robots((&mut rnt, &mut polycrank), (), Nudge::to(Phase::Withdraw))?;
+        mp.move_robots((&mut rnt, &mut polycrank), (), Trigger::to(Phase::Approach))?;
+        mp.move_robots((&mut rnt, &mut polycrank), (), Trigger::to(Phase::Withdraw))?;
     }
     Ok(())
 }

@@ -29,7 +29,9 @@ mod tests;
 use std::path::Path;
 use std::sync::Arc;
 
-use mrroc_launch::network::{Certified, Gateway, GatewayPort, Hears, HearsAtGateway, Joining, Network, Wires};
+use mrroc_launch::network::{
+    Certified, Gateway, GatewayPort, Hears, HearsAtGateway, Joining, Network, Wires,
+};
 
 /// The network of zenoh.
 #[derive(Clone, Copy, Debug)]
@@ -44,7 +46,11 @@ impl Network for Zenoh {
         certificates::make(whom, folder).map_err(|error| format!("{}: {error}", folder.display()))
     }
 
-    fn open_gateway(&self, gateway: &Gateway<'_>, hears: Arc<dyn HearsAtGateway>) -> Result<Box<dyn GatewayPort>, String> {
+    fn open_gateway(
+        &self,
+        gateway: &Gateway<'_>,
+        hears: Arc<dyn HearsAtGateway>,
+    ) -> Result<Box<dyn GatewayPort>, String> {
         gateway::open(gateway, hears).map(|gateway| Box::new(gateway) as Box<dyn GatewayPort>)
     }
 }

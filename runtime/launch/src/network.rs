@@ -125,7 +125,11 @@ pub trait Network: Debug + Sync {
     ///
     /// # Errors
     /// Why it cannot be opened, and what to do.
-    fn open_gateway(&self, gateway: &Gateway<'_>, hears: Arc<dyn HearsAtGateway>) -> Result<Box<dyn GatewayPort>, String>;
+    fn open_gateway(
+        &self,
+        gateway: &Gateway<'_>,
+        hears: Arc<dyn HearsAtGateway>,
+    ) -> Result<Box<dyn GatewayPort>, String>;
 }
 
 /// Who hears what comes from other nodes. It is called in threads of the network, and must not wait.

@@ -13,7 +13,7 @@ use mrroc_core::suggestion::suggestion;
 
 use super::cell_file::CellFile;
 use super::external;
-use super::network::{Certified, NO_NETWORK, run_gateway, network};
+use super::network::{Certified, NO_NETWORK, network, run_gateway};
 
 /// What a part of the cell is asked for instead of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -86,8 +86,10 @@ fn certificates(cell: &Cell, file: &Path, folder: &str) -> ExitCode {
         let (nodes, id) = (nodes?, ProcessId::new(Role::Vsp, Name::new(name).ok()?));
         nodes.all().get(nodes.of(id)?).map(|node| node.name.as_str())
     };
-    let gateways =
-        gateways.iter().filter_map(|gateway| Some((gateway.name(), gateway.address()?, place(gateway.name())))).collect();
+    let gateways = gateways
+        .iter()
+        .filter_map(|gateway| Some((gateway.name(), gateway.address()?, place(gateway.name()))))
+        .collect();
     let whom = Certified { nodes: nodes.map_or(&[], |nodes| nodes.all()), gateways };
     match network.certify(&whom, Path::new(folder)) {
         Ok(told) => say(&told),

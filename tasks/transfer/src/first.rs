@@ -5,7 +5,7 @@ use mrroc_generators::cooperation::{BodyFrame, Displacement, StraightBody};
 use mrroc_generators::generators::{JointMove, RigidCarry, StraightLine, TransmitDisplacement};
 use mrroc_robots::{Gripper, One, Polycrank, Rnt};
 
-use crate::generators::Nudge;
+use crate::generators::Trigger;
 use crate::orders::Phase;
 use crate::places::{CLOSED, End, OPEN, back, bar, grasp, legs, limits};
 
@@ -17,8 +17,8 @@ use crate::places::{CLOSED, End, OPEN, back, bar, grasp, legs, limits};
 pub fn coordinate(mp: &mut Mp) -> Result<(), Fault> {
     let (mut rnt, mut polycrank) = (mp.robot::<Rnt>("rnt")?, mp.robot::<Polycrank>("polycrank")?);
     let mut hands = (mp.robot::<Gripper>("rnt-hand")?, mp.robot::<Gripper>("polycrank-hand")?);
-    mp.move_robots((&mut rnt, &mut polycrank), (), Nudge::to(Phase::Approach))?;
-    mp.move_robots([&mut hands.0, &mut hands.1], (), Nudge::to(Phase::Close))?;
+    mp.move_robots((&mut rnt, &mut polycrank), (), Trigger::to(Phase::Approach))?;
+    mp.move_robots([&mut hands.0, &mut hands.1], (), Trigger::to(Phase::Close))?;
     let mut X_WB = bar();
     for X_BsB in legs() {
         let path = StraightBody::by(X_BsB, limits());
@@ -26,8 +26,8 @@ pub fn coordinate(mp: &mut Mp) -> Result<(), Fault> {
         mp.move_robots((&mut rnt, &mut polycrank), (), carry)?;
         X_WB *= X_BsB;
     }
-    mp.move_robots([&mut hands.0, &mut hands.1], (), Nudge::to(Phase::Open))?;
-    mp.move_robots((&mut rnt, &mut polycrank), (), Nudge::to(Phase::Withdraw))?;
+    mp.move_robots([&mut hands.0, &mut hands.1], (), Trigger::to(Phase::Open))?;
+    mp.move_robots((&mut rnt, &mut polycrank), (), Trigger::to(Phase::Withdraw))?;
     Ok(())
 }
 

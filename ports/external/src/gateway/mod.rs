@@ -9,8 +9,8 @@
 //! input: the gateway ends with it, however that ends.
 
 mod clock;
-mod registry;
 mod frame;
+mod registry;
 
 use std::io::{BufRead, BufReader, Read, Write};
 use std::os::unix::process::CommandExt;
@@ -74,7 +74,9 @@ impl Opened {
         });
         match told.recv_timeout(OPENS) {
             Ok(true) => Ok(opened),
-            Ok(false) => Err("its gateway to another machine does not open; that process says why".to_owned()),
+            Ok(false) => {
+                Err("its gateway to another machine does not open; that process says why".to_owned())
+            }
             Err(_) => Err("its gateway to another machine has not opened for 10 s".to_owned()),
         }
     }

@@ -86,7 +86,8 @@ mod tests {
     #[test]
     fn fault_201_a_page_of_another_origin_or_a_host_of_another_name_is_not_admitted() {
         let origins = OriginPolicy::at(SocketAddr::from(([127, 0, 0, 1], 7411)));
-        let connection = |host: Option<&str>, origin: Option<&str>| origins.admit(Way::Connection, host, origin);
+        let connection =
+            |host: Option<&str>, origin: Option<&str>| origins.admit(Way::Connection, host, origin);
         for host in ["127.0.0.1:7411", "localhost:7411", "[::1]:7411", "LocalHost:7411"] {
             let origin = format!("http://{host}");
             assert_eq!(connection(Some(host), Some(&origin)), Ok(()), "{host}");
@@ -121,7 +122,11 @@ mod tests {
         assert_eq!(origins.admit(Way::Connection, own, Some("https://192.0.2.1:7411")), Ok(()));
         assert_eq!(origins.admit(Way::File, own, None), Ok(()));
         for origin in ["http://192.0.2.1:7411", "https://192.0.2.2:7411", "https://192.0.2.1", "null"] {
-            assert_eq!(origins.admit(Way::Connection, own, Some(origin)), Err(NotAdmitted::Origin), "{origin}");
+            assert_eq!(
+                origins.admit(Way::Connection, own, Some(origin)),
+                Err(NotAdmitted::Origin),
+                "{origin}"
+            );
         }
         let second = OriginPolicy::at(SocketAddr::from(([127, 0, 0, 2], 7411)));
         assert_eq!(second.admit(Way::File, Some("127.0.0.2:7411"), None), Ok(()));

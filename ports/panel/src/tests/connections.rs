@@ -221,7 +221,8 @@ fn fault_203_of_a_crowd_of_connections_the_oldest_make_room_and_pages_are_answer
 }
 
 #[test]
-fn fault_203_huge_and_malformed_messages_floods_and_crowds_disconnect_who_sends_them_and_reach_no_console_server() {
+fn fault_203_huge_and_malformed_messages_floods_and_crowds_disconnect_who_sends_them_and_reach_no_console_server()
+ {
     run(async {
         let served = served();
         let mut good = served.known().await;

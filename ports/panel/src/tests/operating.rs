@@ -99,7 +99,8 @@ fn fault_206_a_page_that_falls_silent_while_it_holds_lets_go_and_loses_authority
 }
 
 #[test]
-fn fault_206_what_has_lapsed_is_told_to_the_console_server_also_where_the_page_speaks_before_anybody_has_looked() {
+fn fault_206_what_has_lapsed_is_told_to_the_console_server_also_where_the_page_speaks_before_anybody_has_looked()
+ {
     let mut fixture = fixture();
     let page = in_control(&mut fixture);
     let held = holds(&mut fixture, page);

@@ -367,8 +367,12 @@ mod tests {
     }
 
     fn listener() -> RobotListener {
-        RobotListener::open("127.0.0.1:0".parse().expect("an address"), "127.0.0.1".parse().expect("one"), cut)
-            .expect("it listens")
+        RobotListener::open(
+            "127.0.0.1:0".parse().expect("an address"),
+            "127.0.0.1".parse().expect("one"),
+            cut,
+        )
+        .expect("it listens")
     }
 
     #[test]
@@ -398,8 +402,11 @@ mod tests {
     fn one_connection_of_the_robot_is_taken_and_none_of_others() {
         let mut listener = listener();
         // It comes from the address that it calls.
-        let others =
-            RobotListener::open("127.0.0.1:0".parse().expect("an address"), "127.0.0.2".parse().expect("one"), cut);
+        let others = RobotListener::open(
+            "127.0.0.1:0".parse().expect("an address"),
+            "127.0.0.2".parse().expect("one"),
+            cut,
+        );
         let mut others = others.expect("it listens");
         let mut stranger = TcpStream::connect(others.address()).expect("connected");
         until(|| (others.refused().of_others == 1).then_some(()));

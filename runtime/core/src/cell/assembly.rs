@@ -65,7 +65,7 @@ impl Cell {
         if link.simulation() != Simulation::Free {
             self.parts.refuse_hardware(names)?;
         }
-        let nudged = self.coordination.program.is_none();
+        let triggered = self.coordination.program.is_none();
         let patience = Patience::of_step(self.timing.step);
         let outcomes = Outcomes::default();
         let (above, shared) = above.unzip();
@@ -155,7 +155,7 @@ impl Cell {
                 period: self.timing.step,
                 delay,
                 pace,
-                nudged,
+                triggered,
                 step_observers: step_observers.clone(),
                 signals,
                 named: Rc::clone(&named),
@@ -208,7 +208,7 @@ impl Cell {
                 mp.follow(script);
                 let outcome = mp.run_program(after_fault, |mp| match &mut program {
                     Some(program) => program(mp),
-                    None => mp.nudge(),
+                    None => mp.trigger(),
                 });
                 counted.set(mp.step());
                 let end = What::End { step: mp.step() };

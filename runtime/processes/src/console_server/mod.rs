@@ -11,8 +11,8 @@
 mod beside;
 mod caller;
 mod console;
-mod mp_session;
 mod handle;
+mod mp_session;
 mod picture;
 mod presses;
 mod protocol;

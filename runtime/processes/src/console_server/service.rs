@@ -23,8 +23,8 @@ use rustix::net::sockopt::socket_peercred;
 
 use super::beside::{BodyPicture, CarriedPicture, ReadingPicture};
 use super::console::{Asked, Console};
-use super::mp_session::MpSession;
 use super::handle::Seat;
+use super::mp_session::MpSession;
 use super::picture::{CellPicture, Picture, ProcessPicture, RobotPicture};
 use super::protocol::{Addressed, Reply, Request};
 use crate::board::StateBoard;
@@ -112,7 +112,9 @@ impl Service {
             self.record_commands();
             self.consoles.retain(|console| !console.is_over());
             let there = |id| self.consoles.iter().any(|console| console.id == id);
-            self.sessions.iter_mut().for_each(|session| session.holder = session.holder.filter(|&id| there(id)));
+            self.sessions
+                .iter_mut()
+                .for_each(|session| session.holder = session.holder.filter(|&id| there(id)));
         }
         // Nobody answers any more what has not been answered yet.
         self.consoles.iter_mut().for_each(|console| console.gone = true);
@@ -358,7 +360,8 @@ impl Service {
     /// Why no cell of this name can be asked.
     fn no_cell(&self, cell: Option<Name>) -> String {
         let cell = cell.map_or_else(String::new, |cell| cell.to_string());
-        let names: Vec<_> = self.sessions.iter().filter_map(|session| Some(session.mp.name?.to_string())).collect();
+        let names: Vec<_> =
+            self.sessions.iter().filter_map(|session| Some(session.mp.name?.to_string())).collect();
         match names.is_empty() {
             true => format!("there is no lower cell `{cell}` here, nor any other"),
             false => format!("there is no lower cell `{cell}`: there are {}", names.join(", ")),
@@ -367,7 +370,8 @@ impl Service {
 
     /// The picture as text, drawn once a round however many consoles ask for it.
     fn drawn(&mut self, session: usize) -> Arc<str> {
-        let drawn = self.sessions[session].drawn.take().unwrap_or_else(|| self.picture(session).to_string().into());
+        let drawn =
+            self.sessions[session].drawn.take().unwrap_or_else(|| self.picture(session).to_string().into());
         self.sessions[session].drawn.insert(drawn).clone()
     }
 

@@ -11,7 +11,7 @@ use std::net::{IpAddr, SocketAddr};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::time::Instant;
 
-use mrroc_driver_kit::{Cut, RobotListener, Frame, Line, Refused};
+use mrroc_driver_kit::{Cut, Frame, Line, Refused, RobotListener};
 
 /// A frame that has come.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -22,7 +22,7 @@ use crate::model::driver::{Channels, Driver};
 use crate::model::fault::{ProcessId, Role};
 use crate::model::name::Name;
 use crate::model::named::{CellNames, SignalNames};
-use crate::model::payload::Nudge;
+use crate::model::payload::Trigger;
 use crate::model::robot::Robot;
 use crate::observe::shown::AnyShown;
 use crate::observe::step_observer::{StepObservers, What};
@@ -37,7 +37,7 @@ pub struct Place {
     /// How far drives are behind their demands in this cell; `None`: each takes every demand as it is.
     pub delay: Option<Duration>,
     pub pace: Pace,
-    pub nudged: bool,
+    pub triggered: bool,
     pub step_observers: StepObservers,
     /// The names of its inputs and outputs, and of the cell's frames and tools.
     pub signals: Rc<SignalNames>,
@@ -139,7 +139,7 @@ impl<R: Robot> RobotSetup<R> {
         link.body(edp, Box::new(run))?;
         let mut program = setup.program;
         let activity = setup.activity;
-        let nudged = place.nudged;
+        let triggered = place.triggered;
         let process = ProcessId::new(Role::Ecp, name);
         let pace = place.pace;
         let recorded = setup.replayed;
@@ -154,9 +154,9 @@ impl<R: Robot> RobotSetup<R> {
                 let mut ecp = ecp.showing_instructions(program.is_some().then_some(activity));
                 loop {
                     let outcome = ecp.run_program(|ecp| match &mut program {
-                        Some(program) if nudged => ecp.obey(|ecp, _: Nudge| program(ecp)),
+                        Some(program) if triggered => ecp.obey(|ecp, _: Trigger| program(ecp)),
                         Some(program) => program(ecp),
-                        None if nudged => ecp.obey(|_, _: Nudge| Ok(())),
+                        None if triggered => ecp.obey(|_, _: Trigger| Ok(())),
                         None => crate::control::transparent::program(ecp),
                     });
                     let starts_again = ecp.serve(&outcome);

@@ -36,7 +36,7 @@ use crate::model::list::{PayloadType, SensorHandle};
 use crate::model::load::Tool;
 use crate::model::name::Name;
 use crate::model::named::{CellNames, SignalNames};
-use crate::model::payload::{Nudge, Order, Payload};
+use crate::model::payload::{Order, Payload, Trigger};
 use crate::model::pose::Pose;
 use crate::model::robot::Robot;
 use crate::model::signals::{Input, Level, Output};
@@ -242,7 +242,7 @@ impl<'w, R: Robot> Ecp<'w, R> {
     ) -> Result<(), Fault> {
         self.check_latch()?;
         if let Some(payload) = self.orders.payload() {
-            let text = if payload.id == PayloadType::of::<Nudge>().id {
+            let text = if payload.id == PayloadType::of::<Trigger>().id {
                 "the cell has no MP program, whose orders could be obeyed: leave `obey` out, or give it one"
             } else {
                 "obey inside obey: an ECP obeys one instruction at a time"

@@ -12,7 +12,7 @@ use crate::model::list::{
     Motion, PayloadType, Reading, RobotHandle, Robots, RobotsOf, SensorList, SensorsOf,
 };
 use crate::model::moved::RobotsMovedBy;
-use crate::model::payload::Nudge;
+use crate::model::payload::Trigger;
 use crate::model::robot::Robot;
 use crate::model::step::Step;
 use crate::model::type_name::TypeName;
@@ -234,18 +234,18 @@ impl Mp<'_> {
         Ok(false)
     }
 
-    /// The nudging MP: one instruction of a constant order to all robots, until every ECP has finished.
-    pub(crate) fn nudge(&mut self) -> Result<(), Fault> {
+    /// The triggering MP: one instruction of a constant order to all robots, until every ECP has finished.
+    pub(crate) fn trigger(&mut self) -> Result<(), Fault> {
         let indices = self.robots.all();
         // What is done is the ECPs' programs' own, and shown by them.
         self.instruction(Doing::Move, TypeName::NONE, |mp| {
-            mp.nudge_all(&indices)?;
+            mp.trigger_all(&indices)?;
             mp.end(&indices, OrderKind::End, 0)
         })
     }
 
-    fn nudge_all(&mut self, indices: &[usize]) -> Result<(), Fault> {
-        let payload = PayloadType::of::<Nudge>();
+    fn trigger_all(&mut self, indices: &[usize]) -> Result<(), Fault> {
+        let payload = PayloadType::of::<Trigger>();
         self.begin_step()?;
         self.start(indices, |_| payload)?;
         loop {
