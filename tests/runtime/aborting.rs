@@ -60,8 +60,8 @@ fn an_abort_ends_a_loose_motion_of_which_one_robot_has_finished_and_one_waits() 
     for at in [1, 2, 3, 50, 150, 250, 500] {
         let ((left, left_trace), (right, _)) = (gantry("left"), gantry("right"));
         let left =
-            left.program(|ecp| ecp.obey(|ecp, _: Phase| ecp.move_robot((), Smooth::to(0.1, 0.3)).map(drop)));
-        let right = right.program(|ecp| ecp.obey(|ecp, _: Phase| ecp.wait_until((), Never).map(drop)));
+            left.program(|ecp| ecp.serve(|ecp, _: Phase| ecp.move_robot((), Smooth::to(0.1, 0.3)).map(drop)));
+        let right = right.program(|ecp| ecp.serve(|ecp, _: Phase| ecp.wait_until((), Never).map(drop)));
         let cell = Cell::new(MS)
             .robot(left)
             .robot(right)
@@ -106,7 +106,7 @@ fn an_abort_of_a_suspended_motion_ends_it_where_it_stands() {
 fn a_program_of_an_ecp_that_ignores_the_end_of_its_instruction_is_ended() {
     let (robot, _) = gantry("g");
     let robot = robot.program(|ecp| {
-        ecp.obey(|ecp, _: Phase| {
+        ecp.serve(|ecp, _: Phase| {
             loop {
                 let _ = ecp.move_robot((), Smooth::to(0.1, 0.4));
                 let _ = ecp.wait_until((), Never);
@@ -285,7 +285,7 @@ fn a_program_that_returns_the_end_of_an_instruction_that_goes_on_is_stopped() {
     for kind in ENDS {
         let (robot, _) = gantry("g");
         let robot = robot.program(move |ecp| {
-            let outcome = ecp.obey(|_, _: Phase| Err(mrroc::fault::Fault::new(kind)));
+            let outcome = ecp.serve(|_, _: Phase| Err(mrroc::fault::Fault::new(kind)));
             assert!(outcome.is_err(), "{kind:?} passed for an end");
             outcome
         });

@@ -227,7 +227,7 @@ fn a_guard_sees_a_robot_that_goes_on_while_its_instruction_ends() {
     // The MP ends a loose motion in whose middle the ECP's generator slows down on its own path.
     let (robot, trace) = gantry("g");
     let robot = robot.program(|ecp| {
-        ecp.obey(|ecp, _: crate::runtime::kit::Phase| ecp.move_robot((), Smooth::to(0.4, 1.0)).map(drop))
+        ecp.serve(|ecp, _: crate::runtime::kit::Phase| ecp.move_robot((), Smooth::to(0.4, 1.0)).map(drop))
     });
     let tripped = Rc::new(std::cell::Cell::new(0.0));
     let keep = Rc::clone(&tripped);

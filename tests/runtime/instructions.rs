@@ -68,8 +68,8 @@ fn programs_of_ecps_show_their_own_generators_and_conditions() {
         let cell = match coordinated {
             false => cell.robot(robot.program(approach)),
             true => {
-                let obeys = |ecp: &mut Ecp<Gantry>| ecp.obey(|ecp, _: Phase| approach(ecp));
-                cell.robot(robot.program(obeys)).program(|mp| {
+                let serves = |ecp: &mut Ecp<Gantry>| ecp.serve(|ecp, _: Phase| approach(ecp));
+                cell.robot(robot.program(serves)).program(|mp| {
                     let mut g = mp.robot::<Gantry>("g")?;
                     mp.move_robots((&mut g,), (), ask {}).map(drop)
                 })
@@ -179,7 +179,7 @@ fn a_fault_of_an_ecp_names_the_instruction_of_its_own_program() {
         let cell = match coordinated {
             false => Cell::new(MS).robot(gantry("g").0.program(program)),
             true => {
-                let robot = gantry("g").0.program(move |ecp| ecp.obey(|ecp, _: Phase| program(ecp)));
+                let robot = gantry("g").0.program(move |ecp| ecp.serve(|ecp, _: Phase| program(ecp)));
                 Cell::new(MS).robot(robot).program(|mp| {
                     let mut g = mp.robot::<Gantry>("g")?;
                     mp.move_robots((&mut g,), (), ask {}).map(drop)

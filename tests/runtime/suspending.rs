@@ -234,8 +234,8 @@ fn a_suspension_in_a_loose_motions_end_adds_no_deceleration_to_the_ends_own() {
         for later in [0, 1, 2, 3, 5, 10, 30] {
             let (robot, trace) = gantry("g");
             let robot = robot.program(|ecp| {
-                ecp.obey(|ecp, _: Phase| ecp.move_robot((), Trapezoid::new(9.0, 9.0)).map(drop))?;
-                ecp.obey(|_, _: Phase| Ok(()))
+                ecp.serve(|ecp, _: Phase| ecp.move_robot((), Trapezoid::new(9.0, 9.0)).map(drop))?;
+                ecp.serve(|_, _: Phase| Ok(()))
             });
             let at = u64::from(ended) + later;
             let cell = Cell::new(MS).robot(robot).on_step(move |step, operator| {

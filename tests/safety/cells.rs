@@ -112,9 +112,9 @@ pub fn transparent() -> Cell {
 /// Two programs in ECPs: a loose motion, then a tight one, then a loose one.
 pub fn cooperating() -> Cell {
     let program = |ecp: &mut mrroc::program::Ecp<Gantry>| {
-        ecp.obey(|ecp, _: Phase| ecp.move_robot((), Smooth::to(0.01, 0.1)).map(drop))?;
-        ecp.obey(|ecp, _: Along| ecp.move_robot((), transmit {}).map(drop))?;
-        ecp.obey(|ecp, _: Phase| ecp.move_robot((), Smooth::to(0.0, 0.15)).map(drop))
+        ecp.serve(|ecp, _: Phase| ecp.move_robot((), Smooth::to(0.01, 0.1)).map(drop))?;
+        ecp.serve(|ecp, _: Along| ecp.move_robot((), transmit {}).map(drop))?;
+        ecp.serve(|ecp, _: Phase| ecp.move_robot((), Smooth::to(0.0, 0.15)).map(drop))
     };
     let [a, b] = ["a", "b"].map(|name| gantry(name, MS).program(program));
     Cell::new(MS).robot(a).robot(b).program(|mp| {

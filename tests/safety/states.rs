@@ -26,8 +26,8 @@ enum Doing {
     Background,
     /// Motions of one follow one another without a standstill, beside which the other stands.
     Blended,
-    /// The cell obeys another one.
-    Obeying,
+    /// The cell serves another one.
+    Serving,
     /// A person jogs one or the other.
     Jogged,
 }
@@ -137,7 +137,7 @@ fn cell(seed: u64, doing: Doing, fastest: f64) -> Cell {
                     ecp.move_robot((), PanelJog::by(panel))?;
                 }
             }),
-            Doing::OneByOne | Doing::Background | Doing::Blended | Doing::Obeying => robot,
+            Doing::OneByOne | Doing::Background | Doing::Blended | Doing::Serving => robot,
         });
     }
     let work = move |mp: &mut Mp, left: &mut RobotHandle<Gantry>, right: &mut RobotHandle<Gantry>| {
@@ -160,7 +160,7 @@ fn cell(seed: u64, doing: Doing, fastest: f64) -> Cell {
                 mp.move_robot(left, (), Go { from, ..go(&mut random, 0) })?;
                 mp.move_robot(right, (), go(&mut random, 1)).map(drop)
             }
-            Doing::OneByOne | Doing::Obeying | Doing::OwnPrograms | Doing::Jogged => {
+            Doing::OneByOne | Doing::Serving | Doing::OwnPrograms | Doing::Jogged => {
                 mp.move_robot(left, (), go(&mut random, 0))?;
                 mp.move_robot(right, (), go(&mut random, 1)).map(drop)
             }
@@ -175,10 +175,10 @@ fn cell(seed: u64, doing: Doing, fastest: f64) -> Cell {
                 unless_aborted(work(mp, &mut left, &mut right))?;
             }
         }),
-        Doing::Obeying => {
+        Doing::Serving => {
             let lower = cell.program(move |mp| {
                 let (mut left, mut right) = (mp.robot("left")?, mp.robot("right")?);
-                mp.obey_all(|mp, Work::Go| work(mp, &mut left, &mut right))
+                mp.serve_all(|mp, Work::Go| work(mp, &mut left, &mut right))
             });
             Cell::new(step).stop_time(Duration::from_secs(3)).cell("lower", lower).program(|mp| {
                 let mut lower = mp.robot::<LowerCell>("lower")?;
@@ -209,7 +209,7 @@ fn run_held(doing: Doing, runs: u64) -> OperatorReport {
 }
 
 const MOVING: [Doing; 5] =
-    [Doing::OwnPrograms, Doing::OneByOne, Doing::Background, Doing::Blended, Doing::Obeying];
+    [Doing::OwnPrograms, Doing::OneByOne, Doing::Background, Doing::Blended, Doing::Serving];
 
 fn sweep(runs: u64) -> Vec<String> {
     let mut wrong = Vec::new();

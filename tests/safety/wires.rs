@@ -24,8 +24,8 @@ fn wires(lost_per_mille: u32) -> impl Iterator<Item = Wire> {
 fn loose(step: Duration) -> Cell {
     let program = |ecp: &mut Ecp<Gantry>| {
         // 10/√3 length/duration²: 3.2 m/s² of 10, and 5.1.
-        ecp.obey(|ecp, _: Phase| ecp.move_robot((), Smooth::to(0.05, 0.3)).map(drop))?;
-        ecp.obey(|ecp, _: Phase| ecp.move_robot((), Smooth::to(-0.03, 0.3)).map(drop))
+        ecp.serve(|ecp, _: Phase| ecp.move_robot((), Smooth::to(0.05, 0.3)).map(drop))?;
+        ecp.serve(|ecp, _: Phase| ecp.move_robot((), Smooth::to(-0.03, 0.3)).map(drop))
     };
     let [a, b] = ["a", "b"].map(|name| gantry(name, MS).program(program));
     Cell::new(step).robot(a).robot(b).program(triggered)

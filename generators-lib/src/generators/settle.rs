@@ -16,7 +16,7 @@ use mrroc::robot::JointVector;
 ///
 /// // Within 1 mrad for 0.2 s, which must happen within a second.
 /// let settle = Settle::within(Six::repeat(1e-3), 0.2, 1.0);
-/// // A robot that obeys to the letter is there at once: it is done in its hundredth step.
+/// // A robot that follows exactly is there at once: it is done in its hundredth step.
 /// let demands = rehearse(settle, &Irp6::nominal(), Irp6::READY, 0.002)?;
 /// assert_eq!(demands, vec![Demand::hold(); 99]);
 /// # Ok::<(), Fault>(())

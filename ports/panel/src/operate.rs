@@ -19,7 +19,7 @@ impl Pages {
     ///
     /// # Errors
     /// [`DoesNotRead`]
-    pub(crate) fn obey(
+    pub(crate) fn handle(
         &mut self,
         key: Key,
         by: OnBehalf,

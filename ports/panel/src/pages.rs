@@ -214,7 +214,7 @@ impl Pages {
                 return Ok(());
             }
             _ if !may => return Err(": it said too much".to_owned()),
-            Ok(message) => self.obey(key, by, now, message),
+            Ok(message) => self.handle(key, by, now, message),
             Err(why) => {
                 session.bad += 1;
                 if session.bad > BAD {

@@ -99,7 +99,7 @@ pub fn first_cause(outcomes: &[(ProcessId, Result<(), Fault>)]) -> Result<(), Fa
     for (process, outcome) in mp.chain(others) {
         if let Err(fault) = outcome {
             if fault.kind() == FaultKind::CellClosed {
-                let text = "it waits for an instruction, but the MP's program is over: write `obey_all`, or let the MP order one more";
+                let text = "it waits for an instruction, but the MP's program is over: write `serve_all`, or let the MP order one more";
                 return Err(Fault::thrown(text).in_process(*process));
             }
             return Err(fault.clone());

@@ -52,7 +52,7 @@
 //! plant = { port = "mujoco", patience_ms = 10000 }   # it moves in a simulator that others wrote, found by this name and waited
 //!                                                     # for so long [ms]; 10 s unless it is said
 //!
-//! [cells.press]      # a cell that obeys this one, as one of its robots
+//! [cells.press]      # a cell that serves this one, as one of its robots
 //! file = "press.toml"   # its own file, in the folder of this file
 //!
 //! [sensors.touch]    # a virtual sensor of this name

@@ -40,7 +40,7 @@ fn leg(course: Course, sizes: &Sizes) -> FollowCourse<Lookout> {
 pub fn base(ecp: &mut Ecp<DiffDrive>, sizes: &Sizes) -> Result<(), Fault> {
     let mut lookout = ecp.sensor::<Lookout>("lookout")?;
     let mut ways = 0;
-    ecp.obey_all(|ecp, task| {
+    ecp.serve_all(|ecp, task| {
         let Task::Go { x, y } = task else {
             return Err(Fault::thrown("a base with wheels cannot hop over walls"));
         };

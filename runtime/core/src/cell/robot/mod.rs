@@ -78,7 +78,7 @@ impl<R: Robot> RobotSetup<R> {
     }
 
     /// A robot `name` whose drives do not know where it is: they look for their reference marks when the cell starts. The
-    /// MP's program begins when all robots of the cell have found theirs, and so does what an ECP obeys.
+    /// MP's program begins when all robots of the cell have found theirs, and so does what an ECP serves.
     pub fn unhomed<H>(name: &str, robot: R, homing: H) -> Self
     where
         H: Homing<R, Drives: 'static> + 'static,

@@ -154,12 +154,12 @@ impl<R: Robot> RobotSetup<R> {
                 let mut ecp = ecp.showing_instructions(program.is_some().then_some(activity));
                 loop {
                     let outcome = ecp.run_program(|ecp| match &mut program {
-                        Some(program) if triggered => ecp.obey(|ecp, _: Trigger| program(ecp)),
+                        Some(program) if triggered => ecp.serve(|ecp, _: Trigger| program(ecp)),
                         Some(program) => program(ecp),
-                        None if triggered => ecp.obey(|_, _: Trigger| Ok(())),
+                        None if triggered => ecp.serve(|_, _: Trigger| Ok(())),
                         None => crate::control::transparent::program(ecp),
                     });
-                    let starts_again = ecp.serve(&outcome);
+                    let starts_again = ecp.answer_after_program(&outcome);
                     if !starts_again {
                         if program.is_some() {
                             outcomes.borrow_mut().push((process, outcome));

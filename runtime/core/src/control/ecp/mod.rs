@@ -236,16 +236,16 @@ impl<'w, R: Robot> Ecp<'w, R> {
     /// # Errors
     /// What `program` returned, except that an instruction that the MP has ended is no fault. `PayloadMismatch`
     /// when the MP's instruction has orders of another type: then nothing has moved.
-    pub fn obey<P: Payload>(
+    pub fn serve<P: Payload>(
         &mut self,
         program: impl FnOnce(&mut Self, P) -> Result<(), Fault>,
     ) -> Result<(), Fault> {
         self.check_latch()?;
         if let Some(payload) = self.orders.payload() {
             let text = if payload.id == PayloadType::of::<Trigger>().id {
-                "the cell has no MP program, whose orders could be obeyed: leave `obey` out, or give it one"
+                "the cell has no MP program, whose orders could be served: leave `serve` out, or give it one"
             } else {
-                "obey inside obey: an ECP obeys one instruction at a time"
+                "serve inside serve: an ECP serves one instruction at a time"
             };
             return Err(self.fail(Fault::thrown(text)));
         }
@@ -254,17 +254,17 @@ impl<'w, R: Robot> Ecp<'w, R> {
         self.finish(outcome)
     }
 
-    /// Obeys one instruction after another, each as [`obey`](Self::obey) does, until the MP's program is over.
+    /// Serves one instruction after another, each as [`serve`](Self::serve) does, until the MP's program is over.
     ///
     /// # Errors
-    /// As [`obey`](Self::obey), except that the end of the MP's program is no fault here. An abort is one: a program whose
+    /// As [`serve`](Self::serve), except that the end of the MP's program is no fault here. An abort is one: a program whose
     /// MP goes on after it calls this again.
-    pub fn obey_all<P: Payload>(
+    pub fn serve_all<P: Payload>(
         &mut self,
         mut program: impl FnMut(&mut Self, P) -> Result<(), Fault>,
     ) -> Result<(), Fault> {
         loop {
-            if let Err(fault) = self.obey(&mut program) {
+            if let Err(fault) = self.serve(&mut program) {
                 let closed = fault.is_orderly() && fault.kind() == FaultKind::CellClosed;
                 // Between two instructions, not in one that was opened.
                 return if closed && self.orders.phase == Phase::Idle { Ok(()) } else { Err(fault) };
@@ -287,7 +287,7 @@ impl<'w, R: Robot> Ecp<'w, R> {
         let rate = if header.duration > 0.0 { header.dt / header.duration } else { 0.0 };
         let headroom = match self.orders.phase {
             Phase::Finished => RateHeadroom::UNLIMITED,
-            Phase::Idle | Phase::Started | Phase::Obeying | Phase::Latched(_) => {
+            Phase::Idle | Phase::Started | Phase::Serving | Phase::Latched(_) => {
                 standing_headroom(self.jogging.model().limits(), rate, self.pace.period as f64 * 1e-9)
             }
         };

@@ -169,7 +169,7 @@ fn what_a_wait_took_in_all_its_steps_is_no_late_step_of_the_move_after_it() {
         pace,
         None,
     );
-    let outcome = ecp.obey(|ecp, _: Trigger| {
+    let outcome = ecp.serve(|ecp, _: Trigger| {
         // 300 steps of a tenth of a period: 30 periods in all.
         ecp.wait_until((), Working(Rc::clone(&host), STEP / 10, 300))?;
         // What a program computes between its instructions makes no step late, either.

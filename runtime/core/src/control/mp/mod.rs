@@ -5,7 +5,7 @@
 //! order to each robot and collects the replies; [`instruction`] opens, ends and stops instructions by such exchanges.
 //! [`motion`] is Move and [`waiting`] is Wait; [`background`] is Move that goes on beside later instructions, [`course`] how
 //! far a generator has come. [`restart`] runs the program, and runs it again after a reset.
-//! The MP of a lower cell [obeys](obeying) the one above it, which [`upper`] hears; [`lower`] is what a robot is that is a cell.
+//! The MP of a lower cell [serves](serving) the one above it, which [`upper`] hears; [`lower`] is what a robot is that is a cell.
 //! [`robots`] holds the ports of the ECPs, [`operating`] the operator's side, [`jogging`] the robot that a person jogs, [`stops`] the
 //! causes of stops.
 
@@ -17,10 +17,10 @@ mod instruction;
 mod jogging;
 mod lower;
 mod motion;
-mod obeying;
 mod operating;
 mod restart;
 mod robots;
+mod serving;
 mod stops;
 mod telling;
 #[cfg(test)]
@@ -340,11 +340,11 @@ impl<'w> Mp<'w> {
         work: impl FnOnce(&mut Self) -> Result<T, Fault>,
     ) -> Result<T, Fault> {
         self.check_order()?;
-        self.out_of_obey(doing, by, work)
+        self.out_of_serve(doing, by, work)
     }
 
     /// The same of what a lower cell does without an order.
-    fn out_of_obey<T>(
+    fn out_of_serve<T>(
         &mut self,
         doing: Doing,
         by: TypeName,

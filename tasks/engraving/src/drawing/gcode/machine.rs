@@ -343,7 +343,7 @@ impl<'a> Machine<'a> {
         self.notes.add(&name, self.line, || format!("{name} left out: {what}"));
     }
 
-    /// Tells words that nothing has obeyed, by letters.
+    /// Tells words that nothing has carried out, by letters.
     fn tell_untaken(&mut self, block: &Block) {
         for word in block.untaken() {
             let letter = word.letter.to_ascii_uppercase();

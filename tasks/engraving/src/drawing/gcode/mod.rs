@@ -129,7 +129,7 @@ fn one_line(
     let mut characters = Characters::new(line);
     characters.accept('/');
     if let Some(word) = program.word(number) {
-        control.obey(number, line, word, machine.parameters(line))?;
+        control.carry_out(number, line, word, machine.parameters(line))?;
         if word.flow != program::Flow::Number {
             return Ok(false);
         }

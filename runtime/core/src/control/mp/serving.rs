@@ -1,4 +1,4 @@
-//! The MP of a lower cell obeys: `mp.obey(|mp, order| ..)`, in the same words as an ECP.
+//! The MP of a lower cell serves: `mp.serve(|mp, order| ..)`, in the same words as an ECP.
 //!
 //! In: what the upper MP asks for, as [`upper`](super::upper) has heard it. Out: the program's answer to each instruction; this
 //! MP's Move and Wait between START and END, which end on their paths when the upper MP ends them.
@@ -39,7 +39,7 @@ impl Mp<'_> {
     ///
     /// /// The MP's program of a press cell.
     /// fn press(mp: &mut Mp) -> Result<(), Fault> {
-    ///     mp.obey_all(|mp, job: Job| match job {
+    ///     mp.serve_all(|mp, job: Job| match job {
     ///         Job::Press { parts } => (0..parts).try_for_each(|_| press_one(mp)),
     ///         Job::Park => park(mp),
     ///     })
@@ -47,11 +47,11 @@ impl Mp<'_> {
     /// # fn press_one(_: &mut Mp) -> Result<(), Fault> { Ok(()) }
     /// # fn park(_: &mut Mp) -> Result<(), Fault> { Ok(()) }
     /// ```
-    pub fn obey<P: Payload>(
+    pub fn serve<P: Payload>(
         &mut self,
         program: impl FnOnce(&mut Self, P) -> Result<(), Fault>,
     ) -> Result<(), Fault> {
-        const { assert!(!P::TIGHT, "a cell obeys loose orders: make the payload an `enum`") };
+        const { assert!(!P::TIGHT, "a cell serves loose orders: make the payload an `enum`") };
         self.check_latch()?;
         match &self.upper {
             None => {
@@ -59,29 +59,29 @@ impl Mp<'_> {
                     "no MP is above this one: run its cell as one of another cell, `.cell(name, cell)`";
                 return Err(self.conclude(Fault::new(FaultKind::Config).text(text)));
             }
-            Some(upper) if upper.is_obeying() => {
-                let text = "obey inside obey: a cell obeys one instruction at a time";
+            Some(upper) if upper.is_serving() => {
+                let text = "serve inside serve: a cell serves one instruction at a time";
                 return Err(self.conclude(Fault::thrown(text)));
             }
             Some(_) => {}
         }
         let by = TypeName::of::<P>();
-        let order = self.out_of_obey(Doing::Wait, by, |mp| mp.await_order::<P>())?;
+        let order = self.out_of_serve(Doing::Wait, by, |mp| mp.await_order::<P>())?;
         let outcome = program(self, order);
         self.finish(by, outcome)
     }
 
-    /// Obeys one instruction after another, each as [`obey`](Self::obey) does, until the run is over or a fault is latched. After an
+    /// Serves one instruction after another, each as [`serve`](Self::serve) does, until the run is over or a fault is latched. After an
     /// abort from above it goes on.
     ///
     /// # Errors
-    /// As [`obey`](Self::obey), without the aborts.
-    pub fn obey_all<P: Payload>(
+    /// As [`serve`](Self::serve), without the aborts.
+    pub fn serve_all<P: Payload>(
         &mut self,
         mut program: impl FnMut(&mut Self, P) -> Result<(), Fault>,
     ) -> Result<(), Fault> {
         loop {
-            match self.obey(&mut program) {
+            match self.serve(&mut program) {
                 // Between two instructions, not in one that was opened.
                 Err(fault) if self.is_over_between_orders(&fault) => return Ok(()),
                 Err(fault) if self.stops.latched.is_some() || fault.kind() != FaultKind::Aborted => {
@@ -133,7 +133,7 @@ impl Mp<'_> {
         if let Some(upper) = &mut self.upper {
             upper.finish();
         }
-        let ended = self.out_of_obey(Doing::Wait, by, |mp| mp.await_end())?;
+        let ended = self.out_of_serve(Doing::Wait, by, |mp| mp.await_end())?;
         if ended == OrderKind::Abort {
             return Err(Fault::orderly(FaultKind::Aborted).in_process(self.process));
         }
@@ -202,8 +202,8 @@ impl Mp<'_> {
         if self.stops.latched.is_some() {
             return Ok(());
         }
-        if !upper.is_obeying() {
-            let text = "Move or Wait outside obey: write `mp.obey(|mp, order: YourOrder| ..)` around it";
+        if !upper.is_serving() {
+            let text = "Move or Wait outside serve: write `mp.serve(|mp, order: YourOrder| ..)` around it";
             return Err(self.conclude(Fault::thrown(text)));
         }
         let Some(ending) = upper.ending() else { return Ok(()) };
