@@ -49,7 +49,7 @@ use crate::observe::step_observer::{SharedStepObserver, StepObserver};
 use crate::observe::subscription::Subscription;
 use crate::operator::Operator;
 pub use crate::safety::limits::rates::PATH_SHARE;
-use crate::safety::rate::{RateHeadroom, path_stop_time};
+use crate::safety::rate::{RateMargin, path_stop_time};
 use crate::safety::stopping::path_stop_steps;
 
 use coordination::Coordination;
@@ -366,12 +366,12 @@ impl Cell {
     /// this one by a rate of their own.
     pub fn path_stop_time(&self) -> Duration {
         let step = self.timing.step;
-        let headroom = |rate: f64| {
-            let robots = self.parts.robots.iter().map(|robot| robot.least_headroom(rate, step));
-            robots.fold(RateHeadroom::UNLIMITED, RateHeadroom::and)
+        let margin = |rate: f64| {
+            let robots = self.parts.robots.iter().map(|robot| robot.least_margin(rate, step));
+            robots.fold(RateMargin::UNLIMITED, RateMargin::and)
         };
         let own =
-            Duration::from_secs_f64(path_stop_time(self.timing.rate_change, step.as_secs_f64(), headroom));
+            Duration::from_secs_f64(path_stop_time(self.timing.rate_change, step.as_secs_f64(), margin));
         let of_cells = self.parts.cells.iter().map(|lower| lower.cell.path_stop_time());
         own + of_cells.max().unwrap_or_default()
     }

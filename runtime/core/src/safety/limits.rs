@@ -19,7 +19,7 @@ use crate::model::joints::JointVector;
 use crate::model::pose::Pose;
 use crate::model::robot::Robot;
 use crate::safety::braking::BrakingLaw;
-use crate::safety::rate::RateHeadroom;
+use crate::safety::rate::RateMargin;
 use crate::safety::screw::Bridging;
 
 use checks::{CheckedStep, Checks, Proposed, Standstill};
@@ -163,8 +163,8 @@ impl<R: Robot> Acceptor<R> {
     }
 
     /// How fast the rate may change now.
-    pub fn headroom(&self) -> RateHeadroom {
-        self.pace.headroom(self.checks.robot.limits())
+    pub fn rate_margin(&self) -> RateMargin {
+        self.pace.rate_margin(self.checks.robot.limits())
     }
 
     /// How fast the robot may slow down on its screw from here, in steps of `period` \[s\].

@@ -17,7 +17,7 @@ use nalgebra::{Translation3, UnitQuaternion, Vector3};
 
 use crate::model::pose::Pose;
 use crate::safety::braking::BrakingLaw;
-use crate::safety::rate::{Feed, RateHeadroom};
+use crate::safety::rate::{Feed, RateMargin};
 
 /// The displacement of a step in the world, as a rotation vector \[rad\] and the twist's way \[m\]: `D = exp(turn, way)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -150,7 +150,7 @@ impl ScrewBraking {
     /// The displacement of the next step of `duration` \[s\]; `None` at the standstill.
     pub fn advance(&mut self, duration: f64) -> Option<Pose> {
         let BrakingLaw { fall, bend } = self.law;
-        self.feed.limit(RateHeadroom { rise: 0.0, fall, bend, ..RateHeadroom::UNLIMITED });
+        self.feed.limit(RateMargin { rise: 0.0, fall, bend, ..RateMargin::UNLIMITED });
         let part = self.feed.advance(0.0, duration);
         (part > 0.0).then(|| self.screw.part(part))
     }

@@ -31,8 +31,8 @@ use crate::observe::activity::Activity;
 use crate::observe::layout::{HardwareLayout, RobotLayout};
 use crate::observe::servo::Observation;
 use crate::observe::shown::Shown;
-use crate::safety::limits::rates::least_headroom;
-use crate::safety::rate::RateHeadroom;
+use crate::safety::limits::rates::least_margin;
+use crate::safety::rate::RateMargin;
 use crate::safety::stopping::{longest_braking, stop_steps};
 
 /// An observer of several robots.
@@ -93,7 +93,7 @@ pub trait AnyRobot {
     /// The longest time that it brakes for \[s\].
     fn braking_time(&self) -> f64;
     /// The least that it leaves at this rate for changes of the rate, in steps of this length.
-    fn least_headroom(&self, rate: f64, step: Duration) -> RateHeadroom;
+    fn least_margin(&self, rate: f64, step: Duration) -> RateMargin;
     /// The robot that it is mounted on.
     fn mounted_on(&self) -> Option<&str>;
     /// The names of its inputs and outputs.
@@ -305,8 +305,8 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
         longest_braking(self.robot.limits())
     }
 
-    fn least_headroom(&self, rate: f64, step: Duration) -> RateHeadroom {
-        least_headroom(self.robot.limits(), rate, step.as_secs_f64())
+    fn least_margin(&self, rate: f64, step: Duration) -> RateMargin {
+        least_margin(self.robot.limits(), rate, step.as_secs_f64())
     }
 
     fn stop_steps(&self, step: Duration, delay: Duration) -> u64 {

@@ -11,7 +11,7 @@ use crate::model::fault::{Fault, FaultKind};
 use crate::model::image::RobotImage;
 use crate::model::robot::Robot;
 use crate::model::wire::Wire;
-use crate::safety::rate::RateHeadroom;
+use crate::safety::rate::RateMargin;
 
 /// What the MP's orders tell an EDP by their flags.
 const PASSED_ON: u32 = flag::WANT_STATE
@@ -55,8 +55,8 @@ impl<R: Robot> DriverPort<R> {
     }
 
     /// Says how fast the rate of path time may change, in the place of what the EDP said last.
-    pub const fn set_headroom(&mut self, headroom: RateHeadroom) {
-        self.reply.header.headroom = headroom;
+    pub const fn set_rate_margin(&mut self, margin: RateMargin) {
+        self.reply.header.rate_margin = margin;
     }
 
     /// Whether the EDP said last that the robot stands.

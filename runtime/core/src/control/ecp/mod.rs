@@ -46,8 +46,8 @@ use crate::observe::activity::Activity;
 use crate::observe::shown::Shown;
 use crate::observe::step_observer::{StepObservers, What};
 use crate::operator::state::Doing;
-use crate::safety::limits::rates::standing_headroom;
-use crate::safety::rate::RateHeadroom;
+use crate::safety::limits::rates::standing_margin;
+use crate::safety::rate::RateMargin;
 
 use driver::DriverPort;
 use instruction::OfInstruction;
@@ -285,14 +285,14 @@ impl<'w, R: Robot> Ecp<'w, R> {
     fn stand_beside_rate(&mut self) {
         let header = self.orders.header();
         let rate = if header.duration > 0.0 { header.dt / header.duration } else { 0.0 };
-        let headroom = match self.orders.phase {
-            Phase::Finished => RateHeadroom::UNLIMITED,
+        let margin = match self.orders.phase {
+            Phase::Finished => RateMargin::UNLIMITED,
             Phase::Idle | Phase::Started | Phase::Serving | Phase::Latched(_) => {
-                standing_headroom(self.jogging.model().limits(), rate, self.pace.period as f64 * 1e-9)
+                standing_margin(self.jogging.model().limits(), rate, self.pace.period as f64 * 1e-9)
             }
         };
-        let most = self.driver.reply().header.headroom.most;
-        self.driver.set_headroom(RateHeadroom { most, ..headroom });
+        let most = self.driver.reply().header.rate_margin.most;
+        self.driver.set_rate_margin(RateMargin { most, ..margin });
     }
 
     /// Answers the open order, with the robot's image if the EDP gave it in this step; or with what is wrong, once.

@@ -129,7 +129,7 @@ impl<R: Robot> Ecp<'_, R> {
             }
             if ending_now {
                 // The MP may be slowing down as well: both bound the change of the one rate that counts.
-                own.limit(self.driver.reply().header.headroom);
+                own.limit(self.driver.reply().header.rate_margin);
                 let slower = own.clone().advance(0.0, duration);
                 if slower == 0.0 {
                     break;

@@ -269,7 +269,7 @@ impl Orders {
         answer.header.kind = Kind::Reply;
         answer.header.flags =
             flags | driver.header.flags & (flag::STANDSTILL | flag::HOMING | flag::TOGETHER);
-        answer.header.headroom = driver.header.headroom;
+        answer.header.rate_margin = driver.header.rate_margin;
         answer.header.law = driver.header.law;
         answer.header.len = 0;
         if flags & flag::STATE != 0 {
@@ -284,7 +284,7 @@ impl Orders {
     pub fn reply_trouble(&mut self, fault: &Fault, driver: &Message) {
         let answer = &mut self.answer;
         answer.header.answer(&self.order.header);
-        answer.header.headroom = driver.header.headroom;
+        answer.header.rate_margin = driver.header.rate_margin;
         answer.header.law = driver.header.law;
         answer.set_fault(fault);
         answer.header.kind = Kind::Reply;

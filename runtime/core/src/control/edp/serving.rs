@@ -13,7 +13,7 @@ use crate::model::image::{RobotImage, RobotState};
 use crate::model::robot::Robot;
 use crate::model::wire::Wire;
 use crate::safety::latch::Admission;
-use crate::safety::rate::RateHeadroom;
+use crate::safety::rate::RateMargin;
 
 use super::Edp;
 use super::path::{Mode, Taken};
@@ -160,7 +160,7 @@ impl<R: Robot> Edp<'_, R> {
         let acceptor = &self.path.acceptor;
         let header = &mut self.answers.reply.header;
         header.flags |= if is_together { flag::TOGETHER } else { 0 };
-        header.headroom = RateHeadroom { most: self.servo.speed_scaling(), ..acceptor.headroom() };
+        header.rate_margin = RateMargin { most: self.servo.speed_scaling(), ..acceptor.rate_margin() };
         header.law = acceptor.braking_law(self.path.seconds);
         if self.answers.request.is(flag::WANT_STATE) {
             header.flags |= flag::STATE;

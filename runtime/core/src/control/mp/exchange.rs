@@ -1,6 +1,6 @@
 //! One exchange of the MP with the robots of an instruction: scatter, then gather.
 //!
-//! In: one order per robot. Out: one reply per robot, with its image and the headroom of its rate; or the first
+//! In: one order per robot. Out: one reply per robot, with its image and the margin of its rate; or the first
 //! cause of what is wrong.
 
 use crate::control::state_words::StateWords;
@@ -150,7 +150,7 @@ impl Mp<'_> {
         for &index in indices {
             if self.look(index, gathered) {
                 let header = &self.robots[index].reply.header;
-                self.clock.feed.limit(header.headroom);
+                self.clock.feed.limit(header.rate_margin);
                 gathered.law = gathered.law.and(header.law);
             }
         }
