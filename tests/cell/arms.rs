@@ -15,7 +15,7 @@ use mrroc::launch::own_option;
 use mrroc::prelude::*;
 use mrroc::robot::{DriveFault, Driver, Measured, SimulatedDrives};
 use mrroc_robots::{Irp6, Shaft, SimulatedIrp6, Six};
-use mrroc_tests::fixture::{COMPUTES, FARTHER, HARDWARE, OTHER, PATIENCE, PLANS, RECORDS, TIMES};
+use mrroc_tests::fixture::{COMPUTES, FARTHER, HARDWARE, OTHER, PLANS, RECORDS, TIMEOUT, TIMES};
 use mrroc_tests::{Follow, Turned};
 
 use crate::Nothing;
@@ -53,7 +53,7 @@ fn cell(file: &CellFile) -> Result<Cell, CellError> {
         }
         _ => cell,
     };
-    let patience = own_option(PATIENCE).and_then(|seconds| seconds.parse().ok());
+    let patience = own_option(TIMEOUT).and_then(|seconds| seconds.parse().ok());
     let cell = match patience {
         Some(seconds) => cell.end_when_stuck(Duration::from_secs(seconds)),
         None => cell,

@@ -193,7 +193,7 @@ use port::{Port, monotonic};
 const CONFIGURATION_WORDS: usize = 16;
 
 /// How long a cell waits for the program before it begins \[ns\], and how often it looks.
-const PATIENCE: u64 = 10_000_000_000;
+const TIMEOUT: u64 = 10_000_000_000;
 const LOOK: Duration = Duration::from_millis(5);
 
 /// A sensor whose readings a program of another sends.
@@ -250,7 +250,7 @@ impl<K: Sensor> External<K> {
             rate: entry.rate(),
             step: u64::try_from(entry.step().as_nanos()).unwrap_or(u64::MAX).max(1),
             numbers,
-            patience: PATIENCE,
+            patience: TIMEOUT,
             elsewhere: entry.address().map(|address| (address, entry.cell_file().to_owned())),
             gateway: None,
             port: None,

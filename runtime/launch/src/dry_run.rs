@@ -7,8 +7,8 @@ use std::path::Path;
 use std::process::{Command, ExitCode};
 use std::rc::Rc;
 
+use super::long_run::LongRunNotes;
 use super::outcome::{cell_refused, note, report, stand_ins, stopped};
-use super::patience::Patience;
 use crate::approach::Approach;
 use mrroc_core::cell::AfterFault;
 use mrroc_core::cell::{Cell, CellError};
@@ -23,7 +23,7 @@ pub(super) fn dry_run(mut cell: Cell, quiet: bool) -> ExitCode {
     // There is nobody who could reset it.
     cell = cell.unrecorded().observed_by(observer).after_fault(AfterFault::End);
     if !quiet {
-        cell = cell.also_on_step(Patience::begin_dry().notes());
+        cell = cell.also_on_step(LongRunNotes::begin_dry().hook());
     }
     match cell.run() {
         Ok(ran) => {

@@ -14,7 +14,7 @@ use mrroc_core::link::Clock;
 use mrroc_core::observe::recording::{Recorder, RunRecord};
 use mrroc_core::observe::ring::Ring;
 use mrroc_core::observe::step_observer::StepObserver;
-use mrroc_launch::patience::Patience;
+use mrroc_launch::long_run::LongRunNotes;
 use mrroc_launch::{Launch, Operating, Processes, Ran};
 
 use crate::doctor::examine;
@@ -100,12 +100,12 @@ fn take_part(
         cell = cell.watched_in_plant();
     }
     if !how.quiet {
-        let patience = match how.clock {
+        let notes = match how.clock {
             // Its launcher does not look at what the MP shows.
-            Some(Clock::Virtual) => Patience::begin_operated().with_reset(cell.awaits_reset()),
-            Some(Clock::Real) | None => Patience::begin_operated(),
+            Some(Clock::Virtual) => LongRunNotes::begin_operated().with_reset(cell.awaits_reset()),
+            Some(Clock::Real) | None => LongRunNotes::begin_operated(),
         };
-        cell = cell.also_on_step(patience.notes());
+        cell = cell.also_on_step(notes.hook());
     }
     let record =
         recorder.and_then(|recorder| recorder.join(cell.recording(), &cell.layout(), process, session));

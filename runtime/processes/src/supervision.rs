@@ -47,7 +47,7 @@ const OWN_PRESS: u64 = u64::MAX;
 
 /// How long a cell may take for what its launcher waits for.
 #[derive(Clone, Copy)]
-pub(super) struct Patience {
+pub(super) struct Timeouts {
     /// For a stop of its robots.
     pub stop: Duration,
     /// For the MP's program between two steps.
@@ -61,7 +61,7 @@ pub(super) struct Supervision<'a> {
     console_server: &'a ConsoleServer,
     board: &'a StateBoard,
     mp: Option<usize>,
-    patience: Patience,
+    patience: Timeouts,
     /// The first process that died.
     death: Option<Fault>,
     /// Until when the MP's program has to end after an abort.
@@ -89,7 +89,7 @@ impl<'a> Supervision<'a> {
         signals: &'a Signals,
         console_server: &'a ConsoleServer,
         board: &'a StateBoard,
-        patience: Patience,
+        patience: Timeouts,
         (latch_notes, lower_notes): (LatchNotes, Vec<LatchNotes>),
     ) -> Self {
         let at = |cell: Option<Name>| {

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use super::channels::{Channels, Outlet};
-use super::file::patience;
+use super::file::write_timeout;
 use mrroc_core::console::complain;
 use mrroc_core::fault::{Name, ProcessId};
 use mrroc_core::link::Clock;
@@ -39,7 +39,7 @@ pub(super) fn begin(recording: &Recording, layout: Layout, clock: Clock, open: O
         clock,
         rest: REST,
         flush: FLUSH,
-        patience: patience(recording.file()),
+        patience: write_timeout(recording.file()),
         stack: STACK,
         is_asked_for: Box::new(move |by, what: &What| is_asked_for(&asked, by, what)),
         tell: Arc::new(move |trouble: &Trouble| tell(&name, trouble)),

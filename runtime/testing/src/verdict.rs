@@ -8,7 +8,7 @@ use super::trial::Trial;
 use mrroc_core::cell::CellError;
 use mrroc_core::fault::{FaultKind, ProcessId, Role};
 use mrroc_core::link::Nanos;
-use mrroc_core::link::patience::missed_step_budget;
+use mrroc_core::link::timeout::missed_step_budget;
 
 /// The verdict on a case.
 #[derive(Clone, Debug, PartialEq)]

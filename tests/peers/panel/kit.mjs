@@ -14,7 +14,7 @@ export const shots = option('shots');
 if (shots) mkdirSync(shots, { recursive: true });
 const axe = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
 /** What a page waits for at most [ms]: this machine may be late. */
-export const PATIENCE = 15000;
+export const TIMEOUT = 15000;
 /** How a browser draws on a machine without a graphics processor. */
 export const DRAWING = ['--enable-unsafe-swiftshader'];
 let held = 0;
@@ -106,10 +106,10 @@ export async function start(program, words, { own = [], variables = {} } = {}) {
 
 export const state = (page) => page.evaluate(() => window.mrrocPanel.state());
 export const shows = (page, word) => page.waitForFunction(
-  (expected) => expected.includes(window.mrrocPanel.state()?.state), [word].flat(), { timeout: PATIENCE, polling: 50 });
+  (expected) => expected.includes(window.mrrocPanel.state()?.state), [word].flat(), { timeout: TIMEOUT, polling: 50 });
 /** Waits until a fact of the state holds. */
-export const until = (page, fact, argument = null, timeout = PATIENCE) => page.waitForFunction(fact, argument, { timeout, polling: 50 });
-export const press = (page, name) => page.getByRole('button', { name, exact: true }).click({ timeout: PATIENCE });
+export const until = (page, fact, argument = null, timeout = TIMEOUT) => page.waitForFunction(fact, argument, { timeout, polling: 50 });
+export const press = (page, name) => page.getByRole('button', { name, exact: true }).click({ timeout: TIMEOUT });
 export const shot = async (page, name) => {
   // A picture that this machine has no time for is no fault of the panel.
   if (shots) await page.screenshot({ path: join(shots, `${name}.png`) }).catch((error) => console.log(`panel: no picture ${name}: ${error.message.split('\n')[0]}`));

@@ -39,7 +39,7 @@ const LENGTH: usize = 1024;
 const REST: Duration = Duration::from_millis(4);
 
 /// How long it is waited for at the end.
-const PATIENCE: Duration = Duration::from_secs(3);
+const TIMEOUT: Duration = Duration::from_secs(3);
 
 /// Its stack, on which iceoryx2 makes services \[bytes\].
 const STACK: usize = 2 << 20;
@@ -101,7 +101,7 @@ impl Subscription for Subscribers {
             clock,
             rest: REST,
             flush: Duration::MAX,
-            patience: PATIENCE,
+            patience: TIMEOUT,
             stack: STACK,
             is_asked_for: Box::new(|_, what| is_shown(what)),
             tell: Arc::new(move |trouble| tell(&port, trouble)),

@@ -19,7 +19,7 @@ use crate::rules::token::Token;
 use crate::server::serve;
 
 /// For what comes at once, unless it never does.
-const PATIENCE: Duration = Duration::from_secs(120);
+const TIMEOUT: Duration = Duration::from_secs(120);
 
 /// A panel whose console server does all that it is asked for, and writes it down.
 struct Served {
@@ -66,7 +66,7 @@ impl Served {
     /// A page that has shown the token.
     fn known(&self) -> Page {
         let mut stream = TcpStream::connect(self.address).expect("connected");
-        stream.set_read_timeout(Some(PATIENCE)).expect("set");
+        stream.set_read_timeout(Some(TIMEOUT)).expect("set");
         let host = self.address;
         let header = format!(
             "GET /connect HTTP/1.1\r\nHost: {host}\r\nOrigin: http://{host}\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n\
@@ -87,7 +87,7 @@ impl Served {
 
     /// The next request that the console server is asked for.
     fn request(&self) -> Request {
-        self.asked.recv_timeout(PATIENCE).expect("asked")
+        self.asked.recv_timeout(TIMEOUT).expect("asked")
     }
 }
 

@@ -18,7 +18,7 @@ use crate::behaviour::Behaviour;
 use crate::link::{Answers, LAST_BITS, Link, Motion, answer};
 use crate::message::{Mode, Request, State};
 use crate::network::{Network, Sockets};
-use crate::opening::{Awaited, First, Opening, PATIENCE};
+use crate::opening::{Awaited, First, Opening, TIMEOUT};
 use crate::rejoining::Joints;
 use crate::requests::Requests;
 use crate::settings::FciSettings;
@@ -66,7 +66,7 @@ impl<N: Network> Fci<N> {
     fn connect(&mut self) -> Result<Link, DriveFault> {
         let network = &mut self.network;
         let began = network.now();
-        let port = network.connect(PATIENCE)?;
+        let port = network.connect(TIMEOUT)?;
         let mut requests = Requests::new();
         let (id, bytes) = requests.write(Request::Connect { port });
         network.ask(bytes).map_err(|_| CUT_OFF)?;
@@ -143,7 +143,7 @@ impl<R: Robot<Joints = Joints>, N: Network> Driver<R> for Fci<N> {
     fn close(&mut self) {
         let Some(link) = &mut self.link else { return };
         link.is_to_end = true;
-        let until = self.network.now() + PATIENCE;
+        let until = self.network.now() + TIMEOUT;
         while link.motion != Motion::None && self.network.now() < until {
             match link.hear(&mut self.network) {
                 Ok(Some(_)) if stopped(&link.said).is_none() => drop(link.hold(&mut self.network)),

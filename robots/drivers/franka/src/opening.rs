@@ -11,7 +11,7 @@ use crate::message::{Answer, State};
 use crate::stops::{ABSENT, OTHER_VERSION};
 
 /// How long to wait for the connection, then for the robot's answer, and for its first state since the beginning.
-pub(crate) const PATIENCE: Duration = Duration::from_secs(2);
+pub(crate) const TIMEOUT: Duration = Duration::from_secs(2);
 
 /// The first state of a robot.
 #[derive(Clone, Copy, Debug)]
@@ -40,7 +40,7 @@ pub(crate) enum Awaited {
 impl Opening {
     /// Drives whose opening began at `began`, and which have asked for a connection now.
     pub fn new(began: Duration, now: Duration, id: u32) -> Opening {
-        Opening { asked: Some((id, now + PATIENCE)), until: began + PATIENCE }
+        Opening { asked: Some((id, now + TIMEOUT)), until: began + TIMEOUT }
     }
 
     /// What is awaited at this time.

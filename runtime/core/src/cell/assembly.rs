@@ -14,7 +14,7 @@ use crate::control::mp::{Mp, MpTiming, RobotPort};
 use crate::control::overruns::Timed;
 use crate::control::plant::{Bodies, Rests, Site};
 use crate::control::sensing::Sensing;
-use crate::link::patience::Patience;
+use crate::link::timeout::AnswerTimeout;
 use crate::link::{Link, Simulation};
 use crate::model::fault::{Fault, ProcessId, Role};
 use crate::model::list::Owner;
@@ -66,7 +66,7 @@ impl Cell {
             self.parts.refuse_hardware(names)?;
         }
         let triggered = self.coordination.program.is_none();
-        let patience = Patience::of_step(self.timing.step);
+        let patience = AnswerTimeout::of_step(self.timing.step);
         let outcomes = Outcomes::default();
         let (above, shared) = above.unzip();
         let within = above.as_ref().map(|above| above.name);
@@ -108,7 +108,7 @@ impl Cell {
             step_observers: step_observers.of(me),
         };
         // An ECP loses patience first, so that it can say with whom, but not before the last demand that is bridged.
-        let shorter = Patience { most: patience.most - patience.again / 2, ..patience };
+        let shorter = AnswerTimeout { most: patience.most - patience.again / 2, ..patience };
         let of_ecp = |process: &ProcessId| {
             let step_observers = step_observers.of(*process);
             Sensing { owner: Owner::unique(), ports: Vec::new(), patience: shorter, step_observers }

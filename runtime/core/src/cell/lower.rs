@@ -9,7 +9,7 @@ use std::rc::Rc;
 
 use crate::control::mp::Upper;
 use crate::link::Server;
-use crate::link::patience::Patience;
+use crate::link::timeout::AnswerTimeout;
 use crate::model::fault::{ProcessId, Role};
 use crate::model::name::{BadName, Name};
 use crate::model::time::Nanos;
@@ -45,7 +45,7 @@ impl Above {
 /// For how long the MP of a lower cell waits for orders, in a cell above with this step \[ns\]: that one may wait for an answer of
 /// another cell meanwhile.
 pub(super) fn silence(step: Duration) -> Nanos {
-    let Patience { most, again } = Patience::of_step(step);
+    let AnswerTimeout { most, again } = AnswerTimeout::of_step(step);
     2 * most + again
 }
 

@@ -293,7 +293,7 @@ impl Cell {
     }
 
     /// How long one of its processes may compute at a stretch, if that was set.
-    pub const fn patience(&self) -> Option<Duration> {
+    pub const fn watchdog_timeout(&self) -> Option<Duration> {
         self.timing.watchdog
     }
 

@@ -3,7 +3,7 @@
 //! In: orders. Out: readings, or the fault that none came.
 
 use crate::link::message::Message;
-use crate::link::patience::Patience;
+use crate::link::timeout::AnswerTimeout;
 use crate::link::{Client, Closed, Waiter};
 use crate::model::fault::{Fault, FaultKind, ProcessId};
 
@@ -12,7 +12,7 @@ pub(crate) struct PlantSensor {
     pub port: Box<dyn Client>,
     /// The plant's place.
     pub plant: usize,
-    pub patience: Patience,
+    pub patience: AnswerTimeout,
 }
 
 impl PlantSensor {

@@ -8,7 +8,7 @@ use crate::control::replay::readings::RecordedReading;
 use crate::control::state_words::StateWords;
 use crate::control::vsp::Boards;
 use crate::link::message::{Kind, Message};
-use crate::link::patience::{Patience, Waiting};
+use crate::link::timeout::{AnswerTimeout, Waiting};
 use crate::link::{Client, Waiter};
 use crate::model::fault::{Fault, FaultKind, ProcessId, Role};
 use crate::model::image::{Sensor, SensorImage};
@@ -245,7 +245,7 @@ pub struct Sensing {
     pub(crate) owner: Owner,
     pub(crate) ports: Vec<SensorPort>,
     /// Of readings, and of other answers.
-    pub patience: Patience,
+    pub patience: AnswerTimeout,
     /// Where what was collected is shown.
     pub step_observers: StepObservers,
 }

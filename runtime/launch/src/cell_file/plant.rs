@@ -22,7 +22,7 @@ pub struct PlantEntry {
 
 impl PlantEntry {
     /// How long a simulator is waited for if the file does not say it.
-    pub(super) const PATIENCE: Duration = Duration::from_secs(10);
+    pub(super) const TIMEOUT: Duration = Duration::from_secs(10);
 
     /// The robot's name.
     #[must_use]

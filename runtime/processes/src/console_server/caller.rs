@@ -1,7 +1,7 @@
 //! A console's side of the connection.
 //!
 //! In: the path of a cell's file, then requests. Out: a connection to the console server of that cell, then its answers
-//! and pictures. Nothing here waits for longer than [`PATIENCE`].
+//! and pictures. Nothing here waits for longer than [`TIMEOUT`].
 
 use std::io::{self, BufReader, ErrorKind, Write};
 use std::os::unix::net::UnixStream;
@@ -18,7 +18,7 @@ use crate::session::{SessionError, is_stopped, is_used, sessions_of};
 use mrroc_core::fault::Name;
 
 /// How long a console waits for the cell to take its connection, its request, and to answer.
-pub(super) const PATIENCE: Duration = Duration::from_secs(5);
+pub(super) const TIMEOUT: Duration = Duration::from_secs(5);
 
 /// The error of a connection to a cell that has ended.
 pub const ENDED: &str = "the cell has ended";
@@ -51,7 +51,7 @@ pub(crate) enum NoCell {
     /// The cell runs, but its launcher does not take the connection.
     #[error(
         "the cell of {0} has not answered for {patience} s: its launcher stands still\n help: see `ps -ef`; let it go on by kill -CONT and its number",
-        patience = PATIENCE.as_secs()
+        patience = TIMEOUT.as_secs()
     )]
     Silent(PathBuf),
     /// The folder of sessions cannot be read.
@@ -132,7 +132,7 @@ impl Caller {
     fn connect(address: &SocketAddrUnix, runs: Runs) -> io::Result<Caller> {
         let socket = socket_with(AddressFamily::UNIX, SocketType::STREAM, SocketFlags::CLOEXEC, None)?;
         for direction in [Timeout::Send, Timeout::Recv] {
-            set_socket_timeout(&socket, direction, Some(PATIENCE))?;
+            set_socket_timeout(&socket, direction, Some(TIMEOUT))?;
         }
         connect(&socket, address)?;
         let launcher =
@@ -233,7 +233,7 @@ fn told(error: io::Error, launcher: Option<u32>) -> io::Error {
     if !is_timeout(&error) {
         return error;
     }
-    let seconds = PATIENCE.as_secs();
+    let seconds = TIMEOUT.as_secs();
     let why = match launcher {
         Some(pid) if is_stopped(pid) => format!(
             "its launcher, process {pid}, was stopped by a signal\n help: the cell stops its robots by itself; let the \

@@ -15,7 +15,7 @@ use mrroc_core::fault::Fault;
 use mrroc_core::operator::button::{Answer, Button, CellState};
 
 /// How long a console waits for its press to be carried out.
-const PATIENCE: Duration = Duration::from_secs(1);
+const TIMEOUT: Duration = Duration::from_secs(1);
 
 /// A press that is under way.
 #[derive(Clone, Copy)]
@@ -37,7 +37,7 @@ impl Service {
             let reply = match answer {
                 Some(answer) => say(button, answer, persisting),
                 None if over => Reply::Refused("the cell closes".to_owned()),
-                None if since.elapsed() > PATIENCE => Reply::Pending(pending(button)),
+                None if since.elapsed() > TIMEOUT => Reply::Pending(pending(button)),
                 None => continue,
             };
             // A late press may still be carried out, but the next press does not wait for it.

@@ -32,7 +32,7 @@ use crate::scheduling::Lacks;
 use crate::session::{Membership, Private, prefix};
 
 /// How long nodes may take to answer before the cell is given up.
-const PATIENCE: Duration = Duration::from_secs(10);
+const TIMEOUT: Duration = Duration::from_secs(10);
 
 /// How often a node that is busy is asked again.
 const AGAIN: Duration = Duration::from_millis(500);
@@ -184,7 +184,7 @@ fn meet(
     post: &Post,
     events: &Receiver<Event>,
 ) -> Result<(), String> {
-    let until = Instant::now() + PATIENCE;
+    let until = Instant::now() + TIMEOUT;
     let name = |node: usize| nodes.all()[node].name.as_str().to_owned();
     let hello = Said::Hello(own, seal).to_bytes(seal.session);
     let mut agreed = vec![false; nodes.all().len()];

@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 
 use mrroc_core::cell::Nodes;
 use mrroc_core::link::Nanos;
-use mrroc_core::link::patience::together_budget;
+use mrroc_core::link::timeout::together_budget;
 use mrroc_launch::network::{Hears, Joining, Side, Wires, network};
 
 use super::absence::absent;
@@ -25,7 +25,7 @@ const PINGS: u32 = 1000;
 const APART: Duration = Duration::from_millis(2);
 
 /// How long a node may take to be there, and the last answers to come.
-const PATIENCE: Duration = Duration::from_secs(5);
+const TIMEOUT: Duration = Duration::from_secs(5);
 const LAST: Duration = Duration::from_millis(500);
 
 struct Listener {
@@ -79,7 +79,7 @@ pub(crate) fn examine(nodes: &Nodes, file: &Path) -> String {
         Err(error) => return format!("nodes           {error}\n"),
     };
     let others: Vec<_> = (0..all).filter(|node| *node != nodes.mp()).collect();
-    let until = Instant::now() + PATIENCE;
+    let until = Instant::now() + TIMEOUT;
     while Instant::now() < until && !others.iter().all(|&node| listener.is(node)) {
         std::thread::sleep(Duration::from_millis(20));
     }

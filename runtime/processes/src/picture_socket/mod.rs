@@ -19,7 +19,7 @@ pub(crate) use receiver::Receiver;
 pub(crate) use sender::join;
 
 /// How long to wait for a plant, or for a thread of its, that takes nothing: shorter than a launcher waits for processes that end.
-const PATIENCE: Duration = Duration::from_secs(3);
+const TIMEOUT: Duration = Duration::from_secs(3);
 
 /// The path of the socket in the folder of a session.
 fn socket(folder: &Path) -> PathBuf {

@@ -15,7 +15,7 @@ use mrroc_core::observe::layout::Layout;
 use mrroc_core::observe::step_observer::{SharedStepObserver, StepObserver};
 
 use super::datagram::{Shown, read};
-use super::{PATIENCE, socket};
+use super::{TIMEOUT, socket};
 
 /// The longest datagram \[bytes\].
 const LONGEST: usize = 64 * 1024;
@@ -76,7 +76,7 @@ impl Receiver {
             let received = shared.received.load(Ordering::Acquire);
             if received != seen {
                 (since, seen) = (Instant::now(), received);
-            } else if since.elapsed() > PATIENCE {
+            } else if since.elapsed() > TIMEOUT {
                 complain(
                     "warning: the picture does not get all that the processes have shown: it takes nothing more",
                 );

@@ -15,7 +15,7 @@ use mrroc_core::link::Clock;
 use mrroc_core::observe::ring::{Record, Ring, RingUse, Sink, Trouble};
 use mrroc_core::observe::step_observer::What;
 
-use super::{PATIENCE, datagram, socket};
+use super::{TIMEOUT, datagram, socket};
 
 /// Number of records that the ring holds: those of a quarter of a second of an MP with three sensors at 1 kHz.
 const LENGTH: usize = 1024;
@@ -38,7 +38,7 @@ pub(crate) fn join(process: ProcessId, folder: &Path, clock: Clock) -> Option<Rc
     if !shows {
         return None;
     }
-    let begun = send(socket(folder), clock, PATIENCE);
+    let begun = send(socket(folder), clock, TIMEOUT);
     let unseen = |error: &io::Error| complain(&format!("warning: {process}: not in the picture: {error}"));
     begun.map(Rc::new).inspect_err(unseen).ok()
 }

@@ -96,7 +96,7 @@ impl core::fmt::Debug for VideoCamera {
 
 impl VideoCamera {
     /// How long an image is waited for when one is asked for \[ms\].
-    const PATIENCE_MS: i32 = 5;
+    const TIMEOUT_MS: i32 = 5;
     /// How long the first image may take ..
     const FIRST: Duration = Duration::from_secs(2);
     /// .. and how long there may be none \[s\].
@@ -154,7 +154,7 @@ impl PhotoSource for VideoCamera {
             return Err(Fault::new(FaultKind::SensorFailed).text("the camera has not been opened"));
         };
         let mut newest = None;
-        let mut patience = Self::PATIENCE_MS;
+        let mut patience = Self::TIMEOUT_MS;
         let told = loop {
             match stream.handle().poll(POLLIN, patience) {
                 Ok(0) => break Ok(()),

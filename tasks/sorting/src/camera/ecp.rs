@@ -55,7 +55,7 @@ pub fn hand(ecp: &mut Ecp<TwoFingers>, station: &Station) -> Result<(), Fault> {
         Task::Pick { .. } => {
             ecp.wait_until(
                 (&mut fingers,),
-                any((there {}.held_for(Close::WAITING), elapsed(Acquire::PATIENCE))),
+                any((there {}.held_for(Close::WAITING), elapsed(Acquire::TIMEOUT))),
             )?;
             ecp.move_robot((&mut fingers,), Grasp::default()).map(drop)
         }

@@ -24,7 +24,7 @@ use crate::port::Ends;
 
 const ARMS: [&str; 2] = ["left", "right"];
 
-/// Impatient, where what is waited for does not come. Elsewhere the machine may be late.
+/// With a short timeout, where what is waited for does not come. Elsewhere the machine may be late.
 const SHORT: &str = ", patience_ms = 400";
 
 fn edp(robot: &str) -> ProcessId {

@@ -8,7 +8,7 @@ use mrroc::robot::{Channel, Limits, NoInverse, Value};
 
 use self::model::{Counting, FIRST, Fixture, PERIOD, Says};
 use super::*;
-use crate::opening::PATIENCE;
+use crate::opening::TIMEOUT;
 use crate::session::radians;
 
 /// Where the controller sends from.
@@ -96,12 +96,12 @@ fn a_message_is_as_old_as_it_has_waited_and_the_newest_counts() {
 fn a_controller_that_says_nothing_is_waited_for_for_2_s() {
     let mut fixture = Fixture::new(Corrections::Absolute, Says::Nothing);
     assert_eq!(fixture.open(), Err(SILENT));
-    assert_eq!(fixture.now(), PATIENCE);
+    assert_eq!(fixture.now(), TIMEOUT);
     assert!(!fixture.simulation.borrow().is_open, "the port is let go");
     // What it says is no message.
     let mut fixture = Fixture::new(Corrections::Absolute, Says::Same(b"<Rob></Rob>".to_vec()));
     assert_eq!(fixture.open(), Err(SILENT));
-    assert_eq!((fixture.now(), fixture.told()), (PATIENCE, vec![]));
+    assert_eq!((fixture.now(), fixture.told()), (TIMEOUT, vec![]));
 }
 
 #[test]
@@ -236,7 +236,7 @@ fn a_controller_that_is_cut_off_while_it_is_found_out_when_it_counts_is_waited_f
     // Its first message comes at the end of its first period, and then no other one.
     fixture.simulation.borrow_mut().ends = Some(2 * PERIOD);
     assert_eq!(fixture.open(), Err(SILENT));
-    assert_eq!((fixture.now(), fixture.told()), (PERIOD + PATIENCE, vec![(FIRST + 4, 0.0)]));
+    assert_eq!((fixture.now(), fixture.told()), (PERIOD + TIMEOUT, vec![(FIRST + 4, 0.0)]));
 }
 
 #[test]

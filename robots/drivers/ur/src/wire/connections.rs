@@ -243,7 +243,7 @@ impl<N: Network> Wire for Connections<N> {
     }
 
     fn calibration(&mut self) -> Result<Calibration, Lost> {
-        let called = self.call(self.ports.primary, primary::PATIENCE, primary::cut);
+        let called = self.call(self.ports.primary, primary::TIMEOUT, primary::cut);
         let mut connection = called.ok_or(primary::ABSENT)?;
         let reading = Reading::new(self.network.now());
         self.until(&mut connection, |now, message, is_open, _| reading.poll(now, message, is_open))

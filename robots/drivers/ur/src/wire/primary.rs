@@ -11,7 +11,7 @@ use crate::calibration::Calibration;
 use crate::primary::{calibration, message_length};
 
 /// How long a controller may take to answer the call, and then to tell it.
-pub(super) const PATIENCE: Duration = Duration::from_secs(2);
+pub(super) const TIMEOUT: Duration = Duration::from_secs(2);
 
 /// Nobody has answered the call.
 pub(super) const ABSENT: Lost = Lost("nobody answers at its primary interface: is it switched on?");
@@ -32,7 +32,7 @@ pub(super) struct Reading(Duration);
 impl Reading {
     /// From now on.
     pub(super) fn new(now: Duration) -> Reading {
-        Reading(now + PATIENCE)
+        Reading(now + TIMEOUT)
     }
 
     /// The calibration, if this message has it. What came before the end of the connection is read, too.

@@ -4,7 +4,7 @@
 
 use crate::control::state_words::StateWords;
 use crate::link::message::{Header, Kind, Message, RequestKind, flag};
-use crate::link::patience::Patience;
+use crate::link::timeout::AnswerTimeout;
 use crate::link::{Client, Waiter};
 use crate::model::demand::Demand;
 use crate::model::fault::{Fault, FaultKind};
@@ -33,11 +33,11 @@ pub(super) struct DriverPort<R: Robot> {
     pub image: RobotImage<R>,
     /// Whether the last demand may have left the robot moving: then somebody has to brake it.
     pub moving: bool,
-    patience: Patience,
+    patience: AnswerTimeout,
 }
 
 impl<R: Robot> DriverPort<R> {
-    pub fn new(port: Box<dyn Client>, patience: Patience) -> Self {
+    pub fn new(port: Box<dyn Client>, patience: AnswerTimeout) -> Self {
         DriverPort {
             port,
             request: Message::empty(),

@@ -6,7 +6,7 @@ use std::rc::Rc;
 use super::*;
 use crate::control::overruns::Timed;
 use crate::link::message::{Kind, Message, OrderKind};
-use crate::link::patience::Patience;
+use crate::link::timeout::AnswerTimeout;
 use crate::link::{Closed, Meter, Sample, Waiter};
 use crate::model::class::{Class, Level, Uses};
 use crate::model::demand::Demand;
@@ -153,7 +153,7 @@ fn what_a_wait_took_in_all_its_steps_is_no_late_step_of_the_move_after_it() {
     let sensing = Sensing {
         owner: Owner::unique(),
         ports: Vec::new(),
-        patience: Patience { most: 20 * STEP, again: STEP },
+        patience: AnswerTimeout { most: 20 * STEP, again: STEP },
         step_observers: StepObservers::to(Vec::new()),
     };
     let pace = Pace { period: STEP, grace: STEP / 2, stop_steps: 100 };

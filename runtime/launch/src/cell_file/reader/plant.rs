@@ -25,7 +25,7 @@ impl Reader {
         };
         self.known(table, &PLANT_KEYS, "a plant has");
         let patience = match table.get("patience_ms") {
-            None => PlantEntry::PATIENCE,
+            None => PlantEntry::TIMEOUT,
             Some(value) => {
                 let patience = self.duration(value)?;
                 if patience > LONGEST {

@@ -156,7 +156,7 @@ impl Network for VirtualNetwork {
     fn connect(&mut self, patience: Duration) -> Result<u16, DriveFault> {
         self.close();
         let mut simulation = self.simulation.borrow_mut();
-        assert_eq!(patience, PATIENCE);
+        assert_eq!(patience, TIMEOUT);
         if simulation.version.is_none() {
             return Err(ABSENT);
         }

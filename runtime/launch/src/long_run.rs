@@ -23,7 +23,7 @@ enum Awaited {
 }
 
 /// Prints notes about a run that may never end, at growing intervals.
-pub struct Patience {
+pub struct LongRunNotes {
     awaited: Awaited,
     since: Instant,
     next: Duration,
@@ -32,35 +32,35 @@ pub struct Patience {
     is_latch_told: bool,
 }
 
-impl Patience {
+impl LongRunNotes {
     /// Begins to wait; the first note is due after 10 s.
-    pub fn begin() -> Patience {
-        Patience::of(Awaited::Run)
+    pub fn begin() -> LongRunNotes {
+        LongRunNotes::of(Awaited::Run)
     }
 
     /// The same for a run in real time with consoles: notes about faults alone.
-    pub fn begin_operated() -> Patience {
-        Patience::of(Awaited::OperatedRun)
+    pub fn begin_operated() -> LongRunNotes {
+        LongRunNotes::of(Awaited::OperatedRun)
     }
 
     /// The same for a dry run.
-    pub(super) fn begin_dry() -> Patience {
-        Patience::of(Awaited::DryRun)
+    pub(super) fn begin_dry() -> LongRunNotes {
+        LongRunNotes::of(Awaited::DryRun)
     }
 
-    fn of(awaited: Awaited) -> Patience {
+    fn of(awaited: Awaited) -> LongRunNotes {
         let next = Duration::from_secs(10);
-        Patience { awaited, since: Instant::now(), next, awaits_reset: false, is_latch_told: false }
+        LongRunNotes { awaited, since: Instant::now(), next, awaits_reset: false, is_latch_told: false }
     }
 
     /// The same for a cell that may await its reset after a fault.
     #[must_use]
-    pub const fn with_reset(self, awaits_reset: bool) -> Patience {
-        Patience { awaits_reset, ..self }
+    pub const fn with_reset(self, awaits_reset: bool) -> LongRunNotes {
+        LongRunNotes { awaits_reset, ..self }
     }
 
     /// The hook for every step, which looks at the wall clock from time to time and prints the notes.
-    pub fn notes(mut self) -> impl FnMut(u64, &Operator) {
+    pub fn hook(mut self) -> impl FnMut(u64, &Operator) {
         move |step, operator| {
             let suspended = operator.is_suspended();
             if step % 1024 == 0
@@ -143,13 +143,13 @@ mod tests {
     fn a_cell_that_awaits_its_reset_under_the_virtual_clock_is_told_of_once() {
         let told = Rc::new(RefCell::new(Vec::new()));
         let keep = Rc::clone(&told);
-        let mut patience = Patience::begin().with_reset(true);
+        let mut notes = LongRunNotes::begin().with_reset(true);
         let (mut latched, mut is_first) = (0, true);
         let cell = mrroc_core::cell::Cell::new(Duration::from_millis(1))
             .after_fault(AfterFault::AwaitReset)
             .program(|_| Err(Fault::thrown("the tray is empty")))
             .on_step(move |_, operator| {
-                keep.borrow_mut().extend(patience.after_stop(operator));
+                keep.borrow_mut().extend(notes.after_stop(operator));
                 latched += u32::from(operator.state() == CellState::Latched);
                 match latched {
                     // It stops again: that is another stop.
@@ -168,33 +168,32 @@ mod tests {
 
     #[test]
     fn a_run_without_an_end_is_told_of_ever_more_seldom() {
-        let mut patience = Patience::begin();
+        let mut notes = LongRunNotes::begin();
         let told: Vec<_> = (0..100)
-            .filter(|&second| patience.after(Duration::from_secs(second), second * 500, false).is_some())
+            .filter(|&second| notes.after(Duration::from_secs(second), second * 500, false).is_some())
             .collect();
         assert_eq!(told, [10, 20, 40, 80]);
-        let text = patience.after(Duration::from_secs(160), 80_000, false).expect("160 s is twice 80 s");
+        let text = notes.after(Duration::from_secs(160), 80_000, false).expect("160 s is twice 80 s");
         assert!(text.contains("160 s, in step 80000") && text.contains("`Step::Done`"), "{text}");
     }
 
     #[test]
     fn a_run_in_real_time_is_not_told_of_however_long_it_takes() {
-        let mut patience = Patience::begin_operated();
-        let told =
-            (0..10_000).filter_map(|second| patience.after(Duration::from_secs(second), second, false));
+        let mut notes = LongRunNotes::begin_operated();
+        let told = (0..10_000).filter_map(|second| notes.after(Duration::from_secs(second), second, false));
         assert_eq!(told.count(), 0);
     }
 
     #[test]
     fn a_dry_run_is_told_of_without_advice_to_stop_it() {
-        let mut patience = Patience::begin_dry();
-        let text = patience.after(Duration::from_secs(10), 80_000, false).expect("due");
+        let mut notes = LongRunNotes::begin_dry();
+        let text = notes.after(Duration::from_secs(10), 80_000, false).expect("due");
         assert!(text.contains("dry run is in step 80000") && !text.contains("Ctrl-C"), "{text}");
     }
 
     #[test]
     fn a_run_that_its_own_program_has_suspended_is_told_who_can_resume_it() {
-        let text = Patience::begin().after(Duration::from_secs(10), 1024, true).expect("due");
+        let text = LongRunNotes::begin().after(Duration::from_secs(10), 1024, true).expect("due");
         assert!(text.contains("still suspended") && text.contains("--processes"), "{text}");
         assert!(!text.contains("`Step::Done`"), "{text}");
     }

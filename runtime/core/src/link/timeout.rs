@@ -7,18 +7,18 @@ pub use crate::safety::stopping::{missed_step_budget, together_budget};
 
 /// How long a process waits for an answer.
 #[derive(Clone, Copy, Debug)]
-pub struct Patience {
+pub struct AnswerTimeout {
     /// The longest time for which an answer is awaited \[ns\].
     pub most: Nanos,
     /// The time after which a request without an answer is sent again \[ns\].
     pub again: Nanos,
 }
 
-impl Patience {
+impl AnswerTimeout {
     /// Until a lost peer is noticed, asking again in every step.
-    pub fn of_step(step: Duration) -> Patience {
+    pub fn of_step(step: Duration) -> AnswerTimeout {
         let again = step.as_nanos() as Nanos;
-        Patience { most: again * (u64::from(missed_step_budget(step)) + 1), again }
+        AnswerTimeout { most: again * (u64::from(missed_step_budget(step)) + 1), again }
     }
 
     /// Begins to wait for answers to requests that are sent now.
@@ -100,7 +100,7 @@ mod tests {
     fn asked(late: Nanos) -> (Vec<Nanos>, Nanos) {
         let now = Rc::new(Cell::new(500));
         let (waiter, client) = (Sleeps(Rc::clone(&now), late), Asked(Rc::clone(&now), RefCell::default()));
-        let mut waiting = Patience { most: 3500, again: 1000 }.begin(&waiter);
+        let mut waiting = AnswerTimeout { most: 3500, again: 1000 }.begin(&waiter);
         while waiting.goes_on(&client, &waiter).expect("open") {
             assert!(now.get() < 10_000, "for ever");
         }
