@@ -14,7 +14,7 @@ use tokio::sync::{oneshot, watch};
 use tokio::time::Instant;
 
 use crate::console_session::Shown;
-use crate::course::Course;
+use crate::run_history::RunHistory;
 use crate::events::{Action, Key, Kind, To};
 use crate::now::Looks;
 use crate::pages::Pages;
@@ -40,7 +40,7 @@ pub enum Source {
     /// A cell that runs: where to ask, and what it does.
     Running(Box<dyn Asks>, watch::Receiver<Shown>),
     /// A run that is over.
-    Over(Box<Course>),
+    Over(Box<RunHistory>),
 }
 
 /// The pages of a panel, and what stands around them: the clock, the console server, and the files of poses.
@@ -66,14 +66,14 @@ impl Panel {
     /// Of a source, at an address, known by a token.
     #[must_use]
     pub fn new(source: Source, looks: Arc<Looks>, token: Token, address: SocketAddr) -> Panel {
-        let (console, shown, course) = match source {
+        let (console, shown, history) = match source {
             Source::Running(console, mut shown) => {
                 shown.mark_changed();
                 (Some(console), Some(shown), None)
             }
-            Source::Over(course) => (None, None, Some(course)),
+            Source::Over(history) => (None, None, Some(history)),
         };
-        let pages = Pages::new(Arc::clone(&looks), token, course);
+        let pages = Pages::new(Arc::clone(&looks), token, history);
         Panel {
             state: Mutex::new(Shared { pages, shown }),
             console,

@@ -28,7 +28,7 @@ mod console_session;
 #[cfg(all(feature = "server", target_os = "linux"))]
 mod control;
 #[cfg(all(feature = "server", target_os = "linux"))]
-mod course;
+mod run_history;
 #[cfg(all(feature = "server", target_os = "linux"))]
 mod driver;
 #[cfg(all(feature = "server", target_os = "linux"))]

@@ -27,7 +27,7 @@ impl Pages {
         message: Message,
     ) -> Result<(), DoesNotRead> {
         let Message { number, asked } = message;
-        if self.course.is_some() {
+        if self.history.is_some() {
             return self.replay(key, number, &asked);
         }
         match self.begin_to(key, by, now, number, asked) {
@@ -39,14 +39,14 @@ impl Pages {
 
     /// Shows a moment of a run that is over.
     fn replay(&mut self, key: Key, number: u64, asked: &Asked) -> Result<(), DoesNotRead> {
-        let Some(course) = &self.course else { return Ok(()) };
+        let Some(history) = &self.history else { return Ok(()) };
         let why = match asked {
-            Asked::Frame(at, minute) => match course.at(*at) {
+            Asked::Frame(at, minute) => match history.at(*at) {
                 Some(now) => {
                     let looks = &self.scene.looks;
                     let mut state = looks.state(now);
                     if *minute {
-                        state["minute"] = course.minute(*at).map(|now| looks.plotted(now)).collect();
+                        state["minute"] = history.minute(*at).map(|now| looks.plotted(now)).collect();
                     }
                     return self.tell(key, state.to_string().into());
                 }

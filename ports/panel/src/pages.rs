@@ -14,7 +14,7 @@ use serde_json::json;
 
 use crate::console_session::Shown;
 use crate::control::Control;
-use crate::course::Course;
+use crate::run_history::RunHistory;
 use crate::events::{Action, Heard, Key, Kind, To};
 use crate::now::Looks;
 use crate::rules::PAGES;
@@ -31,7 +31,7 @@ const BAD: usize = 8;
 pub struct Pages {
     token: Token,
     /// Of a run that is over.
-    pub(crate) course: Option<Box<Course>>,
+    pub(crate) history: Option<Box<RunHistory>>,
     pub(crate) scene: Scene,
     pub(crate) control: Control,
     sessions: BTreeMap<Key, Session>,
@@ -51,13 +51,13 @@ fn nanos(now: Duration) -> u64 {
 }
 
 impl Pages {
-    /// Of a cell that runs; of a run that is over, with its course.
+    /// Of a cell that runs; of a run that is over, with its history.
     #[must_use]
-    pub fn new(looks: Arc<Looks>, token: Token, course: Option<Box<Course>>) -> Pages {
+    pub fn new(looks: Arc<Looks>, token: Token, history: Option<Box<RunHistory>>) -> Pages {
         let scene = Scene { looks, shown: Changing::default(), taught: Changing::default() };
         Pages {
             token,
-            course,
+            history,
             scene,
             control: Control::default(),
             sessions: BTreeMap::new(),
@@ -183,7 +183,7 @@ impl Pages {
             self.count += 1;
             self.note(&format!("page {} looks on", self.count));
         }
-        let lasts = self.course.as_ref().map(|course| course.lasts());
+        let lasts = self.history.as_ref().map(|history| history.lasts());
         let Some(session) = self.sessions.get_mut(&key) else { return };
         if !shown {
             return session.leave(now + READS, "this is not the token");
@@ -228,7 +228,7 @@ impl Pages {
 
     /// Stops the cell, for any page with the token.
     fn stop(&mut self, key: Key, by: OnBehalf, number: u64) {
-        if self.course.is_some() {
+        if self.history.is_some() {
             let _ = self.answer(key, number, "refused", "the run is over");
             return;
         }
@@ -273,7 +273,7 @@ impl Pages {
 
     /// Asks the console server for something of which no page waits for the answer.
     pub(crate) fn tell_console_server(&mut self, by: OnBehalf, requests: Vec<Request>) {
-        if self.course.is_none() {
+        if self.history.is_none() {
             let ask = |request| Action::Ask { request, by, to: None };
             self.actions.extend(requests.into_iter().map(ask));
         }

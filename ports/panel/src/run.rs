@@ -1,6 +1,6 @@
 //! The process, or the thread, that has the panel.
 //!
-//! In: a cell that runs, or the course of one that is over. Out: an address at the terminal, and a page there, until the cell ends or
+//! In: a cell that runs, or the history of one that is over. Out: an address at the terminal, and a page there, until the cell ends or
 //! this process is ended.
 
 use std::ffi::OsString;
@@ -17,7 +17,7 @@ use tokio::net::TcpListener;
 use tokio::sync::watch;
 
 use crate::console_session::{ConsoleSession, Shown};
-use crate::course::Course;
+use crate::run_history::RunHistory;
 use crate::driver::{Panel, Source, look_after};
 use crate::now::Looks;
 use crate::rules::token::Token;
@@ -52,8 +52,8 @@ pub fn attend(layout: &Layout, cell: &Path) -> ExitCode {
 }
 
 /// Shows a run that is over, until this process is ended.
-pub fn play(looks: Arc<Looks>, course: Course) -> ExitCode {
-    begin(looks, Source::Over(Box::new(course)), None)
+pub fn play(looks: Arc<Looks>, history: RunHistory) -> ExitCode {
+    begin(looks, Source::Over(Box::new(history)), None)
 }
 
 fn begin(looks: Arc<Looks>, source: Source, cell: Option<&Path>) -> ExitCode {

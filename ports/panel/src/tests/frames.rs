@@ -2,9 +2,9 @@
 
 use serde_json::json;
 
-use super::pages::{fixture, of_course};
+use super::pages::{fixture, of_history};
 use super::*;
-use crate::course::{Course, StepSeen};
+use crate::run_history::{RunHistory, StepSeen};
 use crate::events::Heard;
 
 #[test]
@@ -84,7 +84,7 @@ fn of_the_notes_that_a_page_does_not_take_the_oldest_are_dropped() {
 
 #[test]
 fn what_a_run_showed_that_is_over_is_answered_and_nothing_of_it_is_operated() {
-    let mut course = Course::of(&{
+    let mut history = RunHistory::of(&{
         use mrroc::prelude::*;
         use mrroc_robots::SimulatedIrp6;
         let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
@@ -94,11 +94,11 @@ fn what_a_run_showed_that_is_over_is_answered_and_nothing_of_it_is_operated() {
     let six = [0.0, -1.57, 0.16, -0.16, 4.71, 0.0];
     for step in 0..100 {
         let (time, tool) = (20_000_000 * step, mrroc_core::pose::Pose::identity());
-        course.robot(time, "arm", [&six, &six], [tool, tool]);
-        course.step(time, &StepSeen { step, dt: 0.02, duration: 0.02, ..StepSeen::default() });
+        history.robot(time, "arm", [&six, &six], [tool, tool]);
+        history.step(time, &StepSeen { step, dt: 0.02, duration: 0.02, ..StepSeen::default() });
     }
-    let lasts = course.lasts();
-    let mut fixture = of_course(Some(Box::new(course)));
+    let lasts = history.lasts();
+    let mut fixture = of_history(Some(Box::new(history)));
     let page = fixture.known();
     assert_eq!(fixture.next(page).expect("the layout")["lasts"], json!(lasts));
     assert_eq!(fixture.kinds(page), ["authority"]);

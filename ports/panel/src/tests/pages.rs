@@ -8,7 +8,7 @@ use mrroc_processes::{Reply, Request};
 use serde_json::Value;
 
 use super::*;
-use crate::course::Course;
+use crate::run_history::RunHistory;
 use crate::events::{Action, Heard, Key, Kind, To};
 use crate::pages::Pages;
 use crate::poses::Poses;
@@ -51,17 +51,17 @@ pub fn fixture() -> Fixture {
 
 /// The same, whose console server answers so; nothing, if it does not answer.
 pub fn fixture_by(answers: impl FnMut(&Request) -> Option<Reply> + 'static) -> Fixture {
-    let mut fixture = of_course(None);
+    let mut fixture = of_history(None);
     fixture.answers = Box::new(answers);
     fixture.pages.show(shown(&fixture.looks));
     fixture
 }
 
 /// Pages of a run that is over.
-pub fn of_course(course: Option<Box<Course>>) -> Fixture {
+pub fn of_history(history: Option<Box<RunHistory>>) -> Fixture {
     let (looks, token) = (Arc::new(looks()), Token::draw().expect("random numbers"));
     Fixture {
-        pages: Pages::new(Arc::clone(&looks), token, course),
+        pages: Pages::new(Arc::clone(&looks), token, history),
         looks,
         token: token.to_string(),
         // A machine that has been on for a while.

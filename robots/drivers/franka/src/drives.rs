@@ -177,7 +177,7 @@ impl<R: Robot<Joints = Joints>, N: Network> Driver<R> for Fci<N> {
     }
 
     fn held(&self) -> Option<Joints> {
-        self.link.as_ref().map(|link| link.course().q)
+        self.link.as_ref().map(|link| link.setpoint().q)
     }
 
     fn wrench(&self) -> Option<Wrench> {
@@ -187,7 +187,7 @@ impl<R: Robot<Joints = Joints>, N: Network> Driver<R> for Fci<N> {
     fn tick(&mut self, demanded: &Joints) -> Result<Measured<Joints>, DriveFault> {
         let link = self.link.as_mut().ok_or(CLOSED)?;
         let network = &mut self.network;
-        let stays = (demanded - link.course().q).amax() <= LAST_BITS;
+        let stays = (demanded - link.setpoint().q).amax() <= LAST_BITS;
         match link.motion {
             // A robot that moves is told nothing of these.
             Motion::None if !link.behaviour.is_known() => {

@@ -104,7 +104,7 @@ pub struct Ur<W = Sockets> {
     /// The arm in its own base, for where its flange is; `None` if the calibration is that of another model.
     arm: Option<Serial<JOINTS>>,
     state: Option<State>,
-    recovery: Course,
+    recovery: ResetStage,
     /// Which outputs programs switch, and what these take when the script gets no set-points any more.
     switches: Groups,
     when_lost: Outputs,
@@ -117,7 +117,7 @@ pub struct Ur<W = Sockets> {
 
 /// How far a reset has come.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Course {
+enum ResetStage {
     /// Nothing is being done.
     None,
     /// The protective stop is being released.
@@ -165,7 +165,7 @@ impl<W: Wire> Ur<W> {
             wire,
             arm: arm.ok(),
             state: None,
-            recovery: Course::None,
+            recovery: ResetStage::None,
             switches: Groups::NONE,
             when_lost: Outputs::NONE,
             payload: Payload::unsaid(settings.lookahead),
@@ -221,35 +221,35 @@ impl<W: Wire> Ur<W> {
     /// One step of what a reset does at the controller: releases a protective stop, and starts the script.
     fn advance(&mut self) -> Result<Recovery, DriveFault> {
         match self.recovery {
-            Course::None => match self.stop() {
+            ResetStage::None => match self.stop() {
                 None => Ok(Recovery::Over),
                 Some(stop) if stop.cleared_by() != ClearedBy::Operator => Err(stop.into()),
                 Some(stop) if stop.cause() == StopCause::ProtectiveStop => {
                     self.wire.begin(Job::Unlock);
-                    Ok(self.goes_on(Course::Unlocks))
+                    Ok(self.goes_on(ResetStage::Unlocks))
                 }
                 Some(_) => {
                     let start = self.start();
                     self.wire.begin(start);
-                    Ok(self.goes_on(Course::Starts))
+                    Ok(self.goes_on(ResetStage::Starts))
                 }
             },
-            Course::Unlocks => match self.wire.job() {
+            ResetStage::Unlocks => match self.wire.job() {
                 JobState::Busy => Ok(Recovery::GoesOn),
-                JobState::Done => Ok(self.goes_on(Course::Unlocked)),
+                JobState::Done => Ok(self.goes_on(ResetStage::Unlocked)),
                 refused => self.refused(refused, StopCause::ProtectiveStop),
             },
-            Course::Unlocked => {
+            ResetStage::Unlocked => {
                 match self.stop() {
                     Some(stop) if stop.cause() == StopCause::ProtectiveStop => {}
-                    Some(_) | None => self.recovery = Course::None,
+                    Some(_) | None => self.recovery = ResetStage::None,
                 }
                 Ok(Recovery::GoesOn)
             }
-            Course::Starts => match self.wire.job() {
+            ResetStage::Starts => match self.wire.job() {
                 JobState::Busy => Ok(Recovery::GoesOn),
                 JobState::Done => {
-                    self.recovery = Course::None;
+                    self.recovery = ResetStage::None;
                     Ok(Recovery::Over)
                 }
                 refused => self.refused(refused, StopCause::ProgramNotRunning),
@@ -257,13 +257,13 @@ impl<W: Wire> Ur<W> {
         }
     }
 
-    fn goes_on(&mut self, course: Course) -> Recovery {
-        self.recovery = course;
+    fn goes_on(&mut self, stage: ResetStage) -> Recovery {
+        self.recovery = stage;
         Recovery::GoesOn
     }
 
     fn refused(&mut self, state: JobState, cause: StopCause) -> Result<Recovery, DriveFault> {
-        self.recovery = Course::None;
+        self.recovery = ResetStage::None;
         let stop = match state {
             JobState::Local => RobotStop::new(StopCause::PendantInControl).named("not in remote control"),
             JobState::Refused(why) => RobotStop::new(cause).named(why),
@@ -313,7 +313,7 @@ impl<R: Robot<Joints = Six>, W: Wire> Driver<R> for Ur<W> {
     }
 
     fn open(&mut self) -> Result<(), DriveFault> {
-        (self.recovery, self.is_beyond) = (Course::None, false);
+        (self.recovery, self.is_beyond) = (ResetStage::None, false);
         let opened = self.try_open();
         if opened.is_err() {
             self.wire.disconnect();

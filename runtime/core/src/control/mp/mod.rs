@@ -3,7 +3,7 @@
 //! In: the ECPs' replies and its virtual sensors. Out: orders, one per robot of the instruction and step. Only the MP
 //! sets the pace of the cell. [`clock`] says when a step begins and how much path time it has. [`exchange`] sends one
 //! order to each robot and collects the replies; [`instruction`] opens, ends and stops instructions by such exchanges.
-//! [`motion`] is Move and [`waiting`] is Wait; [`background`] is Move that goes on beside later instructions, [`course`] how
+//! [`motion`] is Move and [`waiting`] is Wait; [`background`] is Move that goes on beside later instructions, [`progress`] how
 //! far a generator has come. [`restart`] runs the program, and runs it again after a reset.
 //! The MP of a lower cell [serves](serving) the one above it, which [`upper`] hears; [`lower`] is what a robot is that is a cell.
 //! [`robots`] holds the ports of the ECPs, [`operating`] the operator's side, [`jogging`] the robot that a person jogs, [`stops`] the
@@ -11,7 +11,7 @@
 
 mod background;
 mod clock;
-mod course;
+mod progress;
 mod exchange;
 mod instruction;
 mod jogging;

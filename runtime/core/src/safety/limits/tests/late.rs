@@ -12,7 +12,7 @@ struct Trapezoid {
     cruise: f64,
 }
 
-impl Course for Trapezoid {
+impl Trajectory for Trapezoid {
     fn duration(&self) -> f64 {
         2.0 * self.v / self.a + self.cruise
     }
@@ -37,7 +37,7 @@ pub(super) struct Quintic {
     pub duration: f64,
 }
 
-impl Course for Quintic {
+impl Trajectory for Quintic {
     fn duration(&self) -> f64 {
         self.duration
     }
@@ -58,7 +58,7 @@ struct Went {
 }
 
 /// A path from rest to rest.
-pub(super) trait Course {
+pub(super) trait Trajectory {
     /// In which time \[s\].
     fn duration(&self) -> f64;
     /// Where it is at a time.
@@ -66,7 +66,7 @@ pub(super) trait Course {
 }
 
 /// Follows the path, without the demands of steps `k + 1` to `k + n`, and then holds where it ends.
-fn go(path: &impl Course, k: usize, n: usize) -> Result<Went, FaultKind> {
+fn go(path: &impl Trajectory, k: usize, n: usize) -> Result<Went, FaultKind> {
     let mut acceptor = acceptor(Turntable::with(|limits| limits.lower[0] = -9.0));
     acceptor.checks.robot.limits.upper[0] = 9.0;
     let last = (path.duration() / T).ceil() as usize + 1;

@@ -11,7 +11,7 @@ use crate::model::step::{Step, Tick};
 type Said<G> = Option<Step<<G as Generator>::Robots, <G as Generator>::Language>>;
 
 /// A generator on its way.
-pub(super) struct Course<G: Generator> {
+pub(super) struct Progress<G: Generator> {
     pub generator: G,
     /// What it is shown.
     pub e: State<G::Robots>,
@@ -21,7 +21,7 @@ pub(super) struct Course<G: Generator> {
     pub step: u64,
 }
 
-impl<G: Generator> Course<G> {
+impl<G: Generator> Progress<G> {
     pub fn new(
         generator: G,
         robots: <G::Robots as RobotList>::Images,
@@ -29,7 +29,7 @@ impl<G: Generator> Course<G> {
     ) -> Result<Self, Fault> {
         // There is nobody who could order an MP anything.
         let order = Order::unread().map_err(|_| Fault::new(FaultKind::Message))?;
-        Ok(Course { generator, e: State::new(robots), v: Reading::new(sensors), order, step: 0 })
+        Ok(Progress { generator, e: State::new(robots), v: Reading::new(sensors), order, step: 0 })
     }
 
     /// Whether the first step is to come.
@@ -47,7 +47,7 @@ impl<G: Generator> Course<G> {
     /// # Errors
     /// The fault that it throws.
     pub fn next(&mut self, t: Tick, standing: bool) -> Result<Said<G>, Fault> {
-        let Course { generator, e, v, order, .. } = self;
+        let Progress { generator, e, v, order, .. } = self;
         let next = if standing && (self.step == 0 || !const { G::CLASS.next_uses() }.tick) {
             return Ok(None);
         } else if self.step == 0 {

@@ -1,16 +1,16 @@
-//! Follows a course on the floor, corrected by a sensor that tells where the base stands.
+//! Follows a path on the floor, corrected by a sensor that tells where the base stands.
 
 use mrroc::fault::FaultKind;
 use mrroc::prelude::*;
 
 use super::follower::{BaseLimits, Follower};
-use crate::course::Course;
+use crate::path::Path;
 use crate::model::DiffDrive;
 use crate::sensing::Planar;
 
-/// Rolls along a [`Course`] from rest to rest, as fast as the wheels' limits and those of bends allow.
+/// Rolls along a [`Path`] from rest to rest, as fast as the wheels' limits and those of bends allow.
 ///
-/// A unicycle cannot be put beside its course; it is turned towards it. The correction has a reserve of the wheels' limits for itself, so that
+/// A unicycle cannot be put beside its path; it is turned towards it. The correction has a reserve of the wheels' limits for itself, so that
 /// no demand breaks a limit, whatever is measured.
 ///
 /// ```
@@ -19,14 +19,14 @@ use crate::sensing::Planar;
 /// use mrroc_generators::rehearsal::rehearse_with;
 /// use mrroc_wheels::generators::BaseLimits;
 /// use mrroc_wheels::sensing::Standing;
-/// use mrroc_wheels::{Course, DiffDrive, FollowCourse, Planar, Two, Whereabouts};
+/// use mrroc_wheels::{Path, DiffDrive, FollowPath, Planar, Two, Whereabouts};
 /// use nalgebra::Vector2;
 ///
 /// let places = [Vector2::new(0.0, 0.0), Vector2::new(0.4, 0.0), Vector2::new(0.4, 0.4)];
-/// let course = Course::through(&places, 0.03).map_err(|error| Fault::thrown(&error.to_string()))?;
+/// let path = Path::through(&places, 0.03).map_err(|error| Fault::thrown(&error.to_string()))?;
 /// let limits = BaseLimits { speed: 0.5, lateral: 2.0, turning: 8.0, off: 0.05 };
-/// let follow = FollowCourse::<Whereabouts>::along(course, limits, |read| Some(read.pose), 0.0, 1);
-/// // A base that stands where its wheels say, after it has begun 5 mm beside its course.
+/// let follow = FollowPath::<Whereabouts>::along(path, limits, |read| Some(read.pose), 0.0, 1);
+/// // A base that stands where its wheels say, after it has begun 5 mm beside its path.
 /// let (mut base, mut before) = (Planar { y: 0.005, ..Planar::default() }, Two::zeros());
 /// rehearse_with(follow, &DiffDrive::new(), Two::zeros(), 0.002, |image| {
 ///     let q = image.demanded().joints;
@@ -38,28 +38,28 @@ use crate::sensing::Planar;
 /// assert!((base.at() - places[2]).norm() < 1e-3, "{base:?}");
 /// # Ok::<(), Fault>(())
 /// ```
-pub struct FollowCourse<S: Sensor> {
+pub struct FollowPath<S: Sensor> {
     follower: Follower,
     see: fn(&S::Reading) -> Option<Planar>,
     over: fn(&S::Reading) -> bool,
     oldest: u32,
 }
 
-impl<S: Sensor> FollowCourse<S> {
-    /// Along `course`, from where `see` finds in a reading that the base stands; that is `delay` steps behind what is demanded, and may
+impl<S: Sensor> FollowPath<S> {
+    /// Along `path`, from where `see` finds in a reading that the base stands; that is `delay` steps behind what is demanded, and may
     /// be `oldest` steps old: an older reading is a fault.
     #[must_use]
     pub fn along(
-        course: Course,
+        path: Path,
         limits: BaseLimits,
         see: fn(&S::Reading) -> Option<Planar>,
         delay: f64,
         oldest: u32,
     ) -> Self {
-        Self { follower: Follower::on(course, limits, delay), see, over: |_| false, oldest }
+        Self { follower: Follower::on(path, limits, delay), see, over: |_| false, oldest }
     }
 
-    /// The same, over as soon as `over` says so of a reading: then the base brakes on its course.
+    /// The same, over as soon as `over` says so of a reading: then the base brakes on its path.
     #[must_use]
     pub fn until(self, over: fn(&S::Reading) -> bool) -> Self {
         Self { over, ..self }
@@ -67,7 +67,7 @@ impl<S: Sensor> FollowCourse<S> {
 }
 
 #[generator(ecp)]
-impl<S: Sensor> FollowCourse<S> {
+impl<S: Sensor> FollowPath<S> {
     fn first_step(
         &mut self,
         e: &State<DiffDrive>,

@@ -27,11 +27,11 @@ const TRIES: usize = 4000;
 
 /// The footholds of a crawl [m, W], one for each footstep.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Course {
+pub struct FootholdPlan {
     holds: Vec<Vector2<f64>>,
 }
 
-/// The search for a course.
+/// The search for a plan.
 struct Search<'a> {
     gait: &'a Gait,
     ground: &'a Ground,
@@ -43,7 +43,7 @@ struct Search<'a> {
     farthest: Option<(usize, Refused)>,
 }
 
-impl Course {
+impl FootholdPlan {
     /// The footholds of this gait on this ground.
     ///
     /// # Errors
@@ -62,7 +62,7 @@ impl Course {
         Err(refused.unwrap_or(Refused::NoFoothold { leg: NAMES[Gait::leg(0)], x: 0.0 }))
     }
 
-    /// A course of these footholds [m, W].
+    /// A plan of these footholds [m, W].
     #[must_use]
     pub const fn of(holds: Vec<Vector2<f64>>) -> Self {
         Self { holds }

@@ -1,4 +1,4 @@
-//! The course of a run that is over: what the cell did, fifty times a second.
+//! The history of a run that is over: what the cell did, fifty times a second.
 //!
 //! In: what a run on the memory link shows, or a recording. Out: the cell at any moment of it.
 
@@ -30,7 +30,7 @@ const MINUTE: u64 = 60_000_000_000;
 const PLOTTED: usize = 300;
 
 /// A run that is over, or that is being looked at.
-pub struct Course {
+pub struct RunHistory {
     moments: Vec<(u64, Now)>,
     now: Now,
     /// When each of the newest readings was collected \[ns\].
@@ -42,10 +42,10 @@ pub struct Course {
     over: bool,
 }
 
-impl Course {
+impl RunHistory {
     /// Of a cell of this layout, before its first step.
     #[must_use]
-    pub fn of(layout: &Layout) -> Course {
+    pub fn of(layout: &Layout) -> RunHistory {
         let robots = layout.robots.iter().map(|robot| RobotNow {
             name: robot.name.clone(),
             time: 0.0,
@@ -67,7 +67,7 @@ impl Course {
             readings: vec![None; layout.sensors.len()],
             ..Now::default()
         };
-        Course {
+        RunHistory {
             moments: Vec::new(),
             now,
             read: vec![0; layout.sensors.len()],
@@ -258,26 +258,26 @@ pub struct StepSeen {
 /// Looks on at a run on the memory link.
 pub struct OnMemory {
     layout: Layout,
-    course: RefCell<Course>,
+    history: RefCell<RunHistory>,
 }
 
 impl OnMemory {
     /// Of a cell of this layout.
     #[must_use]
     pub fn of(layout: Layout) -> OnMemory {
-        OnMemory { course: RefCell::new(Course::of(&layout)), layout }
+        OnMemory { history: RefCell::new(RunHistory::of(&layout)), layout }
     }
 }
 
 impl StepObserver for OnMemory {
     fn see(&self, time: u64, by: ProcessId, what: &What, words: &[u64]) {
-        let mut course = self.course.borrow_mut();
+        let mut history = self.history.borrow_mut();
         match *what {
             What::Step { step, dt, duration, speed, suspended, reduced, aborting, resetting, .. } => {
                 let seen = StepSeen { step, dt, duration, speed, suspended, reduced, aborting, resetting };
-                course.step(time, &seen);
+                history.step(time, &seen);
             }
-            What::Image { .. } if course.is_due(time) && words.len() >= 2 * STATE_WORDS => {
+            What::Image { .. } if history.is_due(time) && words.len() >= 2 * STATE_WORDS => {
                 let Some(name) = by.name else { return };
                 let (demanded, measured) = words.split_at(STATE_WORDS);
                 let Ok(tool) = Pose::get(&measured[2 * MAX_JOINTS..]) else { return };
@@ -289,40 +289,40 @@ impl StepObserver for OnMemory {
                         .map(f64::from_bits)
                 };
                 let (demanded, measured) = (numbers(demanded), numbers(measured));
-                course.robot(time, name.as_str(), [&demanded, &measured], [tool, in_force]);
+                history.robot(time, name.as_str(), [&demanded, &measured], [tool, in_force]);
             }
             What::Instruction { doing, by: generator, .. } => {
-                course.instruction(&by.to_string(), doing, &generator.to_string());
+                history.instruction(&by.to_string(), doing, &generator.to_string());
             }
             What::Signals { .. } => {
                 if let (Some(name), Ok(signals)) = (by.name, Signals::get(words)) {
-                    course.signals(name.as_str(), signals);
+                    history.signals(name.as_str(), signals);
                 }
             }
             What::Reading { sensor, state, shape, .. } => {
                 let place = self.layout.sensors.iter().position(|known| known.name == sensor.as_str());
                 match (place, state) {
                     (Some(place), ReadingState::There) => {
-                        course.reading(time, place, Some(of_words(shape, words)))
+                        history.reading(time, place, Some(of_words(shape, words)))
                     }
-                    (Some(place), ReadingState::Fault) => course.reading(time, place, None),
+                    (Some(place), ReadingState::Fault) => history.reading(time, place, None),
                     _ => {}
                 }
             }
             What::Body { body, .. } => {
                 let place = self.layout.bodies.iter().position(|known| known.name == body.as_str());
                 if let (Some(place), Ok(pose)) = (place, Pose::get(words)) {
-                    course.body(place, pose);
+                    history.body(place, pose);
                 }
             }
             What::Fault { .. } if by.role == Role::Mp => {
                 if let Ok(fault) = FaultWords::get(words).map(Fault::from) {
-                    course.fault(fault.to_string(), fault.help());
+                    history.fault(fault.to_string(), fault.help());
                 }
             }
             What::End { .. } => {
                 let fault = FaultWords::get(words).ok().map(Fault::from);
-                course.end(time, fault.as_ref().map(|fault| (fault.to_string(), fault.help())));
+                history.end(time, fault.as_ref().map(|fault| (fault.to_string(), fault.help())));
             }
             _ => {}
         }
@@ -331,7 +331,7 @@ impl StepObserver for OnMemory {
 
 impl MemoryRunViewer for OnMemory {
     fn show(&self) -> ExitCode {
-        let course = std::mem::replace(&mut *self.course.borrow_mut(), Course::of(&self.layout));
-        crate::run::play(Arc::new(Looks::of(&self.layout)), course)
+        let history = std::mem::replace(&mut *self.history.borrow_mut(), RunHistory::of(&self.layout));
+        crate::run::play(Arc::new(Looks::of(&self.layout)), history)
     }
 }

@@ -16,11 +16,11 @@ use nalgebra::Vector2;
 use crate::model::{DiffDrive, Two, angle};
 use crate::sensing::Planar;
 
-/// Why there is no course.
+/// Why there is no path.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum CourseError {
+pub enum PathError {
     /// A path needs two places.
-    #[error("a course needs two places or more")]
+    #[error("a path needs two places or more")]
     TooFew,
     /// Two places that follow each other are the same, or not finite.
     #[error("place {0}, counted from 1, is no way from the one before")]
@@ -53,7 +53,7 @@ struct Piece {
 
 /// A path.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Course {
+pub struct Path {
     pieces: Vec<Piece>,
     knots: Vec<f64>,
     length: f64,
@@ -62,9 +62,9 @@ pub struct Course {
     start: Two,
 }
 
-/// A place on a course.
+/// A place on a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CoursePoint {
+pub struct PathPoint {
     /// The base there.
     pub pose: Planar,
     /// Turn by way [rad/m].
@@ -76,30 +76,30 @@ pub struct CoursePoint {
 /// The sharpest corner that a bend leads around \[rad\].
 pub const SHARPEST: f64 = 2.6;
 
-impl Course {
+impl Path {
     /// Through these places \[m\] in straight lines, with bends that pass each corner at no more than `off` \[m\], > 0, and take no more
     /// than half of the lines that meet there.
     ///
     /// # Errors
-    /// See [`CourseError`].
+    /// See [`PathError`].
     ///
     /// ```
-    /// use mrroc_wheels::Course;
+    /// use mrroc_wheels::Path;
     /// use nalgebra::Vector2;
     /// let places = [Vector2::new(0.0, 0.0), Vector2::new(1.0, 0.0), Vector2::new(1.0, 1.0)];
-    /// let course = Course::through(&places, 0.05)?;
-    /// let middle = course.at(0.5 * course.length()).pose;
+    /// let path = Path::through(&places, 0.05)?;
+    /// let middle = path.at(0.5 * path.length()).pose;
     /// assert!(((middle.at() - places[1]).norm() - 0.05).abs() < 1e-9);
-    /// # Ok::<(), mrroc_wheels::course::CourseError>(())
+    /// # Ok::<(), mrroc_wheels::path::PathError>(())
     /// ```
-    pub fn through(places: &[Vector2<f64>], off: f64) -> Result<Self, CourseError> {
+    pub fn through(places: &[Vector2<f64>], off: f64) -> Result<Self, PathError> {
         if places.len() < 2 {
-            return Err(CourseError::TooFew);
+            return Err(PathError::TooFew);
         }
         for (i, leg) in places.windows(2).enumerate() {
             let length = (leg[1] - leg[0]).norm();
             if !(length > 1e-9 && length.is_finite()) {
-                return Err(CourseError::NoWay(i + 2));
+                return Err(PathError::NoWay(i + 2));
             }
         }
         let heading = |i: usize| {
@@ -107,20 +107,20 @@ impl Course {
             way.y.atan2(way.x)
         };
         let start = Planar { x: places[0].x, y: places[0].y, heading: heading(0) };
-        let mut course = Self::starting(1.0);
+        let mut path = Self::starting(1.0);
         let (mut pose, mut before) = (start, 0.0);
         for i in 1..places.len() {
             let length = (places[i] - places[i - 1]).norm();
             let Some(next) = places.get(i + 1) else {
-                course.add(&mut pose, length - before, 0.0, 0.0);
+                path.add(&mut pose, length - before, 0.0, 0.0);
                 break;
             };
             let phi = angle(heading(i) - heading(i - 1));
             if phi.abs() > SHARPEST {
-                return Err(CourseError::Sharp { at: i + 1, turn: phi, most: SHARPEST });
+                return Err(PathError::Sharp { at: i + 1, turn: phi, most: SHARPEST });
             }
             if phi.abs() < 1e-9 {
-                course.add(&mut pose, length - before, 0.0, 0.0);
+                path.add(&mut pose, length - before, 0.0, 0.0);
                 before = 0.0;
                 continue;
             }
@@ -129,22 +129,22 @@ impl Course {
             let room = 0.5 * length.min((next - places[i]).norm());
             let each = (off * (0.5 * phi).cos() / beside).min(room / tangent);
             let rate = phi / (each * each);
-            course.add(&mut pose, length - before - each * tangent, 0.0, 0.0);
-            course.add(&mut pose, each, 0.0, rate);
-            course.add(&mut pose, each, rate * each, -rate);
+            path.add(&mut pose, length - before - each * tangent, 0.0, 0.0);
+            path.add(&mut pose, each, 0.0, rate);
+            path.add(&mut pose, each, rate * each, -rate);
             before = each * tangent;
         }
-        Ok(course)
+        Ok(path)
     }
 
     /// A turn on the spot by an angle \[rad\].
     #[must_use]
     pub fn turn(at: Planar, by: f64) -> Self {
-        let mut course = Self::starting(0.0);
+        let mut path = Self::starting(0.0);
         let mut pose = at;
         let lever = 0.5 * DiffDrive::TRACK;
-        course.add(&mut pose, lever * by.abs(), by.signum() / lever, 0.0);
-        course
+        path.add(&mut pose, lever * by.abs(), by.signum() / lever, 0.0);
+        path
     }
 
     fn starting(ahead: f64) -> Self {
@@ -176,13 +176,13 @@ impl Course {
 
     /// The place at so much of its length \[m\]; beyond its ends, its ends.
     #[must_use]
-    pub fn at(&self, s: f64) -> CoursePoint {
+    pub fn at(&self, s: f64) -> PathPoint {
         let s = s.clamp(0.0, self.length);
         let piece = &self.pieces[self.pieces.partition_point(|piece| piece.from <= s).max(1) - 1];
         piece.at(s - piece.from, self.ahead)
     }
 
-    /// The same course, whose wheels stand at these angles at its beginning \[rad\].
+    /// The same path, whose wheels stand at these angles at its beginning \[rad\].
     #[must_use]
     pub fn with_wheels(self, start: Two) -> Self {
         Self { start, ..self }
@@ -190,7 +190,7 @@ impl Course {
 }
 
 impl Piece {
-    fn at(&self, s: f64, ahead: f64) -> CoursePoint {
+    fn at(&self, s: f64, ahead: f64) -> PathPoint {
         let heading = |s: f64| self.pose.heading + s * (self.bend + 0.5 * self.rate * s);
         let mut place = self.pose.at();
         if ahead > 0.0 {
@@ -199,7 +199,7 @@ impl Piece {
                 Vector2::new(cosine, sine)
             }) * s;
         }
-        CoursePoint {
+        PathPoint {
             pose: Planar { x: place.x, y: place.y, heading: heading(s) },
             bend: self.bend + self.rate * s,
             rate: self.rate,
@@ -208,7 +208,7 @@ impl Piece {
 }
 
 /// Angles of the wheels along it.
-impl Parametric for Course {
+impl Parametric for Path {
     type Value = Two;
 
     fn range(&self) -> (f64, f64) {
@@ -216,7 +216,7 @@ impl Parametric for Course {
     }
 
     fn at(&self, u: f64) -> SplinePoint<Two> {
-        let point = Course::at(self, u);
+        let point = Path::at(self, u);
         let turned = point.pose.heading - self.pieces[0].pose.heading;
         SplinePoint {
             value: self.start + DiffDrive::wheels(self.ahead * u.clamp(0.0, self.length), turned),
@@ -275,33 +275,33 @@ mod tests {
     }
 
     #[test]
-    fn a_course_ends_at_its_last_place_with_a_bend_that_never_jumps() {
+    fn a_path_ends_at_its_last_place_with_a_bend_that_never_jumps() {
         let places = [[0.0, 0.0], [0.6, 0.0], [0.7, 0.5], [0.1, 0.6], [0.0, 0.2]].map(Vector2::from);
-        let course = Course::through(&places, 0.03).expect("a course");
-        let end = course.at(course.length()).pose;
+        let path = Path::through(&places, 0.03).expect("a path");
+        let end = path.at(path.length()).pose;
         assert!((end.at() - places[4]).norm() < 1e-12, "{end:?}");
         let count = 20_000;
-        let step = course.length() / f64::from(count);
+        let step = path.length() / f64::from(count);
         for i in 1..=count {
-            let (a, b) = (course.at(f64::from(i - 1) * step), course.at(f64::from(i) * step));
+            let (a, b) = (path.at(f64::from(i - 1) * step), path.at(f64::from(i) * step));
             assert!(((b.pose.at() - a.pose.at()).norm() - step).abs() < 1e-3 * step);
             assert!((b.bend - a.bend).abs() <= (a.rate.abs().max(b.rate.abs()) + 1e-9) * step * 1.001);
             assert!((b.pose.heading - a.pose.heading - 0.5 * (a.bend + b.bend) * step).abs() < 1e-6);
         }
         // No corner is passed farther off than it may.
         for corner in &places[1..4] {
-            let near = (0..=count).map(|i| (course.at(f64::from(i) * step).pose.at() - corner).norm());
+            let near = (0..=count).map(|i| (path.at(f64::from(i) * step).pose.at() - corner).norm());
             let near = near.fold(f64::INFINITY, f64::min);
             assert!(near < 0.03 + 1e-6, "{near}");
         }
     }
 
     #[test]
-    fn places_that_make_no_course_are_told() {
+    fn places_that_make_no_path_are_told() {
         let places = |all: &[[f64; 2]]| all.iter().map(|at| Vector2::from(*at)).collect::<Vec<_>>();
-        assert_eq!(Course::through(&places(&[[0.0, 0.0]]), 0.1), Err(CourseError::TooFew));
-        assert_eq!(Course::through(&places(&[[0.0, 0.0], [0.0, 0.0]]), 0.1), Err(CourseError::NoWay(2)));
-        let back = Course::through(&places(&[[0.0, 0.0], [1.0, 0.0], [0.0, 0.1]]), 0.1);
-        assert!(matches!(back, Err(CourseError::Sharp { at: 2, .. })), "{back:?}");
+        assert_eq!(Path::through(&places(&[[0.0, 0.0]]), 0.1), Err(PathError::TooFew));
+        assert_eq!(Path::through(&places(&[[0.0, 0.0], [0.0, 0.0]]), 0.1), Err(PathError::NoWay(2)));
+        let back = Path::through(&places(&[[0.0, 0.0], [1.0, 0.0], [0.0, 0.1]]), 0.1);
+        assert!(matches!(back, Err(PathError::Sharp { at: 2, .. })), "{back:?}");
     }
 }
