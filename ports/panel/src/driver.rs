@@ -14,13 +14,13 @@ use tokio::sync::{oneshot, watch};
 use tokio::time::Instant;
 
 use crate::console_session::Shown;
-use crate::run_history::RunHistory;
 use crate::events::{Action, Key, Kind, To};
 use crate::now::Looks;
 use crate::pages::Pages;
 use crate::poses::Poses;
 use crate::rules::origin::OriginPolicy;
 use crate::rules::token::Token;
+use crate::run_history::RunHistory;
 use crate::teaching;
 
 /// How long is waited at most until it is looked whether a page has said nothing for too long.

@@ -28,8 +28,6 @@ mod console_session;
 #[cfg(all(feature = "server", target_os = "linux"))]
 mod control;
 #[cfg(all(feature = "server", target_os = "linux"))]
-mod run_history;
-#[cfg(all(feature = "server", target_os = "linux"))]
 mod driver;
 #[cfg(all(feature = "server", target_os = "linux"))]
 mod events;
@@ -53,6 +51,8 @@ mod readings;
 mod recording;
 #[cfg(all(feature = "server", target_os = "linux"))]
 mod run;
+#[cfg(all(feature = "server", target_os = "linux"))]
+mod run_history;
 #[cfg(all(feature = "server", target_os = "linux"))]
 mod secured;
 #[cfg(all(feature = "server", target_os = "linux"))]

@@ -14,13 +14,13 @@ use serde_json::json;
 
 use crate::console_session::Shown;
 use crate::control::Control;
-use crate::run_history::RunHistory;
 use crate::events::{Action, Heard, Key, Kind, To};
 use crate::now::Looks;
 use crate::rules::PAGES;
 use crate::rules::authority::Page;
 use crate::rules::request::{Asked, Message};
 use crate::rules::token::Token;
+use crate::run_history::RunHistory;
 use crate::session::{Changing, DoesNotRead, FAREWELL, Next, READS, Scene, Session};
 use crate::teaching::Told;
 

@@ -9,9 +9,9 @@ use mrroc_core::console::refused;
 use mrroc_core::observe::layout::Layout;
 use mrroc_launch::{MemoryRunViewer, Panel};
 
-use crate::run_history::OnMemory;
 use crate::now::Looks;
 use crate::run::{attend, play};
+use crate::run_history::OnMemory;
 
 /// The panel in a browser.
 #[derive(Clone, Copy, Debug)]

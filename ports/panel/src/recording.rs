@@ -11,8 +11,8 @@ use mrroc_core::pose::Pose;
 use mrroc_core::robot::{Signals, Value as Signal};
 use serde_json::Value;
 
-use crate::run_history::{RunHistory, StepSeen};
 use crate::readings::of_json;
+use crate::run_history::{RunHistory, StepSeen};
 
 /// The largest file that is played \[bytes\].
 const LARGEST: u64 = 1 << 30;
@@ -84,7 +84,9 @@ fn take(history: &mut RunHistory, layout: &Layout, time: u64, topic: &str, data:
         let known = layout.sensors.iter().enumerate().find(|(_, sensor)| sensor.name == name);
         if let (Some((place, sensor)), Some(json)) = (known, json()) {
             match json["state"].as_str() {
-                Some("there") => history.reading(time, place, Some(of_json(sensor.reading, &json["reading"]))),
+                Some("there") => {
+                    history.reading(time, place, Some(of_json(sensor.reading, &json["reading"])))
+                }
                 Some("fault") => history.reading(time, place, None),
                 _ => {}
             }

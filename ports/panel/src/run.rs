@@ -17,10 +17,10 @@ use tokio::net::TcpListener;
 use tokio::sync::watch;
 
 use crate::console_session::{ConsoleSession, Shown};
-use crate::run_history::RunHistory;
 use crate::driver::{Panel, Source, look_after};
 use crate::now::Looks;
 use crate::rules::token::Token;
+use crate::run_history::RunHistory;
 use crate::secured::Secured;
 use crate::server::serve;
 

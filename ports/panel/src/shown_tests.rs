@@ -15,8 +15,8 @@ use mrroc_robots::{Irp6, SimulatedIrp6, Six};
 use serde_json::json;
 
 use crate::console_session::now;
-use crate::run_history::{RunHistory, StepSeen};
 use crate::now::Looks;
+use crate::run_history::{RunHistory, StepSeen};
 
 const START: Six = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
 

@@ -14,15 +14,15 @@
 //! | [`path`] | places in; a path of continuous curvature out |
 //! | [`generators`] | a path and where the base stands in; demands out |
 
-pub mod path;
 pub mod generators;
 pub mod model;
+pub mod path;
 pub mod sensing;
 pub mod simulation;
 
-pub use path::Path;
 pub use generators::FollowPath;
 pub use model::{DiffDrive, Two};
+pub use path::Path;
 pub use sensing::{Planar, Whereabouts};
 pub use simulation::{Floor, Rolling};
 

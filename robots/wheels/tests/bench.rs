@@ -8,7 +8,7 @@ use mrroc::prelude::*;
 use mrroc_wheels::generators::BaseLimits;
 use mrroc_wheels::sensing::{DeadReckoning, Gyro, Located, Standing, Turned};
 use mrroc_wheels::simulation::{Floor, Ground};
-use mrroc_wheels::{Path, DiffDrive, FollowPath, Planar, Rolling, Two, Whereabouts};
+use mrroc_wheels::{DiffDrive, FollowPath, Path, Planar, Rolling, Two, Whereabouts};
 
 /// Half a metre a second, with what tyres hold in bends.
 pub const LIMITS: BaseLimits = BaseLimits { speed: 0.5, lateral: 2.5, turning: 8.0, off: 0.06 };

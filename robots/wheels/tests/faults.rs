@@ -13,7 +13,7 @@ use mrroc_wheels::sensing::{
     DeadReckoning, Gyro, GyroFault, Infrared, Located, LookingOut, Lookout, Sight, WallMemory, Watch,
 };
 use mrroc_wheels::simulation::{Floor, Ground};
-use mrroc_wheels::{Path, DiffDrive, FollowPath, Planar, Rolling, Two};
+use mrroc_wheels::{DiffDrive, FollowPath, Path, Planar, Rolling, Two};
 use nalgebra::Vector2;
 
 /// A hall of ten cells by ten, whose goal is all but the lowest row: no posts stand in it.
@@ -66,8 +66,7 @@ fn ended(paths: Vec<Path>, event: Event) -> (Option<Fault>, Floor) {
         ecp.wait_until((&mut lookout,), stands {})?;
         for path in &paths {
             let limits = BaseLimits { speed: 0.3, lateral: 1.5, turning: 6.0, off: 0.05 };
-            let follow =
-                FollowPath::<Lookout>::along(path.clone(), limits, |read| Some(read.pose), 2.0, 2);
+            let follow = FollowPath::<Lookout>::along(path.clone(), limits, |read| Some(read.pose), 2.0, 2);
             ecp.move_robot((&mut lookout,), follow)?;
         }
         Ok(())
@@ -92,8 +91,7 @@ fn into_the_wall() -> Vec<Path> {
 
 /// A quarter turn in the middle of the hall, after a piece straight on.
 fn there_and_round() -> Vec<Path> {
-    let straight =
-        Path::through(&[Vector2::new(0.6, 0.9), Vector2::new(0.9, 0.9)], 0.01).expect("a path");
+    let straight = Path::through(&[Vector2::new(0.6, 0.9), Vector2::new(0.9, 0.9)], 0.01).expect("a path");
     vec![straight, Path::turn(Planar { x: 0.9, y: 0.9, heading: 0.0 }, 1.5)]
 }
 

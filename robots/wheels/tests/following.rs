@@ -4,7 +4,7 @@ use mrroc::prelude::Robot as _;
 use mrroc_map::Chance;
 use mrroc_wheels::generators::Follower;
 use mrroc_wheels::simulation::{Chassis, Ground};
-use mrroc_wheels::{Path, DiffDrive, Planar, Two};
+use mrroc_wheels::{DiffDrive, Path, Planar, Two};
 use nalgebra::Vector2;
 
 use crate::usage::bench::{LIMITS, followed};

@@ -9,7 +9,7 @@ use std::rc::Rc;
 use mrroc::sensor::VirtualSensor;
 use mrroc_wheels::sensing::{DeadReckoning, Gyro, Located};
 use mrroc_wheels::simulation::{Floor, Ground};
-use mrroc_wheels::{Path, DiffDrive, Planar, Two, Whereabouts};
+use mrroc_wheels::{DiffDrive, Path, Planar, Two, Whereabouts};
 use nalgebra::Vector2;
 
 use crate::usage::bench::{ByWheels, Trace, Traced, run};

@@ -267,7 +267,7 @@ mod tests {
             approach.too_near().is_some()
         };
         assert!(!told(0.9, Mode::Moving) && told(0.91, Mode::Moving) && !told(1.0, Mode::Braking));
-        // And the table says of a motion what is judged: at 0.9 it is well, whatever its end takes.
+        // And the table says of a motion what is checked: at 0.9 it is well, whatever its end takes.
         let approach = Approach::of(layout(step, vec![slide("arm", step)]));
         let by = ProcessId::new(Role::Edp, Name::new("arm").expect("a name"));
         for (k, (position, mode)) in

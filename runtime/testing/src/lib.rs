@@ -57,7 +57,7 @@
 //!
 //! [`Sweep::forking`] injects faults into copies of one run, which makes it possible to cover every step of a long program.
 //!
-//! A [`RandomOperator`] runs a cell under operators who press what comes to hand, and judges every servo period.
+//! A [`RandomOperator`] runs a cell under operators who press what comes to hand, and checks every servo period.
 //!
 //! A failure names its [`Case`] with the seed; [`Sweep::repeat`] runs that case again.
 

@@ -19,7 +19,7 @@ pub(crate) struct Bounds {
     pub upper: Vec<f64>,
     pub velocity: Vec<f64>,
     pub acceleration: Vec<f64>,
-    /// Of third differences over this time \[ns\]; empty where jerk is not judged.
+    /// Of third differences over this time \[ns\]; empty where jerk is not checked.
     pub jerk: Vec<f64>,
     pub over: Nanos,
     pub servo: Nanos,
@@ -40,7 +40,7 @@ impl Bounds {
         }
     }
 
-    /// The limits of a robot whose drives have this servo period; jerk is not judged.
+    /// The limits of a robot whose drives have this servo period; jerk is not checked.
     pub fn of_limits<J: JointVector>(limits: &Limits<J>, servo: Duration) -> Bounds {
         let joints = |all: &J| all.as_slice().to_vec();
         Bounds {
@@ -150,7 +150,7 @@ impl MotionMonitor {
             }
             (self.last[i], self.velocity[i]) = (q, velocity);
         }
-        self.judge_jerk(end, demanded, dt);
+        self.check_jerk(end, demanded, dt);
         self.ticks += 1;
         let began = self.told.max(end.saturating_sub((dt * 1e9).round() as Nanos));
         (self.told, self.lasted) = (end, dt);
@@ -163,7 +163,7 @@ impl MotionMonitor {
     }
 
     /// Compares third differences with the jerk limits. After a period that was left out they begin anew.
-    fn judge_jerk(&mut self, end: Nanos, demanded: &[f64], dt: f64) {
+    fn check_jerk(&mut self, end: Nanos, demanded: &[f64], dt: f64) {
         let bounds = &self.bounds;
         if bounds.jerk.is_empty() {
             return;

@@ -1,4 +1,4 @@
-//! Random operators: many runs of a cell whose operator presses what comes to hand, each judged in every servo period.
+//! Random operators: many runs of a cell whose operator presses what comes to hand, each checked in every servo period.
 //!
 //! In: a cell for each seed. Out: what its drives should not have got, stops that took longer than the cell says, and
 //! stops that nobody asked for.
@@ -19,7 +19,7 @@ use mrroc_core::operator::{Latch, Operator, Renewal};
 /// Runs a cell again and again under a random operator, who suspends and resumes it, changes its speed, aborts, stops it and
 /// resets it in random steps.
 ///
-/// In every run, all demands of all drives are judged: finite, within the limits of position, velocity, acceleration and
+/// In every run, all demands of all drives are checked: finite, within the limits of position, velocity, acceleration and
 /// jerk, and so continuous. Every protective stop, suspension and abort must be over in the time that the cell says
 /// ([`Cell::stop_limit`], [`Cell::path_stop_time`]). A fault that stops the cell by itself is a false stop if nothing is
 /// wrong with its programs; it is counted. The same seed gives the same run.
@@ -148,7 +148,7 @@ impl OperatorReport {
         &self.failures
     }
 
-    /// The servo periods that were judged.
+    /// The servo periods that were checked.
     #[must_use]
     pub const fn periods(&self) -> u64 {
         self.periods
@@ -285,8 +285,8 @@ impl Pressing {
         }
     }
 
-    /// Judges what is under way; `moved` is the last step in which a robot moved.
-    fn judge(&mut self, step: u64, operator: &Operator, moved: u64) {
+    /// Checks what is under way; `moved` is the last step in which a robot moved.
+    fn check(&mut self, step: u64, operator: &Operator, moved: u64) {
         let latched = operator.latch() != Latch::Clear;
         for pressed in [Pressed::Stop, Pressed::Suspend, Pressed::Abort, Pressed::LetGo] {
             let place = pressed as usize;
@@ -360,7 +360,7 @@ fn run(seed: u64, mut cell: Cell, (last_step, by_hand): (u64, Option<ByHand>), r
         .also_on_step(move |step, operator| {
             let moved = stood.iter().map(|monitor| monitor.borrow().stood()).max().unwrap_or(0);
             let mut pressing = pressed.borrow_mut();
-            pressing.judge(step, operator, moved.div_ceil(nanos));
+            pressing.check(step, operator, moved.div_ceil(nanos));
             // It is told once the robots stand.
             let cause = operator.fault();
             let is_told = cause.is_some();

@@ -54,7 +54,7 @@ impl Verdict {
 /// \[steps\].
 const MESSAGES: u64 = 4;
 
-pub(super) fn judge(case: &Case, trial: &Trial, calm: &Trial, end_tolerance: f64) -> Verdict {
+pub(super) fn check(case: &Case, trial: &Trial, calm: &Trial, end_tolerance: f64) -> Verdict {
     if let Some(wrong) = trial.robots.iter().find_map(|robot| robot.wrong.clone()) {
         return Verdict::Broken(wrong);
     }

@@ -58,7 +58,7 @@ pub mod trials;
 
 pub use arm::{Arm, between, displaced};
 pub use chain::{Chain, ChainArm, Detail, DhRow, Joint, Tolerances};
-pub use choice::{Aim, Choice, choose, judge};
+pub use choice::{Aim, Choice, choose, evaluate};
 pub use device::{Angles, Device, Distance, FullPose, Plane, Points, Touch};
 pub use eye::{Eye, Seen, eye, square_seen};
 pub use fit::{Fit, Found, Indistinct, NoFit};

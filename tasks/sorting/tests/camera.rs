@@ -35,7 +35,7 @@ fn parts_that_no_training_has_seen_are_recognised_and_strangers_rejected() {
 }
 
 #[test]
-fn images_in_files_are_judged_as_those_in_memory() {
+fn images_in_files_are_evaluated_as_those_in_memory() {
     let folder = std::env::temp_dir().join(format!("mrroc-sorting-images-{}", std::process::id()));
     std::fs::create_dir_all(&folder).expect("a folder");
     let (mut images, mut wanted) = (Vec::new(), Vec::new());

@@ -10,7 +10,7 @@ import tempfile
 import time
 from pathlib import Path
 
-from sensor import CELL, FOLLOW, Program, bits, cell, ended, env, has, not_judged, nothing_left, stale
+from sensor import CELL, FOLLOW, Program, bits, cell, ended, env, has, not_tested, nothing_left, stale
 
 from cell_outcome import Shortfall
 
@@ -62,7 +62,7 @@ def recorded(folder):
     return images, steps
 
 
-def judged(folder):
+def tested(folder):
     with Program(folder, "plain") as program:
         first, killed = begin(folder, "seen"), begin(folder, "killed")
         running = cell(folder)
@@ -91,7 +91,7 @@ def judged(folder):
     if is_whole and outcome.longest_stall < 0.02:
         has(len(of_arm) > len(images) / 2, f"it saw {len(of_arm)} of {len(images)} steps")
     else:
-        not_judged("external", f"that a subscriber sees most steps (it saw {len(of_arm)} of {len(images)})", outcome)
+        not_tested("external", f"that a subscriber sees most steps (it saw {len(of_arm)} of {len(images)})", outcome)
     late = sorted(line[4] - line[3] for line in seen if line[0] == "step")
     print(
         f"external: a subscriber saw {len(of_arm)} of {len(images)} steps of the arm, equal to the bit; "
@@ -104,7 +104,7 @@ def main():
         folder = Path(folder)
         modules(folder)
         try:
-            judged(folder)
+            tested(folder)
             nothing_left(folder)
         except Shortfall as why:
             sys.exit(f"external: subscriber: {why}")

@@ -5,7 +5,7 @@ import { copyFileSync, mkdtempSync, readFileSync, rmSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { chromium } from 'playwright-core';
-import { DRAWING, TIMEOUT, check, checks, judged, nicely, pressedAgain, shot, shots, shows, start, state, take, told, until, violations } from './kit.mjs';
+import { DRAWING, TIMEOUT, check, checks, tested, nicely, pressedAgain, shot, shots, shows, start, state, take, told, until, violations } from './kit.mjs';
 
 const [browserPath, program, cellFile] = process.argv.slice(2);
 const robot = async (page, name = 'left') => (await state(page)).robots.find((shown) => shown.name === name);
@@ -325,7 +325,7 @@ const launch = (nice, args) => chromium.launch({ executablePath: nicely(browserP
 const plain = await launch(5, ['--disable-3d-apis', '--disable-gpu']);
 const drawing = await launch(19, DRAWING);
 try {
-  await judged('jog and teach in a browser', async () => {
+  await tested('jog and teach in a browser', async () => {
     const folder = mkdtempSync(join(tmpdir(), 'mrroc-jog-'));
     try {
       const began = Date.now();

@@ -7,7 +7,7 @@ import { tmpdir } from 'node:os';
 import { dirname, join } from 'node:path';
 import { fileURLToPath } from 'node:url';
 
-/** The value of an option of the judge, `--shots FOLDER`. */
+/** The value of an option of the test, `--shots FOLDER`. */
 export const option = (name) => (process.argv.includes(`--${name}`) ? process.argv[process.argv.indexOf(`--${name}`) + 1] : undefined);
 /** Where pictures are kept. */
 export const shots = option('shots');
@@ -44,14 +44,14 @@ export async function told(error, runs) {
 }
 
 /**
- * Judges, once. A cell in real time that a late machine stopped has done what it must: what it could not show is told by name. Whatever else
+ * Tests, once. A cell in real time that a late machine stopped has done what it must: what it could not show is told by name. Whatever else
  * falls short ends this process with a failure.
  */
-export async function judged(what, judge) {
+export async function tested(what, test) {
   try {
-    return await judge();
+    return await test();
   } catch (error) {
-    if (lateness(error.outcome)) console.log(`panel: not judged, for this machine was late: ${what} after ${held} facts: ${inWords(error.outcome)}`);
+    if (lateness(error.outcome)) console.log(`panel: not tested, for this machine was late: ${what} after ${held} facts: ${inWords(error.outcome)}`);
     else {
       console.error(`panel: ${what}: ${error.stack ?? error}`);
       process.exitCode = 1;

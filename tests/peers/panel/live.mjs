@@ -1,12 +1,12 @@
 // What the page shows beside arms: bodies, wrenches, inputs and outputs, tools, frames, meshes, the nearest links; of a cell that runs, of
-// a run that is over, and of a recording. Judged by mechanics, by the URDF and the STL files, and by points that are tried one by one.
+// a run that is over, and of a recording. Tested by mechanics, by the URDF and the STL files, and by points that are tried one by one.
 
 import { execFileSync } from 'node:child_process';
 import { mkdtempSync, readFileSync, rmSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { dirname, join } from 'node:path';
 import { chromium } from 'playwright-core';
-import { DRAWING, TIMEOUT, check, checks, judged, press, pressedAgain, shot, shots, start, state, take, told, violations } from './kit.mjs';
+import { DRAWING, TIMEOUT, check, checks, tested, press, pressedAgain, shot, shots, start, state, take, told, violations } from './kit.mjs';
 import { linkPoses, multiply, shift } from './urdf.mjs';
 
 const [browserPath, program, cell] = process.argv.slice(2);
@@ -166,7 +166,7 @@ async function live(browser) {
     console.log(`panel: ${rate.toFixed(1)} pictures a second of two arms that move, drawn by the processor`);
     // A browser that draws by the processor shares it with others: each state is drawn where it has the time for that.
     check(rate > 0, 'pictures are drawn');
-    if (rate <= 18) console.log(`panel: not judged: twenty pictures a second: the browser had time for ${rate.toFixed(1)}`);
+    if (rate <= 18) console.log(`panel: not tested: twenty pictures a second: the browser had time for ${rate.toFixed(1)}`);
     check(errors.length === 0, `no error on a page: ${errors.join('; ')}`);
     await page.close();
   } catch (error) {
@@ -212,7 +212,7 @@ async function over(browser, what, runs) {
 
 const browser = await chromium.launch({ executablePath: browserPath, args: ['--no-sandbox', ...DRAWING] });
 try {
-  await judged('what the panel shows, in a browser', async () => {
+  await tested('what the panel shows, in a browser', async () => {
     const file = await live(browser);
     await over(browser, 'a recording', await start(program, ['panel', file, '--cell', cell]));
     await over(browser, 'a run on the memory link', await start(program, ['--cell', cell, '--no-picture', '--panel'], { own: ['--turns', '1'] }));

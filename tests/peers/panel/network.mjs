@@ -6,7 +6,7 @@ import { chmodSync, copyFileSync, mkdirSync, mkdtempSync, rmSync } from 'node:fs
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { chromium } from 'playwright-core';
-import { TIMEOUT, check, checks, judged, nicely, start as started, told } from './kit.mjs';
+import { TIMEOUT, check, checks, tested, nicely, start as started, told } from './kit.mjs';
 
 const [browserPath, program, cellFile] = process.argv.slice(2);
 const start = (words, variables) => started(program, words, { variables });
@@ -110,7 +110,7 @@ async function refuses() {
 }
 
 try {
-  await judged('a page of a network', signedByItself);
+  await tested('a page of a network', signedByItself);
   await ofAnAuthority();
   await refuses();
   console.log(`panel on a network: ${checks()} facts hold`);

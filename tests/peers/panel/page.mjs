@@ -7,7 +7,7 @@ import { connect } from 'node:net';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { chromium } from 'playwright-core';
-import { DRAWING, TIMEOUT, check, checks, judged, nicely, press, pressedAgain, shot, shots, shows, start as started, state, take, told, violations } from './kit.mjs';
+import { DRAWING, TIMEOUT, check, checks, tested, nicely, press, pressedAgain, shot, shots, shows, start as started, state, take, told, violations } from './kit.mjs';
 import { lastLink, multiply } from './urdf.mjs';
 
 const [browserPath, program, cell] = process.argv.slice(2);
@@ -382,7 +382,7 @@ base = { position = [${2.5 * (i % 8) + 5}.0, ${2.5 * Math.floor(i / 8) - 8}.0, 0
 const launch = (nice, args) => chromium.launch({ executablePath: nicely(browserPath, nice), args: ['--no-sandbox', ...args] });
 const [browser, plainBrowser] = [await launch(19, DRAWING), await launch(5, ['--disable-3d-apis', '--disable-gpu'])];
 try {
-  await judged("the panel's page in a browser", async () => {
+  await tested("the panel's page in a browser", async () => {
     const began = Date.now();
     const recorded = await operate(browser, plainBrowser);
     await play(browser, plainBrowser, recorded);

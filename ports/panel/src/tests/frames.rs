@@ -4,8 +4,8 @@ use serde_json::json;
 
 use super::pages::{fixture, of_history};
 use super::*;
-use crate::run_history::{RunHistory, StepSeen};
 use crate::events::Heard;
+use crate::run_history::{RunHistory, StepSeen};
 
 #[test]
 fn a_page_is_told_what_stays_as_it_is_then_who_has_control_and_then_what_changes() {

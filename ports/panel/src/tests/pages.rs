@@ -8,12 +8,12 @@ use mrroc_processes::{Reply, Request};
 use serde_json::Value;
 
 use super::*;
-use crate::run_history::RunHistory;
 use crate::events::{Action, Heard, Key, Kind, To};
 use crate::pages::Pages;
 use crate::poses::Poses;
 use crate::rules::request::Asked;
 use crate::rules::token::Token;
+use crate::run_history::RunHistory;
 use crate::session::Outgoing;
 use crate::teaching;
 

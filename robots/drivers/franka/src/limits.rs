@@ -8,7 +8,7 @@ use mrroc::fault::Excess;
 use mrroc::robot::{CoupledLimit, DriveFault};
 
 use crate::message::JOINTS;
-use crate::rejoining::{Setpoint, Joints, PERIOD};
+use crate::rejoining::{Joints, PERIOD, Setpoint};
 
 /// Least and greatest positions \[rad\].
 pub const POSITIONS: [(f64, f64); JOINTS] = [

@@ -14,7 +14,7 @@ use crate::limits;
 use crate::message::{Answer, Request, State, command};
 use crate::network::Network;
 use crate::opening::First;
-use crate::rejoining::{Setpoint, Joints, Rejoining};
+use crate::rejoining::{Joints, Rejoining, Setpoint};
 use crate::requests::Requests;
 use crate::stops::{CUT_OFF, ENDED, NETWORK, REFUSED, TOO_FAR};
 
@@ -240,7 +240,12 @@ impl Link {
     }
 
     /// Answers the state that is to be answered.
-    fn answer(&mut self, network: &mut impl Network, next: Setpoint, is_last: bool) -> Result<(), DriveFault> {
+    fn answer(
+        &mut self,
+        network: &mut impl Network,
+        next: Setpoint,
+        is_last: bool,
+    ) -> Result<(), DriveFault> {
         let Some((from, came)) = self.unanswered.take() else { return Ok(()) };
         let setpoint = self.setpoint();
         // One that comes too late is none: the robot has gone on by itself.

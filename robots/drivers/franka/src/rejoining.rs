@@ -150,7 +150,9 @@ impl Rejoining {
     fn path_to(&mut self, count: u64, demanded: &Joints) -> (Setpoint, Joints) {
         let known = self.path.filter(|path| (path.count + 1..=path.count + FORGOTTEN).contains(&count));
         let (path, jerk) = match known {
-            None => (Path { setpoint: Setpoint::at_rest(*demanded), count, jumps: [0; JOINTS] }, Joints::zeros()),
+            None => {
+                (Path { setpoint: Setpoint::at_rest(*demanded), count, jumps: [0; JOINTS] }, Joints::zeros())
+            }
             Some(path) => path.after(count, demanded),
         };
         self.path = Some(path);

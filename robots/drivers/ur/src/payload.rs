@@ -79,7 +79,14 @@ impl Payload {
     pub fn unsaid(lookahead: Duration) -> Payload {
         let nowhere = [f64::NAN; JOINTS];
         let settled = ((lookahead + SETTLES).as_secs_f64() / PERIOD.as_secs_f64()).ceil() as u32;
-        Payload { load: None, transmission: Transmission::Known, demanded: nowhere, driven: nowhere, still: 0, settled }
+        Payload {
+            load: None,
+            transmission: Transmission::Known,
+            demanded: nowhere,
+            driven: nowhere,
+            still: 0,
+            settled,
+        }
     }
 
     /// It carries this.

@@ -4,8 +4,8 @@ use mrroc::fault::FaultKind;
 use mrroc::prelude::*;
 
 use super::follower::{BaseLimits, Follower};
-use crate::path::Path;
 use crate::model::DiffDrive;
+use crate::path::Path;
 use crate::sensing::Planar;
 
 /// Rolls along a [`Path`] from rest to rest, as fast as the wheels' limits and those of bends allow.

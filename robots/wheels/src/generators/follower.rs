@@ -17,8 +17,8 @@ use mrroc_generators::curve::{Parametric, SplinePoint};
 use mrroc_generators::profile::ProfileCursor;
 use mrroc_generators::timing::{LinearLimit, PathLimits, TimeOptimal, grid};
 
-use crate::path::Path;
 use crate::model::{DiffDrive, Two};
+use crate::path::Path;
 use crate::sensing::Planar;
 
 /// Limits of a base on a path, beside those of its wheels.

@@ -286,7 +286,7 @@ impl Hearing {
     }
 
     /// What a relief is of.
-    pub fn judge(&mut self, relief: &Relief) -> Heard {
+    pub fn evaluate(&mut self, relief: &Relief) -> Heard {
         let features = relief_features(relief);
         let scores = self.classifier.classify(&features).unwrap_or_default();
         let best = scores.iter().copied().enumerate().max_by(|(_, a), (_, b)| a.total_cmp(b));

@@ -67,7 +67,7 @@ pub enum Blind {
         /// That of the image of the empty belt.
         usual: f64,
     },
-    /// The image of the empty belt, by which all others are judged, has no light.
+    /// The image of the empty belt, with which all others are compared, has no light.
     #[error("the empty belt is dark, mean grey {mean:.1}, at least {least:.1}: lens covered or lamp off?")]
     NoLight {
         /// Mean grey value.
@@ -175,7 +175,7 @@ impl Vision {
             return Err(Blind::Dark { mean: seen, usual: *usual });
         }
         let blobs = blobs.find(image);
-        Ok(blobs.into_iter().map(|blob| self.judge(blob, image)).collect())
+        Ok(blobs.into_iter().map(|blob| self.evaluate(blob, image)).collect())
     }
 
     /// Place and area of a pixel.
@@ -184,7 +184,7 @@ impl Vision {
         ([x.into(), y.into()], area.into())
     }
 
-    fn judge(&mut self, blob: Blob, image: &[u8]) -> Found {
+    fn evaluate(&mut self, blob: Blob, image: &[u8]) -> Found {
         let moments = Moments::of(blob.pixels.iter().map(|&index| self.ground(index)));
         let features = features(&blob, &moments, image, self.plane.width(), |index| self.ground(index));
         let scores = self.classifier.classify(&features).unwrap_or_default();

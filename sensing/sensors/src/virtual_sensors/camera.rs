@@ -59,7 +59,7 @@ impl<S: View + 'static> CameraSensor<S> {
     /// From there until its parts are in readings \[s\].
     pub const PROCESSING: f64 = 0.06;
 
-    /// What `imager` takes of a scene is judged by `vision`; `latch` \[s\] is how old the state of the belt is that goes with an order.
+    /// What `imager` takes of a scene is evaluated by `vision`; `latch` \[s\] is how old the state of the belt is that goes with an order.
     #[must_use]
     pub fn new(scene: S, imager: Imager, vision: Vision, trigger: Trigger, latch: f64) -> Self {
         let pixels = vision.plane().width() * vision.plane().height();
@@ -101,7 +101,7 @@ impl<S: View + 'static> CameraSensor<S> {
         self.imager.expose(&self.scene, time, &mut self.image);
         let [width, height] = self.sighting.vision().plane().camera.size;
         self.frames.image(step, (width as u32, height as u32), 1, &self.image);
-        let Some(found) = self.sighting.judge(&self.image, way, time + Self::PROCESSING)? else {
+        let Some(found) = self.sighting.evaluate(&self.image, way, time + Self::PROCESSING)? else {
             return Ok(());
         };
         if let Some(observer) = &mut self.observer {

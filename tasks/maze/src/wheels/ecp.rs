@@ -4,7 +4,7 @@ use mrroc::prelude::*;
 use mrroc_wheels::generators::BaseLimits;
 use mrroc_wheels::model::angle;
 use mrroc_wheels::sensing::{Lookout, Watch};
-use mrroc_wheels::{Path, DiffDrive, FollowPath};
+use mrroc_wheels::{DiffDrive, FollowPath, Path};
 use nalgebra::Vector2;
 
 use crate::orders::Task;

@@ -168,7 +168,7 @@ fn trials(
         imager.expose(&scene, 0.0, &mut image);
         let found = vision.look(&image)?;
         show(&image, &found);
-        trials.extend(scene.parts.iter().map(|part| judged(part, &kinds, &found)));
+        trials.extend(scene.parts.iter().map(|part| evaluated(part, &kinds, &found)));
     }
     trials.truncate(count);
     Ok(trials)
@@ -201,7 +201,7 @@ fn passing(
     Passing { parts, speed: random.between(0.0, 0.2), run: random.between(0.0, 10.0), now: 0.0 }
 }
 
-fn judged(part: &Lying, kinds: &[Kind], found: &[Found]) -> Trial {
+fn evaluated(part: &Lying, kinds: &[Kind], found: &[Found]) -> Trial {
     let truly: Vector2<f64> = part.pose.translation.vector.xy();
     let near = |found: &&Found| (found.place - truly).norm() < 0.045;
     let nearest = found

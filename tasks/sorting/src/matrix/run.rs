@@ -137,7 +137,7 @@ impl Listener for MatrixMonitor {
         }
     }
 
-    fn judged(&mut self, relief: &Relief, heard: &Heard) {
+    fn evaluated(&mut self, relief: &Relief, heard: &Heard) {
         let looks = &mut *self.looks.borrow_mut();
         if looks.reliefs.len() < looks.keep {
             looks.reliefs.push((relief.clone(), heard.clone()));

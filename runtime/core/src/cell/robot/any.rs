@@ -161,7 +161,7 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
     }
 
     fn replay(&mut self, recorded: Rc<RecordedRobot>, step: Duration) {
-        // Whether the joints followed, the run that was recorded has judged; what is between two steps is not recorded.
+        // Whether the joints followed, the run that was recorded has checked; what is between two steps is not recorded.
         self.following_error = R::Joints::from_joints(|_| f64::INFINITY);
         self.drives = recorded_drives(&self.drives, Rc::clone(&recorded), step);
         self.replayed = Some(recorded);

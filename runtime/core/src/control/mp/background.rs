@@ -30,8 +30,8 @@ use crate::safety::braking::BrakingLaw;
 
 use super::Mp;
 use super::clock::StepClock;
-use super::progress::Progress;
 use super::exchange::Gathered;
+use super::progress::Progress;
 use super::robots::RobotPorts;
 
 /// All motions in the background, and those that are over.
@@ -123,7 +123,8 @@ impl<G: Generator> Moving for Started<G> {
             robots.read_images::<G::Robots>(&self.indices, &mut progress.e)?;
         }
         // Robots that stood cannot have skipped a period of this motion.
-        let t = if progress.is_first() && !self.goes_on { clock.first_tick() } else { clock.tick(progress.step) };
+        let t =
+            if progress.is_first() && !self.goes_on { clock.first_tick() } else { clock.tick(progress.step) };
         match progress.next(t, clock.is_standing())? {
             Some(Step::Done) => {
                 self.stage = Stage::Ending;

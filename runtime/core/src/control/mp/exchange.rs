@@ -67,7 +67,7 @@ impl Mp<'_> {
         self.await_answers(&[index])?;
         let mut gathered = Gathered::NOTHING;
         self.look(index, &mut gathered);
-        self.judge(gathered)
+        self.check(gathered)
     }
 
     fn scatter_and_gather(&mut self, indices: &[usize], kind: OrderKind, flags: u32) -> Result<(), Fault> {
@@ -107,7 +107,7 @@ impl Mp<'_> {
         }
         self.robots.law = gathered.law;
         beside.collect(self, &mut gathered)?;
-        self.judge(gathered)
+        self.check(gathered)
     }
 
     /// Sends a robot an order of this step.
@@ -183,7 +183,7 @@ impl Mp<'_> {
     ///
     /// # Errors
     /// The first cause of what is wrong.
-    fn judge(&mut self, gathered: Gathered) -> Result<(), Fault> {
+    fn check(&mut self, gathered: Gathered) -> Result<(), Fault> {
         if let Some(trouble) = gathered.trouble {
             self.stops.protect(trouble, self.clock.step());
         }

@@ -11,13 +11,13 @@
 
 mod background;
 mod clock;
-mod progress;
 mod exchange;
 mod instruction;
 mod jogging;
 mod lower;
 mod motion;
 mod operating;
+mod progress;
 mod restart;
 mod robots;
 mod serving;

@@ -188,7 +188,12 @@ impl Mp<'_> {
                     self.exchange(indices, OrderKind::Query, flag::WANT_STATE)?;
                     if first_uses.sensors {
                         self.order_readings(sensors);
-                        self.sensing.collect(sensors, &mut progress.v, self.host.waiter, self.clock.step())?;
+                        self.sensing.collect(
+                            sensors,
+                            &mut progress.v,
+                            self.host.waiter,
+                            self.clock.step(),
+                        )?;
                     }
                     continue;
                 }

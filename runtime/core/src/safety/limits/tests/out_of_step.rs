@@ -1,6 +1,6 @@
 //! Demands that come after or before their steps: the robot goes on along its path, within the limits, and ends where it ends.
 
-use super::late::{Trajectory, Quintic};
+use super::late::{Quintic, Trajectory};
 use super::*;
 use crate::safety::limits::catching_up::FARTHEST;
 

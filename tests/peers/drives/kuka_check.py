@@ -1,4 +1,4 @@
-"""The driver of mrroc-kuka against RSIPI's emulator of a controller: what the emulator took, judged beside how the cell says that it ended.
+"""The driver of mrroc-kuka against RSIPI's emulator of a controller: what the emulator took, tested beside how the cell says that it ended.
 
 Always: each demand goes on from the one before as fast as the motion is, over all time that passed in between; axes stay within what the
 motion and a stop need; a cell that ends well, or stops for anything but the robot itself, leaves the arm at rest; signals switch in
@@ -18,7 +18,7 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent.parent.parent
 sys.path.append(str(HERE.parent))
-from cell_outcome import Outcome, Shortfall, has, not_judged  # noqa: E402
+from cell_outcome import Outcome, Shortfall, has, not_tested  # noqa: E402
 
 PROGRAM = ROOT / "target/debug/examples/kuka"
 EXAMPLES = ROOT / "robots/drivers/kuka/examples"
@@ -56,7 +56,7 @@ def run(file, times, *options):
         return Outcome(folder / "outcome.json", cell.stdout + cell.stderr), seen, path
 
 
-def judged(outcome, seen, path, period, fastest=FASTEST):
+def tested(outcome, seen, path, period, fastest=FASTEST):
     """What holds for every run."""
     largest = 0.0
     for (asked, _, *before), (_, taken, *after) in zip(path, path[1:]):
@@ -85,14 +85,14 @@ def swing(outcome, seen, path, period):
         most = SWING[1] + FASTEST * outcome.skipped * period
         has(least <= reached <= most, f"axis 1 was moved by {reached} degrees, not by 28.65 ({least} to {most})")
     else:
-        not_judged("kuka", f"that axis 1 moves by 28.65 degrees (it moved by {reached})", outcome)
+        not_tested("kuka", f"that axis 1 moves by 28.65 degrees (it moved by {reached})", outcome)
 
 
 def absolute(cycles):
     """A time to and fro takes 1.4 s."""
     outcome, seen, path = run("cell.toml", cycles // 350 + 1)
     is_whole = outcome.ended_well(controller=True)
-    figures = judged(outcome, seen, path, 0.004)
+    figures = tested(outcome, seen, path, 0.004)
     swing(outcome, seen, path, 0.004)
     if is_whole:
         has(not seen["broke_off"], "the controller broke off, and the cell does not say so")
@@ -103,11 +103,11 @@ def signals(_cycles):
     """Outputs are switched and inputs are read in the same messages: output 9 goes on and off, and what nobody tells stays as it is."""
     outcome, seen, path = run("signals.toml", 2)
     is_whole = outcome.ended_well(controller=True)
-    judged(outcome, seen, path, 0.004)
+    tested(outcome, seen, path, 0.004)
     wanted, words = [0x8000, 0x8200, 0x8000, 0x8200, 0x8000], seen["outputs"]
     has(words == wanted[: len(words)] and (not is_whole or words == wanted), f"outputs were switched as {words}")
     if not is_whole:
-        not_judged("kuka", "that all outputs are switched", outcome)
+        not_tested("kuka", "that all outputs are switched", outcome)
     print(f"kuka: signals: outputs were switched as {words}")
 
 
@@ -116,7 +116,7 @@ def relative(cycles):
     the drives, the driver leaves one message without an answer, to find out how the controller counts such."""
     outcome, seen, path = run("relative.toml", cycles // 500 + 1, "--mode", "relative", "--period", "12")
     is_whole = outcome.ended_well(controller=True)
-    figures = judged(outcome, seen, path, 0.012)
+    figures = tested(outcome, seen, path, 0.012)
     has(seen["late"] > 0 or not seen["cycles"], "the driver has not found out how the controller counts what is late")
     swing(outcome, seen, path, 0.012)
     if is_whole:
@@ -129,10 +129,10 @@ def breaks_off(_cycles):
     outcome, seen, path = run("cell.toml", 20, "--lose-after", "200")
     if outcome.ended_by("RobotStopped", "communication lost: the robot has said nothing"):
         if not seen["broke_off"]:
-            not_judged("kuka", "what a cell says of a controller that breaks off, which was silent before that", outcome)
+            not_tested("kuka", "what a cell says of a controller that breaks off, which was silent before that", outcome)
     else:
-        not_judged("kuka", "what a cell says of a controller that breaks off", outcome)
-    print(f"kuka: breaks off: {judged(outcome, seen, path, 0.004, LIMIT)}")
+        not_tested("kuka", "what a cell says of a controller that breaks off", outcome)
+    print(f"kuka: breaks off: {tested(outcome, seen, path, 0.004, LIMIT)}")
 
 
 PARTS = {part.__name__: part for part in (absolute, signals, relative, breaks_off)}

@@ -11,7 +11,7 @@ pub fn first_hold(settings: &Settings) -> f64 {
 }
 
 /// Runs, and checks that there was no wrong grasp, none farther off the middle than this \[m\]; what became of the part, and the fault.
-pub fn judged(ready: Ready, case: &str, most: f64) -> (Fate, Option<String>) {
+pub fn checked(ready: Ready, case: &str, most: f64) -> (Fate, Option<String>) {
     let outcome = ready.run();
     let fault = outcome.report.as_ref().err().map(ToString::to_string);
     assert_eq!((outcome.count(Fate::Wrong), outcome.crashes), (0, 0), "{case}: {outcome:?}");

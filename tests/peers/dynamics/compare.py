@@ -1,6 +1,6 @@
 """Compares the dynamics of the library's robots with Pinocchio, which reads the URDFs that they were exported as.
 
-Usage: judge.py FOLDER, with what `cargo run --example dynamics` wrote there; its page says what is in the files. Pinocchio reads
+Usage: compare.py FOLDER, with what `cargo run --example dynamics` wrote there; its page says what is in the files. Pinocchio reads
 every URDF without mimicry; what mimics is added here (velocities S qdot, forces S^T f). The error of a torque is divided by
 the largest torque of its robot in all states, and so for accelerations, mass matrices and energies: 1e-9 is allowed. Free
 motion for 10 s may change the energy by 1e-6 of the largest kinetic energy, by which the integration errs. RNT's loops are
@@ -179,7 +179,7 @@ def rnt(path):
         yield (q, v), [mass, bias], [peer_mass.flatten("F"), peer_bias]
 
 
-def judged(path):
+def compared(path):
     """Per state as `tree`."""
     return rnt(path) if path.stem == "rnt" else tree(path)
 
@@ -190,7 +190,7 @@ def main():
     print(f"{'robot':24}{'states':>8}  largest error by the largest value: tau, qddot, bias, weight, M, energies (rnt: M, h)")
     for path in sorted(folder.glob("*.urdf")):
         seen = [
-            [(np.abs(x - y).max(), np.abs(y).max()) for x, y in zip(ours, theirs)] for _, ours, theirs in judged(path)
+            [(np.abs(x - y).max(), np.abs(y).max()) for x, y in zip(ours, theirs)] for _, ours, theirs in compared(path)
         ]
         largest, sizes = np.array(seen).transpose(2, 1, 0).max(axis=2)
         states, errors = len(seen), largest / np.maximum(sizes, 1e-300)

@@ -1,6 +1,6 @@
 """Compares the normal forces on the feet of a walk with MuJoCo's, on a model of the same machine and the same steps.
 
-Usage: judge.py FOLDER, with what `cargo run -p legs --example forces` wrote there.
+Usage: compare.py FOLDER, with what `cargo run -p legs --example forces` wrote there.
 
 MuJoCo simulates the whole machine: a free trunk, twelve links with their masses, a pad on a ball joint at each shank, the treads as
 boxes. Its joints are servoed to the joint positions that the walk had. It knows nothing of the forces there.
