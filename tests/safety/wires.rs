@@ -259,7 +259,7 @@ fn wires_are_cut(cases: &[(u64, &str, u64)]) {
 }
 
 #[test]
-fn fault_153_a_wire_that_is_cut_in_a_tight_move_stops_both_arms_on_their_common_screw() {
+fn fault_153_a_wire_that_is_cut_in_a_tight_move_stops_both_arms_on_their_common_twist() {
     wires_are_cut(&[(2, "polycrank", 2267)]);
 }
 
@@ -273,7 +273,7 @@ fn off_without_mp(step_ms: u64, at: u64) -> f64 {
     off_from(&trace, at * step_ms * 1000)
 }
 
-/// In this leg of the transfer the screw alone takes up to a third of the limit of the Polycrank's elbow: what braking may take is less.
+/// In this leg of the transfer the twist alone takes up to a third of the limit of the Polycrank's elbow: what braking may take is less.
 fn the_mp_dies(every: usize) {
     for at in (6080..6420).step_by(every) {
         let off = off_without_mp(2, at);
@@ -282,7 +282,7 @@ fn the_mp_dies(every: usize) {
 }
 
 #[test]
-fn fault_03_arms_on_a_screw_that_bends_a_joint_hard_stay_together_until_they_stand() {
+fn fault_03_arms_on_a_twist_that_bends_a_joint_hard_stay_together_until_they_stand() {
     the_mp_dies(80);
 }
 
@@ -309,13 +309,13 @@ mod whole {
 
     #[test]
     #[ignore = "takes minutes: `just wires-whole`"]
-    fn fault_153_a_wire_that_is_cut_in_a_tight_move_stops_both_arms_on_their_common_screw() {
+    fn fault_153_a_wire_that_is_cut_in_a_tight_move_stops_both_arms_on_their_common_twist() {
         wires_are_cut(&[(1, "polycrank", 50), (2, "polycrank", 50), (2, "rnt", 50), (4, "polycrank", 50)]);
     }
 
     #[test]
     #[ignore = "takes minutes: `just wires-whole`"]
-    fn fault_03_arms_on_a_screw_that_bends_a_joint_hard_stay_together_until_they_stand() {
+    fn fault_03_arms_on_a_twist_that_bends_a_joint_hard_stay_together_until_they_stand() {
         the_mp_dies(10);
     }
 }

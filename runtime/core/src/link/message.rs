@@ -79,7 +79,7 @@ pub mod flag {
     pub const SUSPENDED: u32 = 1 << 7;
     /// The robot's drives still look for their reference marks: it has no state yet.
     pub const HOMING: u32 = 1 << 8;
-    /// The order is one of several robots that move together: without the next ones each stops on its screw. In a reply: the robot
+    /// The order is one of several robots that move together: without the next ones each stops on its twist. In a reply: the robot
     /// does so.
     pub const TOGETHER: u32 = 1 << 9;
     /// The robot still moves on its path but is to stop on it. Body: the fault, in place of the image.
@@ -126,7 +126,7 @@ pub struct Header {
     pub duration: f64,
     /// In a reply: how fast the rate may change within the robot's limits.
     pub rate_margin: RateMargin,
-    /// In a reply: how fast the robot may slow down on its screw. In an order and a request: how fast all robots of the
+    /// In a reply: how fast the robot may slow down on its twist. In an order and a request: how fast all robots of the
     /// instruction may.
     pub law: BrakingLaw,
 }

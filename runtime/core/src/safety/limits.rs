@@ -19,8 +19,8 @@ use crate::model::joints::JointVector;
 use crate::model::pose::Pose;
 use crate::model::robot::Robot;
 use crate::safety::braking::BrakingLaw;
+use crate::safety::common_twist::Bridging;
 use crate::safety::rate::RateMargin;
-use crate::safety::screw::Bridging;
 
 use checks::{CheckedStep, Checks, Proposed, Standstill};
 use curvature::Curvature;
@@ -167,7 +167,7 @@ impl<R: Robot> Acceptor<R> {
         self.pace.rate_margin(self.checks.robot.limits())
     }
 
-    /// How fast the robot may slow down on its screw from here, in steps of `period` \[s\].
+    /// How fast the robot may slow down on its twist from here, in steps of `period` \[s\].
     pub fn braking_law(&self, period: f64) -> BrakingLaw {
         rates::braking_law(&self.state, &self.curvature(), self.checks.robot.limits(), period)
     }

@@ -208,7 +208,7 @@ impl<R: Robot> RobotSetup<R> {
 
     /// The longest time from the cause of a stop to a standstill that this robot may take, in the place of that of
     /// [the cell](super::Cell::stop_time): longer for a slow belt, shorter for an arm. A robot that would take longer is
-    /// refused, and a protective stop leaves the path in time for every robot. Robots that move together along one screw
+    /// refused, and a protective stop leaves the path in time for every robot. Robots that move together along one twist
     /// brake as the slowest of them does.
     #[must_use]
     pub fn stop_time(mut self, limit: Duration) -> Self {

@@ -155,7 +155,7 @@ impl<R: Robot> Edp<'_, R> {
 
     /// What a reply without a fault says: how fast the rate and the robot may change, and its image, if that is wanted.
     fn tell_path(&mut self) {
-        self.path.look_along_screw();
+        self.path.look_along_twist();
         let is_together = self.path.is_together();
         let acceptor = &self.path.acceptor;
         let header = &mut self.answers.reply.header;

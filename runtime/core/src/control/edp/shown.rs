@@ -71,7 +71,7 @@ pub(super) const fn shown_mode<J>(mode: &Mode<J>) -> ShownMode {
         Mode::Holding => ShownMode::Holding,
         Mode::Moving { missed: 0 } => ShownMode::Moving,
         Mode::Moving { .. } => ShownMode::Bridging,
-        Mode::Braking(_) | Mode::OnScrew(_) => ShownMode::Braking,
+        Mode::Braking(_) | Mode::OnTwist(_) => ShownMode::Braking,
         Mode::Off => ShownMode::Off,
     }
 }

@@ -1,4 +1,4 @@
-//! How fast a robot's rate, and its speed on a screw, may change.
+//! How fast a robot's rate, and its speed on a twist, may change.
 //!
 //! In: the steps that were accepted, the limits. Out: the rate margin and the braking law that go back to the MP with each
 //! reply.
@@ -18,7 +18,7 @@ pub const PATH_SHARE: f64 = 0.9;
 /// The share of an acceleration limit that a path and the change of its rate use together.
 const USABLE_SHARE: f64 = 0.98;
 
-/// By how much the curvature of a screw may grow while a robot brakes on it: the posture changes on the way.
+/// By how much the curvature of a twist may grow while a robot brakes on it: the posture changes on the way.
 const GROWN: f64 = 1.25;
 
 /// How fast the path is gone along.
@@ -143,8 +143,8 @@ pub(crate) fn standing_margin<J: JointVector>(limits: &Limits<J>, rate: f64, per
     pace.rate_margin(limits)
 }
 
-/// How fast a robot in this state may slow down on its screw, in steps of `period` \[s\]: within [`braking::SHARE`] of the
-/// acceleration limits, and within what the screw's `curvature` \[rad/s² or m/s²\] leaves of them where it slows a joint down as well.
+/// How fast a robot in this state may slow down on its twist, in steps of `period` \[s\]: within [`braking::SHARE`] of the
+/// acceleration limits, and within what the twist's `curvature` \[rad/s² or m/s²\] leaves of them where it slows a joint down as well.
 /// Where the curvature leaves enough, that takes no longer than braking from the velocity limits. It never takes longer than
 /// braking from them with that share.
 pub(super) fn braking_law<J: JointVector>(

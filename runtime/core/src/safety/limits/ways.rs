@@ -5,7 +5,7 @@
 use crate::model::fault::Fault;
 use crate::model::pose::Pose;
 use crate::model::robot::Robot;
-use crate::safety::screw::Screw;
+use crate::safety::common_twist::Twist;
 
 use super::Acceptor;
 use super::catching_up::{CatchingUp, Late};
@@ -39,21 +39,21 @@ impl<R: Robot> Acceptor<R> {
         }
         let missed = (self.track.path.missing / duration).round();
         let way = match &self.track.off_path {
-            Some(OffPath::Together(way)) if missed == 0.0 || self.track.path.on_screw => Some(way),
+            Some(OffPath::Together(way)) if missed == 0.0 || self.track.path.on_twist => Some(way),
             Some(_) | None => None,
         };
         // One that is off its path by its joints does not come back with the others.
         let with_others =
-            self.track.path.on_screw && !matches!(self.track.off_path, Some(OffPath::Joints(_)));
+            self.track.path.on_twist && !matches!(self.track.off_path, Some(OffPath::Joints(_)));
         let rejoin = || {
             let robot = &self.checks.robot;
             let [from, to, at] =
                 [&self.track.path.position, demand, &self.state.position].map(|joints| robot.forward(joints));
             let gone = Gone {
-                last: self.track.path_screw(robot, duration),
-                over: Screw::between(&from, &to),
-                bridged: Screw::between(&from, &at),
-                change: self.state.screw(robot, duration),
+                last: self.track.path_twist(robot, duration),
+                over: Twist::between(&from, &to),
+                bridged: Twist::between(&from, &at),
+                change: self.state.twist(robot, duration),
             };
             self.beside(demand, Rejoining::after(way, &gone, missed), duration)
         };

@@ -1,4 +1,4 @@
-//! How fast the rate may change, and how fast robots slow down on their screw.
+//! How fast the rate may change, and how fast robots slow down on their twist.
 
 use super::*;
 use crate::safety::braking::BrakingLaw;
@@ -173,7 +173,7 @@ fn fault_80_a_path_of_nine_tenths_keeps_all_limits_however_its_rate_changes() {
 }
 
 #[test]
-fn a_robot_slows_down_on_a_screw_by_the_share_of_its_acceleration() {
+fn a_robot_slows_down_on_a_twist_by_the_share_of_its_acceleration() {
     let mut acceptor = moving(Turntable::with_jerk(1000.0, 1e6));
     // 0.3 m/s grows by 1 m/s² for 2 ms, and by a tenth of 10 m/s² for 2 ms.
     let faster = 0.3 + 0.002 + 0.002;
@@ -192,7 +192,7 @@ fn a_robot_slows_down_on_a_screw_by_the_share_of_its_acceleration() {
 }
 
 #[test]
-fn a_robot_slows_down_on_a_bent_screw_by_what_that_leaves_of_its_acceleration() {
+fn a_robot_slows_down_on_a_bent_twist_by_what_that_leaves_of_its_acceleration() {
     let mut acceptor = moving(Turntable::new());
     let faster = 0.3 + 0.002 + 0.002;
     let mut fall = |curvature: [f64; 2]| {
@@ -235,13 +235,13 @@ impl Robot for Polar {
 /// At constant spatial twist `(omega, v_s)` the flange's origin goes by p' = v_s + omega x p, p'' = omega x p'. In polar
 /// coordinates, where r' is along p: v_s = r' e_r, r'' = 0 and theta'' = -r' theta' / r.
 #[test]
-fn the_curvature_of_a_screw_is_the_acceleration_of_joints_that_follow_it() {
+fn the_curvature_of_a_twist_is_the_acceleration_of_joints_that_follow_it() {
     let period = 1e-4;
     let mut acceptor =
         Acceptor::new(Polar(Turntable::new().limits), Pose::identity(), Two::zeros(), REACTION);
     acceptor.state.position = Two::new(0.7, 0.5);
     acceptor.state.velocity = Two::new(0.4, 0.3);
-    acceptor.look_along_screw(period);
+    acceptor.look_along_twist(period);
     let found = acceptor.curvature();
     // Differences over steps are those of their middles: off by less than the change in a step.
     assert!((found[0] + 0.3 * 0.4 / 0.5).abs() < 1e-4 && found[1].abs() < 1e-4, "{found}");
@@ -251,12 +251,12 @@ fn the_curvature_of_a_screw_is_the_acceleration_of_joints_that_follow_it() {
     // It holds for 16 ms.
     acceptor.state.velocity = Two::new(0.4, -0.3);
     for _ in 0..159 {
-        acceptor.look_along_screw(period);
+        acceptor.look_along_twist(period);
         near(acceptor.curvature()[0], found[0]);
     }
-    acceptor.look_along_screw(period);
+    acceptor.look_along_twist(period);
     let found = acceptor.curvature();
     assert!((found[0] - 0.3 * 0.4 / 0.5).abs() < 1e-4 && found[1].abs() < 1e-4, "{found}");
-    acceptor.leave_screw();
+    acceptor.leave_twist();
     assert_eq!(acceptor.curvature(), Two::zeros());
 }

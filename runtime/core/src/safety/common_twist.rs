@@ -1,4 +1,4 @@
-//! What arms that move together have in common: the screw of a step, and the law by which they brake on it.
+//! What arms that move together have in common: the twist of a step, and the law by which they brake on it.
 //!
 //! In: two poses of an arm's flange, one step apart; the law that the MP sent to all arms with the order of that step.
 //! Out: where the flange is to be in steps for which no order comes. Where arms carry one rigid body, the displacement of
@@ -19,19 +19,19 @@ use crate::model::pose::Pose;
 use crate::safety::braking::BrakingLaw;
 use crate::safety::rate::{Feed, RateMargin};
 
-/// The displacement of a step in the world, as a rotation vector \[rad\] and the twist's way \[m\]: `D = exp(turn, way)`.
+/// The displacement of a step in the world, as a rotation vector \[rad\] and the twist's linear part \[m\]: `D = exp(turn, linear)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Screw {
+pub(crate) struct Twist {
     turn: Vector3<f64>,
-    way: Vector3<f64>,
+    linear: Vector3<f64>,
 }
 
-impl Screw {
+impl Twist {
     /// No displacement.
-    pub const NONE: Screw = Screw { turn: Vector3::new(0.0, 0.0, 0.0), way: Vector3::new(0.0, 0.0, 0.0) };
+    pub const NONE: Twist = Twist { turn: Vector3::new(0.0, 0.0, 0.0), linear: Vector3::new(0.0, 0.0, 0.0) };
 
-    /// The screw that leads from one pose to another one.
-    pub fn between(from: &Pose, to: &Pose) -> Screw {
+    /// The twist that leads from one pose to another one.
+    pub fn between(from: &Pose, to: &Pose) -> Twist {
         #[allow(non_snake_case)]
         let D = to * from.inverse();
         let turn = D.rotation.scaled_axis();
@@ -44,18 +44,18 @@ impl Screw {
             (1.0 - 0.5 * angle / (0.5 * angle).tan()) / (angle * angle)
         };
         let cross = turn.cross(&t);
-        Screw { turn, way: t - cross * 0.5 + turn.cross(&cross) * third }
+        Twist { turn, linear: t - cross * 0.5 + turn.cross(&cross) * third }
     }
 
-    /// How large the displacement is, in all: its turn \[rad\] about the origin of the world, and its way \[m\].
+    /// How large the displacement is, in all: its turn \[rad\] about the origin of the world, and its linear part \[m\].
     pub fn size(&self) -> f64 {
-        self.turn.norm() + self.way.norm()
+        self.turn.norm() + self.linear.norm()
     }
 
     /// `D^s`.
     pub fn part(&self, s: f64) -> Pose {
         let turn = self.turn * s;
-        let way = self.way * s;
+        let linear = self.linear * s;
         let angle = turn.norm();
         let (second, third) = if angle < 1e-3 {
             (0.5 - angle * angle / 24.0, 1.0 / 6.0)
@@ -63,88 +63,88 @@ impl Screw {
             let half = (0.5 * angle).sin() / angle;
             (2.0 * half * half, (angle - angle.sin()) / (angle * angle * angle))
         };
-        let cross = turn.cross(&way);
-        let t = way + cross * second + turn.cross(&cross) * third;
+        let cross = turn.cross(&linear);
+        let t = linear + cross * second + turn.cross(&cross) * third;
         Pose::from_parts(Translation3::from(t), UnitQuaternion::from_scaled_axis(turn))
     }
 }
 
-/// Of screws whose turns are small: the displacements of steps, which differ little.
-impl Add for Screw {
-    type Output = Screw;
+/// Of twists whose turns are small: the displacements of steps, which differ little.
+impl Add for Twist {
+    type Output = Twist;
 
-    fn add(self, other: Screw) -> Screw {
-        Screw { turn: self.turn + other.turn, way: self.way + other.way }
+    fn add(self, other: Twist) -> Twist {
+        Twist { turn: self.turn + other.turn, linear: self.linear + other.linear }
     }
 }
 
-impl Sub for Screw {
-    type Output = Screw;
+impl Sub for Twist {
+    type Output = Twist;
 
-    fn sub(self, other: Screw) -> Screw {
-        Screw { turn: self.turn - other.turn, way: self.way - other.way }
+    fn sub(self, other: Twist) -> Twist {
+        Twist { turn: self.turn - other.turn, linear: self.linear - other.linear }
     }
 }
 
-impl Mul<f64> for Screw {
-    type Output = Screw;
+impl Mul<f64> for Twist {
+    type Output = Twist;
 
-    fn mul(self, factor: f64) -> Screw {
-        Screw { turn: self.turn * factor, way: self.way * factor }
+    fn mul(self, factor: f64) -> Twist {
+        Twist { turn: self.turn * factor, linear: self.linear * factor }
     }
 }
 
-/// How robots that move together go on through steps without demands: along the path's last screw, as it changed last. All of
+/// How robots that move together go on through steps without demands: along the path's last twist, as it changed last. All of
 /// them know both by their own flanges. None goes back where a path that slows down would come to a standstill.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Bridging {
-    /// The screw of the last step.
-    pub screw: Screw,
+    /// The twist of the last step.
+    pub twist: Twist,
     /// By how much it changes in a step.
-    bend: Screw,
+    bend: Twist,
     /// How large it was when the path was known last.
     known: f64,
 }
 
 impl Bridging {
-    /// After a step with the displacement `screw`, which `bend` has led to from that of the step before.
-    pub fn after(screw: Screw, bend: Screw) -> Bridging {
-        Bridging { screw, bend, known: screw.size() }
+    /// After a step with the displacement `twist`, which `bend` has led to from that of the step before.
+    pub fn after(twist: Twist, bend: Twist) -> Bridging {
+        Bridging { twist, bend, known: twist.size() }
     }
 
     /// The same, which goes on at its present velocity.
     pub const fn steady(self) -> Bridging {
-        Bridging { bend: Screw::NONE, ..self }
+        Bridging { bend: Twist::NONE, ..self }
     }
 
     /// A step later.
     pub fn advanced(self) -> Bridging {
-        let screw = self.screw + self.bend;
-        let goes_on = self.screw.turn.dot(&screw.turn) + self.screw.way.dot(&screw.way) > 0.0;
-        if goes_on { Bridging { screw, ..self } } else { Bridging { screw: Screw::NONE, ..self.steady() } }
+        let twist = self.twist + self.bend;
+        let goes_on = self.twist.turn.dot(&twist.turn) + self.twist.linear.dot(&twist.linear) > 0.0;
+        if goes_on { Bridging { twist, ..self } } else { Bridging { twist: Twist::NONE, ..self.steady() } }
     }
 
     /// The law by which robots brake from here that may brake by `law` at the speed which the path had: a robot that has become
     /// faster meanwhile slows down by as much in a second, which is a smaller share of its speed.
     pub fn eased(&self, law: BrakingLaw) -> BrakingLaw {
-        let size = self.screw.size();
+        let size = self.twist.size();
         let share = if size > self.known { self.known / size } else { 1.0 };
         BrakingLaw { fall: law.fall * share, bend: law.bend * share }
     }
 }
 
-/// The way to a standstill on a screw.
+/// Braking to a standstill on a twist.
 #[derive(Clone, Debug)]
-pub(crate) struct ScrewBraking {
-    screw: Screw,
+pub(crate) struct TwistBraking {
+    twist: Twist,
     law: BrakingLaw,
     feed: Feed,
 }
 
-impl ScrewBraking {
+impl TwistBraking {
     /// From the full displacement of a step.
-    pub fn new(screw: Screw, law: BrakingLaw) -> ScrewBraking {
-        ScrewBraking { screw, law, feed: Feed::new(f64::INFINITY) }
+    pub fn new(twist: Twist, law: BrakingLaw) -> TwistBraking {
+        TwistBraking { twist, law, feed: Feed::new(f64::INFINITY) }
     }
 
     /// The displacement of the next step of `duration` \[s\]; `None` at the standstill.
@@ -152,7 +152,7 @@ impl ScrewBraking {
         let BrakingLaw { fall, bend } = self.law;
         self.feed.limit(RateMargin { rise: 0.0, fall, bend, ..RateMargin::UNLIMITED });
         let part = self.feed.advance(0.0, duration);
-        (part > 0.0).then(|| self.screw.part(part))
+        (part > 0.0).then(|| self.twist.part(part))
     }
 }
 
@@ -176,27 +176,27 @@ mod tests {
     }
 
     #[test]
-    fn parts_of_a_screw_compose_to_the_whole_for_turns_of_all_sizes() {
+    fn parts_of_a_twist_compose_to_the_whole_for_turns_of_all_sizes() {
         let [from, _] = poses();
         for angle in [0.0, 1e-9, 1e-4, 0.999e-3, 1.001e-3, 0.1, 2.0] {
             let by =
                 Pose::new(Vector3::new(0.1, -0.2, 0.05), Vector3::new(1.0, 2.0, -0.5).normalize() * angle);
             let to = by * from;
-            let screw = Screw::between(&from, &to);
-            assert!(apart(&(screw.part(1.0) * from), &to) < 1e-14, "{angle}");
-            let thirds = screw.part(1.0 / 3.0);
+            let twist = Twist::between(&from, &to);
+            assert!(apart(&(twist.part(1.0) * from), &to) < 1e-14, "{angle}");
+            let thirds = twist.part(1.0 / 3.0);
             assert!(apart(&(thirds * thirds * thirds * from), &to) < 1e-14, "{angle}");
         }
     }
 
     #[test]
-    fn arms_that_carry_a_body_know_one_screw_and_stay_together_on_it() {
+    fn arms_that_carry_a_body_know_one_twist_and_stay_together_on_it() {
         let [left, right] = poses();
         let by = Pose::new(Vector3::new(1e-3, 2e-3, -5e-4), Vector3::new(1e-3, -2e-3, 1.5e-3));
         let law = BrakingLaw { fall: 4.0, bend: f64::INFINITY };
         let mut arms = [left, right].map(|tool| {
             let moved = by * tool;
-            (moved, ScrewBraking::new(Screw::between(&tool, &moved), law))
+            (moved, TwistBraking::new(Twist::between(&tool, &moved), law))
         });
         let relative = left.inv_mul(&right);
         let mut steps = 0;
@@ -229,13 +229,13 @@ mod tests {
     }
 
     #[test]
-    fn a_screw_without_any_turn_is_a_line() {
-        let screw = Screw::between(&Pose::translation(1.0, 2.0, 3.0), &Pose::translation(1.5, 1.0, 3.0));
-        assert!(apart(&screw.part(0.5), &Pose::translation(0.25, -0.5, 0.0)) < 1e-15);
+    fn a_twist_without_any_turn_is_a_line() {
+        let twist = Twist::between(&Pose::translation(1.0, 2.0, 3.0), &Pose::translation(1.5, 1.0, 3.0));
+        assert!(apart(&twist.part(0.5), &Pose::translation(0.25, -0.5, 0.0)) < 1e-15);
     }
 
     #[test]
-    fn a_part_of_a_screw_turns_and_goes_on_by_that_part_of_it() {
+    fn a_part_of_a_twist_turns_and_goes_on_by_that_part_of_it() {
         // About an axis along z, by a large angle and by one below which its functions are series; 5e-11 is round-off of 2e4 m.
         for (turn, axis) in [(FRAC_PI_2, [1.0, 2.0]), (0.9e-3, [1e4, -2e4])] {
             let about = |turn: f64| {
@@ -244,9 +244,9 @@ mod tests {
                 Pose::from_parts(to, rotation) * Pose::translation(-axis[0], -axis[1], 0.0)
             };
             let from = poses()[0];
-            let screw = Screw::between(&from, &(about(turn) * from));
+            let twist = Twist::between(&from, &(about(turn) * from));
             for s in [0.25, 0.5, 0.75] {
-                assert!(apart(&screw.part(s), &about(s * turn)) < 5e-11, "{turn} {s}");
+                assert!(apart(&twist.part(s), &about(s * turn)) < 5e-11, "{turn} {s}");
             }
         }
     }
