@@ -8,7 +8,7 @@ use mrroc::cell::{CellError, OutputSetup, RunReport};
 use mrroc::fault::{Name, ProcessId};
 use mrroc::link::Nanos;
 use mrroc::observe::ServoRecord;
-use mrroc::observe::step_observer::{StepObserver, What};
+use mrroc::observe::step_observer::{StepEvent, StepObserver};
 use mrroc::operator::jog::{JogOrder, JogPanel};
 use mrroc::operator::{LAPSE, Operator, REDUCED_SPEED, Renewal};
 use mrroc::payload::Wire;
@@ -81,13 +81,13 @@ struct Seen {
 }
 
 impl StepObserver for Seen {
-    fn see(&self, _: Nanos, _: ProcessId, what: &What, _: &[u64]) {
+    fn see(&self, _: Nanos, _: ProcessId, what: &StepEvent, _: &[u64]) {
         match *what {
-            What::Step { step, dt, .. } => {
+            StepEvent::Step { step, dt, .. } => {
                 self.dt.borrow_mut().resize(step as usize, f64::NAN);
                 self.dt.borrow_mut().push(dt);
             }
-            What::Jog { step, .. } => self.jogs.borrow_mut().push(step),
+            StepEvent::Jog { step, .. } => self.jogs.borrow_mut().push(step),
             _ => {}
         }
     }
@@ -339,8 +339,8 @@ struct Switched {
 }
 
 impl StepObserver for Switched {
-    fn see(&self, _: Nanos, by: ProcessId, what: &What, words: &[u64]) {
-        let What::Signals { step } = *what else { return };
+    fn see(&self, _: Nanos, by: ProcessId, what: &StepEvent, words: &[u64]) {
+        let StepEvent::Signals { step } = *what else { return };
         assert_eq!(by.name, Some(left()));
         let outputs = Signals::get(words).expect("signals").outputs;
         let value = match self.channel {

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use mrroc_core::nalgebra::{Quaternion, Translation3, UnitQuaternion};
 use mrroc_core::observe::layout::{Layout, SignalLayout};
-use mrroc_core::operator::state::Doing;
+use mrroc_core::operator::state::InstructionKind;
 use mrroc_core::pose::Pose;
 use mrroc_core::robot::{Signals, Value as Signal};
 use serde_json::Value;
@@ -65,7 +65,7 @@ fn take(history: &mut RunHistory, layout: &Layout, time: u64, topic: &str, data:
         let Some(json) = json() else { return };
         let (process, by) = (json["process"].as_str().unwrap_or(""), json["by"].as_str().unwrap_or(""));
         let word = json["doing"].as_str().unwrap_or("");
-        if let Some(doing) = Doing::ALL.into_iter().find(|doing| doing.word() == word) {
+        if let Some(doing) = InstructionKind::ALL.into_iter().find(|doing| doing.word() == word) {
             history.instruction(process, doing, by);
         }
     } else if topic == "/events" {

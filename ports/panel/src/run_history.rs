@@ -8,8 +8,8 @@ use std::sync::Arc;
 
 use mrroc_core::fault::{Fault, FaultWords, ProcessId, Role};
 use mrroc_core::observe::layout::Layout;
-use mrroc_core::observe::step_observer::{ReadingState, STATE_WORDS, StepObserver, What};
-use mrroc_core::operator::state::Doing;
+use mrroc_core::observe::step_observer::{ReadingState, STATE_WORDS, StepEvent, StepObserver};
+use mrroc_core::operator::state::InstructionKind;
 use mrroc_core::payload::Wire;
 use mrroc_core::pose::Pose;
 use mrroc_core::robot::{MAX_JOINTS, Signals};
@@ -168,19 +168,22 @@ impl RunHistory {
     }
 
     /// A program begins an instruction, or has ended it.
-    pub fn instruction(&mut self, process: &str, doing: Doing, by: &str) {
+    pub fn instruction(&mut self, process: &str, doing: InstructionKind, by: &str) {
         if process == "mp" {
-            let begins = !matches!(doing, Doing::Nothing | Doing::Homing);
+            let begins = !matches!(doing, InstructionKind::Nothing | InstructionKind::Homing);
             self.now.instruction += u64::from(begins);
             self.now.doing = doing.word();
-            if doing != Doing::Nothing {
+            if doing != InstructionKind::Nothing {
                 self.now.by = if by.is_empty() { "of each robot by its own program" } else { by }.to_owned();
             }
         } else if let Some(name) = process.strip_prefix("ecp ")
             && let Some(robot) = self.now.robots.iter_mut().find(|robot| robot.name == name)
         {
-            robot.doing =
-                if doing == Doing::Nothing { String::new() } else { format!("{} {by}", doing.word()) };
+            robot.doing = if doing == InstructionKind::Nothing {
+                String::new()
+            } else {
+                format!("{} {by}", doing.word())
+            };
         }
         self.tell();
     }
@@ -270,14 +273,16 @@ impl OnMemory {
 }
 
 impl StepObserver for OnMemory {
-    fn see(&self, time: u64, by: ProcessId, what: &What, words: &[u64]) {
+    fn see(&self, time: u64, by: ProcessId, what: &StepEvent, words: &[u64]) {
         let mut history = self.history.borrow_mut();
         match *what {
-            What::Step { step, dt, duration, speed, suspended, reduced, aborting, resetting, .. } => {
+            StepEvent::Step {
+                step, dt, duration, speed, suspended, reduced, aborting, resetting, ..
+            } => {
                 let seen = StepSeen { step, dt, duration, speed, suspended, reduced, aborting, resetting };
                 history.step(time, &seen);
             }
-            What::Image { .. } if history.is_due(time) && words.len() >= 2 * STATE_WORDS => {
+            StepEvent::Image { .. } if history.is_due(time) && words.len() >= 2 * STATE_WORDS => {
                 let Some(name) = by.name else { return };
                 let (demanded, measured) = words.split_at(STATE_WORDS);
                 let Ok(tool) = Pose::get(&measured[2 * MAX_JOINTS..]) else { return };
@@ -291,15 +296,15 @@ impl StepObserver for OnMemory {
                 let (demanded, measured) = (numbers(demanded), numbers(measured));
                 history.robot(time, name.as_str(), [&demanded, &measured], [tool, in_force]);
             }
-            What::Instruction { doing, by: generator, .. } => {
+            StepEvent::Instruction { doing, by: generator, .. } => {
                 history.instruction(&by.to_string(), doing, &generator.to_string());
             }
-            What::Signals { .. } => {
+            StepEvent::Signals { .. } => {
                 if let (Some(name), Ok(signals)) = (by.name, Signals::get(words)) {
                     history.signals(name.as_str(), signals);
                 }
             }
-            What::Reading { sensor, state, shape, .. } => {
+            StepEvent::Reading { sensor, state, shape, .. } => {
                 let place = self.layout.sensors.iter().position(|known| known.name == sensor.as_str());
                 match (place, state) {
                     (Some(place), ReadingState::There) => {
@@ -309,18 +314,18 @@ impl StepObserver for OnMemory {
                     _ => {}
                 }
             }
-            What::Body { body, .. } => {
+            StepEvent::Body { body, .. } => {
                 let place = self.layout.bodies.iter().position(|known| known.name == body.as_str());
                 if let (Some(place), Ok(pose)) = (place, Pose::get(words)) {
                     history.body(place, pose);
                 }
             }
-            What::Fault { .. } if by.role == Role::Mp => {
+            StepEvent::Fault { .. } if by.role == Role::Mp => {
                 if let Ok(fault) = FaultWords::get(words).map(Fault::from) {
                     history.fault(fault.to_string(), fault.help());
                 }
             }
-            What::End { .. } => {
+            StepEvent::End { .. } => {
                 let fault = FaultWords::get(words).ok().map(Fault::from);
                 history.end(time, fault.as_ref().map(|fault| (fault.to_string(), fault.help())));
             }

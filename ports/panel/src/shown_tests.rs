@@ -6,7 +6,7 @@ use mrroc::pose::Wrench;
 use mrroc::prelude::*;
 use mrroc_core::nalgebra::Vector3;
 use mrroc_core::observe::layout::Layout;
-use mrroc_core::operator::state::Doing;
+use mrroc_core::operator::state::InstructionKind;
 use mrroc_core::payload::Wire;
 use mrroc_core::robot::{Load, Signals, Tool, Values};
 use mrroc_processes::{BodyPicture, CarriedPicture, Picture, ReadingPicture, RobotPicture};
@@ -56,7 +56,7 @@ fn picture(step: u64) -> Picture {
         demanded: joints.clone(),
         measured: joints,
         tool: mrroc::robot::Robot::forward(&Irp6::nominal(), &START),
-        doing: mrroc_core::operator::state::Doing::Nothing,
+        doing: mrroc_core::operator::state::InstructionKind::Nothing,
         by: String::new(),
         jogs: false,
         stop: mrroc_core::operator::jog::JogStop::None,
@@ -160,7 +160,7 @@ fn the_instructions_of_a_run_are_counted_from_its_last_reset() {
     let mut counted = Vec::new();
     for step in 0..6 {
         pass(&mut history, 2 * step, step == 3);
-        history.instruction("mp", Doing::Move, "JointMove");
+        history.instruction("mp", InstructionKind::Move, "JointMove");
         pass(&mut history, 2 * step + 1, false);
         counted.push(history.at(0.02 * (2 * step + 1) as f64).expect("seen").instruction);
     }

@@ -13,7 +13,7 @@ use mrroc_core::fault::Name;
 use mrroc_core::fault::ProcessId;
 use mrroc_core::link::Nanos;
 use mrroc_core::observe::layout::{JointLayout, Layout};
-use mrroc_core::observe::step_observer::{Mode, StepObserver, What};
+use mrroc_core::observe::step_observer::{Mode, StepEvent, StepObserver};
 use mrroc_core::robot::{MAX_JOINTS, POSITION_ROUND_OFF};
 
 /// The extreme values of one joint [rad or m, s].
@@ -154,8 +154,8 @@ impl Approach {
 }
 
 impl StepObserver for Approach {
-    fn see(&self, _: Nanos, by: ProcessId, what: &What, words: &[u64]) {
-        if let (What::Image { step, mode }, Some(robot)) = (what, by.name) {
+    fn see(&self, _: Nanos, by: ProcessId, what: &StepEvent, words: &[u64]) {
+        if let (StepEvent::Image { step, mode }, Some(robot)) = (what, by.name) {
             self.show(robot, *step, *mode, words);
         }
     }
@@ -262,7 +262,7 @@ mod tests {
             for k in 0..20_u32 {
                 let mut words = [0; mrroc_core::observe::step_observer::IMAGE_WORDS];
                 words[0] = (0.5 * share * 10.0 * 4e-6 * f64::from(k * (k + 1))).to_bits();
-                approach.see(0, by, &What::Image { step: u64::from(k), mode }, &words);
+                approach.see(0, by, &StepEvent::Image { step: u64::from(k), mode }, &words);
             }
             approach.too_near().is_some()
         };
@@ -275,7 +275,7 @@ mod tests {
         {
             let mut words = [0; mrroc_core::observe::step_observer::IMAGE_WORDS];
             words[0] = f64::to_bits(position);
-            approach.see(0, by, &What::Image { step: k as u64, mode }, &words);
+            approach.see(0, by, &StepEvent::Image { step: k as u64, mode }, &words);
         }
         assert!((approach.extremes(0)[0].acceleration - 9.0).abs() < 1e-9, "{approach}");
     }
@@ -289,7 +289,7 @@ mod tests {
         for step in 0..1000 {
             let mut words = [0; mrroc_core::observe::step_observer::IMAGE_WORDS];
             words[0] = path(f64::from(step)).to_bits();
-            let what = What::Image { step: u64::from(step as u32), mode: Mode::Moving };
+            let what = StepEvent::Image { step: u64::from(step as u32), mode: Mode::Moving };
             approach.see(0, by, &what, &words);
         }
         // q = 0.1 sin(2 t): v = 0.2 cos, a = 0.4 sin, j = 0.8 cos, except at the start, where v jumps from 0: there the

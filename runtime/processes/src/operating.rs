@@ -10,7 +10,7 @@ use std::process::ExitCode;
 
 use mrroc_core::console::{refused, say};
 use mrroc_core::fault::Name;
-use mrroc_core::operator::state::Doing;
+use mrroc_core::operator::state::InstructionKind;
 use mrroc_launch::Operating;
 use mrroc_launch::outcome::report;
 
@@ -101,7 +101,7 @@ fn describe(picture: &Picture) -> String {
     };
     line(format_args!("{}: step {} of {} ms", picture.state.word(), picture.step, millis(picture.period)));
     match picture.doing {
-        Doing::Nothing => {
+        InstructionKind::Nothing => {
             line(format_args!("instruction {}: over; the program computes", picture.instructions))
         }
         doing => {

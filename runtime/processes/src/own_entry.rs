@@ -11,7 +11,7 @@ use mrroc_core::fault::{ProcessId, Role};
 use mrroc_core::link::Nanos;
 use mrroc_core::observe::Observation;
 use mrroc_core::observe::layout::BodyLayout;
-use mrroc_core::observe::step_observer::{StepObserver, What};
+use mrroc_core::observe::step_observer::{StepEvent, StepObserver};
 use mrroc_core::payload::Wire;
 use mrroc_core::pose::Pose;
 
@@ -97,8 +97,8 @@ struct ShowsBodies {
 }
 
 impl StepObserver for ShowsBodies {
-    fn see(&self, _: Nanos, _: ProcessId, what: &What, words: &[u64]) {
-        let What::Body { body, .. } = what else { return };
+    fn see(&self, _: Nanos, _: ProcessId, what: &StepEvent, words: &[u64]) {
+        let StepEvent::Body { body, .. } = what else { return };
         let known = self.names.iter().position(|name| name == body.as_str());
         if let (Some(nth), Some((board, place))) = (known, self.entry.get()) {
             let mut shown = [1; 1 + Pose::LEN];

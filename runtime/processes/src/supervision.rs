@@ -25,7 +25,7 @@ use mrroc_core::console::{complain, wait_until_written};
 use mrroc_core::fault::{Fault, FaultKind, Name, ProcessId, Role};
 use mrroc_core::link::Nanos;
 use mrroc_core::operator::button::{Button, CellState};
-use mrroc_core::operator::state::Doing;
+use mrroc_core::operator::state::InstructionKind;
 
 /// Time from GO to the beginning of step 0, long enough for all processes to receive GO.
 const HEAD_START: Duration = Duration::from_millis(20);
@@ -334,8 +334,8 @@ impl<'a> Supervision<'a> {
         self.panel().is_none_or(|mp| match (mp.state, mp.doing) {
             (CellState::Latched | CellState::Acknowledged, _) => true,
             // Its next instruction begins suspended.
-            (CellState::Idle | CellState::Suspended, Doing::Nothing) => true,
-            (CellState::Suspended, Doing::Move | Doing::Wait) => mp.rate == 0.0,
+            (CellState::Idle | CellState::Suspended, InstructionKind::Nothing) => true,
+            (CellState::Suspended, InstructionKind::Move | InstructionKind::Wait) => mp.rate == 0.0,
             (..) => false,
         })
     }

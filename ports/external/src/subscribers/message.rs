@@ -4,7 +4,7 @@
 
 use iceoryx2::prelude::ZeroCopySend;
 use mrroc::fault::Fault;
-use mrroc::observe::step_observer::{IMAGE_WORDS, Mode, What};
+use mrroc::observe::step_observer::{IMAGE_WORDS, Mode, StepEvent};
 
 /// The version of this interface.
 pub(crate) const VERSION: u32 = 1;
@@ -111,8 +111,8 @@ impl CellMessage {
     };
 
     /// A step begins at a time of the cell \[ns\].
-    pub fn begin(&mut self, at: u64, what: &What) {
-        let &What::Step { step, dt, duration, speed, suspended, reduced, aborting, stopping, resetting } =
+    pub fn begin(&mut self, at: u64, what: &StepEvent) {
+        let &StepEvent::Step { step, dt, duration, speed, suspended, reduced, aborting, stopping, resetting } =
             what
         else {
             return;

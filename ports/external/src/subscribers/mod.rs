@@ -22,8 +22,8 @@ use mrroc::link::Clock;
 use mrroc::observe::Subscription;
 use mrroc::observe::layout::Layout;
 use mrroc::observe::recording::RunRecord;
-use mrroc::observe::ring::{Record, Ring, RingUse, Sink, Trouble};
-use mrroc::observe::step_observer::What;
+use mrroc::observe::ring::{Record, Ring, RingError, RingUse, Sink};
+use mrroc::observe::step_observer::StepEvent;
 use mrroc::payload::Wire;
 
 use crate::port::{Ends, channel, folder, monotonic};
@@ -121,28 +121,31 @@ impl Subscription for Subscribers {
 }
 
 /// Whether subscribers are shown this.
-fn is_shown(what: &What) -> bool {
+fn is_shown(what: &StepEvent) -> bool {
     match what {
-        What::Step { .. } | What::Image { .. } | What::Fault { .. } | What::End { .. } => true,
-        What::Instruction { .. }
-        | What::Abort { .. }
-        | What::Jog { .. }
-        | What::Late { .. }
-        | What::LateRequest { .. }
-        | What::Order { .. }
-        | What::Found { .. }
-        | What::Currents { .. }
-        | What::Signals { .. }
-        | What::Reading { .. }
-        | What::Body { .. } => false,
+        StepEvent::Step { .. }
+        | StepEvent::Image { .. }
+        | StepEvent::Fault { .. }
+        | StepEvent::End { .. } => true,
+        StepEvent::Instruction { .. }
+        | StepEvent::Abort { .. }
+        | StepEvent::Jog { .. }
+        | StepEvent::Late { .. }
+        | StepEvent::LateRequest { .. }
+        | StepEvent::Order { .. }
+        | StepEvent::Found { .. }
+        | StepEvent::Currents { .. }
+        | StepEvent::Signals { .. }
+        | StepEvent::Reading { .. }
+        | StepEvent::Body { .. } => false,
     }
 }
 
-fn tell(port: &str, trouble: &Trouble) {
+fn tell(port: &str, trouble: &RingError) {
     match trouble {
         // Messages are numbered by their steps: a subscriber sees which are missing.
-        Trouble::Slow | Trouble::Stuck { .. } | Trouble::Lost { .. } => {}
-        Trouble::Failed(why) => complain(&format!("warning: nobody can subscribe at `{port}`: {why}")),
+        RingError::Slow | RingError::Stuck { .. } | RingError::Lost { .. } => {}
+        RingError::Failed(why) => complain(&format!("warning: nobody can subscribe at `{port}`: {why}")),
     }
 }
 
@@ -190,19 +193,19 @@ impl Show {
 impl Sink for Show {
     fn put(&mut self, record: &Record) -> io::Result<()> {
         match record.what {
-            What::Image { step, mode } => {
+            StepEvent::Image { step, mode } => {
                 if let Some(robot) = self.robots.iter().find(|robot| robot.edp == record.by) {
                     let message = RobotMessage::of(step, record.time, mode, robot.joints, record.words());
                     let _ = robot.images.send_copy(RobotMessage { sent: monotonic(), ..message });
                 }
             }
-            What::Step { .. } => {
+            StepEvent::Step { .. } => {
                 self.newest.begin(record.time, &record.what);
                 self.show_cell();
             }
-            What::Fault { step } | What::End { step } => {
+            StepEvent::Fault { step } | StepEvent::End { step } => {
                 let fault = FaultWords::get(record.words()).ok().map(Fault::from);
-                self.newest.stopped(step, fault.as_ref(), matches!(record.what, What::End { .. }));
+                self.newest.stopped(step, fault.as_ref(), matches!(record.what, StepEvent::End { .. }));
                 self.show_cell();
             }
             _ => {}

@@ -10,7 +10,7 @@ use iceoryx2::prelude::*;
 use mrroc::cell::Cell;
 use mrroc::fault::{Fault, ProcessId};
 use mrroc::generator::RobotHandle;
-use mrroc::observe::step_observer::{StepObserver, What};
+use mrroc::observe::step_observer::{StepEvent, StepObserver};
 use mrroc::prelude::*;
 use mrroc_generators::generators::JointMove;
 use mrroc_launch::cell_file::CellFile;
@@ -59,8 +59,8 @@ impl Program {
 struct Seen(RefCell<Vec<(u64, u64, Vec<u64>)>>);
 
 impl StepObserver for Seen {
-    fn see(&self, time: u64, _: ProcessId, what: &What, words: &[u64]) {
-        if let What::Image { step, .. } = what {
+    fn see(&self, time: u64, _: ProcessId, what: &StepEvent, words: &[u64]) {
+        if let StepEvent::Image { step, .. } = what {
             self.0.borrow_mut().push((*step, time, words.to_vec()));
         }
     }
@@ -151,7 +151,7 @@ fn a_second_cell_at_the_same_port_runs_unseen_and_the_first_one_stays_shown() {
     let shown = cell(&folder).begin_subscriptions(None, mrroc::link::Clock::Virtual);
     assert_eq!(shown.len(), 1);
     // Its thread has opened the port when it has shown something.
-    let step = What::Step {
+    let step = StepEvent::Step {
         step: 7,
         dt: 0.002,
         duration: 0.002,

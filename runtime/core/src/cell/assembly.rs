@@ -6,7 +6,7 @@ use std::cell::RefCell;
 use std::rc::Rc;
 
 use super::lower::{Above, LowerSetup, scoped};
-use super::robot::Place;
+use super::robot::RobotPlacement;
 use super::sensor::Requesters;
 use super::{Cell, CellError};
 use crate::control::ecp::Pace;
@@ -23,7 +23,7 @@ use crate::model::name::Name;
 use crate::model::robot::Robot;
 use crate::model::time::Nanos;
 use crate::observe::shown::AnyShown;
-use crate::observe::step_observer::{StepObservers, What};
+use crate::observe::step_observer::{StepEvent, StepObservers};
 
 /// How the programs of a cell's processes ended.
 pub type Outcomes = Rc<RefCell<Vec<(ProcessId, Result<(), Fault>)>>>;
@@ -149,7 +149,7 @@ impl Cell {
             ports.push(port.of_process(process).with_signals(Rc::clone(&signals)));
             let period = self.timing.step.as_nanos() as Nanos;
             let pace = Pace { period, grace, stop_steps };
-            let place = Place {
+            let place = RobotPlacement {
                 name: process.name.unwrap_or(*name),
                 ecp,
                 period: self.timing.step,
@@ -211,7 +211,7 @@ impl Cell {
                     None => mp.trigger(),
                 });
                 counted.set(mp.step());
-                let end = What::End { step: mp.step() };
+                let end = StepEvent::End { step: mp.step() };
                 step_observers.of(me).show_fault(host.waiter.now(), &end, outcome.as_ref().err());
                 ended.borrow_mut().push((me, outcome));
                 if is_lower {

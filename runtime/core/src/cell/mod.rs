@@ -513,9 +513,9 @@ impl Cell {
         self.watching.begin_subscriptions(process, &self.layout(), clock)
     }
 
-    /// Shows an observer what a picture needs besides the robots: every [`Step`](crate::observe::step_observer::What::Step) of the MP,
-    /// every [`Reading`](crate::observe::step_observer::What::Reading) that a process collects, the
-    /// [`Signals`](crate::observe::step_observer::What::Signals) of every robot. On the memory link it sees everything else, too.
+    /// Shows an observer what a picture needs besides the robots: every [`Step`](crate::observe::step_observer::StepEvent::Step) of the MP,
+    /// every [`Reading`](crate::observe::step_observer::StepEvent::Reading) that a process collects, the
+    /// [`Signals`](crate::observe::step_observer::StepEvent::Signals) of every robot. On the memory link it sees everything else, too.
     ///
     /// Where the cell runs as processes and the program [watches](Self::watched_in_plant), it is shown these on a thread of the
     /// plant: what one process shows in its order, but what several show in any order, and in real time not all of it if

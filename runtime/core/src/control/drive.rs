@@ -5,7 +5,7 @@
 use core::time::Duration;
 use std::rc::Rc;
 
-use crate::control::command::{Command, Reading, RegulatorSets, Switch, Told};
+use crate::control::command::{Command, DriveSettings, Reading, RegulatorSets, Switch};
 use crate::control::guarded::guarded;
 use crate::link::message::{Kind, Message};
 use crate::link::{Board, Client, Waiter};
@@ -358,7 +358,7 @@ pub(crate) struct PlantDrive<R: Robot> {
     /// How many choices of regulators there were, and the last one.
     chosen: (u64, Regulators),
     /// What its outputs were told, and what it carries.
-    told: Told,
+    told: DriveSettings,
     /// How often power was taken away or given.
     switched: u64,
     /// For how long no new reading may come \[ns\].
@@ -396,7 +396,7 @@ impl<R: Robot> PlantDrive<R> {
             },
             began: false,
             chosen: (0, Regulators::default()),
-            told: Told::default(),
+            told: DriveSettings::default(),
             switched: 0,
             patience,
             message: Message::empty(),

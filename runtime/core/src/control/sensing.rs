@@ -18,7 +18,7 @@ use crate::model::name::Name;
 use crate::model::sensor::{CONFIGURATION_WORDS, VspMode};
 use crate::model::shape::Shape;
 use crate::model::time::Nanos;
-use crate::observe::step_observer::{ReadingState, StepObservers, What};
+use crate::observe::step_observer::{ReadingState, StepEvent, StepObservers};
 use crate::suggestion::suggestion;
 
 /// How a virtual sensor is asked.
@@ -230,7 +230,7 @@ impl SensorPort {
             ReadingState::None | ReadingState::Lost => &[],
         };
         let taken = self.reply.header.step;
-        let what = What::Reading { sensor: self.name, step, state, taken, shape: self.shape };
+        let what = StepEvent::Reading { sensor: self.name, step, state, taken, shape: self.shape };
         step_observers.show(now, &what, words);
     }
 

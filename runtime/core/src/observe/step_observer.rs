@@ -15,14 +15,14 @@ pub use crate::model::signals::SIGNAL_WORDS;
 use crate::model::time::Nanos;
 use crate::model::type_name::TypeName;
 use crate::model::wire::Wire;
-use crate::operator::state::Doing;
+use crate::operator::state::InstructionKind;
 
 /// Words of what an image is shown as: the demanded state, the measured one, the tool.
 pub const IMAGE_WORDS: usize = 2 * STATE_WORDS + 7;
 
 /// What happened. The words that are shown beside it are named with each.
 #[derive(Clone, Copy, Debug)]
-pub enum What {
+pub enum StepEvent {
     /// The MP begins a step. No words.
     Step {
         /// Its index.
@@ -48,8 +48,8 @@ pub enum What {
     Instruction {
         /// The last step that began before.
         step: u64,
-        /// What is done from now on; [`Doing::Nothing`]: the last instruction is over.
-        doing: Doing,
+        /// What is done from now on; [`InstructionKind::Nothing`]: the last instruction is over.
+        doing: InstructionKind,
         /// Its generator or condition; [`TypeName::NONE`] of homing, and of an MP without a program, which lets those of the
         /// ECPs run.
         by: TypeName,
@@ -182,7 +182,7 @@ pub enum ReadingState {
 /// Who watches.
 pub trait StepObserver {
     /// A process shows something at a time of the cell.
-    fn see(&self, time: Nanos, by: ProcessId, what: &What, words: &[u64]);
+    fn see(&self, time: Nanos, by: ProcessId, what: &StepEvent, words: &[u64]);
 
     /// Whether the cell is to end before this step.
     fn is_over(&self, _step: u64) -> bool {
@@ -194,7 +194,7 @@ pub trait StepObserver {
 pub type SharedStepObserver = Arc<dyn StepObserver + Send + Sync>;
 
 impl StepObserver for SharedStepObserver {
-    fn see(&self, time: Nanos, by: ProcessId, what: &What, words: &[u64]) {
+    fn see(&self, time: Nanos, by: ProcessId, what: &StepEvent, words: &[u64]) {
         (**self).see(time, by, what, words);
     }
 
@@ -227,12 +227,12 @@ impl StepObservers {
     }
 
     /// Shows something.
-    pub fn show(&self, time: Nanos, what: &What, words: &[u64]) {
+    pub fn show(&self, time: Nanos, what: &StepEvent, words: &[u64]) {
         self.observers.iter().for_each(|observer| observer.see(time, self.process, what, words));
     }
 
     /// Shows something that is told in the words of a fault, if there is one.
-    pub fn show_fault(&self, time: Nanos, what: &What, fault: Option<&Fault>) {
+    pub fn show_fault(&self, time: Nanos, what: &StepEvent, fault: Option<&Fault>) {
         let mut words = [0; FaultWords::LEN];
         let len = fault.map_or(0, |fault| {
             FaultWords::from(fault).put(&mut words);

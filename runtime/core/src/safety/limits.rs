@@ -31,7 +31,7 @@ pub(crate) use poses::{DISAGREEMENT, NOT_ATTAINABLE, NOT_FOUND, NOT_REDUNDANT};
 use poses::{ToolPose, valid_frame};
 use rates::Pace;
 use state::JointState;
-use ways::Next;
+use ways::NextState;
 
 mod catching_up;
 mod checks;
@@ -372,7 +372,7 @@ impl<R: Robot> Acceptor<R> {
     }
 
     /// A state that has been checked is the present one.
-    fn take(&mut self, next: Next<R::Joints>, duration: f64) -> AcceptedDemand<R> {
+    fn take(&mut self, next: NextState<R::Joints>, duration: f64) -> AcceptedDemand<R> {
         self.state.go_to(next.position, next.velocity, duration);
         self.track = next.track;
         AcceptedDemand::new(next.position)

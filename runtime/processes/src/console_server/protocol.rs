@@ -240,7 +240,7 @@ mod tests {
     use mrroc_core::nalgebra::Vector3;
     use mrroc_core::operator::button::CellState;
     use mrroc_core::operator::jog::JogStop;
-    use mrroc_core::operator::state::Doing;
+    use mrroc_core::operator::state::InstructionKind;
     use mrroc_core::payload::WORDS;
     use mrroc_core::pose::Pose;
     use mrroc_core::robot::{Load, MAX_JOINTS, Signals, Values};
@@ -356,7 +356,7 @@ mod tests {
                     runs,
                     figures: Figures::get(&words),
                 });
-        let motion = (0..Doing::ALL.len(), "([A-Za-z]{1,24}(, [A-Z]{1,9})?)?");
+        let motion = (0..InstructionKind::ALL.len(), "([A-Za-z]{1,24}(, [A-Z]{1,9})?)?");
         let robot = (name(), 0.0..1e6, joints(), motion).prop_map(
             |(name, time, (demanded, measured), (doing, by))| RobotPicture {
                 name,
@@ -364,7 +364,7 @@ mod tests {
                 demanded,
                 measured,
                 tool: Pose::translation(time, -0.25, 1e-9) * Pose::rotation(Vector3::x()),
-                doing: Doing::ALL[doing],
+                doing: InstructionKind::ALL[doing],
                 by,
                 jogs: time > 0.0,
                 stop: JogStop::Joint(doing as u8),
@@ -378,13 +378,13 @@ mod tests {
                 period,
                 rate,
                 speed: 0.5 * rate,
-                doing: Doing::Wait,
+                doing: InstructionKind::Wait,
                 by: "Job".to_owned(),
                 fault: fault.map(|step| format!("edp arm: drive fault at step {step}")),
             });
         (
             (0..CellState::ALL.len(), any::<[u64; 3]>(), 0.0..=1.0, 0.0..=1.0, any::<[bool; 2]>()),
-            (0..Doing::ALL.len(), "[A-Za-z]{0,24}", any::<Option<u32>>(), any::<[Option<u8>; 2]>()),
+            (0..InstructionKind::ALL.len(), "[A-Za-z]{0,24}", any::<Option<u32>>(), any::<[Option<u8>; 2]>()),
             proptest::collection::vec(cell, 0..8),
             proptest::collection::vec(process, 0..64),
             proptest::collection::vec(robot, 0..32),
@@ -409,7 +409,7 @@ mod tests {
                         speed,
                         reduced,
                         held,
-                        doing: Doing::ALL[doing],
+                        doing: InstructionKind::ALL[doing],
                         by,
                         holder,
                         help: fault.map(|_| "give the motion more time".to_owned()),
@@ -473,7 +473,7 @@ mod tests {
             demanded: joints(),
             measured: joints(),
             tool: Pose::translation(-1e-300 / 3.0, -1e-300 / 3.0, -1e-300 / 3.0),
-            doing: Doing::Nothing,
+            doing: InstructionKind::Nothing,
             by: "G".repeat(72),
             jogs: false,
             stop: JogStop::Joint(u8::MAX),

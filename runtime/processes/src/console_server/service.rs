@@ -37,7 +37,7 @@ use mrroc_core::link::Nanos;
 use mrroc_core::observe::recording::{Command, CommandRecord};
 use mrroc_core::operator::button::{Button, CellState};
 use mrroc_core::operator::jog::JogStop;
-use mrroc_core::operator::state::Doing;
+use mrroc_core::operator::state::InstructionKind;
 
 /// The name of the socket in a session's folder.
 pub(super) const SOCKET: &str = "operator";
@@ -377,7 +377,7 @@ impl Service {
 
     /// What the program of a robot's ECP shows on the state board: what it does, by which generator or condition, and why the
     /// robot stands though it is jogged.
-    fn program_of(&self, seats: &[Seat], robot: Name) -> (Doing, String, JogStop) {
+    fn program_of(&self, seats: &[Seat], robot: Name) -> (InstructionKind, String, JogStop) {
         let id = ProcessId::new(Role::Ecp, robot);
         let place = seats.iter().position(|seat| seat.id == id);
         let shown = place.and_then(|place| self.board.read(place));

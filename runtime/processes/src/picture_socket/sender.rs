@@ -12,8 +12,8 @@ use std::time::Duration;
 use mrroc_core::console::complain;
 use mrroc_core::fault::{ProcessId, Role};
 use mrroc_core::link::Clock;
-use mrroc_core::observe::ring::{Record, Ring, RingUse, Sink, Trouble};
-use mrroc_core::observe::step_observer::What;
+use mrroc_core::observe::ring::{Record, Ring, RingError, RingUse, Sink};
+use mrroc_core::observe::step_observer::StepEvent;
 
 use super::{TIMEOUT, datagram, socket};
 
@@ -52,9 +52,9 @@ pub(super) fn send(path: PathBuf, clock: Clock, patience: Duration) -> io::Resul
         flush: Duration::ZERO,
         patience,
         stack: STACK,
-        is_asked_for: Box::new(|_, what: &What| datagram::is_needed(what)),
+        is_asked_for: Box::new(|_, what: &StepEvent| datagram::is_needed(what)),
         // What is lost is told by the plant. A plant that is gone ends the cell, and draws no picture.
-        tell: Arc::new(|_: &Trouble| {}),
+        tell: Arc::new(|_: &RingError| {}),
     };
     let datagrams = Datagrams { path, socket: None, words: Vec::new(), bytes: Vec::new() };
     let open = move || Ok(Box::new(datagrams) as Box<dyn Sink>);

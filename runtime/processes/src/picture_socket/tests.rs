@@ -11,7 +11,7 @@ use mrroc_core::link::{Clock, Nanos};
 use mrroc_core::observe::layout::{Layout, SensorLayout};
 use mrroc_core::observe::recording::RunRecord;
 use mrroc_core::observe::ring::Ring;
-use mrroc_core::observe::step_observer::{ReadingState, StepObserver, What};
+use mrroc_core::observe::step_observer::{ReadingState, StepEvent, StepObserver};
 use mrroc_core::payload::Shape;
 use mrroc_core::sensor::VspMode;
 use proptest::prelude::*;
@@ -74,8 +74,8 @@ fn name(text: &str) -> Name {
     Name::new(text).expect("a name")
 }
 
-fn step(step: u64) -> What {
-    What::Step {
+fn step(step: u64) -> StepEvent {
+    StepEvent::Step {
         step,
         dt: 0.001,
         duration: 0.002,
@@ -88,8 +88,8 @@ fn step(step: u64) -> What {
     }
 }
 
-fn reading(step: u64, state: ReadingState) -> What {
-    What::Reading { sensor: name("eye"), step, state, taken: step - 1, shape: &Shape::Float }
+fn reading(step: u64, state: ReadingState) -> StepEvent {
+    StepEvent::Reading { sensor: name("eye"), step, state, taken: step - 1, shape: &Shape::Float }
 }
 
 /// What an observer saw.
@@ -100,7 +100,7 @@ type Sight = (Nanos, ProcessId, String, Vec<u64>);
 struct Keeps(Mutex<Vec<Sight>>);
 
 impl StepObserver for Keeps {
-    fn see(&self, time: Nanos, by: ProcessId, what: &What, words: &[u64]) {
+    fn see(&self, time: Nanos, by: ProcessId, what: &StepEvent, words: &[u64]) {
         let sight = (time, by, format!("{what:?}"), words.to_vec());
         self.0.lock().expect("no panic").push(sight);
     }
@@ -113,17 +113,17 @@ fn the_plant_sees_what_a_picture_needs_as_the_processes_have_shown_it() {
     let receiver = Receiver::open(&folder.0, layout(), vec![keeps.clone()]).expect("a socket");
     let ring = send(socket(&folder.0), Clock::Virtual, Duration::from_secs(60)).expect("a thread");
     let (ecp, edp) = (ProcessId::new(Role::Ecp, name("arm")), ProcessId::new(Role::Edp, name("arm")));
-    let needed: [(ProcessId, What, &[u64]); 5] = [
+    let needed: [(ProcessId, StepEvent, &[u64]); 5] = [
         (ProcessId::MP, step(7), &[]),
         (ProcessId::MP, reading(7, ReadingState::There), &[2.5_f64.to_bits()]),
         (ecp, reading(8, ReadingState::Lost), &[]),
-        (edp, What::Signals { step: 8 }, &[1, 2, 3]),
+        (edp, StepEvent::Signals { step: 8 }, &[1, 2, 3]),
         (ProcessId::MP, step(8), &[]),
     ];
     for (i, (by, what, words)) in needed.iter().enumerate() {
         ring.see(1000 * i as u64, *by, what, words);
-        ring.see(1000 * i as u64, *by, &What::Late { step: 8 }, words);
-        ring.see(1000 * i as u64, *by, &What::Currents { step: 8 }, words);
+        ring.see(1000 * i as u64, *by, &StepEvent::Late { step: 8 }, words);
+        ring.see(1000 * i as u64, *by, &StepEvent::Currents { step: 8 }, words);
     }
     ring.finish();
     receiver.finish();
@@ -139,10 +139,13 @@ fn the_plant_sees_what_a_picture_needs_as_the_processes_have_shown_it() {
 struct Waits(Mutex<(Heard<()>, u64)>);
 
 impl StepObserver for Waits {
-    fn see(&self, _: Nanos, _: ProcessId, what: &What, _: &[u64]) {
+    fn see(&self, _: Nanos, _: ProcessId, what: &StepEvent, _: &[u64]) {
         let mut seen = self.0.lock().expect("no panic");
         let expected = seen.1;
-        assert!(matches!(what, What::Step { step, .. } if *step == expected), "{what:?}, not {expected}");
+        assert!(
+            matches!(what, StepEvent::Step { step, .. } if *step == expected),
+            "{what:?}, not {expected}"
+        );
         seen.1 += 1;
         // Once; then the other end is gone.
         let _ = seen.0.recv();

@@ -7,7 +7,7 @@ use std::rc::Rc;
 use std::sync::Arc;
 
 use super::stand_in::StandIn;
-use super::{Place, RobotSetup};
+use super::{RobotPlacement, RobotSetup};
 use crate::cell::assembly::Outcomes;
 use crate::cell::layout::joints;
 use crate::cell::{CellError, limits};
@@ -115,7 +115,7 @@ pub trait AnyRobot {
         self: Box<Self>,
         link: &mut dyn Link,
         plant: &mut Site,
-        place: Place,
+        place: RobotPlacement,
         mp: Box<dyn Server>,
         sensing: Sensing,
         outcomes: Outcomes,
@@ -317,7 +317,7 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
         self: Box<Self>,
         link: &mut dyn Link,
         plant: &mut Site,
-        place: Place,
+        place: RobotPlacement,
         mp: Box<dyn Server>,
         sensing: Sensing,
         outcomes: Outcomes,

@@ -25,11 +25,11 @@ use crate::model::named::{CellNames, SignalNames};
 use crate::model::payload::Trigger;
 use crate::model::robot::Robot;
 use crate::observe::shown::AnyShown;
-use crate::observe::step_observer::{StepObservers, What};
+use crate::observe::step_observer::{StepEvent, StepObservers};
 use crate::safety::latch::Gate;
 
 /// Where a robot's processes are.
-pub struct Place {
+pub struct RobotPlacement {
     pub name: Name,
     pub ecp: usize,
     /// Length of a step.
@@ -63,7 +63,7 @@ impl<R: Robot> RobotSetup<R> {
         self,
         link: &mut dyn Link,
         plant: &mut Site,
-        place: Place,
+        place: RobotPlacement,
         mp: Box<dyn Server>,
         sensing: Sensing,
         outcomes: Outcomes,
@@ -110,7 +110,7 @@ impl<R: Robot> RobotSetup<R> {
                 Ok(opening) => opening.take().map(|drive| (drive, Gate::default())),
                 Err(homing) => home(process, waiter, &*server, homing).map(|(driver, gate)| {
                     let now = waiter.now();
-                    step_observers.show(now, &What::Found { step: now / place.pace.period.max(1) }, &[]);
+                    step_observers.show(now, &StepEvent::Found { step: now / place.pace.period.max(1) }, &[]);
                     (Drive::Here(prepared(driver)), gate)
                 }),
             };

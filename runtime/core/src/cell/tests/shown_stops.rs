@@ -11,15 +11,15 @@ use crate::cell::{Cell, CellError, RobotSetup};
 use crate::model::fault::{FaultKind, ProcessId};
 use crate::model::pose::Pose;
 use crate::model::time::Nanos;
-use crate::observe::step_observer::{StepObserver, What};
+use crate::observe::step_observer::{StepEvent, StepObserver};
 
 /// The steps that were shown, each with whether a protective stop was asked for.
 #[derive(Default)]
 struct Steps(RefCell<Vec<(u64, bool)>>);
 
 impl StepObserver for Steps {
-    fn see(&self, _: Nanos, _: ProcessId, what: &What, _: &[u64]) {
-        if let What::Step { step, stopping, .. } = what {
+    fn see(&self, _: Nanos, _: ProcessId, what: &StepEvent, _: &[u64]) {
+        if let StepEvent::Step { step, stopping, .. } = what {
             self.0.borrow_mut().push((*step, *stopping));
         }
     }

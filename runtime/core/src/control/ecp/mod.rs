@@ -44,8 +44,8 @@ use crate::model::time::Nanos;
 use crate::model::type_name::TypeName;
 use crate::observe::activity::Activity;
 use crate::observe::shown::Shown;
-use crate::observe::step_observer::{StepObservers, What};
-use crate::operator::state::Doing;
+use crate::observe::step_observer::{StepEvent, StepObservers};
+use crate::operator::state::InstructionKind;
 use crate::safety::limits::rates::standing_margin;
 use crate::safety::rate::RateMargin;
 
@@ -83,7 +83,7 @@ pub struct Ecp<'w, R: Robot> {
 #[derive(Clone, Copy, Default)]
 struct AtWork {
     instructions: u64,
-    doing: Doing,
+    doing: InstructionKind,
     by: TypeName,
 }
 
@@ -155,13 +155,13 @@ impl<'w, R: Robot> Ecp<'w, R> {
     }
 
     /// Shows observers at the run that an instruction of the program begins, or is over.
-    fn show_instruction(&mut self, doing: Doing, by: TypeName) {
+    fn show_instruction(&mut self, doing: InstructionKind, by: TypeName) {
         let Some(activity) = &self.activity else { return };
-        let begun = u64::from(doing != Doing::Nothing);
+        let begun = u64::from(doing != InstructionKind::Nothing);
         self.at_work = AtWork { instructions: self.at_work.instructions + begun, doing, by };
         activity.set(activity.get().changed(doing, by));
         self.host.console.show_ecp(&self.shown_state());
-        let shown = What::Instruction { step: self.orders.header().step, doing, by };
+        let shown = StepEvent::Instruction { step: self.orders.header().step, doing, by };
         self.step_observers.show(self.host.waiter.now(), &shown, &[]);
     }
 
@@ -361,7 +361,7 @@ impl<'w, R: Robot> Ecp<'w, R> {
             None => now > began && now >= step * self.pace.period + self.pace.grace,
         };
         if is_late {
-            self.step_observers.show(now, &What::Late { step }, &[]);
+            self.step_observers.show(now, &StepEvent::Late { step }, &[]);
         }
         is_late
     }

@@ -17,7 +17,7 @@ use crate::link::{Closed, Server, Waiter};
 use crate::model::fault::Fault;
 use crate::model::list::PayloadType;
 use crate::operator::jog::JogNow;
-use crate::safety::latch::{Admission, Asked, Gate};
+use crate::safety::latch::{Admission, Gate, GateRequest};
 
 /// Where in the protocol of instructions an ECP is.
 #[derive(Clone, Debug, PartialEq)]
@@ -304,12 +304,12 @@ impl Orders {
 }
 
 /// What an order asks, as far as the gate is concerned.
-const fn asked(order: OrderKind) -> Asked {
+const fn asked(order: OrderKind) -> GateRequest {
     match order {
-        OrderKind::Start | OrderKind::Step => Asked::Move,
-        OrderKind::Query | OrderKind::End | OrderKind::Abort | OrderKind::Brake => Asked::Look,
-        OrderKind::Stop => Asked::Stop,
-        OrderKind::Reset => Asked::Reset,
+        OrderKind::Start | OrderKind::Step => GateRequest::Move,
+        OrderKind::Query | OrderKind::End | OrderKind::Abort | OrderKind::Brake => GateRequest::Look,
+        OrderKind::Stop => GateRequest::Stop,
+        OrderKind::Reset => GateRequest::Reset,
     }
 }
 

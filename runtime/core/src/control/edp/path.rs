@@ -45,7 +45,7 @@ struct Undone<J> {
 
 /// What became of a demand.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum Taken {
+pub(super) enum DemandOutcome {
     /// It is that of the next step.
     InStep,
     /// It was for another one, and tells where the path is.
@@ -175,7 +175,7 @@ impl<R: Robot> DemandedPath<R> {
     ///
     /// # Errors
     /// The first limit that it breaks; nothing is changed then.
-    pub fn take(&mut self, demand: &Demand<R>, request: &Message, due: u64) -> Result<Taken, Fault> {
+    pub fn take(&mut self, demand: &Demand<R>, request: &Message, due: u64) -> Result<DemandOutcome, Fault> {
         let step = request.header.step;
         let together = law_together(demand, request);
         let alone = together.is_none() && self.goes_on_out_of_step();
@@ -183,26 +183,26 @@ impl<R: Robot> DemandedPath<R> {
             let behind = self.behind(step, due);
             if behind == -1 && self.next.is_none() {
                 self.accept(demand, request, together)?;
-                return Ok(Taken::InStep);
+                return Ok(DemandOutcome::InStep);
             }
             if behind.unsigned_abs() > u64::from(self.budget) {
                 self.acceptor.note_late(demand)?;
             } else {
                 self.hear(demand, request, behind)?;
             }
-            return Ok(Taken::OutOfStep);
+            return Ok(DemandOutcome::OutOfStep);
         }
         self.lead = 0;
         // A step that is over has been bridged, and its demand is never made up for.
         if step < due {
             self.note_late(demand, request, due, together)?;
-            return Ok(Taken::OutOfStep);
+            return Ok(DemandOutcome::OutOfStep);
         }
         self.accept(demand, request, together)?;
         if alone {
             self.lead = (step - due).cast_signed();
         }
-        Ok(Taken::InStep)
+        Ok(DemandOutcome::InStep)
     }
 
     /// Whether it goes by demands of other steps than the next one.

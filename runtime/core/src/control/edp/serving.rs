@@ -16,7 +16,7 @@ use crate::safety::latch::Admission;
 use crate::safety::rate::RateMargin;
 
 use super::Edp;
-use super::path::{Mode, Taken};
+use super::path::{DemandOutcome, Mode};
 
 impl<R: Robot> Edp<'_, R> {
     /// Serves what has been asked for.
@@ -138,7 +138,7 @@ impl<R: Robot> Edp<'_, R> {
         // next step, and a path that ends with this demand ends there.
         let taken = self.path.take(demand, &self.answers.request, self.clock.due)?;
         self.signals.accept(demand);
-        if taken == Taken::InStep {
+        if taken == DemandOutcome::InStep {
             self.servo.accept(&demand.coordinates);
         }
         Ok(())

@@ -14,7 +14,7 @@ use crate::model::robot::Robot;
 use crate::model::time::Nanos;
 use crate::model::wire::Wire;
 use crate::observe::servo::{Observer, ServoRecord};
-use crate::observe::step_observer::{IMAGE_WORDS, Mode as ShownMode, StepObservers, What};
+use crate::observe::step_observer::{IMAGE_WORDS, Mode as ShownMode, StepEvent, StepObservers};
 use crate::safety::limits::Acceptor;
 
 use super::path::Mode;
@@ -56,12 +56,12 @@ impl<R: Robot> Shown<R> {
 
     /// Shows that a request came too late for its step: demands could be taken for step `due`.
     pub fn show_late(&self, now: Nanos, step: u64, nth: u32, due: u64) {
-        self.step_observers.show(now, &What::LateRequest { step, nth, due }, &[]);
+        self.step_observers.show(now, &StepEvent::LateRequest { step, nth, due }, &[]);
     }
 
     /// Shows the fault that is latched.
     pub fn show_fault(&self, now: Nanos, fault: &Fault, step: u64) {
-        self.step_observers.show_fault(now, &What::Fault { step }, Some(fault));
+        self.step_observers.show_fault(now, &StepEvent::Fault { step }, Some(fault));
     }
 }
 

@@ -25,7 +25,7 @@ use crate::model::robot::Robot;
 use crate::model::step::Step;
 use crate::model::type_name::TypeName;
 use crate::model::wire::Wire;
-use crate::operator::state::Doing;
+use crate::operator::state::InstructionKind;
 use crate::safety::braking::BrakingLaw;
 
 use super::Mp;
@@ -303,7 +303,9 @@ impl Mp<'_> {
         self.check_handles::<G::Robots, ()>(&robots, &())?;
         let progress = Progress::new(generator, robots.images(), ())?;
         let indices = robots.indices().as_ref().to_vec();
-        self.instruction(Doing::Move, TypeName::of::<G>(), |mp| mp.start_in_background(progress, indices))
+        self.instruction(InstructionKind::Move, TypeName::of::<G>(), |mp| {
+            mp.start_in_background(progress, indices)
+        })
     }
 
     /// **Move in the background** of one robot, by any generator without sensors that an ECP could move it with: see
@@ -328,7 +330,7 @@ impl Mp<'_> {
         let stranger = self.robots.owner.not_its_own(robot.owner, robot.name);
         Owner::refuse("robot", stranger)?;
         let index = robot.index;
-        let outcome = self.instruction(Doing::Move, TypeName::named("end_robot"), |mp| {
+        let outcome = self.instruction(InstructionKind::Move, TypeName::named("end_robot"), |mp| {
             mp.settle()?;
             let indices = mp.take_from_background(|other| other == index)?;
             if indices.is_empty() { Ok(()) } else { mp.end(&indices, OrderKind::End, 0) }

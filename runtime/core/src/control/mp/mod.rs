@@ -49,10 +49,10 @@ use crate::model::type_name::TypeName;
 use crate::model::wire::Wire;
 use crate::observe::activity::Activity;
 use crate::observe::shown::Shown;
-use crate::observe::step_observer::{StepObservers, What};
+use crate::observe::step_observer::{StepEvent, StepObservers};
 use crate::operator::Operator;
 use crate::operator::button::{Button, CellState};
-use crate::operator::state::Doing;
+use crate::operator::state::InstructionKind;
 use crate::safety::rate::Feed;
 
 use background::Background;
@@ -335,7 +335,7 @@ impl<'w> Mp<'w> {
     /// leaves moving, and an abort that came too late for this one.
     fn instruction<T>(
         &mut self,
-        doing: Doing,
+        doing: InstructionKind,
         by: TypeName,
         work: impl FnOnce(&mut Self) -> Result<T, Fault>,
     ) -> Result<T, Fault> {
@@ -346,7 +346,7 @@ impl<'w> Mp<'w> {
     /// The same of what a lower cell does without an order.
     fn out_of_serve<T>(
         &mut self,
-        doing: Doing,
+        doing: InstructionKind,
         by: TypeName,
         work: impl FnOnce(&mut Self) -> Result<T, Fault>,
     ) -> Result<T, Fault> {
@@ -361,15 +361,15 @@ impl<'w> Mp<'w> {
         let outcome = self.carry_out(work);
         self.jogging.end_move();
         self.operating.show_end(self.state(), self.host.console);
-        self.show_instruction(Doing::Nothing, by);
+        self.show_instruction(InstructionKind::Nothing, by);
         outcome
     }
 
     /// Shows observers at the run that an instruction begins or is over.
-    fn show_instruction(&self, doing: Doing, by: TypeName) {
+    fn show_instruction(&self, doing: InstructionKind, by: TypeName) {
         let activity = &self.operating.activity;
         activity.set(activity.get().changed(doing, by));
-        let shown = What::Instruction { step: self.clock.step(), doing, by };
+        let shown = StepEvent::Instruction { step: self.clock.step(), doing, by };
         self.step_observers.show(self.host.waiter.now(), &shown, &[]);
     }
 

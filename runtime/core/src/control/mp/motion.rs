@@ -17,7 +17,7 @@ use crate::model::robot::Robot;
 use crate::model::step::Step;
 use crate::model::type_name::TypeName;
 
-use crate::operator::state::Doing;
+use crate::operator::state::InstructionKind;
 
 use super::Mp;
 use super::background::is_together;
@@ -119,7 +119,7 @@ impl Mp<'_> {
         let indices = robots.indices();
         let indices = indices.as_ref();
         let mut progress = Progress::new(generator, robots.images(), sensors.images())?;
-        let outcome = self.instruction(Doing::Move, TypeName::of::<G>(), |mp| {
+        let outcome = self.instruction(InstructionKind::Move, TypeName::of::<G>(), |mp| {
             mp.generate(indices, &sensors, &mut progress)?;
             mp.end(indices, OrderKind::End, ending)
         });
@@ -243,7 +243,7 @@ impl Mp<'_> {
     pub(crate) fn trigger(&mut self) -> Result<(), Fault> {
         let indices = self.robots.all();
         // What is done is the ECPs' programs' own, and shown by them.
-        self.instruction(Doing::Move, TypeName::NONE, |mp| {
+        self.instruction(InstructionKind::Move, TypeName::NONE, |mp| {
             mp.trigger_all(&indices)?;
             mp.end(&indices, OrderKind::End, 0)
         })

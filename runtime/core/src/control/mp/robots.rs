@@ -22,7 +22,7 @@ use crate::model::robot::Robot;
 use crate::model::sensor::EffectorState;
 use crate::model::time::Nanos;
 use crate::model::wire::{BadWords, Wire};
-use crate::observe::step_observer::{StepObservers, What};
+use crate::observe::step_observer::{StepEvent, StepObservers};
 use crate::operator::jog::JogNow;
 use crate::safety::braking::BrakingLaw;
 use crate::suggestion::suggestion;
@@ -173,7 +173,7 @@ impl RobotPort {
         }
         let PayloadType { name: payload, shape, .. } = self.payload;
         let header = &self.order.header;
-        let what = What::Order {
+        let what = StepEvent::Order {
             // Of a robot of a lower cell, its name among all.
             robot: self.process.name.unwrap_or(self.name),
             step: header.step,

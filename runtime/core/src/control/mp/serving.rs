@@ -8,7 +8,7 @@ use crate::model::fault::{Fault, FaultKind};
 use crate::model::list::PayloadType;
 use crate::model::payload::Payload;
 use crate::model::type_name::TypeName;
-use crate::operator::state::Doing;
+use crate::operator::state::InstructionKind;
 use crate::safety::latch::{Event, Latch};
 
 use super::Mp;
@@ -66,7 +66,7 @@ impl Mp<'_> {
             Some(_) => {}
         }
         let by = TypeName::of::<P>();
-        let order = self.out_of_serve(Doing::Wait, by, |mp| mp.await_order::<P>())?;
+        let order = self.out_of_serve(InstructionKind::Wait, by, |mp| mp.await_order::<P>())?;
         let outcome = program(self, order);
         self.finish(by, outcome)
     }
@@ -133,7 +133,7 @@ impl Mp<'_> {
         if let Some(upper) = &mut self.upper {
             upper.finish();
         }
-        let ended = self.out_of_serve(Doing::Wait, by, |mp| mp.await_end())?;
+        let ended = self.out_of_serve(InstructionKind::Wait, by, |mp| mp.await_end())?;
         if ended == OrderKind::Abort {
             return Err(Fault::orderly(FaultKind::Aborted).in_process(self.process));
         }

@@ -7,7 +7,7 @@ use std::rc::Rc;
 
 use crate::control::replay::Script;
 use crate::model::fault::{Fault, FaultKind};
-use crate::observe::step_observer::What;
+use crate::observe::step_observer::StepEvent;
 use crate::safety::latch::Latch;
 
 use super::Mp;
@@ -44,7 +44,7 @@ impl Mp<'_> {
             self.stops.refuse();
             return Err(Fault::orderly(FaultKind::CellClosed));
         }
-        let what = What::Step {
+        let what = StepEvent::Step {
             step,
             dt: self.clock.dt(),
             duration: self.clock.duration(),
@@ -67,7 +67,7 @@ impl Mp<'_> {
         }
         if !self.operating.aborts && self.operating.operator.is_aborting() {
             self.operating.aborts = true;
-            self.step_observers.show(self.host.waiter.now(), &What::Abort { step }, &[]);
+            self.step_observers.show(self.host.waiter.now(), &StepEvent::Abort { step }, &[]);
         }
     }
 
@@ -81,7 +81,7 @@ impl Mp<'_> {
             None => self.clock.keep_unless_late(self.host.waiter),
         }
         if self.clock.is_spent() {
-            self.step_observers.show(self.host.waiter.now(), &What::Late { step }, &[]);
+            self.step_observers.show(self.host.waiter.now(), &StepEvent::Late { step }, &[]);
         }
     }
 
@@ -89,7 +89,7 @@ impl Mp<'_> {
     pub(super) fn tell_stop(&self, fault: &Fault) {
         if self.stops.latched.is_none() {
             let step = self.clock.step();
-            self.step_observers.show_fault(self.host.waiter.now(), &What::Fault { step }, Some(fault));
+            self.step_observers.show_fault(self.host.waiter.now(), &StepEvent::Fault { step }, Some(fault));
         }
     }
 }

@@ -10,7 +10,7 @@ use crate::model::name::Name;
 use crate::model::pose::Pose;
 use crate::model::time::Nanos;
 use crate::model::wire::Wire;
-use crate::observe::step_observer::{StepObservers, What};
+use crate::observe::step_observer::{StepEvent, StepObservers};
 
 /// How often bodies are shown: as often as an eye can follow, which is less than a step's rate.
 const EVERY: Nanos = Duration::from_millis(20).as_nanos() as Nanos;
@@ -51,7 +51,7 @@ impl Bodies {
         for body in &mut self.bodies {
             let mut words = [0; Pose::LEN];
             (body.pose)().put(&mut words);
-            let what = What::Body { step: now / self.step, body: body.name };
+            let what = StepEvent::Body { step: now / self.step, body: body.name };
             self.step_observers.show(now, &what, &words);
         }
     }

@@ -12,7 +12,7 @@
 use std::rc::Rc;
 
 use super::{Part, Rest, stands};
-use crate::control::command::{Command, Reading, Switch, Told};
+use crate::control::command::{Command, DriveSettings, Reading, Switch};
 use crate::control::guarded::guarded;
 use crate::link::message::Message;
 use crate::link::{Board, Server};
@@ -50,7 +50,7 @@ pub(super) struct Drives<R: Robot> {
     at: R::Joints,
     way: R::Joints,
     choice: u64,
-    told: Told,
+    told: DriveSettings,
     /// How often their power was switched.
     switched: u64,
     measured: Measured<R::Joints>,
@@ -92,7 +92,7 @@ impl<R: Robot> Drives<R> {
             at: measured.position,
             way: R::Joints::zeros(),
             choice: 0,
-            told: Told::default(),
+            told: DriveSettings::default(),
             switched: 0,
             measured,
             observers,
@@ -216,7 +216,7 @@ impl<R: Robot> Drives<R> {
     }
 
     /// Tells the drives what is new beside where to be.
-    fn hear(&mut self, told: &Told) {
+    fn hear(&mut self, told: &DriveSettings) {
         if told.outputs != self.told.outputs {
             self.driver.switch_outputs(&told.outputs);
         }

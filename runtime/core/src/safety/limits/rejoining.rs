@@ -13,7 +13,7 @@ use crate::safety::common_twist::Twist;
 const STEPS: f64 = 50.0;
 
 /// How robots and their path have gone on.
-pub(super) struct Gone {
+pub(super) struct StepTwists {
     /// The path's twist in its last step before the time without demands, and over that time and the step of the late demand.
     pub last: Twist,
     pub over: Twist,
@@ -40,8 +40,8 @@ pub(super) struct Rejoining {
 
 impl Rejoining {
     /// After `missed` steps without demands, from the way back on which the robots were.
-    pub fn after(known: Option<&Rejoining>, gone: &Gone, missed: f64) -> Rejoining {
-        let Gone { last, over, bridged, change } = *gone;
+    pub fn after(known: Option<&Rejoining>, gone: &StepTwists, missed: f64) -> Rejoining {
+        let StepTwists { last, over, bridged, change } = *gone;
         // Both are twists of the middles of their times: the path's changes by this in each step.
         let bend = (over * (1.0 + missed).recip() - last) * (0.5 * (missed + 2.0)).recip();
         let from = bridged - last * missed - bend * (0.5 * missed * (missed + 1.0));
