@@ -184,7 +184,7 @@ use mrroc_launch::network::gateways_by;
 pub use plant::plant;
 pub use subscribers::Subscribers;
 
-use gateway::Opened;
+use gateway::GatewayProcess;
 use message::{Foreign, Message, VERSION};
 use numbers::Numbers;
 use port::{Port, monotonic};
@@ -211,7 +211,7 @@ pub struct External<K: Sensor> {
     /// Of a program on another machine: where it calls, and the cell file.
     elsewhere: Option<(SocketAddr, PathBuf)>,
     // It ends before the port, which removes what a killed one leaves.
-    gateway: Option<Opened>,
+    gateway: Option<GatewayProcess>,
     port: Option<Port>,
     /// The last message that was believed.
     last: Option<Message>,
@@ -348,7 +348,7 @@ impl<K: Sensor> VirtualSensor for External<K> {
         let failed = |why: String| Fault::new(FaultKind::SensorFailed).text(&why);
         self.port = Some(port.map_err(failed)?);
         if let Some((_, cell)) = &self.elsewhere {
-            self.gateway = Some(Opened::start(cell, &self.name).map_err(failed)?);
+            self.gateway = Some(GatewayProcess::start(cell, &self.name).map_err(failed)?);
         }
         self.await_program();
         Ok(())

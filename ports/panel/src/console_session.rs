@@ -14,7 +14,9 @@ use mrroc_core::operator::LAPSE;
 use mrroc_core::operator::button::Button;
 use mrroc_core::payload::Shape;
 use mrroc_launch::panel::AWAITED;
-use mrroc_processes::{Caller, Heard, OnBehalf, Picture, ProcessPicture, Reply, Request, RobotPicture};
+use mrroc_processes::{
+    Caller, ConsoleMessage, OnBehalf, Picture, ProcessPicture, Reply, Request, RobotPicture,
+};
 use serde_json::{Value, json};
 use tokio::sync::{oneshot, watch};
 
@@ -154,7 +156,7 @@ fn watch(mut caller: Caller, looks: &Looks, show: &watch::Sender<Shown>) {
     let mut before: Arc<[RobotNow]> = Arc::default();
     loop {
         match caller.hears.hear() {
-            Ok(Heard::Picture(picture)) => {
+            Ok(ConsoleMessage::Picture(picture)) => {
                 let stamp = Stamp { epoch: picture.epoch, step: picture.step };
                 let period = picture.period;
                 let now = now(*picture, looks);
@@ -168,7 +170,7 @@ fn watch(mut caller: Caller, looks: &Looks, show: &watch::Sender<Shown>) {
                 let (text, stamp) = (Some(text.into()), Some((stamp, period)));
                 show.send_replace(Shown { text, stamp, robots, moves, over: None });
             }
-            Ok(Heard::Reply(_)) => {}
+            Ok(ConsoleMessage::Reply(_)) => {}
             Err(error) => {
                 show.send_modify(|shown| shown.over = Some(error.to_string()));
                 return;
@@ -313,8 +315,8 @@ impl Line {
         for _ in 0..2 {
             self.open();
             match self.caller.as_mut().map(|caller| caller.ask_for(request, Some(by))) {
-                Some(Ok(Heard::Reply(reply))) => return reply,
-                Some(Ok(Heard::Picture(_))) => return Reply::Done(String::new()),
+                Some(Ok(ConsoleMessage::Reply(reply))) => return reply,
+                Some(Ok(ConsoleMessage::Picture(_))) => return Reply::Done(String::new()),
                 Some(Err(error)) => why = error.to_string(),
                 None => {}
             }

@@ -12,7 +12,7 @@ use std::net::SocketAddr;
 use std::os::unix::fs::{DirBuilderExt, OpenOptionsExt};
 use std::path::{Path, PathBuf};
 
-use mrroc_launch::network::Certified;
+use mrroc_launch::network::CertificateRequest;
 use rcgen::{
     BasicConstraints, CertificateParams, DnType, ExtendedKeyUsagePurpose, IsCa, Issuer, KeyPair,
     KeyUsagePurpose,
@@ -80,7 +80,7 @@ impl Files {
 ///
 /// # Errors
 /// The folder has files already, or cannot be written.
-pub(crate) fn make(whom: &Certified<'_>, folder: &Path) -> io::Result<String> {
+pub(crate) fn make(whom: &CertificateRequest<'_>, folder: &Path) -> io::Result<String> {
     if folder.is_dir() && fs::read_dir(folder)?.next().is_some() {
         return Err(io::Error::other("has files already\n help: give a folder that is empty or not there"));
     }

@@ -5,7 +5,7 @@
 
 use std::sync::Arc;
 
-use mrroc_launch::network::{Gateway, GatewayPort, HearsAtGateway};
+use mrroc_launch::network::{Gateway, GatewayListener, GatewayPort};
 use zenoh::pubsub::{Publisher, Subscriber};
 use zenoh::qos::{CongestionControl, Priority};
 use zenoh::sample::SampleKind;
@@ -13,12 +13,12 @@ use zenoh::{Config, Wait};
 
 use crate::access::{GatewayKeys, at_gateway};
 use crate::certificates::{Files, gateway};
-use crate::session::{Parting, endpoint, settings};
+use crate::session::{ClosingInBackground, endpoint, settings};
 
 /// A gateway, as long as it lives.
-pub(crate) struct Open(Parting<Ways>);
+pub(crate) struct Open(ClosingInBackground<Endpoints>);
 
-struct Ways {
+struct Endpoints {
     orders: Publisher<'static>,
     _subscribers: [Subscriber<()>; 2],
 }
@@ -31,7 +31,7 @@ impl GatewayPort for Open {
 }
 
 /// Opens a gateway.
-pub(crate) fn open(asked: &Gateway<'_>, hears: Arc<dyn HearsAtGateway>) -> Result<Open, String> {
+pub(crate) fn open(asked: &Gateway<'_>, hears: Arc<dyn GatewayListener>) -> Result<Open, String> {
     let Gateway { sensor, address, keys } = *asked;
     let files = Files::of(&gateway(sensor), keys, "NODE, or FOLDER/cell of a cell without nodes,")?;
     let endpoint = endpoint(address);
@@ -59,5 +59,5 @@ pub(crate) fn open(asked: &Gateway<'_>, hears: Arc<dyn HearsAtGateway>) -> Resul
         }
     });
     let there = looks.wait().map_err(failed)?;
-    Ok(Open(Parting::new(Ways { orders, _subscribers: [words, there] }, session)))
+    Ok(Open(ClosingInBackground::new(Endpoints { orders, _subscribers: [words, there] }, session)))
 }

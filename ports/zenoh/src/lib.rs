@@ -30,7 +30,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use mrroc_launch::network::{
-    Certified, Gateway, GatewayPort, Hears, HearsAtGateway, Joining, Network, Wires,
+    CertificateRequest, Gateway, GatewayListener, GatewayPort, JoinOptions, Network, NodeListener, Wires,
 };
 
 /// The network of zenoh.
@@ -38,18 +38,22 @@ use mrroc_launch::network::{
 pub struct Zenoh;
 
 impl Network for Zenoh {
-    fn join(&self, joining: &Joining<'_>, hears: Arc<dyn Hears>) -> Result<Box<dyn Wires>, String> {
+    fn join(
+        &self,
+        joining: &JoinOptions<'_>,
+        hears: Arc<dyn NodeListener>,
+    ) -> Result<Box<dyn Wires>, String> {
         session::join(joining, hears).map(|wires| Box::new(wires) as Box<dyn Wires>)
     }
 
-    fn certify(&self, whom: &Certified<'_>, folder: &Path) -> Result<String, String> {
+    fn certify(&self, whom: &CertificateRequest<'_>, folder: &Path) -> Result<String, String> {
         certificates::make(whom, folder).map_err(|error| format!("{}: {error}", folder.display()))
     }
 
     fn open_gateway(
         &self,
         gateway: &Gateway<'_>,
-        hears: Arc<dyn HearsAtGateway>,
+        hears: Arc<dyn GatewayListener>,
     ) -> Result<Box<dyn GatewayPort>, String> {
         gateway::open(gateway, hears).map(|gateway| Box::new(gateway) as Box<dyn GatewayPort>)
     }

@@ -8,7 +8,9 @@ use std::time::Duration;
 
 use mrroc_core::cell::{Node, Nodes};
 use mrroc_core::fault::Name;
-use mrroc_launch::network::{Certified, Gateway, Hears, HearsAtGateway, Joining, Network, Side, Wires};
+use mrroc_launch::network::{
+    CertificateRequest, Gateway, GatewayListener, JoinOptions, Network, NodeListener, Side, Wires,
+};
 use zenoh::Wait;
 
 use crate::Zenoh;
@@ -30,7 +32,7 @@ impl Listener {
     }
 }
 
-impl Hears for Listener {
+impl NodeListener for Listener {
     fn came(&self, from: usize, bytes: &[u8]) {
         self.tell(Heard::Came(from, bytes.to_vec()));
     }
@@ -61,7 +63,7 @@ impl Bench {
         let nodes = Nodes::new(nodes, 0, 0);
         let gateways =
             vec![("camera", nodes.all()[2].address, Some("c")), ("laser", nodes.all()[1].address, Some("b"))];
-        Zenoh.certify(&Certified { nodes: nodes.all(), gateways }, &folder).expect("certificates");
+        Zenoh.certify(&CertificateRequest { nodes: nodes.all(), gateways }, &folder).expect("certificates");
         Bench { nodes, folder }
     }
 
@@ -78,7 +80,7 @@ impl Bench {
         keys: PathBuf,
     ) -> Result<(Box<dyn Wires>, Receiver<Heard>), String> {
         let (tells, hears) = channel();
-        let joining = Joining { nodes, me, side, keys: &keys };
+        let joining = JoinOptions { nodes, me, side, keys: &keys };
         Ok((Zenoh.join(&joining, Arc::new(Listener(Mutex::new(tells))))?, hears))
     }
 }
@@ -213,7 +215,7 @@ fn keys_are_their_owners_alone_and_one_that_others_may_read_is_refused() {
         bench.join_as(1, Side::Waits, &bench.nodes, bench.folder.join("a")).map(drop).expect_err("none");
     assert!(none.contains("node b has no ") && none.contains("certificates FOLDER"), "{none}");
     // No certificate is written over another one.
-    let whom = Certified { nodes: bench.nodes.all(), gateways: Vec::new() };
+    let whom = CertificateRequest { nodes: bench.nodes.all(), gateways: Vec::new() };
     assert!(Zenoh.certify(&whom, &bench.folder).is_err());
 }
 
@@ -242,7 +244,7 @@ struct HeldUp {
     until: Mutex<Receiver<()>>,
 }
 
-impl Hears for HeldUp {
+impl NodeListener for HeldUp {
     fn came(&self, _: usize, _: &[u8]) {
         let _ = self.told.lock().expect("whole").send(());
         let _ = self.until.lock().expect("whole").recv();
@@ -258,7 +260,7 @@ fn fault_159_a_node_that_is_held_up_by_the_network_has_ended_soon() {
     let ((tells, told), (_holds, until_then)) = (channel(), channel());
     let held_up = HeldUp { told: Mutex::new(tells), until: Mutex::new(until_then) };
     let keys = bench.folder.join("a");
-    let joining = Joining { nodes: &bench.nodes, me: 0, side: Side::Calls, keys: &keys };
+    let joining = JoinOptions { nodes: &bench.nodes, me: 0, side: Side::Calls, keys: &keys };
     let a = Zenoh.join(&joining, Arc::new(held_up)).expect("joined");
     until(&b_hears, &Heard::There(0));
     b.send(0, b"x");
@@ -277,7 +279,7 @@ enum AtGateway {
     Lost(u64),
 }
 
-impl HearsAtGateway for Listener {
+impl GatewayListener for Listener {
     fn came(&self, bytes: &[u8]) {
         let _ = self.0.lock().expect("whole").send(AtGateway::Came(bytes.to_vec()));
     }

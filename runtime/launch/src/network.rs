@@ -76,7 +76,7 @@ pub struct Gateway<'a> {
 
 /// What a network makes certificates for.
 #[derive(Clone, Debug)]
-pub struct Certified<'a> {
+pub struct CertificateRequest<'a> {
     /// The machines of the cell; none for a cell on one.
     pub nodes: &'a [Node],
     /// Of each sensor whose program is on another machine: its name, where it is called, and which node it is on.
@@ -94,7 +94,7 @@ pub enum Side {
 
 /// A node that joins the others.
 #[derive(Clone, Copy, Debug)]
-pub struct Joining<'a> {
+pub struct JoinOptions<'a> {
     /// The nodes of the cell.
     pub nodes: &'a Nodes,
     /// Its place among them.
@@ -111,14 +111,15 @@ pub trait Network: Debug + Sync {
     ///
     /// # Errors
     /// Why this node cannot join, and what to do.
-    fn join(&self, joining: &Joining<'_>, hears: Arc<dyn Hears>) -> Result<Box<dyn Wires>, String>;
+    fn join(&self, joining: &JoinOptions<'_>, hears: Arc<dyn NodeListener>)
+    -> Result<Box<dyn Wires>, String>;
 
     /// Makes certificates for these nodes and gateways, in a folder that is not there or empty. Returns what was made and where to
     /// put it.
     ///
     /// # Errors
     /// What could not be made.
-    fn certify(&self, whom: &Certified<'_>, folder: &Path) -> Result<String, String>;
+    fn certify(&self, whom: &CertificateRequest<'_>, folder: &Path) -> Result<String, String>;
 
     /// Opens the gateway of a sensor. Only who has the certificate of that sensor is heard. What happens is told to `hears` by threads
     /// of the network.
@@ -128,12 +129,12 @@ pub trait Network: Debug + Sync {
     fn open_gateway(
         &self,
         gateway: &Gateway<'_>,
-        hears: Arc<dyn HearsAtGateway>,
+        hears: Arc<dyn GatewayListener>,
     ) -> Result<Box<dyn GatewayPort>, String>;
 }
 
 /// Who hears what comes from other nodes. It is called in threads of the network, and must not wait.
-pub trait Hears: Send + Sync {
+pub trait NodeListener: Send + Sync {
     /// This has come from the node at a place of the list.
     fn came(&self, from: usize, bytes: &[u8]);
 
@@ -145,7 +146,7 @@ pub trait Hears: Send + Sync {
 }
 
 /// Who hears at a gateway. It is called in threads of the network, and must not wait.
-pub trait HearsAtGateway: Send + Sync {
+pub trait GatewayListener: Send + Sync {
     /// This has come from a program with the certificate of the sensor.
     fn came(&self, bytes: &[u8]);
 

@@ -52,19 +52,19 @@ pub(super) fn view_memory_run(
 
 /// The process that has the panel: it ends with its cell, and not later than who started it.
 #[must_use]
-pub(super) struct Begun(Option<Child>);
+pub(super) struct PanelProcess(Option<Child>);
 
 /// Starts this program once more with these arguments, as the process that has the panel. The cell runs all the same if it cannot
 /// be started.
-pub(super) fn begin(arguments: impl IntoIterator<Item = OsString>) -> Begun {
+pub(super) fn begin(arguments: impl IntoIterator<Item = OsString>) -> PanelProcess {
     let started = std::env::current_exe().and_then(|program| {
         // In a group of its own: what is typed at the terminal is for the launcher, and the panel ends with the cell.
         Command::new(program).args(arguments).env(AWAITED, "1").process_group(0).spawn()
     });
-    Begun(started.inspect_err(|error| report(&format!("the panel cannot be started: {error}"))).ok())
+    PanelProcess(started.inspect_err(|error| report(&format!("the panel cannot be started: {error}"))).ok())
 }
 
-impl Drop for Begun {
+impl Drop for PanelProcess {
     #[allow(clippy::disallowed_methods, reason = "a launcher whose cell is over is no part of control")]
     fn drop(&mut self) {
         let Some(child) = &mut self.0 else { return };

@@ -13,11 +13,11 @@ use mrroc_core::suggestion::suggestion;
 
 use super::cell_file::CellFile;
 use super::external;
-use super::network::{Certified, NO_NETWORK, network, run_gateway};
+use super::network::{CertificateRequest, NO_NETWORK, network, run_gateway};
 
 /// What a part of the cell is asked for instead of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Asked {
+pub(super) enum PartRequest {
     /// Its calibration, of its controller.
     Calibration,
     /// Itself as a URDF.
@@ -34,32 +34,32 @@ pub(super) enum Asked {
     Panel,
 }
 
-impl Asked {
+impl PartRequest {
     /// What the first word of a command line asks for.
-    pub fn of(word: &str) -> Option<Asked> {
+    pub fn of(word: &str) -> Option<PartRequest> {
         match word {
-            "calibration" => Some(Asked::Calibration),
-            "export-urdf" => Some(Asked::Urdf),
-            "external" => Some(Asked::Python),
-            "node" => Some(Asked::Node),
-            "certificates" => Some(Asked::Certificates),
-            "door" => Some(Asked::Gateway),
-            "panel" => Some(Asked::Panel),
+            "calibration" => Some(PartRequest::Calibration),
+            "export-urdf" => Some(PartRequest::Urdf),
+            "external" => Some(PartRequest::Python),
+            "node" => Some(PartRequest::Node),
+            "certificates" => Some(PartRequest::Certificates),
+            "door" => Some(PartRequest::Gateway),
+            "panel" => Some(PartRequest::Panel),
             _ => None,
         }
     }
 }
 
 /// Prints what the robot, or the sensor, of this name tells. Nothing moves.
-pub(super) fn tell(cell: &mut Cell, file: &Path, name: &str, asked: Asked) -> ExitCode {
+pub(super) fn tell(cell: &mut Cell, file: &Path, name: &str, asked: PartRequest) -> ExitCode {
     match asked {
-        Asked::Python => external::tell(cell, name),
-        Asked::Calibration => of_robot(cell, name, calibration),
-        Asked::Urdf => of_robot(cell, name, urdf),
-        Asked::Certificates => certificates(cell, file, name),
-        Asked::Gateway => run_gateway(file, name),
+        PartRequest::Python => external::tell(cell, name),
+        PartRequest::Calibration => of_robot(cell, name, calibration),
+        PartRequest::Urdf => of_robot(cell, name, urdf),
+        PartRequest::Certificates => certificates(cell, file, name),
+        PartRequest::Gateway => run_gateway(file, name),
         // What is no word of a robot or a sensor is asked of the processes.
-        Asked::Node | Asked::Panel => refused(&"that is no part of a cell"),
+        PartRequest::Node | PartRequest::Panel => refused(&"that is no part of a cell"),
     }
 }
 
@@ -90,7 +90,7 @@ fn certificates(cell: &Cell, file: &Path, folder: &str) -> ExitCode {
         .iter()
         .filter_map(|gateway| Some((gateway.name(), gateway.address()?, place(gateway.name()))))
         .collect();
-    let whom = Certified { nodes: nodes.map_or(&[], |nodes| nodes.all()), gateways };
+    let whom = CertificateRequest { nodes: nodes.map_or(&[], |nodes| nodes.all()), gateways };
     match network.certify(&whom, Path::new(folder)) {
         Ok(told) => say(&told),
         Err(error) => refused(&error),

@@ -11,7 +11,7 @@ pub(crate) const MESSAGE: usize = 32 + 8 * WORDS;
 
 /// What comes from a program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Said {
+pub(crate) struct ProgramMessage {
     /// The program's number.
     pub program: u64,
     /// When the newest order was sent that it has got; 0 if it has got none.
@@ -22,13 +22,13 @@ pub(crate) struct Said {
     pub message: Option<Message>,
 }
 
-impl Said {
+impl ProgramMessage {
     /// Reads what has come; `None` if it does not even say who it comes from.
-    pub fn read(bytes: &[u8]) -> Option<Said> {
+    pub fn read(bytes: &[u8]) -> Option<ProgramMessage> {
         let (head, message) = bytes.split_first_chunk::<24>()?;
         let word =
             |at: usize| head[at..at + 8].iter().rev().fold(0, |word, &byte| word << 8 | u64::from(byte));
-        Some(Said { program: word(0), sent: word(8), came: word(16), message: read(message) })
+        Some(ProgramMessage { program: word(0), sent: word(8), came: word(16), message: read(message) })
     }
 }
 
@@ -86,14 +86,17 @@ mod tests {
         assert_eq!(bytes[16 + 32 + 8 * 63..], [0xFE, 0, 0, 0, 0, 0, 0, 63]);
         let mut said = [7_u64, 8, 9].map(u64::to_le_bytes).concat();
         said.extend_from_slice(&bytes[16..]);
-        assert_eq!(Said::read(&said), Some(Said { program: 7, sent: 8, came: 9, message: Some(message) }));
+        assert_eq!(
+            ProgramMessage::read(&said),
+            Some(ProgramMessage { program: 7, sent: 8, came: 9, message: Some(message) })
+        );
     }
 
     #[test]
     fn fault_157_bytes_of_another_number_are_no_message() {
-        assert_eq!(Said::read(&[0; 23]), None);
+        assert_eq!(ProgramMessage::read(&[0; 23]), None);
         for size in [24, 24 + MESSAGE - 1, 24 + MESSAGE + 1] {
-            assert_eq!(Said::read(&vec![0; size]).map(|said| said.message), Some(None), "{size}");
+            assert_eq!(ProgramMessage::read(&vec![0; size]).map(|said| said.message), Some(None), "{size}");
         }
     }
 }

@@ -22,7 +22,7 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use mrroc_launch::cell_file::ExternalEntry;
-use mrroc_launch::network::{Gateway, GatewayPort, HearsAtGateway, Network};
+use mrroc_launch::network::{Gateway, GatewayListener, GatewayPort, Network};
 
 use crate::message::Message;
 use crate::port::{Ends, ProgramEnds, folder, monotonic};
@@ -44,14 +44,14 @@ const ENDS: Duration = Duration::from_millis(500);
 const OPEN: &str = "open";
 
 /// The gateway's process, which ends with this.
-pub(crate) struct Opened(Child);
+pub(crate) struct GatewayProcess(Child);
 
-impl Opened {
+impl GatewayProcess {
     /// Starts the process that runs the gateway of a sensor, and waits until it is open. It says itself what is wrong.
     ///
     /// # Errors
     /// It does not open.
-    pub fn start(cell: &Path, sensor: &str) -> Result<Opened, String> {
+    pub fn start(cell: &Path, sensor: &str) -> Result<GatewayProcess, String> {
         let start = || {
             Command::new(std::env::current_exe()?)
                 .args(["door", sensor, "--cell"])
@@ -65,7 +65,7 @@ impl Opened {
         let mut child =
             start().map_err(|error: std::io::Error| format!("its gateway cannot be started: {error}"))?;
         let said = child.stdout.take();
-        let opened = Opened(child);
+        let opened = GatewayProcess(child);
         let (tells, told) = channel();
         std::thread::spawn(move || {
             let mut line = String::new();
@@ -82,7 +82,7 @@ impl Opened {
     }
 }
 
-impl Drop for Opened {
+impl Drop for GatewayProcess {
     fn drop(&mut self) {
         // The end of its input ends it.
         drop(self.0.stdin.take());
@@ -113,7 +113,7 @@ impl Shared {
     }
 }
 
-impl HearsAtGateway for Shared {
+impl GatewayListener for Shared {
     fn came(&self, bytes: &[u8]) {
         self.registry().came(bytes, monotonic());
         self.woken.notify_one();
@@ -146,7 +146,7 @@ pub(crate) fn run(entry: &ExternalEntry, network: &'static dyn Network) -> Resul
     let shared = Arc::new(Shared::default());
     let keys = entry.cell_file().parent().unwrap_or(Path::new("")).join("certificates");
     let gateway = Gateway { sensor: entry.name(), address, keys: &keys };
-    let port = network.open_gateway(&gateway, Arc::clone(&shared) as Arc<dyn HearsAtGateway>)?;
+    let port = network.open_gateway(&gateway, Arc::clone(&shared) as Arc<dyn GatewayListener>)?;
     let mut out = std::io::stdout();
     // Who has started it may be gone already, which is seen below.
     let _ = writeln!(out, "{OPEN}").and_then(|()| out.flush());

@@ -5,7 +5,7 @@
 //! replaces it. A message that is none is passed on as one of version 0, so that the sensor says so.
 
 use super::clock::Clock;
-use super::frame::Said;
+use super::frame::ProgramMessage;
 use crate::message::Message;
 
 /// So many programs at most are known at a time.
@@ -46,7 +46,7 @@ impl ProgramRegistry {
 
     /// Something has come at this time.
     pub fn came(&mut self, bytes: &[u8], now: u64) {
-        let Some(said) = Said::read(bytes) else { return };
+        let Some(said) = ProgramMessage::read(bytes) else { return };
         if !self.programs.contains(&said.program) {
             return;
         }

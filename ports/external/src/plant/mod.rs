@@ -25,7 +25,7 @@ use mrroc::robot::{Begin, DriveFault, MAX_JOINTS, RobotStop, Simulated, Simulato
 use mrroc_launch::cell_file::PlantEntry;
 
 use crate::port::{Ends, channel, folder, monotonic};
-use message::{Asks, LAYOUT, PlantOrder, PlantState, Says, Untrue, VERSION, name_of};
+use message::{LAYOUT, PlantOrder, PlantRequest, PlantState, Says, Untrue, VERSION, name_of};
 
 /// The way to the simulator in which a robot of `cell.toml` moves, for
 /// [`Kinds::plants`](mrroc_launch::cell_file::Kinds::plants):
@@ -147,7 +147,7 @@ impl Plant {
     fn begin(&mut self, begin: &Begin<'_>) -> Result<(), DriveFault> {
         let order = PlantOrder {
             version: VERSION,
-            kind: Asks::Begin as u32,
+            kind: PlantRequest::Begin as u32,
             layout: LAYOUT,
             session: monotonic(),
             period: begin.first,
@@ -219,7 +219,7 @@ impl Wait {
 }
 
 impl Link {
-    fn send(&mut self, kind: Asks) {
+    fn send(&mut self, kind: PlantRequest) {
         self.order.kind = kind as u32;
         self.order.time = monotonic();
         self.order.late = self.late;
@@ -251,7 +251,7 @@ impl Link {
             return Ok(self.state);
         }
         if self.asked.is_none_or(|asked| asked.elapsed() >= AGAIN) {
-            self.send(Asks::Begin);
+            self.send(PlantRequest::Begin);
             self.asked = Some(Instant::now());
         }
         wait.moment();
@@ -321,7 +321,7 @@ impl Link {
         if let Some(demanded) = demanded {
             self.order.demanded = padded(demanded);
         }
-        self.send(if demanded.is_some() { Asks::Follow } else { Asks::StandBy });
+        self.send(if demanded.is_some() { PlantRequest::Follow } else { PlantRequest::StandBy });
         (self.ordered, self.sent) = (Some(period), Instant::now());
         self.periods += 1;
         self.state.ok_or(CLOSED)
@@ -371,7 +371,7 @@ impl Simulator for Plant {
         let stepped = link.step(period, demanded, patience);
         if stepped.is_err() {
             // Its other robots need not wait for this one.
-            link.send(Asks::End);
+            link.send(PlantRequest::End);
             (link.ordered, link.asked) = (None, None);
         }
         stepped
@@ -379,7 +379,7 @@ impl Simulator for Plant {
 
     fn close(&mut self) {
         let Some(mut link) = self.link.take() else { return };
-        link.send(Asks::End);
+        link.send(PlantRequest::End);
         if link.late > 0 {
             let Link { late, periods, .. } = link;
             let (robot, port) = (&self.robot, &self.port);

@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 use rustix::net::sockopt::{Timeout, set_socket_timeout, socket_peercred};
 use rustix::net::{AddressFamily, SocketAddrUnix, SocketFlags, SocketType, connect, socket_with};
 
-use super::protocol::{Addressed, Heard, OnBehalf, Request};
+use super::protocol::{Addressed, ConsoleMessage, OnBehalf, Request};
 use super::service::SOCKET;
 use crate::identity::{CellId, Holder};
 use crate::session::{SessionError, is_stopped, is_used, sessions_of};
@@ -62,16 +62,16 @@ pub(crate) enum NoCell {
 /// A connection to the console server of a running cell, with both directions.
 pub struct Caller {
     /// The direction to the console server.
-    pub asks: Asks,
+    pub asks: RequestSender,
     /// The direction from the console server.
-    pub hears: Hears,
+    pub hears: ReplyReceiver,
 }
 
 /// Whether the cell still runs.
 type Runs = Box<dyn Fn() -> bool + Send>;
 
 /// The direction from a console to the console server.
-pub struct Asks {
+pub struct RequestSender {
     stream: UnixStream,
     /// The lower cell that is asked; the uppermost one if none.
     cell: Option<Name>,
@@ -80,7 +80,7 @@ pub struct Asks {
 }
 
 /// The direction from the console server to a console.
-pub struct Hears {
+pub struct ReplyReceiver {
     stream: BufReader<UnixStream>,
     launcher: Option<u32>,
     runs: Runs,
@@ -138,8 +138,8 @@ impl Caller {
         let launcher =
             socket_peercred(&socket).ok().map(|peer| peer.pid.as_raw_nonzero().get().unsigned_abs());
         let stream = UnixStream::from(socket);
-        let asks = Asks { stream: stream.try_clone()?, cell: None, launcher };
-        Ok(Caller { asks, hears: Hears { stream: BufReader::new(stream), launcher, runs } })
+        let asks = RequestSender { stream: stream.try_clone()?, cell: None, launcher };
+        Ok(Caller { asks, hears: ReplyReceiver { stream: BufReader::new(stream), launcher, runs } })
     }
 
     /// The same connection, to ask a lower cell.
@@ -152,7 +152,7 @@ impl Caller {
     ///
     /// # Errors
     /// The cell does not answer in time, the console server is gone, or what came is neither an answer nor a picture.
-    pub fn ask(&mut self, request: &Request) -> io::Result<Heard> {
+    pub fn ask(&mut self, request: &Request) -> io::Result<ConsoleMessage> {
         self.ask_for(request, None)
     }
 
@@ -160,7 +160,7 @@ impl Caller {
     ///
     /// # Errors
     /// As of [`ask`](Caller::ask).
-    pub fn ask_for(&mut self, request: &Request, by: Option<OnBehalf>) -> io::Result<Heard> {
+    pub fn ask_for(&mut self, request: &Request, by: Option<OnBehalf>) -> io::Result<ConsoleMessage> {
         match self.asks.ask_for(request, by) {
             Err(error) if error.kind() == ErrorKind::TimedOut => Err(error),
             // A console server that has hung up may have said why.
@@ -169,7 +169,7 @@ impl Caller {
     }
 }
 
-impl Asks {
+impl RequestSender {
     /// From now on asks this lower cell, or the uppermost one.
     pub(crate) fn of(&mut self, cell: Option<Name>) {
         self.cell = cell;
@@ -196,13 +196,13 @@ impl Asks {
     }
 }
 
-impl Hears {
+impl ReplyReceiver {
     /// Waits for the next answer or picture.
     ///
     /// # Errors
     /// None comes in time, the console server is gone, or what came is neither an answer nor a picture.
-    pub fn hear(&mut self) -> io::Result<Heard> {
-        match Heard::read(&mut self.stream) {
+    pub fn hear(&mut self) -> io::Result<ConsoleMessage> {
+        match ConsoleMessage::read(&mut self.stream) {
             Ok(Some(heard)) => Ok(heard),
             Ok(None) => Err(self.end()),
             Err(error) if error.kind() == ErrorKind::ConnectionReset => Err(self.end()),

@@ -19,9 +19,9 @@ mod protocol;
 mod service;
 
 pub use beside::{BodyPicture, CarriedPicture, ReadingPicture};
-pub use caller::{Asks, Caller, ENDED, Hears};
+pub use caller::{Caller, ENDED, ReplyReceiver, RequestSender};
 pub(super) use handle::ConsoleServer;
 pub use picture::{CellPicture, Picture, ProcessPicture, RobotPicture};
 pub(super) use protocol::Addressed;
-pub use protocol::{Heard, MAX_REQUEST, OnBehalf, Reply, Request};
+pub use protocol::{ConsoleMessage, MAX_REQUEST, OnBehalf, Reply, Request};
 pub(super) use service::CONNECTIONS;

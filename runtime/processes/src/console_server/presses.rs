@@ -6,7 +6,7 @@
 use std::io::Write;
 use std::time::{Duration, Instant};
 
-use super::console::{Asked, Console};
+use super::console::{Console, PendingRequest};
 use super::protocol::Reply;
 use super::service::Service;
 use crate::control::Frame;
@@ -42,7 +42,7 @@ impl Service {
             };
             // A late press may still be carried out, but the next press does not wait for it.
             *flight = None;
-            let asked = Asked::Answer(kind, number);
+            let asked = PendingRequest::Answer(kind, number);
             let waits = |console: &&mut Console| console.asked == asked && console.session == session;
             self.consoles.iter_mut().filter(waits).for_each(|console| console.answer(&reply));
         }
@@ -53,8 +53,10 @@ impl Service {
         let at = &mut self.sessions[session];
         for kind in 0..Button::KINDS {
             let waits = |console: &Console| match console.asked {
-                Asked::Press(button) if button.kind() == kind && console.session == session => Some(button),
-                Asked::Press(_) | Asked::Answer(..) | Asked::Nothing => None,
+                PendingRequest::Press(button) if button.kind() == kind && console.session == session => {
+                    Some(button)
+                }
+                PendingRequest::Press(_) | PendingRequest::Answer(..) | PendingRequest::Nothing => None,
             };
             if at.flights[kind].is_some() {
                 continue;
@@ -67,8 +69,8 @@ impl Service {
             drop(self.waker.write(&[1]));
             at.flights[kind] = Some(Flight { number, button, since: Instant::now() });
             for console in &mut self.consoles {
-                if console.asked == Asked::Press(button) && console.session == session {
-                    console.asked = Asked::Answer(kind, number);
+                if console.asked == PendingRequest::Press(button) && console.session == session {
+                    console.asked = PendingRequest::Answer(kind, number);
                 }
             }
         }

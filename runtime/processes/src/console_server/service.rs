@@ -22,7 +22,7 @@ use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::net::sockopt::socket_peercred;
 
 use super::beside::{BodyPicture, CarriedPicture, ReadingPicture};
-use super::console::{Asked, Console};
+use super::console::{Console, PendingRequest};
 use super::handle::Seat;
 use super::mp_session::MpSession;
 use super::picture::{CellPicture, Picture, ProcessPicture, RobotPicture};
@@ -169,11 +169,11 @@ impl Service {
 
     /// How long to wait if nothing comes meanwhile.
     fn next_round(&self) -> Option<Duration> {
-        let ready = |console: &Console| console.has_line() && console.asked == Asked::Nothing;
+        let ready = |console: &Console| console.has_line() && console.asked == PendingRequest::Nothing;
         if self.consoles.iter().any(|console| ready(console) && !console.is_written_to()) {
             return Some(Duration::ZERO);
         }
-        let waits = |console: &Console| console.asked != Asked::Nothing;
+        let waits = |console: &Console| console.asked != PendingRequest::Nothing;
         let look = self.consoles.iter().any(waits).then_some(LOOK);
         let due = self.consoles.iter().filter_map(|console| console.watches).min();
         let due = due.map(|due| due.saturating_duration_since(Instant::now()));
@@ -235,7 +235,7 @@ impl Service {
         for console in &mut self.consoles {
             let (patience, may_stay) = match console.is_served {
                 true => (IDLE, console.has_asked),
-                false => (TURN, console.asked != Asked::Nothing),
+                false => (TURN, console.asked != PendingRequest::Nothing),
             };
             if !may_stay && !console.has_line() && console.since.elapsed() > patience {
                 console.dismiss(&refused);
@@ -317,7 +317,7 @@ impl Service {
         if button == Button::Abort && self.mp(session).is_some_and(|mp| mp.state == CellState::Idle) {
             return Err(Reply::Refused(CellState::Idle.reason(button).to_owned()));
         }
-        self.consoles[i].asked = Asked::Press(button);
+        self.consoles[i].asked = PendingRequest::Press(button);
         Ok(())
     }
 

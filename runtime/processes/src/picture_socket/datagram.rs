@@ -17,7 +17,7 @@ const END: u64 = 4;
 
 /// Something that was shown, or the end of what a process shows.
 #[derive(Debug)]
-pub(super) enum Shown<'a> {
+pub(super) enum PictureRecord<'a> {
     /// At a time of the cell \[ns\] by a process, with its words.
     Something(Nanos, ProcessId, StepEvent, &'a [u64]),
     /// A process shows nothing more; so many things that it showed are lost.
@@ -98,7 +98,7 @@ fn put_words(words: &mut Vec<u64>, shown: &[u64]) {
 }
 
 /// Reads a datagram of a cell of this layout, up to the first words that make no sense.
-pub(super) fn read<'a>(words: &'a [u64], layout: &'a Layout) -> impl Iterator<Item = Shown<'a>> {
+pub(super) fn read<'a>(words: &'a [u64], layout: &'a Layout) -> impl Iterator<Item = PictureRecord<'a>> {
     let mut reader = Reader { words, layout };
     std::iter::from_fn(move || reader.next())
 }
@@ -109,10 +109,10 @@ struct Reader<'a> {
 }
 
 impl<'a> Reader<'a> {
-    fn next(&mut self) -> Option<Shown<'a>> {
+    fn next(&mut self) -> Option<PictureRecord<'a>> {
         let kind = self.word()?;
         if kind == END {
-            return self.word().map(Shown::End);
+            return self.word().map(PictureRecord::End);
         }
         let time = self.word()?;
         let role = [Role::Mp, Role::Ecp, Role::Edp, Role::Vsp, Role::Plant, Role::Node];
@@ -124,7 +124,7 @@ impl<'a> Reader<'a> {
             SIGNALS => (StepEvent::Signals { step: self.word()? }, self.shown()?),
             _ => return None,
         };
-        Some(Shown::Something(time, by, what, words))
+        Some(PictureRecord::Something(time, by, what, words))
     }
 
     fn step(&mut self) -> Option<StepEvent> {

@@ -14,7 +14,7 @@ use mrroc_core::console::complain;
 use mrroc_core::observe::layout::Layout;
 use mrroc_core::observe::step_observer::{SharedStepObserver, StepObserver};
 
-use super::datagram::{Shown, read};
+use super::datagram::{PictureRecord, read};
 use super::{TIMEOUT, socket};
 
 /// The longest datagram \[bytes\].
@@ -130,10 +130,10 @@ fn receive(socket: &UnixDatagram, shared: &Shared, layout: &Layout, observers: &
 fn show(words: &[u64], shared: &Shared, layout: &Layout, observers: &[SharedStepObserver]) {
     for shown in read(words, layout) {
         match shown {
-            Shown::Something(time, by, what, words) => {
+            PictureRecord::Something(time, by, what, words) => {
                 observers.iter().for_each(|observer| observer.see(time, by, &what, words));
             }
-            Shown::End(lost) => {
+            PictureRecord::End(lost) => {
                 shared.lost.fetch_add(lost, Ordering::AcqRel);
             }
         }

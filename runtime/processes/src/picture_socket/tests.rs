@@ -2,7 +2,7 @@
 
 use std::os::unix::net::UnixDatagram;
 use std::path::PathBuf;
-use std::sync::mpsc::{Receiver as Heard, Sender as Tells, channel};
+use std::sync::mpsc::{Receiver as Permits, Sender as Tells, channel};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
@@ -16,7 +16,7 @@ use mrroc_core::payload::Shape;
 use mrroc_core::sensor::VspMode;
 use proptest::prelude::*;
 
-use super::datagram::{Shown, read};
+use super::datagram::{PictureRecord, read};
 use super::receiver::Receiver;
 use super::sender::send;
 use super::socket;
@@ -136,7 +136,7 @@ fn the_plant_sees_what_a_picture_needs_as_the_processes_have_shown_it() {
 }
 
 /// Looks on as slowly as it is allowed to.
-struct Waits(Mutex<(Heard<()>, u64)>);
+struct Waits(Mutex<(Permits<()>, u64)>);
 
 impl StepObserver for Waits {
     fn see(&self, _: Nanos, _: ProcessId, what: &StepEvent, _: &[u64]) {
@@ -184,8 +184,8 @@ fn read_all(socket: &UnixDatagram) -> (u64, u64) {
             bytes[..len].as_chunks::<8>().0.iter().map(|word| u64::from_le_bytes(*word)).collect();
         for shown in read(&words, &layout()) {
             match shown {
-                Shown::Something(..) => came += 1,
-                Shown::End(lost) => return (came, lost),
+                PictureRecord::Something(..) => came += 1,
+                PictureRecord::End(lost) => return (came, lost),
             }
         }
     }
