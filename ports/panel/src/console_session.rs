@@ -20,9 +20,9 @@ use mrroc_processes::{
 use serde_json::{Value, json};
 use tokio::sync::{oneshot, watch};
 
-use crate::beside::Carried;
-use crate::driver::Asks;
-use crate::now::{Looks, Now, RobotNow};
+use crate::beside::CarriedLoad;
+use crate::driver::RequestSink;
+use crate::now::{Appearance, CellMoment, RobotNow};
 use crate::readings::{OLD, of_words};
 use crate::rules::request::Stamp;
 
@@ -37,7 +37,7 @@ const STARTING: Duration = Duration::from_secs(30);
 
 /// What the cell did last.
 #[derive(Clone, Default)]
-pub struct Shown {
+pub struct CellSnapshot {
     /// For a page.
     pub text: Option<Utf8Bytes>,
     /// The step, and how long a step is \[ns\].
@@ -71,7 +71,10 @@ impl ConsoleSession {
     ///
     /// # Errors
     /// No such cell runs, or it does not answer; with what to do.
-    pub fn open(cell: &Path, looks: Arc<Looks>) -> std::io::Result<(ConsoleSession, watch::Receiver<Shown>)> {
+    pub fn open(
+        cell: &Path,
+        looks: Arc<Appearance>,
+    ) -> std::io::Result<(ConsoleSession, watch::Receiver<CellSnapshot>)> {
         let (since, is_awaited) = (Instant::now(), std::env::var_os(AWAITED).is_some());
         let mut watching = loop {
             match Caller::to(cell) {
@@ -80,7 +83,7 @@ impl ConsoleSession {
                 Err(_) => std::thread::sleep(Duration::from_millis(100)),
             }
         };
-        let (show, shown) = watch::channel(Shown::default());
+        let (show, shown) = watch::channel(CellSnapshot::default());
         watching.asks.ask(&Request::Watch)?;
         spawn("watches", move || watch(watching, &looks, &show))?;
         let carries = |name| {
@@ -115,7 +118,7 @@ impl ConsoleSession {
     }
 }
 
-impl Asks for ConsoleSession {
+impl RequestSink for ConsoleSession {
     fn ask(&self, request: Request, by: OnBehalf) -> oneshot::Receiver<Reply> {
         let (answer, answered) = oneshot::channel();
         let job = Job { request, by, since: Instant::now(), answer };
@@ -150,7 +153,7 @@ fn spawn(name: &str, work: impl FnOnce() + Send + 'static) -> std::io::Result<()
 }
 
 /// Shows what the cell does, until it ends.
-fn watch(mut caller: Caller, looks: &Looks, show: &watch::Sender<Shown>) {
+fn watch(mut caller: Caller, looks: &Appearance, show: &watch::Sender<CellSnapshot>) {
     // Where it may not be set, the cell is shown all the same.
     let _ = rustix::process::nice(LAST);
     let mut before: Arc<[RobotNow]> = Arc::default();
@@ -168,7 +171,7 @@ fn watch(mut caller: Caller, looks: &Looks, show: &watch::Sender<Shown>) {
                 let moves = demanded(&before) != demanded(&robots);
                 before = Arc::clone(&robots);
                 let (text, stamp) = (Some(text.into()), Some((stamp, period)));
-                show.send_replace(Shown { text, stamp, robots, moves, over: None });
+                show.send_replace(CellSnapshot { text, stamp, robots, moves, over: None });
             }
             Ok(ConsoleMessage::Reply(_)) => {}
             Err(error) => {
@@ -180,12 +183,12 @@ fn watch(mut caller: Caller, looks: &Looks, show: &watch::Sender<Shown>) {
 }
 
 /// What a picture of the console server says.
-pub fn now(picture: Picture, looks: &Looks) -> Now {
+pub fn now(picture: Picture, looks: &Appearance) -> CellMoment {
     let time = picture.robots.iter().map(|robot| robot.time).fold(0.0, f64::max);
     let by = picture.by_whom().to_owned();
     let carried = |name: &str| {
         let known = picture.carried.iter().find(|carried| carried.robot == name);
-        known.map_or_else(Carried::default, |known| Carried {
+        known.map_or_else(CarriedLoad::default, |known| CarriedLoad {
             tool: Some(known.tool),
             load: known.load,
             signals: Some(known.signals),
@@ -219,7 +222,7 @@ pub fn now(picture: Picture, looks: &Looks) -> Now {
             carried,
         }
     };
-    Now {
+    CellMoment {
         time,
         epoch: picture.epoch,
         step: picture.step,

@@ -13,9 +13,9 @@ use mrroc_processes::{OnBehalf, Reply, Request};
 use tokio::sync::{oneshot, watch};
 use tokio::time::Instant;
 
-use crate::console_session::Shown;
+use crate::console_session::CellSnapshot;
 use crate::events::{Action, Key, Kind, To};
-use crate::now::Looks;
+use crate::now::Appearance;
 use crate::pages::Pages;
 use crate::poses::Poses;
 use crate::rules::origin::OriginPolicy;
@@ -27,7 +27,7 @@ use crate::teaching;
 const LOOKS: Duration = Duration::from_millis(20);
 
 /// Where requests go.
-pub trait Asks: Send + Sync {
+pub trait RequestSink: Send + Sync {
     /// Asks for something; the answer comes within seconds.
     fn ask(&self, request: Request, by: OnBehalf) -> oneshot::Receiver<Reply>;
 
@@ -38,7 +38,7 @@ pub trait Asks: Send + Sync {
 /// What a panel shows.
 pub enum Source {
     /// A cell that runs: where to ask, and what it does.
-    Running(Box<dyn Asks>, watch::Receiver<Shown>),
+    Running(Box<dyn RequestSink>, watch::Receiver<CellSnapshot>),
     /// A run that is over.
     Over(Box<RunHistory>),
 }
@@ -46,8 +46,8 @@ pub enum Source {
 /// The pages of a panel, and what stands around them: the clock, the console server, and the files of poses.
 pub struct Panel {
     state: Mutex<Shared>,
-    console: Option<Box<dyn Asks>>,
-    looks: Arc<Looks>,
+    console: Option<Box<dyn RequestSink>>,
+    looks: Arc<Appearance>,
     poses: Option<Arc<Poses>>,
     /// Tells connections that their pages have something new to be told.
     news: watch::Sender<()>,
@@ -59,13 +59,13 @@ pub struct Panel {
 
 struct Shared {
     pages: Pages,
-    shown: Option<watch::Receiver<Shown>>,
+    shown: Option<watch::Receiver<CellSnapshot>>,
 }
 
 impl Panel {
     /// Of a source, at an address, known by a token.
     #[must_use]
-    pub fn new(source: Source, looks: Arc<Looks>, token: Token, address: SocketAddr) -> Panel {
+    pub fn new(source: Source, looks: Arc<Appearance>, token: Token, address: SocketAddr) -> Panel {
         let (console, shown, history) = match source {
             Source::Running(console, mut shown) => {
                 shown.mark_changed();
@@ -199,7 +199,7 @@ pub async fn look_after(panel: Arc<Panel>) {
     }
 }
 
-async fn changed(shown: Option<&mut watch::Receiver<Shown>>) -> Result<(), watch::error::RecvError> {
+async fn changed(shown: Option<&mut watch::Receiver<CellSnapshot>>) -> Result<(), watch::error::RecvError> {
     match shown {
         Some(shown) => shown.changed().await,
         None => std::future::pending().await,

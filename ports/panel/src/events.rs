@@ -2,16 +2,16 @@
 
 use mrroc_processes::{OnBehalf, Request};
 
-use crate::console_session::Shown;
+use crate::console_session::CellSnapshot;
 use crate::rules::authority::Page;
-use crate::rules::request::Asked;
+use crate::rules::request::PageRequest;
 
 /// The number of a connection, among all that pages have made.
 pub type Key = u64;
 
 /// What a page says.
 #[derive(Debug)]
-pub enum Heard<'h> {
+pub enum PageEvent<'h> {
     /// A message.
     Text(&'h str),
     /// A ping, or its answer.
@@ -51,7 +51,7 @@ pub enum Action {
     /// The console server is asked for a stop, which waits for nothing else.
     Stop { by: OnBehalf, to: To },
     /// Something is to be done with the files of poses, of a cell that showed this.
-    Files { asked: Asked, shown: Shown, to: To },
+    Files { asked: PageRequest, shown: CellSnapshot, to: To },
     /// The terminal is told.
     Say(String),
 }

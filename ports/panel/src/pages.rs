@@ -12,17 +12,17 @@ use axum::extract::ws::Utf8Bytes;
 use mrroc_processes::{OnBehalf, Reply, Request};
 use serde_json::json;
 
-use crate::console_session::Shown;
+use crate::console_session::CellSnapshot;
 use crate::control::Control;
-use crate::events::{Action, Heard, Key, Kind, To};
-use crate::now::Looks;
+use crate::events::{Action, Key, Kind, PageEvent, To};
+use crate::now::Appearance;
 use crate::rules::PAGES;
 use crate::rules::authority::Page;
-use crate::rules::request::{Asked, Message};
+use crate::rules::request::{Message, PageRequest};
 use crate::rules::token::Token;
 use crate::run_history::RunHistory;
-use crate::session::{Changing, DoesNotRead, FAREWELL, Next, READS, Scene, Session};
-use crate::teaching::Told;
+use crate::session::{Changing, DoesNotRead, FAREWELL, NextAction, READS, Scene, Session};
+use crate::teaching::WorkOutcome;
 
 /// Messages that are none, until a page is disconnected.
 const BAD: usize = 8;
@@ -53,7 +53,7 @@ fn nanos(now: Duration) -> u64 {
 impl Pages {
     /// Of a cell that runs; of a run that is over, with its history.
     #[must_use]
-    pub fn new(looks: Arc<Looks>, token: Token, history: Option<Box<RunHistory>>) -> Pages {
+    pub fn new(looks: Arc<Appearance>, token: Token, history: Option<Box<RunHistory>>) -> Pages {
         let scene = Scene { looks, shown: Changing::default(), taught: Changing::default() };
         Pages {
             token,
@@ -70,7 +70,7 @@ impl Pages {
     }
 
     /// The cell shows this now.
-    pub fn show(&mut self, shown: Shown) {
+    pub fn show(&mut self, shown: CellSnapshot) {
         self.scene.shown.set(shown);
         self.has_news = true;
     }
@@ -108,7 +108,7 @@ impl Pages {
     }
 
     /// What a connection needs next; `None`: it is to be closed.
-    pub fn poll(&mut self, key: Key, now: Duration) -> Option<Next> {
+    pub fn poll(&mut self, key: Key, now: Duration) -> Option<NextAction> {
         if self.sessions.get(&key)?.does_not_read(now) {
             self.leave(key, now, ": it does not read");
         }
@@ -157,7 +157,7 @@ impl Pages {
     }
 
     /// A page says something.
-    pub fn hear(&mut self, key: Key, now: Duration, heard: Heard<'_>) {
+    pub fn hear(&mut self, key: Key, now: Duration, heard: PageEvent<'_>) {
         // What has lapsed by now has done so before this, and the console server is told.
         self.look(now);
         let holder = self.control.holder();
@@ -173,10 +173,10 @@ impl Pages {
     }
 
     /// The first thing that a page says is the token, or it is gone.
-    fn introduce(&mut self, key: Key, now: Duration, heard: &Heard<'_>) {
-        let Heard::Text(text) = *heard else { return self.forget(key) };
+    fn introduce(&mut self, key: Key, now: Duration, heard: &PageEvent<'_>) {
+        let PageEvent::Text(text) = *heard else { return self.forget(key) };
         let shown = match Message::read(text) {
-            Ok(Message { asked: Asked::Token(token), .. }) => self.token.is(&token),
+            Ok(Message { asked: PageRequest::Token(token), .. }) => self.token.is(&token),
             Ok(_) | Err(_) => false,
         };
         if shown {
@@ -194,20 +194,20 @@ impl Pages {
     }
 
     /// Takes what a page says; or why it is disconnected, in words that follow others.
-    fn take(&mut self, key: Key, page: Page, now: Duration, heard: Heard<'_>) -> Result<(), String> {
+    fn take(&mut self, key: Key, page: Page, now: Duration, heard: PageEvent<'_>) -> Result<(), String> {
         let Some(session) = self.sessions.get_mut(&key) else { return Ok(()) };
         let text = match heard {
-            Heard::Text(text) => text,
-            Heard::Control if session.rate.may(now) => return Ok(()),
-            Heard::Closed => return Err(String::new()),
-            Heard::Binary | Heard::Control => return Err(": it sent what is no text".to_owned()),
-            Heard::Failed(error) => return Err(format!(": {error}")),
+            PageEvent::Text(text) => text,
+            PageEvent::Control if session.rate.may(now) => return Ok(()),
+            PageEvent::Closed => return Err(String::new()),
+            PageEvent::Binary | PageEvent::Control => return Err(": it sent what is no text".to_owned()),
+            PageEvent::Failed(error) => return Err(format!(": {error}")),
         };
         let by = OnBehalf { page, heard: nanos(now) };
         let may = session.rate.may(now);
         let done = match Message::read(text) {
             // A stop is taken however much was said before; one that comes while the page's last one is under way is part of it.
-            Ok(Message { number, asked: Asked::Stop }) => {
+            Ok(Message { number, asked: PageRequest::Stop }) => {
                 if !session.stopping {
                     self.stop(key, by, number);
                 }
@@ -265,7 +265,7 @@ impl Pages {
     }
 
     /// Begins work with the files of poses.
-    pub(crate) fn begin_work(&mut self, key: Key, page: Page, number: u64, asked: Asked) {
+    pub(crate) fn begin_work(&mut self, key: Key, page: Page, number: u64, asked: PageRequest) {
         let (to, shown) = (self.awaits(key, page, number), self.scene.shown.get().clone());
         self.files += 1;
         self.actions.push_back(Action::Files { asked, shown, to });
@@ -309,7 +309,7 @@ impl Pages {
     }
 
     /// Something was done with the files of poses, which are these now.
-    pub fn worked(&mut self, to: To, outcome: Result<Told, String>, taught: Option<Utf8Bytes>) {
+    pub fn worked(&mut self, to: To, outcome: Result<WorkOutcome, String>, taught: Option<Utf8Bytes>) {
         let To { key, page, number } = to;
         self.files -= 1;
         if let Some(taught) = taught {
@@ -317,11 +317,11 @@ impl Pages {
         }
         // A page that does not read is disconnected when it is sent something.
         let _ = match outcome {
-            Ok(Told::Changed(told)) => {
+            Ok(WorkOutcome::Changed(told)) => {
                 self.note(&format!("page {page}: {told}"));
                 self.answer(key, number, "done", &told)
             }
-            Ok(Told::Way(way)) => {
+            Ok(WorkOutcome::Way(way)) => {
                 let said = json!({"kind": "answer", "n": number, "outcome": "done", "text": "", "way": way});
                 self.tell(key, said.to_string().into())
             }

@@ -9,7 +9,7 @@ use mrroc_core::console::refused;
 use mrroc_core::observe::layout::Layout;
 use mrroc_launch::{MemoryRunViewer, Panel};
 
-use crate::now::Looks;
+use crate::now::Appearance;
 use crate::run::{attend, play};
 use crate::run_history::OnMemory;
 
@@ -24,7 +24,7 @@ impl Panel for InBrowser {
 
     fn play(&self, layout: Layout, recording: &Path) -> ExitCode {
         match crate::recording::read(recording, &layout) {
-            Ok(history) => play(Arc::new(Looks::of(&layout)), history),
+            Ok(history) => play(Arc::new(Appearance::of(&layout)), history),
             Err(why) => refused(&why),
         }
     }

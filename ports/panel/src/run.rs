@@ -16,9 +16,9 @@ use mrroc_core::observe::layout::Layout;
 use tokio::net::TcpListener;
 use tokio::sync::watch;
 
-use crate::console_session::{ConsoleSession, Shown};
+use crate::console_session::{CellSnapshot, ConsoleSession};
 use crate::driver::{Panel, Source, look_after};
-use crate::now::Looks;
+use crate::now::Appearance;
 use crate::rules::token::Token;
 use crate::run_history::RunHistory;
 use crate::secured::Secured;
@@ -40,7 +40,7 @@ const CERTIFICATES: &str = "certificates";
 
 /// Shows a cell that runs, until it ends.
 pub fn attend(layout: &Layout, cell: &Path) -> ExitCode {
-    let looks = Arc::new(Looks::of(layout));
+    let looks = Arc::new(Appearance::of(layout));
     match ConsoleSession::open(cell, Arc::clone(&looks)) {
         Ok((console, shown)) => {
             // Of this thread and those that it begins. Where it may not be set, the cell is shown all the same.
@@ -52,11 +52,11 @@ pub fn attend(layout: &Layout, cell: &Path) -> ExitCode {
 }
 
 /// Shows a run that is over, until this process is ended.
-pub fn play(looks: Arc<Looks>, history: RunHistory) -> ExitCode {
+pub fn play(looks: Arc<Appearance>, history: RunHistory) -> ExitCode {
     begin(looks, Source::Over(Box::new(history)), None)
 }
 
-fn begin(looks: Arc<Looks>, source: Source, cell: Option<&Path>) -> ExitCode {
+fn begin(looks: Arc<Appearance>, source: Source, cell: Option<&Path>) -> ExitCode {
     let runtime = tokio::runtime::Builder::new_current_thread().enable_io().enable_time().build();
     let ended = match runtime {
         Ok(runtime) => {
@@ -96,7 +96,7 @@ fn asked(variable: Option<OsString>) -> io::Result<SocketAddr> {
     Ok(address)
 }
 
-async fn run(looks: Arc<Looks>, source: Source, cell: Option<&Path>) -> io::Result<()> {
+async fn run(looks: Arc<Appearance>, source: Source, cell: Option<&Path>) -> io::Result<()> {
     let asked = asked(std::env::var_os(ADDRESS))?;
     let secured = if asked.ip().is_loopback() {
         None
@@ -131,7 +131,7 @@ async fn run(looks: Arc<Looks>, source: Source, cell: Option<&Path>) -> io::Resu
 }
 
 /// Waits until the cell has ended, and its pages know it.
-async fn end(shown: Option<watch::Receiver<Shown>>) {
+async fn end(shown: Option<watch::Receiver<CellSnapshot>>) {
     match shown {
         Some(mut shown) => {
             // The thread that shows the cell says why it ends.

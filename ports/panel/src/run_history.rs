@@ -15,8 +15,8 @@ use mrroc_core::pose::Pose;
 use mrroc_core::robot::{MAX_JOINTS, Signals};
 use mrroc_launch::MemoryRunViewer;
 
-use crate::beside::{Carried, ReadingNow};
-use crate::now::{Looks, Now, RobotNow};
+use crate::beside::{CarriedLoad, ReadingNow};
+use crate::now::{Appearance, CellMoment, RobotNow};
 use crate::readings::{OLD, of_words};
 
 /// The time between two moments that are kept \[ns\], at first.
@@ -31,8 +31,8 @@ const PLOTTED: usize = 300;
 
 /// A run that is over, or that is being looked at.
 pub struct RunHistory {
-    moments: Vec<(u64, Now)>,
-    now: Now,
+    moments: Vec<(u64, CellMoment)>,
+    now: CellMoment,
     /// When each of the newest readings was collected \[ns\].
     read: Vec<u64>,
     every: u64,
@@ -55,9 +55,9 @@ impl RunHistory {
             doing: String::new(),
             jogs: false,
             stop: String::new(),
-            carried: Carried::default(),
+            carried: CarriedLoad::default(),
         });
-        let now = Now {
+        let now = CellMoment {
             period: u64::try_from(layout.step.as_nanos()).unwrap_or(u64::MAX),
             state: "idle",
             doing: "nothing",
@@ -65,7 +65,7 @@ impl RunHistory {
             robots: robots.collect(),
             bodies: vec![None; layout.bodies.len()],
             readings: vec![None; layout.sensors.len()],
-            ..Now::default()
+            ..CellMoment::default()
         };
         RunHistory {
             moments: Vec::new(),
@@ -224,14 +224,14 @@ impl RunHistory {
 
     /// The cell at a time \[s\]; `None` if nothing was seen.
     #[must_use]
-    pub fn at(&self, time: f64) -> Option<&Now> {
+    pub fn at(&self, time: f64) -> Option<&CellMoment> {
         let until = nanos(time);
         let next = self.moments.partition_point(|(at, _)| *at <= until);
         self.moments.get(next.saturating_sub(1)).map(|(_, now)| now)
     }
 
     /// Moments of the minute before a time \[s\], some hundreds at most.
-    pub fn minute(&self, time: f64) -> impl Iterator<Item = &Now> {
+    pub fn minute(&self, time: f64) -> impl Iterator<Item = &CellMoment> {
         let until = nanos(time);
         let [begin, end] = [until.saturating_sub(MINUTE), until]
             .map(|before| self.moments.partition_point(|(at, _)| *at < before));
@@ -337,6 +337,6 @@ impl StepObserver for OnMemory {
 impl MemoryRunViewer for OnMemory {
     fn show(&self) -> ExitCode {
         let history = std::mem::replace(&mut *self.history.borrow_mut(), RunHistory::of(&self.layout));
-        crate::run::play(Arc::new(Looks::of(&self.layout)), history)
+        crate::run::play(Arc::new(Appearance::of(&self.layout)), history)
     }
 }

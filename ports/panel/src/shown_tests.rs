@@ -15,7 +15,7 @@ use mrroc_robots::{Irp6, SimulatedIrp6, Six};
 use serde_json::json;
 
 use crate::console_session::now;
-use crate::now::Looks;
+use crate::now::Appearance;
 use crate::run_history::{RunHistory, StepSeen};
 
 const START: Six = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
@@ -80,7 +80,7 @@ fn picture(step: u64) -> Picture {
 
 #[test]
 fn a_page_is_shown_the_reading_the_tool_by_its_name_the_payload_and_the_bodies_that_are_known() {
-    let looks = Looks::of(&layout());
+    let looks = Appearance::of(&layout());
     let shown = looks.state(&now(picture(1010), &looks));
     assert_eq!(shown["readings"], json!([[1.0, 2.0, -3.0, 0.1, 0.2, 0.3]]));
     let carried = &shown["robots"][0]["carried"];
@@ -99,7 +99,7 @@ fn a_page_is_shown_the_reading_the_tool_by_its_name_the_payload_and_the_bodies_t
 
 #[test]
 fn fault_241_a_reading_that_is_old_or_a_fault_is_not_shown_of_a_cell_that_runs() {
-    let looks = Looks::of(&layout());
+    let looks = Appearance::of(&layout());
     let readings = |picture| looks.state(&now(picture, &looks))["readings"].clone();
     // A step has 2 ms: a second are 500 of them.
     assert!(readings(picture(1500))[0].is_array());

@@ -210,7 +210,7 @@ pub fn hand_eye(seen: &[(Pose, Pose)]) -> Result<InHand, NoFit> {
 
 /// What was found less well than to these standard deviations \[m, rad\].
 pub(crate) fn unsure(fit: &Fit, name: &str, limits: [f64; 2]) -> Vec<String> {
-    let told = |found: crate::Found| {
+    let told = |found: crate::FoundParameter| {
         let limit = if found.parameter.unit == Unit::Metre { limits[0] } else { limits[1] };
         let (unit, factor) = found.parameter.unit.shown();
         let (sigma, most) = (factor * found.sigma, factor * limit);

@@ -4,7 +4,7 @@
 
 use core::time::Duration;
 
-use crate::client::{Next, Trouble};
+use crate::client::{ClientAction, NoReading};
 use crate::framing::Lines;
 use crate::protocol::{Answer, Code, Request};
 
@@ -36,9 +36,9 @@ enum State {
 /// What becomes of an exchange.
 pub enum Progress {
     /// It goes on when this is done.
-    On(Next),
+    On(ClientAction),
     /// It is over.
-    Over(Result<Answer, Trouble>),
+    Over(Result<Answer, NoReading>),
 }
 
 /// What a line is to a question.
@@ -46,7 +46,7 @@ enum Heard {
     /// The answer to another one.
     Other,
     /// The answer, or what stands in its place.
-    Answer(Result<Answer, Trouble>),
+    Answer(Result<Answer, NoReading>),
 }
 
 impl Exchange {
@@ -73,7 +73,7 @@ impl Exchange {
                         Ok(Some(_)) => {
                             *passed += 1;
                             if *passed > MOST_BEFORE {
-                                return Progress::Over(Err(Trouble::Garbled));
+                                return Progress::Over(Err(NoReading::Garbled));
                             }
                             continue;
                         }
@@ -82,7 +82,7 @@ impl Exchange {
                     // More may have come that nobody has read yet.
                     if !(*is_read && is_quiet) {
                         *is_read = true;
-                        return Progress::On(Next::Receive { until: now });
+                        return Progress::On(ClientAction::Receive { until: now });
                     }
                     *outgoing = format!("{}\r\n", self.request).into_bytes();
                     self.state = State::Sending { until: now + SEND };
@@ -93,19 +93,19 @@ impl Exchange {
                 }
                 State::Sending { until } => {
                     if now < *until {
-                        return Progress::On(Next::Send { until: *until });
+                        return Progress::On(ClientAction::Send { until: *until });
                     }
                     outgoing.clear();
-                    return Progress::Over(Err(Trouble::Silent));
+                    return Progress::Over(Err(NoReading::Silent));
                 }
                 State::Waiting { until, others } => {
                     let line = match lines.next_line() {
                         Err(trouble) => return Progress::Over(Err(trouble)),
                         // What has come by the end of the time is read, however late it is looked at.
                         Ok(None) if is_quiet && now >= *until => {
-                            return Progress::Over(Err(Trouble::Silent));
+                            return Progress::Over(Err(NoReading::Silent));
                         }
-                        Ok(None) => return Progress::On(Next::Receive { until: *until }),
+                        Ok(None) => return Progress::On(ClientAction::Receive { until: *until }),
                         Ok(Some(line)) => line,
                     };
                     match heard(&line, self.request.transaction, checks) {
@@ -113,7 +113,7 @@ impl Exchange {
                         Heard::Other => {
                             (*until, *others) = (now + self.patience, *others + 1);
                             if *others == MOST_OTHERS {
-                                return Progress::Over(Err(Trouble::Silent));
+                                return Progress::Over(Err(NoReading::Silent));
                             }
                         }
                     }
@@ -126,7 +126,7 @@ impl Exchange {
 /// What a line is to the question of a transaction. An answer to an earlier question is not taken, nor one without a checksum of an instrument that
 /// knows them.
 fn heard(line: &str, transaction: u32, checks: &mut Option<bool>) -> Heard {
-    let Some(answer) = Answer::parse(line) else { return Heard::Answer(Err(Trouble::Garbled)) };
+    let Some(answer) = Answer::parse(line) else { return Heard::Answer(Err(NoReading::Garbled)) };
     // What an instrument could not read it may answer without a number.
     if answer.transaction != transaction && (answer.transport == Code::OK || answer.transaction != 0) {
         return Heard::Other;
@@ -135,10 +135,10 @@ fn heard(line: &str, transaction: u32, checks: &mut Option<bool>) -> Heard {
         checks.get_or_insert(answer.checked);
     }
     if *checks == Some(true) && !answer.checked || answer.transport.is_of_lines() {
-        return Heard::Answer(Err(Trouble::Garbled));
+        return Heard::Answer(Err(NoReading::Garbled));
     }
     Heard::Answer(match (answer.transport, answer.code) {
         (Code::OK, Code::OK) => Ok(answer),
-        (Code::OK, code) | (code, _) => Err(Trouble::Refused(code)),
+        (Code::OK, code) | (code, _) => Err(NoReading::Refused(code)),
     })
 }

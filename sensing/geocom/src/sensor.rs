@@ -10,7 +10,7 @@ use mrroc::fault::FaultKind;
 use mrroc::prelude::*;
 use mrroc_driver_kit::{Talk, Watch};
 
-use crate::client::{Next, Patience, Trouble};
+use crate::client::{ClientAction, NoReading, Patience};
 use crate::connection::Connection;
 use crate::handover::{Orders, Shared, Worker, fault};
 use crate::line::Line;
@@ -62,7 +62,7 @@ pub struct Theodolite {
     port: PathBuf,
     baud: u32,
     patience: Patience,
-    talk: Option<Talk<Shared, Trouble>>,
+    talk: Option<Talk<Shared, NoReading>>,
     orders: Orders,
 }
 
@@ -76,8 +76,8 @@ impl Theodolite {
     /// Over a line that is open already.
     ///
     /// # Errors
-    /// [`Trouble`]: the instrument does not answer; or this machine starts no more threads.
-    pub fn over<F: AsFd + Send + 'static>(line: Line<F>, patience: Patience) -> Result<Self, Trouble> {
+    /// [`NoReading`]: the instrument does not answer; or this machine starts no more threads.
+    pub fn over<F: AsFd + Send + 'static>(line: Line<F>, patience: Patience) -> Result<Self, NoReading> {
         let talk = Some(begin(line, patience)?);
         Ok(Self { port: PathBuf::new(), baud: 0, patience, talk, orders: Orders::default() })
     }
@@ -86,7 +86,7 @@ impl Theodolite {
 fn begin<F: AsFd + Send + 'static>(
     line: Line<F>,
     patience: Patience,
-) -> Result<Talk<Shared, Trouble>, Trouble> {
+) -> Result<Talk<Shared, NoReading>, NoReading> {
     let mut connection = Connection::new(line, patience);
     connection.greet()?;
     let (client, mut transport) = connection.into_parts();
@@ -95,7 +95,7 @@ fn begin<F: AsFd + Send + 'static>(
         while !watch.ends() {
             let (now, bytes) = transport.take();
             match worker.poll(now, bytes, shared) {
-                Next::Idle => std::thread::sleep(PAUSE),
+                ClientAction::Idle => std::thread::sleep(PAUSE),
                 next => {
                     let done = transport.carry_out(next, worker.client());
                     done.inspect_err(|_| worker.close(shared))?;
@@ -104,14 +104,14 @@ fn begin<F: AsFd + Send + 'static>(
         }
         Ok(())
     };
-    Talk::begin("theodolite", Shared::default(), Trouble::Closed, work).map_err(|_| Trouble::Closed)
+    Talk::begin("theodolite", Shared::default(), NoReading::Closed, work).map_err(|_| NoReading::Closed)
 }
 
 impl VirtualSensor for Theodolite {
     type Kind = Sighting;
 
     fn aggregate(&mut self, order: &ReadingOrder<Sight>) -> Result<Angles, Fault> {
-        let Some(talk) = &self.talk else { return Err(fault(Trouble::Closed)) };
+        let Some(talk) = &self.talk else { return Err(fault(NoReading::Closed)) };
         self.orders.aggregate(talk.handed(), order.configuration, talk.goes_on())
     }
 

@@ -59,7 +59,7 @@ pub struct Sample {
 
 /// What was seen of a run.
 #[derive(Debug, Default)]
-pub struct Seen {
+pub struct RunMeasurements {
     /// The largest relative pose error of the demands while the body was carried.
     pub demanded: Apart,
     /// The largest of each quantity of the samples, over all servo periods.
@@ -83,7 +83,7 @@ pub struct Seen {
 
 /// Watches a cell.
 #[derive(Clone, Debug, Default)]
-pub struct CellMonitor(Rc<RefCell<Seen>>);
+pub struct CellMonitor(Rc<RefCell<RunMeasurements>>);
 
 impl CellMonitor {
     /// One that has seen nothing yet.
@@ -94,7 +94,7 @@ impl CellMonitor {
 
     /// What it has seen.
     #[must_use]
-    pub fn into_seen(self) -> Seen {
+    pub fn into_seen(self) -> RunMeasurements {
         self.0.take()
     }
 
@@ -120,7 +120,7 @@ impl CellMonitor {
     }
 }
 
-impl Seen {
+impl RunMeasurements {
     /// Whether the hands closed, and held the body, if there is one, for as long as they were told to.
     #[must_use]
     pub const fn is_held(&self) -> bool {

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use mrroc::cell::RunReport;
 use mrroc::prelude::*;
 
-use crate::monitor::{CellMonitor, Seen};
+use crate::monitor::{CellMonitor, RunMeasurements};
 use crate::places::{EDGES, TABLE_EDGES, polycrank_base, table};
 use crate::plant::{Plant, calibration_error, drives};
 use crate::{cell, clear, mp, sensed};
@@ -115,7 +115,7 @@ impl Variant {
         self,
         file: &CellFile,
         also: impl FnOnce(Cell, Option<&Plant>) -> Cell,
-    ) -> Result<Seen, CellError> {
+    ) -> Result<RunMeasurements, CellError> {
         let Ready { cell, plant } = self.ready(file)?;
         let monitor = CellMonitor::new();
         let guard = clear::guard(file, clear::MARGINS)?;

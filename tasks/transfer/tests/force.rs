@@ -7,7 +7,7 @@ use mrroc::prelude::CellFile;
 use mrroc_calibration::Touches;
 use mrroc_robots::grasp::SimulatedWrist;
 use nalgebra::Vector3;
-use transfer::monitor::{CellMonitor, Seen};
+use transfer::monitor::{CellMonitor, RunMeasurements};
 use transfer::places::{bar, legs};
 use transfer::touching::touches;
 use transfer::variant::{Bases, Ready, Sensors, Variant};
@@ -16,7 +16,7 @@ use transfer::{cell, file, plant, sensed};
 /// Stiffness of a grasp [N/m].
 const K: f64 = 5e4;
 
-fn run(bases: Bases, sensors: Sensors) -> (Seen, mrroc::pose::Pose) {
+fn run(bases: Bases, sensors: Sensors) -> (RunMeasurements, mrroc::pose::Pose) {
     let file = file().expect("in order");
     let mut world = None;
     let seen = Variant::Bar { bases, sensors }.watched(&file, |cell, plant| {

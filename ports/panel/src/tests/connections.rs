@@ -10,7 +10,7 @@ use tokio::sync::{oneshot, watch};
 use tokio::time::Instant;
 
 use super::*;
-use crate::driver::{Asks, Panel, Source, look_after};
+use crate::driver::{Panel, RequestSink, Source, look_after};
 use crate::rules::CONNECTIONS;
 use crate::rules::token::Token;
 use crate::server::Connections;
@@ -24,13 +24,13 @@ struct Served {
     token: String,
     /// What its console server was asked for.
     asked: Arc<AtomicUsize>,
-    _shown: watch::Sender<Shown>,
+    _shown: watch::Sender<CellSnapshot>,
 }
 
 /// A console server that does at once all that it is asked for, and counts it.
 struct AtOnce(Arc<AtomicUsize>);
 
-impl Asks for AtOnce {
+impl RequestSink for AtOnce {
     fn ask(&self, request: Request, _: OnBehalf) -> oneshot::Receiver<Reply> {
         let (answer, answered) = oneshot::channel();
         self.0.fetch_add(1, Ordering::Relaxed);

@@ -4,7 +4,7 @@ use serde_json::json;
 
 use super::pages::{fixture, of_history};
 use super::*;
-use crate::events::Heard;
+use crate::events::PageEvent;
 use crate::run_history::{RunHistory, StepSeen};
 
 #[test]
@@ -50,12 +50,14 @@ fn a_page_is_shown_the_newest_picture_and_told_why_there_are_no_more() {
     // Two pictures before it looks: it is shown the second one.
     for step in [1001, 1002] {
         let text = json!({"kind": "state", "step": step}).to_string();
-        fixture.pages.show(Shown { text: Some(text.into()), ..Shown::default() });
+        fixture.pages.show(CellSnapshot { text: Some(text.into()), ..CellSnapshot::default() });
     }
     assert!(fixture.pages.has_news());
     fixture.settle();
     assert_eq!(fixture.next(page), Some(json!({"kind": "state", "step": 1002})));
-    fixture.pages.show(Shown { over: Some("the cell has ended".to_owned()), ..Shown::default() });
+    fixture
+        .pages
+        .show(CellSnapshot { over: Some("the cell has ended".to_owned()), ..CellSnapshot::default() });
     fixture.settle();
     assert_eq!(fixture.next(page), Some(json!({"kind": "over", "text": "the cell has ended"})));
     assert_eq!(fixture.next(page), None);
@@ -72,7 +74,7 @@ fn of_the_notes_that_a_page_does_not_take_the_oldest_are_dropped() {
     for _ in 0..20 {
         // Each comes and goes.
         let other = fixture.known();
-        fixture.hear(other, Heard::Closed);
+        fixture.hear(other, PageEvent::Closed);
     }
     fixture.stuck.clear();
     fixture.pages.sent(page);

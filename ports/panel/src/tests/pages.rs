@@ -8,10 +8,10 @@ use mrroc_processes::{Reply, Request};
 use serde_json::Value;
 
 use super::*;
-use crate::events::{Action, Heard, Key, Kind, To};
+use crate::events::{Action, Key, Kind, PageEvent, To};
 use crate::pages::Pages;
 use crate::poses::Poses;
-use crate::rules::request::Asked;
+use crate::rules::request::PageRequest;
 use crate::rules::token::Token;
 use crate::run_history::RunHistory;
 use crate::session::Outgoing;
@@ -23,7 +23,7 @@ type Answers = Box<dyn FnMut(&Request) -> Option<Reply>>;
 /// Pages of a cell that is not there.
 pub struct Fixture {
     pub pages: Pages,
-    pub looks: Arc<Looks>,
+    pub looks: Arc<Appearance>,
     pub token: String,
     pub now: Duration,
     answers: Answers,
@@ -35,7 +35,7 @@ pub struct Fixture {
     pub said: Vec<String>,
     /// The files of poses, if there are any; work with them that waits, if they do not answer.
     pub poses: Option<Poses>,
-    pub work: VecDeque<(To, Asked, Shown)>,
+    pub work: VecDeque<(To, PageRequest, CellSnapshot)>,
     /// What each page was sent and has not heard, and when a frame that it does not take was sent.
     sent: BTreeMap<Key, VecDeque<Value>>,
     /// Pages that do not read.
@@ -98,10 +98,10 @@ impl Fixture {
 
     /// A page says something.
     pub fn say(&mut self, key: Key, message: &Value) {
-        self.hear(key, Heard::Text(&message.to_string()));
+        self.hear(key, PageEvent::Text(&message.to_string()));
     }
 
-    pub fn hear(&mut self, key: Key, heard: Heard<'_>) {
+    pub fn hear(&mut self, key: Key, heard: PageEvent<'_>) {
         self.pages.hear(key, self.now, heard);
         self.settle();
     }

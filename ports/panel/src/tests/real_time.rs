@@ -26,7 +26,7 @@ struct Served {
     address: SocketAddr,
     token: String,
     asked: Receiver<Request>,
-    _shown: watch::Sender<Shown>,
+    _shown: watch::Sender<CellSnapshot>,
 }
 
 /// A page: a connection that was upgraded.

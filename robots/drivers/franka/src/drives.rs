@@ -18,7 +18,7 @@ use crate::behaviour::Behaviour;
 use crate::link::{Answers, LAST_BITS, Link, Motion, answer};
 use crate::message::{Mode, Request, State};
 use crate::network::{Network, Sockets};
-use crate::opening::{Awaited, First, Opening, TIMEOUT};
+use crate::opening::{AwaitedMessage, FirstState, Opening, TIMEOUT};
 use crate::rejoining::Joints;
 use crate::requests::Requests;
 use crate::settings::FciSettings;
@@ -73,14 +73,14 @@ impl<N: Network> Fci<N> {
         let mut opening = Opening::new(began, network.now(), id);
         loop {
             let came = match opening.poll(network.now())? {
-                Awaited::Answer => match answer(network, &mut requests).map_err(|_| ABSENT)? {
+                AwaitedMessage::Answer => match answer(network, &mut requests).map_err(|_| ABSENT)? {
                     Some(answer) => {
                         opening.answer(&answer)?;
                         true
                     }
                     None => false,
                 },
-                Awaited::State => match first(network) {
+                AwaitedMessage::State => match first(network) {
                     Some(first) => {
                         let FciSettings { collision, stiffness, .. } = self.settings;
                         let behaviour = Behaviour::new(collision, stiffness, self.sets, self.load);
@@ -117,10 +117,10 @@ impl<N: Network> Fci<N> {
 }
 
 /// The newest state, if one has come that can be read.
-fn first(network: &mut impl Network) -> Option<First> {
+fn first(network: &mut impl Network) -> Option<FirstState> {
     let received = network.newest()?;
     let said = State::read(received.bytes)?;
-    Some(First { said, from: received.from, came: received.came })
+    Some(FirstState { said, from: received.from, came: received.came })
 }
 
 impl<R: Robot<Joints = Joints>, N: Network> Driver<R> for Fci<N> {

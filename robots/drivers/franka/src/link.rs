@@ -13,7 +13,7 @@ use crate::behaviour::Behaviour;
 use crate::limits;
 use crate::message::{Answer, Request, State, command};
 use crate::network::Network;
-use crate::opening::First;
+use crate::opening::FirstState;
 use crate::rejoining::{Joints, Rejoining, Setpoint};
 use crate::requests::Requests;
 use crate::stops::{CUT_OFF, ENDED, NETWORK, REFUSED, TOO_FAR};
@@ -99,7 +99,7 @@ pub(crate) fn answer(network: &mut impl Network, requests: &mut Requests) -> io:
 
 impl Link {
     /// To a robot that has said its first state, which is read now.
-    pub fn new(requests: Requests, behaviour: Behaviour, now: Duration, first: First) -> Link {
+    pub fn new(requests: Requests, behaviour: Behaviour, now: Duration, first: FirstState) -> Link {
         Link {
             requests,
             said: first.said,

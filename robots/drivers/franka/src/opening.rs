@@ -15,7 +15,7 @@ pub(crate) const TIMEOUT: Duration = Duration::from_secs(2);
 
 /// The first state of a robot.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct First {
+pub(crate) struct FirstState {
     pub said: State,
     pub from: SocketAddr,
     pub came: Duration,
@@ -32,7 +32,7 @@ pub(crate) struct Opening {
 
 /// What comes next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Awaited {
+pub(crate) enum AwaitedMessage {
     Answer,
     State,
 }
@@ -47,10 +47,10 @@ impl Opening {
     ///
     /// # Errors
     /// It was awaited for long enough.
-    pub fn poll(&self, now: Duration) -> Result<Awaited, DriveFault> {
+    pub fn poll(&self, now: Duration) -> Result<AwaitedMessage, DriveFault> {
         match self.asked {
-            Some((_, until)) if now < until => Ok(Awaited::Answer),
-            None if now < self.until => Ok(Awaited::State),
+            Some((_, until)) if now < until => Ok(AwaitedMessage::Answer),
+            None if now < self.until => Ok(AwaitedMessage::State),
             Some(_) | None => Err(ABSENT),
         }
     }

@@ -38,6 +38,6 @@ pub use serial::Serial;
 pub use session::{Network, Session};
 pub use speed::Speed;
 pub use talk::{Handed, Talk, Watch};
-pub use tcp::{Cut, Cutting, Frame, Line, MAX_FRAME, Refused, RobotListener};
+pub use tcp::{Cut, Cutting, Frame, Line, MAX_FRAME, RefusedCounts, RobotListener};
 pub use times::Times;
 pub use udp::{Arrived, Counted, Datagram, Guest, MAX_DATAGRAM};

@@ -61,7 +61,7 @@ impl Frame {
 
 /// What was not taken.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Refused {
+pub struct RefusedCounts {
     /// Connections of others than the robot.
     pub of_others: u64,
     /// Connections of the robot while another one was open.
@@ -81,9 +81,9 @@ struct Counters {
 }
 
 impl Counters {
-    fn read(&self) -> Refused {
+    fn read(&self) -> RefusedCounts {
         let read = |counter: &AtomicU64| counter.load(Ordering::Relaxed);
-        Refused {
+        RefusedCounts {
             of_others: read(&self.of_others),
             second: read(&self.second),
             malformed: read(&self.malformed),
@@ -176,7 +176,7 @@ impl Line {
 
     /// What was not taken so far.
     #[must_use]
-    pub fn refused(&self) -> Refused {
+    pub fn refused(&self) -> RefusedCounts {
         self.counters.read()
     }
 }
@@ -298,7 +298,7 @@ impl RobotListener {
 
     /// What was not taken so far, on its lines too.
     #[must_use]
-    pub fn refused(&self) -> Refused {
+    pub fn refused(&self) -> RefusedCounts {
         self.counters.read()
     }
 }
@@ -394,7 +394,7 @@ mod tests {
         // No frame begins with 0.
         robot.write_all(&[0, 7]).expect("sent");
         until(|| (!line.is_open()).then_some(()));
-        assert_eq!(line.refused(), Refused { malformed: 1, ..Refused::default() });
+        assert_eq!(line.refused(), RefusedCounts { malformed: 1, ..RefusedCounts::default() });
         assert!(line.send(b"more").is_err());
     }
 

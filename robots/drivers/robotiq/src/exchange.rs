@@ -38,7 +38,7 @@ pub(crate) struct Shared {
 
 /// What the gripper says, as the drives see it.
 #[derive(Clone, Copy, Debug)]
-pub struct Heard {
+pub struct TimedStatus {
     pub status: Status,
     /// The speed of the fingers, in its numbers a second: positive while they close.
     pub speed: f64,
@@ -75,7 +75,7 @@ impl Link {
     ///
     /// # Errors
     /// Why nothing more is heard.
-    pub fn heard(&self) -> Result<Option<Heard>, DriveFault> {
+    pub fn heard(&self) -> Result<Option<TimedStatus>, DriveFault> {
         self.session.goes_on()?;
         if !self.shared.times.has_heard() {
             return Ok(None);
@@ -85,7 +85,7 @@ impl Link {
         }
         let Shared { status, speed, .. } = &*self.shared;
         let status = Status::from_word(status.load(Ordering::Relaxed));
-        Ok(status.map(|status| Heard { status, speed: speed.get() }))
+        Ok(status.map(|status| TimedStatus { status, speed: speed.get() }))
     }
 
     /// Where the fingers are held, or were told to go last.

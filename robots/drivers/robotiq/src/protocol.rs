@@ -10,7 +10,7 @@ use std::sync::Arc;
 use mrroc::robot::{DriveFault, RobotStop, StopCause};
 use mrroc_driver_kit::{NotConnected, Protocol, Received, Speed};
 use mrroc_modbus::client::{Broken, Client, lost};
-use mrroc_modbus::message::{Answer, Asked, NoAnswer, Table};
+use mrroc_modbus::message::{Answer, NoAnswer, Table, UnitRequest};
 
 use crate::drives::RobotiqSettings;
 use crate::exchange::{Inactive, Shared};
@@ -167,8 +167,8 @@ impl GripperProtocol {
 
     /// The next question of the phase.
     fn ask(&mut self, now: Duration, send: &mut Vec<u8>) {
-        const READ: Asked = Asked::Read(Table::InputRegisters, STATUS, 3);
-        let write = |request: Request| Asked::Write(REQUEST, request.registers());
+        const READ: UnitRequest = UnitRequest::Read(Table::InputRegisters, STATUS, 3);
+        let write = |request: Request| UnitRequest::Write(REQUEST, request.registers());
         let what = match &mut self.phase {
             Phase::Status(_) => {
                 self.asked_until.get_or_insert(now + self.patience);

@@ -28,7 +28,7 @@ use crate::script::Script;
 use crate::set_point::{Ask, SetPoint};
 use crate::state::State;
 use crate::stop::{self, Connected};
-use crate::wire::{Job, JobState, Lost, Ports, Sockets, Wire};
+use crate::wire::{ConnectionLost, Job, JobState, Ports, Sockets, Wire};
 
 /// The controller's period.
 pub const PERIOD: Duration = Duration::from_millis(2);
@@ -138,7 +138,7 @@ const OTHER_ARM: DriveFault = DriveFault::Other(
     "the `calibration` in cell.toml is not that of this arm: print it anew by `-- calibration`, followed by the robot's name",
 );
 
-fn lost(why: Lost) -> DriveFault {
+fn lost(why: ConnectionLost) -> DriveFault {
     DriveFault::Stopped(RobotStop::new(StopCause::CommunicationLost).named(why.0))
 }
 
@@ -199,7 +199,7 @@ impl<W: Wire> Ur<W> {
     }
 
     /// Hears all that has come, and returns how old the last of it is.
-    fn hear(&mut self, now: Duration) -> Result<Option<Duration>, Lost> {
+    fn hear(&mut self, now: Duration) -> Result<Option<Duration>, ConnectionLost> {
         let mut age = None;
         while let Some(heard) = self.wire.heard(now)? {
             (self.state, age) = (Some(heard.state), Some(heard.age));

@@ -15,7 +15,7 @@ use mrroc::sensor::Frames;
 use super::parts::{PartSensor, Spotted};
 use super::sampled::Sampled;
 use super::sighting::Sighting;
-use crate::aggregation::{Found, Vision};
+use crate::aggregation::{DetectedObject, Vision};
 use crate::physics::{Imager, LightBarrier};
 use crate::view::View;
 
@@ -29,7 +29,7 @@ pub enum Trigger {
 }
 
 /// What is told of each image: the grey values, what was found, the time of the exposure \[s\] and the way of the belt then \[m\].
-pub type ImageObserver = Box<dyn FnMut(&[u8], &[Found], f64, f64)>;
+pub type ImageObserver = Box<dyn FnMut(&[u8], &[DetectedObject], f64, f64)>;
 
 /// A camera over a scene.
 pub struct CameraSensor<S> {

@@ -10,7 +10,7 @@
 use mrroc::prelude::*;
 
 use super::parts::{OnBelt, PartSensor, Pending, Spotted};
-use crate::aggregation::{Heard, Hearing, Relief, Reliefs};
+use crate::aggregation::{HeardObject, Hearing, Relief, Reliefs};
 use crate::physics::Sounders;
 use crate::ultrasound::Echo;
 use crate::view::View;
@@ -21,7 +21,7 @@ pub trait Listener {
     fn pinged(&mut self, number: usize, time: f64, echo: Option<Echo>, sounders: &Sounders);
 
     /// A thing was evaluated.
-    fn evaluated(&mut self, relief: &Relief, heard: &Heard);
+    fn evaluated(&mut self, relief: &Relief, heard: &HeardObject);
 }
 
 /// A matrix over a scene.

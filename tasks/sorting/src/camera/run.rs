@@ -10,7 +10,9 @@ use mrroc::prelude::*;
 use mrroc::robot::RobotView;
 use mrroc_robots::clearance::{Closest, DryRun};
 use mrroc_robots::grasp::{Hand, Sink, Touch, Whereabouts, World};
-use mrroc_sensors::aggregation::{FEATURES, Found, Heard, Network, NetworkError, Relief, Vision};
+use mrroc_sensors::aggregation::{
+    DetectedObject, FEATURES, HeardObject, Network, NetworkError, Relief, Vision,
+};
 use mrroc_sensors::physics::{Imager, LightBarrier, Noise};
 use mrroc_sensors::view::View as _;
 use mrroc_sensors::virtual_sensors::{CameraSensor, Encoder, Sampled, Trigger};
@@ -102,9 +104,9 @@ pub struct Looks {
     /// Things that were found, and what they truly were.
     pub all: Vec<Look>,
     /// The first images, and what was found in them.
-    pub images: Vec<(Vec<u8>, Vec<Found>)>,
+    pub images: Vec<(Vec<u8>, Vec<DetectedObject>)>,
     /// The first reliefs, and what was made of them.
-    pub reliefs: Vec<(Relief, Heard)>,
+    pub reliefs: Vec<(Relief, HeardObject)>,
     /// What one transducer heard while the first part passed.
     pub traces: Vec<Trace>,
     /// So many images or reliefs are kept.
@@ -437,7 +439,7 @@ fn compare(
     world: World,
     parts: Rc<[Coming]>,
     looks: Rc<RefCell<Looks>>,
-) -> impl FnMut(&[u8], &[Found], f64, f64) {
+) -> impl FnMut(&[u8], &[DetectedObject], f64, f64) {
     let turns: Vec<u32> = kinds().iter().map(|kind| kind.class.turns).collect();
     move |image, found, _, way| {
         let looks = &mut *looks.borrow_mut();

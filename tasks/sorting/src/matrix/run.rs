@@ -6,7 +6,9 @@ use std::rc::Rc;
 use mrroc::cell_file::{CellFile, CellFileError};
 use mrroc::prelude::*;
 use mrroc_robots::grasp::World;
-use mrroc_sensors::aggregation::{Heard, Hearing, Network, NetworkError, RELIEF_FEATURES, Relief, Reliefs};
+use mrroc_sensors::aggregation::{
+    HeardObject, Hearing, Network, NetworkError, RELIEF_FEATURES, Relief, Reliefs,
+};
 use mrroc_sensors::physics::Sounders;
 use mrroc_sensors::ultrasound::{Air, Echo};
 use mrroc_sensors::view::View as _;
@@ -137,7 +139,7 @@ impl Listener for MatrixMonitor {
         }
     }
 
-    fn evaluated(&mut self, relief: &Relief, heard: &Heard) {
+    fn evaluated(&mut self, relief: &Relief, heard: &HeardObject) {
         let looks = &mut *self.looks.borrow_mut();
         if looks.reliefs.len() < looks.keep {
             looks.reliefs.push((relief.clone(), heard.clone()));

@@ -3,7 +3,7 @@
 use core::f64::consts::PI;
 use std::fmt::Write as _;
 
-use mrroc_sensors::aggregation::{Classifier, Deaf, Heard, Hearing, RELIEF_FEATURES, Relief, Reliefs};
+use mrroc_sensors::aggregation::{Classifier, Deaf, HeardObject, Hearing, RELIEF_FEATURES, Relief, Reliefs};
 use mrroc_sensors::physics::{Noise, Sounders};
 use mrroc_sensors::ultrasound::Air;
 
@@ -18,7 +18,7 @@ pub struct Trial {
     /// Its kind; `None` of a stranger.
     pub kind: Option<usize>,
     /// What was made of it; `None` of what was not noticed.
-    pub heard: Option<Heard>,
+    pub heard: Option<HeardObject>,
     /// How far its place was off, along and across \[m\].
     pub off: [f64; 2],
     /// How far its angle was off \[rad\].
@@ -67,7 +67,7 @@ pub fn examine(
     seed: u64,
     conditions: &Conditions,
     classifier: Box<dyn Classifier>,
-    mut show: impl FnMut(&Lying, &Relief, &Heard),
+    mut show: impl FnMut(&Lying, &Relief, &HeardObject),
 ) -> Result<Vec<Trial>, Deaf> {
     let mut random = Noise::seeded(seed);
     let (kinds, strangers) = (kinds(), strangers());
@@ -119,7 +119,7 @@ pub fn examine(
         let part = &passing.parts[0];
         let off = evaluated
             .as_ref()
-            .map_or([0.0; 2], |heard: &Heard| [heard.place.x - truly.x, heard.place.y - truly.y]);
+            .map_or([0.0; 2], |heard: &HeardObject| [heard.place.x - truly.x, heard.place.y - truly.y]);
         let turns = part.kind.map_or(0, |kind| kinds[kind].class.turns);
         let turned = evaluated.as_ref().map_or(0.0, |heard| turned(heard.angle, part.angle, turns));
         trials.push(Trial { kind: part.kind, heard: evaluated, off, turned });

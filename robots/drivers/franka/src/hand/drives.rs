@@ -12,7 +12,7 @@ use mrroc::robot::{
 use mrroc_driver_kit::{Network, recall};
 use mrroc_robots::One;
 
-use super::exchange::{Heard, Link, Unhomed};
+use super::exchange::{HandStatus, Link, Unhomed};
 use super::faults::CLOSED;
 
 /// A hand at an address.
@@ -83,7 +83,7 @@ impl Hand {
         self.link.as_ref().ok_or(CLOSED)
     }
 
-    fn heard(&self) -> Result<Heard, DriveFault> {
+    fn heard(&self) -> Result<HandStatus, DriveFault> {
         self.link()?.heard()?.ok_or(CLOSED)
     }
 }
@@ -92,7 +92,7 @@ fn connect(network: &Network, settings: &HandSettings, presses: bool) -> Result<
     Link::begin(network, settings, presses, Unhomed::Refused)
 }
 
-fn measured(heard: &Heard) -> Measured<One> {
+fn measured(heard: &HandStatus) -> Measured<One> {
     Measured { position: One::new(heard.width), velocity: One::new(heard.speed) }
 }
 

@@ -11,7 +11,7 @@ use std::net::{IpAddr, SocketAddr};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::time::Instant;
 
-use mrroc_driver_kit::{Cut, Frame, Line, Refused, RobotListener};
+use mrroc_driver_kit::{Cut, Frame, Line, RefusedCounts, RobotListener};
 
 /// A frame that has come.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,7 +49,7 @@ pub trait Listener {
     fn accept(&mut self) -> Option<Self::Connection>;
 
     /// What was not taken so far.
-    fn refused(&self) -> Refused;
+    fn refused(&self) -> RefusedCounts;
 }
 
 /// A network with one controller in it, and a clock.
@@ -138,7 +138,7 @@ impl Listener for TcpPort {
         self.0.answer().map(|line| TcpConnection { line, last: None })
     }
 
-    fn refused(&self) -> Refused {
+    fn refused(&self) -> RefusedCounts {
         self.0.refused()
     }
 }
