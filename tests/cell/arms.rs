@@ -53,8 +53,8 @@ fn cell(file: &CellFile) -> Result<Cell, CellError> {
         }
         _ => cell,
     };
-    let patience = own_option(TIMEOUT).and_then(|seconds| seconds.parse().ok());
-    let cell = match patience {
+    let timeout = own_option(TIMEOUT).and_then(|seconds| seconds.parse().ok());
+    let cell = match timeout {
         Some(seconds) => cell.end_when_stuck(Duration::from_secs(seconds)),
         None => cell,
     };

@@ -116,7 +116,7 @@ impl Driver<Gripper> for Remote {
     }
 
     fn pace(&self) -> Pace {
-        Pace::Robot { patience: Duration::from_secs(2) }
+        Pace::Robot { timeout: Duration::from_secs(2) }
     }
 
     fn pulse(&mut self, _: Duration) -> Result<Option<Pulse>, DriveFault> {

@@ -142,8 +142,8 @@ fn a_plant_needs_a_port_that_the_program_of_the_cell_knows() {
         ("{ }", "a plant without `port`"),
         ("{ port = 3 }", "a name, in quotes"),
         ("{ port = \"my world\" }", "write port = \"..\" with such a name"),
-        ("{ port = \"w\", patience_ms = 55000 }", "milliseconds up to 50000"),
-        ("{ port = \"w\", patience = 5 }", "unknown key `patience`"),
+        ("{ port = \"w\", timeout_ms = 55000 }", "milliseconds up to 50000"),
+        ("{ port = \"w\", timeout = 5 }", "unknown key `timeout`"),
     ] {
         let complaints = complaints(&cell(plant));
         assert!(complaints.contains(told), "{complaints}");

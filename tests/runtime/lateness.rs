@@ -65,7 +65,7 @@ fn fault_11_a_sensor_slower_than_a_step_slows_the_steps_and_not_the_motion() {
 }
 
 #[test]
-fn a_sensor_slower_than_the_patience_of_its_ecp_is_named_itself() {
+fn a_sensor_slower_than_the_timeout_of_its_ecp_is_named_itself() {
     let (robot, _) = gantry("g");
     let robot = robot.program(|ecp| {
         let mut counter = ecp.sensor::<Counter>("counter")?;

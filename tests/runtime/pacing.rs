@@ -77,7 +77,7 @@ impl Driver<Gantry> for Controller {
     }
 
     fn pace(&self) -> Pace {
-        Pace::Robot { patience: TIMEOUT }
+        Pace::Robot { timeout: TIMEOUT }
     }
 
     fn pulse(&mut self, now: Duration) -> Result<Option<Pulse>, DriveFault> {
@@ -286,7 +286,7 @@ impl Driver<Gantry> for Waits {
     }
 
     fn pace(&self) -> Pace {
-        Pace::Robot { patience: MS * 200 }
+        Pace::Robot { timeout: MS * 200 }
     }
 
     fn pulse(&mut self, now: Duration) -> Result<Option<Pulse>, DriveFault> {

@@ -207,7 +207,7 @@ pub struct External<K: Sensor> {
     step: u64,
     numbers: Numbers,
     /// How long the program may take to send something before the cell begins without it \[ns\].
-    patience: u64,
+    timeout: u64,
     /// Of a program on another machine: where it calls, and the cell file.
     elsewhere: Option<(SocketAddr, PathBuf)>,
     // It ends before the port, which removes what a killed one leaves.
@@ -250,7 +250,7 @@ impl<K: Sensor> External<K> {
             rate: entry.rate(),
             step: u64::try_from(entry.step().as_nanos()).unwrap_or(u64::MAX).max(1),
             numbers,
-            patience: TIMEOUT,
+            timeout: TIMEOUT,
             elsewhere: entry.address().map(|address| (address, entry.cell_file().to_owned())),
             gateway: None,
             port: None,
@@ -294,7 +294,7 @@ impl<K: Sensor> External<K> {
     /// Waits for a first message, so that programs and cell can be started in either order. What is wrong with it is told when the program
     /// sends the next one, and if none comes, that is told by whoever reads the sensor.
     fn await_program(&self) {
-        let until = monotonic().saturating_add(self.patience);
+        let until = monotonic().saturating_add(self.timeout);
         let has_come = || self.port.as_ref().is_none_or(|port| port.newest().is_some());
         while !has_come() && monotonic() < until {
             std::thread::sleep(LOOK);

@@ -124,11 +124,11 @@ pub(crate) fn launch(cell: Cell, plan: &Plan) -> Result<Launched, LaunchError> {
                 let console_server = open_console_server(&session, shown, &process_set, record)?;
                 let run = match plan.clock {
                     Clock::Real => {
-                        let patience = Timeouts { stop, computing };
+                        let timeout = Timeouts { stop, computing };
                         let lower =
                             cells_that_await_reset.iter().map(|cell| LatchNotes::of_lower(*cell)).collect();
                         let notes = (LatchNotes::new(awaits_reset), lower);
-                        Supervision::new(&process_set, &signals, &console_server, &board, patience, notes)
+                        Supervision::new(&process_set, &signals, &console_server, &board, timeout, notes)
                             .run(plan.watched)
                     }
                     Clock::Virtual => pace(&process_set, &signals, console_server, stop)?,

@@ -61,7 +61,7 @@ pub(super) struct Supervision<'a> {
     console_server: &'a ConsoleServer,
     board: &'a StateBoard,
     mp: Option<usize>,
-    patience: Timeouts,
+    timeout: Timeouts,
     /// The first process that died.
     death: Option<Fault>,
     /// Until when the MP's program has to end after an abort.
@@ -89,7 +89,7 @@ impl<'a> Supervision<'a> {
         signals: &'a Signals,
         console_server: &'a ConsoleServer,
         board: &'a StateBoard,
-        patience: Timeouts,
+        timeout: Timeouts,
         (latch_notes, lower_notes): (LatchNotes, Vec<LatchNotes>),
     ) -> Self {
         let at = |cell: Option<Name>| {
@@ -106,13 +106,13 @@ impl<'a> Supervision<'a> {
             console_server,
             board,
             mp: process_set.members.iter().position(|member| member.id == ProcessId::MP),
-            patience,
+            timeout,
             death: None,
             aborting: None,
             closing: None,
             suspending: None,
             rounds_at_rest: 0,
-            mp_watch: MpWatch::new(patience.computing),
+            mp_watch: MpWatch::new(timeout.computing),
             latch_notes,
             lower_notes,
             mp_is_still: false,
@@ -174,10 +174,10 @@ impl<'a> Supervision<'a> {
         self.signals.clear();
         if self.signals.ends() && self.aborting.is_none() {
             self.process_set.tell_mp(&Frame::Abort);
-            self.aborting = Some(Instant::now() + self.patience.stop + ABORTING);
+            self.aborting = Some(Instant::now() + self.timeout.stop + ABORTING);
         }
         if self.signals.take_stop() && self.suspending.is_none() {
-            self.suspending = Some(Instant::now() + self.patience.stop + SUSPENDING);
+            self.suspending = Some(Instant::now() + self.timeout.stop + SUSPENDING);
             self.rounds_at_rest = 0;
             self.press_suspend();
         }
@@ -247,7 +247,7 @@ impl<'a> Supervision<'a> {
     fn close(&mut self) {
         if self.closing.is_none() {
             self.process_set.tell(&Frame::Close);
-            self.closing = Some(Instant::now() + self.patience.stop + self.process_set.closing());
+            self.closing = Some(Instant::now() + self.timeout.stop + self.process_set.closing());
         }
     }
 
@@ -302,7 +302,7 @@ impl<'a> Supervision<'a> {
             Still::ToBeTold(seconds) => complain(&format!(
                 "note: mp: it has begun no step for {seconds} s: {}; its robots stand; after {} s in all the cell is ended",
                 self.what_mp_does(),
-                self.patience.computing.as_secs_f64()
+                self.timeout.computing.as_secs_f64()
             )),
             Still::ToBeEnded(seconds) => {
                 let kind =

@@ -207,13 +207,13 @@ impl Drop for Relay {
     fn drop(&mut self) {
         let Some(thread) = self.thread.take() else { return };
         self.closing.store(true, Ordering::Release);
-        let patience = write_timeout(&self.file);
+        let timeout = write_timeout(&self.file);
         let (mut since, mut seen) = (Instant::now(), self.received.load(Ordering::Acquire));
         while !thread.is_finished() {
             let received = self.received.load(Ordering::Acquire);
             if received != seen {
                 (since, seen) = (Instant::now(), received);
-            } else if since.elapsed() > patience {
+            } else if since.elapsed() > timeout {
                 complain(&format!(
                     "warning: {}: nothing more can be written: records are lost",
                     self.file.display()

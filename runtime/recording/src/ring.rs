@@ -39,7 +39,7 @@ pub(super) fn begin(recording: &Recording, layout: Layout, clock: Clock, open: O
         clock,
         rest: REST,
         flush: FLUSH,
-        patience: write_timeout(recording.file()),
+        timeout: write_timeout(recording.file()),
         stack: STACK,
         is_asked_for: Box::new(move |by, what: &StepEvent| is_asked_for(&asked, by, what)),
         tell: Arc::new(move |trouble: &RingError| tell(&name, trouble)),

@@ -44,7 +44,7 @@ impl NoReading {
 
 /// How long answers are waited for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Patience {
+pub struct Timeouts {
     /// Where nothing turns; 3 s.
     pub answer: Duration,
     /// Where the instrument turns to a target; 30 s.
@@ -53,7 +53,7 @@ pub struct Patience {
     pub times: u32,
 }
 
-impl Default for Patience {
+impl Default for Timeouts {
     fn default() -> Self {
         Self { answer: Duration::from_secs(3), turn: Duration::from_secs(30), times: 3 }
     }
@@ -93,9 +93,9 @@ pub enum ClientAction {
 ///
 /// ```
 /// use core::time::Duration;
-/// use mrroc_geocom::{Client, ClientAction, Patience, NoReading};
+/// use mrroc_geocom::{Client, ClientAction, Timeouts, NoReading};
 ///
-/// let mut client = Client::new(Patience { times: 1, ..Patience::default() });
+/// let mut client = Client::new(Timeouts { times: 1, ..Timeouts::default() });
 /// client.greet();
 /// let second = Duration::from_secs;
 /// assert_eq!(client.poll(second(5), &[]), ClientAction::Receive { until: second(5) });
@@ -107,7 +107,7 @@ pub enum ClientAction {
 /// ```
 #[derive(Debug)]
 pub struct Client {
-    patience: Patience,
+    timeout: Timeouts,
     transaction: u32,
     /// Whether the instrument knows checksums; `None` before its first answer.
     checks: Option<bool>,
@@ -156,8 +156,8 @@ enum Then {
 impl Client {
     /// Nothing is asked for yet.
     #[must_use]
-    pub const fn new(patience: Patience) -> Self {
-        Self { patience, transaction: 0, checks: None, lines: Lines::new(), outgoing: Vec::new(), work: None }
+    pub const fn new(timeout: Timeouts) -> Self {
+        Self { timeout, transaction: 0, checks: None, lines: Lines::new(), outgoing: Vec::new(), work: None }
     }
 
     /// Begins to ask whether the instrument answers (`COM_NullProc`). What was being done is given up.
@@ -226,16 +226,16 @@ impl Client {
     /// not with the last try, for an instrument that does not answer to one.
     fn exchange(&mut self, question: Question, tried: u32) -> Exchange {
         self.transaction = (self.transaction + 1) % 8;
-        let guess = question.is_asked_once() || tried + 1 < self.patience.times.max(1);
+        let guess = question.is_asked_once() || tried + 1 < self.timeout.times.max(1);
         let checked = self.checks.unwrap_or(guess);
         let (rpc, parameters) = question.call();
-        let patience = if question.turns() { self.patience.turn } else { self.patience.answer };
-        Exchange::of(Request { rpc, transaction: self.transaction, checked, parameters }, patience)
+        let timeout = if question.turns() { self.timeout.turn } else { self.timeout.answer };
+        Exchange::of(Request { rpc, transaction: self.transaction, checked, parameters }, timeout)
     }
 
     /// Whether a question is asked again: after silence, after an answer that cannot be understood, and while the instrument is busy.
     fn asks_again(&self, work: &Work, answer: &Result<Answer, NoReading>) -> bool {
-        work.tried < self.patience.times.max(1)
+        work.tried < self.timeout.times.max(1)
             && !work.question.is_asked_once()
             && answer.as_ref().is_err_and(|trouble| trouble.is_passing())
     }
@@ -245,7 +245,7 @@ impl Client {
         match (question, answer) {
             (Question::TurnOver { .. }, Err(trouble)) if !trouble.is_passing() => Then::Done(Err(trouble)),
             // Its face says what became of it.
-            (Question::TurnOver { target, turned }, _) if turned + 1 < self.patience.times => {
+            (Question::TurnOver { target, turned }, _) if turned + 1 < self.timeout.times => {
                 Then::Ask(Question::Face { target, turned: turned + 1 })
             }
             (Question::TurnOver { target, .. }, _) => Then::Ask(Question::Turn(target)),

@@ -4,7 +4,7 @@ use std::os::fd::AsFd;
 use std::time::{Duration, Instant};
 
 use crate::angles::Face;
-use crate::client::{Client, ClientAction, Measured, NoReading, Patience};
+use crate::client::{Client, ClientAction, Measured, NoReading, Timeouts};
 use crate::line::Line;
 
 /// How long the line is waited for at most, until whoever runs a client looks at something else, such as the end of the cell.
@@ -58,8 +58,8 @@ pub struct Connection<F> {
 impl<F: AsFd> Connection<F> {
     /// Over such a line.
     #[must_use]
-    pub fn new(line: Line<F>, patience: Patience) -> Self {
-        Self { client: Client::new(patience), transport: Transport::over(line) }
+    pub fn new(line: Line<F>, timeout: Timeouts) -> Self {
+        Self { client: Client::new(timeout), transport: Transport::over(line) }
     }
 
     /// Whether the instrument answers (`COM_NullProc`).

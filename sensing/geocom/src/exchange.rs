@@ -19,7 +19,7 @@ const SEND: Duration = Duration::from_secs(2);
 #[derive(Debug)]
 pub struct Exchange {
     request: Request,
-    patience: Duration,
+    timeout: Duration,
     state: State,
 }
 
@@ -51,8 +51,8 @@ enum Heard {
 
 impl Exchange {
     /// Asks this, and waits so long for each line that comes.
-    pub const fn of(request: Request, patience: Duration) -> Self {
-        Self { request, patience, state: State::Clearing { passed: 0, is_read: false } }
+    pub const fn of(request: Request, timeout: Duration) -> Self {
+        Self { request, timeout, state: State::Clearing { passed: 0, is_read: false } }
     }
 
     /// Goes on with it. `is_quiet` says that nothing has come since the last time. `checks` says whether the instrument knows checksums, which an
@@ -88,7 +88,7 @@ impl Exchange {
                     self.state = State::Sending { until: now + SEND };
                 }
                 State::Sending { .. } if outgoing.is_empty() => {
-                    self.state = State::Waiting { until: now + self.patience, others: 0 };
+                    self.state = State::Waiting { until: now + self.timeout, others: 0 };
                     is_quiet = false;
                 }
                 State::Sending { until } => {
@@ -111,7 +111,7 @@ impl Exchange {
                     match heard(&line, self.request.transaction, checks) {
                         Heard::Answer(answer) => return Progress::Over(answer),
                         Heard::Other => {
-                            (*until, *others) = (now + self.patience, *others + 1);
+                            (*until, *others) = (now + self.timeout, *others + 1);
                             if *others == MOST_OTHERS {
                                 return Progress::Over(Err(NoReading::Silent));
                             }

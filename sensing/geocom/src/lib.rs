@@ -27,7 +27,7 @@ mod simulated;
 mod tests;
 
 pub use angles::{Face, from_circles, to_circles};
-pub use client::{Client, ClientAction, Measured, NoReading, Patience};
+pub use client::{Client, ClientAction, Measured, NoReading, Timeouts};
 pub use connection::Connection;
 pub use framing::Lines;
 pub use line::Line;

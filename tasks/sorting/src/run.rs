@@ -117,14 +117,14 @@ impl Settings {
         let chase = Chase { open, ..Chase::default() };
         let arm = chase.clone();
         let slowest = (1.0 - 1.1 * Uneven::OFF) * self.speed;
-        let patience = 3.0 * self.gap() + (END + 2.0 * SPACING) / slowest + self.first();
+        let timeout = 3.0 * self.gap() + (END + 2.0 * SPACING) / slowest + self.first();
         let Self { speed, seed, profile, parts: count, .. } = *self;
         let failed = Rc::<Count<u32>>::default();
         let fails = Rc::clone(&failed);
         let cell =
             cell.ecp("arm", move |ecp| ecp::arm(ecp, &arm)).ecp("hand", ecp::hand).program(move |mp| {
                 let belt = Uneven::about(speed, seed.wrapping_add(77)).changing(profile);
-                mp::coordinate(mp, belt, (count as u32, patience), &fails)
+                mp::coordinate(mp, belt, (count as u32, timeout), &fails)
             });
         let hand = plant.world.hand(0).ok_or_else(|| Fault::thrown("the cell has no arm"))?;
         let monitor = HandMonitor::of(hand);

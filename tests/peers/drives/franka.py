@@ -104,14 +104,14 @@ class Cell:
                 continue
         raise Shortfall(f"there is no process {role}")
 
-    def end(self, patience):
+    def end(self, timeout):
         """How it ended, its exit status, and what it said."""
         try:
-            said, _ = self.process.communicate(timeout=patience)
+            said, _ = self.process.communicate(timeout=timeout)
         except subprocess.TimeoutExpired:
             self.process.send_signal(signal.SIGINT)
             said, _ = self.process.communicate(timeout=30)
-            raise Shortfall(f"it did not end within {patience} s: {said}")
+            raise Shortfall(f"it did not end within {timeout} s: {said}")
         status = self.process.returncode
         # One that was refused has not run.
         return None if status == 2 else Outcome(self.outcome, said), status, said

@@ -59,8 +59,8 @@ def main():
             time.sleep(0.1)
         return done.stdout + done.stderr
 
-    def until(what, patience=20):
-        end = time.monotonic() + patience
+    def until(what, timeout=20):
+        end = time.monotonic() + timeout
         while True:
             said = console("status")
             if what in said:

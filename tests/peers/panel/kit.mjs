@@ -82,7 +82,7 @@ export async function start(program, words, { own = [], variables = {} } = {}) {
   let said = '';
   const ended = new Promise((resolve) => child.on('close', resolve));
   const address = new Promise((resolve, reject) => {
-    const patience = setTimeout(() => {
+    const timeout = setTimeout(() => {
       child.kill('SIGINT');
       reject(new Error(`no address:\n${said}`));
     }, 60000);
@@ -90,13 +90,13 @@ export async function start(program, words, { own = [], variables = {} } = {}) {
       said += text;
       const found = said.match(/panel: (https?:\S+?#token=[0-9a-f]{32})/);
       if (!found) return;
-      clearTimeout(patience);
+      clearTimeout(timeout);
       resolve(found[1]);
     };
     child.stdout.on('data', hear);
     child.stderr.on('data', hear);
     ended.then(() => {
-      clearTimeout(patience);
+      clearTimeout(timeout);
       reject(new Error(`it has ended:\n${said}`));
     });
   });

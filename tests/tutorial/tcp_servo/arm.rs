@@ -64,10 +64,10 @@ impl Servo {
         Servo { address, line: None, measured, has_spoken: false, stands: None }
     }
 
-    fn call(&mut self, patience: Duration) -> Result<(), DriveFault> {
+    fn call(&mut self, timeout: Duration) -> Result<(), DriveFault> {
         self.line = None; // it takes one connection at a time
         self.has_spoken = false;
-        let line = Line::call(self.address, patience, |_| Cutting::Frame(SAID));
+        let line = Line::call(self.address, timeout, |_| Cutting::Frame(SAID));
         self.line = Some(line.map_err(|_| LOST)?);
         Ok(())
     }
@@ -102,7 +102,7 @@ impl Driver<Arm> for Servo {
     }
 
     fn pace(&self) -> Pace {
-        Pace::Robot { patience: TIMEOUT }
+        Pace::Robot { timeout: TIMEOUT }
     }
 
     fn hardware(&self) -> Option<String> {

@@ -100,7 +100,7 @@ struct Plant {
     name: [u8; mrroc::fault::MAX_NAME],
     port: String,
     robots: Vec<String>,
-    patience: Duration,
+    timeout: Duration,
     folder: PathBuf,
     link: Option<Link>,
 }
@@ -137,7 +137,7 @@ impl Plant {
             name: name_of(entry.robot()),
             port: entry.port().to_owned(),
             robots: entry.robots().to_vec(),
-            patience: entry.patience(),
+            timeout: entry.timeout(),
             folder,
             link: None,
         }
@@ -265,7 +265,7 @@ impl Link {
     }
 
     /// Waits for the answer to the last order, if there was one.
-    fn await_answer(&mut self, patience: Duration) -> Result<(), DriveFault> {
+    fn await_answer(&mut self, timeout: Duration) -> Result<(), DriveFault> {
         let Some(ordered) = self.ordered else { return Ok(()) };
         let wait = Wait::begin();
         let mut look = LOOK;
@@ -277,7 +277,7 @@ impl Link {
             }
             let waited = wait.time();
             // Another robot of this simulator may have waited for long already, while this one could not.
-            if waited >= patience || waited >= ONCE_MORE && self.sent.elapsed() >= patience {
+            if waited >= timeout || waited >= ONCE_MORE && self.sent.elapsed() >= timeout {
                 return Err(SILENT);
             }
             if waited >= look {
@@ -311,10 +311,10 @@ impl Link {
         &mut self,
         period: u64,
         demanded: Option<&[f64]>,
-        patience: Duration,
+        timeout: Duration,
     ) -> Result<Simulated, DriveFault> {
         match self.clock {
-            Clock::Virtual => self.await_answer(patience)?,
+            Clock::Virtual => self.await_answer(timeout)?,
             Clock::Real => self.take_answer()?,
         }
         self.order.period = period;
@@ -339,10 +339,10 @@ impl Simulator for Plant {
 
     fn open(&mut self, begin: &Begin<'_>) -> Result<Simulated, DriveFault> {
         self.begin(begin)?;
-        let patience = self.patience;
+        let timeout = self.timeout;
         let link = self.link.as_mut().ok_or(CLOSED)?;
         let wait = Wait::begin();
-        while wait.time() < patience {
+        while wait.time() < timeout {
             if let Some(state) = link.ask(&wait)? {
                 return Ok(state);
             }
@@ -366,9 +366,9 @@ impl Simulator for Plant {
     }
 
     fn step(&mut self, period: u64, demanded: Option<&[f64]>) -> Result<Simulated, DriveFault> {
-        let patience = self.patience;
+        let timeout = self.timeout;
         let link = self.link.as_mut().ok_or(CLOSED)?;
-        let stepped = link.step(period, demanded, patience);
+        let stepped = link.step(period, demanded, timeout);
         if stepped.is_err() {
             // Its other robots need not wait for this one.
             link.send(PlantRequest::End);

@@ -101,7 +101,7 @@ impl Subscription for Subscribers {
             clock,
             rest: REST,
             flush: Duration::MAX,
-            patience: TIMEOUT,
+            timeout: TIMEOUT,
             stack: STACK,
             is_asked_for: Box::new(|_, what| is_shown(what)),
             tell: Arc::new(move |trouble| tell(&port, trouble)),

@@ -129,7 +129,7 @@ impl<R: Robot<Joints = Joints>, N: Network> Driver<R> for Fci<N> {
     }
 
     fn pace(&self) -> Pace {
-        Pace::Robot { patience: self.settings.silence }
+        Pace::Robot { timeout: self.settings.silence }
     }
 
     fn hardware(&self) -> Option<String> {

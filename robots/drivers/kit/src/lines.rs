@@ -202,7 +202,7 @@ impl Lines {
         };
         let session = match &self.place {
             Place::Tcp(address) => {
-                let peer = Peer { address: *address, patience: TIMEOUT, sends_datagrams: false };
+                let peer = Peer { address: *address, timeout: TIMEOUT, sends_datagrams: false };
                 Session::begin(&self.network, "lines", peer, protocol, NoLines::HungUp)
             }
             Place::Serial(port) => Session::begin_serial("lines", port.clone(), protocol, NoLines::HungUp),

@@ -108,12 +108,12 @@ pub struct Line {
 }
 
 impl Line {
-    /// Calls the robot, for at most `patience`.
+    /// Calls the robot, for at most `timeout`.
     ///
     /// # Errors
     /// It does not answer, or refuses; or a thread cannot be started.
-    pub fn call(robot: SocketAddr, patience: Duration, cut: Cut) -> io::Result<Line> {
-        Line::over(TcpStream::connect_timeout(&robot, patience)?, cut, Arc::default())
+    pub fn call(robot: SocketAddr, timeout: Duration, cut: Cut) -> io::Result<Line> {
+        Line::over(TcpStream::connect_timeout(&robot, timeout)?, cut, Arc::default())
     }
 
     fn over(socket: TcpStream, cut: Cut, counters: Arc<Counters>) -> io::Result<Line> {

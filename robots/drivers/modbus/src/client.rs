@@ -79,7 +79,7 @@ impl From<Broken> for DriveFault {
 pub struct Client {
     unit: u8,
     /// How long the whole answer to a question may take.
-    patience: Duration,
+    timeout: Duration,
     transaction: u16,
     /// The question that is not answered, and until when it must be.
     asked: Option<(Question, Duration)>,
@@ -92,9 +92,9 @@ pub struct Client {
 impl Client {
     /// Asks a unit, whose whole answer to a question may take so long.
     #[must_use]
-    pub const fn new(unit: u8, patience: Duration) -> Client {
+    pub const fn new(unit: u8, timeout: Duration) -> Client {
         let (transaction, asked, came, len, is_closed) = (0, None, [0; MAX_FRAME + 1], 0, false);
-        Client { unit, patience, transaction, asked, came, len, is_closed }
+        Client { unit, timeout, transaction, asked, came, len, is_closed }
     }
 
     /// Takes in what has come.
@@ -111,7 +111,7 @@ impl Client {
         self.transaction = self.transaction.wrapping_add(1);
         let question = Question { transaction: self.transaction, unit: self.unit, what };
         send.extend_from_slice(question.bytes().as_slice());
-        self.asked = Some((question, now + self.patience));
+        self.asked = Some((question, now + self.timeout));
     }
 
     /// Until when an answer must have come; `None` while nothing is asked.

@@ -62,13 +62,13 @@ impl Link {
     /// # Errors
     /// A thread cannot be started.
     pub fn begin(network: &Network, settings: &ModbusIoSettings) -> Result<Link, DriveFault> {
-        let silence = settings.patience * QUESTIONS;
+        let silence = settings.timeout * QUESTIONS;
         let shared = Arc::new(Shared::default());
-        let peer = Peer { address: settings.address, patience: CONNECT, sends_datagrams: false };
+        let peer = Peer { address: settings.address, timeout: CONNECT, sends_datagrams: false };
         let exchange = Exchange {
             shared: Arc::clone(&shared),
             layout: settings.layout.clone(),
-            client: Client::new(settings.unit, settings.patience),
+            client: Client::new(settings.unit, settings.timeout),
             silence,
             next: None,
             step: Step::FIRST,

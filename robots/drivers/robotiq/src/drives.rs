@@ -72,7 +72,7 @@ pub struct RobotiqSettings {
     pub force: u8,
     /// How long the gripper's answer to a question may take, 500 ms by default: then the connection counts as lost, and where
     /// a gateway is only busy, after twice as long. The cell does not count this in the time of its stops.
-    pub patience: Duration,
+    pub timeout: Duration,
     /// How often the EDP looks at what was exchanged, 2 ms by default; it divides the step, or the step divides it.
     pub period: Duration,
 }
@@ -86,7 +86,7 @@ impl RobotiqSettings {
             unit: 9,
             openings: Openings::OF_85,
             force: 64,
-            patience: Duration::from_millis(500),
+            timeout: Duration::from_millis(500),
             period: Duration::from_millis(2),
         }
     }

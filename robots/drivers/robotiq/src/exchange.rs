@@ -50,7 +50,7 @@ pub struct Link {
     session: Session<DriveFault>,
     shared: Arc<Shared>,
     /// How old the newest reading may be: an exchange is two questions.
-    patience: Duration,
+    timeout: Duration,
 }
 
 impl Link {
@@ -64,11 +64,11 @@ impl Link {
         inactive: Inactive,
     ) -> Result<Link, DriveFault> {
         let shared = Arc::new(Shared { force: AtomicU8::new(settings.force), ..Shared::default() });
-        let peer = Peer { address: settings.address, patience: CONNECT, sends_datagrams: false };
+        let peer = Peer { address: settings.address, timeout: CONNECT, sends_datagrams: false };
         let protocol = GripperProtocol::new(Arc::clone(&shared), settings, inactive);
         let session = Session::begin(network, "gripper", peer, protocol, CLOSED);
         let session = session.map_err(|_| DriveFault::Other("this machine starts no more threads"))?;
-        Ok(Link { session, shared, patience: settings.patience * 2 })
+        Ok(Link { session, shared, timeout: settings.timeout * 2 })
     }
 
     /// The newest that was heard; `None` before the fingers are known to stand.
@@ -80,7 +80,7 @@ impl Link {
         if !self.shared.times.has_heard() {
             return Ok(None);
         }
-        if self.shared.times.is_silent_for(self.session.now(), self.patience) {
+        if self.shared.times.is_silent_for(self.session.now(), self.timeout) {
             return Err(lost("no reading came in time"));
         }
         let Shared { status, speed, .. } = &*self.shared;

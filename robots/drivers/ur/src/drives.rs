@@ -54,7 +54,7 @@ pub struct UrSettings {
     /// `gain` of `servoj`: 2000 by default, at least 100.
     pub gain: f64,
     /// How long the controller may say nothing before that is a fault; 100 ms by default.
-    pub patience: Duration,
+    pub timeout: Duration,
     /// Its ports.
     pub ports: Ports,
     /// The calibration with which the arm was made; `None`, the default, if with the nominal dimensions. An arm
@@ -80,7 +80,7 @@ impl UrSettings {
             deceleration: script.deceleration,
             lookahead: script.lookahead,
             gain: script.gain,
-            patience: Duration::from_millis(100),
+            timeout: Duration::from_millis(100),
             ports: Ports::default(),
             calibration: None,
             external_control: None,
@@ -305,7 +305,7 @@ impl<R: Robot<Joints = Six>, W: Wire> Driver<R> for Ur<W> {
     }
 
     fn pace(&self) -> Pace {
-        Pace::Robot { patience: self.settings.patience }
+        Pace::Robot { timeout: self.settings.timeout }
     }
 
     fn hardware(&self) -> Option<String> {

@@ -32,7 +32,7 @@ fn served() -> (Server, UrSettings) {
     settings.ports = server.listening().ports;
     // A busy machine may let either end wait: that is no case of these tests.
     settings.read_timeout = TIMEOUT;
-    settings.patience = TIMEOUT;
+    settings.timeout = TIMEOUT;
     (server, settings)
 }
 

@@ -66,7 +66,7 @@ impl Cell {
             self.parts.refuse_hardware(names)?;
         }
         let triggered = self.coordination.program.is_none();
-        let patience = AnswerTimeout::of_step(self.timing.step);
+        let timeout = AnswerTimeout::of_step(self.timing.step);
         let outcomes = Outcomes::default();
         let (above, shared) = above.unzip();
         let within = above.as_ref().map(|above| above.name);
@@ -104,14 +104,14 @@ impl Cell {
         let mut mp_sensing = Sensing {
             owner: Owner::unique(),
             ports: Vec::new(),
-            patience,
+            timeout,
             step_observers: step_observers.of(me),
         };
-        // An ECP loses patience first, so that it can say with whom, but not before the last demand that is bridged.
-        let shorter = AnswerTimeout { most: patience.most - patience.again / 2, ..patience };
+        // An ECP gives up first, so that it can say with whom, but not before the last demand that is bridged.
+        let shorter = AnswerTimeout { most: timeout.most - timeout.again / 2, ..timeout };
         let of_ecp = |process: &ProcessId| {
             let step_observers = step_observers.of(*process);
-            Sensing { owner: Owner::unique(), ports: Vec::new(), patience: shorter, step_observers }
+            Sensing { owner: Owner::unique(), ports: Vec::new(), timeout: shorter, step_observers }
         };
         let mut ecp_sensing: Vec<_> = processes.iter().map(of_ecp).collect();
         // EDPs tick first half a servo period after a step's beginning.

@@ -52,12 +52,12 @@ impl Cell {
             self = self.observed_by(Rc::new(observer));
         }
         let mut scheduler = Scheduler::new();
-        let patience = self.timing.watchdog;
+        let timeout = self.timing.watchdog;
         let assembly = self.assemble(names, &mut scheduler)?;
-        let _watchdog = patience.map(|patience| {
+        let _watchdog = timeout.map(|timeout| {
             let pulse = Arc::<Pulse>::default();
             scheduler.show(Arc::clone(&pulse));
-            Watchdog::new(scheduler.names(), pulse, patience)
+            Watchdog::new(scheduler.names(), pulse, timeout)
         });
         let time = scheduler.run()?;
         first_cause(&assembly.outcomes.borrow())?;

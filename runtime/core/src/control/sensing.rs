@@ -245,7 +245,7 @@ pub struct Sensing {
     pub(crate) owner: Owner,
     pub(crate) ports: Vec<SensorPort>,
     /// Of readings, and of other answers.
-    pub patience: AnswerTimeout,
+    pub timeout: AnswerTimeout,
     /// Where what was collected is shown.
     pub step_observers: StepObservers,
 }
@@ -332,7 +332,7 @@ impl Sensing {
         if V::LEN == 0 {
             return Ok(());
         }
-        let waiting = self.patience.begin(waiter);
+        let waiting = self.timeout.begin(waiter);
         for (i, &index) in sensors.indices().as_ref().iter().enumerate() {
             let port = &mut self.ports[index];
             let collected = port.collect(waiter, waiting);

@@ -108,7 +108,7 @@ mod tests {
     }
 
     #[test]
-    fn an_answer_is_asked_for_again_after_each_time_without_one_until_the_patience_is_over() {
+    fn an_answer_is_asked_for_again_after_each_time_without_one_until_the_timeout_is_over() {
         assert_eq!(asked(0), (vec![1500, 2500, 3500], 4000));
         // Woken late it asks once for the times that are over, and goes on with those to come.
         assert_eq!(asked(1200), (vec![2700], 4700));

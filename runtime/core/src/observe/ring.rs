@@ -113,7 +113,7 @@ pub struct RingUse {
     /// How often what was put is handed on, at most once in a rest.
     pub flush: Duration,
     /// How long to wait for a thread that makes no progress, under the virtual clock and at the end.
-    pub patience: Duration,
+    pub timeout: Duration,
     /// The stack of the thread \[bytes\], which locked memory holds whole.
     pub stack: usize,
     /// What is to be put.
@@ -178,7 +178,7 @@ impl Ring {
             let taken = self.shared.taken.load(Ordering::Acquire);
             if taken != seen {
                 (since, seen) = (Instant::now(), taken);
-            } else if since.elapsed() > self.about.patience {
+            } else if since.elapsed() > self.about.timeout {
                 self.stuck.set(Some(seen));
             }
             std::thread::sleep(Duration::from_micros(50));
@@ -199,7 +199,7 @@ impl Ring {
             let now = progress();
             if now != seen {
                 (since, seen) = (Instant::now(), now);
-            } else if since.elapsed() > self.about.patience {
+            } else if since.elapsed() > self.about.timeout {
                 let records = self.records.borrow();
                 let lost = records.buffer().capacity() - records.slots();
                 let lost = lost as u64 + self.shared.dropped.load(Ordering::Acquire);

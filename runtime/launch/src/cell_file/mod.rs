@@ -49,7 +49,7 @@
 //! start = [0.0, -1.57, 1.57, -1.57, -1.57, 0.0]
 //!
 //! stop_ms = 800      # the longest stop that this robot may take [ms]; that of the cell unless it is said
-//! plant = { port = "mujoco", patience_ms = 10000 }   # it moves in a simulator that others wrote, found by this name and waited
+//! plant = { port = "mujoco", timeout_ms = 10000 }   # it moves in a simulator that others wrote, found by this name and waited
 //!                                                     # for so long [ms]; 10 s unless it is said
 //!
 //! [cells.press]      # a cell that serves this one, as one of its robots

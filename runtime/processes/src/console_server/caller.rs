@@ -50,8 +50,8 @@ pub(crate) enum NoCell {
     },
     /// The cell runs, but its launcher does not take the connection.
     #[error(
-        "the cell of {0} has not answered for {patience} s: its launcher stands still\n help: see `ps -ef`; let it go on by kill -CONT and its number",
-        patience = TIMEOUT.as_secs()
+        "the cell of {0} has not answered for {timeout} s: its launcher stands still\n help: see `ps -ef`; let it go on by kill -CONT and its number",
+        timeout = TIMEOUT.as_secs()
     )]
     Silent(PathBuf),
     /// The folder of sessions cannot be read.

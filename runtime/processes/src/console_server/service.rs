@@ -233,11 +233,11 @@ impl Service {
         }
         let refused = Reply::Refused(TOO_MANY.to_owned());
         for console in &mut self.consoles {
-            let (patience, may_stay) = match console.is_served {
+            let (timeout, may_stay) = match console.is_served {
                 true => (IDLE, console.has_asked),
                 false => (TURN, console.asked != PendingRequest::Nothing),
             };
-            if !may_stay && !console.has_line() && console.since.elapsed() > patience {
+            if !may_stay && !console.has_line() && console.since.elapsed() > timeout {
                 console.dismiss(&refused);
             }
         }

@@ -44,13 +44,13 @@ pub(crate) fn join(process: ProcessId, folder: &Path, clock: Clock) -> Option<Rc
 }
 
 /// Begins to send what is seen to the socket at `path`.
-pub(super) fn send(path: PathBuf, clock: Clock, patience: Duration) -> io::Result<Ring> {
+pub(super) fn send(path: PathBuf, clock: Clock, timeout: Duration) -> io::Result<Ring> {
     let about = RingUse {
         length: LENGTH,
         clock,
         rest: REST,
         flush: Duration::ZERO,
-        patience,
+        timeout,
         stack: STACK,
         is_asked_for: Box::new(|_, what: &StepEvent| datagram::is_needed(what)),
         // What is lost is told by the plant. A plant that is gone ends the cell, and draws no picture.

@@ -8,7 +8,7 @@ fn sight<'t>(
     spoil: impl FnMut(usize, String) -> Vec<String> + Send + 't,
 ) -> (Result<Measured, NoReading>, VirtualLine<'t>) {
     let mut line = line_to(spoil);
-    let mut client = Client::new(Patience::default());
+    let mut client = Client::new(Timeouts::default());
     client.sight([0.702, -0.301], Face::Two);
     let outcome = line.run(&mut client);
     (outcome.map(|measured| measured.expect("a measurement")), line)
@@ -22,7 +22,7 @@ fn busy(answer: &str) -> String {
 #[test]
 fn the_mean_of_both_faces_is_free_of_the_errors_of_the_axes() {
     let mut line = line_to(|_, answer| vec![answer]);
-    let mut client = Client::new(Patience::default());
+    let mut client = Client::new(Timeouts::default());
     client.greet();
     assert_eq!(line.run(&mut client), Ok(None));
     let [one, two] = [Face::One, Face::Two].map(|face| {
@@ -44,13 +44,13 @@ fn fault_182_what_the_instrument_says_of_itself_is_no_reading_and_says_what_to_d
     let told = |outcome: Result<Option<Measured>, NoReading>| outcome.expect_err("no reading").to_string();
     let mut line = line_to(|_, answer| vec![answer]);
     line.instrument.simulated.is_level = false;
-    let mut client = Client::new(Patience::default());
+    let mut client = Client::new(Timeouts::default());
     client.measure();
     assert!(told(line.run(&mut client)).contains("level the instrument"));
     // Once, and not three times: it would say the same.
     assert_eq!(line.instrument.asked, 1);
     let mut line = line_to(|_, answer| vec![answer]);
-    let mut client = Client::new(Patience::default());
+    let mut client = Client::new(Timeouts::default());
     client.sight([2.0, 0.0], Face::One);
     let why = told(line.run(&mut client));
     assert!(why.contains("8710") && why.contains("is the line of sight free"), "{why}");
@@ -113,7 +113,7 @@ fn fault_183_an_answer_that_comes_when_the_time_is_over_is_read_if_it_is_there_a
     for (takes, asked, end) in [(2990, 1, 3000), (2991, 2, 6001)] {
         let mut line = line_to(|_, answer| vec![answer]);
         line.instrument.takes = MS(takes);
-        let mut client = Client::new(Patience { times: 2, ..Patience::default() });
+        let mut client = Client::new(Timeouts { times: 2, ..Timeouts::default() });
         client.greet();
         assert_eq!((line.run(&mut client), line.now), (Ok(None), MS(end)));
         assert_eq!(line.instrument.asked, asked);
@@ -124,7 +124,7 @@ fn fault_183_an_answer_that_comes_when_the_time_is_over_is_read_if_it_is_there_a
 fn fault_183_a_line_that_takes_nothing_is_tried_for_two_seconds_each_time() {
     let mut line = line_to(|_, answer| vec![answer]);
     line.is_taken = false;
-    let mut client = Client::new(Patience::default());
+    let mut client = Client::new(Timeouts::default());
     client.greet();
     assert_eq!((line.run(&mut client), line.now), (Err(NoReading::Silent), MS(6000)));
     assert!(client.outgoing().is_empty(), "a question of which nobody waits for the answer is not sent");
@@ -159,7 +159,7 @@ fn fault_184_a_telescope_whose_turn_is_not_answered_is_not_turned_back() {
 
 #[test]
 fn what_came_before_a_question_is_no_answer_to_it() {
-    let mut client = Client::new(Patience::default());
+    let mut client = Client::new(Timeouts::default());
     client.greet();
     // An answer of the right number that is there before the question, in two pieces, and one whose end comes after it.
     assert_eq!(client.poll(MS(0), b"%R1P,0,1"), ClientAction::Receive { until: MS(0) });
@@ -177,7 +177,7 @@ fn what_came_before_a_question_is_no_answer_to_it() {
 #[test]
 fn an_instrument_that_never_stops_talking_is_no_instrument() {
     let line = "%R1P,0,7:0\r\n";
-    let mut client = Client::new(Patience { times: 1, ..Patience::default() });
+    let mut client = Client::new(Timeouts { times: 1, ..Timeouts::default() });
     client.greet();
     assert_eq!(client.poll(MS(0), line.repeat(64).as_bytes()), ClientAction::Receive { until: MS(0) });
     assert_eq!(client.poll(MS(0), line.as_bytes()), ClientAction::Done(Err(NoReading::Garbled)));

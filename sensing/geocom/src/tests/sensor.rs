@@ -16,7 +16,7 @@ struct Sensor<'t> {
 /// A sensor that has greeted its instrument, over a line that is closed after so many questions.
 fn sensor<'t>(closes_after: usize) -> Sensor<'t> {
     let mut line = VirtualLine { closes_after, ..line_to(|_, answer| vec![answer]) };
-    let mut client = Client::new(Patience::default());
+    let mut client = Client::new(Timeouts::default());
     client.greet();
     assert_eq!(line.run(&mut client), Ok(None));
     let (shared, orders) = (Shared::default(), Orders::default());
@@ -129,7 +129,7 @@ fn fault_185_a_line_that_is_closed_is_a_fault_and_never_a_reading() {
         }
     }
     let mut line = VirtualLine { closes_after: 0, ..line_to(|_, answer| vec![answer]) };
-    let mut client = Client::new(Patience::default());
+    let mut client = Client::new(Timeouts::default());
     client.greet();
     assert_eq!(line.run(&mut client), Err(NoReading::Closed));
 }

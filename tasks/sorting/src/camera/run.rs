@@ -313,7 +313,7 @@ impl Settings {
             let [arm, hand] = station.robots;
             cell = cell.ecp(arm, |ecp| ecp::arm(ecp, station)).ecp(hand, |ecp| ecp::hand(ecp, station));
         }
-        let patience = 8.0 * self.every.max(gap) + (LAST + longer - FEED) / slowest + self.first();
+        let timeout = 8.0 * self.every.max(gap) + (LAST + longer - FEED) / slowest + self.first();
         let Self { speed, seed, profile, parts: count, .. } = *self;
         let late = Rc::<RefCell<Vec<u32>>>::default();
         let missed = late.clone();
@@ -323,11 +323,11 @@ impl Settings {
         let cell = cell.program(move |mp| {
             let belt = Uneven::about(speed, seed.wrapping_add(77)).changing(profile);
             if arms > 1 {
-                let shared = share::coordinate(mp, eye, belt, Shared::of(count as u32, patience))?;
+                let shared = share::coordinate(mp, eye, belt, Shared::of(count as u32, timeout))?;
                 missed.replace(shared.late());
                 tried.replace(shared.vain);
             } else {
-                let queue = mp::coordinate(mp, eye, belt, Queue::of(count as u32, patience))?;
+                let queue = mp::coordinate(mp, eye, belt, Queue::of(count as u32, timeout))?;
                 missed.replace(queue.late);
             }
             Ok(())

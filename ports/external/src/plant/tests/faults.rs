@@ -25,7 +25,7 @@ use crate::port::Ends;
 const ARMS: [&str; 2] = ["left", "right"];
 
 /// With a short timeout, where what is waited for does not come. Elsewhere the machine may be late.
-const SHORT: &str = ", patience_ms = 400";
+const SHORT: &str = ", timeout_ms = 400";
 
 fn edp(robot: &str) -> ProcessId {
     ProcessId::new(Role::Edp, Name::new(robot).expect("a name"))
@@ -33,7 +33,7 @@ fn edp(robot: &str) -> ProcessId {
 
 /// The fault with which a cell ends in a simulator that answers so.
 fn fault_of(
-    patience: &str,
+    timeout: &str,
     name: &str,
     answer: impl FnMut(&str, u64, PlantState) -> Option<PlantState> + Send + 'static,
 ) -> Fault {
@@ -41,7 +41,7 @@ fn fault_of(
     let mut answer = answer;
     let simulator =
         Simulator::answering(&folder.0, &ARMS, move |robot, order, state| answer(robot, order.period, state));
-    let outcome = folder.cell(&two_arms(patience)).run();
+    let outcome = folder.cell(&two_arms(timeout)).run();
     simulator.end();
     match outcome {
         Err(CellError::Fault(fault)) => fault,
@@ -68,7 +68,7 @@ fn fault_125_a_simulator_that_ends_in_mid_motion_stops_all_robots() {
     let simulator = RefCell::new(Some(Simulator::of(&folder.0, &["left"])));
     let told = Rc::new(RefCell::new(Vec::new()));
     let seen = Rc::clone(&told);
-    // The right arm has drives of its own. The default patience of ten seconds is not waited for.
+    // The right arm has drives of its own. The default timeout of ten seconds is not waited for.
     let cell = folder.cell(&two_arms_of("plant = { port = \"world\" }", "")).watch(move |robot| {
         if robot.robot == "right" {
             seen.borrow_mut().push(robot.demanded[0]);

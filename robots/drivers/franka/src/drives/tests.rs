@@ -120,7 +120,7 @@ fn fault_96_a_reset_connects_again_after_a_silence_of_more_than_20_ms_and_not_be
     let silence = FciSettings::new(model::ROBOT.ip()).silence;
     assert_eq!(
         (silence, fixture.drives().pace()),
-        (Duration::from_millis(20), Pace::Robot { patience: silence })
+        (Duration::from_millis(20), Pace::Robot { timeout: silence })
     );
     fixture.pass(silence);
     assert_eq!((fixture.drives().switch_on(), fixture.connections()), (Ok(()), 1));

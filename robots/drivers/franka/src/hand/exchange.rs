@@ -72,7 +72,7 @@ impl Link {
     ) -> Result<Link, DriveFault> {
         let shared = Arc::new(Shared { presses: AtomicBool::new(presses), ..Shared::default() });
         let protocol = HandProtocol::new(Arc::clone(&shared), *settings, unhomed);
-        let peer = Peer { address: settings.address, patience: CONNECT, sends_datagrams: true };
+        let peer = Peer { address: settings.address, timeout: CONNECT, sends_datagrams: true };
         let session = Session::begin(network, "hand", peer, protocol, CLOSED);
         let session = session.map_err(|_| DriveFault::Other("this machine starts no more threads"))?;
         Ok(Link { session, shared, silence: settings.silence })

@@ -107,22 +107,22 @@ fn a_controller_that_says_nothing_is_waited_for_for_2_s() {
 #[test]
 fn fault_89_a_reset_finds_a_controller_silent_after_100_periods_and_counts_anew_from_where_the_arm_stands_then()
  {
-    let patience = 100 * PERIOD;
+    let timeout = 100 * PERIOD;
     let driver: &dyn Driver<Arm> = &Rsi::new(RsiSettings::new(CONTROLLER, CONTROLLER.ip()));
-    assert_eq!(driver.pace(), Pace::Robot { patience });
+    assert_eq!(driver.pace(), Pace::Robot { timeout });
     let mut fixture = Fixture::opened();
     fixture.pulse(said(4004, 10.0)).expect("it goes on");
     fixture.drives.tick(&at(10.5)).expect("sent");
     fixture.pulse(said(4008, 10.5)).expect("it goes on");
     fixture.drives.tick(&at(11.0)).expect("sent");
     assert_eq!(fixture.told(), [(4004, 0.0), (4008, 1.0)]);
-    fixture.simulation.borrow_mut().pass(patience);
+    fixture.simulation.borrow_mut().pass(timeout);
     assert_eq!(fixture.drives.switch_on(), Ok(()), "not longer than that");
     // Within it corrections go on from what was told.
     fixture.says(said(4408, 11.0));
     assert_eq!(fixture.drives.switch_on(), Ok(()));
     assert_eq!(fixture.told(), [(4408, 1.0)]);
-    fixture.simulation.borrow_mut().pass(patience + Duration::from_nanos(1));
+    fixture.simulation.borrow_mut().pass(timeout + Duration::from_nanos(1));
     assert_eq!(fixture.drives.switch_on(), Err(SILENT));
     fixture.says(said(4812, 12.0));
     assert_eq!(fixture.drives.switch_on(), Ok(()));

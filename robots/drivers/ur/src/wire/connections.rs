@@ -174,8 +174,8 @@ impl<N: Network> Connections<N> {
     }
 
     /// Calls the controller at this port, and waits until it has answered.
-    fn call(&mut self, port: u16, patience: Duration, cut: mrroc_driver_kit::Cut) -> Option<N::Connection> {
-        let mut call = self.network.call(SocketAddr::new(self.robot, port), patience, cut);
+    fn call(&mut self, port: u16, timeout: Duration, cut: mrroc_driver_kit::Cut) -> Option<N::Connection> {
+        let mut call = self.network.call(SocketAddr::new(self.robot, port), timeout, cut);
         loop {
             match self.network.called(&mut call) {
                 Some(called) => return called.ok(),

@@ -64,8 +64,8 @@ pub trait Network {
     /// The time since some beginning, which is always the same one. It never goes back.
     fn now(&self) -> Duration;
 
-    /// Begins to call the controller at this address, for at most `patience`. It returns at once. `cut` is how its stream is cut into frames.
-    fn call(&mut self, to: SocketAddr, patience: Duration, cut: Cut) -> Self::Call;
+    /// Begins to call the controller at this address, for at most `timeout`. It returns at once. `cut` is how its stream is cut into frames.
+    fn call(&mut self, to: SocketAddr, timeout: Duration, cut: Cut) -> Self::Call;
 
     /// The connection, or why there is none, once that is known; that is told once. It returns at once.
     fn called(&mut self, call: &mut Self::Call) -> Option<io::Result<Self::Connection>>;
@@ -156,11 +156,11 @@ impl Network for Tcp {
         self.began.elapsed()
     }
 
-    fn call(&mut self, to: SocketAddr, patience: Duration, cut: Cut) -> TcpCall {
+    fn call(&mut self, to: SocketAddr, timeout: Duration, cut: Cut) -> TcpCall {
         let (sender, called) = channel();
         let thread = std::thread::Builder::new().name("controller".to_owned());
         // Nobody may ask for the outcome any more; and without a thread nobody sends one, which is told as an error.
-        drop(thread.spawn(move || drop(sender.send(Line::call(to, patience, cut)))));
+        drop(thread.spawn(move || drop(sender.send(Line::call(to, timeout, cut)))));
         TcpCall(called)
     }
 

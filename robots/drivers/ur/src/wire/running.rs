@@ -86,13 +86,13 @@ impl<N: Network> Running<N> {
         const NOT_CALLED: &str = "the script was sent, and does not call this machine";
         const NOT_PLAYED: &str =
             "start the program with the External Control node at the pendant, then reset";
-        let (aim, patience, late) = match (&job, offers) {
+        let (aim, timeout, late) = match (&job, offers) {
             (Job::Start(_), false) => (Aim::Ask, START, NOT_CALLED),
             (Job::Start(_), true) => (Aim::Ask, START, NOT_PLAYED),
             (Job::Offer(_), _) => (Aim::Ask, PLAY, NOT_PLAYED),
             (Job::Unlock, _) => (Aim::Unlock, UNLOCK, "the controller does not release it"),
         };
-        let until = network.now() + patience;
+        let until = network.now() + timeout;
         let starts = aim == Aim::Ask;
         let (script, stage) = match job {
             Job::Offer(_) if offers => (String::new(), Stage::Waits),

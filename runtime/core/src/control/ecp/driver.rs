@@ -33,11 +33,11 @@ pub(super) struct DriverPort<R: Robot> {
     pub image: RobotImage<R>,
     /// Whether the last demand may have left the robot moving: then somebody has to brake it.
     pub moving: bool,
-    patience: AnswerTimeout,
+    timeout: AnswerTimeout,
 }
 
 impl<R: Robot> DriverPort<R> {
-    pub fn new(port: Box<dyn Client>, patience: AnswerTimeout) -> Self {
+    pub fn new(port: Box<dyn Client>, timeout: AnswerTimeout) -> Self {
         DriverPort {
             port,
             request: Message::empty(),
@@ -45,7 +45,7 @@ impl<R: Robot> DriverPort<R> {
             reply: Message::empty(),
             image: RobotImage::unknown(),
             moving: false,
-            patience,
+            timeout,
         }
     }
 
@@ -100,7 +100,7 @@ impl<R: Robot> DriverPort<R> {
             (header.len, header.dt) = (0, 0.0);
         }
         self.port.send(&self.request);
-        let mut waiting = self.patience.begin(waiter);
+        let mut waiting = self.timeout.begin(waiter);
         // An answer to a request that was given up does not answer this one.
         let to = |header: &Header| (header.epoch, header.step);
         while !(self.port.receive(&mut self.reply) && to(&self.reply.header) == to(&self.request.header)) {

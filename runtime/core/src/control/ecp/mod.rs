@@ -125,7 +125,7 @@ impl<'w, R: Robot> Ecp<'w, R> {
             process,
             host,
             orders: Orders::new(mp),
-            driver: DriverPort::new(edp, sensing.patience),
+            driver: DriverPort::new(edp, sensing.timeout),
             step_observers: sensing.step_observers.clone(),
             sensing,
             overruns: Overruns::new(Duration::from_nanos(pace.period)),

@@ -153,7 +153,7 @@ fn what_a_wait_took_in_all_its_steps_is_no_late_step_of_the_move_after_it() {
     let sensing = Sensing {
         owner: Owner::unique(),
         ports: Vec::new(),
-        patience: AnswerTimeout { most: 20 * STEP, again: STEP },
+        timeout: AnswerTimeout { most: 20 * STEP, again: STEP },
         step_observers: StepObservers::to(Vec::new()),
     };
     let pace = Pace { period: STEP, grace: STEP / 2, stop_steps: 100 };

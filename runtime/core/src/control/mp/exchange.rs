@@ -199,7 +199,7 @@ impl Mp<'_> {
     /// told in that step.
     pub(super) fn await_answers(&mut self, indices: &[usize]) -> Result<(), Fault> {
         let Mp { robots, upper, host, sensing, clock, .. } = self;
-        let mut waiting = sensing.patience.begin(host.waiter);
+        let mut waiting = sensing.timeout.begin(host.waiter);
         if indices.iter().any(|&index| robots[index].is_together()) {
             waiting = waiting.until(clock.together_until());
         }

@@ -33,7 +33,7 @@ fn run(work: impl Fn(u64) -> Nanos, steps: u64) -> Option<(u64, FaultKind)> {
     let sensing = Sensing {
         owner: crate::model::list::Owner::unique(),
         ports: Vec::new(),
-        patience: AnswerTimeout { most: STEP, again: STEP },
+        timeout: AnswerTimeout { most: STEP, again: STEP },
         step_observers: StepObservers::to(Vec::new()),
     };
     let timing =

@@ -38,7 +38,7 @@ pub(crate) struct Upper {
     /// This MP.
     process: ProcessId,
     /// For how long nothing may come while an instruction is open \[ns\].
-    patience: Nanos,
+    timeout: Nanos,
     /// When an order came last \[ns\].
     heard: Nanos,
     program: Program,
@@ -67,11 +67,11 @@ pub(crate) struct Upper {
 }
 
 impl Upper {
-    pub fn new(port: Box<dyn Server>, process: ProcessId, patience: Nanos) -> Upper {
+    pub fn new(port: Box<dyn Server>, process: ProcessId, timeout: Nanos) -> Upper {
         Upper {
             orders: Orders::new(port),
             process,
-            patience,
+            timeout,
             heard: 0,
             program: Program::Elsewhere,
             ready: false,
@@ -271,7 +271,7 @@ impl Upper {
     /// Whether an instruction is open and its orders have not come for too long.
     pub const fn is_silent(&self, now: Nanos) -> bool {
         let open = matches!(self.orders.phase, Phase::Started | Phase::Serving | Phase::Finished);
-        open && now > self.heard + self.patience
+        open && now > self.heard + self.timeout
     }
 
     /// Lets START come, for orders of this type.

@@ -115,7 +115,7 @@ impl Site {
         }
         let is_simulated = driver.simulation().is_some();
         let Some(plant) = self.place.filter(|_| is_simulated) else { return Drive::Here(driver) };
-        let AnswerTimeout { most: patience, again: period } = AnswerTimeout::of_step(self.period);
+        let AnswerTimeout { most: timeout, again: period } = AnswerTimeout::of_step(self.period);
         let (end, commands) = match self.simulation {
             Simulation::InEdps | Simulation::Asked => {
                 let (client, server) = link.port(edp, plant);
@@ -132,10 +132,10 @@ impl Site {
             Ok(measured) => measured,
             Err(trip) => return Drive::unread_in_plant(&*driver, &trip),
         };
-        let drive = Drive::Plant(Box::new(PlantDrive::new(&*driver, measured, end, patience)));
+        let drive = Drive::Plant(Box::new(PlantDrive::new(&*driver, measured, end, timeout)));
         let observers = if self.watched { core::mem::take(observers) } else { Vec::new() };
         self.parts
-            .push(Box::new(Drives::new(process, driver, measured, commands, period, patience, observers)));
+            .push(Box::new(Drives::new(process, driver, measured, commands, period, timeout, observers)));
         drive
     }
 
@@ -157,7 +157,7 @@ impl Site {
         };
         let (port, server) = link.port(vsp, plant);
         self.parts.push(Box::new(Sensor::new(aggregator, server)));
-        RawSensors::Plant(PlantSensor { port, plant, patience: AnswerTimeout::of_step(self.period) })
+        RawSensors::Plant(PlantSensor { port, plant, timeout: AnswerTimeout::of_step(self.period) })
     }
 
     /// Takes the bodies that are shown to observers, if the plant has a place; gives them back otherwise.
