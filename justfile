@@ -61,7 +61,7 @@ bench-panel ROUNDS="5":
     cargo build --release -p mrroc-examples --features panel --examples
     python3 tests/benches/peers/panel.py target/release/examples/to_and_fro ports/panel/examples/cell.toml {{ROUNDS}}
 
-# How soon an arm stands that is jogged in a browser: so many holds of each way to end one, judged from recordings. A quarter of an hour.
+# How soon an arm stands that is jogged in a browser: so many holds of each way to end one, tested from recordings. A quarter of an hour.
 test-panel-holds N="100":
     tests/peers/panel/run holds --times {{N}}
 
@@ -222,7 +222,7 @@ sweep-tasks EVERY="7":
 crowd:
     cargo test -p mrroc-tests --test processes sixty_four -- --ignored
 
-# 40,000 cells with jerk limits under random operators, judged in every servo period (about eight minutes).
+# 40,000 cells with jerk limits under random operators, tested in every servo period (about eight minutes).
 sweep-operators:
     cargo test -p mrroc-tests --test all random_operators -- --ignored --nocapture
 

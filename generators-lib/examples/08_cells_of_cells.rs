@@ -32,13 +32,13 @@ fn is_back(e: &State<(LowerCell,)>) -> bool {
 }
 
 // ANCHOR: lower
-/// A cell of one arm. Its MP obeys, and moves the arm as any MP does.
+/// A cell of one arm. Its MP serves, and moves the arm as any MP does.
 fn cell() -> Cell {
     let rest = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
     let arm = RobotSetup::new("arm", Irp6::nominal(), SimulatedIrp6::new(Irp6::nominal(), &rest));
     Cell::new(Duration::from_millis(2)).robot(arm).after_fault(AfterFault::AwaitReset).program(move |mp| {
         let mut arm = mp.robot::<Irp6>("arm")?;
-        mp.obey_all(|mp, job: Job| match job {
+        mp.serve_all(|mp, job: Job| match job {
             Job::Turn { angle } => {
                 let there = JointMove::to(rest + Six::x() * angle, Six::repeat(0.4), Six::repeat(0.8));
                 mp.move_robot(&mut arm, (), there).map(drop)

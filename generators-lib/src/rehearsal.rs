@@ -64,7 +64,7 @@ where
     let mut now = start;
     rehearse_all(generator, dt, |last| {
         if let Some(demand) = last {
-            now = obeyed(robot, &start, &now, demand, dt)?;
+            now = followed(robot, &start, &now, demand, dt)?;
         }
         let (order, v) = given(&now);
         Ok(Given { order, e: State::new(now), v })
@@ -97,9 +97,9 @@ pub fn rehearse_all<G: Generator>(
     Err(Fault::thrown("the motion does not end"))
 }
 
-/// The image after a demand that is obeyed to the letter.
+/// The image after a demand that is followed exactly.
 #[allow(non_snake_case)]
-fn obeyed<R: Robot>(
+fn followed<R: Robot>(
     robot: &R,
     start: &RobotImage<R>,
     now: &RobotImage<R>,
@@ -139,7 +139,7 @@ mod tests {
     }
 
     #[test]
-    fn a_robot_that_obeys_is_where_the_generator_wants_it() {
+    fn a_robot_that_follows_is_where_the_generator_wants_it() {
         let irp6 = Irp6::nominal();
         let mut last = at_rest(&irp6, start());
         let given = |image: &RobotImage<Irp6>| {

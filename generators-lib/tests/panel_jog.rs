@@ -8,7 +8,7 @@ use mrroc::cell::{CellError, OutputSetup, RunReport};
 use mrroc::fault::{Name, ProcessId};
 use mrroc::link::Nanos;
 use mrroc::observe::ServoRecord;
-use mrroc::observe::witness::{What, Witness};
+use mrroc::observe::step_observer::{StepEvent, StepObserver};
 use mrroc::operator::jog::{JogOrder, JogPanel};
 use mrroc::operator::{LAPSE, Operator, REDUCED_SPEED, Renewal};
 use mrroc::payload::Wire;
@@ -80,14 +80,14 @@ struct Seen {
     jogs: RefCell<Vec<u64>>,
 }
 
-impl Witness for Seen {
-    fn see(&self, _: Nanos, _: ProcessId, what: &What, _: &[u64]) {
+impl StepObserver for Seen {
+    fn see(&self, _: Nanos, _: ProcessId, what: &StepEvent, _: &[u64]) {
         match *what {
-            What::Step { step, dt, .. } => {
+            StepEvent::Step { step, dt, .. } => {
                 self.dt.borrow_mut().resize(step as usize, f64::NAN);
                 self.dt.borrow_mut().push(dt);
             }
-            What::Jog { step, .. } => self.jogs.borrow_mut().push(step),
+            StepEvent::Jog { step, .. } => self.jogs.borrow_mut().push(step),
             _ => {}
         }
     }
@@ -129,7 +129,7 @@ fn left_arm(seen: &Rc<Seen>, start: Six) -> RobotSetup<Irp6> {
 fn run(start: Six, presses: Vec<Press>, done: u64) -> (Rc<Seen>, Result<RunReport, CellError>) {
     let seen = Rc::new(Seen::default());
     let cell = Cell::new(STEP).robot(left_arm(&seen, start));
-    let cell = cell.on_step(operate(presses, done)).witnessed_by(Rc::clone(&seen) as Rc<dyn Witness>);
+    let cell = cell.on_step(operate(presses, done)).observed_by(Rc::clone(&seen) as Rc<dyn StepObserver>);
     let outcome = cell.run();
     (seen, outcome)
 }
@@ -263,7 +263,7 @@ fn fault_234_a_robot_whose_program_does_not_let_it_be_jogged_stands_and_so_does_
                 .program(|ecp| ecp.move_robot((), to_and_fro()).map(drop));
             cell = cell.robot(right);
         }
-        let cell = cell.witnessed_by(Rc::clone(&seen) as Rc<dyn Witness>);
+        let cell = cell.observed_by(Rc::clone(&seen) as Rc<dyn StepObserver>);
         let cell = cell.on_step(operate(vec![press("joint 1 50%", 1000..3000)], 4000));
         cell.run().expect("no fault");
         (seen, other)
@@ -307,7 +307,7 @@ fn fault_239_a_hold_that_goes_over_to_another_robot_moves_neither() {
     let (seen, other) = (Rc::new(Seen::default()), Rc::new(Seen::default()));
     let cell = Cell::new(STEP).robot(left_arm(&seen, HOME)).robot(right_arm(&other));
     let right = Name::new("right").expect("a name");
-    let cell = cell.witnessed_by(Rc::clone(&seen) as Rc<dyn Witness>).on_step(move |step, operator| {
+    let cell = cell.observed_by(Rc::clone(&seen) as Rc<dyn StepObserver>).on_step(move |step, operator| {
         let renewal = |count| Renewal::of(100, count).expect("few");
         match step {
             1 => operator.set_reduced(true),
@@ -338,9 +338,9 @@ struct Switched {
     changes: RefCell<Vec<(u64, f64)>>,
 }
 
-impl Witness for Switched {
-    fn see(&self, _: Nanos, by: ProcessId, what: &What, words: &[u64]) {
-        let What::Signals { step } = *what else { return };
+impl StepObserver for Switched {
+    fn see(&self, _: Nanos, by: ProcessId, what: &StepEvent, words: &[u64]) {
+        let StepEvent::Signals { step } = *what else { return };
         assert_eq!(by.name, Some(left()));
         let outputs = Signals::get(words).expect("signals").outputs;
         let value = match self.channel {
@@ -365,7 +365,7 @@ fn fault_246_a_person_switches_outputs_of_an_arm_that_stands_and_none_that_would
                 OutputSetup::new("spindle", Channel::Digital(1)).turns_tool().on_stop(Value::Digital(false)),
             )
             .output(OutputSetup::new("valve", Channel::Analog(0)));
-        let cell = Cell::new(STEP).robot(arm).witnessed_by(Rc::clone(&switched) as Rc<dyn Witness>);
+        let cell = Cell::new(STEP).robot(arm).observed_by(Rc::clone(&switched) as Rc<dyn StepObserver>);
         cell.on_step(operate(presses, 2500)).run().expect("no fault");
         let joints = seen.joints.borrow();
         assert!(
@@ -404,7 +404,7 @@ fn fault_246_an_output_is_switched_when_the_arm_has_come_to_rest() {
     let seen = Rc::new(Seen::default());
     let switched = Rc::new(Switched { channel: Channel::Digital(0), changes: RefCell::default() });
     let arm = left_arm(&seen, HOME).output(OutputSetup::new("gripper", Channel::Digital(0)));
-    let cell = Cell::new(STEP).robot(arm).witnessed_by(Rc::clone(&switched) as Rc<dyn Witness>);
+    let cell = Cell::new(STEP).robot(arm).observed_by(Rc::clone(&switched) as Rc<dyn StepObserver>);
     // One button is let go and the next one pressed in the same step, while the arm moves.
     let presses = vec![press("joint 1 100%", 100..400), press("output gripper on", 400..1400)];
     cell.on_step(operate(presses, 1500)).run().expect("no fault");

@@ -3,7 +3,7 @@
 //! In: spans of time. Out: a row of bands for each program. What is too narrow for its words goes without them, or together
 //! with its neighbours; in a browser every band tells itself when it is pointed at.
 
-use mrroc::operator::state::Doing;
+use mrroc::operator::state::InstructionKind;
 use nalgebra::Vector2;
 
 use crate::instructions::{Log, Span};
@@ -100,9 +100,9 @@ pub(crate) fn height(rows: usize) -> f64 {
 
 fn band(span: &Span) -> Band {
     let (word, colour) = match span.doing {
-        Some(Doing::Wait) => ("Wait", WAITING),
-        Some(Doing::Move) => ("Move", REGION),
-        Some(Doing::Nothing | Doing::Homing) | None => ("instructions", GRID),
+        Some(InstructionKind::Wait) => ("Wait", WAITING),
+        Some(InstructionKind::Move) => ("Move", REGION),
+        Some(InstructionKind::Nothing | InstructionKind::Homing) | None => ("instructions", GRID),
     };
     let words = match (&span.by, span.count) {
         (Some(by), 1) => vec![format!("{word} {by}"), by.clone()],
@@ -221,7 +221,7 @@ fn fitting(words: &[String], width: f64) -> Option<String> {
 mod tests {
     use super::*;
 
-    fn span(low: f64, high: f64, doing: Doing, by: &str) -> Span {
+    fn span(low: f64, high: f64, doing: InstructionKind, by: &str) -> Span {
         Span { time: Range { low, high }, count: 1, doing: Some(doing), by: Some(by.to_owned()) }
     }
 
@@ -229,15 +229,15 @@ mod tests {
     fn narrow_neighbours_are_one_band_and_wide_ones_stay_their_own() {
         // 10 px a second.
         let time = Axis::new(Range { low: 0.0, high: 100.0 }, 50.0, 1050.0);
-        let mut spans = vec![span(0.0, 10.0, Doing::Move, "Line")];
-        spans.extend(
-            (0..20).map(|i| span(10.0 + 0.5 * f64::from(i), 10.5 + 0.5 * f64::from(i), Doing::Move, "Arc")),
-        );
-        spans.push(span(20.0, 60.0, Doing::Wait, "Dwell"));
+        let mut spans = vec![span(0.0, 10.0, InstructionKind::Move, "Line")];
+        spans.extend((0..20).map(|i| {
+            span(10.0 + 0.5 * f64::from(i), 10.5 + 0.5 * f64::from(i), InstructionKind::Move, "Arc")
+        }));
+        spans.push(span(20.0, 60.0, InstructionKind::Wait, "Dwell"));
         // Narrow ones with a gap between them.
-        spans.push(span(70.0, 70.5, Doing::Move, "Line"));
-        spans.push(span(75.0, 75.5, Doing::Wait, "Dwell"));
-        spans.push(span(75.5, 76.0, Doing::Move, "Line"));
+        spans.push(span(70.0, 70.5, InstructionKind::Move, "Line"));
+        spans.push(span(75.0, 75.5, InstructionKind::Wait, "Dwell"));
+        spans.push(span(75.5, 76.0, InstructionKind::Move, "Line"));
         let joined = joined(&time, &spans);
         let counts: Vec<_> = joined.iter().map(|span| span.count).collect();
         assert_eq!(counts, [1, 20, 1, 1, 2]);

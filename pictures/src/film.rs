@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use mrroc::cell::RunPicture;
 use mrroc::observe::Observation;
-use mrroc::observe::witness::SharedWitness;
+use mrroc::observe::step_observer::SharedStepObserver;
 use mrroc::prelude::*;
 
 use crate::block::Block;
@@ -91,7 +91,7 @@ impl RunPicture for Film {
         let program = Rc::clone(&self.program);
         let left_out = Rc::clone(&self.left_out);
         self.seen.expect(&cell.layout());
-        let cell = cell.shown_to_picture(Arc::clone(&self.seen) as SharedWitness);
+        let cell = cell.shown_to_picture(Arc::clone(&self.seen) as SharedStepObserver);
         cell.watch(move |observation| {
             let drawn = left_out.iter().all(|name| name != observation.robot);
             if let Ok(mut program) = program.try_borrow_mut() {

@@ -4,7 +4,7 @@
 //! many, neighbours become one.
 
 use mrroc::observe::Activity;
-use mrroc::operator::state::Doing;
+use mrroc::operator::state::InstructionKind;
 
 use crate::svg::Range;
 
@@ -19,7 +19,7 @@ pub(crate) struct Span {
     /// How many instructions there are in it.
     pub count: u64,
     /// A Move or a Wait; none where there are both.
-    pub doing: Option<Doing>,
+    pub doing: Option<InstructionKind>,
     /// The generator or condition; none where there are several.
     pub by: Option<String>,
 }
@@ -101,8 +101,8 @@ fn merged(spans: &[Span]) -> Span {
 /// Whether there is a Move or a Wait to show. That of an MP without a program is shown by the programs of the ECPs.
 fn is_open(activity: &Activity) -> bool {
     match activity.doing {
-        Doing::Nothing | Doing::Homing => false,
-        Doing::Move | Doing::Wait => !activity.by().is_empty(),
+        InstructionKind::Nothing | InstructionKind::Homing => false,
+        InstructionKind::Move | InstructionKind::Wait => !activity.by().is_empty(),
     }
 }
 
@@ -122,9 +122,9 @@ mod tests {
     fn instructions_are_as_long_as_they_were_seen() {
         let mut log = Log::default();
         let idle = Activity::default();
-        let line = idle.begun(Doing::Move, TypeName::of::<Line>());
-        let again = line.begun(Doing::Move, TypeName::of::<Line>());
-        let dwell = again.begun(Doing::Wait, TypeName::of::<Dwell>());
+        let line = idle.begun(InstructionKind::Move, TypeName::of::<Line>());
+        let again = line.begun(InstructionKind::Move, TypeName::of::<Line>());
+        let dwell = again.begun(InstructionKind::Wait, TypeName::of::<Dwell>());
         let seen = [idle, line, line, line, again, again, dwell, dwell, dwell.over(), dwell.over()];
         for (i, now) in seen.iter().enumerate() {
             log.observe(i as f64, now);
@@ -132,22 +132,22 @@ mod tests {
         // From the period before the first in which it was seen; of two in a row the first ends where the next begins.
         assert_eq!(ends(&log), [(0.0, 3.0), (3.0, 5.0), (5.0, 8.0)]);
         assert_eq!(log.spans()[2].by.as_deref(), Some("Dwell"));
-        assert_eq!(log.spans()[2].doing, Some(Doing::Wait));
+        assert_eq!(log.spans()[2].doing, Some(InstructionKind::Wait));
     }
 
     #[test]
     fn an_mp_without_a_program_has_no_instructions_and_a_suspension_lasts_until_it_is_resumed() {
         let mut log = Log::default();
-        let nudge = Activity::default().begun(Doing::Move, TypeName::NONE);
+        let trigger = Activity::default().begun(InstructionKind::Move, TypeName::NONE);
         for i in 0..10 {
-            let mut now = nudge;
+            let mut now = trigger;
             now.suspended = (3..6).contains(&i);
             log.observe(f64::from(i), &now);
         }
         assert!(log.spans().is_empty());
         assert_eq!(log.suspensions(), [Range { low: 3.0, high: 6.0 }]);
         // Of another robot's slower period, which is told later.
-        let mut late = nudge;
+        let mut late = trigger;
         late.suspended = true;
         log.observe(4.0, &late);
         assert_eq!(log.suspensions().len(), 1);
@@ -159,7 +159,7 @@ mod tests {
         let mut now = Activity::default();
         for i in 0..10_001_u32 {
             let by = if i == 9000 { TypeName::of::<Dwell>() } else { TypeName::of::<Line>() };
-            now = now.begun(Doing::Move, by);
+            now = now.begun(InstructionKind::Move, by);
             log.observe(f64::from(i), &now);
         }
         assert!(log.spans().len() <= CAPACITY);

@@ -1,7 +1,7 @@
 //! Pictures of what moved: a [`Film`] watches the robots of a cell and draws one SVG that any browser shows.
 //!
 //! In: an [`Observation`](mrroc::observe::Observation) of every servo period of every robot, and what the processes of the
-//! cell show a [`Witness`](mrroc::observe::witness::Witness). Out: a picture, in SI units:
+//! cell show a [`StepObserver`](mrroc::observe::step_observer::StepObserver). Out: a picture, in SI units:
 //!
 //! ```text
 //! Observation -> History (bounded memory) -> scene:  stick figures in space, moving; tool paths coloured by speed

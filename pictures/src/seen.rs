@@ -1,6 +1,6 @@
 //! What the processes of a cell show while it runs: the rate of path time, readings of sensors, inputs and outputs of robots.
 //!
-//! In: what a witness of the picture is shown, by each process in its order, but by several processes in any order. Out: numbers
+//! In: what an observer of the picture is shown, by each process in its order, but by several processes in any order. Out: numbers
 //! and states over time, in bounded memory, which do not depend on that order: the rate comes from the MP, inputs and outputs of a
 //! robot from its EDP, and readings of several processes are put together step by step ([`Track`]).
 
@@ -8,7 +8,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use mrroc::fault::{Name, ProcessId, Role};
 use mrroc::observe::layout::{Layout, RobotLayout, SensorLayout, SignalLayout};
-use mrroc::observe::witness::{ReadingState, What, Witness};
+use mrroc::observe::step_observer::{ReadingState, StepEvent, StepObserver};
 use mrroc::payload::Wire;
 use mrroc::robot::{Channel, Signals};
 
@@ -16,7 +16,7 @@ use crate::quantities::Quantities;
 use crate::states::States;
 use crate::track::Track;
 
-/// A witness of the run.
+/// An observer of the run.
 #[derive(Debug, Default)]
 pub(crate) struct Seen(Mutex<Sights>);
 
@@ -84,8 +84,8 @@ impl Seen {
     }
 }
 
-impl Witness for Seen {
-    fn see(&self, time: u64, by: ProcessId, what: &What, words: &[u64]) {
+impl StepObserver for Seen {
+    fn see(&self, time: u64, by: ProcessId, what: &StepEvent, words: &[u64]) {
         self.lock().see(time as f64 * 1e-9, by, what, words);
     }
 }
@@ -112,37 +112,37 @@ impl Sights {
     }
 
     /// Something was shown at a time \[s\].
-    fn see(&mut self, time: f64, by: ProcessId, what: &What, words: &[u64]) {
+    fn see(&mut self, time: f64, by: ProcessId, what: &StepEvent, words: &[u64]) {
         match what {
-            What::Step { step, dt, duration, speed, .. } if *duration > 0.0 => {
+            StepEvent::Step { step, dt, duration, speed, .. } if *duration > 0.0 => {
                 self.rate.see(*step, time, &[dt / duration, *speed]);
             }
-            What::Reading { sensor, step, state, .. } => {
+            StepEvent::Reading { sensor, step, state, .. } => {
                 let sensor = self.sensors.iter_mut().find(|known| known.name == sensor.as_str());
                 if let Some(sensor) = sensor {
                     sensor.see(time, by, *step, *state, words);
                 }
             }
-            What::Signals { step } => {
+            StepEvent::Signals { step } => {
                 let Some(name) = by.name else { return };
                 let robot = self.robots.iter_mut().find(|known| known.name == name.as_str());
                 if let (Some(robot), Ok(signals)) = (robot, Signals::get(words)) {
                     robot.see(*step, time, &signals);
                 }
             }
-            What::Step { .. }
-            | What::Instruction { .. }
-            | What::Abort { .. }
-            | What::Jog { .. }
-            | What::Late { .. }
-            | What::LateRequest { .. }
-            | What::Order { .. }
-            | What::Found { .. }
-            | What::Image { .. }
-            | What::Currents { .. }
-            | What::Fault { .. }
-            | What::Body { .. }
-            | What::End { .. } => {}
+            StepEvent::Step { .. }
+            | StepEvent::Instruction { .. }
+            | StepEvent::Abort { .. }
+            | StepEvent::Jog { .. }
+            | StepEvent::Late { .. }
+            | StepEvent::LateRequest { .. }
+            | StepEvent::Order { .. }
+            | StepEvent::Found { .. }
+            | StepEvent::Image { .. }
+            | StepEvent::Currents { .. }
+            | StepEvent::Fault { .. }
+            | StepEvent::Body { .. }
+            | StepEvent::End { .. } => {}
         }
     }
 }

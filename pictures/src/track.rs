@@ -38,28 +38,28 @@ impl Sample {
 
 /// One number in a stretch.
 #[derive(Clone, Copy, Debug)]
-struct Course {
+struct Extremes {
     first: Sample,
     last: Sample,
     least: Sample,
     greatest: Sample,
 }
 
-impl Course {
+impl Extremes {
     /// Nothing of what is not finite.
-    fn of(step: u64, time: f64, value: f64) -> Option<Course> {
+    fn of(step: u64, time: f64, value: f64) -> Option<Extremes> {
         let sample = Sample { step, time, value };
-        let course = Course { first: sample, last: sample, least: sample, greatest: sample };
-        value.is_finite().then_some(course)
+        let extremes = Extremes { first: sample, last: sample, least: sample, greatest: sample };
+        value.is_finite().then_some(extremes)
     }
 
-    fn and(self, other: Course) -> Course {
+    fn and(self, other: Extremes) -> Extremes {
         let pick = |a: Sample, b: Sample, is_b: bool| if is_b { b } else { a };
         let earlier = other.first.in_time(&self.first).is_lt();
         let later = other.last.in_time(&self.last).is_gt();
         let less = other.least.in_value(&self.least).is_lt();
         let greater = other.greatest.in_value(&self.greatest).is_gt();
-        Course {
+        Extremes {
             first: pick(self.first, other.first, earlier),
             last: pick(self.last, other.last, later),
             least: pick(self.least, other.least, less),
@@ -102,7 +102,7 @@ impl Moment {
 struct Stretch {
     first: Moment,
     last: Moment,
-    courses: Vec<Option<Course>>,
+    channels: Vec<Option<Extremes>>,
 }
 
 impl Stretch {
@@ -113,16 +113,16 @@ impl Stretch {
         if self.last.is_before(&other.last) {
             self.last = other.last;
         }
-        for (course, other) in self.courses.iter_mut().zip(&other.courses) {
-            *course = match (*course, *other) {
-                (Some(course), Some(other)) => Some(course.and(other)),
-                (course, other) => course.or(other),
+        for (extremes, other) in self.channels.iter_mut().zip(&other.channels) {
+            *extremes = match (*extremes, *other) {
+                (Some(extremes), Some(other)) => Some(extremes.and(other)),
+                (extremes, other) => extremes.or(other),
             };
         }
     }
 
-    fn course(&self, index: usize) -> Option<&Course> {
-        self.courses.get(index)?.as_ref()
+    fn channel(&self, index: usize) -> Option<&Extremes> {
+        self.channels.get(index)?.as_ref()
     }
 }
 
@@ -156,8 +156,8 @@ impl Track {
             return;
         }
         let moment = Moment { step, time };
-        let courses = values.iter().map(|value| Course::of(step, time, *value)).collect();
-        let next = Stretch { first: moment, last: moment, courses };
+        let channels = values.iter().map(|value| Extremes::of(step, time, *value)).collect();
+        let next = Stretch { first: moment, last: moment, channels };
         let quotient = |stretch: &Stretch| stretch.first.step >> self.doublings;
         let place = match self.stretches.last() {
             Some(last) if quotient(last) >= quotient(&next) => {
@@ -206,17 +206,17 @@ impl Track {
 
     /// The least and the greatest of number `index`, from 0; nothing where there was none.
     pub fn range(&self, index: usize) -> Option<Range> {
-        let courses = self.stretches.iter().filter_map(|stretch| stretch.course(index));
-        let range = courses.fold(Range::NOTHING, |range, course| Range {
-            low: range.low.min(course.least.value),
-            high: range.high.max(course.greatest.value),
+        let channels = self.stretches.iter().filter_map(|stretch| stretch.channel(index));
+        let range = channels.fold(Range::NOTHING, |range, extremes| Range {
+            low: range.low.min(extremes.least.value),
+            high: range.high.max(extremes.greatest.value),
         });
         (range.low <= range.high).then_some(range)
     }
 
     /// The last of number `index`, from 0.
     pub fn last(&self, index: usize) -> Option<f64> {
-        self.stretches.last()?.course(index).map(|course| course.last.value)
+        self.stretches.last()?.channel(index).map(|extremes| extremes.last.value)
     }
 
     /// The numbers at these places, from 0, in order of time.
@@ -235,7 +235,7 @@ impl Track {
                 lines.times.push(latest);
             }
             for (values, place) in lines.values.iter_mut().zip(places) {
-                let ends = stretch.course(*place).map_or([f64::NAN; 2], Course::ends);
+                let ends = stretch.channel(*place).map_or([f64::NAN; 2], Extremes::ends);
                 values.push(ends[0]);
                 values.extend(several.then_some(ends[1]));
             }
@@ -247,11 +247,11 @@ impl Track {
     pub fn states(&self, place: usize) -> States {
         let mut states = States::default();
         for (after_gap, stretch) in self.pieces() {
-            let course = stretch.course(place);
-            if after_gap || course.is_none() {
+            let extremes = stretch.channel(place);
+            if after_gap || extremes.is_none() {
                 states.gap();
             }
-            let samples = course.into_iter().flat_map(Course::samples);
+            let samples = extremes.into_iter().flat_map(Extremes::samples);
             samples.for_each(|sample| states.see(sample.time, sample.value as u64));
         }
         states

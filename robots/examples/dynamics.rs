@@ -39,7 +39,7 @@ impl Random {
 }
 
 /// Where the files go, and how many states.
-struct Judged {
+struct Comparison {
     folder: PathBuf,
     states: u32,
     seed: u64,
@@ -58,7 +58,7 @@ fn tool() -> Tool {
     Tool { frame: Pose::new(Vector3::new(0.0, 0.03, 0.15), Vector3::new(0.0, 0.4, 0.0)), load }
 }
 
-impl Judged {
+impl Comparison {
     fn writer(
         &self,
         name: &str,
@@ -152,7 +152,7 @@ impl Judged {
         self.tree(name, &robot.with_base(base()))
     }
 
-    /// RNT, whose loops its judge closes.
+    /// RNT, whose loops the comparison closes.
     fn rnt(&mut self) -> Outcome {
         let robot = Rnt::new().with_base(base());
         let mut file = self.writer("rnt", robot.urdf("rnt", &Tool { load: Load::NONE, ..tool() }))?;
@@ -181,21 +181,21 @@ fn main() -> Outcome {
     let states = arguments.next().ok_or("how many states?")?.parse()?;
     let seed = arguments.next().map_or(Ok(1955), |seed| seed.parse())?;
     fs::create_dir_all(&folder)?;
-    let mut judged = Judged { folder, states, seed, energies: Vec::new() };
-    judged.tree("irp6", &Irp6::nominal().with_base(base()))?;
-    judged.tree("irp6-calibrated", &Irp6::calibrated().with_base(base()))?;
-    judged.tree("irp6-5dof", &Irp6FiveDof::nominal().with_base(base()))?;
-    judged.tree("irp6-track", &Irp6Track::nominal().with_base(base()))?;
-    judged.tree("irp6-track-calibrated", &Irp6Track::calibrated().with_base(base()))?;
-    judged.tree("polycrank", &Polycrank::new().with_base(base()))?;
-    judged.tree("gripper", &Gripper::new().with_base(base()))?;
-    judged.tree("two-fingers", &TwoFingers::new().with_base(base()))?;
-    judged.tree("conveyor", &Conveyor::new().with_base(base()))?;
-    judged.serial::<6>("weighted_arm", "base_link", "tool0")?;
-    judged.serial::<7>("seven_axes", "world_foot", "flange")?;
-    judged.serial::<4>("gantry", "bed", "tool")?;
-    judged.serial::<4>("palletiser", "base", "tool")?;
-    judged.rnt()?;
-    fs::write(judged.folder.join("energy.csv"), judged.energies.join("\n") + "\n")?;
+    let mut comparison = Comparison { folder, states, seed, energies: Vec::new() };
+    comparison.tree("irp6", &Irp6::nominal().with_base(base()))?;
+    comparison.tree("irp6-calibrated", &Irp6::calibrated().with_base(base()))?;
+    comparison.tree("irp6-5dof", &Irp6FiveDof::nominal().with_base(base()))?;
+    comparison.tree("irp6-track", &Irp6Track::nominal().with_base(base()))?;
+    comparison.tree("irp6-track-calibrated", &Irp6Track::calibrated().with_base(base()))?;
+    comparison.tree("polycrank", &Polycrank::new().with_base(base()))?;
+    comparison.tree("gripper", &Gripper::new().with_base(base()))?;
+    comparison.tree("two-fingers", &TwoFingers::new().with_base(base()))?;
+    comparison.tree("conveyor", &Conveyor::new().with_base(base()))?;
+    comparison.serial::<6>("weighted_arm", "base_link", "tool0")?;
+    comparison.serial::<7>("seven_axes", "world_foot", "flange")?;
+    comparison.serial::<4>("gantry", "bed", "tool")?;
+    comparison.serial::<4>("palletiser", "base", "tool")?;
+    comparison.rnt()?;
+    fs::write(comparison.folder.join("energy.csv"), comparison.energies.join("\n") + "\n")?;
     Ok(())
 }

@@ -50,7 +50,7 @@ impl GoTo {
 /// The program of either arm's ECP.
 fn arm(ecp: &mut Ecp<Irp6>) -> Result<(), Fault> {
     let go = |angle, duration| GoTo { angle, duration, from: Six::zeros(), t: 0.0 };
-    ecp.obey(|ecp, phase: Phase| match phase {
+    ecp.serve(|ecp, phase: Phase| match phase {
         Phase::Left => ecp.move_robot((), go(0.5, 2.0)).map(drop),
         Phase::Right => ecp.move_robot((), go(-0.5, 4.0)).map(drop),
     })

@@ -48,7 +48,7 @@ fn start(order: &Order<Turn>, c: &mut Follow, e: &State<Irp6>) -> Step<Irp6> {
 
 /// The program of either arm's ECP.
 fn arm(ecp: &mut Ecp<Irp6>) -> Result<(), Fault> {
-    ecp.obey(|ecp, _: Turn| ecp.move_robot((), Follow { from: Six::zeros() }).map(drop))
+    ecp.serve(|ecp, _: Turn| ecp.move_robot((), Follow { from: Six::zeros() }).map(drop))
 }
 
 /// Runs the example.

@@ -13,7 +13,7 @@ pub fn programs(cell: Cell) -> Cell {
 }
 
 fn arm(ecp: &mut Ecp<Arm>) -> Result<(), Fault> {
-    ecp.obey_all(|ecp, phase: Phase| match phase {
+    ecp.serve_all(|ecp, phase: Phase| match phase {
         Phase::Out => out(ecp),
         Phase::Back => back(ecp),
     })

@@ -199,7 +199,7 @@ pub fn cells_of_four<const CELLS: usize>(steps: u64) {
             for name in &names {
                 robots.push(mp.robot::<Gantry>(name)?);
             }
-            mp.obey_all(|mp, Job::Hold { steps }| {
+            mp.serve_all(|mp, Job::Hold { steps }| {
                 let mut handles = robots.iter_mut();
                 let list = core::array::from_fn(|_| handles.next().expect("one handle per name"));
                 mp.move_robots(list, (), Hold::<4, Gantry> { left: steps, of: core::marker::PhantomData })

@@ -15,7 +15,7 @@ use mrroc::launch::own_option;
 use mrroc::prelude::*;
 use mrroc::robot::{DriveFault, Driver, Measured, SimulatedDrives};
 use mrroc_robots::{Irp6, Shaft, SimulatedIrp6, Six};
-use mrroc_tests::fixture::{COMPUTES, FARTHER, HARDWARE, OTHER, PATIENCE, PLANS, RECORDS, TIMES};
+use mrroc_tests::fixture::{COMPUTES, FARTHER, HARDWARE, OTHER, PLANS, RECORDS, TIMEOUT, TIMES};
 use mrroc_tests::{Follow, Turned};
 
 use crate::Nothing;
@@ -53,8 +53,8 @@ fn cell(file: &CellFile) -> Result<Cell, CellError> {
         }
         _ => cell,
     };
-    let patience = own_option(PATIENCE).and_then(|seconds| seconds.parse().ok());
-    let cell = match patience {
+    let timeout = own_option(TIMEOUT).and_then(|seconds| seconds.parse().ok());
+    let cell = match timeout {
         Some(seconds) => cell.end_when_stuck(Duration::from_secs(seconds)),
         None => cell,
     };
@@ -281,12 +281,12 @@ fn arm(ecp: &mut Ecp<Irp6>) -> Result<(), Fault> {
     let plans = own_option(PLANS).is_some();
     let go = |angle, duration| GoTo { angle, duration, from, t: 0.0, plans, calls: Calls::of("ecp") };
     for _ in 0..2 * times() {
-        ecp.obey(|ecp, phase: Phase| match phase {
+        ecp.serve(|ecp, phase: Phase| match phase {
             Phase::Out => ecp.move_robot((), go(0.01, 1.0)).map(drop),
             Phase::Back => ecp.move_robot((), go(0.0, 1.5)).map(drop),
         })?;
     }
-    ecp.obey(|ecp, _: Turned| ecp.move_robot((), Follow::from_here()).map(drop))
+    ecp.serve(|ecp, _: Turned| ecp.move_robot((), Follow::from_here()).map(drop))
 }
 
 /// The column to an angle \[rad\] in a time \[s\].

@@ -52,7 +52,7 @@ fn is_back(e: &State<(LowerCell,)>) -> bool {
 fn arm(mp: &mut Mp) -> Result<(), Fault> {
     let mut arm = mp.robot::<Irp6>("arm")?;
     let rest = arm.demanded().joints;
-    mp.obey_all(|mp, job: Job| match job {
+    mp.serve_all(|mp, job: Job| match job {
         Job::Turn { angle } => {
             let there = JointMove::to(rest + Six::x() * angle, Six::repeat(0.4), Six::repeat(0.8));
             mp.move_robot(&mut arm, (), there).map(drop)

@@ -27,7 +27,7 @@ use mrroc::cell::Cell;
 use mrroc::cell::RunPicture;
 use mrroc::fault::ProcessId;
 use mrroc::launch::own_option;
-use mrroc::observe::witness::{What, Witness};
+use mrroc::observe::step_observer::{StepEvent, StepObserver};
 use mrroc_counting_allocator::Counting;
 use mrroc_tests::fixture::{
     ARMS, CROWD, LINE, PROGRAM, RECORDED, REMOTE, SERVO, SOAK, SUSPENDED, TAKES_NOTHING, TASKS,
@@ -80,8 +80,8 @@ impl RunPicture for Nothing {
     }
 }
 
-impl Witness for Nothing {
-    fn see(&self, _: u64, _: ProcessId, _: &What, _: &[u64]) {
+impl StepObserver for Nothing {
+    fn see(&self, _: u64, _: ProcessId, _: &StepEvent, _: &[u64]) {
         while own_option(TAKES_NOTHING).is_some() {
             std::thread::park();
         }

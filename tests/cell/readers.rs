@@ -11,7 +11,7 @@ pub fn cell() -> Cell {
     let arm = RobotSetup::new("arm", Irp6::nominal(), SimulatedIrp6::new(Irp6::nominal(), &rest));
     let cell =
         Cell::new(Duration::from_millis(2)).robot(arm).sensor(SensorSetup::new("column", Looks).of("arm"));
-    cell.ecp("arm", obey).program(|mp| {
+    cell.ecp("arm", serve).program(|mp| {
         let (mut arm, mut column) = (mp.robot::<Irp6>("arm")?, mp.sensor::<Column>("column")?);
         mp.wait_until((&mut arm,), (&mut column,), Pause(100))?;
         mp.move_robots((&mut arm,), (), ask {})?;
@@ -70,11 +70,11 @@ fn look(_c: &mut Look, _v: &Reading<(Column,)>) -> Always<(Irp6,), Go> {
     Always((Go::There,))
 }
 
-fn obey(ecp: &mut Ecp<Irp6>) -> Result<(), Fault> {
+fn serve(ecp: &mut Ecp<Irp6>) -> Result<(), Fault> {
     let mut column = ecp.sensor::<Column>("column")?;
     for by in [0.2, -0.2] {
         let turn = Turn { from: Six::zeros(), by, t: 0.0 };
-        ecp.obey(|ecp, _: Go| ecp.move_robot((&mut column,), turn).map(drop))?;
+        ecp.serve(|ecp, _: Go| ecp.move_robot((&mut column,), turn).map(drop))?;
     }
     Ok(())
 }

@@ -21,7 +21,7 @@ use crate::Nothing;
 const PERIOD: Duration = Duration::from_millis(2);
 
 /// For how long they may be told nothing: less than the other one takes to answer.
-const PATIENCE: Duration = Duration::from_millis(400);
+const TIMEOUT: Duration = Duration::from_millis(400);
 
 /// Runs it under the options of the command line.
 pub fn main() -> ExitCode {
@@ -116,12 +116,12 @@ impl Driver<Gripper> for Remote {
     }
 
     fn pace(&self) -> Pace {
-        Pace::Robot { patience: Duration::from_secs(2) }
+        Pace::Robot { timeout: Duration::from_secs(2) }
     }
 
     fn pulse(&mut self, _: Duration) -> Result<Option<Pulse>, DriveFault> {
         let (began, told) = self.told.ok_or(DriveFault::NoAnswer)?;
-        if told.elapsed() > PATIENCE {
+        if told.elapsed() > TIMEOUT {
             return Err(RobotStop::new(StopCause::CommunicationLost).named(NOT_TOLD).into());
         }
         let count = (began.elapsed().as_nanos() / PERIOD.as_nanos()) as u64;

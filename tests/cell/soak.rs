@@ -153,5 +153,5 @@ fn swing(c: &mut Swing, v: &Reading<(Column,)>, t: Tick) -> Step<(Irp6, Irp6), T
 }
 
 fn arm(ecp: &mut Ecp<Irp6>) -> Result<(), Fault> {
-    ecp.obey(|ecp, _: Turned| ecp.move_robot((), Follow::from_here()).map(drop))
+    ecp.serve(|ecp, _: Turned| ecp.move_robot((), Follow::from_here()).map(drop))
 }

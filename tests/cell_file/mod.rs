@@ -142,8 +142,8 @@ fn a_plant_needs_a_port_that_the_program_of_the_cell_knows() {
         ("{ }", "a plant without `port`"),
         ("{ port = 3 }", "a name, in quotes"),
         ("{ port = \"my world\" }", "write port = \"..\" with such a name"),
-        ("{ port = \"w\", patience_ms = 55000 }", "milliseconds up to 50000"),
-        ("{ port = \"w\", patience = 5 }", "unknown key `patience`"),
+        ("{ port = \"w\", timeout_ms = 55000 }", "milliseconds up to 50000"),
+        ("{ port = \"w\", timeout = 5 }", "unknown key `timeout`"),
     ] {
         let complaints = complaints(&cell(plant));
         assert!(complaints.contains(told), "{complaints}");
@@ -165,7 +165,7 @@ fn fault_156_two_programs_of_others_cannot_call_at_one_address_nor_where_a_node_
     assert!(told.contains("sensor `s` has this address already"), "{told}");
     assert!(told.contains("write a port of its own, such as \"192.168.1.2:7450\""), "{told}");
     let right = cell("192.168.1.2:7450");
-    assert_eq!(CellFile::parse("cell.toml", &right).expect("two ports").doors().count(), 2);
+    assert_eq!(CellFile::parse("cell.toml", &right).expect("two ports").gateways().count(), 2);
     let told = complaints(&(right + "[nodes.left]\naddress = \"192.168.1.2:7450\"\nmp = true\n"));
     assert!(told.contains("the program of sensor `t` calls at this address"), "{told}");
 }
@@ -218,12 +218,12 @@ fn fault_121_a_program_of_another_needs_an_age_a_rate_and_bounds() {
     let told = file.external("t").map(drop).expect_err("no such sensor").to_string();
     assert!(told.contains("[sensors.t], which is not there"), "{told}");
     let external = file.external("s").expect("it is there");
-    assert_eq!((external.address(), file.doors().count()), (None, 0));
+    assert_eq!((external.address(), file.gateways().count()), (None, 0));
     let elsewhere = cell(SENSOR, &format!("{TABLE}\naddress = \"192.168.1.2:7449\""));
     let elsewhere = CellFile::parse("cell.toml", &elsewhere).expect("nothing is wrong with it");
-    let door = elsewhere.doors().next().expect("its program is on another machine");
+    let gateway = elsewhere.gateways().next().expect("its program is on another machine");
     assert_eq!(
-        (door.name(), door.address()),
+        (gateway.name(), gateway.address()),
         ("s", Some(std::net::SocketAddr::from(([192, 168, 1, 2], 7449))))
     );
     let told = external.believable(&["x".to_owned(), "y".to_owned()]).expect_err("two numbers").to_string();

@@ -3,6 +3,8 @@
 //! The imports are read from the source as text: every `crate::..` path of a file, without its comments and its tests.
 //! `cargo test -p mrroc-tests --test all layers -- --nocapture` prints the lines of each layer and crate.
 
+mod words;
+
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -78,7 +78,7 @@ fn first_and_next_step_call_their_functions() {
 // ---- Functions without state.
 
 #[generator(mp)]
-fn nudge() -> Always<(Rnt, Polycrank), Phase> {
+fn trigger() -> Always<(Rnt, Polycrank), Phase> {
     Always((Phase::Grasp, Phase::Close))
 }
 
@@ -99,7 +99,7 @@ fn a_function_without_state_becomes_a_constant_of_its_name() {
     let told = transmit {}.next_step(&order, &State::new(at(0.0)), &NOTHING_READ, TICK).unwrap();
     assert_eq!(told, Step::Next(transmit(&order).0));
     assert_eq!(told, Step::Next(Demand::displacement(Pose::translation(0.0, 0.0, 0.1))));
-    let told = nudge {}.first_step(&NO_ORDER, &both(0.0, 0.0), &NOTHING_READ, TICK).unwrap();
+    let told = trigger {}.first_step(&NO_ORDER, &both(0.0, 0.0), &NOTHING_READ, TICK).unwrap();
     assert_eq!(told, Step::Next((Phase::Grasp, Phase::Close)));
 }
 
@@ -396,7 +396,7 @@ fn sporadic_feedback_and_termination_have_classes_of_their_own() {
 #[test]
 fn a_motion_ends_by_itself_if_it_can_be_done() {
     const { assert!(Carry::ENDS && ten_steps::ENDS && Press::<Rnt>::ENDS && Line::<Rnt>::ENDS) };
-    const { assert!(!nudge::ENDS && !transmit::ENDS && !inner::rest::ENDS) };
+    const { assert!(!trigger::ENDS && !transmit::ENDS && !inner::rest::ENDS) };
 }
 
 // ---- Payloads.

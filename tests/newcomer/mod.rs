@@ -11,7 +11,7 @@ use mrroc::prelude::*;
 use mrroc_robots::Irp6;
 
 use kinds::{Slides, kinds};
-use motions::{Ask, Circle, Elsewhere, Endless, Glide, Numbers, Obeyed, Phase, Plan, Shift};
+use motions::{Ask, Circle, Elsewhere, Endless, Glide, Numbers, Ordered, Phase, Plan, Shift};
 use sensing::{Table, Touch, touched, unwrapped};
 
 const ONE: &str = r#"
@@ -173,22 +173,22 @@ mistakes! {
 
 // Two levels.
 mistakes! {
-    a_struct_order_where_the_ecp_obeys_an_enum: shown(ONE, |cell, _| {
-        let cell = cell.ecp::<Irp6>("arm", |ecp| ecp.obey_all(|_, _: Phase| Ok(())));
+    a_struct_order_where_the_ecp_serves_an_enum: shown(ONE, |cell, _| {
+        let cell = cell.ecp::<Irp6>("arm", |ecp| ecp.serve_all(|_, _: Phase| Ok(())));
         Ok(cell.program(|mp| {
             let mut arm = mp.robot::<Irp6>("arm")?;
             mp.move_robots((&mut arm,), (), Numbers).map(drop)
         }))
     });
-    demands_where_the_ecp_obeys_orders: shown(ONE, |cell, _| {
-        let cell = cell.ecp::<Irp6>("arm", |ecp| ecp.obey_all(|_, _: Phase| Ok(())));
+    demands_where_the_ecp_serves_orders: shown(ONE, |cell, _| {
+        let cell = cell.ecp::<Irp6>("arm", |ecp| ecp.serve_all(|_, _: Phase| Ok(())));
         Ok(cell.program(|mp| {
             let mut arm = mp.robot::<Irp6>("arm")?;
             mp.move_robots((&mut arm,), (), Circle).map(drop)
         }))
     });
     a_tight_motion_that_the_ecp_finishes: shown(ONE, |cell, _| {
-        let cell = cell.ecp::<Irp6>("arm", |ecp| ecp.obey_all(|_, _: Plan| Ok(())));
+        let cell = cell.ecp::<Irp6>("arm", |ecp| ecp.serve_all(|_, _: Plan| Ok(())));
         Ok(cell.program(|mp| {
             let mut arm = mp.robot::<Irp6>("arm")?;
             mp.move_robots((&mut arm,), (), Numbers).map(drop)
@@ -196,7 +196,7 @@ mistakes! {
     });
     an_order_that_the_motion_does_not_read: shown(ONE, |cell, _| {
         let cell = cell.ecp::<Irp6>("arm", |ecp| {
-            ecp.obey_all(|ecp, _: Phase| ecp.move_robot((), Obeyed).map(drop))
+            ecp.serve_all(|ecp, _: Phase| ecp.move_robot((), Ordered).map(drop))
         });
         Ok(cell.program(|mp| {
             let mut arm = mp.robot::<Irp6>("arm")?;
@@ -210,10 +210,10 @@ mistakes! {
             mp.move_robots((&mut arm,), (), Ask(Phase::Out)).map(drop)
         }))
     });
-    an_ecp_that_obeys_once_too_often: shown(ONE, |cell, _| {
+    an_ecp_that_serves_once_too_often: shown(ONE, |cell, _| {
         let cell = cell.ecp::<Irp6>("arm", |ecp| {
-            ecp.obey(|_, _: Phase| Ok(()))?;
-            ecp.obey(|_, _: Phase| Ok(()))
+            ecp.serve(|_, _: Phase| Ok(()))?;
+            ecp.serve(|_, _: Phase| Ok(()))
         });
         Ok(cell.program(|mp| {
             let mut arm = mp.robot::<Irp6>("arm")?;

@@ -112,10 +112,10 @@ fn circle(_: &mut Circle) -> Step<(Irp6,)> {
 }
 
 /// Reads orders of another type.
-pub struct Obeyed;
+pub struct Ordered;
 
 #[generator(ecp)]
-fn obeyed(_: &mut Obeyed, order: &Order<Plan>) -> Step<Irp6> {
+fn ordered(_: &mut Ordered, order: &Order<Plan>) -> Step<Irp6> {
     let _ = order.value().x;
     Step::Done
 }

@@ -108,14 +108,14 @@ pub fn rtde(bytes: &[u8]) {
 
 /// What answers the drivers of a gripper, and of a device with inputs and outputs.
 pub fn modbus(bytes: &[u8]) {
-    use mrroc_modbus::message::{Asked, Question, Table};
+    use mrroc_modbus::message::{Question, Table, UnitRequest};
     use mrroc_robotiq::registers::Status;
 
     for what in [
-        Asked::Read(Table::InputRegisters, 0x07d0, 3),
-        Asked::Write(0x03e8, [0x0900, 0x00ff, 0xffff]),
-        Asked::Read(Table::DiscreteInputs, 0, 13),
-        Asked::Switch(16, true),
+        UnitRequest::Read(Table::InputRegisters, 0x07d0, 3),
+        UnitRequest::Write(0x03e8, [0x0900, 0x00ff, 0xffff]),
+        UnitRequest::Read(Table::DiscreteInputs, 0, 13),
+        UnitRequest::Switch(16, true),
     ] {
         let question = Question { transaction: 0xd605, unit: 9, what };
         let Some(answer) = told(question.answer(bytes)).flatten() else { continue };

@@ -1,7 +1,7 @@
 """How a cell ended, by the file that it writes with `--outcome`, and which of its faults a machine causes that is late.
 
-A cell whose machine gives it too little time stops, in order, and names that cause: it does what it must. Whoever judges such a run judges
-what holds for late runs as well, and says by name what could not be judged. Every other fault is a shortfall. Nothing is started again.
+A cell whose machine gives it too little time stops, in order, and names that cause: it does what it must. Whoever tests such a run tests
+what holds for late runs as well, and says by name what could not be tested. Every other fault is a shortfall. Nothing is started again.
 """
 
 import json
@@ -65,6 +65,6 @@ def has(condition, what):
         raise Shortfall(what)
 
 
-def not_judged(who, what, outcome):
+def not_tested(who, what, outcome):
     """Says what a run that was late could not show."""
-    print(f"{who}: not judged, for this machine was late: {what}: {outcome}", flush=True)
+    print(f"{who}: not tested, for this machine was late: {what}: {outcome}", flush=True)

@@ -1,4 +1,4 @@
-"""A wire between two network namespaces, for judges of what crosses a network.
+"""A wire between two network namespaces, for tests of what crosses a network.
 
 Each namespace has a TUN device; what one sends, this process hands to the other, or does not, as its seed says. So TCP's own
 repeats are those of the kernel.

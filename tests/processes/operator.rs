@@ -17,14 +17,14 @@ use crate::sound::{assert_robots_stand, rests};
 /// The step in which cells are suspended, in the first motion of their robots.
 const SUSPENDED_IN: &str = "100";
 
-/// Runs a cell in lock-step that stands suspended on its path when `operate` operates it, and gives it to `judge` at its end. While it
+/// Runs a cell in lock-step that stands suspended on its path when `operate` operates it, and gives it to `check` at its end. While it
 /// stands, its steps go on.
 pub fn operate<T>(
     place: &Place,
     operate: impl FnOnce(&mut Launch) -> T,
-    judge: impl FnOnce(&Launch, Option<i32>, T),
+    check: impl FnOnce(&Launch, Option<i32>, T),
 ) {
-    operate_with(place, &[], operate, judge);
+    operate_with(place, &[], operate, check);
 }
 
 /// The same with options of the test program.
@@ -32,7 +32,7 @@ pub fn operate_with<T>(
     place: &Place,
     options: &[(&str, &str)],
     operate: impl FnOnce(&mut Launch) -> T,
-    judge: impl FnOnce(&Launch, Option<i32>, T),
+    check: impl FnOnce(&Launch, Option<i32>, T),
 ) {
     let options = [&[(SUSPENDED, SUSPENDED_IN)], options].concat();
     let mut launch = place.start_with(&options, "operated", VIRTUAL);
@@ -40,7 +40,7 @@ pub fn operate_with<T>(
     let seen = operate(&mut launch);
     let status = launch.end().code();
     launch.assert_nothing_left(&[]);
-    judge(&launch, status, seen);
+    check(&launch, status, seen);
     assert_robots_stand(&launch, None);
 }
 

@@ -39,7 +39,7 @@ pub fn arms(change: Change) -> Cell {
 
 /// Gives such a cell its programs.
 pub fn programmed(cell: Cell, change: Change) -> Cell {
-    cell.ecp("left", obey).ecp("right", obey).on_step(operate).program(move |mp| coordinate(mp, change))
+    cell.ecp("left", serve).ecp("right", serve).on_step(operate).program(move |mp| coordinate(mp, change))
 }
 
 fn operate(step: u64, operator: &Operator) {
@@ -139,10 +139,10 @@ fn smooth(u: f64) -> f64 {
     u * u * (3.0 - 2.0 * u)
 }
 
-fn obey(ecp: &mut Ecp<Irp6>) -> Result<(), Fault> {
+fn serve(ecp: &mut Ecp<Irp6>) -> Result<(), Fault> {
     let from = ecp.image().demanded().joints;
     for _ in 0..2 {
-        ecp.obey(|ecp, phase: Phase| match phase {
+        ecp.serve(|ecp, phase: Phase| match phase {
             Phase::Out => match ecp.sensor::<Count>("slow") {
                 Ok(mut slow) => ecp.move_robot((&mut slow,), Feel { goal: 0.01, from, t: 0.0 }).map(drop),
                 Err(_) => ecp.move_robot((), GoTo { angle: 0.01, from, t: 0.0 }).map(drop),
@@ -150,7 +150,7 @@ fn obey(ecp: &mut Ecp<Irp6>) -> Result<(), Fault> {
             Phase::Back => ecp.move_robot((), GoTo { angle: 0.0, from, t: 0.0 }).map(drop),
         })?;
     }
-    ecp.obey(|ecp, _: Turned| ecp.move_robot((), Follow::from_here()).map(drop))
+    ecp.serve(|ecp, _: Turned| ecp.move_robot((), Follow::from_here()).map(drop))
 }
 
 /// The column to an angle \[rad\] in a second.

@@ -60,8 +60,8 @@ fn an_abort_ends_a_loose_motion_of_which_one_robot_has_finished_and_one_waits() 
     for at in [1, 2, 3, 50, 150, 250, 500] {
         let ((left, left_trace), (right, _)) = (gantry("left"), gantry("right"));
         let left =
-            left.program(|ecp| ecp.obey(|ecp, _: Phase| ecp.move_robot((), Smooth::to(0.1, 0.3)).map(drop)));
-        let right = right.program(|ecp| ecp.obey(|ecp, _: Phase| ecp.wait_until((), Never).map(drop)));
+            left.program(|ecp| ecp.serve(|ecp, _: Phase| ecp.move_robot((), Smooth::to(0.1, 0.3)).map(drop)));
+        let right = right.program(|ecp| ecp.serve(|ecp, _: Phase| ecp.wait_until((), Never).map(drop)));
         let cell = Cell::new(MS)
             .robot(left)
             .robot(right)
@@ -106,7 +106,7 @@ fn an_abort_of_a_suspended_motion_ends_it_where_it_stands() {
 fn a_program_of_an_ecp_that_ignores_the_end_of_its_instruction_is_ended() {
     let (robot, _) = gantry("g");
     let robot = robot.program(|ecp| {
-        ecp.obey(|ecp, _: Phase| {
+        ecp.serve(|ecp, _: Phase| {
             loop {
                 let _ = ecp.move_robot((), Smooth::to(0.1, 0.4));
                 let _ = ecp.wait_until((), Never);
@@ -115,7 +115,7 @@ fn a_program_of_an_ecp_that_ignores_the_end_of_its_instruction_is_ended() {
     });
     let cell = Cell::new(MS).robot(robot).program(|mp| {
         let mut g = mp.robot::<Gantry>("g")?;
-        mp.move_robots((&mut g,), (), Nudging(100)).map(drop)
+        mp.move_robots((&mut g,), (), Triggering(100)).map(drop)
     });
     let fault = fault(cell.run());
     assert_eq!(fault.robot().expect("named").as_str(), "g", "{fault}");
@@ -124,10 +124,10 @@ fn a_program_of_an_ecp_that_ignores_the_end_of_its_instruction_is_ended() {
     assert!(fault.message().contains("the end of its instruction"), "{fault}");
 }
 
-struct Nudging(u32);
+struct Triggering(u32);
 
 #[generator(mp)]
-fn nudging(c: &mut Nudging) -> mrroc::generator::Step<(Gantry,), Phase> {
+fn triggering(c: &mut Triggering) -> mrroc::generator::Step<(Gantry,), Phase> {
     if c.0 == 0 {
         return mrroc::generator::Step::Done;
     }
@@ -144,12 +144,12 @@ fn fault_36_an_abort_while_nothing_runs_is_refused_and_the_next_instruction_runs
     operator.abort();
     let cell = cell.program(move |mp| {
         let mut g = mp.robot::<Gantry>("g")?;
-        mp.move_robots((&mut g,), (), Nudging2(5))?;
+        mp.move_robots((&mut g,), (), Triggering2(5))?;
         assert!(!operator.is_running());
         operator.abort();
         mp.wait_until((), (), Soon(5))?;
         operator.abort();
-        mp.move_robots((&mut g,), (), Nudging2(5)).map(drop)
+        mp.move_robots((&mut g,), (), Triggering2(5)).map(drop)
     });
     cell.run().expect("there was nothing to abort");
 }
@@ -193,10 +193,10 @@ fn rising(c: &mut Rising, t: mrroc::generator::Tick) -> mrroc::generator::Step<(
     mrroc::generator::Step::Next((crate::runtime::kit::x(c.x),))
 }
 
-struct Nudging2(u32);
+struct Triggering2(u32);
 
 #[generator(mp)]
-fn nudging2(c: &mut Nudging2) -> mrroc::generator::Step<(Gantry,)> {
+fn triggering2(c: &mut Triggering2) -> mrroc::generator::Step<(Gantry,)> {
     if c.0 == 0 {
         return mrroc::generator::Step::Done;
     }
@@ -285,13 +285,13 @@ fn a_program_that_returns_the_end_of_an_instruction_that_goes_on_is_stopped() {
     for kind in ENDS {
         let (robot, _) = gantry("g");
         let robot = robot.program(move |ecp| {
-            let outcome = ecp.obey(|_, _: Phase| Err(mrroc::fault::Fault::new(kind)));
+            let outcome = ecp.serve(|_, _: Phase| Err(mrroc::fault::Fault::new(kind)));
             assert!(outcome.is_err(), "{kind:?} passed for an end");
             outcome
         });
         let cell = Cell::new(MS).robot(robot).program(|mp| {
             let mut g = mp.robot::<Gantry>("g")?;
-            mp.move_robots((&mut g,), (), Nudging(1000)).map(drop)
+            mp.move_robots((&mut g,), (), Triggering(1000)).map(drop)
         });
         let fault = fault(cell.run());
         assert!(matches!(fault.kind(), FaultKind::Program | FaultKind::TimedOut), "{kind:?}: {fault}");

@@ -391,7 +391,7 @@ fn told() -> Always<(Gantry,), Phase> {
 fn an_ecp_with_a_program_of_its_own_works_in_the_background_by_a_loose_order() {
     let ((arm, _), (belt, belts)) = (gantry("arm"), gantry("belt"));
     let belt = belt.program(|ecp| {
-        ecp.obey_all(|ecp, _: Phase| {
+        ecp.serve_all(|ecp, _: Phase| {
             ecp.move_robot((), Smooth::to(0.1, 0.3))?;
             ecp.move_robot((), Smooth::to(0.0, 0.3)).map(drop)
         })

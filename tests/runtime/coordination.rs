@@ -16,12 +16,12 @@ fn in_a_loose_motion_each_robot_goes_on_its_own_and_the_early_one_holds() {
     let ((left, left_trace), (right, right_trace)) = (gantry("left"), gantry("right"));
     let program = |duration: f64| {
         move |ecp: &mut mrroc::program::Ecp<Gantry>| {
-            ecp.obey(|ecp, phase: Phase| match phase {
+            ecp.serve(|ecp, phase: Phase| match phase {
                 Phase::Approach => ecp.move_robot((), Smooth::to(0.2, duration)).map(drop),
                 Phase::Retreat => ecp.move_robot((), Smooth::to(-0.2, duration)).map(drop),
             })?;
             // The second motion may begin only when the MP has ended the first for both.
-            ecp.obey(|ecp, _: Phase| ecp.move_robot((), Smooth::to(0.0, duration)).map(drop))
+            ecp.serve(|ecp, _: Phase| ecp.move_robot((), Smooth::to(0.0, duration)).map(drop))
         }
     };
     Cell::new(MS)
@@ -62,7 +62,7 @@ fn errands(c: &mut Errands) -> Always<(Gantry, Gantry), Errand> {
 fn in_a_loose_motion_the_mp_says_where_and_each_robot_gets_there_on_its_own() {
     let ((left, left_trace), (right, right_trace)) = (gantry("left"), gantry("right"));
     let program = |ecp: &mut mrroc::program::Ecp<Gantry>| {
-        ecp.obey_all(|ecp, errand| match errand {
+        ecp.serve_all(|ecp, errand| match errand {
             Errand::Rest => Ok(()),
             Errand::Go { to, duration } => ecp.move_robot((), Smooth::to(to, duration)).map(drop),
         })
@@ -107,7 +107,7 @@ fn numbers(c: &mut Numbers, t: Tick) -> Step<(Gantry, Gantry), Along> {
 fn in_a_tight_motion_the_orders_numbers_arrive_in_their_own_step() {
     let ((left, left_trace), (right, right_trace)) = (gantry("left"), gantry("right"));
     let follow = |ecp: &mut mrroc::program::Ecp<Gantry>| {
-        ecp.obey(|ecp, _: Along| ecp.move_robot((), transmit {}).map(drop))
+        ecp.serve(|ecp, _: Along| ecp.move_robot((), transmit {}).map(drop))
     };
     let report = Cell::new(MS)
         .robot(left.program(follow))
@@ -129,9 +129,9 @@ fn in_a_tight_motion_the_orders_numbers_arrive_in_their_own_step() {
 fn finishing_a_tight_motion_early_is_a_fault() {
     let ((left, _), (right, _)) = (gantry("left"), gantry("right"));
     let follow = |ecp: &mut mrroc::program::Ecp<Gantry>| {
-        ecp.obey(|ecp, _: Along| ecp.move_robot((), transmit {}).map(drop))
+        ecp.serve(|ecp, _: Along| ecp.move_robot((), transmit {}).map(drop))
     };
-    let give_up = |ecp: &mut mrroc::program::Ecp<Gantry>| ecp.obey(|_, _: Along| Ok(()));
+    let give_up = |ecp: &mut mrroc::program::Ecp<Gantry>| ecp.serve(|_, _: Along| Ok(()));
     let fault = fault(
         Cell::new(MS)
             .robot(left.program(follow))
@@ -150,10 +150,10 @@ fn finishing_a_tight_motion_early_is_a_fault() {
 fn halves_that_disagree_about_the_payload_are_refused_before_anything_moves() {
     let ((left, left_trace), (right, right_trace)) = (gantry("left"), gantry("right"));
     let loose = |ecp: &mut mrroc::program::Ecp<Gantry>| {
-        ecp.obey(|ecp, _: Phase| ecp.move_robot((), Smooth::to(0.2, 0.4)).map(drop))
+        ecp.serve(|ecp, _: Phase| ecp.move_robot((), Smooth::to(0.2, 0.4)).map(drop))
     };
     let tight = |ecp: &mut mrroc::program::Ecp<Gantry>| {
-        ecp.obey(|ecp, _: Along| ecp.move_robot((), transmit {}).map(drop))
+        ecp.serve(|ecp, _: Along| ecp.move_robot((), transmit {}).map(drop))
     };
     let fault = fault(
         Cell::new(MS)
@@ -190,7 +190,7 @@ fn stop_counting(v: &Reading<(Counter,)>) -> bool {
 fn a_loose_motion_that_the_mp_ends_brakes_on_its_own_path_and_skips_what_would_follow() {
     let (robot, trace) = gantry("g");
     let robot = robot.program(|ecp| {
-        ecp.obey(|ecp, _: Phase| {
+        ecp.serve(|ecp, _: Phase| {
             ecp.move_robot((), Smooth::to(0.8, 1.6))?;
             let next = ecp.move_robot((), Smooth::to(0.0, 1.6)).expect_err("the motion was ended");
             assert_eq!(next.kind(), FaultKind::InstructionEnded);
@@ -250,7 +250,7 @@ fn mixed(c: &mut Mixed) -> Step<(Gantry, Turntable)> {
 }
 
 #[test]
-fn an_ecp_that_moves_outside_obey_is_told_what_to_write() {
+fn an_ecp_that_moves_outside_serve_is_told_what_to_write() {
     let (g, _) = gantry("g");
     let g = g.program(|ecp| ecp.move_robot((), Coast::new(0.0, 1)).map(drop));
     let fault = fault(
@@ -262,7 +262,7 @@ fn an_ecp_that_moves_outside_obey_is_told_what_to_write() {
             })
             .run(),
     );
-    assert!(fault.to_string().contains("ecp.obey"), "{fault}");
+    assert!(fault.to_string().contains("ecp.serve"), "{fault}");
 }
 
 #[generator(mp)]
@@ -273,19 +273,19 @@ fn one_robot() -> Always<(Gantry,), Phase> {
 #[test]
 fn an_ecp_that_waits_for_an_instruction_that_never_comes_is_reported() {
     let (g, _) = gantry("g");
-    let g = g.program(|ecp| ecp.obey(|_, _: Phase| Ok(())));
+    let g = g.program(|ecp| ecp.serve(|_, _: Phase| Ok(())));
     let fault = fault(Cell::new(MS).robot(g).program(|_| Ok(())).run());
     assert_eq!(fault.robot().expect("named").as_str(), "g");
     assert!(fault.message().contains("MP's program is over"), "{fault}");
 }
 
 #[test]
-fn an_ecp_obeys_all_instructions_until_the_mps_program_is_over() {
+fn an_ecp_serves_all_instructions_until_the_mps_program_is_over() {
     let (robot, trace) = gantry("g");
-    let obeyed = std::rc::Rc::new(std::cell::Cell::new(0));
-    let count = std::rc::Rc::clone(&obeyed);
+    let served = std::rc::Rc::new(std::cell::Cell::new(0));
+    let count = std::rc::Rc::clone(&served);
     let robot = robot.program(move |ecp| {
-        ecp.obey_all(|ecp, phase: Phase| {
+        ecp.serve_all(|ecp, phase: Phase| {
             count.set(count.get() + 1);
             let goal = if phase == Phase::Approach { 0.1 } else { 0.0 };
             ecp.move_robot((), Smooth::to(goal, 0.3)).map(drop)
@@ -299,7 +299,7 @@ fn an_ecp_obeys_all_instructions_until_the_mps_program_is_over() {
         Ok(())
     });
     cell.run().expect("the end of the MP's program is no fault");
-    assert_eq!(obeyed.get(), 3);
+    assert_eq!(served.get(), 3);
     assert_eq!(trace.borrow().last().expect("recorded")[0], 0.1);
 }
 
@@ -311,11 +311,11 @@ fn ask(c: &mut Ask) -> Always<(Gantry,), Phase> {
 }
 
 #[test]
-fn an_ecp_that_obeys_all_still_ends_with_the_fault_of_the_cell_or_its_own() {
+fn an_ecp_that_serves_all_still_ends_with_the_fault_of_the_cell_or_its_own() {
     for thrown_by_mp in [true, false] {
         let (robot, _) = gantry("g");
         let robot = robot.program(move |ecp| {
-            ecp.obey_all(|ecp, _: Phase| {
+            ecp.serve_all(|ecp, _: Phase| {
                 ecp.move_robot((), Smooth::to(0.1, 0.3))?;
                 if thrown_by_mp { Ok(()) } else { Err(mrroc::fault::Fault::thrown("of the arm")) }
             })

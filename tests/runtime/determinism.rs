@@ -26,7 +26,7 @@ fn traces(quarter: bool) -> (u64, Vec<Vec<Q<3>>>) {
     let program = |end: f64, watches: bool| {
         move |ecp: &mut mrroc::program::Ecp<Gantry>| {
             let mut counter = if watches { Some(ecp.sensor::<Counter>("counter")?) } else { None };
-            ecp.obey(|ecp, _: Phase| {
+            ecp.serve(|ecp, _: Phase| {
                 ecp.move_robot((), Smooth::to(end, 0.5))?;
                 match &mut counter {
                     Some(counter) => {
@@ -36,7 +36,7 @@ fn traces(quarter: bool) -> (u64, Vec<Vec<Q<3>>>) {
                 }
             })?;
             if watches {
-                ecp.obey(|ecp, _: Phase| ecp.move_robot((), Smooth::to(0.0, 0.7)).map(drop))
+                ecp.serve(|ecp, _: Phase| ecp.move_robot((), Smooth::to(0.0, 0.7)).map(drop))
             } else {
                 Ok(())
             }

@@ -159,15 +159,15 @@ struct Slow;
 
 impl mrroc::sensor::Sensor for Slow {
     const KIND: &'static str = "slow";
-    type Reading = mrroc::payload::Nudge;
+    type Reading = mrroc::payload::Trigger;
     type Configuration = ();
 }
 
 impl mrroc::sensor::VirtualSensor for Slow {
     type Kind = Slow;
 
-    fn aggregate(&mut self, _: &mrroc::sensor::ReadingOrder<()>) -> Result<mrroc::payload::Nudge, Fault> {
-        Ok(mrroc::payload::Nudge)
+    fn aggregate(&mut self, _: &mrroc::sensor::ReadingOrder<()>) -> Result<mrroc::payload::Trigger, Fault> {
+        Ok(mrroc::payload::Trigger)
     }
 }
 
@@ -227,7 +227,7 @@ fn a_guard_sees_a_robot_that_goes_on_while_its_instruction_ends() {
     // The MP ends a loose motion in whose middle the ECP's generator slows down on its own path.
     let (robot, trace) = gantry("g");
     let robot = robot.program(|ecp| {
-        ecp.obey(|ecp, _: crate::runtime::kit::Phase| ecp.move_robot((), Smooth::to(0.4, 1.0)).map(drop))
+        ecp.serve(|ecp, _: crate::runtime::kit::Phase| ecp.move_robot((), Smooth::to(0.4, 1.0)).map(drop))
     });
     let tripped = Rc::new(std::cell::Cell::new(0.0));
     let keep = Rc::clone(&tripped);

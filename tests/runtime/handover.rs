@@ -144,7 +144,7 @@ fn a_move_that_does_not_name_a_robot_handed_over_is_refused_and_that_robot_brake
 #[test]
 fn a_robot_whose_program_is_over_brakes_from_a_blend_at_once() {
     let (robot, trace) = gantry("g");
-    let robot = robot.program(|ecp| ecp.obey(|ecp, _: Along| ecp.move_robot((), transmit {}).map(drop)));
+    let robot = robot.program(|ecp| ecp.serve(|ecp, _: Along| ecp.move_robot((), transmit {}).map(drop)));
     let cell = Cell::new(MS).robot(robot).program(|mp| {
         let mut g = mp.robot::<Gantry>("g")?;
         mp.blend_robots((&mut g,), (), UpBy(Up::new()))?;
@@ -154,11 +154,11 @@ fn a_robot_whose_program_is_over_brakes_from_a_blend_at_once() {
     brakes_at_once(&trace.borrow());
 }
 
-/// Nudges for so many steps.
-struct Nudging(u32);
+/// Triggers for so many steps.
+struct Triggering(u32);
 
 #[generator(mp)]
-fn nudging(c: &mut Nudging) -> Step<(Gantry,), Phase> {
+fn triggering(c: &mut Triggering) -> Step<(Gantry,), Phase> {
     if c.0 == 0 {
         return Step::Done;
     }
@@ -205,16 +205,16 @@ fn ecp_up(c: &mut EcpUp, t: Tick) -> Step<Gantry> {
 fn a_blend_of_the_mp_hands_over_a_robot_in_the_middle_of_a_path_of_its_own() {
     let (robot, trace) = gantry("g");
     let robot = robot.program(|ecp| {
-        ecp.obey(|ecp, _: Phase| {
+        ecp.serve(|ecp, _: Phase| {
             ecp.blend_robot((), EcpUp(Up::new()))?;
             ecp.move_robot((), On::until(1000)).map(drop)
         })?;
-        ecp.obey(|ecp, _: Phase| ecp.move_robot((), On::until(100)).map(drop))
+        ecp.serve(|ecp, _: Phase| ecp.move_robot((), On::until(100)).map(drop))
     });
     let cell = Cell::new(MS).robot(robot).program(|mp| {
         let mut g = mp.robot::<Gantry>("g")?;
-        mp.blend_robots((&mut g,), (), Nudging(150))?;
-        mp.move_robots((&mut g,), (), nudge {}).map(drop)
+        mp.blend_robots((&mut g,), (), Triggering(150))?;
+        mp.move_robots((&mut g,), (), trigger {}).map(drop)
     });
     cell.run().expect("the hand-over keeps the limits");
     let trace = trace.borrow();
@@ -225,7 +225,7 @@ fn a_blend_of_the_mp_hands_over_a_robot_in_the_middle_of_a_path_of_its_own() {
 }
 
 #[generator(mp)]
-fn nudge() -> Always<(Gantry,), Phase> {
+fn trigger() -> Always<(Gantry,), Phase> {
     Always((Phase::Approach,))
 }
 
@@ -234,15 +234,15 @@ fn a_blend_with_a_robot_in_its_braking_tail_waits_for_it_and_brakes_the_others()
     let ((left, left_trace), (right, right_trace)) = (gantry("left"), gantry("right"));
     // Its own motion ends at speed in step 50: it brakes for 50 steps, in the middle of which the MP's ends.
     let left = left.program(|ecp| {
-        ecp.obey(|ecp, _: Phase| ecp.move_robot((), EcpUp(Up::new())).map(drop))?;
-        ecp.obey(|_, _: Phase| Ok(()))
+        ecp.serve(|ecp, _: Phase| ecp.move_robot((), EcpUp(Up::new())).map(drop))?;
+        ecp.serve(|_, _: Phase| Ok(()))
     });
     let right = right.program(|ecp| {
-        ecp.obey(|ecp, _: Phase| {
+        ecp.serve(|ecp, _: Phase| {
             ecp.blend_robot((), EcpUp(Up::new()))?;
             ecp.move_robot((), On::until(1000)).map(drop)
         })?;
-        ecp.obey(|_, _: Phase| Ok(()))
+        ecp.serve(|_, _: Phase| Ok(()))
     });
     let cell = Cell::new(MS).robot(left).robot(right).program(|mp| {
         let (mut left, mut right) = (mp.robot::<Gantry>("left")?, mp.robot::<Gantry>("right")?);

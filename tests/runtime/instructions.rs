@@ -6,9 +6,9 @@ use std::rc::Rc;
 use mrroc::cell::AfterFault;
 use mrroc::fault::{FaultWords, ProcessId};
 use mrroc::link::Nanos;
-use mrroc::observe::witness::{What, Witness};
+use mrroc::observe::step_observer::{StepEvent, StepObserver};
 use mrroc::operator::Latch;
-use mrroc::operator::state::Doing;
+use mrroc::operator::state::InstructionKind;
 use mrroc::prelude::*;
 use mrroc_tests::{Gantry, MS, fault, gantry};
 
@@ -16,11 +16,11 @@ use crate::runtime::kit::{Phase, Smooth};
 
 /// Notes when an instruction begins or is over, of which process.
 #[derive(Default)]
-struct Notes(RefCell<Vec<(Nanos, String, Doing, String)>>);
+struct Notes(RefCell<Vec<(Nanos, String, InstructionKind, String)>>);
 
-impl Witness for Notes {
-    fn see(&self, time: Nanos, by: ProcessId, what: &What, _: &[u64]) {
-        if let What::Instruction { doing, by: of, .. } = what {
+impl StepObserver for Notes {
+    fn see(&self, time: Nanos, by: ProcessId, what: &StepEvent, _: &[u64]) {
+        if let StepEvent::Instruction { doing, by: of, .. } = what {
             self.0.borrow_mut().push((time, by.to_string(), *doing, of.to_string()));
         }
     }
@@ -28,12 +28,12 @@ impl Witness for Notes {
 
 impl Notes {
     /// What a process did, in order, with the steps of 1 ms that each took.
-    fn of(&self, process: &str) -> Vec<(Doing, String, u64)> {
+    fn of(&self, process: &str) -> Vec<(InstructionKind, String, u64)> {
         let notes = self.0.borrow();
         let own: Vec<_> = notes.iter().filter(|(_, by, ..)| by == process).collect();
         let pairs = own.as_chunks::<2>().0.iter();
         let took = pairs.map(|[begun, over]| {
-            assert_eq!((over.2, &over.3), (Doing::Nothing, &begun.3), "{process}: {notes:?}");
+            assert_eq!((over.2, &over.3), (InstructionKind::Nothing, &begun.3), "{process}: {notes:?}");
             (begun.2, begun.3.clone(), (over.0 - begun.0) / 1_000_000)
         });
         took.collect()
@@ -64,12 +64,12 @@ fn programs_of_ecps_show_their_own_generators_and_conditions() {
     for coordinated in [false, true] {
         let notes = Rc::new(Notes::default());
         let (robot, _) = gantry("g");
-        let cell = Cell::new(MS).witnessed_by(Rc::clone(&notes) as Rc<dyn Witness>);
+        let cell = Cell::new(MS).observed_by(Rc::clone(&notes) as Rc<dyn StepObserver>);
         let cell = match coordinated {
             false => cell.robot(robot.program(approach)),
             true => {
-                let obeys = |ecp: &mut Ecp<Gantry>| ecp.obey(|ecp, _: Phase| approach(ecp));
-                cell.robot(robot.program(obeys)).program(|mp| {
+                let serves = |ecp: &mut Ecp<Gantry>| ecp.serve(|ecp, _: Phase| approach(ecp));
+                cell.robot(robot.program(serves)).program(|mp| {
                     let mut g = mp.robot::<Gantry>("g")?;
                     mp.move_robots((&mut g,), (), ask {}).map(drop)
                 })
@@ -78,11 +78,11 @@ fn programs_of_ecps_show_their_own_generators_and_conditions() {
         cell.run().expect("the motion keeps the limits");
         let ecp = notes.of("ecp g");
         let shown: Vec<_> = ecp.iter().map(|(doing, by, _)| (*doing, by.as_str())).collect();
-        assert_eq!(shown, [(Doing::Move, "Smooth"), (Doing::Wait, "Rests")]);
+        assert_eq!(shown, [(InstructionKind::Move, "Smooth"), (InstructionKind::Wait, "Rests")]);
         // 0.4 s, and the steps in which it begins and learns of its end; 50 steps of the Wait.
         assert!((400..=403).contains(&ecp[0].2) && (49..=52).contains(&ecp[1].2), "{ecp:?}");
         let mp = notes.of("mp");
-        let moves: Vec<_> = mp.iter().filter(|(doing, ..)| *doing == Doing::Move).collect();
+        let moves: Vec<_> = mp.iter().filter(|(doing, ..)| *doing == InstructionKind::Move).collect();
         // An MP without a program lets the ECPs' programs run, and has no generator.
         let generator = if coordinated { "ask" } else { "" };
         assert!(moves.len() == 1 && moves[0].1 == generator && moves[0].2 >= 450, "{mp:?}");
@@ -93,7 +93,7 @@ fn programs_of_ecps_show_their_own_generators_and_conditions() {
 fn the_instructions_of_transparent_ecps_are_those_of_the_mp() {
     let notes = Rc::new(Notes::default());
     let (robot, _) = gantry("g");
-    let cell = Cell::new(MS).witnessed_by(Rc::clone(&notes) as Rc<dyn Witness>).robot(robot);
+    let cell = Cell::new(MS).observed_by(Rc::clone(&notes) as Rc<dyn StepObserver>).robot(robot);
     let cell = cell.program(|mp| {
         let mut g = mp.robot::<Gantry>("g")?;
         // One motion by itself, and beside others in a list, are shown by the names that the program writes.
@@ -102,7 +102,7 @@ fn the_instructions_of_transparent_ecps_are_those_of_the_mp() {
     });
     cell.run().expect("the motion keeps the limits");
     assert_eq!(notes.of("ecp g"), []);
-    let moves = notes.of("mp").into_iter().filter(|(doing, ..)| *doing == Doing::Move);
+    let moves = notes.of("mp").into_iter().filter(|(doing, ..)| *doing == InstructionKind::Move);
     assert_eq!(moves.map(|(_, by, _)| by).collect::<Vec<_>>(), ["Smooth", "Smooth"]);
 }
 
@@ -179,7 +179,7 @@ fn a_fault_of_an_ecp_names_the_instruction_of_its_own_program() {
         let cell = match coordinated {
             false => Cell::new(MS).robot(gantry("g").0.program(program)),
             true => {
-                let robot = gantry("g").0.program(move |ecp| ecp.obey(|ecp, _: Phase| program(ecp)));
+                let robot = gantry("g").0.program(move |ecp| ecp.serve(|ecp, _: Phase| program(ecp)));
                 Cell::new(MS).robot(robot).program(|mp| {
                     let mut g = mp.robot::<Gantry>("g")?;
                     mp.move_robots((&mut g,), (), ask {}).map(drop)
@@ -188,7 +188,11 @@ fn a_fault_of_an_ecp_names_the_instruction_of_its_own_program() {
         };
         let fault = fault(cell.run());
         let named = fault.instruction().expect("it was in one");
-        assert_eq!((named.ordinal(), named.doing(), named.by()), (3, Doing::Move, "Smooth"), "{fault}");
+        assert_eq!(
+            (named.ordinal(), named.doing(), named.by()),
+            (3, InstructionKind::Move, "Smooth"),
+            "{fault}"
+        );
         assert!(
             named.is_of_ecp() && fault.to_string().contains(" in Move 3 (Smooth) of its ECP at step"),
             "{fault}"

@@ -65,7 +65,7 @@ fn fault_11_a_sensor_slower_than_a_step_slows_the_steps_and_not_the_motion() {
 }
 
 #[test]
-fn a_sensor_slower_than_the_patience_of_its_ecp_is_named_itself() {
+fn a_sensor_slower_than_the_timeout_of_its_ecp_is_named_itself() {
     let (robot, _) = gantry("g");
     let robot = robot.program(|ecp| {
         let mut counter = ecp.sensor::<Counter>("counter")?;
@@ -149,7 +149,7 @@ fn an_mp_and_an_ecp_that_configure_one_sensor_differently_each_get_their_own_rea
     let robot = robot.program(|ecp| {
         let mut echo = ecp.sensor::<Echo>("echo")?;
         echo.configure(Told { value: 2 });
-        ecp.obey(|ecp, _: crate::runtime::kit::Phase| {
+        ecp.serve(|ecp, _: crate::runtime::kit::Phase| {
             let heard = ecp.move_robot((&mut echo,), HeardByEcp { values: Vec::new() })?;
             assert!(
                 heard.values.len() > 5 && heard.values.iter().all(|value| *value == 2),
@@ -176,7 +176,7 @@ fn a_free_running_sensor_that_an_mp_and_an_ecp_configure_differently_gives_each_
     let robot = robot.program(|ecp| {
         let mut echo = ecp.sensor::<Echo>("echo")?;
         echo.configure(Told { value: 2 });
-        ecp.obey(|ecp, _: crate::runtime::kit::Phase| {
+        ecp.serve(|ecp, _: crate::runtime::kit::Phase| {
             let heard = ecp.move_robot((&mut echo,), HeardByEcp { values: Vec::new() })?.values;
             // Of the default configuration until the first order has come, and then of its own.
             let own = heard.iter().position(|value| *value == 2).expect("its own");

@@ -63,7 +63,7 @@ pub fn lower<const N: usize>() -> (Cell, Vec<Trace<3>>) {
         for i in 0..N {
             robots.push(mp.robot::<Gantry>(&format!("g{i}"))?);
         }
-        mp.obey_all(|mp, job: Job| {
+        mp.serve_all(|mp, job: Job| {
             let (end, seconds, trips_at) = match job {
                 Job::Go { end, seconds } => (end, seconds, None),
                 Job::Trip { end, seconds, step } => (end, seconds, Some(step)),
@@ -242,7 +242,7 @@ fn fault_161_a_program_that_goes_on_without_a_cell_moves_the_others_as_if_nothin
     keep_limits(&two.pressed);
 }
 
-/// Waits for a cell that obeys again.
+/// Waits for a cell that serves again.
 struct IsBack;
 
 #[condition(mp)]
@@ -478,7 +478,7 @@ fn fault_167_orders_that_no_cell_takes_are_refused_before_anything_moves() {
     let two = Two::of(|mp, press, paint| mp.move_robots([press, paint], (), other {}).map(drop));
     let cause = fault(two.cell.run());
     assert_eq!(cause.kind(), FaultKind::PayloadMismatch, "{cause}");
-    assert_eq!(cause.message(), "this cell obeys orders of type `Job`, the MP orders `Other`");
+    assert_eq!(cause.message(), "this cell serves orders of type `Job`, the MP orders `Other`");
     assert_eq!((last_moved(&two.pressed[0]), last_moved(&two.painted[0])), (0, 0));
     // A robot of the plant that is none: another kind.
     let two = Two::of(|mp, _, _| mp.robot::<Gantry>("press").map(drop));
@@ -740,12 +740,12 @@ fn fault_167_a_move_of_a_lower_cell_outside_of_an_order_is_refused() {
     let cause = fault(Cell::new(MS).cell("eager", eager).program(|_| Ok(())).run());
     assert_eq!(
         cause.message(),
-        "Move or Wait outside obey: write `mp.obey(|mp, order: YourOrder| ..)` around it"
+        "Move or Wait outside serve: write `mp.serve(|mp, order: YourOrder| ..)` around it"
     );
     assert_eq!(last_moved(&trace), 0);
-    // And an MP that nobody orders anything has nothing to obey.
+    // And an MP that nobody orders anything has nothing to serve.
     let (robot, _) = gantry("g");
-    let cause = fault(Cell::new(MS).robot(robot).program(|mp| mp.obey(|_, _: Job| Ok(()))).run());
+    let cause = fault(Cell::new(MS).robot(robot).program(|mp| mp.serve(|_, _: Job| Ok(()))).run());
     assert_eq!(cause.kind(), FaultKind::Config, "{cause}");
 }
 
@@ -754,7 +754,7 @@ fn fault_168_a_program_that_ignores_the_end_of_its_order_is_ended() {
     let (robot, trace) = gantry("g");
     let stubborn = Cell::new(MS).robot(robot).after_fault(AfterFault::AwaitReset).program(|mp| {
         let mut g = mp.robot::<Gantry>("g")?;
-        mp.obey_all(|mp, _: Job| {
+        mp.serve_all(|mp, _: Job| {
             loop {
                 let there = Together { end: 0.4, seconds: 1.0, trips_at: None, t: 0.0, from: [0.0; 1] };
                 let _ = mp.move_robots([&mut g], (), there);
@@ -781,7 +781,7 @@ fn three_levels_of_cells_with_steps_of_their_own_slow_down_and_go_on_together() 
     let (robot, moved) = gantry("own");
     let line = Cell::new(4 * MS).robot(robot).cell("press", press).program(|mp| {
         let (mut press, mut own) = (mp.robot::<LowerCell>("press")?, mp.robot::<Gantry>("own")?);
-        mp.obey_all(|mp, job: Job| {
+        mp.serve_all(|mp, job: Job| {
             mp.move_robots([&mut press], (), Jobs([job]))?;
             let there = Together { end: 0.2, seconds: 1.0, trips_at: None, t: 0.0, from: [0.0; 1] };
             mp.move_robots([&mut own], (), there).map(drop)

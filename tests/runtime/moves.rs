@@ -10,7 +10,7 @@ use mrroc_tests::{ExactDrive, Gantry, MS, fault, gantry, peaks, traced};
 use crate::runtime::kit::{Coast, Counter, Counting, Smooth, Twin, Watch, x};
 
 #[test]
-fn a_program_of_an_ecp_alone_is_nudged_and_moves_its_robot() {
+fn a_program_of_an_ecp_alone_is_triggered_and_moves_its_robot() {
     let (robot, trace) = gantry("g");
     let robot = robot.program(|ecp| {
         ecp.move_robot((), Smooth::to(0.3, 0.5))?;

@@ -14,7 +14,7 @@ use mrroc_tests::{ExactDrive, Gantry, MS, Q, fault};
 use crate::runtime::kit::Smooth;
 
 /// How long the robots may say nothing.
-const PATIENCE: Duration = Duration::from_millis(20);
+const TIMEOUT: Duration = Duration::from_millis(20);
 
 /// What a controller was told: for each of its periods, and when by the cell's clock that period began [s].
 type Told = Rc<RefCell<Vec<(u64, f64, Q<3>)>>>;
@@ -77,7 +77,7 @@ impl Driver<Gantry> for Controller {
     }
 
     fn pace(&self) -> Pace {
-        Pace::Robot { patience: PATIENCE }
+        Pace::Robot { timeout: TIMEOUT }
     }
 
     fn pulse(&mut self, now: Duration) -> Result<Option<Pulse>, DriveFault> {
@@ -267,26 +267,26 @@ fn fault_88_a_cell_whose_robots_could_not_stop_in_time_after_a_silence_is_refuse
     // At 1 m/s and 10 m/s² braking takes 100 ms; a lost peer is noticed after 22 ms, a silent robot after 20 ms.
     assert!(cell(MS * 122).check().is_ok());
     // With a robot that may say nothing for 200 ms, any robot of the cell may stop so much later.
-    let patient = |stop| {
+    let waiting = |stop| {
         let (controller, _) = Controller::new(2, 0.0, 0.0);
-        let setup = RobotSetup::new("p", Gantry::default(), Patient(controller)).program(|_| Ok(()));
+        let setup = RobotSetup::new("p", Gantry::default(), Waits(controller)).program(|_| Ok(()));
         cell(stop).robot(setup)
     };
-    assert!(patient(MS * 301).check().is_ok());
-    let refused = patient(MS * 299).check().expect_err("too late").to_string();
+    assert!(waiting(MS * 301).check().is_ok());
+    let refused = waiting(MS * 299).check().expect_err("too late").to_string();
     assert!(refused.contains("robot `g` joint 1: a stop may take 0.300 s, at most 0.299 s"), "{refused}");
 }
 
 /// A controller that may say nothing for 200 ms.
-struct Patient(Controller);
+struct Waits(Controller);
 
-impl Driver<Gantry> for Patient {
+impl Driver<Gantry> for Waits {
     fn period(&self) -> Duration {
         self.0.period()
     }
 
     fn pace(&self) -> Pace {
-        Pace::Robot { patience: MS * 200 }
+        Pace::Robot { timeout: MS * 200 }
     }
 
     fn pulse(&mut self, now: Duration) -> Result<Option<Pulse>, DriveFault> {

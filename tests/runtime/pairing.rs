@@ -8,7 +8,7 @@ use mrroc_tests::{ExactDrive, Gantry, MS, Q, fault, gantry, traced};
 use crate::runtime::kit::{Along, Phase, Smooth, x};
 
 #[generator(mp)]
-fn nudge() -> Always<(Gantry,), Phase> {
+fn trigger() -> Always<(Gantry,), Phase> {
     Always((Phase::Approach,))
 }
 
@@ -20,10 +20,10 @@ fn far(order: &Order<Along>) -> bool {
 #[test]
 fn a_condition_that_reads_an_order_of_another_type_is_told_so() {
     let (robot, _) = gantry("g");
-    let robot = robot.program(|ecp| ecp.obey(|ecp, _: Phase| ecp.wait_until((), far {}).map(drop)));
+    let robot = robot.program(|ecp| ecp.serve(|ecp, _: Phase| ecp.wait_until((), far {}).map(drop)));
     let cell = Cell::new(MS).robot(robot).program(|mp| {
         let mut g = mp.robot::<Gantry>("g")?;
-        mp.move_robots((&mut g,), (), nudge {}).map(drop)
+        mp.move_robots((&mut g,), (), trigger {}).map(drop)
     });
     let fault = fault(cell.run());
     assert_eq!(fault.kind(), FaultKind::PayloadMismatch, "{fault}");
@@ -31,14 +31,14 @@ fn a_condition_that_reads_an_order_of_another_type_is_told_so() {
 }
 
 #[test]
-fn obey_inside_obey_is_refused() {
+fn serve_inside_serve_is_refused() {
     let (robot, _) = gantry("g");
-    let robot = robot.program(|ecp| ecp.obey(|ecp, _: Phase| ecp.obey(|_, _: Phase| Ok(()))));
+    let robot = robot.program(|ecp| ecp.serve(|ecp, _: Phase| ecp.serve(|_, _: Phase| Ok(()))));
     let cell = Cell::new(MS).robot(robot).program(|mp| {
         let mut g = mp.robot::<Gantry>("g")?;
-        mp.move_robots((&mut g,), (), nudge {}).map(drop)
+        mp.move_robots((&mut g,), (), trigger {}).map(drop)
     });
-    assert!(fault(cell.run()).message().contains("obey inside obey"));
+    assert!(fault(cell.run()).message().contains("serve inside serve"));
 }
 
 /// Drives that trip at a tick, each with a value of its own.
@@ -220,27 +220,27 @@ fn programs_that_call_nothing_end_at_once() {
 
 #[test]
 fn an_ecp_that_finishes_in_the_very_step_of_the_end_finishes_once() {
-    // The MP nudges for n steps; the ECP's own motion takes 400.
+    // The MP triggers for n steps; the ECP's own motion takes 400.
     for steps in 396..406 {
         let (robot, trace) = gantry("g");
         let robot = robot.program(|ecp| {
-            ecp.obey(|ecp, _: Phase| ecp.move_robot((), Smooth::to(0.2, 0.4)).map(drop))?;
-            ecp.obey(|ecp, _: Phase| ecp.move_robot((), Smooth::to(0.1, 0.4)).map(drop))
+            ecp.serve(|ecp, _: Phase| ecp.move_robot((), Smooth::to(0.2, 0.4)).map(drop))?;
+            ecp.serve(|ecp, _: Phase| ecp.move_robot((), Smooth::to(0.1, 0.4)).map(drop))
         });
         let cell = Cell::new(MS).robot(robot).program(move |mp| {
             let mut g = mp.robot::<Gantry>("g")?;
-            mp.move_robots((&mut g,), (), Nudging(steps))?;
-            mp.move_robots((&mut g,), (), nudge {}).map(drop)
+            mp.move_robots((&mut g,), (), Triggering(steps))?;
+            mp.move_robots((&mut g,), (), trigger {}).map(drop)
         });
         cell.run().unwrap_or_else(|error| panic!("{steps} steps: {error}"));
         assert_eq!(trace.borrow().last().expect("recorded")[0], 0.1, "{steps} steps");
     }
 }
 
-struct Nudging(u32);
+struct Triggering(u32);
 
 #[generator(mp)]
-fn nudging(c: &mut Nudging) -> Step<(Gantry,), Phase> {
+fn triggering(c: &mut Triggering) -> Step<(Gantry,), Phase> {
     if c.0 == 0 {
         return Step::Done;
     }

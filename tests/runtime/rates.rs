@@ -25,15 +25,15 @@ fn together(c: &mut Together, t: Tick) -> Step<[Gantry; 4]> {
 }
 
 /// Ends of servo periods \[s\] and what the drives were told for them.
-type Course = Rc<RefCell<Vec<(f64, f64)>>>;
+type Trajectory = Rc<RefCell<Vec<(f64, f64)>>>;
 
-fn robot(name: &str, servo: Duration) -> (RobotSetup<Gantry>, Course) {
-    let course = Course::default();
-    let recorder = Rc::clone(&course);
+fn robot(name: &str, servo: Duration) -> (RobotSetup<Gantry>, Trajectory) {
+    let trajectory = Trajectory::default();
+    let recorder = Rc::clone(&trajectory);
     let setup = RobotSetup::new(name, Gantry::default(), ExactDrive::new(Q::zeros(), servo));
     let record =
         move |record: &ServoRecord<Gantry>| recorder.borrow_mut().push((record.time, record.demanded[0]));
-    (setup.observe(record), course)
+    (setup.observe(record), trajectory)
 }
 
 #[test]
@@ -41,11 +41,11 @@ fn devices_of_1000_500_and_250_hz_are_at_one_place_at_one_time_and_no_period_is_
     for step in [MS, MS * 2, MS * 4] {
         let servos = [MS, MS * 2, MS * 4, Duration::from_micros(500)];
         let mut cell = Cell::new(step);
-        let mut courses = Vec::new();
+        let mut trajectories = Vec::new();
         for (i, servo) in servos.into_iter().enumerate() {
-            let (setup, course) = robot(&format!("g{i}"), servo);
+            let (setup, trajectory) = robot(&format!("g{i}"), servo);
             cell = cell.robot(setup);
-            courses.push(course);
+            trajectories.push(trajectory);
         }
         let report = cell
             .on_step(|step, operator| match step {
@@ -63,30 +63,30 @@ fn devices_of_1000_500_and_250_hz_are_at_one_place_at_one_time_and_no_period_is_
             })
             .run()
             .expect("within the limits");
-        for (servo, course) in servos.iter().zip(&courses) {
+        for (servo, trajectory) in servos.iter().zip(&trajectories) {
             // A period begins half a period after multiples of it.
-            let course = course.borrow();
+            let trajectory = trajectory.borrow();
             let periods = (report.time.as_secs_f64() / servo.as_secs_f64() + 0.5).floor();
-            assert!((course.len() as f64 - periods).abs() <= 1.0, "{} of {periods}", course.len());
-            for (k, (end, _)) in course.iter().enumerate() {
+            assert!((trajectory.len() as f64 - periods).abs() <= 1.0, "{} of {periods}", trajectory.len());
+            for (k, (end, _)) in trajectory.iter().enumerate() {
                 assert!(
                     (end - (k as f64 + 1.5) * servo.as_secs_f64()).abs() < 1e-9,
                     "period {k} ends at {end}"
                 );
             }
-            assert!((course[course.len() - 1].1 - 0.3).abs() < 1e-12, "not at the end");
+            assert!((trajectory[trajectory.len() - 1].1 - 0.3).abs() < 1e-12, "not at the end");
         }
         // The ends of the half-millisecond periods lie at odd quarters, those of the others at halves and wholes: between
         // two samples of a curve whose second derivative is at most 10 m/s² the chord is off by at most a h² / 8.
-        let fast = courses[3].borrow();
+        let fast = trajectories[3].borrow();
         let at = |time: f64| {
             let k = fast.iter().position(|(end, _)| *end >= time - 1e-9).filter(|&k| k > 0)?;
             let ((t0, x0), (t1, x1)) = (fast[k - 1], fast[k]);
             Some(x0 + (x1 - x0) * (time - t0) / (t1 - t0))
         };
-        for (course, servo) in courses[..3].iter().zip(servos) {
+        for (trajectory, servo) in trajectories[..3].iter().zip(servos) {
             let mut compared = 0;
-            for (end, x) in course.borrow().iter() {
+            for (end, x) in trajectory.borrow().iter() {
                 let Some(expected) = at(*end) else { continue };
                 let bound = 10.0 * 0.0005_f64.powi(2) / 8.0 + 1e-12;
                 assert!((x - expected).abs() <= bound, "{servo:?} at {end}: {x}, {expected} (step {step:?})");

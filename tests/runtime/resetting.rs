@@ -306,7 +306,7 @@ fn programs_of_ecps_start_again_with_their_sensors_and_their_obedience() {
         ecps.borrow_mut().0 += 1;
         let first = ecps.borrow().0 == 1;
         let _counter = ecp.sensor::<Counter>("counter")?;
-        ecp.obey_all(|ecp, phase: Phase| {
+        ecp.serve_all(|ecp, phase: Phase| {
             if phase == Phase::Retreat && first {
                 return Err(Fault::thrown("not today"));
             }

@@ -212,10 +212,10 @@ fn resume_of_a_cell_that_is_not_suspended_changes_nothing() {
     assert_eq!(run(path, |_, operator| operator.resume()).expect("keeps the limits"), plain);
 }
 
-struct Nudging(u32);
+struct Triggering(u32);
 
 #[generator(mp)]
-fn nudging(c: &mut Nudging) -> Step<(Gantry,), Phase> {
+fn triggering(c: &mut Triggering) -> Step<(Gantry,), Phase> {
     if c.0 == 0 {
         return Step::Done;
     }
@@ -224,7 +224,7 @@ fn nudging(c: &mut Nudging) -> Step<(Gantry,), Phase> {
 }
 
 #[generator(mp)]
-fn nudge() -> Always<(Gantry,), Phase> {
+fn trigger() -> Always<(Gantry,), Phase> {
     Always((Phase::Approach,))
 }
 
@@ -234,8 +234,8 @@ fn a_suspension_in_a_loose_motions_end_adds_no_deceleration_to_the_ends_own() {
         for later in [0, 1, 2, 3, 5, 10, 30] {
             let (robot, trace) = gantry("g");
             let robot = robot.program(|ecp| {
-                ecp.obey(|ecp, _: Phase| ecp.move_robot((), Trapezoid::new(9.0, 9.0)).map(drop))?;
-                ecp.obey(|_, _: Phase| Ok(()))
+                ecp.serve(|ecp, _: Phase| ecp.move_robot((), Trapezoid::new(9.0, 9.0)).map(drop))?;
+                ecp.serve(|_, _: Phase| Ok(()))
             });
             let at = u64::from(ended) + later;
             let cell = Cell::new(MS).robot(robot).on_step(move |step, operator| {
@@ -248,8 +248,8 @@ fn a_suspension_in_a_loose_motions_end_adds_no_deceleration_to_the_ends_own() {
             });
             let cell = cell.program(move |mp| {
                 let mut g = mp.robot::<Gantry>("g")?;
-                mp.move_robots((&mut g,), (), Nudging(ended))?;
-                mp.move_robots((&mut g,), (), nudge {}).map(drop)
+                mp.move_robots((&mut g,), (), Triggering(ended))?;
+                mp.move_robots((&mut g,), (), trigger {}).map(drop)
             });
             cell.run().unwrap_or_else(|error| panic!("ended at {ended}, suspended at {at}: {error}"));
             let (_, a) = peaks(&trace.borrow(), 1e-3);

@@ -137,7 +137,7 @@ fn told_to_approach(order: &mrroc::payload::Order<Phase>) -> bool {
 fn a_condition_of_an_ecp_reads_the_order() {
     let (robot, _) = gantry("g");
     let robot =
-        robot.program(|ecp| ecp.obey(|ecp, _: Phase| ecp.wait_until((), told_to_approach {}).map(drop)));
+        robot.program(|ecp| ecp.serve(|ecp, _: Phase| ecp.wait_until((), told_to_approach {}).map(drop)));
     let cell = Cell::new(MS).robot(robot).program(|mp| {
         let mut g = mp.robot::<Gantry>("g")?;
         mp.move_robots((&mut g,), (), approach()).map(drop)

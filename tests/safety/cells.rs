@@ -62,11 +62,11 @@ pub enum Phase {
 }
 
 #[generator(mp)]
-fn nudge(c: &mut Nudging) -> Always<(Gantry, Gantry), Phase> {
+fn trigger(c: &mut Triggering) -> Always<(Gantry, Gantry), Phase> {
     Always((c.0, c.0))
 }
 
-struct Nudging(Phase);
+struct Triggering(Phase);
 
 /// x \[m\] of both.
 #[derive(Clone, Copy, Debug, PartialEq, Payload)]
@@ -112,17 +112,17 @@ pub fn transparent() -> Cell {
 /// Two programs in ECPs: a loose motion, then a tight one, then a loose one.
 pub fn cooperating() -> Cell {
     let program = |ecp: &mut mrroc::program::Ecp<Gantry>| {
-        ecp.obey(|ecp, _: Phase| ecp.move_robot((), Smooth::to(0.01, 0.1)).map(drop))?;
-        ecp.obey(|ecp, _: Along| ecp.move_robot((), transmit {}).map(drop))?;
-        ecp.obey(|ecp, _: Phase| ecp.move_robot((), Smooth::to(0.0, 0.15)).map(drop))
+        ecp.serve(|ecp, _: Phase| ecp.move_robot((), Smooth::to(0.01, 0.1)).map(drop))?;
+        ecp.serve(|ecp, _: Along| ecp.move_robot((), transmit {}).map(drop))?;
+        ecp.serve(|ecp, _: Phase| ecp.move_robot((), Smooth::to(0.0, 0.15)).map(drop))
     };
     let [a, b] = ["a", "b"].map(|name| gantry(name, MS).program(program));
     Cell::new(MS).robot(a).robot(b).program(|mp| {
         let (mut a, mut b) = both(mp)?;
-        mp.move_robots((&mut a, &mut b), (), Nudging(Phase::Approach))?;
+        mp.move_robots((&mut a, &mut b), (), Triggering(Phase::Approach))?;
         let carry = Ordering(Smooth { start: 0.01, ..Smooth::to(0.02, 0.1) });
         mp.move_robots((&mut a, &mut b), (), carry)?;
-        mp.move_robots((&mut a, &mut b), (), Nudging(Phase::Retreat)).map(drop)
+        mp.move_robots((&mut a, &mut b), (), Triggering(Phase::Retreat)).map(drop)
     })
 }
 
@@ -186,10 +186,10 @@ pub fn sensing() -> Cell {
 }
 
 /// Both robots by their own programs, there and back.
-pub fn nudged(mp: &mut Mp) -> Result<(), Fault> {
+pub fn triggered(mp: &mut Mp) -> Result<(), Fault> {
     let (mut a, mut b) = both(mp)?;
-    mp.move_robots((&mut a, &mut b), (), Nudging(Phase::Approach))?;
-    mp.move_robots((&mut a, &mut b), (), Nudging(Phase::Retreat)).map(drop)
+    mp.move_robots((&mut a, &mut b), (), Triggering(Phase::Approach))?;
+    mp.move_robots((&mut a, &mut b), (), Triggering(Phase::Retreat)).map(drop)
 }
 
 /// Both gantries along x together, led by poses.

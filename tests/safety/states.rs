@@ -17,7 +17,7 @@ use super::operators::Random;
 
 /// What the robots of a cell do.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Doing {
+enum Activity {
     /// Each goes by a program of its own and stands now and then; one program is over after a while, in every second cell.
     OwnPrograms,
     /// The MP moves one after the other.
@@ -26,8 +26,8 @@ enum Doing {
     Background,
     /// Motions of one follow one another without a standstill, beside which the other stands.
     Blended,
-    /// The cell obeys another one.
-    Obeying,
+    /// The cell serves another one.
+    Serving,
     /// A person jogs one or the other.
     Jogged,
 }
@@ -111,7 +111,7 @@ fn limits(random: &mut Random, ts: f64, fastest: f64) -> (Limits<Q<3>>, JointLim
 }
 
 /// A cell of two gantries that do this, as its seed says.
-fn cell(seed: u64, doing: Doing, fastest: f64) -> Cell {
+fn cell(seed: u64, doing: Activity, fastest: f64) -> Cell {
     let mut random = Random::of(seed);
     let step = MS * [1, 2, 4, 5, 10][(random.next() * 5.0) as usize];
     let ts = step.as_secs_f64();
@@ -124,26 +124,26 @@ fn cell(seed: u64, doing: Doing, fastest: f64) -> Cell {
         let mut own = random.fork();
         let is_over_after = if i == 1 && seed.is_multiple_of(2) { 1 } else { u32::MAX };
         cell = cell.robot(match doing {
-            Doing::OwnPrograms => robot.program(move |ecp| {
+            Activity::OwnPrograms => robot.program(move |ecp| {
                 for _ in 0..is_over_after {
                     ecp.move_robot((), Go::new(&mut own, &plan))?;
                     ecp.move_robot((), Delay::lasting(0.3 * own.next()))?;
                 }
                 Ok(())
             }),
-            Doing::Jogged => robot.program(move |ecp| {
+            Activity::Jogged => robot.program(move |ecp| {
                 loop {
                     let panel = ecp.jog_panel();
                     ecp.move_robot((), PanelJog::by(panel))?;
                 }
             }),
-            Doing::OneByOne | Doing::Background | Doing::Blended | Doing::Obeying => robot,
+            Activity::OneByOne | Activity::Background | Activity::Blended | Activity::Serving => robot,
         });
     }
     let work = move |mp: &mut Mp, left: &mut RobotHandle<Gantry>, right: &mut RobotHandle<Gantry>| {
         let go = |random: &mut Random, i: usize| Go::new(random, &planned[i]);
         match doing {
-            Doing::Background => {
+            Activity::Background => {
                 mp.start_robot(left, go(&mut random, 0))?;
                 if random.next() < 0.5 {
                     mp.move_robot(right, (), Delay::lasting(0.2 * random.next()))?;
@@ -151,7 +151,7 @@ fn cell(seed: u64, doing: Doing, fastest: f64) -> Cell {
                 mp.move_robot(right, (), go(&mut random, 1))?;
                 mp.end_robot(left)
             }
-            Doing::Blended => {
+            Activity::Blended => {
                 let mut from = None;
                 for _ in 0..3 {
                     let on = Go { from, goes_on: true, ..go(&mut random, 0) };
@@ -160,7 +160,7 @@ fn cell(seed: u64, doing: Doing, fastest: f64) -> Cell {
                 mp.move_robot(left, (), Go { from, ..go(&mut random, 0) })?;
                 mp.move_robot(right, (), go(&mut random, 1)).map(drop)
             }
-            Doing::OneByOne | Doing::Obeying | Doing::OwnPrograms | Doing::Jogged => {
+            Activity::OneByOne | Activity::Serving | Activity::OwnPrograms | Activity::Jogged => {
                 mp.move_robot(left, (), go(&mut random, 0))?;
                 mp.move_robot(right, (), go(&mut random, 1)).map(drop)
             }
@@ -168,17 +168,17 @@ fn cell(seed: u64, doing: Doing, fastest: f64) -> Cell {
     };
     let mut work = work;
     match doing {
-        Doing::OwnPrograms | Doing::Jogged => cell,
-        Doing::OneByOne | Doing::Background | Doing::Blended => cell.program(move |mp| {
+        Activity::OwnPrograms | Activity::Jogged => cell,
+        Activity::OneByOne | Activity::Background | Activity::Blended => cell.program(move |mp| {
             let (mut left, mut right) = (mp.robot("left")?, mp.robot("right")?);
             loop {
                 unless_aborted(work(mp, &mut left, &mut right))?;
             }
         }),
-        Doing::Obeying => {
+        Activity::Serving => {
             let lower = cell.program(move |mp| {
                 let (mut left, mut right) = (mp.robot("left")?, mp.robot("right")?);
-                mp.obey_all(|mp, Work::Go| work(mp, &mut left, &mut right))
+                mp.serve_all(|mp, Work::Go| work(mp, &mut left, &mut right))
             });
             Cell::new(step).stop_time(Duration::from_secs(3)).cell("lower", lower).program(|mp| {
                 let mut lower = mp.robot::<LowerCell>("lower")?;
@@ -190,32 +190,32 @@ fn cell(seed: u64, doing: Doing, fastest: f64) -> Cell {
     }
 }
 
-fn run(doing: Doing, runs: u64) -> OperatorReport {
+fn run(doing: Activity, runs: u64) -> OperatorReport {
     let report = RandomOperator::new(|seed| cell(seed, doing, 1.0)).runs(runs).steps(1500).run();
     println!("{doing:?}: {report}");
     report
 }
 
 /// At reduced speed: with holds, of what moves by its program or is jogged.
-fn run_held(doing: Doing, runs: u64) -> OperatorReport {
+fn run_held(doing: Activity, runs: u64) -> OperatorReport {
     let name = |name| Name::new(name).expect("a name");
-    let jogged = if doing == Doing::Jogged { vec![name("left"), name("right")] } else { Vec::new() };
+    let jogged = if doing == Activity::Jogged { vec![name("left"), name("right")] } else { Vec::new() };
     // No tool is faster than 250 mm/s: three slides of 130 mm/s each at most.
-    let fastest = if doing == Doing::Jogged { 1.0 } else { 0.13 };
+    let fastest = if doing == Activity::Jogged { 1.0 } else { 0.13 };
     let cells = RandomOperator::new(|seed| cell(seed, doing, fastest)).holding(jogged);
     let report = cells.runs(runs).steps(1500).run();
     println!("{doing:?}, held: {report}");
     report
 }
 
-const MOVING: [Doing; 5] =
-    [Doing::OwnPrograms, Doing::OneByOne, Doing::Background, Doing::Blended, Doing::Obeying];
+const MOVING: [Activity; 5] =
+    [Activity::OwnPrograms, Activity::OneByOne, Activity::Background, Activity::Blended, Activity::Serving];
 
 fn sweep(runs: u64) -> Vec<String> {
     let mut wrong = Vec::new();
     let moving = MOVING.map(|doing| run(doing, 2 * runs));
     let held = MOVING.map(|doing| run_held(doing, runs));
-    for report in moving.into_iter().chain(held).chain([run_held(Doing::Jogged, 2 * runs)]) {
+    for report in moving.into_iter().chain(held).chain([run_held(Activity::Jogged, 2 * runs)]) {
         wrong.extend(report.failures().iter().chain(report.false_stops()).cloned());
     }
     wrong

@@ -9,7 +9,7 @@ const MAY: [&str; 5] = [
     "runtime/core/src/observe/ring.rs",
     "runtime/processes/",
     "runtime/launch/src/panel.rs",
-    "runtime/launch/src/patience.rs",
+    "runtime/launch/src/long_run.rs",
     "runtime/recording/",
 ];
 

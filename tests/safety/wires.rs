@@ -10,7 +10,7 @@ use mrroc::testing::{Case, Channel, Injected, LinkFault, Sweep, SweepReport, Wir
 use mrroc_robots::{Polycrank, Rnt};
 use mrroc_tests::{Gantry, MS};
 
-use super::cells::{Phase, Smooth, gantry, nudged, posed};
+use super::cells::{Phase, Smooth, gantry, posed, triggered};
 
 /// Wires of 0 to 15 ms to and fro, half of it each way: always the same, or each message by itself.
 fn wires(lost_per_mille: u32) -> impl Iterator<Item = Wire> {
@@ -24,11 +24,11 @@ fn wires(lost_per_mille: u32) -> impl Iterator<Item = Wire> {
 fn loose(step: Duration) -> Cell {
     let program = |ecp: &mut Ecp<Gantry>| {
         // 10/√3 length/duration²: 3.2 m/s² of 10, and 5.1.
-        ecp.obey(|ecp, _: Phase| ecp.move_robot((), Smooth::to(0.05, 0.3)).map(drop))?;
-        ecp.obey(|ecp, _: Phase| ecp.move_robot((), Smooth::to(-0.03, 0.3)).map(drop))
+        ecp.serve(|ecp, _: Phase| ecp.move_robot((), Smooth::to(0.05, 0.3)).map(drop))?;
+        ecp.serve(|ecp, _: Phase| ecp.move_robot((), Smooth::to(-0.03, 0.3)).map(drop))
     };
     let [a, b] = ["a", "b"].map(|name| gantry(name, MS).program(program));
-    Cell::new(step).robot(a).robot(b).program(nudged)
+    Cell::new(step).robot(a).robot(b).program(triggered)
 }
 
 /// The loose motions at the other end of each wire, which begins in one of `every` steps, or ends in one of them.
@@ -259,7 +259,7 @@ fn wires_are_cut(cases: &[(u64, &str, u64)]) {
 }
 
 #[test]
-fn fault_153_a_wire_that_is_cut_in_a_tight_move_stops_both_arms_on_their_common_screw() {
+fn fault_153_a_wire_that_is_cut_in_a_tight_move_stops_both_arms_on_their_common_twist() {
     wires_are_cut(&[(2, "polycrank", 2267)]);
 }
 
@@ -273,7 +273,7 @@ fn off_without_mp(step_ms: u64, at: u64) -> f64 {
     off_from(&trace, at * step_ms * 1000)
 }
 
-/// In this leg of the transfer the screw alone takes up to a third of the limit of the Polycrank's elbow: what braking may take is less.
+/// In this leg of the transfer the twist alone takes up to a third of the limit of the Polycrank's elbow: what braking may take is less.
 fn the_mp_dies(every: usize) {
     for at in (6080..6420).step_by(every) {
         let off = off_without_mp(2, at);
@@ -282,7 +282,7 @@ fn the_mp_dies(every: usize) {
 }
 
 #[test]
-fn fault_03_arms_on_a_screw_that_bends_a_joint_hard_stay_together_until_they_stand() {
+fn fault_03_arms_on_a_twist_that_bends_a_joint_hard_stay_together_until_they_stand() {
     the_mp_dies(80);
 }
 
@@ -309,13 +309,13 @@ mod whole {
 
     #[test]
     #[ignore = "takes minutes: `just wires-whole`"]
-    fn fault_153_a_wire_that_is_cut_in_a_tight_move_stops_both_arms_on_their_common_screw() {
+    fn fault_153_a_wire_that_is_cut_in_a_tight_move_stops_both_arms_on_their_common_twist() {
         wires_are_cut(&[(1, "polycrank", 50), (2, "polycrank", 50), (2, "rnt", 50), (4, "polycrank", 50)]);
     }
 
     #[test]
     #[ignore = "takes minutes: `just wires-whole`"]
-    fn fault_03_arms_on_a_screw_that_bends_a_joint_hard_stay_together_until_they_stand() {
+    fn fault_03_arms_on_a_twist_that_bends_a_joint_hard_stay_together_until_they_stand() {
         the_mp_dies(10);
     }
 }

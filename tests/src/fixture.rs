@@ -38,7 +38,7 @@ pub const TIMES: &str = "times";
 /// The option with the step in which [`ARMS`] and [`LINE`] are suspended, until a console resumes them.
 pub const SUSPENDED: &str = "suspended";
 /// The option with the time \[s\] for which a process of [`ARMS`] may compute at a stretch.
-pub const PATIENCE: &str = "patience";
+pub const TIMEOUT: &str = "timeout";
 /// The option with what the drives of [`ARMS`] say that they are.
 pub const HARDWARE: &str = "hardware";
 /// The option with the path time \[s\] from which the swing differs from the recorded one.

@@ -56,7 +56,7 @@ fn loopback() -> SocketAddr {
 #[test]
 fn a_servo_over_tcp_paces_its_drives_and_is_told_each_demand() {
     let (mut drives, mut line) = opened(&listening(loopback()));
-    assert_eq!(drives.pace(), Pace::Robot { patience: Duration::from_millis(100) });
+    assert_eq!(drives.pace(), Pace::Robot { timeout: Duration::from_millis(100) });
     assert_eq!(drives.measured().map(|measured| measured.position), Ok(One::new(0.5)));
     assert_eq!(drives.pulse(Duration::ZERO), Ok(None), "a period begins when the servo says so");
     line.write_all(&said(8, 0.51, 2.5, 0)).expect("sent");

@@ -12,7 +12,7 @@
 //! | `C2` | as `Interpolating`, quintic spans between its slopes and second derivatives | C2 | exactly |
 //! | `FrozenControlPoints` | the control points already computed | C2 | to 3e-5 of the second difference |
 //!
-//! With `h_i` the knot spans and `D_i = (P_{i+1} - P_i) / h_i`, a window's slopes `m` obey
+//! With `h_i` the knot spans and `D_i = (P_{i+1} - P_i) / h_i`, a window's slopes `m` satisfy
 //! `h_i m_{i-1} + 2 (h_{i-1} + h_i) m_i + h_{i-1} m_{i+1} = 3 (h_i D_{i-1} + h_{i-1} D_i)`
 //! (de Boor, *A Practical Guide to Splines*, chapter IV). A point's influence decays by 2 - sqrt 3 = 0.268 per knot:
 //! that is why a window of 8 gives the first span of the spline through all points to about 1e-4 of a second

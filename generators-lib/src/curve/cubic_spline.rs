@@ -1,6 +1,6 @@
 //! The cubic spline through vectors at knots: natural, or with given slopes at its ends.
 //!
-//! With `h_i` the knot spans and `D_i` the slopes of the chords, the slopes `m_i` at the knots obey
+//! With `h_i` the knot spans and `D_i` the slopes of the chords, the slopes `m_i` at the knots satisfy
 //! `h_i m_{i-1} + 2 (h_{i-1} + h_i) m_i + h_{i-1} m_{i+1} = 3 (h_i D_{i-1} + h_{i-1} D_i)`; at a natural end
 //! `2 m_0 + m_1 = 3 D_0` (de Boor, *A Practical Guide to Splines*, chapter IV).
 

@@ -99,7 +99,7 @@ mod tests {
         let [one, two] = drives.map(|drive| {
             move |name: &str| {
                 RobotSetup::new(name, Irp6::nominal(), drive).program(move |ecp| {
-                    ecp.obey(|ecp, phase: Phase| match phase {
+                    ecp.serve(|ecp, phase: Phase| match phase {
                         Phase::Turn => {
                             let goal = start + Six::new(0.2, 0.0, 0.0, 0.0, 0.0, 0.0);
                             let turn = JointMove::to(goal, Six::repeat(0.4), Six::repeat(0.8));

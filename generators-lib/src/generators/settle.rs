@@ -16,7 +16,7 @@ use mrroc::robot::JointVector;
 ///
 /// // Within 1 mrad for 0.2 s, which must happen within a second.
 /// let settle = Settle::within(Six::repeat(1e-3), 0.2, 1.0);
-/// // A robot that obeys to the letter is there at once: it is done in its hundredth step.
+/// // A robot that follows exactly is there at once: it is done in its hundredth step.
 /// let demands = rehearse(settle, &Irp6::nominal(), Irp6::READY, 0.002)?;
 /// assert_eq!(demands, vec![Demand::hold(); 99]);
 /// # Ok::<(), Fault>(())
@@ -24,24 +24,24 @@ use mrroc::robot::JointVector;
 pub struct Settle<R: Robot> {
     tolerance: R::Joints,
     dwell: f64,
-    patience: f64,
+    timeout: f64,
     near: f64,
     time: f64,
 }
 
 impl<R: Robot> Settle<R> {
-    /// Within `tolerance` [rad or m] of the demand for `dwell` \[s\], which must happen within `patience` \[s\]; all > 0.
+    /// Within `tolerance` [rad or m] of the demand for `dwell` \[s\], which must happen within `timeout` \[s\]; all > 0.
     #[must_use]
-    pub fn within(tolerance: R::Joints, dwell: f64, patience: f64) -> Self {
-        Settle { tolerance, dwell, patience, near: 0.0, time: 0.0 }
+    pub fn within(tolerance: R::Joints, dwell: f64, timeout: f64) -> Self {
+        Settle { tolerance, dwell, timeout, near: 0.0, time: 0.0 }
     }
 }
 
 #[generator(ecp)]
 impl<R: Robot> Settle<R> {
     fn next_step(&mut self, e: &State<R>, t: Tick) -> Result<Step<R>, Fault> {
-        if ![self.dwell, self.patience].iter().all(|x| x.is_finite() && *x > 0.0) {
-            return Err(Fault::thrown("dwell and patience of a robot that settles must be finite and > 0"));
+        if ![self.dwell, self.timeout].iter().all(|x| x.is_finite() && *x > 0.0) {
+            return Err(Fault::thrown("dwell and timeout of a robot that settles must be finite and > 0"));
         }
         let off = e.measured().joints - e.demanded().joints;
         // The joint that is farthest off, if any is; what is not a number is.
@@ -57,7 +57,7 @@ impl<R: Robot> Settle<R> {
             return Ok(Step::Done);
         }
         match far {
-            Some((joint, off, tolerance)) if self.time >= self.patience - rounding => {
+            Some((joint, off, tolerance)) if self.time >= self.timeout - rounding => {
                 let unit = "rad or m";
                 Err(Fault::new(FaultKind::TimedOut).at_joint(joint).exceeds(off, tolerance, unit))
             }

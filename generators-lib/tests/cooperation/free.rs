@@ -139,7 +139,7 @@ fn cell(free: Option<FreeDirection>) -> (Cell, Trace, Trace) {
     let Some(free) = free else { return (cell, one, two) };
     let program = |robot: Irp6FiveDof| {
         move |ecp: &mut Ecp<Irp6FiveDof>| {
-            ecp.obey_all(|ecp, _: Displacement| {
+            ecp.serve_all(|ecp, _: Displacement| {
                 ecp.move_robot((), YieldingTransmit::by(robot.clone(), free)).map(drop)
             })
         }

@@ -192,10 +192,10 @@ fn displacements_that_ecps_transmit_are_the_poses_that_transparent_ones_take() {
     let (cell, left, right) = rnt_and_polycrank();
     let cell = cell
         .ecp("rnt", |ecp: &mut mrroc::program::Ecp<Rnt>| {
-            ecp.obey_all(|ecp, _: Displacement| ecp.move_robot((), TransmitDisplacement::new()).map(drop))
+            ecp.serve_all(|ecp, _: Displacement| ecp.move_robot((), TransmitDisplacement::new()).map(drop))
         })
         .ecp("polycrank", |ecp: &mut mrroc::program::Ecp<Polycrank>| {
-            ecp.obey_all(|ecp, _: Displacement| ecp.move_robot((), TransmitDisplacement::new()).map(drop))
+            ecp.serve_all(|ecp, _: Displacement| ecp.move_robot((), TransmitDisplacement::new()).map(drop))
         });
     let cell = cell.program(|mp| {
         let (mut rnt, mut polycrank) = (mp.robot::<Rnt>("rnt")?, mp.robot::<Polycrank>("polycrank")?);

@@ -101,7 +101,7 @@ impl Arms for (Irp6, Irp6) {
 }
 
 /// Where a demand leads a tool that is at `image` and began at `origin`.
-fn obeyed(demand: &Demand<Irp6>, image: &Image, origin: &Pose) -> Image {
+fn followed(demand: &Demand<Irp6>, image: &Image, origin: &Pose) -> Image {
     let joints = demand.as_joints().unwrap_or(image.demanded().joints);
     let pose = demand
         .as_pose()
@@ -137,7 +137,7 @@ where
         };
         let Ok(Step::Next(demands)) = stepped else { break };
         for (i, demand) in G::Robots::told(&demands).iter().enumerate() {
-            images[i] = obeyed(demand, &images[i], &origins[i]);
+            images[i] = followed(demand, &images[i], &origins[i]);
             traces[i].push(images[i].demanded().pose.translation.vector);
         }
     }

@@ -61,7 +61,7 @@ fn a_constant_of_the_mp() {
             quote!(mp),
             quote! {
                 /// Tells each to grasp.
-                pub(crate) fn nudge() -> Always<(Rnt, Polycrank), Phase> {
+                pub(crate) fn trigger() -> Always<(Rnt, Polycrank), Phase> {
                     Always((Phase::Grasp, Phase::Grasp))
                 }
             },

@@ -405,7 +405,7 @@ fn moves_waits_and_suspensions_are_marked_below_the_time_axes() {
     let drives = SimulatedIrp6::new(robot.clone(), &START);
     let own = RobotSetup::new("own", robot, drives).program(|ecp| {
         for _ in 0..2 {
-            ecp.obey(|ecp, _: Go| {
+            ecp.serve(|ecp, _: Go| {
                 ecp.move_robot((), Along { way: wave, from: None, t: 0.0, duration: 2.0 })?;
                 ecp.wait_until((), Dwell(500))?;
                 ecp.move_robot((), Along { way: wave, from: None, t: 0.0, duration: 2.0 }).map(drop)

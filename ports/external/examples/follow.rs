@@ -1,12 +1,12 @@
 //! An arm turns its column to where a camera sees a part, which a program in Python says: `cargo run -p mrroc-examples
 //! --example follow -- --cell ports/external/examples/cell.toml` with a simulated camera, and with `--processes` where the
-//! program runs. `external camera` prints the module for that program, `external follow` that for a program that looks on.
+//! program runs. `external camera` prints the module for that program, `external follow` that for a program that subscribes.
 //!
 //! `--seconds` behind a `--` says for how long, three by default.
 
 use mrroc::launch::own_number;
 use mrroc::prelude::*;
-use mrroc_external::{External, Onlookers};
+use mrroc_external::{External, Subscribers};
 use mrroc_robots::{Irp6, Six, simulated};
 
 // ANCHOR: kind
@@ -55,7 +55,7 @@ fn main() -> std::process::ExitCode {
 // ANCHOR: cell
 fn cell(file: &CellFile) -> Result<Cell, CellError> {
     let camera = External::<Camera>::in_cell(file, "camera")?.stand_in(Belt);
-    Ok(file.cell(&simulated())?.sensor(camera).program(watch).shown_to(Onlookers::at("follow")))
+    Ok(file.cell(&simulated())?.sensor(camera).program(watch).shown_to(Subscribers::at("follow")))
 }
 // ANCHOR_END: cell
 

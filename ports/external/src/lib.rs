@@ -1,5 +1,5 @@
 //! Programs of others in a cell: virtual sensors whose readings a program of another sends, one in Python, say, with a camera and a
-//! network in it; robots that move in a simulator of others ([`plant`](fn@plant)); and programs that look on ([`Onlookers`]).
+//! network in it; robots that move in a simulator of others ([`plant`](fn@plant)); and programs that subscribe ([`Subscribers`]).
 //!
 //! In: messages over shared memory, and what `cell.toml` says may be believed of them. Out: a
 //! [`VirtualSensor`]. The program is a process of its own that nobody waits for: one that hangs is a reading that gets
@@ -131,7 +131,7 @@
 //! The simulator answers a period when it has simulated it, which it does when it has the orders of all robots that have begun. Under the
 //! virtual clock the cell waits for that; the answer is what its robots measure in the next period.
 
-//! # The port of those who look on
+//! # The port of subscribers
 //!
 //! For each robot of the cell `mrroc/PORT/ROBOT/images`, and `mrroc/PORT/steps` of the coordinator, of which 256 messages are
 //! kept each; nobody sends anything back. They carry the types `mrroc_image_1`, 464 bytes, and `mrroc_step_1`, 296 bytes,
@@ -158,13 +158,13 @@
 //! | 48 | `f64` | the speed that the operator wants, 0 to 1 |
 //! | 56 | `[u8; 240]` | the first fault since the last reset, as text, and zeros |
 
-mod door;
+mod gateway;
 mod message;
 mod numbers;
-mod onlookers;
 mod plant;
 mod port;
 mod python;
+mod subscribers;
 #[cfg(test)]
 mod tests;
 
@@ -179,12 +179,12 @@ use mrroc::fault::{Fault, FaultKind};
 use mrroc::payload::Wire;
 use mrroc::sensor::{EffectorState, ReadingOrder, Sensor, Taken, VirtualSensor};
 use mrroc_launch::cell_file::{CellFile, ExternalEntry};
-use mrroc_launch::network::doors_by;
+use mrroc_launch::network::gateways_by;
 
-pub use onlookers::Onlookers;
 pub use plant::plant;
+pub use subscribers::Subscribers;
 
-use door::Opened;
+use gateway::GatewayProcess;
 use message::{Foreign, Message, VERSION};
 use numbers::Numbers;
 use port::{Port, monotonic};
@@ -193,7 +193,7 @@ use port::{Port, monotonic};
 const CONFIGURATION_WORDS: usize = 16;
 
 /// How long a cell waits for the program before it begins \[ns\], and how often it looks.
-const PATIENCE: u64 = 10_000_000_000;
+const TIMEOUT: u64 = 10_000_000_000;
 const LOOK: Duration = Duration::from_millis(5);
 
 /// A sensor whose readings a program of another sends.
@@ -207,11 +207,11 @@ pub struct External<K: Sensor> {
     step: u64,
     numbers: Numbers,
     /// How long the program may take to send something before the cell begins without it \[ns\].
-    patience: u64,
+    timeout: u64,
     /// Of a program on another machine: where it calls, and the cell file.
     elsewhere: Option<(SocketAddr, PathBuf)>,
     // It ends before the port, which removes what a killed one leaves.
-    door: Option<Opened>,
+    gateway: Option<GatewayProcess>,
     port: Option<Port>,
     /// The last message that was believed.
     last: Option<Message>,
@@ -235,7 +235,7 @@ impl<K: Sensor> External<K> {
     where
         K::Configuration: Default,
     {
-        doors_by(door::keep);
+        gateways_by(gateway::run);
         file.sensor(name, Self::new(file.external(name)?)?)
     }
 
@@ -250,9 +250,9 @@ impl<K: Sensor> External<K> {
             rate: entry.rate(),
             step: u64::try_from(entry.step().as_nanos()).unwrap_or(u64::MAX).max(1),
             numbers,
-            patience: PATIENCE,
+            timeout: TIMEOUT,
             elsewhere: entry.address().map(|address| (address, entry.cell_file().to_owned())),
-            door: None,
+            gateway: None,
             port: None,
             last: None,
             newest: None,
@@ -294,7 +294,7 @@ impl<K: Sensor> External<K> {
     /// Waits for a first message, so that programs and cell can be started in either order. What is wrong with it is told when the program
     /// sends the next one, and if none comes, that is told by whoever reads the sensor.
     fn await_program(&self) {
-        let until = monotonic().saturating_add(self.patience);
+        let until = monotonic().saturating_add(self.timeout);
         let has_come = || self.port.as_ref().is_none_or(|port| port.newest().is_some());
         while !has_come() && monotonic() < until {
             std::thread::sleep(LOOK);
@@ -343,12 +343,12 @@ impl<K: Sensor> VirtualSensor for External<K> {
 
     fn open(&mut self) -> Result<(), Fault> {
         // What an attempt before has left is in the way of this one.
-        (self.door, self.port) = (None, None);
+        (self.gateway, self.port) = (None, None);
         let port = Port::open(&self.folder, &self.port_name);
         let failed = |why: String| Fault::new(FaultKind::SensorFailed).text(&why);
         self.port = Some(port.map_err(failed)?);
         if let Some((_, cell)) = &self.elsewhere {
-            self.door = Some(Opened::start(cell, &self.name).map_err(failed)?);
+            self.gateway = Some(GatewayProcess::start(cell, &self.name).map_err(failed)?);
         }
         self.await_program();
         Ok(())

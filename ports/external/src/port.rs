@@ -28,10 +28,10 @@ const FOLDER: &str = "MRROC_PORTS";
 const SHARED_MEMORY: &str = "/dev/shm";
 
 /// Programs that may look at the messages of a port besides those that it is for.
-const ONLOOKERS: usize = 7;
+const SUBSCRIBERS: usize = 7;
 
 /// Processes that may use a port at a time.
-const NODES: usize = 2 + ONLOOKERS;
+const NODES: usize = 2 + SUBSCRIBERS;
 
 type Service = PortFactory<ipc::Service, Message, ()>;
 
@@ -220,7 +220,7 @@ pub(crate) fn channel<M: ZeroCopySend + core::fmt::Debug + 'static>(
         .service_builder(&service)
         .publish_subscribe::<M>()
         .max_publishers(1)
-        .max_subscribers(1 + ONLOOKERS)
+        .max_subscribers(1 + SUBSCRIBERS)
         .max_nodes(NODES)
         .history_size(0)
         .subscriber_max_buffer_size(kept)

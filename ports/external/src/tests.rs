@@ -56,7 +56,7 @@ impl Folder {
         let mut sensor =
             External::<Camera>::new(file.external("camera").expect("it is there")).expect("one bound");
         sensor.folder.clone_from(&self.0);
-        sensor.patience = 0;
+        sensor.timeout = 0;
         sensor
     }
 

@@ -15,7 +15,7 @@ const SAME: f64 = 1e-6;
 
 /// What a robot carries, and its inputs and outputs, as far as it is known.
 #[derive(Clone, Debug, Default)]
-pub struct Carried {
+pub struct CarriedLoad {
     /// The tool in force, `X_FE` \[m\].
     pub tool: Option<Pose>,
     /// What its drives were told that the flange carries.
@@ -68,7 +68,7 @@ impl Beside {
 
     /// The tool and the payload of a robot, by the name of the tool if the cell has one for it.
     #[allow(non_snake_case)]
-    pub fn carried(&self, carried: &Carried) -> Value {
+    pub fn carried(&self, carried: &CarriedLoad) -> Value {
         let Some(X_FE) = carried.tool.filter(is_pose) else { return Value::Null };
         let is_same = |(_, tool): &&(String, Tool)| {
             let apart = tool.frame.inv_mul(&X_FE);

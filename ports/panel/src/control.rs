@@ -1,6 +1,6 @@
 //! Control of the cell: the page with authority, and what it holds.
 //!
-//! In: what pages do, and when, by the machine's monotonic clock. Out: requests that the desk gets for them, and when it is to be looked again.
+//! In: what pages do, and when, by the machine's monotonic clock. Out: requests that the console server gets for them, and when it is to be looked again.
 
 use core::time::Duration;
 
@@ -101,24 +101,24 @@ impl Control {
         hold.into_iter().chain(self.authority.lapses()).min()
     }
 
-    /// The page whose hold was not renewed in time, and what the desk is told.
+    /// The page whose hold was not renewed in time, and what the console server is told.
     pub fn lapsed_hold(&mut self, now: Duration) -> Option<(Page, Button)> {
         let hold = self.hold.take_if(|hold| now >= hold.at + HELD)?;
         Some((self.authority.holder()?, Button::LetGo(hold.renewal.hold())))
     }
 
-    /// What the desk is told when a page no longer holds anything.
+    /// What the console server is told when a page no longer holds anything.
     pub fn release(&mut self) -> Option<Button> {
         self.hold.take().map(|hold| Button::LetGo(hold.renewal.hold()))
     }
 
-    /// What the desk is told when a page is gone or lets go of authority; nothing if it did not have it.
+    /// What the console server is told when a page is gone or lets go of authority; nothing if it did not have it.
     pub fn leave(&mut self, page: Page) -> Vec<Request> {
         let had = self.authority.let_go(page);
         if had { self.left() } else { Vec::new() }
     }
 
-    /// The page whose authority has lapsed by now, and what the desk is told.
+    /// The page whose authority has lapsed by now, and what the console server is told.
     pub fn lapse(&mut self, now: Duration) -> Option<(Page, Vec<Request>)> {
         let lapsed = self.authority.lapse(now)?;
         Some((lapsed, self.left()))
@@ -143,7 +143,7 @@ mod tests {
         let Ok(Button::Hold(first)) = control.renew(true, None, MS(0)) else { panic!("no hold") };
         let Ok(Button::Hold(second)) = control.renew(false, None, MS(289)) else { panic!("no renewal") };
         assert_eq!((second.hold(), second.count()), (first.hold(), first.count() + 1));
-        // The desk is told of its end 10 ms before the cell would end it.
+        // The console server is told of its end 10 ms before the cell would end it.
         assert_eq!((control.lapses(), control.lapsed_hold(MS(578))), (Some(MS(300)), None));
         control.beat(1, MS(299));
         assert_eq!(control.lapses(), Some(MS(579)));
@@ -151,7 +151,7 @@ mod tests {
         assert_eq!(control.lapsed_hold(MS(580)), None);
         assert_eq!(control.renew(false, None, MS(581)), Err(NotRenewed::Over));
         control.renew(true, None, MS(700)).expect("a new one");
-        // What the desk is told when the page is gone: that nobody holds, then that nobody operates.
+        // What the console server is told when the page is gone: that nobody holds, then that nobody operates.
         let told = control.leave(1);
         assert!(matches!(told[..], [Request::Press(Button::LetGo(_)), Request::Release]), "{told:?}");
         assert!(control.leave(1).is_empty() && control.release().is_none());

@@ -1,6 +1,6 @@
-//! What drives the [pages](crate::pages) of a panel: the machine's clock, the desk of the cell, and the files of poses.
+//! What drives the [pages](crate::pages) of a panel: the machine's clock, the console server of the cell, and the files of poses.
 //!
-//! In: what connections hear, and what the desk shows and answers. Out: requests to the desk, work with files, sentences at the terminal, and news for
+//! In: what connections hear, and what the console server shows and answers. Out: requests to the console server, work with files, sentences at the terminal, and news for
 //! connections.
 
 use std::net::SocketAddr;
@@ -13,21 +13,21 @@ use mrroc_processes::{OnBehalf, Reply, Request};
 use tokio::sync::{oneshot, watch};
 use tokio::time::Instant;
 
-use crate::course::Course;
-use crate::desk::Shown;
+use crate::console_session::CellSnapshot;
 use crate::events::{Action, Key, Kind, To};
-use crate::now::Looks;
+use crate::now::Appearance;
 use crate::pages::Pages;
 use crate::poses::Poses;
-use crate::rules::door::Door;
+use crate::rules::origin::OriginPolicy;
 use crate::rules::token::Token;
+use crate::run_history::RunHistory;
 use crate::teaching;
 
 /// How long is waited at most until it is looked whether a page has said nothing for too long.
 const LOOKS: Duration = Duration::from_millis(20);
 
 /// Where requests go.
-pub trait Asks: Send + Sync {
+pub trait RequestSink: Send + Sync {
     /// Asks for something; the answer comes within seconds.
     fn ask(&self, request: Request, by: OnBehalf) -> oneshot::Receiver<Reply>;
 
@@ -38,20 +38,20 @@ pub trait Asks: Send + Sync {
 /// What a panel shows.
 pub enum Source {
     /// A cell that runs: where to ask, and what it does.
-    Running(Box<dyn Asks>, watch::Receiver<Shown>),
+    Running(Box<dyn RequestSink>, watch::Receiver<CellSnapshot>),
     /// A run that is over.
-    Over(Box<Course>),
+    Over(Box<RunHistory>),
 }
 
-/// The pages of a panel, and what stands around them: the clock, the desk, and the files of poses.
+/// The pages of a panel, and what stands around them: the clock, the console server, and the files of poses.
 pub struct Panel {
     state: Mutex<Shared>,
-    desk: Option<Box<dyn Asks>>,
-    looks: Arc<Looks>,
+    console: Option<Box<dyn RequestSink>>,
+    looks: Arc<Appearance>,
     poses: Option<Arc<Poses>>,
     /// Tells connections that their pages have something new to be told.
     news: watch::Sender<()>,
-    pub door: Door,
+    pub origins: OriginPolicy,
     since: Instant,
     /// The machine's monotonic clock when the panel began.
     began: Duration,
@@ -59,28 +59,28 @@ pub struct Panel {
 
 struct Shared {
     pages: Pages,
-    shown: Option<watch::Receiver<Shown>>,
+    shown: Option<watch::Receiver<CellSnapshot>>,
 }
 
 impl Panel {
     /// Of a source, at an address, known by a token.
     #[must_use]
-    pub fn new(source: Source, looks: Arc<Looks>, token: Token, address: SocketAddr) -> Panel {
-        let (desk, shown, course) = match source {
-            Source::Running(desk, mut shown) => {
+    pub fn new(source: Source, looks: Arc<Appearance>, token: Token, address: SocketAddr) -> Panel {
+        let (console, shown, history) = match source {
+            Source::Running(console, mut shown) => {
                 shown.mark_changed();
-                (Some(desk), Some(shown), None)
+                (Some(console), Some(shown), None)
             }
-            Source::Over(course) => (None, None, Some(course)),
+            Source::Over(history) => (None, None, Some(history)),
         };
-        let pages = Pages::new(Arc::clone(&looks), token, course);
+        let pages = Pages::new(Arc::clone(&looks), token, history);
         Panel {
             state: Mutex::new(Shared { pages, shown }),
-            desk,
+            console,
             looks,
             poses: None,
             news: watch::Sender::new(()),
-            door: Door::at(address),
+            origins: OriginPolicy::at(address),
             // First of the two, so that nothing is said to have been heard later than it was.
             began: monotonic(),
             since: Instant::now(),
@@ -143,14 +143,14 @@ impl Panel {
         match action {
             Action::Say(text) => complain(&format!("panel: {text}")),
             Action::Ask { request, by, to } => {
-                let answered = self.desk.as_ref().map(|desk| desk.ask(request, by));
+                let answered = self.console.as_ref().map(|console| console.ask(request, by));
                 if let Some(((to, kind), answered)) = to.zip(answered) {
                     self.tell(to, kind, answered);
                 }
             }
             Action::Stop { by, to } => {
-                if let Some(desk) = &self.desk {
-                    self.tell(to, Kind::Stop, desk.stop(by));
+                if let Some(console) = &self.console {
+                    self.tell(to, Kind::Stop, console.stop(by));
                 }
             }
             Action::Files { asked, shown, to } => {
@@ -167,7 +167,7 @@ impl Panel {
         }
     }
 
-    /// Tells a page what the desk answers, when it does.
+    /// Tells a page what the console server answers, when it does.
     fn tell(self: &Arc<Self>, to: To, kind: Kind, answered: oneshot::Receiver<Reply>) {
         let panel = Arc::clone(self);
         tokio::spawn(async move {
@@ -199,7 +199,7 @@ pub async fn look_after(panel: Arc<Panel>) {
     }
 }
 
-async fn changed(shown: Option<&mut watch::Receiver<Shown>>) -> Result<(), watch::error::RecvError> {
+async fn changed(shown: Option<&mut watch::Receiver<CellSnapshot>>) -> Result<(), watch::error::RecvError> {
     match shown {
         Some(shown) => shown.changed().await,
         None => std::future::pending().await,

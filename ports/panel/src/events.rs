@@ -2,16 +2,16 @@
 
 use mrroc_processes::{OnBehalf, Request};
 
-use crate::desk::Shown;
+use crate::console_session::CellSnapshot;
 use crate::rules::authority::Page;
-use crate::rules::request::Asked;
+use crate::rules::request::PageRequest;
 
 /// The number of a connection, among all that pages have made.
 pub type Key = u64;
 
 /// What a page says.
 #[derive(Debug)]
-pub enum Heard<'h> {
+pub enum PageEvent<'h> {
     /// A message.
     Text(&'h str),
     /// A ping, or its answer.
@@ -33,7 +33,7 @@ pub struct To {
     pub number: u64,
 }
 
-/// What the desk answers.
+/// What the console server answers.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// What all pages are told by this word.
@@ -46,12 +46,12 @@ pub enum Kind {
 
 /// What is to be done for pages.
 pub enum Action {
-    /// The desk is asked for something, for somebody who waits for the answer, or for nobody.
+    /// The console server is asked for something, for somebody who waits for the answer, or for nobody.
     Ask { request: Request, by: OnBehalf, to: Option<(To, Kind)> },
-    /// The desk is asked for a stop, which waits for nothing else.
+    /// The console server is asked for a stop, which waits for nothing else.
     Stop { by: OnBehalf, to: To },
     /// Something is to be done with the files of poses, of a cell that showed this.
-    Files { asked: Asked, shown: Shown, to: To },
+    Files { asked: PageRequest, shown: CellSnapshot, to: To },
     /// The terminal is told.
     Say(String),
 }

@@ -1,6 +1,6 @@
 //! The operator's panel: a page in a browser that shows a cell in 3D while it runs, and operates it.
 //!
-//! In: what the cell's desk of consoles shows, and what a person presses. Out: a page, and requests to the desk. The panel is a
+//! In: what the cell's console server shows, and what a person presses. Out: a page, and requests to the console server. The panel is a
 //! process of its own and one more console: no process that moves robots speaks HTTP, none waits for the panel, and a cell that is
 //! not asked for a panel has none of it. A run that is over, on the memory link or in a recording, is shown by the same page.
 //!
@@ -24,11 +24,9 @@ pub mod rules;
 #[cfg(all(feature = "server", target_os = "linux"))]
 mod beside;
 #[cfg(all(feature = "server", target_os = "linux"))]
+mod console_session;
+#[cfg(all(feature = "server", target_os = "linux"))]
 mod control;
-#[cfg(all(feature = "server", target_os = "linux"))]
-mod course;
-#[cfg(all(feature = "server", target_os = "linux"))]
-mod desk;
 #[cfg(all(feature = "server", target_os = "linux"))]
 mod driver;
 #[cfg(all(feature = "server", target_os = "linux"))]
@@ -53,6 +51,8 @@ mod readings;
 mod recording;
 #[cfg(all(feature = "server", target_os = "linux"))]
 mod run;
+#[cfg(all(feature = "server", target_os = "linux"))]
+mod run_history;
 #[cfg(all(feature = "server", target_os = "linux"))]
 mod secured;
 #[cfg(all(feature = "server", target_os = "linux"))]

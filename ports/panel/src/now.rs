@@ -1,6 +1,6 @@
 //! What a page is shown of a cell: at this moment, or at a moment of a recording.
 //!
-//! In: a [`Now`], and what the cell is made of. Out: JSON. Links are capsules in the world; kinematics are the robots' own.
+//! In: a [`CellMoment`], and what the cell is made of. Out: JSON. Links are capsules in the world; kinematics are the robots' own.
 
 use mrroc_core::nalgebra::Vector3;
 use mrroc_core::observe::layout::{BodyLayout, Figure, Layout, RobotLayout};
@@ -8,7 +8,7 @@ use mrroc_core::pose::Pose;
 use mrroc_core::robot::JointKind;
 use serde_json::{Value, json};
 
-use crate::beside::{self, Beside, Carried, ReadingNow};
+use crate::beside::{self, Beside, CarriedLoad, ReadingNow};
 use crate::meshes::Meshes;
 
 /// The radius of bars between the frames of a robot without a shape, as a share of its longest link, and its bounds \[m\].
@@ -20,7 +20,7 @@ const APART: f64 = 2e-3;
 
 /// A cell at a moment.
 #[derive(Clone, Debug, Default)]
-pub struct Now {
+pub struct CellMoment {
     /// The cell's time \[s\].
     pub time: f64,
     /// The epoch and the step of the MP, and how long a step is \[ns\].
@@ -72,11 +72,11 @@ pub struct RobotNow {
     pub jogs: bool,
     pub stop: String,
     /// What it carries, and its inputs and outputs.
-    pub carried: Carried,
+    pub carried: CarriedLoad,
 }
 
 /// What a cell looks like.
-pub struct Looks {
+pub struct Appearance {
     robots: Vec<RobotLayout>,
     bodies: Vec<BodyLayout>,
     beside: Beside,
@@ -84,11 +84,11 @@ pub struct Looks {
     step: f64,
 }
 
-impl Looks {
+impl Appearance {
     /// Of a cell of this layout.
     #[must_use]
-    pub fn of(layout: &Layout) -> Looks {
-        Looks {
+    pub fn of(layout: &Layout) -> Appearance {
+        Appearance {
             robots: layout.robots.clone(),
             bodies: layout.bodies.clone(),
             beside: Beside::of(layout),
@@ -131,7 +131,7 @@ impl Looks {
 
     /// What changes.
     #[must_use]
-    pub fn state(&self, now: &Now) -> Value {
+    pub fn state(&self, now: &CellMoment) -> Value {
         let robots = now.robots.iter().filter_map(|robot| self.robot(robot, now));
         let bodies = now.bodies.iter().map(|pose| pose.as_ref().filter(|pose| is_pose(pose)).map(numbers));
         json!({
@@ -162,7 +162,7 @@ impl Looks {
     /// What plots show of a moment.
     #[must_use]
     #[allow(non_snake_case)]
-    pub fn plotted(&self, now: &Now) -> Value {
+    pub fn plotted(&self, now: &CellMoment) -> Value {
         let robots = now.robots.iter().filter_map(|robot| {
             let (_, X_WS, is_measured) = self.placed(robot, now)?;
             Some(json!({
@@ -183,7 +183,7 @@ impl Looks {
     /// A robot whose place is known: its links as capsules, its frames and its tool, in the world; and as a ghost the links where they
     /// are demanded, if that is elsewhere.
     #[allow(non_snake_case)]
-    fn robot(&self, robot: &RobotNow, now: &Now) -> Option<Value> {
+    fn robot(&self, robot: &RobotNow, now: &CellMoment) -> Option<Value> {
         let (layout, X_WS, is_measured) = self.placed(robot, now)?;
         let (mut links, mut ghost, mut frames) = (Vec::new(), Vec::new(), Vec::new());
         if is_measured {
@@ -273,7 +273,7 @@ impl Looks {
             layout.figure.frames(joints, &mut |frame| last = Some(*frame));
             last
         };
-        let now = Now { robots: robots.to_vec(), ..Now::default() };
+        let now = CellMoment { robots: robots.to_vec(), ..CellMoment::default() };
         let X_WS = self.stands(layout, &now, self.robots.len()).ok_or_else(unknown)?;
         let X_FE = flange(&robot.measured).ok_or_else(unknown)?.inv_mul(&robot.tool);
         let at = |i: usize| {
@@ -288,7 +288,7 @@ impl Looks {
 
     /// What a robot is made of, where the frame is that it stands in, and whether its joints and its tool are measured.
     #[allow(non_snake_case)]
-    fn placed(&self, robot: &RobotNow, now: &Now) -> Option<(&RobotLayout, Pose, bool)> {
+    fn placed(&self, robot: &RobotNow, now: &CellMoment) -> Option<(&RobotLayout, Pose, bool)> {
         let layout = self.robots.iter().find(|known| known.name == robot.name)?;
         let X_WS = self.stands(layout, now, self.robots.len())?;
         let is_measured = robot.measured.iter().all(|q| q.is_finite()) && is_pose(&robot.tool);
@@ -297,7 +297,7 @@ impl Looks {
 
     /// Where the frame is that a robot stands in, after at most so many robots that carry each other.
     #[allow(non_snake_case)]
-    fn stands(&self, robot: &RobotLayout, now: &Now, most: usize) -> Option<Pose> {
+    fn stands(&self, robot: &RobotLayout, now: &CellMoment, most: usize) -> Option<Pose> {
         let Some(carrier) = &robot.mounted_on else { return Some(Pose::identity()) };
         let layout = self.robots.iter().find(|known| known.name == *carrier).filter(|_| most > 0)?;
         let measured = &now.robots.iter().find(|known| known.name == *carrier)?.measured;

@@ -1,6 +1,6 @@
 //! What a page may ask for, and when.
 //!
-//! In: a message of a page that was let in, and the time. Out: requests to the desk; or why not.
+//! In: a message of a page that was let in, and the time. Out: requests to the console server; or why not.
 
 use core::time::Duration;
 
@@ -8,7 +8,7 @@ use mrroc_processes::{OnBehalf, Request};
 
 use crate::events::{Key, Kind};
 use crate::pages::Pages;
-use crate::rules::request::{Asked, Message, Stamp};
+use crate::rules::request::{Message, PageRequest, Stamp};
 use crate::session::DoesNotRead;
 
 /// Requests of pages that may wait for files.
@@ -19,7 +19,7 @@ impl Pages {
     ///
     /// # Errors
     /// [`DoesNotRead`]
-    pub(crate) fn obey(
+    pub(crate) fn handle(
         &mut self,
         key: Key,
         by: OnBehalf,
@@ -27,7 +27,7 @@ impl Pages {
         message: Message,
     ) -> Result<(), DoesNotRead> {
         let Message { number, asked } = message;
-        if self.course.is_some() {
+        if self.history.is_some() {
             return self.replay(key, number, &asked);
         }
         match self.begin_to(key, by, now, number, asked) {
@@ -38,21 +38,21 @@ impl Pages {
     }
 
     /// Shows a moment of a run that is over.
-    fn replay(&mut self, key: Key, number: u64, asked: &Asked) -> Result<(), DoesNotRead> {
-        let Some(course) = &self.course else { return Ok(()) };
+    fn replay(&mut self, key: Key, number: u64, asked: &PageRequest) -> Result<(), DoesNotRead> {
+        let Some(history) = &self.history else { return Ok(()) };
         let why = match asked {
-            Asked::Frame(at, minute) => match course.at(*at) {
+            PageRequest::Frame(at, minute) => match history.at(*at) {
                 Some(now) => {
                     let looks = &self.scene.looks;
                     let mut state = looks.state(now);
                     if *minute {
-                        state["minute"] = course.minute(*at).map(|now| looks.plotted(now)).collect();
+                        state["minute"] = history.minute(*at).map(|now| looks.plotted(now)).collect();
                     }
                     return self.tell(key, state.to_string().into());
                 }
                 None => "nothing was seen of this run",
             },
-            Asked::Beat => return Ok(()),
+            PageRequest::Beat => return Ok(()),
             _ => "the run is over: there is nothing to operate",
         };
         self.answer(key, number, "refused", why)
@@ -65,39 +65,39 @@ impl Pages {
         by: OnBehalf,
         now: Duration,
         number: u64,
-        asked: Asked,
+        asked: PageRequest,
     ) -> Result<Option<&'static str>, String> {
         let page = by.page;
         match asked {
-            Asked::Beat => self.control.beat(page, now),
-            Asked::Take => {
+            PageRequest::Beat => self.control.beat(page, now),
+            PageRequest::Take => {
                 self.control.take(page, now).map_err(|why| why.to_string())?;
                 self.ask(key, by, number, Kind::Asked("take control".to_owned()), Request::Take);
             }
-            Asked::LetGo => {
+            PageRequest::LetGo => {
                 let left = self.control.leave(page);
-                self.tell_desk(by, left);
+                self.tell_console_server(by, left);
                 self.note(&format!("page {page}: let go of control"));
                 return Ok(Some("nobody has control"));
             }
-            Asked::Press(button, stamp) => {
+            PageRequest::Press(button, stamp) => {
                 self.may_operate(by, now, stamp)?;
                 self.ask(key, by, number, Kind::Asked(button.to_string()), Request::Press(button));
             }
-            Asked::Hold(begins, stamp) => {
+            PageRequest::Hold(begins, stamp) => {
                 self.may_operate(by, now, stamp)?;
                 let button = self.control.renew(begins, None, now).map_err(|why| why.to_string())?;
                 let kind = if begins { Kind::Asked("hold".to_owned()) } else { Kind::Renewal };
                 self.ask(key, by, number, kind, Request::Press(button));
             }
-            Asked::Jog(begins, robot, order, stamp) => {
+            PageRequest::Jog(begins, robot, order, stamp) => {
                 self.may_operate(by, now, stamp)?;
                 let button = self.control.renew(begins, Some((robot, order)), now);
                 let button = button.map_err(|why| why.to_string())?;
                 let kind = if begins { Kind::Asked(format!("jog {robot} {order}")) } else { Kind::Renewal };
                 self.ask(key, by, number, kind, Request::Press(button));
             }
-            Asked::Release => {
+            PageRequest::Release => {
                 let may = self.control.check(page, now);
                 match may.ok().and_then(|()| self.control.release()) {
                     Some(button) => {
@@ -106,20 +106,20 @@ impl Pages {
                     None => return Ok(Some("nothing is held")),
                 }
             }
-            Asked::Teach(.., stamp) => {
+            PageRequest::Teach(.., stamp) => {
                 self.may_operate(by, now, stamp)?;
                 self.use_files(key, by, number, asked)?;
             }
-            Asked::Rename(..) | Asked::Forget(..) => {
+            PageRequest::Rename(..) | PageRequest::Forget(..) => {
                 self.control.check(page, now).map_err(|why| why.to_string())?;
                 self.use_files(key, by, number, asked)?;
             }
-            Asked::Way(..) => self.use_files(key, by, number, asked)?,
-            Asked::Token(_) | Asked::Frame(..) => {
+            PageRequest::Way(..) => self.use_files(key, by, number, asked)?,
+            PageRequest::Token(_) | PageRequest::Frame(..) => {
                 return Err("this is a cell that runs, and the page is let in already".to_owned());
             }
             // It is taken before.
-            Asked::Stop => {}
+            PageRequest::Stop => {}
         }
         Ok(None)
     }
@@ -133,7 +133,7 @@ impl Pages {
         }
     }
 
-    fn use_files(&mut self, key: Key, by: OnBehalf, number: u64, asked: Asked) -> Result<(), String> {
+    fn use_files(&mut self, key: Key, by: OnBehalf, number: u64, asked: PageRequest) -> Result<(), String> {
         if self.files >= FILES {
             return Err("the files of the poses do not answer: ask again".to_owned());
         }

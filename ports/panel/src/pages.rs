@@ -1,6 +1,6 @@
 //! All pages that are connected: what they are told, and what becomes of what they ask for.
 //!
-//! In: what they say, what the desk answers, and when, by the machine's monotonic clock. Out: frames for each of them, requests to the desk, and when to
+//! In: what they say, what the console server answers, and when, by the machine's monotonic clock. Out: frames for each of them, requests to the console server, and when to
 //! look again. Nothing here reads a clock, waits, or touches a socket: [`driver`](crate::driver) does. Nothing is shown and nothing is done before a page
 //! has shown the token. A page that speaks too much, says what is no message, or does not read, is disconnected; no other page and no cell waits for it.
 
@@ -12,17 +12,17 @@ use axum::extract::ws::Utf8Bytes;
 use mrroc_processes::{OnBehalf, Reply, Request};
 use serde_json::json;
 
+use crate::console_session::CellSnapshot;
 use crate::control::Control;
-use crate::course::Course;
-use crate::desk::Shown;
-use crate::events::{Action, Heard, Key, Kind, To};
-use crate::now::Looks;
+use crate::events::{Action, Key, Kind, PageEvent, To};
+use crate::now::Appearance;
 use crate::rules::PAGES;
 use crate::rules::authority::Page;
-use crate::rules::request::{Asked, Message};
+use crate::rules::request::{Message, PageRequest};
 use crate::rules::token::Token;
-use crate::session::{Changing, DoesNotRead, FAREWELL, Next, READS, Scene, Session};
-use crate::teaching::Told;
+use crate::run_history::RunHistory;
+use crate::session::{Changing, DoesNotRead, FAREWELL, NextAction, READS, Scene, Session};
+use crate::teaching::WorkOutcome;
 
 /// Messages that are none, until a page is disconnected.
 const BAD: usize = 8;
@@ -31,7 +31,7 @@ const BAD: usize = 8;
 pub struct Pages {
     token: Token,
     /// Of a run that is over.
-    pub(crate) course: Option<Box<Course>>,
+    pub(crate) history: Option<Box<RunHistory>>,
     pub(crate) scene: Scene,
     pub(crate) control: Control,
     sessions: BTreeMap<Key, Session>,
@@ -51,13 +51,13 @@ fn nanos(now: Duration) -> u64 {
 }
 
 impl Pages {
-    /// Of a cell that runs; of a run that is over, with its course.
+    /// Of a cell that runs; of a run that is over, with its history.
     #[must_use]
-    pub fn new(looks: Arc<Looks>, token: Token, course: Option<Box<Course>>) -> Pages {
+    pub fn new(looks: Arc<Appearance>, token: Token, history: Option<Box<RunHistory>>) -> Pages {
         let scene = Scene { looks, shown: Changing::default(), taught: Changing::default() };
         Pages {
             token,
-            course,
+            history,
             scene,
             control: Control::default(),
             sessions: BTreeMap::new(),
@@ -70,7 +70,7 @@ impl Pages {
     }
 
     /// The cell shows this now.
-    pub fn show(&mut self, shown: Shown) {
+    pub fn show(&mut self, shown: CellSnapshot) {
         self.scene.shown.set(shown);
         self.has_news = true;
     }
@@ -108,7 +108,7 @@ impl Pages {
     }
 
     /// What a connection needs next; `None`: it is to be closed.
-    pub fn poll(&mut self, key: Key, now: Duration) -> Option<Next> {
+    pub fn poll(&mut self, key: Key, now: Duration) -> Option<NextAction> {
         if self.sessions.get(&key)?.does_not_read(now) {
             self.leave(key, now, ": it does not read");
         }
@@ -146,19 +146,19 @@ impl Pages {
     /// Ends the hold of a page that has said nothing for too long, and takes authority from it. When to look again, if nothing else happens.
     pub fn look(&mut self, now: Duration) -> Option<Duration> {
         if let Some((page, button)) = self.control.lapsed_hold(now) {
-            self.tell_desk(OnBehalf { page, heard: nanos(now) }, vec![Request::Press(button)]);
+            self.tell_console_server(OnBehalf { page, heard: nanos(now) }, vec![Request::Press(button)]);
             self.note(&format!("page {page} did not renew its hold"));
         }
         if let Some((page, requests)) = self.control.lapse(now) {
-            self.tell_desk(OnBehalf { page, heard: nanos(now) }, requests);
+            self.tell_console_server(OnBehalf { page, heard: nanos(now) }, requests);
             self.note(&format!("page {page} was silent for too long, and has lost control"));
         }
         self.control.lapses()
     }
 
     /// A page says something.
-    pub fn hear(&mut self, key: Key, now: Duration, heard: Heard<'_>) {
-        // What has lapsed by now has done so before this, and the desk is told.
+    pub fn hear(&mut self, key: Key, now: Duration, heard: PageEvent<'_>) {
+        // What has lapsed by now has done so before this, and the console server is told.
         self.look(now);
         let holder = self.control.holder();
         let Some(session) = self.sessions.get(&key) else { return };
@@ -173,17 +173,17 @@ impl Pages {
     }
 
     /// The first thing that a page says is the token, or it is gone.
-    fn introduce(&mut self, key: Key, now: Duration, heard: &Heard<'_>) {
-        let Heard::Text(text) = *heard else { return self.forget(key) };
+    fn introduce(&mut self, key: Key, now: Duration, heard: &PageEvent<'_>) {
+        let PageEvent::Text(text) = *heard else { return self.forget(key) };
         let shown = match Message::read(text) {
-            Ok(Message { asked: Asked::Token(token), .. }) => self.token.is(&token),
+            Ok(Message { asked: PageRequest::Token(token), .. }) => self.token.is(&token),
             Ok(_) | Err(_) => false,
         };
         if shown {
             self.count += 1;
             self.note(&format!("page {} looks on", self.count));
         }
-        let lasts = self.course.as_ref().map(|course| course.lasts());
+        let lasts = self.history.as_ref().map(|history| history.lasts());
         let Some(session) = self.sessions.get_mut(&key) else { return };
         if !shown {
             return session.leave(now + READS, "this is not the token");
@@ -194,27 +194,27 @@ impl Pages {
     }
 
     /// Takes what a page says; or why it is disconnected, in words that follow others.
-    fn take(&mut self, key: Key, page: Page, now: Duration, heard: Heard<'_>) -> Result<(), String> {
+    fn take(&mut self, key: Key, page: Page, now: Duration, heard: PageEvent<'_>) -> Result<(), String> {
         let Some(session) = self.sessions.get_mut(&key) else { return Ok(()) };
         let text = match heard {
-            Heard::Text(text) => text,
-            Heard::Control if session.rate.may(now) => return Ok(()),
-            Heard::Closed => return Err(String::new()),
-            Heard::Binary | Heard::Control => return Err(": it sent what is no text".to_owned()),
-            Heard::Failed(error) => return Err(format!(": {error}")),
+            PageEvent::Text(text) => text,
+            PageEvent::Control if session.rate.may(now) => return Ok(()),
+            PageEvent::Closed => return Err(String::new()),
+            PageEvent::Binary | PageEvent::Control => return Err(": it sent what is no text".to_owned()),
+            PageEvent::Failed(error) => return Err(format!(": {error}")),
         };
         let by = OnBehalf { page, heard: nanos(now) };
         let may = session.rate.may(now);
         let done = match Message::read(text) {
             // A stop is taken however much was said before; one that comes while the page's last one is under way is part of it.
-            Ok(Message { number, asked: Asked::Stop }) => {
+            Ok(Message { number, asked: PageRequest::Stop }) => {
                 if !session.stopping {
                     self.stop(key, by, number);
                 }
                 return Ok(());
             }
             _ if !may => return Err(": it said too much".to_owned()),
-            Ok(message) => self.obey(key, by, now, message),
+            Ok(message) => self.handle(key, by, now, message),
             Err(why) => {
                 session.bad += 1;
                 if session.bad > BAD {
@@ -228,7 +228,7 @@ impl Pages {
 
     /// Stops the cell, for any page with the token.
     fn stop(&mut self, key: Key, by: OnBehalf, number: u64) {
-        if self.course.is_some() {
+        if self.history.is_some() {
             let _ = self.answer(key, number, "refused", "the run is over");
             return;
         }
@@ -246,7 +246,7 @@ impl Pages {
         session.leave(now + FAREWELL, "the panel has closed the connection");
         // First of all: nobody holds anything for a page that is gone.
         let left = self.control.leave(page);
-        self.tell_desk(OnBehalf { page, heard: nanos(now) }, left);
+        self.tell_console_server(OnBehalf { page, heard: nanos(now) }, left);
         self.note(&format!("page {page} is gone{why}"));
     }
 
@@ -258,28 +258,28 @@ impl Pages {
         To { key, page, number }
     }
 
-    /// Asks the desk for something that a page is told of.
+    /// Asks the console server for something that a page is told of.
     pub(crate) fn ask(&mut self, key: Key, by: OnBehalf, number: u64, kind: Kind, request: Request) {
         let to = Some((self.awaits(key, by.page, number), kind));
         self.actions.push_back(Action::Ask { request, by, to });
     }
 
     /// Begins work with the files of poses.
-    pub(crate) fn begin_work(&mut self, key: Key, page: Page, number: u64, asked: Asked) {
+    pub(crate) fn begin_work(&mut self, key: Key, page: Page, number: u64, asked: PageRequest) {
         let (to, shown) = (self.awaits(key, page, number), self.scene.shown.get().clone());
         self.files += 1;
         self.actions.push_back(Action::Files { asked, shown, to });
     }
 
-    /// Asks the desk for something of which no page waits for the answer.
-    pub(crate) fn tell_desk(&mut self, by: OnBehalf, requests: Vec<Request>) {
-        if self.course.is_none() {
+    /// Asks the console server for something of which no page waits for the answer.
+    pub(crate) fn tell_console_server(&mut self, by: OnBehalf, requests: Vec<Request>) {
+        if self.history.is_none() {
             let ask = |request| Action::Ask { request, by, to: None };
             self.actions.extend(requests.into_iter().map(ask));
         }
     }
 
-    /// The desk has answered; `None`: it never will.
+    /// The console server has answered; `None`: it never will.
     pub fn answered(&mut self, to: To, kind: &Kind, reply: Option<Reply>) {
         let To { key, page, number } = to;
         let word = match (kind, &reply) {
@@ -309,7 +309,7 @@ impl Pages {
     }
 
     /// Something was done with the files of poses, which are these now.
-    pub fn worked(&mut self, to: To, outcome: Result<Told, String>, taught: Option<Utf8Bytes>) {
+    pub fn worked(&mut self, to: To, outcome: Result<WorkOutcome, String>, taught: Option<Utf8Bytes>) {
         let To { key, page, number } = to;
         self.files -= 1;
         if let Some(taught) = taught {
@@ -317,11 +317,11 @@ impl Pages {
         }
         // A page that does not read is disconnected when it is sent something.
         let _ = match outcome {
-            Ok(Told::Changed(told)) => {
+            Ok(WorkOutcome::Changed(told)) => {
                 self.note(&format!("page {page}: {told}"));
                 self.answer(key, number, "done", &told)
             }
-            Ok(Told::Way(way)) => {
+            Ok(WorkOutcome::Way(way)) => {
                 let said = json!({"kind": "answer", "n": number, "outcome": "done", "text": "", "way": way});
                 self.tell(key, said.to_string().into())
             }

@@ -7,11 +7,11 @@ use std::sync::Arc;
 
 use mrroc_core::console::refused;
 use mrroc_core::observe::layout::Layout;
-use mrroc_launch::{LooksOn, Panel};
+use mrroc_launch::{MemoryRunViewer, Panel};
 
-use crate::course::OnMemory;
-use crate::now::Looks;
+use crate::now::Appearance;
 use crate::run::{attend, play};
+use crate::run_history::OnMemory;
 
 /// The panel in a browser.
 #[derive(Clone, Copy, Debug)]
@@ -24,12 +24,12 @@ impl Panel for InBrowser {
 
     fn play(&self, layout: Layout, recording: &Path) -> ExitCode {
         match crate::recording::read(recording, &layout) {
-            Ok(course) => play(Arc::new(Looks::of(&layout)), course),
+            Ok(history) => play(Arc::new(Appearance::of(&layout)), history),
             Err(why) => refused(&why),
         }
     }
 
-    fn look_on(&self, layout: Layout) -> Rc<dyn LooksOn> {
+    fn view_memory_run(&self, layout: Layout) -> Rc<dyn MemoryRunViewer> {
         Rc::new(OnMemory::of(layout))
     }
 }

@@ -1,18 +1,18 @@
 //! A recording, as a page plays it.
 //!
-//! In: an MCAP file that `--record` has written. Out: the course of its run; what a page does not show is passed over.
+//! In: an MCAP file that `--record` has written. Out: the history of its run; what a page does not show is passed over.
 
 use std::path::Path;
 
 use mrroc_core::nalgebra::{Quaternion, Translation3, UnitQuaternion};
 use mrroc_core::observe::layout::{Layout, SignalLayout};
-use mrroc_core::operator::state::Doing;
+use mrroc_core::operator::state::InstructionKind;
 use mrroc_core::pose::Pose;
 use mrroc_core::robot::{Signals, Value as Signal};
 use serde_json::Value;
 
-use crate::course::{Course, StepSeen};
 use crate::readings::of_json;
+use crate::run_history::{RunHistory, StepSeen};
 
 /// The largest file that is played \[bytes\].
 const LARGEST: u64 = 1 << 30;
@@ -21,34 +21,34 @@ const LARGEST: u64 = 1 << 30;
 ///
 /// # Errors
 /// What is wrong with the file.
-pub fn read(file: &Path, layout: &Layout) -> Result<Course, String> {
+pub fn read(file: &Path, layout: &Layout) -> Result<RunHistory, String> {
     let named = |what: &str| format!("{}: {what}", file.display());
     if file.metadata().is_ok_and(|about| about.len() > LARGEST) {
         return Err(named("is larger than 1 GiB\n help: record a shorter run, or fewer robots"));
     }
-    let mut course = Course::of(layout);
+    let mut history = RunHistory::of(layout);
     let (mut start, mut last) = (None, 0);
     let read = mrroc_recording::each_message(file, |topic, at, data| {
         let time = at.saturating_sub(*start.get_or_insert(at));
         last = last.max(time);
-        take(&mut course, layout, time, topic, data);
+        take(&mut history, layout, time, topic, data);
     });
     read.map_err(|wrong| wrong.to_string())?;
-    course.end(last, None);
-    if course.lasts() == 0.0 {
+    history.end(last, None);
+    if history.lasts() == 0.0 {
         let help = "give a file that --record has written, of this cell";
         return Err(named(&format!("shows no robot of this cell\n help: {help}")));
     }
-    Ok(course)
+    Ok(history)
 }
 
-fn take(course: &mut Course, layout: &Layout, time: u64, topic: &str, data: &[u8]) {
+fn take(history: &mut RunHistory, layout: &Layout, time: u64, topic: &str, data: &[u8]) {
     let json = || serde_json::from_slice::<Value>(data).ok();
     if topic == "/steps" {
         let Some(json) = json() else { return };
         let is = |name: &str| json[name].as_bool().unwrap_or(false);
         let number = |name: &str| json[name].as_f64().unwrap_or(0.0);
-        course.step(
+        history.step(
             time,
             &StepSeen {
                 step: json["step"].as_u64().unwrap_or(0),
@@ -65,37 +65,39 @@ fn take(course: &mut Course, layout: &Layout, time: u64, topic: &str, data: &[u8
         let Some(json) = json() else { return };
         let (process, by) = (json["process"].as_str().unwrap_or(""), json["by"].as_str().unwrap_or(""));
         let word = json["doing"].as_str().unwrap_or("");
-        if let Some(doing) = Doing::ALL.into_iter().find(|doing| doing.word() == word) {
-            course.instruction(process, doing, by);
+        if let Some(doing) = InstructionKind::ALL.into_iter().find(|doing| doing.word() == word) {
+            history.instruction(process, doing, by);
         }
     } else if topic == "/events" {
         let Some(json) = json() else { return };
         let text = json["text"].as_str().unwrap_or("").to_owned();
         let is_mp = json["process"].as_str() == Some("mp");
         if matches!(json["what"].as_str(), Some("fault" | "end")) && is_mp && !text.is_empty() {
-            course.fault(text, None);
+            history.fault(text, None);
         }
     } else if let Some(name) = topic.strip_prefix("/bodies/") {
         let place = layout.bodies.iter().position(|body| body.name == name);
         if let (Some(place), Some(pose)) = (place, json().and_then(|json| pose(&json["pose"]))) {
-            course.body(place, pose);
+            history.body(place, pose);
         }
     } else if let Some(name) = topic.strip_prefix("/sensors/") {
         let known = layout.sensors.iter().enumerate().find(|(_, sensor)| sensor.name == name);
         if let (Some((place, sensor)), Some(json)) = (known, json()) {
             match json["state"].as_str() {
-                Some("there") => course.reading(time, place, Some(of_json(sensor.reading, &json["reading"]))),
-                Some("fault") => course.reading(time, place, None),
+                Some("there") => {
+                    history.reading(time, place, Some(of_json(sensor.reading, &json["reading"])))
+                }
+                Some("fault") => history.reading(time, place, None),
                 _ => {}
             }
         }
     } else if let Some(name) = topic.strip_prefix("/robots/").and_then(|rest| rest.strip_suffix("/signals")) {
         let robot = layout.robots.iter().find(|robot| robot.name == name);
         if let (Some(robot), Some(json)) = (robot, json()) {
-            course.signals(name, signals(&robot.signals, &json));
+            history.signals(name, signals(&robot.signals, &json));
         }
     } else if let Some(name) = topic.strip_prefix("/robots/").filter(|name| !name.contains('/'))
-        && course.is_due(time)
+        && history.is_due(time)
         && let Some(json) = json()
         && let (Some(tool), Some(in_force)) = (pose(&json["measured"]["pose"]), pose(&json["tool"]))
     {
@@ -103,7 +105,7 @@ fn take(course: &mut Course, layout: &Layout, time: u64, topic: &str, data: &[u8
             let joints = json[of]["joints"].as_array().map(Vec::as_slice).unwrap_or_default();
             joints.iter().map(|q| q.as_f64().unwrap_or(f64::NAN)).collect::<Vec<_>>()
         };
-        course.robot(time, name, [&joints("demanded"), &joints("measured")], [tool, in_force]);
+        history.robot(time, name, [&joints("demanded"), &joints("measured")], [tool, in_force]);
     }
 }
 

@@ -1,6 +1,6 @@
 //! The process, or the thread, that has the panel.
 //!
-//! In: a cell that runs, or the course of one that is over. Out: an address at the terminal, and a page there, until the cell ends or
+//! In: a cell that runs, or the history of one that is over. Out: an address at the terminal, and a page there, until the cell ends or
 //! this process is ended.
 
 use std::ffi::OsString;
@@ -16,11 +16,11 @@ use mrroc_core::observe::layout::Layout;
 use tokio::net::TcpListener;
 use tokio::sync::watch;
 
-use crate::course::Course;
-use crate::desk::{Desk, Shown};
+use crate::console_session::{CellSnapshot, ConsoleSession};
 use crate::driver::{Panel, Source, look_after};
-use crate::now::Looks;
+use crate::now::Appearance;
 use crate::rules::token::Token;
+use crate::run_history::RunHistory;
 use crate::secured::Secured;
 use crate::server::serve;
 
@@ -40,23 +40,23 @@ const CERTIFICATES: &str = "certificates";
 
 /// Shows a cell that runs, until it ends.
 pub fn attend(layout: &Layout, cell: &Path) -> ExitCode {
-    let looks = Arc::new(Looks::of(layout));
-    match Desk::open(cell, Arc::clone(&looks)) {
-        Ok((desk, shown)) => {
+    let looks = Arc::new(Appearance::of(layout));
+    match ConsoleSession::open(cell, Arc::clone(&looks)) {
+        Ok((console, shown)) => {
             // Of this thread and those that it begins. Where it may not be set, the cell is shown all the same.
             let _ = rustix::process::nice(SERVES);
-            begin(looks, Source::Running(Box::new(desk), shown), Some(cell))
+            begin(looks, Source::Running(Box::new(console), shown), Some(cell))
         }
         Err(error) => refused(&error),
     }
 }
 
 /// Shows a run that is over, until this process is ended.
-pub fn play(looks: Arc<Looks>, course: Course) -> ExitCode {
-    begin(looks, Source::Over(Box::new(course)), None)
+pub fn play(looks: Arc<Appearance>, history: RunHistory) -> ExitCode {
+    begin(looks, Source::Over(Box::new(history)), None)
 }
 
-fn begin(looks: Arc<Looks>, source: Source, cell: Option<&Path>) -> ExitCode {
+fn begin(looks: Arc<Appearance>, source: Source, cell: Option<&Path>) -> ExitCode {
     let runtime = tokio::runtime::Builder::new_current_thread().enable_io().enable_time().build();
     let ended = match runtime {
         Ok(runtime) => {
@@ -96,7 +96,7 @@ fn asked(variable: Option<OsString>) -> io::Result<SocketAddr> {
     Ok(address)
 }
 
-async fn run(looks: Arc<Looks>, source: Source, cell: Option<&Path>) -> io::Result<()> {
+async fn run(looks: Arc<Appearance>, source: Source, cell: Option<&Path>) -> io::Result<()> {
     let asked = asked(std::env::var_os(ADDRESS))?;
     let secured = if asked.ip().is_loopback() {
         None
@@ -114,7 +114,7 @@ async fn run(looks: Arc<Looks>, source: Source, cell: Option<&Path>) -> io::Resu
     let panel = Panel::new(source, looks, token, address);
     let panel = Arc::new(cell.into_iter().fold(panel, Panel::teaching));
     let how = if shown.is_some() { "" } else { " (Ctrl-C ends it)" };
-    let scheme = panel.door.scheme();
+    let scheme = panel.origins.scheme();
     let mut told = format!("panel: {scheme}{address}/#token={token}{how}\n");
     if let Some(secured) = &secured {
         told += &format!(
@@ -131,7 +131,7 @@ async fn run(looks: Arc<Looks>, source: Source, cell: Option<&Path>) -> io::Resu
 }
 
 /// Waits until the cell has ended, and its pages know it.
-async fn end(shown: Option<watch::Receiver<Shown>>) {
+async fn end(shown: Option<watch::Receiver<CellSnapshot>>) {
     match shown {
         Some(mut shown) => {
             // The thread that shows the cell says why it ends.

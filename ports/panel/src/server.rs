@@ -25,7 +25,7 @@ use tokio::time::timeout;
 
 use crate::driver::{Panel, Place};
 use crate::page;
-use crate::rules::door::{NotAdmitted, Way};
+use crate::rules::origin::{NotAdmitted, Way};
 use crate::rules::{CONNECTIONS, LONGEST};
 use crate::secured::Secured;
 use crate::socket;
@@ -129,7 +129,7 @@ async fn admit(State(panel): State<Arc<Panel>>, request: Request, next: Next) ->
     let admitted = {
         let header = |name| said_once(request.headers().get_all(name));
         match (header(header::HOST), header(header::ORIGIN)) {
-            (Ok(host), Ok(origin)) => panel.door.admit(way, host, origin),
+            (Ok(host), Ok(origin)) => panel.origins.admit(way, host, origin),
             (Err(Unclear), _) => Err(NotAdmitted::Host),
             (_, Err(Unclear)) => Err(NotAdmitted::Origin),
         }

@@ -10,8 +10,8 @@ use std::sync::Arc;
 use axum::extract::ws::Utf8Bytes;
 use serde_json::json;
 
-use crate::desk::Shown;
-use crate::now::Looks;
+use crate::console_session::CellSnapshot;
+use crate::now::Appearance;
 use crate::rules::authority::Page;
 use crate::rules::rate::Rate;
 
@@ -40,7 +40,7 @@ pub enum Outgoing {
 /// What a connection needs next.
 #[derive(Debug)]
 #[must_use]
-pub struct Next {
+pub struct NextAction {
     /// To be sent; whoever sends it [says](crate::pages::Pages::sent) when that is done.
     pub send: Option<Outgoing>,
     /// When to look again at the latest.
@@ -75,9 +75,9 @@ impl<T> Changing<T> {
 
 /// What all pages are told of.
 pub struct Scene {
-    pub looks: Arc<Looks>,
+    pub looks: Arc<Appearance>,
     /// What a running cell shows; of a run that is over, nothing.
-    pub shown: Changing<Shown>,
+    pub shown: Changing<CellSnapshot>,
     /// The poses that robots were taught.
     pub taught: Changing<Option<Utf8Bytes>>,
 }
@@ -212,7 +212,7 @@ impl Session {
     }
 
     /// What its connection needs next, where that page has authority; `None`: it is closed.
-    pub fn poll(&mut self, now: Duration, scene: &Scene, holder: Option<Page>) -> Option<Next> {
+    pub fn poll(&mut self, now: Duration, scene: &Scene, holder: Option<Page>) -> Option<NextAction> {
         let until = match self.state {
             State::Unknown { until } | State::Leaves { until, .. } => Some(until),
             State::Begins | State::Known => None,
@@ -232,7 +232,7 @@ impl Session {
         let listens = matches!(self.state, State::Unknown { .. } | State::Known);
         // A frame that one that leaves does not take is waited for no longer than the rest.
         let until = until.or(self.sending);
-        Some(Next { send, until, listens })
+        Some(NextAction { send, until, listens })
     }
 
     /// What it is told next.

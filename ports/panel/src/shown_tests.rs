@@ -6,7 +6,7 @@ use mrroc::pose::Wrench;
 use mrroc::prelude::*;
 use mrroc_core::nalgebra::Vector3;
 use mrroc_core::observe::layout::Layout;
-use mrroc_core::operator::state::Doing;
+use mrroc_core::operator::state::InstructionKind;
 use mrroc_core::payload::Wire;
 use mrroc_core::robot::{Load, Signals, Tool, Values};
 use mrroc_processes::{BodyPicture, CarriedPicture, Picture, ReadingPicture, RobotPicture};
@@ -14,9 +14,9 @@ use mrroc_robots::sensors::{WristForce, WristOrder};
 use mrroc_robots::{Irp6, SimulatedIrp6, Six};
 use serde_json::json;
 
-use crate::course::{Course, StepSeen};
-use crate::desk::now;
-use crate::now::Looks;
+use crate::console_session::now;
+use crate::now::Appearance;
+use crate::run_history::{RunHistory, StepSeen};
 
 const START: Six = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
 
@@ -56,7 +56,7 @@ fn picture(step: u64) -> Picture {
         demanded: joints.clone(),
         measured: joints,
         tool: mrroc::robot::Robot::forward(&Irp6::nominal(), &START),
-        doing: mrroc_core::operator::state::Doing::Nothing,
+        doing: mrroc_core::operator::state::InstructionKind::Nothing,
         by: String::new(),
         jogs: false,
         stop: mrroc_core::operator::jog::JogStop::None,
@@ -80,7 +80,7 @@ fn picture(step: u64) -> Picture {
 
 #[test]
 fn a_page_is_shown_the_reading_the_tool_by_its_name_the_payload_and_the_bodies_that_are_known() {
-    let looks = Looks::of(&layout());
+    let looks = Appearance::of(&layout());
     let shown = looks.state(&now(picture(1010), &looks));
     assert_eq!(shown["readings"], json!([[1.0, 2.0, -3.0, 0.1, 0.2, 0.3]]));
     let carried = &shown["robots"][0]["carried"];
@@ -99,7 +99,7 @@ fn a_page_is_shown_the_reading_the_tool_by_its_name_the_payload_and_the_bodies_t
 
 #[test]
 fn fault_241_a_reading_that_is_old_or_a_fault_is_not_shown_of_a_cell_that_runs() {
-    let looks = Looks::of(&layout());
+    let looks = Appearance::of(&layout());
     let readings = |picture| looks.state(&now(picture, &looks))["readings"].clone();
     // A step has 2 ms: a second are 500 of them.
     assert!(readings(picture(1500))[0].is_array());
@@ -110,28 +110,28 @@ fn fault_241_a_reading_that_is_old_or_a_fault_is_not_shown_of_a_cell_that_runs()
 }
 
 /// Lets a run go on to a step, of 20 ms.
-fn pass(course: &mut Course, step: u64, resetting: bool) {
+fn pass(history: &mut RunHistory, step: u64, resetting: bool) {
     let (time, tool, six) = (20_000_000 * step, Pose::identity(), START.as_slice());
-    course.robot(time, "arm", [six, six], [tool, tool]);
-    course.step(time, &StepSeen { step, dt: 0.02, duration: 0.02, resetting, ..StepSeen::default() });
+    history.robot(time, "arm", [six, six], [tool, tool]);
+    history.step(time, &StepSeen { step, dt: 0.02, duration: 0.02, resetting, ..StepSeen::default() });
 }
 
 #[test]
 fn fault_241_a_reading_that_is_old_or_a_fault_is_not_shown_by_a_run_that_is_over() {
     const MS: u64 = 1_000_000;
     let layout = layout();
-    let mut course = Course::of(&layout);
+    let mut history = RunHistory::of(&layout);
     for k in 0..200 {
         let time = 20 * MS * k;
         match k {
-            10 => course.reading(time, 0, Some(vec![Some(1.5)])),
-            100 => course.reading(time, 0, Some(vec![Some(2.5)])),
-            110 => course.reading(time, 0, None),
+            10 => history.reading(time, 0, Some(vec![Some(1.5)])),
+            100 => history.reading(time, 0, Some(vec![Some(2.5)])),
+            110 => history.reading(time, 0, None),
             _ => {}
         }
-        pass(&mut course, k, false);
+        pass(&mut history, k, false);
     }
-    let at = |time: f64| course.at(time).expect("seen").readings[0].as_ref().and_then(|numbers| numbers[0]);
+    let at = |time: f64| history.at(time).expect("seen").readings[0].as_ref().and_then(|numbers| numbers[0]);
     assert_eq!([at(0.1), at(0.25), at(1.19)], [None, Some(1.5), Some(1.5)]);
     // It was collected at 0.2 s.
     assert_eq!([at(1.23), at(2.1), at(2.3)], [None, Some(2.5), None]);
@@ -139,11 +139,11 @@ fn fault_241_a_reading_that_is_old_or_a_fault_is_not_shown_by_a_run_that_is_over
 
 #[test]
 fn the_minute_before_a_moment_of_a_run_is_some_hundred_moments_none_of_them_later() {
-    let mut course = Course::of(&layout());
+    let mut history = RunHistory::of(&layout());
     for step in 0..6000 {
-        pass(&mut course, step, false);
+        pass(&mut history, step, false);
     }
-    let minute = |time: f64| course.minute(time).map(|now| now.time).collect::<Vec<_>>();
+    let minute = |time: f64| history.minute(time).map(|now| now.time).collect::<Vec<_>>();
     let late = minute(100.0);
     assert!((150..=300).contains(&late.len()), "{}", late.len());
     assert!((late[0] - 40.0).abs() < 0.03 && late.is_sorted_by(|a, b| a < b), "{late:?}");
@@ -156,13 +156,13 @@ fn the_minute_before_a_moment_of_a_run_is_some_hundred_moments_none_of_them_late
 
 #[test]
 fn the_instructions_of_a_run_are_counted_from_its_last_reset() {
-    let mut course = Course::of(&layout());
+    let mut history = RunHistory::of(&layout());
     let mut counted = Vec::new();
     for step in 0..6 {
-        pass(&mut course, 2 * step, step == 3);
-        course.instruction("mp", Doing::Move, "JointMove");
-        pass(&mut course, 2 * step + 1, false);
-        counted.push(course.at(0.02 * (2 * step + 1) as f64).expect("seen").instruction);
+        pass(&mut history, 2 * step, step == 3);
+        history.instruction("mp", InstructionKind::Move, "JointMove");
+        pass(&mut history, 2 * step + 1, false);
+        counted.push(history.at(0.02 * (2 * step + 1) as f64).expect("seen").instruction);
     }
     assert_eq!(counted, [1, 2, 3, 1, 2, 3]);
 }

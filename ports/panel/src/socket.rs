@@ -8,7 +8,7 @@ use futures_util::stream::SplitSink;
 use futures_util::{Sink, StreamExt};
 
 use crate::driver::Place;
-use crate::events::Heard;
+use crate::events::PageEvent;
 use crate::session::Outgoing;
 
 /// Serves a page until it goes.
@@ -35,11 +35,11 @@ pub async fn serve(socket: WebSocket, place: Place) {
             }
             frame = hears.next(), if next.listens => {
                 panel.update(|pages, now| match &frame {
-                    Some(Ok(Frame::Text(text))) => pages.hear(key, now, Heard::Text(text)),
-                    Some(Ok(Frame::Ping(_) | Frame::Pong(_))) => pages.hear(key, now, Heard::Control),
-                    Some(Ok(Frame::Binary(_))) => pages.hear(key, now, Heard::Binary),
-                    Some(Ok(Frame::Close(_))) | None => pages.hear(key, now, Heard::Closed),
-                    Some(Err(error)) => pages.hear(key, now, Heard::Failed(error.to_string())),
+                    Some(Ok(Frame::Text(text))) => pages.hear(key, now, PageEvent::Text(text)),
+                    Some(Ok(Frame::Ping(_) | Frame::Pong(_))) => pages.hear(key, now, PageEvent::Control),
+                    Some(Ok(Frame::Binary(_))) => pages.hear(key, now, PageEvent::Binary),
+                    Some(Ok(Frame::Close(_))) | None => pages.hear(key, now, PageEvent::Closed),
+                    Some(Err(error)) => pages.hear(key, now, PageEvent::Failed(error.to_string())),
                 });
             }
             _ = news.changed() => {}

@@ -18,7 +18,7 @@ use mrroc::prelude::*;
 use mrroc::robot::JointVector;
 use mrroc_generators::generators::JointMove;
 use mrroc_robots::{Polycrank, Rnt};
-use transfer::generators::Nudge;
+use transfer::generators::Trigger;
 use transfer::orders::Phase;
 
 fn main() -> ExitCode {
@@ -60,8 +60,8 @@ fn with_start<R: Robot>(
 fn loosely(mp: &mut Mp, times: u32) -> Result<(), Fault> {
     let (mut rnt, mut polycrank) = (mp.robot::<Rnt>("rnt")?, mp.robot::<Polycrank>("polycrank")?);
     for _ in 0..times {
-        mp.move_robots((&mut rnt, &mut polycrank), (), Nudge::to(Phase::Approach))?;
-        mp.move_robots((&mut rnt, &mut polycrank), (), Nudge::to(Phase::Withdraw))?;
+        mp.move_robots((&mut rnt, &mut polycrank), (), Trigger::to(Phase::Approach))?;
+        mp.move_robots((&mut rnt, &mut polycrank), (), Trigger::to(Phase::Withdraw))?;
     }
     Ok(())
 }
@@ -69,7 +69,7 @@ fn loosely(mp: &mut Mp, times: u32) -> Result<(), Fault> {
 /// The first joint by 0.1 rad in some seconds, and back to where the cell file starts it.
 fn to_and_fro<R: Robot>(ecp: &mut Ecp<R>, start: &R::Joints) -> Result<(), Fault> {
     let each = |value: f64| R::Joints::from_joints(|_| value);
-    ecp.obey_all(|ecp, phase: Phase| {
+    ecp.serve_all(|ecp, phase: Phase| {
         let way = phase.choose([(Phase::Approach, 0.1), (Phase::Withdraw, 0.0)])?;
         let goal = R::Joints::from_joints(|i| start[i] + if i == 0 { way } else { 0.0 });
         ecp.move_robot((), JointMove::to(goal, each(0.05), each(0.04))).map(drop)

@@ -19,31 +19,31 @@ pub(crate) fn alive(node: &str) -> String {
     format!("mrroc/@alive/{node}")
 }
 
-/// The key below which everything of a sensor's door is.
+/// The key below which everything of a sensor's gateway is.
 fn of_sensor(sensor: &str) -> String {
     // `@sensor` is in no name of a node.
     format!("mrroc/@sensor/{sensor}")
 }
 
-/// The keys of a door: the orders of the cell, the readings of the program, and the programs that are there.
-pub(crate) struct DoorKeys {
+/// The keys of a gateway: the orders of the cell, the readings of the program, and the programs that are there.
+pub(crate) struct GatewayKeys {
     pub orders: String,
     pub readings: String,
     /// Without the program's number.
     pub programs: String,
 }
 
-impl DoorKeys {
-    pub fn of(sensor: &str) -> DoorKeys {
+impl GatewayKeys {
+    pub fn of(sensor: &str) -> GatewayKeys {
         let base = of_sensor(sensor);
         let key = |last: &str| format!("{base}/{last}");
-        DoorKeys { orders: key("orders"), readings: key("readings"), programs: key("@program") }
+        GatewayKeys { orders: key("orders"), readings: key("readings"), programs: key("@program") }
     }
 }
 
-/// The rules of the door of a sensor: it hears who has the certificate of that sensor's program, and nobody else.
-pub(crate) fn at_door(sensor: &str) -> Value {
-    let DoorKeys { orders, readings, programs } = DoorKeys::of(sensor);
+/// The rules of the gateway of a sensor: it hears who has the certificate of that sensor's program, and nobody else.
+pub(crate) fn at_gateway(sensor: &str) -> Value {
+    let GatewayKeys { orders, readings, programs } = GatewayKeys::of(sensor);
     let programs = format!("{programs}/*");
     let rule = |id: &str, flow: &str, messages: Value, keys: Value| json!({ "id": id, "permission": "allow", "flows": [flow], "messages": messages, "key_exprs": keys });
     json!({

@@ -1,8 +1,8 @@
 //! Certificates of a cell: an authority of its own, and one certificate for each node, which bears the node's name. For a sensor
 //! whose program is on another machine there are two: that of the program bears the name of the one sensor for which it may
-//! speak, and opens nothing else; that of the sensor's door is on the sensor's machine.
+//! speak, and opens nothing else; that of the sensor's gateway is on the sensor's machine.
 //!
-//! In: nodes and doors with their addresses. Out: a folder with the authority's key, and a folder for each machine, to be
+//! In: nodes and gateways with their addresses. Out: a folder with the authority's key, and a folder for each machine, to be
 //! copied there. Keys are readable by their owner alone (0600). The authority's key is needed for nothing but further
 //! certificates, and belongs on none of the machines.
 
@@ -12,7 +12,7 @@ use std::net::SocketAddr;
 use std::os::unix::fs::{DirBuilderExt, OpenOptionsExt};
 use std::path::{Path, PathBuf};
 
-use mrroc_launch::network::Certified;
+use mrroc_launch::network::CertificateRequest;
 use rcgen::{
     BasicConstraints, CertificateParams, DnType, ExtendedKeyUsagePurpose, IsCa, Issuer, KeyPair,
     KeyUsagePurpose,
@@ -29,12 +29,12 @@ pub(crate) fn program(sensor: &str) -> String {
     format!("sensor.{sensor}")
 }
 
-/// The name in the certificate of a sensor's door.
-pub(crate) fn door(sensor: &str) -> String {
+/// The name in the certificate of a sensor's gateway.
+pub(crate) fn gateway(sensor: &str) -> String {
     format!("door.{sensor}")
 }
 
-/// The files of one node, or one door.
+/// The files of one node, or one gateway.
 #[derive(Clone, Debug)]
 pub(crate) struct Files {
     /// The certificate of the cell's authority.
@@ -46,7 +46,7 @@ pub(crate) struct Files {
 }
 
 impl Files {
-    /// Those of the node or door `name`, in this folder; `copied` is what is to be copied to it, of the folder of certificates.
+    /// Those of the node or gateway `name`, in this folder; `copied` is what is to be copied to it, of the folder of certificates.
     ///
     /// # Errors
     /// One of them is not there, or others may read the key.
@@ -76,11 +76,11 @@ impl Files {
     }
 }
 
-/// Makes the certificates of these nodes and doors; returns what was made.
+/// Makes the certificates of these nodes and gateways; returns what was made.
 ///
 /// # Errors
 /// The folder has files already, or cannot be written.
-pub(crate) fn make(whom: &Certified<'_>, folder: &Path) -> io::Result<String> {
+pub(crate) fn make(whom: &CertificateRequest<'_>, folder: &Path) -> io::Result<String> {
     if folder.is_dir() && fs::read_dir(folder)?.next().is_some() {
         return Err(io::Error::other("has files already\n help: give a folder that is empty or not there"));
     }
@@ -126,7 +126,7 @@ pub(crate) fn make(whom: &Certified<'_>, folder: &Path) -> io::Result<String> {
             own.display()
         );
     }
-    for &(sensor, address, node) in &whom.doors {
+    for &(sensor, address, node) in &whom.gateways {
         let own = folder.join(node.unwrap_or(CELL));
         if !own.is_dir() {
             begin(&own)?;
@@ -135,7 +135,7 @@ pub(crate) fn make(whom: &Certified<'_>, folder: &Path) -> io::Result<String> {
                 own.display()
             );
         }
-        certify(&own, &door(sensor), Some(address))?;
+        certify(&own, &gateway(sensor), Some(address))?;
         let own = folder.join(program(sensor));
         begin(&own)?;
         certify(&own, &program(sensor), None)?;

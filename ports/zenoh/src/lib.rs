@@ -12,7 +12,7 @@
 //! }
 //! ```
 //!
-//! [`Zenoh`] joins a node to the others (`session`), and opens the `door` of a sensor whose program is on another machine;
+//! [`Zenoh`] joins a node to the others (`session`), and opens the `gateway` of a sensor whose program is on another machine;
 //! `certificates` are made by `PROGRAM certificates FOLDER`, and `access`
 //! says which node may say what. What nodes say to one another, and when robots stop, is none of this crate's business:
 //! that is in `mrroc-processes`.
@@ -21,7 +21,7 @@
 
 mod access;
 mod certificates;
-mod door;
+mod gateway;
 mod session;
 #[cfg(test)]
 mod tests;
@@ -29,22 +29,32 @@ mod tests;
 use std::path::Path;
 use std::sync::Arc;
 
-use mrroc_launch::network::{Certified, Door, Doorway, Hears, HearsAtDoor, Joining, Network, Wires};
+use mrroc_launch::network::{
+    CertificateRequest, Gateway, GatewayListener, GatewayPort, JoinOptions, Network, NodeListener, Wires,
+};
 
 /// The network of zenoh.
 #[derive(Clone, Copy, Debug)]
 pub struct Zenoh;
 
 impl Network for Zenoh {
-    fn join(&self, joining: &Joining<'_>, hears: Arc<dyn Hears>) -> Result<Box<dyn Wires>, String> {
+    fn join(
+        &self,
+        joining: &JoinOptions<'_>,
+        hears: Arc<dyn NodeListener>,
+    ) -> Result<Box<dyn Wires>, String> {
         session::join(joining, hears).map(|wires| Box::new(wires) as Box<dyn Wires>)
     }
 
-    fn certify(&self, whom: &Certified<'_>, folder: &Path) -> Result<String, String> {
+    fn certify(&self, whom: &CertificateRequest<'_>, folder: &Path) -> Result<String, String> {
         certificates::make(whom, folder).map_err(|error| format!("{}: {error}", folder.display()))
     }
 
-    fn open_door(&self, door: &Door<'_>, hears: Arc<dyn HearsAtDoor>) -> Result<Box<dyn Doorway>, String> {
-        door::open(door, hears).map(|door| Box::new(door) as Box<dyn Doorway>)
+    fn open_gateway(
+        &self,
+        gateway: &Gateway<'_>,
+        hears: Arc<dyn GatewayListener>,
+    ) -> Result<Box<dyn GatewayPort>, String> {
+        gateway::open(gateway, hears).map(|gateway| Box::new(gateway) as Box<dyn GatewayPort>)
     }
 }

@@ -12,7 +12,7 @@ use std::sync::mpsc::channel;
 use std::time::Duration;
 
 use mrroc_core::cell::Nodes;
-use mrroc_launch::network::{Hears, Joining, Side, Wires};
+use mrroc_launch::network::{JoinOptions, NodeListener, Side, Wires};
 use serde_json::{Value, json};
 use zenoh::liveliness::LivelinessToken;
 use zenoh::pubsub::{Publisher, Subscriber};
@@ -23,7 +23,7 @@ use zenoh::{Config, Session, Wait};
 use crate::access::{alive, control, way};
 use crate::certificates::Files;
 
-/// What nodes and doors speak below zenoh: QUIC, which is encrypted by TLS 1.3 over UDP. zenoh's other transport with certificates, TLS
+/// What nodes and gateways speak below zenoh: QUIC, which is encrypted by TLS 1.3 over UDP. zenoh's other transport with certificates, TLS
 /// over TCP, reads and writes one state of rustls from two threads at once (zenoh's issue 2557): messages vanish, and programs crash.
 const PROTOCOL: &str = "quic";
 
@@ -44,18 +44,18 @@ const CALL_MOST_MS: u64 = 1000;
 const FAREWELL: Duration = Duration::from_secs(1);
 
 /// The ways to the other nodes, as long as it lives.
-pub(crate) struct Zenoh(Parting<Ways>);
+pub(crate) struct Zenoh(ClosingInBackground<Endpoints>);
 
 /// What is closed in a thread of its own, which is waited for no longer than [`FAREWELL`].
-pub(crate) struct Parting<P: Send + 'static> {
+pub(crate) struct ClosingInBackground<P: Send + 'static> {
     parts: Option<P>,
     session: Session,
 }
 
-impl<P: Send + 'static> Parting<P> {
+impl<P: Send + 'static> ClosingInBackground<P> {
     /// What a session has declared, and the session.
-    pub fn new(parts: P, session: Session) -> Parting<P> {
-        Parting { parts: Some(parts), session }
+    pub fn new(parts: P, session: Session) -> ClosingInBackground<P> {
+        ClosingInBackground { parts: Some(parts), session }
     }
 
     /// What the session has declared.
@@ -64,7 +64,7 @@ impl<P: Send + 'static> Parting<P> {
     }
 }
 
-impl<P: Send + 'static> Drop for Parting<P> {
+impl<P: Send + 'static> Drop for ClosingInBackground<P> {
     fn drop(&mut self) {
         let (parts, session) = (self.parts.take(), self.session.clone());
         let (tells, told) = channel();
@@ -80,7 +80,7 @@ impl<P: Send + 'static> Drop for Parting<P> {
     }
 }
 
-struct Ways {
+struct Endpoints {
     /// By the nodes' places; none to itself.
     publishers: Vec<Option<Publisher<'static>>>,
     _subscribers: Vec<Subscriber<()>>,
@@ -98,8 +98,8 @@ impl Wires for Zenoh {
 }
 
 /// Joins a node to the others.
-pub(crate) fn join(joining: &Joining<'_>, hears: Arc<dyn Hears>) -> Result<Zenoh, String> {
-    let Joining { nodes, me, side, keys } = *joining;
+pub(crate) fn join(joining: &JoinOptions<'_>, hears: Arc<dyn NodeListener>) -> Result<Zenoh, String> {
+    let JoinOptions { nodes, me, side, keys } = *joining;
     let Some(own) = nodes.all().get(me) else { return Err("no such node".to_owned()) };
     let name = own.name.as_str();
     let files = Files::of(name, keys, name).map_err(|error| format!("node {error}"))?;
@@ -142,7 +142,10 @@ pub(crate) fn join(joining: &Joining<'_>, hears: Arc<dyn Hears>) -> Result<Zenoh
         subscribers.push(looks.wait().map_err(failed)?);
     }
     let token = session.liveliness().declare_token(alive(name)).wait().map_err(failed)?;
-    Ok(Zenoh(Parting::new(Ways { publishers, _subscribers: subscribers, _token: token }, session)))
+    Ok(Zenoh(ClosingInBackground::new(
+        Endpoints { publishers, _subscribers: subscribers, _token: token },
+        session,
+    )))
 }
 
 /// zenoh's configuration of a node.

@@ -8,7 +8,9 @@ use std::time::Duration;
 
 use mrroc_core::cell::{Node, Nodes};
 use mrroc_core::fault::Name;
-use mrroc_launch::network::{Certified, Door, Hears, HearsAtDoor, Joining, Network, Side, Wires};
+use mrroc_launch::network::{
+    CertificateRequest, Gateway, GatewayListener, JoinOptions, Network, NodeListener, Side, Wires,
+};
 use zenoh::Wait;
 
 use crate::Zenoh;
@@ -30,7 +32,7 @@ impl Listener {
     }
 }
 
-impl Hears for Listener {
+impl NodeListener for Listener {
     fn came(&self, from: usize, bytes: &[u8]) {
         self.tell(Heard::Came(from, bytes.to_vec()));
     }
@@ -59,9 +61,9 @@ impl Bench {
         };
         let nodes = ["a", "b", "c"].into_iter().zip(&ports).map(node).collect();
         let nodes = Nodes::new(nodes, 0, 0);
-        let doors =
+        let gateways =
             vec![("camera", nodes.all()[2].address, Some("c")), ("laser", nodes.all()[1].address, Some("b"))];
-        Zenoh.certify(&Certified { nodes: nodes.all(), doors }, &folder).expect("certificates");
+        Zenoh.certify(&CertificateRequest { nodes: nodes.all(), gateways }, &folder).expect("certificates");
         Bench { nodes, folder }
     }
 
@@ -78,7 +80,7 @@ impl Bench {
         keys: PathBuf,
     ) -> Result<(Box<dyn Wires>, Receiver<Heard>), String> {
         let (tells, hears) = channel();
-        let joining = Joining { nodes, me, side, keys: &keys };
+        let joining = JoinOptions { nodes, me, side, keys: &keys };
         Ok((Zenoh.join(&joining, Arc::new(Listener(Mutex::new(tells))))?, hears))
     }
 }
@@ -213,7 +215,7 @@ fn keys_are_their_owners_alone_and_one_that_others_may_read_is_refused() {
         bench.join_as(1, Side::Waits, &bench.nodes, bench.folder.join("a")).map(drop).expect_err("none");
     assert!(none.contains("node b has no ") && none.contains("certificates FOLDER"), "{none}");
     // No certificate is written over another one.
-    let whom = Certified { nodes: bench.nodes.all(), doors: Vec::new() };
+    let whom = CertificateRequest { nodes: bench.nodes.all(), gateways: Vec::new() };
     assert!(Zenoh.certify(&whom, &bench.folder).is_err());
 }
 
@@ -242,7 +244,7 @@ struct HeldUp {
     until: Mutex<Receiver<()>>,
 }
 
-impl Hears for HeldUp {
+impl NodeListener for HeldUp {
     fn came(&self, _: usize, _: &[u8]) {
         let _ = self.told.lock().expect("whole").send(());
         let _ = self.until.lock().expect("whole").recv();
@@ -258,7 +260,7 @@ fn fault_159_a_node_that_is_held_up_by_the_network_has_ended_soon() {
     let ((tells, told), (_holds, until_then)) = (channel(), channel());
     let held_up = HeldUp { told: Mutex::new(tells), until: Mutex::new(until_then) };
     let keys = bench.folder.join("a");
-    let joining = Joining { nodes: &bench.nodes, me: 0, side: Side::Calls, keys: &keys };
+    let joining = JoinOptions { nodes: &bench.nodes, me: 0, side: Side::Calls, keys: &keys };
     let a = Zenoh.join(&joining, Arc::new(held_up)).expect("joined");
     until(&b_hears, &Heard::There(0));
     b.send(0, b"x");
@@ -267,25 +269,25 @@ fn fault_159_a_node_that_is_held_up_by_the_network_has_ended_soon() {
     drop(a);
 }
 
-/// Who hears at a door.
-struct Porter(Mutex<Sender<AtDoor>>);
+/// Who hears at a gateway.
+struct Listener(Mutex<Sender<AtGateway>>);
 
 #[derive(Debug, PartialEq)]
-enum AtDoor {
+enum AtGateway {
     Came(Vec<u8>),
     There(u64),
     Lost(u64),
 }
 
-impl HearsAtDoor for Porter {
+impl GatewayListener for Listener {
     fn came(&self, bytes: &[u8]) {
-        let _ = self.0.lock().expect("whole").send(AtDoor::Came(bytes.to_vec()));
+        let _ = self.0.lock().expect("whole").send(AtGateway::Came(bytes.to_vec()));
     }
     fn is_there(&self, program: u64) {
-        let _ = self.0.lock().expect("whole").send(AtDoor::There(program));
+        let _ = self.0.lock().expect("whole").send(AtGateway::There(program));
     }
     fn is_lost(&self, program: u64) {
-        let _ = self.0.lock().expect("whole").send(AtDoor::Lost(program));
+        let _ = self.0.lock().expect("whole").send(AtGateway::Lost(program));
     }
 }
 
@@ -299,13 +301,13 @@ fn program(bench: &Bench, (folder, name): (&str, &str), place: usize) -> zenoh::
 }
 
 #[test]
-fn fault_211_the_certificate_of_a_sensors_program_opens_the_door_of_that_sensor_and_nothing_else() {
-    let bench = Bench::new("door");
+fn fault_211_the_certificate_of_a_sensors_program_is_taken_by_the_gateway_of_that_sensor_and_nothing_else() {
+    let bench = Bench::new("gateway");
     let (tells, hears) = channel();
-    let porter = Arc::new(Porter(Mutex::new(tells)));
+    let listener = Arc::new(Listener(Mutex::new(tells)));
     let keys = bench.folder.join("c");
-    let door = Door { sensor: "camera", address: bench.nodes.all()[2].address, keys: &keys };
-    let door = Zenoh.open_door(&door, porter).expect("opened");
+    let gateway = Gateway { sensor: "camera", address: bench.nodes.all()[2].address, keys: &keys };
+    let gateway = Zenoh.open_gateway(&gateway, listener).expect("opened");
     let says = |session: &zenoh::Session, who: u64| {
         let token = session.liveliness().declare_token(format!("mrroc/@sensor/camera/@program/{who}")).wait();
         for _ in 0..25 {
@@ -314,7 +316,7 @@ fn fault_211_the_certificate_of_a_sensors_program_opens_the_door_of_that_sensor_
         }
         token
     };
-    // A node's certificate, the one of another sensor's program, that of a door.
+    // A node's certificate, the one of another sensor's program, that of a gateway.
     let strangers = [("b", "b"), ("sensor.laser", "sensor.laser"), ("b", "door.laser")]
         .map(|who| program(&bench, who, 2));
     let _tokens =
@@ -327,11 +329,11 @@ fn fault_211_the_certificate_of_a_sensors_program_opens_the_door_of_that_sensor_
     });
     let _listens = listens.wait().expect("declared");
     let _token = says(&camera, 7);
-    let mut awaited = vec![AtDoor::There(7), AtDoor::Came(7_u64.to_le_bytes().to_vec())];
+    let mut awaited = vec![AtGateway::There(7), AtGateway::Came(7_u64.to_le_bytes().to_vec())];
     while !awaited.is_empty() {
         let heard = hears.recv_timeout(SOON).expect("the program of the sensor is heard");
         assert!(
-            heard == AtDoor::There(7) || heard == AtDoor::Came(7_u64.to_le_bytes().to_vec()),
+            heard == AtGateway::There(7) || heard == AtGateway::Came(7_u64.to_le_bytes().to_vec()),
             "{heard:?}"
         );
         awaited.retain(|awaited| *awaited != heard);
@@ -339,7 +341,7 @@ fn fault_211_the_certificate_of_a_sensors_program_opens_the_door_of_that_sensor_
     let sent = std::time::Instant::now();
     while ordered.recv_timeout(Duration::from_millis(20)) != Ok(b"order".to_vec()) {
         assert!(sent.elapsed() < SOON, "no order comes");
-        door.send(b"order");
+        gateway.send(b"order");
     }
     // At a node it is nobody.
     let (_b, b_hears) = bench.join(1, Side::Waits);
@@ -351,5 +353,5 @@ fn fault_211_the_certificate_of_a_sensors_program_opens_the_door_of_that_sensor_
     }
     assert_eq!(all(&b_hears), [], "node b has heard the program of a sensor");
     camera.close().wait().expect("closed");
-    while hears.recv_timeout(SOON).expect("it is gone") != AtDoor::Lost(7) {}
+    while hears.recv_timeout(SOON).expect("it is gone") != AtGateway::Lost(7) {}
 }

@@ -99,7 +99,7 @@ impl ClearanceBuilder {
         self
     }
 
-    /// The clearance, which judges the robots by where they would stand after such a stop.
+    /// The clearance, which checks the robots by where they would stand after such a stop.
     ///
     /// # Errors
     /// [`ClearanceError`]: margins, stopping, names in [`margin_between`](Self::margin_between) and in

@@ -266,7 +266,7 @@ impl<const N: usize, R: Driven<N>> Simulated<R, N> {
             for (i, drive) in self.drives.iter_mut().enumerate() {
                 let pwm = drive.regulate(angles[i]);
                 drive.plant.run(pwm, self.loads[i] + self.pushes[i]);
-                self.fault = self.fault.or(drive.judge(i));
+                self.fault = self.fault.or(drive.check(i));
             }
             return;
         };
@@ -278,7 +278,7 @@ impl<const N: usize, R: Driven<N>> Simulated<R, N> {
         coupling.run(&self.robot, &mut plants, &pwm, &self.pushes);
         for (i, (drive, plant)) in self.drives.iter_mut().zip(plants).enumerate() {
             drive.plant = plant;
-            self.fault = self.fault.or(drive.judge(i));
+            self.fault = self.fault.or(drive.check(i));
         }
     }
 
@@ -449,7 +449,7 @@ impl Drive {
     }
 
     /// Reads the encoder at the end of a servo period; tells whether the drive trips.
-    fn judge(&mut self, index: usize) -> Option<DriveFault> {
+    fn check(&mut self, index: usize) -> Option<DriveFault> {
         self.read_encoder();
         self.mean_current += CURRENT_SHARE * (self.plant.current().abs() - self.mean_current);
         let following = (self.demanded - self.count) * self.pulse;

@@ -23,7 +23,7 @@ ARMS = {
 }
 POSES = 10
 # So many restarts in a row must find no new solution.
-PATIENCE = 120
+IDLE_LIMIT = 120
 
 
 class Arm:
@@ -86,7 +86,7 @@ def main():
             wanted = arm.pose(q)
             psi = arm.arm_angle(q) if centres else 0.0
             found, idle = [], 0
-            while idle < PATIENCE:
+            while idle < IDLE_LIMIT:
                 solution = arm.solve(random.uniform(-np.pi, np.pi, len(q)), wanted, psi)
                 if solution is None:
                     idle += 1

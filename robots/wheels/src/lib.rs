@@ -3,7 +3,7 @@
 //! ```text
 //! demanded wheel angles -> Rolling: regulators, geared motors -> Chassis: tyres that slip, a body among walls -> encoders
 //! encoders, gyro, infrared sensors -> Whereabouts: where it stands, and which walls it sees
-//! Course: straight pieces and clothoid corners -> FollowCourse: wheel angles within all limits, corrected by where it stands
+//! Path: straight pieces and clothoid corners -> FollowPath: wheel angles within all limits, corrected by where it stands
 //! ```
 //!
 //! | module | what flows in, what flows out |
@@ -11,18 +11,18 @@
 //! | [`model`] | wheel angles in; how far it has rolled and turned out: `mrroc::robot::Robot` |
 //! | [`simulation`] | demanded wheel angles in; measured ones, and where the base truly is, out |
 //! | [`sensing`] | wheel angles, a rate gyro's codes and infrared sensors' codes in; a pose and seen walls out |
-//! | [`course`] | places in; a path of continuous curvature out |
-//! | [`generators`] | a course and where the base stands in; demands out |
+//! | [`path`] | places in; a path of continuous curvature out |
+//! | [`generators`] | a path and where the base stands in; demands out |
 
-pub mod course;
 pub mod generators;
 pub mod model;
+pub mod path;
 pub mod sensing;
 pub mod simulation;
 
-pub use course::Course;
-pub use generators::FollowCourse;
+pub use generators::FollowPath;
 pub use model::{DiffDrive, Two};
+pub use path::Path;
 pub use sensing::{Planar, Whereabouts};
 pub use simulation::{Floor, Rolling};
 

@@ -12,7 +12,7 @@
 //! **Forward.** Where a base stands is no function of its wheels' angles: it depends on the way on which they came about. Two
 //! numbers are functions of them as long as no wheel slips, how far it has rolled and how far it has turned. So [`DiffDrive::forward`]
 //! is the axle's frame on the *unrolled* path: `s` along x, turned by `theta` about z. Displacements of the tool mean what one
-//! expects: 0.1 m along x is 0.1 m ahead on the present course, a turn about z is a turn on the spot. Where the base stands is a
+//! expects: 0.1 m along x is 0.1 m ahead on the present path, a turn about z is a turn on the spot. Where the base stands is a
 //! reading of a virtual sensor, see [`Whereabouts`](crate::Whereabouts).
 
 use mrroc::pose::Pose;

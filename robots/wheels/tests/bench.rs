@@ -1,4 +1,4 @@
-//! A base on a floor that follows courses by what it knows of its place.
+//! A base on a floor that follows paths by what it knows of its place.
 
 use core::time::Duration;
 use std::cell::RefCell;
@@ -8,7 +8,7 @@ use mrroc::prelude::*;
 use mrroc_wheels::generators::BaseLimits;
 use mrroc_wheels::sensing::{DeadReckoning, Gyro, Located, Standing, Turned};
 use mrroc_wheels::simulation::{Floor, Ground};
-use mrroc_wheels::{Course, DiffDrive, FollowCourse, Planar, Rolling, Two, Whereabouts};
+use mrroc_wheels::{DiffDrive, FollowPath, Path, Planar, Rolling, Two, Whereabouts};
 
 /// Half a metre a second, with what tyres hold in bends.
 pub const LIMITS: BaseLimits = BaseLimits { speed: 0.5, lateral: 2.5, turning: 8.0, off: 0.06 };
@@ -64,19 +64,19 @@ impl VirtualSensor for ByWheels {
     }
 }
 
-/// Runs the courses one after the other.
+/// Runs the paths one after the other.
 pub fn run(
     floor: &Floor,
     sensor: impl VirtualSensor<Kind = Whereabouts>,
-    courses: Vec<Course>,
+    paths: Vec<Path>,
 ) -> Result<(), CellError> {
     let drives = Rolling::new(DiffDrive::new(), floor.clone());
     let robot = RobotSetup::new("base", DiffDrive::new(), drives).program(move |ecp| {
         let mut whereabouts = ecp.sensor::<Whereabouts>("whereabouts")?;
-        for course in &courses {
+        for path in &paths {
             ecp.wait_until((&mut whereabouts,), stands {})?;
             let follow =
-                FollowCourse::<Whereabouts>::along(course.clone(), LIMITS, |read| Some(read.pose), DELAY, 2);
+                FollowPath::<Whereabouts>::along(path.clone(), LIMITS, |read| Some(read.pose), DELAY, 2);
             ecp.move_robot((&mut whereabouts,), follow)?;
         }
         ecp.wait_until((&mut whereabouts,), stands {}).map(drop)
@@ -85,13 +85,13 @@ pub fn run(
     Cell::new(Duration::from_millis(2)).robot(robot).sensor(sensor).run().map(drop)
 }
 
-/// Where a base truly was that followed a course on this ground by its wheels and its gyro, with what is known of the way.
-pub fn followed(course: Course, ground: Ground, scale: f64, seed: u64) -> Vec<Planar> {
+/// Where a base truly was that followed a path on this ground by its wheels and its gyro, with what is known of the way.
+pub fn followed(path: Path, ground: Ground, scale: f64, seed: u64) -> Vec<Planar> {
     let floor = Floor::new(ground, Planar::default());
     let trace = Trace::default();
     let reckoning = DeadReckoning::from(Planar::default()).with_scale(scale);
     let inner = Located::by(Gyro::new(floor.clone(), seed), reckoning);
-    run(&floor, Traced { inner, floor: floor.clone(), trace: Rc::clone(&trace) }, vec![course])
+    run(&floor, Traced { inner, floor: floor.clone(), trace: Rc::clone(&trace) }, vec![path])
         .expect("no fault");
     let all = trace.take();
     all.into_iter().map(|(_, truly)| truly).collect()

@@ -13,7 +13,7 @@ use mrroc_wheels::sensing::{
     DeadReckoning, Gyro, GyroFault, Infrared, Located, LookingOut, Lookout, Sight, WallMemory, Watch,
 };
 use mrroc_wheels::simulation::{Floor, Ground};
-use mrroc_wheels::{Course, DiffDrive, FollowCourse, Planar, Rolling, Two};
+use mrroc_wheels::{DiffDrive, FollowPath, Path, Planar, Rolling, Two};
 use nalgebra::Vector2;
 
 /// A hall of ten cells by ten, whose goal is all but the lowest row: no posts stand in it.
@@ -50,9 +50,9 @@ fn stands(v: &Reading<(Lookout,)>) -> bool {
     v.0.reading().is_some_and(|read| read.stands)
 }
 
-/// A base in the hall that goes these courses: what ended it, and its floor.
-fn ended(courses: Vec<Course>, event: Event) -> (Option<Fault>, Floor) {
-    let start = courses[0].at(0.0).pose;
+/// A base in the hall that goes these paths: what ended it, and its floor.
+fn ended(paths: Vec<Path>, event: Event) -> (Option<Fault>, Floor) {
+    let start = paths[0].at(0.0).pose;
     let floor = Floor::new(Ground { walls: Some(hall()), ..Ground::default() }, start);
     let located = Located::by(Gyro::new(floor.clone(), 1), DeadReckoning::from(start));
     let told =
@@ -64,10 +64,9 @@ fn ended(courses: Vec<Course>, event: Event) -> (Option<Fault>, Floor) {
     let robot = RobotSetup::new("base", DiffDrive::new(), drives).program(move |ecp| {
         let mut lookout = ecp.sensor::<Lookout>("lookout")?;
         ecp.wait_until((&mut lookout,), stands {})?;
-        for course in &courses {
+        for path in &paths {
             let limits = BaseLimits { speed: 0.3, lateral: 1.5, turning: 6.0, off: 0.05 };
-            let follow =
-                FollowCourse::<Lookout>::along(course.clone(), limits, |read| Some(read.pose), 2.0, 2);
+            let follow = FollowPath::<Lookout>::along(path.clone(), limits, |read| Some(read.pose), 2.0, 2);
             ecp.move_robot((&mut lookout,), follow)?;
         }
         Ok(())
@@ -86,15 +85,14 @@ fn ended(courses: Vec<Course>, event: Event) -> (Option<Fault>, Floor) {
 }
 
 /// From the middle of the hall to its right side and through it.
-fn into_the_wall() -> Vec<Course> {
-    vec![Course::through(&[Vector2::new(0.9, 0.9), Vector2::new(1.9, 0.9)], 0.01).expect("a course")]
+fn into_the_wall() -> Vec<Path> {
+    vec![Path::through(&[Vector2::new(0.9, 0.9), Vector2::new(1.9, 0.9)], 0.01).expect("a path")]
 }
 
 /// A quarter turn in the middle of the hall, after a piece straight on.
-fn there_and_round() -> Vec<Course> {
-    let straight =
-        Course::through(&[Vector2::new(0.6, 0.9), Vector2::new(0.9, 0.9)], 0.01).expect("a course");
-    vec![straight, Course::turn(Planar { x: 0.9, y: 0.9, heading: 0.0 }, 1.5)]
+fn there_and_round() -> Vec<Path> {
+    let straight = Path::through(&[Vector2::new(0.6, 0.9), Vector2::new(0.9, 0.9)], 0.01).expect("a path");
+    vec![straight, Path::turn(Planar { x: 0.9, y: 0.9, heading: 0.0 }, 1.5)]
 }
 
 /// The cell ends as soon as its wheels are demanded to stand. The body, which lags behind them and rocks against a wall, is then slower than
@@ -170,12 +168,12 @@ fn fault_187_wheels_that_slip_more_in_a_turn_than_odometry_can_bear_are_told() {
 }
 
 #[test]
-fn fault_237_a_course_is_not_followed_by_a_place_that_is_older_than_it_may_be() {
-    let course = || Course::through(&[Vector2::zeros(), Vector2::new(0.3, 0.0)], 0.01).expect("a course");
+fn fault_237_a_path_is_not_followed_by_a_place_that_is_older_than_it_may_be() {
+    let path = || Path::through(&[Vector2::zeros(), Vector2::new(0.3, 0.0)], 0.01).expect("a path");
     let limits = BaseLimits { speed: 0.3, lateral: 1.5, turning: 6.0, off: 0.05 };
     // What the sensor told first gets older by a step in every step after the fifth.
     let followed = |oldest: u32| {
-        let follow = FollowCourse::<Lookout>::along(course(), limits, |read| Some(read.pose), 2.0, oldest);
+        let follow = FollowPath::<Lookout>::along(path(), limits, |read| Some(read.pose), 2.0, oldest);
         let (mut base, mut before, mut step) = (Planar::default(), Two::zeros(), 0_u32);
         rehearse_with(follow, &DiffDrive::new(), Two::zeros(), 0.004, |image| {
             let q = image.demanded().joints;
@@ -193,10 +191,10 @@ fn fault_237_a_course_is_not_followed_by_a_place_that_is_older_than_it_may_be() 
 }
 
 #[test]
-fn a_course_that_is_over_before_its_end_is_braked_on() {
-    let course = Course::through(&[Vector2::zeros(), Vector2::new(0.3, 0.0)], 0.01).expect("a course");
+fn a_path_that_is_over_before_its_end_is_braked_on() {
+    let path = Path::through(&[Vector2::zeros(), Vector2::new(0.3, 0.0)], 0.01).expect("a path");
     let limits = BaseLimits { speed: 0.3, lateral: 1.5, turning: 6.0, off: 0.05 };
-    let follow = FollowCourse::<Lookout>::along(course, limits, |read| Some(read.pose), 2.0, 2)
+    let follow = FollowPath::<Lookout>::along(path, limits, |read| Some(read.pose), 2.0, 2)
         .until(|read| read.is_blocked);
     let (mut base, mut before) = (Planar::default(), Two::zeros());
     rehearse_with(follow, &DiffDrive::new(), Two::zeros(), 0.004, |image| {

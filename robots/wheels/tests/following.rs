@@ -1,16 +1,16 @@
-//! How well a base follows a course, by where it truly is.
+//! How well a base follows a path, by where it truly is.
 
 use mrroc::prelude::Robot as _;
 use mrroc_map::Chance;
 use mrroc_wheels::generators::Follower;
 use mrroc_wheels::simulation::{Chassis, Ground};
-use mrroc_wheels::{Course, DiffDrive, Planar, Two};
+use mrroc_wheels::{DiffDrive, Path, Planar, Two};
 use nalgebra::Vector2;
 
 use crate::usage::bench::{LIMITS, followed};
 
 /// Around a room of a metre, and back to its start: 5 m with eleven corners.
-fn tour() -> Course {
+fn tour() -> Path {
     let places = [
         [0.0, 0.0],
         [0.9, 0.0],
@@ -25,13 +25,13 @@ fn tour() -> Course {
         [0.0, 0.7],
         [0.0, 0.3],
     ];
-    Course::through(&places.map(Vector2::from), 0.03).expect("a course")
+    Path::through(&places.map(Vector2::from), 0.03).expect("a path")
 }
 
-/// How far the places are off the course: root mean square, and the largest \[m\].
-fn off(course: &Course, trace: &[Planar]) -> (f64, f64) {
+/// How far the places are off the path: root mean square, and the largest \[m\].
+fn off(path: &Path, trace: &[Planar]) -> (f64, f64) {
     let points: Vec<Vector2<f64>> =
-        (0..=20_000).map(|i| course.at(course.length() * f64::from(i) / 2e4).pose.at()).collect();
+        (0..=20_000).map(|i| path.at(path.length() * f64::from(i) / 2e4).pose.at()).collect();
     let near = |at: &Planar| points.iter().map(|on| (on - at.at()).norm()).fold(f64::INFINITY, f64::min);
     let all: Vec<f64> = trace.iter().step_by(5).map(near).collect();
     let sum: f64 = all.iter().map(|off| off * off).sum();
@@ -47,28 +47,28 @@ fn dragging(slip: f64) -> f64 {
 
 /// How far a base goes for a metre that its wheels turn, as a share, on a metre straight ahead measured with a tape.
 fn calibrated(ground: &Ground) -> f64 {
-    let course = Course::through(&[Vector2::zeros(), Vector2::new(1.0, 0.0)], 0.03).expect("a course");
-    let gone = followed(course, ground.clone(), 1.0, 0).last().map_or(0.0, |end| end.x);
+    let path = Path::through(&[Vector2::zeros(), Vector2::new(1.0, 0.0)], 0.03).expect("a path");
+    let gone = followed(path, ground.clone(), 1.0, 0).last().map_or(0.0, |end| end.x);
     assert!(gone > 0.9 && gone < 1.01, "{gone}");
     gone
 }
 
 #[test]
-fn a_base_is_at_most_10_mm_off_its_course_at_half_a_metre_a_second_with_2_percent_of_slip() {
-    let course = tour();
+fn a_base_is_at_most_10_mm_off_its_path_at_half_a_metre_a_second_with_2_percent_of_slip() {
+    let path = tour();
     let slippery = Ground { drag: dragging(0.02), ..Ground::default() };
     let scale = calibrated(&slippery);
     // Standing still it slips less: the mean of a metre from rest to rest is a little less than 2 %.
     assert!((1.0 - scale - 0.02).abs() < 2e-3, "{scale}");
     for seed in 0..3 {
-        let (rms, most) = off(&course, &followed(tour(), Ground::default(), 1.0, seed));
+        let (rms, most) = off(&path, &followed(tour(), Ground::default(), 1.0, seed));
         println!("no drag: {:.2} mm rms, {:.2} mm at most", 1e3 * rms, 1e3 * most);
         assert!(rms < 0.005, "{rms}");
-        let (rms, most) = off(&course, &followed(tour(), slippery.clone(), scale, seed));
+        let (rms, most) = off(&path, &followed(tour(), slippery.clone(), scale, seed));
         println!("2 % of slip: {:.2} mm rms, {:.2} mm at most", 1e3 * rms, 1e3 * most);
         assert!(rms < 0.010, "{rms}");
         // Who does not know the slip is off by its share of how far the place is from the start, up to 1.3 m.
-        let (rms, most) = off(&course, &followed(tour(), slippery.clone(), 1.0, seed));
+        let (rms, most) = off(&path, &followed(tour(), slippery.clone(), 1.0, seed));
         println!("2 % of slip, not calibrated: {:.2} mm rms, {:.2} mm at most", 1e3 * rms, 1e3 * most);
         assert!(most < 0.02 * 1.3 + 0.006, "{most}");
     }

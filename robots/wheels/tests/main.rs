@@ -1,4 +1,4 @@
-//! Tests of the base: its drives, how well it follows a course, how it drifts, and what goes wrong.
+//! Tests of the base: its drives, how well it follows a path, how it drifts, and what goes wrong.
 
 mod bench;
 mod drives;

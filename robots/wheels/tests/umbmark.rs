@@ -9,7 +9,7 @@ use std::rc::Rc;
 use mrroc::sensor::VirtualSensor;
 use mrroc_wheels::sensing::{DeadReckoning, Gyro, Located};
 use mrroc_wheels::simulation::{Floor, Ground};
-use mrroc_wheels::{Course, DiffDrive, Planar, Two, Whereabouts};
+use mrroc_wheels::{DiffDrive, Path, Planar, Two, Whereabouts};
 use nalgebra::Vector2;
 
 use crate::usage::bench::{ByWheels, Trace, Traced, run};
@@ -20,17 +20,17 @@ const SIDE: f64 = 1.0;
 const UNEQUAL: f64 = 0.005;
 
 /// Straight pieces and turns on the spot, counterclockwise (1) or clockwise (-1).
-fn square(way: f64) -> Vec<Course> {
+fn square(way: f64) -> Vec<Path> {
     let mut at = Planar::default();
-    let mut courses = Vec::new();
+    let mut paths = Vec::new();
     for _ in 0..4 {
         let end = at.place(&Vector2::new(SIDE, 0.0));
-        courses.push(Course::through(&[at.at(), end], 0.01).expect("a course"));
+        paths.push(Path::through(&[at.at(), end], 0.01).expect("a path"));
         at = Planar { x: end.x, y: end.y, ..at };
-        courses.push(Course::turn(at, way * FRAC_PI_2));
+        paths.push(Path::turn(at, way * FRAC_PI_2));
         at.heading += way * FRAC_PI_2;
     }
-    courses
+    paths
 }
 
 /// The error at the end of a run: where it is, less where it thinks that it is.

@@ -139,7 +139,7 @@ pub mod generator {
 
 /// What an MP orders, and how values become words of a message.
 pub mod payload {
-    pub use crate::model::payload::{Nudge, Order, Payload};
+    pub use crate::model::payload::{Order, Payload, Trigger};
     pub use crate::model::shape::Shape;
     pub use crate::model::wire::{BadWords, WORDS, Wire, layout_hash};
     pub use mrroc_macros::Payload;

@@ -13,7 +13,7 @@ use mrroc_core::fault::Name;
 use mrroc_core::fault::ProcessId;
 use mrroc_core::link::Nanos;
 use mrroc_core::observe::layout::{JointLayout, Layout};
-use mrroc_core::observe::witness::{Mode, What, Witness};
+use mrroc_core::observe::step_observer::{Mode, StepEvent, StepObserver};
 use mrroc_core::robot::{MAX_JOINTS, POSITION_ROUND_OFF};
 
 /// The extreme values of one joint [rad or m, s].
@@ -28,7 +28,7 @@ pub(crate) struct Extremes {
 
 /// One joint of one robot, from step to step.
 #[derive(Clone, Copy, Debug)]
-struct Course {
+struct JointTrace {
     position: f64,
     velocity: f64,
     acceleration: f64,
@@ -36,11 +36,11 @@ struct Course {
     extremes: Extremes,
 }
 
-impl Course {
-    fn from(position: f64, joint: &JointLayout) -> Course {
+impl JointTrace {
+    fn from(position: f64, joint: &JointLayout) -> JointTrace {
         let margin = margin(position, joint);
         let extremes = Extremes { velocity: 0.0, acceleration: 0.0, jerk: 0.0, margin };
-        Course { position, velocity: 0.0, acceleration: 0.0, jerk: 0.0, extremes }
+        JointTrace { position, velocity: 0.0, acceleration: 0.0, jerk: 0.0, extremes }
     }
 
     fn advance(&mut self, position: f64, joint: &JointLayout, step: f64, mode: Mode) {
@@ -96,14 +96,14 @@ pub(crate) struct Approach {
     /// The first step that uses too much.
     too_near: RefCell<Option<TooNear>>,
     /// The joints of each robot, in the order of the layout; empty until the robot's first image has come.
-    courses: RefCell<Vec<Vec<Course>>>,
+    traces: RefCell<Vec<Vec<JointTrace>>>,
 }
 
 impl Approach {
     pub fn of(layout: Layout) -> Approach {
         let empty = |robot: &mrroc_core::observe::layout::RobotLayout| Vec::with_capacity(robot.joints.len());
-        let courses = RefCell::new(layout.robots.iter().map(empty).collect());
-        Approach { layout, courses, too_near: RefCell::default() }
+        let traces = RefCell::new(layout.robots.iter().map(empty).collect());
+        Approach { layout, traces, too_near: RefCell::default() }
     }
 
     /// The first step of a motion that leaves too little for a suspension.
@@ -113,8 +113,8 @@ impl Approach {
 
     /// The extreme values of the joints of a robot, which is given by its index in the cell.
     pub fn extremes(&self, robot: usize) -> Vec<Extremes> {
-        let courses = self.courses.borrow();
-        courses
+        let traces = self.traces.borrow();
+        traces
             .get(robot)
             .map(|joints| joints.iter().map(|joint| joint.extremes).collect())
             .unwrap_or_default()
@@ -127,22 +127,22 @@ impl Approach {
         let joints = &self.layout.robots[place].joints;
         let period = self.layout.step.as_secs_f64();
         let positions = words.iter().take(MAX_JOINTS).map(|word| f64::from_bits(*word));
-        let courses = &mut self.courses.borrow_mut()[place];
-        if courses.is_empty() {
-            courses.extend(joints.iter().zip(positions).map(|(joint, q)| Course::from(q, joint)));
+        let traces = &mut self.traces.borrow_mut()[place];
+        if traces.is_empty() {
+            traces.extend(joints.iter().zip(positions).map(|(joint, q)| JointTrace::from(q, joint)));
             return;
         }
-        for (i, ((course, joint), position)) in courses.iter_mut().zip(joints).zip(positions).enumerate() {
-            course.advance(position, joint, period, mode);
+        for (i, ((trace, joint), position)) in traces.iter_mut().zip(joints).zip(positions).enumerate() {
+            trace.advance(position, joint, period, mode);
             if mode != Mode::Moving {
                 continue;
             }
             // Differences of positions of order 1 are round-off below these.
             let round_off = [4.0, 8.0].map(|times| times * POSITION_ROUND_OFF);
             let acceleration =
-                (course.acceleration.abs() - round_off[0] / period.powi(2)) / joint.acceleration;
+                (trace.acceleration.abs() - round_off[0] / period.powi(2)) / joint.acceleration;
             let jerk =
-                joint.jerk.map_or(0.0, |limit| (course.jerk.abs() - round_off[1] / period.powi(3)) / limit);
+                joint.jerk.map_or(0.0, |limit| (trace.jerk.abs() - round_off[1] / period.powi(3)) / limit);
             let (what, share) =
                 if acceleration > jerk { ("acceleration", acceleration) } else { ("jerk", jerk) };
             if share > PATH_SHARE * (1.0 + 1e-6) {
@@ -153,9 +153,9 @@ impl Approach {
     }
 }
 
-impl Witness for Approach {
-    fn see(&self, _: Nanos, by: ProcessId, what: &What, words: &[u64]) {
-        if let (What::Image { step, mode }, Some(robot)) = (what, by.name) {
+impl StepObserver for Approach {
+    fn see(&self, _: Nanos, by: ProcessId, what: &StepEvent, words: &[u64]) {
+        if let (StepEvent::Image { step, mode }, Some(robot)) = (what, by.name) {
             self.show(robot, *step, *mode, words);
         }
     }
@@ -260,22 +260,22 @@ mod tests {
             let by = ProcessId::new(Role::Edp, Name::new("arm").expect("a name"));
             // From rest at `share` of 10 m/s².
             for k in 0..20_u32 {
-                let mut words = [0; mrroc_core::observe::witness::IMAGE_WORDS];
+                let mut words = [0; mrroc_core::observe::step_observer::IMAGE_WORDS];
                 words[0] = (0.5 * share * 10.0 * 4e-6 * f64::from(k * (k + 1))).to_bits();
-                approach.see(0, by, &What::Image { step: u64::from(k), mode }, &words);
+                approach.see(0, by, &StepEvent::Image { step: u64::from(k), mode }, &words);
             }
             approach.too_near().is_some()
         };
         assert!(!told(0.9, Mode::Moving) && told(0.91, Mode::Moving) && !told(1.0, Mode::Braking));
-        // And the table says of a motion what is judged: at 0.9 it is well, whatever its end takes.
+        // And the table says of a motion what is checked: at 0.9 it is well, whatever its end takes.
         let approach = Approach::of(layout(step, vec![slide("arm", step)]));
         let by = ProcessId::new(Role::Edp, Name::new("arm").expect("a name"));
         for (k, (position, mode)) in
             [(0.0, Mode::Holding), (36e-6, Mode::Moving), (36e-6, Mode::Holding)].into_iter().enumerate()
         {
-            let mut words = [0; mrroc_core::observe::witness::IMAGE_WORDS];
+            let mut words = [0; mrroc_core::observe::step_observer::IMAGE_WORDS];
             words[0] = f64::to_bits(position);
-            approach.see(0, by, &What::Image { step: k as u64, mode }, &words);
+            approach.see(0, by, &StepEvent::Image { step: k as u64, mode }, &words);
         }
         assert!((approach.extremes(0)[0].acceleration - 9.0).abs() < 1e-9, "{approach}");
     }
@@ -287,9 +287,9 @@ mod tests {
         let by = ProcessId::new(Role::Edp, Name::new("arm").expect("a name"));
         let path = |k: f64| 0.1 * (0.004 * k).sin();
         for step in 0..1000 {
-            let mut words = [0; mrroc_core::observe::witness::IMAGE_WORDS];
+            let mut words = [0; mrroc_core::observe::step_observer::IMAGE_WORDS];
             words[0] = path(f64::from(step)).to_bits();
-            let what = What::Image { step: u64::from(step as u32), mode: Mode::Moving };
+            let what = StepEvent::Image { step: u64::from(step as u32), mode: Mode::Moving };
             approach.see(0, by, &what, &words);
         }
         // q = 0.1 sin(2 t): v = 0.2 cos, a = 0.4 sin, j = 0.8 cos, except at the start, where v jumps from 0: there the

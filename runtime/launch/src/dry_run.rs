@@ -7,8 +7,8 @@ use std::path::Path;
 use std::process::{Command, ExitCode};
 use std::rc::Rc;
 
+use super::long_run::LongRunNotes;
 use super::outcome::{cell_refused, note, report, stand_ins, stopped};
-use super::patience::Patience;
 use crate::approach::Approach;
 use mrroc_core::cell::AfterFault;
 use mrroc_core::cell::{Cell, CellError};
@@ -19,11 +19,11 @@ pub(super) fn dry_run(mut cell: Cell, quiet: bool) -> ExitCode {
     let layout = cell.layout();
     let stood_in: String = stand_ins(&layout).map(|told| told + "\n").collect();
     let approach = Rc::new(Approach::of(layout));
-    let witness: Rc<Approach> = Rc::clone(&approach);
+    let observer: Rc<Approach> = Rc::clone(&approach);
     // There is nobody who could reset it.
-    cell = cell.unrecorded().witnessed_by(witness).after_fault(AfterFault::End);
+    cell = cell.unrecorded().observed_by(observer).after_fault(AfterFault::End);
     if !quiet {
-        cell = cell.also_on_step(Patience::begin_dry().notes());
+        cell = cell.also_on_step(LongRunNotes::begin_dry().hook());
     }
     match cell.run() {
         Ok(ran) => {

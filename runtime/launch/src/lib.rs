@@ -8,6 +8,7 @@ pub mod cell_file;
 mod dry_run;
 mod external;
 pub mod files;
+pub mod long_run;
 pub mod network;
 mod options;
 pub mod outcome;
@@ -15,7 +16,6 @@ pub mod outcome_file;
 mod own;
 pub mod panel;
 mod parts;
-pub mod patience;
 mod program;
 mod running;
 mod table;
@@ -29,23 +29,23 @@ use std::process::ExitCode;
 use mrroc_core::cell::{Cell, CellError, RunPicture};
 use mrroc_core::console::{refused, say};
 use mrroc_core::link::Clock;
-use mrroc_core::link::patience::together_budget;
+use mrroc_core::link::timeout::together_budget;
 use mrroc_core::observe::layout::{HardwareLayout, Layout, RobotLayout};
 use mrroc_core::observe::{NotRecorded, Recording};
 
 use crate::cell_file::CellFile;
 use crate::dry_run::{dry_run, dry_run_first};
 use crate::files::check_outputs;
-use crate::options::{Options, Word, nearest_cell, parse};
+use crate::options::{LaunchCommand, Options, nearest_cell, parse};
 use crate::outcome::{answered, cell_refused, note, stand_ins};
 use crate::outcome_file::check_outcome;
 use crate::running::{run, watched};
 use crate::table::Table;
-use crate::telling::Asked;
+use crate::telling::PartRequest;
 
 pub use crate::options::Operating;
 pub use crate::own::{own_number, own_option};
-pub use crate::parts::{LooksOn, Panel, Parts, Processes, Replays};
+pub use crate::parts::{MemoryRunViewer, Panel, Parts, Processes, Replays};
 pub use crate::program::{Launch, Ran};
 
 /// The main function of a task program: `cell` makes a cell from `cell.toml`, and this function runs it with the
@@ -67,8 +67,8 @@ pub fn launch(
     };
     let path = options.cell.clone().unwrap_or_else(nearest_cell);
     match &options.word {
-        Some(Word::Doctor) => return parts.examine_with(&path),
-        Some(Word::Operating(word)) => {
+        Some(LaunchCommand::Doctor) => return parts.examine_with(&path),
+        Some(LaunchCommand::Operating(word)) => {
             return word.read().map_or_else(
                 |error| refused(&error),
                 |operating| parts.operate(&path, options.of, operating),
@@ -80,14 +80,14 @@ pub fn launch(
             );
         }
         Some(
-            Word::Replay { .. }
-            | Word::Calibration { .. }
-            | Word::ExportUrdf { .. }
-            | Word::External { .. }
-            | Word::Node { .. }
-            | Word::Certificates { .. }
-            | Word::Door { .. }
-            | Word::Panel { .. },
+            LaunchCommand::Replay { .. }
+            | LaunchCommand::Calibration { .. }
+            | LaunchCommand::ExportUrdf { .. }
+            | LaunchCommand::External { .. }
+            | LaunchCommand::Node { .. }
+            | LaunchCommand::Certificates { .. }
+            | LaunchCommand::Gateway { .. }
+            | LaunchCommand::Panel { .. },
         )
         | None => {}
     }
@@ -100,17 +100,21 @@ pub fn launch(
         Err(error) => return cell_refused(&error),
     };
     let asked = match &options.word {
-        Some(Word::Calibration { robot }) => Some((Asked::Calibration, robot)),
-        Some(Word::ExportUrdf { robot }) => Some((Asked::Urdf, robot)),
-        Some(Word::External { name }) => Some((Asked::Python, name)),
-        Some(Word::Certificates { folder }) => Some((Asked::Certificates, folder)),
-        Some(Word::Door { name }) => Some((Asked::Door, name)),
+        Some(LaunchCommand::Calibration { robot }) => Some((PartRequest::Calibration, robot)),
+        Some(LaunchCommand::ExportUrdf { robot }) => Some((PartRequest::Urdf, robot)),
+        Some(LaunchCommand::External { name }) => Some((PartRequest::Python, name)),
+        Some(LaunchCommand::Certificates { folder }) => Some((PartRequest::Certificates, folder)),
+        Some(LaunchCommand::Gateway { name }) => Some((PartRequest::Gateway, name)),
         Some(
-            Word::Node { .. } | Word::Doctor | Word::Operating(_) | Word::Replay { .. } | Word::Panel { .. },
+            LaunchCommand::Node { .. }
+            | LaunchCommand::Doctor
+            | LaunchCommand::Operating(_)
+            | LaunchCommand::Replay { .. }
+            | LaunchCommand::Panel { .. },
         )
         | None => None,
     };
-    if let Some(Word::Panel { recording }) = &options.word {
+    if let Some(LaunchCommand::Panel { recording }) = &options.word {
         return parts.show(&cell, &path, recording.as_deref());
     }
     if let Some((asked, name)) = asked {
@@ -127,7 +131,7 @@ pub fn launch(
             stand_ins(&cell.layout()).for_each(|told| note(&told));
         }
     }
-    if let Some(Word::Node { name }) = &options.word {
+    if let Some(LaunchCommand::Node { name }) = &options.word {
         return node(cell, name, path, &options, parts);
     }
     if options.reduced {
@@ -194,7 +198,9 @@ pub fn launch(
     }
     if options.part.is_none() && clock.is_none() {
         return match &options.word {
-            Some(Word::Replay { file, partial }) => parts.replay(cell, file, *partial, options.quiet),
+            Some(LaunchCommand::Replay { file, partial }) => {
+                parts.replay(cell, file, *partial, options.quiet)
+            }
             _ if options.dry_run => dry_run(cell, options.quiet),
             _ => run(cell, picture, &options, parts),
         };

@@ -29,58 +29,58 @@ pub fn network() -> Option<&'static dyn Network> {
     NETWORK.get().copied()
 }
 
-/// What keeps a door: the way of programs on other machines to the sensors of this one.
-pub type Doorkeeper = fn(&ExternalEntry, &'static dyn Network) -> Result<(), String>;
+/// What runs a gateway: the way of programs on other machines to the sensors of this one.
+pub type GatewayRunner = fn(&ExternalEntry, &'static dyn Network) -> Result<(), String>;
 
-static DOORKEEPER: OnceLock<Doorkeeper> = OnceLock::new();
+static GATEWAY_RUNNER: OnceLock<GatewayRunner> = OnceLock::new();
 
-/// Has the doors of this program's sensors kept by `keeper`: the crate of the sensors calls it. What is given later counts for
+/// Has the gateways of this program's sensors run by `runner`: the crate of the sensors calls it. What is given later counts for
 /// nothing.
-pub fn doors_by(keeper: Doorkeeper) {
+pub fn gateways_by(runner: GatewayRunner) {
     // Only the first one can be set.
-    let _ = DOORKEEPER.set(keeper);
+    let _ = GATEWAY_RUNNER.set(runner);
 }
 
 /// What a program without a network is told.
 pub(crate) const NO_NETWORK: &str = "this program has no network to other machines\n help: depend on mrroc-zenoh, and write \
      mrroc::launch::nodes_over(&mrroc_zenoh::Zenoh) as the first line of main";
 
-/// Keeps the door of the sensor `name` of a cell file, until the process that has started this one is gone.
-pub(crate) fn keep_door(cell: &Path, name: &str) -> ExitCode {
+/// Runs the gateway of the sensor `name` of a cell file, until the process that has started this one is gone.
+pub(crate) fn run_gateway(cell: &Path, name: &str) -> ExitCode {
     let Some(network) = network() else { return refused(&NO_NETWORK) };
-    let Some(keep) = DOORKEEPER.get() else {
+    let Some(run) = GATEWAY_RUNNER.get() else {
         return refused(&format!(
-            "sensor `{name}` has no door\n help: give it `External` of mrroc-external in the program"
+            "sensor `{name}` has no gateway\n help: give it `External` of mrroc-external in the program"
         ));
     };
     let file = match CellFile::read(cell) {
         Ok(file) => file,
         Err(error) => return refused(&error),
     };
-    match file.external(name).map_err(|error| error.to_string()).and_then(|entry| keep(entry, network)) {
+    match file.external(name).map_err(|error| error.to_string()).and_then(|entry| run(entry, network)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => refused(&error),
     }
 }
 
-/// The door of one sensor: where the program that sends its readings calls from another machine.
+/// The gateway of one sensor: where the program that sends its readings calls from another machine.
 #[derive(Clone, Copy, Debug)]
-pub struct Door<'a> {
+pub struct Gateway<'a> {
     /// The sensor.
     pub sensor: &'a str,
     /// Where it is called.
     pub address: SocketAddr,
-    /// The folder with the door's certificate.
+    /// The folder with the gateway's certificate.
     pub keys: &'a Path,
 }
 
 /// What a network makes certificates for.
 #[derive(Clone, Debug)]
-pub struct Certified<'a> {
+pub struct CertificateRequest<'a> {
     /// The machines of the cell; none for a cell on one.
     pub nodes: &'a [Node],
     /// Of each sensor whose program is on another machine: its name, where it is called, and which node it is on.
-    pub doors: Vec<(&'a str, SocketAddr, Option<&'a str>)>,
+    pub gateways: Vec<(&'a str, SocketAddr, Option<&'a str>)>,
 }
 
 /// Whether a node calls the others or waits to be called.
@@ -94,7 +94,7 @@ pub enum Side {
 
 /// A node that joins the others.
 #[derive(Clone, Copy, Debug)]
-pub struct Joining<'a> {
+pub struct JoinOptions<'a> {
     /// The nodes of the cell.
     pub nodes: &'a Nodes,
     /// Its place among them.
@@ -111,25 +111,30 @@ pub trait Network: Debug + Sync {
     ///
     /// # Errors
     /// Why this node cannot join, and what to do.
-    fn join(&self, joining: &Joining<'_>, hears: Arc<dyn Hears>) -> Result<Box<dyn Wires>, String>;
+    fn join(&self, joining: &JoinOptions<'_>, hears: Arc<dyn NodeListener>)
+    -> Result<Box<dyn Wires>, String>;
 
-    /// Makes certificates for these nodes and doors, in a folder that is not there or empty. Returns what was made and where to
+    /// Makes certificates for these nodes and gateways, in a folder that is not there or empty. Returns what was made and where to
     /// put it.
     ///
     /// # Errors
     /// What could not be made.
-    fn certify(&self, whom: &Certified<'_>, folder: &Path) -> Result<String, String>;
+    fn certify(&self, whom: &CertificateRequest<'_>, folder: &Path) -> Result<String, String>;
 
-    /// Opens the door of a sensor. Only who has the certificate of that sensor is heard. What happens is told to `hears` by threads
+    /// Opens the gateway of a sensor. Only who has the certificate of that sensor is heard. What happens is told to `hears` by threads
     /// of the network.
     ///
     /// # Errors
     /// Why it cannot be opened, and what to do.
-    fn open_door(&self, door: &Door<'_>, hears: Arc<dyn HearsAtDoor>) -> Result<Box<dyn Doorway>, String>;
+    fn open_gateway(
+        &self,
+        gateway: &Gateway<'_>,
+        hears: Arc<dyn GatewayListener>,
+    ) -> Result<Box<dyn GatewayPort>, String>;
 }
 
 /// Who hears what comes from other nodes. It is called in threads of the network, and must not wait.
-pub trait Hears: Send + Sync {
+pub trait NodeListener: Send + Sync {
     /// This has come from the node at a place of the list.
     fn came(&self, from: usize, bytes: &[u8]);
 
@@ -140,8 +145,8 @@ pub trait Hears: Send + Sync {
     fn is_lost(&self, node: usize);
 }
 
-/// Who hears at a door. It is called in threads of the network, and must not wait.
-pub trait HearsAtDoor: Send + Sync {
+/// Who hears at a gateway. It is called in threads of the network, and must not wait.
+pub trait GatewayListener: Send + Sync {
     /// This has come from a program with the certificate of the sensor.
     fn came(&self, bytes: &[u8]);
 
@@ -152,8 +157,8 @@ pub trait HearsAtDoor: Send + Sync {
     fn is_lost(&self, program: u64);
 }
 
-/// The way through a door to the programs at it.
-pub trait Doorway: Send + Sync {
+/// The way through a gateway to the programs at it.
+pub trait GatewayPort: Send + Sync {
     /// Sends this to all of them; what is sent to none is lost.
     fn send(&self, bytes: &[u8]);
 }

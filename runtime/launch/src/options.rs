@@ -10,7 +10,7 @@ use clap::error::ErrorKind;
 use clap::{Args, Command, Parser, Subcommand};
 
 use crate::own;
-use crate::telling::Asked;
+use crate::telling::PartRequest;
 use mrroc_core::fault::Name;
 use mrroc_core::fault::{ProcessId, Role};
 use mrroc_core::link::Clock;
@@ -94,7 +94,7 @@ pub(super) struct Options {
     #[arg(long, value_name = "US", default_value = "0", value_parser = nanoseconds, help_heading = "Processes")]
     pub(super) spin: u64,
     #[command(subcommand)]
-    pub(super) word: Option<Word>,
+    pub(super) word: Option<LaunchCommand>,
     /// Which process of a cell this one is, and in which session, as its launcher started it.
     #[arg(skip)]
     pub(super) part: Option<(ProcessId, PathBuf)>,
@@ -113,7 +113,7 @@ pub(super) struct RecordingOption {
 
 /// What is asked for instead of a run.
 #[derive(Clone, Debug, Subcommand)]
-pub(super) enum Word {
+pub(super) enum LaunchCommand {
     /// Run the programs again on what a recording says of robots, sensors and operator, and compare the demands;
     /// identical: exit status 0, different: 1.
     Replay {
@@ -150,9 +150,9 @@ pub(super) enum Word {
         /// A new folder.
         folder: String,
     },
-    /// Keep the door of a sensor whose program is on another machine: its process starts this.
-    #[command(hide = true)]
-    Door {
+    /// Run the gateway of a sensor whose program is on another machine: its process starts this.
+    #[command(name = "door", hide = true)]
+    Gateway {
         /// The sensor.
         name: String,
     },
@@ -296,14 +296,14 @@ pub(super) fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Opt
 
 /// For a program's help: the words for a cell that runs already, and the options that are common to all programs.
 pub(super) fn help_beside_own() -> String {
-    let command = Word::augment_subcommands(RecordingOption::augment_args(Command::new("")));
+    let command = LaunchCommand::augment_subcommands(RecordingOption::augment_args(Command::new("")));
     let command = command.disable_help_flag(true).disable_help_subcommand(true).max_term_width(80);
     command.help_template("{all-args}").render_help().to_string().trim_end().to_owned()
 }
 
 /// Whether a word is asked for instead of a run.
 pub(super) fn is_word(word: &OsStr) -> bool {
-    word.to_str().is_some_and(Word::has_subcommand)
+    word.to_str().is_some_and(LaunchCommand::has_subcommand)
 }
 
 /// The name of a lower cell.
@@ -353,10 +353,10 @@ pub(super) enum AskedRecording {
 }
 
 /// Splits off `calibration ROBOT`, `export-urdf ROBOT` or `external NAME` at the beginning.
-pub(super) fn split_asked(mut arguments: Vec<OsString>) -> (Option<(Asked, String)>, Vec<OsString>) {
+pub(super) fn split_asked(mut arguments: Vec<OsString>) -> (Option<(PartRequest, String)>, Vec<OsString>) {
     let is_panel = arguments.first().is_some_and(|word| word == "panel");
     let word = arguments.first().filter(|_| arguments.len() > 1 || is_panel).and_then(|word| word.to_str());
-    let Some(asked) = word.and_then(Asked::of) else { return (None, arguments) };
+    let Some(asked) = word.and_then(PartRequest::of) else { return (None, arguments) };
     // The name of a recording need not follow.
     let is_alone = is_panel && arguments.get(1).is_none_or(|name| name.as_encoded_bytes().starts_with(b"-"));
     if is_alone {
@@ -519,7 +519,7 @@ mod tests {
             assert_eq!(options(both).clock(), Some(Clock::Virtual));
         }
         assert_eq!(options(&["--processes", "--spin", "20"]).spin, 20_000);
-        assert!(matches!(options(&["doctor"]).word, Some(Word::Doctor)));
+        assert!(matches!(options(&["doctor"]).word, Some(LaunchCommand::Doctor)));
     }
 
     #[test]
@@ -528,7 +528,7 @@ mod tests {
             (&["replay", "a.mcap"][..], false),
             (&["--no-picture", "replay", "a.mcap", "--partial", "-q"], true),
         ] {
-            let Some(Word::Replay { file, partial }) = options(arguments).word else {
+            let Some(LaunchCommand::Replay { file, partial }) = options(arguments).word else {
                 panic!("{arguments:?}")
             };
             assert_eq!((file, partial), (PathBuf::from("a.mcap"), taken));
@@ -538,7 +538,7 @@ mod tests {
     #[test]
     fn an_operator_says_in_words_what_a_running_cell_is_to_do() {
         let asked = |arguments: &[&str]| match parsed(arguments)?.word {
-            Some(Word::Operating(word)) => word.read().map(Some).map_err(|error| error.to_string()),
+            Some(LaunchCommand::Operating(word)) => word.read().map(Some).map_err(|error| error.to_string()),
             _ => Ok(None),
         };
         assert_eq!(asked(&[]), Ok(None));

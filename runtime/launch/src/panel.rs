@@ -10,11 +10,11 @@ use std::rc::Rc;
 use std::time::Duration;
 
 use super::outcome::report;
-use super::parts::{LooksOn, Panel, Parts};
+use super::parts::{MemoryRunViewer, Panel, Parts};
 use mrroc_core::cell::Cell;
 use mrroc_core::console::refused;
 use mrroc_core::link::Clock;
-use mrroc_core::observe::witness::Witness;
+use mrroc_core::observe::step_observer::StepObserver;
 
 /// How often it is looked whether the panel has ended with its cell, and how many times at most.
 const LOOK: Duration = Duration::from_millis(50);
@@ -40,28 +40,31 @@ pub(super) fn check(parts: &Parts, clock: Option<Clock>, is_dry: bool) -> Result
     Ok(())
 }
 
-/// Lets the panel look on at a run on the memory link, if there is one; it shows the run when that is over.
-pub(super) fn look_on(panel: Option<&'static dyn Panel>, cell: Cell) -> (Option<Rc<dyn LooksOn>>, Cell) {
-    let Some(panel) = panel.map(|panel| panel.look_on(cell.layout())) else { return (None, cell) };
-    let witness = Rc::clone(&panel) as Rc<dyn Witness>;
-    (Some(panel), cell.witnessed_by(witness))
+/// Lets the panel view a run on the memory link, if there is one; it shows the run when that is over.
+pub(super) fn view_memory_run(
+    panel: Option<&'static dyn Panel>,
+    cell: Cell,
+) -> (Option<Rc<dyn MemoryRunViewer>>, Cell) {
+    let Some(panel) = panel.map(|panel| panel.view_memory_run(cell.layout())) else { return (None, cell) };
+    let observer = Rc::clone(&panel) as Rc<dyn StepObserver>;
+    (Some(panel), cell.observed_by(observer))
 }
 
 /// The process that has the panel: it ends with its cell, and not later than who started it.
 #[must_use]
-pub(super) struct Begun(Option<Child>);
+pub(super) struct PanelProcess(Option<Child>);
 
 /// Starts this program once more with these arguments, as the process that has the panel. The cell runs all the same if it cannot
 /// be started.
-pub(super) fn begin(arguments: impl IntoIterator<Item = OsString>) -> Begun {
+pub(super) fn begin(arguments: impl IntoIterator<Item = OsString>) -> PanelProcess {
     let started = std::env::current_exe().and_then(|program| {
         // In a group of its own: what is typed at the terminal is for the launcher, and the panel ends with the cell.
         Command::new(program).args(arguments).env(AWAITED, "1").process_group(0).spawn()
     });
-    Begun(started.inspect_err(|error| report(&format!("the panel cannot be started: {error}"))).ok())
+    PanelProcess(started.inspect_err(|error| report(&format!("the panel cannot be started: {error}"))).ok())
 }
 
-impl Drop for Begun {
+impl Drop for PanelProcess {
     #[allow(clippy::disallowed_methods, reason = "a launcher whose cell is over is no part of control")]
     fn drop(&mut self) {
         let Some(child) = &mut self.0 else { return };

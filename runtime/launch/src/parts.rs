@@ -12,7 +12,7 @@ use mrroc_core::cell::{Cell, CellError, Nodes};
 use mrroc_core::fault::{Name, ProcessId};
 use mrroc_core::observe::layout::Layout;
 use mrroc_core::observe::recording::{NotRecorded, Recorder};
-use mrroc_core::observe::witness::Witness;
+use mrroc_core::observe::step_observer::StepObserver;
 
 use crate::options::Operating;
 use crate::program::{Launch, Ran};
@@ -42,12 +42,12 @@ pub trait Panel: core::fmt::Debug + Sync {
     /// Shows a recording of a cell of this layout, until it is ended by a signal.
     fn play(&self, layout: Layout, recording: &Path) -> ExitCode;
 
-    /// Begins to look on at a run on the memory link.
-    fn look_on(&self, layout: Layout) -> Rc<dyn LooksOn>;
+    /// Begins to view a run on the memory link.
+    fn view_memory_run(&self, layout: Layout) -> Rc<dyn MemoryRunViewer>;
 }
 
-/// Who looks on at a run on the memory link, and shows it afterwards.
-pub trait LooksOn: Witness {
+/// Who views a run on the memory link, and shows it afterwards.
+pub trait MemoryRunViewer: StepObserver {
     /// The run is over: shows it until this process is ended by a signal.
     fn show(&self) -> ExitCode;
 }

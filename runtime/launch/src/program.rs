@@ -11,14 +11,14 @@ use std::time::Duration;
 
 use super::files::check_outputs;
 use super::options::{
-    AskedRecording, Word, help_beside_own, is_word, parse, split_asked, split_panel, split_part,
+    AskedRecording, LaunchCommand, help_beside_own, is_word, parse, split_asked, split_panel, split_part,
     split_recording,
 };
 use super::outcome::answered;
 use super::panel;
 use super::parts::Parts;
 use super::recorded;
-use super::telling::{self, Asked};
+use super::telling::{self, PartRequest};
 use mrroc_core::cell::{Cell, CellError, RunReport};
 use mrroc_core::console::refused;
 use mrroc_core::fault::ProcessId;
@@ -39,7 +39,7 @@ pub struct Launch {
     /// What the command line asks for concerning a recording.
     pub(super) recording: Option<AskedRecording>,
     /// What is asked of a robot or a sensor, by name, and nothing else.
-    pub(super) asked: Option<(Asked, String)>,
+    pub(super) asked: Option<(PartRequest, String)>,
     /// Whether the cell is shown in a browser.
     pub(super) panel: bool,
     /// By which clock the cell runs as processes; `None`: on the memory link.
@@ -161,18 +161,18 @@ impl Launch {
             Err(answer) => return Some(answered(&answer)),
         };
         let operating = match options.word? {
-            Word::Doctor => return Some(self.parts.examine()),
-            Word::Replay { .. }
-            | Word::Calibration { .. }
-            | Word::ExportUrdf { .. }
-            | Word::External { .. }
-            | Word::Node { .. }
-            | Word::Certificates { .. }
-            | Word::Door { .. }
-            | Word::Panel { .. } => {
+            LaunchCommand::Doctor => return Some(self.parts.examine()),
+            LaunchCommand::Replay { .. }
+            | LaunchCommand::Calibration { .. }
+            | LaunchCommand::ExportUrdf { .. }
+            | LaunchCommand::External { .. }
+            | LaunchCommand::Node { .. }
+            | LaunchCommand::Certificates { .. }
+            | LaunchCommand::Gateway { .. }
+            | LaunchCommand::Panel { .. } => {
                 return None;
             }
-            Word::Operating(word) => match word.read() {
+            LaunchCommand::Operating(word) => match word.read() {
                 Ok(operating) => operating,
                 Err(error) => return Some(refused(&error)),
             },
@@ -226,10 +226,10 @@ impl Launch {
     /// first cause of a stop.
     pub fn run(self, cell: Cell) -> Result<Ran, CellError> {
         let mut cell = self.parts.equip(cell);
-        if let Some((Asked::Node, name)) = self.asked.clone() {
+        if let Some((PartRequest::Node, name)) = self.asked.clone() {
             return Ok(Ran::Part(self.parts.node(cell, &name, self)));
         }
-        if let Some((Asked::Panel, recording)) = &self.asked {
+        if let Some((PartRequest::Panel, recording)) = &self.asked {
             cell.check()?;
             let recording = Some(Path::new(recording)).filter(|file| !file.as_os_str().is_empty());
             let file = self.cell.clone().map_or_else(std::env::current_exe, Ok);
@@ -266,7 +266,7 @@ impl Launch {
         }
         match self.clock {
             None => {
-                let (panel, cell) = panel::look_on(self.parts.panel.filter(|_| self.panel), cell);
+                let (panel, cell) = panel::view_memory_run(self.parts.panel.filter(|_| self.panel), cell);
                 let ran = cell.run().map(Ran::Here);
                 panel.map_or(ran, |panel| Ok(Ran::Part(panel.show())))
             }
@@ -294,11 +294,11 @@ mod tests {
     #[test]
     fn what_a_robot_is_asked_for_is_told_from_the_programs_own_arguments() {
         let of = |asked| Some((asked, "arm".to_owned()));
-        assert_eq!(launch(&["calibration", "arm", "-x"]).asked, of(Asked::Calibration));
+        assert_eq!(launch(&["calibration", "arm", "-x"]).asked, of(PartRequest::Calibration));
         let urdf = launch(&["export-urdf", "arm", "-x"]);
-        assert_eq!(urdf.asked, of(Asked::Urdf));
+        assert_eq!(urdf.asked, of(PartRequest::Urdf));
         assert!(urdf.arguments() == ["-x"] && !urdf.is_here());
-        assert_eq!(launch(&["external", "eye"]).asked, Some((Asked::Python, "eye".to_owned())));
+        assert_eq!(launch(&["external", "eye"]).asked, Some((PartRequest::Python, "eye".to_owned())));
         assert_eq!(launch(&["export-urdf"]).asked, None);
         assert_eq!(launch(&["--text", "export-urdf", "arm"]).asked, None);
     }

@@ -8,11 +8,11 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 use super::files::unwritable;
+use super::long_run::LongRunNotes;
 use super::options::Options;
 use super::outcome::{cell_refused, note, report, stopped, tell};
 use super::outcome_file::{Outcome, write_outcome};
 use super::panel;
-use super::patience::Patience;
 use super::{Launch, Parts, Ran};
 use mrroc_core::cell::{Cell, CellError, RunPicture, RunReport};
 use mrroc_core::console::{Background, refused};
@@ -39,10 +39,10 @@ pub(super) fn run(
         cell = picture.watch(cell);
     }
     if !options.quiet {
-        let patience = Patience::begin().with_reset(cell.awaits_reset());
-        cell = cell.also_on_step(patience.notes());
+        let notes = LongRunNotes::begin().with_reset(cell.awaits_reset());
+        cell = cell.also_on_step(notes.hook());
     }
-    let (panel, cell) = panel::look_on(parts.panel.filter(|_| options.panel), cell);
+    let (panel, cell) = panel::view_memory_run(parts.panel.filter(|_| options.panel), cell);
     let ran = cell.end_when_stuck(STUCK).run();
     if let (Some(file), Ok(_) | Err(CellError::Fault(_))) = (&options.outcome, &ran)
         && let Err(error) = write_outcome(file, &Outcome::of_memory_link(&ran))

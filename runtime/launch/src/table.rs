@@ -71,7 +71,7 @@ impl Table<'_> {
             let (priority, core) = self.placed(id);
             writeln!(f, "{process:<30}{program:<16}{period:>10}{priority:>10}{core:>8}")
         };
-        row("mp".to_owned(), own(self.layout.mp_program, "nudging"), &step, ProcessId::MP)?;
+        row("mp".to_owned(), own(self.layout.mp_program, "triggering"), &step, ProcessId::MP)?;
         for (name, step) in &self.layout.cells {
             let id = ProcessId { name: Name::of_process(name).ok(), ..ProcessId::MP };
             row(format!("mp {name}"), "its own", &ms(*step), id)?;

@@ -13,11 +13,11 @@ use mrroc_core::suggestion::suggestion;
 
 use super::cell_file::CellFile;
 use super::external;
-use super::network::{Certified, NO_NETWORK, keep_door, network};
+use super::network::{CertificateRequest, NO_NETWORK, network, run_gateway};
 
 /// What a part of the cell is asked for instead of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Asked {
+pub(super) enum PartRequest {
     /// Its calibration, of its controller.
     Calibration,
     /// Itself as a URDF.
@@ -28,38 +28,38 @@ pub(super) enum Asked {
     Node,
     /// To make certificates for all machines, in a folder of this name.
     Certificates,
-    /// To keep the door of a sensor, for the process of that sensor.
-    Door,
+    /// To run the gateway of a sensor, for the process of that sensor.
+    Gateway,
     /// To show it in a browser.
     Panel,
 }
 
-impl Asked {
+impl PartRequest {
     /// What the first word of a command line asks for.
-    pub fn of(word: &str) -> Option<Asked> {
+    pub fn of(word: &str) -> Option<PartRequest> {
         match word {
-            "calibration" => Some(Asked::Calibration),
-            "export-urdf" => Some(Asked::Urdf),
-            "external" => Some(Asked::Python),
-            "node" => Some(Asked::Node),
-            "certificates" => Some(Asked::Certificates),
-            "door" => Some(Asked::Door),
-            "panel" => Some(Asked::Panel),
+            "calibration" => Some(PartRequest::Calibration),
+            "export-urdf" => Some(PartRequest::Urdf),
+            "external" => Some(PartRequest::Python),
+            "node" => Some(PartRequest::Node),
+            "certificates" => Some(PartRequest::Certificates),
+            "door" => Some(PartRequest::Gateway),
+            "panel" => Some(PartRequest::Panel),
             _ => None,
         }
     }
 }
 
 /// Prints what the robot, or the sensor, of this name tells. Nothing moves.
-pub(super) fn tell(cell: &mut Cell, file: &Path, name: &str, asked: Asked) -> ExitCode {
+pub(super) fn tell(cell: &mut Cell, file: &Path, name: &str, asked: PartRequest) -> ExitCode {
     match asked {
-        Asked::Python => external::tell(cell, name),
-        Asked::Calibration => of_robot(cell, name, calibration),
-        Asked::Urdf => of_robot(cell, name, urdf),
-        Asked::Certificates => certificates(cell, file, name),
-        Asked::Door => keep_door(file, name),
+        PartRequest::Python => external::tell(cell, name),
+        PartRequest::Calibration => of_robot(cell, name, calibration),
+        PartRequest::Urdf => of_robot(cell, name, urdf),
+        PartRequest::Certificates => certificates(cell, file, name),
+        PartRequest::Gateway => run_gateway(file, name),
         // What is no word of a robot or a sensor is asked of the processes.
-        Asked::Node | Asked::Panel => refused(&"that is no part of a cell"),
+        PartRequest::Node | PartRequest::Panel => refused(&"that is no part of a cell"),
     }
 }
 
@@ -73,9 +73,9 @@ fn certificates(cell: &Cell, file: &Path, folder: &str) -> ExitCode {
             Err(error) => return refused(&error),
         },
     };
-    let doors: Vec<_> = file.iter().flat_map(CellFile::doors).collect();
+    let gateways: Vec<_> = file.iter().flat_map(CellFile::gateways).collect();
     let nodes = cell.nodes();
-    if nodes.is_none() && doors.is_empty() {
+    if nodes.is_none() && gateways.is_empty() {
         return refused(
             &"cell.toml has no nodes\n help: write a table [nodes.NAME] for each machine, or `address` into \
               [sensors.NAME.external] for a program on another one",
@@ -86,9 +86,11 @@ fn certificates(cell: &Cell, file: &Path, folder: &str) -> ExitCode {
         let (nodes, id) = (nodes?, ProcessId::new(Role::Vsp, Name::new(name).ok()?));
         nodes.all().get(nodes.of(id)?).map(|node| node.name.as_str())
     };
-    let doors =
-        doors.iter().filter_map(|door| Some((door.name(), door.address()?, place(door.name())))).collect();
-    let whom = Certified { nodes: nodes.map_or(&[], |nodes| nodes.all()), doors };
+    let gateways = gateways
+        .iter()
+        .filter_map(|gateway| Some((gateway.name(), gateway.address()?, place(gateway.name()))))
+        .collect();
+    let whom = CertificateRequest { nodes: nodes.map_or(&[], |nodes| nodes.all()), gateways };
     match network.certify(&whom, Path::new(folder)) {
         Ok(told) => say(&told),
         Err(error) => refused(&error),

@@ -9,7 +9,7 @@ use mrroc_core::generator::TypeName;
 use mrroc_core::observe::Observation;
 use mrroc_core::operator::button::{Answer, Button, CellState};
 use mrroc_core::operator::jog::{JogRefusal, JogStop};
-use mrroc_core::operator::state::{Doing, EcpState, EdpState, MpState, VspState};
+use mrroc_core::operator::state::{EcpState, EdpState, InstructionKind, MpState, VspState};
 use mrroc_core::payload::{WORDS, Wire};
 use mrroc_core::pose::Pose;
 use mrroc_core::robot::{Load, MAX_JOINTS, Signals};
@@ -90,12 +90,12 @@ const STOP: usize = 2 + NAME_BYTES / 8;
 
 /// What the entry of an ECP says: what its program does, the generator or condition of its last instruction, and why its robot
 /// stands though it is jogged.
-pub(super) fn ecp(words: &[u64; ENTRY]) -> (Doing, String, JogStop) {
+pub(super) fn ecp(words: &[u64; ENTRY]) -> (InstructionKind, String, JogStop) {
     (doing(words[0]), name(&words[1..STOP]), JogStop::from_word(words[STOP]))
 }
 
-fn doing(word: u64) -> Doing {
-    usize::try_from(word).ok().and_then(|place| Doing::ALL.get(place)).copied().unwrap_or_default()
+fn doing(word: u64) -> InstructionKind {
+    usize::try_from(word).ok().and_then(|place| InstructionKind::ALL.get(place)).copied().unwrap_or_default()
 }
 
 /// Puts the length of a name, and its first bytes, without allocation.
@@ -120,7 +120,7 @@ pub(super) struct MpPanel {
     pub period: u64,
     pub epoch: u32,
     pub instructions: u64,
-    pub doing: Doing,
+    pub doing: InstructionKind,
     pub by: String,
     pub rate: f64,
     pub speed: f64,
@@ -300,14 +300,15 @@ mod tests {
     fn the_state_of_an_ecp_is_read_as_it_was_written_and_a_name_that_is_too_long_as_far_as_it_fits() {
         let by = TypeName::of::<Dwell<u8>>();
         let stop = JogStop::Joint(3);
-        let read = ecp(&of_ecp(&EcpState { doing: Doing::Wait, by, stop }));
-        assert_eq!(read, (Doing::Wait, "Dwell".to_owned(), stop));
+        let read = ecp(&of_ecp(&EcpState { doing: InstructionKind::Wait, by, stop }));
+        assert_eq!(read, (InstructionKind::Wait, "Dwell".to_owned(), stop));
         let by = TypeName::of::<
             AConditionWithANameThatHasMoreThanSeventyTwoBytesAsNobodyWouldEverWriteOneInEarnest,
         >();
-        let (_, read, _) = ecp(&of_ecp(&EcpState { doing: Doing::Wait, by, ..EcpState::default() }));
+        let (_, read, _) =
+            ecp(&of_ecp(&EcpState { doing: InstructionKind::Wait, by, ..EcpState::default() }));
         assert!(read.len() == NAME_BYTES && by.to_string().starts_with(&read), "{read}");
-        assert_eq!(ecp(&[u64::MAX; ENTRY]).0, Doing::Nothing);
+        assert_eq!(ecp(&[u64::MAX; ENTRY]).0, InstructionKind::Nothing);
     }
 
     #[test]
@@ -320,7 +321,7 @@ mod tests {
             period: 2,
             epoch: 4,
             instructions: 6,
-            doing: Doing::Wait,
+            doing: InstructionKind::Wait,
             by: TypeName::of::<Dwell<u8>>(),
             rate: 0.25,
             speed: 0.5,
@@ -334,7 +335,7 @@ mod tests {
         (state.jogs, state.jogged) = ([5, 1 << 63], Some((2, JogStop::Way)));
         let read = MpPanel::read(&of_mp(&state));
         assert_eq!((read.step, read.period, read.epoch), (1, 2, 4));
-        assert_eq!((read.instructions, read.doing, read.by.as_str()), (6, Doing::Wait, "Dwell"));
+        assert_eq!((read.instructions, read.doing, read.by.as_str()), (6, InstructionKind::Wait, "Dwell"));
         assert_eq!((read.rate, read.speed, read.state), (0.25, 0.5, CellState::Suspended));
         assert_eq!(read.answers, state.answers);
         assert_eq!((read.jogs, read.jogged), ([5, 1 << 63], Some((2, JogStop::Way))));
@@ -344,7 +345,7 @@ mod tests {
     #[test]
     fn words_that_spell_nothing_are_read_without_harm() {
         let read = MpPanel::read(&[u64::MAX; ENTRY]);
-        assert_eq!((read.doing, read.state, read.fault), (Doing::Nothing, CellState::Idle, None));
+        assert_eq!((read.doing, read.state, read.fault), (InstructionKind::Nothing, CellState::Idle, None));
         assert!(read.answers.iter().all(|answer| !answer.done));
         assert_eq!(RobotEntry::read(&[u64::MAX; ENTRY]).expect("words").demanded.len(), MAX_JOINTS);
         assert!(carried(&[u64::MAX; ENTRY]).is_none() && reading(&[u64::MAX; ENTRY]).is_none());

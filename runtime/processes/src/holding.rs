@@ -21,7 +21,7 @@ use mrroc_core::operator::button::Button;
 use mrroc_core::operator::jog::JogOrder;
 use mrroc_launch::outcome::report;
 
-use crate::console_server::{Caller, Heard, Reply, Request};
+use crate::console_server::{Caller, ConsoleMessage, Reply, Request};
 use crate::iceoryx::monotonic;
 
 /// Longest time between two bytes of a key that is held: keys repeat at 10 to 50 Hz.
@@ -169,15 +169,15 @@ fn tell(caller: &mut Caller, jog: Option<(Name, JogOrder)>, told: Told) -> io::R
         (Told::LetGo(hold), _) => (Button::LetGo(hold), Some("let go")),
     };
     match caller.ask(&Request::Press(button))? {
-        Heard::Reply(Reply::Done(_)) => {
+        ConsoleMessage::Reply(Reply::Done(_)) => {
             if let Some(shown) = shown {
                 let _ = say(&format!("{shown}\n"));
             }
             Ok(())
         }
-        Heard::Reply(Reply::Refused(why)) => Err(io::Error::other(why)),
+        ConsoleMessage::Reply(Reply::Refused(why)) => Err(io::Error::other(why)),
         // The program computes: what is held now may be over by then.
-        Heard::Reply(Reply::Pending(_)) | Heard::Picture(_) => Ok(()),
+        ConsoleMessage::Reply(Reply::Pending(_)) | ConsoleMessage::Picture(_) => Ok(()),
     }
 }
 

@@ -84,7 +84,7 @@ impl Holder {
 
 /// A name that another process has taken; with what is known of that process.
 #[derive(Debug)]
-pub(crate) enum Taken {
+pub(crate) enum AlreadyTaken {
     /// The cell's.
     Cell(Option<Holder>),
     /// That of its hardware.
@@ -101,18 +101,22 @@ impl Names {
     /// Takes the names of a cell and of its hardware.
     ///
     /// # Errors
-    /// [`Taken`]: another process has one of them.
-    pub fn take(cell: CellId, hardware: &[String]) -> Result<Names, Taken> {
+    /// [`AlreadyTaken`]: another process has one of them.
+    pub fn take(cell: CellId, hardware: &[String]) -> Result<Names, AlreadyTaken> {
         let mut names = Names(Vec::new());
-        names.bind(&cell.name(), Taken::Cell)?;
+        names.bind(&cell.name(), AlreadyTaken::Cell)?;
         for what in hardware {
             let name = format!("mrroc-hardware-{:016x}", layout_hash(0, what));
-            names.bind(&name, |holder| Taken::Hardware(what.clone(), holder))?;
+            names.bind(&name, |holder| AlreadyTaken::Hardware(what.clone(), holder))?;
         }
         Ok(names)
     }
 
-    fn bind(&mut self, name: &str, taken: impl FnOnce(Option<Holder>) -> Taken) -> Result<(), Taken> {
+    fn bind(
+        &mut self,
+        name: &str,
+        taken: impl FnOnce(Option<Holder>) -> AlreadyTaken,
+    ) -> Result<(), AlreadyTaken> {
         match bind(name) {
             Ok(socket) => self.0.push(socket),
             Err(error) if error.kind() == ErrorKind::AddrInUse => {
@@ -124,11 +128,11 @@ impl Names {
                 });
                 return Err(taken(found));
             }
-            Err(error) => return Err(Taken::Io(error)),
+            Err(error) => return Err(AlreadyTaken::Io(error)),
         }
         let user = rustix::process::getuid().as_raw();
         let own = format!("{name}-by-{}-{user}", std::process::id());
-        self.0.push(bind(&own).map_err(Taken::Io)?);
+        self.0.push(bind(&own).map_err(AlreadyTaken::Io)?);
         Ok(())
     }
 }
@@ -192,10 +196,10 @@ mod tests {
         let drives = [format!("drives of test {}", own.pid)];
         let names = Names::take(cell, &drives).expect("free");
         assert_eq!(cell.holder(), Some(own));
-        assert!(matches!(Names::take(cell, &[]), Err(Taken::Cell(Some(holder))) if holder == own));
+        assert!(matches!(Names::take(cell, &[]), Err(AlreadyTaken::Cell(Some(holder))) if holder == own));
         let other = Names::take(CellId::of(&copy), &drives);
         assert!(
-            matches!(other, Err(Taken::Hardware(what, Some(holder))) if what == drives[0] && holder == own)
+            matches!(other, Err(AlreadyTaken::Hardware(what, Some(holder))) if what == drives[0] && holder == own)
         );
         // Who could not take all took none.
         assert_eq!(CellId::of(&copy).holder(), None);

@@ -16,7 +16,7 @@ use super::pacing::pace;
 use super::process_set::{Member, NoStart, Plan, ProcessSet, Start};
 use super::session::{CellLock, Private, Session, SessionError, prefix};
 use super::signals::Signals;
-use super::supervision::{Patience, Supervision};
+use super::supervision::{Supervision, Timeouts};
 use crate::iceoryx::{Clock, Fabric, LinkError, make_management};
 use mrroc_core::cell::Rest;
 use mrroc_core::cell::{Cell, CellError, RunReport, first_cause};
@@ -88,7 +88,7 @@ pub(crate) fn launch(cell: Cell, plan: &Plan) -> Result<Launched, LaunchError> {
     let stop = cell.stop_limit();
     let awaits_reset = cell.awaits_reset();
     let cells_that_await_reset = cell.cells_that_await_reset();
-    let computing = cell.patience().unwrap_or(COMPUTING);
+    let computing = cell.watchdog_timeout().unwrap_or(COMPUTING);
     let hardware = cell.hardware();
     let recorder = cell.recorder();
     let recording = cell.recording().cloned().map(|recording| (recording, cell.layout()));
@@ -124,11 +124,11 @@ pub(crate) fn launch(cell: Cell, plan: &Plan) -> Result<Launched, LaunchError> {
                 let console_server = open_console_server(&session, shown, &process_set, record)?;
                 let run = match plan.clock {
                     Clock::Real => {
-                        let patience = Patience { stop, computing };
+                        let timeout = Timeouts { stop, computing };
                         let lower =
                             cells_that_await_reset.iter().map(|cell| LatchNotes::of_lower(*cell)).collect();
                         let notes = (LatchNotes::new(awaits_reset), lower);
-                        Supervision::new(&process_set, &signals, &console_server, &board, patience, notes)
+                        Supervision::new(&process_set, &signals, &console_server, &board, timeout, notes)
                             .run(plan.watched)
                     }
                     Clock::Virtual => pace(&process_set, &signals, console_server, stop)?,

@@ -52,8 +52,8 @@ mod signals;
 mod supervision;
 
 pub use console_server::{
-    Asks, BodyPicture, Caller, CarriedPicture, CellPicture, ENDED, Heard, Hears, MAX_REQUEST, OnBehalf,
-    Picture, ProcessPicture, ReadingPicture, Reply, Request, RobotPicture,
+    BodyPicture, Caller, CarriedPicture, CellPicture, ConsoleMessage, ENDED, MAX_REQUEST, OnBehalf, Picture,
+    ProcessPicture, ReadingPicture, Reply, ReplyReceiver, Request, RequestSender, RobotPicture,
 };
 pub use figures::{Figures, Spread};
 pub use part::OverSharedMemory;

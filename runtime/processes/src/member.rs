@@ -20,7 +20,7 @@ use super::own_entry::OwnEntry;
 use super::scheduling::{Lacks, ask, give_back_priority};
 use super::session::{Membership, Private, prefix};
 use crate::iceoryx::monotonic;
-use crate::iceoryx::{Clock, Fabric, Heard, Launcher, LockStep, RealTime, Seal, WakeFutex};
+use crate::iceoryx::{Clock, Fabric, Launcher, LauncherMessage, LockStep, RealTime, Seal, WakeFutex};
 use crate::identity::{self, CellId};
 use mrroc_core::cell::{Cell, RunReport};
 use mrroc_core::fault::{Fault, ProcessId, Role};
@@ -37,18 +37,18 @@ const KEEPING: Duration = Duration::from_micros(500);
 const RECEIVE_STACK: usize = 64 << 10;
 
 /// What a frame of the launcher says. An unexpected frame, or the end of the stream, counts as the close of the cell.
-fn heard(frame: io::Result<Frame>) -> Heard {
+fn heard(frame: io::Result<Frame>) -> LauncherMessage {
     match frame {
-        Ok(Frame::Resume { now }) => Heard::Resume(now),
-        Ok(Frame::Lost(process)) => Heard::News(News::Lost(process)),
-        Ok(Frame::Abort) => Heard::News(News::Abort),
-        Ok(Frame::Press { number, button }) => Heard::Press(number, button),
-        Ok(_) | Err(_) => Heard::Close,
+        Ok(Frame::Resume { now }) => LauncherMessage::Resume(now),
+        Ok(Frame::Lost(process)) => LauncherMessage::News(News::Lost(process)),
+        Ok(Frame::Abort) => LauncherMessage::News(News::Abort),
+        Ok(Frame::Press { number, button }) => LauncherMessage::Press(number, button),
+        Ok(_) | Err(_) => LauncherMessage::Close,
     }
 }
 
 impl Launcher for Control {
-    fn hear(&self) -> Heard {
+    fn hear(&self) -> LauncherMessage {
         heard(self.receive())
     }
 
@@ -171,7 +171,7 @@ fn take_part(
         Role::Edp => cell.watch(entry.of_robot()),
         Role::Plant => {
             let bodies = entry.of_bodies(&cell.layout().bodies);
-            cell.witnessed_by(bodies)
+            cell.observed_by(bodies)
         }
         Role::Mp | Role::Ecp | Role::Vsp | Role::Node => cell,
     };
@@ -273,7 +273,7 @@ fn listen(
     control: &Control,
     wake_futex: WakeFutex,
     has_robot: bool,
-) -> io::Result<(Receiver<Heard>, Receiver<Frame>)> {
+) -> io::Result<(Receiver<LauncherMessage>, Receiver<Frame>)> {
     let control = control.try_clone()?;
     control.wait_for_ever()?;
     let (tells, hears) = channel();

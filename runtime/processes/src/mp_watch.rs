@@ -6,7 +6,7 @@
 
 use std::time::{Duration, Instant};
 
-/// The share of its patience after which the launcher tells of an MP that stands still.
+/// The share of its timeout after which the launcher tells of an MP that stands still.
 const TELLING: u32 = 6;
 
 /// How long an MP that was told to stop may go on computing.
@@ -39,7 +39,7 @@ pub(super) struct MpProgress {
 
 /// What the launcher has seen of its MP.
 pub(super) struct MpWatch {
-    patience: Duration,
+    timeout: Duration,
     /// How far it had come at the last look.
     progress: MpProgress,
     looked: Option<Instant>,
@@ -51,10 +51,10 @@ pub(super) struct MpWatch {
 }
 
 impl MpWatch {
-    /// Of an MP whose program may compute for `patience`.
-    pub const fn new(patience: Duration) -> MpWatch {
+    /// Of an MP whose program may compute for `timeout`.
+    pub const fn new(timeout: Duration) -> MpWatch {
         MpWatch {
-            patience,
+            timeout,
             progress: MpProgress { step: 0, instructions: 0 },
             looked: None,
             still: Duration::ZERO,
@@ -79,11 +79,11 @@ impl MpWatch {
         let passed = self.looked.replace(now).map_or(Duration::ZERO, |last| (now - last).min(LOOK));
         if self.progress != progress {
             let MpWatch { looked, stopping, .. } = *self;
-            *self = MpWatch { progress, looked, stopping, ..MpWatch::new(self.patience) };
+            *self = MpWatch { progress, looked, stopping, ..MpWatch::new(self.timeout) };
             return Still::Moves;
         }
         self.still += passed;
-        let mut is_over = self.still >= self.patience;
+        let mut is_over = self.still >= self.timeout;
         if let Some((_, since)) = &mut self.stopping {
             *since += passed;
             is_over |= *since >= STOPPING;
@@ -92,7 +92,7 @@ impl MpWatch {
         if is_over {
             return Still::ToBeEnded(seconds);
         }
-        if self.is_told || self.still < self.patience / TELLING {
+        if self.is_told || self.still < self.timeout / TELLING {
             return Still::Tolerated;
         }
         self.is_told = true;
@@ -101,7 +101,7 @@ impl MpWatch {
 
     /// Counts from now on.
     pub fn begin_again(&mut self) {
-        *self = MpWatch::new(self.patience);
+        *self = MpWatch::new(self.timeout);
     }
 }
 

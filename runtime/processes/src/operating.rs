@@ -10,11 +10,11 @@ use std::process::ExitCode;
 
 use mrroc_core::console::{refused, say};
 use mrroc_core::fault::Name;
-use mrroc_core::operator::state::Doing;
+use mrroc_core::operator::state::InstructionKind;
 use mrroc_launch::Operating;
 use mrroc_launch::outcome::report;
 
-use crate::console_server::{Addressed, Caller, Heard, Picture, Reply, Request};
+use crate::console_server::{Addressed, Caller, ConsoleMessage, Picture, Reply, Request};
 use crate::figures::Figures;
 use crate::holding::hold;
 
@@ -35,8 +35,8 @@ pub(super) fn operate(cell: &Path, of: Option<Name>, operating: Operating) -> Ex
 /// Sends one request and prints its answer.
 fn once(mut caller: Caller, request: &Request) -> ExitCode {
     match caller.ask(request) {
-        Ok(Heard::Picture(picture)) => say(&describe(&picture)),
-        Ok(Heard::Reply(reply)) => tell(&reply),
+        Ok(ConsoleMessage::Picture(picture)) => say(&describe(&picture)),
+        Ok(ConsoleMessage::Reply(reply)) => tell(&reply),
         Err(error) => {
             report(&error);
             ExitCode::FAILURE
@@ -79,8 +79,8 @@ fn converse(mut caller: Caller) -> ExitCode {
                 let _ = tell(&Reply::Refused(text));
             }
             Ok(request) => match caller.ask(&request) {
-                Ok(Heard::Picture(picture)) => drop(say(&describe(&picture))),
-                Ok(Heard::Reply(reply)) => drop(tell(&reply)),
+                Ok(ConsoleMessage::Picture(picture)) => drop(say(&describe(&picture))),
+                Ok(ConsoleMessage::Reply(reply)) => drop(tell(&reply)),
                 Err(error) => {
                     report(&error);
                     return ExitCode::FAILURE;
@@ -101,7 +101,7 @@ fn describe(picture: &Picture) -> String {
     };
     line(format_args!("{}: step {} of {} ms", picture.state.word(), picture.step, millis(picture.period)));
     match picture.doing {
-        Doing::Nothing => {
+        InstructionKind::Nothing => {
             line(format_args!("instruction {}: over; the program computes", picture.instructions))
         }
         doing => {

@@ -11,7 +11,7 @@ use mrroc_core::fault::{ProcessId, Role};
 use mrroc_core::link::{Nanos, Notices};
 use mrroc_core::observe::Observation;
 use mrroc_core::observe::layout::BodyLayout;
-use mrroc_core::observe::witness::{What, Witness};
+use mrroc_core::observe::step_observer::{StepEvent, StepObserver};
 use mrroc_core::payload::Wire;
 use mrroc_core::pose::Pose;
 
@@ -65,8 +65,8 @@ impl OwnEntry {
         }
     }
 
-    /// A witness that shows on the board where these bodies are, as far as there is room for them.
-    pub fn of_bodies(&self, bodies: &[BodyLayout]) -> Rc<dyn Witness> {
+    /// An observer that shows on the board where these bodies are, as far as there is room for them.
+    pub fn of_bodies(&self, bodies: &[BodyLayout]) -> Rc<dyn StepObserver> {
         let names = bodies.iter().take(entry::BODIES).map(|body| body.name.clone()).collect();
         Rc::new(ShowsBodies { entry: Rc::clone(&self.0), names })
     }
@@ -121,9 +121,9 @@ struct ShowsBodies {
     names: Vec<String>,
 }
 
-impl Witness for ShowsBodies {
-    fn see(&self, _: Nanos, _: ProcessId, what: &What, words: &[u64]) {
-        let What::Body { body, .. } = what else { return };
+impl StepObserver for ShowsBodies {
+    fn see(&self, _: Nanos, _: ProcessId, what: &StepEvent, words: &[u64]) {
+        let StepEvent::Body { body, .. } = what else { return };
         let known = self.names.iter().position(|name| name == body.as_str());
         if let (Some(nth), Some((board, place))) = (known, self.entry.get()) {
             let mut shown = [1; 1 + Pose::LEN];

@@ -13,8 +13,8 @@ use mrroc_core::fault::{Name, ProcessId, Role};
 use mrroc_core::link::Clock;
 use mrroc_core::observe::recording::{Recorder, RunRecord};
 use mrroc_core::observe::ring::Ring;
-use mrroc_core::observe::witness::Witness;
-use mrroc_launch::patience::Patience;
+use mrroc_core::observe::step_observer::StepObserver;
+use mrroc_launch::long_run::LongRunNotes;
 use mrroc_launch::{Launch, Operating, Processes, Ran};
 
 use crate::doctor::examine;
@@ -100,30 +100,30 @@ fn take_part(
         cell = cell.watched_in_plant();
     }
     if !how.quiet {
-        let patience = match how.clock {
+        let notes = match how.clock {
             // Its launcher does not look at what the MP shows.
-            Some(Clock::Virtual) => Patience::begin_operated().with_reset(cell.awaits_reset()),
-            Some(Clock::Real) | None => Patience::begin_operated(),
+            Some(Clock::Virtual) => LongRunNotes::begin_operated().with_reset(cell.awaits_reset()),
+            Some(Clock::Real) | None => LongRunNotes::begin_operated(),
         };
-        cell = cell.also_on_step(patience.notes());
+        cell = cell.also_on_step(notes.hook());
     }
     let record =
         recorder.and_then(|recorder| recorder.join(cell.recording(), &cell.layout(), process, session));
     if let Some(record) = &record {
-        cell = cell.witnessed_in_all_cells_by(Rc::clone(record) as Rc<dyn Witness>);
+        cell = cell.observed_in_all_cells_by(Rc::clone(record) as Rc<dyn StepObserver>);
     }
     let pictured = if how.watching { show_picture(&mut cell, process, session, how.clock) } else { None };
     if let Some(shown) = &pictured {
-        cell = cell.witnessed_by(Rc::clone(shown) as Rc<dyn Witness>);
+        cell = cell.observed_by(Rc::clone(shown) as Rc<dyn StepObserver>);
     }
-    let onlooking = cell.begin_onlooking(Some(process), how.clock.unwrap_or(Clock::Real));
-    for shown in &onlooking {
-        cell = cell.witnessed_by(Rc::clone(shown) as Rc<dyn Witness>);
+    let subscriptions = cell.begin_subscriptions(Some(process), how.clock.unwrap_or(Clock::Real));
+    for shown in &subscriptions {
+        cell = cell.observed_by(Rc::clone(shown) as Rc<dyn StepObserver>);
     }
     let picture = if how.is_watched_plant() { open_picture(&mut cell, session) } else { None };
     let ran = run(cell, process, session, how.watching);
     // What the launcher's thread has not received yet, and the plant's.
-    record.iter().chain(&onlooking).for_each(|record| record.finish());
+    record.iter().chain(&subscriptions).for_each(|record| record.finish());
     pictured.iter().for_each(|shown| shown.finish());
     // When the plant gets the result of the run, all other processes have ended.
     if let (Some(picture), Ok(Some(_))) = (picture, &ran) {
@@ -152,13 +152,13 @@ fn show_picture(
     has_plant.then(|| picture_socket::join(process, session, clock.unwrap_or(Clock::Real))).flatten()
 }
 
-/// Lets the witnesses of the picture see what the other processes show, if there are any.
+/// Lets the observers of the picture see what the other processes show, if there are any.
 fn open_picture(cell: &mut Cell, session: &Path) -> Option<Receiver> {
-    let witnesses = cell.take_witnesses_of_picture();
-    if witnesses.is_empty() {
+    let observers = cell.take_observers_of_picture();
+    if observers.is_empty() {
         return None;
     }
-    let opened = Receiver::open(session, cell.layout(), witnesses);
+    let opened = Receiver::open(session, cell.layout(), observers);
     let unseen =
         |error: &io::Error| complain(&format!("warning: the picture lacks what processes show: {error}"));
     opened.inspect_err(unseen).ok()

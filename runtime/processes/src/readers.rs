@@ -1,6 +1,6 @@
 //! Reads what consoles and the console server write to each other, for fuzzing. Not part of the stable interface.
 
-use crate::console_server::{Heard, MAX_REQUEST, Request};
+use crate::console_server::{ConsoleMessage, MAX_REQUEST, Request};
 
 /// Reads `bytes` as a request of an operator's console, and as what the console server writes to a console.
 ///
@@ -15,11 +15,12 @@ pub fn operator(bytes: &[u8]) {
         }
     }
     let mut rest = bytes;
-    while let Ok(Some(heard)) = Heard::read(&mut rest) {
-        if let Heard::Picture(picture) = heard {
+    while let Ok(Some(heard)) = ConsoleMessage::read(&mut rest) {
+        if let ConsoleMessage::Picture(picture) = heard {
             let text = picture.to_string();
-            let again = Heard::read(&mut text.as_bytes());
-            let is_same = matches!(&again, Ok(Some(Heard::Picture(again))) if again.to_string() == text);
+            let again = ConsoleMessage::read(&mut text.as_bytes());
+            let is_same =
+                matches!(&again, Ok(Some(ConsoleMessage::Picture(again))) if again.to_string() == text);
             assert!(is_same, "{again:?} of {text}");
         }
     }

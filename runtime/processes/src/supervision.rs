@@ -25,7 +25,7 @@ use mrroc_core::console::{complain, wait_until_written};
 use mrroc_core::fault::{Fault, FaultKind, Name, ProcessId, Role};
 use mrroc_core::link::Nanos;
 use mrroc_core::operator::button::{Button, CellState};
-use mrroc_core::operator::state::Doing;
+use mrroc_core::operator::state::InstructionKind;
 
 /// Time from GO to the beginning of step 0, long enough for all processes to receive GO.
 const HEAD_START: Duration = Duration::from_millis(20);
@@ -47,7 +47,7 @@ const OWN_PRESS: u64 = u64::MAX;
 
 /// How long a cell may take for what its launcher waits for.
 #[derive(Clone, Copy)]
-pub(super) struct Patience {
+pub(super) struct Timeouts {
     /// For a stop of its robots.
     pub stop: Duration,
     /// For the MP's program between two steps.
@@ -61,7 +61,7 @@ pub(super) struct Supervision<'a> {
     console_server: &'a ConsoleServer,
     board: &'a StateBoard,
     mp: Option<usize>,
-    patience: Patience,
+    timeout: Timeouts,
     /// The first process that died.
     death: Option<Fault>,
     /// Until when the MP's program has to end after an abort.
@@ -89,7 +89,7 @@ impl<'a> Supervision<'a> {
         signals: &'a Signals,
         console_server: &'a ConsoleServer,
         board: &'a StateBoard,
-        patience: Patience,
+        timeout: Timeouts,
         (latch_notes, lower_notes): (LatchNotes, Vec<LatchNotes>),
     ) -> Self {
         let at = |cell: Option<Name>| {
@@ -106,13 +106,13 @@ impl<'a> Supervision<'a> {
             console_server,
             board,
             mp: process_set.members.iter().position(|member| member.id == ProcessId::MP),
-            patience,
+            timeout,
             death: None,
             aborting: None,
             closing: None,
             suspending: None,
             rounds_at_rest: 0,
-            mp_watch: MpWatch::new(patience.computing),
+            mp_watch: MpWatch::new(timeout.computing),
             latch_notes,
             lower_notes,
             mp_is_still: false,
@@ -174,10 +174,10 @@ impl<'a> Supervision<'a> {
         self.signals.clear();
         if self.signals.ends() && self.aborting.is_none() {
             self.process_set.tell_mp(&Frame::Abort);
-            self.aborting = Some(Instant::now() + self.patience.stop + ABORTING);
+            self.aborting = Some(Instant::now() + self.timeout.stop + ABORTING);
         }
         if self.signals.take_stop() && self.suspending.is_none() {
-            self.suspending = Some(Instant::now() + self.patience.stop + SUSPENDING);
+            self.suspending = Some(Instant::now() + self.timeout.stop + SUSPENDING);
             self.rounds_at_rest = 0;
             self.press_suspend();
         }
@@ -247,7 +247,7 @@ impl<'a> Supervision<'a> {
     fn close(&mut self) {
         if self.closing.is_none() {
             self.process_set.tell(&Frame::Close);
-            self.closing = Some(Instant::now() + self.patience.stop + self.process_set.closing());
+            self.closing = Some(Instant::now() + self.timeout.stop + self.process_set.closing());
         }
     }
 
@@ -302,7 +302,7 @@ impl<'a> Supervision<'a> {
             Still::ToBeTold(seconds) => complain(&format!(
                 "note: mp: it has begun no step for {seconds} s: {}; its robots stand; after {} s in all the cell is ended",
                 self.what_mp_does(),
-                self.patience.computing.as_secs_f64()
+                self.timeout.computing.as_secs_f64()
             )),
             Still::ToBeEnded(seconds) => {
                 let kind =
@@ -334,8 +334,8 @@ impl<'a> Supervision<'a> {
         self.panel().is_none_or(|mp| match (mp.state, mp.doing) {
             (CellState::Latched | CellState::Acknowledged, _) => true,
             // Its next instruction begins suspended.
-            (CellState::Idle | CellState::Suspended, Doing::Nothing) => true,
-            (CellState::Suspended, Doing::Move | Doing::Wait) => mp.rate == 0.0,
+            (CellState::Idle | CellState::Suspended, InstructionKind::Nothing) => true,
+            (CellState::Suspended, InstructionKind::Move | InstructionKind::Wait) => mp.rate == 0.0,
             (..) => false,
         })
     }

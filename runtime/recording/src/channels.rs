@@ -14,10 +14,10 @@ use mrroc_core::link::Nanos;
 use mrroc_core::link::message::OrderKind;
 use mrroc_core::observe::layout::{Layout, SignalLayout};
 use mrroc_core::observe::ring::Record;
-use mrroc_core::observe::witness::STATE_WORDS;
-use mrroc_core::observe::witness::{Mode, ReadingState, What};
+use mrroc_core::observe::step_observer::STATE_WORDS;
+use mrroc_core::observe::step_observer::{Mode, ReadingState, StepEvent};
 use mrroc_core::operator::jog::JogNow;
-use mrroc_core::operator::state::Doing;
+use mrroc_core::operator::state::InstructionKind;
 use mrroc_core::payload::Shape;
 use mrroc_core::payload::Wire;
 use mrroc_core::robot::{Channel, MAX_JOINTS, Signals, Values};
@@ -94,27 +94,27 @@ fn topic(record: &Record) -> (Topic, Option<&'static Shape>) {
     let cell = record.by.cell();
     let events = Topic::Events(cell);
     match record.what {
-        What::Step { .. } => (Topic::Steps(cell), None),
-        What::Instruction { .. } => (Topic::Instructions(cell), None),
-        What::Image { .. } => (record.by.name.map_or(events, Topic::Robot), None),
-        What::Currents { .. } => (record.by.name.map_or(events, Topic::Currents), None),
-        What::Signals { .. } => (record.by.name.map_or(events, Topic::Signals), None),
-        What::Order { robot, payload, shape, kind: OrderKind::Step, .. } if !shape.is_empty() => {
+        StepEvent::Step { .. } => (Topic::Steps(cell), None),
+        StepEvent::Instruction { .. } => (Topic::Instructions(cell), None),
+        StepEvent::Image { .. } => (record.by.name.map_or(events, Topic::Robot), None),
+        StepEvent::Currents { .. } => (record.by.name.map_or(events, Topic::Currents), None),
+        StepEvent::Signals { .. } => (record.by.name.map_or(events, Topic::Signals), None),
+        StepEvent::Order { robot, payload, shape, kind: OrderKind::Step, .. } if !shape.is_empty() => {
             (Topic::Payload(robot, payload), Some(shape))
         }
-        What::Order { robot, .. } => (Topic::Orders(robot), None),
+        StepEvent::Order { robot, .. } => (Topic::Orders(robot), None),
         // Its process has such a name, so the name is none that is too long.
-        What::Reading { sensor, shape, .. } => {
+        StepEvent::Reading { sensor, shape, .. } => {
             (Topic::Sensor(cell.and_then(|cell| sensor.within(cell).ok()).unwrap_or(sensor)), Some(shape))
         }
-        What::Body { body, .. } => (Topic::Body(body), None),
-        What::Abort { .. }
-        | What::Jog { .. }
-        | What::Late { .. }
-        | What::LateRequest { .. }
-        | What::Found { .. }
-        | What::Fault { .. }
-        | What::End { .. } => (events, None),
+        StepEvent::Body { body, .. } => (Topic::Body(body), None),
+        StepEvent::Abort { .. }
+        | StepEvent::Jog { .. }
+        | StepEvent::Late { .. }
+        | StepEvent::LateRequest { .. }
+        | StepEvent::Found { .. }
+        | StepEvent::Fault { .. }
+        | StepEvent::End { .. } => (events, None),
     }
 }
 
@@ -146,7 +146,7 @@ fn describe(topic: Topic, shape: Option<&Shape>, layout: &Layout) -> (String, St
             (of_cell(cell, "steps"), "mrroc.Step".to_owned(), step)
         }
         Topic::Instructions(cell) => {
-            let words = Doing::ALL.map(Doing::word);
+            let words = InstructionKind::ALL.map(InstructionKind::word);
             let instruction = [
                 ("step", integer),
                 ("process", text.clone()),
@@ -248,23 +248,23 @@ fn write_record(out: &mut String, record: &Record, joints: usize, signals: &[Sig
     let words = record.words();
     // Writing to a text cannot fail.
     let _ = match record.what {
-        What::Step { step, dt, duration, speed, suspended, reduced, aborting, stopping, resetting } => {
+        StepEvent::Step { step, dt, duration, speed, suspended, reduced, aborting, stopping, resetting } => {
             write!(
                 out,
                 "{{\"step\":{step},\"dt\":{dt:?},\"duration\":{duration:?},\"speed\":{speed:?},\"suspended\":{suspended},\"reduced\":{reduced},\"aborting\":{aborting},\"stopping\":{stopping},\"resetting\":{resetting}}}"
             )
         }
-        What::Instruction { step, doing, by } => {
+        StepEvent::Instruction { step, doing, by } => {
             let (process, doing) = (record.by, doing.word());
             write!(out, "{{\"step\":{step},\"process\":\"{process}\",\"doing\":\"{doing}\",\"by\":\"{by}\"}}")
         }
-        What::Image { step, mode } => return write_image(out, step, mode, words, joints),
-        What::Currents { step } => {
+        StepEvent::Image { step, mode } => return write_image(out, step, mode, words, joints),
+        StepEvent::Currents { step } => {
             let _ = write!(out, "{{\"step\":{step},\"currents\":");
             numbers(out, words);
             out.write_str("}")
         }
-        What::Signals { step } => {
+        StepEvent::Signals { step } => {
             let Ok(values) = Signals::get(words) else { return };
             let _ = write!(out, "{{\"step\":{step},\"inputs\":");
             write_signals(out, signals, &values.inputs, false);
@@ -272,7 +272,7 @@ fn write_record(out: &mut String, record: &Record, joints: usize, signals: &[Sig
             write_signals(out, signals, &values.outputs, true);
             out.write_str("}")
         }
-        What::Order { step, instruction, kind, shape, .. } => {
+        StepEvent::Order { step, instruction, kind, shape, .. } => {
             let kind = order_kind(kind);
             let _ = write!(out, "{{\"step\":{step},\"instruction\":{instruction},\"kind\":\"{kind}\"");
             if kind == "step" && !shape.is_empty() {
@@ -281,7 +281,7 @@ fn write_record(out: &mut String, record: &Record, joints: usize, signals: &[Sig
             }
             out.write_str("}")
         }
-        What::Reading { step, state, taken, shape, .. } => {
+        StepEvent::Reading { step, state, taken, shape, .. } => {
             let _ = write!(
                 out,
                 "{{\"step\":{step},\"by\":\"{}\",\"state\":\"{}\"",
@@ -301,27 +301,29 @@ fn write_record(out: &mut String, record: &Record, joints: usize, signals: &[Sig
             }
             out.write_str("}")
         }
-        What::Abort { step } => return write_event(out, step, record.by, "abort", ""),
-        What::Jog { step, robot } => {
+        StepEvent::Abort { step } => return write_event(out, step, record.by, "abort", ""),
+        StepEvent::Jog { step, robot } => {
             let now = JogNow::get(words).unwrap_or_default();
             return write_event(out, step, record.by, "jog", &format!("{robot} {now}"));
         }
-        What::Late { step } => return write_event(out, step, record.by, "late", ""),
-        What::LateRequest { step, nth, due } => {
+        StepEvent::Late { step } => return write_event(out, step, record.by, "late", ""),
+        StepEvent::LateRequest { step, nth, due } => {
             let came = format!("request {nth} in step {due}");
             return write_event(out, step, record.by, "late request", &came);
         }
-        What::Found { step } => return write_event(out, step, record.by, "found", &record.time.to_string()),
-        What::Fault { step } => {
+        StepEvent::Found { step } => {
+            return write_event(out, step, record.by, "found", &record.time.to_string());
+        }
+        StepEvent::Fault { step } => {
             let what = if comes_from_outside(words) { "fault from outside" } else { "fault" };
             return write_event(out, step, record.by, what, &fault_text(words));
         }
-        What::Body { step, .. } => {
+        StepEvent::Body { step, .. } => {
             let _ = write!(out, "{{\"step\":{step},\"pose\":");
             value(out, Shape::POSE, words);
             out.write_str("}")
         }
-        What::End { step } => return write_event(out, step, record.by, "end", &fault_text(words)),
+        StepEvent::End { step } => return write_event(out, step, record.by, "end", &fault_text(words)),
     };
 }
 

@@ -24,7 +24,7 @@ use mrroc_core::observe::recording::{Command, CommandRecord};
 const WAITING: usize = 256;
 
 /// How long the file may take nothing, until commands are recorded no more.
-const PATIENCE: Duration = Duration::from_secs(2);
+const TIMEOUT: Duration = Duration::from_secs(2);
 
 /// Begins to record what is asked of the cell of a session; `None` if that is not recorded.
 pub(super) fn begin(folder: &Path, clock: Clock) -> Option<Box<dyn CommandRecord>> {
@@ -32,7 +32,7 @@ pub(super) fn begin(folder: &Path, clock: Clock) -> Option<Box<dyn CommandRecord
     let connect = || {
         let socket = UnixDatagram::unbound()?;
         socket.connect(&path)?;
-        socket.set_write_timeout(Some(PATIENCE))?;
+        socket.set_write_timeout(Some(TIMEOUT))?;
         io::Result::Ok(socket)
     };
     let sender = Sender::to(connect().ok()?);

@@ -10,7 +10,7 @@ use std::rc::Rc;
 use mrroc_core::fault::ProcessId;
 use mrroc_core::fault::{Fault, Name};
 use mrroc_core::link::Nanos;
-use mrroc_core::observe::witness::{What, Witness};
+use mrroc_core::observe::step_observer::{StepEvent, StepObserver};
 
 use mrroc_core::replay::RecordedRun;
 
@@ -119,28 +119,28 @@ impl Comparison {
     }
 }
 
-impl Witness for Comparison {
-    fn see(&self, _: Nanos, by: ProcessId, what: &What, words: &[u64]) {
+impl StepObserver for Comparison {
+    fn see(&self, _: Nanos, by: ProcessId, what: &StepEvent, words: &[u64]) {
         match *what {
-            What::Image { step, .. } => {
+            StepEvent::Image { step, .. } => {
                 if let Some(robot) = by.name {
                     self.compare(robot, step, words);
                 }
             }
-            What::Step { step, .. } => self.begun.set(step),
-            What::Instruction { .. }
-            | What::Abort { .. }
-            | What::Jog { .. }
-            | What::Late { .. }
-            | What::LateRequest { .. }
-            | What::Order { .. }
-            | What::Found { .. }
-            | What::Reading { .. }
-            | What::Fault { .. }
-            | What::Currents { .. }
-            | What::Signals { .. }
-            | What::Body { .. }
-            | What::End { .. } => {}
+            StepEvent::Step { step, .. } => self.begun.set(step),
+            StepEvent::Instruction { .. }
+            | StepEvent::Abort { .. }
+            | StepEvent::Jog { .. }
+            | StepEvent::Late { .. }
+            | StepEvent::LateRequest { .. }
+            | StepEvent::Order { .. }
+            | StepEvent::Found { .. }
+            | StepEvent::Reading { .. }
+            | StepEvent::Fault { .. }
+            | StepEvent::Currents { .. }
+            | StepEvent::Signals { .. }
+            | StepEvent::Body { .. }
+            | StepEvent::End { .. } => {}
         }
     }
 

@@ -59,7 +59,7 @@ fn io_error(error: McapError) -> io::Error {
 
 /// How long to wait for what makes no progress in writing this file. A disk that many programs write to stands still for
 /// seconds, and goes on; a pipe that nobody reads does not.
-pub(super) fn patience(path: &Path) -> Duration {
+pub(super) fn write_timeout(path: &Path) -> Duration {
     let is_special = path.metadata().is_ok_and(|metadata| !metadata.is_file());
     Duration::from_secs(if is_special { 3 } else { 60 })
 }

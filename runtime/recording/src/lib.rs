@@ -1,7 +1,7 @@
 //! Recording: writes every step of a cell to an MCAP file, from a thread that may lag or block without delaying the
 //! step.
 //!
-//! In: what the processes of a run show ([`witness`](mrroc_core::observe::witness)). Out: a file that common viewers
+//! In: what the processes of a run show ([`step_observer`](mrroc_core::observe::step_observer)). Out: a file that common viewers
 //! open, with a JSON schema for each channel; log time is the date of the run's start plus the cell's time \[ns\]. Back in:
 //! such a file. Out: the comparison of a replay with it.
 //!

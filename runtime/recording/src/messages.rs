@@ -16,7 +16,7 @@ use mrroc_core::fault::Name;
 use mrroc_core::fault::{ProcessId, Role};
 use mrroc_core::link::Nanos;
 use mrroc_core::observe::layout::{Layout, SignalLayout};
-use mrroc_core::observe::witness::ReadingState;
+use mrroc_core::observe::step_observer::ReadingState;
 use mrroc_core::operator::jog::JogNow;
 use mrroc_core::payload::Shape;
 use mrroc_core::replay::readings::RecordedReading;

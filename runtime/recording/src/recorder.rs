@@ -1,6 +1,6 @@
 //! The recorder of MCAP files: of a run in one process, or of a cell of processes.
 //!
-//! In: what is to be recorded, and the cell's layout. Out: a witness of the run, which records it.
+//! In: what is to be recorded, and the cell's layout. Out: an observer of the run, which records it.
 
 use std::any::Any;
 use std::io;

@@ -18,7 +18,7 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use super::channels::Outlet;
-use super::file::{McapFile, REAL_TIME, can_be_written, patience};
+use super::file::{McapFile, REAL_TIME, can_be_written, write_timeout};
 use super::ring;
 use mrroc_core::console::complain;
 use mrroc_core::fault::{ProcessId, Role};
@@ -207,13 +207,13 @@ impl Drop for Relay {
     fn drop(&mut self) {
         let Some(thread) = self.thread.take() else { return };
         self.closing.store(true, Ordering::Release);
-        let patience = patience(&self.file);
+        let timeout = write_timeout(&self.file);
         let (mut since, mut seen) = (Instant::now(), self.received.load(Ordering::Acquire));
         while !thread.is_finished() {
             let received = self.received.load(Ordering::Acquire);
             if received != seen {
                 (since, seen) = (Instant::now(), received);
-            } else if since.elapsed() > patience {
+            } else if since.elapsed() > timeout {
                 complain(&format!(
                     "warning: {}: nothing more can be written: records are lost",
                     self.file.display()

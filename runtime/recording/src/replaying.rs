@@ -9,7 +9,7 @@ use std::rc::Rc;
 
 use mrroc_core::cell::{Cell, CellError};
 use mrroc_core::console::{refused, say};
-use mrroc_core::observe::witness::Witness;
+use mrroc_core::observe::step_observer::StepObserver;
 use mrroc_launch::outcome::{cell_refused, report};
 
 use crate::compare::{Compared, Comparison};
@@ -43,8 +43,8 @@ impl Replay for Cell {
         let names = self.check()?;
         let recorded = Rc::new(read(file.as_ref(), &self.layout(), cut_off)?);
         let comparison = Rc::new(Comparison::with(Rc::clone(&recorded)));
-        let witness: Rc<dyn Witness> = Rc::<Comparison>::clone(&comparison);
-        match self.replaying(recorded).witnessed_by(witness).run_on_memory(&names) {
+        let observer: Rc<dyn StepObserver> = Rc::<Comparison>::clone(&comparison);
+        match self.replaying(recorded).observed_by(observer).run_on_memory(&names) {
             // A fault is no error here: the comparison tells how the replay ended, and a recording may end before its
             // programs do.
             Ok(_) => Ok(comparison.outcome(None)),

@@ -7,14 +7,14 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use super::channels::{Channels, Outlet};
-use super::file::patience;
+use super::file::write_timeout;
 use mrroc_core::console::complain;
 use mrroc_core::fault::{Name, ProcessId};
 use mrroc_core::link::Clock;
 use mrroc_core::observe::layout::Layout;
 use mrroc_core::observe::recording::Recording;
-use mrroc_core::observe::ring::{Record, Ring, RingUse, Sink, Trouble};
-use mrroc_core::observe::witness::What;
+use mrroc_core::observe::ring::{Record, Ring, RingError, RingUse, Sink};
+use mrroc_core::observe::step_observer::StepEvent;
 
 /// Number of records that the ring holds: those of a second with two robots and a sensor at 1 kHz.
 const LENGTH: usize = 8192;
@@ -39,10 +39,10 @@ pub(super) fn begin(recording: &Recording, layout: Layout, clock: Clock, open: O
         clock,
         rest: REST,
         flush: FLUSH,
-        patience: patience(recording.file()),
+        timeout: write_timeout(recording.file()),
         stack: STACK,
-        is_asked_for: Box::new(move |by, what: &What| is_asked_for(&asked, by, what)),
-        tell: Arc::new(move |trouble: &Trouble| tell(&name, trouble)),
+        is_asked_for: Box::new(move |by, what: &StepEvent| is_asked_for(&asked, by, what)),
+        tell: Arc::new(move |trouble: &RingError| tell(&name, trouble)),
     };
     let open = move || {
         let outlet = open()?;
@@ -52,39 +52,39 @@ pub(super) fn begin(recording: &Recording, layout: Layout, clock: Clock, open: O
 }
 
 /// Whether this is to be recorded.
-fn is_asked_for(recording: &Recording, by: ProcessId, what: &What) -> bool {
+fn is_asked_for(recording: &Recording, by: ProcessId, what: &StepEvent) -> bool {
     match what {
-        What::Image { .. } | What::Currents { .. } | What::Signals { .. } => {
+        StepEvent::Image { .. } | StepEvent::Currents { .. } | StepEvent::Signals { .. } => {
             by.name.is_none_or(|name| recording.has_robot(name.as_str()))
         }
-        What::Order { robot, .. } => recording.has_robot(robot.as_str()),
-        What::Reading { sensor, .. } => {
+        StepEvent::Order { robot, .. } => recording.has_robot(robot.as_str()),
+        StepEvent::Reading { sensor, .. } => {
             recording.has_sensor_in(by.cell().as_ref().map(Name::as_str), sensor.as_str())
         }
-        What::Step { .. }
-        | What::Instruction { .. }
-        | What::Abort { .. }
-        | What::Jog { .. }
-        | What::Late { .. }
-        | What::LateRequest { .. }
-        | What::Found { .. }
-        | What::Fault { .. }
-        | What::Body { .. }
-        | What::End { .. } => true,
+        StepEvent::Step { .. }
+        | StepEvent::Instruction { .. }
+        | StepEvent::Abort { .. }
+        | StepEvent::Jog { .. }
+        | StepEvent::Late { .. }
+        | StepEvent::LateRequest { .. }
+        | StepEvent::Found { .. }
+        | StepEvent::Fault { .. }
+        | StepEvent::Body { .. }
+        | StepEvent::End { .. } => true,
     }
 }
 
 /// Tells what is missing in the recording of this name.
-fn tell(name: &str, trouble: &Trouble) {
+fn tell(name: &str, trouble: &RingError) {
     complain(&match trouble {
-        Trouble::Slow => format!("warning: {name}: writing is too slow: records are dropped"),
-        Trouble::Failed(error) => {
+        RingError::Slow => format!("warning: {name}: writing is too slow: records are dropped"),
+        RingError::Failed(error) => {
             format!("warning: {name}: cannot be written: {error}; the run goes on unrecorded")
         }
-        Trouble::Stuck { lost } => {
+        RingError::Stuck { lost } => {
             format!("warning: {name}: nothing more can be written: {lost} records are lost")
         }
-        Trouble::Lost { lost, of } => format!("warning: {name}: {lost} of {of} records are lost"),
+        RingError::Lost { lost, of } => format!("warning: {name}: {lost} of {of} records are lost"),
     });
 }
 

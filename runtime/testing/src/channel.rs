@@ -13,7 +13,7 @@ use super::random::Random;
 use super::stage::Stage;
 use mrroc_core::link::envelope::{Envelope, Seal};
 use mrroc_core::link::message::Message;
-use mrroc_core::link::numbering::{self, Heard};
+use mrroc_core::link::numbering::{self, Disposition};
 use mrroc_core::link::{Board, Client, Nanos, Server};
 use mrroc_core::payload::WORDS;
 
@@ -228,14 +228,14 @@ impl Server for FaultyServer {
     fn receive(&self, request: &mut Message) -> bool {
         self.inner.receive(&mut Message::empty());
         self.requests.take(|shown| match self.numbers.hears(shown, request) {
-            Heard::New => true,
-            Heard::Again(answer) => {
+            Disposition::New => true,
+            Disposition::Again(answer) => {
                 if self.replies.speaks() {
                     self.send_envelope(answer);
                 }
                 false
             }
-            Heard::Nothing => false,
+            Disposition::Nothing => false,
         })
     }
 

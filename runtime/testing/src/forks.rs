@@ -15,7 +15,7 @@ const LEAD: u64 = 4;
 
 /// After this time of the machine's clock a copy is ended, because something in it does not return \[s\].
 #[cfg(unix)]
-const PATIENCE: u32 = 60;
+const TIMEOUT: u32 = 60;
 
 /// In the run: its copies. In a copy: where it reports its verdict.
 #[derive(Default)]
@@ -113,7 +113,7 @@ fn copy() -> io::Result<i32> {
         -1 => Err(io::Error::last_os_error()),
         0 => {
             // SAFETY: no memory is passed.
-            unsafe { libc::alarm(PATIENCE) };
+            unsafe { libc::alarm(TIMEOUT) };
             Ok(0)
         }
         process => Ok(process),

@@ -57,7 +57,7 @@
 //!
 //! [`Sweep::forking`] injects faults into copies of one run, which makes it possible to cover every step of a long program.
 //!
-//! A [`RandomOperator`] runs a cell under operators who press what comes to hand, and judges every servo period.
+//! A [`RandomOperator`] runs a cell under operators who press what comes to hand, and checks every servo period.
 //!
 //! A failure names its [`Case`] with the seed; [`Sweep::repeat`] runs that case again.
 
@@ -66,7 +66,7 @@ mod channel;
 mod drive;
 mod forks;
 mod link;
-mod onlooker;
+mod motion_monitor;
 mod operator;
 mod random;
 #[doc(hidden)]
@@ -80,7 +80,7 @@ mod verdict;
 
 pub use case::{Case, Channel, Injected, LinkFault, Press, Wire};
 pub use drive::{DriveTrouble, FaultyDrive};
-pub use onlooker::first_beyond_limits;
+pub use motion_monitor::first_beyond_limits;
 pub use operator::{OperatorReport, RandomOperator};
 pub use report::{Failure, SweepReport, Tally};
 pub use sensor::{FaultySensor, SensorFault};

@@ -1,4 +1,4 @@
-//! Random operators: many runs of a cell whose operator presses what comes to hand, each judged in every servo period.
+//! Random operators: many runs of a cell whose operator presses what comes to hand, each checked in every servo period.
 //!
 //! In: a cell for each seed. Out: what its drives should not have got, stops that took longer than the cell says, and
 //! stops that nobody asked for.
@@ -8,7 +8,7 @@ use core::time::Duration;
 use std::cell::RefCell;
 use std::rc::Rc;
 
-use super::onlooker::{Bounds, Onlooker};
+use super::motion_monitor::{Bounds, MotionMonitor};
 use super::random::Random;
 use mrroc_core::cell::{AfterFault, Cell, CellError};
 use mrroc_core::fault::{BY_OPERATOR, Fault, FaultKind, Name};
@@ -19,7 +19,7 @@ use mrroc_core::operator::{Latch, Operator, Renewal};
 /// Runs a cell again and again under a random operator, who suspends and resumes it, changes its speed, aborts, stops it and
 /// resets it in random steps.
 ///
-/// In every run, all demands of all drives are judged: finite, within the limits of position, velocity, acceleration and
+/// In every run, all demands of all drives are checked: finite, within the limits of position, velocity, acceleration and
 /// jerk, and so continuous. Every protective stop, suspension and abort must be over in the time that the cell says
 /// ([`Cell::stop_limit`], [`Cell::path_stop_time`]). A fault that stops the cell by itself is a false stop if nothing is
 /// wrong with its programs; it is counted. The same seed gives the same run.
@@ -148,7 +148,7 @@ impl OperatorReport {
         &self.failures
     }
 
-    /// The servo periods that were judged.
+    /// The servo periods that were checked.
     #[must_use]
     pub const fn periods(&self) -> u64 {
         self.periods
@@ -285,8 +285,8 @@ impl Pressing {
         }
     }
 
-    /// Judges what is under way; `moved` is the last step in which a robot moved.
-    fn judge(&mut self, step: u64, operator: &Operator, moved: u64) {
+    /// Checks what is under way; `moved` is the last step in which a robot moved.
+    fn check(&mut self, step: u64, operator: &Operator, moved: u64) {
         let latched = operator.latch() != Latch::Clear;
         for pressed in [Pressed::Stop, Pressed::Suspend, Pressed::Abort, Pressed::LetGo] {
             let place = pressed as usize;
@@ -330,12 +330,12 @@ fn run(seed: u64, mut cell: Cell, (last_step, by_hand): (u64, Option<ByHand>), r
     let more = steps(2 * step + 2 * slowest, step) + 2;
     let on_path = steps(cell.path_stop_time(), step) + more;
     let stop = steps(cell.stop_limit(), step).max(cell.stop_steps()) + more;
-    let onlookers: Rc<[RefCell<Onlooker>]> = layout
+    let monitors: Rc<[RefCell<MotionMonitor>]> = layout
         .robots
         .iter()
-        .map(|robot| RefCell::new(Onlooker::new(&robot.name, Bounds::of(robot).with_jerk(robot, step))))
+        .map(|robot| RefCell::new(MotionMonitor::new(&robot.name, Bounds::of(robot).with_jerk(robot, step))))
         .collect();
-    let seeing = Rc::clone(&onlookers);
+    let seeing = Rc::clone(&monitors);
     let pressing = Rc::new(RefCell::new(Pressing {
         random: Random::new(seed),
         last_step,
@@ -347,20 +347,20 @@ fn run(seed: u64, mut cell: Cell, (last_step, by_hand): (u64, Option<ByHand>), r
         late: None,
     }));
     let pressed = Rc::clone(&pressing);
-    let stood = Rc::clone(&onlookers);
+    let stood = Rc::clone(&monitors);
     let causes: Rc<RefCell<Vec<Fault>>> = Rc::default();
     let latching = Rc::clone(&causes);
     let mut was_told = false;
     let outcome = cell
         .watch(move |seen| {
             let end = (seen.time * 1e9).round() as Nanos;
-            let of_robot = seeing.iter().find(|onlooker| onlooker.borrow().name == seen.robot);
-            of_robot.into_iter().for_each(|onlooker| onlooker.borrow_mut().see(end, seen.demanded));
+            let of_robot = seeing.iter().find(|monitor| monitor.borrow().name == seen.robot);
+            of_robot.into_iter().for_each(|monitor| monitor.borrow_mut().see(end, seen.demanded));
         })
         .also_on_step(move |step, operator| {
-            let moved = stood.iter().map(|onlooker| onlooker.borrow().stood()).max().unwrap_or(0);
+            let moved = stood.iter().map(|monitor| monitor.borrow().stood()).max().unwrap_or(0);
             let mut pressing = pressed.borrow_mut();
-            pressing.judge(step, operator, moved.div_ceil(nanos));
+            pressing.check(step, operator, moved.div_ceil(nanos));
             // It is told once the robots stand.
             let cause = operator.fault();
             let is_told = cause.is_some();
@@ -379,10 +379,10 @@ fn run(seed: u64, mut cell: Cell, (last_step, by_hand): (u64, Option<ByHand>), r
             *worst = own;
         }
     }
-    for onlooker in onlookers.iter() {
-        let onlooker = onlooker.borrow();
-        report.periods += onlooker.ticks();
-        if let Some(wrong) = &onlooker.wrong {
+    for monitor in monitors.iter() {
+        let monitor = monitor.borrow();
+        report.periods += monitor.ticks();
+        if let Some(wrong) = &monitor.wrong {
             failed(report, wrong);
         }
     }

@@ -10,7 +10,7 @@ use super::forks::{Forks, end_copy};
 use super::report::SweepReport;
 use super::stage::Lasting;
 use super::trial::{Part, Trial, attempt};
-use super::verdict::{Verdict, judge};
+use super::verdict::{Verdict, check};
 use mrroc_core::cell::{Cell, CellError};
 use mrroc_core::fault::Name;
 
@@ -181,7 +181,7 @@ impl<'c> Sweep<'c> {
         let run = std::process::id();
         let tried = catch_unwind(AssertUnwindSafe(|| {
             let trial = attempt((self.cell)(), Part::Copied(forks), UNDISTURBED)?;
-            let verdict = trial.case.map(|case| judge(&case, &trial, calm, self.end_tolerance));
+            let verdict = trial.case.map(|case| check(&case, &trial, calm, self.end_tolerance));
             Ok::<_, CellError>((trial, verdict))
         }));
         if let Ok(Ok((trial, Some(verdict)))) = tried {
@@ -215,7 +215,7 @@ impl<'c> Sweep<'c> {
     fn try_one(&self, case: &Case, calm: &Trial) -> Verdict {
         let run = || attempt(self.cell_of(case), Part::One(*case), self.lasting(calm));
         match catch_unwind(AssertUnwindSafe(run)) {
-            Ok(Ok(trial)) => judge(case, &trial, calm, self.end_tolerance),
+            Ok(Ok(trial)) => check(case, &trial, calm, self.end_tolerance),
             Ok(Err(error)) => Verdict::Broken(error.to_string()),
             Err(_) => Verdict::Broken("the run panicked".to_owned()),
         }

@@ -9,7 +9,7 @@ use std::rc::Rc;
 use super::case::{Case, Channel, Injected, Press};
 use super::forks::Forks;
 use super::link::FaultyLink;
-use super::onlooker::{Bounds, Onlooker};
+use super::motion_monitor::{Bounds, MotionMonitor};
 use super::stage::{Lasting, Stage};
 use mrroc_core::cell::{Cell, CellError, RunReport, first_cause};
 use mrroc_core::fault::ProcessId;
@@ -21,7 +21,7 @@ use mrroc_core::operator::Operator;
 pub(super) struct Trial {
     /// How the programs ended; a killed process reports nothing.
     pub outcome: Result<RunReport, CellError>,
-    pub robots: Vec<Onlooker>,
+    pub robots: Vec<MotionMonitor>,
     pub processes: Vec<ProcessId>,
     pub channels: Vec<Channel>,
     /// Whether the fault was applied.
@@ -83,17 +83,17 @@ pub(super) fn attempt(mut cell: Cell, part: Part, lasting: Lasting) -> Result<Tr
         });
     }
     let layout = cell.layout();
-    let onlookers: Rc<[RefCell<Onlooker>]> = layout
+    let monitors: Rc<[RefCell<MotionMonitor>]> = layout
         .robots
         .iter()
-        .map(|robot| RefCell::new(Onlooker::new(&robot.name, Bounds::of(robot))))
+        .map(|robot| RefCell::new(MotionMonitor::new(&robot.name, Bounds::of(robot))))
         .collect();
-    let seeing = Rc::clone(&onlookers);
+    let seeing = Rc::clone(&monitors);
     let cell = cell.watch(move |seen| {
         // The end of the servo period, converted from seconds back to nanoseconds.
         let end = (seen.time * 1e9).round() as Nanos;
-        let of_robot = seeing.iter().find(|onlooker| onlooker.borrow().name == seen.robot);
-        of_robot.into_iter().for_each(|onlooker| onlooker.borrow_mut().see(end, seen.demanded));
+        let of_robot = seeing.iter().find(|monitor| monitor.borrow().name == seen.robot);
+        of_robot.into_iter().for_each(|monitor| monitor.borrow_mut().see(end, seen.demanded));
     });
     let (rate_steps, stop_steps) = (cell.rate_steps(), cell.stop_steps());
     let mut scheduler = Scheduler::new();
@@ -108,7 +108,7 @@ pub(super) fn attempt(mut cell: Cell, part: Part, lasting: Lasting) -> Result<Tr
             .map(|()| RunReport { steps: assembly.steps.get(), time: Duration::from_nanos(time) })
             .map_err(CellError::from),
     };
-    let robots = onlookers.iter().map(|onlooker| onlooker.borrow().clone()).collect();
+    let robots = monitors.iter().map(|monitor| monitor.borrow().clone()).collect();
     Ok(Trial {
         outcome,
         robots,

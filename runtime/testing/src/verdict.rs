@@ -8,7 +8,7 @@ use super::trial::Trial;
 use mrroc_core::cell::CellError;
 use mrroc_core::fault::{FaultKind, ProcessId, Role};
 use mrroc_core::link::Nanos;
-use mrroc_core::link::patience::missed_step_budget;
+use mrroc_core::link::timeout::missed_step_budget;
 
 /// The verdict on a case.
 #[derive(Clone, Debug, PartialEq)]
@@ -54,7 +54,7 @@ impl Verdict {
 /// \[steps\].
 const MESSAGES: u64 = 4;
 
-pub(super) fn judge(case: &Case, trial: &Trial, calm: &Trial, end_tolerance: f64) -> Verdict {
+pub(super) fn check(case: &Case, trial: &Trial, calm: &Trial, end_tolerance: f64) -> Verdict {
     if let Some(wrong) = trial.robots.iter().find_map(|robot| robot.wrong.clone()) {
         return Verdict::Broken(wrong);
     }
@@ -165,6 +165,6 @@ fn delay(trial: &Trial) -> Nanos {
     2 * trial.step + 2 * trial.robots.iter().map(|robot| robot.servo()).max().unwrap_or(0)
 }
 
-fn is_of(robot: &super::onlooker::Onlooker, name: Option<mrroc_core::fault::Name>) -> bool {
+fn is_of(robot: &super::motion_monitor::MotionMonitor, name: Option<mrroc_core::fault::Name>) -> bool {
     name.is_some_and(|name| name.as_str() == robot.name)
 }

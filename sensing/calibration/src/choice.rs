@@ -60,7 +60,7 @@ pub fn choose(problem: &Problem, candidates: &[Vec<usize>], aims: &[Aim], count:
 
 /// How sure the aims are after measuring `chosen` of the candidates: the same figures as of a choice.
 #[must_use]
-pub fn judge(problem: &Problem, candidates: &[Vec<usize>], aims: &[Aim], chosen: &[usize]) -> Choice {
+pub fn evaluate(problem: &Problem, candidates: &[Vec<usize>], aims: &[Aim], chosen: &[usize]) -> Choice {
     Chooser::new(problem, candidates, aims).told(chosen.to_vec())
 }
 

@@ -47,13 +47,13 @@ pub fn eye(camera: &Camera, board: impl Into<Pattern>, mounted: Eye, seen: &[See
     found(camera, &board.into(), mounted, seen, true)
 }
 
-/// The same, or without a judgement of how well it is known, which takes a second fit.
+/// The same, or without an estimate of how well it is known, which takes a second fit.
 fn found(
     camera: &Camera,
     board: &Pattern,
     mounted: Eye,
     seen: &[Seen],
-    is_judged: bool,
+    is_evaluated: bool,
 ) -> Result<InHand, NoFit> {
     let boards: Option<Vec<Pose>> =
         seen.iter().map(|one| board_in_camera(camera, board, &one.corners)).collect();
@@ -84,7 +84,7 @@ fn found(
         Ok::<_, NoFit>((fit.frame(problem.place_of(id)), noise, fit))
     };
     let (frame, noise, fit) = fitted(0.5, false)?;
-    let unsure = if is_judged {
+    let unsure = if is_evaluated {
         unsure(&fitted(noise.max(SEEING_PIXELS), true)?.2, "camera ", [CAMERA, CAMERA_TURN])
     } else {
         Vec::new()

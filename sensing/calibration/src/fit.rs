@@ -30,7 +30,7 @@ pub enum NoFit {
 
 /// A parameter that was found.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Found {
+pub struct FoundParameter {
     /// What it is.
     pub parameter: Parameter,
     /// How far it is from what was believed [m, rad or 1].
@@ -252,9 +252,9 @@ fn degrees_of_freedom(equations: &Equations<'_>, jacobian: &DMatrix<f64>) -> f64
 
 impl Fit {
     /// All that was found, in the order arms' bases, instruments, targets, then parameters of arms and constants.
-    pub fn found(&self) -> impl Iterator<Item = Found> {
+    pub fn found(&self) -> impl Iterator<Item = FoundParameter> {
         let start = self.problem.start();
-        self.slots.iter().enumerate().map(move |(i, slot)| Found {
+        self.slots.iter().enumerate().map(move |(i, slot)| FoundParameter {
             parameter: self.problem.parameter(*slot),
             value: self.values.get(*slot, &start),
             sigma: self.covariance[(i, i)].max(0.0).sqrt(),

@@ -175,8 +175,8 @@ pub fn tip(flanges: &[Pose]) -> Result<InHand, NoFit> {
         Ok::<_, NoFit>((fit.frame(problem.frame_of(target)), fit.noise(touched).to_vec(), fit))
     };
     let (frame, noise, fit) = fitted(Noise::Unknown(vec![1e-4; 3]))?;
-    let (_, _, judged) = fitted(Noise::Known(noise.iter().map(|sigma| sigma.max(TOUCHING)).collect()))?;
-    Ok(InHand { unsure: unsure(&judged, "tip ", [TIP, f64::INFINITY]), ..in_hand(&fit, frame, "tip ") })
+    let (_, _, evaluated) = fitted(Noise::Known(noise.iter().map(|sigma| sigma.max(TOUCHING)).collect()))?;
+    Ok(InHand { unsure: unsure(&evaluated, "tip ", [TIP, f64::INFINITY]), ..in_hand(&fit, frame, "tip ") })
 }
 
 /// A camera on the flange that sees a board fixed in the world: poses of the flange, each with where the board is in the camera.
@@ -203,14 +203,14 @@ pub fn hand_eye(seen: &[(Pose, Pose)]) -> Result<InHand, NoFit> {
     let (frame, noise, fit) = fitted(Noise::Unknown(vec![1e-3, 1e-3, 1e-3, 2e-3, 2e-3, 2e-3]))?;
     let floors = [SEEING, SEEING, SEEING, SEEING_TURN, SEEING_TURN, SEEING_TURN];
     let noise = noise.iter().zip(floors).map(|(sigma, floor)| sigma.max(floor)).collect();
-    let (_, _, judged) = fitted(Noise::Known(noise))?;
-    let unsure = unsure(&judged, "camera ", [CAMERA, CAMERA_TURN]);
+    let (_, _, evaluated) = fitted(Noise::Known(noise))?;
+    let unsure = unsure(&evaluated, "camera ", [CAMERA, CAMERA_TURN]);
     Ok(InHand { unsure, ..in_hand(&fit, frame, "camera ") })
 }
 
 /// What was found less well than to these standard deviations \[m, rad\].
 pub(crate) fn unsure(fit: &Fit, name: &str, limits: [f64; 2]) -> Vec<String> {
-    let told = |found: crate::Found| {
+    let told = |found: crate::FoundParameter| {
         let limit = if found.parameter.unit == Unit::Metre { limits[0] } else { limits[1] };
         let (unit, factor) = found.parameter.unit.shown();
         let (sigma, most) = (factor * found.sigma, factor * limit);

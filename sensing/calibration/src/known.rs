@@ -3,7 +3,7 @@
 //! Standard deviations come from what is left of the measurements. Few measurements may fit by accident better than anybody measures, so that at least a usual noise
 //! is counted: the floors below. By them poses that hardly differ are told from those that do, whatever the data's own noise.
 
-use crate::fit::Found;
+use crate::fit::FoundParameter;
 use crate::parameter::Unit;
 
 /// Poses that are off by more than this, as root mean square, do not fit: positions \[m\], orientations \[rad\] (the same at an arm's length of 0.25 m), corners \[pixel\].
@@ -42,7 +42,7 @@ pub const HARDLY: f64 = 0.5;
 
 /// Whether a parameter of an arm's calibration is as good as unknown: the measurements say little more of it than its tolerance, or, without one, less than a frame is worth.
 #[must_use]
-pub fn is_unknown(found: &Found) -> bool {
+pub fn is_unknown(found: &FoundParameter) -> bool {
     let most = match (found.parameter.tolerance, found.parameter.unit) {
         (Some(tolerance), _) => HARDLY * tolerance,
         (None, Unit::Metre) => FRAME,
@@ -70,7 +70,7 @@ mod tests {
 
     #[test]
     fn a_parameter_is_unknown_that_is_hardly_better_known_than_before() {
-        let found = |parameter: Parameter, sigma: f64| Found { parameter, value: 0.0, sigma };
+        let found = |parameter: Parameter, sigma: f64| FoundParameter { parameter, value: 0.0, sigma };
         let zero = || Parameter::new("joint 2 zero", Unit::Radian).within(1e-2);
         let base = || Parameter::new("arm base x", Unit::Metre);
         assert!(!is_unknown(&found(zero(), 4e-3)) && is_unknown(&found(zero(), 6e-3)));

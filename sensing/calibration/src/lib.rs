@@ -58,10 +58,10 @@ pub mod trials;
 
 pub use arm::{Arm, between, displaced};
 pub use chain::{Chain, ChainArm, Detail, DhRow, Joint, Tolerances};
-pub use choice::{Aim, Choice, choose, judge};
+pub use choice::{Aim, Choice, choose, evaluate};
 pub use device::{Angles, Device, Distance, FullPose, Plane, Points, Touch};
 pub use eye::{Eye, Seen, eye, square_seen};
-pub use fit::{Fit, Found, Indistinct, NoFit};
+pub use fit::{Fit, FoundParameter, Indistinct, NoFit};
 pub use hand::{InHand, PoseArm, hand_eye, tip, turned};
 pub use information::{Information, Unseen, covariance};
 pub use intrinsics::{Held, Intrinsics, board_in_camera, camera_of, intrinsics};

@@ -8,7 +8,7 @@ use core::fmt;
 use mrroc_sensors::physics::Noise as Random;
 
 use crate::chain::Detail;
-use crate::choice::{Aim, Choice, choose, judge};
+use crate::choice::{Aim, Choice, choose, evaluate};
 use crate::data::{Plan, Scales, Stated};
 use crate::problem::{InstrumentId, TargetId};
 use crate::trials::settings;
@@ -146,7 +146,7 @@ impl Postures {
         };
         let aims: Vec<Aim> = aims.iter().flat_map(place).collect();
         let best = choose(&aimed, &candidates, &aims, count);
-        let at_random = judge(&aimed, &candidates, &aims, &(0..count).collect::<Vec<_>>());
+        let at_random = evaluate(&aimed, &candidates, &aims, &(0..count).collect::<Vec<_>>());
         let (chosen, unseen) = told(&mut plan, &pool, wanted, &best)?;
         let (random, _) = told(&mut plan, &pool, wanted, &at_random)?;
         let rows = best.candidates.iter().map(|i| (&*pool[*i].0, &*pool[*i].1));
@@ -235,7 +235,7 @@ fn drawn(plan: &Plan, wanted: &Wanted) -> Result<(Vec<Seen>, Vec<Vec<f64>>, Opti
             continue;
         }
         let nearest = clearance.as_mut().map(|clearance| {
-            // A posture that cannot be judged is not clear.
+            // A posture that cannot be evaluated is not clear.
             clearance.nearest_at(&[&q]).map_or(0.0, |nearest| nearest.distance)
         });
         if nearest.is_some_and(|nearest| nearest < CLEAR) {

@@ -229,7 +229,7 @@ pub fn hand(what: &str, arguments: &[String]) -> Result<String, Failed> {
             return Err(Failed::Before(format!("--lens or --board is missing\n help: {help}")));
         }
     };
-    let (found, notes) = judged(&data, name, found, &asked, &flanges)?;
+    let (found, notes) = evaluated(&data, name, found, &asked, &flanges)?;
     left_out += &notes;
     let out = out.unwrap_or_else(|| format!("{name}.toml"));
     let place = if mounted == Eye::Fixed { "in the arm's base" } else { "on the flange" };
@@ -240,7 +240,7 @@ pub fn hand(what: &str, arguments: &[String]) -> Result<String, Failed> {
 }
 
 /// What was found, if the poses fit and tell enough, with notes on it.
-fn judged(
+fn evaluated(
     data: &str,
     name: &str,
     found: Result<InHand, NoFit>,

@@ -1,4 +1,4 @@
-//! How much of an arm to calibrate: several fits to the same data, judged by what each foretells of postures that were left out.
+//! How much of an arm to calibrate: several fits to the same data, evaluated by what each foretells of postures that were left out.
 
 use crate::chain::{Detail, Tolerances};
 use crate::data::{Data, Scales, Stated};

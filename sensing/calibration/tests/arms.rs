@@ -144,7 +144,7 @@ fn calibrated(
 const SHARE: u64 = 3;
 const WHOLE: u64 = 40;
 
-fn judged(name: &str, seeds: u64, figures: impl Fn(u64) -> Figures) {
+fn evaluated(name: &str, seeds: u64, figures: impl Fn(u64) -> Figures) {
     let all: Vec<Figures> = (1..=seeds).map(figures).collect();
     let rms = |of: &dyn Fn(&Figures) -> f64| {
         (all.iter().map(|one| of(one).powi(2)).sum::<f64>() / all.len() as f64).sqrt()
@@ -200,7 +200,9 @@ fn polycrank(seeds: u64) {
     assert!((nominal.to_homogeneous() - own.to_homogeneous()).amax() < 1e-12);
     // All of its joints turn without end.
     let draw = |random: &mut Random| (0..7).map(|_| random.between(-3.1, 3.1)).collect();
-    judged("polycrank", seeds, |seed| calibrated(arm.clone(), &truth(&arm, seed), &[WINDUP; 7], &draw, seed));
+    evaluated("polycrank", seeds, |seed| {
+        calibrated(arm.clone(), &truth(&arm, seed), &[WINDUP; 7], &draw, seed)
+    });
 }
 
 #[test]
@@ -226,7 +228,7 @@ fn rnt(seeds: u64) {
         }
     };
     let windup = [WINDUP, NUT, NUT, WINDUP, WINDUP, WINDUP];
-    judged("rnt", seeds, |seed| calibrated(arm.clone(), &truth(&arm, seed), &windup, &draw, seed));
+    evaluated("rnt", seeds, |seed| calibrated(arm.clone(), &truth(&arm, seed), &windup, &draw, seed));
 }
 
 #[test]
@@ -240,7 +242,7 @@ fn arm_from_a_urdf(seeds: u64) {
     let arm = described.chain.with(Detail::Geometry, &TOLERANCES);
     let limits = [[-2.9, 2.9], [-2.6, 0.4], [-1.5, 2.5], [-3.1, 3.1], [-2.0, 2.0], [-3.0, 3.0]];
     let draw = |random: &mut Random| limits.map(|[low, high]| random.between(low, high)).to_vec();
-    judged("kr6", seeds, |seed| calibrated(arm.clone(), &truth(&arm, seed), &[WINDUP; 6], &draw, seed));
+    evaluated("kr6", seeds, |seed| calibrated(arm.clone(), &truth(&arm, seed), &[WINDUP; 6], &draw, seed));
 }
 
 #[test]

@@ -53,7 +53,8 @@ fn what_is_found_and_how_sure_it_is_agrees_with_scipy_where_all_is_seen() {
     assert!(fit.unseen().is_empty());
     let displacements = case.rows("displacements");
     let sigmas: Vec<f64> = case.rows("sigmas_of").into_iter().flatten().collect();
-    let zeros: Vec<Found> = fit.found().filter(|found| found.parameter.name.contains("zero")).collect();
+    let zeros: Vec<FoundParameter> =
+        fit.found().filter(|found| found.parameter.name.contains("zero")).collect();
     assert_eq!(zeros.len(), sigmas.len());
     for (i, (found, sigma)) in zeros.iter().zip(sigmas).enumerate() {
         let scipy = displacements[i + 1][5];
@@ -112,6 +113,6 @@ fn of_a_base_that_is_free_and_the_zero_of_the_first_joint_only_the_sum_is_told()
     let fit = problem.fit(&Settings::default()).expect("a fit");
     let told: Vec<String> = fit.unseen().iter().map(ToString::to_string).collect();
     assert_eq!(told, ["q1 zero and table base turn z: only their sum"]);
-    let found: Vec<Found> = fit.found().collect();
+    let found: Vec<FoundParameter> = fit.found().collect();
     assert!((found[0].value - 0.01).abs() < 1e-9, "{found:?}");
 }

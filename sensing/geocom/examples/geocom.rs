@@ -8,7 +8,7 @@
 use std::error::Error;
 use std::time::Duration;
 
-use mrroc_geocom::{Connection, Face, Line, Lines, Patience, Simulated, Targets};
+use mrroc_geocom::{Connection, Face, Line, Lines, Simulated, Targets, Timeouts};
 
 /// What the simulated one sees.
 const DIRECTIONS: [[f64; 2]; 2] = [[0.7, -0.3], [-2.0, 0.1]];
@@ -42,7 +42,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             }
         }
         ["sight", port, hz, v] => {
-            let mut instrument = Connection::new(Line::open(port, 9600)?, Patience::default());
+            let mut instrument = Connection::new(Line::open(port, 9600)?, Timeouts::default());
             instrument.greet()?;
             let about = [hz.parse()?, v.parse()?];
             for face in [Face::One, Face::Two] {

@@ -13,7 +13,7 @@ use crate::protocol::{Answer, Code, Request};
 
 /// Why there is no reading.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum Trouble {
+pub enum NoReading {
     /// No answer came, however often it was asked.
     #[error("no answer came in time: is the instrument on, and the speed of the port its own?")]
     Silent,
@@ -31,7 +31,7 @@ pub enum Trouble {
     Closed,
 }
 
-impl Trouble {
+impl NoReading {
     /// Whether it may be another time.
     const fn is_passing(self) -> bool {
         match self {
@@ -44,7 +44,7 @@ impl Trouble {
 
 /// How long answers are waited for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Patience {
+pub struct Timeouts {
     /// Where nothing turns; 3 s.
     pub answer: Duration,
     /// Where the instrument turns to a target; 30 s.
@@ -53,7 +53,7 @@ pub struct Patience {
     pub times: u32,
 }
 
-impl Default for Patience {
+impl Default for Timeouts {
     fn default() -> Self {
         Self { answer: Duration::from_secs(3), turn: Duration::from_secs(30), times: 3 }
     }
@@ -71,7 +71,7 @@ pub struct Measured {
 /// What a client needs before it goes on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[must_use]
-pub enum Next {
+pub enum ClientAction {
     /// Send what is [`outgoing`](Client::outgoing), or a part of it, and [poll](Client::poll) again with nothing: then, or at this time at the latest.
     Send {
         /// By the same clock as polls.
@@ -84,7 +84,7 @@ pub enum Next {
         until: Duration,
     },
     /// It is done: what was measured, if that was asked for.
-    Done(Result<Option<Measured>, Trouble>),
+    Done(Result<Option<Measured>, NoReading>),
     /// Nothing was asked for.
     Idle,
 }
@@ -93,21 +93,21 @@ pub enum Next {
 ///
 /// ```
 /// use core::time::Duration;
-/// use mrroc_geocom::{Client, Next, Patience, Trouble};
+/// use mrroc_geocom::{Client, ClientAction, Timeouts, NoReading};
 ///
-/// let mut client = Client::new(Patience { times: 1, ..Patience::default() });
+/// let mut client = Client::new(Timeouts { times: 1, ..Timeouts::default() });
 /// client.greet();
 /// let second = Duration::from_secs;
-/// assert_eq!(client.poll(second(5), &[]), Next::Receive { until: second(5) });
-/// assert_eq!(client.poll(second(5), &[]), Next::Send { until: second(7) });
+/// assert_eq!(client.poll(second(5), &[]), ClientAction::Receive { until: second(5) });
+/// assert_eq!(client.poll(second(5), &[]), ClientAction::Send { until: second(7) });
 /// assert_eq!(client.outgoing(), b"%R1Q,0,1:\r\n");
 /// client.sent(client.outgoing().len());
-/// assert_eq!(client.poll(second(5), &[]), Next::Receive { until: second(8) });
-/// assert_eq!(client.poll(second(8), &[]), Next::Done(Err(Trouble::Silent)));
+/// assert_eq!(client.poll(second(5), &[]), ClientAction::Receive { until: second(8) });
+/// assert_eq!(client.poll(second(8), &[]), ClientAction::Done(Err(NoReading::Silent)));
 /// ```
 #[derive(Debug)]
 pub struct Client {
-    patience: Patience,
+    timeout: Timeouts,
     transaction: u32,
     /// Whether the instrument knows checksums; `None` before its first answer.
     checks: Option<bool>,
@@ -150,14 +150,14 @@ struct Target {
 /// What follows an answer.
 enum Then {
     Ask(Question),
-    Done(Result<Option<Measured>, Trouble>),
+    Done(Result<Option<Measured>, NoReading>),
 }
 
 impl Client {
     /// Nothing is asked for yet.
     #[must_use]
-    pub const fn new(patience: Patience) -> Self {
-        Self { patience, transaction: 0, checks: None, lines: Lines::new(), outgoing: Vec::new(), work: None }
+    pub const fn new(timeout: Timeouts) -> Self {
+        Self { timeout, transaction: 0, checks: None, lines: Lines::new(), outgoing: Vec::new(), work: None }
     }
 
     /// Begins to ask whether the instrument answers (`COM_NullProc`). What was being done is given up.
@@ -188,8 +188,8 @@ impl Client {
     }
 
     /// Goes on at a time with the bytes that have come since the last call.
-    pub fn poll(&mut self, now: Duration, bytes: &[u8]) -> Next {
-        let Some(mut work) = self.work.take() else { return Next::Idle };
+    pub fn poll(&mut self, now: Duration, bytes: &[u8]) -> ClientAction {
+        let Some(mut work) = self.work.take() else { return ClientAction::Idle };
         self.lines.push(bytes);
         let is_quiet = bytes.is_empty();
         loop {
@@ -208,7 +208,7 @@ impl Client {
             }
             match self.after(work.question, answer) {
                 Then::Ask(question) => work = self.work_on(question),
-                Then::Done(outcome) => return Next::Done(outcome),
+                Then::Done(outcome) => return ClientAction::Done(outcome),
             }
         }
     }
@@ -226,26 +226,26 @@ impl Client {
     /// not with the last try, for an instrument that does not answer to one.
     fn exchange(&mut self, question: Question, tried: u32) -> Exchange {
         self.transaction = (self.transaction + 1) % 8;
-        let guess = question.is_asked_once() || tried + 1 < self.patience.times.max(1);
+        let guess = question.is_asked_once() || tried + 1 < self.timeout.times.max(1);
         let checked = self.checks.unwrap_or(guess);
         let (rpc, parameters) = question.call();
-        let patience = if question.turns() { self.patience.turn } else { self.patience.answer };
-        Exchange::of(Request { rpc, transaction: self.transaction, checked, parameters }, patience)
+        let timeout = if question.turns() { self.timeout.turn } else { self.timeout.answer };
+        Exchange::of(Request { rpc, transaction: self.transaction, checked, parameters }, timeout)
     }
 
     /// Whether a question is asked again: after silence, after an answer that cannot be understood, and while the instrument is busy.
-    fn asks_again(&self, work: &Work, answer: &Result<Answer, Trouble>) -> bool {
-        work.tried < self.patience.times.max(1)
+    fn asks_again(&self, work: &Work, answer: &Result<Answer, NoReading>) -> bool {
+        work.tried < self.timeout.times.max(1)
             && !work.question.is_asked_once()
             && answer.as_ref().is_err_and(|trouble| trouble.is_passing())
     }
 
     /// What follows the answer to a question.
-    fn after(&self, question: Question, answer: Result<Answer, Trouble>) -> Then {
+    fn after(&self, question: Question, answer: Result<Answer, NoReading>) -> Then {
         match (question, answer) {
             (Question::TurnOver { .. }, Err(trouble)) if !trouble.is_passing() => Then::Done(Err(trouble)),
             // Its face says what became of it.
-            (Question::TurnOver { target, turned }, _) if turned + 1 < self.patience.times => {
+            (Question::TurnOver { target, turned }, _) if turned + 1 < self.timeout.times => {
                 Then::Ask(Question::Face { target, turned: turned + 1 })
             }
             (Question::TurnOver { target, .. }, _) => Then::Ask(Question::Turn(target)),
@@ -289,19 +289,19 @@ impl Question {
     }
 }
 
-fn measured(answer: &Answer, asked: Option<Face>) -> Result<Measured, Trouble> {
-    let (hz, v) = answer.number(0).zip(answer.number(1)).ok_or(Trouble::Garbled)?;
+fn measured(answer: &Answer, asked: Option<Face>) -> Result<Measured, NoReading> {
+    let (hz, v) = answer.number(0).zip(answer.number(1)).ok_or(NoReading::Garbled)?;
     let face = face_of(answer.number(8))?;
     if asked.is_some_and(|asked| asked != face) {
-        return Err(Trouble::OtherFace);
+        return Err(NoReading::OtherFace);
     }
     Ok(Measured { angles: from_circles([hz, v], face), face })
 }
 
-fn face_of(number: Option<f64>) -> Result<Face, Trouble> {
+fn face_of(number: Option<f64>) -> Result<Face, NoReading> {
     match number {
         Some(0.0) => Ok(Face::One),
         Some(1.0) => Ok(Face::Two),
-        _ => Err(Trouble::Garbled),
+        _ => Err(NoReading::Garbled),
     }
 }

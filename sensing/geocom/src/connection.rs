@@ -4,7 +4,7 @@ use std::os::fd::AsFd;
 use std::time::{Duration, Instant};
 
 use crate::angles::Face;
-use crate::client::{Client, Measured, Next, Patience, Trouble};
+use crate::client::{Client, ClientAction, Measured, NoReading, Timeouts};
 use crate::line::Line;
 
 /// How long the line is waited for at most, until whoever runs a client looks at something else, such as the end of the cell.
@@ -33,16 +33,16 @@ impl<F: AsFd> Transport<F> {
     /// Does what a client needs before it goes on, or begins to.
     ///
     /// # Errors
-    /// [`Trouble::Closed`].
-    pub fn carry_out(&mut self, next: Next, client: &mut Client) -> Result<(), Trouble> {
+    /// [`NoReading::Closed`].
+    pub fn carry_out(&mut self, next: ClientAction, client: &mut Client) -> Result<(), NoReading> {
         let left = |until: Duration| until.saturating_sub(self.since.elapsed()).min(SLICE);
         match next {
-            Next::Send { until } => {
+            ClientAction::Send { until } => {
                 let count = self.line.send(client.outgoing(), left(until))?;
                 client.sent(count);
             }
-            Next::Receive { until } => self.came = self.line.receive(&mut self.bytes, left(until))?,
-            Next::Done(_) | Next::Idle => {}
+            ClientAction::Receive { until } => self.came = self.line.receive(&mut self.bytes, left(until))?,
+            ClientAction::Done(_) | ClientAction::Idle => {}
         }
         Ok(())
     }
@@ -58,15 +58,15 @@ pub struct Connection<F> {
 impl<F: AsFd> Connection<F> {
     /// Over such a line.
     #[must_use]
-    pub fn new(line: Line<F>, patience: Patience) -> Self {
-        Self { client: Client::new(patience), transport: Transport::over(line) }
+    pub fn new(line: Line<F>, timeout: Timeouts) -> Self {
+        Self { client: Client::new(timeout), transport: Transport::over(line) }
     }
 
     /// Whether the instrument answers (`COM_NullProc`).
     ///
     /// # Errors
-    /// [`Trouble`].
-    pub fn greet(&mut self) -> Result<(), Trouble> {
+    /// [`NoReading`].
+    pub fn greet(&mut self) -> Result<(), NoReading> {
         self.client.greet();
         self.run().map(drop)
     }
@@ -74,19 +74,19 @@ impl<F: AsFd> Connection<F> {
     /// Turns the telescope over if need be, then about to these angles, lets the instrument find the target there, and measures.
     ///
     /// # Errors
-    /// [`Trouble`].
-    pub fn sight(&mut self, about: [f64; 2], face: Face) -> Result<Measured, Trouble> {
+    /// [`NoReading`].
+    pub fn sight(&mut self, about: [f64; 2], face: Face) -> Result<Measured, NoReading> {
         self.client.sight(about, face);
-        self.run()?.ok_or(Trouble::Garbled)
+        self.run()?.ok_or(NoReading::Garbled)
     }
 
     /// Measures where the telescope points, with the compensator (`TMC_GetAngle1`).
     ///
     /// # Errors
-    /// [`Trouble`].
-    pub fn measure(&mut self) -> Result<Measured, Trouble> {
+    /// [`NoReading`].
+    pub fn measure(&mut self) -> Result<Measured, NoReading> {
         self.client.measure();
-        self.run()?.ok_or(Trouble::Garbled)
+        self.run()?.ok_or(NoReading::Garbled)
     }
 
     /// Both parts, of an instrument that goes on in a thread of its own.
@@ -94,13 +94,13 @@ impl<F: AsFd> Connection<F> {
         (self.client, self.transport)
     }
 
-    fn run(&mut self) -> Result<Option<Measured>, Trouble> {
+    fn run(&mut self) -> Result<Option<Measured>, NoReading> {
         loop {
             let (now, bytes) = self.transport.take();
             match self.client.poll(now, bytes) {
-                Next::Done(outcome) => return outcome,
+                ClientAction::Done(outcome) => return outcome,
                 // Something was asked for.
-                Next::Idle => return Ok(None),
+                ClientAction::Idle => return Ok(None),
                 next => self.transport.carry_out(next, &mut self.client)?,
             }
         }

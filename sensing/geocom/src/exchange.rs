@@ -4,7 +4,7 @@
 
 use core::time::Duration;
 
-use crate::client::{Next, Trouble};
+use crate::client::{ClientAction, NoReading};
 use crate::framing::Lines;
 use crate::protocol::{Answer, Code, Request};
 
@@ -19,7 +19,7 @@ const SEND: Duration = Duration::from_secs(2);
 #[derive(Debug)]
 pub struct Exchange {
     request: Request,
-    patience: Duration,
+    timeout: Duration,
     state: State,
 }
 
@@ -36,9 +36,9 @@ enum State {
 /// What becomes of an exchange.
 pub enum Progress {
     /// It goes on when this is done.
-    On(Next),
+    On(ClientAction),
     /// It is over.
-    Over(Result<Answer, Trouble>),
+    Over(Result<Answer, NoReading>),
 }
 
 /// What a line is to a question.
@@ -46,13 +46,13 @@ enum Heard {
     /// The answer to another one.
     Other,
     /// The answer, or what stands in its place.
-    Answer(Result<Answer, Trouble>),
+    Answer(Result<Answer, NoReading>),
 }
 
 impl Exchange {
     /// Asks this, and waits so long for each line that comes.
-    pub const fn of(request: Request, patience: Duration) -> Self {
-        Self { request, patience, state: State::Clearing { passed: 0, is_read: false } }
+    pub const fn of(request: Request, timeout: Duration) -> Self {
+        Self { request, timeout, state: State::Clearing { passed: 0, is_read: false } }
     }
 
     /// Goes on with it. `is_quiet` says that nothing has come since the last time. `checks` says whether the instrument knows checksums, which an
@@ -73,7 +73,7 @@ impl Exchange {
                         Ok(Some(_)) => {
                             *passed += 1;
                             if *passed > MOST_BEFORE {
-                                return Progress::Over(Err(Trouble::Garbled));
+                                return Progress::Over(Err(NoReading::Garbled));
                             }
                             continue;
                         }
@@ -82,38 +82,38 @@ impl Exchange {
                     // More may have come that nobody has read yet.
                     if !(*is_read && is_quiet) {
                         *is_read = true;
-                        return Progress::On(Next::Receive { until: now });
+                        return Progress::On(ClientAction::Receive { until: now });
                     }
                     *outgoing = format!("{}\r\n", self.request).into_bytes();
                     self.state = State::Sending { until: now + SEND };
                 }
                 State::Sending { .. } if outgoing.is_empty() => {
-                    self.state = State::Waiting { until: now + self.patience, others: 0 };
+                    self.state = State::Waiting { until: now + self.timeout, others: 0 };
                     is_quiet = false;
                 }
                 State::Sending { until } => {
                     if now < *until {
-                        return Progress::On(Next::Send { until: *until });
+                        return Progress::On(ClientAction::Send { until: *until });
                     }
                     outgoing.clear();
-                    return Progress::Over(Err(Trouble::Silent));
+                    return Progress::Over(Err(NoReading::Silent));
                 }
                 State::Waiting { until, others } => {
                     let line = match lines.next_line() {
                         Err(trouble) => return Progress::Over(Err(trouble)),
                         // What has come by the end of the time is read, however late it is looked at.
                         Ok(None) if is_quiet && now >= *until => {
-                            return Progress::Over(Err(Trouble::Silent));
+                            return Progress::Over(Err(NoReading::Silent));
                         }
-                        Ok(None) => return Progress::On(Next::Receive { until: *until }),
+                        Ok(None) => return Progress::On(ClientAction::Receive { until: *until }),
                         Ok(Some(line)) => line,
                     };
                     match heard(&line, self.request.transaction, checks) {
                         Heard::Answer(answer) => return Progress::Over(answer),
                         Heard::Other => {
-                            (*until, *others) = (now + self.patience, *others + 1);
+                            (*until, *others) = (now + self.timeout, *others + 1);
                             if *others == MOST_OTHERS {
-                                return Progress::Over(Err(Trouble::Silent));
+                                return Progress::Over(Err(NoReading::Silent));
                             }
                         }
                     }
@@ -126,7 +126,7 @@ impl Exchange {
 /// What a line is to the question of a transaction. An answer to an earlier question is not taken, nor one without a checksum of an instrument that
 /// knows them.
 fn heard(line: &str, transaction: u32, checks: &mut Option<bool>) -> Heard {
-    let Some(answer) = Answer::parse(line) else { return Heard::Answer(Err(Trouble::Garbled)) };
+    let Some(answer) = Answer::parse(line) else { return Heard::Answer(Err(NoReading::Garbled)) };
     // What an instrument could not read it may answer without a number.
     if answer.transaction != transaction && (answer.transport == Code::OK || answer.transaction != 0) {
         return Heard::Other;
@@ -135,10 +135,10 @@ fn heard(line: &str, transaction: u32, checks: &mut Option<bool>) -> Heard {
         checks.get_or_insert(answer.checked);
     }
     if *checks == Some(true) && !answer.checked || answer.transport.is_of_lines() {
-        return Heard::Answer(Err(Trouble::Garbled));
+        return Heard::Answer(Err(NoReading::Garbled));
     }
     Heard::Answer(match (answer.transport, answer.code) {
         (Code::OK, Code::OK) => Ok(answer),
-        (Code::OK, code) | (code, _) => Err(Trouble::Refused(code)),
+        (Code::OK, code) | (code, _) => Err(NoReading::Refused(code)),
     })
 }

@@ -11,7 +11,7 @@ use mrroc::prelude::*;
 use mrroc_driver_kit::{Handed, Number};
 
 use crate::angles::Face;
-use crate::client::{Client, Measured, Next, Trouble};
+use crate::client::{Client, ClientAction, Measured, NoReading};
 use crate::protocol::Code;
 use crate::sensor::{Angles, Sight};
 
@@ -45,7 +45,7 @@ impl Orders {
         &mut self,
         shared: &Shared,
         sight: Sight,
-        goes_on: Result<(), Trouble>,
+        goes_on: Result<(), NoReading>,
     ) -> Result<Angles, Fault> {
         let nothing = Angles { index: sight.index, ..Angles::default() };
         let is_read = shared.done.load(Ordering::Acquire) == self.count;
@@ -94,12 +94,12 @@ impl Worker {
         &mut self.client
     }
 
-    /// Goes on at a time with the bytes that have come. [`Next::Idle`]: nothing is ordered; look again soon.
-    pub fn poll(&mut self, now: Duration, bytes: &[u8], shared: &Shared) -> Next {
+    /// Goes on at a time with the bytes that have come. [`ClientAction::Idle`]: nothing is ordered; look again soon.
+    pub fn poll(&mut self, now: Duration, bytes: &[u8], shared: &Shared) -> ClientAction {
         if self.begun.is_none() {
             let asked = shared.asked.load(Ordering::Acquire);
             if asked == shared.done.load(Ordering::Relaxed) {
-                return Next::Idle;
+                return ClientAction::Idle;
             }
             let about = [shared.about[0].get(), shared.about[1].get()];
             let face = if shared.turned.load(Ordering::Relaxed) == 0 { Face::One } else { Face::Two };
@@ -107,7 +107,7 @@ impl Worker {
             self.begun = Some(asked);
         }
         let next = self.client.poll(now, bytes);
-        if let Next::Done(outcome) = next {
+        if let ClientAction::Done(outcome) = next {
             self.tell(shared, outcome);
         }
         next
@@ -115,10 +115,10 @@ impl Worker {
 
     /// The line is closed: so much for the sight that is carried out.
     pub fn close(&mut self, shared: &Shared) {
-        self.tell(shared, Err(Trouble::Closed));
+        self.tell(shared, Err(NoReading::Closed));
     }
 
-    fn tell(&mut self, shared: &Shared, outcome: Result<Option<Measured>, Trouble>) {
+    fn tell(&mut self, shared: &Shared, outcome: Result<Option<Measured>, NoReading>) {
         let Some(asked) = self.begun.take() else { return };
         if let Ok(Some(measured)) = outcome {
             for (shared, angle) in shared.read.iter().zip(measured.angles) {
@@ -131,28 +131,28 @@ impl Worker {
 }
 
 /// Troubles as numbers: codes of the instrument as they are, which are below 65536.
-const fn number_of(trouble: Trouble) -> u32 {
+const fn number_of(trouble: NoReading) -> u32 {
     match trouble {
-        Trouble::Refused(code) => code.0,
-        Trouble::Silent => 1 << 16,
-        Trouble::Garbled => 2 << 16,
-        Trouble::OtherFace => 3 << 16,
-        Trouble::Closed => 4 << 16,
+        NoReading::Refused(code) => code.0,
+        NoReading::Silent => 1 << 16,
+        NoReading::Garbled => 2 << 16,
+        NoReading::OtherFace => 3 << 16,
+        NoReading::Closed => 4 << 16,
     }
 }
 
-const fn trouble_of(number: u32) -> Option<Trouble> {
+const fn trouble_of(number: u32) -> Option<NoReading> {
     Some(match (number >> 16, number) {
         (_, 0) => return None,
-        (0, code) => Trouble::Refused(Code(code)),
-        (1, _) => Trouble::Silent,
-        (2, _) => Trouble::Garbled,
-        (3, _) => Trouble::OtherFace,
-        _ => Trouble::Closed,
+        (0, code) => NoReading::Refused(Code(code)),
+        (1, _) => NoReading::Silent,
+        (2, _) => NoReading::Garbled,
+        (3, _) => NoReading::OtherFace,
+        _ => NoReading::Closed,
     })
 }
 
 /// A trouble as a fault of the sensor.
-pub fn fault(trouble: Trouble) -> Fault {
+pub fn fault(trouble: NoReading) -> Fault {
     Fault::new(FaultKind::SensorFailed).text(&trouble.to_string())
 }

@@ -10,7 +10,7 @@ use mrroc::fault::FaultKind;
 use mrroc::prelude::*;
 use mrroc_driver_kit::{Talk, Watch};
 
-use crate::client::{Next, Patience, Trouble};
+use crate::client::{ClientAction, NoReading, Timeouts};
 use crate::connection::Connection;
 use crate::handover::{Orders, Shared, Worker, fault};
 use crate::line::Line;
@@ -61,33 +61,33 @@ const PAUSE: Duration = Duration::from_millis(2);
 pub struct Theodolite {
     port: PathBuf,
     baud: u32,
-    patience: Patience,
-    talk: Option<Talk<Shared, Trouble>>,
+    timeout: Timeouts,
+    talk: Option<Talk<Shared, NoReading>>,
     orders: Orders,
 }
 
 impl Theodolite {
     /// On such a port (`/dev/ttyUSB0`), at its speed \[baud\], 9600 of most. It is opened when the cell begins.
     #[must_use]
-    pub fn on(port: impl Into<PathBuf>, baud: u32, patience: Patience) -> Self {
-        Self { port: port.into(), baud, patience, talk: None, orders: Orders::default() }
+    pub fn on(port: impl Into<PathBuf>, baud: u32, timeout: Timeouts) -> Self {
+        Self { port: port.into(), baud, timeout, talk: None, orders: Orders::default() }
     }
 
     /// Over a line that is open already.
     ///
     /// # Errors
-    /// [`Trouble`]: the instrument does not answer; or this machine starts no more threads.
-    pub fn over<F: AsFd + Send + 'static>(line: Line<F>, patience: Patience) -> Result<Self, Trouble> {
-        let talk = Some(begin(line, patience)?);
-        Ok(Self { port: PathBuf::new(), baud: 0, patience, talk, orders: Orders::default() })
+    /// [`NoReading`]: the instrument does not answer; or this machine starts no more threads.
+    pub fn over<F: AsFd + Send + 'static>(line: Line<F>, timeout: Timeouts) -> Result<Self, NoReading> {
+        let talk = Some(begin(line, timeout)?);
+        Ok(Self { port: PathBuf::new(), baud: 0, timeout, talk, orders: Orders::default() })
     }
 }
 
 fn begin<F: AsFd + Send + 'static>(
     line: Line<F>,
-    patience: Patience,
-) -> Result<Talk<Shared, Trouble>, Trouble> {
-    let mut connection = Connection::new(line, patience);
+    timeout: Timeouts,
+) -> Result<Talk<Shared, NoReading>, NoReading> {
+    let mut connection = Connection::new(line, timeout);
     connection.greet()?;
     let (client, mut transport) = connection.into_parts();
     let mut worker = Worker::new(client);
@@ -95,7 +95,7 @@ fn begin<F: AsFd + Send + 'static>(
         while !watch.ends() {
             let (now, bytes) = transport.take();
             match worker.poll(now, bytes, shared) {
-                Next::Idle => std::thread::sleep(PAUSE),
+                ClientAction::Idle => std::thread::sleep(PAUSE),
                 next => {
                     let done = transport.carry_out(next, worker.client());
                     done.inspect_err(|_| worker.close(shared))?;
@@ -104,14 +104,14 @@ fn begin<F: AsFd + Send + 'static>(
         }
         Ok(())
     };
-    Talk::begin("theodolite", Shared::default(), Trouble::Closed, work).map_err(|_| Trouble::Closed)
+    Talk::begin("theodolite", Shared::default(), NoReading::Closed, work).map_err(|_| NoReading::Closed)
 }
 
 impl VirtualSensor for Theodolite {
     type Kind = Sighting;
 
     fn aggregate(&mut self, order: &ReadingOrder<Sight>) -> Result<Angles, Fault> {
-        let Some(talk) = &self.talk else { return Err(fault(Trouble::Closed)) };
+        let Some(talk) = &self.talk else { return Err(fault(NoReading::Closed)) };
         self.orders.aggregate(talk.handed(), order.configuration, talk.goes_on())
     }
 
@@ -128,7 +128,7 @@ impl VirtualSensor for Theodolite {
                 let text = format!("{} cannot be opened: {why}", self.port.display());
                 Fault::new(FaultKind::SensorFailed).text(&text)
             })?;
-            self.talk = Some(begin(line, self.patience).map_err(fault)?);
+            self.talk = Some(begin(line, self.timeout).map_err(fault)?);
         }
         Ok(())
     }

@@ -1,7 +1,7 @@
-//! World models of mazes, for robots that find their way by touch, and for judging how well they do.
+//! World models of mazes, for robots that find their way by touch, and for measuring how well they do.
 //!
 //! ```text
-//! text  -> Layout -> Walls -> Inflated -> the shortest path of a ball, to judge by
+//! text  -> Layout -> Walls -> Inflated -> the shortest path of a ball, to compare with
 //! seen boxes -> Walls, a way from Inflated -> Taut, the same way as a taut string of lines and arcs, to move along
 //! touches, passed ways -> Map -> Planner -> a way through what is not known to be wall
 //! ```

@@ -1,4 +1,4 @@
-//! The shortest path of a ball between walls: what paths are judged by.
+//! The shortest path of a ball between walls: what paths are compared with.
 //!
 //! The ball's centre keeps out of the walls inflated by its radius. Inflated walls have round corners; here a quarter of a circle is two
 //! chords, so a path may cut into a corner by 8 % of the radius. The result is a lower bound of the true shortest path, by less than

@@ -122,7 +122,7 @@ fn note(sights: &RefCell<Sights>, faces: &[Measured; FACES], of: &Sighted) {
 pub fn arm(ecp: &mut Ecp<Irp6>, postures: &[Six]) -> Result<(), Fault> {
     let limits =
         JointLimits { velocity: Six::repeat(0.4), acceleration: Six::repeat(0.6), jerk: Six::repeat(4.0) };
-    ecp.obey_all(|ecp, Go::Posture(number): Go| {
+    ecp.serve_all(|ecp, Go::Posture(number): Go| {
         let goal = postures.get(number as usize).copied();
         let goal = goal.ok_or_else(|| Fault::thrown("there is no posture of this number"))?;
         ecp.move_robot((), SmoothJointMove::to(goal, limits))?;

@@ -1,6 +1,6 @@
 //! The postures that the arms visit: clear of each other, in sight of the theodolites, and those that tell most.
 
-use mrroc_calibration::{Aim, Noise, Problem, choose, judge};
+use mrroc_calibration::{Aim, Noise, Problem, choose, evaluate};
 use mrroc_robots::Six;
 
 use crate::estimate::{Sight, Sighted, Sights, Stated};
@@ -70,7 +70,7 @@ pub fn chosen(count: usize, of: usize, seed: u64) -> Vec<Visit> {
 pub fn foreseen(visits: &[Visit], seed: u64) -> f64 {
     let Planned { problem, candidates, aims } = Planned::new(visits, seed);
     let all: Vec<usize> = (0..candidates.len()).collect();
-    judge(&problem, &candidates, &aims, &all).left.last().copied().unwrap_or(f64::INFINITY)
+    evaluate(&problem, &candidates, &aims, &all).left.last().copied().unwrap_or(f64::INFINITY)
 }
 
 /// What would be measured.

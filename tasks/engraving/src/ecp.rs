@@ -97,7 +97,7 @@ impl Job {
     /// # Errors
     /// The fault that ended it.
     pub fn run(&mut self, ecp: &mut Ecp<Irp6>) -> Result<(), Fault> {
-        ecp.obey_all(|ecp, phase: Phase| match phase {
+        ecp.serve_all(|ecp, phase: Phase| match phase {
             Phase::FindPlate => self.find_plate(ecp),
             Phase::Engrave => self.engrave(ecp),
             Phase::Park => self.go_and_park(ecp),

@@ -231,7 +231,7 @@ impl Plan {
             broken: Vec::new(),
             passed: true,
         }
-        .judged()
+        .checked()
     }
 
     fn draw(&self, options: &Options, outcome: Outcome, summary: &Summary) -> Result<(), String> {

@@ -13,7 +13,7 @@ use crate::ground::Ground;
 use crate::leg::Leg;
 use crate::places::hip;
 use crate::plant::{FootForces, Level};
-use crate::walk::{Course, Gait};
+use crate::walk::{FootholdPlan, Gait};
 
 /// All feet bear.
 #[condition(mp)]
@@ -31,14 +31,15 @@ pub fn coordinate(mp: &mut Mp, gait: &Gait, ground: &Rc<Ground>) -> Result<(), F
     let (mut lh, mut rh) = (mp.robot::<Leg>("lh")?, mp.robot::<Leg>("rh")?);
     let (mut feet, mut level) = (mp.sensor::<FootForces>("feet")?, mp.sensor::<Level>("level")?);
     let legs: Legs = [0, 1, 2, 3].map(|i| Leg::at(hip(i)));
-    let course = Course::plan(gait, &legs, ground).map_err(|refused| Fault::thrown(&refused.to_string()))?;
+    let plan =
+        FootholdPlan::plan(gait, &legs, ground).map_err(|refused| Fault::thrown(&refused.to_string()))?;
     mp.wait_until([&mut lf, &mut rf, &mut lh, &mut rh], (&mut feet,), stands {})?;
     // The ground is the body that the legs carry: to the right, so that the trunk goes to the left.
     let aside = StraightBody::by(Pose::translation(0.0, -gait.aside(0.0), 0.0), limits());
     let shift = RigidCarry::along(BodyFrame::InWorld(Pose::identity()), aside);
     mp.move_robots([&mut lf, &mut rf, &mut lh, &mut rh], (), shift)?;
     for part in gait.parts() {
-        let stride = Stride::new(*gait, part, &course, legs.clone(), Rc::clone(ground));
+        let stride = Stride::new(*gait, part, &plan, legs.clone(), Rc::clone(ground));
         mp.blend_robots([&mut lf, &mut rf, &mut lh, &mut rh], (&mut feet, &mut level), stride)?;
     }
     Ok(())

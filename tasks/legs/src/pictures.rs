@@ -9,7 +9,7 @@ use crate::ground::{Ground, Lane};
 use crate::leg::Leg;
 use crate::places::hip;
 use crate::plant::trunk::EDGES;
-use crate::seen::{Seen, Standing};
+use crate::seen::{RunMeasurements, Standing};
 use crate::walk::LEAST;
 use crate::walk::support::hull;
 
@@ -28,7 +28,7 @@ const TALL: f64 = 1800.0;
 
 /// An SVG of a run over this ground, in millimetres; it repeats itself.
 #[must_use]
-pub fn film(seen: &Seen, ground: &Ground) -> String {
+pub fn film(seen: &RunMeasurements, ground: &Ground) -> String {
     let frames: Vec<&Standing> = seen.film.iter().step_by(EVERY).collect();
     let (Some(first), Some(last)) = (frames.first(), frames.last()) else { return String::new() };
     let lasts = last.time - first.time;

@@ -8,7 +8,7 @@ use mrroc::cell::RunReport;
 use mrroc::prelude::*;
 
 use crate::plant::{Drawn, ForceCells, Inclinometer, Plant};
-use crate::seen::Seen;
+use crate::seen::RunMeasurements;
 use crate::walk::Gait;
 use crate::{file, mp};
 
@@ -23,7 +23,7 @@ pub struct Outcome {
     /// How long it took.
     pub wall: Duration,
     /// What there was to see.
-    pub seen: Seen,
+    pub seen: RunMeasurements,
 }
 
 /// A cell that is ready to run.

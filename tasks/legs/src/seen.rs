@@ -88,7 +88,7 @@ pub struct Step {
 
 /// What was seen.
 #[derive(Clone, Debug)]
-pub struct Seen {
+pub struct RunMeasurements {
     /// Every tenth period, if it is not told otherwise.
     pub film: Vec<Standing>,
     /// All steps that are over.
@@ -115,7 +115,7 @@ pub struct Seen {
     since: f64,
 }
 
-impl Default for Seen {
+impl Default for RunMeasurements {
     fn default() -> Self {
         Self {
             film: Vec::new(),
@@ -137,7 +137,7 @@ impl Default for Seen {
     }
 }
 
-impl Seen {
+impl RunMeasurements {
     /// Keeps every period of so many.
     pub const fn keep_every(&mut self, periods: u64) {
         self.kept = periods;

@@ -1,4 +1,4 @@
-//! The machine obeys mechanics: momenta, statics, friction.
+//! The machine satisfies mechanics: momenta, statics, friction.
 
 use legs::ground::Ground;
 use legs::leg::{GRAVITY, Leg, Three};

@@ -42,7 +42,7 @@ mod whole {
 fn the_same_seed_gives_the_same_walk_to_the_bit() {
     let gait = Gait { footsteps: 2, ..Gait::default() };
     let walk = || Ready::new(&Drawn::by(3, LENGTH), &gait, 3).expect("a cell").run().seen;
-    let bits = |seen: legs::seen::Seen| -> Vec<u64> {
+    let bits = |seen: legs::seen::RunMeasurements| -> Vec<u64> {
         seen.film.iter().flat_map(|now| now.centre.iter().map(|x| x.to_bits()).collect::<Vec<_>>()).collect()
     };
     assert_eq!(bits(walk()), bits(walk()));

@@ -16,7 +16,7 @@ use crate::plant::TouchProbe;
 /// The first fault of the cell.
 pub fn arm(ecp: &mut Ecp<Irp6>, sizes: &Sizes) -> Result<(), Fault> {
     let mut probe = ecp.sensor::<TouchProbe>("probe")?;
-    ecp.obey_all(|ecp, task| match task {
+    ecp.serve_all(|ecp, task| match task {
         Task::Go { x, y } => go(ecp, &mut probe, [x, y], sizes),
         Task::Hop { x, y } => hop(ecp, [x, y], sizes),
         Task::Leave { .. } => {

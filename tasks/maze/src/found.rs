@@ -4,8 +4,8 @@ use mrroc::pose::Pose;
 use mrroc::prelude::*;
 use nalgebra::{Point3, Translation3, UnitQuaternion, Vector2, Vector3};
 
-use crate::mp::Told;
-use crate::orders::{Have, Task, Went};
+use crate::mp::MazeSettings;
+use crate::orders::{Perform, Task, TaskOutcome};
 use crate::places::{MIDDLE, said};
 
 /// How an arm finds the maze: it touches the left side twice and the lower one once, each from 12 mm beside the frame and for 20 mm at
@@ -13,7 +13,7 @@ use crate::places::{MIDDLE, said};
 ///
 /// # Errors
 /// No side where one is looked for; the first fault of the cell.
-pub fn by_three_touches(have: &mut Have<'_>, told: &Told) -> Result<(Pose, Went), Fault> {
+pub fn by_three_touches(have: &mut Perform<'_>, told: &MazeSettings) -> Result<(Pose, TaskOutcome), Fault> {
     let [width, height] = told.known.size;
     let corner = said([width, height]).translation;
     let mut sides = [Vector2::zeros(); 3];

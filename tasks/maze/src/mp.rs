@@ -11,12 +11,12 @@ use mrroc_map::{Knowledge, Map, Place, Planner, Region};
 use nalgebra::{Point3, Vector2};
 
 use crate::feeling::Feeling;
-use crate::orders::{Have, Task, Went};
+use crate::orders::{Perform, Task, TaskOutcome};
 use crate::places::Sizes;
 
 /// What the coordinator is told of a maze.
 #[derive(Clone, Debug)]
-pub struct Told {
+pub struct MazeSettings {
     /// Where the ball begins [m, M].
     pub start: Place,
     /// Where it is to go [m, M].
@@ -49,14 +49,14 @@ pub fn carried_out<R: Robot, S: Feeling<R>>(
     (robot, sensor): (&mut RobotHandle<R>, &mut SensorHandle<S>),
     touches: &mut u32,
     task: Task,
-) -> Result<Went, Fault> {
+) -> Result<TaskOutcome, Fault> {
     mp.move_robots((&mut *robot,), (), ConstantOrder::<(R,), Task>::to_all(task))?;
     mp.wait_until((&mut *robot,), (&mut *sensor,), Free::<R, S>(PhantomData))?;
     let reading = sensor.reading().ok_or_else(|| Fault::thrown("the sensor has no reading"))?;
     let touch = S::touch(&reading);
     let is_new = core::mem::replace(touches, touch.touches) != touch.touches;
     let touched = is_new.then(|| Vector2::new(touch.x, touch.y));
-    Ok(Went { at: S::place(&reading, robot), touched, met: S::met(&reading), seen: S::seen(&reading) })
+    Ok(TaskOutcome { at: S::place(&reading, robot), touched, met: S::met(&reading), seen: S::seen(&reading) })
 }
 
 /// Plans a leg, has the effector go it until it touches something, and learns what it touched; until it is at the goal. `find` is how
@@ -67,8 +67,8 @@ pub fn carried_out<R: Robot, S: Feeling<R>>(
 pub fn coordinate<R: Robot, S: Feeling<R>>(
     mp: &mut Mp,
     [robot, sensor]: [&str; 2],
-    told: &Told,
-    find: impl Fn(&mut Have<'_>, &Told) -> Result<(Pose, Went), Fault>,
+    told: &MazeSettings,
+    find: impl Fn(&mut Perform<'_>, &MazeSettings) -> Result<(Pose, TaskOutcome), Fault>,
     map: &Rc<RefCell<Map>>,
 ) -> Result<(), Fault> {
     let (mut robot, mut sensor) = (mp.robot::<R>(robot)?, mp.sensor::<S>(sensor)?);

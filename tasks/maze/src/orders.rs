@@ -35,7 +35,7 @@ pub enum Task {
 
 /// What came of a task.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Went {
+pub struct TaskOutcome {
     /// Where the middle of the ball is now [m, W].
     pub at: Vector2<f64>,
     /// Where it was when it touched, if it did [m, W].
@@ -47,4 +47,4 @@ pub struct Went {
 }
 
 /// Has the effector carry out a task.
-pub type Have<'a> = dyn FnMut(Task) -> Result<Went, Fault> + 'a;
+pub type Perform<'a> = dyn FnMut(Task) -> Result<TaskOutcome, Fault> + 'a;

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use mrroc_map::{Contact, Place, Walls};
 
-use crate::mp::Told;
+use crate::mp::MazeSettings;
 use crate::run::Outcome;
 
 /// How long the film takes \[s\].
@@ -16,7 +16,7 @@ const SCALE: f64 = 0.1;
 /// An SVG of a run in the maze of which this was told. It is drawn in millimetres where cells are 25 mm, others as
 /// if they were, and repeats itself; without its animation it shows the whole run.
 #[must_use]
-pub fn film(outcome: &Outcome, walls: &Walls, told: &Told) -> String {
+pub fn film(outcome: &Outcome, walls: &Walls, told: &MazeSettings) -> String {
     let mm = 25.0 / outcome.sizes.pitch;
     let [width, height] = told.known.size.map(|side| mm * side);
     let mut svg = format!(

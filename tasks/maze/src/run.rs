@@ -10,7 +10,7 @@ use mrroc::prelude::*;
 use mrroc_map::{Contact, Inflated, Knowledge, Layout, Map, Place, Region};
 
 use crate::force::sensor::{WallForce, Wrist};
-use crate::mp::Told;
+use crate::mp::MazeSettings;
 use crate::options::Means;
 use crate::places::Sizes;
 use crate::plant::{Plant, TouchProbe};
@@ -55,11 +55,11 @@ pub struct Ready {
 
 /// What is told of a maze with these sizes.
 #[must_use]
-pub fn told(maze: &Layout, sizes: &Sizes) -> Told {
+pub fn told(maze: &Layout, sizes: &Sizes) -> MazeSettings {
     let goal = maze.goal();
     let at = |(x, y): (usize, usize), off: f64| Place::new(x as f64 + off, y as f64 + off) * sizes.pitch;
     let within = Place::new(sizes.within, sizes.within);
-    Told {
+    MazeSettings {
         start: at(maze.start(), 0.5),
         goal: Region { lower: at(goal.lower, 0.0) + within, upper: at(goal.upper, 1.0) - within },
         most: 40 * maze.columns() * maze.rows(),
@@ -92,7 +92,7 @@ impl Ready {
         seed: u64,
         sense: impl FnOnce(&Plant, &CellFile, Cell) -> Result<Cell, CellError>,
     ) -> Result<Self, CellError> {
-        let program = |mp: &mut Mp, told: &Told, grown: &Rc<RefCell<Map>>| {
+        let program = |mp: &mut Mp, told: &MazeSettings, grown: &Rc<RefCell<Map>>| {
             mp::coordinate::<Irp6, TouchProbe>(mp, ["arm", "probe"], told, found::by_three_touches, grown)
         };
         Self::of(maze, seed, &file()?, sense, ecp::arm, program)
@@ -114,7 +114,7 @@ impl Ready {
             touches = Some(wrist.touches());
             Ok(cell.sensor(file.sensor("force", fail(wrist))?))
         };
-        let program = |mp: &mut Mp, told: &Told, grown: &Rc<RefCell<Map>>| {
+        let program = |mp: &mut Mp, told: &MazeSettings, grown: &Rc<RefCell<Map>>| {
             mp::coordinate::<Irp6, WallForce>(mp, ["arm", "force"], told, found::by_three_touches, grown)
         };
         let ready = Self::of(maze, seed, &file, sense, force::ecp::arm, program)?;
@@ -127,7 +127,7 @@ impl Ready {
         file: &CellFile,
         sense: impl FnOnce(&Plant, &CellFile, Cell) -> Result<Cell, CellError>,
         arm: impl Fn(&mut Ecp<Irp6>, &Sizes) -> Result<(), Fault> + 'static,
-        program: impl Fn(&mut Mp, &Told, &Rc<RefCell<Map>>) -> Result<(), Fault> + 'static,
+        program: impl Fn(&mut Mp, &MazeSettings, &Rc<RefCell<Map>>) -> Result<(), Fault> + 'static,
     ) -> Result<Self, CellError> {
         let sizes = Sizes::within_reach(maze);
         let plant = Plant::new(maze, &sizes, seed);

@@ -3,7 +3,7 @@
 //! The shipped mazes and a few worlds; `just maze-whole` takes all worlds, and thirty mazes by chance.
 
 use maze::mazes::Seeded;
-use maze::mp::Told;
+use maze::mp::MazeSettings;
 use maze::options::Means;
 use maze::places::Sizes;
 use maze::plant::stylus::TRAVEL;
@@ -68,7 +68,7 @@ fn ways_are_within_the_bound_of_bug2(count: usize) {
     let [start, goal] = ENDS.map(Place::from);
     let (mut shares, mut within) = (vec![], 0);
     for (seed, world) in worlds().into_iter().enumerate().take(count) {
-        let told = Told {
+        let told = MazeSettings {
             start,
             goal: Region { lower: goal - near, upper: goal + near },
             most: 1000,

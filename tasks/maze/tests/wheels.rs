@@ -41,9 +41,9 @@ mod whole {
 #[test]
 fn the_base_knows_where_it_stands_to_a_few_millimetres_at_the_end_of_the_maze() {
     /// The sensor, and how far it was wrong last.
-    struct Judged(Traced, std::rc::Rc<std::cell::Cell<f64>>, mrroc_wheels::Floor);
+    struct Checked(Traced, std::rc::Rc<std::cell::Cell<f64>>, mrroc_wheels::Floor);
 
-    impl VirtualSensor for Judged {
+    impl VirtualSensor for Checked {
         type Kind = Lookout;
 
         fn aggregate(&mut self, order: &ReadingOrder<Watch>) -> Result<Sight, Fault> {
@@ -61,7 +61,7 @@ fn the_base_knows_where_it_stands_to_a_few_millimetres_at_the_end_of_the_maze() 
     let seen = std::rc::Rc::clone(&wrong);
     let ready = Ready::sensed_by(&islands(), 0, |lookout| {
         let floor = lookout.floor().clone();
-        Judged(lookout, seen, floor)
+        Checked(lookout, seen, floor)
     });
     let outcome = ready.expect("a cell").run();
     outcome.report.expect("no fault");

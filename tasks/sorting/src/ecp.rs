@@ -30,7 +30,7 @@ pub fn arm(ecp: &mut Ecp<Irp6>, chase: &Chase) -> Result<(), Fault> {
     let (mut gate, mut range) = (ecp.sensor::<Gate>("gate")?, ecp.sensor::<Across>("range")?);
     let mut fingers = ecp.sensor::<Between>("fingers")?;
     let line = |pose| StraightLine::to(pose, limits());
-    ecp.obey_all(|ecp, task| match task {
+    ecp.serve_all(|ecp, task| match task {
         Task::Pick => loop {
             chase.tool.set(Pursuit::at_rest(&ecp.image().demanded().pose));
             let close = || Close::new(chase.clone());
@@ -69,7 +69,7 @@ fn there(v: &Reading<(Between,)>) -> bool {
 pub fn hand(ecp: &mut Ecp<TwoFingers>) -> Result<(), Fault> {
     let mut fingers = ecp.sensor::<Between>("fingers")?;
     let open = || JointMove::to(One::new(OPEN), One::new(FINGERS[0]), One::new(FINGERS[1]));
-    ecp.obey_all(|ecp, task| match task {
+    ecp.serve_all(|ecp, task| match task {
         Task::Pick => loop {
             ecp.wait_until((&mut fingers,), there {}.held_for(Close::WAITING))?;
             if !ecp.move_robot((&mut fingers,), Grasp::default())?.is_lost() {

@@ -2,12 +2,13 @@
 //!
 //! The task itself is small: [`mp`] coordinates, [`ecp`] is what each robot does, [`generators`] how they move, [`orders`] what the
 //! coordinator tells them. The rest surrounds it: [`places`] says where things are, [`parts`] what comes and when, [`plant`] what
-//! simulated robots and sensors do, [`witness`] measures, [`run`] is one run, [`summary`] many.
+//! simulated robots and sensors do, [`observer`] measures, [`run`] is one run, [`summary`] many.
 
 pub mod camera;
 pub mod ecp;
 pub mod generators;
 pub mod matrix;
+pub mod monitor;
 pub mod mp;
 pub mod options;
 pub mod orders;
@@ -19,7 +20,6 @@ pub mod progress;
 pub mod run;
 pub mod scene;
 pub mod summary;
-pub mod witness;
 
 use mrroc::cell_file::CellFileError;
 use mrroc::prelude::*;

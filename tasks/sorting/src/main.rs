@@ -70,7 +70,7 @@ fn overhead(options: &Options) -> ExitCode {
     } else if let Some(file) = &options.data_set {
         command::collect(options, file)
     } else if let Some(folder) = &options.images {
-        command::judge(options, folder)
+        command::evaluate(options, folder)
     } else if let Some(count) = options.examine {
         command::test_recognition(options, count as usize)
     } else if let Some(parts) = options.sweep {

@@ -18,7 +18,7 @@ pub type Arm = (Irp6, TwoFingers);
 /// After so many failed picks in a row the cell stops: something is wrong with it.
 const FAILED: u32 = 3;
 
-/// Sorts what the belt brings, until so many parts have come and gone, or nothing has passed the gate for `patience` \[s\].
+/// Sorts what the belt brings, until so many parts have come and gone, or nothing has passed the gate for `timeout` \[s\].
 /// Counts in `failed` the picks in which the hand closed on nothing: it is opened then, and the next part is taken.
 ///
 /// # Errors
@@ -26,7 +26,7 @@ const FAILED: u32 = 3;
 pub fn coordinate(
     mp: &mut Mp,
     drive: Uneven,
-    (parts, patience): (u32, f64),
+    (parts, timeout): (u32, f64),
     failed: &Cell<u32>,
 ) -> Result<(), Fault> {
     let mut arm = (mp.robot::<Irp6>("arm")?, mp.robot::<TwoFingers>("hand")?);
@@ -36,7 +36,7 @@ pub fn coordinate(
     mp.start_robot(&mut belt, drive)?;
     let mut in_a_row = 0;
     loop {
-        let pick = Pick { parts, patience, quiet: 0.0, passed: 0, gone: false, empty: 0.0 };
+        let pick = Pick { parts, timeout, quiet: 0.0, passed: 0, gone: false, empty: 0.0 };
         let pick = mp.move_robots((&mut arm.0, &mut arm.1), (&mut gate,), pick)?;
         if pick.is_over() {
             return mp.end_robot(&mut belt);
@@ -61,7 +61,7 @@ pub fn coordinate(
 /// Orders the next part to be acquired, until that is done, or the hand has closed on nothing, or none comes any more.
 struct Pick {
     parts: u32,
-    patience: f64,
+    timeout: f64,
     /// For how long nothing has passed \[s\].
     quiet: f64,
     passed: u32,
@@ -82,7 +82,7 @@ impl Pick {
     }
 
     fn is_over(&self) -> bool {
-        self.quiet >= self.patience || self.passed >= self.parts && self.gone
+        self.quiet >= self.timeout || self.passed >= self.parts && self.gone
     }
 }
 

@@ -60,7 +60,7 @@ pub struct Options {
     /// Camera, ultrasonic: recognise so many parts, one in ten a stranger, without a cell.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub examine: Option<u32>,
-    /// Camera: judge the images of a folder, PNG files of 768 x 576 grey pixels; `empty.png` is that of the empty belt.
+    /// Camera: evaluate the images of a folder, PNG files of 768 x 576 grey pixels; `empty.png` is that of the empty belt.
     #[arg(long, value_name = "DIR")]
     pub images: Option<PathBuf>,
     /// Camera, ultrasonic: write the features of --parts parts, to train a network by.

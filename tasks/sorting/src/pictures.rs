@@ -11,11 +11,11 @@ use mrroc_pictures::svg::{Area, Axes, Look, Page, Range, Svg, TextStyle};
 use mrroc_robots::grasp::World;
 use nalgebra::Vector2;
 
+use crate::monitor::Fate;
 use crate::parts::{Arrival, FEED};
 use crate::places::{BELT, PART, SURFACE, TRAY, TRAYS};
 use crate::run::{Outcome, Ready};
 use crate::summary::Summary;
-use crate::witness::Fate;
 
 const WIDTH: f64 = 1200.0;
 pub(crate) const MARGIN: f64 = 70.0;

@@ -9,10 +9,10 @@ use mrroc::cell::RunReport;
 use mrroc::prelude::*;
 
 use crate::generators::{Chase, Open, Uneven};
+use crate::monitor::{Fate, Grip, HandMonitor, fates};
 use crate::parts::{Arrival, arrivals};
 use crate::places::{END, SPACING};
 use crate::plant::Plant;
-use crate::witness::{Fate, Grip, Witness, fates};
 use crate::{ecp, file, mp};
 
 /// What is run.
@@ -50,7 +50,7 @@ pub struct Ready {
     /// Why parts were let pass.
     pub chase: Chase,
     failed: Rc<Count<u32>>,
-    witness: Witness,
+    monitor: HandMonitor,
 }
 
 /// What came of a run.
@@ -117,19 +117,19 @@ impl Settings {
         let chase = Chase { open, ..Chase::default() };
         let arm = chase.clone();
         let slowest = (1.0 - 1.1 * Uneven::OFF) * self.speed;
-        let patience = 3.0 * self.gap() + (END + 2.0 * SPACING) / slowest + self.first();
+        let timeout = 3.0 * self.gap() + (END + 2.0 * SPACING) / slowest + self.first();
         let Self { speed, seed, profile, parts: count, .. } = *self;
         let failed = Rc::<Count<u32>>::default();
         let fails = Rc::clone(&failed);
         let cell =
             cell.ecp("arm", move |ecp| ecp::arm(ecp, &arm)).ecp("hand", ecp::hand).program(move |mp| {
                 let belt = Uneven::about(speed, seed.wrapping_add(77)).changing(profile);
-                mp::coordinate(mp, belt, (count as u32, patience), &fails)
+                mp::coordinate(mp, belt, (count as u32, timeout), &fails)
             });
         let hand = plant.world.hand(0).ok_or_else(|| Fault::thrown("the cell has no arm"))?;
-        let witness = Witness::of(hand);
-        let cell = cell.guard(1, witness.look());
-        Ok(Ready { cell, plant, parts, chase, failed, witness })
+        let monitor = HandMonitor::of(hand);
+        let cell = cell.guard(1, monitor.look());
+        Ok(Ready { cell, plant, parts, chase, failed, monitor })
     }
 
     /// Runs it.
@@ -153,7 +153,7 @@ impl Ready {
             report,
             wall,
             fates: fates(&self.plant.world, &self.parts),
-            grips: self.witness.grips(),
+            grips: self.monitor.grips(),
             crashes: hand.map_or(0, |hand| hand.crashes()),
             failed: self.failed.get(),
         }

@@ -5,8 +5,8 @@ use std::thread;
 
 use mrroc::prelude::*;
 
+use crate::monitor::Fate;
 use crate::run::{Outcome, Sensing, Settings};
-use crate::witness::Fate;
 
 /// The nominal speeds of a sweep [m/s], from 0.02 to 0.15.
 pub const SPEEDS: usize = 14;

@@ -7,8 +7,8 @@ use sorting::camera::picture::{read, write};
 use sorting::camera::run::{Settings, network};
 use sorting::camera::studio::{Trial, examine};
 use sorting::camera::summary::{Confusion, Line, Table, examination};
+use sorting::monitor::Fate;
 use sorting::summary::quantile;
-use sorting::witness::Fate;
 
 /// So many parts and strangers that no training has seen.
 fn parts_are_recognised(count: usize) {
@@ -35,7 +35,7 @@ fn parts_that_no_training_has_seen_are_recognised_and_strangers_rejected() {
 }
 
 #[test]
-fn images_in_files_are_judged_as_those_in_memory() {
+fn images_in_files_are_evaluated_as_those_in_memory() {
     let folder = std::env::temp_dir().join(format!("mrroc-sorting-images-{}", std::process::id()));
     std::fs::create_dir_all(&folder).expect("a folder");
     let (mut images, mut wanted) = (Vec::new(), Vec::new());

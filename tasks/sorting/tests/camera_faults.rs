@@ -11,11 +11,11 @@ use mrroc_sensors::virtual_sensors::{CameraSensor, Encoder, FingerBarrier};
 use sorting::camera::layout::BEAM;
 use sorting::camera::run::{Outcome, Ready, Settings};
 use sorting::camera::sight::Sight;
+use sorting::monitor::Fate;
 use sorting::plant::Plant;
 use sorting::scene::AtTool;
-use sorting::witness::Fate;
 
-use super::judged::first_hold;
+use super::checked::first_hold;
 
 const SPEED: f64 = 0.12;
 const STEP: f64 = 4e-3;
@@ -33,9 +33,9 @@ fn held() -> f64 {
     HELD.with(|held| *held.get_or_init(|| first_hold(&settings())))
 }
 
-/// As [`super::judged::judged`]. Within that each pad of 24 mm lies on the shortest face, 30 mm, with all of its width.
-fn judged(ready: Ready, case: &str) -> (Fate, Option<String>) {
-    super::judged::judged(ready, case, 3e-3)
+/// As [`super::checked::checked`]. Within that each pad of 24 mm lies on the shortest face, 30 mm, with all of its width.
+fn checked(ready: Ready, case: &str) -> (Fate, Option<String>) {
+    super::checked::checked(ready, case, 3e-3)
 }
 
 /// Every so many seconds from when the part is below the camera until it is held.
@@ -77,7 +77,7 @@ fn darkened(dark: Dark) {
     for (before, seen) in [(100.0, false), (8.0, false), (1.0, true)] {
         let case = format!("{dark:?} {before} s before");
         let ready = with_camera(|camera| camera.imager().darken(held - before, dark));
-        let (fate, fault) = judged(ready, &case);
+        let (fate, fault) = checked(ready, &case);
         if seen {
             assert_eq!((fate, fault), (Fate::Sorted, None), "{case}");
         } else {
@@ -104,7 +104,7 @@ fn fault_192_a_sensor_of_the_camera_cell_that_is_lost_in_mid_pick_is_a_named_fau
         [("camera", 3.0), ("camera", 0.5), ("encoder", 2.0), ("encoder", 0.3), ("fingers", 0.5)]
     {
         let case = format!("{name} lost {before} s before the grasp");
-        let (fate, fault) = judged(with_faults(name, held - before), &case);
+        let (fate, fault) = checked(with_faults(name, held - before), &case);
         match fault {
             Some(text) => assert!(text.contains(name), "{case}: {text}"),
             None => assert_eq!(fate, Fate::Sorted, "{case}"),
@@ -119,7 +119,7 @@ fn fault_192_a_vsp_of_the_camera_cell_that_is_killed_in_mid_pick_stops_all_robot
     for name in ["camera", "encoder", "fingers"] {
         let process = ProcessId::new(Role::Vsp, Name::new(name).expect("a name"));
         let at = ((held - 0.4) / STEP) as u64;
-        // Judged: limits, the cause, standstill within the bound, and that no gripper opens.
+        // Checked: limits, the cause, standstill within the bound, and that no gripper opens.
         let report = sweep.repeat(&Case { injected: Injected::Kill(process), at, seed: 1 });
         assert!(report.is_clean(), "{report}");
     }
@@ -132,7 +132,7 @@ fn belt_changes(step: f64) {
         for time in moments(step) {
             let case = format!("share {share} from {time} s");
             let changed = Settings { profile: Box::leak(Box::new([(time, share)])), ..settings() };
-            let (fate, fault) = judged(changed.ready().expect("a cell"), &case);
+            let (fate, fault) = checked(changed.ready().expect("a cell"), &case);
             assert_eq!(fault, None, "{case}");
             sorted += usize::from(fate == Fate::Sorted);
         }
@@ -170,7 +170,7 @@ fn fault_195_a_dead_barrier_at_the_camera_makes_missed_parts() {
                 barrier.fail(0.0, stuck);
             }
         });
-        let (fate, fault) = judged(ready, &format!("{stuck:?}"));
+        let (fate, fault) = checked(ready, &format!("{stuck:?}"));
         assert_eq!((fate, fault), (Fate::Missed, None), "{stuck:?}");
     }
 }
@@ -185,7 +185,7 @@ fn fault_196_a_finger_barrier_that_is_always_open_makes_missed_parts_and_one_alw
             Ok(cell.sensor(file.sensor("fingers", fingers)?))
         };
         let ready = settings().sensed_by(|camera| camera, sense).expect("a cell");
-        let (fate, fault) = judged(ready, &format!("{stuck:?}"));
+        let (fate, fault) = checked(ready, &format!("{stuck:?}"));
         let named =
             fault.as_ref().is_some_and(|text| text.contains("the barrier between the fingers is covered"));
         assert!(fate == Fate::Missed && named == (stuck == Stuck::Covered), "{stuck:?}: {fate:?} {fault:?}");

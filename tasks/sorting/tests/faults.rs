@@ -6,9 +6,9 @@ use mrroc::fault::{Name, ProcessId, Role};
 use mrroc::prelude::*;
 use mrroc::testing::{Case, FaultySensor, Injected, SensorFault, Sweep};
 use mrroc_sensors::physics::Stuck;
+use sorting::monitor::{Fate, Grip};
 use sorting::plant::Plant;
 use sorting::run::{Ready, Sensing, Settings};
-use sorting::witness::{Fate, Grip};
 
 const SPEED: f64 = 0.12;
 const SEED: u64 = 3;
@@ -28,7 +28,7 @@ fn undisturbed() -> Grip {
 const HALF_PAD: f64 = 0.012;
 
 /// Runs, and checks that there was no wrong grasp; what became of the part, and the fault.
-fn judged(ready: Ready, case: &str) -> (Fate, Option<String>) {
+fn checked(ready: Ready, case: &str) -> (Fate, Option<String>) {
     let lengths: Vec<f64> = ready.parts.iter().map(|part| part.shape.length()).collect();
     let outcome = ready.run();
     let fault = outcome.report.as_ref().err().map(ToString::to_string);
@@ -54,7 +54,7 @@ fn belt_changes(share: f64, seeds: &[u64], step: f64) {
         for time in moments(step) {
             let settings = Settings { profile: Box::leak(Box::new([(time, share)])), seed, ..settings() };
             let case = format!("seed {seed}, at {time} s");
-            let (fate, fault) = judged(settings.ready().expect("a cell"), &case);
+            let (fate, fault) = checked(settings.ready().expect("a cell"), &case);
             assert_eq!(fault, None, "{case}");
             passed += usize::from(fate == Fate::Missed);
         }
@@ -94,10 +94,14 @@ fn barriers_die(before: &[f64]) {
         for stuck in [Stuck::Open, Stuck::Covered] {
             let case = format!("barrier {number} {stuck:?}");
             // Dead from the beginning.
-            assert_eq!(judged(with_barrier(Some(number), 0.0, stuck), &case), (Fate::Missed, None), "{case}");
+            assert_eq!(
+                checked(with_barrier(Some(number), 0.0, stuck), &case),
+                (Fate::Missed, None),
+                "{case}"
+            );
             // Dying while the part is at the gate, and after it.
             for &before in before {
-                let (_, fault) = judged(with_barrier(Some(number), held - before, stuck), &case);
+                let (_, fault) = checked(with_barrier(Some(number), held - before, stuck), &case);
                 assert_eq!(fault, None, "{case}");
             }
         }
@@ -111,7 +115,7 @@ fn fault_172_a_dead_barrier_of_the_gate_makes_missed_parts_and_no_grasp_beside_t
 
 #[test]
 fn fault_173_a_barrier_between_the_fingers_that_is_always_open_makes_missed_parts() {
-    let (fate, fault) = judged(with_barrier(None, 0.0, Stuck::Open), "open");
+    let (fate, fault) = checked(with_barrier(None, 0.0, Stuck::Open), "open");
     assert_eq!((fate, fault), (Fate::Missed, None));
 }
 
@@ -119,7 +123,7 @@ fn fault_173_a_barrier_between_the_fingers_that_is_always_open_makes_missed_part
 fn fault_173_a_barrier_between_the_fingers_that_is_always_covered_is_a_named_fault() {
     let held = undisturbed().time;
     for from in [0.0, held - 2.0, held - 1.6, held - 1.2] {
-        let (fate, fault) = judged(with_barrier(None, from, Stuck::Covered), &format!("from {from} s"));
+        let (fate, fault) = checked(with_barrier(None, from, Stuck::Covered), &format!("from {from} s"));
         let named =
             fault.as_ref().is_some_and(|text| text.contains("the barrier between the fingers is covered"));
         assert!(named || fate == Fate::Missed || fate == Fate::Sorted, "{fate:?} {fault:?}");
@@ -147,7 +151,7 @@ fn sensors_are_lost(before: &[f64]) {
             let case = format!("{name} lost {before} s before the grasp");
             let ready = settings().sensed_by(sense).expect("a cell");
             let world = ready.plant.world.clone();
-            let (fate, fault) = judged(ready, &case);
+            let (fate, fault) = checked(ready, &case);
             match fault {
                 Some(text) => assert!(text.contains(name), "{case}: {text}"),
                 None => assert_eq!(fate, Fate::Sorted, "{case}"),
@@ -173,7 +177,7 @@ fn fault_174_a_vsp_that_is_killed_in_mid_pick_stops_all_robots_within_their_boun
         for before in [1.6, 0.4] {
             let process = ProcessId::new(Role::Vsp, Name::new(name).expect("a name"));
             let at = ((held - before) / 4e-3) as u64;
-            // Judged: limits, the cause, standstill within the bound, and that no gripper opens.
+            // Checked: limits, the cause, standstill within the bound, and that no gripper opens.
             let report = sweep.repeat(&Case { injected: Injected::Kill(process), at, seed: 1 });
             assert!(report.is_clean(), "{report}");
         }

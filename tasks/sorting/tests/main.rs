@@ -2,8 +2,8 @@
 
 mod camera;
 mod camera_faults;
+mod checked;
 mod faults;
-mod judged;
 mod lines;
 mod matrix;
 mod matrix_faults;

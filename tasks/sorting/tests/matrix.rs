@@ -7,8 +7,8 @@ use sorting::camera::summary::{Line, Table};
 use sorting::matrix::command::{counted, examination, rms};
 use sorting::matrix::run::{network, sensors};
 use sorting::matrix::studio::{Conditions, Trial, examine};
+use sorting::monitor::Fate;
 use sorting::summary::quantile;
-use sorting::witness::Fate;
 
 /// Parts and strangers that no training has heard; so many of the parts are to be recognised.
 fn examined(conditions: &Conditions, count: usize, share: f64) {

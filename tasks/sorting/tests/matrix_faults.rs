@@ -16,9 +16,9 @@ use sorting::camera::sight::Sight;
 use sorting::camera::studio::{Lying, Passing};
 use sorting::matrix::layout::{MATRIX, array};
 use sorting::matrix::run::{network, sensors};
-use sorting::witness::Fate;
+use sorting::monitor::Fate;
 
-use super::judged::first_hold;
+use super::checked::first_hold;
 
 const STEP: f64 = 4e-3;
 
@@ -38,9 +38,9 @@ fn held() -> f64 {
     HELD.with(|held| *held.get_or_init(|| first_hold(&settings())))
 }
 
-/// As [`super::judged::judged`]. Within that each pad of 24 mm lies on the shortest face, 30 mm, with half of its width.
-fn judged(ready: Ready, case: &str) -> (Fate, Option<String>) {
-    super::judged::judged(ready, case, 6e-3)
+/// As [`super::checked::checked`]. Within that each pad of 24 mm lies on the shortest face, 30 mm, with half of its width.
+fn checked(ready: Ready, case: &str) -> (Fate, Option<String>) {
+    super::checked::checked(ready, case, 6e-3)
 }
 
 /// The cell with a matrix that is changed.
@@ -58,7 +58,7 @@ fn transducers_are_dead(cases: usize) {
         [(0.0, Silent::All), (1.0, Silent::One(17)), (0.0, Silent::One(17))].into_iter().take(cases)
     {
         let ready = with_matrix(|matrix| matrix.sounders().silence(from, silent));
-        let (fate, fault) = judged(ready, &format!("{silent:?} from {from} s"));
+        let (fate, fault) = checked(ready, &format!("{silent:?} from {from} s"));
         let text = fault.expect("a fault");
         assert!(text.contains("ultrasonic transducer") && text.contains("dead, loose or covered?"), "{text}");
         assert!(silent == Silent::All || text.contains("transducer 18 of 32"), "{text}");
@@ -74,7 +74,7 @@ fn fault_198_a_dead_transducer_or_a_dead_matrix_is_a_named_fault() {
 fn echoes_are_lost(cases: usize) {
     for lost in [0.1, 0.6, 0.3].into_iter().take(cases) {
         let ready = with_matrix(|matrix| *matrix.sounders() = matrix.sounders().clone().losing(lost));
-        let (fate, fault) = judged(ready, &format!("{lost} lost"));
+        let (fate, fault) = checked(ready, &format!("{lost} lost"));
         assert_eq!(fault, None);
         assert!(fate == Fate::Sorted || lost > 0.1, "{lost}");
     }
@@ -94,7 +94,7 @@ fn the_air_changes(cases: usize) {
             .take(cases)
     {
         let ready = with_matrix(|matrix| matrix.sounders().warm(time, Air { celsius: 20.0 + kelvin }));
-        let (fate, fault) = judged(ready, &format!("{kelvin} K at {time} s"));
+        let (fate, fault) = checked(ready, &format!("{kelvin} K at {time} s"));
         assert_eq!(fault.is_some(), named, "{kelvin} K at {time} s: {fault:?}");
         if let Some(text) = fault {
             assert!(text.contains("mm from where it was") && fate == Fate::Missed, "{text}");
@@ -152,7 +152,7 @@ fn the_count_stands(cases: usize) {
         let mut sounders = Sounders::over(&array, Air { celsius: 20.0 }, 8);
         let mut reliefs = Reliefs::by(array.clone());
         let mut hearing = Hearing::new(&array, classes(), Box::new(network().expect("a network")));
-        let mut judged = 0;
+        let mut evaluated = 0;
         for ping in 1_u32..1600 {
             // The count stands while the part comes below the matrix, and then runs on.
             let counted = passing.speed * array.period * f64::from(ping.min(300) + ping.saturating_sub(520));
@@ -163,12 +163,12 @@ fn the_count_stands(cases: usize) {
             let echo = sounders.ping(&passing, number, passing.now);
             reliefs.take(number, echo, counted).expect("it hears");
             if let Some(relief) = reliefs.passed(counted) {
-                judged += 1;
-                assert_eq!(hearing.judge(&relief).class, None, "{}", of.class.name);
+                evaluated += 1;
+                assert_eq!(hearing.evaluate(&relief).class, None, "{}", of.class.name);
             }
         }
-        println!("{}: {judged} things passed, none of which is a kind", of.class.name);
-        assert!(judged > 0, "{}", of.class.name);
+        println!("{}: {evaluated} things passed, none of which is a kind", of.class.name);
+        assert!(evaluated > 0, "{}", of.class.name);
     }
 }
 
@@ -193,7 +193,7 @@ fn fault_216_a_sensor_of_the_matrix_cell_that_is_lost_or_killed_in_mid_pick_is_a
                 ))
             };
         let ready = settings().heard_by(|matrix| matrix, sense).expect("a cell");
-        let (fate, fault) = judged(ready, &format!("{name} lost {before} s before the grasp"));
+        let (fate, fault) = checked(ready, &format!("{name} lost {before} s before the grasp"));
         match fault {
             Some(text) => assert!(text.contains(name), "{text}"),
             None => assert_eq!(fate, Fate::Sorted),
@@ -201,7 +201,7 @@ fn fault_216_a_sensor_of_the_matrix_cell_that_is_lost_or_killed_in_mid_pick_is_a
     }
     let sweep = Sweep::new(|| settings().ready().expect("a cell").cell);
     let process = ProcessId::new(Role::Vsp, Name::new("matrix").expect("a name"));
-    // Judged: limits, the cause, standstill within the bound, and that no gripper opens.
+    // Checked: limits, the cause, standstill within the bound, and that no gripper opens.
     let report =
         sweep.repeat(&Case { injected: Injected::Kill(process), at: ((held - 0.4) / STEP) as u64, seed: 1 });
     assert!(report.is_clean(), "{report}");

@@ -2,9 +2,9 @@
 //!
 //! A share of the seeds; `just sorting-whole` takes a thousand.
 
+use sorting::monitor::Fate;
 use sorting::run::{Sensing, Settings};
 use sorting::summary::{SPEEDS, Summary, quantile};
-use sorting::witness::Fate;
 
 /// A share of the seeds: two at each speed.
 const SEEDS: u64 = 2 * SPEEDS as u64;

@@ -10,7 +10,7 @@ use sorting::camera::misses::Missed;
 use sorting::camera::run::{Outcome, Overhead, Settings, file};
 use sorting::camera::sight::Sight;
 use sorting::camera::summary::{Line, Table};
-use sorting::witness::Fate;
+use sorting::monitor::Fate;
 
 /// Parts that come faster than one arm could take them.
 fn crowd() -> Settings {
@@ -85,7 +85,7 @@ fn edps_are_killed(cases: &[(&str, f64)]) {
     let sweep = Sweep::new(|| settings.ready().expect("a cell").cell);
     for &(name, before) in cases {
         let process = ProcessId::new(Role::Edp, Name::new(name).expect("a name"));
-        // Judged: limits, the cause, standstill within the bound, and that no gripper opens.
+        // Checked: limits, the cause, standstill within the bound, and that no gripper opens.
         let at = ((held - before) / 4e-3) as u64;
         let report = sweep.repeat(&Case { injected: Injected::Kill(process), at, seed: 1 });
         assert!(report.is_clean(), "{name}: {report}");

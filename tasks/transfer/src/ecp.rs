@@ -23,15 +23,15 @@ pub fn programs(cell: Cell) -> Cell {
 /// An arm: loose to its grasp, tight with the body, loose again.
 #[allow(non_snake_case)]
 fn arm<R: Robot>(ecp: &mut Ecp<R>, end: End) -> Result<(), Fault> {
-    ecp.obey(|ecp, phase: Phase| {
+    ecp.serve(|ecp, phase: Phase| {
         let X_WE = phase.choose([(Phase::Approach, bar() * grasp(end))])?;
         ecp.move_robot((), Approach::to(X_WE * back(), limits()))?;
         ecp.move_robot((), Approach::to(X_WE, limits())).map(drop)
     })?;
     for _ in legs() {
-        ecp.obey(|ecp, _: Displacement| ecp.move_robot((), Transmit(PhantomData)).map(drop))?;
+        ecp.serve(|ecp, _: Displacement| ecp.move_robot((), Transmit(PhantomData)).map(drop))?;
     }
-    ecp.obey(|ecp, phase: Phase| {
+    ecp.serve(|ecp, phase: Phase| {
         let X_EsE = phase.choose([(Phase::Withdraw, back())])?;
         ecp.move_robot((), Approach::by(X_EsE, limits())).map(drop)
     })
@@ -39,7 +39,7 @@ fn arm<R: Robot>(ecp: &mut Ecp<R>, end: End) -> Result<(), Fault> {
 
 /// A hand: closes and opens.
 fn hand(ecp: &mut Ecp<Gripper>) -> Result<(), Fault> {
-    ecp.obey_all(|ecp, phase: Phase| {
+    ecp.serve_all(|ecp, phase: Phase| {
         let opening = phase.choose([(Phase::Close, CLOSED), (Phase::Open, OPEN)])?;
         ecp.move_robot((), JointMove::to(One::new(opening), One::new(0.008), One::new(0.018))).map(drop)
     })

@@ -3,7 +3,7 @@
 //! The task itself is small: [`mp`] coordinates, [`ecp`] is what each robot does, [`generators`] how they move, [`orders`]
 //! what the coordinator tells the robots. [`first`] is the same task as it was begun, with generators of the library alone;
 //! [`sensed`] is the same with force sensors, [`clear`] keeps the arms apart. The rest surrounds it: [`places`] says where things are, [`plant`] what
-//! simulated robots do, [`witness`] measures, [`touching`] is how
+//! simulated robots do, [`observer`] measures, [`touching`] is how
 //! the arms' bases are calibrated.
 
 pub mod clear;
@@ -11,6 +11,7 @@ pub mod ecp;
 pub mod first;
 pub mod generators;
 pub mod lines;
+pub mod monitor;
 pub mod mp;
 pub mod options;
 pub mod orders;
@@ -23,7 +24,6 @@ pub mod slow_fingers;
 pub mod summary;
 pub mod touching;
 pub mod variant;
-pub mod witness;
 
 use mrroc::cell_file::{CellFileError, Kinds};
 use mrroc::prelude::*;

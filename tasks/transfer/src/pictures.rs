@@ -4,10 +4,10 @@ use mrroc::cell::RunPicture;
 use mrroc::prelude::*;
 use mrroc_pictures::{Film, Line, Plot};
 
+use crate::monitor::{RunMeasurements, Sample};
 use crate::places::{EDGES, TABLE_EDGES, table};
 use crate::summary::Summary;
 use crate::variant::{Bases, Ready, Sensors, Variant};
-use crate::witness::{Sample, Seen};
 
 /// A film of a run.
 ///
@@ -59,7 +59,7 @@ pub fn plot(summary: &Summary) -> Plot {
         ("with sensors", Bases::Off, Sensors::Used),
         ("base not off", Bases::Calibrated, Sensors::Unused),
     ];
-    let seen: Vec<(&str, &Seen)> = variants
+    let seen: Vec<(&str, &RunMeasurements)> = variants
         .into_iter()
         .filter_map(|(name, bases, sensors)| Some((name, summary.seen(Variant::Bar { bases, sensors })?)))
         .collect();
@@ -69,7 +69,7 @@ pub fn plot(summary: &Summary) -> Plot {
     let title = "What a bar between two arms bears";
     let subtitle = "Polycrank's base is 1 mm and 0.1 degree off: without force sensors, and with them; or it is where it is believed to be";
     CHARTS.iter().fold(Plot::new(title, subtitle), |plot, (heading, unit, quantity)| {
-        let line = |&(name, seen): &(&str, &Seen)| -> Line {
+        let line = |&(name, seen): &(&str, &RunMeasurements)| -> Line {
             (name.to_owned(), seen.samples.iter().map(quantity).collect())
         };
         plot.chart(heading, unit, times.clone(), seen.iter().map(line))

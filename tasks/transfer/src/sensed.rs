@@ -9,7 +9,7 @@ use mrroc_generators::generators::SqueezedCarry;
 use mrroc_robots::sensors::{WristForce, WristOrder};
 use mrroc_robots::{Gripper, Polycrank, Rnt};
 
-use crate::generators::Nudge;
+use crate::generators::Trigger;
 use crate::orders::{Arms, Phase};
 use crate::paths::soft;
 use crate::places::{bar, legs, limits};
@@ -79,15 +79,15 @@ pub fn coordinate(mp: &mut Mp) -> Result<(), Fault> {
     let mut hands = (mp.robot::<Gripper>("rnt-hand")?, mp.robot::<Gripper>("polycrank-hand")?);
     let mut wrists = (mp.sensor::<WristForce>("rnt-wrist")?, mp.sensor::<WristForce>("polycrank-wrist")?);
     zero(mp, &mut rnt, &mut polycrank, &mut wrists)?;
-    mp.move_robots((&mut rnt, &mut polycrank), (), Nudge::to(Phase::Approach))?;
-    mp.move_robots([&mut hands.0, &mut hands.1], (), Nudge::to(Phase::Close))?;
+    mp.move_robots((&mut rnt, &mut polycrank), (), Trigger::to(Phase::Approach))?;
+    mp.move_robots([&mut hands.0, &mut hands.1], (), Trigger::to(Phase::Close))?;
     let mut X_WB = bar();
     for X_BsB in legs() {
         let carry = squeezed(X_WB, soft(X_BsB, limits())?)?;
         mp.move_robots((&mut rnt, &mut polycrank), (&mut wrists.0, &mut wrists.1), carry)?;
         X_WB *= X_BsB;
     }
-    mp.move_robots([&mut hands.0, &mut hands.1], (), Nudge::to(Phase::Open))?;
-    mp.move_robots((&mut rnt, &mut polycrank), (), Nudge::to(Phase::Withdraw))?;
+    mp.move_robots([&mut hands.0, &mut hands.1], (), Trigger::to(Phase::Open))?;
+    mp.move_robots((&mut rnt, &mut polycrank), (), Trigger::to(Phase::Withdraw))?;
     Ok(())
 }

@@ -5,8 +5,8 @@ use core::fmt;
 use mrroc::prelude::*;
 
 use crate::lines::{Counts, LIMITS};
+use crate::monitor::RunMeasurements;
 use crate::variant::{Bases, Sensors, Variant};
-use crate::witness::Seen;
 
 /// Bounds of what is measured.
 const DEMANDED: f64 = 1e-9;
@@ -19,7 +19,7 @@ pub struct Row {
     /// Which variant.
     pub variant: Variant,
     /// What was seen of it.
-    pub seen: Seen,
+    pub seen: RunMeasurements,
     /// Simulated time \[s\].
     pub time: f64,
     /// How many times faster than real time it stepped.
@@ -69,7 +69,7 @@ impl Summary {
 
     /// What was seen of a variant.
     #[must_use]
-    pub fn seen(&self, variant: Variant) -> Option<&Seen> {
+    pub fn seen(&self, variant: Variant) -> Option<&RunMeasurements> {
         self.rows.iter().find(|row| row.variant == variant).map(|row| &row.seen)
     }
 
@@ -133,7 +133,7 @@ impl fmt::Display for Summary {
             "", "m", "rad", "mm", "mrad", "mm", "mrad", "N", "speed"
         )?;
         for (row, (_, name)) in self.rows.iter().zip(VARIANTS) {
-            let Row { seen: Seen { demanded, measured, strain, internal, .. }, speed, .. } = row;
+            let Row { seen: RunMeasurements { demanded, measured, strain, internal, .. }, speed, .. } = row;
             write!(f, "{name:30}{:10.1e}{:10.1e}", demanded.distance, demanded.angle)?;
             write!(f, "{:9.3}{:9.3}", measured.distance * 1e3, measured.angle * 1e3)?;
             write!(f, "{:9.3}{:9.3}", strain.distance * 1e3, strain.angle * 1e3)?;
@@ -155,7 +155,7 @@ mod tests {
     /// A summary in which without and with sensors the force was so large \[N\].
     fn with_forces(without: f64, with: f64) -> Summary {
         let rows = VARIANTS.iter().zip([0.0, 1.0, without, with]).map(|(&(variant, _), internal)| {
-            let mut seen = Seen::default();
+            let mut seen = RunMeasurements::default();
             (seen.internal, seen.carried) = (internal, 1);
             Row { variant, seen, time: 1.0, speed: 1.0 }
         });

@@ -5,9 +5,9 @@ use std::time::{Duration, Instant};
 use mrroc::cell::RunReport;
 use mrroc::prelude::*;
 
+use crate::monitor::{CellMonitor, RunMeasurements};
 use crate::places::{EDGES, TABLE_EDGES, polycrank_base, table};
 use crate::plant::{Plant, calibration_error, drives};
-use crate::witness::{Seen, Witness};
 use crate::{cell, clear, mp, sensed};
 
 /// What the arms do it with.
@@ -115,11 +115,11 @@ impl Variant {
         self,
         file: &CellFile,
         also: impl FnOnce(Cell, Option<&Plant>) -> Cell,
-    ) -> Result<Seen, CellError> {
+    ) -> Result<RunMeasurements, CellError> {
         let Ready { cell, plant } = self.ready(file)?;
-        let witness = Witness::new();
+        let monitor = CellMonitor::new();
         let guard = clear::guard(file, clear::MARGINS)?;
-        also(witness.watch(cell, plant.as_ref(), guard), plant.as_ref()).run()?;
-        Ok(witness.into_seen())
+        also(monitor.watch(cell, plant.as_ref(), guard), plant.as_ref()).run()?;
+        Ok(monitor.into_seen())
     }
 }

@@ -7,16 +7,16 @@ use mrroc::prelude::CellFile;
 use mrroc_calibration::Touches;
 use mrroc_robots::grasp::SimulatedWrist;
 use nalgebra::Vector3;
+use transfer::monitor::{CellMonitor, RunMeasurements};
 use transfer::places::{bar, legs};
 use transfer::touching::touches;
 use transfer::variant::{Bases, Ready, Sensors, Variant};
-use transfer::witness::{Seen, Witness};
 use transfer::{cell, file, plant, sensed};
 
 /// Stiffness of a grasp [N/m].
 const K: f64 = 5e4;
 
-fn run(bases: Bases, sensors: Sensors) -> (Seen, mrroc::pose::Pose) {
+fn run(bases: Bases, sensors: Sensors) -> (RunMeasurements, mrroc::pose::Pose) {
     let file = file().expect("in order");
     let mut world = None;
     let seen = Variant::Bar { bases, sensors }.watched(&file, |cell, plant| {
@@ -93,8 +93,8 @@ fn wherever_the_operator_aborts_the_hands_keep_the_bar_and_the_stress_stays_low(
     for at in [4900, 6600, 8300] {
         let plant = plant::Plant::new(plant::calibration_error()).expect("in order");
         let ready = cell(&file, &plant.kinds()).expect("in order");
-        let (world, witness) = (plant.world.clone(), Witness::new());
-        let ready = witness.watch(plant.with_wrists(ready), Some(&plant), |_| Ok(()));
+        let (world, monitor) = (plant.world.clone(), CellMonitor::new());
+        let ready = monitor.watch(plant.with_wrists(ready), Some(&plant), |_| Ok(()));
         let outcome = ready.program(sensed::coordinate).on_step(move |step, operator| {
             if step == at {
                 operator.abort();
@@ -102,7 +102,7 @@ fn wherever_the_operator_aborts_the_hands_keep_the_bar_and_the_stress_stays_low(
         });
         let Err(CellError::Fault(fault)) = outcome.run() else { panic!("aborted in step {at}") };
         assert_eq!(fault.kind(), FaultKind::Aborted, "{fault}");
-        let seen = witness.into_seen();
+        let seen = monitor.into_seen();
         assert!(seen.is_held(), "a hand lost the bar when aborted in step {at}");
         let (with, without) = (seen.internal, without.internal);
         assert!(with > 0.0 && with <= without / 5.0, "{with} N of {without} N when aborted in step {at}");

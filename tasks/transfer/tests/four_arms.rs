@@ -52,7 +52,7 @@ fn arm<const N: usize, R: Driven<N> + Kinematics<N>>(
 
 /// What was seen: the largest error of a relative pose of the demands [m or rad], and of the internal force \[N\].
 #[derive(Clone, Copy, Debug, Default)]
-struct Seen {
+struct RunMeasurements {
     apart: f64,
     internal: f64,
 }
@@ -65,7 +65,7 @@ type Handles<'a> = (
 );
 
 /// Runs four arms at a plate; the last one's base is off.
-fn run(mut program: impl FnMut(&mut Mp, Handles<'_>) -> Result<(), Fault> + 'static) -> Seen {
+fn run(mut program: impl FnMut(&mut Mp, Handles<'_>) -> Result<(), Fault> + 'static) -> RunMeasurements {
     let plate = Body::block(4.0, [0.4, 2.0 * ASIDE + 0.06, 0.04]).at(bar());
     let world = World::new(&plate).expect("a plate");
     let file = file().expect("in order");
@@ -85,7 +85,7 @@ fn run(mut program: impl FnMut(&mut Mp, Handles<'_>) -> Result<(), Fault> + 'sta
         let wrist = SimulatedWrist::new(hand.clone()).with_low_pass(50.0);
         cell = cell.sensor(SensorSetup::new(&format!("{name}-wrist"), wrist).of(name));
     }
-    let seen = Rc::new(RefCell::new((Seen::default(), None::<Vec<Pose>>)));
+    let seen = Rc::new(RefCell::new((RunMeasurements::default(), None::<Vec<Pose>>)));
     let (record, looked) = (Rc::clone(&seen), world.clone());
     cell.guard(1, move |robots| {
         let (seen, first) = &mut *record.borrow_mut();

@@ -5,7 +5,7 @@ use mrroc::fault::FaultKind;
 use mrroc::prelude::*;
 use mrroc_generators::cooperation::Displacement;
 use mrroc_robots::{Polycrank, Rnt};
-use transfer::generators::Nudge;
+use transfer::generators::Trigger;
 use transfer::orders::{Arms, Hands, Phase};
 use transfer::places::{End, back, bar, grasp, legs};
 use transfer::{cell, file, first, plant};
@@ -142,10 +142,10 @@ fn a_phase_that_is_not_a_robots_is_refused_before_anything_moves() {
             let cell = programs(file.cell(&plant::drives()).expect("in order")).program(move |mp| {
                 if phase == Phase::Close {
                     let (mut rnt, mut polycrank) = (mp.robot("rnt")?, mp.robot("polycrank")?);
-                    mp.move_robots((&mut rnt, &mut polycrank), (), Nudge::<Arms>::to(phase)).map(drop)
+                    mp.move_robots((&mut rnt, &mut polycrank), (), Trigger::<Arms>::to(phase)).map(drop)
                 } else {
                     let mut hands = (mp.robot("rnt-hand")?, mp.robot("polycrank-hand")?);
-                    mp.move_robots([&mut hands.0, &mut hands.1], (), Nudge::<Hands>::to(phase)).map(drop)
+                    mp.move_robots([&mut hands.0, &mut hands.1], (), Trigger::<Hands>::to(phase)).map(drop)
                 }
             });
             let (cell, demands) = watched(cell, &file);

@@ -13,14 +13,14 @@ pub fn programs(cell: Cell) -> Cell {
 }
 
 fn left(ecp: &mut Ecp<Arm>) -> Result<(), Fault> {
-    ecp.obey_all(|ecp, phase: Phase| match phase {
+    ecp.serve_all(|ecp, phase: Phase| match phase {
         Phase::Out => left_out(ecp),
         Phase::Back => left_back(ecp),
     })
 }
 
 fn right(ecp: &mut Ecp<Arm>) -> Result<(), Fault> {
-    ecp.obey_all(|ecp, phase: Phase| match phase {
+    ecp.serve_all(|ecp, phase: Phase| match phase {
         Phase::Out => right_out(ecp),
         Phase::Back => right_back(ecp),
     })

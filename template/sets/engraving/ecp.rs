@@ -18,7 +18,7 @@ pub fn programs(cell: Cell) -> Cell {
 
 fn arm(ecp: &mut Ecp<Arm>) -> Result<(), Fault> {
     let mut plate = Pose::identity();
-    ecp.obey_all(|ecp, phase: Phase| match phase {
+    ecp.serve_all(|ecp, phase: Phase| match phase {
         Phase::FindPlate => find_plate(ecp).map(|found| plate = found),
         Phase::Engrave => engrave(ecp, &plate),
         Phase::Park => ecp.move_robot((), up(0.05, 0.1)).map(drop),

@@ -17,7 +17,7 @@ pub fn arm(ecp: &mut Ecp<Irp6>, frame: Pose) -> Result<(), Fault> {
     let mut encoder = ecp.sensor::<Encoder>("encoder")?;
     let limits = ProfileLimits { velocity: 0.3, acceleration: 0.8 };
     let limits = ToolLimits { translation: limits, rotation: limits };
-    ecp.obey_all(|ecp, task| match task {
+    ecp.serve_all(|ecp, task| match task {
         Task::Take { along, across, angle } => {
             ecp.move_robot((&mut encoder,), Take::at(frame, along, across, angle)).map(drop)
         }
@@ -33,7 +33,7 @@ pub fn arm(ecp: &mut Ecp<Irp6>, frame: Pose) -> Result<(), Fault> {
 pub fn hand(ecp: &mut Ecp<TwoFingers>) -> Result<(), Fault> {
     // To an opening [m]; one that is less than the part presses on it.
     let to = |opening| JointMove::to(One::new(opening), One::new(0.09), One::new(0.35));
-    ecp.obey_all(|ecp, task| match task {
+    ecp.serve_all(|ecp, task| match task {
         Task::Take { .. } => ecp.move_robot((), Sequence::of(Sleep::lasting(CLOSE), to(0.04))).map(drop),
         Task::Bring => Ok(()),
         Task::Release => ecp.move_robot((), to(0.08)).map(drop),

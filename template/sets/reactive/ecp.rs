@@ -20,7 +20,7 @@ pub fn programs(cell: Cell) -> Cell {
 /// FILL IN: behaviours by priority. More than two: the last argument makes another `Arbitrate`.
 fn arm(ecp: &mut Ecp<Arm>) -> Result<(), Fault> {
     let mut touch = ecp.sensor::<Touch>("touch")?;
-    ecp.obey_all(|ecp, Task::Reach { x, y }| {
+    ecp.serve_all(|ecp, Task::Reach { x, y }| {
         let goal = Vector2::new(x, y);
         let go_around = move || Steer::by(move |at, near: &Near| around(&goal, &at, near));
         let go_on = move || Steer::by(move |at, _: &Near| head(&goal, &at));

@@ -5,11 +5,11 @@ use mistakes::*;
 use mrroc::prelude::*;
 
 #[generator(mp)]
-fn nudge() -> Step<(Rnt, Polycrank)> {
+fn trigger() -> Step<(Rnt, Polycrank)> {
     Step::Done
 }
 
 fn main() {
-    let _ = nudge();
-    let _ = mp().move_robots((&mut rnt(), &mut polycrank()), (), nudge {});
+    let _ = trigger();
+    let _ = mp().move_robots((&mut rnt(), &mut polycrank()), (), trigger {});
 }

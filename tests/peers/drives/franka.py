@@ -1,6 +1,6 @@
 """The driver of Franka arms against franka-sim, which enforces the robot's limits, and against franky-sim.
 
-Every part starts the example of the crate `mrroc-franka` as processes, in real time, and judges it by what the simulated robot saw. It
+Every part starts the example of the crate `mrroc-franka` as processes, in real time, and tests it by what the simulated robot saw. It
 ends non-zero where anything falls short. Always: what the robot was told was within its limits, which franka-sim enforces, and the
 arm comes to a standstill, unless this machine stood still for most of the time in which an arm may be told nothing. What a cell could
 not show that a late machine ended is told by name.
@@ -17,7 +17,7 @@ import time
 from pathlib import Path
 
 sys.path.append(str(Path(__file__).resolve().parent.parent))
-from cell_outcome import Outcome, Shortfall, has, not_judged  # noqa: E402
+from cell_outcome import Outcome, Shortfall, has, not_tested  # noqa: E402
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent.parent.parent
@@ -104,14 +104,14 @@ class Cell:
                 continue
         raise Shortfall(f"there is no process {role}")
 
-    def end(self, patience):
+    def end(self, timeout):
         """How it ended, its exit status, and what it said."""
         try:
-            said, _ = self.process.communicate(timeout=patience)
+            said, _ = self.process.communicate(timeout=timeout)
         except subprocess.TimeoutExpired:
             self.process.send_signal(signal.SIGINT)
             said, _ = self.process.communicate(timeout=30)
-            raise Shortfall(f"it did not end within {patience} s: {said}")
+            raise Shortfall(f"it did not end within {timeout} s: {said}")
         status = self.process.returncode
         # One that was refused has not run.
         return None if status == 2 else Outcome(self.outcome, said), status, said
@@ -127,7 +127,7 @@ def ended_well(what, outcome, said, seen):
     has(outcome is not None, f"the cell was refused: {said}")
     if not stood_still(outcome, seen) and outcome.ended_well(controller=True):
         return True
-    not_judged("franka", f"{what}; reflexes {seen['reflexes']}", outcome)
+    not_tested("franka", f"{what}; reflexes {seen['reflexes']}", outcome)
     return False
 
 
@@ -140,7 +140,7 @@ def no_reflex(seen, outcome=None):
     if outcome is not None and (stood_still(outcome, seen) or outcome.is_late(controller=True) and outcome.kind == "RobotStopped"):
         return
     if outcome is not None and outcome.longest_stall > STALL and seen["reflexes"]:
-        not_judged("franka", f"that the arm stops by what it is told; reflexes {seen['reflexes']}", outcome)
+        not_tested("franka", f"that the arm stops by what it is told; reflexes {seen['reflexes']}", outcome)
         return
     has(not seen["reflexes"], f"reflexes: {seen['reflexes']}: {outcome}")
     has(seen["end_speed"] < 1e-6, f"it ended at {seen['end_speed']} rad/s: {outcome}")
@@ -154,10 +154,10 @@ def own_client(robot):
     try:
         own_motion(pylibfranka)
     except (pylibfranka.FrankaException, pylibfranka.ControlException) as why:
-        # Its motion is a cosine of 1 Hz: where that is a reflex, the simulator has taken its answers late. Nothing of ours is judged here.
+        # Its motion is a cosine of 1 Hz: where that is a reflex, the simulator has taken its answers late. Nothing of ours is tested here.
         reflexes = robot.seen()["reflexes"]
         has(reflexes, f"Franka's own client and the simulator do not understand each other: {why}")
-        print(f"franka: not judged, for this machine was late: Franka's own client: {why}; reflexes {reflexes}")
+        print(f"franka: not tested, for this machine was late: Franka's own client: {why}; reflexes {reflexes}")
         return "a reflex of its own client"
     time.sleep(0.5)
     seen = robot.seen()
@@ -353,7 +353,7 @@ def lost(robot, answers):
         return f"{seen['gaps']} gaps, {seen['dropped']} lost"
     has(outcome is not None, f"the cell was refused: {said}")
     if not outcome.ended_by("RobotStopped", "communication_constraints_violation", controller=True):
-        not_judged("franka", "what is told of 20 lost answers", outcome)
+        not_tested("franka", "what is told of 20 lost answers", outcome)
         return f"{seen['gaps']} gaps"
     has(seen["gaps"] > 0 or outcome.longest_stall > STALL, f"a reflex without a gap: {outcome}")
     has(len(seen["reflexes"]) == 1, f"reflexes: {seen['reflexes']}")

@@ -1,9 +1,9 @@
 """The driver of the Franka Hand against hands of others, and the hand of its own tests against Franka's client.
 
-`--serve SIMULATOR` is the hand of franka-sim or of franky-sim on this machine's loopback, for the process that judges: it says where it
+`--serve SIMULATOR` is the hand of franka-sim or of franky-sim on this machine's loopback, for the process that tests: it says where it
 is when it is ready, and at each line that it reads what it was asked for and where its fingers are, as one line of JSON.
 
-Of a cell that a late machine ended it is judged what the hand was asked for, and what the program said until then.
+Of a cell that a late machine ended it is tested what the hand was asked for, and what the program said until then.
 """
 
 import argparse
@@ -18,7 +18,7 @@ import time
 from pathlib import Path
 
 sys.path.append(str(Path(__file__).resolve().parent.parent))
-from cell_outcome import Outcome, Shortfall, has, not_judged  # noqa: E402
+from cell_outcome import Outcome, Shortfall, has, not_tested  # noqa: E402
 from device_priority import urgent  # noqa: E402
 
 HERE = Path(__file__).resolve().parent
@@ -196,7 +196,7 @@ def whole(what, said, outcome):
     has(outcome is not None, f"the cell was refused: {said}")
     if outcome.ended_well(controller=True):
         return True
-    not_judged("hand", what, outcome)
+    not_tested("hand", what, outcome)
     return False
 
 
@@ -240,7 +240,7 @@ def own_hand():
         said, outcome = cell()
         has(hand.seen()["asked"] == [], "a hand that is not homed was asked for something")
         if outcome is not None and outcome.is_late():
-            not_judged("hand", "that a hand that is not homed is refused", outcome)
+            not_tested("hand", "that a hand that is not homed is refused", outcome)
         else:
             has((outcome is None or outcome.kind) and "not homed" in said, f"a hand that is not homed was not refused: {outcome}: {said}")
         said, outcome = cell(homed=False)

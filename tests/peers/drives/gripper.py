@@ -6,7 +6,7 @@
     gripper.py --serve ..       a server, which prints its port, and when it is ended what it saw as a line of JSON
 
 The fingers go to what they are told as a first-order system with a largest speed, and stop at a part. A cell that a late machine ends has
-grasped, opened and activated nothing more than it should; that it does all of it is then not judged, and told by name.
+grasped, opened and activated nothing more than it should; that it does all of it is then not tested, and told by name.
 """
 
 import argparse
@@ -20,7 +20,7 @@ import tempfile
 import time
 
 sys.path.append(str(pathlib.Path(__file__).resolve().parent.parent))
-from cell_outcome import Outcome, Shortfall, has, not_judged  # noqa: E402
+from cell_outcome import Outcome, Shortfall, has, not_tested  # noqa: E402
 from device_priority import urgent  # noqa: E402
 
 REQUEST, STATUS, UNIT = 0x03E8, 0x07D0, 9
@@ -162,7 +162,7 @@ def done(name, outcome, said):
     has(outcome is not None, f"{name}: the cell was refused: {said}")
     if outcome.ended_well(controller=True):
         return True
-    not_judged("gripper", name, outcome)
+    not_tested("gripper", name, outcome)
     return False
 
 
@@ -172,10 +172,10 @@ def lost(name, outcome, said, words, kind="RobotStopped"):
     if outcome.ended_by(kind, words):
         print(f"gripper: {name}: {outcome}")
     else:
-        not_judged("gripper", name, outcome)
+        not_tested("gripper", name, outcome)
 
 
-def judge(program, cell):
+def test(program, cell):
     # A part is closed on, carried and let go, twice.
     part = ["--part", str(PART)]
     said, outcome, seen = run(program, cell, *part, own=times(2))
@@ -196,7 +196,7 @@ def judge(program, cell):
     said, outcome, seen = run(program, cell, "--inactive")
     has(seen["writes"] == 0, "an inactive gripper was written to")
     if outcome is not None and outcome.is_late():
-        not_judged("gripper", "that an inactive gripper is refused", outcome)
+        not_tested("gripper", "that an inactive gripper is refused", outcome)
     else:
         has((outcome is None or outcome.kind is not None) and "not activated" in said, f"an inactive gripper was not refused: {outcome}: {said}")
     said, outcome, seen = run(program, cell, "--inactive", *part, homed=False)
@@ -211,7 +211,7 @@ def judge(program, cell):
     lost("a refusal", outcome, said, "exception 4", "DriveFault")
 
 
-def judge_transfer(program, cell):
+def test_transfer(program, cell):
     """In the transfer its hand closes on the bar before the arms carry it, and opens after that."""
     bar = ["--part", str(BAR), "--clear", str(CLEAR)]
     said, outcome, seen = run(program, cell, *bar)
@@ -229,9 +229,9 @@ def main():
     if "--serve" not in sys.argv:
         try:
             if sys.argv[1] == "--transfer":
-                judge_transfer(*sys.argv[2:4])
+                test_transfer(*sys.argv[2:4])
             else:
-                judge(*sys.argv[1:3])
+                test(*sys.argv[1:3])
         except Shortfall as why:
             sys.exit(f"gripper: {why}")
         return

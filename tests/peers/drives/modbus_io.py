@@ -1,7 +1,7 @@
 """A device with inputs and outputs by pymodbus on this machine's loopback, and a cell that switches them.
 
     modbus_io.py PROGRAM CELL   runs the program of that file against servers, and says what falls short; where this machine was late,
-                                what was told in order until then is all that is judged
+                                what was told in order until then is all that is tested
     modbus_io.py --serve        a server, which prints its port, and when it is ended what it saw as a line of JSON
 
 Input 0 follows coil 16 and input 5 follows coil 19, each 20 ms later as a contactor does; the analog input reads the analog output.
@@ -17,7 +17,7 @@ import tempfile
 import time
 
 sys.path.append(str(pathlib.Path(__file__).resolve().parent.parent))
-from cell_outcome import Outcome, Shortfall, has, not_judged  # noqa: E402
+from cell_outcome import Outcome, Shortfall, has, not_tested  # noqa: E402
 from device_priority import urgent  # noqa: E402
 
 FOLLOWS = {16: 0, 19: 5}
@@ -102,12 +102,12 @@ def main(program, cell):
         # When the cell stops, the second relay goes off.
         stopped = [*once[:-1], *([] if once[-1:] == [OFF] else once[-1:])]
         has(once == wanted[: len(once)] or stopped == wanted[: len(stopped)], f"the device was told {seen}: {said}")
-        not_judged("modbus", f"that all relays are switched, and an analog output (it was told {seen})", outcome)
+        not_tested("modbus", f"that all relays are switched, and an analog output (it was told {seen})", outcome)
     said, outcome, _ = run(program, cell, times=100, kill_after=1.5)
     is_told = "communication lost" in outcome.text or "the connection was closed" in outcome.text
     has(not outcome.ended_by("RobotStopped") or is_told, f"a lost device was not told: {outcome}")
     if outcome.kind != "RobotStopped":
-        not_judged("modbus", "how a device is lost", outcome)
+        not_tested("modbus", "how a device is lost", outcome)
     print(f"modbus: {outcome}")
 
 

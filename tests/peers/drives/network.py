@@ -15,7 +15,7 @@ from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
 sys.path.append(str(HERE.parent))
-from cell_outcome import Outcome, Shortfall, has, not_judged  # noqa: E402
+from cell_outcome import Outcome, Shortfall, has, not_tested  # noqa: E402
 from device_priority import urgent  # noqa: E402
 from wire import Bad, Clear, Namespace, Wire, arguments, begin_in_namespace  # noqa: E402
 
@@ -156,7 +156,7 @@ def ur_loses_packets(bench, times):
         lost = bench.wire.lost - lost
         if outcome.is_late():
             # The cell's own processes were too late for one another, whatever the network did.
-            not_judged("ur", f"what {loss:.1%} of lost packets do", outcome)
+            not_tested("ur", f"what {loss:.1%} of lost packets do", outcome)
         is_whole = outcome.ended_well(controller=True)
         survived += is_whole
         how = "nothing stopped" if is_whole else str(outcome)
@@ -170,7 +170,7 @@ def ur_loses_set_points(bench, times):
     """Five set-points in a row are lost each second: the arm goes on meanwhile, and nothing stops."""
     outcome, told = ur(bench, Gaps(5, 500), times, 200)
     if not outcome.ended_well(controller=True):
-        not_judged("ur", "that 5 set-points that are lost in a row stop nothing", outcome)
+        not_tested("ur", "that 5 set-points that are lost in a row stop nothing", outcome)
     print(f"ur: 5 set-points in a row lost: the longest gap was {gap_ms(told)} ms")
     has(gap_ms(told) >= 10, "no set-point was lost")
 
@@ -183,13 +183,13 @@ def ur_is_cut_off(bench, _times):
         has("STOPPED" in told.upper(), f"the script goes on: {outcome}: {told}")
         if not is_told:
             # With 20 ms a machine that is late is cut off before the wire is.
-            not_judged("ur", f"what is told of a cut with a read timeout of {timeout} ms", outcome)
+            not_tested("ur", f"what is told of a cut with a read timeout of {timeout} ms", outcome)
         print(f"ur: cut off with a read timeout of {timeout} ms: {outcome}, {told.strip()}")
 
 
 def kuka(bench, way, *options, times, file):
     bench.wire.way = Clear()
-    judge = subprocess.Popen(
+    test = subprocess.Popen(
         bench.robot.within(sys.executable, str(HERE / "kuka.py"), "--address", ROBOT, "--cell", CELL, *options),
         # Its end is that of its input.
         stdin=subprocess.PIPE,
@@ -202,7 +202,7 @@ def kuka(bench, way, *options, times, file):
     bench.wire.way = way
     words, _ = cell.communicate(timeout=60 + 6 * times)
     bench.wire.way = Clear()
-    _, seen = judge.communicate(timeout=60)
+    _, seen = test.communicate(timeout=60)
     return bench.outcome(words), json.loads(seen.splitlines()[-1])
 
 
@@ -219,14 +219,14 @@ def kuka_loses_packets(bench, times):
             print(f"kuka: {seen['late']} of {seen['cycles']} answers lost, {mode}: at its end the arm is {off:.1e} degrees off")
             has(off < 1e-6, f"the arm does not end where it should: {seen}")
         else:
-            not_judged("kuka", f"where the arm ends with lost packets, {mode}", outcome)
+            not_tested("kuka", f"where the arm ends with lost packets, {mode}", outcome)
 
 
 def kuka_loses_all(bench, _times):
     """No packet gets through: the cell is told, and the robot is left to its own controller."""
     outcome, seen = kuka(bench, Bad(1.0, 0.0), times=20, file="robots/drivers/kuka/examples/cell.toml")
     if not outcome.ended_by("RobotStopped", "communication lost: the robot has said nothing"):
-        not_judged("kuka", "what is told of a cut", outcome)
+        not_tested("kuka", "what is told of a cut", outcome)
     print(f"kuka: cut off after {seen['cycles']} cycles: {outcome}")
 
 

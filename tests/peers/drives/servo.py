@@ -1,6 +1,6 @@
 """The book's driver over TCP with the book's servo: it moves, its stops are told, others are refused, and a reset calls it again.
 
-Where a late machine stops the cell in between, what comes after that is not judged, and told by name.
+Where a late machine stops the cell in between, what comes after that is not tested, and told by name.
 """
 
 import argparse
@@ -13,7 +13,7 @@ import time
 from pathlib import Path
 
 sys.path.append(str(Path(__file__).resolve().parent.parent))
-from cell_outcome import Outcome, Shortfall, has, not_judged  # noqa: E402
+from cell_outcome import Outcome, Shortfall, has, not_tested  # noqa: E402
 from device_priority import urgent  # noqa: E402
 
 PAGE = Path(__file__).resolve().parents[2] / "tutorial/tcp_servo"
@@ -47,7 +47,7 @@ def main():
     (folder / "cell.toml").write_text('after_fault = "await reset"\n' + cell)
 
     program = [program, "--", "--program", "servo"]
-    judged = []
+    tested = []
 
     def console(*words):
         # Until the cell runs, nobody listens.
@@ -59,8 +59,8 @@ def main():
             time.sleep(0.1)
         return done.stdout + done.stderr
 
-    def until(what, patience=20):
-        end = time.monotonic() + patience
+    def until(what, timeout=20):
+        end = time.monotonic() + timeout
         while True:
             said = console("status")
             if what in said:
@@ -95,12 +95,12 @@ def main():
         begin = at()
         time.sleep(0.5)
         has(abs(at() - begin) > 0.01, "it does not move: " + console("status"))
-        judged.append("moved")
+        tested.append("moved")
         # Another client is closed at once, and the servo goes on.
         other = socket.create_connection(("127.0.0.1", servo.port))
         has(other.recv(1) == b"", "the servo takes a second client")
         has("running" in console("status"), "a second client stopped it: " + console("status"))
-        judged.append("was left alone by a second client")
+        tested.append("was left alone by a second client")
         servo.press()
         until("stopped at the robot: emergency stop")
         # A reset does not clear what needs a person: it stays latched.
@@ -115,9 +115,9 @@ def main():
         until("running")
         time.sleep(0.5)
         has(abs(at() - stood) > 0.01, "it does not go on: " + console("status"))
-        judged.append("was stopped by its emergency stop")
+        tested.append("was stopped by its emergency stop")
         servo.die()
-        judged.append("was lost")
+        tested.append("was lost")
         until("communication lost")
         console("acknowledge")
         console("reset")
@@ -135,14 +135,14 @@ def main():
             time.sleep(0.5)
         outcome = Outcome(folder / "outcome.json", end_of_cell())
         has(outcome.ended_well(), f"it ended by {outcome}")
-        judged.append("was called again by a reset")
-        print(f"servo: {', '.join(judged)}")
+        tested.append("was called again by a reset")
+        print(f"servo: {', '.join(tested)}")
     except Shortfall as why:
         outcome = Outcome(folder / "outcome.json", end_of_cell())
         # Who was lost by our doing is no sign of lateness.
-        if not outcome.is_late(controller="was lost" not in judged):
-            sys.exit(f"servo: after it {', '.join(judged)}: {why}: {outcome}")
-        not_judged("servo", f"what comes after it {', '.join(judged) or 'began'}", outcome)
+        if not outcome.is_late(controller="was lost" not in tested):
+            sys.exit(f"servo: after it {', '.join(tested)}: {why}: {outcome}")
+        not_tested("servo", f"what comes after it {', '.join(tested) or 'began'}", outcome)
     finally:
         servo.die()
         end_of_cell()

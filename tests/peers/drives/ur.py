@@ -3,7 +3,7 @@
 Reads joints, tool pose, modes, bits, forces and analog signals, and compares them with what the controller has recorded at the same
 timestamps; writes outputs and the slider, and reads them back. The wrench that the cell's sensor reads at the flange is compared with
 that of `getActualTCPForce`, turned by the pose that `getActualTCPPose` tells. Prints what it saw as one line of JSON, and ends non-zero where anything falls short.
-Where a late machine ended the cell, what needs a run to its end is not judged, and told by name.
+Where a late machine ended the cell, what needs a run to its end is not tested, and told by name.
 """
 
 import argparse
@@ -19,7 +19,7 @@ from rtde_io import RTDEIOInterface
 from rtde_receive import RTDEReceiveInterface
 
 sys.path.append(str(Path(__file__).resolve().parent.parent))
-from cell_outcome import Outcome, Shortfall, not_judged  # noqa: E402
+from cell_outcome import Outcome, Shortfall, not_tested  # noqa: E402
 from device_priority import urgent  # noqa: E402
 
 HOST = "127.0.0.1"
@@ -212,12 +212,12 @@ def main():
         if max(abs(low), abs(high - 0.5)) > beyond:
             wrong.append(f"joint 1 was not moved by 0.5 rad, but from {low} to {high}")
     else:
-        not_judged("ur", f"that joint 1 moves by 0.5 rad and no further (from {low} to {high})", outcome)
+        not_tested("ur", f"that joint 1 moves by 0.5 rad and no further (from {low} to {high})", outcome)
     if is_whole:
         if summary["playing"] < len(samples) / 4:
             wrong.append("the script is not read as running")
     else:
-        not_judged("ur", "the wrench and the payload of the cell, and that its script runs all the time", outcome)
+        not_tested("ur", "the wrench and the payload of the cell, and that its script runs all the time", outcome)
     print(f"ur: {outcome}")
     sys.exit("ur: " + "; ".join(wrong) if wrong else 0)
 

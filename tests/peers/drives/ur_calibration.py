@@ -8,7 +8,7 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent.parent.parent
 sys.path.append(str(HERE.parent))
-from cell_outcome import Outcome, Shortfall, has, not_judged  # noqa: E402
+from cell_outcome import Outcome, Shortfall, has, not_tested  # noqa: E402
 from device_priority import urgent  # noqa: E402
 
 CELL = ROOT / "robots/drivers/ur/examples/cell.toml"
@@ -28,7 +28,7 @@ def run(folder):
     return done.returncode, done.stdout + done.stderr
 
 
-def judged(folder):
+def tested(folder):
     own = (HERE / "ur5e.toml").read_text()
     told = subprocess.run([UR, "--cell", CELL, "calibration", "arm"], capture_output=True, text=True, timeout=60)
     has(numbers(told.stdout) == numbers(own), f"the controller has {own}, and the cell is told {told.stdout}{told.stderr}")
@@ -40,7 +40,7 @@ def judged(folder):
     _, said = run(folder)
     outcome = Outcome(folder / "outcome.json", said)
     if not outcome.ended_well(controller=True):
-        not_judged("ur_calibration", "that a cell with its arm's own dimensions runs to its end", outcome)
+        not_tested("ur_calibration", "that a cell with its arm's own dimensions runs to its end", outcome)
     has("0.0999" in told.stdout, f"no length of it is 0.0999: {told.stdout}")
     file.write_text(told.stdout.replace("0.0999", "0.0998"))
     status, said = run(folder)
@@ -54,7 +54,7 @@ def main():
         controller = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, preexec_fn=urgent)
         controller.stdout.readline()
         try:
-            judged(Path(folder))
+            tested(Path(folder))
         except Shortfall as why:
             sys.exit(f"ur_calibration: {why}")
         finally:

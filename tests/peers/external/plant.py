@@ -3,7 +3,7 @@
 In: the example `plant`, built. Out: exit status 0 if the arms go in MuJoCo where the equations of their servos say, end where they
 end in the simulation of this project, run the same twice to the bit, and stop within their bounds when the simulator is lost, longer by
 the steps that the cell left out. Most is in lock-step, where nothing can be late. Of a cell in real time that a late machine ends it is
-not judged how it ends.
+not tested how it ends.
 """
 
 import json
@@ -21,7 +21,7 @@ import numpy as np
 
 sys.path.append(str(Path(__file__).resolve().parent.parent))
 from ending import end, interruptible  # noqa: E402
-from cell_outcome import Outcome, Shortfall, has, not_judged  # noqa: E402
+from cell_outcome import Outcome, Shortfall, has, not_tested  # noqa: E402
 from device_priority import urgent  # noqa: E402
 from sensor import nothing_left  # noqa: E402
 
@@ -239,7 +239,7 @@ def killed(folder, how, *options):
         has(any(words in said for words in told), f"{name}: the cell ended by {outcome}: {said}")
     else:
         has(in_real_time, f"{name}: the cell ended by {outcome}: {said}")
-        not_judged("plant", f"how a cell ends whose simulator ends by {name}", outcome)
+        not_tested("plant", f"how a cell ends whose simulator ends by {name}", outcome)
     last = max((row[0] for row in mujoco.rows(arms)["left"]), default=0)
     moved = stands_after(recorded(folder, arms), arms, last + (50 if in_real_time else 0), outcome.skipped)
     print(f"plant: {name}: the last demand that moved came {moved} steps after the loss was told")
@@ -262,7 +262,7 @@ def driver_killed(folder):
         outcome, (status, said) = ended(running, folder)
     has(status == 1, f"an EDP was killed: {status}: {said}")
     if not outcome.ended_by("PeerLost", controller=True):
-        not_judged("plant", "what is told when an EDP is killed", outcome)
+        not_tested("plant", "what is told when an EDP is killed", outcome)
     rows = mujoco.rows(arms)["left"]
     demanded = np.array([row[2][:JOINTS] for row in rows])
     # An arm whose answers are late too often has no drive that could be told to brake.
@@ -287,7 +287,7 @@ def real_time(folder):
         worst = max(np.abs(rows[-1][2][:JOINTS] - rows[-1][2][JOINTS : 2 * JOINTS]).max() for rows in mujoco.rows(arms).values())
         has(worst < 1e-3, f"an arm is {worst} rad from where it is to be at the end")
     else:
-        not_judged("plant", "that arms draw their lines to the end", outcome)
+        not_tested("plant", "that arms draw their lines to the end", outcome)
     rows = mujoco.rows(arms)["left"]
     # The module counts what both arms found late.
     print(f"plant: in real time {rows[-1][1] if rows else 0} of {2 * len(rows)} answers were late, {len(rows)} periods")

@@ -2,7 +2,7 @@
 
 In: the example `follow`, built. Out: exit status 0 if the readings that the cell recorded are those that were sent, to the bit and in their
 order, and if the robot stood within its bound after each end of them, longer by the steps that the cell left out. A cell that was late
-may end by that before: then how its readings end is not judged, and all else is.
+may end by that before: then how its readings end is not tested, and all else is.
 """
 
 import ctypes
@@ -20,7 +20,7 @@ from pathlib import Path
 
 sys.path.append(str(Path(__file__).resolve().parent.parent))
 from ending import end, until_interrupted  # noqa: E402
-from cell_outcome import Outcome, Shortfall, has, not_judged  # noqa: E402
+from cell_outcome import Outcome, Shortfall, has, not_tested  # noqa: E402
 from device_priority import urgent  # noqa: E402
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -178,11 +178,11 @@ def equal(folder):
     if is_whole:
         has(len(read) > 20, f"{len(read)} readings")
     else:
-        not_judged("external", "that it reads until its end", outcome)
+        not_tested("external", "that it reads until its end", outcome)
     if outcome.longest_stall < 1 / RATE:
         has(missing <= max(1, len(read) // 10), f"{missing} of {len(wrote)} readings were not read")
     else:
-        not_judged("external", f"that none of the readings is missing ({missing} are)", outcome)
+        not_tested("external", f"that none of the readings is missing ({missing} are)", outcome)
     ages = [step - taken for step, taken, _ in run.readings]
     print(f"external: {len(read)} readings equal to the bit, {missing} came between two looks; oldest {max(ages, default=0)} steps")
 
@@ -211,7 +211,7 @@ def stopped(folder, mode, kind, told, kill=False):
         last, bound = at, bound - STALE
     has(moved - last <= bound, f"{name}: it moved for {moved - last} steps, at most {bound} are allowed")
     if not is_told:
-        not_judged("external", f"how a sensor ends that ends by {name}", outcome)
+        not_tested("external", f"how a sensor ends that ends by {name}", outcome)
     print(f"external: {name}: the last demand that moved came {moved - last} of {bound} steps after the last reading was taken")
 
 
@@ -224,7 +224,7 @@ def refused(folder):
         is_whole = not stale(outcome, first) and outcome.ended_well()
     has(other.returncode == 3 and "other messages" in told, f"messages of another size: {told}")
     if not is_whole:
-        not_judged("external", "that the first program goes on", outcome)
+        not_tested("external", "that the first program goes on", outcome)
     print("external: a program with messages of another size was refused, and the first one went on")
 
 

@@ -97,7 +97,7 @@ def angle(p, q):
     return 2.0 * np.arccos(min(1.0, abs(float(np.dot(p, q)))))
 
 
-def judge(rows, ends):
+def test(rows, ends):
     bar = rows[-1][BAR]
     at, turn = place(ends["bar"]["pose"])
     leads = np.array([0.95, 0.10, 0.90])  # up, 0.25 m along y, turned by 20 degrees, and down: src/places.rs
@@ -131,7 +131,7 @@ def main():
             began = time.monotonic()
             rows = run(folder, f"{sensors}.log", sensors)
             took = time.monotonic() - began
-            apart, arms, internal, gap = judge(rows, own(folder, sensors))
+            apart, arms, internal, gap = test(rows, own(folder, sensors))
             again = run(folder, "again.log", sensors, None if is_long else GRASPED + 200)
             has(again.tobytes() == rows[: len(again)].tobytes(), "two runs differ")
             print(

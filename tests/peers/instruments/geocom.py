@@ -50,13 +50,13 @@ def main():
     try:
         if instrument.stdout.readline() != "ready\n":
             sys.exit("the simulated instrument did not begin")
-        judge(client_port)
+        test(client_port)
     finally:
         instrument.kill()
         instrument.wait()
 
 
-def judge(port):
+def test(port):
     hz, elevation = TARGET
     errors = C / math.cos(elevation) + I * math.tan(elevation)
     with open_serial(port, timeout=30) as connection:

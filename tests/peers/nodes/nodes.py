@@ -19,7 +19,7 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent.parent.parent
 sys.path.append(str(HERE.parent))
-from cell_outcome import Outcome, Shortfall, has, not_judged  # noqa: E402
+from cell_outcome import Outcome, Shortfall, has, not_tested  # noqa: E402
 from wire import Bad, Clear, Cut, Namespace, Wire, arguments, begin_in_namespace, is_in_namespace  # noqa: E402
 
 PROGRAM = ROOT / "target/debug/examples/transfer"
@@ -234,7 +234,7 @@ def reaches_its_end(bench):
         is_whole = outcome.ended_well()
         nothing_left(bench)
         if not is_whole:
-            not_judged("nodes", "that the transfer on two machines comes to its end", outcome)
+            not_tested("nodes", "that the transfer on two machines comes to its end", outcome)
             return
         off = compared(bench, expected)
         told = said(node)
@@ -288,7 +288,7 @@ def pull(bench, node, after, turns):
     bound = 0.02 + 2 * bench.step + STOP + 0.25 + outcome.longest_stall + outcome.skipped * bench.step
     has(max(rest.values()) - after <= bound, f"an arm moves for {max(rest.values()) - after:.3f} s, {bound:.3f} s allowed")
     if min(rest.values()) < after - 0.3:
-        not_judged("nodes", f"what is told of a cable that is pulled after {after} s, before which it stopped ({rest})", outcome)
+        not_tested("nodes", f"what is told of a cable that is pulled after {after} s, before which it stopped ({rest})", outcome)
     else:
         has("polycrank" in words or "node b" in words, f"nobody says what is lost: {words}")
         has("node a is lost" in here, f"node b does not say that node a is lost: {here}")
@@ -398,13 +398,13 @@ def joins_twice(bench):
         had_ended = cell.poll() is not None
         outcome, _ = outcome_of(bench, cell)
         if had_ended and status != 2:
-            not_judged("nodes", "that a second launcher is refused, since the first cell had ended", outcome)
+            not_tested("nodes", "that a second launcher is refused, since the first cell had ended", outcome)
         else:
             has(status == 2 and "it has processes of another run" in words, f"a second launcher ended with {status}: {words}")
             has(not list((bench.folder / "second").iterdir()), "the second cell has robots that run")
             print(f"second launcher: refused: {words.splitlines()[0].removeprefix('error: ')}")
         if not outcome.ended_well():
-            not_judged("nodes", "that the first cell goes on", outcome)
+            not_tested("nodes", "that the first cell goes on", outcome)
         nothing_left(bench)
     finally:
         end(node)
@@ -425,7 +425,7 @@ def node_killed(bench):
         has(not outcome.ended_well(), f"a cell without its node ended well: {words}")
         if not ("node b is lost" in words or "polycrank" in words):
             has(outcome.skipped > 0, f"nobody says what is lost: {words}")
-            not_judged("nodes", "what is told of an agent that is killed", outcome)
+            not_tested("nodes", "what is told of an agent that is killed", outcome)
         nothing_left(bench)
         rest = {robot: moved(bench.trace(robot)) or 0.0 for robot in JOINTS}
         bound = 0.02 + STEP + STOP + 0.25 + outcome.longest_stall + outcome.skipped * STEP

@@ -21,7 +21,7 @@ HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent.parent.parent
 sys.path.append(str(HERE.parent))
 from ending import until_interrupted  # noqa: E402
-from cell_outcome import Outcome, Shortfall, has, not_judged  # noqa: E402
+from cell_outcome import Outcome, Shortfall, has, not_tested  # noqa: E402
 from device_priority import urgent  # noqa: E402
 from wire import Bad, Cut, Namespace, Wire, arguments, begin_in_namespace, is_in_namespace  # noqa: E402
 
@@ -195,7 +195,7 @@ def nothing_left(bench):
             words = (entry / "cmdline").read_bytes()
         except OSError:
             continue
-        has(not (b"door" in words and str(bench.cell_file).encode() in words), f"a door is left: {words}")
+        has(not (b"door" in words and str(bench.cell_file).encode() in words), f"a gateway is left: {words}")
 
 
 def equal(bench):
@@ -216,14 +216,14 @@ def equal(bench):
             end(process)
     is_refused = told != "nothing" or bool(sent(bench, "rival"))
     if not is_refused:
-        not_judged("sensor elsewhere", "that a second program is refused, which did not reach the cell", outcome)
+        not_tested("sensor elsewhere", "that a second program is refused, which did not reach the cell", outcome)
     has(not is_refused or second.returncode == 3 and "another program sends" in told, f"a second program was let in: {told}")
     has(not sent(bench, "stranger"), "who has a certificate of another authority has got an order")
     run, wrote = Run(bench), sent(bench, "plain")
     read = {word for _, _, word in run.readings}
     has(read <= set(wrote), "a reading was never sent")
     if not is_whole:
-        not_judged("sensor elsewhere", "that it reads until its end", outcome)
+        not_tested("sensor elsewhere", "that it reads until its end", outcome)
     has(not is_whole or len(read) > 20, f"{len(read)} readings")
     places = [list(wrote).index(word) for word in dict.fromkeys(word for _, _, word in run.readings)]
     has(places == sorted(places), "a reading came after a later one")
@@ -237,7 +237,7 @@ def equal(bench):
         # What it is older by is known to a step, and to what kept the cell from looking.
         has(least >= -0.01 - outcome.longest_stall and middle <= 0.05 + outcome.longest_stall, what)
     else:
-        not_judged("sensor elsewhere", what, outcome)
+        not_tested("sensor elsewhere", what, outcome)
     clock = f"{bench.clock} s apart" if bench.clock else "one for both"
     print(
         f"sensor elsewhere: {len(read)} readings equal to the bit, clocks {clock}; they count as {middle * 1e3:.1f} ms older than they are (half), "
@@ -267,7 +267,7 @@ def stopped(bench, mode, kind, told, kill=False, cut=False):
     # A program that is late makes a stale sensor of any.
     is_told = (outcome.kind == kind or outcome.kind != "SensorStale") and outcome.ended_by(kind, told)
     if not is_told:
-        not_judged("sensor elsewhere", f"how a sensor ends that ends by {name}", outcome)
+        not_tested("sensor elsewhere", f"how a sensor ends that ends by {name}", outcome)
     run = Run(bench)
     oldest = max((age for _, age, _ in run.readings), default=0)
     has(oldest <= STALE, f"{name}: it moved by a reading of {oldest} steps, at most {STALE} are allowed")

@@ -1,4 +1,4 @@
-// How soon an arm stands that is jogged, however its hold ends: `--times` holds each way (1), judged from a recording by holds.py. Where it has
+// How soon an arm stands that is jogged, however its hold ends: `--times` holds each way (1), tested from a recording by holds.py. Where it has
 // a network of its own (`--network`), the link to the page is taken down as well.
 //
 // Always, of each hold: the rate falls without rising again, within the longest stop, and then robots stand. In how many steps it begins to
@@ -12,7 +12,7 @@ import { join } from 'node:path';
 import { chromium } from 'playwright-core';
 import { check, inWords, lateness, nicely, option, shows, start, state, take, until } from './kit.mjs';
 
-const [browserPath, program, cellFile, python, judge] = process.argv.slice(2);
+const [browserPath, program, cellFile, python, test] = process.argv.slice(2);
 const times = Number(option('times') ?? 1);
 const network = process.argv.includes('--network');
 /** So many holds each way are many, and so many steps are soon. */
@@ -92,7 +92,7 @@ async function made(browser, folder) {
     }
     for (const way of Object.keys(ways)) {
       for (let i = 0; i < times; i++) {
-        // A cell that has stopped, because this machine was late, does no more; what was done before is judged.
+        // A cell that has stopped, because this machine was late, does no more; what was done before is tested.
         check((await state(page))?.state !== 'latched', 'the cell runs');
         const done = await trial(page, side, way).catch((error) => { console.error(`panel: ${way}: ${error.message.split('\n')[0]}`); return null; });
         if (done) {
@@ -116,11 +116,11 @@ async function made(browser, folder) {
     await cellRuns.end('SIGINT');
   }
   writeFileSync(list, JSON.stringify(trials));
-  const judged = spawnSync(python, [judge, recorded, list, stop], { encoding: 'utf8', maxBuffer: 1 << 28 });
-  check(judged.status === 0, `it can be judged: ${judged.stderr}`);
+  const tested = spawnSync(python, [test, recorded, list, stop], { encoding: 'utf8', maxBuffer: 1 << 28 });
+  check(tested.status === 0, `it can be tested: ${tested.stderr}`);
   const keep = option('keep');
   if (keep) { copyFileSync(recorded, keep); copyFileSync(list, `${keep}.json`); }
-  return { stop, found: JSON.parse(judged.stdout), outcome: cellRuns.outcome() };
+  return { stop, found: JSON.parse(tested.stdout), outcome: cellRuns.outcome() };
 }
 
 const browser = await chromium.launch({ executablePath: nicely(browserPath, 5), args: ['--no-sandbox', '--disable-3d-apis', '--disable-gpu'] });
@@ -143,9 +143,9 @@ try {
     all.push(...good.map(({ steps }) => steps));
   }
   all.sort((a, b) => a - b);
-  console.log(`panel: holds: ${all.length} of ${times * Object.keys(ways).length} judged; the rate began to fall after ${all.join(', ')} steps; the cell ended: ${inWords(outcome)}`);
-  if (lateness(outcome)) console.log('panel: not judged, for this machine was late: holds that the cell did not live to see');
-  else check(all.length > 0, 'one of the holds can be judged');
+  console.log(`panel: holds: ${all.length} of ${times * Object.keys(ways).length} tested; the rate began to fall after ${all.join(', ')} steps; the cell ended: ${inWords(outcome)}`);
+  if (lateness(outcome)) console.log('panel: not tested, for this machine was late: holds that the cell did not live to see');
+  else check(all.length > 0, 'one of the holds can be tested');
   if (all.length) check(all[Math.floor((all.length - 1) / 2)] <= SOON, `half of the holds end within ${SOON} steps: ${all}`);
 } finally {
   await browser.close();

@@ -54,7 +54,7 @@ def read(path):
     return steps, commands, images, start, period
 
 
-def judge(trial, steps, commands, images, period, stop):
+def test(trial, steps, commands, images, period, stop):
     begin, end = trial["from"], trial["to"]
     holds = [c for c in commands if c["command"].startswith("jog ") and begin <= c["asked"] <= end]
     begun = [c for c in holds if c["command"].split()[2] == "0" and c["outcome"] == "done"]
@@ -118,7 +118,7 @@ def main():
         trial["from"], trial["to"] = trial["from"] - start - DATES, trial["to"] - start
         of = found.setdefault(trial["way"], {"good": [], "bad": [], "void": []})
         try:
-            of["good"].append(judge(trial, steps, commands, images, period, stop))
+            of["good"].append(test(trial, steps, commands, images, period, stop))
         except Void as why:
             of["void"].append(str(why))
         except Bad as why:

@@ -5,7 +5,7 @@ import { copyFileSync, mkdtempSync, readFileSync, rmSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { chromium } from 'playwright-core';
-import { DRAWING, PATIENCE, check, checks, judged, nicely, pressedAgain, shot, shots, shows, start, state, take, told, until, violations } from './kit.mjs';
+import { DRAWING, TIMEOUT, check, checks, tested, nicely, pressedAgain, shot, shots, shows, start, state, take, told, until, violations } from './kit.mjs';
 
 const [browserPath, program, cellFile] = process.argv.slice(2);
 const robot = async (page, name = 'left') => (await state(page)).robots.find((shown) => shown.name === name);
@@ -198,7 +198,7 @@ async function jogged(browser, drawingBrowser, folder) {
     }
     const text = readFileSync(join(folder, 'poses', 'left.txt'), 'utf8');
     check(/^a = 0\.5 0\.5 : /m.test(text) && /^c = /m.test(text), `the file has them: ${text}`);
-    await two.locator('[data-pose="c"]').waitFor({ timeout: PATIENCE });
+    await two.locator('[data-pose="c"]').waitFor({ timeout: TIMEOUT });
 
     // Back to the first one: its way is shown, then held.
     for (let trial = 0; await one.locator('[data-pose="a"]').isDisabled(); trial++) {
@@ -225,7 +225,7 @@ async function jogged(browser, drawingBrowser, folder) {
     if (shots) {
       const drawn = await drawingBrowser.newPage({ viewport: { width: 1280, height: 1000 } });
       await drawn.goto(cellRuns.address);
-      await drawn.waitForFunction(() => window.mrrocPanel.state()?.robots.length === 2, null, { timeout: 4 * PATIENCE });
+      await drawn.waitForFunction(() => window.mrrocPanel.state()?.robots.length === 2, null, { timeout: 4 * TIMEOUT });
       await one.close();
       await take(drawn);
       await drawn.getByRole('button', { name: 'Way: c', exact: true }).click();
@@ -325,7 +325,7 @@ const launch = (nice, args) => chromium.launch({ executablePath: nicely(browserP
 const plain = await launch(5, ['--disable-3d-apis', '--disable-gpu']);
 const drawing = await launch(19, DRAWING);
 try {
-  await judged('jog and teach in a browser', async () => {
+  await tested('jog and teach in a browser', async () => {
     const folder = mkdtempSync(join(tmpdir(), 'mrroc-jog-'));
     try {
       const began = Date.now();

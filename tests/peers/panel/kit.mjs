@@ -7,14 +7,14 @@ import { tmpdir } from 'node:os';
 import { dirname, join } from 'node:path';
 import { fileURLToPath } from 'node:url';
 
-/** The value of an option of the judge, `--shots FOLDER`. */
+/** The value of an option of the test, `--shots FOLDER`. */
 export const option = (name) => (process.argv.includes(`--${name}`) ? process.argv[process.argv.indexOf(`--${name}`) + 1] : undefined);
 /** Where pictures are kept. */
 export const shots = option('shots');
 if (shots) mkdirSync(shots, { recursive: true });
 const axe = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
 /** What a page waits for at most [ms]: this machine may be late. */
-export const PATIENCE = 15000;
+export const TIMEOUT = 15000;
 /** How a browser draws on a machine without a graphics processor. */
 export const DRAWING = ['--enable-unsafe-swiftshader'];
 let held = 0;
@@ -44,14 +44,14 @@ export async function told(error, runs) {
 }
 
 /**
- * Judges, once. A cell in real time that a late machine stopped has done what it must: what it could not show is told by name. Whatever else
+ * Tests, once. A cell in real time that a late machine stopped has done what it must: what it could not show is told by name. Whatever else
  * falls short ends this process with a failure.
  */
-export async function judged(what, judge) {
+export async function tested(what, test) {
   try {
-    return await judge();
+    return await test();
   } catch (error) {
-    if (lateness(error.outcome)) console.log(`panel: not judged, for this machine was late: ${what} after ${held} facts: ${inWords(error.outcome)}`);
+    if (lateness(error.outcome)) console.log(`panel: not tested, for this machine was late: ${what} after ${held} facts: ${inWords(error.outcome)}`);
     else {
       console.error(`panel: ${what}: ${error.stack ?? error}`);
       process.exitCode = 1;
@@ -82,7 +82,7 @@ export async function start(program, words, { own = [], variables = {} } = {}) {
   let said = '';
   const ended = new Promise((resolve) => child.on('close', resolve));
   const address = new Promise((resolve, reject) => {
-    const patience = setTimeout(() => {
+    const timeout = setTimeout(() => {
       child.kill('SIGINT');
       reject(new Error(`no address:\n${said}`));
     }, 60000);
@@ -90,13 +90,13 @@ export async function start(program, words, { own = [], variables = {} } = {}) {
       said += text;
       const found = said.match(/panel: (https?:\S+?#token=[0-9a-f]{32})/);
       if (!found) return;
-      clearTimeout(patience);
+      clearTimeout(timeout);
       resolve(found[1]);
     };
     child.stdout.on('data', hear);
     child.stderr.on('data', hear);
     ended.then(() => {
-      clearTimeout(patience);
+      clearTimeout(timeout);
       reject(new Error(`it has ended:\n${said}`));
     });
   });
@@ -106,10 +106,10 @@ export async function start(program, words, { own = [], variables = {} } = {}) {
 
 export const state = (page) => page.evaluate(() => window.mrrocPanel.state());
 export const shows = (page, word) => page.waitForFunction(
-  (expected) => expected.includes(window.mrrocPanel.state()?.state), [word].flat(), { timeout: PATIENCE, polling: 50 });
+  (expected) => expected.includes(window.mrrocPanel.state()?.state), [word].flat(), { timeout: TIMEOUT, polling: 50 });
 /** Waits until a fact of the state holds. */
-export const until = (page, fact, argument = null, timeout = PATIENCE) => page.waitForFunction(fact, argument, { timeout, polling: 50 });
-export const press = (page, name) => page.getByRole('button', { name, exact: true }).click({ timeout: PATIENCE });
+export const until = (page, fact, argument = null, timeout = TIMEOUT) => page.waitForFunction(fact, argument, { timeout, polling: 50 });
+export const press = (page, name) => page.getByRole('button', { name, exact: true }).click({ timeout: TIMEOUT });
 export const shot = async (page, name) => {
   // A picture that this machine has no time for is no fault of the panel.
   if (shots) await page.screenshot({ path: join(shots, `${name}.png`) }).catch((error) => console.log(`panel: no picture ${name}: ${error.message.split('\n')[0]}`));

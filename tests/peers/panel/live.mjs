@@ -1,12 +1,12 @@
 // What the page shows beside arms: bodies, wrenches, inputs and outputs, tools, frames, meshes, the nearest links; of a cell that runs, of
-// a run that is over, and of a recording. Judged by mechanics, by the URDF and the STL files, and by points that are tried one by one.
+// a run that is over, and of a recording. Tested by mechanics, by the URDF and the STL files, and by points that are tried one by one.
 
 import { execFileSync } from 'node:child_process';
 import { mkdtempSync, readFileSync, rmSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { dirname, join } from 'node:path';
 import { chromium } from 'playwright-core';
-import { DRAWING, PATIENCE, check, checks, judged, press, pressedAgain, shot, shots, start, state, take, told, violations } from './kit.mjs';
+import { DRAWING, TIMEOUT, check, checks, tested, press, pressedAgain, shot, shots, start, state, take, told, violations } from './kit.mjs';
 import { linkPoses, multiply, shift } from './urdf.mjs';
 
 const [browserPath, program, cell] = process.argv.slice(2);
@@ -18,7 +18,7 @@ const apart = (a, b) => Math.hypot(...a.map((x, i) => x - b[i]));
 const robot = (shown, name) => shown.robots.find((known) => known.name === name);
 /** Waits until what a page shows is so; gives it. */
 async function shows(page, what, fact) {
-  for (const until = Date.now() + PATIENCE; ;) {
+  for (const until = Date.now() + TIMEOUT; ;) {
     const shown = await state(page);
     if (shown && fact(shown)) return shown;
     check(Date.now() < until, `${what}: ${JSON.stringify({ ...shown, processes: undefined })?.slice(0, 3000)}`);
@@ -96,7 +96,7 @@ async function live(browser) {
     const signal = (shown, name) => robot(shown, 'holder').signals[names.indexOf(name)];
     for (const on of [true, false]) {
       await shows(page, `the lamp is ${on ? 'on' : 'off'}, and seen`, (shown) => signal(shown, 'lamp') === on && signal(shown, 'lit') === on);
-      await page.locator('#signals tr', { hasText: 'holder lamp' }).locator(`td.value:text-is("${on ? 'on' : 'off'}")`).waitFor({ timeout: PATIENCE });
+      await page.locator('#signals tr', { hasText: 'holder lamp' }).locator(`td.value:text-is("${on ? 'on' : 'off'}")`).waitFor({ timeout: TIMEOUT });
     }
     check(signal(await state(page), 'pressure') === 0 && signal(await state(page), 'valve') === false, 'others stay as they are');
 
@@ -123,7 +123,7 @@ async function live(browser) {
     await meshes(page);
     await press(page, 'Nearest');
     await press(page, 'Frames');
-    await page.waitForFunction(() => window.mrrocPanel.scene().nearest, null, { timeout: PATIENCE, polling: 50 });
+    await page.waitForFunction(() => window.mrrocPanel.scene().nearest, null, { timeout: TIMEOUT, polling: 50 });
     const [shown, { nearest, places }] = [await state(page), await scene(page)];
     const tried = least(shown);
     check(Math.abs(nearest.free - tried) < 2e-3 && nearest.free <= tried + 1e-6, `the nearest links are ${nearest.free} m apart, of all points that are tried ${tried}`);
@@ -137,7 +137,7 @@ async function live(browser) {
     check(readings.names.join() === 'x,y,z' && readings.data[0].length > 5, `the force is plotted: ${readings.names}`);
     const last = readings.data.slice(1).map((line) => line.at(-1));
     check(Math.abs(Math.hypot(...last) - WEIGHT) < 0.02 * WEIGHT, `as it is: ${last}`);
-    const [saved] = await Promise.all([page.waitForEvent('download', { timeout: PATIENCE }), page.locator('#save').click()]);
+    const [saved] = await Promise.all([page.waitForEvent('download', { timeout: TIMEOUT }), page.locator('#save').click()]);
     const text = readFileSync(await saved.path(), 'utf8');
     check(saved.suggestedFilename() === 'holder-shown.csv' && /# readings\ntime_s,"x","y","z"\n[\d.]+,-?[\d.]/.test(text), `plots are saved: ${text.slice(0, 200)}`);
     for (const colours of ['light', 'dark']) {
@@ -166,7 +166,7 @@ async function live(browser) {
     console.log(`panel: ${rate.toFixed(1)} pictures a second of two arms that move, drawn by the processor`);
     // A browser that draws by the processor shares it with others: each state is drawn where it has the time for that.
     check(rate > 0, 'pictures are drawn');
-    if (rate <= 18) console.log(`panel: not judged: twenty pictures a second: the browser had time for ${rate.toFixed(1)}`);
+    if (rate <= 18) console.log(`panel: not tested: twenty pictures a second: the browser had time for ${rate.toFixed(1)}`);
     check(errors.length === 0, `no error on a page: ${errors.join('; ')}`);
     await page.close();
   } catch (error) {
@@ -212,7 +212,7 @@ async function over(browser, what, runs) {
 
 const browser = await chromium.launch({ executablePath: browserPath, args: ['--no-sandbox', ...DRAWING] });
 try {
-  await judged('what the panel shows, in a browser', async () => {
+  await tested('what the panel shows, in a browser', async () => {
     const file = await live(browser);
     await over(browser, 'a recording', await start(program, ['panel', file, '--cell', cell]));
     await over(browser, 'a run on the memory link', await start(program, ['--cell', cell, '--no-picture', '--panel'], { own: ['--turns', '1'] }));

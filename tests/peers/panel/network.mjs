@@ -6,7 +6,7 @@ import { chmodSync, copyFileSync, mkdirSync, mkdtempSync, rmSync } from 'node:fs
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { chromium } from 'playwright-core';
-import { PATIENCE, check, checks, judged, nicely, start as started, told } from './kit.mjs';
+import { TIMEOUT, check, checks, tested, nicely, start as started, told } from './kit.mjs';
 
 const [browserPath, program, cellFile] = process.argv.slice(2);
 const start = (words, variables) => started(program, words, { variables });
@@ -26,7 +26,7 @@ function curl(...options) {
 const refusal = (asked, word) => new Promise((resolve, reject) => {
   const child = spawn(program, words, { stdio: ['ignore', 'pipe', 'pipe'], env: { ...process.env, MRROC_PANEL_ADDRESS: asked } });
   let said = '';
-  const over = setTimeout(() => { child.kill(); reject(new Error(`not said: ${word}:\n${said}`)); }, PATIENCE);
+  const over = setTimeout(() => { child.kill(); reject(new Error(`not said: ${word}:\n${said}`)); }, TIMEOUT);
   const hear = (text) => {
     said += text;
     if (!said.includes(word)) return;
@@ -68,7 +68,7 @@ async function signedByItself() {
     const context = await browser.newContext({ ignoreHTTPSErrors: true });
     const page = await context.newPage();
     await page.goto(runs.address);
-    const shows = (word) => page.waitForFunction((expected) => window.mrrocPanel.state()?.state === expected, word, { timeout: PATIENCE, polling: 50 });
+    const shows = (word) => page.waitForFunction((expected) => window.mrrocPanel.state()?.state === expected, word, { timeout: TIMEOUT, polling: 50 });
     await shows('running');
     check(await page.evaluate(() => window.isSecureContext && location.protocol === 'https:'), 'the page is secure');
     await page.keyboard.press('Escape');
@@ -110,7 +110,7 @@ async function refuses() {
 }
 
 try {
-  await judged('a page of a network', signedByItself);
+  await tested('a page of a network', signedByItself);
   await ofAnAuthority();
   await refuses();
   console.log(`panel on a network: ${checks()} facts hold`);

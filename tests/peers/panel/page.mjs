@@ -7,7 +7,7 @@ import { connect } from 'node:net';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { chromium } from 'playwright-core';
-import { DRAWING, PATIENCE, check, checks, judged, nicely, press, pressedAgain, shot, shots, shows, start as started, state, take, told, violations } from './kit.mjs';
+import { DRAWING, TIMEOUT, check, checks, tested, nicely, press, pressedAgain, shot, shots, shows, start as started, state, take, told, violations } from './kit.mjs';
 import { lastLink, multiply } from './urdf.mjs';
 
 const [browserPath, program, cell] = process.argv.slice(2);
@@ -75,7 +75,7 @@ async function operate(browser, plainBrowser) {
 
     // It operates; what is asked for an old step is refused.
     await does(one, 'Suspend', 'suspended');
-    await one.waitForFunction(() => window.mrrocPanel.state().rate === 0, null, { timeout: PATIENCE, polling: 50 });
+    await one.waitForFunction(() => window.mrrocPanel.state().rate === 0, null, { timeout: TIMEOUT, polling: 50 });
     check(await one.getByRole('button', { name: 'Suspend' }).getAttribute('aria-pressed') === 'true', 'the button shows the robots\' state');
 
     // A third page, which draws, looks on while nothing moves.
@@ -91,19 +91,19 @@ async function operate(browser, plainBrowser) {
       await one.locator('#speed').fill('50');
       await one.waitForTimeout(500);
     }
-    await two.getByText('50 %').first().waitFor({ timeout: PATIENCE });
+    await two.getByText('50 %').first().waitFor({ timeout: TIMEOUT });
 
     one = await holds(one, two, open);
 
     // Any page stops the cell.
     await two.keyboard.press('Escape');
     await shows(one, 'latched');
-    await two.getByText('Stopped: first cause').waitFor({ timeout: PATIENCE });
+    await two.getByText('Stopped: first cause').waitFor({ timeout: TIMEOUT });
     await shot(two, 'stopped');
     const old = await state(one);
     await does(one, 'Acknowledge', 'acknowledged');
     await does(one, 'Reset', 'running');
-    await one.waitForFunction((before) => window.mrrocPanel.state().epoch === before + 1, old.epoch, { timeout: PATIENCE, polling: 50 });
+    await one.waitForFunction((before) => window.mrrocPanel.state().epoch === before + 1, old.epoch, { timeout: TIMEOUT, polling: 50 });
     await take(one);
     const stale = await one.evaluate(async ({ epoch: was }) => {
       const newest = window.mrrocPanel.state();
@@ -129,10 +129,10 @@ async function operate(browser, plainBrowser) {
 /** One page has control: another one can neither take it nor operate. */
 async function onlyOne(one, two, token) {
   await take(one);
-  await two.getByText(/Page \d+ has control\./).waitFor({ timeout: PATIENCE });
+  await two.getByText(/Page \d+ has control\./).waitFor({ timeout: TIMEOUT });
   check(await two.getByRole('button', { name: 'Suspend' }).isDisabled(), 'a page without control cannot suspend');
-  await two.locator('#take').click({ timeout: PATIENCE });
-  await two.getByText(/refused: page \d+ has control/).waitFor({ timeout: PATIENCE });
+  await two.locator('#take').click({ timeout: TIMEOUT });
+  await two.getByText(/refused: page \d+ has control/).waitFor({ timeout: TIMEOUT });
   await take(one);
   const { epoch, step } = await state(two);
   const { came } = await connection(two, [{ say: { n: 5, do: 'suspend', epoch, step } }], token);
@@ -190,7 +190,7 @@ async function reduced(page, on) {
 /** At reduced speed robots move only while the button is held; gives a page that is still there. */
 async function holds(one, two, open) {
   await reduced(one, true);
-  await one.waitForFunction(() => window.mrrocPanel.state().rate === 0, null, { timeout: PATIENCE, polling: 50 });
+  await one.waitForFunction(() => window.mrrocPanel.state().rate === 0, null, { timeout: TIMEOUT, polling: 50 });
   const moving = () => two.waitForFunction(() => window.mrrocPanel.state().held && window.mrrocPanel.state().rate > 0, null, { timeout: 4000, polling: 50 });
   const standing = () => two.waitForFunction(() => !window.mrrocPanel.state().held && window.mrrocPanel.state().rate === 0, null, { timeout: 4000, polling: 50 });
   const ways = {
@@ -225,7 +225,7 @@ async function holds(one, two, open) {
     if (!page.isClosed()) await page.keyboard.up(' ');
     if (way === 'the page hangs') await page.waitForTimeout(1500);
     if (way === 'the page is closed') break;
-    await page.waitForFunction(() => window.mrrocPanel.isOpen(), null, { timeout: PATIENCE, polling: 50 });
+    await page.waitForFunction(() => window.mrrocPanel.isOpen(), null, { timeout: TIMEOUT, polling: 50 });
   }
   const last = await open();
   await reduced(last, false);
@@ -310,19 +310,19 @@ async function play(browser, plainBrowser, recorded) {
   try {
     const page = await context.newPage();
     await page.goto(shown.address);
-    await page.waitForFunction(() => window.mrrocPanel.state()?.robots.length === 2, null, { timeout: PATIENCE, polling: 50 });
+    await page.waitForFunction(() => window.mrrocPanel.state()?.robots.length === 2, null, { timeout: TIMEOUT, polling: 50 });
     const lasts = Number(await page.locator('#at').getAttribute('max'));
     check(lasts > 4, `it lasts: ${lasts}`);
     check(await page.getByRole('button', { name: /^Stop/ }).isHidden(), 'there is nothing to stop');
     await page.locator('#at').fill(String(lasts / 2));
-    await page.waitForFunction((at) => Math.abs(window.mrrocPanel.state().time - at) < 0.05, lasts / 2, { timeout: PATIENCE, polling: 50 });
+    await page.waitForFunction((at) => Math.abs(window.mrrocPanel.state().time - at) < 0.05, lasts / 2, { timeout: TIMEOUT, polling: 50 });
     // What was before, up to a minute, is plotted at once.
     const { joints, speed } = await page.evaluate(() => window.mrrocPanel.plots());
     const [times, first] = joints.data;
     check(times[0] < 0.1 && Math.abs(times.at(-1) - lasts / 2) < 0.05 && times.length > 60, `plotted from ${times[0]} to ${times.at(-1)} s, ${times.length} moments`);
     check(Math.max(...first) - Math.min(...first) > 0.1 && Math.max(...speed.data[1]) > 100, 'and it is a motion');
     await press(page, 'Play');
-    await page.waitForFunction((at) => window.mrrocPanel.state().time > at + 1, lasts / 2, { timeout: PATIENCE, polling: 50 });
+    await page.waitForFunction((at) => window.mrrocPanel.state().time > at + 1, lasts / 2, { timeout: TIMEOUT, polling: 50 });
     if (shots) {
       const drawn = await browser.newPage({ viewport: { width: 1280, height: 800 }, colorScheme: 'dark' });
       await drawn.goto(shown.address);
@@ -343,9 +343,9 @@ async function play(browser, plainBrowser, recorded) {
   try {
     const page = await plainBrowser.newPage();
     await page.goto(played.address);
-    await page.waitForFunction(() => window.mrrocPanel.state()?.robots[0]?.tool, null, { timeout: PATIENCE, polling: 50 });
+    await page.waitForFunction(() => window.mrrocPanel.state()?.robots[0]?.tool, null, { timeout: TIMEOUT, polling: 50 });
     await page.locator('#at').fill('2');
-    await page.waitForFunction(() => Math.abs(window.mrrocPanel.state().time - 2) < 0.1, null, { timeout: PATIENCE, polling: 50 });
+    await page.waitForFunction(() => Math.abs(window.mrrocPanel.state().time - 2) < 0.1, null, { timeout: TIMEOUT, polling: 50 });
     await page.close();
   } finally {
     await played.end();
@@ -382,7 +382,7 @@ base = { position = [${2.5 * (i % 8) + 5}.0, ${2.5 * Math.floor(i / 8) - 8}.0, 0
 const launch = (nice, args) => chromium.launch({ executablePath: nicely(browserPath, nice), args: ['--no-sandbox', ...args] });
 const [browser, plainBrowser] = [await launch(19, DRAWING), await launch(5, ['--disable-3d-apis', '--disable-gpu'])];
 try {
-  await judged("the panel's page in a browser", async () => {
+  await tested("the panel's page in a browser", async () => {
     const began = Date.now();
     const recorded = await operate(browser, plainBrowser);
     await play(browser, plainBrowser, recorded);

@@ -1,4 +1,4 @@
-// Where the tool of an arm is, by its URDF: the judge of where a page shows it.
+// Where the tool of an arm is, by its URDF: the test of where a page shows it.
 
 const numbers = (text) => text.trim().split(/\s+/).map(Number);
 

@@ -157,7 +157,7 @@ impl fmt::Display for Drawn {
     }
 }
 
-/// One launch, judged; how its robots came to a standstill.
+/// One launch, checked; how its robots came to a standstill.
 fn one(place: &Place, drawn: &Drawn, number: &str) -> [Came; 2] {
     // Held until the launch is over: a pipe that nobody reads has a reader.
     let mut readers = Vec::new();

@@ -23,7 +23,7 @@ const RATE: f64 = 1e-4;
 /// The shortest run whose rate is looked at \[s\]: the least late of a thousand steps is known to some microseconds.
 const RATED: u32 = 10;
 /// How often a reset may be refused in a row, once in half a second: a robot may still move.
-const PATIENCE: u32 = 20;
+const MOST_REFUSALS: u32 = 20;
 /// A step \[us\].
 const STEP: u64 = 1000;
 
@@ -44,7 +44,7 @@ fn a_cell_in_real_time_keeps_its_rate_and_its_memory() {
             Some(Ok(())) => (resets, refused) = (resets + 1, 0),
             Some(Err(why)) => {
                 refused += 1;
-                assert!(refused < PATIENCE, "no reset: {why}");
+                assert!(refused < MOST_REFUSALS, "no reset: {why}");
             }
             None => {}
         }

@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use rustix::process::Signal;
 
-use mrroc_tests::fixture::{COMPUTES, PATIENCE};
+use mrroc_tests::fixture::{COMPUTES, TIMEOUT};
 
 use crate::launch::{Launch, Place, Process, demanded, has_moved, wait_until};
 use crate::operator::{ask, assert_ends_where_it_would_have};
@@ -184,7 +184,7 @@ fn fault_64_an_mp_that_stands_still_is_told_and_the_cell_ended() {
     for (computes, why) in
         [(Some((COMPUTES, "")), "its program computes"), (None, "it was stopped by a signal")]
     {
-        let variables: Vec<_> = [(PATIENCE, "6")].into_iter().chain(computes).collect();
+        let variables: Vec<_> = [(TIMEOUT, "6")].into_iter().chain(computes).collect();
         let mut launch = place.start_with(&variables, "still", REAL);
         if computes.is_none() && !launch.comes_to(has_moved(100)) {
             // Its machine was late before.

@@ -12,7 +12,7 @@ pub fn programs(cell: Cell) -> Cell {
 }
 
 fn arm(ecp: &mut Ecp<Arm>) -> Result<(), Fault> {
-    ecp.obey_all(|ecp, _: Lift| ecp.move_robot((), Follow { from: Pose::identity() }).map(drop))
+    ecp.serve_all(|ecp, _: Lift| ecp.move_robot((), Follow { from: Pose::identity() }).map(drop))
 }
 
 struct Follow {

@@ -24,7 +24,7 @@ pub fn kinds() -> Kinds {
 
 /// The servo's own period, and how long it may be silent, which counts in the time of a stop.
 const PERIOD: Duration = Duration::from_millis(4);
-const PATIENCE: Duration = Duration::from_millis(100);
+const TIMEOUT: Duration = Duration::from_millis(100);
 /// How long it may take to accept a connection: when it is opened, and at a reset, which must not wait.
 const OPENING: Duration = Duration::from_secs(1);
 const AGAIN: Duration = Duration::from_millis(5);
@@ -64,10 +64,10 @@ impl Servo {
         Servo { address, line: None, measured, has_spoken: false, stands: None }
     }
 
-    fn call(&mut self, patience: Duration) -> Result<(), DriveFault> {
+    fn call(&mut self, timeout: Duration) -> Result<(), DriveFault> {
         self.line = None; // it takes one connection at a time
         self.has_spoken = false;
-        let line = Line::call(self.address, patience, |_| Cutting::Frame(SAID));
+        let line = Line::call(self.address, timeout, |_| Cutting::Frame(SAID));
         self.line = Some(line.map_err(|_| LOST)?);
         Ok(())
     }
@@ -102,7 +102,7 @@ impl Driver<Arm> for Servo {
     }
 
     fn pace(&self) -> Pace {
-        Pace::Robot { patience: PATIENCE }
+        Pace::Robot { timeout: TIMEOUT }
     }
 
     fn hardware(&self) -> Option<String> {

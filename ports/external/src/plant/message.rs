@@ -27,7 +27,7 @@ pub(crate) const LAYOUT: u64 = layout_hash(
 /// What an order asks for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u32)]
-pub(crate) enum Asks {
+pub(crate) enum PlantRequest {
     /// Let the robot stand at `demanded`, and say where it is. No time passes. Its orders begin with this period; where others
     /// are on their way and it says 0, with the next one that comes.
     Begin = 1,
@@ -56,7 +56,7 @@ pub(crate) enum Says {
 #[repr(C)]
 pub(crate) struct PlantOrder {
     pub version: u32,
-    /// [`Asks`].
+    /// [`PlantRequest`].
     pub kind: u32,
     pub layout: u64,
     /// Which opening of the port it belongs to.

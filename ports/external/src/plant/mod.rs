@@ -25,7 +25,7 @@ use mrroc::robot::{Begin, DriveFault, MAX_JOINTS, RobotStop, Simulated, Simulato
 use mrroc_launch::cell_file::PlantEntry;
 
 use crate::port::{Ends, channel, folder, monotonic};
-use message::{Asks, LAYOUT, PlantOrder, PlantState, Says, Untrue, VERSION, name_of};
+use message::{LAYOUT, PlantOrder, PlantRequest, PlantState, Says, Untrue, VERSION, name_of};
 
 /// The way to the simulator in which a robot of `cell.toml` moves, for
 /// [`Kinds::plants`](mrroc_launch::cell_file::Kinds::plants):
@@ -100,7 +100,7 @@ struct Plant {
     name: [u8; mrroc::fault::MAX_NAME],
     port: String,
     robots: Vec<String>,
-    patience: Duration,
+    timeout: Duration,
     folder: PathBuf,
     link: Option<Link>,
 }
@@ -137,7 +137,7 @@ impl Plant {
             name: name_of(entry.robot()),
             port: entry.port().to_owned(),
             robots: entry.robots().to_vec(),
-            patience: entry.patience(),
+            timeout: entry.timeout(),
             folder,
             link: None,
         }
@@ -147,7 +147,7 @@ impl Plant {
     fn begin(&mut self, begin: &Begin<'_>) -> Result<(), DriveFault> {
         let order = PlantOrder {
             version: VERSION,
-            kind: Asks::Begin as u32,
+            kind: PlantRequest::Begin as u32,
             layout: LAYOUT,
             session: monotonic(),
             period: begin.first,
@@ -219,7 +219,7 @@ impl Wait {
 }
 
 impl Link {
-    fn send(&mut self, kind: Asks) {
+    fn send(&mut self, kind: PlantRequest) {
         self.order.kind = kind as u32;
         self.order.time = monotonic();
         self.order.late = self.late;
@@ -251,7 +251,7 @@ impl Link {
             return Ok(self.state);
         }
         if self.asked.is_none_or(|asked| asked.elapsed() >= AGAIN) {
-            self.send(Asks::Begin);
+            self.send(PlantRequest::Begin);
             self.asked = Some(Instant::now());
         }
         wait.moment();
@@ -265,7 +265,7 @@ impl Link {
     }
 
     /// Waits for the answer to the last order, if there was one.
-    fn await_answer(&mut self, patience: Duration) -> Result<(), DriveFault> {
+    fn await_answer(&mut self, timeout: Duration) -> Result<(), DriveFault> {
         let Some(ordered) = self.ordered else { return Ok(()) };
         let wait = Wait::begin();
         let mut look = LOOK;
@@ -277,7 +277,7 @@ impl Link {
             }
             let waited = wait.time();
             // Another robot of this simulator may have waited for long already, while this one could not.
-            if waited >= patience || waited >= ONCE_MORE && self.sent.elapsed() >= patience {
+            if waited >= timeout || waited >= ONCE_MORE && self.sent.elapsed() >= timeout {
                 return Err(SILENT);
             }
             if waited >= look {
@@ -311,17 +311,17 @@ impl Link {
         &mut self,
         period: u64,
         demanded: Option<&[f64]>,
-        patience: Duration,
+        timeout: Duration,
     ) -> Result<Simulated, DriveFault> {
         match self.clock {
-            Clock::Virtual => self.await_answer(patience)?,
+            Clock::Virtual => self.await_answer(timeout)?,
             Clock::Real => self.take_answer()?,
         }
         self.order.period = period;
         if let Some(demanded) = demanded {
             self.order.demanded = padded(demanded);
         }
-        self.send(if demanded.is_some() { Asks::Follow } else { Asks::StandBy });
+        self.send(if demanded.is_some() { PlantRequest::Follow } else { PlantRequest::StandBy });
         (self.ordered, self.sent) = (Some(period), Instant::now());
         self.periods += 1;
         self.state.ok_or(CLOSED)
@@ -339,10 +339,10 @@ impl Simulator for Plant {
 
     fn open(&mut self, begin: &Begin<'_>) -> Result<Simulated, DriveFault> {
         self.begin(begin)?;
-        let patience = self.patience;
+        let timeout = self.timeout;
         let link = self.link.as_mut().ok_or(CLOSED)?;
         let wait = Wait::begin();
-        while wait.time() < patience {
+        while wait.time() < timeout {
             if let Some(state) = link.ask(&wait)? {
                 return Ok(state);
             }
@@ -366,12 +366,12 @@ impl Simulator for Plant {
     }
 
     fn step(&mut self, period: u64, demanded: Option<&[f64]>) -> Result<Simulated, DriveFault> {
-        let patience = self.patience;
+        let timeout = self.timeout;
         let link = self.link.as_mut().ok_or(CLOSED)?;
-        let stepped = link.step(period, demanded, patience);
+        let stepped = link.step(period, demanded, timeout);
         if stepped.is_err() {
             // Its other robots need not wait for this one.
-            link.send(Asks::End);
+            link.send(PlantRequest::End);
             (link.ordered, link.asked) = (None, None);
         }
         stepped
@@ -379,7 +379,7 @@ impl Simulator for Plant {
 
     fn close(&mut self) {
         let Some(mut link) = self.link.take() else { return };
-        link.send(Asks::End);
+        link.send(PlantRequest::End);
         if link.late > 0 {
             let Link { late, periods, .. } = link;
             let (robot, port) = (&self.robot, &self.port);

@@ -1,10 +1,10 @@
 //! Who may do what: plain rules, without a socket or a clock of their own.
 //!
-//! In: what a browser sends, and when. Out: whether it is admitted, and what it asks for. `door` looks at hosts and origins, `token`
+//! In: what a browser sends, and when. Out: whether it is admitted, and what it asks for. `origin` looks at hosts and origins, `token`
 //! at who knows the secret, `authority` at who operates, `request` at what is asked and for which step, `rate` at how often.
 
 pub mod authority;
-pub mod door;
+pub mod origin;
 pub mod rate;
 pub mod request;
 pub mod token;

@@ -13,7 +13,7 @@ const OLD: u64 = 1_000_000_000;
 
 /// What a page asks for.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Asked {
+pub enum PageRequest {
     /// To be let in.
     Token(String),
     /// Nothing: it is there.
@@ -59,7 +59,7 @@ pub struct Message {
     /// The number that the page gave it: the answer has the same one.
     pub number: u64,
     /// What is asked for.
-    pub asked: Asked,
+    pub asked: PageRequest,
 }
 
 /// A message that is none.
@@ -124,36 +124,36 @@ impl Message {
     pub fn read(text: &str) -> Result<Message, BadMessage> {
         let json: Value = serde_json::from_str(text).map_err(|_| BadMessage::Lacks("JSON"))?;
         if let Some(token) = json["token"].as_str() {
-            return Ok(Message { number: 0, asked: Asked::Token(token.to_owned()) });
+            return Ok(Message { number: 0, asked: PageRequest::Token(token.to_owned()) });
         }
         let number = json["n"].as_u64().unwrap_or(0);
         let word = json["do"].as_str().ok_or(BadMessage::Lacks("do"))?;
         let asked = match word {
-            "beat" => Asked::Beat,
-            "stop" => Asked::Stop,
-            "take" => Asked::Take,
-            "let-go" => Asked::LetGo,
-            "hold" => Asked::Hold(json["begins"].as_bool().unwrap_or(false), Stamp::of(&json)?),
-            "release" => Asked::Release,
+            "beat" => PageRequest::Beat,
+            "stop" => PageRequest::Stop,
+            "take" => PageRequest::Take,
+            "let-go" => PageRequest::LetGo,
+            "hold" => PageRequest::Hold(json["begins"].as_bool().unwrap_or(false), Stamp::of(&json)?),
+            "release" => PageRequest::Release,
             "jog" => {
                 let order = json["order"].as_str().ok_or(BadMessage::Lacks("order"))?;
                 let order = JogOrder::read(&mut order.split_whitespace()).map_err(unknown)?;
                 let begins = json["begins"].as_bool().unwrap_or(false);
-                Asked::Jog(begins, name(&json, "robot")?, order, Stamp::of(&json)?)
+                PageRequest::Jog(begins, name(&json, "robot")?, order, Stamp::of(&json)?)
             }
-            "teach" => Asked::Teach(name(&json, "robot")?, name(&json, "name")?, Stamp::of(&json)?),
-            "rename" => Asked::Rename(name(&json, "robot")?, name(&json, "name")?, name(&json, "to")?),
-            "forget" => Asked::Forget(name(&json, "robot")?, name(&json, "name")?),
-            "way" => Asked::Way(name(&json, "robot")?, name(&json, "name")?),
+            "teach" => PageRequest::Teach(name(&json, "robot")?, name(&json, "name")?, Stamp::of(&json)?),
+            "rename" => PageRequest::Rename(name(&json, "robot")?, name(&json, "name")?, name(&json, "to")?),
+            "forget" => PageRequest::Forget(name(&json, "robot")?, name(&json, "name")?),
+            "way" => PageRequest::Way(name(&json, "robot")?, name(&json, "name")?),
             "frame" => {
                 let at = json["at"].as_f64().filter(|at| at.is_finite());
                 let minute = json["minute"].as_bool().unwrap_or(false);
-                Asked::Frame(at.ok_or(BadMessage::Lacks("at"))?, minute)
+                PageRequest::Frame(at.ok_or(BadMessage::Lacks("at"))?, minute)
             }
             _ => {
                 let rest = json["rest"].as_str().unwrap_or("");
                 let button = Button::read(word, rest).map_err(unknown)?;
-                Asked::Press(button, Stamp::of(&json)?)
+                PageRequest::Press(button, Stamp::of(&json)?)
             }
         };
         Ok(Message { number, asked })
@@ -165,7 +165,7 @@ mod tests {
     use super::*;
     use mrroc_core::operator::Renewal;
 
-    fn read(text: &str) -> Result<Asked, BadMessage> {
+    fn read(text: &str) -> Result<PageRequest, BadMessage> {
         Message::read(text).map(|message| message.asked)
     }
 
@@ -175,35 +175,38 @@ mod tests {
         let (left, pick) = (Name::new("left").expect("a name"), Name::new("pick").expect("a name"));
         let order = JogOrder::read(&mut "tool x 50%".split_whitespace()).expect("an order");
         for (text, asked) in [
-            (r#"{"token":"abc"}"#, Asked::Token("abc".to_owned())),
-            (r#"{"do":"beat"}"#, Asked::Beat),
-            (r#"{"n":3,"do":"stop"}"#, Asked::Stop),
-            (r#"{"n":3,"do":"take"}"#, Asked::Take),
-            (r#"{"n":3,"do":"suspend","epoch":2,"step":40}"#, Asked::Press(Button::Suspend, stamp)),
+            (r#"{"token":"abc"}"#, PageRequest::Token("abc".to_owned())),
+            (r#"{"do":"beat"}"#, PageRequest::Beat),
+            (r#"{"n":3,"do":"stop"}"#, PageRequest::Stop),
+            (r#"{"n":3,"do":"take"}"#, PageRequest::Take),
+            (r#"{"n":3,"do":"suspend","epoch":2,"step":40}"#, PageRequest::Press(Button::Suspend, stamp)),
             (
                 r#"{"n":3,"do":"speed","rest":"50%","epoch":2,"step":40}"#,
-                Asked::Press(Button::Speed(0.5), stamp),
+                PageRequest::Press(Button::Speed(0.5), stamp),
             ),
-            (r#"{"n":3,"do":"hold","begins":true,"epoch":2,"step":40}"#, Asked::Hold(true, stamp)),
-            (r#"{"n":3,"do":"hold","epoch":2,"step":40}"#, Asked::Hold(false, stamp)),
-            (r#"{"n":3,"do":"release"}"#, Asked::Release),
+            (r#"{"n":3,"do":"hold","begins":true,"epoch":2,"step":40}"#, PageRequest::Hold(true, stamp)),
+            (r#"{"n":3,"do":"hold","epoch":2,"step":40}"#, PageRequest::Hold(false, stamp)),
+            (r#"{"n":3,"do":"release"}"#, PageRequest::Release),
             (
                 r#"{"n":3,"do":"jog","begins":true,"robot":"left","order":"tool x 50%","epoch":2,"step":40}"#,
-                Asked::Jog(true, left, order, stamp),
+                PageRequest::Jog(true, left, order, stamp),
             ),
             (
                 r#"{"n":3,"do":"jog-done","rest":"left","epoch":2,"step":40}"#,
-                Asked::Press(Button::JogDone(left), stamp),
+                PageRequest::Press(Button::JogDone(left), stamp),
             ),
             (
                 r#"{"n":3,"do":"teach","robot":"left","name":"pick","epoch":2,"step":40}"#,
-                Asked::Teach(left, pick, stamp),
+                PageRequest::Teach(left, pick, stamp),
             ),
-            (r#"{"do":"rename","robot":"left","name":"pick","to":"left"}"#, Asked::Rename(left, pick, left)),
-            (r#"{"do":"forget","robot":"left","name":"pick"}"#, Asked::Forget(left, pick)),
-            (r#"{"do":"way","robot":"left","name":"pick"}"#, Asked::Way(left, pick)),
-            (r#"{"do":"frame","at":1.5}"#, Asked::Frame(1.5, false)),
-            (r#"{"do":"frame","at":1.5,"minute":true}"#, Asked::Frame(1.5, true)),
+            (
+                r#"{"do":"rename","robot":"left","name":"pick","to":"left"}"#,
+                PageRequest::Rename(left, pick, left),
+            ),
+            (r#"{"do":"forget","robot":"left","name":"pick"}"#, PageRequest::Forget(left, pick)),
+            (r#"{"do":"way","robot":"left","name":"pick"}"#, PageRequest::Way(left, pick)),
+            (r#"{"do":"frame","at":1.5}"#, PageRequest::Frame(1.5, false)),
+            (r#"{"do":"frame","at":1.5,"minute":true}"#, PageRequest::Frame(1.5, true)),
         ] {
             assert_eq!(read(text), Ok(asked), "{text}");
         }
@@ -212,7 +215,7 @@ mod tests {
         assert!(read(r#"{"do":"jog 9 9 left tool x 50%","epoch":0,"step":0}"#).is_err());
         assert!(!matches!(
             read(r#"{"do":"hold 9 9","epoch":0,"step":0}"#),
-            Ok(Asked::Press(Button::Hold(_), _))
+            Ok(PageRequest::Press(Button::Hold(_), _))
         ));
         assert_eq!(Renewal::first(1).count(), 0);
     }
@@ -259,6 +262,6 @@ mod tests {
         }
         assert_eq!(at(1, 0).check(at(1, u64::MAX), u64::MAX), Err(Old::Step(u64::MAX)));
         // A stop has no stamp at all.
-        assert_eq!(read(r#"{"do":"stop","epoch":"old","step":null}"#), Ok(Asked::Stop));
+        assert_eq!(read(r#"{"do":"stop","epoch":"old","step":null}"#), Ok(PageRequest::Stop));
     }
 }

@@ -10,7 +10,7 @@ use tokio::sync::{oneshot, watch};
 use tokio::time::Instant;
 
 use super::*;
-use crate::driver::{Asks, Panel, Source, look_after};
+use crate::driver::{Panel, RequestSink, Source, look_after};
 use crate::rules::CONNECTIONS;
 use crate::rules::token::Token;
 use crate::server::Connections;
@@ -22,15 +22,15 @@ const UPGRADE: &str = "Connection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocke
 struct Served {
     connections: Connections,
     token: String,
-    /// What its desk was asked for.
+    /// What its console server was asked for.
     asked: Arc<AtomicUsize>,
-    _shown: watch::Sender<Shown>,
+    _shown: watch::Sender<CellSnapshot>,
 }
 
-/// A desk that does at once all that it is asked for, and counts it.
+/// A console server that does at once all that it is asked for, and counts it.
 struct AtOnce(Arc<AtomicUsize>);
 
-impl Asks for AtOnce {
+impl RequestSink for AtOnce {
     fn ask(&self, request: Request, _: OnBehalf) -> oneshot::Receiver<Reply> {
         let (answer, answered) = oneshot::channel();
         self.0.fetch_add(1, Ordering::Relaxed);
@@ -47,9 +47,9 @@ fn served() -> Served {
     let (looks, token) = (Arc::new(looks()), Token::draw().expect("random numbers"));
     let (show, shown) = watch::channel(shown(&looks));
     let asked = Arc::new(AtomicUsize::new(0));
-    let desk = Box::new(AtOnce(Arc::clone(&asked)));
+    let console = Box::new(AtOnce(Arc::clone(&asked)));
     let address = HOST.parse().expect("an address");
-    let panel = Arc::new(Panel::new(Source::Running(desk, shown), looks, token, address));
+    let panel = Arc::new(Panel::new(Source::Running(console, shown), looks, token, address));
     tokio::spawn(look_after(Arc::clone(&panel)));
     Served { connections: Connections::of(panel), token: token.to_string(), asked, _shown: show }
 }
@@ -221,7 +221,8 @@ fn fault_203_of_a_crowd_of_connections_the_oldest_make_room_and_pages_are_answer
 }
 
 #[test]
-fn fault_203_huge_and_malformed_messages_floods_and_crowds_disconnect_who_sends_them_and_reach_no_desk() {
+fn fault_203_huge_and_malformed_messages_floods_and_crowds_disconnect_who_sends_them_and_reach_no_console_server()
+ {
     run(async {
         let served = served();
         let mut good = served.known().await;

@@ -2,10 +2,10 @@
 
 use serde_json::json;
 
-use super::pages::{fixture, of_course};
+use super::pages::{fixture, of_history};
 use super::*;
-use crate::course::{Course, StepSeen};
-use crate::events::Heard;
+use crate::events::PageEvent;
+use crate::run_history::{RunHistory, StepSeen};
 
 #[test]
 fn a_page_is_told_what_stays_as_it_is_then_who_has_control_and_then_what_changes() {
@@ -50,12 +50,14 @@ fn a_page_is_shown_the_newest_picture_and_told_why_there_are_no_more() {
     // Two pictures before it looks: it is shown the second one.
     for step in [1001, 1002] {
         let text = json!({"kind": "state", "step": step}).to_string();
-        fixture.pages.show(Shown { text: Some(text.into()), ..Shown::default() });
+        fixture.pages.show(CellSnapshot { text: Some(text.into()), ..CellSnapshot::default() });
     }
     assert!(fixture.pages.has_news());
     fixture.settle();
     assert_eq!(fixture.next(page), Some(json!({"kind": "state", "step": 1002})));
-    fixture.pages.show(Shown { over: Some("the cell has ended".to_owned()), ..Shown::default() });
+    fixture
+        .pages
+        .show(CellSnapshot { over: Some("the cell has ended".to_owned()), ..CellSnapshot::default() });
     fixture.settle();
     assert_eq!(fixture.next(page), Some(json!({"kind": "over", "text": "the cell has ended"})));
     assert_eq!(fixture.next(page), None);
@@ -72,7 +74,7 @@ fn of_the_notes_that_a_page_does_not_take_the_oldest_are_dropped() {
     for _ in 0..20 {
         // Each comes and goes.
         let other = fixture.known();
-        fixture.hear(other, Heard::Closed);
+        fixture.hear(other, PageEvent::Closed);
     }
     fixture.stuck.clear();
     fixture.pages.sent(page);
@@ -84,7 +86,7 @@ fn of_the_notes_that_a_page_does_not_take_the_oldest_are_dropped() {
 
 #[test]
 fn what_a_run_showed_that_is_over_is_answered_and_nothing_of_it_is_operated() {
-    let mut course = Course::of(&{
+    let mut history = RunHistory::of(&{
         use mrroc::prelude::*;
         use mrroc_robots::SimulatedIrp6;
         let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
@@ -94,11 +96,11 @@ fn what_a_run_showed_that_is_over_is_answered_and_nothing_of_it_is_operated() {
     let six = [0.0, -1.57, 0.16, -0.16, 4.71, 0.0];
     for step in 0..100 {
         let (time, tool) = (20_000_000 * step, mrroc_core::pose::Pose::identity());
-        course.robot(time, "arm", [&six, &six], [tool, tool]);
-        course.step(time, &StepSeen { step, dt: 0.02, duration: 0.02, ..StepSeen::default() });
+        history.robot(time, "arm", [&six, &six], [tool, tool]);
+        history.step(time, &StepSeen { step, dt: 0.02, duration: 0.02, ..StepSeen::default() });
     }
-    let lasts = course.lasts();
-    let mut fixture = of_course(Some(Box::new(course)));
+    let lasts = history.lasts();
+    let mut fixture = of_history(Some(Box::new(history)));
     let page = fixture.known();
     assert_eq!(fixture.next(page).expect("the layout")["lasts"], json!(lasts));
     assert_eq!(fixture.kinds(page), ["authority"]);

@@ -6,7 +6,7 @@ use mrroc_robots::{Irp6, Six};
 use serde_json::{Value, json};
 
 use super::{looks, robot_at};
-use crate::now::Now;
+use crate::now::CellMoment;
 
 #[test]
 fn a_page_is_shown_the_links_and_the_tool_where_the_robots_own_kinematics_have_them() {
@@ -14,7 +14,7 @@ fn a_page_is_shown_the_links_and_the_tool_where_the_robots_own_kinematics_have_t
     let tool = Irp6::nominal().forward(&joints) * Pose::translation(0.0, 0.0, 0.1);
     let mut robot = robot_at(joints);
     robot.tool = tool;
-    let state = looks().state(&Now { robots: vec![robot.clone()], ..Now::default() });
+    let state = looks().state(&CellMoment { robots: vec![robot.clone()], ..CellMoment::default() });
     let numbers = |value: &Value| {
         value.as_array().expect("a list").iter().map(|x| x.as_f64().expect("a number")).collect::<Vec<_>>()
     };
@@ -31,7 +31,7 @@ fn a_page_is_shown_the_links_and_the_tool_where_the_robots_own_kinematics_have_t
     // demanded r * 2 sin(0.05) away.
     assert_eq!(state["robots"][0]["ghost"], json!([]));
     robot.demanded[0] += 0.1;
-    let state = looks().state(&Now { robots: vec![robot], ..Now::default() });
+    let state = looks().state(&CellMoment { robots: vec![robot], ..CellMoment::default() });
     let end = |which: &str| {
         let links = state["robots"][0][which].as_array().expect("links");
         numbers(links.last().expect("a link"))

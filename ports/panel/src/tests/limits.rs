@@ -5,7 +5,7 @@ use serde_json::json;
 
 use super::pages::{fixture, fixture_by};
 use super::*;
-use crate::events::Heard;
+use crate::events::PageEvent;
 use crate::rules::PAGES;
 
 #[test]
@@ -24,7 +24,9 @@ fn fault_200_without_the_token_nothing_is_shown_and_nothing_is_done() {
         // It is told why at once.
         assert_eq!(fixture.closed[&page], (fixture.now, Some("this is not the token")));
     }
-    for first in [Heard::Binary, Heard::Control, Heard::Closed, Heard::Failed("reset".to_owned())] {
+    for first in
+        [PageEvent::Binary, PageEvent::Control, PageEvent::Closed, PageEvent::Failed("reset".to_owned())]
+    {
         let page = fixture.connect().expect("a place");
         fixture.hear(page, first);
         fixture.say(page, &json!({"n": 2, "do": "stop"}));
@@ -69,33 +71,33 @@ fn fault_200_who_does_not_take_the_refusal_of_the_token_is_gone_after_five_secon
 }
 
 #[test]
-fn fault_203_malformed_messages_and_floods_disconnect_who_sends_them_and_reach_no_desk() {
+fn fault_203_malformed_messages_and_floods_disconnect_who_sends_them_and_reach_no_console_server() {
     let mut fixture = fixture();
     let good = fixture.known();
     let page = fixture.known();
     for _ in 0..8 {
-        fixture.hear(page, Heard::Text("{]"));
+        fixture.hear(page, PageEvent::Text("{]"));
         assert!(fixture.answer(page, 0)["text"].as_str().is_some_and(|why| why.contains("JSON")));
     }
-    fixture.hear(page, Heard::Text("{]"));
+    fixture.hear(page, PageEvent::Text("{]"));
     assert_eq!(fixture.closed[&page].1, Some("the panel has closed the connection"));
     let page = fixture.known();
-    fixture.hear(page, Heard::Binary);
+    fixture.hear(page, PageEvent::Binary);
     assert!(fixture.closed.contains_key(&page));
     // A burst of sixty, whether they are messages or pings; then as many as there are sixtieths of a second.
     let (page, pings) = (fixture.known(), fixture.known());
     for _ in 0..60 {
         fixture.say(page, &json!({"do": "beat"}));
-        fixture.hear(pings, Heard::Control);
+        fixture.hear(pings, PageEvent::Control);
     }
     fixture.pass(MS(51));
     for _ in 0..3 {
         fixture.say(page, &json!({"do": "beat"}));
-        fixture.hear(pings, Heard::Control);
+        fixture.hear(pings, PageEvent::Control);
         assert!(!fixture.closed.contains_key(&page) && !fixture.closed.contains_key(&pings));
     }
     fixture.say(page, &json!({"n": 1, "do": "take"}));
-    fixture.hear(pings, Heard::Control);
+    fixture.hear(pings, PageEvent::Control);
     assert!(fixture.closed.contains_key(&page) && fixture.closed.contains_key(&pings));
     let gone: Vec<_> = fixture.said.iter().filter(|said| said.contains("gone")).map(String::as_str).collect();
     assert_eq!(
@@ -148,7 +150,7 @@ fn fault_203_a_page_that_does_not_read_is_disconnected_after_five_seconds_and_op
         fixture.pass(MS(100));
     }
     fixture.pass(MS(2000));
-    // The desk is told at the end of the fifth second; the connection is closed a second later, whatever it takes.
+    // The console server is told at the end of the fifth second; the connection is closed a second later, whatever it takes.
     assert_eq!(fixture.asked, [(at + MS(5000), Request::Release)]);
     assert_eq!(fixture.closed[&page].0, at + MS(6000));
     assert!(fixture.said.iter().any(|said| said == "page 2 is gone: it does not read"));
@@ -184,7 +186,7 @@ fn a_page_that_is_disconnected_is_told_what_it_has_asked_for_within_a_second() {
     let (page, other) = (fixture.known(), fixture.known());
     for key in [page, other] {
         fixture.say(key, &json!({"n": 7, "do": "stop"}));
-        fixture.hear(key, Heard::Binary);
+        fixture.hear(key, PageEvent::Binary);
     }
     let at = fixture.now;
     fixture.pass(MS(900));

@@ -16,19 +16,19 @@ use std::sync::Arc;
 use mrroc_core::robot::Robot;
 use mrroc_robots::{Irp6, Six};
 
-use crate::desk::Shown;
-use crate::now::{Looks, Now, RobotNow};
+use crate::console_session::CellSnapshot;
+use crate::now::{Appearance, CellMoment, RobotNow};
 use crate::rules::request::Stamp;
 
 const MS: fn(u64) -> Duration = Duration::from_millis;
 
 /// An arm.
-fn looks() -> Looks {
+fn looks() -> Appearance {
     use mrroc::prelude::*;
     use mrroc_robots::SimulatedIrp6;
     let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
     let arm = RobotSetup::new("arm", Irp6::nominal(), SimulatedIrp6::new(Irp6::nominal(), &start));
-    Looks::of(&Cell::new(Duration::from_millis(2)).robot(arm).layout())
+    Appearance::of(&Cell::new(Duration::from_millis(2)).robot(arm).layout())
 }
 
 /// The arm, which stands there.
@@ -42,15 +42,15 @@ fn robot_at(joints: Six) -> RobotNow {
         doing: String::new(),
         jogs: true,
         stop: String::new(),
-        carried: crate::beside::Carried::default(),
+        carried: crate::beside::CarriedLoad::default(),
     }
 }
 
 /// A cell that runs, in its step 1000 of 2 ms.
-fn shown(looks: &Looks) -> Shown {
-    let text = looks.state(&Now { state: "running", step: 1000, ..Now::default() }).to_string();
+fn shown(looks: &Appearance) -> CellSnapshot {
+    let text = looks.state(&CellMoment { state: "running", step: 1000, ..CellMoment::default() }).to_string();
     let stamp = Stamp { epoch: 0, step: 1000 };
-    Shown {
+    CellSnapshot {
         text: Some(text.into()),
         stamp: Some((stamp, 2_000_000)),
         robots: Arc::default(),

@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 
 use super::pages::{Fixture, fixture, fixture_by};
 use super::*;
-use crate::events::{Heard, Key};
+use crate::events::{Key, PageEvent};
 
 fn jog(number: u64, begins: bool) -> Value {
     let order = "world x 20% by 0.001";
@@ -99,7 +99,8 @@ fn fault_206_a_page_that_falls_silent_while_it_holds_lets_go_and_loses_authority
 }
 
 #[test]
-fn fault_206_what_has_lapsed_is_told_to_the_desk_also_where_the_page_speaks_before_anybody_has_looked() {
+fn fault_206_what_has_lapsed_is_told_to_the_console_server_also_where_the_page_speaks_before_anybody_has_looked()
+ {
     let mut fixture = fixture();
     let page = in_control(&mut fixture);
     let held = holds(&mut fixture, page);
@@ -122,8 +123,8 @@ fn fault_206_what_has_lapsed_is_told_to_the_desk_also_where_the_page_speaks_befo
 }
 
 #[test]
-fn fault_206_a_page_that_is_gone_holds_nothing_from_then_on_and_its_desk_is_told_at_once() {
-    for heard in [Heard::Closed, Heard::Failed("reset".to_owned()), Heard::Binary] {
+fn fault_206_a_page_that_is_gone_holds_nothing_from_then_on_and_its_console_server_is_told_at_once() {
+    for heard in [PageEvent::Closed, PageEvent::Failed("reset".to_owned()), PageEvent::Binary] {
         let mut fixture = fixture();
         let page = in_control(&mut fixture);
         let held = holds(&mut fixture, page);
@@ -230,7 +231,7 @@ fn a_page_that_another_console_keeps_from_the_cell_has_no_control() {
     assert_eq!(fixture.answer(page, 1)["text"], "console 7 has control");
     fixture.say(page, &json!({"n": 2, "do": "resume", "epoch": 0, "step": 1000}));
     assert_eq!(fixture.answer(page, 2)["text"], "this page does not have control: take it first");
-    // The desk is not told of what it has refused.
+    // The console server is not told of what it has refused.
     assert_eq!((fixture.request(), fixture.request()), (Some(Request::Take), None));
 }
 
@@ -246,6 +247,6 @@ fn fault_204_a_button_is_refused_where_the_cell_is_not_seen_yet_or_was_seen_too_
     // A second of steps of 2 ms.
     assert!(press(&mut fixture, 499).contains("501 steps ago"));
     assert_eq!(press(&mut fixture, 500), "resume");
-    fixture.pages.show(Shown::default());
+    fixture.pages.show(CellSnapshot::default());
     assert_eq!(press(&mut fixture, 1000), "the cell has not been seen yet");
 }

@@ -1,4 +1,4 @@
-//! Pages, their desk and their clock, in one thread.
+//! Pages, their console server and their clock, in one thread.
 
 use std::collections::BTreeMap;
 use std::collections::VecDeque;
@@ -8,26 +8,26 @@ use mrroc_processes::{Reply, Request};
 use serde_json::Value;
 
 use super::*;
-use crate::course::Course;
-use crate::events::{Action, Heard, Key, Kind, To};
+use crate::events::{Action, Key, Kind, PageEvent, To};
 use crate::pages::Pages;
 use crate::poses::Poses;
-use crate::rules::request::Asked;
+use crate::rules::request::PageRequest;
 use crate::rules::token::Token;
+use crate::run_history::RunHistory;
 use crate::session::Outgoing;
 use crate::teaching;
 
-/// What a desk answers to a request.
+/// What a console server answers to a request.
 type Answers = Box<dyn FnMut(&Request) -> Option<Reply>>;
 
 /// Pages of a cell that is not there.
 pub struct Fixture {
     pub pages: Pages,
-    pub looks: Arc<Looks>,
+    pub looks: Arc<Appearance>,
     pub token: String,
     pub now: Duration,
     answers: Answers,
-    /// What the desk was asked for and does not answer yet.
+    /// What the console server was asked for and does not answer yet.
     pub waiting: VecDeque<(To, Kind)>,
     /// What it was asked for, and when.
     pub asked: VecDeque<(Duration, Request)>,
@@ -35,7 +35,7 @@ pub struct Fixture {
     pub said: Vec<String>,
     /// The files of poses, if there are any; work with them that waits, if they do not answer.
     pub poses: Option<Poses>,
-    pub work: VecDeque<(To, Asked, Shown)>,
+    pub work: VecDeque<(To, PageRequest, CellSnapshot)>,
     /// What each page was sent and has not heard, and when a frame that it does not take was sent.
     sent: BTreeMap<Key, VecDeque<Value>>,
     /// Pages that do not read.
@@ -44,24 +44,24 @@ pub struct Fixture {
     pub closed: BTreeMap<Key, (Duration, Option<&'static str>)>,
 }
 
-/// Pages of a cell whose desk does all that it is asked for.
+/// Pages of a cell whose console server does all that it is asked for.
 pub fn fixture() -> Fixture {
     fixture_by(|request| Some(Reply::Done(format!("{request}"))))
 }
 
-/// The same, whose desk answers so; nothing, if it does not answer.
+/// The same, whose console server answers so; nothing, if it does not answer.
 pub fn fixture_by(answers: impl FnMut(&Request) -> Option<Reply> + 'static) -> Fixture {
-    let mut fixture = of_course(None);
+    let mut fixture = of_history(None);
     fixture.answers = Box::new(answers);
     fixture.pages.show(shown(&fixture.looks));
     fixture
 }
 
 /// Pages of a run that is over.
-pub fn of_course(course: Option<Box<Course>>) -> Fixture {
+pub fn of_history(history: Option<Box<RunHistory>>) -> Fixture {
     let (looks, token) = (Arc::new(looks()), Token::draw().expect("random numbers"));
     Fixture {
-        pages: Pages::new(Arc::clone(&looks), token, course),
+        pages: Pages::new(Arc::clone(&looks), token, history),
         looks,
         token: token.to_string(),
         // A machine that has been on for a while.
@@ -98,10 +98,10 @@ impl Fixture {
 
     /// A page says something.
     pub fn say(&mut self, key: Key, message: &Value) {
-        self.hear(key, Heard::Text(&message.to_string()));
+        self.hear(key, PageEvent::Text(&message.to_string()));
     }
 
-    pub fn hear(&mut self, key: Key, heard: Heard<'_>) {
+    pub fn hear(&mut self, key: Key, heard: PageEvent<'_>) {
         self.pages.hear(key, self.now, heard);
         self.settle();
     }
@@ -185,7 +185,7 @@ impl Fixture {
         self.settle();
     }
 
-    /// The next request that the desk was asked for.
+    /// The next request that the console server was asked for.
     pub fn request(&mut self) -> Option<Request> {
         self.asked.pop_front().map(|(_, request)| request)
     }

@@ -13,20 +13,20 @@ use tokio::net::TcpListener;
 use tokio::sync::watch;
 
 use super::*;
-use crate::desk::Desk;
+use crate::console_session::ConsoleSession;
 use crate::driver::{Panel, Source, look_after};
 use crate::rules::token::Token;
 use crate::server::serve;
 
 /// For what comes at once, unless it never does.
-const PATIENCE: Duration = Duration::from_secs(120);
+const TIMEOUT: Duration = Duration::from_secs(120);
 
-/// A panel whose desk does all that it is asked for, and writes it down.
+/// A panel whose console server does all that it is asked for, and writes it down.
 struct Served {
     address: SocketAddr,
     token: String,
     asked: Receiver<Request>,
-    _shown: watch::Sender<Shown>,
+    _shown: watch::Sender<CellSnapshot>,
 }
 
 /// A page: a connection that was upgraded.
@@ -39,7 +39,7 @@ fn served(cell: Option<&Path>) -> Served {
     let (show, shown) = watch::channel(shown(&looks));
     let (writes, asked) = channel();
     let writes = Mutex::new(writes);
-    let desk = Desk::of(move |request| {
+    let console = ConsoleSession::of(move |request| {
         let _ = writes.lock().expect("not poisoned").send(*request);
         Reply::Done(format!("{request}"))
     });
@@ -50,7 +50,7 @@ fn served(cell: Option<&Path>) -> Served {
             let listener = TcpListener::bind("127.0.0.1:0").await.expect("a port");
             let address = listener.local_addr().expect("an address");
             tells.send(address).expect("heard");
-            let panel = Panel::new(Source::Running(Box::new(desk), shown), looks, token, address);
+            let panel = Panel::new(Source::Running(Box::new(console), shown), looks, token, address);
             let panel = Arc::new(cell.iter().fold(panel, |panel, cell| panel.teaching(cell)));
             tokio::select! {
                 _ = serve(listener, Arc::clone(&panel), None) => {}
@@ -66,7 +66,7 @@ impl Served {
     /// A page that has shown the token.
     fn known(&self) -> Page {
         let mut stream = TcpStream::connect(self.address).expect("connected");
-        stream.set_read_timeout(Some(PATIENCE)).expect("set");
+        stream.set_read_timeout(Some(TIMEOUT)).expect("set");
         let host = self.address;
         let header = format!(
             "GET /connect HTTP/1.1\r\nHost: {host}\r\nOrigin: http://{host}\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n\
@@ -85,9 +85,9 @@ impl Served {
         page
     }
 
-    /// The next request that the desk is asked for.
+    /// The next request that the console server is asked for.
     fn request(&self) -> Request {
-        self.asked.recv_timeout(PATIENCE).expect("asked")
+        self.asked.recv_timeout(TIMEOUT).expect("asked")
     }
 }
 

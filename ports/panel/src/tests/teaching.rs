@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use super::pages::{Fixture, fixture};
 use super::*;
 use crate::poses::Poses;
-use crate::teaching::Told;
+use crate::teaching::WorkOutcome;
 
 #[test]
 fn fault_240_while_the_file_of_the_poses_does_not_answer_a_stop_and_holds_are_taken() {
@@ -29,7 +29,7 @@ fn fault_240_while_the_file_of_the_poses_does_not_answer_a_stop_and_holds_are_ta
     assert_eq!(fixture.request(), Some(Request::Press(Button::Stop)));
     // They answer: the first one that waited is told, and another one may ask.
     let (to, ..) = fixture.work.pop_front().expect("it waits");
-    fixture.pages.worked(to, Ok(Told::Way(vec![[1.0, 2.0, 3.0]])), None);
+    fixture.pages.worked(to, Ok(WorkOutcome::Way(vec![[1.0, 2.0, 3.0]])), None);
     fixture.settle();
     let way = fixture.answer(page, 2);
     assert_eq!(
@@ -53,7 +53,7 @@ fn a_page_teaches_a_robot_that_stands_and_is_shown_the_way_to_what_it_taught() {
     let show = |fixture: &mut Fixture, joints: Six, moves: bool| {
         let robots = [robot_at(joints)].into();
         let shown = shown(&fixture.looks);
-        fixture.pages.show(Shown { robots, moves, ..shown });
+        fixture.pages.show(CellSnapshot { robots, moves, ..shown });
     };
     let page = fixture.known();
     fixture.say(page, &json!({"n": 1, "do": "take"}));

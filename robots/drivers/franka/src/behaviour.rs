@@ -50,7 +50,7 @@ enum Asked {
 }
 
 /// States, of a millisecond each, within which the robot answers.
-const PATIENCE: u64 = 2000;
+const TIMEOUT: u64 = 2000;
 
 const UNANSWERED: DriveFault = DriveFault::Other(
     "the robot does not answer what it is told of collisions, of its regulators and of its load",
@@ -126,7 +126,7 @@ impl Behaviour {
     /// Tells the robot what it does not know yet, one thing after the other, after its state of this count and with this end effector.
     ///
     /// # Errors
-    /// What `ask` cannot do; the robot has not answered for [`PATIENCE`]; a load that is not one beside the end effector.
+    /// What `ask` cannot do; the robot has not answered for [`TIMEOUT`]; a load that is not one beside the end effector.
     pub fn tell(
         &mut self,
         count: u64,
@@ -134,7 +134,7 @@ impl Behaviour {
         ask: impl FnOnce(Request) -> Result<u32, DriveFault>,
     ) -> Result<(), DriveFault> {
         if let Some((.., since)) = self.asked {
-            return if count > since + PATIENCE { Err(UNANSWERED) } else { Ok(()) };
+            return if count > since + TIMEOUT { Err(UNANSWERED) } else { Ok(()) };
         }
         let Some(next) = self.next() else { return Ok(()) };
         let request = match (next, self.collision) {

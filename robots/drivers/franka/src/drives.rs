@@ -18,7 +18,7 @@ use crate::behaviour::Behaviour;
 use crate::link::{Answers, LAST_BITS, Link, Motion, answer};
 use crate::message::{Mode, Request, State};
 use crate::network::{Network, Sockets};
-use crate::opening::{Awaited, First, Opening, PATIENCE};
+use crate::opening::{AwaitedMessage, FirstState, Opening, TIMEOUT};
 use crate::rejoining::Joints;
 use crate::requests::Requests;
 use crate::settings::FciSettings;
@@ -66,21 +66,21 @@ impl<N: Network> Fci<N> {
     fn connect(&mut self) -> Result<Link, DriveFault> {
         let network = &mut self.network;
         let began = network.now();
-        let port = network.connect(PATIENCE)?;
+        let port = network.connect(TIMEOUT)?;
         let mut requests = Requests::new();
         let (id, bytes) = requests.write(Request::Connect { port });
         network.ask(bytes).map_err(|_| CUT_OFF)?;
         let mut opening = Opening::new(began, network.now(), id);
         loop {
             let came = match opening.poll(network.now())? {
-                Awaited::Answer => match answer(network, &mut requests).map_err(|_| ABSENT)? {
+                AwaitedMessage::Answer => match answer(network, &mut requests).map_err(|_| ABSENT)? {
                     Some(answer) => {
                         opening.answer(&answer)?;
                         true
                     }
                     None => false,
                 },
-                Awaited::State => match first(network) {
+                AwaitedMessage::State => match first(network) {
                     Some(first) => {
                         let FciSettings { collision, stiffness, .. } = self.settings;
                         let behaviour = Behaviour::new(collision, stiffness, self.sets, self.load);
@@ -117,10 +117,10 @@ impl<N: Network> Fci<N> {
 }
 
 /// The newest state, if one has come that can be read.
-fn first(network: &mut impl Network) -> Option<First> {
+fn first(network: &mut impl Network) -> Option<FirstState> {
     let received = network.newest()?;
     let said = State::read(received.bytes)?;
-    Some(First { said, from: received.from, came: received.came })
+    Some(FirstState { said, from: received.from, came: received.came })
 }
 
 impl<R: Robot<Joints = Joints>, N: Network> Driver<R> for Fci<N> {
@@ -129,7 +129,7 @@ impl<R: Robot<Joints = Joints>, N: Network> Driver<R> for Fci<N> {
     }
 
     fn pace(&self) -> Pace {
-        Pace::Robot { patience: self.settings.silence }
+        Pace::Robot { timeout: self.settings.silence }
     }
 
     fn hardware(&self) -> Option<String> {
@@ -143,7 +143,7 @@ impl<R: Robot<Joints = Joints>, N: Network> Driver<R> for Fci<N> {
     fn close(&mut self) {
         let Some(link) = &mut self.link else { return };
         link.is_to_end = true;
-        let until = self.network.now() + PATIENCE;
+        let until = self.network.now() + TIMEOUT;
         while link.motion != Motion::None && self.network.now() < until {
             match link.hear(&mut self.network) {
                 Ok(Some(_)) if stopped(&link.said).is_none() => drop(link.hold(&mut self.network)),
@@ -177,7 +177,7 @@ impl<R: Robot<Joints = Joints>, N: Network> Driver<R> for Fci<N> {
     }
 
     fn held(&self) -> Option<Joints> {
-        self.link.as_ref().map(|link| link.course().q)
+        self.link.as_ref().map(|link| link.setpoint().q)
     }
 
     fn wrench(&self) -> Option<Wrench> {
@@ -187,7 +187,7 @@ impl<R: Robot<Joints = Joints>, N: Network> Driver<R> for Fci<N> {
     fn tick(&mut self, demanded: &Joints) -> Result<Measured<Joints>, DriveFault> {
         let link = self.link.as_mut().ok_or(CLOSED)?;
         let network = &mut self.network;
-        let stays = (demanded - link.course().q).amax() <= LAST_BITS;
+        let stays = (demanded - link.setpoint().q).amax() <= LAST_BITS;
         match link.motion {
             // A robot that moves is told nothing of these.
             Motion::None if !link.behaviour.is_known() => {

@@ -8,7 +8,7 @@ use mrroc::fault::Excess;
 use mrroc::robot::{CoupledLimit, DriveFault};
 
 use crate::message::JOINTS;
-use crate::rejoining::{Course, Joints, PERIOD};
+use crate::rejoining::{Joints, PERIOD, Setpoint};
 
 /// Least and greatest positions \[rad\].
 pub const POSITIONS: [(f64, f64); JOINTS] = [
@@ -82,7 +82,7 @@ pub fn check_speed(from: &Joints, to: &Joints, duration: f64) -> Result<(), Coup
 ///
 /// # Errors
 /// The first limit that it breaks.
-pub fn check(now: &Course, next: &Course) -> Result<(), DriveFault> {
+pub fn check(now: &Setpoint, next: &Setpoint) -> Result<(), DriveFault> {
     for (joint, range) in POSITIONS.into_iter().enumerate() {
         let told = |what, actual: f64, (least, greatest): (f64, f64), unit| {
             // What is no number is in no range.
@@ -133,15 +133,15 @@ mod tests {
     #[test]
     fn what_the_robot_would_not_take_is_refused_with_its_figures() {
         let at = Joints::from([0.0, 0.0, 0.0, -1.5, 0.0, 1.5, 0.0]);
-        let now = Course::at_rest(at);
+        let now = Setpoint::at_rest(at);
         assert_eq!(check(&now, &now), Ok(()));
         let next = now.after(&Joints::from([0.0, 0.0, 4999.0, 0.0, 0.0, 0.0, 0.0]));
         assert_eq!(check(&now, &next), Ok(()));
-        let refused = |next: Course| check(&now, &next).expect_err("too much").what();
+        let refused = |next: Setpoint| check(&now, &next).expect_err("too much").what();
         assert_eq!(refused(now.after(&Joints::repeat(5001.0))), "jerk told");
-        assert_eq!(refused(Course { ddq: Joints::repeat(10.1), ..now }), "acceleration told");
-        assert_eq!(refused(Course { dq: Joints::repeat(2.63), ..now }), "velocity told");
-        assert_eq!(refused(Course { q: Joints::zeros(), ..now }), "position told");
-        assert_eq!(refused(Course { q: Joints::repeat(f64::NAN), ..now }), "position told");
+        assert_eq!(refused(Setpoint { ddq: Joints::repeat(10.1), ..now }), "acceleration told");
+        assert_eq!(refused(Setpoint { dq: Joints::repeat(2.63), ..now }), "velocity told");
+        assert_eq!(refused(Setpoint { q: Joints::zeros(), ..now }), "position told");
+        assert_eq!(refused(Setpoint { q: Joints::repeat(f64::NAN), ..now }), "position told");
     }
 }

@@ -13,8 +13,8 @@ use crate::behaviour::Behaviour;
 use crate::limits;
 use crate::message::{Answer, Request, State, command};
 use crate::network::Network;
-use crate::opening::First;
-use crate::rejoining::{Course, Joints, Rejoining};
+use crate::opening::FirstState;
+use crate::rejoining::{Joints, Rejoining, Setpoint};
 use crate::requests::Requests;
 use crate::stops::{CUT_OFF, ENDED, NETWORK, REFUSED, TOO_FAR};
 
@@ -70,7 +70,7 @@ pub(crate) struct Link {
     unanswered: Option<(SocketAddr, Duration)>,
     pub motion: Motion,
     /// The count of the state that was answered last, what the robot followed then, and what it follows since.
-    told: Option<(u64, Course, Course)>,
+    told: Option<(u64, Setpoint, Setpoint)>,
     rejoining: Rejoining,
     /// Nobody demands anything.
     pub is_alone: bool,
@@ -99,7 +99,7 @@ pub(crate) fn answer(network: &mut impl Network, requests: &mut Requests) -> io:
 
 impl Link {
     /// To a robot that has said its first state, which is read now.
-    pub fn new(requests: Requests, behaviour: Behaviour, now: Duration, first: First) -> Link {
+    pub fn new(requests: Requests, behaviour: Behaviour, now: Duration, first: FirstState) -> Link {
         Link {
             requests,
             said: first.said,
@@ -215,15 +215,15 @@ impl Link {
         // A state in which the robot has not heard the first answer yet counts none as lost.
         let periods = self.said.count - count;
         let q_d = Joints::from(self.said.q_d);
-        let off = |course: &Course| (course.q - q_d).amax();
+        let off = |setpoint: &Setpoint| (setpoint.q - q_d).amax();
         // Either the last answer came in time, or it did not and the robot went on by itself, or it came while this state was
         // being sent: then the robot still says where it was before.
         let heard = after.extrapolated(periods - 1);
         let unheard = before.extrapolated(periods);
         let unshown = before.extrapolated(periods - 1);
-        let told = Course { q: q_d, dq: self.said.dq_d.into(), ddq: self.said.ddq_d.into() };
-        let is = |course: &Course| off(course) <= LAST_BITS;
-        let (course, lost) = if is(&heard) || is(&unshown) {
+        let told = Setpoint { q: q_d, dq: self.said.dq_d.into(), ddq: self.said.ddq_d.into() };
+        let is = |setpoint: &Setpoint| off(setpoint) <= LAST_BITS;
+        let (setpoint, lost) = if is(&heard) || is(&unshown) {
             (heard, periods - 1)
         } else if is(&unheard) {
             (unheard, periods)
@@ -231,24 +231,29 @@ impl Link {
             (told, periods)
         };
         self.answers.lost = self.answers.lost.saturating_add(lost);
-        self.told = Some((self.said.count, course, course));
+        self.told = Some((self.said.count, setpoint, setpoint));
     }
 
     /// What the robot follows now, where a motion runs.
-    pub fn course(&self) -> Course {
-        self.told.map_or_else(|| Course::at_rest(self.said.q_d.into()), |(_, _, course)| course)
+    pub fn setpoint(&self) -> Setpoint {
+        self.told.map_or_else(|| Setpoint::at_rest(self.said.q_d.into()), |(_, _, setpoint)| setpoint)
     }
 
     /// Answers the state that is to be answered.
-    fn answer(&mut self, network: &mut impl Network, next: Course, is_last: bool) -> Result<(), DriveFault> {
+    fn answer(
+        &mut self,
+        network: &mut impl Network,
+        next: Setpoint,
+        is_last: bool,
+    ) -> Result<(), DriveFault> {
         let Some((from, came)) = self.unanswered.take() else { return Ok(()) };
-        let course = self.course();
+        let setpoint = self.setpoint();
         // One that comes too late is none: the robot has gone on by itself.
         if network.now().saturating_sub(came) >= IN_TIME {
-            self.told = Some((self.said.count, course, course.extrapolated(1)));
+            self.told = Some((self.said.count, setpoint, setpoint.extrapolated(1)));
             return Ok(());
         }
-        self.told = Some((self.said.count, course, next));
+        self.told = Some((self.said.count, setpoint, next));
         let bytes = command(self.said.count, &next.q.into(), is_last);
         network.send(from, &bytes).map_err(|_| NETWORK)
     }
@@ -256,9 +261,9 @@ impl Link {
     /// Brings the robot to rest and holds it, and ends the motion where it is to end.
     pub fn hold(&mut self, network: &mut impl Network) -> Result<(), DriveFault> {
         self.rejoining.forget();
-        let course = self.course();
-        let next = course.braked(BRAKES.0, BRAKES.1);
-        let stands = next == Course::at_rest(course.q) && course.dq == Joints::zeros();
+        let setpoint = self.setpoint();
+        let next = setpoint.braked(BRAKES.0, BRAKES.1);
+        let stands = next == Setpoint::at_rest(setpoint.q) && setpoint.dq == Joints::zeros();
         if let Motion::Runs(id) = self.motion
             && self.is_to_end
             && stands
@@ -270,9 +275,9 @@ impl Link {
 
     /// A position is demanded for the end of the period.
     pub fn go_to(&mut self, network: &mut impl Network, demanded: &Joints) -> Result<(), DriveFault> {
-        let course = self.course();
-        let (next, away) = self.rejoining.next(self.said.count, &course, demanded);
-        let checked = limits::check(&course, &next);
+        let setpoint = self.setpoint();
+        let (next, away) = self.rejoining.next(self.said.count, &setpoint, demanded);
+        let checked = limits::check(&setpoint, &next);
         let checked = checked.and(if away > FARTHEST { Err(TOO_FAR) } else { Ok(()) });
         if let Err(fault) = checked {
             (self.is_alone, self.is_to_end) = (true, true);

@@ -24,11 +24,11 @@ pub trait Network {
     /// The time since some beginning, which is always the same one. It never goes back.
     fn now(&self) -> Duration;
 
-    /// Connects to the robot, within `patience`, and says the port at which its states are waited for. A connection from before is closed.
+    /// Connects to the robot, within `timeout`, and says the port at which its states are waited for. A connection from before is closed.
     ///
     /// # Errors
     /// The robot is not there; this machine has no port.
-    fn connect(&mut self, patience: Duration) -> Result<u16, DriveFault>;
+    fn connect(&mut self, timeout: Duration) -> Result<u16, DriveFault>;
 
     /// Closes the connection, and lets the port go.
     fn close(&mut self);
@@ -81,10 +81,10 @@ impl Network for Sockets {
         self.began.elapsed()
     }
 
-    fn connect(&mut self, patience: Duration) -> Result<u16, DriveFault> {
+    fn connect(&mut self, timeout: Duration) -> Result<u16, DriveFault> {
         self.close();
         let call = || -> io::Result<TcpStream> {
-            let stream = TcpStream::connect_timeout(&self.robot, patience)?;
+            let stream = TcpStream::connect_timeout(&self.robot, timeout)?;
             stream.set_nodelay(true)?;
             stream.set_nonblocking(true)?;
             Ok(stream)

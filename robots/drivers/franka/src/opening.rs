@@ -11,11 +11,11 @@ use crate::message::{Answer, State};
 use crate::stops::{ABSENT, OTHER_VERSION};
 
 /// How long to wait for the connection, then for the robot's answer, and for its first state since the beginning.
-pub(crate) const PATIENCE: Duration = Duration::from_secs(2);
+pub(crate) const TIMEOUT: Duration = Duration::from_secs(2);
 
 /// The first state of a robot.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct First {
+pub(crate) struct FirstState {
     pub said: State,
     pub from: SocketAddr,
     pub came: Duration,
@@ -32,7 +32,7 @@ pub(crate) struct Opening {
 
 /// What comes next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Awaited {
+pub(crate) enum AwaitedMessage {
     Answer,
     State,
 }
@@ -40,17 +40,17 @@ pub(crate) enum Awaited {
 impl Opening {
     /// Drives whose opening began at `began`, and which have asked for a connection now.
     pub fn new(began: Duration, now: Duration, id: u32) -> Opening {
-        Opening { asked: Some((id, now + PATIENCE)), until: began + PATIENCE }
+        Opening { asked: Some((id, now + TIMEOUT)), until: began + TIMEOUT }
     }
 
     /// What is awaited at this time.
     ///
     /// # Errors
     /// It was awaited for long enough.
-    pub fn poll(&self, now: Duration) -> Result<Awaited, DriveFault> {
+    pub fn poll(&self, now: Duration) -> Result<AwaitedMessage, DriveFault> {
         match self.asked {
-            Some((_, until)) if now < until => Ok(Awaited::Answer),
-            None if now < self.until => Ok(Awaited::State),
+            Some((_, until)) if now < until => Ok(AwaitedMessage::Answer),
+            None if now < self.until => Ok(AwaitedMessage::State),
             Some(_) | None => Err(ABSENT),
         }
     }

@@ -56,7 +56,7 @@ const FORGOTTEN: u64 = 32;
 
 /// A position and its first two differences: rad, rad/s, rad/s².
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Course {
+pub struct Setpoint {
     pub q: Joints,
     pub dq: Joints,
     pub ddq: Joints,
@@ -65,26 +65,26 @@ pub struct Course {
 /// The most periods for which the robot goes on by itself, and some more.
 const MOST_LOST: u64 = 32;
 
-impl Course {
+impl Setpoint {
     /// At rest.
-    pub fn at_rest(q: Joints) -> Course {
-        Course { q, dq: Joints::zeros(), ddq: Joints::zeros() }
+    pub fn at_rest(q: Joints) -> Setpoint {
+        Setpoint { q, dq: Joints::zeros(), ddq: Joints::zeros() }
     }
 
     /// A period later, by this jerk [rad/s³].
-    pub fn after(&self, jerk: &Joints) -> Course {
+    pub fn after(&self, jerk: &Joints) -> Setpoint {
         let ddq = self.ddq + jerk * PERIOD;
         let dq = self.dq + ddq * PERIOD;
-        Course { q: self.q + dq * PERIOD, dq, ddq }
+        Setpoint { q: self.q + dq * PERIOD, dq, ddq }
     }
 
     /// So many periods later, by no jerk: what the robot makes of answers that it does not get. After [`MOST_LOST`] it has stopped.
-    pub fn extrapolated(&self, periods: u64) -> Course {
-        (0..periods.min(MOST_LOST)).fold(*self, |course, _| course.after(&Joints::zeros()))
+    pub fn extrapolated(&self, periods: u64) -> Setpoint {
+        (0..periods.min(MOST_LOST)).fold(*self, |setpoint, _| setpoint.after(&Joints::zeros()))
     }
 
-    /// Brings it to rest a little: the next course, within `jerk` [rad/s³].
-    pub fn braked(&self, jerk: f64, acceleration: f64) -> Course {
+    /// Brings it to rest a little: the next setpoint, within `jerk` [rad/s³].
+    pub fn braked(&self, jerk: f64, acceleration: f64) -> Setpoint {
         let speed = self.dq.amax();
         let w = FASTEST
             .min((0.5 * jerk / speed.max(1e-12)).sqrt())
@@ -93,7 +93,7 @@ impl Course {
         let jerk = self.dq * -(w * w) - self.ddq * (2.0 * w);
         let next = self.after(&jerk);
         // What is left would end by itself.
-        if speed < 1e-7 && self.ddq.amax() < 1e-5 { Course::at_rest(self.q) } else { next }
+        if speed < 1e-7 && self.ddq.amax() < 1e-5 { Setpoint::at_rest(self.q) } else { next }
     }
 }
 
@@ -106,7 +106,7 @@ pub struct Rejoining {
 /// The path at the last demand.
 #[derive(Clone, Copy, Debug)]
 struct Path {
-    course: Course,
+    setpoint: Setpoint,
     /// The period for whose end that was.
     count: u64,
     /// How often in a row each joint has jumped.
@@ -126,10 +126,10 @@ impl Rejoining {
 
     /// What to tell the robot, which follows `robot` at the beginning of the period `count`, when `demanded` is for its end;
     /// and how far it is from its path then [rad].
-    pub fn next(&mut self, count: u64, robot: &Course, demanded: &Joints) -> (Course, f64) {
+    pub fn next(&mut self, count: u64, robot: &Setpoint, demanded: &Joints) -> (Setpoint, f64) {
         let (path, jerk) = self.path_to(count, demanded);
         // A period before its end.
-        let before = Course {
+        let before = Setpoint {
             q: path.q - path.dq * PERIOD,
             dq: path.dq - path.ddq * PERIOD,
             ddq: path.ddq - jerk * PERIOD,
@@ -147,14 +147,16 @@ impl Rejoining {
     }
 
     /// The path at the end of the period `count`, and its jerk since the last demand.
-    fn path_to(&mut self, count: u64, demanded: &Joints) -> (Course, Joints) {
+    fn path_to(&mut self, count: u64, demanded: &Joints) -> (Setpoint, Joints) {
         let known = self.path.filter(|path| (path.count + 1..=path.count + FORGOTTEN).contains(&count));
         let (path, jerk) = match known {
-            None => (Path { course: Course::at_rest(*demanded), count, jumps: [0; JOINTS] }, Joints::zeros()),
+            None => {
+                (Path { setpoint: Setpoint::at_rest(*demanded), count, jumps: [0; JOINTS] }, Joints::zeros())
+            }
             Some(path) => path.after(count, demanded),
         };
         self.path = Some(path);
-        (path.course, jerk)
+        (path.setpoint, jerk)
     }
 }
 
@@ -189,12 +191,12 @@ impl Path {
     /// A joint that jumps keeps its velocity and acceleration: its demand is late, or early, or the path begins anew. If it goes on
     /// jumping, its velocity is that between the last two demands.
     fn after(&self, count: u64, demanded: &Joints) -> (Path, Joints) {
-        let Course { q, dq, ddq } = self.course;
+        let Setpoint { q, dq, ddq } = self.setpoint;
         let n = (count - self.count) as f64;
         let (first, second) = (n * PERIOD, 0.5 * n * (n + 1.0) * PERIOD * PERIOD);
         let third = n * (n + 1.0) * (n + 2.0) / 6.0 * PERIOD * PERIOD * PERIOD;
         let mut jerk = (demanded - q - dq * first - ddq * second) / third;
-        let mut course = Course { q: *demanded, dq, ddq };
+        let mut setpoint = Setpoint { q: *demanded, dq, ddq };
         let mut jumps = self.jumps;
         for i in 0..JOINTS {
             let jumped = jerk[i].abs() > JUMP;
@@ -203,13 +205,13 @@ impl Path {
                 jerk[i] = 0.0;
             }
             if jumps[i] == JUMPS {
-                (course.dq[i], course.ddq[i], jumps[i]) = ((demanded[i] - q[i]) / first, 0.0, 0);
+                (setpoint.dq[i], setpoint.ddq[i], jumps[i]) = ((demanded[i] - q[i]) / first, 0.0, 0);
                 continue;
             }
-            course.dq[i] += ddq[i] * first + jerk[i] * second;
-            course.ddq[i] += jerk[i] * first;
+            setpoint.dq[i] += ddq[i] * first + jerk[i] * second;
+            setpoint.ddq[i] += jerk[i] * first;
         }
-        (Path { course, count, jumps }, jerk)
+        (Path { setpoint, count, jumps }, jerk)
     }
 }
 
@@ -230,12 +232,12 @@ mod tests {
     }
 
     /// The jerk that the robot sees [rad/s³].
-    fn jerk(now: &Course, next: &Course) -> f64 {
+    fn jerk(now: &Setpoint, next: &Setpoint) -> f64 {
         ((next.ddq - now.ddq) / PERIOD).amax()
     }
 
     /// Within the limits of this module.
-    fn check(now: &Course, next: &Course) {
+    fn check(now: &Setpoint, next: &Setpoint) {
         assert!(jerk(now, next) <= JERK + 1e-6, "{} rad/s³", jerk(now, next));
         assert!(next.ddq.amax() <= ACCELERATION + 1e-9, "{} rad/s²", next.ddq.amax());
     }
@@ -243,7 +245,7 @@ mod tests {
     #[test]
     fn on_a_gentle_path_the_robot_is_told_the_demands_themselves() {
         let mut rejoining = Rejoining::new();
-        let mut robot = Course::at_rest(all(0.0));
+        let mut robot = Setpoint::at_rest(all(0.0));
         // 0.2 rad, 1.5 rad/s² and, once it moves, at most 4.1 rad/s³. It begins with a jump of the acceleration.
         for count in 0..5000 {
             let demanded = swing(0.2, 1.5, count);
@@ -258,7 +260,7 @@ mod tests {
     #[test]
     fn the_way_back_from_a_distance_is_that_of_three_equal_roots() {
         let (distance, mut rejoining) = (1e-4, Rejoining::new());
-        let mut robot = Course::at_rest(all(distance));
+        let mut robot = Setpoint::at_rest(all(distance));
         for count in 0..60 {
             let (next, away) = rejoining.next(count, &robot, &all(0.0));
             check(&robot, &next);
@@ -277,7 +279,7 @@ mod tests {
             [(0.05, 0.0, 0.0), (0.0, 0.5, 0.0), (0.0, 0.0, 7.0), (0.01, 0.3, 7.0), (-0.01, 0.3, 5.0)]
         {
             let mut rejoining = Rejoining::new();
-            let mut robot = Course { q: all(q), dq: all(dq), ddq: all(ddq) };
+            let mut robot = Setpoint { q: all(q), dq: all(dq), ddq: all(ddq) };
             for count in 0..3000 {
                 let (next, _) = rejoining.next(count, &robot, &all(0.0));
                 check(&robot, &next);
@@ -295,7 +297,7 @@ mod tests {
         let steepest = 3.0 * w;
         for lost in 1..20_u64 {
             let mut rejoining = Rejoining::new();
-            let mut robot = Course::at_rest(all(0.0));
+            let mut robot = Setpoint::at_rest(all(0.0));
             let (mut count, mut farthest) = (0, 0.0_f64);
             while count < 3000 {
                 // The robot goes on by itself from 700 on. It gets answers, but not in time.
@@ -330,7 +332,7 @@ mod tests {
     #[test]
     fn fault_95_a_late_answer_that_the_robot_has_taken_after_all_asks_for_no_more_than_it_takes() {
         let mut rejoining = Rejoining::new();
-        let mut robot = Course::at_rest(all(0.0));
+        let mut robot = Setpoint::at_rest(all(0.0));
         // A jump of the path: the robot is on its way back, with the largest jerk.
         let path = |count: u64| swing(0.3, 3.0, count) + all(if count > 700 { 0.004 } else { 0.0 });
         for count in 0..900 {
@@ -339,7 +341,7 @@ mod tests {
             let (after, _) = rejoining.clone().next(count + 1, &robot.extrapolated(1), &path(count + 1));
             // The robot takes its differences from what it was told.
             let dq = (after.q - next.q) / PERIOD;
-            let seen = Course { q: after.q, dq, ddq: (dq - next.dq) / PERIOD };
+            let seen = Setpoint { q: after.q, dq, ddq: (dq - next.dq) / PERIOD };
             assert!(jerk(&next, &seen) <= 4.0 * JERK + 1e-3, "{count}: {} rad/s³", jerk(&next, &seen));
             let most = ACCELERATION + 2.0 * JERK * PERIOD;
             assert!(seen.ddq.amax() <= most + 1e-6, "{count}: {} rad/s²", seen.ddq.amax());
@@ -352,7 +354,7 @@ mod tests {
     #[test]
     fn what_is_braked_comes_to_rest_within_its_limits() {
         for (dq, ddq) in [(0.5, 0.0), (-2.0, 5.0), (1.0, 7.0), (0.0, -7.0)] {
-            let mut robot = Course { q: all(0.0), dq: all(dq), ddq: all(ddq) };
+            let mut robot = Setpoint { q: all(0.0), dq: all(dq), ddq: all(ddq) };
             let mut periods = 0;
             while robot.dq != all(0.0) || robot.ddq != all(0.0) {
                 let next = robot.braked(JERK, ACCELERATION);

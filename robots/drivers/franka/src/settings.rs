@@ -27,7 +27,7 @@ pub struct FciSettings {
 }
 
 impl FciSettings {
-    /// With the interface's port and patience.
+    /// With the interface's port and timeout.
     #[must_use]
     pub const fn new(robot: IpAddr) -> FciSettings {
         FciSettings { robot, port: PORT, silence: SILENCE, collision: None, stiffness: [None; SETS] }

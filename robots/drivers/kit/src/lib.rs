@@ -7,7 +7,7 @@
 //! |---|---|
 //! | sends datagrams | [`Guest`] |
 //! | is called, and sends over the connection | [`Line`] |
-//! | calls | [`Door`], which gives a [`Line`] |
+//! | calls | [`RobotListener`], which gives a [`Line`] |
 //! | answers when it likes | a [`Session`], which runs a [`Protocol`] beside the servo periods; [`recall`] connects again at a reset |
 //! | sends lines of text, as many sensors do, over TCP or a serial line | [`Lines`], which connects again whenever that is needed |
 //!
@@ -38,6 +38,6 @@ pub use serial::Serial;
 pub use session::{Network, Session};
 pub use speed::Speed;
 pub use talk::{Handed, Talk, Watch};
-pub use tcp::{Cut, Cutting, Door, Frame, Line, MAX_FRAME, Refused};
+pub use tcp::{Cut, Cutting, Frame, Line, MAX_FRAME, RefusedCounts, RobotListener};
 pub use times::Times;
 pub use udp::{Arrived, Counted, Datagram, Guest, MAX_DATAGRAM};

@@ -21,7 +21,7 @@ const LONGEST: usize = 1024;
 const KEPT: usize = 1024;
 
 /// How long a device may take to accept a connection, and how long after one has ended the next one is tried.
-const PATIENCE: Duration = Duration::from_secs(2);
+const TIMEOUT: Duration = Duration::from_secs(2);
 const AGAIN: Duration = Duration::from_secs(1);
 
 /// Where a device is.
@@ -202,7 +202,7 @@ impl Lines {
         };
         let session = match &self.place {
             Place::Tcp(address) => {
-                let peer = Peer { address: *address, patience: PATIENCE, sends_datagrams: false };
+                let peer = Peer { address: *address, timeout: TIMEOUT, sends_datagrams: false };
                 Session::begin(&self.network, "lines", peer, protocol, NoLines::HungUp)
             }
             Place::Serial(port) => Session::begin_serial("lines", port.clone(), protocol, NoLines::HungUp),

@@ -91,7 +91,7 @@ pub struct Peer {
     /// Where it listens.
     pub address: SocketAddr,
     /// How long it may take to accept the connection.
-    pub patience: Duration,
+    pub timeout: Duration,
     /// Whether it sends datagrams to this machine beside the connection.
     pub sends_datagrams: bool,
 }

@@ -130,7 +130,7 @@ impl<P: Protocol> Task for Run<P> {
 /// }
 ///
 /// let device = std::net::TcpListener::bind("127.0.0.1:0")?;
-/// let peer = Peer { address: device.local_addr()?, patience: Duration::from_secs(1), sends_datagrams: false };
+/// let peer = Peer { address: device.local_addr()?, timeout: Duration::from_secs(1), sends_datagrams: false };
 /// let session = Session::begin(&Network::SOCKETS, "greeting", peer, Greeting(false), None)?;
 /// let (mut socket, _) = device.accept()?;
 /// std::io::Write::write_all(&mut socket, b"!")?;

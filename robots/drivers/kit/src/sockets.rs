@@ -97,7 +97,7 @@ impl Drop for Thread {
 }
 
 fn connect(peer: &Peer, shared: &OnceLock<TcpStream>) -> Result<(TcpStream, Option<Guest>), NotConnected> {
-    let socket = TcpStream::connect_timeout(&peer.address, peer.patience);
+    let socket = TcpStream::connect_timeout(&peer.address, peer.timeout);
     let ready = socket.and_then(|socket| {
         socket.set_nodelay(true)?;
         socket.set_nonblocking(true)?;

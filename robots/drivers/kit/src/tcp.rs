@@ -20,7 +20,7 @@ const WAITING: usize = 16;
 /// How long the receiving thread sleeps at most, which is how long a [`Line`] takes to end.
 const NAP: Duration = Duration::from_millis(50);
 
-/// How often a [`Door`] looks whether the robot has come.
+/// How often a [`RobotListener`] looks whether the robot has come.
 const KNOCK: Duration = Duration::from_millis(2);
 
 /// Where the frame at the front of these bytes ends: how a protocol cuts its stream.
@@ -61,7 +61,7 @@ impl Frame {
 
 /// What was not taken.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Refused {
+pub struct RefusedCounts {
     /// Connections of others than the robot.
     pub of_others: u64,
     /// Connections of the robot while another one was open.
@@ -81,9 +81,9 @@ struct Counters {
 }
 
 impl Counters {
-    fn read(&self) -> Refused {
+    fn read(&self) -> RefusedCounts {
         let read = |counter: &AtomicU64| counter.load(Ordering::Relaxed);
-        Refused {
+        RefusedCounts {
             of_others: read(&self.of_others),
             second: read(&self.second),
             malformed: read(&self.malformed),
@@ -108,12 +108,12 @@ pub struct Line {
 }
 
 impl Line {
-    /// Calls the robot, for at most `patience`.
+    /// Calls the robot, for at most `timeout`.
     ///
     /// # Errors
     /// It does not answer, or refuses; or a thread cannot be started.
-    pub fn call(robot: SocketAddr, patience: Duration, cut: Cut) -> io::Result<Line> {
-        Line::over(TcpStream::connect_timeout(&robot, patience)?, cut, Arc::default())
+    pub fn call(robot: SocketAddr, timeout: Duration, cut: Cut) -> io::Result<Line> {
+        Line::over(TcpStream::connect_timeout(&robot, timeout)?, cut, Arc::default())
     }
 
     fn over(socket: TcpStream, cut: Cut, counters: Arc<Counters>) -> io::Result<Line> {
@@ -176,7 +176,7 @@ impl Line {
 
     /// What was not taken so far.
     #[must_use]
-    pub fn refused(&self) -> Refused {
+    pub fn refused(&self) -> RefusedCounts {
         self.counters.read()
     }
 }
@@ -239,14 +239,14 @@ fn receive(
 /// are closed before anything of them is read, and counted.
 ///
 /// ```
-/// use mrroc_driver_kit::{Cutting, Door};
+/// use mrroc_driver_kit::{Cutting, RobotListener};
 /// use std::io::Write;
 ///
-/// let mut door = Door::open("127.0.0.1:0".parse()?, "127.0.0.1".parse()?, |_| Cutting::Frame(1))?;
-/// let mut robot = std::net::TcpStream::connect(door.address())?;
+/// let mut listener = RobotListener::open("127.0.0.1:0".parse()?, "127.0.0.1".parse()?, |_| Cutting::Frame(1))?;
+/// let mut robot = std::net::TcpStream::connect(listener.address())?;
 /// robot.write_all(b"!")?;
 /// let mut line = loop {
-///     if let Some(line) = door.answer() {
+///     if let Some(line) = listener.answer() {
 ///         break line;
 ///     }
 /// };
@@ -259,7 +259,7 @@ fn receive(
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug)]
-pub struct Door {
+pub struct RobotListener {
     address: SocketAddr,
     come: rtrb::Consumer<Line>,
     counters: Arc<Counters>,
@@ -267,12 +267,12 @@ pub struct Door {
     thread: Option<JoinHandle<()>>,
 }
 
-impl Door {
+impl RobotListener {
     /// Listens on `address`, one address of this machine and a port, for the robot alone.
     ///
     /// # Errors
     /// The address is none of this machine, or its port is taken; or a thread cannot be started.
-    pub fn open(address: SocketAddr, robot: IpAddr, cut: Cut) -> io::Result<Door> {
+    pub fn open(address: SocketAddr, robot: IpAddr, cut: Cut) -> io::Result<RobotListener> {
         let listener = TcpListener::bind(address)?;
         listener.set_nonblocking(true)?;
         let address = listener.local_addr()?;
@@ -280,9 +280,9 @@ impl Door {
         let (counters, ends) = (Arc::<Counters>::default(), Arc::<AtomicBool>::default());
         let (counts, over) = (Arc::clone(&counters), Arc::clone(&ends));
         let thread = std::thread::Builder::new()
-            .name("door".to_owned())
+            .name("listener".to_owned())
             .spawn(move || admit(&listener, robot, cut, sender, &counts, &over))?;
-        Ok(Door { address, come, counters, ends, thread: Some(thread) })
+        Ok(RobotListener { address, come, counters, ends, thread: Some(thread) })
     }
 
     /// Where it listens: the port that was found, where 0 was asked for.
@@ -298,12 +298,12 @@ impl Door {
 
     /// What was not taken so far, on its lines too.
     #[must_use]
-    pub fn refused(&self) -> Refused {
+    pub fn refused(&self) -> RefusedCounts {
         self.counters.read()
     }
 }
 
-impl Drop for Door {
+impl Drop for RobotListener {
     fn drop(&mut self) {
         self.ends.store(true, Ordering::Release);
         // A thread that panicked has nothing left to end.
@@ -366,16 +366,20 @@ mod tests {
         }
     }
 
-    fn door() -> Door {
-        Door::open("127.0.0.1:0".parse().expect("an address"), "127.0.0.1".parse().expect("one"), cut)
-            .expect("it listens")
+    fn listener() -> RobotListener {
+        RobotListener::open(
+            "127.0.0.1:0".parse().expect("an address"),
+            "127.0.0.1".parse().expect("one"),
+            cut,
+        )
+        .expect("it listens")
     }
 
     #[test]
     fn frames_are_cut_from_the_stream_however_they_come() {
-        let mut door = door();
-        let mut robot = TcpStream::connect(door.address()).expect("connected");
-        let mut line = until(|| door.answer());
+        let mut listener = listener();
+        let mut robot = TcpStream::connect(listener.address()).expect("connected");
+        let mut line = until(|| listener.answer());
         for byte in [3, 1, 2, 1, 2, 9, 1] {
             robot.write_all(&[byte]).expect("sent");
             robot.flush().expect("sent");
@@ -390,38 +394,41 @@ mod tests {
         // No frame begins with 0.
         robot.write_all(&[0, 7]).expect("sent");
         until(|| (!line.is_open()).then_some(()));
-        assert_eq!(line.refused(), Refused { malformed: 1, ..Refused::default() });
+        assert_eq!(line.refused(), RefusedCounts { malformed: 1, ..RefusedCounts::default() });
         assert!(line.send(b"more").is_err());
     }
 
     #[test]
     fn one_connection_of_the_robot_is_taken_and_none_of_others() {
-        let mut door = door();
+        let mut listener = listener();
         // It comes from the address that it calls.
-        let others =
-            Door::open("127.0.0.1:0".parse().expect("an address"), "127.0.0.2".parse().expect("one"), cut);
+        let others = RobotListener::open(
+            "127.0.0.1:0".parse().expect("an address"),
+            "127.0.0.2".parse().expect("one"),
+            cut,
+        );
         let mut others = others.expect("it listens");
         let mut stranger = TcpStream::connect(others.address()).expect("connected");
         until(|| (others.refused().of_others == 1).then_some(()));
         assert_eq!(stranger.read(&mut [0]).unwrap_or(0), 0, "it is closed");
         assert!(others.answer().is_none());
 
-        let first = TcpStream::connect(door.address()).expect("connected");
-        let line = until(|| door.answer());
-        let _second = TcpStream::connect(door.address()).expect("connected");
-        until(|| (door.refused().second == 1).then_some(()));
-        assert!(door.answer().is_none() && line.is_open());
+        let first = TcpStream::connect(listener.address()).expect("connected");
+        let line = until(|| listener.answer());
+        let _second = TcpStream::connect(listener.address()).expect("connected");
+        until(|| (listener.refused().second == 1).then_some(()));
+        assert!(listener.answer().is_none() && line.is_open());
         drop(first);
         until(|| (!line.is_open()).then_some(()));
-        let _third = TcpStream::connect(door.address()).expect("connected");
-        assert!(until(|| door.answer()).is_open());
+        let _third = TcpStream::connect(listener.address()).expect("connected");
+        assert!(until(|| listener.answer()).is_open());
     }
 
     #[test]
     fn what_the_other_end_does_not_take_closes_the_line_and_is_not_waited_for() {
-        let mut door = door();
-        let _robot = TcpStream::connect(door.address()).expect("connected");
-        let line = until(|| door.answer());
+        let mut listener = listener();
+        let _robot = TcpStream::connect(listener.address()).expect("connected");
+        let line = until(|| listener.answer());
         let lost = (0..100_000).find(|_| line.send(&[7; 4096]).is_err());
         assert!(lost.is_some_and(|full| full > 0) && !line.is_open());
     }

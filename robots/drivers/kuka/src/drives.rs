@@ -91,7 +91,7 @@ impl<N: Network> Rsi<N> {
         Rsi { settings, network, words: Words::default(), is_loaded: false, session: None }
     }
 
-    fn patience(&self) -> Duration {
+    fn timeout(&self) -> Duration {
         self.settings.period * SILENCE
     }
 
@@ -123,7 +123,7 @@ struct Heard {
 }
 
 /// The newest message, if one has come that can be read. What cannot be read is not answered: the controller counts that, and so does
-/// its patience.
+/// its timeout.
 fn heard(network: &mut impl Network) -> Option<Heard> {
     let received = network.newest()?;
     let said = FromController::read(received.bytes)?;
@@ -161,7 +161,7 @@ impl<R: Robot<Joints = Joints>, N: Network> Driver<R> for Rsi<N> {
     }
 
     fn pace(&self) -> Pace {
-        Pace::Robot { patience: self.patience() }
+        Pace::Robot { timeout: self.timeout() }
     }
 
     fn hardware(&self) -> Option<String> {
@@ -256,12 +256,12 @@ impl<R: Robot<Joints = Joints>, N: Network> Driver<R> for Rsi<N> {
     }
 
     fn switch_on(&mut self) -> Result<(), DriveFault> {
-        let patience = self.patience();
+        let timeout = self.timeout();
         self.is_loaded = false;
         let session = self.session.as_mut().ok_or(CLOSED)?;
         session.demanded = None;
         let now = self.network.now();
-        let is_silent = session.silence(now) > patience;
+        let is_silent = session.silence(now) > timeout;
         if let Some(Heard { said, from, .. }) = heard(&mut self.network) {
             session.hear(now, said, from);
         } else if is_silent {

@@ -18,7 +18,7 @@ use crate::words::Words;
 const TRIALS: u32 = 10;
 
 /// How long to wait for the first message, and then for all others until it is known when it counts a late answer.
-pub(crate) const PATIENCE: Duration = Duration::from_secs(2);
+pub(crate) const TIMEOUT: Duration = Duration::from_secs(2);
 
 /// Drives that are being opened.
 #[derive(Debug)]
@@ -39,7 +39,7 @@ pub(crate) struct Step {
 impl Opening {
     /// From this time on.
     pub fn new(now: Duration) -> Opening {
-        Opening { until: now + PATIENCE, session: None }
+        Opening { until: now + TIMEOUT, session: None }
     }
 
     /// Goes on at this time, with a message if one has come. They cannot be opened where the controller says nothing, or not what is needed
@@ -75,7 +75,7 @@ impl Opening {
             if settings.corrections == Corrections::Absolute {
                 return Ok(Some(Box::new(session)));
             }
-            self.until = now + PATIENCE;
+            self.until = now + TIMEOUT;
             self.session = Some((session, Trials::default()));
             return Ok(None);
         };

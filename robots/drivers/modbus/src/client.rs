@@ -8,7 +8,7 @@ use core::time::Duration;
 use mrroc::robot::{DriveFault, RobotStop, StopCause};
 use mrroc_driver_kit::Received;
 
-use crate::message::{Answer, Asked, MAX_FRAME, NoAnswer, Question};
+use crate::message::{Answer, MAX_FRAME, NoAnswer, Question, UnitRequest};
 
 /// How long a device may take to accept the connection.
 pub const CONNECT: Duration = Duration::from_secs(1);
@@ -65,10 +65,10 @@ impl From<Broken> for DriveFault {
 /// use core::time::Duration;
 /// use mrroc_driver_kit::Received;
 /// use mrroc_modbus::client::{Broken, Client};
-/// use mrroc_modbus::message::{Asked, Table};
+/// use mrroc_modbus::message::{UnitRequest, Table};
 ///
 /// let (mut client, mut sent) = (Client::new(1, Duration::from_millis(200)), Vec::new());
-/// client.ask(Duration::ZERO, Asked::Read(Table::InputRegisters, 0, 1), &mut sent);
+/// client.ask(Duration::ZERO, UnitRequest::Read(Table::InputRegisters, 0, 1), &mut sent);
 /// assert_eq!(sent, [0, 1, 0, 0, 0, 6, 1, 4, 0, 0, 0, 1]);
 /// client.receive(&Received { bytes: &[0, 1, 0, 0, 0, 5, 1, 4, 2, 0, 7], ..Received::default() });
 /// let answer = client.answer(Duration::from_millis(3))?.expect("it is whole");
@@ -79,7 +79,7 @@ impl From<Broken> for DriveFault {
 pub struct Client {
     unit: u8,
     /// How long the whole answer to a question may take.
-    patience: Duration,
+    timeout: Duration,
     transaction: u16,
     /// The question that is not answered, and until when it must be.
     asked: Option<(Question, Duration)>,
@@ -92,9 +92,9 @@ pub struct Client {
 impl Client {
     /// Asks a unit, whose whole answer to a question may take so long.
     #[must_use]
-    pub const fn new(unit: u8, patience: Duration) -> Client {
+    pub const fn new(unit: u8, timeout: Duration) -> Client {
         let (transaction, asked, came, len, is_closed) = (0, None, [0; MAX_FRAME + 1], 0, false);
-        Client { unit, patience, transaction, asked, came, len, is_closed }
+        Client { unit, timeout, transaction, asked, came, len, is_closed }
     }
 
     /// Takes in what has come.
@@ -107,11 +107,11 @@ impl Client {
     }
 
     /// Asks this now: appends the question to what is to be sent. One before that was not answered is forgotten.
-    pub fn ask(&mut self, now: Duration, what: Asked, send: &mut Vec<u8>) {
+    pub fn ask(&mut self, now: Duration, what: UnitRequest, send: &mut Vec<u8>) {
         self.transaction = self.transaction.wrapping_add(1);
         let question = Question { transaction: self.transaction, unit: self.unit, what };
         send.extend_from_slice(question.bytes().as_slice());
-        self.asked = Some((question, now + self.patience));
+        self.asked = Some((question, now + self.timeout));
     }
 
     /// Until when an answer must have come; `None` while nothing is asked.
@@ -144,7 +144,7 @@ mod tests {
     use super::*;
     use crate::message::Table;
 
-    const READ: Asked = Asked::Read(Table::InputRegisters, 0, 1);
+    const READ: UnitRequest = UnitRequest::Read(Table::InputRegisters, 0, 1);
     const ANSWER: [u8; 11] = [0, 1, 0, 0, 0, 5, 1, 4, 2, 0, 7];
 
     const fn ms(time: u64) -> Duration {

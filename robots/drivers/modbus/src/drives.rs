@@ -23,7 +23,7 @@ pub struct ModbusIoSettings {
     pub layout: Layout,
     /// How long its answer to a question may take, 200 ms by default: then the connection counts as lost, and where a gateway is only busy,
     /// after five times as long. The cell does not count this in the time of its stops.
-    pub patience: Duration,
+    pub timeout: Duration,
     /// How often the EDP looks at what was exchanged, 2 ms by default; it divides the step, or the step divides it.
     pub period: Duration,
 }
@@ -36,7 +36,7 @@ impl ModbusIoSettings {
             address,
             unit: 1,
             layout,
-            patience: Duration::from_millis(200),
+            timeout: Duration::from_millis(200),
             period: Duration::from_millis(2),
         }
     }

@@ -14,7 +14,7 @@ use mrroc_driver_kit::{Network, NotConnected, Number, Peer, Protocol, Recalled, 
 use crate::client::{Broken, CONNECT, Client, lost};
 use crate::drives::ModbusIoSettings;
 use crate::layout::Layout;
-use crate::message::{Answer, Asked, Table};
+use crate::message::{Answer, Table, UnitRequest};
 
 /// The shortest time from one exchange to the next.
 const PAUSE: Duration = Duration::from_millis(5);
@@ -62,13 +62,13 @@ impl Link {
     /// # Errors
     /// A thread cannot be started.
     pub fn begin(network: &Network, settings: &ModbusIoSettings) -> Result<Link, DriveFault> {
-        let silence = settings.patience * QUESTIONS;
+        let silence = settings.timeout * QUESTIONS;
         let shared = Arc::new(Shared::default());
-        let peer = Peer { address: settings.address, patience: CONNECT, sends_datagrams: false };
+        let peer = Peer { address: settings.address, timeout: CONNECT, sends_datagrams: false };
         let exchange = Exchange {
             shared: Arc::clone(&shared),
             layout: settings.layout.clone(),
-            client: Client::new(settings.unit, settings.patience),
+            client: Client::new(settings.unit, settings.timeout),
             silence,
             next: None,
             step: Step::FIRST,
@@ -223,7 +223,7 @@ impl Exchange {
                 let (range, most) = self.places(table);
                 match range.len().min(most) as u16 {
                     0 => self.step = after(table),
-                    count => self.client.ask(now, Asked::Read(table, range.start, count), send),
+                    count => self.client.ask(now, UnitRequest::Read(table, range.start, count), send),
                 }
             }
             Step::Switch { wrong: 0, which, values } => {
@@ -233,11 +233,11 @@ impl Exchange {
             Step::Switch { wrong, values, .. } => {
                 let bit = wrong.trailing_zeros();
                 let coil = self.layout.digital_outputs.start + bit as u16;
-                self.client.ask(now, Asked::Switch(coil, values >> bit & 1 != 0), send);
+                self.client.ask(now, UnitRequest::Switch(coil, values >> bit & 1 != 0), send);
             }
             Step::Compare(read, number) => self.step = self.compare(read, number),
             Step::Set(_, number, told) => {
-                self.client.ask(now, Asked::Set(self.layout.analog_outputs.start + number, told), send);
+                self.client.ask(now, UnitRequest::Set(self.layout.analog_outputs.start + number, told), send);
             }
             Step::Over => {
                 self.unswitched = if self.differs { self.unswitched + 1 } else { 0 };

@@ -84,12 +84,12 @@ pub struct Question {
     /// The unit behind the address: that of a device on a serial line behind a gateway.
     pub unit: u8,
     /// What is asked.
-    pub what: Asked,
+    pub what: UnitRequest,
 }
 
 /// What is asked of a unit. Bits and registers are counted from 0, as the messages count them and not as many manuals do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Asked {
+pub enum UnitRequest {
     /// Read so many of these bits or registers, from this one on: at most [`MAX_BITS`] or [`MAX_REGISTERS`].
     Read(Table, u16, u16),
     /// Switch this coil (function 5).
@@ -119,26 +119,26 @@ impl Table {
     }
 }
 
-impl Asked {
+impl UnitRequest {
     const fn function(self) -> u8 {
         match self {
-            Asked::Read(Table::Coils, ..) => 0x01,
-            Asked::Read(Table::DiscreteInputs, ..) => 0x02,
-            Asked::Read(Table::HoldingRegisters, ..) => 0x03,
-            Asked::Read(Table::InputRegisters, ..) => 0x04,
-            Asked::Switch(..) => 0x05,
-            Asked::Set(..) => 0x06,
-            Asked::Write(..) => 0x10,
+            UnitRequest::Read(Table::Coils, ..) => 0x01,
+            UnitRequest::Read(Table::DiscreteInputs, ..) => 0x02,
+            UnitRequest::Read(Table::HoldingRegisters, ..) => 0x03,
+            UnitRequest::Read(Table::InputRegisters, ..) => 0x04,
+            UnitRequest::Switch(..) => 0x05,
+            UnitRequest::Set(..) => 0x06,
+            UnitRequest::Write(..) => 0x10,
         }
     }
 
     /// What is asked about, and a second word: how many, or the value.
     const fn words(self) -> [u16; 2] {
         match self {
-            Asked::Read(_, first, count) => [first, count],
-            Asked::Switch(at, on) => [at, if on { 0xff00 } else { 0 }],
-            Asked::Set(at, value) => [at, value],
-            Asked::Write(first, words) => [first, words.len() as u16],
+            UnitRequest::Read(_, first, count) => [first, count],
+            UnitRequest::Switch(at, on) => [at, if on { 0xff00 } else { 0 }],
+            UnitRequest::Set(at, value) => [at, value],
+            UnitRequest::Write(first, words) => [first, words.len() as u16],
         }
     }
 }
@@ -191,15 +191,15 @@ impl Question {
         let mut frame = Bytes { bytes: [0; 19], len: 0 };
         // Bytes that follow the length: the unit, and the message.
         let length: u16 = match self.what {
-            Asked::Write(_, words) => 7 + 2 * words.len() as u16,
-            Asked::Read(..) | Asked::Switch(..) | Asked::Set(..) => 6,
+            UnitRequest::Write(_, words) => 7 + 2 * words.len() as u16,
+            UnitRequest::Read(..) | UnitRequest::Switch(..) | UnitRequest::Set(..) => 6,
         };
         for word in [self.transaction, 0, length] {
             frame.push(&word.to_be_bytes());
         }
         frame.push(&[self.unit, self.what.function()]);
         self.what.words().iter().for_each(|word| frame.push(&word.to_be_bytes()));
-        if let Asked::Write(_, words) = self.what {
+        if let UnitRequest::Write(_, words) = self.what {
             frame.push(&[2 * words.len() as u8]);
             words.iter().for_each(|word| frame.push(&word.to_be_bytes()));
         }
@@ -244,7 +244,7 @@ impl Question {
 
     fn content(&self, message: &[u8]) -> Result<Answer, NoAnswer> {
         let mut answer = Answer { words: [0; MAX_REGISTERS], len: 0 };
-        let Asked::Read(table, _, count) = self.what else {
+        let UnitRequest::Read(table, _, count) = self.what else {
             // What was written comes back.
             let echo = self.what.words().map(u16::to_be_bytes);
             return match message.len() {
@@ -280,9 +280,9 @@ mod tests {
     use super::*;
 
     const READ: Question =
-        Question { transaction: 0xd605, unit: 2, what: Asked::Read(Table::InputRegisters, 0, 3) };
+        Question { transaction: 0xd605, unit: 2, what: UnitRequest::Read(Table::InputRegisters, 0, 3) };
     const WRITE: Question =
-        Question { transaction: 0x34ab, unit: 2, what: Asked::Write(0, [0x0900, 0x00ff, 0xffff]) };
+        Question { transaction: 0x34ab, unit: 2, what: UnitRequest::Write(0, [0x0900, 0x00ff, 0xffff]) };
     const READING: [u8; 15] = [0xd6, 5, 0, 0, 0, 9, 2, 4, 6, 0xf9, 0, 0, 0, 0x0d, 0];
 
     /// Frames that the manual of the manufacturer's 200 mm gripper prints (pages 77 to 79).
@@ -338,28 +338,28 @@ mod tests {
     fn bits_and_single_values_are_those_of_the_specification() {
         let question = |what| Question { transaction: 1, unit: 1, what };
         let framed = |message: &[u8]| [&[0, 1, 0, 0, 0, message.len() as u8 + 1, 1], message].concat();
-        let coils = question(Asked::Read(Table::Coils, 0x13, 0x13));
+        let coils = question(UnitRequest::Read(Table::Coils, 0x13, 0x13));
         assert_eq!(coils.bytes().as_slice(), framed(&[1, 0, 0x13, 0, 0x13]));
         let read =
             coils.answer(&framed(&[1, 3, 0xcd, 0x6b, 5])).map(|answer| answer.map(|answer| answer.bits()));
         assert_eq!(read, Ok(Some(0x05_6bcd)));
-        let inputs = question(Asked::Read(Table::DiscreteInputs, 0xc4, 0x16));
+        let inputs = question(UnitRequest::Read(Table::DiscreteInputs, 0xc4, 0x16));
         assert_eq!(inputs.bytes().as_slice(), framed(&[2, 0, 0xc4, 0, 0x16]));
         // What pads the last byte counts for nothing.
         for last in [0x35, 0xf5] {
             let read = inputs.answer(&framed(&[2, 3, 0xac, 0xdb, last]));
             assert_eq!(read.map(|answer| answer.map(|answer| answer.bits())), Ok(Some(0x35_dbac)));
         }
-        let holding = question(Asked::Read(Table::HoldingRegisters, 0x6b, 3));
+        let holding = question(UnitRequest::Read(Table::HoldingRegisters, 0x6b, 3));
         assert_eq!(holding.bytes().as_slice(), framed(&[3, 0, 0x6b, 0, 3]));
         let read =
             holding.answer(&framed(&[3, 6, 2, 0x2b, 0, 0, 0, 0x64])).expect("an answer").expect("whole");
         assert_eq!(read.registers(), [555, 0, 100]);
         // What is written comes back.
         for (what, message) in [
-            (Asked::Switch(0xac, true), [5, 0, 0xac, 0xff, 0]),
-            (Asked::Switch(0xac, false), [5, 0, 0xac, 0, 0]),
-            (Asked::Set(1, 3), [6, 0, 1, 0, 3]),
+            (UnitRequest::Switch(0xac, true), [5, 0, 0xac, 0xff, 0]),
+            (UnitRequest::Switch(0xac, false), [5, 0, 0xac, 0, 0]),
+            (UnitRequest::Set(1, 3), [6, 0, 1, 0, 3]),
         ] {
             let asked = question(what);
             assert_eq!(asked.bytes().as_slice(), framed(&message));
@@ -371,7 +371,7 @@ mod tests {
         // More than was asked for.
         assert_eq!(coils.answer(&framed(&[1, 4, 0xcd, 0x6b, 5, 0])), Err(NoAnswer::Length));
         assert_eq!(
-            question(Asked::Read(Table::Coils, 0, 33)).answer(&framed(&[1, 5, 0, 0, 0, 0, 0])),
+            question(UnitRequest::Read(Table::Coils, 0, 33)).answer(&framed(&[1, 5, 0, 0, 0, 0, 0])),
             Err(NoAnswer::Length)
         );
     }

@@ -10,7 +10,7 @@ use mrroc::robot::{DriveFault, Driver, Homing, Measured, Recovery, Regulators, R
 use mrroc_driver_kit::{Network, recall};
 use mrroc_robots::{One, TwoFingers};
 
-use crate::exchange::{Heard, Inactive, Link};
+use crate::exchange::{Inactive, Link, TimedStatus};
 use crate::protocol::CLOSED;
 
 /// How the gripper's numbers belong to openings: linear between two of them.
@@ -72,7 +72,7 @@ pub struct RobotiqSettings {
     pub force: u8,
     /// How long the gripper's answer to a question may take, 500 ms by default: then the connection counts as lost, and where
     /// a gateway is only busy, after twice as long. The cell does not count this in the time of its stops.
-    pub patience: Duration,
+    pub timeout: Duration,
     /// How often the EDP looks at what was exchanged, 2 ms by default; it divides the step, or the step divides it.
     pub period: Duration,
 }
@@ -86,7 +86,7 @@ impl RobotiqSettings {
             unit: 9,
             openings: Openings::OF_85,
             force: 64,
-            patience: Duration::from_millis(500),
+            timeout: Duration::from_millis(500),
             period: Duration::from_millis(2),
         }
     }
@@ -95,7 +95,7 @@ impl RobotiqSettings {
         format!("Robotiq gripper {} unit {}", self.address, self.unit)
     }
 
-    fn measured(&self, heard: &Heard) -> Measured<One> {
+    fn measured(&self, heard: &TimedStatus) -> Measured<One> {
         let position = One::new(self.openings.opening(heard.status.position()));
         Measured { position, velocity: One::new(heard.speed * self.openings.slope()) }
     }
@@ -130,7 +130,7 @@ impl Robotiq {
         self.link.as_ref().ok_or(CLOSED)
     }
 
-    fn heard(&self) -> Result<Heard, DriveFault> {
+    fn heard(&self) -> Result<TimedStatus, DriveFault> {
         self.link()?.heard()?.ok_or(CLOSED)
     }
 }

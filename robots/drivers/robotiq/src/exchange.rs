@@ -38,7 +38,7 @@ pub(crate) struct Shared {
 
 /// What the gripper says, as the drives see it.
 #[derive(Clone, Copy, Debug)]
-pub struct Heard {
+pub struct TimedStatus {
     pub status: Status,
     /// The speed of the fingers, in its numbers a second: positive while they close.
     pub speed: f64,
@@ -50,7 +50,7 @@ pub struct Link {
     session: Session<DriveFault>,
     shared: Arc<Shared>,
     /// How old the newest reading may be: an exchange is two questions.
-    patience: Duration,
+    timeout: Duration,
 }
 
 impl Link {
@@ -64,28 +64,28 @@ impl Link {
         inactive: Inactive,
     ) -> Result<Link, DriveFault> {
         let shared = Arc::new(Shared { force: AtomicU8::new(settings.force), ..Shared::default() });
-        let peer = Peer { address: settings.address, patience: CONNECT, sends_datagrams: false };
+        let peer = Peer { address: settings.address, timeout: CONNECT, sends_datagrams: false };
         let protocol = GripperProtocol::new(Arc::clone(&shared), settings, inactive);
         let session = Session::begin(network, "gripper", peer, protocol, CLOSED);
         let session = session.map_err(|_| DriveFault::Other("this machine starts no more threads"))?;
-        Ok(Link { session, shared, patience: settings.patience * 2 })
+        Ok(Link { session, shared, timeout: settings.timeout * 2 })
     }
 
     /// The newest that was heard; `None` before the fingers are known to stand.
     ///
     /// # Errors
     /// Why nothing more is heard.
-    pub fn heard(&self) -> Result<Option<Heard>, DriveFault> {
+    pub fn heard(&self) -> Result<Option<TimedStatus>, DriveFault> {
         self.session.goes_on()?;
         if !self.shared.times.has_heard() {
             return Ok(None);
         }
-        if self.shared.times.is_silent_for(self.session.now(), self.patience) {
+        if self.shared.times.is_silent_for(self.session.now(), self.timeout) {
             return Err(lost("no reading came in time"));
         }
         let Shared { status, speed, .. } = &*self.shared;
         let status = Status::from_word(status.load(Ordering::Relaxed));
-        Ok(status.map(|status| Heard { status, speed: speed.get() }))
+        Ok(status.map(|status| TimedStatus { status, speed: speed.get() }))
     }
 
     /// Where the fingers are held, or were told to go last.

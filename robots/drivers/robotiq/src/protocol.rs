@@ -10,7 +10,7 @@ use std::sync::Arc;
 use mrroc::robot::{DriveFault, RobotStop, StopCause};
 use mrroc_driver_kit::{NotConnected, Protocol, Received, Speed};
 use mrroc_modbus::client::{Broken, Client, lost};
-use mrroc_modbus::message::{Answer, Asked, NoAnswer, Table};
+use mrroc_modbus::message::{Answer, NoAnswer, Table, UnitRequest};
 
 use crate::drives::RobotiqSettings;
 use crate::exchange::{Inactive, Shared};
@@ -98,7 +98,7 @@ pub(crate) struct GripperProtocol {
     shared: Arc<Shared>,
     client: Client,
     /// For how long a device that is only busy is asked again: an exchange is two questions.
-    patience: Duration,
+    timeout: Duration,
     inactive: Inactive,
     phase: Phase,
     /// Nothing is asked before.
@@ -150,8 +150,8 @@ impl GripperProtocol {
     ) -> GripperProtocol {
         GripperProtocol {
             shared,
-            client: Client::new(settings.unit, settings.patience),
-            patience: settings.patience * 2,
+            client: Client::new(settings.unit, settings.timeout),
+            timeout: settings.timeout * 2,
             inactive,
             phase: Phase::Status(Awaited::First),
             next: Duration::ZERO,
@@ -167,11 +167,11 @@ impl GripperProtocol {
 
     /// The next question of the phase.
     fn ask(&mut self, now: Duration, send: &mut Vec<u8>) {
-        const READ: Asked = Asked::Read(Table::InputRegisters, STATUS, 3);
-        let write = |request: Request| Asked::Write(REQUEST, request.registers());
+        const READ: UnitRequest = UnitRequest::Read(Table::InputRegisters, STATUS, 3);
+        let write = |request: Request| UnitRequest::Write(REQUEST, request.registers());
         let what = match &mut self.phase {
             Phase::Status(_) => {
-                self.asked_until.get_or_insert(now + self.patience);
+                self.asked_until.get_or_insert(now + self.timeout);
                 READ
             }
             // Faults are cleared, and an activation begins, where the request to be active rises.
@@ -203,7 +203,7 @@ impl GripperProtocol {
             Phase::Status(_) if self.asked_until.is_some_and(|until| now < until) => {}
             // The drives see how old the newest reading is.
             Phase::Follow { round, .. } => {
-                if self.shared.times.is_silent_for(now, self.patience) {
+                if self.shared.times.is_silent_for(now, self.timeout) {
                     return Err(lost(why.name()));
                 }
                 *round = None;

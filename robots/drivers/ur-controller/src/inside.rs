@@ -12,7 +12,8 @@ use std::rc::Rc;
 use mrroc_ur::outputs::{Group, Groups};
 use mrroc_ur::rtde::{Answer, Package, Request};
 use mrroc_ur::{
-    Calibration, Connected, Heard, Job, JobState, Lost, SetPoint, State, Wire, primary, recipe_names,
+    Calibration, Connected, ConnectionLost, Job, JobState, SetPoint, State, TimedState, Wire, primary,
+    recipe_names,
 };
 
 use crate::controller::Controller;
@@ -160,7 +161,7 @@ impl Wire for Inside {
         REVERSE
     }
 
-    fn connect(&mut self, switches: Groups) -> Result<State, Lost> {
+    fn connect(&mut self, switches: Groups) -> Result<State, ConnectionLost> {
         self.session = Some(Session::new(&mut self.controller.borrow_mut()));
         let offers = self.ask(&Request::Outputs { frequency: 500.0, names: &recipe_names() });
         let offers = read(&offers, |answer| match answer {
@@ -168,7 +169,7 @@ impl Wire for Inside {
             _ => None,
         });
         if offers.is_none_or(|offers| mrroc_ur::check_offers(&offers).is_err()) {
-            return Err(Lost("the controller lacks a field of RTDE"));
+            return Err(ConnectionLost("the controller lacks a field of RTDE"));
         }
         for group in Group::ALL.into_iter().filter(|group| switches.has(*group)) {
             let offers = self.ask(&Request::Inputs { names: group.names() });
@@ -176,14 +177,14 @@ impl Wire for Inside {
                 Answer::Inputs { recipe, offers } => Some((*recipe, Answer::offers(offers))),
                 _ => None,
             });
-            let (recipe, offers) = offered.ok_or(Lost("the controller does not answer on RTDE"))?;
-            group.check(&offers.unwrap_or_default()).map_err(Lost)?;
+            let (recipe, offers) = offered.ok_or(ConnectionLost("the controller does not answer on RTDE"))?;
+            group.check(&offers.unwrap_or_default()).map_err(ConnectionLost)?;
             self.written[group as usize] = Some(recipe);
         }
         self.ask(&Request::Start);
         self.heard.clear();
         self.step(0.0);
-        self.heard.pop_back().map(|(_, state)| state).ok_or(Lost("the controller tells nothing"))
+        self.heard.pop_back().map(|(_, state)| state).ok_or(ConnectionLost("the controller tells nothing"))
     }
 
     fn switch(&mut self, group: Group, values: &[u8]) {
@@ -192,9 +193,9 @@ impl Wire for Inside {
         }
     }
 
-    fn calibration(&mut self) -> Result<Calibration, Lost> {
+    fn calibration(&mut self) -> Result<Calibration, ConnectionLost> {
         let message = primary::with_kinematics(&self.controller.borrow().calibration());
-        primary::calibration(&message).ok_or(Lost("the controller tells no calibration"))
+        primary::calibration(&message).ok_or(ConnectionLost("the controller tells no calibration"))
     }
 
     fn disconnect(&mut self) {
@@ -206,9 +207,9 @@ impl Wire for Inside {
         self.job = None;
     }
 
-    fn heard(&mut self, now: Duration) -> Result<Option<Heard>, Lost> {
+    fn heard(&mut self, now: Duration) -> Result<Option<TimedState>, ConnectionLost> {
         if self.session.is_none() {
-            return Err(Lost("RTDE is not connected"));
+            return Err(ConnectionLost("RTDE is not connected"));
         }
         while self.next <= now.as_secs_f64() {
             let at = self.next;
@@ -216,7 +217,7 @@ impl Wire for Inside {
             self.next += self.period;
         }
         let age = |at: f64| Duration::from_secs_f64((now.as_secs_f64() - at).max(0.0));
-        Ok(self.heard.pop_front().map(|(at, state)| Heard { state, age: age(at) }))
+        Ok(self.heard.pop_front().map(|(at, state)| TimedState { state, age: age(at) }))
     }
 
     fn tell(&mut self, message: &SetPoint) -> bool {

@@ -10,7 +10,7 @@ use std::io::{self, ErrorKind, Write};
 use std::net::{IpAddr, Ipv4Addr, SocketAddr};
 use std::rc::Rc;
 
-use mrroc_driver_kit::{Cut, Cutting, MAX_FRAME, Refused};
+use mrroc_driver_kit::{Cut, Cutting, MAX_FRAME, RefusedCounts};
 use mrroc_ur::{Connection, Listener, Network, PERIOD, Ports, Received};
 
 use crate::controller::Controller;
@@ -245,10 +245,10 @@ impl Listener for VirtualPort {
         Some(VirtualConnection { pipe, cut: self.cut, frame: Vec::new() })
     }
 
-    fn refused(&self) -> Refused {
+    fn refused(&self) -> RefusedCounts {
         let pending = self.pending.borrow();
         let second = pending.listeners.iter().find(|port| port.at == self.at).map_or(0, |port| port.second);
-        Refused { second, ..Refused::default() }
+        RefusedCounts { second, ..RefusedCounts::default() }
     }
 }
 

@@ -28,7 +28,7 @@ use crate::script::Script;
 use crate::set_point::{Ask, SetPoint};
 use crate::state::State;
 use crate::stop::{self, Connected};
-use crate::wire::{Job, JobState, Lost, Ports, Sockets, Wire};
+use crate::wire::{ConnectionLost, Job, JobState, Ports, Sockets, Wire};
 
 /// The controller's period.
 pub const PERIOD: Duration = Duration::from_millis(2);
@@ -54,7 +54,7 @@ pub struct UrSettings {
     /// `gain` of `servoj`: 2000 by default, at least 100.
     pub gain: f64,
     /// How long the controller may say nothing before that is a fault; 100 ms by default.
-    pub patience: Duration,
+    pub timeout: Duration,
     /// Its ports.
     pub ports: Ports,
     /// The calibration with which the arm was made; `None`, the default, if with the nominal dimensions. An arm
@@ -80,7 +80,7 @@ impl UrSettings {
             deceleration: script.deceleration,
             lookahead: script.lookahead,
             gain: script.gain,
-            patience: Duration::from_millis(100),
+            timeout: Duration::from_millis(100),
             ports: Ports::default(),
             calibration: None,
             external_control: None,
@@ -104,7 +104,7 @@ pub struct Ur<W = Sockets> {
     /// The arm in its own base, for where its flange is; `None` if the calibration is that of another model.
     arm: Option<Serial<JOINTS>>,
     state: Option<State>,
-    recovery: Course,
+    recovery: ResetStage,
     /// Which outputs programs switch, and what these take when the script gets no set-points any more.
     switches: Groups,
     when_lost: Outputs,
@@ -117,7 +117,7 @@ pub struct Ur<W = Sockets> {
 
 /// How far a reset has come.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Course {
+enum ResetStage {
     /// Nothing is being done.
     None,
     /// The protective stop is being released.
@@ -138,7 +138,7 @@ const OTHER_ARM: DriveFault = DriveFault::Other(
     "the `calibration` in cell.toml is not that of this arm: print it anew by `-- calibration`, followed by the robot's name",
 );
 
-fn lost(why: Lost) -> DriveFault {
+fn lost(why: ConnectionLost) -> DriveFault {
     DriveFault::Stopped(RobotStop::new(StopCause::CommunicationLost).named(why.0))
 }
 
@@ -165,7 +165,7 @@ impl<W: Wire> Ur<W> {
             wire,
             arm: arm.ok(),
             state: None,
-            recovery: Course::None,
+            recovery: ResetStage::None,
             switches: Groups::NONE,
             when_lost: Outputs::NONE,
             payload: Payload::unsaid(settings.lookahead),
@@ -199,7 +199,7 @@ impl<W: Wire> Ur<W> {
     }
 
     /// Hears all that has come, and returns how old the last of it is.
-    fn hear(&mut self, now: Duration) -> Result<Option<Duration>, Lost> {
+    fn hear(&mut self, now: Duration) -> Result<Option<Duration>, ConnectionLost> {
         let mut age = None;
         while let Some(heard) = self.wire.heard(now)? {
             (self.state, age) = (Some(heard.state), Some(heard.age));
@@ -221,35 +221,35 @@ impl<W: Wire> Ur<W> {
     /// One step of what a reset does at the controller: releases a protective stop, and starts the script.
     fn advance(&mut self) -> Result<Recovery, DriveFault> {
         match self.recovery {
-            Course::None => match self.stop() {
+            ResetStage::None => match self.stop() {
                 None => Ok(Recovery::Over),
                 Some(stop) if stop.cleared_by() != ClearedBy::Operator => Err(stop.into()),
                 Some(stop) if stop.cause() == StopCause::ProtectiveStop => {
                     self.wire.begin(Job::Unlock);
-                    Ok(self.goes_on(Course::Unlocks))
+                    Ok(self.goes_on(ResetStage::Unlocks))
                 }
                 Some(_) => {
                     let start = self.start();
                     self.wire.begin(start);
-                    Ok(self.goes_on(Course::Starts))
+                    Ok(self.goes_on(ResetStage::Starts))
                 }
             },
-            Course::Unlocks => match self.wire.job() {
+            ResetStage::Unlocks => match self.wire.job() {
                 JobState::Busy => Ok(Recovery::GoesOn),
-                JobState::Done => Ok(self.goes_on(Course::Unlocked)),
+                JobState::Done => Ok(self.goes_on(ResetStage::Unlocked)),
                 refused => self.refused(refused, StopCause::ProtectiveStop),
             },
-            Course::Unlocked => {
+            ResetStage::Unlocked => {
                 match self.stop() {
                     Some(stop) if stop.cause() == StopCause::ProtectiveStop => {}
-                    Some(_) | None => self.recovery = Course::None,
+                    Some(_) | None => self.recovery = ResetStage::None,
                 }
                 Ok(Recovery::GoesOn)
             }
-            Course::Starts => match self.wire.job() {
+            ResetStage::Starts => match self.wire.job() {
                 JobState::Busy => Ok(Recovery::GoesOn),
                 JobState::Done => {
-                    self.recovery = Course::None;
+                    self.recovery = ResetStage::None;
                     Ok(Recovery::Over)
                 }
                 refused => self.refused(refused, StopCause::ProgramNotRunning),
@@ -257,13 +257,13 @@ impl<W: Wire> Ur<W> {
         }
     }
 
-    fn goes_on(&mut self, course: Course) -> Recovery {
-        self.recovery = course;
+    fn goes_on(&mut self, stage: ResetStage) -> Recovery {
+        self.recovery = stage;
         Recovery::GoesOn
     }
 
     fn refused(&mut self, state: JobState, cause: StopCause) -> Result<Recovery, DriveFault> {
-        self.recovery = Course::None;
+        self.recovery = ResetStage::None;
         let stop = match state {
             JobState::Local => RobotStop::new(StopCause::PendantInControl).named("not in remote control"),
             JobState::Refused(why) => RobotStop::new(cause).named(why),
@@ -305,7 +305,7 @@ impl<R: Robot<Joints = Six>, W: Wire> Driver<R> for Ur<W> {
     }
 
     fn pace(&self) -> Pace {
-        Pace::Robot { patience: self.settings.patience }
+        Pace::Robot { timeout: self.settings.timeout }
     }
 
     fn hardware(&self) -> Option<String> {
@@ -313,7 +313,7 @@ impl<R: Robot<Joints = Six>, W: Wire> Driver<R> for Ur<W> {
     }
 
     fn open(&mut self) -> Result<(), DriveFault> {
-        (self.recovery, self.is_beyond) = (Course::None, false);
+        (self.recovery, self.is_beyond) = (ResetStage::None, false);
         let opened = self.try_open();
         if opened.is_err() {
             self.wire.disconnect();

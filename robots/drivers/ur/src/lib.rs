@@ -52,6 +52,6 @@ pub use set_point::{Ask, SET_POINT_BYTES, SetPoint};
 pub use state::{Program, RECIPE, RobotMode, Safety, State, check_offers, recipe_names};
 pub use stop::Connected;
 pub use wire::{
-    Connection, Connections, Heard, Job, JobState, Listener, Lost, Network, Ports, Received, Sockets, Tcp,
-    TcpCall, TcpConnection, TcpPort, Wire,
+    Connection, ConnectionLost, Connections, Job, JobState, Listener, Network, Ports, Received, Sockets, Tcp,
+    TcpCall, TcpConnection, TcpPort, TimedState, Wire,
 };

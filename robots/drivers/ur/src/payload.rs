@@ -47,7 +47,7 @@ const REFUSED: DriveFault = DriveFault::Stopped(RobotStop::new(StopCause::Progra
 
 /// What the controller knows of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Course {
+enum Transmission {
     /// All that was said.
     Known,
     /// Nothing of what was said last.
@@ -60,7 +60,7 @@ enum Course {
 #[derive(Debug)]
 pub(crate) struct Payload {
     load: Option<Load>,
-    course: Course,
+    transmission: Transmission,
     /// Where the joints were demanded and driven to, when the last position was demanded.
     demanded: [f64; JOINTS],
     driven: [f64; JOINTS],
@@ -79,17 +79,24 @@ impl Payload {
     pub fn unsaid(lookahead: Duration) -> Payload {
         let nowhere = [f64::NAN; JOINTS];
         let settled = ((lookahead + SETTLES).as_secs_f64() / PERIOD.as_secs_f64()).ceil() as u32;
-        Payload { load: None, course: Course::Known, demanded: nowhere, driven: nowhere, still: 0, settled }
+        Payload {
+            load: None,
+            transmission: Transmission::Known,
+            demanded: nowhere,
+            driven: nowhere,
+            still: 0,
+            settled,
+        }
     }
 
     /// It carries this.
     pub fn carry(&mut self, load: &Load) {
-        (self.load, self.course) = (Some(*load), Course::Untold);
+        (self.load, self.transmission) = (Some(*load), Transmission::Untold);
     }
 
     /// A program of the controller begins, with the payload of its installation.
     pub fn begin(&mut self) {
-        self.course = if self.load.is_some() { Course::Untold } else { Course::Known };
+        self.transmission = if self.load.is_some() { Transmission::Untold } else { Transmission::Known };
     }
 
     /// What the script is to be told now, of an arm in this state that is demanded this position: what it carries, if it stands and
@@ -101,8 +108,8 @@ impl Payload {
         timeout: Duration,
     ) -> Option<[SetPoint; 2]> {
         let stands = self.stands(state, demanded);
-        let load = self.load.filter(|_| stands && self.course == Course::Untold)?;
-        self.course = Course::Told(state.timestamp);
+        let load = self.load.filter(|_| stands && self.transmission == Transmission::Untold)?;
+        self.transmission = Transmission::Told(state.timestamp);
         Some(SetPoint::carry(&load, timeout))
     }
 
@@ -121,11 +128,11 @@ impl Payload {
     /// # Errors
     /// It does not, and has had its time.
     pub fn look(&mut self, state: &State) -> Result<(), DriveFault> {
-        let (Course::Told(at), Some(load)) = (self.course, self.load) else { return Ok(()) };
+        let (Transmission::Told(at), Some(load)) = (self.transmission, self.load) else { return Ok(()) };
         if is_told(&load, &state.payload) {
-            self.course = Course::Known;
+            self.transmission = Transmission::Known;
         } else if state.timestamp - at > ANSWER.as_secs_f64() {
-            self.course = Course::Untold;
+            self.transmission = Transmission::Untold;
             return Err(UNTAKEN);
         }
         Ok(())
@@ -133,7 +140,7 @@ impl Payload {
 
     /// What it means that the controller has ended the script: a refusal, if it was told a load and has not said that it took it.
     pub fn refusal(&self) -> Option<DriveFault> {
-        matches!(self.course, Course::Told(_)).then_some(REFUSED)
+        matches!(self.transmission, Transmission::Told(_)).then_some(REFUSED)
     }
 }
 

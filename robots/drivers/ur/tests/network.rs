@@ -8,8 +8,8 @@ use mrroc::robot::{ClearedBy, DriveFault, Driver, Recovery, RobotStop, StopCause
 use mrroc_robots::{Serial, Six};
 use mrroc_ur::outputs::Groups;
 use mrroc_ur::{
-    Calibration, Connected, Connections, Ended, Job, JobState, Lost, Network, PERIOD, Ports, Script,
-    SetPoint, Ur, UrModel, UrSettings, Wire,
+    Calibration, Connected, ConnectionLost, Connections, Ended, Job, JobState, Network, PERIOD, Ports,
+    Script, SetPoint, Ur, UrModel, UrSettings, Wire,
 };
 use mrroc_ur_controller::{Controller, Interface, OnCall, Press, VirtualNetwork};
 
@@ -333,7 +333,7 @@ fn a_job_in_place_of_another_ends_that_one() {
     wire.disconnect();
     assert_eq!(
         (wire.job(), wire.heard(Duration::ZERO)),
-        (JobState::None, Err(Lost("RTDE is not connected")))
+        (JobState::None, Err(ConnectionLost("RTDE is not connected")))
     );
 }
 

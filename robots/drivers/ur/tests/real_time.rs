@@ -15,7 +15,7 @@ use mrroc_ur::{
 use mrroc_ur_controller::{Press, Server};
 
 /// How long either end waits for the other one.
-const PATIENCE: Duration = Duration::from_secs(5);
+const TIMEOUT: Duration = Duration::from_secs(5);
 
 /// Between two looks.
 const LOOK: Duration = Duration::from_micros(100);
@@ -31,8 +31,8 @@ fn served() -> (Server, UrSettings) {
     let mut settings = UrSettings::new(UrModel::Ur5e, address, SocketAddr::new(address, 0));
     settings.ports = server.listening().ports;
     // A busy machine may let either end wait: that is no case of these tests.
-    settings.read_timeout = PATIENCE;
-    settings.patience = PATIENCE;
+    settings.read_timeout = TIMEOUT;
+    settings.timeout = TIMEOUT;
     (server, settings)
 }
 

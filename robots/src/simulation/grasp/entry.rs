@@ -72,7 +72,7 @@ impl Entry {
     /// A point moves with the belt where its speed differs by less \[m/s\] ..
     const CALM: f64 = 5e-4;
     /// .. and the body rests after so long \[s\].
-    const PATIENCE: f64 = 0.05;
+    const SETTLING: f64 = 0.05;
     /// The share of friction that the belt may need for its own acceleration without waking the body.
     const SHARE: f64 = 0.5;
 
@@ -133,7 +133,7 @@ impl Entry {
         let slip = (self.body.velocity() - belt.motion.velocity).norm();
         let turn = self.body.angular_velocity().norm() * self.radius;
         self.calm = if slip < Self::CALM && turn < Self::CALM { self.calm + duration } else { 0.0 };
-        if self.calm >= Self::PATIENCE {
+        if self.calm >= Self::SETTLING {
             self.resting = on;
         }
     }

@@ -1,7 +1,7 @@
-//! How a base follows a course: on time, within its limits, and corrected by where it stands.
+//! How a base follows a path: on time, within its limits, and corrected by where it stands.
 //!
 //! ```text
-//! plan         s(t): the fastest motion along the course within SHARE of the wheels' limits, and those of bends
+//! plan         s(t): the fastest motion along the path within SHARE of the wheels' limits, and those of bends
 //! wheels       q = q(s) + sum of d dt
 //! correction   (v, w) = (-k_x e_x, -v (e_y / l^2 + 2 e_h / l)),  d follows wheels(v, w) by no more than RESERVE of the acceleration limit,
 //!              and is never more than RESERVE of the velocity limit
@@ -17,11 +17,11 @@ use mrroc_generators::curve::{Parametric, SplinePoint};
 use mrroc_generators::profile::ProfileCursor;
 use mrroc_generators::timing::{LinearLimit, PathLimits, TimeOptimal, grid};
 
-use crate::course::Course;
 use crate::model::{DiffDrive, Two};
+use crate::path::Path;
 use crate::sensing::Planar;
 
-/// Limits of a base on a course, beside those of its wheels.
+/// Limits of a base on a path, beside those of its wheels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BaseLimits {
     /// Speed ahead [m/s], > 0.
@@ -30,7 +30,7 @@ pub struct BaseLimits {
     pub lateral: f64,
     /// How fast it may turn [rad/s], > 0.
     pub turning: f64,
-    /// How far it may be off its course \[m\], > 0: farther off is a fault.
+    /// How far it may be off its path \[m\], > 0: farther off is a fault.
     pub off: f64,
 }
 
@@ -38,9 +38,9 @@ pub struct BaseLimits {
 const SHARE: f64 = 0.6;
 /// .. and corrections as much as this one.
 const RESERVE: f64 = 0.3;
-/// Length within which a base comes back onto its course \[m\].
+/// Length within which a base comes back onto its path \[m\].
 const BACK: f64 = 0.06;
-/// Rate at which it makes up for a lag along its course [1/s].
+/// Rate at which it makes up for a lag along its path [1/s].
 const ALONG: f64 = 4.0;
 /// Rate at which it corrects its heading where it does not roll [1/s].
 const TURNED: f64 = 8.0;
@@ -51,10 +51,10 @@ const SETTLING: f64 = 0.4;
 /// How many steps of references are kept.
 const KEPT: usize = 8;
 
-/// A base on its course.
+/// A base on its path.
 #[derive(Debug)]
 pub struct Follower {
-    course: Course,
+    path: Path,
     limits: BaseLimits,
     delay: f64,
     plan: Option<ProfileCursor<TimeOptimal>>,
@@ -68,12 +68,12 @@ pub struct Follower {
 }
 
 impl Follower {
-    /// On `course`, within `limits`; what is measured is so many steps behind what is demanded, 0 to 6.
+    /// On `path`, within `limits`; what is measured is so many steps behind what is demanded, 0 to 6.
     #[must_use]
-    pub fn on(course: Course, limits: BaseLimits, delay: f64) -> Self {
-        let start = course.at(0.0).pose;
+    pub fn on(path: Path, limits: BaseLimits, delay: f64) -> Self {
+        let start = path.at(0.0).pose;
         Self {
-            course,
+            path,
             limits,
             delay: delay.clamp(0.0, KEPT as f64 - 2.0),
             plan: None,
@@ -99,22 +99,22 @@ impl Follower {
     pub fn begin(&mut self, wheels: Two) -> Result<(), Fault> {
         let BaseLimits { speed, lateral, turning, off } = self.limits;
         if !(lateral > 0.0 && turning > 0.0 && off > 0.0) {
-            return Err(Fault::thrown("the limits of a base on its course must be > 0"));
+            return Err(Fault::thrown("the limits of a base on its path must be > 0"));
         }
-        self.course = self.course.clone().with_wheels(wheels);
+        self.path = self.path.clone().with_wheels(wheels);
         let of = *DiffDrive::new().limits();
         let limits =
             PathLimits { velocity: of.velocity * SHARE, acceleration: of.acceleration * SHARE, speed };
-        let spot = self.course.is_turn();
-        let course = &self.course;
+        let spot = self.path.is_turn();
+        let path = &self.path;
         let bends = |point: &SplinePoint<Two>, more: &mut Vec<LinearLimit>| {
             let (_, bend) = DiffDrive::rolled(&point.first);
             let side = if spot { 0.0 } else { bend };
             more.push(LinearLimit { a: 0.0, b: side, low: -lateral, high: lateral });
             more.push(LinearLimit { a: 0.0, b: bend * bend, low: -1.0, high: turning * turning });
         };
-        let cells = (course.length() / 0.005).ceil().clamp(20.0, 2000.0) as usize;
-        let plan = TimeOptimal::with_linear_limits(course, &grid(course, cells), &limits, [0.0; 2], bends);
+        let cells = (path.length() / 0.005).ceil().clamp(20.0, 2000.0) as usize;
+        let plan = TimeOptimal::with_linear_limits(path, &grid(path, cells), &limits, [0.0; 2], bends);
         self.plan = Some(ProfileCursor::new(plan.map_err(|error| Fault::thrown(&error.to_string()))?));
         Ok(())
     }
@@ -122,7 +122,7 @@ impl Follower {
     /// The next angles of the wheels \[rad\], from where the base stands if that is known; `None` at the end.
     ///
     /// # Errors
-    /// It is farther off its course than it may be.
+    /// It is farther off its path than it may be.
     pub fn advance(&mut self, standing: Option<&Planar>, dt: f64) -> Result<Option<Two>, Fault> {
         let Some(plan) = &mut self.plan else { return Ok(None) };
         if let Some(point) = plan.advance(dt) {
@@ -143,7 +143,7 @@ impl Follower {
             self.ends = is_right && self.settled > KEPT as f64 * dt;
         }
         self.corrected += self.correction * dt;
-        Ok(Some(Parametric::at(&self.course, self.s).value + self.corrected))
+        Ok(Some(Parametric::at(&self.path, self.s).value + self.corrected))
     }
 
     /// How fast a correction may change [rad/s²].
@@ -151,9 +151,9 @@ impl Follower {
         RESERVE * DiffDrive::new().limits().acceleration[0]
     }
 
-    /// Corrects by where the base stands, at this speed along the course; how far its heading is off \[rad\].
+    /// Corrects by where the base stands, at this speed along the path; how far its heading is off \[rad\].
     fn correct(&mut self, standing: Option<&Planar>, speed: f64, dt: f64) -> Result<Option<f64>, Fault> {
-        let reference = self.course.at(self.s).pose;
+        let reference = self.path.at(self.s).pose;
         let was = {
             // Between the references of two steps.
             let (whole, part) = (self.delay.floor(), self.delay.fract());
@@ -172,11 +172,11 @@ impl Follower {
         let heading = standing.turned_from(&was);
         if off.norm().is_nan() || off.norm() > self.limits.off {
             return Err(Fault::thrown(
-                "the base is farther off its course than it may be: it slips, or something stops it",
+                "the base is farther off its path than it may be: it slips, or something stops it",
             )
             .exceeds(off.norm(), self.limits.off, "m"));
         }
-        let spot = self.course.is_turn();
+        let spot = self.path.is_turn();
         let speed = if spot { 0.0 } else { speed };
         let way = if spot { 0.0 } else { -ALONG * off.x };
         let turn = -speed * off.y / (BACK * BACK) - (2.0 * speed / BACK).max(TURNED) * heading;

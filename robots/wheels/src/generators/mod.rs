@@ -1,7 +1,7 @@
 //! Generators for bases.
 
-mod follow_course;
+mod follow_path;
 mod follower;
 
-pub use follow_course::FollowCourse;
+pub use follow_path::FollowPath;
 pub use follower::{BaseLimits, Follower};

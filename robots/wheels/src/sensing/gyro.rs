@@ -69,7 +69,7 @@ impl Gyro {
         self.fault = Some(fault);
     }
 
-    /// What it reads at rest now [rad/s], to judge by.
+    /// What it reads at rest now [rad/s], for checks.
     #[must_use]
     pub const fn bias(&self) -> f64 {
         self.bias

@@ -145,7 +145,7 @@ impl Rolling {
             })
         });
         for (i, drive) in self.drives.iter_mut().enumerate() {
-            self.fault = self.fault.or(drive.judge(i));
+            self.fault = self.fault.or(drive.check(i));
         }
     }
 
@@ -262,7 +262,7 @@ impl Drive {
     }
 
     /// Reads the encoder at the end of a period; whether the drive trips.
-    fn judge(&mut self, index: usize) -> Option<DriveFault> {
+    fn check(&mut self, index: usize) -> Option<DriveFault> {
         self.read();
         self.mean_current += CURRENT_SHARE * (self.motor.current.abs() - self.mean_current);
         let data = &Rolling::MOTOR;

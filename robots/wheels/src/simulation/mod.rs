@@ -1,6 +1,6 @@
 //! The simulated base: what its drives do, and what the floor and walls do to it.
 //!
-//! In: demanded wheel angles. Out: measured ones, and, for simulated sensors and for judging, where the base truly is.
+//! In: demanded wheel angles. Out: measured ones, and, for simulated sensors and to compare with, where the base truly is.
 
 mod chassis;
 mod drives;

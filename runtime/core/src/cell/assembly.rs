@@ -6,7 +6,7 @@ use std::cell::RefCell;
 use std::rc::Rc;
 
 use super::lower::{Above, LowerSetup, scoped};
-use super::robot::Place;
+use super::robot::RobotPlacement;
 use super::sensor::Requesters;
 use super::{Cell, CellError};
 use crate::control::ecp::Pace;
@@ -14,7 +14,7 @@ use crate::control::mp::{Mp, MpTiming, RobotPort};
 use crate::control::overruns::Timed;
 use crate::control::plant::{Bodies, Rests, Site};
 use crate::control::sensing::Sensing;
-use crate::link::patience::Patience;
+use crate::link::timeout::AnswerTimeout;
 use crate::link::{Link, Simulation};
 use crate::model::fault::{Fault, ProcessId, Role};
 use crate::model::list::Owner;
@@ -23,7 +23,7 @@ use crate::model::name::Name;
 use crate::model::robot::Robot;
 use crate::model::time::Nanos;
 use crate::observe::shown::AnyShown;
-use crate::observe::witness::{What, Witnesses};
+use crate::observe::step_observer::{StepEvent, StepObservers};
 
 /// How the programs of a cell's processes ended.
 pub type Outcomes = Rc<RefCell<Vec<(ProcessId, Result<(), Fault>)>>>;
@@ -65,8 +65,8 @@ impl Cell {
         if link.simulation() != Simulation::Free {
             self.parts.refuse_hardware(names)?;
         }
-        let nudged = self.coordination.program.is_none();
-        let patience = Patience::of_step(self.timing.step);
+        let triggered = self.coordination.program.is_none();
+        let timeout = AnswerTimeout::of_step(self.timing.step);
         let outcomes = Outcomes::default();
         let (above, shared) = above.unzip();
         let within = above.as_ref().map(|above| above.name);
@@ -92,21 +92,26 @@ impl Cell {
         let delay = self.delay();
         let frames = self.watching.frames_to(self.timing.step);
         let of_all = self.watching.of_all;
-        let witnesses = Witnesses::to(self.watching.witnesses.iter().chain(&of_all).cloned().collect());
+        let step_observers =
+            StepObservers::to(self.watching.observers.iter().chain(&of_all).cloned().collect());
         let bodies = self.watching.bodies.into_iter().map(|(_, body)| body).collect();
-        let bodies = Bodies::of(bodies, witnesses.of(ProcessId::PLANT), self.timing.step);
+        let bodies = Bodies::of(bodies, step_observers.of(ProcessId::PLANT), self.timing.step);
         let here = if bodies.is_idle() { None } else { plant.take_bodies(bodies) };
         if let (Some(mut bodies), Some(robot)) = (here, self.parts.robots.first_mut()) {
             // One robot's servo periods are the occasions to look.
             robot.on_servo_period(Box::new(move |time| bodies.look(time)));
         }
-        let mut mp_sensing =
-            Sensing { owner: Owner::unique(), ports: Vec::new(), patience, witnesses: witnesses.of(me) };
-        // An ECP loses patience first, so that it can say with whom, but not before the last demand that is bridged.
-        let shorter = Patience { most: patience.most - patience.again / 2, ..patience };
+        let mut mp_sensing = Sensing {
+            owner: Owner::unique(),
+            ports: Vec::new(),
+            timeout,
+            step_observers: step_observers.of(me),
+        };
+        // An ECP gives up first, so that it can say with whom, but not before the last demand that is bridged.
+        let shorter = AnswerTimeout { most: timeout.most - timeout.again / 2, ..timeout };
         let of_ecp = |process: &ProcessId| {
-            let witnesses = witnesses.of(*process);
-            Sensing { owner: Owner::unique(), ports: Vec::new(), patience: shorter, witnesses }
+            let step_observers = step_observers.of(*process);
+            Sensing { owner: Owner::unique(), ports: Vec::new(), timeout: shorter, step_observers }
         };
         let mut ecp_sensing: Vec<_> = processes.iter().map(of_ecp).collect();
         // EDPs tick first half a servo period after a step's beginning.
@@ -144,14 +149,14 @@ impl Cell {
             ports.push(port.of_process(process).with_signals(Rc::clone(&signals)));
             let period = self.timing.step.as_nanos() as Nanos;
             let pace = Pace { period, grace, stop_steps };
-            let place = Place {
+            let place = RobotPlacement {
                 name: process.name.unwrap_or(*name),
                 ecp,
                 period: self.timing.step,
                 delay,
                 pace,
-                nudged,
-                witnesses: witnesses.clone(),
+                triggered,
+                step_observers: step_observers.clone(),
                 signals,
                 named: Rc::clone(&named),
                 wanted: wanted.iter().filter(|wanted| wanted.robot == i).cloned().collect(),
@@ -203,11 +208,11 @@ impl Cell {
                 mp.follow(script);
                 let outcome = mp.run_program(after_fault, |mp| match &mut program {
                     Some(program) => program(mp),
-                    None => mp.nudge(),
+                    None => mp.trigger(),
                 });
                 counted.set(mp.step());
-                let end = What::End { step: mp.step() };
-                witnesses.of(me).show_fault(host.waiter.now(), &end, outcome.as_ref().err());
+                let end = StepEvent::End { step: mp.step() };
+                step_observers.of(me).show_fault(host.waiter.now(), &end, outcome.as_ref().err());
                 ended.borrow_mut().push((me, outcome));
                 if is_lower {
                     mp.serve_upper();

@@ -13,7 +13,7 @@ pub(super) type MpProgram = Box<dyn FnMut(&mut Mp) -> Result<(), Fault>>;
 
 /// The MP's side of a cell.
 pub(super) struct Coordination {
-    /// Without one the MP nudges.
+    /// Without one the MP triggers.
     pub program: Option<MpProgram>,
     pub operator: Operator,
     /// What the program does, for observers.

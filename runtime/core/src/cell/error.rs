@@ -141,7 +141,7 @@ pub enum CellError {
     },
     /// A lower cell whose MP has no program.
     #[error(
-        "its MP has no program that obeys: give it one, `.program(|mp| mp.obey_all(|mp, order: YourOrder| ..))`"
+        "its MP has no program that serves: give it one, `.program(|mp| mp.serve_all(|mp, order: YourOrder| ..))`"
     )]
     NoObedience,
     /// A lower cell that asks for a recording of its own.

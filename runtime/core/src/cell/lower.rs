@@ -9,7 +9,7 @@ use std::rc::Rc;
 
 use crate::control::mp::Upper;
 use crate::link::Server;
-use crate::link::patience::Patience;
+use crate::link::timeout::AnswerTimeout;
 use crate::model::fault::{ProcessId, Role};
 use crate::model::name::{BadName, Name};
 use crate::model::time::Nanos;
@@ -45,7 +45,7 @@ impl Above {
 /// For how long the MP of a lower cell waits for orders, in a cell above with this step \[ns\]: that one may wait for an answer of
 /// another cell meanwhile.
 pub(super) fn silence(step: Duration) -> Nanos {
-    let Patience { most, again } = Patience::of_step(step);
+    let AnswerTimeout { most, again } = AnswerTimeout::of_step(step);
     2 * most + again
 }
 
@@ -101,7 +101,7 @@ impl LowerSetup {
 }
 
 impl Cell {
-    /// Adds a cell as **one robot of this one**: the MP of that cell [obeys](crate::program::Mp::obey) the orders of this cell's
+    /// Adds a cell as **one robot of this one**: the MP of that cell [serves](crate::program::Mp::serve) the orders of this cell's
     /// MP, for which it is a robot of the kind [`LowerCell`](super::LowerCell). A lower cell may have lower cells itself, and a step
     /// of its own.
     ///
@@ -125,7 +125,7 @@ impl Cell {
     ///     Always((Job::Rest,))
     /// }
     ///
-    /// let press = Cell::new(Duration::from_millis(1)).program(|mp| mp.obey_all(|_, _: Job| Ok(())));
+    /// let press = Cell::new(Duration::from_millis(1)).program(|mp| mp.serve_all(|_, _: Job| Ok(())));
     /// Cell::new(Duration::from_millis(2))
     ///     .cell("press", press)
     ///     .program(|mp| {

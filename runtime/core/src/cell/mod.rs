@@ -43,13 +43,13 @@ use crate::model::robot::Robot;
 use crate::model::sensor::VirtualSensor;
 use crate::model::time::Clock;
 use crate::observe::layout::BodyLayout;
-use crate::observe::onlooking::Onlooking;
 use crate::observe::recording::{Recorder, Recording, RunRecord};
 use crate::observe::servo::Observation;
-use crate::observe::witness::{SharedWitness, Witness};
+use crate::observe::step_observer::{SharedStepObserver, StepObserver};
+use crate::observe::subscription::Subscription;
 use crate::operator::Operator;
 pub use crate::safety::limits::rates::PATH_SHARE;
-use crate::safety::rate::{RateHeadroom, path_stop_time};
+use crate::safety::rate::{RateMargin, path_stop_time};
 use crate::safety::stopping::path_stop_steps;
 
 use coordination::Coordination;
@@ -282,18 +282,18 @@ impl Cell {
     }
 
     /// Ends a cell that is stuck. On the memory link the executable ends, with status 1 and the name of the process,
-    /// when a process of the cell computes for longer than `patience` at a stretch: all processes share one thread
+    /// when a process of the cell computes for longer than `timeout` at a stretch: all processes share one thread
     /// there, so an endless loop in a step function cannot be ended in any other way. When the processes are those of
-    /// the operating system, in real time, the cell is ended when its MP begins no step for `patience`, 60 s by
+    /// the operating system, in real time, the cell is ended when its MP begins no step for `timeout`, 60 s by
     /// default; a message says so after a sixth of it.
     #[must_use]
-    pub fn end_when_stuck(mut self, patience: Duration) -> Cell {
-        self.timing.watchdog = Some(patience);
+    pub fn end_when_stuck(mut self, timeout: Duration) -> Cell {
+        self.timing.watchdog = Some(timeout);
         self
     }
 
     /// How long one of its processes may compute at a stretch, if that was set.
-    pub const fn patience(&self) -> Option<Duration> {
+    pub const fn watchdog_timeout(&self) -> Option<Duration> {
         self.timing.watchdog
     }
 
@@ -334,17 +334,18 @@ impl Cell {
     }
 
     /// The Python module by which a program of another sends what the sensor of this name reads
-    /// ([`VirtualSensor::python`]), simulates the robot of this name ([`Driver::python`](crate::robot::Driver::python)), or looks on
-    /// by this name ([`Onlooking::python`]); `None` if no program does, or there is none of the three.
+    /// ([`VirtualSensor::python`]), simulates the robot of this name ([`Driver::python`](crate::robot::Driver::python)), or subscribes
+    /// by this name ([`Subscription::python`]); `None` if no program does, or there is none of the three.
     #[must_use]
     pub fn python(&self, name: &str) -> Option<String> {
-        let mut onlooking = self.watching.onlooking.iter().filter(|onlooking| onlooking.name() == name);
+        let mut subscriptions =
+            self.watching.subscriptions.iter().filter(|subscription| subscription.name() == name);
         let mut sensors = self.parts.sensors.iter().filter(|sensor| sensor.name() == name);
         let mut robots = self.parts.robots.iter().filter(|robot| robot.name() == name);
         sensors
             .find_map(|sensor| sensor.python())
             .or_else(|| robots.find_map(|robot| robot.python()))
-            .or_else(|| onlooking.next().map(|onlooking| onlooking.python(&self.layout())))
+            .or_else(|| subscriptions.next().map(|subscription| subscription.python(&self.layout())))
     }
 
     /// The length of a step.
@@ -365,12 +366,12 @@ impl Cell {
     /// this one by a rate of their own.
     pub fn path_stop_time(&self) -> Duration {
         let step = self.timing.step;
-        let headroom = |rate: f64| {
-            let robots = self.parts.robots.iter().map(|robot| robot.least_headroom(rate, step));
-            robots.fold(RateHeadroom::UNLIMITED, RateHeadroom::and)
+        let margin = |rate: f64| {
+            let robots = self.parts.robots.iter().map(|robot| robot.least_margin(rate, step));
+            robots.fold(RateMargin::UNLIMITED, RateMargin::and)
         };
         let own =
-            Duration::from_secs_f64(path_stop_time(self.timing.rate_change, step.as_secs_f64(), headroom));
+            Duration::from_secs_f64(path_stop_time(self.timing.rate_change, step.as_secs_f64(), margin));
         let of_cells = self.parts.cells.iter().map(|lower| lower.cell.path_stop_time());
         own + of_cells.max().unwrap_or_default()
     }
@@ -457,7 +458,7 @@ impl Cell {
     /// Records nothing, and shows nothing to programs of others.
     pub fn unrecorded(mut self) -> Cell {
         self.watching.recording = None;
-        self.watching.onlooking.clear();
+        self.watching.subscriptions.clear();
         self.watching.frames = None;
         self
     }
@@ -483,50 +484,50 @@ impl Cell {
         self.watching.recorder
     }
 
-    /// Shows a witness what happens in the cell's processes.
-    pub fn witnessed_by(mut self, witness: Rc<dyn Witness>) -> Cell {
-        self.watching.witnesses.push(witness);
+    /// Shows an observer what happens in the cell's processes.
+    pub fn observed_by(mut self, observer: Rc<dyn StepObserver>) -> Cell {
+        self.watching.observers.push(observer);
         self
     }
 
-    /// Shows a witness what happens in the processes of the cell and of all lower cells. What a robot or a process is called says in which
+    /// Shows an observer what happens in the processes of the cell and of all lower cells. What a robot or a process is called says in which
     /// one: `press.arm`, `mp press`. A sensor has its name in the cell of the process that has read it.
-    pub fn witnessed_in_all_cells_by(mut self, witness: Rc<dyn Witness>) -> Cell {
-        self.watching.of_all.push(witness);
+    pub fn observed_in_all_cells_by(mut self, observer: Rc<dyn StepObserver>) -> Cell {
+        self.watching.of_all.push(observer);
         self
     }
 
-    /// Shows the cell to programs of others that look on.
+    /// Shows the cell to programs of others.
     #[must_use]
-    pub fn shown_to(mut self, onlooking: impl Onlooking + 'static) -> Cell {
-        self.watching.onlooking.push(Rc::new(onlooking));
+    pub fn shown_to(mut self, subscription: impl Subscription + 'static) -> Cell {
+        self.watching.subscriptions.push(Rc::new(subscription));
         self
     }
 
     /// Begins to [show](Cell::shown_to) what happens in this process of it, or in all of them.
-    pub fn begin_onlooking(&self, process: Option<ProcessId>, clock: Clock) -> Vec<Rc<dyn RunRecord>> {
-        // A cell at which nobody looks on needs no layout for it.
-        if self.watching.onlooking.is_empty() {
+    pub fn begin_subscriptions(&self, process: Option<ProcessId>, clock: Clock) -> Vec<Rc<dyn RunRecord>> {
+        // A cell without subscribers needs no layout for it.
+        if self.watching.subscriptions.is_empty() {
             return Vec::new();
         }
-        self.watching.begin_onlooking(process, &self.layout(), clock)
+        self.watching.begin_subscriptions(process, &self.layout(), clock)
     }
 
-    /// Shows a witness what a picture needs besides the robots: every [`Step`](crate::observe::witness::What::Step) of the MP,
-    /// every [`Reading`](crate::observe::witness::What::Reading) that a process collects, the
-    /// [`Signals`](crate::observe::witness::What::Signals) of every robot. On the memory link it sees everything else, too.
+    /// Shows an observer what a picture needs besides the robots: every [`Step`](crate::observe::step_observer::StepEvent::Step) of the MP,
+    /// every [`Reading`](crate::observe::step_observer::StepEvent::Reading) that a process collects, the
+    /// [`Signals`](crate::observe::step_observer::StepEvent::Signals) of every robot. On the memory link it sees everything else, too.
     ///
     /// Where the cell runs as processes and the program [watches](Self::watched_in_plant), it is shown these on a thread of the
     /// plant: what one process shows in its order, but what several show in any order, and in real time not all of it if
     /// the plant is slow.
     #[must_use]
-    pub fn shown_to_picture(mut self, witness: SharedWitness) -> Cell {
-        self.watching.of_picture.push(witness);
+    pub fn shown_to_picture(mut self, observer: SharedStepObserver) -> Cell {
+        self.watching.of_picture.push(observer);
         self
     }
 
-    /// Takes the witnesses of its [picture](Cell::shown_to_picture).
-    pub fn take_witnesses_of_picture(&mut self) -> Vec<SharedWitness> {
+    /// Takes the observers of its [picture](Cell::shown_to_picture).
+    pub fn take_observers_of_picture(&mut self) -> Vec<SharedStepObserver> {
         core::mem::take(&mut self.watching.of_picture)
     }
 

@@ -132,7 +132,7 @@ impl Parts {
     pub fn noticing_time(&self, timing: &Timing) -> f64 {
         let silence = |robot: &dyn AnyRobot| match robot.servo_period().pace {
             Pace::Cell => Duration::ZERO,
-            Pace::Robot { patience } => patience,
+            Pace::Robot { timeout } => timeout,
         };
         let silences = self.robots.iter().map(|robot| silence(&**robot));
         noticing_time(timing.step, silences.max().unwrap_or_default())

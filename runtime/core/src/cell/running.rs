@@ -11,7 +11,7 @@ use crate::link::watchdog::Watchdog;
 use crate::model::fault::{Fault, FaultKind, ProcessId, Role};
 use crate::model::name::Name;
 use crate::model::time::Clock;
-use crate::observe::witness::Witness;
+use crate::observe::step_observer::StepObserver;
 
 use super::{Cell, CellError};
 
@@ -33,31 +33,31 @@ impl Cell {
         let names = self.check()?;
         let record = self.watching.begin_record(&self.layout())?;
         if let Some(record) = &record {
-            self = self.witnessed_in_all_cells_by(Rc::clone(record) as Rc<dyn Witness>);
+            self = self.observed_in_all_cells_by(Rc::clone(record) as Rc<dyn StepObserver>);
         }
-        let onlooking = self.begin_onlooking(None, Clock::Virtual);
-        for shown in &onlooking {
-            self = self.witnessed_by(Rc::clone(shown) as Rc<dyn Witness>);
+        let subscriptions = self.begin_subscriptions(None, Clock::Virtual);
+        for shown in &subscriptions {
+            self = self.observed_by(Rc::clone(shown) as Rc<dyn StepObserver>);
         }
         let outcome = self.run_on_memory(&names);
         // Bodies that were given up keep theirs.
-        record.iter().chain(&onlooking).for_each(|record| record.finish());
+        record.iter().chain(&subscriptions).for_each(|record| record.finish());
         outcome
     }
 
     /// Runs a cell in which nothing is wrong.
     pub fn run_on_memory(mut self, names: &[Name]) -> Result<RunReport, CellError> {
         // All processes are in this one.
-        for witness in self.take_witnesses_of_picture() {
-            self = self.witnessed_by(Rc::new(witness));
+        for observer in self.take_observers_of_picture() {
+            self = self.observed_by(Rc::new(observer));
         }
         let mut scheduler = Scheduler::new();
-        let patience = self.timing.watchdog;
+        let timeout = self.timing.watchdog;
         let assembly = self.assemble(names, &mut scheduler)?;
-        let _watchdog = patience.map(|patience| {
+        let _watchdog = timeout.map(|timeout| {
             let pulse = Arc::<Pulse>::default();
             scheduler.show(Arc::clone(&pulse));
-            Watchdog::new(scheduler.names(), pulse, patience)
+            Watchdog::new(scheduler.names(), pulse, timeout)
         });
         let time = scheduler.run()?;
         first_cause(&assembly.outcomes.borrow())?;
@@ -99,7 +99,7 @@ pub fn first_cause(outcomes: &[(ProcessId, Result<(), Fault>)]) -> Result<(), Fa
     for (process, outcome) in mp.chain(others) {
         if let Err(fault) = outcome {
             if fault.kind() == FaultKind::CellClosed {
-                let text = "it waits for an instruction, but the MP's program is over: write `obey_all`, or let the MP order one more";
+                let text = "it waits for an instruction, but the MP's program is over: write `serve_all`, or let the MP order one more";
                 return Err(Fault::thrown(text).in_process(*process));
             }
             return Err(fault.clone());

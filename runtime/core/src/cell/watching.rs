@@ -1,4 +1,4 @@
-//! Who looks on at the run of a cell: witnesses, and a recording; and a recording that it replays.
+//! Who observes the run of a cell: observers of its steps, and a recording; and a recording that it replays.
 
 use core::time::Duration;
 use std::path::PathBuf;
@@ -10,19 +10,19 @@ use crate::control::replay::RecordedRun;
 use crate::model::fault::ProcessId;
 use crate::model::time::Clock;
 use crate::observe::layout::{BodyLayout, Layout};
-use crate::observe::onlooking::Onlooking;
 use crate::observe::recording::{FramesTo, NotRecorded, Recorder, Recording, RunRecord};
-use crate::observe::witness::{SharedWitness, Witness};
+use crate::observe::step_observer::{SharedStepObserver, StepObserver};
+use crate::observe::subscription::Subscription;
 
-/// Those who look on.
+/// Those who observe.
 #[derive(Default)]
 pub(super) struct Watching {
-    pub witnesses: Vec<Rc<dyn Witness>>,
-    /// Those who look on at its lower cells as well: recordings.
-    pub of_all: Vec<Rc<dyn Witness>>,
+    pub observers: Vec<Rc<dyn StepObserver>>,
+    /// Those who observe its lower cells as well: recordings.
+    pub of_all: Vec<Rc<dyn StepObserver>>,
     /// Those who are shown what a picture needs, of all processes.
-    pub of_picture: Vec<SharedWitness>,
-    /// Bodies that are shown to witnesses.
+    pub of_picture: Vec<SharedStepObserver>,
+    /// Bodies that are shown to observers.
     pub bodies: Vec<(BodyLayout, Body)>,
     /// What the run is recorded to.
     pub recording: Option<Recording>,
@@ -33,7 +33,7 @@ pub(super) struct Watching {
     /// Whether observers look at simulated drives where those are, and not in their EDPs.
     pub watched_in_plant: bool,
     /// What shows the cell to programs of others.
-    pub onlooking: Vec<Rc<dyn Onlooking>>,
+    pub subscriptions: Vec<Rc<dyn Subscription>>,
     /// What it replays.
     pub recorded: Option<Rc<RecordedRun>>,
 }
@@ -48,19 +48,19 @@ impl Watching {
 
     /// Begins to show a process of a cell that is made of this, or all of them, to programs of others. What cannot be shown is told,
     /// and the cell runs all the same.
-    pub fn begin_onlooking(
+    pub fn begin_subscriptions(
         &self,
         process: Option<ProcessId>,
         layout: &Layout,
         clock: Clock,
     ) -> Vec<Rc<dyn RunRecord>> {
-        let begin = |onlooking: &Rc<dyn Onlooking>| {
-            onlooking.begin(process, layout, clock).unwrap_or_else(|why| {
-                complain(&format!("warning: nobody looks on at `{}`: {why}", onlooking.name()));
+        let begin = |subscription: &Rc<dyn Subscription>| {
+            subscription.begin(process, layout, clock).unwrap_or_else(|why| {
+                complain(&format!("warning: nobody can subscribe at `{}`: {why}", subscription.name()));
                 None
             })
         };
-        self.onlooking.iter().filter_map(begin).collect()
+        self.subscriptions.iter().filter_map(begin).collect()
     }
 
     /// Begins the recording that is asked for, of a cell that is made of this.

@@ -20,14 +20,14 @@ pub(crate) struct Command<J> {
     pub regulators: Regulators,
     /// The position for the period's end [rad or m].
     pub demanded: J,
-    /// The tool in force, `X_FE`: for those who look on.
+    /// The tool in force, `X_FE`: for observers.
     pub tool: Pose,
-    pub told: Told,
+    pub told: DriveSettings,
 }
 
 /// What drives are told beside where to be: it stays so until they are told something else.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Told {
+pub(crate) struct DriveSettings {
     /// The last value of each output that has been told one.
     pub outputs: Outputs,
     /// How often they were told what the robot carries, and what they were told last.
@@ -35,13 +35,13 @@ pub(crate) struct Told {
     pub load: Load,
 }
 
-impl Default for Told {
+impl Default for DriveSettings {
     fn default() -> Self {
-        Told { outputs: Outputs::NONE, loads: 0, load: Load::NONE }
+        DriveSettings { outputs: Outputs::NONE, loads: 0, load: Load::NONE }
     }
 }
 
-impl Told {
+impl DriveSettings {
     const LEN: usize = OUTPUT_WORDS + 1 + LOAD_WORDS;
 
     fn is_nothing(&self) -> bool {
@@ -57,8 +57,8 @@ impl Told {
 
     fn get(words: &[u64]) -> Result<Self, BadWords> {
         let outputs = Outputs::get(words)?;
-        let load = words.get(OUTPUT_WORDS..Told::LEN).ok_or(BadWords)?;
-        Ok(Told { outputs, loads: load[0], load: Load::get(&load[1..])? })
+        let load = words.get(OUTPUT_WORDS..DriveSettings::LEN).ok_or(BadWords)?;
+        Ok(DriveSettings { outputs, loads: load[0], load: Load::get(&load[1..])? })
     }
 }
 
@@ -88,7 +88,7 @@ pub(crate) struct Reading<J> {
 const TOOL: usize = 3 + MAX_JOINTS;
 const COMMAND_WORDS: usize = TOOL + Pose::LEN;
 /// The same with what drives are told beside.
-const LONG_COMMAND_WORDS: usize = COMMAND_WORDS + Told::LEN;
+const LONG_COMMAND_WORDS: usize = COMMAND_WORDS + DriveSettings::LEN;
 const READING_WORDS: usize = 3 * MAX_JOINTS;
 /// The same with currents, and with signals.
 const WITH_CURRENTS: usize = 4 * MAX_JOINTS;
@@ -131,8 +131,8 @@ impl<J: JointVector> Command<J> {
             return Err(BadWords);
         }
         let told = match words.len() {
-            COMMAND_WORDS => Told::default(),
-            LONG_COMMAND_WORDS => Told::get(&words[COMMAND_WORDS..])?,
+            COMMAND_WORDS => DriveSettings::default(),
+            LONG_COMMAND_WORDS => DriveSettings::get(&words[COMMAND_WORDS..])?,
             _ => return Err(BadWords),
         };
         Ok(Command {

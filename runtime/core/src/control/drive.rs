@@ -5,7 +5,7 @@
 use core::time::Duration;
 use std::rc::Rc;
 
-use crate::control::command::{Command, Reading, RegulatorSets, Switch, Told};
+use crate::control::command::{Command, DriveSettings, Reading, RegulatorSets, Switch};
 use crate::control::guarded::guarded;
 use crate::link::message::{Kind, Message};
 use crate::link::{Board, Client, Waiter};
@@ -358,11 +358,11 @@ pub(crate) struct PlantDrive<R: Robot> {
     /// How many choices of regulators there were, and the last one.
     chosen: (u64, Regulators),
     /// What its outputs were told, and what it carries.
-    told: Told,
+    told: DriveSettings,
     /// How often power was taken away or given.
     switched: u64,
     /// For how long no new reading may come \[ns\].
-    patience: Nanos,
+    timeout: Nanos,
     message: Message,
 }
 
@@ -376,12 +376,7 @@ pub(crate) enum PlantEnd {
 
 impl<R: Robot> PlantDrive<R> {
     /// These drives, which are in the plant and have been read.
-    pub fn new(
-        driver: &dyn Driver<R>,
-        measured: Measured<R::Joints>,
-        end: PlantEnd,
-        patience: Nanos,
-    ) -> Self {
+    pub fn new(driver: &dyn Driver<R>, measured: Measured<R::Joints>, end: PlantEnd, timeout: Nanos) -> Self {
         PlantDrive {
             end,
             period: driver.period(),
@@ -396,9 +391,9 @@ impl<R: Robot> PlantDrive<R> {
             },
             began: false,
             chosen: (0, Regulators::default()),
-            told: Told::default(),
+            told: DriveSettings::default(),
             switched: 0,
-            patience,
+            timeout,
             message: Message::empty(),
         }
     }
@@ -423,7 +418,7 @@ impl<R: Robot> PlantDrive<R> {
             self.shown.period = self.shown.period.max(command.period);
         }
         // In time, the reading is that of the period before.
-        if command.period.saturating_sub(self.shown.period + 1) * servo >= self.patience {
+        if command.period.saturating_sub(self.shown.period + 1) * servo >= self.timeout {
             return Err(lost());
         }
         Ok(Followed { measured: self.shown.measured, demanded: self.shown.demanded })

@@ -14,7 +14,7 @@ use crate::model::fault::{Fault, FaultKind, ProcessId};
 use crate::model::pace::{Pace, ServoPeriod};
 use crate::model::robot::Robot;
 use crate::model::time::Nanos;
-use crate::safety::latch::{Admission, Asked, Gate};
+use crate::safety::latch::{Admission, Gate, GateRequest};
 
 /// The drives that a robot is set up with.
 pub(crate) enum Drives<R: Robot> {
@@ -166,11 +166,11 @@ impl State {
 }
 
 /// What a request asks, as far as the gate is concerned: no demand is taken here.
-const fn asked(request: &Message) -> Asked {
+const fn asked(request: &Message) -> GateRequest {
     match request.header.kind {
-        Kind::Request(RequestKind::Stop) => Asked::Stop,
-        Kind::Request(RequestKind::Reset) => Asked::Reset,
-        _ => Asked::Look,
+        Kind::Request(RequestKind::Stop) => GateRequest::Stop,
+        Kind::Request(RequestKind::Reset) => GateRequest::Reset,
+        _ => GateRequest::Look,
     }
 }
 

@@ -140,7 +140,7 @@ mod tests {
             MS
         }
         fn pace(&self) -> Pace {
-            Pace::Robot { patience: MS }
+            Pace::Robot { timeout: MS }
         }
         fn pulse(&mut self, _: Duration) -> Result<Option<Pulse>, DriveFault> {
             if self.periods == 0 {

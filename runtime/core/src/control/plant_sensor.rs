@@ -3,7 +3,7 @@
 //! In: orders. Out: readings, or the fault that none came.
 
 use crate::link::message::Message;
-use crate::link::patience::Patience;
+use crate::link::timeout::AnswerTimeout;
 use crate::link::{Client, Closed, Waiter};
 use crate::model::fault::{Fault, FaultKind, ProcessId};
 
@@ -12,7 +12,7 @@ pub(crate) struct PlantSensor {
     pub port: Box<dyn Client>,
     /// The plant's place.
     pub plant: usize,
-    pub patience: Patience,
+    pub timeout: AnswerTimeout,
 }
 
 impl PlantSensor {
@@ -23,7 +23,7 @@ impl PlantSensor {
     pub fn answer(&self, request: &Message, reply: &mut Message, waiter: &dyn Waiter) -> Result<(), Closed> {
         self.port.send(request);
         waiter.call(self.plant)?;
-        let mut waiting = self.patience.begin(waiter);
+        let mut waiting = self.timeout.begin(waiter);
         while !self.port.receive(reply) {
             if !waiting.goes_on(&*self.port, waiter)? {
                 let fault = Fault::new(FaultKind::PeerLost).in_process(ProcessId::PLANT);

@@ -8,7 +8,7 @@ use crate::control::replay::readings::RecordedReading;
 use crate::control::state_words::StateWords;
 use crate::control::vsp::Boards;
 use crate::link::message::{Kind, Message};
-use crate::link::patience::{Patience, Waiting};
+use crate::link::timeout::{AnswerTimeout, Waiting};
 use crate::link::{Client, Waiter};
 use crate::model::fault::{Fault, FaultKind, ProcessId, Role};
 use crate::model::image::{Sensor, SensorImage};
@@ -18,7 +18,7 @@ use crate::model::name::Name;
 use crate::model::sensor::{CONFIGURATION_WORDS, VspMode};
 use crate::model::shape::Shape;
 use crate::model::time::Nanos;
-use crate::observe::witness::{ReadingState, What, Witnesses};
+use crate::observe::step_observer::{ReadingState, StepEvent, StepObservers};
 use crate::suggestion::suggestion;
 
 /// How a virtual sensor is asked.
@@ -218,7 +218,7 @@ impl SensorPort {
     }
 
     /// Shows what was collected in a step.
-    fn show(&self, collected: &Result<(), Fault>, step: u64, witnesses: &Witnesses, now: Nanos) {
+    fn show(&self, collected: &Result<(), Fault>, step: u64, step_observers: &StepObservers, now: Nanos) {
         let state = match collected {
             Ok(()) if self.read => ReadingState::There,
             Ok(()) => ReadingState::None,
@@ -230,8 +230,8 @@ impl SensorPort {
             ReadingState::None | ReadingState::Lost => &[],
         };
         let taken = self.reply.header.step;
-        let what = What::Reading { sensor: self.name, step, state, taken, shape: self.shape };
-        witnesses.show(now, &what, words);
+        let what = StepEvent::Reading { sensor: self.name, step, state, taken, shape: self.shape };
+        step_observers.show(now, &what, words);
     }
 
     fn fault(&self, kind: FaultKind) -> Fault {
@@ -245,9 +245,9 @@ pub struct Sensing {
     pub(crate) owner: Owner,
     pub(crate) ports: Vec<SensorPort>,
     /// Of readings, and of other answers.
-    pub patience: Patience,
+    pub timeout: AnswerTimeout,
     /// Where what was collected is shown.
-    pub witnesses: Witnesses,
+    pub step_observers: StepObservers,
 }
 
 impl Sensing {
@@ -332,11 +332,11 @@ impl Sensing {
         if V::LEN == 0 {
             return Ok(());
         }
-        let waiting = self.patience.begin(waiter);
+        let waiting = self.timeout.begin(waiter);
         for (i, &index) in sensors.indices().as_ref().iter().enumerate() {
             let port = &mut self.ports[index];
             let collected = port.collect(waiter, waiting);
-            port.show(&collected, step, &self.witnesses, waiter.now());
+            port.show(&collected, step, &self.step_observers, waiter.now());
             collected?;
             let age = |from: u64| u32::try_from(step.saturating_sub(from)).unwrap_or(u32::MAX);
             if let Some(age) = port.age_counts_from().map(age).filter(|&age| age > port.asking.max_age) {

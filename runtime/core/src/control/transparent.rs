@@ -63,7 +63,7 @@ impl<R: Robot> Generator for Transparent<R> {
 /// The program of an ECP that has none of its own.
 pub(crate) fn program<R: Robot>(ecp: &mut Ecp<R>) -> Result<(), Fault> {
     loop {
-        match ecp.obey(|ecp, _: Demand<R>| ecp.move_robot((), Transparent::new()).map(drop)) {
+        match ecp.serve(|ecp, _: Demand<R>| ecp.move_robot((), Transparent::new()).map(drop)) {
             // An abort ends an instruction, not the robot's service.
             Err(fault) if fault.kind() != FaultKind::Aborted => return Err(fault),
             Ok(()) | Err(_) => {}

@@ -4,7 +4,7 @@
 use crate::link::message::{Header, Kind, Message, OrderKind, RequestKind};
 use crate::model::wire::{BadWords, WORDS};
 use crate::safety::braking::BrakingLaw;
-use crate::safety::rate::{FullRate, RateHeadroom};
+use crate::safety::rate::{FullRate, RateMargin};
 
 /// Version of the layout of an [`Envelope`] and of what its words mean. Raise it with every change of either.
 pub const LAYOUT: u64 = 8;
@@ -80,10 +80,10 @@ impl Envelope {
 
     /// Puts a message under a seal.
     pub fn seal(message: &Message, seal: Seal, sequence: u64) -> Envelope {
-        let Header { kind, flags, epoch, step, instruction, len, payload, dt, duration, headroom, law } =
+        let Header { kind, flags, epoch, step, instruction, len, payload, dt, duration, rate_margin, law } =
             message.header;
         let kind = KINDS.iter().position(|&known| known == kind).map_or(u64::MAX, |place| place as u64);
-        let RateHeadroom { rise, fall, bend, full, most } = headroom;
+        let RateMargin { rise, fall, bend, full, most } = rate_margin;
         let head = [
             kind,
             u64::from(flags),
@@ -187,7 +187,7 @@ impl Envelope {
             payload,
             dt: f64::from_bits(dt),
             duration: f64::from_bits(duration),
-            headroom: RateHeadroom {
+            rate_margin: RateMargin {
                 rise: f64::from_bits(rise),
                 fall: f64::from_bits(fall),
                 bend: f64::from_bits(bend),
@@ -289,7 +289,7 @@ mod tests {
     fn message(kind: Kind) -> Message {
         let mut message = Message::new(kind);
         let full = FullRate { rise: 0.25, bend: 1e-300 };
-        let headroom = RateHeadroom { rise: 1.5, fall: -0.0, bend: f64::INFINITY, full, most: 0.5 };
+        let rate_margin = RateMargin { rise: 1.5, fall: -0.0, bend: f64::INFINITY, full, most: 0.5 };
         message.header = Header {
             kind,
             flags: 0x8000_0001,
@@ -300,7 +300,7 @@ mod tests {
             payload: 0xfeed,
             dt: 0.5e-3,
             duration: 1e-3,
-            headroom,
+            rate_margin,
             law: BrakingLaw { fall: 2.5, bend: 1e9 },
         };
         // The bits of a NaN: a payload may have any.
@@ -389,8 +389,8 @@ mod tests {
             assert_eq!(duration(bad), Err(BadWords), "a step of {bad} s");
         }
         for bad in [-1.0, f64::NEG_INFINITY, f64::NAN] {
-            assert_eq!(opens(&|header| header.headroom.rise = bad), Err(BadWords), "a rise of {bad}");
-            assert_eq!(opens(&|header| header.headroom.full.bend = bad), Err(BadWords), "a bend of {bad}");
+            assert_eq!(opens(&|header| header.rate_margin.rise = bad), Err(BadWords), "a rise of {bad}");
+            assert_eq!(opens(&|header| header.rate_margin.full.bend = bad), Err(BadWords), "a bend of {bad}");
             assert_eq!(opens(&|header| header.law.fall = bad), Err(BadWords), "a fall of {bad}");
         }
     }

@@ -3,7 +3,7 @@
 use crate::model::fault::{Fault, FaultKind, FaultWords};
 use crate::model::wire::{WORDS, Wire};
 use crate::safety::braking::BrakingLaw;
-use crate::safety::rate::RateHeadroom;
+use crate::safety::rate::RateMargin;
 
 /// What a message is about, and with it who may send it to whom.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -79,7 +79,7 @@ pub mod flag {
     pub const SUSPENDED: u32 = 1 << 7;
     /// The robot's drives still look for their reference marks: it has no state yet.
     pub const HOMING: u32 = 1 << 8;
-    /// The order is one of several robots that move together: without the next ones each stops on its screw. In a reply: the robot
+    /// The order is one of several robots that move together: without the next ones each stops on its twist. In a reply: the robot
     /// does so.
     pub const TOGETHER: u32 = 1 << 9;
     /// The robot still moves on its path but is to stop on it. Body: the fault, in place of the image.
@@ -125,8 +125,8 @@ pub struct Header {
     /// Real time of the step \[s\].
     pub duration: f64,
     /// In a reply: how fast the rate may change within the robot's limits.
-    pub headroom: RateHeadroom,
-    /// In a reply: how fast the robot may slow down on its screw. In an order and a request: how fast all robots of the
+    pub rate_margin: RateMargin,
+    /// In a reply: how fast the robot may slow down on its twist. In an order and a request: how fast all robots of the
     /// instruction may.
     pub law: BrakingLaw,
 }
@@ -145,7 +145,7 @@ impl Header {
     pub(crate) fn is_sound(&self) -> bool {
         // Quotients and products of times are rounded.
         const ROUND_OFF: f64 = 1e-9;
-        let RateHeadroom { rise, fall, bend, full, most } = self.headroom;
+        let RateMargin { rise, fall, bend, full, most } = self.rate_margin;
         let bounds = [rise, fall, bend, full.rise, full.bend, most, self.law.fall, self.law.bend];
         let times =
             self.dt >= 0.0 && self.dt <= self.duration * (1.0 + ROUND_OFF) && self.duration.is_finite();
@@ -180,7 +180,7 @@ impl Message {
             payload: 0,
             dt: 0.0,
             duration: 0.0,
-            headroom: RateHeadroom::UNLIMITED,
+            rate_margin: RateMargin::UNLIMITED,
             law: BrakingLaw::UNLIMITED,
         };
         Message { header, body: [0; WORDS] }

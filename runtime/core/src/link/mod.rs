@@ -9,8 +9,8 @@ pub mod memory;
 pub mod message;
 pub mod numbering;
 mod overflow;
-pub mod patience;
 pub mod places;
+pub mod timeout;
 pub mod watchdog;
 
 use std::rc::Rc;

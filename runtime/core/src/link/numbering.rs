@@ -65,7 +65,7 @@ impl Asking {
 /// What a server does with an envelope.
 #[derive(Debug)]
 #[expect(clippy::large_enum_variant, reason = "it is looked at where it was made")]
-pub enum Heard {
+pub enum Disposition {
     /// It is a new request.
     New,
     /// It asks again for an answer that was given: this one.
@@ -99,26 +99,26 @@ impl Answering {
     }
 
     /// Takes a new request.
-    pub fn hears(&self, shown: &Envelope, request: &mut Message) -> Heard {
+    pub fn hears(&self, shown: &Envelope, request: &mut Message) -> Disposition {
         let taken = self.sequence.get();
         let is_new = shown.sequence > taken;
         let is_again = shown.sequence == taken && shown.attempt > self.attempt.get();
         let is_due = shown.is_under(self.seal) && (is_new || is_again);
         let mut is_whole = || if is_new { shown.open(request).is_ok() } else { shown.is_whole() };
         if !(is_due && is_whole()) {
-            return Heard::Nothing;
+            return Disposition::Nothing;
         }
         self.attempt.set(shown.attempt);
         if is_new {
             self.sequence.set(shown.sequence);
             self.answered.set(false);
-            return Heard::New;
+            return Disposition::New;
         }
         if self.answered.get() {
-            return Heard::Again(Envelope::seal(&self.answer.borrow(), self.seal, taken));
+            return Disposition::Again(Envelope::seal(&self.answer.borrow(), self.seal, taken));
         }
         // Its answer is still to come, and will be heard.
-        Heard::Nothing
+        Disposition::Nothing
     }
 
     /// The answer to the request taken last.
@@ -150,18 +150,18 @@ mod tests {
             let first = asking.ask(&numbered(step));
             let second = asking.ask_again().expect("no answer yet");
             // The first one is late, and comes twice after the second one.
-            assert!(matches!(answering.hears(&second, &mut request), Heard::New));
+            assert!(matches!(answering.hears(&second, &mut request), Disposition::New));
             assert_eq!(request.header.step, step);
             for old in [first, first, second] {
-                assert!(matches!(answering.hears(&old, &mut request), Heard::Nothing));
+                assert!(matches!(answering.hears(&old, &mut request), Disposition::Nothing));
             }
             // Asked again while it is at work: the answer is to come.
             let third = asking.ask_again().expect("no answer yet");
-            assert!(matches!(answering.hears(&third, &mut request), Heard::Nothing));
+            assert!(matches!(answering.hears(&third, &mut request), Disposition::Nothing));
             let answer = answering.answer(&numbered(10 * step));
             // That one is lost. The next attempt is answered alike, and the answer taken once.
             let fourth = asking.ask_again().expect("no answer yet");
-            let Heard::Again(again) = answering.hears(&fourth, &mut request) else { panic!("{step}") };
+            let Disposition::Again(again) = answering.hears(&fourth, &mut request) else { panic!("{step}") };
             assert!(asking.hears(&again, &mut reply) && reply.header.step == 10 * step);
             assert!(!asking.hears(&answer, &mut reply) && asking.ask_again().is_none());
         }
@@ -172,23 +172,23 @@ mod tests {
         let (asking, answering) = (Asking::new(SEAL), Answering::new(SEAL));
         let (mut request, mut reply) = (Message::empty(), Message::empty());
         let old = asking.ask(&numbered(1));
-        assert!(matches!(answering.hears(&old, &mut request), Heard::New));
+        assert!(matches!(answering.hears(&old, &mut request), Disposition::New));
         let early = answering.answer(&numbered(1));
         let asked = asking.ask(&numbered(2));
         assert!(!asking.hears(&early, &mut reply), "the answer to the request before");
         // The words of the envelope, its ordinal and its attempt among them.
         for word in 0..20 {
             let damaged = asked.damaged(word, 1 << 3);
-            assert!(matches!(answering.hears(&damaged, &mut request), Heard::Nothing), "word {word}");
+            assert!(matches!(answering.hears(&damaged, &mut request), Disposition::Nothing), "word {word}");
         }
         let foreign = Envelope::seal(&numbered(2), Seal { epoch: 2, ..SEAL }, 2);
-        assert!(matches!(answering.hears(&foreign, &mut request), Heard::Nothing));
-        assert!(matches!(answering.hears(&asked, &mut request), Heard::New));
+        assert!(matches!(answering.hears(&foreign, &mut request), Disposition::Nothing));
+        assert!(matches!(answering.hears(&asked, &mut request), Disposition::New));
         let answer = answering.answer(&numbered(20));
         for word in 0..20 {
             assert!(!asking.hears(&answer.damaged(word, 1 << 3), &mut reply), "word {word}");
             let again = asking.ask_again().expect("no answer yet").damaged(word, 1 << 3);
-            assert!(matches!(answering.hears(&again, &mut request), Heard::Nothing), "word {word}");
+            assert!(matches!(answering.hears(&again, &mut request), Disposition::Nothing), "word {word}");
         }
         assert!(asking.hears(&answer, &mut reply) && reply.header.step == 20);
     }

@@ -12,7 +12,7 @@ use std::thread::JoinHandle;
 use super::memory::Pulse;
 use crate::console::complain;
 
-/// Looks at the pulse within its patience.
+/// Looks at the pulse within its timeout.
 const LOOKS: u32 = 10;
 
 /// A thread that watches a cell until it is dropped.
@@ -22,18 +22,18 @@ pub struct Watchdog {
 }
 
 impl Watchdog {
-    /// Watches the processes of these names; one of them may compute for `patience` at a stretch.
-    pub fn new(names: Vec<String>, pulse: Arc<Pulse>, patience: Duration) -> Watchdog {
+    /// Watches the processes of these names; one of them may compute for `timeout` at a stretch.
+    pub fn new(names: Vec<String>, pulse: Arc<Pulse>, timeout: Duration) -> Watchdog {
         let (leash, held) = channel();
         let watch = move || {
             let mut last = 0;
             let mut same = 0;
-            while held.recv_timeout(patience / LOOKS) == Err(RecvTimeoutError::Timeout) {
+            while held.recv_timeout(timeout / LOOKS) == Err(RecvTimeoutError::Timeout) {
                 let resumed = pulse.resumed.load(Ordering::Relaxed);
                 same = if resumed == last { same + 1 } else { 0 };
                 last = resumed;
                 if same > LOOKS {
-                    bark(names.get(pulse.place.load(Ordering::Relaxed)), patience);
+                    bark(names.get(pulse.place.load(Ordering::Relaxed)), timeout);
                 }
             }
         };
@@ -58,9 +58,9 @@ impl Drop for Watchdog {
     }
 }
 
-fn bark(name: Option<&String>, patience: Duration) -> ! {
+fn bark(name: Option<&String>, timeout: Duration) -> ! {
     let name = name.map_or("a process", String::as_str);
-    let seconds = patience.as_secs_f64();
+    let seconds = timeout.as_secs_f64();
     complain(&format!(
         "error: {name} has computed for {seconds} s without an end, and with it the cell stands still\n help: a step function, \
          a condition or the program has an endless loop: let every step return; run as processes, such a cell stops its \

@@ -12,7 +12,7 @@ use std::time::Duration;
 use crate::console::complain;
 
 /// How long a sensor under the virtual clock, which stands still meanwhile, waits for a slot.
-const PATIENCE: Duration = Duration::from_secs(10);
+const TIMEOUT: Duration = Duration::from_secs(10);
 
 /// What the bytes of a frame are.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -233,7 +233,7 @@ impl Queue {
     /// A slot to be filled.
     fn slot(&self) -> Option<Frame> {
         let taken = self.free.try_recv().ok();
-        if taken.is_none() && self.waits { self.free.recv_timeout(PATIENCE).ok() } else { taken }
+        if taken.is_none() && self.waits { self.free.recv_timeout(TIMEOUT).ok() } else { taken }
     }
 }
 

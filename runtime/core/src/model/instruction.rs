@@ -7,7 +7,7 @@ use crate::model::wire::{BadWords, Wire, layout_hash};
 
 /// What kind of instruction an MP or an ECP carries out.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Doing {
+pub enum InstructionKind {
     /// No instruction: its program computes, or is over.
     #[default]
     Nothing,
@@ -19,17 +19,18 @@ pub enum Doing {
     Wait,
 }
 
-impl Doing {
+impl InstructionKind {
     /// All of them; one travels as its place in this list.
-    pub const ALL: [Doing; 4] = [Doing::Nothing, Doing::Homing, Doing::Move, Doing::Wait];
+    pub const ALL: [InstructionKind; 4] =
+        [InstructionKind::Nothing, InstructionKind::Homing, InstructionKind::Move, InstructionKind::Wait];
 
     /// Its word.
     pub const fn word(self) -> &'static str {
         match self {
-            Doing::Nothing => "nothing",
-            Doing::Homing => "homing",
-            Doing::Move => "move",
-            Doing::Wait => "wait",
+            InstructionKind::Nothing => "nothing",
+            InstructionKind::Homing => "homing",
+            InstructionKind::Move => "move",
+            InstructionKind::Wait => "wait",
         }
     }
 }
@@ -50,7 +51,7 @@ const NAME: usize = 40;
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub struct Instruction {
     ordinal: u32,
-    doing: Doing,
+    doing: InstructionKind,
     level: Level,
     by: [u8; NAME],
 }
@@ -58,9 +59,14 @@ pub struct Instruction {
 impl Instruction {
     /// The instruction `ordinal`, counted from 1 since the program began, by this generator or condition, of which the first
     /// 40 bytes of the name are kept. None where nothing is done.
-    pub(crate) fn new(ordinal: u64, doing: Doing, level: Level, by: TypeName) -> Option<Instruction> {
+    pub(crate) fn new(
+        ordinal: u64,
+        doing: InstructionKind,
+        level: Level,
+        by: TypeName,
+    ) -> Option<Instruction> {
         let ordinal = u32::try_from(ordinal).unwrap_or(u32::MAX);
-        (doing != Doing::Nothing).then(|| Instruction { ordinal, doing, level, by: by.bytes().0 })
+        (doing != InstructionKind::Nothing).then(|| Instruction { ordinal, doing, level, by: by.bytes().0 })
     }
 
     /// Its place among the Moves and Waits of its program, counted from 1 since the program began; 0 of the search for
@@ -72,7 +78,7 @@ impl Instruction {
 
     /// Its kind.
     #[must_use]
-    pub const fn doing(&self) -> Doing {
+    pub const fn doing(&self) -> InstructionKind {
         self.doing
     }
 
@@ -96,10 +102,10 @@ impl Instruction {
 impl fmt::Display for Instruction {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.doing {
-            Doing::Nothing => return f.write_str("no instruction"),
-            Doing::Homing => return f.write_str("homing"),
-            Doing::Move => write!(f, "Move {}", self.ordinal)?,
-            Doing::Wait => write!(f, "Wait {}", self.ordinal)?,
+            InstructionKind::Nothing => return f.write_str("no instruction"),
+            InstructionKind::Homing => return f.write_str("homing"),
+            InstructionKind::Move => write!(f, "Move {}", self.ordinal)?,
+            InstructionKind::Wait => write!(f, "Wait {}", self.ordinal)?,
         }
         match self.by() {
             "" => Ok(()),
@@ -132,7 +138,9 @@ impl Wire for Instruction {
     fn get(words: &[u64]) -> Result<Self, BadWords> {
         let words = words.get(..Self::LEN).ok_or(BadWords)?;
         let level = if words[0] & OF_ECP != 0 { Level::Ecp } else { Level::Mp };
-        let doing = usize::try_from((words[0] & !OF_ECP) >> 32).ok().and_then(|place| Doing::ALL.get(place));
+        let doing = usize::try_from((words[0] & !OF_ECP) >> 32)
+            .ok()
+            .and_then(|place| InstructionKind::ALL.get(place));
         let mut by = [0; NAME];
         for (chunk, word) in by.as_chunks_mut::<8>().0.iter_mut().zip(&words[1..]) {
             *chunk = word.to_le_bytes();
@@ -151,10 +159,10 @@ mod tests {
     fn an_instruction_comes_back_from_its_words_and_is_shown_as_the_program_counts_it() {
         let by = TypeName::of::<Dwell>();
         for (doing, level, by, shown) in [
-            (Doing::Move, Level::Mp, by, "Move 7 (Dwell)"),
-            (Doing::Wait, Level::Ecp, by, "Wait 7 (Dwell)"),
-            (Doing::Move, Level::Mp, TypeName::NONE, "Move 7"),
-            (Doing::Homing, Level::Mp, TypeName::NONE, "homing"),
+            (InstructionKind::Move, Level::Mp, by, "Move 7 (Dwell)"),
+            (InstructionKind::Wait, Level::Ecp, by, "Wait 7 (Dwell)"),
+            (InstructionKind::Move, Level::Mp, TypeName::NONE, "Move 7"),
+            (InstructionKind::Homing, Level::Mp, TypeName::NONE, "homing"),
         ] {
             let one = Instruction::new(7, doing, level, by).expect("something is done");
             let mut words = [0; Instruction::LEN];
@@ -163,7 +171,7 @@ mod tests {
             assert_eq!(one.to_string(), shown);
             assert_eq!((one.ordinal(), one.is_of_ecp()), (7, level == Level::Ecp));
         }
-        assert_eq!(Instruction::new(7, Doing::Nothing, Level::Mp, by), None);
+        assert_eq!(Instruction::new(7, InstructionKind::Nothing, Level::Mp, by), None);
         assert_eq!(Instruction::get(&[u64::MAX; Instruction::LEN]), Err(BadWords));
         assert_eq!(Instruction::get(&[0]), Err(BadWords));
     }

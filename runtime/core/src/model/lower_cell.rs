@@ -10,7 +10,7 @@ use crate::model::pose::Pose;
 use crate::model::robot::{Limits, NoInverse, Robot};
 use crate::model::signals::{Signals, Values};
 
-/// The kind of a cell that obeys the MP of another cell, as one robot of that.
+/// The kind of a cell that serves the MP of another cell, as one robot of that.
 ///
 /// It takes *loose* orders, an `enum` with or without data, and has no joints: no [`Demand`](crate::generator::Demand) can be
 /// given to it. A program names it where it names the kinds of robots: `mp.robot::<LowerCell>("press")`,
@@ -70,7 +70,7 @@ impl Robot for LowerCell {
 /// What the MP of a lower cell tells the upper one of its cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CellStatus {
-    /// Its program awaits an order, or obeys one.
+    /// Its program awaits an order, or serves one.
     pub ready: bool,
     /// A fault is latched.
     pub latched: bool,
@@ -91,7 +91,7 @@ impl RobotImage<LowerCell> {
         RobotImage::unknown().with_signals(Signals { inputs, outputs: Values::OFF })
     }
 
-    /// Whether its program awaits an order, or obeys one.
+    /// Whether its program awaits an order, or serves one.
     #[must_use]
     pub const fn is_ready(&self) -> bool {
         self.signals().inputs.digital() & READY != 0

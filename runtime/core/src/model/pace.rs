@@ -15,7 +15,7 @@ pub enum Pace {
     Robot {
         /// How long the controller may say nothing before that is a fault of its drives. The other robots of the cell go on
         /// for so long: it is a part of the time that a stop takes, which `stop_ms` bounds.
-        patience: Duration,
+        timeout: Duration,
     },
 }
 

@@ -31,22 +31,23 @@ impl Payload for () {
     const TIGHT: bool = false;
 }
 
-/// The order of the nudging MP: the constant that starts every ECP program of a cell without an MP program.
+/// The order of the triggering MP: the constant that starts every ECP program of a cell without an MP program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Nudge;
+pub struct Trigger;
 
-impl Wire for Nudge {
+impl Wire for Trigger {
     const LEN: usize = 0;
+    // Its first name identifies it on the wire, as before.
     const LAYOUT: u64 = crate::model::wire::layout_hash(0, "mrroc::payload::Nudge");
     const SHAPE: &'static Shape = &Shape::Fields(&[]);
     fn put(&self, _: &mut [u64]) {}
     fn get(_: &[u64]) -> Result<Self, crate::model::wire::BadWords> {
-        Ok(Nudge)
+        Ok(Trigger)
     }
 }
 
-impl Payload for Nudge {
-    const NAME: &'static str = "Nudge";
+impl Payload for Trigger {
+    const NAME: &'static str = "Trigger";
     const TIGHT: bool = false;
 }
 

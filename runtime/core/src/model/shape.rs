@@ -107,6 +107,6 @@ mod tests {
         takes_what_it_shows::<Wrench>();
         takes_what_it_shows::<EffectorState>();
         takes_what_it_shows::<crate::model::name::Name>();
-        takes_what_it_shows::<crate::model::payload::Nudge>();
+        takes_what_it_shows::<crate::model::payload::Trigger>();
     }
 }

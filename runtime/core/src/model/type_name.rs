@@ -1,4 +1,4 @@
-//! The name of a generator or a condition, for those who look on.
+//! The name of a generator or a condition, for observers.
 //!
 //! In: its type. Out: the name that the program gives it, without paths and parameters.
 

@@ -6,7 +6,7 @@
 
 use crate::model::type_name::TypeName;
 use crate::model::wire::{BadWords, Wire, layout_hash};
-use crate::operator::state::Doing;
+use crate::operator::state::InstructionKind;
 
 /// Bytes of a name.
 const NAME: usize = 48;
@@ -17,7 +17,7 @@ pub struct Activity {
     /// How many instructions have begun.
     pub instructions: u64,
     /// What is done now.
-    pub doing: Doing,
+    pub doing: InstructionKind,
     /// Whether the operator has suspended the cell; always false of an ECP.
     pub suspended: bool,
     name: [u8; NAME],
@@ -25,26 +25,26 @@ pub struct Activity {
 
 impl Default for Activity {
     fn default() -> Self {
-        Activity { instructions: 0, doing: Doing::Nothing, suspended: false, name: [0; NAME] }
+        Activity { instructions: 0, doing: InstructionKind::Nothing, suspended: false, name: [0; NAME] }
     }
 }
 
 impl Activity {
     /// The same when one more instruction has begun, of this generator or condition.
     #[must_use]
-    pub fn begun(self, doing: Doing, by: TypeName) -> Activity {
+    pub fn begun(self, doing: InstructionKind, by: TypeName) -> Activity {
         Activity { instructions: self.instructions + 1, doing, name: by.bytes().0, ..self }
     }
 
     /// The same when it is over.
     #[must_use]
     pub fn over(self) -> Activity {
-        Activity { doing: Doing::Nothing, ..self }
+        Activity { doing: InstructionKind::Nothing, ..self }
     }
 
     /// The same when an instruction has begun, or is over where nothing is done from now on.
-    pub(crate) fn changed(self, doing: Doing, by: TypeName) -> Activity {
-        if doing == Doing::Nothing { self.over() } else { self.begun(doing, by) }
+    pub(crate) fn changed(self, doing: InstructionKind, by: TypeName) -> Activity {
+        if doing == InstructionKind::Nothing { self.over() } else { self.begun(doing, by) }
     }
 
     /// The generator or condition of the last instruction, or the first 48 bytes of its name; empty where there is none.
@@ -70,7 +70,7 @@ impl Wire for Activity {
 
     fn get(words: &[u64]) -> Result<Self, BadWords> {
         let words = words.get(..Self::LEN).ok_or(BadWords)?;
-        let doing = usize::try_from(words[1]).ok().and_then(|place| Doing::ALL.get(place));
+        let doing = usize::try_from(words[1]).ok().and_then(|place| InstructionKind::ALL.get(place));
         let mut name = [0; NAME];
         for (chunk, word) in name.as_chunks_mut::<8>().0.iter_mut().zip(&words[3..]) {
             *chunk = word.to_le_bytes();
@@ -89,18 +89,20 @@ mod tests {
 
     #[test]
     fn an_activity_comes_back_from_its_words() {
-        let begun = Activity::default().begun(Doing::Wait, TypeName::of::<Dwell>());
+        let begun = Activity::default().begun(InstructionKind::Wait, TypeName::of::<Dwell>());
         for activity in [Activity::default(), begun, begun.over(), Activity { suspended: true, ..begun }] {
             let mut words = [0; Activity::LEN];
             activity.put(&mut words);
             assert_eq!(Activity::get(&words), Ok(activity));
         }
-        assert_eq!((begun.instructions, begun.doing, begun.by()), (1, Doing::Wait, "Dwell"));
+        assert_eq!((begun.instructions, begun.doing, begun.by()), (1, InstructionKind::Wait, "Dwell"));
         assert_eq!((begun.over().instructions, begun.over().by()), (1, "Dwell"));
         assert_eq!(Activity::get(&[0, 99, 0]), Err(BadWords));
         assert_eq!(Activity::get(&[u64::MAX; Activity::LEN]), Err(BadWords));
-        let long =
-            begun.begun(Doing::Move, TypeName::of::<ŻAConditionWithANameThatHasMoreThanFortyEightBytesż>());
+        let long = begun.begun(
+            InstructionKind::Move,
+            TypeName::of::<ŻAConditionWithANameThatHasMoreThanFortyEightBytesż>(),
+        );
         assert!(long.by().starts_with("ŻACondition") && long.by().len() <= NAME);
     }
 }

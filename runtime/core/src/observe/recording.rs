@@ -12,7 +12,7 @@ use crate::model::frames::FrameSink;
 use crate::model::name::Name;
 use crate::model::time::{Clock, Nanos};
 use crate::observe::layout::Layout;
-use crate::observe::witness::Witness;
+use crate::observe::step_observer::StepObserver;
 
 /// Why a run is not recorded.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -117,7 +117,7 @@ pub struct FramesTo {
 }
 
 /// A run that is being recorded.
-pub trait RunRecord: Witness {
+pub trait RunRecord: StepObserver {
     /// Writes what is not written yet: the run is over.
     fn finish(&self);
 }

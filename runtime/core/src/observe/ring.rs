@@ -23,7 +23,7 @@ use crate::model::fault::ProcessId;
 use crate::model::time::{Clock, Nanos};
 use crate::model::wire::WORDS;
 use crate::observe::recording::RunRecord;
-use crate::observe::witness::{IMAGE_WORDS, What, Witness};
+use crate::observe::step_observer::{IMAGE_WORDS, StepEvent, StepObserver};
 
 const _: () = assert!(IMAGE_WORDS <= WORDS);
 
@@ -35,13 +35,13 @@ pub struct Record {
     /// Who has shown it.
     pub by: ProcessId,
     /// What it was.
-    pub what: What,
+    pub what: StepEvent,
     len: usize,
     words: [u64; WORDS],
 }
 
 impl Record {
-    fn new(time: Nanos, by: ProcessId, what: &What, words: &[u64]) -> Record {
+    fn new(time: Nanos, by: ProcessId, what: &StepEvent, words: &[u64]) -> Record {
         let mut record = Record { time, by, what: *what, len: words.len().min(WORDS), words: [0; WORDS] };
         record.words[..record.len].copy_from_slice(&words[..record.len]);
         record
@@ -77,7 +77,7 @@ pub trait Sink {
 
 /// What went wrong on the way from the step to the sink.
 #[derive(Debug)]
-pub enum Trouble {
+pub enum RingError {
     /// The thread is slower than the steps: records are being dropped.
     Slow,
     /// The sink has failed; nothing more is put into it.
@@ -97,10 +97,10 @@ pub enum Trouble {
 }
 
 /// Whether something that a process shows is to be put.
-pub type Asks = Box<dyn Fn(ProcessId, &What) -> bool>;
+pub type RecordFilter = Box<dyn Fn(ProcessId, &StepEvent) -> bool>;
 
 /// Tells of a trouble, on any thread.
-pub type Tell = Arc<dyn Fn(&Trouble) + Send + Sync>;
+pub type Tell = Arc<dyn Fn(&RingError) + Send + Sync>;
 
 /// What a ring is for.
 pub struct RingUse {
@@ -113,11 +113,11 @@ pub struct RingUse {
     /// How often what was put is handed on, at most once in a rest.
     pub flush: Duration,
     /// How long to wait for a thread that makes no progress, under the virtual clock and at the end.
-    pub patience: Duration,
+    pub timeout: Duration,
     /// The stack of the thread \[bytes\], which locked memory holds whole.
     pub stack: usize,
     /// What is to be put.
-    pub is_asked_for: Asks,
+    pub is_asked_for: RecordFilter,
     /// Tells what goes wrong.
     pub tell: Tell,
 }
@@ -133,7 +133,7 @@ struct Shared {
     closing: AtomicBool,
 }
 
-/// The witness of a run that passes what it sees to a thread.
+/// The observer of a run that passes what it sees to a thread.
 pub struct Ring {
     records: RefCell<Producer<Record>>,
     shared: Arc<Shared>,
@@ -154,7 +154,7 @@ impl Ring {
     pub fn begin(name: &str, about: RingUse, open: Open) -> io::Result<Ring> {
         let (mut records, mut taken) = RingBuffer::new(about.length);
         // Filling the ring once makes all its pages resident before the first step.
-        let blank = Record::new(0, ProcessId::MP, &What::Late { step: 0 }, &[]);
+        let blank = Record::new(0, ProcessId::MP, &StepEvent::Late { step: 0 }, &[]);
         while records.push(blank).is_ok() {}
         while taken.pop().is_ok() {}
         let shared = Arc::new(Shared::default());
@@ -178,7 +178,7 @@ impl Ring {
             let taken = self.shared.taken.load(Ordering::Acquire);
             if taken != seen {
                 (since, seen) = (Instant::now(), taken);
-            } else if since.elapsed() > self.about.patience {
+            } else if since.elapsed() > self.about.timeout {
                 self.stuck.set(Some(seen));
             }
             std::thread::sleep(Duration::from_micros(50));
@@ -199,11 +199,11 @@ impl Ring {
             let now = progress();
             if now != seen {
                 (since, seen) = (Instant::now(), now);
-            } else if since.elapsed() > self.about.patience {
+            } else if since.elapsed() > self.about.timeout {
                 let records = self.records.borrow();
                 let lost = records.buffer().capacity() - records.slots();
                 let lost = lost as u64 + self.shared.dropped.load(Ordering::Acquire);
-                (self.about.tell)(&Trouble::Stuck { lost });
+                (self.about.tell)(&RingError::Stuck { lost });
                 return;
             }
             std::thread::sleep(Duration::from_micros(200));
@@ -217,8 +217,8 @@ impl RunRecord for Ring {
     }
 }
 
-impl Witness for Ring {
-    fn see(&self, time: Nanos, by: ProcessId, what: &What, words: &[u64]) {
+impl StepObserver for Ring {
+    fn see(&self, time: Nanos, by: ProcessId, what: &StepEvent, words: &[u64]) {
         if !(self.about.is_asked_for)(by, what) {
             return;
         }
@@ -261,7 +261,7 @@ impl Thread {
             }
             let dropped = self.shared.dropped.load(Ordering::Acquire);
             if dropped > 0 && sink.is_some() && !core::mem::replace(&mut warned, true) {
-                (self.tell)(&Trouble::Slow);
+                (self.tell)(&RingError::Slow);
             }
             if closing {
                 break;
@@ -277,7 +277,7 @@ impl Thread {
         self.attempt(&mut sink, |sink| sink.finish(dropped));
         let lost = count(&self.shared.dropped);
         if lost > 0 {
-            (self.tell)(&Trouble::Lost { lost, of: put + lost });
+            (self.tell)(&RingError::Lost { lost, of: put + lost });
         }
     }
 
@@ -304,6 +304,6 @@ impl Thread {
 
     /// Once: after it nothing more is put.
     fn fail(&self, error: io::Error) {
-        (self.tell)(&Trouble::Failed(error));
+        (self.tell)(&RingError::Failed(error));
     }
 }

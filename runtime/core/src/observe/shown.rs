@@ -1,4 +1,4 @@
-//! What a robot's program shows to those who look on: which stroke it engraves, say.
+//! What a robot's program shows to observers: which stroke it engraves, say.
 //!
 //! In: values that the program sets. Out: the same to observers, in the same process or, where the cell runs as processes,
 //! in the plant, over a board. Nothing in a cell acts on it.

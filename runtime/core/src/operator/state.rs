@@ -7,7 +7,7 @@ use crate::model::signals::Signals;
 use crate::model::time::Nanos;
 use crate::model::type_name::TypeName;
 
-pub use crate::model::instruction::Doing;
+pub use crate::model::instruction::InstructionKind;
 
 use super::button::{Answer, Button, CellState};
 use super::jog::JogStop;
@@ -24,7 +24,7 @@ pub struct MpState {
     /// Moves and Waits that the program has begun, since its first line.
     pub instructions: u64,
     /// What is done now.
-    pub doing: Doing,
+    pub doing: InstructionKind,
     /// The generator or condition of the last instruction. An MP without a program of its own has none: it lets the
     /// programs of the ECPs run.
     pub by: TypeName,
@@ -54,7 +54,7 @@ pub struct MpState {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct EcpState {
     /// What is done now.
-    pub doing: Doing,
+    pub doing: InstructionKind,
     /// The generator or condition of the last instruction.
     pub by: TypeName,
     /// Why its robot stands though it is jogged.

@@ -84,7 +84,7 @@ impl Fault {
             }
             K::PayloadMismatch => {
                 return Some(
-                    "use the same type of order in the generator of the MP and in the `obey` of the ECP",
+                    "use the same type of order in the generator of the MP and in the `serve` of the ECP",
                 );
             }
             K::FinishedEarly => {

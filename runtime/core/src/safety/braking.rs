@@ -11,7 +11,7 @@ use crate::model::robot::Limits;
 use crate::safety::ramp::steepest;
 use crate::safety::rate::smaller;
 
-/// How fast arms may slow down on their screw, so that no robot of an instruction exceeds its limits.
+/// How fast arms may slow down on their twist, so that no robot of an instruction exceeds its limits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BrakingLaw {
     /// The share of the present speed by which the speed may fall in a second \[1/s\].
@@ -39,7 +39,7 @@ impl BrakingLaw {
     }
 }
 
-/// The share of an acceleration limit that braking on a screw uses at most. The rest is for the curvature of the screw in joint
+/// The share of an acceleration limit that braking on a twist uses at most. The rest is for the curvature of the twist in joint
 /// space, which leaves less where it takes more.
 pub(crate) const SHARE: f64 = 0.8;
 

@@ -153,7 +153,7 @@ impl Latching {
 
 /// What a message asks of a process, as far as its gate is concerned.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub(crate) enum Asked {
+pub(crate) enum GateRequest {
     /// To move, or to open what will move.
     Move,
     /// To tell its state, to come to rest: nothing that could move a robot that stands.
@@ -193,21 +193,21 @@ impl Gate {
     /// The gate after a message of an epoch, and what becomes of that; `stands` says whether the robot does.
     #[must_use]
     #[inline]
-    pub const fn meet(self, epoch: u32, asked: Asked, stands: bool) -> (Gate, Admission) {
+    pub const fn meet(self, epoch: u32, asked: GateRequest, stands: bool) -> (Gate, Admission) {
         if epoch < self.epoch {
             return (self, Admission::Ignored);
         }
         let newer = epoch > self.epoch;
         match asked {
             // A stop of an epoch whose reset was lost is a stop.
-            Asked::Stop => (Gate { epoch, shut: true }, Admission::Done),
-            Asked::Reset if !newer => (self, Admission::Ignored),
+            GateRequest::Stop => (Gate { epoch, shut: true }, Admission::Done),
+            GateRequest::Reset if !newer => (self, Admission::Ignored),
             // A robot that was not stopped, or still moves, is not reset.
-            Asked::Reset if !self.shut || !stands => (Gate { epoch, shut: true }, Admission::Refused),
-            Asked::Reset => (Gate { epoch, shut: false }, Admission::Done),
-            Asked::Move | Asked::Look if newer => (self, Admission::Ignored),
-            Asked::Move if self.shut => (self, Admission::Refused),
-            Asked::Move | Asked::Look => (self, Admission::Done),
+            GateRequest::Reset if !self.shut || !stands => (Gate { epoch, shut: true }, Admission::Refused),
+            GateRequest::Reset => (Gate { epoch, shut: false }, Admission::Done),
+            GateRequest::Move | GateRequest::Look if newer => (self, Admission::Ignored),
+            GateRequest::Move if self.shut => (self, Admission::Refused),
+            GateRequest::Move | GateRequest::Look => (self, Admission::Done),
         }
     }
 }

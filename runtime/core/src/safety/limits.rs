@@ -19,8 +19,8 @@ use crate::model::joints::JointVector;
 use crate::model::pose::Pose;
 use crate::model::robot::Robot;
 use crate::safety::braking::BrakingLaw;
-use crate::safety::rate::RateHeadroom;
-use crate::safety::screw::Bridging;
+use crate::safety::common_twist::Bridging;
+use crate::safety::rate::RateMargin;
 
 use checks::{CheckedStep, Checks, Proposed, Standstill};
 use curvature::Curvature;
@@ -31,7 +31,7 @@ pub(crate) use poses::{DISAGREEMENT, NOT_ATTAINABLE, NOT_FOUND, NOT_REDUNDANT};
 use poses::{ToolPose, valid_frame};
 use rates::Pace;
 use state::JointState;
-use ways::Next;
+use ways::NextState;
 
 mod catching_up;
 mod checks;
@@ -163,11 +163,11 @@ impl<R: Robot> Acceptor<R> {
     }
 
     /// How fast the rate may change now.
-    pub fn headroom(&self) -> RateHeadroom {
-        self.pace.headroom(self.checks.robot.limits())
+    pub fn rate_margin(&self) -> RateMargin {
+        self.pace.rate_margin(self.checks.robot.limits())
     }
 
-    /// How fast the robot may slow down on its screw from here, in steps of `period` \[s\].
+    /// How fast the robot may slow down on its twist from here, in steps of `period` \[s\].
     pub fn braking_law(&self, period: f64) -> BrakingLaw {
         rates::braking_law(&self.state, &self.curvature(), self.checks.robot.limits(), period)
     }
@@ -372,7 +372,7 @@ impl<R: Robot> Acceptor<R> {
     }
 
     /// A state that has been checked is the present one.
-    fn take(&mut self, next: Next<R::Joints>, duration: f64) -> AcceptedDemand<R> {
+    fn take(&mut self, next: NextState<R::Joints>, duration: f64) -> AcceptedDemand<R> {
         self.state.go_to(next.position, next.velocity, duration);
         self.track = next.track;
         AcceptedDemand::new(next.position)

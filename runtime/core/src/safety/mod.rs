@@ -5,9 +5,9 @@
 
 pub(crate) mod advice;
 pub(crate) mod braking;
+pub(crate) mod common_twist;
 pub(crate) mod latch;
 pub(crate) mod limits;
 mod ramp;
 pub(crate) mod rate;
-pub(crate) mod screw;
 pub(crate) mod stopping;

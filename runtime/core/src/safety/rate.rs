@@ -1,14 +1,14 @@
 //! The feed rate: how fast path time passes, from 0 (suspended) to 1 (as planned).
 //!
 //! The MP alone changes it, by a bounded amount per second and within what every robot of the instruction
-//! reported as its headroom; the path time of a step travels in every order, so all robots slow down in the
+//! reported as its rate margin; the path time of a step travels in every order, so all robots slow down in the
 //! same step.
 
 use crate::safety::ramp::steepest;
 
 /// How fast the rate may change without breaking a limit.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RateHeadroom {
+pub struct RateMargin {
     /// Largest rise \[1/s\].
     pub rise: f64,
     /// Largest fall \[1/s\].
@@ -44,9 +44,9 @@ impl FullRate {
     }
 }
 
-impl RateHeadroom {
-    /// The headroom of a robot that stands: nothing limits the rate.
-    pub const UNLIMITED: RateHeadroom = RateHeadroom {
+impl RateMargin {
+    /// The rate margin of a robot that stands: nothing limits the rate.
+    pub const UNLIMITED: RateMargin = RateMargin {
         rise: f64::INFINITY,
         fall: f64::INFINITY,
         bend: f64::INFINITY,
@@ -54,11 +54,11 @@ impl RateHeadroom {
         most: 1.0,
     };
 
-    /// The headroom of two robots together: the smaller of each value.
+    /// The rate margin of two robots together: the smaller of each value.
     #[must_use]
     #[inline]
-    pub fn and(self, other: RateHeadroom) -> RateHeadroom {
-        RateHeadroom {
+    pub fn and(self, other: RateMargin) -> RateMargin {
+        RateMargin {
             rise: smaller(self.rise, other.rise),
             fall: smaller(self.fall, other.fall),
             bend: smaller(self.bend, other.bend),
@@ -91,7 +91,7 @@ pub(crate) struct Feed {
     slope: f64,
     /// Largest change of the rate [1/s].
     change: f64,
-    headroom: RateHeadroom,
+    margin: RateMargin,
 }
 
 /// From full speed to a standstill in 0.2 s, when the robots leave room for it.
@@ -99,7 +99,7 @@ pub(crate) const DEFAULT_CHANGE: f64 = 5.0;
 
 impl Feed {
     pub fn new(change: f64) -> Feed {
-        Feed { rate: 1.0, slope: 0.0, change, headroom: RateHeadroom::UNLIMITED }
+        Feed { rate: 1.0, slope: 0.0, change, margin: RateMargin::UNLIMITED }
     }
 
     /// The rate now, 0 ..= 1.
@@ -109,8 +109,8 @@ impl Feed {
 
     /// A robot's report of the step that ended.
     #[inline]
-    pub fn limit(&mut self, headroom: RateHeadroom) {
-        self.headroom = self.headroom.and(headroom);
+    pub fn limit(&mut self, margin: RateMargin) {
+        self.margin = self.margin.and(margin);
     }
 
     /// The rate of the next step, of `duration` \[s\], on the way to `wanted`.
@@ -118,12 +118,12 @@ impl Feed {
         if duration <= 0.0 {
             return self.rate;
         }
-        let RateHeadroom { rise, fall, bend, full, most } = self.headroom;
+        let RateMargin { rise, fall, bend, full, most } = self.margin;
         let wanted = wanted.min(most).clamp(0.0, 1.0);
         let left = wanted - self.rate;
         if left == 0.0 && self.slope == 0.0 {
             // As nearly always: it is there, and stays.
-            self.headroom = RateHeadroom::UNLIMITED;
+            self.margin = RateMargin::UNLIMITED;
             return self.rate;
         }
         // A rate that falls may bend by more, the lower it is; one that rises, by less.
@@ -139,7 +139,7 @@ impl Feed {
         let next = self.rate + self.slope * duration;
         let arrives = (next - wanted).abs() <= 4.0 * f64::EPSILON;
         self.rate = if arrives { wanted } else { next.clamp(0.0, 1.0) };
-        self.headroom = RateHeadroom::UNLIMITED;
+        self.margin = RateMargin::UNLIMITED;
         self.rate
     }
 
@@ -148,33 +148,33 @@ impl Feed {
     pub fn follow(&mut self, rate: f64, duration: f64) {
         self.slope = if duration > 0.0 { (rate - self.rate) / duration } else { 0.0 };
         self.rate = rate;
-        self.headroom = RateHeadroom::UNLIMITED;
+        self.margin = RateMargin::UNLIMITED;
     }
 
     /// At a standstill nothing needs a ramp: a new motion starts at the wanted rate.
     pub fn reset(&mut self, wanted: f64) {
         self.rate = wanted;
         self.slope = 0.0;
-        self.headroom = RateHeadroom::UNLIMITED;
+        self.margin = RateMargin::UNLIMITED;
     }
 }
 
 /// The longest time in which a rate comes to 0 in steps of `period` \[s\], when it changes by at most `change` \[1/s\] and within
-/// this headroom at each rate: from 1, or from where it still rises.
-pub(crate) fn path_stop_time(change: f64, period: f64, headroom: impl Fn(f64) -> RateHeadroom) -> f64 {
+/// this rate margin at each rate: from 1, or from where it still rises.
+pub(crate) fn path_stop_time(change: f64, period: f64, margin: impl Fn(f64) -> RateMargin) -> f64 {
     // From below three quarters less is left than a rise that is turned round takes.
     const RATES: u32 = 16;
-    let rises = headroom(1.0).bend.is_finite();
+    let rises = margin(1.0).bend.is_finite();
     let steps = (0..=if rises { RATES } else { 0 }).map(|part| {
         let rate = 1.0 - 0.25 * (f64::from(part) / f64::from(RATES)).powi(2);
-        let RateHeadroom { rise, full, .. } = headroom(rate);
+        let RateMargin { rise, full, .. } = margin(rate);
         let landing = steepest((1.0 - rate) / period, full.bend * period);
         let slope = change.min(rise).min(full.rise_at(rate)).min(landing);
         let mut feed = Feed { rate, slope, ..Feed::new(change) };
         let mut steps = 0_u32;
-        // What has a finite headroom comes to 0; limits that are wrong are found elsewhere.
+        // What has a finite rate margin comes to 0; limits that are wrong are found elsewhere.
         while (feed.rate > 0.0 || feed.slope > 0.0) && steps < 100_000 {
-            feed.limit(headroom(feed.rate));
+            feed.limit(margin(feed.rate));
             feed.advance(0.0, period);
             steps += 1;
         }

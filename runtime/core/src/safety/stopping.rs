@@ -20,7 +20,7 @@ pub fn missed_step_budget(step: Duration) -> u32 {
     u32::try_from(20_000_000_u128.div_ceil(step)).unwrap_or(u32::MAX)
 }
 
-/// Missed steps that an EDP goes on for along the screw of robots that move together. An MP that has had no answer from one of
+/// Missed steps that an EDP goes on for along the twist of robots that move together. An MP that has had no answer from one of
 /// them for so many steps stops all: each of them begins in the same step, whether the order of the first of these steps has
 /// come to it or not (decision 8).
 ///
@@ -64,7 +64,7 @@ pub(crate) fn longest_braking<J: JointVector>(limits: &Limits<J>) -> f64 {
 }
 
 /// Steps within which every joint of a robot must stand after a stop began: detection, braking with the share of its
-/// acceleration that it brakes with on a screw, and what its drives lie behind its demands, at most `delay`. Robots that move
+/// acceleration that it brakes with on a twist, and what its drives lie behind its demands, at most `delay`. Robots that move
 /// together brake as the slowest of them does: the bound of a cell is the largest of its robots'.
 pub(crate) fn stop_steps<J: JointVector>(limits: &Limits<J>, step: Duration, delay: Duration) -> u64 {
     let seconds = detection_time(step) + longest_braking(limits) / SHARE + delay.max(2 * step).as_secs_f64();
@@ -116,14 +116,14 @@ mod tests {
         let (step, millis) = (Duration::from_millis(2), Duration::from_millis);
         assert_eq!(noticing_time(step, millis(10)), detection_time(step));
         assert_eq!(noticing_time(step, millis(400)), 0.4);
-        // 1.0 / 10 s of braking, on a screw 1.0 / 8 s; 21 ms, 8 ms.
+        // 1.0 / 10 s of braking, on a twist 1.0 / 8 s; 21 ms, 8 ms.
         let steps = stop_steps(&limits(1.0, 10.0, None), Duration::from_millis(1), Duration::from_millis(8));
         assert!((154..=155).contains(&steps), "{steps}");
     }
 
     #[test]
     fn a_protective_stop_has_what_a_fault_stop_leaves_of_the_time() {
-        // 600 ms less 1.0 / 10 s of braking, on a screw 1.0 / 8 s, 8 ms and two steps.
+        // 600 ms less 1.0 / 10 s of braking, on a twist 1.0 / 8 s, 8 ms and two steps.
         let millis = Duration::from_millis;
         assert_eq!(path_stop_steps(millis(600), 0.1, millis(2), millis(8)), (600 - 125 - 8 - 4) / 2);
         assert_eq!(path_stop_steps(millis(100), 0.1, millis(2), millis(8)), 0);
@@ -138,7 +138,7 @@ mod tests {
     }
 
     #[test]
-    fn a_stop_is_awaited_for_detection_braking_on_a_screw_and_the_delay_of_the_drives() {
+    fn a_stop_is_awaited_for_detection_braking_on_a_twist_and_the_delay_of_the_drives() {
         // 20 ms are 5 steps of 4 ms, and one: 24 ms. (1/2 + 2.5 * 2/10) / 0.8 = 1.25 s. 10.1 ms of delay: 1284.1 ms.
         let arm = limits(1.0, 2.0, Some(10.0));
         let millis = Duration::from_millis;

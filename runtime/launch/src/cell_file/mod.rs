@@ -49,10 +49,10 @@
 //! start = [0.0, -1.57, 1.57, -1.57, -1.57, 0.0]
 //!
 //! stop_ms = 800      # the longest stop that this robot may take [ms]; that of the cell unless it is said
-//! plant = { port = "mujoco", patience_ms = 10000 }   # it moves in a simulator that others wrote, found by this name and waited
+//! plant = { port = "mujoco", timeout_ms = 10000 }   # it moves in a simulator that others wrote, found by this name and waited
 //!                                                     # for so long [ms]; 10 s unless it is said
 //!
-//! [cells.press]      # a cell that obeys this one, as one of its robots
+//! [cells.press]      # a cell that serves this one, as one of its robots
 //! file = "press.toml"   # its own file, in the folder of this file
 //!
 //! [sensors.touch]    # a virtual sensor of this name
@@ -290,7 +290,7 @@ impl CellFile {
     }
 
     /// The sensors whose programs are on other machines.
-    pub fn doors(&self) -> impl Iterator<Item = &ExternalEntry> {
+    pub fn gateways(&self) -> impl Iterator<Item = &ExternalEntry> {
         let external = self.sensors.iter().filter_map(|sensor| sensor.external.as_ref());
         external.filter(|external| external.address().is_some())
     }

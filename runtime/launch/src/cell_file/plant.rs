@@ -15,14 +15,14 @@ pub struct PlantEntry {
     pub(super) robot: String,
     pub(super) port: String,
     pub(super) span: Range<usize>,
-    pub(super) patience: Duration,
+    pub(super) timeout: Duration,
     /// The robots of this port, this one among them, in the order of the file.
     pub(super) robots: Vec<String>,
 }
 
 impl PlantEntry {
     /// How long a simulator is waited for if the file does not say it.
-    pub(super) const PATIENCE: Duration = Duration::from_secs(10);
+    pub(super) const TIMEOUT: Duration = Duration::from_secs(10);
 
     /// The robot's name.
     #[must_use]
@@ -42,11 +42,11 @@ impl PlantEntry {
         &self.robots
     }
 
-    /// `patience_ms`: how long the simulator is waited for, when the cell begins and, under the virtual clock, in each servo
+    /// `timeout_ms`: how long the simulator is waited for, when the cell begins and, under the virtual clock, in each servo
     /// period.
     #[must_use]
-    pub const fn patience(&self) -> Duration {
-        self.patience
+    pub const fn timeout(&self) -> Duration {
+        self.timeout
     }
 
     /// Refuses a robot whose own drives are real, or do not know where it is.

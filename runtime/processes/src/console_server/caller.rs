@@ -1,7 +1,7 @@
 //! A console's side of the connection.
 //!
 //! In: the path of a cell's file, then requests. Out: a connection to the console server of that cell, then its answers
-//! and pictures. Nothing here waits for longer than [`PATIENCE`].
+//! and pictures. Nothing here waits for longer than [`TIMEOUT`].
 
 use std::io::{self, BufReader, ErrorKind, Write};
 use std::os::unix::net::UnixStream;
@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 use rustix::net::sockopt::{Timeout, set_socket_timeout, socket_peercred};
 use rustix::net::{AddressFamily, SocketAddrUnix, SocketFlags, SocketType, connect, socket_with};
 
-use super::protocol::{Addressed, Heard, OnBehalf, Reply, Request};
+use super::protocol::{Addressed, ConsoleMessage, OnBehalf, Reply, Request};
 use super::service::SOCKET;
 use crate::board::StateBoard;
 use crate::identity::{CellId, Holder};
@@ -21,7 +21,7 @@ use mrroc_core::fault::Name;
 use mrroc_core::operator::button::Button;
 
 /// How long a console waits for the cell to take its connection, its request, and to answer.
-pub(super) const PATIENCE: Duration = Duration::from_secs(5);
+pub(super) const TIMEOUT: Duration = Duration::from_secs(5);
 
 /// The error of a connection to a cell that has ended.
 pub const ENDED: &str = "the cell has ended";
@@ -53,8 +53,8 @@ pub(crate) enum NoCell {
     },
     /// The cell runs, but its launcher does not take the connection.
     #[error(
-        "the cell of {0} has not answered for {patience} s: its launcher stands still\n help: see `ps -ef`; let it go on by kill -CONT and its number",
-        patience = PATIENCE.as_secs()
+        "the cell of {0} has not answered for {timeout} s: its launcher stands still\n help: see `ps -ef`; let it go on by kill -CONT and its number",
+        timeout = TIMEOUT.as_secs()
     )]
     Silent(PathBuf),
     /// The folder of sessions cannot be read.
@@ -65,16 +65,16 @@ pub(crate) enum NoCell {
 /// A connection to the console server of a running cell, with both directions.
 pub struct Caller {
     /// The direction to the console server.
-    pub asks: Asks,
+    pub asks: RequestSender,
     /// The direction from the console server.
-    pub hears: Hears,
+    pub hears: ReplyReceiver,
 }
 
 /// Whether the cell still runs.
 type Runs = Box<dyn Fn() -> bool + Send>;
 
 /// The direction from a console to the console server.
-pub struct Asks {
+pub struct RequestSender {
     stream: UnixStream,
     /// The lower cell that is asked; the uppermost one if none.
     cell: Option<Name>,
@@ -85,7 +85,7 @@ pub struct Asks {
 }
 
 /// The direction from the console server to a console.
-pub struct Hears {
+pub struct ReplyReceiver {
     stream: BufReader<UnixStream>,
     launcher: Option<u32>,
     runs: Runs,
@@ -142,14 +142,14 @@ impl Caller {
     fn connect(address: &SocketAddrUnix, runs: Runs) -> io::Result<Caller> {
         let socket = socket_with(AddressFamily::UNIX, SocketType::STREAM, SocketFlags::CLOEXEC, None)?;
         for direction in [Timeout::Send, Timeout::Recv] {
-            set_socket_timeout(&socket, direction, Some(PATIENCE))?;
+            set_socket_timeout(&socket, direction, Some(TIMEOUT))?;
         }
         connect(&socket, address)?;
         let launcher =
             socket_peercred(&socket).ok().map(|peer| peer.pid.as_raw_nonzero().get().unsigned_abs());
         let stream = UnixStream::from(socket);
-        let asks = Asks { stream: stream.try_clone()?, cell: None, launcher, board: None };
-        Ok(Caller { asks, hears: Hears { stream: BufReader::new(stream), launcher, runs } })
+        let asks = RequestSender { stream: stream.try_clone()?, cell: None, launcher, board: None };
+        Ok(Caller { asks, hears: ReplyReceiver { stream: BufReader::new(stream), launcher, runs } })
     }
 
     /// The same connection, to ask a lower cell.
@@ -162,7 +162,7 @@ impl Caller {
     ///
     /// # Errors
     /// The cell does not answer in time, the console server is gone, or what came is neither an answer nor a picture.
-    pub fn ask(&mut self, request: &Request) -> io::Result<Heard> {
+    pub fn ask(&mut self, request: &Request) -> io::Result<ConsoleMessage> {
         self.ask_for(request, None)
     }
 
@@ -170,7 +170,7 @@ impl Caller {
     ///
     /// # Errors
     /// As of [`ask`](Caller::ask).
-    pub fn ask_for(&mut self, request: &Request, by: Option<OnBehalf>) -> io::Result<Heard> {
+    pub fn ask_for(&mut self, request: &Request, by: Option<OnBehalf>) -> io::Result<ConsoleMessage> {
         let heard = match self.asks.ask_for(request, by) {
             Err(error) if error.kind() == ErrorKind::TimedOut => Err(error),
             // A console server that has hung up may have said why.
@@ -178,14 +178,14 @@ impl Caller {
         };
         match heard {
             Err(error) if error.kind() == ErrorKind::TimedOut && self.asks.stop_has_begun(request) => {
-                Ok(Heard::Reply(Reply::Done(format!("stop: the MP stops the robots, but {error}"))))
+                Ok(ConsoleMessage::Reply(Reply::Done(format!("stop: the MP stops the robots, but {error}"))))
             }
             heard => heard,
         }
     }
 }
 
-impl Asks {
+impl RequestSender {
     /// From now on asks this lower cell, or the uppermost one.
     pub(crate) fn of(&mut self, cell: Option<Name>) {
         self.cell = cell;
@@ -228,13 +228,13 @@ impl Asks {
     }
 }
 
-impl Hears {
+impl ReplyReceiver {
     /// Waits for the next answer or picture.
     ///
     /// # Errors
     /// None comes in time, the console server is gone, or what came is neither an answer nor a picture.
-    pub fn hear(&mut self) -> io::Result<Heard> {
-        match Heard::read(&mut self.stream) {
+    pub fn hear(&mut self) -> io::Result<ConsoleMessage> {
+        match ConsoleMessage::read(&mut self.stream) {
             Ok(Some(heard)) => Ok(heard),
             Ok(None) => Err(self.end()),
             Err(error) if error.kind() == ErrorKind::ConnectionReset => Err(self.end()),
@@ -265,7 +265,7 @@ fn told(error: io::Error, launcher: Option<u32>) -> io::Error {
     if !is_timeout(&error) {
         return error;
     }
-    let seconds = PATIENCE.as_secs();
+    let seconds = TIMEOUT.as_secs();
     let why = match launcher {
         Some(pid) if is_stopped(pid) => format!(
             "its launcher, process {pid}, was stopped by a signal\n help: the cell stops its robots by itself; let the \

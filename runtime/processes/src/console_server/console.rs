@@ -18,7 +18,7 @@ pub(super) const MAX_OUTPUT: usize = 1 << 19;
 
 /// The request of a console that has not been answered yet.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Asked {
+pub(super) enum PendingRequest {
     Nothing,
     /// A button, while another press of its kind is under way.
     Press(Button),
@@ -31,9 +31,9 @@ pub(super) struct Console {
     /// Its ordinal among all consoles of the session.
     pub id: u64,
     pub pid: u32,
-    pub asked: Asked,
-    /// Which MP its last request is for, and which one it watches, by the places of their desks.
-    pub desk: usize,
+    pub asked: PendingRequest,
+    /// Which MP its last request is for, and which one it watches, by the places of their sessions.
+    pub session: usize,
     pub watched: usize,
     /// When it gets its next picture, if it watches.
     pub watches: Option<Instant>,
@@ -63,8 +63,8 @@ impl Console {
         Ok(Console {
             id,
             pid,
-            asked: Asked::Nothing,
-            desk: 0,
+            asked: PendingRequest::Nothing,
+            session: 0,
             watched: 0,
             watches: None,
             is_served: false,
@@ -87,7 +87,7 @@ impl Console {
 
     /// Whether to wait until it sends something.
     pub fn is_listened_to(&self) -> bool {
-        self.asked == Asked::Nothing && !self.silent && !self.has_line()
+        self.asked == PendingRequest::Nothing && !self.silent && !self.has_line()
     }
 
     /// Whether to wait until it can take more text.
@@ -114,7 +114,7 @@ impl Console {
 
     /// The next request, without its line end, if the one before is answered.
     pub fn line(&mut self) -> Option<Vec<u8>> {
-        if self.asked != Asked::Nothing || self.is_written_to() {
+        if self.asked != PendingRequest::Nothing || self.is_written_to() {
             return None;
         }
         if let Some(end) = self.input.iter().position(|&byte| byte == b'\n') {
@@ -171,7 +171,7 @@ impl Console {
             };
             self.commands.push(Command { answered: monotonic(), outcome, answer: answer.clone(), ..command });
         }
-        self.asked = Asked::Nothing;
+        self.asked = PendingRequest::Nothing;
         self.write(&format!("{reply}\n"));
     }
 
@@ -207,7 +207,7 @@ impl Console {
 
     /// Whether it can be removed: it has gone, or it has sent its last request and got the answer.
     pub fn is_over(&self) -> bool {
-        let answered = self.asked == Asked::Nothing && !self.is_written_to() && !self.has_line();
+        let answered = self.asked == PendingRequest::Nothing && !self.is_written_to() && !self.has_line();
         self.gone || (self.silent && answered && self.watches.is_none())
     }
 }

@@ -15,7 +15,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Instant;
 
-use super::desk::Desk;
+use super::mp_session::MpSession;
 use super::service::{SOCKET, Service};
 use crate::board::StateBoard;
 use crate::control::Frame;
@@ -71,7 +71,7 @@ impl ConsoleServer {
         listeners.iter().try_for_each(|listener| listener.set_nonblocking(true))?;
         let seats: Vec<_> =
             process_set.map(|(id, pid)| Seat { id, pid, runs: true, figures: Figures::default() }).collect();
-        let desks = Desk::of(seats.iter().map(|seat| seat.id));
+        let sessions = MpSession::of(seats.iter().map(|seat| seat.id));
         let seats = Arc::new(Mutex::new(seats));
         let (wakes, waker) = UnixStream::pair()?;
         wakes.set_nonblocking(true)?;
@@ -87,7 +87,7 @@ impl ConsoleServer {
             presses: sender,
             waker,
             consoles: Vec::new(),
-            desks,
+            sessions,
             ids: 0,
             strangers: BTreeSet::new(),
             record,

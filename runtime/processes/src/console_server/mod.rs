@@ -5,23 +5,23 @@
 //! cell.
 //!
 //! [`protocol`] defines what the two sides write, [`picture`] and [`beside`] the state of the cell that is shown. On the launcher's
-//! side [`service`] is the server's thread, [`handle`] the launcher's handle of it, [`console`] one connection, [`desk`]
+//! side [`service`] is the server's thread, [`handle`] the launcher's handle of it, [`console`] one connection, [`mp_session`]
 //! what is asked of one MP, and [`presses`] the way of presses to the MP and back. [`caller`] is the console's side.
 
 mod beside;
 mod caller;
 mod console;
-mod desk;
 mod handle;
+mod mp_session;
 mod picture;
 mod presses;
 mod protocol;
 mod service;
 
 pub use beside::{BodyPicture, CarriedPicture, ReadingPicture};
-pub use caller::{Asks, Caller, ENDED, Hears};
+pub use caller::{Caller, ENDED, ReplyReceiver, RequestSender};
 pub(super) use handle::ConsoleServer;
 pub use picture::{CellPicture, Picture, ProcessPicture, RobotPicture};
 pub(super) use protocol::Addressed;
-pub use protocol::{Heard, MAX_REQUEST, OnBehalf, Reply, Request};
+pub use protocol::{ConsoleMessage, MAX_REQUEST, OnBehalf, Reply, Request};
 pub(super) use service::CONNECTIONS;

@@ -13,7 +13,7 @@ use crate::figures::{FIGURES_WORDS, Figures};
 use mrroc_core::link::places::MAX_PROCESSES;
 use mrroc_core::operator::button::CellState;
 use mrroc_core::operator::jog::JogStop;
-use mrroc_core::operator::state::Doing;
+use mrroc_core::operator::state::InstructionKind;
 use mrroc_core::payload::Wire;
 use mrroc_core::pose::Pose;
 use mrroc_core::robot::MAX_JOINTS;
@@ -45,7 +45,7 @@ pub struct Picture {
     /// Number of instructions begun.
     pub instructions: u64,
     /// The kind of the present instruction.
-    pub doing: Doing,
+    pub doing: InstructionKind,
     /// The name of the present instruction's generator or condition; empty where the MP has no program of its own and
     /// lets those of the ECPs run.
     pub by: String,
@@ -87,7 +87,7 @@ pub struct CellPicture {
     /// The speed that its own operator has set, as a share of the planned speed, 0 to 1.
     pub speed: f64,
     /// The kind of its present instruction.
-    pub doing: Doing,
+    pub doing: InstructionKind,
     /// The name of the present instruction's generator or condition.
     pub by: String,
     /// The fault that ended its last instruction that failed.
@@ -121,7 +121,7 @@ pub struct RobotPicture {
     /// The pose of its tool at the measured joints, `X_WE`; of a mounted robot, in the flange that carries it.
     pub tool: Pose,
     /// What the program of its ECP does now.
-    pub doing: Doing,
+    pub doing: InstructionKind,
     /// The name of the generator or condition of that program's last instruction; empty before the first one, and where
     /// the ECP has no program of its own.
     pub by: String,
@@ -191,8 +191,11 @@ impl Picture {
     #[must_use]
     pub fn by_whom(&self) -> &str {
         match self.doing {
-            Doing::Move if self.by.is_empty() => "of each robot by its own program",
-            Doing::Nothing | Doing::Homing | Doing::Move | Doing::Wait => &self.by,
+            InstructionKind::Move if self.by.is_empty() => "of each robot by its own program",
+            InstructionKind::Nothing
+            | InstructionKind::Homing
+            | InstructionKind::Move
+            | InstructionKind::Wait => &self.by,
         }
     }
 }
@@ -215,8 +218,10 @@ impl RobotPicture {
     #[must_use]
     pub fn motion(&self) -> String {
         match self.doing {
-            Doing::Nothing => String::new(),
-            Doing::Homing | Doing::Move | Doing::Wait => format!(": {} {}", self.doing.word(), self.by),
+            InstructionKind::Nothing => String::new(),
+            InstructionKind::Homing | InstructionKind::Move | InstructionKind::Wait => {
+                format!(": {} {}", self.doing.word(), self.by)
+            }
         }
     }
 }
@@ -299,9 +304,9 @@ fn state(words: &mut SplitAsciiWhitespace<'_>) -> Option<CellState> {
     CellState::ALL.into_iter().find(|state| state.word() == word)
 }
 
-fn doing(words: &mut SplitAsciiWhitespace<'_>) -> Option<Doing> {
+fn doing(words: &mut SplitAsciiWhitespace<'_>) -> Option<InstructionKind> {
     let word = words.next()?;
-    Doing::ALL.into_iter().find(|doing| doing.word() == word)
+    InstructionKind::ALL.into_iter().find(|doing| doing.word() == word)
 }
 
 pub(super) fn number<T: FromStr>(words: &mut SplitAsciiWhitespace<'_>) -> Option<T> {

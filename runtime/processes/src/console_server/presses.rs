@@ -6,7 +6,7 @@
 use std::io::Write;
 use std::time::{Duration, Instant};
 
-use super::console::{Asked, Console};
+use super::console::{Console, PendingRequest};
 use super::protocol::Reply;
 use super::service::Service;
 use crate::control::Frame;
@@ -15,7 +15,7 @@ use mrroc_core::fault::Fault;
 use mrroc_core::operator::button::{Answer, Button, CellState};
 
 /// How long a console waits for its press to be carried out.
-const PATIENCE: Duration = Duration::from_secs(1);
+const TIMEOUT: Duration = Duration::from_secs(1);
 
 /// A press that is under way.
 #[derive(Clone, Copy)]
@@ -27,34 +27,36 @@ pub(super) struct Flight {
 
 impl Service {
     /// Answers consoles whose presses were carried out or refused.
-    pub(super) fn look_after_presses(&mut self, desk: usize) {
-        let mp = self.mp(desk);
-        let over = !self.mp_runs(desk);
-        for (kind, flight) in self.desks[desk].flights.iter_mut().enumerate() {
+    pub(super) fn look_after_presses(&mut self, session: usize) {
+        let mp = self.mp(session);
+        let over = !self.mp_runs(session);
+        for (kind, flight) in self.sessions[session].flights.iter_mut().enumerate() {
             let Some(Flight { number, button, since }) = *flight else { continue };
             let answer = mp.as_ref().map(|mp| mp.answers[kind]).filter(|answer| answer.number == number);
             let persisting = mp.as_ref().and_then(|mp| mp.persisting.as_ref());
             let reply = match answer {
                 Some(answer) => say(button, answer, persisting),
                 None if over => Reply::Refused("the cell closes".to_owned()),
-                None if since.elapsed() > PATIENCE => Reply::Pending(pending(button)),
+                None if since.elapsed() > TIMEOUT => Reply::Pending(pending(button)),
                 None => continue,
             };
             // A late press may still be carried out, but the next press does not wait for it.
             *flight = None;
-            let asked = Asked::Answer(kind, number);
-            let waits = |console: &&mut Console| console.asked == asked && console.desk == desk;
+            let asked = PendingRequest::Answer(kind, number);
+            let waits = |console: &&mut Console| console.asked == asked && console.session == session;
             self.consoles.iter_mut().filter(waits).for_each(|console| console.answer(&reply));
         }
     }
 
     /// Sends the first waiting button of each kind to the MP, unless a press of that kind is under way.
-    pub(super) fn press(&mut self, desk: usize) {
-        let at = &mut self.desks[desk];
+    pub(super) fn press(&mut self, session: usize) {
+        let at = &mut self.sessions[session];
         for kind in 0..Button::KINDS {
             let waits = |console: &Console| match console.asked {
-                Asked::Press(button) if button.kind() == kind && console.desk == desk => Some(button),
-                Asked::Press(_) | Asked::Answer(..) | Asked::Nothing => None,
+                PendingRequest::Press(button) if button.kind() == kind && console.session == session => {
+                    Some(button)
+                }
+                PendingRequest::Press(_) | PendingRequest::Answer(..) | PendingRequest::Nothing => None,
             };
             if at.flights[kind].is_some() {
                 continue;
@@ -67,8 +69,8 @@ impl Service {
             drop(self.waker.write(&[1]));
             at.flights[kind] = Some(Flight { number, button, since: Instant::now() });
             for console in &mut self.consoles {
-                if console.asked == Asked::Press(button) && console.desk == desk {
-                    console.asked = Asked::Answer(kind, number);
+                if console.asked == PendingRequest::Press(button) && console.session == session {
+                    console.asked = PendingRequest::Answer(kind, number);
                 }
             }
         }

@@ -173,19 +173,19 @@ impl fmt::Display for Reply {
 
 /// What a console receives.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Heard {
+pub enum ConsoleMessage {
     /// The answer to a request.
     Reply(Reply),
     /// A picture of the cell.
     Picture(Box<Picture>),
 }
 
-impl Heard {
+impl ConsoleMessage {
     /// Reads the next answer or picture; `None` when the console server is gone.
     ///
     /// # Errors
     /// What was read is neither an answer nor a picture, or reading failed.
-    pub fn read(from: &mut impl BufRead) -> io::Result<Option<Heard>> {
+    pub fn read(from: &mut impl BufRead) -> io::Result<Option<ConsoleMessage>> {
         let bad = |line: &str| {
             let text = format!("`{}` is no answer", line.escape_default());
             io::Error::new(ErrorKind::InvalidData, text)
@@ -194,15 +194,15 @@ impl Heard {
         let (word, rest) = line.split_once(' ').unwrap_or((&line, ""));
         let rest = rest.to_owned();
         match word {
-            "done" => Ok(Some(Heard::Reply(Reply::Done(rest)))),
-            "refused" => Ok(Some(Heard::Reply(Reply::Refused(rest)))),
-            "pending" => Ok(Some(Heard::Reply(Reply::Pending(rest)))),
+            "done" => Ok(Some(ConsoleMessage::Reply(Reply::Done(rest)))),
+            "refused" => Ok(Some(ConsoleMessage::Reply(Reply::Refused(rest)))),
+            "pending" => Ok(Some(ConsoleMessage::Reply(Reply::Pending(rest)))),
             "picture" => {
                 let mut picture = Box::new(Picture::default());
                 for _ in 0..MAX_LINES {
                     let Some(line) = read_line(from)? else { return Ok(None) };
                     if line == "end" {
-                        return Ok(Some(Heard::Picture(picture)));
+                        return Ok(Some(ConsoleMessage::Picture(picture)));
                     }
                     picture.take(&line).map_err(|error| io::Error::new(ErrorKind::InvalidData, error))?;
                 }
@@ -240,7 +240,7 @@ mod tests {
     use mrroc_core::nalgebra::Vector3;
     use mrroc_core::operator::button::CellState;
     use mrroc_core::operator::jog::JogStop;
-    use mrroc_core::operator::state::Doing;
+    use mrroc_core::operator::state::InstructionKind;
     use mrroc_core::payload::WORDS;
     use mrroc_core::pose::Pose;
     use mrroc_core::robot::{Load, MAX_JOINTS, Signals, Values};
@@ -356,7 +356,7 @@ mod tests {
                     runs,
                     figures: Figures::get(&words),
                 });
-        let motion = (0..Doing::ALL.len(), "([A-Za-z]{1,24}(, [A-Z]{1,9})?)?");
+        let motion = (0..InstructionKind::ALL.len(), "([A-Za-z]{1,24}(, [A-Z]{1,9})?)?");
         let robot = (name(), 0.0..1e6, joints(), motion).prop_map(
             |(name, time, (demanded, measured), (doing, by))| RobotPicture {
                 name,
@@ -364,7 +364,7 @@ mod tests {
                 demanded,
                 measured,
                 tool: Pose::translation(time, -0.25, 1e-9) * Pose::rotation(Vector3::x()),
-                doing: Doing::ALL[doing],
+                doing: InstructionKind::ALL[doing],
                 by,
                 jogs: time > 0.0,
                 stop: JogStop::Joint(doing as u8),
@@ -378,13 +378,13 @@ mod tests {
                 period,
                 rate,
                 speed: 0.5 * rate,
-                doing: Doing::Wait,
+                doing: InstructionKind::Wait,
                 by: "Job".to_owned(),
                 fault: fault.map(|step| format!("edp arm: drive fault at step {step}")),
             });
         (
             (0..CellState::ALL.len(), any::<[u64; 3]>(), 0.0..=1.0, 0.0..=1.0, any::<[bool; 2]>()),
-            (0..Doing::ALL.len(), "[A-Za-z]{0,24}", any::<Option<u32>>(), any::<[Option<u8>; 2]>()),
+            (0..InstructionKind::ALL.len(), "[A-Za-z]{0,24}", any::<Option<u32>>(), any::<[Option<u8>; 2]>()),
             proptest::collection::vec(cell, 0..8),
             proptest::collection::vec(process, 0..64),
             proptest::collection::vec(robot, 0..32),
@@ -409,7 +409,7 @@ mod tests {
                         speed,
                         reduced,
                         held,
-                        doing: Doing::ALL[doing],
+                        doing: InstructionKind::ALL[doing],
                         by,
                         holder,
                         help: fault.map(|_| "give the motion more time".to_owned()),
@@ -430,13 +430,13 @@ mod tests {
         #[test]
         fn a_picture_is_read_as_it_was_written(picture in picture()) {
             let text = picture.to_string();
-            prop_assert_eq!(Heard::read(&mut text.as_bytes()).expect("a picture"), Some(Heard::Picture(Box::new(picture))));
+            prop_assert_eq!(ConsoleMessage::read(&mut text.as_bytes()).expect("a picture"), Some(ConsoleMessage::Picture(Box::new(picture))));
         }
 
         #[test]
         fn a_picture_that_is_cut_anywhere_is_none(picture in picture(), cut in any::<prop::sample::Index>()) {
             let text = picture.to_string();
-            let heard = Heard::read(&mut &text.as_bytes()[..cut.index(text.len())]);
+            let heard = ConsoleMessage::read(&mut &text.as_bytes()[..cut.index(text.len())]);
             prop_assert!(matches!(heard, Ok(None) | Err(_)), "{heard:?}");
         }
 
@@ -445,7 +445,7 @@ mod tests {
             if let Err(refused) = Request::read(&bytes) {
                 prop_assert!(!refused.contains('\n') && refused.len() < 2000, "{refused}");
             }
-            let _ = Heard::read(&mut bytes.as_slice());
+            let _ = ConsoleMessage::read(&mut bytes.as_slice());
         }
 
         #[test]
@@ -453,7 +453,7 @@ mod tests {
             let mut bytes = picture.to_string().into_bytes();
             let at = at.index(bytes.len());
             bytes[at] = byte;
-            let _ = Heard::read(&mut bytes.as_slice());
+            let _ = ConsoleMessage::read(&mut bytes.as_slice());
         }
     }
 
@@ -473,7 +473,7 @@ mod tests {
             demanded: joints(),
             measured: joints(),
             tool: Pose::translation(-1e-300 / 3.0, -1e-300 / 3.0, -1e-300 / 3.0),
-            doing: Doing::Nothing,
+            doing: InstructionKind::Nothing,
             by: "G".repeat(72),
             jogs: false,
             stop: JogStop::Joint(u8::MAX),
@@ -506,20 +506,20 @@ mod tests {
         let text = picture.to_string();
         assert!(text.len() <= MAX_OUTPUT, "{}", text.len());
         assert_eq!(
-            Heard::read(&mut text.as_bytes()).expect("a picture"),
-            Some(Heard::Picture(Box::new(picture)))
+            ConsoleMessage::read(&mut text.as_bytes()).expect("a picture"),
+            Some(ConsoleMessage::Picture(Box::new(picture)))
         );
     }
 
     #[test]
     fn what_has_no_end_is_given_up() {
         let huge = vec![b'x'; 100 * MAX_ANSWER];
-        assert!(Heard::read(&mut huge.as_slice()).is_err());
+        assert!(ConsoleMessage::read(&mut huge.as_slice()).is_err());
         let endless = "picture\n".to_owned() + &"token 1\n".repeat(10 * MAX_LINES);
-        assert!(Heard::read(&mut endless.as_bytes()).is_err());
+        assert!(ConsoleMessage::read(&mut endless.as_bytes()).is_err());
         let crowded = "picture\n".to_owned()
             + &"process 1 runs 0 0 0 0 0 0 0 0 0 0 0 mp\n".repeat(MAX_PROCESSES + 1)
             + "end\n";
-        assert!(Heard::read(&mut crowded.as_bytes()).is_err());
+        assert!(ConsoleMessage::read(&mut crowded.as_bytes()).is_err());
     }
 }

@@ -22,9 +22,9 @@ use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::net::sockopt::socket_peercred;
 
 use super::beside::{BodyPicture, CarriedPicture, ReadingPicture};
-use super::console::{Asked, Console};
-use super::desk::Desk;
+use super::console::{Console, PendingRequest};
 use super::handle::Seat;
+use super::mp_session::MpSession;
 use super::picture::{CellPicture, Picture, ProcessPicture, RobotPicture};
 use super::protocol::{Addressed, Reply, Request};
 use crate::board::StateBoard;
@@ -37,7 +37,7 @@ use mrroc_core::link::Nanos;
 use mrroc_core::observe::recording::{Command, CommandRecord};
 use mrroc_core::operator::button::{Button, CellState};
 use mrroc_core::operator::jog::JogStop;
-use mrroc_core::operator::state::Doing;
+use mrroc_core::operator::state::InstructionKind;
 
 /// The name of the socket in a session's folder.
 pub(super) const SOCKET: &str = "operator";
@@ -82,7 +82,7 @@ pub(super) struct Service {
     pub waker: UnixStream,
     pub consoles: Vec<Console>,
     /// The MPs that can be asked, the uppermost one first.
-    pub desks: Vec<Desk>,
+    pub sessions: Vec<MpSession>,
     pub ids: u64,
     /// Users whose consoles were refused; each is reported once.
     pub strangers: BTreeSet<u32>,
@@ -98,21 +98,23 @@ impl Service {
     /// Serves until the handle of the console server is dropped.
     pub fn run(mut self) {
         while self.wait() {
-            self.desks.iter_mut().for_each(|desk| desk.drawn = None);
+            self.sessions.iter_mut().for_each(|session| session.drawn = None);
             self.accept();
             self.give_places();
             for i in 0..self.consoles.len() {
                 self.serve(i);
             }
-            for desk in 0..self.desks.len() {
-                self.look_after_presses(desk);
-                self.press(desk);
+            for session in 0..self.sessions.len() {
+                self.look_after_presses(session);
+                self.press(session);
             }
             self.show();
             self.record_commands();
             self.consoles.retain(|console| !console.is_over());
             let there = |id| self.consoles.iter().any(|console| console.id == id);
-            self.desks.iter_mut().for_each(|desk| desk.holder = desk.holder.filter(|&id| there(id)));
+            self.sessions
+                .iter_mut()
+                .for_each(|session| session.holder = session.holder.filter(|&id| there(id)));
         }
         // Nobody answers any more what has not been answered yet.
         self.consoles.iter_mut().for_each(|console| console.gone = true);
@@ -167,11 +169,11 @@ impl Service {
 
     /// How long to wait if nothing comes meanwhile.
     fn next_round(&self) -> Option<Duration> {
-        let ready = |console: &Console| console.has_line() && console.asked == Asked::Nothing;
+        let ready = |console: &Console| console.has_line() && console.asked == PendingRequest::Nothing;
         if self.consoles.iter().any(|console| ready(console) && !console.is_written_to()) {
             return Some(Duration::ZERO);
         }
-        let waits = |console: &Console| console.asked != Asked::Nothing;
+        let waits = |console: &Console| console.asked != PendingRequest::Nothing;
         let look = self.consoles.iter().any(waits).then_some(LOOK);
         let due = self.consoles.iter().filter_map(|console| console.watches).min();
         let due = due.map(|due| due.saturating_duration_since(Instant::now()));
@@ -231,11 +233,11 @@ impl Service {
         }
         let refused = Reply::Refused(TOO_MANY.to_owned());
         for console in &mut self.consoles {
-            let (patience, may_stay) = match console.is_served {
+            let (timeout, may_stay) = match console.is_served {
                 true => (IDLE, console.has_asked),
-                false => (TURN, console.asked != Asked::Nothing),
+                false => (TURN, console.asked != PendingRequest::Nothing),
             };
-            if !may_stay && !console.has_line() && console.since.elapsed() > patience {
+            if !may_stay && !console.has_line() && console.since.elapsed() > timeout {
                 console.dismiss(&refused);
             }
         }
@@ -244,17 +246,17 @@ impl Service {
     /// Answers a console's request, or notes the press that it waits for.
     fn serve(&mut self, i: usize) {
         let Some(line) = self.consoles[i].line() else { return };
-        let (desk, request) = match Addressed::read(&line) {
+        let (session, request) = match Addressed::read(&line) {
             Ok(addressed @ Addressed { cell, request, .. }) => {
                 self.consoles[i].gives(&addressed);
-                match self.desks.iter().position(|desk| desk.mp.name == cell) {
-                    Some(desk) => (desk, Ok(request)),
+                match self.sessions.iter().position(|session| session.mp.name == cell) {
+                    Some(session) => (session, Ok(request)),
                     None => (0, Err(self.no_cell(cell))),
                 }
             }
             Err(refused) => (0, Err(refused)),
         };
-        self.consoles[i].desk = desk;
+        self.consoles[i].session = session;
         let is_for_all = matches!(request, Ok(Request::Press(button)) if button.is_for_all());
         if !self.consoles[i].is_served && !is_for_all {
             return self.consoles[i].dismiss(&Reply::Refused(TOO_MANY.to_owned()));
@@ -262,27 +264,27 @@ impl Service {
         let answer = match request {
             Err(refused) => Some(Reply::Refused(refused)),
             Ok(Request::Status) => {
-                let picture = self.drawn(desk);
+                let picture = self.drawn(session);
                 return self.consoles[i].write(&picture);
             }
             Ok(Request::Watch) => {
                 self.consoles[i].watches = Some(Instant::now());
-                self.consoles[i].watched = desk;
+                self.consoles[i].watched = session;
                 None
             }
             Ok(Request::Take) => Some(
-                self.take(i, desk)
+                self.take(i, session)
                     .err()
                     .unwrap_or_else(|| Reply::Done("this console holds the control token".to_owned())),
             ),
-            Ok(Request::Release) if self.desks[desk].holder == Some(self.consoles[i].id) => {
-                self.desks[desk].holder = None;
+            Ok(Request::Release) if self.sessions[session].holder == Some(self.consoles[i].id) => {
+                self.sessions[session].holder = None;
                 Some(Reply::Done("nobody holds the control token".to_owned()))
             }
             Ok(Request::Release) => {
                 Some(Reply::Refused("this console does not hold the control token".to_owned()))
             }
-            Ok(Request::Press(button)) => self.may_press(i, desk, button).err(),
+            Ok(Request::Press(button)) => self.may_press(i, session, button).err(),
         };
         if let Some(answer) = answer {
             self.consoles[i].answer(&answer);
@@ -290,9 +292,9 @@ impl Service {
     }
 
     /// Gives a console the control token, unless another one holds it.
-    fn take(&mut self, i: usize, desk: usize) -> Result<(), Reply> {
+    fn take(&mut self, i: usize, session: usize) -> Result<(), Reply> {
         let id = self.consoles[i].id;
-        let holder = self.desks[desk].holder;
+        let holder = self.sessions[session].holder;
         let holds = |console: &&Console| Some(console.id) == holder && console.id != id && !console.is_over();
         match self.consoles.iter().find(holds) {
             Some(holder) => {
@@ -300,22 +302,22 @@ impl Service {
                 Err(Reply::Refused(text))
             }
             None => {
-                self.desks[desk].holder = Some(id);
+                self.sessions[session].holder = Some(id);
                 Ok(())
             }
         }
     }
 
-    fn may_press(&mut self, i: usize, desk: usize, button: Button) -> Result<(), Reply> {
+    fn may_press(&mut self, i: usize, session: usize, button: Button) -> Result<(), Reply> {
         if !button.is_for_all() {
-            self.take(i, desk)?;
+            self.take(i, session)?;
         }
         // An abort that is kept until the next instruction begins would abort an instruction that the operator did not
         // mean.
-        if button == Button::Abort && self.mp(desk).is_some_and(|mp| mp.state == CellState::Idle) {
+        if button == Button::Abort && self.mp(session).is_some_and(|mp| mp.state == CellState::Idle) {
             return Err(Reply::Refused(CellState::Idle.reason(button).to_owned()));
         }
-        self.consoles[i].asked = Asked::Press(button);
+        self.consoles[i].asked = PendingRequest::Press(button);
         Ok(())
     }
 
@@ -343,14 +345,14 @@ impl Service {
         self.seats.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    pub fn mp_runs(&self, desk: usize) -> bool {
-        let mp = self.desks[desk].mp;
+    pub fn mp_runs(&self, session: usize) -> bool {
+        let mp = self.sessions[session].mp;
         self.seats().iter().any(|seat| seat.id == mp && seat.runs)
     }
 
     /// What the MP shows on the state board.
-    pub fn mp(&self, desk: usize) -> Option<MpPanel> {
-        let mp = self.desks[desk].mp;
+    pub fn mp(&self, session: usize) -> Option<MpPanel> {
+        let mp = self.sessions[session].mp;
         let place = self.seats().iter().position(|seat| seat.id == mp)?;
         self.board.read(place).map(|words| MpPanel::read(&words))
     }
@@ -358,7 +360,8 @@ impl Service {
     /// Why no cell of this name can be asked.
     fn no_cell(&self, cell: Option<Name>) -> String {
         let cell = cell.map_or_else(String::new, |cell| cell.to_string());
-        let names: Vec<_> = self.desks.iter().filter_map(|desk| Some(desk.mp.name?.to_string())).collect();
+        let names: Vec<_> =
+            self.sessions.iter().filter_map(|session| Some(session.mp.name?.to_string())).collect();
         match names.is_empty() {
             true => format!("there is no lower cell `{cell}` here, nor any other"),
             false => format!("there is no lower cell `{cell}`: there are {}", names.join(", ")),
@@ -366,14 +369,15 @@ impl Service {
     }
 
     /// The picture as text, drawn once a round however many consoles ask for it.
-    fn drawn(&mut self, desk: usize) -> Arc<str> {
-        let drawn = self.desks[desk].drawn.take().unwrap_or_else(|| self.picture(desk).to_string().into());
-        self.desks[desk].drawn.insert(drawn).clone()
+    fn drawn(&mut self, session: usize) -> Arc<str> {
+        let drawn =
+            self.sessions[session].drawn.take().unwrap_or_else(|| self.picture(session).to_string().into());
+        self.sessions[session].drawn.insert(drawn).clone()
     }
 
     /// What the program of a robot's ECP shows on the state board: what it does, by which generator or condition, and why the
     /// robot stands though it is jogged.
-    fn program_of(&self, seats: &[Seat], robot: Name) -> (Doing, String, JogStop) {
+    fn program_of(&self, seats: &[Seat], robot: Name) -> (InstructionKind, String, JogStop) {
         let id = ProcessId::new(Role::Ecp, robot);
         let place = seats.iter().position(|seat| seat.id == id);
         let shown = place.and_then(|place| self.board.read(place));
@@ -381,9 +385,9 @@ impl Service {
     }
 
     /// What the lower cells of a cell do.
-    fn cells(&self, of: &Desk) -> Vec<CellPicture> {
-        let lower = |(place, desk): (usize, &Desk)| {
-            let name = desk.mp.name.filter(|_| desk.mp != of.mp && of.has(desk.mp))?;
+    fn cells(&self, of: &MpSession) -> Vec<CellPicture> {
+        let lower = |(place, session): (usize, &MpSession)| {
+            let name = session.mp.name.filter(|_| session.mp != of.mp && of.has(session.mp))?;
             let mp = self.mp(place).unwrap_or_default();
             Some(CellPicture {
                 name: name.to_string(),
@@ -397,13 +401,13 @@ impl Service {
                 fault: mp.fault.map(|fault| fault.to_string()),
             })
         };
-        self.desks.iter().enumerate().filter_map(lower).collect()
+        self.sessions.iter().enumerate().filter_map(lower).collect()
     }
 
-    fn picture(&self, desk: usize) -> Picture {
-        let mp = self.mp(desk).unwrap_or_default();
-        let desk = &self.desks[desk];
-        let holder = self.consoles.iter().find(|console| Some(console.id) == desk.holder);
+    fn picture(&self, session: usize) -> Picture {
+        let mp = self.mp(session).unwrap_or_default();
+        let session = &self.sessions[session];
+        let holder = self.consoles.iter().find(|console| Some(console.id) == session.holder);
         let mut picture = Picture {
             state: mp.state,
             step: mp.step,
@@ -420,12 +424,12 @@ impl Service {
             help: mp.fault.as_ref().and_then(Fault::help).map(str::to_owned),
             fault: mp.fault.map(|fault| fault.to_string()),
             persisting: mp.persisting.map(|fault| fault.to_string()),
-            cells: self.cells(desk),
+            cells: self.cells(session),
             ..Picture::default()
         };
         let seats = self.seats();
         let mut own = 0;
-        for (place, seat) in seats.iter().enumerate().filter(|(_, seat)| desk.has(seat.id)) {
+        for (place, seat) in seats.iter().enumerate().filter(|(_, seat)| session.has(seat.id)) {
             let name = seat.id.to_string();
             picture.processes.push(ProcessPicture {
                 name,
@@ -450,7 +454,7 @@ impl Service {
             }
             let Some(name) = seat.id.name.filter(|_| seat.id.role == Role::Edp) else { continue };
             // Its place among the robots of its own cell: the MP goes by that.
-            let nth = (desk.mp.name == name.cell()).then_some(own);
+            let nth = (session.mp.name == name.cell()).then_some(own);
             own += usize::from(nth.is_some());
             let carried = shown.as_ref().and_then(entry::carried);
             picture.carried.extend(carried.map(|(tool, load, signals)| CarriedPicture {

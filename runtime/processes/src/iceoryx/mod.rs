@@ -21,5 +21,5 @@ pub(crate) use mrroc_core::link::Clock;
 pub(crate) use mrroc_core::link::envelope::Seal;
 pub(crate) use samples::Samples;
 pub(crate) use stand_in::{Incoming, Outgoing, Seals, StandIn, Where};
-pub(crate) use waiter::{Heard, Launcher, LockStep, RealTime, Shows, Slew, Supervised, monotonic};
+pub(crate) use waiter::{Launcher, LauncherMessage, LockStep, RealTime, Shows, Slew, Supervised, monotonic};
 pub(crate) use wake_futex::WakeFutex;

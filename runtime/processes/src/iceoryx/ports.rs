@@ -18,7 +18,7 @@ use iceoryx2::prelude::{ZeroCopySend, ipc};
 use super::wake_futex::WakeFutex;
 use mrroc_core::link::envelope::{Envelope, Seal};
 use mrroc_core::link::message::Message;
-use mrroc_core::link::numbering::{self, Heard};
+use mrroc_core::link::numbering::{self, Disposition};
 use mrroc_core::link::places::Places;
 use mrroc_core::link::{Board, Client, Server};
 
@@ -159,12 +159,12 @@ impl Server for End<Answering> {
     fn receive(&self, request: &mut Message) -> bool {
         let Some(Answering { end, numbers }) = self.0.get() else { return false };
         match end.look(|shown| numbers.hears(shown, request)) {
-            Some(Heard::New) => true,
-            Some(Heard::Again(answer)) => {
+            Some(Disposition::New) => true,
+            Some(Disposition::Again(answer)) => {
                 end.show(answer);
                 false
             }
-            Some(Heard::Nothing) | None => false,
+            Some(Disposition::Nothing) | None => false,
         }
     }
 

@@ -36,7 +36,7 @@ pub(super) fn timespec(nanos: Nanos) -> Timespec {
 /// The launcher, as a process in lock-step sees it: it decides when the process runs.
 pub(crate) trait Launcher {
     /// Waits for what the launcher says.
-    fn hear(&self) -> Heard;
+    fn hear(&self) -> LauncherMessage;
 
     /// Tells the launcher that the process waits, at most until `deadline` \[ns\], and has sent messages to the places
     /// `woken`.
@@ -49,7 +49,7 @@ pub(crate) trait Launcher {
 
 /// What a launcher says to a process that runs.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Heard {
+pub(crate) enum LauncherMessage {
     /// Go on; the time is now this \[ns\].
     Resume(Nanos),
     /// A process is gone, or the operator aborts.
@@ -66,7 +66,7 @@ pub(crate) struct RealTime {
     /// Number of wake-ups that the process has seen.
     wakes: Cell<u32>,
     /// What the launcher says. Each message comes with a wake-up.
-    heard: Receiver<Heard>,
+    heard: Receiver<LauncherMessage>,
     /// When the cell's time began, on the machine's clock \[ns\].
     origin: Nanos,
     /// By how much that has moved since, on a node that follows another machine.
@@ -113,14 +113,14 @@ impl Outside {
     }
 
     /// Keeps it. Returns the time at which the process is to go on, if that is what was said \[ns\].
-    fn hear(&self, heard: Heard) -> Option<Nanos> {
+    fn hear(&self, heard: LauncherMessage) -> Option<Nanos> {
         match heard {
-            Heard::Resume(now) => return Some(now),
-            Heard::Close => self.closing.set(true),
+            LauncherMessage::Resume(now) => return Some(now),
+            LauncherMessage::Close => self.closing.set(true),
             // An abort must not replace the news that a process is gone.
-            Heard::News(News::Abort) if self.news.get().is_some() => {}
-            Heard::News(news) => self.news.set(Some(news)),
-            Heard::Press(number, button) => self.pressed[button.kind()].set(Some((number, button))),
+            LauncherMessage::News(News::Abort) if self.news.get().is_some() => {}
+            LauncherMessage::News(news) => self.news.set(Some(news)),
+            LauncherMessage::Press(number, button) => self.pressed[button.kind()].set(Some((number, button))),
         }
         None
     }
@@ -182,7 +182,7 @@ pub(crate) type Slew = Box<dyn Fn() -> i64>;
 impl RealTime {
     pub fn new(
         wake_futex: WakeFutex,
-        heard: Receiver<Heard>,
+        heard: Receiver<LauncherMessage>,
         (origin, spin): (Nanos, Nanos),
         samples: Arc<Samples>,
     ) -> Self {

@@ -15,11 +15,11 @@ use mrroc_core::console::{complain, refused, say};
 use mrroc_core::fault::{Name, ProcessId, Role};
 use mrroc_core::link::Clock;
 use mrroc_core::suggestion::suggestion;
-use mrroc_launch::network::{Hears, Joining, Side, Wires, network};
+use mrroc_launch::network::{JoinOptions, NodeListener, Side, Wires, network};
 
 use super::carrier::NO_NETWORK;
 use super::identity::{Identity, keys};
-use super::message::Said;
+use super::message::NodeMessage;
 use super::phase::{Phase, allowance};
 use super::run::Run;
 use super::sending::{Post, join};
@@ -51,7 +51,7 @@ pub(crate) struct Agent {
 #[expect(clippy::large_enum_variant, reason = "it is looked at where it has come")]
 pub(super) enum Event {
     /// A node has said something, in a session.
-    Came(usize, u64, Said),
+    Came(usize, u64, NodeMessage),
     Lost(usize),
     /// The process at a place has said something, or has ended.
     Part(usize, std::io::Result<Frame>),
@@ -84,11 +84,11 @@ impl Hub {
     }
 }
 
-impl Hears for Hub {
+impl NodeListener for Hub {
     fn came(&self, from: usize, bytes: &[u8]) {
         let now = monotonic();
-        match Said::read(bytes) {
-            Some((session, Said::Way(way, envelope))) => {
+        match NodeMessage::read(bytes) {
+            Some((session, NodeMessage::Way(way, envelope))) => {
                 let incoming = self.incoming.read().unwrap_or_else(PoisonError::into_inner);
                 if let Some((own, incoming)) = &*incoming
                     && *own == session
@@ -96,13 +96,13 @@ impl Hears for Hub {
                     incoming.came(from, way, &envelope);
                 }
             }
-            Some((session, Said::Ping(sent))) => {
+            Some((session, NodeMessage::Ping(sent))) => {
                 // At once, and not behind what else is said: by the answers a node keeps its steps.
                 if let Some(wires) = self.wires.get() {
-                    wires.send(from, &Said::Pong(sent, now).to_bytes(session));
+                    wires.send(from, &NodeMessage::Pong(sent, now).to_bytes(session));
                 }
             }
-            Some((_, Said::Pong(sent, answered))) => {
+            Some((_, NodeMessage::Pong(sent, answered))) => {
                 self.silences.heard(from, now);
                 self.phase(|phase| phase.hear(sent, answered, now));
             }
@@ -181,8 +181,8 @@ impl Agent {
             silences: Silences::of(nodes.all().len()),
         });
         let folder = keys(&file);
-        let joining = Joining { nodes: &nodes, me, side: Side::Waits, keys: &folder };
-        let wires = join(network, &joining, Arc::clone(&hub) as Arc<dyn Hears>, realtime.as_ref())?;
+        let joining = JoinOptions { nodes: &nodes, me, side: Side::Waits, keys: &folder };
+        let wires = join(network, &joining, Arc::clone(&hub) as Arc<dyn NodeListener>, realtime.as_ref())?;
         // Set once, here.
         let post = Post::begin(&wires, nodes.all().len()).map_err(|error| text(&error))?;
         let _ = hub.post.set(post);
@@ -211,7 +211,7 @@ impl Agent {
         self.nodes.mp()
     }
 
-    pub(super) fn send(&self, session: u64, said: &Said) {
+    pub(super) fn send(&self, session: u64, said: &NodeMessage) {
         if let Some(post) = self.hub.post.get() {
             post.say(self.mp(), said.to_bytes(session));
         }
@@ -229,7 +229,9 @@ impl Agent {
             let (session, identity, seal) = match next.take() {
                 Some(hello) => hello,
                 None => match self.events.recv() {
-                    Ok(Event::Came(from, session, Said::Hello(identity, seal))) if from == self.mp() => {
+                    Ok(Event::Came(from, session, NodeMessage::Hello(identity, seal)))
+                        if from == self.mp() =>
+                    {
                         (session, identity, seal)
                     }
                     Ok(_) => continue,
@@ -241,14 +243,14 @@ impl Agent {
                 if !self.plan.quiet {
                     complain(&format!("node {}: refused: {why}", self.name()));
                 }
-                self.send(session, &Said::Refused(why));
+                self.send(session, &NodeMessage::Refused(why));
                 continue;
             }
             match Run::begin(&self, seal) {
                 Ok(run) => next = run.go_on(),
                 Err(why) => {
                     complain(&format!("node {}: {why}", self.name()));
-                    self.send(session, &Said::Refused(why));
+                    self.send(session, &NodeMessage::Refused(why));
                 }
             }
         }

@@ -16,12 +16,12 @@ use std::time::{Duration, Instant};
 use mrroc_core::cell::{Cell, Nodes, Realtime};
 use mrroc_core::fault::ProcessId;
 use mrroc_core::link::Clock;
-use mrroc_launch::network::{Hears, Joining, Side, Wires, network};
+use mrroc_launch::network::{JoinOptions, NodeListener, Side, Wires, network};
 use rustix::process::{Signal, set_parent_process_death_signal};
 
 use super::absence::absent;
 use super::identity::{Identity, keys};
-use super::message::Said;
+use super::message::NodeMessage;
 use super::sending::{Post, Sending, join};
 use super::silence::{SILENT, Silences};
 use crate::control::{Control, Frame};
@@ -32,7 +32,7 @@ use crate::scheduling::Lacks;
 use crate::session::{Membership, Private, prefix};
 
 /// How long nodes may take to answer before the cell is given up.
-const PATIENCE: Duration = Duration::from_secs(10);
+const TIMEOUT: Duration = Duration::from_secs(10);
 
 /// How often a node that is busy is asked again.
 const AGAIN: Duration = Duration::from_millis(500);
@@ -44,7 +44,7 @@ pub(crate) const FAR: &str = "far";
 #[expect(clippy::large_enum_variant, reason = "it is looked at where it has come")]
 enum Event {
     /// A node has said something, in a session.
-    Came(usize, u64, Said),
+    Came(usize, u64, NodeMessage),
     There(usize),
     Lost(usize),
     /// The launcher has said something, or is gone.
@@ -69,21 +69,21 @@ impl Hub {
     }
 }
 
-impl Hears for Hub {
+impl NodeListener for Hub {
     fn came(&self, from: usize, bytes: &[u8]) {
-        match Said::read(bytes) {
-            Some((session, Said::Way(way, envelope))) if session == self.session => {
+        match NodeMessage::read(bytes) {
+            Some((session, NodeMessage::Way(way, envelope))) if session == self.session => {
                 if let Some(incoming) = self.incoming.get() {
                     incoming.came(from, way, &envelope);
                 }
             }
-            Some((session, Said::Ping(sent))) => {
+            Some((session, NodeMessage::Ping(sent))) => {
                 if session == self.session {
                     self.silences.heard(from, monotonic());
                 }
                 // At once, and not behind what else is said: by the answers a node keeps its steps.
                 if let Some(wires) = self.wires.get() {
-                    wires.send(from, &Said::Pong(sent, monotonic()).to_bytes(session));
+                    wires.send(from, &NodeMessage::Pong(sent, monotonic()).to_bytes(session));
                 }
             }
             Some((session, said)) => self.tell(Event::Came(from, session, said)),
@@ -157,8 +157,8 @@ fn carry(
         silences: Silences::of(nodes.all().len()),
     });
     let folder = keys(file);
-    let joining = Joining { nodes: &nodes, me: places.me, side: Side::Calls, keys: &folder };
-    let wires = join(network, &joining, Arc::clone(&hub) as Arc<dyn Hears>, realtime.as_ref())?;
+    let joining = JoinOptions { nodes: &nodes, me: places.me, side: Side::Calls, keys: &folder };
+    let wires = join(network, &joining, Arc::clone(&hub) as Arc<dyn NodeListener>, realtime.as_ref())?;
     // Set once, here.
     let post = Arc::new(Post::begin(&wires, nodes.all().len()).map_err(|error| text(&error))?);
     let _ = hub.wires.set(Arc::clone(&wires));
@@ -184,9 +184,9 @@ fn meet(
     post: &Post,
     events: &Receiver<Event>,
 ) -> Result<(), String> {
-    let until = Instant::now() + PATIENCE;
+    let until = Instant::now() + TIMEOUT;
     let name = |node: usize| nodes.all()[node].name.as_str().to_owned();
-    let hello = Said::Hello(own, seal).to_bytes(seal.session);
+    let hello = NodeMessage::Hello(own, seal).to_bytes(seal.session);
     let mut agreed = vec![false; nodes.all().len()];
     let mut there = vec![false; nodes.all().len()];
     let mut again: Vec<Option<Instant>> = vec![None; nodes.all().len()];
@@ -222,13 +222,13 @@ fn meet(
                 again[node] = None;
             }
             Ok(Event::Came(node, session, said)) if session == seal.session => match said {
-                Said::Agreed => {
+                NodeMessage::Agreed => {
                     agreed[node] = true;
                     again[node] = None;
                 }
                 // It may still be busy with the end of another run.
-                Said::Refused(text) if text.starts_with(BUSY) => busy[node] = Some(text),
-                Said::Refused(text) => return Err(format!("node {}: {text}", name(node))),
+                NodeMessage::Refused(text) if text.starts_with(BUSY) => busy[node] = Some(text),
+                NodeMessage::Refused(text) => return Err(format!("node {}: {text}", name(node))),
                 _ => {}
             },
             Ok(_) | Err(RecvTimeoutError::Timeout) => {}
@@ -354,7 +354,7 @@ impl Carrier {
         let number = u16::try_from(place).map_err(io::Error::other)?;
         std::thread::Builder::new().name(format!("to place {place}")).spawn(move || {
             while let Ok(frame) = reads.receive() {
-                post.say(node, Said::Frame(number, frame).to_bytes(session));
+                post.say(node, NodeMessage::Frame(number, frame).to_bytes(session));
             }
         })?;
         self.far.push((place, Far::Runs(control)));
@@ -362,9 +362,9 @@ impl Carrier {
     }
 
     /// Passes on what a node says of its own processes.
-    fn hear(&mut self, from: usize, said: Said) {
+    fn hear(&mut self, from: usize, said: NodeMessage) {
         match said {
-            Said::Frame(place, frame) => {
+            NodeMessage::Frame(place, frame) => {
                 let place = usize::from(place);
                 if self.places.places.get(place) != Some(&Some(from)) {
                     return;
@@ -374,7 +374,9 @@ impl Carrier {
                     let _ = control.send(&frame);
                 }
             }
-            Said::Gone(place, how) if self.places.places.get(usize::from(place)) == Some(&Some(from)) => {
+            NodeMessage::Gone(place, how)
+                if self.places.places.get(usize::from(place)) == Some(&Some(from)) =>
+            {
                 self.end(usize::from(place), &how);
             }
             _ => {}

@@ -10,13 +10,13 @@ use std::time::{Duration, Instant};
 
 use mrroc_core::cell::Nodes;
 use mrroc_core::link::Nanos;
-use mrroc_core::link::patience::together_budget;
-use mrroc_launch::network::{Hears, Joining, Side, Wires, network};
+use mrroc_core::link::timeout::together_budget;
+use mrroc_launch::network::{JoinOptions, NodeListener, Side, Wires, network};
 
 use super::absence::absent;
 use super::carrier::NO_NETWORK;
 use super::identity::keys;
-use super::message::Said;
+use super::message::NodeMessage;
 use super::phase::{Figures, Phase, WORK};
 use crate::iceoryx::monotonic;
 
@@ -25,7 +25,7 @@ const PINGS: u32 = 1000;
 const APART: Duration = Duration::from_millis(2);
 
 /// How long a node may take to be there, and the last answers to come.
-const PATIENCE: Duration = Duration::from_secs(5);
+const TIMEOUT: Duration = Duration::from_secs(5);
 const LAST: Duration = Duration::from_millis(500);
 
 struct Listener {
@@ -33,10 +33,10 @@ struct Listener {
     phases: Mutex<Vec<Phase>>,
 }
 
-impl Hears for Listener {
+impl NodeListener for Listener {
     fn came(&self, from: usize, bytes: &[u8]) {
         let now = monotonic();
-        if let Some((_, Said::Pong(sent, answered))) = Said::read(bytes)
+        if let Some((_, NodeMessage::Pong(sent, answered))) = NodeMessage::read(bytes)
             && let Some(phase) = self.phases.lock().unwrap_or_else(PoisonError::into_inner).get_mut(from)
         {
             phase.hear(sent, answered, now);
@@ -73,13 +73,13 @@ pub(crate) fn examine(nodes: &Nodes, file: &Path) -> String {
         phases: Mutex::new((0..all).map(|_| Phase::new(0)).collect()),
     });
     let folder = keys(file);
-    let joining = Joining { nodes, me: nodes.mp(), side: Side::Calls, keys: &folder };
-    let wires: Arc<dyn Wires> = match network.join(&joining, Arc::clone(&listener) as Arc<dyn Hears>) {
+    let joining = JoinOptions { nodes, me: nodes.mp(), side: Side::Calls, keys: &folder };
+    let wires: Arc<dyn Wires> = match network.join(&joining, Arc::clone(&listener) as Arc<dyn NodeListener>) {
         Ok(wires) => Arc::from(wires),
         Err(error) => return format!("nodes           {error}\n"),
     };
     let others: Vec<_> = (0..all).filter(|node| *node != nodes.mp()).collect();
-    let until = Instant::now() + PATIENCE;
+    let until = Instant::now() + TIMEOUT;
     while Instant::now() < until && !others.iter().all(|&node| listener.is(node)) {
         std::thread::sleep(Duration::from_millis(20));
     }
@@ -89,7 +89,7 @@ pub(crate) fn examine(nodes: &Nodes, file: &Path) -> String {
             {
                 phase.ask();
             }
-            wires.send(node, &Said::Ping(monotonic()).to_bytes(0));
+            wires.send(node, &NodeMessage::Ping(monotonic()).to_bytes(0));
         }
         std::thread::sleep(APART);
     }

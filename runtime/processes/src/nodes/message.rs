@@ -11,7 +11,7 @@ use crate::control::{FRAME, Frame};
 /// What a node says.
 #[derive(Clone, Debug)]
 #[expect(clippy::large_enum_variant, reason = "it is looked at where it was made")]
-pub(super) enum Said {
+pub(super) enum NodeMessage {
     /// To an agent: it is to start its processes of this run.
     Hello(Identity, Seal),
     /// From an agent: its processes start.
@@ -30,7 +30,7 @@ pub(super) enum Said {
     Pong(Nanos, Nanos),
 }
 
-impl Said {
+impl NodeMessage {
     const HELLO: u8 = 1;
     const AGREED: u8 = 2;
     const REFUSED: u8 = 3;
@@ -48,38 +48,38 @@ impl Said {
             bytes.extend(session.to_le_bytes());
         };
         match self {
-            Said::Hello(identity, seal) => {
-                begin(Said::HELLO);
+            NodeMessage::Hello(identity, seal) => {
+                begin(NodeMessage::HELLO);
                 for word in [identity.version, identity.program, identity.file, seal.session, seal.epoch] {
                     bytes.extend(word.to_le_bytes());
                 }
             }
-            Said::Agreed => begin(Said::AGREED),
-            Said::Refused(text) => {
-                begin(Said::REFUSED);
+            NodeMessage::Agreed => begin(NodeMessage::AGREED),
+            NodeMessage::Refused(text) => {
+                begin(NodeMessage::REFUSED);
                 bytes.extend(text.as_bytes());
             }
-            Said::Frame(place, frame) => {
-                begin(Said::FRAME);
+            NodeMessage::Frame(place, frame) => {
+                begin(NodeMessage::FRAME);
                 bytes.extend(place.to_le_bytes());
                 bytes.extend(frame.to_bytes());
             }
-            Said::Gone(place, how) => {
-                begin(Said::GONE);
+            NodeMessage::Gone(place, how) => {
+                begin(NodeMessage::GONE);
                 bytes.extend(place.to_le_bytes());
                 bytes.extend(how.as_bytes());
             }
-            Said::Way(way, envelope) => {
-                begin(Said::WAY);
+            NodeMessage::Way(way, envelope) => {
+                begin(NodeMessage::WAY);
                 bytes.extend(way.to_le_bytes());
                 envelope.put_bytes(bytes);
             }
-            Said::Ping(sent) => {
-                begin(Said::PING);
+            NodeMessage::Ping(sent) => {
+                begin(NodeMessage::PING);
                 bytes.extend(sent.to_le_bytes());
             }
-            Said::Pong(sent, answered) => {
-                begin(Said::PONG);
+            NodeMessage::Pong(sent, answered) => {
+                begin(NodeMessage::PONG);
                 bytes.extend(sent.to_le_bytes());
                 bytes.extend(answered.to_le_bytes());
             }
@@ -94,38 +94,38 @@ impl Said {
     }
 
     /// Reads what a node says, and in which session; `None` if it is nothing that a node says.
-    pub fn read(bytes: &[u8]) -> Option<(u64, Said)> {
+    pub fn read(bytes: &[u8]) -> Option<(u64, NodeMessage)> {
         let (&kind, rest) = bytes.split_first()?;
         let (session, rest) = word(rest)?;
         let said = match kind {
-            Said::HELLO => {
+            NodeMessage::HELLO => {
                 let (version, rest) = word(rest)?;
                 let (program, rest) = word(rest)?;
                 let (file, rest) = word(rest)?;
                 let (session, rest) = word(rest)?;
                 let (epoch, rest) = word(rest)?;
                 rest.is_empty().then_some(())?;
-                Said::Hello(Identity { version, program, file }, Seal { session, epoch })
+                NodeMessage::Hello(Identity { version, program, file }, Seal { session, epoch })
             }
-            Said::AGREED => Said::Agreed,
-            Said::REFUSED => Said::Refused(text(rest)),
-            Said::FRAME => {
+            NodeMessage::AGREED => NodeMessage::Agreed,
+            NodeMessage::REFUSED => NodeMessage::Refused(text(rest)),
+            NodeMessage::FRAME => {
                 let (place, rest) = place(rest)?;
                 let bytes: &[u8; FRAME] = rest.try_into().ok()?;
-                Said::Frame(place, Frame::from_bytes(bytes).ok()?)
+                NodeMessage::Frame(place, Frame::from_bytes(bytes).ok()?)
             }
-            Said::GONE => {
+            NodeMessage::GONE => {
                 let (place, rest) = place(rest)?;
-                Said::Gone(place, text(rest))
+                NodeMessage::Gone(place, text(rest))
             }
-            Said::WAY => {
+            NodeMessage::WAY => {
                 let (way, rest) = place(rest)?;
-                Said::Way(way, Envelope::from_bytes(rest).ok()?)
+                NodeMessage::Way(way, Envelope::from_bytes(rest).ok()?)
             }
-            Said::PING => Said::Ping(word(rest)?.0),
-            Said::PONG => {
+            NodeMessage::PING => NodeMessage::Ping(word(rest)?.0),
+            NodeMessage::PONG => {
                 let (sent, rest) = word(rest)?;
-                Said::Pong(sent, word(rest)?.0)
+                NodeMessage::Pong(sent, word(rest)?.0)
             }
             _ => return None,
         };
@@ -157,27 +157,27 @@ mod tests {
         let seal = Seal { session: 77, epoch: 2 };
         let identity = Identity { version: 1, program: u64::MAX, file: 3 };
         let all = [
-            Said::Hello(identity, seal),
-            Said::Agreed,
-            Said::Refused("größer".to_owned()),
-            Said::Frame(190, Frame::Go { origin: 5 }),
-            Said::Gone(3, "it was killed by signal 9".to_owned()),
-            Said::Way(400, Envelope::seal(&Message::new(Kind::Reply), seal, 6)),
-            Said::Ping(1),
-            Said::Pong(2, u64::MAX),
+            NodeMessage::Hello(identity, seal),
+            NodeMessage::Agreed,
+            NodeMessage::Refused("größer".to_owned()),
+            NodeMessage::Frame(190, Frame::Go { origin: 5 }),
+            NodeMessage::Gone(3, "it was killed by signal 9".to_owned()),
+            NodeMessage::Way(400, Envelope::seal(&Message::new(Kind::Reply), seal, 6)),
+            NodeMessage::Ping(1),
+            NodeMessage::Pong(2, u64::MAX),
         ];
         for said in all {
             let bytes = said.to_bytes(77);
-            let (session, read) = Said::read(&bytes).expect("said");
+            let (session, read) = NodeMessage::read(&bytes).expect("said");
             assert_eq!((session, format!("{read:?}")), (77, format!("{said:?}")));
             for len in 0..bytes.len() {
-                let read = Said::read(&bytes[..len]);
+                let read = NodeMessage::read(&bytes[..len]);
                 assert!(
-                    matches!(read, None | Some((_, Said::Refused(_) | Said::Gone(..)))),
+                    matches!(read, None | Some((_, NodeMessage::Refused(_) | NodeMessage::Gone(..)))),
                     "{said:?}: {len}"
                 );
             }
         }
-        assert!(Said::read(&[99; 40]).is_none());
+        assert!(NodeMessage::read(&[99; 40]).is_none());
     }
 }

@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use super::agent::Agent;
-use super::message::Said;
+use super::message::NodeMessage;
 use super::phase::{FOLLOWS, Phase};
 use crate::board::StateBoard;
 use crate::iceoryx::monotonic;
@@ -34,7 +34,7 @@ impl Pings {
                 if is_new || asked.is_none_or(|asked| asked.elapsed() >= PING) {
                     asked = Some(Instant::now());
                     hub.phase(Phase::ask);
-                    wires.send(mp, &Said::Ping(monotonic()).to_bytes(session));
+                    wires.send(mp, &NodeMessage::Ping(monotonic()).to_bytes(session));
                 }
                 std::thread::sleep(FOLLOWS);
             }

@@ -17,7 +17,7 @@ use mrroc_core::fault::{ProcessId, Role};
 use super::agent::{Agent, Event};
 use super::carrier::BUSY;
 use super::identity::Identity;
-use super::message::Said;
+use super::message::NodeMessage;
 use super::phase::{Figures, Phase, allowance};
 use super::pings::Pings;
 use super::sending::Sending;
@@ -99,7 +99,7 @@ impl<'a> Run<'a> {
             }
             run.start(place, *id).map_err(|error| format!("{id} cannot be started: {error}"))?;
         }
-        agent.send(between.session, &Said::Agreed);
+        agent.send(between.session, &NodeMessage::Agreed);
         if !agent.plan.quiet {
             complain(&format!("note: node {}: its processes start", agent.name()));
         }
@@ -130,14 +130,17 @@ impl<'a> Run<'a> {
         let mut next = None;
         while self.parts.iter().any(|(_, part)| !part.gone.get()) {
             match self.agent.events.recv_timeout(LOOK) {
-                Ok(Event::Came(from, session, Said::Hello(identity, seal))) if from == self.agent.mp() => {
+                Ok(Event::Came(from, session, NodeMessage::Hello(identity, seal)))
+                    if from == self.agent.mp() =>
+                {
                     if self.ending.is_some() {
                         next = Some((session, identity, seal));
                     } else if seal != self.seals.between {
-                        self.agent.send(session, &Said::Refused(format!("{BUSY}\n help: end that first")));
+                        self.agent
+                            .send(session, &NodeMessage::Refused(format!("{BUSY}\n help: end that first")));
                     }
                 }
-                Ok(Event::Came(from, session, Said::Frame(place, frame)))
+                Ok(Event::Came(from, session, NodeMessage::Frame(place, frame)))
                     if from == self.agent.mp() && session == self.seals.between.session =>
                 {
                     self.told(usize::from(place), frame);
@@ -267,11 +270,11 @@ impl<'a> Run<'a> {
         let is_plant = part.id.role == Role::Plant;
         match frame {
             Ok(frame) if is_plant => self.plant_said(&part, frame),
-            Ok(frame) => self.agent.send(session, &Said::Frame(number, frame)),
+            Ok(frame) => self.agent.send(session, &NodeMessage::Frame(number, frame)),
             Err(_) => {
                 let how = part.reap();
                 if !is_plant {
-                    self.agent.send(session, &Said::Gone(number, how));
+                    self.agent.send(session, &NodeMessage::Gone(number, how));
                 } else if self.plant < Plant::Closes {
                     complain(&format!("node {}: its plant has ended: {how}", self.agent.name()));
                     // Nothing is held back for it any more; its EDPs notice the rest.

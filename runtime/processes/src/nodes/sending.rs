@@ -11,9 +11,9 @@ use std::time::{Duration, Instant};
 
 use mrroc_core::cell::Realtime;
 use mrroc_core::link::Nanos;
-use mrroc_launch::network::{Hears, Joining, Network, Wires};
+use mrroc_launch::network::{JoinOptions, Network, NodeListener, Wires};
 
-use super::message::Said;
+use super::message::NodeMessage;
 use crate::iceoryx::{Outgoing, monotonic};
 use crate::scheduling::{give_back_priority, set_priority};
 
@@ -24,8 +24,8 @@ const LOOK: Nanos = 50_000_000;
 /// late in a step. The calling thread then has its own again.
 pub(super) fn join(
     network: &dyn Network,
-    joining: &Joining<'_>,
-    hears: Arc<dyn Hears>,
+    joining: &JoinOptions<'_>,
+    hears: Arc<dyn NodeListener>,
     realtime: Option<&Realtime>,
 ) -> Result<Arc<dyn Wires>, String> {
     let is_urgent = realtime.is_some_and(|realtime| set_priority(realtime.priority));
@@ -104,7 +104,7 @@ impl Sending {
                 while !ends.load(Ordering::Acquire) {
                     let wakes = way.wake_futex().wakes();
                     while let Some((number, envelope)) = way.next() {
-                        Said::Way(number, envelope).put(session, &mut bytes);
+                        NodeMessage::Way(number, envelope).put(session, &mut bytes);
                         wires.send(way.to(), &bytes);
                     }
                     way.wake_futex().sleep(wakes, Some(monotonic() + often));

@@ -6,7 +6,7 @@ use mrroc_core::fault::{Name, ProcessId, Role};
 use mrroc_core::link::Nanos;
 use mrroc_core::observe::layout::Layout;
 use mrroc_core::observe::ring::Record;
-use mrroc_core::observe::witness::{ReadingState, What};
+use mrroc_core::observe::step_observer::{ReadingState, StepEvent};
 use mrroc_core::payload::{WORDS, Wire};
 
 /// The kinds of what is shown.
@@ -17,29 +17,29 @@ const END: u64 = 4;
 
 /// Something that was shown, or the end of what a process shows.
 #[derive(Debug)]
-pub(super) enum Shown<'a> {
+pub(super) enum PictureRecord<'a> {
     /// At a time of the cell \[ns\] by a process, with its words.
-    Something(Nanos, ProcessId, What, &'a [u64]),
+    Something(Nanos, ProcessId, StepEvent, &'a [u64]),
     /// A process shows nothing more; so many things that it showed are lost.
     End(u64),
 }
 
 /// Whether a picture needs it.
-pub(super) fn is_needed(what: &What) -> bool {
+pub(super) fn is_needed(what: &StepEvent) -> bool {
     match what {
-        What::Step { .. } | What::Reading { .. } | What::Signals { .. } => true,
-        What::Instruction { .. }
-        | What::Abort { .. }
-        | What::Jog { .. }
-        | What::Late { .. }
-        | What::LateRequest { .. }
-        | What::Order { .. }
-        | What::Found { .. }
-        | What::Image { .. }
-        | What::Currents { .. }
-        | What::Fault { .. }
-        | What::Body { .. }
-        | What::End { .. } => false,
+        StepEvent::Step { .. } | StepEvent::Reading { .. } | StepEvent::Signals { .. } => true,
+        StepEvent::Instruction { .. }
+        | StepEvent::Abort { .. }
+        | StepEvent::Jog { .. }
+        | StepEvent::Late { .. }
+        | StepEvent::LateRequest { .. }
+        | StepEvent::Order { .. }
+        | StepEvent::Found { .. }
+        | StepEvent::Image { .. }
+        | StepEvent::Currents { .. }
+        | StepEvent::Fault { .. }
+        | StepEvent::Body { .. }
+        | StepEvent::End { .. } => false,
     }
 }
 
@@ -50,34 +50,34 @@ pub(super) fn put(words: &mut Vec<u64>, record: &Record) {
         put_name(words, record.by.name);
     };
     match record.what {
-        What::Step { step, dt, duration, speed, suspended, reduced, aborting, stopping, resetting } => {
+        StepEvent::Step { step, dt, duration, speed, suspended, reduced, aborting, stopping, resetting } => {
             head(words, STEP);
             words.extend([step, dt.to_bits(), duration.to_bits(), speed.to_bits()]);
             words.extend([suspended, reduced, aborting, stopping, resetting].map(u64::from));
         }
-        What::Reading { sensor, step, state, taken, .. } => {
+        StepEvent::Reading { sensor, step, state, taken, .. } => {
             head(words, READING);
             put_name(words, Some(sensor));
             words.extend([step, state as u64, taken]);
             put_words(words, record.words());
         }
-        What::Signals { step } => {
+        StepEvent::Signals { step } => {
             head(words, SIGNALS);
             words.push(step);
             put_words(words, record.words());
         }
-        What::Instruction { .. }
-        | What::Abort { .. }
-        | What::Jog { .. }
-        | What::Late { .. }
-        | What::LateRequest { .. }
-        | What::Order { .. }
-        | What::Found { .. }
-        | What::Image { .. }
-        | What::Currents { .. }
-        | What::Fault { .. }
-        | What::Body { .. }
-        | What::End { .. } => {}
+        StepEvent::Instruction { .. }
+        | StepEvent::Abort { .. }
+        | StepEvent::Jog { .. }
+        | StepEvent::Late { .. }
+        | StepEvent::LateRequest { .. }
+        | StepEvent::Order { .. }
+        | StepEvent::Found { .. }
+        | StepEvent::Image { .. }
+        | StepEvent::Currents { .. }
+        | StepEvent::Fault { .. }
+        | StepEvent::Body { .. }
+        | StepEvent::End { .. } => {}
     }
 }
 
@@ -98,7 +98,7 @@ fn put_words(words: &mut Vec<u64>, shown: &[u64]) {
 }
 
 /// Reads a datagram of a cell of this layout, up to the first words that make no sense.
-pub(super) fn read<'a>(words: &'a [u64], layout: &'a Layout) -> impl Iterator<Item = Shown<'a>> {
+pub(super) fn read<'a>(words: &'a [u64], layout: &'a Layout) -> impl Iterator<Item = PictureRecord<'a>> {
     let mut reader = Reader { words, layout };
     std::iter::from_fn(move || reader.next())
 }
@@ -109,10 +109,10 @@ struct Reader<'a> {
 }
 
 impl<'a> Reader<'a> {
-    fn next(&mut self) -> Option<Shown<'a>> {
+    fn next(&mut self) -> Option<PictureRecord<'a>> {
         let kind = self.word()?;
         if kind == END {
-            return self.word().map(Shown::End);
+            return self.word().map(PictureRecord::End);
         }
         let time = self.word()?;
         let role = [Role::Mp, Role::Ecp, Role::Edp, Role::Vsp, Role::Plant, Role::Node];
@@ -121,14 +121,14 @@ impl<'a> Reader<'a> {
         let (what, words) = match kind {
             STEP => (self.step()?, &[][..]),
             READING => self.reading()?,
-            SIGNALS => (What::Signals { step: self.word()? }, self.shown()?),
+            SIGNALS => (StepEvent::Signals { step: self.word()? }, self.shown()?),
             _ => return None,
         };
-        Some(Shown::Something(time, by, what, words))
+        Some(PictureRecord::Something(time, by, what, words))
     }
 
-    fn step(&mut self) -> Option<What> {
-        Some(What::Step {
+    fn step(&mut self) -> Option<StepEvent> {
+        Some(StepEvent::Step {
             step: self.word()?,
             dt: f64::from_bits(self.word()?),
             duration: f64::from_bits(self.word()?),
@@ -141,14 +141,14 @@ impl<'a> Reader<'a> {
         })
     }
 
-    fn reading(&mut self) -> Option<(What, &'a [u64])> {
+    fn reading(&mut self) -> Option<(StepEvent, &'a [u64])> {
         let sensor = self.name()??;
         let step = self.word()?;
         let states = [ReadingState::There, ReadingState::None, ReadingState::Fault, ReadingState::Lost];
         let state = *states.get(usize::try_from(self.word()?).ok()?)?;
         let taken = self.word()?;
         let known = self.layout.sensors.iter().find(|known| known.name == sensor.as_str())?;
-        Some((What::Reading { sensor, step, state, taken, shape: known.reading }, self.shown()?))
+        Some((StepEvent::Reading { sensor, step, state, taken, shape: known.reading }, self.shown()?))
     }
 
     fn word(&mut self) -> Option<u64> {

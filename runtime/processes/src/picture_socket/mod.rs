@@ -1,6 +1,6 @@
 //! What the processes of a cell show its picture, on its way to the plant, which draws the picture.
 //!
-//! In: steps of the MP, readings that the MP and ECPs collect, inputs and outputs that EDPs have. Out: the same to the witnesses
+//! In: steps of the MP, readings that the MP and ECPs collect, inputs and outputs that EDPs have. Out: the same to the observers
 //! of the picture, on a thread of the plant. The step of a process copies what it shows into a ring; a thread sends it through
 //! a datagram socket in the session's folder (`sender`), in which the plant receives it (`receiver`), as `datagram`s of plain
 //! words. The plant makes the socket before the cell begins. When it is full, the sender's thread waits. When the ring is full,
@@ -19,7 +19,7 @@ pub(crate) use receiver::Receiver;
 pub(crate) use sender::join;
 
 /// How long to wait for a plant, or for a thread of its, that takes nothing: shorter than a launcher waits for processes that end.
-const PATIENCE: Duration = Duration::from_secs(3);
+const TIMEOUT: Duration = Duration::from_secs(3);
 
 /// The path of the socket in the folder of a session.
 fn socket(folder: &Path) -> PathBuf {

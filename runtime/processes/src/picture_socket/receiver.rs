@@ -1,6 +1,6 @@
 //! The plant's end of the socket.
 //!
-//! In: datagrams of the cell's processes. Out: what they say, to the witnesses of the picture, on a thread that may lag.
+//! In: datagrams of the cell's processes. Out: what they say, to the observers of the picture, on a thread that may lag.
 
 use std::io::{self, ErrorKind};
 use std::os::unix::net::UnixDatagram;
@@ -12,10 +12,10 @@ use std::time::{Duration, Instant};
 
 use mrroc_core::console::complain;
 use mrroc_core::observe::layout::Layout;
-use mrroc_core::observe::witness::{SharedWitness, Witness};
+use mrroc_core::observe::step_observer::{SharedStepObserver, StepObserver};
 
-use super::datagram::{Shown, read};
-use super::{PATIENCE, socket};
+use super::datagram::{PictureRecord, read};
+use super::{TIMEOUT, socket};
 
 /// The longest datagram \[bytes\].
 const LONGEST: usize = 64 * 1024;
@@ -36,7 +36,7 @@ struct Shared {
     lost: AtomicU64,
 }
 
-/// Shows the witnesses of a picture what the processes of a session send.
+/// Shows the observers of a picture what the processes of a session send.
 pub(crate) struct Receiver {
     shared: Arc<Shared>,
     /// Tells the thread that it is closing.
@@ -49,7 +49,7 @@ impl Receiver {
     ///
     /// # Errors
     /// The socket cannot be made, or the thread cannot be started.
-    pub fn open(folder: &Path, layout: Layout, witnesses: Vec<SharedWitness>) -> io::Result<Receiver> {
+    pub fn open(folder: &Path, layout: Layout, observers: Vec<SharedStepObserver>) -> io::Result<Receiver> {
         let path = socket(folder);
         let socket = UnixDatagram::bind(&path)?;
         socket.set_read_timeout(Some(REST))?;
@@ -61,11 +61,11 @@ impl Receiver {
         let thread = std::thread::Builder::new()
             .name("picture".to_owned())
             .stack_size(STACK)
-            .spawn(move || receive(&socket, &of_thread, &layout, &witnesses))?;
+            .spawn(move || receive(&socket, &of_thread, &layout, &observers))?;
         Ok(Receiver { shared, bell, thread })
     }
 
-    /// Waits until the witnesses have seen all that was sent before, as long as they make progress, and tells what is missing.
+    /// Waits until the observers have seen all that was sent before, as long as they make progress, and tells what is missing.
     pub fn finish(self) {
         let Receiver { shared, bell, thread } = self;
         shared.closing.store(true, Ordering::Release);
@@ -76,7 +76,7 @@ impl Receiver {
             let received = shared.received.load(Ordering::Acquire);
             if received != seen {
                 (since, seen) = (Instant::now(), received);
-            } else if since.elapsed() > PATIENCE {
+            } else if since.elapsed() > TIMEOUT {
                 complain(
                     "warning: the picture does not get all that the processes have shown: it takes nothing more",
                 );
@@ -94,7 +94,7 @@ impl Receiver {
 }
 
 /// Receives until there is nothing more.
-fn receive(socket: &UnixDatagram, shared: &Shared, layout: &Layout, witnesses: &[SharedWitness]) {
+fn receive(socket: &UnixDatagram, shared: &Shared, layout: &Layout, observers: &[SharedStepObserver]) {
     let mut bytes = vec![0; LONGEST];
     let mut words = Vec::new();
     loop {
@@ -110,7 +110,7 @@ fn receive(socket: &UnixDatagram, shared: &Shared, layout: &Layout, witnesses: &
             Ok(len) => {
                 words.clear();
                 words.extend(bytes[..len].as_chunks::<8>().0.iter().map(|word| u64::from_le_bytes(*word)));
-                show(&words, shared, layout, witnesses);
+                show(&words, shared, layout, observers);
                 shared.received.fetch_add(1, Ordering::AcqRel);
             }
             Err(error) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) => {
@@ -127,13 +127,13 @@ fn receive(socket: &UnixDatagram, shared: &Shared, layout: &Layout, witnesses: &
     }
 }
 
-fn show(words: &[u64], shared: &Shared, layout: &Layout, witnesses: &[SharedWitness]) {
+fn show(words: &[u64], shared: &Shared, layout: &Layout, observers: &[SharedStepObserver]) {
     for shown in read(words, layout) {
         match shown {
-            Shown::Something(time, by, what, words) => {
-                witnesses.iter().for_each(|witness| witness.see(time, by, &what, words));
+            PictureRecord::Something(time, by, what, words) => {
+                observers.iter().for_each(|observer| observer.see(time, by, &what, words));
             }
-            Shown::End(lost) => {
+            PictureRecord::End(lost) => {
                 shared.lost.fetch_add(lost, Ordering::AcqRel);
             }
         }

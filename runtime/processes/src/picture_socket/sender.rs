@@ -12,10 +12,10 @@ use std::time::Duration;
 use mrroc_core::console::complain;
 use mrroc_core::fault::{ProcessId, Role};
 use mrroc_core::link::Clock;
-use mrroc_core::observe::ring::{Record, Ring, RingUse, Sink, Trouble};
-use mrroc_core::observe::witness::What;
+use mrroc_core::observe::ring::{Record, Ring, RingError, RingUse, Sink};
+use mrroc_core::observe::step_observer::StepEvent;
 
-use super::{PATIENCE, datagram, socket};
+use super::{TIMEOUT, datagram, socket};
 
 /// Number of records that the ring holds: those of a quarter of a second of an MP with three sensors at 1 kHz.
 const LENGTH: usize = 1024;
@@ -38,23 +38,23 @@ pub(crate) fn join(process: ProcessId, folder: &Path, clock: Clock) -> Option<Rc
     if !shows {
         return None;
     }
-    let begun = send(socket(folder), clock, PATIENCE);
+    let begun = send(socket(folder), clock, TIMEOUT);
     let unseen = |error: &io::Error| complain(&format!("warning: {process}: not in the picture: {error}"));
     begun.map(Rc::new).inspect_err(unseen).ok()
 }
 
 /// Begins to send what is seen to the socket at `path`.
-pub(super) fn send(path: PathBuf, clock: Clock, patience: Duration) -> io::Result<Ring> {
+pub(super) fn send(path: PathBuf, clock: Clock, timeout: Duration) -> io::Result<Ring> {
     let about = RingUse {
         length: LENGTH,
         clock,
         rest: REST,
         flush: Duration::ZERO,
-        patience,
+        timeout,
         stack: STACK,
-        is_asked_for: Box::new(|_, what: &What| datagram::is_needed(what)),
+        is_asked_for: Box::new(|_, what: &StepEvent| datagram::is_needed(what)),
         // What is lost is told by the plant. A plant that is gone ends the cell, and draws no picture.
-        tell: Arc::new(|_: &Trouble| {}),
+        tell: Arc::new(|_: &RingError| {}),
     };
     let datagrams = Datagrams { path, socket: None, words: Vec::new(), bytes: Vec::new() };
     let open = move || Ok(Box::new(datagrams) as Box<dyn Sink>);

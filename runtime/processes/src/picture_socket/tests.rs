@@ -2,7 +2,7 @@
 
 use std::os::unix::net::UnixDatagram;
 use std::path::PathBuf;
-use std::sync::mpsc::{Receiver as Heard, Sender as Tells, channel};
+use std::sync::mpsc::{Receiver as Permits, Sender as Tells, channel};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
@@ -11,12 +11,12 @@ use mrroc_core::link::{Clock, Nanos};
 use mrroc_core::observe::layout::{Layout, SensorLayout};
 use mrroc_core::observe::recording::RunRecord;
 use mrroc_core::observe::ring::Ring;
-use mrroc_core::observe::witness::{ReadingState, What, Witness};
+use mrroc_core::observe::step_observer::{ReadingState, StepEvent, StepObserver};
 use mrroc_core::payload::Shape;
 use mrroc_core::sensor::VspMode;
 use proptest::prelude::*;
 
-use super::datagram::{Shown, read};
+use super::datagram::{PictureRecord, read};
 use super::receiver::Receiver;
 use super::sender::send;
 use super::socket;
@@ -74,8 +74,8 @@ fn name(text: &str) -> Name {
     Name::new(text).expect("a name")
 }
 
-fn step(step: u64) -> What {
-    What::Step {
+fn step(step: u64) -> StepEvent {
+    StepEvent::Step {
         step,
         dt: 0.001,
         duration: 0.002,
@@ -88,19 +88,19 @@ fn step(step: u64) -> What {
     }
 }
 
-fn reading(step: u64, state: ReadingState) -> What {
-    What::Reading { sensor: name("eye"), step, state, taken: step - 1, shape: &Shape::Float }
+fn reading(step: u64, state: ReadingState) -> StepEvent {
+    StepEvent::Reading { sensor: name("eye"), step, state, taken: step - 1, shape: &Shape::Float }
 }
 
-/// What a witness saw.
+/// What an observer saw.
 type Sight = (Nanos, ProcessId, String, Vec<u64>);
 
 /// Keeps what it sees.
 #[derive(Default)]
 struct Keeps(Mutex<Vec<Sight>>);
 
-impl Witness for Keeps {
-    fn see(&self, time: Nanos, by: ProcessId, what: &What, words: &[u64]) {
+impl StepObserver for Keeps {
+    fn see(&self, time: Nanos, by: ProcessId, what: &StepEvent, words: &[u64]) {
         let sight = (time, by, format!("{what:?}"), words.to_vec());
         self.0.lock().expect("no panic").push(sight);
     }
@@ -113,17 +113,17 @@ fn the_plant_sees_what_a_picture_needs_as_the_processes_have_shown_it() {
     let receiver = Receiver::open(&folder.0, layout(), vec![keeps.clone()]).expect("a socket");
     let ring = send(socket(&folder.0), Clock::Virtual, Duration::from_secs(60)).expect("a thread");
     let (ecp, edp) = (ProcessId::new(Role::Ecp, name("arm")), ProcessId::new(Role::Edp, name("arm")));
-    let needed: [(ProcessId, What, &[u64]); 5] = [
+    let needed: [(ProcessId, StepEvent, &[u64]); 5] = [
         (ProcessId::MP, step(7), &[]),
         (ProcessId::MP, reading(7, ReadingState::There), &[2.5_f64.to_bits()]),
         (ecp, reading(8, ReadingState::Lost), &[]),
-        (edp, What::Signals { step: 8 }, &[1, 2, 3]),
+        (edp, StepEvent::Signals { step: 8 }, &[1, 2, 3]),
         (ProcessId::MP, step(8), &[]),
     ];
     for (i, (by, what, words)) in needed.iter().enumerate() {
         ring.see(1000 * i as u64, *by, what, words);
-        ring.see(1000 * i as u64, *by, &What::Late { step: 8 }, words);
-        ring.see(1000 * i as u64, *by, &What::Currents { step: 8 }, words);
+        ring.see(1000 * i as u64, *by, &StepEvent::Late { step: 8 }, words);
+        ring.see(1000 * i as u64, *by, &StepEvent::Currents { step: 8 }, words);
     }
     ring.finish();
     receiver.finish();
@@ -136,13 +136,16 @@ fn the_plant_sees_what_a_picture_needs_as_the_processes_have_shown_it() {
 }
 
 /// Looks on as slowly as it is allowed to.
-struct Waits(Mutex<(Heard<()>, u64)>);
+struct Waits(Mutex<(Permits<()>, u64)>);
 
-impl Witness for Waits {
-    fn see(&self, _: Nanos, _: ProcessId, what: &What, _: &[u64]) {
+impl StepObserver for Waits {
+    fn see(&self, _: Nanos, _: ProcessId, what: &StepEvent, _: &[u64]) {
         let mut seen = self.0.lock().expect("no panic");
         let expected = seen.1;
-        assert!(matches!(what, What::Step { step, .. } if *step == expected), "{what:?}, not {expected}");
+        assert!(
+            matches!(what, StepEvent::Step { step, .. } if *step == expected),
+            "{what:?}, not {expected}"
+        );
         seen.1 += 1;
         // Once; then the other end is gone.
         let _ = seen.0.recv();
@@ -157,8 +160,8 @@ fn waits() -> (Tells<()>, Arc<Waits>) {
 #[test]
 fn under_the_virtual_clock_nothing_is_lost_however_slow_the_plant_is() {
     let folder = Folder::new("slow");
-    let (lets, witness) = waits();
-    let receiver = Receiver::open(&folder.0, layout(), vec![witness.clone()]).expect("a socket");
+    let (lets, observer) = waits();
+    let receiver = Receiver::open(&folder.0, layout(), vec![observer.clone()]).expect("a socket");
     let ring = send(socket(&folder.0), Clock::Virtual, Duration::from_secs(60)).expect("a thread");
     // Time in which the ring becomes full; the result does not depend on it.
     let later = std::thread::spawn(move || {
@@ -169,7 +172,7 @@ fn under_the_virtual_clock_nothing_is_lost_however_slow_the_plant_is() {
     ring.finish();
     receiver.finish();
     later.join().expect("it ends");
-    assert_eq!(witness.0.lock().expect("no panic").1, MANY);
+    assert_eq!(observer.0.lock().expect("no panic").1, MANY);
 }
 
 /// Reads a socket to the end of what a process shows: how much of it came, and how much the process has dropped.
@@ -181,8 +184,8 @@ fn read_all(socket: &UnixDatagram) -> (u64, u64) {
             bytes[..len].as_chunks::<8>().0.iter().map(|word| u64::from_le_bytes(*word)).collect();
         for shown in read(&words, &layout()) {
             match shown {
-                Shown::Something(..) => came += 1,
-                Shown::End(lost) => return (came, lost),
+                PictureRecord::Something(..) => came += 1,
+                PictureRecord::End(lost) => return (came, lost),
             }
         }
     }

@@ -3,7 +3,7 @@
 use std::io;
 use std::path::PathBuf;
 
-use crate::identity::{Holder, Taken};
+use crate::identity::{AlreadyTaken, Holder};
 
 /// Why a session could not be made.
 #[derive(Debug, thiserror::Error)]
@@ -61,18 +61,18 @@ pub(crate) enum SessionError {
     Io(PathBuf, io::Error),
 }
 
-impl From<Taken> for SessionError {
-    fn from(taken: Taken) -> SessionError {
+impl From<AlreadyTaken> for SessionError {
+    fn from(taken: AlreadyTaken) -> SessionError {
         match taken {
-            Taken::Cell(Some(holder)) if holder.is_ours() => SessionError::Running(holder.pid),
-            Taken::Cell(Some(Holder { pid, user })) => SessionError::RunningForAnother(pid, user),
-            Taken::Cell(None) => SessionError::NameTaken,
-            Taken::Hardware(hardware, holder) => {
+            AlreadyTaken::Cell(Some(holder)) if holder.is_ours() => SessionError::Running(holder.pid),
+            AlreadyTaken::Cell(Some(Holder { pid, user })) => SessionError::RunningForAnother(pid, user),
+            AlreadyTaken::Cell(None) => SessionError::NameTaken,
+            AlreadyTaken::Hardware(hardware, holder) => {
                 let by =
                     holder.map(|Holder { pid, user }| format!(", which process {pid} of user {user} runs"));
                 SessionError::HardwareTaken { hardware, by: by.unwrap_or_default() }
             }
-            Taken::Io(error) => SessionError::Names(error),
+            AlreadyTaken::Io(error) => SessionError::Names(error),
         }
     }
 }

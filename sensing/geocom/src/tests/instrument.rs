@@ -89,9 +89,9 @@ impl VirtualLine<'_> {
     }
 
     /// Does what a client needs before it goes on, or begins to, as [`Connection`] does; time passes as it must.
-    pub fn carry_out(&mut self, next: Next, client: &mut Client) -> Result<(), Trouble> {
+    pub fn carry_out(&mut self, next: ClientAction, client: &mut Client) -> Result<(), NoReading> {
         match next {
-            Next::Send { until } if self.is_taken => {
+            ClientAction::Send { until } if self.is_taken => {
                 assert!(until > self.now);
                 // A part of it, and then the rest.
                 let count = client.outgoing().len().div_ceil(2);
@@ -99,12 +99,12 @@ impl VirtualLine<'_> {
                 self.came.extend(sent);
                 client.sent(count);
             }
-            Next::Send { until } => self.now = until,
-            Next::Receive { until } => {
+            ClientAction::Send { until } => self.now = until,
+            ClientAction::Receive { until } => {
                 let (sent, next) = self.instrument.poll(self.now, &[]);
                 let is_over = self.instrument.asked >= self.closes_after && next.is_none();
                 if sent.is_empty() && is_over {
-                    return Err(Trouble::Closed);
+                    return Err(NoReading::Closed);
                 }
                 if sent.is_empty() {
                     let until = until.max(self.now);
@@ -114,17 +114,17 @@ impl VirtualLine<'_> {
                 }
                 self.came.extend(sent);
             }
-            Next::Done(_) | Next::Idle => {}
+            ClientAction::Done(_) | ClientAction::Idle => {}
         }
         Ok(())
     }
 
     /// Runs a client until it is done.
-    pub fn run(&mut self, client: &mut Client) -> Result<Option<Measured>, Trouble> {
+    pub fn run(&mut self, client: &mut Client) -> Result<Option<Measured>, NoReading> {
         loop {
             match client.poll(self.now, &self.take()) {
-                Next::Done(outcome) => return outcome,
-                Next::Idle => panic!("nothing was asked for"),
+                ClientAction::Done(outcome) => return outcome,
+                ClientAction::Idle => panic!("nothing was asked for"),
                 next => self.carry_out(next, client)?,
             }
         }

@@ -9,8 +9,8 @@ use super::*;
 use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
 
 /// No answer takes so long.
-const PATIENT: Patience =
-    Patience { answer: Duration::from_secs(60), turn: Duration::from_secs(60), times: 1 };
+const LONG_TIMEOUTS: Timeouts =
+    Timeouts { answer: Duration::from_secs(60), turn: Duration::from_secs(60), times: 1 };
 
 /// Answers so many questions over a line, and then hangs up.
 fn serve(port: impl AsFd + Send + 'static, questions: usize) {
@@ -51,7 +51,7 @@ fn a_sensor_on_a_serial_port_reads_what_it_is_told_to_sight() {
     // It hangs up no more than a cable does: by nobody who has it open.
     let _kept = File::options().read(true).write(true).open(&port).expect("its other end");
     serve(instrument, usize::MAX);
-    let mut sensor = Theodolite::on(&port, 9600, PATIENT);
+    let mut sensor = Theodolite::on(&port, 9600, LONG_TIMEOUTS);
     assert_eq!(sensor.hardware(), Some(format!("serial port {port}")));
     sensor.open().expect("it answers");
     let [hz, v] = DIRECTION;
@@ -66,8 +66,8 @@ fn fault_185_a_line_whose_other_end_is_gone_is_a_fault_and_never_a_reading() {
         serve(there, questions);
         Line::over(here)
     };
-    assert!(matches!(Theodolite::over(serving(0), PATIENT), Err(Trouble::Closed)));
-    let mut sensor = Theodolite::over(serving(3), PATIENT).expect("a sensor");
+    assert!(matches!(Theodolite::over(serving(0), LONG_TIMEOUTS), Err(NoReading::Closed)));
+    let mut sensor = Theodolite::over(serving(3), LONG_TIMEOUTS).expect("a sensor");
     let [hz, v] = DIRECTION;
     let why = ordered(&mut sensor, Sight { index: 1, hz, v, turned: true }).expect_err("closed");
     assert!(why.to_string().contains("closed"), "{why}");

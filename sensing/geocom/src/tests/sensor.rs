@@ -10,13 +10,13 @@ struct Sensor<'t> {
     shared: Shared,
     orders: Orders,
     worker: Worker,
-    goes_on: Result<(), Trouble>,
+    goes_on: Result<(), NoReading>,
 }
 
 /// A sensor that has greeted its instrument, over a line that is closed after so many questions.
 fn sensor<'t>(closes_after: usize) -> Sensor<'t> {
     let mut line = VirtualLine { closes_after, ..line_to(|_, answer| vec![answer]) };
-    let mut client = Client::new(Patience::default());
+    let mut client = Client::new(Timeouts::default());
     client.greet();
     assert_eq!(line.run(&mut client), Ok(None));
     let (shared, orders) = (Shared::default(), Orders::default());
@@ -34,7 +34,7 @@ impl Sensor<'_> {
         while self.goes_on.is_ok() {
             let bytes = self.line.take();
             match self.worker.poll(self.line.now, &bytes, &self.shared) {
-                Next::Idle => return,
+                ClientAction::Idle => return,
                 next => self.goes_on = self.line.carry_out(next, self.worker.client()),
             }
         }
@@ -78,11 +78,11 @@ fn there_is_no_reading_until_the_last_answer_of_the_sight_has_come() {
     loop {
         let bytes = sensor.line.take();
         let next = sensor.worker.poll(sensor.line.now, &bytes, &sensor.shared);
-        if next == Next::Idle {
+        if next == ClientAction::Idle {
             break;
         }
         let is_settled = sensor.order(sight).expect("nothing is wrong").settled;
-        assert_eq!(is_settled, matches!(next, Next::Done(Ok(Some(_)))));
+        assert_eq!(is_settled, matches!(next, ClientAction::Done(Ok(Some(_)))));
         sensor.line.carry_out(next, sensor.worker.client()).expect("open");
     }
     // Five answers of 40 ms each.
@@ -129,7 +129,7 @@ fn fault_185_a_line_that_is_closed_is_a_fault_and_never_a_reading() {
         }
     }
     let mut line = VirtualLine { closes_after: 0, ..line_to(|_, answer| vec![answer]) };
-    let mut client = Client::new(Patience::default());
+    let mut client = Client::new(Timeouts::default());
     client.greet();
-    assert_eq!(line.run(&mut client), Err(Trouble::Closed));
+    assert_eq!(line.run(&mut client), Err(NoReading::Closed));
 }

@@ -27,7 +27,7 @@ const RAISED: f64 = 0.008;
 
 /// A thing that passed.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Heard {
+pub struct HeardObject {
     /// Its class; `None` of something unknown.
     pub class: Option<usize>,
     /// How likely the likeliest class is, 0 to 1.
@@ -286,18 +286,18 @@ impl Hearing {
     }
 
     /// What a relief is of.
-    pub fn judge(&mut self, relief: &Relief) -> Heard {
+    pub fn evaluate(&mut self, relief: &Relief) -> HeardObject {
         let features = relief_features(relief);
         let scores = self.classifier.classify(&features).unwrap_or_default();
         let best = scores.iter().copied().enumerate().max_by(|(_, a), (_, b)| a.total_cmp(b));
         let Some((class, score)) = best.filter(|(class, _)| *class < self.classes.len()) else {
             let (place, angle, misfit) = (Vector2::zeros(), 0.0, f64::INFINITY);
-            return Heard { class: None, score: 0.0, misfit, place, angle, features };
+            return HeardObject { class: None, score: 0.0, misfit, place, angle, features };
         };
         let (misfit, place, angle) = self.lay(class, relief);
         let score = f64::from(score);
         let known = score >= Self::SCORE && misfit <= self.limits[class];
-        Heard { class: known.then_some(class), score, misfit, place, angle, features }
+        HeardObject { class: known.then_some(class), score, misfit, place, angle, features }
     }
 
     /// Lays a relief onto the map of a class: the least misfit, the place and the angle.

@@ -28,7 +28,7 @@ pub use chessboard::{Board, Grey, NoBoard, refine};
 pub use circles::{Circles, Rows};
 pub use debounce::{Debounce, Edge};
 pub use features::{FEATURES, Moments, features};
-pub use hearing::{Heard, Hearing};
+pub use hearing::{HeardObject, Hearing};
 pub use lateral::{Lateral, Laterals};
 #[cfg(feature = "networks")]
 pub use network::{Network, NetworkError};
@@ -38,4 +38,4 @@ pub use rectified::Rectified;
 pub use relief::{Deaf, Relief, Reliefs, Sample};
 pub use relief_features::{RELIEF_FEATURES, relief_features};
 pub use sole::Sole;
-pub use vision::{Blind, Classifier, Found, PartClass, Vision};
+pub use vision::{Blind, Classifier, DetectedObject, PartClass, Vision};

@@ -39,7 +39,7 @@ pub trait Classifier {
 
 /// A thing in an image.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Found {
+pub struct DetectedObject {
     /// Its class; `None` of something unknown.
     pub class: Option<usize>,
     /// How likely the likeliest class is, 0 to 1.
@@ -67,7 +67,7 @@ pub enum Blind {
         /// That of the image of the empty belt.
         usual: f64,
     },
-    /// The image of the empty belt, by which all others are judged, has no light.
+    /// The image of the empty belt, with which all others are compared, has no light.
     #[error("the empty belt is dark, mean grey {mean:.1}, at least {least:.1}: lens covered or lamp off?")]
     NoLight {
         /// Mean grey value.
@@ -166,7 +166,7 @@ impl Vision {
     ///
     /// # Panics
     /// If the image has not the camera's size.
-    pub fn look(&mut self, image: &[u8]) -> Result<Vec<Found>, Blind> {
+    pub fn look(&mut self, image: &[u8]) -> Result<Vec<DetectedObject>, Blind> {
         let seen = mean(image);
         let Some((usual, blobs)) = &mut self.empty else {
             return Err(Blind::NoLight { mean: 0.0, least: Self::LIGHT });
@@ -175,7 +175,7 @@ impl Vision {
             return Err(Blind::Dark { mean: seen, usual: *usual });
         }
         let blobs = blobs.find(image);
-        Ok(blobs.into_iter().map(|blob| self.judge(blob, image)).collect())
+        Ok(blobs.into_iter().map(|blob| self.evaluate(blob, image)).collect())
     }
 
     /// Place and area of a pixel.
@@ -184,7 +184,7 @@ impl Vision {
         ([x.into(), y.into()], area.into())
     }
 
-    fn judge(&mut self, blob: Blob, image: &[u8]) -> Found {
+    fn evaluate(&mut self, blob: Blob, image: &[u8]) -> DetectedObject {
         let moments = Moments::of(blob.pixels.iter().map(|&index| self.ground(index)));
         let features = features(&blob, &moments, image, self.plane.width(), |index| self.ground(index));
         let scores = self.classifier.classify(&features).unwrap_or_default();
@@ -192,7 +192,7 @@ impl Vision {
         let best = best
             .filter(|(class, _)| *class < self.classes.len())
             .map(|(class, score)| (class, f64::from(*score)));
-        let mut found = Found {
+        let mut found = DetectedObject {
             class: None,
             score: best.map_or(0.0, |(_, score)| score),
             fit: 0.0,

@@ -15,7 +15,7 @@ use mrroc::sensor::Frames;
 use super::parts::{PartSensor, Spotted};
 use super::sampled::Sampled;
 use super::sighting::Sighting;
-use crate::aggregation::{Found, Vision};
+use crate::aggregation::{DetectedObject, Vision};
 use crate::physics::{Imager, LightBarrier};
 use crate::view::View;
 
@@ -29,7 +29,7 @@ pub enum Trigger {
 }
 
 /// What is told of each image: the grey values, what was found, the time of the exposure \[s\] and the way of the belt then \[m\].
-pub type Onlooker = Box<dyn FnMut(&[u8], &[Found], f64, f64)>;
+pub type ImageObserver = Box<dyn FnMut(&[u8], &[DetectedObject], f64, f64)>;
 
 /// A camera over a scene.
 pub struct CameraSensor<S> {
@@ -44,7 +44,7 @@ pub struct CameraSensor<S> {
     last_way: f64,
     image: Vec<u8>,
     frames: Frames,
-    onlooker: Option<Onlooker>,
+    observer: Option<ImageObserver>,
 }
 
 impl<S> core::fmt::Debug for CameraSensor<S> {
@@ -59,7 +59,7 @@ impl<S: View + 'static> CameraSensor<S> {
     /// From there until its parts are in readings \[s\].
     pub const PROCESSING: f64 = 0.06;
 
-    /// What `imager` takes of a scene is judged by `vision`; `latch` \[s\] is how old the state of the belt is that goes with an order.
+    /// What `imager` takes of a scene is evaluated by `vision`; `latch` \[s\] is how old the state of the belt is that goes with an order.
     #[must_use]
     pub fn new(scene: S, imager: Imager, vision: Vision, trigger: Trigger, latch: f64) -> Self {
         let pixels = vision.plane().width() * vision.plane().height();
@@ -73,14 +73,14 @@ impl<S: View + 'static> CameraSensor<S> {
             last_way: 0.0,
             image: Vec::new(),
             frames: Frames::new(4, pixels),
-            onlooker: None,
+            observer: None,
         }
     }
 
-    /// The same, with somebody who looks on.
+    /// The same, with an observer of its images.
     #[must_use]
-    pub fn watched(self, onlooker: Onlooker) -> Self {
-        Self { onlooker: Some(onlooker), ..self }
+    pub fn watched(self, observer: ImageObserver) -> Self {
+        Self { observer: Some(observer), ..self }
     }
 
     /// The camera, to darken it.
@@ -101,11 +101,11 @@ impl<S: View + 'static> CameraSensor<S> {
         self.imager.expose(&self.scene, time, &mut self.image);
         let [width, height] = self.sighting.vision().plane().camera.size;
         self.frames.image(step, (width as u32, height as u32), 1, &self.image);
-        let Some(found) = self.sighting.judge(&self.image, way, time + Self::PROCESSING)? else {
+        let Some(found) = self.sighting.evaluate(&self.image, way, time + Self::PROCESSING)? else {
             return Ok(());
         };
-        if let Some(onlooker) = &mut self.onlooker {
-            onlooker(&self.image, &found, time, way);
+        if let Some(observer) = &mut self.observer {
+            observer(&self.image, &found, time, way);
         }
         Ok(())
     }

@@ -10,18 +10,18 @@
 use mrroc::prelude::*;
 
 use super::parts::{OnBelt, PartSensor, Pending, Spotted};
-use crate::aggregation::{Heard, Hearing, Relief, Reliefs};
+use crate::aggregation::{HeardObject, Hearing, Relief, Reliefs};
 use crate::physics::Sounders;
 use crate::ultrasound::Echo;
 use crate::view::View;
 
-/// Who looks on.
+/// A listener to what the sensor sees.
 pub trait Listener {
     /// A transducer of this number has pinged at a time \[s\].
     fn pinged(&mut self, number: usize, time: f64, echo: Option<Echo>, sounders: &Sounders);
 
-    /// A thing was judged.
-    fn judged(&mut self, relief: &Relief, heard: &Heard);
+    /// A thing was evaluated.
+    fn evaluated(&mut self, relief: &Relief, heard: &HeardObject);
 }
 
 /// A matrix over a scene.
@@ -52,7 +52,7 @@ impl<S: View + 'static> MatrixSensor<S> {
     /// Of pings that are due, so many at most are made up for after a pause.
     const KEPT: u64 = 20;
 
-    /// What `sounders` hear of a scene is judged by `hearing`; `latch` \[s\] is how old the state of the belt is that goes with an order.
+    /// What `sounders` hear of a scene is evaluated by `hearing`; `latch` \[s\] is how old the state of the belt is that goes with an order.
     #[must_use]
     pub fn new(scene: S, sounders: Sounders, reliefs: Reliefs, hearing: Hearing, latch: f64) -> Self {
         let (processed, reading) = (Pending::default(), Spotted::default());
@@ -70,7 +70,7 @@ impl<S: View + 'static> MatrixSensor<S> {
         }
     }
 
-    /// The same, with somebody who looks on.
+    /// The same, with a listener.
     #[must_use]
     pub fn watched(self, listener: Box<dyn Listener>) -> Self {
         Self { listener: Some(listener), ..self }
@@ -81,8 +81,8 @@ impl<S: View + 'static> MatrixSensor<S> {
         &mut self.sounders
     }
 
-    fn judge(&mut self, relief: &Relief, now: f64) {
-        let heard = self.hearing.judge(relief);
+    fn evaluate(&mut self, relief: &Relief, now: f64) {
+        let heard = self.hearing.evaluate(relief);
         self.reading.images += 1;
         match heard.class {
             Some(class) => {
@@ -100,7 +100,7 @@ impl<S: View + 'static> MatrixSensor<S> {
             None => self.reading.unknown += 1,
         }
         if let Some(listener) = &mut self.listener {
-            listener.judged(relief, &heard);
+            listener.evaluated(relief, &heard);
         }
     }
 }
@@ -130,7 +130,7 @@ impl<S: View + 'static> VirtualSensor for MatrixSensor<S> {
             }
         }
         while let Some(relief) = self.reliefs.passed(run) {
-            self.judge(&relief, now);
+            self.evaluate(&relief, now);
         }
         (self.reading.way, self.reading.speed) = (run, speed);
         self.processed.tell(now, &mut self.reading);

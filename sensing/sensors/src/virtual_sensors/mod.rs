@@ -27,7 +27,7 @@ mod sighting;
 #[cfg(all(feature = "v4l", target_os = "linux"))]
 mod video;
 
-pub use camera::{CameraSensor, Onlooker, Trigger};
+pub use camera::{CameraSensor, ImageObserver, Trigger};
 pub use encoder::{Encoder, Run};
 pub use fingers::{Between, FingerBarrier, Fingers, Tool};
 pub use gate::{Gate, GateReading, GateSensor};

@@ -34,7 +34,7 @@ pub struct OnBelt {
 /// What is said of the newest parts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Payload)]
 pub struct Spotted {
-    /// Images that have been judged, without that of the empty belt.
+    /// Images that have been evaluated, without that of the empty belt.
     pub images: u32,
     /// Things that were no known parts.
     pub unknown: u32,

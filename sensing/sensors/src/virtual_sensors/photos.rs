@@ -9,7 +9,7 @@ use crate::aggregation::Vision;
 /// An image.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Photo {
-    /// Grey values, row by row, of the size of the camera by which they are judged.
+    /// Grey values, row by row, of the size of the camera by which they are evaluated.
     pub grey: Vec<u8>,
     /// How old it was when it was asked for: since the middle of its exposure \[s\]; below 0 of one that was exposed later.
     pub age: f64,
@@ -81,7 +81,7 @@ impl<T: PhotoSource> PhotoSensor<T> {
     /// The oldest image whose place on the belt is believed \[s\].
     const OLDEST: f64 = 0.5;
 
-    /// What `source` gives is judged by `vision`; `latch` \[s\] is how old the state of the belt is that goes with an order.
+    /// What `source` gives is evaluated by `vision`; `latch` \[s\] is how old the state of the belt is that goes with an order.
     #[must_use]
     pub fn new(vision: Vision, source: T, latch: f64) -> Self {
         Self { source, latch, sighting: Sighting::by(vision) }
@@ -100,7 +100,7 @@ impl<T: PhotoSource> VirtualSensor for PhotoSensor<T> {
             let [width, height] = self.sighting.vision().plane().camera.size;
             if grey.len() != width * height {
                 let fault = Fault::thrown(
-                    "an image has not the size of the camera by which it is judged: give that camera's size to `Camera`",
+                    "an image has not the size of the camera by which it is evaluated: give that camera's size to `Camera`",
                 );
                 return Err(fault.exceeds(grey.len() as f64, (width * height) as f64, "pixel"));
             }
@@ -108,7 +108,7 @@ impl<T: PhotoSource> VirtualSensor for PhotoSensor<T> {
                 let fault = Fault::thrown("an image is too old to tell where its parts are on the belt");
                 return Err(fault.exceeds(age, Self::OLDEST, "s"));
             }
-            self.sighting.judge(&grey, way - speed * (age - self.latch), 0.0)?;
+            self.sighting.evaluate(&grey, way - speed * (age - self.latch), 0.0)?;
         }
         (self.sighting.reading.way, self.sighting.reading.speed) = (way, speed);
         Ok(self.sighting.tell(0.0))

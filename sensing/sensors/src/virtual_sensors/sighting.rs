@@ -5,9 +5,9 @@ use std::collections::VecDeque;
 use mrroc::prelude::*;
 
 use super::parts::{OnBelt, Pending, Spotted};
-use crate::aggregation::{Blind, Found, Vision};
+use crate::aggregation::{Blind, DetectedObject, Vision};
 
-/// Judges images, and numbers the parts that come.
+/// Evaluates images, and numbers the parts that come.
 #[derive(Debug)]
 pub(super) struct Sighting {
     vision: Vision,
@@ -32,7 +32,12 @@ impl Sighting {
 
     /// What is in an image that was exposed when the belt had run `way` \[m\]; it is in readings from `from` \[s\] on. The first image is that of
     /// the empty belt: `None`.
-    pub fn judge(&mut self, image: &[u8], way: f64, from: f64) -> Result<Option<Vec<Found>>, Fault> {
+    pub fn evaluate(
+        &mut self,
+        image: &[u8],
+        way: f64,
+        from: f64,
+    ) -> Result<Option<Vec<DetectedObject>>, Fault> {
         let dark = |error: Blind| Fault::thrown(&error.to_string());
         if !self.vision.is_taught() {
             self.vision.teach(image).map_err(dark)?;

@@ -96,7 +96,7 @@ impl core::fmt::Debug for VideoCamera {
 
 impl VideoCamera {
     /// How long an image is waited for when one is asked for \[ms\].
-    const PATIENCE_MS: i32 = 5;
+    const TIMEOUT_MS: i32 = 5;
     /// How long the first image may take ..
     const FIRST: Duration = Duration::from_secs(2);
     /// .. and how long there may be none \[s\].
@@ -154,9 +154,9 @@ impl PhotoSource for VideoCamera {
             return Err(Fault::new(FaultKind::SensorFailed).text("the camera has not been opened"));
         };
         let mut newest = None;
-        let mut patience = Self::PATIENCE_MS;
+        let mut timeout = Self::TIMEOUT_MS;
         let told = loop {
-            match stream.handle().poll(POLLIN, patience) {
+            match stream.handle().poll(POLLIN, timeout) {
                 Ok(0) => break Ok(()),
                 Err(error) if error.kind() == ErrorKind::Interrupted => break Ok(()),
                 Err(error) => break Err(error),
@@ -173,7 +173,7 @@ impl PhotoSource for VideoCamera {
                 }
                 Err(error) => break Err(error),
             }
-            patience = 0;
+            timeout = 0;
         };
         let silent = now() - *heard > Self::SILENCE;
         match told {

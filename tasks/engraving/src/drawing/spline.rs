@@ -1,7 +1,7 @@
 //! The natural C2 cubic spline through points over chord length: the reference for the sampler, and the curve that
 //! CAD programs draw through fit points.
 //!
-//! Slopes `m_i` obey `h_i m_{i-1} + 2 (h_{i-1} + h_i) m_i + h_{i-1} m_{i+1} = 3 (h_i D_{i-1} + h_{i-1} D_i)` with
+//! Slopes `m_i` satisfy `h_i m_{i-1} + 2 (h_{i-1} + h_i) m_i + h_{i-1} m_{i+1} = 3 (h_i D_{i-1} + h_{i-1} D_i)` with
 //! chord lengths `h` and chord slopes `D`; the second derivative is 0 at both ends.
 
 use super::{Piece, Vec2};

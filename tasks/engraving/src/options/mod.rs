@@ -84,7 +84,7 @@ surface:
   2. else, where M280, M300 or the S of M3 lifts a pen: feed moves with it down;
   3. else, feed moves at Z0 or before any Z while M3 or M4 is on;
   4. else, all feed moves at Z0 or before any Z.
-G0 is travel. What is read and not obeyed is said as a warning; so is what a
+G0 is travel. What is read and not applied is said as a warning; so is what a
 DXF drawing hides: layers that are off, frozen or not plotted are not cut.
 ";
 

@@ -136,7 +136,7 @@ impl Summary {
 
     /// Checks every bound and sets `broken` and `passed`.
     #[must_use]
-    pub fn judged(mut self) -> Self {
+    pub fn checked(mut self) -> Self {
         let mut broken = Vec::new();
         for (name, deviation) in [("demanded", &self.demanded), ("executed", &self.executed)] {
             let bound = deviation.max_mm;

@@ -40,10 +40,10 @@ fn summary() -> Summary {
 
 #[test]
 fn a_run_within_its_bounds_passes() {
-    let judged = summary().judged();
-    assert!(judged.passed && judged.broken.is_empty());
-    assert!(judged.table().contains("1000 x real time"));
-    assert!(!judged.table().contains("FAIL"));
+    let checked = summary().checked();
+    assert!(checked.passed && checked.broken.is_empty());
+    assert!(checked.table().contains("1000 x real time"));
+    assert!(!checked.table().contains("FAIL"));
 }
 
 #[test]
@@ -52,25 +52,25 @@ fn each_broken_bound_is_named() {
     run.executed.max_mm.value = 0.02;
     run.joints[0].velocity_share = 1.2;
     run.plate_height = Some(PlateHeight { found_mm: 13.0, true_mm: 12.0, limit_mm: 0.01 });
-    let judged = run.judged();
-    assert!(!judged.passed);
-    assert_eq!(judged.broken.len(), 3, "{:?}", judged.broken);
-    assert!(judged.table().contains("joint 2: velocity at 120 % of its limit"));
+    let checked = run.checked();
+    assert!(!checked.passed);
+    assert_eq!(checked.broken.len(), 3, "{:?}", checked.broken);
+    assert!(checked.table().contains("joint 2: velocity at 120 % of its limit"));
 }
 
 #[test]
 fn a_deviation_that_is_no_number_fails() {
     let mut run = summary();
     run.demanded.max_mm.value = f64::NAN;
-    assert!(!run.judged().passed);
+    assert!(!run.checked().passed);
 }
 
 #[test]
 fn what_the_file_chose_is_in_the_summary_and_defaults_are_in_the_table_alone() {
-    let judged = summary().judged();
-    assert!(judged.table().contains("depth              0.3 mm, by default"), "{}", judged.table());
-    assert!(judged.table().contains("feed               8 mm/s, from the file"));
-    let json = serde_json::to_value(&judged).unwrap();
+    let checked = summary().checked();
+    assert!(checked.table().contains("depth              0.3 mm, by default"), "{}", checked.table());
+    assert!(checked.table().contains("feed               8 mm/s, from the file"));
+    let json = serde_json::to_value(&checked).unwrap();
     assert_eq!(json["feed_mm_per_s"]["by"], "file");
     assert!(json.get("depth_mm").is_none() && json.get("travel_height_mm").is_none());
 }

@@ -13,7 +13,7 @@ use crate::ground::Ground;
 use crate::leg::Leg;
 use crate::places::NAMES;
 use crate::plant::{FootForces, Level};
-use crate::walk::{Course, Footstep, Gait, Part, Stance};
+use crate::walk::{FootholdPlan, Footstep, Gait, Part, Stance};
 
 /// The machine's legs, in the order of [`NAMES`].
 pub type Legs = [Leg; 4];
@@ -33,11 +33,11 @@ pub struct Stride {
 }
 
 impl Stride {
-    /// This part of the gait, by this course, over ground that is told to be so.
+    /// This part of the gait, by this plan, over ground that is told to be so.
     #[must_use]
-    pub fn new(gait: Gait, part: Part, course: &Course, legs: Legs, ground: Rc<Ground>) -> Self {
+    pub fn new(gait: Gait, part: Part, plan: &FootholdPlan, legs: Legs, ground: Rc<Ground>) -> Self {
         let hold = match part {
-            Part::Footstep(number) => course.hold(number).map(|hold| (Gait::leg(number), *hold)),
+            Part::Footstep(number) => plan.hold(number).map(|hold| (Gait::leg(number), *hold)),
             Part::SetOff | Part::Halt => None,
         };
         Self { gait, part, hold, legs, ground, plan: None, t: 0.0 }

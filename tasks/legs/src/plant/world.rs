@@ -14,7 +14,7 @@ use super::foot::{Foot, RADIUS};
 use super::trunk::{Sums, Trunk};
 use crate::ground::Ground;
 use crate::leg::{GRAVITY, Leg, Three};
-use crate::seen::{Seen, Standing};
+use crate::seen::{RunMeasurements, Standing};
 
 /// Servo period of the legs \[s\].
 pub const PERIOD: f64 = 0.002;
@@ -36,7 +36,7 @@ pub struct World {
     loads: [Vector3<f64>; 4],
     periods: u64,
     /// What there was to see.
-    pub seen: Seen,
+    pub seen: RunMeasurements,
 }
 
 impl World {
@@ -55,7 +55,7 @@ impl World {
             feet: Default::default(),
             loads: [Vector3::zeros(); 4],
             periods: 0,
-            seen: Seen::default(),
+            seen: RunMeasurements::default(),
         }
     }
 

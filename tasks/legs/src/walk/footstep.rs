@@ -125,9 +125,9 @@ impl Footstep {
             rise: 0.0,
             margin: f64::INFINITY,
         };
-        let Some((leg, hold)) = hold else { return still.rising(None).judged(legs, stance) };
+        let Some((leg, hold)) = hold else { return still.rising(None).checked(legs, stance) };
         let at = hold - Vector2::new(gait.way(begins), gait.aside(begins));
-        still.stepping(leg, &at, ground).judged(legs, stance)
+        still.stepping(leg, &at, ground).checked(legs, stance)
     }
 
     /// With this leg stepping there [m, along L].
@@ -160,7 +160,7 @@ impl Footstep {
     }
 
     /// With its margin, or refused.
-    fn judged(self, legs: &[Leg; 4], stance: &Stance) -> Result<Self, Refused> {
+    fn checked(self, legs: &[Leg; 4], stance: &Stance) -> Result<Self, Refused> {
         let name = self.leg().map_or("none", |leg| NAMES[leg]);
         let mut q = stance.q;
         let mut least = f64::INFINITY;

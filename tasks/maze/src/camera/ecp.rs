@@ -26,14 +26,14 @@ fn follow(order: &Order<Along>, v: &Reading<(TouchProbe,)>) -> Result<Step<Irp6>
 /// The first fault of the cell; a wall is touched.
 pub fn arm(ecp: &mut Ecp<Irp6>, sizes: &Sizes) -> Result<(), Fault> {
     let mut probe = ecp.sensor::<TouchProbe>("probe")?;
-    ecp.obey(|ecp, Errand::Hop { x, y }| {
+    ecp.serve(|ecp, Errand::Hop { x, y }| {
         let here = ecp.image().demanded().pose.translation.vector;
         let high = tool(here.x, here.y, HIGH.max(here.z - MIDDLE[2]));
         ecp.move_robot((), StraightLine::to(high, free()))?;
         ecp.move_robot((), StraightLine::to(tool(x, y, HIGH), free()))?;
         ecp.move_robot((), StraightLine::to(tool(x, y, LOW), sizes.careful())).map(drop)
     })?;
-    ecp.obey(|ecp, _: Along| ecp.move_robot((&mut probe,), follow {}).map(drop))
+    ecp.serve(|ecp, _: Along| ecp.move_robot((&mut probe,), follow {}).map(drop))
 }
 
 #[cfg(test)]

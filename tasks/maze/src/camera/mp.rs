@@ -13,7 +13,7 @@ use nalgebra::Point3;
 use super::orders::Errand;
 use super::sensor::{From, MazeCamera};
 use super::trace::Trace;
-use crate::mp::Told;
+use crate::mp::MazeSettings;
 
 /// How far the planned way keeps from walls that were seen, beyond the ball's radius \[m\].
 pub const CLEARANCE: f64 = 3e-4;
@@ -38,7 +38,7 @@ fn seen(c: &mut Seen, v: &Reading<(MazeCamera,)>) -> bool {
 }
 
 /// The shortest way between these walls that keeps clear of them.
-fn shortest(walls: &Walls, told: &Told) -> Option<Taut> {
+fn shortest(walls: &Walls, told: &MazeSettings) -> Option<Taut> {
     let radius = told.sizes.radius + CLEARANCE;
     let (_, way) = Inflated::by(walls, AROUND * radius).shortest(&told.start, &told.goal)?;
     Taut::along(walls, radius, &way)
@@ -48,7 +48,7 @@ fn shortest(walls: &Walls, told: &Told) -> Option<Taut> {
 ///
 /// # Errors
 /// The first fault of the cell; no way is seen; a wall is touched.
-pub fn coordinate(mp: &mut Mp, told: &Told, planned: &Rc<RefCell<Planned>>) -> Result<(), Fault> {
+pub fn coordinate(mp: &mut Mp, told: &MazeSettings, planned: &Rc<RefCell<Planned>>) -> Result<(), Fault> {
     let (mut arm, mut camera) = (mp.robot::<Irp6>("arm")?, mp.sensor::<MazeCamera>("camera")?);
     let mut boxes = Vec::new();
     let maze = loop {

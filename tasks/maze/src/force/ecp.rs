@@ -28,7 +28,7 @@ fn is_zeroed(v: &Reading<(WallForce,)>) -> bool {
 pub fn arm(ecp: &mut Ecp<Irp6>, sizes: &Sizes) -> Result<(), Fault> {
     let mut wrist = ecp.sensor::<WallForce>("force")?;
     let mut legs = 0;
-    ecp.obey_all(|ecp, task| {
+    ecp.serve_all(|ecp, task| {
         ecp.wait_until((&mut wrist,), is_zeroed {})?;
         let (x, y) = match task {
             Task::Go { x, y } => (x, y),

@@ -49,7 +49,7 @@ impl Retreat {
     /// The ways off: so far along the direction in which it went, and to the right of it.
     const WAYS: [[f64; 2]; 5] = [[-1.0, 0.0], [-0.7, 0.7], [0.0, 1.0], [-0.7, -0.7], [0.0, -1.0]];
     /// What is touched still after so long does not end by itself \[s\].
-    const PATIENCE: f64 = 0.1;
+    const LASTING_CONTACT: f64 = 0.1;
 
     /// From where the ball touches; it leaves behind in which direction to go on.
     #[must_use]
@@ -91,7 +91,7 @@ impl Retreat {
             return Ok(Step::Next(Demand::pose(next)));
         }
         self.stood += t.dt;
-        if felt(v)?.touch.touching && self.stood > Self::PATIENCE {
+        if felt(v)?.touch.touching && self.stood > Self::LASTING_CONTACT {
             self.tried += 1;
             self.go(e)?;
         }

@@ -33,7 +33,7 @@ fn sought(v: &Reading<(Seeking,)>) -> Sought {
 pub fn arm(ecp: &mut Ecp<Irp6>, sizes: &Sizes) -> Result<(), Fault> {
     let mut probe = ecp.sensor::<TouchProbe>("probe")?;
     let mut way = ecp.sensor::<Seeking>("way")?;
-    ecp.obey_all(|ecp, task| match task {
+    ecp.serve_all(|ecp, task| match task {
         Task::Go { x, y } => go(ecp, &mut probe, [x, y], sizes),
         Task::Hop { x, y } => hop(ecp, [x, y], sizes),
         Task::Leave { x, y, near } => {

@@ -5,7 +5,7 @@ use mrroc_robots::Irp6;
 use nalgebra::Point3;
 
 use crate::found::by_three_touches;
-use crate::mp::{Told, carried_out};
+use crate::mp::{MazeSettings, carried_out};
 use crate::orders::Task;
 use crate::plant::TouchProbe;
 
@@ -13,7 +13,7 @@ use crate::plant::TouchProbe;
 ///
 /// # Errors
 /// The first fault of the cell.
-pub fn coordinate(mp: &mut Mp, told: &Told) -> Result<(), Fault> {
+pub fn coordinate(mp: &mut Mp, told: &MazeSettings) -> Result<(), Fault> {
     let (mut arm, mut probe) = (mp.robot::<Irp6>("arm")?, mp.sensor::<TouchProbe>("probe")?);
     let mut touches = 0;
     let mut have = |task| carried_out(mp, (&mut arm, &mut probe), &mut touches, task);

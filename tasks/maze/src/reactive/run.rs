@@ -9,7 +9,7 @@ use mrroc_map::{Contact, Inflated, Layout, Walls};
 
 use super::sensor::Seeker;
 use super::{ecp, mp};
-use crate::mp::Told;
+use crate::mp::MazeSettings;
 use crate::places::Sizes;
 use crate::plant::Plant;
 use crate::run::{Outcome, told};
@@ -39,7 +39,7 @@ impl Ready {
     ///
     /// # Errors
     /// What is wrong with the cell's file.
-    pub fn among(walls: Walls, told: Told, seed: u64) -> Result<Self, CellError> {
+    pub fn among(walls: Walls, told: MazeSettings, seed: u64) -> Result<Self, CellError> {
         let file = CellFile::parse("cell.toml", include_str!("cell.toml"))?;
         let sizes = told.sizes;
         let shortest = Inflated::by(&walls, sizes.radius)

@@ -4,7 +4,7 @@ use mrroc::prelude::*;
 use mrroc_wheels::generators::BaseLimits;
 use mrroc_wheels::model::angle;
 use mrroc_wheels::sensing::{Lookout, Watch};
-use mrroc_wheels::{Course, DiffDrive, FollowCourse};
+use mrroc_wheels::{DiffDrive, FollowPath, Path};
 use nalgebra::Vector2;
 
 use crate::orders::Task;
@@ -26,10 +26,10 @@ fn stands(v: &Reading<(Lookout,)>) -> bool {
     v.0.reading().is_some_and(|sight| sight.stands)
 }
 
-/// Along a course by where the base stands, or until its way is blocked.
-fn leg(course: Course, sizes: &Sizes) -> FollowCourse<Lookout> {
+/// Along a path by where the base stands, or until its way is blocked.
+fn leg(path: Path, sizes: &Sizes) -> FollowPath<Lookout> {
     let limits = BaseLimits { speed: sizes.velocity, lateral: sizes.acceleration, turning: 6.0, off: 0.05 };
-    FollowCourse::<Lookout>::along(course, limits, |sight| Some(sight.pose), DELAY, OLDEST)
+    FollowPath::<Lookout>::along(path, limits, |sight| Some(sight.pose), DELAY, OLDEST)
         .until(|sight| sight.is_blocked)
 }
 
@@ -40,7 +40,7 @@ fn leg(course: Course, sizes: &Sizes) -> FollowCourse<Lookout> {
 pub fn base(ecp: &mut Ecp<DiffDrive>, sizes: &Sizes) -> Result<(), Fault> {
     let mut lookout = ecp.sensor::<Lookout>("lookout")?;
     let mut ways = 0;
-    ecp.obey_all(|ecp, task| {
+    ecp.serve_all(|ecp, task| {
         let Task::Go { x, y } = task else {
             return Err(Fault::thrown("a base with wheels cannot hop over walls"));
         };
@@ -53,14 +53,14 @@ pub fn base(ecp: &mut Ecp<DiffDrive>, sizes: &Sizes) -> Result<(), Fault> {
         }
         let turn = angle(way.y.atan2(way.x) - sight.pose.heading);
         if turn.abs() > LEAST.0 {
-            ecp.move_robot((&mut lookout,), leg(Course::turn(sight.pose, turn), sizes))?;
+            ecp.move_robot((&mut lookout,), leg(Path::turn(sight.pose, turn), sizes))?;
         }
         ways += 1;
         lookout.configure(Watch { way: ways, x, y });
         let from = lookout.reading().unwrap_or_default().pose.at();
         let way = Vector2::new(x, y) - from;
-        let course = Course::through(&[from, from + way.cap_magnitude(FARTHEST)], 0.01);
-        let course = course.map_err(|error| Fault::thrown(&error.to_string()))?;
-        ecp.move_robot((&mut lookout,), leg(course, sizes)).map(drop)
+        let path = Path::through(&[from, from + way.cap_magnitude(FARTHEST)], 0.01);
+        let path = path.map_err(|error| Fault::thrown(&error.to_string()))?;
+        ecp.move_robot((&mut lookout,), leg(path, sizes)).map(drop)
     })
 }

@@ -86,7 +86,7 @@ pub struct Traced {
 }
 
 impl Traced {
-    /// The floor that the base is on, to judge by.
+    /// The floor that the base is on, to compare with.
     #[must_use]
     pub const fn floor(&self) -> &Floor {
         &self.floor

@@ -43,7 +43,7 @@ pub struct Acquire {
 
 impl Acquire {
     /// Hand and arm wait so long for a part \[s\].
-    pub const PATIENCE: f64 = 9.0;
+    pub const TIMEOUT: f64 = 9.0;
     /// A part comes between the fingers within this time, or it is not there \[s\].
     const COMING: f64 = 1.2;
     /// How old the belt's state is that the encoder's reading has, at the step of that reading \[s\].
@@ -159,7 +159,7 @@ impl Acquire {
                 let drifting = (self.tool.velocity.x - moving).abs();
                 let askew = (self.place.yaw - self.yaw).abs();
                 let (near, slow, straight) = Self::NEAR;
-                if s > LAST || self.age > Self::PATIENCE {
+                if s > LAST || self.age > Self::TIMEOUT {
                     self.phase = Phase::Up(self.tool.at.x, self.tool.at.y);
                 } else if s >= FIRST && off < near && drifting < slow && askew < straight {
                     self.phase = Phase::Down(0.0);

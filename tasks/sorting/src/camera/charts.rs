@@ -13,9 +13,9 @@ use super::kinds::{KINDS, kinds};
 use super::layout::{BINS, FEED, STATIONS, bin};
 use super::run::{Outcome, Ready};
 use super::summary::{Confusion, Table};
+use crate::monitor::Fate;
 use crate::pictures::{MARGIN, heading, of_belt, seen};
 use crate::places::{TRAY, TRAYS};
-use crate::witness::Fate;
 
 const WIDTH: f64 = 1000.0;
 

@@ -86,7 +86,7 @@ pub fn test_recognition(options: &Options, count: usize) -> Said {
 ///
 /// # Errors
 /// A file cannot be read.
-pub fn judge(options: &Options, folder: &Path) -> Said {
+pub fn evaluate(options: &Options, folder: &Path) -> Said {
     let plane = camera();
     let size = plane.camera.size;
     let readable = |file: &Path| read(file, size).map_err(|error| format!("{}: {error}", file.display()));

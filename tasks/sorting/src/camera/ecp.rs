@@ -22,7 +22,7 @@ pub fn arm(ecp: &mut Ecp<Irp6>, station: &Station) -> Result<(), Fault> {
     let (mut encoder, mut fingers) =
         (ecp.sensor::<Encoder>(station.encoder)?, ecp.sensor::<Between>(station.fingers)?);
     let line = |pose| StraightLine::to(pose, limits());
-    ecp.obey_all(|ecp, task| match task {
+    ecp.serve_all(|ecp, task| match task {
         Task::Pick { place, bin: number, .. } => {
             let yaw = ecp.move_robot((&mut encoder, &mut fingers), Acquire::new(place, station.along))?.yaw();
             if !fingers.reading().is_some_and(|fingers| fingers.covered) {
@@ -51,11 +51,11 @@ fn there(v: &Reading<(Between,)>) -> bool {
 pub fn hand(ecp: &mut Ecp<TwoFingers>, station: &Station) -> Result<(), Fault> {
     let mut fingers = ecp.sensor::<Between>(station.fingers)?;
     let open = || JointMove::to(One::new(OPEN), One::new(FINGERS[0]), One::new(FINGERS[1]));
-    ecp.obey_all(|ecp, task| match task {
+    ecp.serve_all(|ecp, task| match task {
         Task::Pick { .. } => {
             ecp.wait_until(
                 (&mut fingers,),
-                any((there {}.held_for(Close::WAITING), elapsed(Acquire::PATIENCE))),
+                any((there {}.held_for(Close::WAITING), elapsed(Acquire::TIMEOUT))),
             )?;
             ecp.move_robot((&mut fingers,), Grasp::default()).map(drop)
         }

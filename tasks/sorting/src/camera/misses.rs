@@ -4,7 +4,7 @@ use core::fmt;
 
 use super::kinds::kinds;
 use super::run::{Outcome, Settings};
-use crate::witness::Fate;
+use crate::monitor::Fate;
 
 /// A part that was missed.
 #[derive(Clone, Debug, PartialEq)]

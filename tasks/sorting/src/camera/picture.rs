@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::{self, BufWriter};
 use std::path::Path;
 
-use mrroc_sensors::aggregation::Found;
+use mrroc_sensors::aggregation::DetectedObject;
 use mrroc_sensors::camera::Plane;
 use nalgebra::{Vector2, Vector3};
 
@@ -91,7 +91,7 @@ impl Canvas {
 ///
 /// # Errors
 /// The file cannot be written.
-pub fn draw(file: &Path, image: &[u8], found: &[Found], plane: &Plane) -> io::Result<()> {
+pub fn draw(file: &Path, image: &[u8], found: &[DetectedObject], plane: &Plane) -> io::Result<()> {
     let kinds = kinds();
     let width = plane.width();
     let pixels = image.iter().map(|grey| [grey.saturating_add(grey / 4); 3]).collect();

@@ -25,7 +25,7 @@ pub struct Queue {
     count: Count,
     /// So many are to come; and for how long none may \[s\].
     parts: u32,
-    patience: f64,
+    timeout: f64,
     quiet: f64,
     /// The last arm goes down onto parts up to here, along s \[m\].
     last: f64,
@@ -40,9 +40,9 @@ impl Queue {
     /// .. and gets to it at most so long after it has set out, with the hand closed \[s\].
     pub const REACHING: f64 = 4.5;
 
-    /// Of so many parts to come; it ends where none has come for `patience` \[s\].
+    /// Of so many parts to come; it ends where none has come for `timeout` \[s\].
     #[must_use]
-    pub fn of(parts: u32, patience: f64) -> Self {
+    pub fn of(parts: u32, timeout: f64) -> Self {
         let grips = kinds().iter().map(|kind| kind.grip).collect();
         let (waiting, seen, count) = (VecDeque::new(), Spotted::default(), Count::default());
         Self {
@@ -51,7 +51,7 @@ impl Queue {
             seen,
             count,
             parts,
-            patience,
+            timeout,
             quiet: 0.0,
             last: LAST,
             grips,
@@ -101,12 +101,12 @@ impl Queue {
     pub(super) fn is_over(&self) -> bool {
         let all = self.seen.parts + self.seen.unknown >= self.parts && self.waiting.is_empty();
         // A belt that stands brings nothing, even if a part waits on it.
-        all || self.quiet > self.patience
+        all || self.quiet > self.timeout
     }
 
     /// The task to take the next part; `None` when no more come.
     pub fn pick(&mut self) -> Option<Task> {
-        if self.quiet > self.patience {
+        if self.quiet > self.timeout {
             return None;
         }
         let part = self.waiting.pop_front()?;

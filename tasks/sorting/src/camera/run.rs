@@ -10,7 +10,9 @@ use mrroc::prelude::*;
 use mrroc::robot::RobotView;
 use mrroc_robots::clearance::{Closest, DryRun};
 use mrroc_robots::grasp::{Hand, Sink, Touch, Whereabouts, World};
-use mrroc_sensors::aggregation::{FEATURES, Found, Heard, Network, NetworkError, Relief, Vision};
+use mrroc_sensors::aggregation::{
+    DetectedObject, FEATURES, HeardObject, Network, NetworkError, Relief, Vision,
+};
 use mrroc_sensors::physics::{Imager, LightBarrier, Noise};
 use mrroc_sensors::view::View as _;
 use mrroc_sensors::virtual_sensors::{CameraSensor, Encoder, Sampled, Trigger};
@@ -28,11 +30,11 @@ use super::studio::misplaced;
 use super::{ecp, mp};
 use crate::generators::Uneven;
 use crate::matrix::{self, run::Trace};
+use crate::monitor::Fate;
 use crate::places::{BELT, SURFACE, TRAY, TRAYS};
 use crate::plant::Plant;
 use crate::progress::Progress;
 use crate::scene::Belt;
-use crate::witness::Fate;
 
 /// The sink at the end of the belt; the bins are those before it.
 pub const END_BIN: usize = BINS;
@@ -102,9 +104,9 @@ pub struct Looks {
     /// Things that were found, and what they truly were.
     pub all: Vec<Look>,
     /// The first images, and what was found in them.
-    pub images: Vec<(Vec<u8>, Vec<Found>)>,
+    pub images: Vec<(Vec<u8>, Vec<DetectedObject>)>,
     /// The first reliefs, and what was made of them.
-    pub reliefs: Vec<(Relief, Heard)>,
+    pub reliefs: Vec<(Relief, HeardObject)>,
     /// What one transducer heard while the first part passed.
     pub traces: Vec<Trace>,
     /// So many images or reliefs are kept.
@@ -311,7 +313,7 @@ impl Settings {
             let [arm, hand] = station.robots;
             cell = cell.ecp(arm, |ecp| ecp::arm(ecp, station)).ecp(hand, |ecp| ecp::hand(ecp, station));
         }
-        let patience = 8.0 * self.every.max(gap) + (LAST + longer - FEED) / slowest + self.first();
+        let timeout = 8.0 * self.every.max(gap) + (LAST + longer - FEED) / slowest + self.first();
         let Self { speed, seed, profile, parts: count, .. } = *self;
         let late = Rc::<RefCell<Vec<u32>>>::default();
         let missed = late.clone();
@@ -321,11 +323,11 @@ impl Settings {
         let cell = cell.program(move |mp| {
             let belt = Uneven::about(speed, seed.wrapping_add(77)).changing(profile);
             if arms > 1 {
-                let shared = share::coordinate(mp, eye, belt, Shared::of(count as u32, patience))?;
+                let shared = share::coordinate(mp, eye, belt, Shared::of(count as u32, timeout))?;
                 missed.replace(shared.late());
                 tried.replace(shared.vain);
             } else {
-                let queue = mp::coordinate(mp, eye, belt, Queue::of(count as u32, patience))?;
+                let queue = mp::coordinate(mp, eye, belt, Queue::of(count as u32, timeout))?;
                 missed.replace(queue.late);
             }
             Ok(())
@@ -366,8 +368,8 @@ impl Settings {
         let beam = Translation3::new(BELT[0] - 0.5 * SURFACE[2], BELT[1] + s, over) * look;
         let barrier = Sampled::new(LightBarrier::new(0.004, self.seed.wrapping_add(6)));
         let trigger = Trigger::Barrier(beam, barrier);
-        let onlooker = compare(sight.clone(), plant.world.clone(), parts.clone(), looks.clone());
-        Ok(CameraSensor::new(sight, imager, vision, trigger, Acquire::LATCH).watched(Box::new(onlooker)))
+        let observer = compare(sight.clone(), plant.world.clone(), parts.clone(), looks.clone());
+        Ok(CameraSensor::new(sight, imager, vision, trigger, Acquire::LATCH).watched(Box::new(observer)))
     }
 
     /// Runs it.
@@ -437,7 +439,7 @@ fn compare(
     world: World,
     parts: Rc<[Coming]>,
     looks: Rc<RefCell<Looks>>,
-) -> impl FnMut(&[u8], &[Found], f64, f64) {
+) -> impl FnMut(&[u8], &[DetectedObject], f64, f64) {
     let turns: Vec<u32> = kinds().iter().map(|kind| kind.class.turns).collect();
     move |image, found, _, way| {
         let looks = &mut *looks.borrow_mut();

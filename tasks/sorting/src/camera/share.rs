@@ -81,11 +81,11 @@ impl Shared {
         carrying: Settings::CYCLE - Queue::REACHING,
     };
 
-    /// Of so many parts to come; it ends where none has come for `patience` \[s\].
+    /// Of so many parts to come; it ends where none has come for `timeout` \[s\].
     #[must_use]
-    pub fn of(parts: u32, patience: f64) -> Self {
+    pub fn of(parts: u32, timeout: f64) -> Self {
         Self {
-            queue: Queue::of(parts, patience).up_to(LAST + STATIONS[ARMS - 1].along),
+            queue: Queue::of(parts, timeout).up_to(LAST + STATIONS[ARMS - 1].along),
             about: [About::Nowhere; ARMS],
             busy: [0.0; ARMS],
             now: 0.0,

@@ -4,7 +4,7 @@ use core::f64::consts::PI;
 use std::fmt::Write as _;
 
 use mrroc::pose::{AngleAxis, Pose};
-use mrroc_sensors::aggregation::{Blind, Classifier, FEATURES, Found, Vision};
+use mrroc_sensors::aggregation::{Blind, Classifier, DetectedObject, FEATURES, Vision};
 use mrroc_sensors::camera::Plane;
 use mrroc_sensors::form::Form;
 use mrroc_sensors::physics::{Imager, Noise};
@@ -121,7 +121,7 @@ pub fn examine(
     seed: u64,
     stranger: usize,
     classifier: Box<dyn Classifier>,
-    show: impl FnMut(&[u8], &[Found]),
+    show: impl FnMut(&[u8], &[DetectedObject]),
 ) -> Result<Vec<Trial>, Blind> {
     trials(count, seed, stranger, APART, classifier, show)
 }
@@ -139,7 +139,7 @@ fn trials(
     stranger: usize,
     places: Places,
     classifier: Box<dyn Classifier>,
-    mut show: impl FnMut(&[u8], &[Found]),
+    mut show: impl FnMut(&[u8], &[DetectedObject]),
 ) -> Result<Vec<Trial>, Blind> {
     const IMAGES: usize = 12;
     let mut random = Noise::seeded(seed);
@@ -168,7 +168,7 @@ fn trials(
         imager.expose(&scene, 0.0, &mut image);
         let found = vision.look(&image)?;
         show(&image, &found);
-        trials.extend(scene.parts.iter().map(|part| judged(part, &kinds, &found)));
+        trials.extend(scene.parts.iter().map(|part| evaluated(part, &kinds, &found)));
     }
     trials.truncate(count);
     Ok(trials)
@@ -201,9 +201,9 @@ fn passing(
     Passing { parts, speed: random.between(0.0, 0.2), run: random.between(0.0, 10.0), now: 0.0 }
 }
 
-fn judged(part: &Lying, kinds: &[Kind], found: &[Found]) -> Trial {
+fn evaluated(part: &Lying, kinds: &[Kind], found: &[DetectedObject]) -> Trial {
     let truly: Vector2<f64> = part.pose.translation.vector.xy();
-    let near = |found: &&Found| (found.place - truly).norm() < 0.045;
+    let near = |found: &&DetectedObject| (found.place - truly).norm() < 0.045;
     let nearest = found
         .iter()
         .filter(near)

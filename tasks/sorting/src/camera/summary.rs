@@ -7,8 +7,8 @@ use super::layout::STATIONS;
 use super::misses::Miss;
 use super::run::{Look, Outcome, Settings};
 use super::studio::Trial;
+use crate::monitor::Fate;
 use crate::summary::quantile;
-use crate::witness::Fate;
 
 /// How often a kind was taken for which: rows are what it truly was, the last column is "none of the kinds".
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use mrroc_sensors::aggregation::Heard;
+use mrroc_sensors::aggregation::HeardObject;
 
 use super::picture::reliefs;
 use super::run::network;
@@ -96,7 +96,7 @@ pub fn examination(trials: &[Trial]) -> String {
         quantile(&turned, 1.0),
     );
     let misfit = |is_known: bool, trial: &&Trial| {
-        (trial.kind.is_some() == is_known).then(|| trial.heard.as_ref().map(|h: &Heard| h.misfit))
+        (trial.kind.is_some() == is_known).then(|| trial.heard.as_ref().map(|h: &HeardObject| h.misfit))
     };
     let misfits: Vec<f64> = trials.iter().filter_map(|trial| misfit(true, &trial).flatten()).collect();
     let strange =

@@ -2,7 +2,7 @@
 
 use mrroc_pictures::svg::palette::{GREY, HIGHLIGHT, INK, REGION, WHITE, joint};
 use mrroc_pictures::svg::{Area, Axes, Colour, Look, Page, Range, TextStyle};
-use mrroc_sensors::aggregation::{Heard, Relief};
+use mrroc_sensors::aggregation::{HeardObject, Relief};
 use mrroc_sensors::ultrasound::{Air, Waveform};
 use nalgebra::{Rotation2, Vector2};
 
@@ -25,7 +25,7 @@ fn shade(height: f64) -> Colour {
 
 /// Reliefs from above: a dot for each ping, and the outline that was found.
 #[must_use]
-pub fn reliefs(all: &[(Relief, Heard)]) -> String {
+pub fn reliefs(all: &[(Relief, HeardObject)]) -> String {
     let kinds = kinds();
     let rows = all.len().div_ceil(COLUMNS).max(1);
     Page::new("What the matrix heard", WIDTH, 110.0 + (SIDE + 44.0) * rows as f64).draw(|svg| {

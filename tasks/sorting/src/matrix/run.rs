@@ -6,7 +6,9 @@ use std::rc::Rc;
 use mrroc::cell_file::{CellFile, CellFileError};
 use mrroc::prelude::*;
 use mrroc_robots::grasp::World;
-use mrroc_sensors::aggregation::{Heard, Hearing, Network, NetworkError, RELIEF_FEATURES, Relief, Reliefs};
+use mrroc_sensors::aggregation::{
+    HeardObject, Hearing, Network, NetworkError, RELIEF_FEATURES, Relief, Reliefs,
+};
 use mrroc_sensors::physics::Sounders;
 use mrroc_sensors::ultrasound::{Air, Echo};
 use mrroc_sensors::view::View as _;
@@ -103,7 +105,7 @@ impl Settings {
         let sounders = Sounders::over(&array, Air { celsius: 20.0 }, self.seed.wrapping_add(5));
         let network = network().map_err(|error| wrong(&error))?;
         let hearing = Hearing::new(&array, classes(), Box::new(network)).with_limits(&LIMITS);
-        let witness = Witness {
+        let monitor = MatrixMonitor {
             sight: sight.clone(),
             world: plant.world.clone(),
             parts: parts.clone(),
@@ -111,12 +113,12 @@ impl Settings {
             turns: kinds().iter().map(|kind| kind.class.turns).collect(),
         };
         let matrix = MatrixSensor::new(sight, sounders, Reliefs::by(array), hearing, Acquire::LATCH);
-        Ok(matrix.watched(Box::new(witness)))
+        Ok(matrix.watched(Box::new(monitor)))
     }
 }
 
 /// Compares what is heard of a part with where it truly is in the frame of the true belt.
-struct Witness {
+struct MatrixMonitor {
     sight: Sight,
     world: World,
     parts: Rc<[Coming]>,
@@ -124,12 +126,12 @@ struct Witness {
     turns: Vec<u32>,
 }
 
-impl Witness {
+impl MatrixMonitor {
     /// Whose traces are kept: one in the middle.
     const TRACED: usize = 12;
 }
 
-impl Listener for Witness {
+impl Listener for MatrixMonitor {
     fn pinged(&mut self, number: usize, time: f64, echo: Option<Echo>, sounders: &Sounders) {
         let looks = &mut *self.looks.borrow_mut();
         if number == Self::TRACED && looks.keep > 0 && looks.reliefs.is_empty() {
@@ -137,7 +139,7 @@ impl Listener for Witness {
         }
     }
 
-    fn judged(&mut self, relief: &Relief, heard: &Heard) {
+    fn evaluated(&mut self, relief: &Relief, heard: &HeardObject) {
         let looks = &mut *self.looks.borrow_mut();
         if looks.reliefs.len() < looks.keep {
             looks.reliefs.push((relief.clone(), heard.clone()));

@@ -3,7 +3,7 @@
 use core::f64::consts::PI;
 use std::fmt::Write as _;
 
-use mrroc_sensors::aggregation::{Classifier, Deaf, Heard, Hearing, RELIEF_FEATURES, Relief, Reliefs};
+use mrroc_sensors::aggregation::{Classifier, Deaf, HeardObject, Hearing, RELIEF_FEATURES, Relief, Reliefs};
 use mrroc_sensors::physics::{Noise, Sounders};
 use mrroc_sensors::ultrasound::Air;
 
@@ -18,7 +18,7 @@ pub struct Trial {
     /// Its kind; `None` of a stranger.
     pub kind: Option<usize>,
     /// What was made of it; `None` of what was not noticed.
-    pub heard: Option<Heard>,
+    pub heard: Option<HeardObject>,
     /// How far its place was off, along and across \[m\].
     pub off: [f64; 2],
     /// How far its angle was off \[rad\].
@@ -67,7 +67,7 @@ pub fn examine(
     seed: u64,
     conditions: &Conditions,
     classifier: Box<dyn Classifier>,
-    mut show: impl FnMut(&Lying, &Relief, &Heard),
+    mut show: impl FnMut(&Lying, &Relief, &HeardObject),
 ) -> Result<Vec<Trial>, Deaf> {
     let mut random = Noise::seeded(seed);
     let (kinds, strangers) = (kinds(), strangers());
@@ -93,7 +93,7 @@ pub fn examine(
             sounders.warm(BARE, other);
         }
         let mut reliefs = Reliefs::by(array.clone());
-        let mut judged = None;
+        let mut evaluated = None;
         for ping in 1_u32.. {
             passing.now = f64::from(ping) * array.period;
             passing.run = speed * passing.now;
@@ -102,11 +102,11 @@ pub fn examine(
             let echo = sounders.ping(&passing, number, passing.now);
             reliefs.take(number, echo, passing.run)?;
             if let Some(relief) = reliefs.passed(passing.run) {
-                let heard = hearing.judge(&relief);
+                let heard = hearing.evaluate(&relief);
                 // As it lay where the belt had run 0.
                 passing.parts[0].pose.translation.vector.x = truly.x;
                 show(&passing.parts[0], &relief, &heard);
-                judged = Some(heard);
+                evaluated = Some(heard);
                 break;
             }
             if passing.run > BARE * speed + PASSING {
@@ -117,12 +117,12 @@ pub fn examine(
             sounders.warm(0.0, Air { celsius: *celsius });
         }
         let part = &passing.parts[0];
-        let off = judged
+        let off = evaluated
             .as_ref()
-            .map_or([0.0; 2], |heard: &Heard| [heard.place.x - truly.x, heard.place.y - truly.y]);
+            .map_or([0.0; 2], |heard: &HeardObject| [heard.place.x - truly.x, heard.place.y - truly.y]);
         let turns = part.kind.map_or(0, |kind| kinds[kind].class.turns);
-        let turned = judged.as_ref().map_or(0.0, |heard| turned(heard.angle, part.angle, turns));
-        trials.push(Trial { kind: part.kind, heard: judged, off, turned });
+        let turned = evaluated.as_ref().map_or(0.0, |heard| turned(heard.angle, part.angle, turns));
+        trials.push(Trial { kind: part.kind, heard: evaluated, off, turned });
     }
     Ok(trials)
 }

@@ -8,4 +8,4 @@ mod mp_separate;
 pub use ecp_common::Transmit;
 pub use ecp_separate::Approach;
 pub use mp_common::Carry;
-pub use mp_separate::Nudge;
+pub use mp_separate::Trigger;

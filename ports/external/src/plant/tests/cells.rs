@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use super::simulator::{Simulator, follow};
 use super::{Folder, MOTION, two_arms};
-use crate::plant::message::Asks;
+use crate::plant::message::PlantRequest;
 
 /// What each arm was told, and where it was, in each servo period of a run: the column of `left`, and that of `right`.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -38,7 +38,7 @@ fn run(folder: &Folder, nap: Duration) -> (Seen, u64) {
     let periods = simulator.end();
     let both: Vec<_> = periods.iter().filter(|(_, asked)| asked.len() == 2).collect();
     assert!(both.iter().zip(0..).all(|((period, _), i)| *period == i), "no period is left out");
-    assert!(periods.iter().all(|(_, asked)| asked.values().all(|&kind| kind == Asks::Follow as u32)));
+    assert!(periods.iter().all(|(_, asked)| asked.values().all(|&kind| kind == PlantRequest::Follow as u32)));
     (seen.take(), report.steps)
 }
 

@@ -18,14 +18,14 @@ use mrroc_robots::{Irp6, Six};
 
 use super::simulator::{Robot, Simulator};
 use super::{Folder, two_arms, two_arms_of};
-use crate::plant::message::{Asks, PlantState, Says, name_of};
+use crate::plant::message::{PlantRequest, PlantState, Says, name_of};
 use crate::plant::{ENDED, LATE, NO_PORT, NONE_THERE, Plant, SILENT, TOO_LATE};
 use crate::port::Ends;
 
 const ARMS: [&str; 2] = ["left", "right"];
 
-/// Impatient, where what is waited for does not come. Elsewhere the machine may be late.
-const SHORT: &str = ", patience_ms = 400";
+/// With a short timeout, where what is waited for does not come. Elsewhere the machine may be late.
+const SHORT: &str = ", timeout_ms = 400";
 
 fn edp(robot: &str) -> ProcessId {
     ProcessId::new(Role::Edp, Name::new(robot).expect("a name"))
@@ -33,7 +33,7 @@ fn edp(robot: &str) -> ProcessId {
 
 /// The fault with which a cell ends in a simulator that answers so.
 fn fault_of(
-    patience: &str,
+    timeout: &str,
     name: &str,
     answer: impl FnMut(&str, u64, PlantState) -> Option<PlantState> + Send + 'static,
 ) -> Fault {
@@ -41,7 +41,7 @@ fn fault_of(
     let mut answer = answer;
     let simulator =
         Simulator::answering(&folder.0, &ARMS, move |robot, order, state| answer(robot, order.period, state));
-    let outcome = folder.cell(&two_arms(patience)).run();
+    let outcome = folder.cell(&two_arms(timeout)).run();
     simulator.end();
     match outcome {
         Err(CellError::Fault(fault)) => fault,
@@ -68,7 +68,7 @@ fn fault_125_a_simulator_that_ends_in_mid_motion_stops_all_robots() {
     let simulator = RefCell::new(Some(Simulator::of(&folder.0, &["left"])));
     let told = Rc::new(RefCell::new(Vec::new()));
     let seen = Rc::clone(&told);
-    // The right arm has drives of its own. The default patience of ten seconds is not waited for.
+    // The right arm has drives of its own. The default timeout of ten seconds is not waited for.
     let cell = folder.cell(&two_arms_of("plant = { port = \"world\" }", "")).watch(move |robot| {
         if robot.robot == "right" {
             seen.borrow_mut().push(robot.demanded[0]);
@@ -151,9 +151,10 @@ fn fault_122_after_a_lie_the_other_robot_brakes_in_the_simulator_and_a_reset_beg
     });
     cell.run().expect("the second run of the program ends well");
     let periods = simulator.end();
-    let asked = |kind: Asks| periods.iter().filter(|(_, of)| of.get("left") == Some(&(kind as u32))).count();
-    assert!(asked(Asks::Follow) > 500, "the arm that was not lied about brakes, and moves again");
-    assert!(asked(Asks::StandBy) > 0, "it has no power between its stop and the reset");
+    let asked =
+        |kind: PlantRequest| periods.iter().filter(|(_, of)| of.get("left") == Some(&(kind as u32))).count();
+    assert!(asked(PlantRequest::Follow) > 500, "the arm that was not lied about brakes, and moves again");
+    assert!(asked(PlantRequest::StandBy) > 0, "it has no power between its stop and the reset");
     let ordered: Vec<_> = periods.iter().filter(|(_, of)| of.contains_key("left")).map(|(n, _)| *n).collect();
     assert!(ordered.windows(2).all(|two| two[1] == two[0] + 1), "and orders every period all the same");
     let last = |robot: &str| ends.borrow().iter().rev().find(|(name, _)| name == robot).map(|(_, q)| *q);
@@ -254,7 +255,7 @@ fn fault_124_answers_that_are_late_in_real_time_are_counted_and_too_many_are_a_f
     assert_eq!(plant.open_again(&begin), Ok(None), "it returns at once");
     robot.hear();
     let asked = robot.queue.pop().expect("an order to begin");
-    assert_eq!((asked.kind, asked.clock, asked.demanded[0]), (Asks::Begin as u32, 1, 0.5));
+    assert_eq!((asked.kind, asked.clock, asked.demanded[0]), (PlantRequest::Begin as u32, 1, 0.5));
     robot.position = asked.demanded;
     robot.send(robot.state(&asked, Says::Placed));
     assert!(plant.open_again(&begin).expect("it is there").is_some());
@@ -276,7 +277,7 @@ fn fault_124_answers_that_are_late_in_real_time_are_counted_and_too_many_are_a_f
     assert_eq!(plant.step(2 * in_a_row, Some(&[0.6; 6])), Err(TOO_LATE));
     robot.hear();
     let last = robot.queue.pop().expect("an order");
-    assert_eq!((last.kind, last.late), (Asks::End as u32, 2 * in_a_row - 1));
+    assert_eq!((last.kind, last.late), (PlantRequest::End as u32, 2 * in_a_row - 1));
 }
 
 #[test]

@@ -13,7 +13,7 @@ use iceoryx2::prelude::*;
 use mrroc::robot::MAX_JOINTS;
 
 use crate::plant::ORDERS;
-use crate::plant::message::{Asks, LAYOUT, PlantOrder, PlantState, Says, VERSION};
+use crate::plant::message::{LAYOUT, PlantOrder, PlantRequest, PlantState, Says, VERSION};
 use crate::port::{Ends, channel, monotonic};
 
 /// The share of its way that a joint goes in a period.
@@ -137,13 +137,13 @@ fn run(folder: &Path, robots: &[String], stop: &AtomicBool, mut answer: Box<Answ
         robots.iter_mut().for_each(Robot::hear);
         for robot in &mut robots {
             while let Some(order) = robot.queue.first().copied() {
-                if order.kind == Asks::Begin as u32 {
+                if order.kind == PlantRequest::Begin as u32 {
                     (robot.begun, robot.position) = (true, order.demanded);
                     robot.velocity = [0.0; MAX_JOINTS];
                     robot.first = (order.period > 0 || !goes).then_some(order.period);
                     let state = robot.state(&order, Says::Placed);
                     answer(&robot.name, &order, state).into_iter().for_each(|state| robot.send(state));
-                } else if order.kind == Asks::End as u32 || !robot.begun {
+                } else if order.kind == PlantRequest::End as u32 || !robot.begun {
                     robot.begun = false;
                 } else {
                     break;
@@ -173,7 +173,7 @@ fn step(robots: &mut [Robot], period: u64, log: &mut Log, answer: &mut Answer) {
     for robot in robots.iter_mut().filter(|robot| robot.begun && !robot.queue.is_empty()) {
         let order = robot.queue.remove(0);
         assert_eq!(period, order.period, "all robots order the same period");
-        if order.kind == Asks::Follow as u32 {
+        if order.kind == PlantRequest::Follow as u32 {
             let seconds = order.length as f64 * 1e-9;
             for i in 0..order.joints as usize {
                 let next = follow(robot.position[i], order.demanded[i]);

@@ -106,12 +106,12 @@ fn fault_96_a_robot_of_another_version_or_none_at_all_is_told_and_nothing_moves(
     assert_eq!(open(None, |_| {}), (Err(ABSENT), Duration::ZERO));
     assert_eq!(open(Some(10), |_| {}), (Ok(()), took + PERIOD));
     // It takes the connection and answers nothing, or says nothing then, for 2 s.
-    assert_eq!(open(Some(10), |simulation| simulation.answers_after = None), (Err(ABSENT), PATIENCE));
-    assert_eq!(open(Some(10), |simulation| simulation.says_after = None), (Err(ABSENT), PATIENCE));
-    assert_eq!(open(Some(10), |simulation| simulation.says_after = Some(PATIENCE)), (Err(ABSENT), PATIENCE));
+    assert_eq!(open(Some(10), |simulation| simulation.answers_after = None), (Err(ABSENT), TIMEOUT));
+    assert_eq!(open(Some(10), |simulation| simulation.says_after = None), (Err(ABSENT), TIMEOUT));
+    assert_eq!(open(Some(10), |simulation| simulation.says_after = Some(TIMEOUT)), (Err(ABSENT), TIMEOUT));
     // What it says last is in time.
-    let late = |simulation: &mut model::Simulation| simulation.answers_after = Some(PATIENCE - 2 * PERIOD);
-    assert_eq!(open(Some(10), late), (Ok(()), PATIENCE - PERIOD));
+    let late = |simulation: &mut model::Simulation| simulation.answers_after = Some(TIMEOUT - 2 * PERIOD);
+    assert_eq!(open(Some(10), late), (Ok(()), TIMEOUT - PERIOD));
 }
 
 #[test]
@@ -120,7 +120,7 @@ fn fault_96_a_reset_connects_again_after_a_silence_of_more_than_20_ms_and_not_be
     let silence = FciSettings::new(model::ROBOT.ip()).silence;
     assert_eq!(
         (silence, fixture.drives().pace()),
-        (Duration::from_millis(20), Pace::Robot { patience: silence })
+        (Duration::from_millis(20), Pace::Robot { timeout: silence })
     );
     fixture.pass(silence);
     assert_eq!((fixture.drives().switch_on(), fixture.connections()), (Ok(()), 1));
@@ -174,13 +174,13 @@ fn drives_that_are_closed_bring_the_robot_to_rest_and_end_its_motion_first() {
     fixture.drives().close();
     let simulation = fixture.simulation.borrow();
     assert_eq!((simulation.state.mode, simulation.state.follows_positions), (Mode::Idle, false));
-    assert!(simulation.now < PATIENCE, "{:?}", simulation.now);
+    assert!(simulation.now < TIMEOUT, "{:?}", simulation.now);
     drop(simulation);
     // One that says nothing any more is let go after 2 s.
     let mut fixture = Fixture::moving();
     let before = fixture.now();
     fixture.drives().close();
-    assert_eq!(fixture.now() - before, PATIENCE);
+    assert_eq!(fixture.now() - before, TIMEOUT);
     assert_eq!(fixture.drives().measured(), Err(CLOSED));
 }
 

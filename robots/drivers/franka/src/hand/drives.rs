@@ -12,7 +12,7 @@ use mrroc::robot::{
 use mrroc_driver_kit::{Network, recall};
 use mrroc_robots::One;
 
-use super::exchange::{Heard, Link, Unhomed};
+use super::exchange::{HandStatus, Link, Unhomed};
 use super::faults::CLOSED;
 
 /// A hand at an address.
@@ -25,7 +25,7 @@ pub struct HandSettings {
     /// How hard it presses on what it grasps \[N\], > 0: 40 by default. A hand may hold 70 N for long.
     pub force: f64,
     /// How long a motion may take, 10 s by default.
-    pub patience: Duration,
+    pub timeout: Duration,
     /// How long the hand may say nothing, 1 s by default: then the connection counts as lost. The cell does not count this in the
     /// time of its stops.
     pub silence: Duration,
@@ -41,7 +41,7 @@ impl HandSettings {
             address,
             speed: 0.1,
             force: 40.0,
-            patience: Duration::from_secs(10),
+            timeout: Duration::from_secs(10),
             silence: Duration::from_secs(1),
             period: Duration::from_millis(2),
         }
@@ -83,7 +83,7 @@ impl Hand {
         self.link.as_ref().ok_or(CLOSED)
     }
 
-    fn heard(&self) -> Result<Heard, DriveFault> {
+    fn heard(&self) -> Result<HandStatus, DriveFault> {
         self.link()?.heard()?.ok_or(CLOSED)
     }
 }
@@ -92,7 +92,7 @@ fn connect(network: &Network, settings: &HandSettings, presses: bool) -> Result<
     Link::begin(network, settings, presses, Unhomed::Refused)
 }
 
-fn measured(heard: &Heard) -> Measured<One> {
+fn measured(heard: &HandStatus) -> Measured<One> {
     Measured { position: One::new(heard.width), velocity: One::new(heard.speed) }
 }
 

@@ -43,7 +43,7 @@ pub(crate) struct Shared {
 
 /// What the hand says, as the drives see it.
 #[derive(Clone, Copy, Debug)]
-pub struct Heard {
+pub struct HandStatus {
     /// The opening \[m\], and its speed [m/s].
     pub width: f64,
     pub speed: f64,
@@ -72,7 +72,7 @@ impl Link {
     ) -> Result<Link, DriveFault> {
         let shared = Arc::new(Shared { presses: AtomicBool::new(presses), ..Shared::default() });
         let protocol = HandProtocol::new(Arc::clone(&shared), *settings, unhomed);
-        let peer = Peer { address: settings.address, patience: CONNECT, sends_datagrams: true };
+        let peer = Peer { address: settings.address, timeout: CONNECT, sends_datagrams: true };
         let session = Session::begin(network, "hand", peer, protocol, CLOSED);
         let session = session.map_err(|_| DriveFault::Other("this machine starts no more threads"))?;
         Ok(Link { session, shared, silence: settings.silence })
@@ -82,7 +82,7 @@ impl Link {
     ///
     /// # Errors
     /// Why nothing more is heard.
-    pub fn heard(&self) -> Result<Option<Heard>, DriveFault> {
+    pub fn heard(&self) -> Result<Option<HandStatus>, DriveFault> {
         self.session.goes_on()?;
         if !self.shared.times.has_heard() {
             return Ok(None);
@@ -93,7 +93,7 @@ impl Link {
         }
         let Shared { width, speed, is_grasped, .. } = &*self.shared;
         let is_grasped = is_grasped.load(Ordering::Relaxed);
-        Ok(Some(Heard { width: width.get(), speed: speed.get(), is_grasped }))
+        Ok(Some(HandStatus { width: width.get(), speed: speed.get(), is_grasped }))
     }
 
     /// Where the fingers stood when they were heard first, or were told to go last \[m\].

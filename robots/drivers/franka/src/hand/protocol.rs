@@ -268,8 +268,8 @@ impl HandProtocol {
     }
 
     /// Whether what goes on has gone on for longer than this.
-    fn is_endless(&self, now: Duration, patience: Duration) -> bool {
-        self.flight.is_some_and(|flight| now - flight.since > patience)
+    fn is_endless(&self, now: Duration, timeout: Duration) -> bool {
+        self.flight.is_some_and(|flight| now - flight.since > timeout)
     }
 
     /// Goes on to the next phase: whether that may go on at once.
@@ -285,7 +285,7 @@ impl HandProtocol {
                 self.flight = Some(Flight { id, motion: Motion::Homing, stop: Some(id), since: now });
                 Phase::EndingOthers
             }
-            Phase::EndingOthers if self.is_endless(now, self.settings.patience) => return Err(ENDLESS),
+            Phase::EndingOthers if self.is_endless(now, self.settings.timeout) => return Err(ENDLESS),
             Phase::EndingOthers if self.flight.is_none() && !is_asked => Phase::Unasked,
             Phase::EndingOthers if self.flight.is_none() => {
                 self.begin(now, Motion::Homing, Request::Homing, send);
@@ -355,7 +355,7 @@ impl HandProtocol {
         self.phase = Phase::Following { told, stands };
         let is_news = (demanded - told).abs() > NEWS && now - stands.1 >= STANDS;
         match self.flight {
-            Some(flight) if now - flight.since > self.settings.patience => {
+            Some(flight) if now - flight.since > self.settings.timeout => {
                 // A grasp presses on what it has found; its stop would let that fall.
                 if flight.motion == Motion::Move {
                     self.stop(now, send);

@@ -103,7 +103,7 @@ impl Fixture {
 fn begin(network: &VirtualNetwork) -> (Arc<Mutex<Vec<Came>>>, Session<&'static str>) {
     let came = Arc::new(Mutex::new(Vec::new()));
     let recorder = Recorder { came: Arc::clone(&came), asks: 0 };
-    let peer = Peer { address: ([127, 0, 0, 1], 1).into(), patience: ms(1000), sends_datagrams: true };
+    let peer = Peer { address: ([127, 0, 0, 1], 1).into(), timeout: ms(1000), sends_datagrams: true };
     let session = Session::begin(&network.network(), "recorder", peer, recorder, "hung up");
     (came, session.expect("no thread is needed"))
 }
@@ -198,7 +198,7 @@ mod real_time {
     fn over_sockets(address: std::net::SocketAddr) -> (Arc<Mutex<Vec<Came>>>, Session<&'static str>) {
         let came = Arc::new(Mutex::new(Vec::new()));
         let recorder = Recorder { came: Arc::clone(&came), asks: 0 };
-        let peer = Peer { address, patience: ms(1000), sends_datagrams: true };
+        let peer = Peer { address, timeout: ms(1000), sends_datagrams: true };
         let session = Session::begin(&Network::SOCKETS, "recorder", peer, recorder, "hung up");
         (came, session.expect("a thread"))
     }
@@ -260,7 +260,7 @@ mod real_time {
     fn a_thread_that_panics_has_ended() {
         let device = Arc::new(Mutex::new(Echo::default()));
         let server = Server::start(([127, 0, 0, 1], 0).into(), device).expect("a port");
-        let peer = Peer { address: server.address(), patience: ms(1000), sends_datagrams: false };
+        let peer = Peer { address: server.address(), timeout: ms(1000), sends_datagrams: false };
         let session = Session::begin(&Network::SOCKETS, "panics", peer, Panics, "closed");
         let session = session.expect("a thread");
         while session.goes_on().is_ok() {

@@ -8,7 +8,7 @@ use mrroc::robot::{Channel, Limits, NoInverse, Value};
 
 use self::model::{Counting, FIRST, Fixture, PERIOD, Says};
 use super::*;
-use crate::opening::PATIENCE;
+use crate::opening::TIMEOUT;
 use crate::session::radians;
 
 /// Where the controller sends from.
@@ -96,33 +96,33 @@ fn a_message_is_as_old_as_it_has_waited_and_the_newest_counts() {
 fn a_controller_that_says_nothing_is_waited_for_for_2_s() {
     let mut fixture = Fixture::new(Corrections::Absolute, Says::Nothing);
     assert_eq!(fixture.open(), Err(SILENT));
-    assert_eq!(fixture.now(), PATIENCE);
+    assert_eq!(fixture.now(), TIMEOUT);
     assert!(!fixture.simulation.borrow().is_open, "the port is let go");
     // What it says is no message.
     let mut fixture = Fixture::new(Corrections::Absolute, Says::Same(b"<Rob></Rob>".to_vec()));
     assert_eq!(fixture.open(), Err(SILENT));
-    assert_eq!((fixture.now(), fixture.told()), (PATIENCE, vec![]));
+    assert_eq!((fixture.now(), fixture.told()), (TIMEOUT, vec![]));
 }
 
 #[test]
 fn fault_89_a_reset_finds_a_controller_silent_after_100_periods_and_counts_anew_from_where_the_arm_stands_then()
  {
-    let patience = 100 * PERIOD;
+    let timeout = 100 * PERIOD;
     let driver: &dyn Driver<Arm> = &Rsi::new(RsiSettings::new(CONTROLLER, CONTROLLER.ip()));
-    assert_eq!(driver.pace(), Pace::Robot { patience });
+    assert_eq!(driver.pace(), Pace::Robot { timeout });
     let mut fixture = Fixture::opened();
     fixture.pulse(said(4004, 10.0)).expect("it goes on");
     fixture.drives.tick(&at(10.5)).expect("sent");
     fixture.pulse(said(4008, 10.5)).expect("it goes on");
     fixture.drives.tick(&at(11.0)).expect("sent");
     assert_eq!(fixture.told(), [(4004, 0.0), (4008, 1.0)]);
-    fixture.simulation.borrow_mut().pass(patience);
+    fixture.simulation.borrow_mut().pass(timeout);
     assert_eq!(fixture.drives.switch_on(), Ok(()), "not longer than that");
     // Within it corrections go on from what was told.
     fixture.says(said(4408, 11.0));
     assert_eq!(fixture.drives.switch_on(), Ok(()));
     assert_eq!(fixture.told(), [(4408, 1.0)]);
-    fixture.simulation.borrow_mut().pass(patience + Duration::from_nanos(1));
+    fixture.simulation.borrow_mut().pass(timeout + Duration::from_nanos(1));
     assert_eq!(fixture.drives.switch_on(), Err(SILENT));
     fixture.says(said(4812, 12.0));
     assert_eq!(fixture.drives.switch_on(), Ok(()));
@@ -236,7 +236,7 @@ fn a_controller_that_is_cut_off_while_it_is_found_out_when_it_counts_is_waited_f
     // Its first message comes at the end of its first period, and then no other one.
     fixture.simulation.borrow_mut().ends = Some(2 * PERIOD);
     assert_eq!(fixture.open(), Err(SILENT));
-    assert_eq!((fixture.now(), fixture.told()), (PERIOD + PATIENCE, vec![(FIRST + 4, 0.0)]));
+    assert_eq!((fixture.now(), fixture.told()), (PERIOD + TIMEOUT, vec![(FIRST + 4, 0.0)]));
 }
 
 #[test]

@@ -6,13 +6,13 @@ use core::time::Duration;
 use std::io::ErrorKind;
 use std::net::{IpAddr, SocketAddr};
 
-use mrroc_driver_kit::{Cutting, Refused};
+use mrroc_driver_kit::{Cutting, RefusedCounts};
 
 use super::network::{Connection, Listener, Network, Received, Tcp};
 use super::primary::{self, Reading};
 use super::rtde::{self, Negotiated, Negotiation, state_of};
 use super::running::{Addresses, CALL, Running};
-use super::{Heard, Job, JobState, Lost, Wire};
+use super::{ConnectionLost, Job, JobState, TimedState, Wire};
 use crate::calibration::Calibration;
 use crate::outputs::{Group, Groups};
 use crate::rtde::{Answer, Package, Request};
@@ -143,17 +143,17 @@ impl<N: Network> Connections<N> {
 
     /// What was not taken of what came to this machine's port; `None` while it is closed.
     #[must_use]
-    pub fn refused(&self) -> Option<Refused> {
+    pub fn refused(&self) -> Option<RefusedCounts> {
         self.listener.as_ref().map(Listener::refused)
     }
 
     /// Opens the ports at which the controller calls.
-    fn listen(&mut self) -> Result<(), Lost> {
+    fn listen(&mut self) -> Result<(), ConnectionLost> {
         let listener = self.network.listen(self.listen, self.robot, |bytes| match bytes.len() {
             0..Ended::BYTES => Cutting::More,
             _ => Cutting::Frame(Ended::BYTES),
         });
-        let lost = |_| Lost("this machine has no such address, or its port is taken");
+        let lost = |_| ConnectionLost("this machine has no such address, or its port is taken");
         self.listener = Some(listener.map_err(lost)?);
         if let Some(node) = &mut self.node {
             let listener = self.network.listen(node.at, self.robot, |bytes| {
@@ -163,16 +163,19 @@ impl<N: Network> Connections<N> {
                     None => Cutting::Bad,
                 }
             });
-            let lost =
-                |_| Lost("the port at which External Control asks for its script is taken on this machine");
+            let lost = |_| {
+                ConnectionLost(
+                    "the port at which External Control asks for its script is taken on this machine",
+                )
+            };
             node.listener = Some(listener.map_err(lost)?);
         }
         Ok(())
     }
 
     /// Calls the controller at this port, and waits until it has answered.
-    fn call(&mut self, port: u16, patience: Duration, cut: mrroc_driver_kit::Cut) -> Option<N::Connection> {
-        let mut call = self.network.call(SocketAddr::new(self.robot, port), patience, cut);
+    fn call(&mut self, port: u16, timeout: Duration, cut: mrroc_driver_kit::Cut) -> Option<N::Connection> {
+        let mut call = self.network.call(SocketAddr::new(self.robot, port), timeout, cut);
         loop {
             match self.network.called(&mut call) {
                 Some(called) => return called.ok(),
@@ -185,8 +188,8 @@ impl<N: Network> Connections<N> {
     fn until<T>(
         &mut self,
         connection: &mut N::Connection,
-        mut poll: impl FnMut(Duration, Option<&[u8]>, bool, &mut Vec<u8>) -> Result<Option<T>, Lost>,
-    ) -> Result<T, Lost> {
+        mut poll: impl FnMut(Duration, Option<&[u8]>, bool, &mut Vec<u8>) -> Result<Option<T>, ConnectionLost>,
+    ) -> Result<T, ConnectionLost> {
         let mut requests = Vec::new();
         loop {
             let (now, is_open) = (self.network.now(), connection.is_open());
@@ -216,11 +219,12 @@ impl<N: Network> Wire for Connections<N> {
         self.listener.as_ref().map_or(self.listen, Listener::address)
     }
 
-    fn connect(&mut self, switches: Groups) -> Result<State, Lost> {
+    fn connect(&mut self, switches: Groups) -> Result<State, ConnectionLost> {
         self.disconnect();
         self.listen()?;
         let called = self.call(self.ports.rtde, CALL, rtde::cut);
-        let mut connection = called.ok_or(Lost("nobody answers at its address: is it switched on?"))?;
+        let mut connection =
+            called.ok_or(ConnectionLost("nobody answers at its address: is it switched on?"))?;
         let mut request = Vec::new();
         let mut negotiation = Negotiation::begin(self.network.now(), switches, &mut request);
         connection.send(&request).map_err(|_| rtde::CLOSED)?;
@@ -242,8 +246,8 @@ impl<N: Network> Wire for Connections<N> {
         let _ = connection.send(&self.bytes);
     }
 
-    fn calibration(&mut self) -> Result<Calibration, Lost> {
-        let called = self.call(self.ports.primary, primary::PATIENCE, primary::cut);
+    fn calibration(&mut self) -> Result<Calibration, ConnectionLost> {
+        let called = self.call(self.ports.primary, primary::TIMEOUT, primary::cut);
         let mut connection = called.ok_or(primary::ABSENT)?;
         let reading = Reading::new(self.network.now());
         self.until(&mut connection, |now, message, is_open, _| reading.poll(now, message, is_open))
@@ -257,16 +261,18 @@ impl<N: Network> Wire for Connections<N> {
         self.connected = Connected::NotYet;
     }
 
-    fn heard(&mut self, _: Duration) -> Result<Option<Heard>, Lost> {
+    fn heard(&mut self, _: Duration) -> Result<Option<TimedState>, ConnectionLost> {
         if let Some(node) = &mut self.node {
             node.serve();
         }
-        let Some((connection, recipe)) = &mut self.rtde else { return Err(Lost("RTDE is not connected")) };
+        let Some((connection, recipe)) = &mut self.rtde else {
+            return Err(ConnectionLost("RTDE is not connected"));
+        };
         while let Some(Received { bytes, age }) = connection.oldest() {
             let Ok(Some((package, _))) = Package::first(bytes) else { continue };
             let state = Answer::read(&package).and_then(|answer| state_of(&answer, *recipe));
             if let Some(state) = state {
-                return Ok(Some(Heard { state, age }));
+                return Ok(Some(TimedState { state, age }));
             }
         }
         if connection.is_open() { Ok(None) } else { Err(rtde::CLOSED) }

@@ -25,7 +25,7 @@ pub use network::{Connection, Listener, Network, Received, Tcp, TcpCall, TcpConn
 
 /// A state, and how long it has been here.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Heard {
+pub struct TimedState {
     /// What the controller says.
     pub state: State,
     /// Since it came in.
@@ -34,7 +34,7 @@ pub struct Heard {
 
 /// The connection is lost, or was never there: why, for a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Lost(pub &'static str);
+pub struct ConnectionLost(pub &'static str);
 
 /// What takes longer than a period.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -75,7 +75,7 @@ pub trait Wire {
     ///
     /// # Errors
     /// Why it cannot be reached, or that another program switches its outputs.
-    fn connect(&mut self, switches: Groups) -> Result<State, Lost>;
+    fn connect(&mut self, switches: Groups) -> Result<State, ConnectionLost>;
 
     /// Switches outputs of a group: the values of its [names](Group::names).
     fn switch(&mut self, group: Group, values: &[u8]);
@@ -84,7 +84,7 @@ pub trait Wire {
     ///
     /// # Errors
     /// Why it cannot be read.
-    fn calibration(&mut self) -> Result<Calibration, Lost>;
+    fn calibration(&mut self) -> Result<Calibration, ConnectionLost>;
 
     /// Lets the controller go.
     fn disconnect(&mut self);
@@ -93,7 +93,7 @@ pub trait Wire {
     ///
     /// # Errors
     /// The connection is lost.
-    fn heard(&mut self, now: Duration) -> Result<Option<Heard>, Lost>;
+    fn heard(&mut self, now: Duration) -> Result<Option<TimedState>, ConnectionLost>;
 
     /// Tells the script this; whether it took it.
     fn tell(&mut self, message: &SetPoint) -> bool;

@@ -11,7 +11,7 @@ use std::net::{IpAddr, SocketAddr};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::time::Instant;
 
-use mrroc_driver_kit::{Cut, Door, Frame, Line, Refused};
+use mrroc_driver_kit::{Cut, Frame, Line, RefusedCounts, RobotListener};
 
 /// A frame that has come.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,7 +49,7 @@ pub trait Listener {
     fn accept(&mut self) -> Option<Self::Connection>;
 
     /// What was not taken so far.
-    fn refused(&self) -> Refused;
+    fn refused(&self) -> RefusedCounts;
 }
 
 /// A network with one controller in it, and a clock.
@@ -64,8 +64,8 @@ pub trait Network {
     /// The time since some beginning, which is always the same one. It never goes back.
     fn now(&self) -> Duration;
 
-    /// Begins to call the controller at this address, for at most `patience`. It returns at once. `cut` is how its stream is cut into frames.
-    fn call(&mut self, to: SocketAddr, patience: Duration, cut: Cut) -> Self::Call;
+    /// Begins to call the controller at this address, for at most `timeout`. It returns at once. `cut` is how its stream is cut into frames.
+    fn call(&mut self, to: SocketAddr, timeout: Duration, cut: Cut) -> Self::Call;
 
     /// The connection, or why there is none, once that is known; that is told once. It returns at once.
     fn called(&mut self, call: &mut Self::Call) -> Option<io::Result<Self::Connection>>;
@@ -125,7 +125,7 @@ impl Connection for TcpConnection {
 
 /// A listening socket.
 #[derive(Debug)]
-pub struct TcpPort(Door);
+pub struct TcpPort(RobotListener);
 
 impl Listener for TcpPort {
     type Connection = TcpConnection;
@@ -138,7 +138,7 @@ impl Listener for TcpPort {
         self.0.answer().map(|line| TcpConnection { line, last: None })
     }
 
-    fn refused(&self) -> Refused {
+    fn refused(&self) -> RefusedCounts {
         self.0.refused()
     }
 }
@@ -156,11 +156,11 @@ impl Network for Tcp {
         self.began.elapsed()
     }
 
-    fn call(&mut self, to: SocketAddr, patience: Duration, cut: Cut) -> TcpCall {
+    fn call(&mut self, to: SocketAddr, timeout: Duration, cut: Cut) -> TcpCall {
         let (sender, called) = channel();
         let thread = std::thread::Builder::new().name("controller".to_owned());
         // Nobody may ask for the outcome any more; and without a thread nobody sends one, which is told as an error.
-        drop(thread.spawn(move || drop(sender.send(Line::call(to, patience, cut)))));
+        drop(thread.spawn(move || drop(sender.send(Line::call(to, timeout, cut)))));
         TcpCall(called)
     }
 
@@ -173,7 +173,7 @@ impl Network for Tcp {
     }
 
     fn listen(&mut self, at: SocketAddr, robot: IpAddr, cut: Cut) -> io::Result<TcpPort> {
-        Door::open(at, robot, cut).map(TcpPort)
+        RobotListener::open(at, robot, cut).map(TcpPort)
     }
 
     fn wait(&mut self, time: Duration) {

@@ -6,15 +6,16 @@ use core::time::Duration;
 
 use mrroc_driver_kit::Cutting;
 
-use super::Lost;
+use super::ConnectionLost;
 use crate::calibration::Calibration;
 use crate::primary::{calibration, message_length};
 
 /// How long a controller may take to answer the call, and then to tell it.
-pub(super) const PATIENCE: Duration = Duration::from_secs(2);
+pub(super) const TIMEOUT: Duration = Duration::from_secs(2);
 
 /// Nobody has answered the call.
-pub(super) const ABSENT: Lost = Lost("nobody answers at its primary interface: is it switched on?");
+pub(super) const ABSENT: ConnectionLost =
+    ConnectionLost("nobody answers at its primary interface: is it switched on?");
 
 /// How the stream is cut into messages.
 pub(super) fn cut(bytes: &[u8]) -> Cutting {
@@ -32,7 +33,7 @@ pub(super) struct Reading(Duration);
 impl Reading {
     /// From now on.
     pub(super) fn new(now: Duration) -> Reading {
-        Reading(now + PATIENCE)
+        Reading(now + TIMEOUT)
     }
 
     /// The calibration, if this message has it. What came before the end of the connection is read, too.
@@ -44,11 +45,13 @@ impl Reading {
         now: Duration,
         message: Option<&[u8]>,
         is_open: bool,
-    ) -> Result<Option<Calibration>, Lost> {
+    ) -> Result<Option<Calibration>, ConnectionLost> {
         match message {
             Some(message) => Ok(calibration(message)),
             None if is_open && now <= self.0 => Ok(None),
-            None => Err(Lost("the controller does not tell its calibration at its primary interface")),
+            None => {
+                Err(ConnectionLost("the controller does not tell its calibration at its primary interface"))
+            }
         }
     }
 }

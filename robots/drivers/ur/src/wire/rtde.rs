@@ -6,7 +6,7 @@ use core::time::Duration;
 
 use mrroc_driver_kit::Cutting;
 
-use super::Lost;
+use super::ConnectionLost;
 use crate::outputs::{Group, Groups};
 use crate::rtde::{Answer, Package, Request, VERSION};
 use crate::state::{State, check_offers, recipe_names};
@@ -76,11 +76,11 @@ impl Negotiation {
         package: Option<&[u8]>,
         is_open: bool,
         requests: &mut Vec<u8>,
-    ) -> Result<Option<Negotiated>, Lost> {
+    ) -> Result<Option<Negotiated>, ConnectionLost> {
         let Some(package) = package else {
             return match (is_open, now > self.until) {
                 (false, _) => Err(CLOSED),
-                (true, true) => Err(Lost("the controller does not answer on RTDE")),
+                (true, true) => Err(ConnectionLost("the controller does not answer on RTDE")),
                 (true, false) => Ok(None),
             };
         };
@@ -95,10 +95,16 @@ impl Negotiation {
         Ok(negotiated)
     }
 
-    fn hear(&mut self, answer: &Answer<'_>, requests: &mut Vec<u8>) -> Result<Option<Negotiated>, Lost> {
+    fn hear(
+        &mut self,
+        answer: &Answer<'_>,
+        requests: &mut Vec<u8>,
+    ) -> Result<Option<Negotiated>, ConnectionLost> {
         match (self.awaited, answer) {
             (Awaited::Version, Answer::Version(false)) => {
-                return Err(Lost("the controller does not speak RTDE 2: its software is older than 3.4"));
+                return Err(ConnectionLost(
+                    "the controller does not speak RTDE 2: its software is older than 3.4",
+                ));
             }
             (Awaited::Version, Answer::Version(true)) => {
                 Request::Outputs { frequency: FREQUENCY, names: &recipe_names() }.write(requests);
@@ -106,23 +112,28 @@ impl Negotiation {
             }
             (Awaited::Outputs, Answer::Outputs { recipe, offers }) => {
                 let offers = Answer::offers(offers);
-                let offers = offers
-                    .ok_or(Lost("the controller answers with types of RTDE that are not known here"))?;
+                let offers = offers.ok_or(ConnectionLost(
+                    "the controller answers with types of RTDE that are not known here",
+                ))?;
                 check_offers(&offers).map_err(|field| match field {
-                    "actual_TCP_force" => Lost("the controller has no field `actual_TCP_force` of RTDE"),
-                    "safety_status_bits" => Lost("the controller has no field `safety_status_bits` of RTDE"),
-                    _ => Lost("the controller lacks a field of RTDE, or has another type for it"),
+                    "actual_TCP_force" => {
+                        ConnectionLost("the controller has no field `actual_TCP_force` of RTDE")
+                    }
+                    "safety_status_bits" => {
+                        ConnectionLost("the controller has no field `safety_status_bits` of RTDE")
+                    }
+                    _ => ConnectionLost("the controller lacks a field of RTDE, or has another type for it"),
                 })?;
                 self.recipe = *recipe;
                 self.ask_for_inputs(0, requests);
             }
             (Awaited::Inputs(group), Answer::Inputs { recipe, offers }) => {
-                group.check(&Answer::offers(offers).unwrap_or_default()).map_err(Lost)?;
+                group.check(&Answer::offers(offers).unwrap_or_default()).map_err(ConnectionLost)?;
                 self.written[group as usize] = Some(*recipe);
                 self.ask_for_inputs(group as usize + 1, requests);
             }
             (Awaited::Started, Answer::Started(false)) => {
-                return Err(Lost("the controller does not start its outputs"));
+                return Err(ConnectionLost("the controller does not start its outputs"));
             }
             (Awaited::Started, Answer::Started(true)) => self.awaited = Awaited::State,
             (Awaited::State, answer) => {
@@ -158,7 +169,7 @@ pub(super) fn state_of(answer: &Answer<'_>, of: u8) -> Option<State> {
 }
 
 /// The connection has ended.
-pub(super) const CLOSED: Lost = Lost("the controller has closed its RTDE");
+pub(super) const CLOSED: ConnectionLost = ConnectionLost("the controller has closed its RTDE");
 
 #[cfg(test)]
 mod tests {
@@ -182,7 +193,7 @@ mod tests {
     fn answered(
         negotiation: &mut Negotiation,
         answer: &Answer<'_>,
-    ) -> (Result<Option<Negotiated>, Lost>, Vec<u8>) {
+    ) -> (Result<Option<Negotiated>, ConnectionLost>, Vec<u8>) {
         let (mut package, mut requests) = (Vec::new(), Vec::new());
         answer.write(&mut package);
         let outcome = negotiation.poll(NOW, Some(&package), true, &mut requests);
@@ -251,7 +262,7 @@ mod tests {
         let mut negotiation = begun(Groups::NONE);
         let mut silent = |now| negotiation.poll(now, None, true, &mut Vec::new());
         assert_eq!(silent(NOW + ANSWER), Ok(None));
-        let late = Err(Lost("the controller does not answer on RTDE"));
+        let late = Err(ConnectionLost("the controller does not answer on RTDE"));
         assert_eq!(silent(NOW + ANSWER + Duration::from_nanos(1)), late);
         assert_eq!(negotiation.poll(NOW, None, false, &mut Vec::new()), Err(CLOSED));
         // What is nothing that is waited for gives no more time; what is does.

@@ -39,7 +39,7 @@ pub(super) struct Running<N: Network> {
     aim: Aim,
     /// The script that is sent.
     script: String,
-    course: Course<N>,
+    stage: Stage<N>,
     /// The script's call is waited for.
     pub starts: bool,
     until: Duration,
@@ -47,7 +47,7 @@ pub(super) struct Running<N: Network> {
 }
 
 /// How far it has come.
-enum Course<N: Network> {
+enum Stage<N: Network> {
     /// Nothing is to be done.
     Waits,
     /// It cannot be done.
@@ -62,15 +62,15 @@ enum Course<N: Network> {
     Sent(N::Connection),
 }
 
-impl<N: Network> core::fmt::Debug for Course<N> {
+impl<N: Network> core::fmt::Debug for Stage<N> {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         f.write_str(match self {
-            Course::Waits => "Waits",
-            Course::Refused(_) => "Refused",
-            Course::CallsDashboard(_) => "CallsDashboard",
-            Course::Asks(..) => "Asks",
-            Course::CallsSecondary(_) => "CallsSecondary",
-            Course::Sent(_) => "Sent",
+            Stage::Waits => "Waits",
+            Stage::Refused(_) => "Refused",
+            Stage::CallsDashboard(_) => "CallsDashboard",
+            Stage::Asks(..) => "Asks",
+            Stage::CallsSecondary(_) => "CallsSecondary",
+            Stage::Sent(_) => "Sent",
         })
     }
 }
@@ -86,23 +86,23 @@ impl<N: Network> Running<N> {
         const NOT_CALLED: &str = "the script was sent, and does not call this machine";
         const NOT_PLAYED: &str =
             "start the program with the External Control node at the pendant, then reset";
-        let (aim, patience, late) = match (&job, offers) {
+        let (aim, timeout, late) = match (&job, offers) {
             (Job::Start(_), false) => (Aim::Ask, START, NOT_CALLED),
             (Job::Start(_), true) => (Aim::Ask, START, NOT_PLAYED),
             (Job::Offer(_), _) => (Aim::Ask, PLAY, NOT_PLAYED),
             (Job::Unlock, _) => (Aim::Unlock, UNLOCK, "the controller does not release it"),
         };
-        let until = network.now() + patience;
+        let until = network.now() + timeout;
         let starts = aim == Aim::Ask;
-        let (script, course) = match job {
-            Job::Offer(_) if offers => (String::new(), Course::Waits),
+        let (script, stage) = match job {
+            Job::Offer(_) if offers => (String::new(), Stage::Waits),
             Job::Offer(_) => {
-                (String::new(), Course::Refused("no address was given at which External Control asks"))
+                (String::new(), Stage::Refused("no address was given at which External Control asks"))
             }
             Job::Start(script) => (script, call_dashboard(network, addresses)),
             Job::Unlock => (String::new(), call_dashboard(network, addresses)),
         };
-        Running { addresses, aim, script, course, starts, until, late }
+        Running { addresses, aim, script, stage, starts, until, late }
     }
 
     /// How far it has come at this time; [`JobState::Busy`] while it goes on, or the script has been sent and not called.
@@ -110,49 +110,49 @@ impl<N: Network> Running<N> {
         let now = network.now();
         // As many steps as can be done now.
         loop {
-            let (course, is_over) = match core::mem::replace(&mut self.course, Course::Waits) {
-                Course::Waits => (Course::Waits, true),
-                Course::Refused(why) => return JobState::Refused(why),
-                Course::CallsDashboard(mut call) => match network.called(&mut call) {
-                    None => (Course::CallsDashboard(call), true),
+            let (stage, is_over) = match core::mem::replace(&mut self.stage, Stage::Waits) {
+                Stage::Waits => (Stage::Waits, true),
+                Stage::Refused(why) => return JobState::Refused(why),
+                Stage::CallsDashboard(mut call) => match network.called(&mut call) {
+                    None => (Stage::CallsDashboard(call), true),
                     Some(Ok(connection)) => {
-                        (Course::Asks(connection, Dialogue::new(self.aim, now, self.until)), false)
+                        (Stage::Asks(connection, Dialogue::new(self.aim, now, self.until)), false)
                     }
                     Some(Err(_)) => match self.take(network, Outcome::Silent) {
-                        Ok(course) => (course, false),
+                        Ok(stage) => (stage, false),
                         Err(state) => return state,
                     },
                 },
-                Course::Asks(mut connection, mut dialogue) => {
+                Stage::Asks(mut connection, mut dialogue) => {
                     let is_open = connection.is_open();
                     let line = connection.oldest();
                     let had_line = line.is_some();
                     match dialogue.poll(now, line.map(|line| line.bytes), is_open) {
-                        Next::Wait => (Course::Asks(connection, dialogue), !had_line),
+                        Next::Wait => (Stage::Asks(connection, dialogue), !had_line),
                         Next::Send(command) => {
                             // A connection that is lost is told when it is read.
                             let _ = connection.send(format!("{command}\n").as_bytes());
-                            (Course::Asks(connection, dialogue), false)
+                            (Stage::Asks(connection, dialogue), false)
                         }
                         Next::Over(outcome) => match self.take(network, outcome) {
-                            Ok(course) => (course, false),
+                            Ok(stage) => (stage, false),
                             Err(state) => return state,
                         },
                     }
                 }
-                Course::CallsSecondary(mut call) => match network.called(&mut call) {
-                    None => (Course::CallsSecondary(call), true),
+                Stage::CallsSecondary(mut call) => match network.called(&mut call) {
+                    None => (Stage::CallsSecondary(call), true),
                     Some(called) => match called.and_then(|connection| send(connection, &self.script)) {
-                        Ok(connection) => (Course::Sent(connection), false),
+                        Ok(connection) => (Stage::Sent(connection), false),
                         Err(_) => return REFUSED,
                     },
                 },
-                Course::Sent(mut connection) => {
+                Stage::Sent(mut connection) => {
                     while connection.oldest().is_some() {}
-                    (Course::Sent(connection), true)
+                    (Stage::Sent(connection), true)
                 }
             };
-            self.course = course;
+            self.stage = stage;
             if is_over {
                 return JobState::Busy;
             }
@@ -160,11 +160,11 @@ impl<N: Network> Running<N> {
     }
 
     /// Goes on after the dashboard has said this, or tells what has become of the job.
-    fn take(&self, network: &mut N, outcome: Outcome) -> Result<Course<N>, JobState> {
+    fn take(&self, network: &mut N, outcome: Outcome) -> Result<Stage<N>, JobState> {
         match (self.aim, outcome) {
             (_, Outcome::Local) => Err(JobState::Local),
             // PolyScope X has no dashboard.
-            (Aim::Ask, _) => Ok(Course::CallsSecondary(network.call(self.addresses.secondary, CALL, unread))),
+            (Aim::Ask, _) => Ok(Stage::CallsSecondary(network.call(self.addresses.secondary, CALL, unread))),
             (Aim::Unlock, Outcome::Released) => Err(JobState::Done),
             (Aim::Unlock, Outcome::Held) => Err(JobState::Refused("the controller does not release it")),
             (Aim::Unlock, Outcome::Silent | Outcome::Remote) => {
@@ -181,8 +181,8 @@ impl<N: Network> Running<N> {
 
 const REFUSED: JobState = JobState::Refused("the controller takes no script at its secondary interface");
 
-fn call_dashboard<N: Network>(network: &mut N, addresses: Addresses) -> Course<N> {
-    Course::CallsDashboard(network.call(addresses.dashboard, dashboard::ANSWER, dashboard::cut))
+fn call_dashboard<N: Network>(network: &mut N, addresses: Addresses) -> Stage<N> {
+    Stage::CallsDashboard(network.call(addresses.dashboard, dashboard::ANSWER, dashboard::cut))
 }
 
 fn send<C: Connection>(mut connection: C, script: &str) -> io::Result<C> {

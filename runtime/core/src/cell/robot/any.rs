@@ -7,7 +7,7 @@ use std::rc::Rc;
 use std::sync::Arc;
 
 use super::stand_in::StandIn;
-use super::{Place, RobotSetup};
+use super::{RobotPlacement, RobotSetup};
 use crate::cell::assembly::Outcomes;
 use crate::cell::layout::joints;
 use crate::cell::{CellError, limits};
@@ -31,8 +31,8 @@ use crate::observe::activity::Activity;
 use crate::observe::layout::{HardwareLayout, RobotLayout};
 use crate::observe::servo::Observation;
 use crate::observe::shown::Shown;
-use crate::safety::limits::rates::least_headroom;
-use crate::safety::rate::RateHeadroom;
+use crate::safety::limits::rates::least_margin;
+use crate::safety::rate::RateMargin;
 use crate::safety::stopping::{longest_braking, stop_steps};
 
 /// An observer of several robots.
@@ -93,7 +93,7 @@ pub trait AnyRobot {
     /// The longest time that it brakes for \[s\].
     fn braking_time(&self) -> f64;
     /// The least that it leaves at this rate for changes of the rate, in steps of this length.
-    fn least_headroom(&self, rate: f64, step: Duration) -> RateHeadroom;
+    fn least_margin(&self, rate: f64, step: Duration) -> RateMargin;
     /// The robot that it is mounted on.
     fn mounted_on(&self) -> Option<&str>;
     /// The names of its inputs and outputs.
@@ -115,7 +115,7 @@ pub trait AnyRobot {
         self: Box<Self>,
         link: &mut dyn Link,
         plant: &mut Site,
-        place: Place,
+        place: RobotPlacement,
         mp: Box<dyn Server>,
         sensing: Sensing,
         outcomes: Outcomes,
@@ -161,7 +161,7 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
     }
 
     fn replay(&mut self, recorded: Rc<RecordedRobot>, step: Duration) {
-        // Whether the joints followed, the run that was recorded has judged; what is between two steps is not recorded.
+        // Whether the joints followed, the run that was recorded has checked; what is between two steps is not recorded.
         self.following_error = R::Joints::from_joints(|_| f64::INFINITY);
         self.drives = recorded_drives(&self.drives, Rc::clone(&recorded), step);
         self.replayed = Some(recorded);
@@ -305,8 +305,8 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
         longest_braking(self.robot.limits())
     }
 
-    fn least_headroom(&self, rate: f64, step: Duration) -> RateHeadroom {
-        least_headroom(self.robot.limits(), rate, step.as_secs_f64())
+    fn least_margin(&self, rate: f64, step: Duration) -> RateMargin {
+        least_margin(self.robot.limits(), rate, step.as_secs_f64())
     }
 
     fn stop_steps(&self, step: Duration, delay: Duration) -> u64 {
@@ -317,7 +317,7 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
         self: Box<Self>,
         link: &mut dyn Link,
         plant: &mut Site,
-        place: Place,
+        place: RobotPlacement,
         mp: Box<dyn Server>,
         sensing: Sensing,
         outcomes: Outcomes,

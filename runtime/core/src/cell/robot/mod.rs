@@ -31,7 +31,7 @@ use crate::observe::shown::{AnyShown, Shown};
 pub use any::AnyRobot;
 pub(super) use any::SharedObserver;
 use signals::{InputSetup, OutputSetup, SignalSetups};
-pub use spawning::{Place, StateWanted};
+pub use spawning::{RobotPlacement, StateWanted};
 use stand_in::StandIn;
 
 type EcpProgram<R> = Box<dyn FnMut(&mut Ecp<R>) -> Result<(), Fault>>;
@@ -78,7 +78,7 @@ impl<R: Robot> RobotSetup<R> {
     }
 
     /// A robot `name` whose drives do not know where it is: they look for their reference marks when the cell starts. The
-    /// MP's program begins when all robots of the cell have found theirs, and so does what an ECP obeys.
+    /// MP's program begins when all robots of the cell have found theirs, and so does what an ECP serves.
     pub fn unhomed<H>(name: &str, robot: R, homing: H) -> Self
     where
         H: Homing<R, Drives: 'static> + 'static,
@@ -208,7 +208,7 @@ impl<R: Robot> RobotSetup<R> {
 
     /// The longest time from the cause of a stop to a standstill that this robot may take, in the place of that of
     /// [the cell](super::Cell::stop_time): longer for a slow belt, shorter for an arm. A robot that would take longer is
-    /// refused, and a protective stop leaves the path in time for every robot. Robots that move together along one screw
+    /// refused, and a protective stop leaves the path in time for every robot. Robots that move together along one twist
     /// brake as the slowest of them does.
     #[must_use]
     pub fn stop_time(mut self, limit: Duration) -> Self {

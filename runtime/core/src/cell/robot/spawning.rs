@@ -22,14 +22,14 @@ use crate::model::driver::{Channels, Driver};
 use crate::model::fault::{ProcessId, Role};
 use crate::model::name::Name;
 use crate::model::named::{CellNames, SignalNames};
-use crate::model::payload::Nudge;
+use crate::model::payload::Trigger;
 use crate::model::robot::Robot;
 use crate::observe::shown::AnyShown;
-use crate::observe::witness::{What, Witnesses};
+use crate::observe::step_observer::{StepEvent, StepObservers};
 use crate::safety::latch::Gate;
 
 /// Where a robot's processes are.
-pub struct Place {
+pub struct RobotPlacement {
     pub name: Name,
     pub ecp: usize,
     /// Length of a step.
@@ -37,8 +37,8 @@ pub struct Place {
     /// How far drives are behind their demands in this cell; `None`: each takes every demand as it is.
     pub delay: Option<Duration>,
     pub pace: Pace,
-    pub nudged: bool,
-    pub witnesses: Witnesses,
+    pub triggered: bool,
+    pub step_observers: StepObservers,
     /// The names of its inputs and outputs, and of the cell's frames and tools.
     pub signals: Rc<SignalNames>,
     pub named: Rc<CellNames>,
@@ -63,7 +63,7 @@ impl<R: Robot> RobotSetup<R> {
         self,
         link: &mut dyn Link,
         plant: &mut Site,
-        place: Place,
+        place: RobotPlacement,
         mp: Box<dyn Server>,
         sensing: Sensing,
         outcomes: Outcomes,
@@ -105,12 +105,12 @@ impl<R: Robot> RobotSetup<R> {
         }
         let run = move |host: Host<'_>| {
             let waiter = host.waiter;
-            let witnesses = place.witnesses.of(process);
+            let step_observers = place.step_observers.of(process);
             let homed = match drives {
                 Ok(opening) => opening.take().map(|drive| (drive, Gate::default())),
                 Err(homing) => home(process, waiter, &*server, homing).map(|(driver, gate)| {
                     let now = waiter.now();
-                    witnesses.show(now, &What::Found { step: now / place.pace.period.max(1) }, &[]);
+                    step_observers.show(now, &StepEvent::Found { step: now / place.pace.period.max(1) }, &[]);
                     (Drive::Here(prepared(driver)), gate)
                 }),
             };
@@ -127,7 +127,7 @@ impl<R: Robot> RobotSetup<R> {
                     stop_steps: place.pace.stop_steps,
                     declared,
                     observers,
-                    witnesses,
+                    step_observers,
                     states,
                     replayed,
                 };
@@ -139,7 +139,7 @@ impl<R: Robot> RobotSetup<R> {
         link.body(edp, Box::new(run))?;
         let mut program = setup.program;
         let activity = setup.activity;
-        let nudged = place.nudged;
+        let triggered = place.triggered;
         let process = ProcessId::new(Role::Ecp, name);
         let pace = place.pace;
         let recorded = setup.replayed;
@@ -154,12 +154,12 @@ impl<R: Robot> RobotSetup<R> {
                 let mut ecp = ecp.showing_instructions(program.is_some().then_some(activity));
                 loop {
                     let outcome = ecp.run_program(|ecp| match &mut program {
-                        Some(program) if nudged => ecp.obey(|ecp, _: Nudge| program(ecp)),
+                        Some(program) if triggered => ecp.serve(|ecp, _: Trigger| program(ecp)),
                         Some(program) => program(ecp),
-                        None if nudged => ecp.obey(|_, _: Nudge| Ok(())),
+                        None if triggered => ecp.serve(|_, _: Trigger| Ok(())),
                         None => crate::control::transparent::program(ecp),
                     });
-                    let starts_again = ecp.serve(&outcome);
+                    let starts_again = ecp.answer_after_program(&outcome);
                     if !starts_again {
                         if program.is_some() {
                             outcomes.borrow_mut().push((process, outcome));

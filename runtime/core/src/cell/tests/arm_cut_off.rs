@@ -1,4 +1,4 @@
-//! Arms that carry a body, and the link to one of which is cut: both brake in the same step, on their common screw.
+//! Arms that carry a body, and the link to one of which is cut: both brake in the same step, on their common twist.
 
 use core::time::Duration;
 use std::cell::RefCell;
@@ -163,7 +163,7 @@ fn arms_are_cut_off(every: u64) {
 }
 
 #[test]
-fn fault_153_arms_of_which_one_is_cut_off_in_any_step_brake_together_on_their_screw() {
+fn fault_153_arms_of_which_one_is_cut_off_in_any_step_brake_together_on_their_twist() {
     arms_are_cut_off(SHARE);
 }
 
@@ -218,7 +218,7 @@ mod whole {
 
     #[test]
     #[ignore = "takes minutes: `just wires-whole`"]
-    fn fault_153_arms_of_which_one_is_cut_off_in_any_step_brake_together_on_their_screw() {
+    fn fault_153_arms_of_which_one_is_cut_off_in_any_step_brake_together_on_their_twist() {
         arms_are_cut_off(1);
     }
 

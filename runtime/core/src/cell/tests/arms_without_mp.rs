@@ -88,7 +88,7 @@ impl Driver<Arm> for Exact {
     }
 }
 
-/// Carries a body in both hands along a screw, 0.5 s, by a fifth-order profile.
+/// Carries a body in both hands along a twist, 0.5 s, by a fifth-order profile.
 struct Carry {
     t: f64,
     from: [Pose; 2],

@@ -11,15 +11,15 @@ use crate::cell::{Cell, CellError, RobotSetup};
 use crate::model::fault::{FaultKind, ProcessId};
 use crate::model::pose::Pose;
 use crate::model::time::Nanos;
-use crate::observe::witness::{What, Witness};
+use crate::observe::step_observer::{StepEvent, StepObserver};
 
 /// The steps that were shown, each with whether a protective stop was asked for.
 #[derive(Default)]
 struct Steps(RefCell<Vec<(u64, bool)>>);
 
-impl Witness for Steps {
-    fn see(&self, _: Nanos, _: ProcessId, what: &What, _: &[u64]) {
-        if let What::Step { step, stopping, .. } = what {
+impl StepObserver for Steps {
+    fn see(&self, _: Nanos, _: ProcessId, what: &StepEvent, _: &[u64]) {
+        if let StepEvent::Step { step, stopping, .. } = what {
             self.0.borrow_mut().push((*step, *stopping));
         }
     }
@@ -35,7 +35,7 @@ fn run(stop: Option<u64>) -> (Vec<(u64, bool)>, Result<(), CellError>) {
                 operator.protective_stop();
             }
         })
-        .witnessed_by(Rc::clone(&steps) as Rc<dyn Witness>);
+        .observed_by(Rc::clone(&steps) as Rc<dyn StepObserver>);
     let turned = Pose::new(Vector3::new(1.0, 0.8, 0.3), Vector3::new(0.3, -0.4, 2.0));
     for (name, base) in [("left", Pose::identity()), ("right", turned)] {
         let arm = Arm::on(base, slides_and_turns(10.0, 20.0));

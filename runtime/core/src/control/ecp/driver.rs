@@ -4,14 +4,14 @@
 
 use crate::control::state_words::StateWords;
 use crate::link::message::{Header, Kind, Message, RequestKind, flag};
-use crate::link::patience::Patience;
+use crate::link::timeout::AnswerTimeout;
 use crate::link::{Client, Waiter};
 use crate::model::demand::Demand;
 use crate::model::fault::{Fault, FaultKind};
 use crate::model::image::RobotImage;
 use crate::model::robot::Robot;
 use crate::model::wire::Wire;
-use crate::safety::rate::RateHeadroom;
+use crate::safety::rate::RateMargin;
 
 /// What the MP's orders tell an EDP by their flags.
 const PASSED_ON: u32 = flag::WANT_STATE
@@ -33,11 +33,11 @@ pub(super) struct DriverPort<R: Robot> {
     pub image: RobotImage<R>,
     /// Whether the last demand may have left the robot moving: then somebody has to brake it.
     pub moving: bool,
-    patience: Patience,
+    timeout: AnswerTimeout,
 }
 
 impl<R: Robot> DriverPort<R> {
-    pub fn new(port: Box<dyn Client>, patience: Patience) -> Self {
+    pub fn new(port: Box<dyn Client>, timeout: AnswerTimeout) -> Self {
         DriverPort {
             port,
             request: Message::empty(),
@@ -45,7 +45,7 @@ impl<R: Robot> DriverPort<R> {
             reply: Message::empty(),
             image: RobotImage::unknown(),
             moving: false,
-            patience,
+            timeout,
         }
     }
 
@@ -55,8 +55,8 @@ impl<R: Robot> DriverPort<R> {
     }
 
     /// Says how fast the rate of path time may change, in the place of what the EDP said last.
-    pub const fn set_headroom(&mut self, headroom: RateHeadroom) {
-        self.reply.header.headroom = headroom;
+    pub const fn set_rate_margin(&mut self, margin: RateMargin) {
+        self.reply.header.rate_margin = margin;
     }
 
     /// Whether the EDP said last that the robot stands.
@@ -100,7 +100,7 @@ impl<R: Robot> DriverPort<R> {
             (header.len, header.dt) = (0, 0.0);
         }
         self.port.send(&self.request);
-        let mut waiting = self.patience.begin(waiter);
+        let mut waiting = self.timeout.begin(waiter);
         // An answer to a request that was given up does not answer this one.
         let to = |header: &Header| (header.epoch, header.step);
         while !(self.port.receive(&mut self.reply) && to(&self.reply.header) == to(&self.request.header)) {

@@ -41,7 +41,7 @@ impl<R: Robot> Ecp<'_, R> {
                 BeforeStart::FirstStep => {
                     let first = P::get(self.orders.words());
                     let first = first.map_err(|_| self.fail(Fault::new(FaultKind::Message)))?;
-                    self.orders.phase = Phase::Obeying;
+                    self.orders.phase = Phase::Serving;
                     return Ok(first);
                 }
                 // The tail of an instruction that has ended here, the end of one before its first step, or a
@@ -58,7 +58,7 @@ impl<R: Robot> Ecp<'_, R> {
     pub(super) fn open<P: Payload>(&mut self) -> Result<(), Fault> {
         if self.orders.header().payload != P::ID {
             let fault = Fault::new(FaultKind::PayloadMismatch);
-            return Err(self.fail(fault.text(&format!("this ECP obeys orders of type `{}`", P::NAME))));
+            return Err(self.fail(fault.text(&format!("this ECP serves orders of type `{}`", P::NAME))));
         }
         self.ask(RequestKind::Query, flag::FIRST | flag::WANT_STATE)?;
         self.orders.start(PayloadType::of::<P>());
@@ -103,7 +103,7 @@ impl<R: Robot> Ecp<'_, R> {
         match (&self.orders.phase, outcome) {
             (Phase::Latched(latched), Ok(())) => Err(latched.clone()),
             (Phase::Latched(_), Err(fault)) => Err(fault.clone()),
-            (Phase::Idle | Phase::Started | Phase::Obeying | Phase::Finished, _) => Ok(()),
+            (Phase::Idle | Phase::Started | Phase::Serving | Phase::Finished, _) => Ok(()),
         }
     }
 

@@ -8,7 +8,7 @@ use std::rc::Rc;
 use crate::link::message::flag;
 use crate::model::robot::Robot;
 use crate::operator::jog::{JogNow, JogPanel, JogSeat, JogStop};
-use crate::operator::state::{Doing, EcpState};
+use crate::operator::state::{EcpState, InstructionKind};
 
 use super::Ecp;
 
@@ -79,9 +79,9 @@ impl<R: Robot> Ecp<'_, R> {
     #[inline]
     pub(super) const fn jog_flags(&self) -> u32 {
         match self.at_work.doing {
-            Doing::Move if self.jogging.asks => flag::JOGS,
-            Doing::Move => flag::OWN_WAY,
-            Doing::Nothing | Doing::Homing | Doing::Wait => 0,
+            InstructionKind::Move if self.jogging.asks => flag::JOGS,
+            InstructionKind::Move => flag::OWN_WAY,
+            InstructionKind::Nothing | InstructionKind::Homing | InstructionKind::Wait => 0,
         }
     }
 

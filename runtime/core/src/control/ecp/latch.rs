@@ -11,7 +11,7 @@ impl<R: Robot> Ecp<'_, R> {
     pub(super) fn check_ready(&mut self) -> Result<(), Fault> {
         self.check_latch()?;
         if self.orders.payload().is_none() {
-            let text = "Move or Wait outside obey: write `ecp.obey(|ecp, order: YourOrder| ..)` around it";
+            let text = "Move or Wait outside serve: write `ecp.serve(|ecp, order: YourOrder| ..)` around it";
             return Err(self.fail(Fault::thrown(text)));
         }
         let Some(ended_by) = self.orders.ended_by() else { return Ok(()) };
@@ -32,7 +32,7 @@ impl<R: Robot> Ecp<'_, R> {
                 self.refuse();
                 Err(fault)
             }
-            Phase::Idle | Phase::Started | Phase::Obeying | Phase::Finished => Ok(()),
+            Phase::Idle | Phase::Started | Phase::Serving | Phase::Finished => Ok(()),
         }
     }
 

@@ -36,7 +36,7 @@ use crate::model::list::{PayloadType, SensorHandle};
 use crate::model::load::Tool;
 use crate::model::name::Name;
 use crate::model::named::{CellNames, SignalNames};
-use crate::model::payload::{Nudge, Order, Payload};
+use crate::model::payload::{Order, Payload, Trigger};
 use crate::model::pose::Pose;
 use crate::model::robot::Robot;
 use crate::model::signals::{Input, Level, Output};
@@ -44,10 +44,10 @@ use crate::model::time::Nanos;
 use crate::model::type_name::TypeName;
 use crate::observe::activity::Activity;
 use crate::observe::shown::Shown;
-use crate::observe::witness::{What, Witnesses};
-use crate::operator::state::Doing;
-use crate::safety::limits::rates::standing_headroom;
-use crate::safety::rate::RateHeadroom;
+use crate::observe::step_observer::{StepEvent, StepObservers};
+use crate::operator::state::InstructionKind;
+use crate::safety::limits::rates::standing_margin;
+use crate::safety::rate::RateMargin;
 
 use driver::DriverPort;
 use instruction::OfInstruction;
@@ -68,7 +68,7 @@ pub struct Ecp<'w, R: Robot> {
     trouble: Trouble,
     jogging: Jogging<R>,
     /// Where instructions and late steps are shown.
-    witnesses: Witnesses,
+    step_observers: StepObservers,
     /// Where the instructions of a user's program are shown to observers; those of a transparent ECP are the MP's.
     activity: Option<Shown<Activity>>,
     /// The program's present instruction, and how many it has begun.
@@ -79,11 +79,11 @@ pub struct Ecp<'w, R: Robot> {
     named: Rc<CellNames>,
 }
 
-/// How far a program has come, for those who look on and for the faults that it meets.
+/// How far a program has come, for observers and for the faults that it meets.
 #[derive(Clone, Copy, Default)]
 struct AtWork {
     instructions: u64,
-    doing: Doing,
+    doing: InstructionKind,
     by: TypeName,
 }
 
@@ -125,8 +125,8 @@ impl<'w, R: Robot> Ecp<'w, R> {
             process,
             host,
             orders: Orders::new(mp),
-            driver: DriverPort::new(edp, sensing.patience),
-            witnesses: sensing.witnesses.clone(),
+            driver: DriverPort::new(edp, sensing.timeout),
+            step_observers: sensing.step_observers.clone(),
             sensing,
             overruns: Overruns::new(Duration::from_nanos(pace.period)),
             pace,
@@ -154,15 +154,15 @@ impl<'w, R: Robot> Ecp<'w, R> {
         Ecp { activity, ..self }
     }
 
-    /// Shows those who look on at the run that an instruction of the program begins, or is over.
-    fn show_instruction(&mut self, doing: Doing, by: TypeName) {
+    /// Shows observers at the run that an instruction of the program begins, or is over.
+    fn show_instruction(&mut self, doing: InstructionKind, by: TypeName) {
         let Some(activity) = &self.activity else { return };
-        let begun = u64::from(doing != Doing::Nothing);
+        let begun = u64::from(doing != InstructionKind::Nothing);
         self.at_work = AtWork { instructions: self.at_work.instructions + begun, doing, by };
         activity.set(activity.get().changed(doing, by));
         self.host.console.show_ecp(&self.shown_state());
-        let shown = What::Instruction { step: self.orders.header().step, doing, by };
-        self.witnesses.show(self.host.waiter.now(), &shown, &[]);
+        let shown = StepEvent::Instruction { step: self.orders.header().step, doing, by };
+        self.step_observers.show(self.host.waiter.now(), &shown, &[]);
     }
 
     /// The instruction of the program that is at work, as a fault names it; those of a transparent ECP are the MP's.
@@ -236,16 +236,16 @@ impl<'w, R: Robot> Ecp<'w, R> {
     /// # Errors
     /// What `program` returned, except that an instruction that the MP has ended is no fault. `PayloadMismatch`
     /// when the MP's instruction has orders of another type: then nothing has moved.
-    pub fn obey<P: Payload>(
+    pub fn serve<P: Payload>(
         &mut self,
         program: impl FnOnce(&mut Self, P) -> Result<(), Fault>,
     ) -> Result<(), Fault> {
         self.check_latch()?;
         if let Some(payload) = self.orders.payload() {
-            let text = if payload.id == PayloadType::of::<Nudge>().id {
-                "the cell has no MP program, whose orders could be obeyed: leave `obey` out, or give it one"
+            let text = if payload.id == PayloadType::of::<Trigger>().id {
+                "the cell has no MP program, whose orders could be served: leave `serve` out, or give it one"
             } else {
-                "obey inside obey: an ECP obeys one instruction at a time"
+                "serve inside serve: an ECP serves one instruction at a time"
             };
             return Err(self.fail(Fault::thrown(text)));
         }
@@ -254,17 +254,17 @@ impl<'w, R: Robot> Ecp<'w, R> {
         self.finish(outcome)
     }
 
-    /// Obeys one instruction after another, each as [`obey`](Self::obey) does, until the MP's program is over.
+    /// Serves one instruction after another, each as [`serve`](Self::serve) does, until the MP's program is over.
     ///
     /// # Errors
-    /// As [`obey`](Self::obey), except that the end of the MP's program is no fault here. An abort is one: a program whose
+    /// As [`serve`](Self::serve), except that the end of the MP's program is no fault here. An abort is one: a program whose
     /// MP goes on after it calls this again.
-    pub fn obey_all<P: Payload>(
+    pub fn serve_all<P: Payload>(
         &mut self,
         mut program: impl FnMut(&mut Self, P) -> Result<(), Fault>,
     ) -> Result<(), Fault> {
         loop {
-            if let Err(fault) = self.obey(&mut program) {
+            if let Err(fault) = self.serve(&mut program) {
                 let closed = fault.is_orderly() && fault.kind() == FaultKind::CellClosed;
                 // Between two instructions, not in one that was opened.
                 return if closed && self.orders.phase == Phase::Idle { Ok(()) } else { Err(fault) };
@@ -285,14 +285,14 @@ impl<'w, R: Robot> Ecp<'w, R> {
     fn stand_beside_rate(&mut self) {
         let header = self.orders.header();
         let rate = if header.duration > 0.0 { header.dt / header.duration } else { 0.0 };
-        let headroom = match self.orders.phase {
-            Phase::Finished => RateHeadroom::UNLIMITED,
-            Phase::Idle | Phase::Started | Phase::Obeying | Phase::Latched(_) => {
-                standing_headroom(self.jogging.model().limits(), rate, self.pace.period as f64 * 1e-9)
+        let margin = match self.orders.phase {
+            Phase::Finished => RateMargin::UNLIMITED,
+            Phase::Idle | Phase::Started | Phase::Serving | Phase::Latched(_) => {
+                standing_margin(self.jogging.model().limits(), rate, self.pace.period as f64 * 1e-9)
             }
         };
-        let most = self.driver.reply().header.headroom.most;
-        self.driver.set_headroom(RateHeadroom { most, ..headroom });
+        let most = self.driver.reply().header.rate_margin.most;
+        self.driver.set_rate_margin(RateMargin { most, ..margin });
     }
 
     /// Answers the open order, with the robot's image if the EDP gave it in this step; or with what is wrong, once.
@@ -361,7 +361,7 @@ impl<'w, R: Robot> Ecp<'w, R> {
             None => now > began && now >= step * self.pace.period + self.pace.grace,
         };
         if is_late {
-            self.witnesses.show(now, &What::Late { step }, &[]);
+            self.step_observers.show(now, &StepEvent::Late { step }, &[]);
         }
         is_late
     }

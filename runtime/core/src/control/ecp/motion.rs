@@ -17,7 +17,7 @@ use crate::model::robot::Robot;
 use crate::model::step::{Step, Tick};
 use crate::model::type_name::TypeName;
 use crate::model::wire::Wire;
-use crate::operator::state::Doing;
+use crate::operator::state::InstructionKind;
 use crate::safety::rate::{DEFAULT_CHANGE, Feed};
 
 use super::{Ecp, OfInstruction, Trouble};
@@ -70,10 +70,10 @@ impl<R: Robot> Ecp<'_, R> {
         let mut v = Reading::new(sensors.images());
         let by = TypeName::of::<G>();
         self.jogging.begin_move();
-        self.show_instruction(Doing::Move, by);
+        self.show_instruction(InstructionKind::Move, by);
         let end = self.generate(&sensors, &mut generator, &mut v, ending);
         self.jogging.end_move();
-        self.show_instruction(Doing::Nothing, by);
+        self.show_instruction(InstructionKind::Nothing, by);
         sensors.store(&v);
         end.map(|()| generator)
     }
@@ -129,7 +129,7 @@ impl<R: Robot> Ecp<'_, R> {
             }
             if ending_now {
                 // The MP may be slowing down as well: both bound the change of the one rate that counts.
-                own.limit(self.driver.reply().header.headroom);
+                own.limit(self.driver.reply().header.rate_margin);
                 let slower = own.clone().advance(0.0, duration);
                 if slower == 0.0 {
                     break;

@@ -7,7 +7,7 @@
 //!
 //! ```text
 //!           START             first STEP             program returns          END, ABORT
-//!   Idle ───────────▶ Started ───────────▶ Obeying ──────────────────▶ Finished ───────────▶ Idle
+//!   Idle ───────────▶ Started ───────────▶ Serving ──────────────────▶ Finished ───────────▶ Idle
 //!     ▲                  │ END, ABORT         a fault of this robot or of the cell, anywhere: ▶ Latched
 //!     └──────────────────┘                                                       RESET: Latched ▶ Idle
 //! ```
@@ -17,7 +17,7 @@ use crate::link::{Closed, Server, Waiter};
 use crate::model::fault::Fault;
 use crate::model::list::PayloadType;
 use crate::operator::jog::JogNow;
-use crate::safety::latch::{Admission, Asked, Gate};
+use crate::safety::latch::{Admission, Gate, GateRequest};
 
 /// Where in the protocol of instructions an ECP is.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,7 +27,7 @@ pub(in crate::control) enum Phase {
     /// START has been acknowledged; the first order is to come.
     Started,
     /// The program works on the instruction.
-    Obeying,
+    Serving,
     /// The program has returned; the robot stands until the MP ends the instruction.
     Finished,
     /// A fault: every order is answered with it.
@@ -69,8 +69,8 @@ impl Phase {
         match (self, order) {
             (Phase::Latched(_), O::Reset) => Duty::Reset,
             (Phase::Latched(_), _) => Duty::Refuse,
-            (Phase::Idle | Phase::Started | Phase::Obeying | Phase::Finished, O::Stop) => Duty::Stop,
-            (Phase::Idle | Phase::Started | Phase::Obeying | Phase::Finished, O::Query) => Duty::Report,
+            (Phase::Idle | Phase::Started | Phase::Serving | Phase::Finished, O::Stop) => Duty::Stop,
+            (Phase::Idle | Phase::Started | Phase::Serving | Phase::Finished, O::Query) => Duty::Report,
             // Ends are repeated until every ECP has left, and brakes until every robot stands.
             (Phase::Idle, O::End | O::Abort | O::Brake) => Duty::StayOut,
             (Phase::Idle, O::Start) => {
@@ -81,17 +81,17 @@ impl Phase {
                 }
             }
             (Phase::Idle, O::Step) => Duty::Foreign,
-            (Phase::Started | Phase::Obeying, O::Step) if same => Duty::Work,
+            (Phase::Started | Phase::Serving, O::Step) if same => Duty::Work,
             (Phase::Started, O::End | O::Abort) if same => Duty::StayOut,
-            (Phase::Obeying | Phase::Finished, O::End) if same => Duty::End,
-            (Phase::Obeying | Phase::Finished, O::Abort) if same => Duty::Abort,
+            (Phase::Serving | Phase::Finished, O::End) if same => Duty::End,
+            (Phase::Serving | Phase::Finished, O::Abort) if same => Duty::Abort,
             (Phase::Finished, O::Step) if same => Duty::Rest,
             (
-                Phase::Started | Phase::Obeying | Phase::Finished,
+                Phase::Started | Phase::Serving | Phase::Finished,
                 O::Start | O::Step | O::End | O::Abort | O::Brake,
             )
             // A robot that was not stopped is not reset.
-            | (Phase::Idle | Phase::Started | Phase::Obeying | Phase::Finished, O::Reset) => Duty::Foreign,
+            | (Phase::Idle | Phase::Started | Phase::Serving | Phase::Finished, O::Reset) => Duty::Foreign,
         }
     }
 }
@@ -256,7 +256,7 @@ impl Orders {
     /// The type of the open instruction's orders.
     pub const fn payload(&self) -> Option<PayloadType> {
         match self.phase {
-            Phase::Started | Phase::Obeying | Phase::Finished => self.payload,
+            Phase::Started | Phase::Serving | Phase::Finished => self.payload,
             Phase::Idle | Phase::Latched(_) => None,
         }
     }
@@ -269,7 +269,7 @@ impl Orders {
         answer.header.kind = Kind::Reply;
         answer.header.flags =
             flags | driver.header.flags & (flag::STANDSTILL | flag::HOMING | flag::TOGETHER);
-        answer.header.headroom = driver.header.headroom;
+        answer.header.rate_margin = driver.header.rate_margin;
         answer.header.law = driver.header.law;
         answer.header.len = 0;
         if flags & flag::STATE != 0 {
@@ -284,7 +284,7 @@ impl Orders {
     pub fn reply_trouble(&mut self, fault: &Fault, driver: &Message) {
         let answer = &mut self.answer;
         answer.header.answer(&self.order.header);
-        answer.header.headroom = driver.header.headroom;
+        answer.header.rate_margin = driver.header.rate_margin;
         answer.header.law = driver.header.law;
         answer.set_fault(fault);
         answer.header.kind = Kind::Reply;
@@ -304,12 +304,12 @@ impl Orders {
 }
 
 /// What an order asks, as far as the gate is concerned.
-const fn asked(order: OrderKind) -> Asked {
+const fn asked(order: OrderKind) -> GateRequest {
     match order {
-        OrderKind::Start | OrderKind::Step => Asked::Move,
-        OrderKind::Query | OrderKind::End | OrderKind::Abort | OrderKind::Brake => Asked::Look,
-        OrderKind::Stop => Asked::Stop,
-        OrderKind::Reset => Asked::Reset,
+        OrderKind::Start | OrderKind::Step => GateRequest::Move,
+        OrderKind::Query | OrderKind::End | OrderKind::Abort | OrderKind::Brake => GateRequest::Look,
+        OrderKind::Stop => GateRequest::Stop,
+        OrderKind::Reset => GateRequest::Reset,
     }
 }
 
@@ -328,12 +328,12 @@ mod tests {
             // of this instruction:  Query   Start    Step     End      Abort    Brake    Stop  Reset
             (Phase::Idle,     true,  [Report, Foreign, Foreign, StayOut, StayOut, StayOut, Stop, Foreign]),
             (Phase::Started,  true,  [Report, Foreign, Work,    StayOut, StayOut, Foreign, Stop, Foreign]),
-            (Phase::Obeying,  true,  [Report, Foreign, Work,    End,     Abort,   Foreign, Stop, Foreign]),
+            (Phase::Serving,  true,  [Report, Foreign, Work,    End,     Abort,   Foreign, Stop, Foreign]),
             (Phase::Finished, true,  [Report, Foreign, Rest,    End,     Abort,   Foreign, Stop, Foreign]),
             // of another one:
             (Phase::Idle,     false, [Report, Open,    Foreign, StayOut, StayOut, StayOut, Stop, Foreign]),
             (Phase::Started,  false, [Report, Foreign, Foreign, Foreign, Foreign, Foreign, Stop, Foreign]),
-            (Phase::Obeying,  false, [Report, Foreign, Foreign, Foreign, Foreign, Foreign, Stop, Foreign]),
+            (Phase::Serving,  false, [Report, Foreign, Foreign, Foreign, Foreign, Foreign, Stop, Foreign]),
             (Phase::Finished, false, [Report, Foreign, Foreign, Foreign, Foreign, Foreign, Stop, Foreign]),
         ];
         for (phase, same, duties) in table {

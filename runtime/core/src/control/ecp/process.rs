@@ -21,13 +21,13 @@ impl<R: Robot> Ecp<'_, R> {
             // A program that swallows a latched fault does not undo it.
             Ok(()) | Err(_) => match &self.orders.phase {
                 Phase::Latched(fault) => Err(fault.clone()),
-                Phase::Idle | Phase::Started | Phase::Obeying | Phase::Finished => outcome,
+                Phase::Idle | Phase::Started | Phase::Serving | Phase::Finished => outcome,
             },
         }
     }
 
     /// Answers for a program that is over; whether a reset starts it again. Otherwise the cell closes.
-    pub(crate) fn serve(&mut self, outcome: &Result<(), Fault>) -> bool {
+    pub(crate) fn answer_after_program(&mut self, outcome: &Result<(), Fault>) -> bool {
         while let Ok(order) = self.orders.receive(self.host.waiter) {
             // A fault on the way is latched, and the answer to the next order.
             if self.serve_one(order, outcome).is_ok_and(|served| served == Served::Reset) {

@@ -6,7 +6,7 @@ use std::rc::Rc;
 use super::*;
 use crate::control::overruns::Timed;
 use crate::link::message::{Kind, Message, OrderKind};
-use crate::link::patience::Patience;
+use crate::link::timeout::AnswerTimeout;
 use crate::link::{Closed, Meter, Sample, Waiter};
 use crate::model::class::{Class, Level, Uses};
 use crate::model::demand::Demand;
@@ -62,7 +62,7 @@ impl Server for Orderer {
         let sent = self.sent.get();
         self.sent.set(sent + 1);
         *request = Message::new(Kind::Order(if sent == 0 { OrderKind::Start } else { OrderKind::Step }));
-        request.header.payload = PayloadType::of::<Nudge>().id;
+        request.header.payload = PayloadType::of::<Trigger>().id;
         request.header.instruction = 1;
         request.header.step = sent;
         (request.header.dt, request.header.duration) = (1e-3, 1e-3);
@@ -153,8 +153,8 @@ fn what_a_wait_took_in_all_its_steps_is_no_late_step_of_the_move_after_it() {
     let sensing = Sensing {
         owner: Owner::unique(),
         ports: Vec::new(),
-        patience: Patience { most: 20 * STEP, again: STEP },
-        witnesses: Witnesses::to(Vec::new()),
+        timeout: AnswerTimeout { most: 20 * STEP, again: STEP },
+        step_observers: StepObservers::to(Vec::new()),
     };
     let pace = Pace { period: STEP, grace: STEP / 2, stop_steps: 100 };
     let process = ProcessId::new(Role::Ecp, name);
@@ -169,7 +169,7 @@ fn what_a_wait_took_in_all_its_steps_is_no_late_step_of_the_move_after_it() {
         pace,
         None,
     );
-    let outcome = ecp.obey(|ecp, _: Nudge| {
+    let outcome = ecp.serve(|ecp, _: Trigger| {
         // 300 steps of a tenth of a period: 30 periods in all.
         ecp.wait_until((), Working(Rc::clone(&host), STEP / 10, 300))?;
         // What a program computes between its instructions makes no step late, either.

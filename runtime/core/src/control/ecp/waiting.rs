@@ -11,7 +11,7 @@ use crate::model::list::{Reading, State};
 use crate::model::robot::Robot;
 use crate::model::step::Tick;
 use crate::model::type_name::TypeName;
-use crate::operator::state::Doing;
+use crate::operator::state::InstructionKind;
 
 use super::{Ecp, OfInstruction};
 
@@ -72,9 +72,9 @@ impl<R: Robot> Ecp<'_, R> {
         C::Robots: LooksAt<R>,
     {
         let by = TypeName::of::<C>();
-        self.show_instruction(Doing::Wait, by);
+        self.show_instruction(InstructionKind::Wait, by);
         let outcome = self.hold_until(sensors, condition, limit);
-        self.show_instruction(Doing::Nothing, by);
+        self.show_instruction(InstructionKind::Nothing, by);
         outcome
     }
 

@@ -5,7 +5,7 @@
 use crate::link::Server;
 use crate::link::message::{Kind, Message, RequestKind, flag};
 use crate::model::fault::{Fault, ProcessId};
-use crate::safety::latch::{Admission, Asked, Gate};
+use crate::safety::latch::{Admission, Gate, GateRequest};
 
 /// What an EDP is asked and answers.
 pub(super) struct Answers {
@@ -67,7 +67,7 @@ impl Answers {
     /// Whether the request is taken, of a robot that stands or not.
     #[inline]
     pub fn admit(&mut self, at_standstill: bool) -> Admission {
-        let asked = self.kind().map_or(Asked::Look, asked);
+        let asked = self.kind().map_or(GateRequest::Look, asked);
         let (gate, admission) = self.gate.meet(self.request.header.epoch, asked, at_standstill);
         self.gate = gate;
         admission
@@ -113,11 +113,11 @@ impl Answers {
 
 /// What a request asks, as far as the gate is concerned.
 #[inline]
-const fn asked(request: RequestKind) -> Asked {
+const fn asked(request: RequestKind) -> GateRequest {
     match request {
-        RequestKind::Demand => Asked::Move,
-        RequestKind::Query | RequestKind::Brake => Asked::Look,
-        RequestKind::Stop => Asked::Stop,
-        RequestKind::Reset => Asked::Reset,
+        RequestKind::Demand => GateRequest::Move,
+        RequestKind::Query | RequestKind::Brake => GateRequest::Look,
+        RequestKind::Stop => GateRequest::Stop,
+        RequestKind::Reset => GateRequest::Reset,
     }
 }

@@ -51,7 +51,7 @@ impl ServoClock {
         let overruns = Overruns::new(step_period);
         let lock = match pace {
             Pace::Cell => None,
-            Pace::Robot { patience } => Some(PhaseLock::new(now, servo_period, patience)),
+            Pace::Robot { timeout } => Some(PhaseLock::new(now, servo_period, timeout)),
         };
         let step_period = step_period.as_nanos() as Nanos;
         let servo_period = servo_period.as_nanos() as Nanos;

@@ -37,7 +37,7 @@ use crate::model::pose::Pose;
 use crate::model::robot::{InterpolationSpace, Robot};
 use crate::model::time::Nanos;
 use crate::observe::servo::Observer;
-use crate::observe::witness::Witnesses;
+use crate::observe::step_observer::StepObservers;
 use crate::safety::latch::Gate;
 
 use answers::Answers;
@@ -66,7 +66,7 @@ pub(crate) struct EdpConfig<R: Robot> {
     pub declared: Declared,
     pub observers: Vec<Observer<R>>,
     /// Where each step is shown.
-    pub witnesses: Witnesses,
+    pub step_observers: StepObservers,
     /// Where the measured state is shown to virtual sensors of this robot that others read.
     pub states: Vec<Rc<dyn Board>>,
     /// What it replays.
@@ -104,7 +104,11 @@ impl<'w, R: Robot> Edp<'w, R> {
             servo,
             signals: SignalPort::new(config.declared, period, config.delay),
             clock,
-            shown: Shown { observers: config.observers, witnesses: config.witnesses, states: config.states },
+            shown: Shown {
+                observers: config.observers,
+                step_observers: config.step_observers,
+                states: config.states,
+            },
             stop_asked: StopAsked::new(period),
             stop_steps: config.stop_steps,
             replayed: config.replayed,

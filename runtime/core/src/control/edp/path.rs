@@ -1,7 +1,7 @@
 //! The demands of a robot, step by step: those that were accepted, and what replaces those that are missing.
 //!
 //! In: demands of the ECP, or none; the braking law of the last order. Out: one accepted demand per step. A robot that moves
-//! together with others stays with them, on the screw of the last step; where a limit or the kinematics forbids it, it goes on
+//! together with others stays with them, on the twist of the last step; where a limit or the kinematics forbids it, it goes on
 //! in joint space.
 
 use core::time::Duration;
@@ -13,8 +13,8 @@ use crate::model::fault::{Fault, FaultKind};
 use crate::model::pose::Pose;
 use crate::model::robot::Robot;
 use crate::safety::braking::{Braking, BrakingLaw};
+use crate::safety::common_twist::{Bridging, TwistBraking};
 use crate::safety::limits::{AcceptedDemand, Acceptor, Before};
-use crate::safety::screw::{Bridging, ScrewBraking};
 use crate::safety::stopping::{detection_time, missed_step_budget, together_budget};
 
 /// What a robot does.
@@ -25,8 +25,8 @@ pub(super) enum Mode<J> {
     Moving { missed: u32 },
     /// On the way to a standstill.
     Braking(Braking<J>),
-    /// The same on the screw of robots that move together.
-    OnScrew(ScrewBraking),
+    /// The same on the twist of robots that move together.
+    OnTwist(TwistBraking),
     /// The drives are without power and have their brakes applied: one gave up, or a fault stop is over.
     Off,
 }
@@ -45,7 +45,7 @@ struct Undone<J> {
 
 /// What became of a demand.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum Taken {
+pub(super) enum DemandOutcome {
     /// It is that of the next step.
     InStep,
     /// It was for another one, and tells where the path is.
@@ -62,7 +62,7 @@ pub(super) struct DemandedPath<R: Robot> {
     undone: Undone<R::Joints>,
     /// How the robot brakes with those that it moves together with.
     together: Option<BrakingLaw>,
-    /// The screw on which it does; known once a demand is missing.
+    /// The twist on which it does; known once a demand is missing.
     bridging: Option<Bridging>,
     /// The tool of a robot that has just been set up, `X_FE`.
     first_tool: Pose,
@@ -143,7 +143,7 @@ impl<R: Robot> DemandedPath<R> {
         let header = &request.header;
         let missed = match self.mode {
             Mode::Moving { missed } => Some(missed),
-            Mode::Holding | Mode::Braking(_) | Mode::OnScrew(_) | Mode::Off => None,
+            Mode::Holding | Mode::Braking(_) | Mode::OnTwist(_) | Mode::Off => None,
         };
         // That of an earlier demand is over with the step that the demand was for.
         self.undone.is_kept = together.is_some();
@@ -175,7 +175,7 @@ impl<R: Robot> DemandedPath<R> {
     ///
     /// # Errors
     /// The first limit that it breaks; nothing is changed then.
-    pub fn take(&mut self, demand: &Demand<R>, request: &Message, due: u64) -> Result<Taken, Fault> {
+    pub fn take(&mut self, demand: &Demand<R>, request: &Message, due: u64) -> Result<DemandOutcome, Fault> {
         let step = request.header.step;
         let together = law_together(demand, request);
         let alone = together.is_none() && self.goes_on_out_of_step();
@@ -183,26 +183,26 @@ impl<R: Robot> DemandedPath<R> {
             let behind = self.behind(step, due);
             if behind == -1 && self.next.is_none() {
                 self.accept(demand, request, together)?;
-                return Ok(Taken::InStep);
+                return Ok(DemandOutcome::InStep);
             }
             if behind.unsigned_abs() > u64::from(self.budget) {
                 self.acceptor.note_late(demand)?;
             } else {
                 self.hear(demand, request, behind)?;
             }
-            return Ok(Taken::OutOfStep);
+            return Ok(DemandOutcome::OutOfStep);
         }
         self.lead = 0;
         // A step that is over has been bridged, and its demand is never made up for.
         if step < due {
             self.note_late(demand, request, due, together)?;
-            return Ok(Taken::OutOfStep);
+            return Ok(DemandOutcome::OutOfStep);
         }
         self.accept(demand, request, together)?;
         if alone {
             self.lead = (step - due).cast_signed();
         }
-        Ok(Taken::InStep)
+        Ok(DemandOutcome::InStep)
     }
 
     /// Whether it goes by demands of other steps than the next one.
@@ -235,7 +235,7 @@ impl<R: Robot> DemandedPath<R> {
     }
 
     /// A stop comes before the step that a demand was accepted for, of a robot that moves together with others: one of them
-    /// may have no demand for that step, so it goes for none. All brake from the step before, on the screw that led to it.
+    /// may have no demand for that step, so it goes for none. All brake from the step before, on the twist that led to it.
     fn take_back(&mut self) {
         let undone = &mut self.undone;
         let is_kept = core::mem::take(&mut undone.is_kept);
@@ -308,7 +308,7 @@ impl<R: Robot> DemandedPath<R> {
                 }
                 Ok(())
             }
-            Mode::Moving { .. } | Mode::Holding | Mode::Braking(_) | Mode::OnScrew(_) | Mode::Off => Ok(()),
+            Mode::Moving { .. } | Mode::Holding | Mode::Braking(_) | Mode::OnTwist(_) | Mode::Off => Ok(()),
         }
     }
 
@@ -328,7 +328,7 @@ impl<R: Robot> DemandedPath<R> {
         match &mut self.mode {
             Mode::Holding | Mode::Off => self.hold(period),
             Mode::Moving { .. } => self.bridge(period),
-            Mode::OnScrew(braking) => match braking.advance(period) {
+            Mode::OnTwist(braking) => match braking.advance(period) {
                 Some(displacement) => self.slow_down(&displacement, period),
                 None => self.hold(period),
             },
@@ -337,7 +337,7 @@ impl<R: Robot> DemandedPath<R> {
         }
     }
 
-    /// What replaces a demand that is missing: along the screw, or at the joints' velocity.
+    /// What replaces a demand that is missing: along the twist, or at the joints' velocity.
     fn bridge(&mut self, period: f64) -> AcceptedDemand<R> {
         if self.together.is_some() && self.acceptor.stands() {
             return self.acceptor.stand_by(period);
@@ -345,7 +345,7 @@ impl<R: Robot> DemandedPath<R> {
         if let Some(bridging) = self.learn_bridging(period) {
             // Where a limit forbids that the path goes on as it changed last, its velocity is held.
             for next in [bridging, bridging.steady()].map(Bridging::advanced) {
-                if let Ok(Ok(accepted)) = guarded(|| self.acceptor.go_on(&next.screw.part(1.0), period)) {
+                if let Ok(Ok(accepted)) = guarded(|| self.acceptor.go_on(&next.twist.part(1.0), period)) {
                     self.bridging = Some(next);
                     return accepted;
                 }
@@ -355,7 +355,7 @@ impl<R: Robot> DemandedPath<R> {
         self.acceptor.go_on_along_path(period).unwrap_or_else(|| self.acceptor.extrapolate(period))
     }
 
-    /// The next state on the way to a standstill on the screw, displaced by `D` in the world.
+    /// The next state on the way to a standstill on the twist, displaced by `D` in the world.
     #[allow(non_snake_case)]
     fn slow_down(&mut self, D: &Pose, period: f64) -> AcceptedDemand<R> {
         if let Ok(Ok(accepted)) = guarded(|| self.acceptor.slow_down(D, period)) {
@@ -385,7 +385,7 @@ impl<R: Robot> DemandedPath<R> {
                 self.mode = Mode::Holding;
             }
             Mode::Moving { .. } => self.mode = self.way_to_rest(),
-            Mode::Holding | Mode::Braking(_) | Mode::OnScrew(_) | Mode::Off => {}
+            Mode::Holding | Mode::Braking(_) | Mode::OnTwist(_) | Mode::Off => {}
         }
     }
 
@@ -395,12 +395,12 @@ impl<R: Robot> DemandedPath<R> {
         match self.mode {
             Mode::Moving { .. } => self.mode = self.way_to_rest(),
             Mode::Holding if !self.acceptor.is_at_its_end() => self.mode = self.way_to_rest(),
-            Mode::Holding | Mode::Braking(_) | Mode::OnScrew(_) | Mode::Off => {}
+            Mode::Holding | Mode::Braking(_) | Mode::OnTwist(_) | Mode::Off => {}
         }
     }
 
     /// A stop comes because a robot that this one moves together with has not answered the order of `step`. Whether that order has
-    /// come to it is not known, so all brake as they would without it: from the screw, and by the law, of the step before, after
+    /// come to it is not known, so all brake as they would without it: from the twist, and by the law, of the step before, after
     /// as many steps as a robot bridges that has not got it.
     pub fn brake_without(&mut self, step: u64) {
         let period = self.seconds;
@@ -427,7 +427,7 @@ impl<R: Robot> DemandedPath<R> {
             && let law = bridging.eased(law)
             && !law.stops_at_once(period)
         {
-            return Mode::OnScrew(ScrewBraking::new(bridging.screw, law));
+            return Mode::OnTwist(TwistBraking::new(bridging.twist, law));
         }
         if self.acceptor.stop_at_once(period) {
             return Mode::Holding;
@@ -444,13 +444,13 @@ impl<R: Robot> DemandedPath<R> {
         self.bridging
     }
 
-    /// Looks at how much of the limits the screw takes on which the robot moves together with others.
-    pub fn look_along_screw(&mut self) {
+    /// Looks at how much of the limits the twist takes on which the robot moves together with others.
+    pub fn look_along_twist(&mut self) {
         if self.is_together() {
             // A kinematics that panics on the way ahead does so again where the robot is to go there.
-            let _ = guarded(|| self.acceptor.look_along_screw(self.seconds));
+            let _ = guarded(|| self.acceptor.look_along_twist(self.seconds));
         } else {
-            self.acceptor.leave_screw();
+            self.acceptor.leave_twist();
         }
     }
 
@@ -463,7 +463,7 @@ impl<R: Robot> DemandedPath<R> {
 /// How a robot with this demand brakes with those that it moves together with.
 fn law_together<R: Robot>(demand: &Demand<R>, request: &Message) -> Option<BrakingLaw> {
     match demand.coordinates {
-        // Joints have no screw.
+        // Joints have no twist.
         Coordinates::Hold | Coordinates::Joints(_) => None,
         Coordinates::Pose(_) | Coordinates::Displacement(_) => {
             request.is(flag::TOGETHER).then_some(request.header.law)

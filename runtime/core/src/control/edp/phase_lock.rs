@@ -43,7 +43,7 @@ pub(super) struct PhaseLock {
     /// When a message came last, or when listening began \[ns\].
     heard: Nanos,
     /// How long the robot may say nothing \[ns\].
-    patience: Nanos,
+    timeout: Nanos,
 }
 
 #[derive(Clone, Copy)]
@@ -67,14 +67,14 @@ pub(super) struct Began {
 
 impl PhaseLock {
     /// Listens from `now` on for periods of a nominal length.
-    pub fn new(now: Nanos, period: Duration, patience: Duration) -> Self {
+    pub fn new(now: Nanos, period: Duration, timeout: Duration) -> Self {
         PhaseLock {
             nominal: (period.as_nanos() as f64).max(1.0),
             last: None,
             memory: FIRST,
             strange: 0,
             heard: now,
-            patience: patience.as_nanos() as Nanos,
+            timeout: timeout.as_nanos() as Nanos,
         }
     }
 
@@ -140,7 +140,7 @@ impl PhaseLock {
     /// For how long the robot has said nothing, if that is longer than it may be \[ns\].
     pub fn silent_for(&self, now: Nanos) -> Option<Nanos> {
         let silent = now.saturating_sub(self.heard);
-        (silent > self.patience).then_some(silent)
+        (silent > self.timeout).then_some(silent)
     }
 
     /// Listens anew from `now` on: after a reset.

@@ -13,10 +13,10 @@ use crate::model::image::{RobotImage, RobotState};
 use crate::model::robot::Robot;
 use crate::model::wire::Wire;
 use crate::safety::latch::Admission;
-use crate::safety::rate::RateHeadroom;
+use crate::safety::rate::RateMargin;
 
 use super::Edp;
-use super::path::{Mode, Taken};
+use super::path::{DemandOutcome, Mode};
 
 impl<R: Robot> Edp<'_, R> {
     /// Serves what has been asked for.
@@ -138,7 +138,7 @@ impl<R: Robot> Edp<'_, R> {
         // next step, and a path that ends with this demand ends there.
         let taken = self.path.take(demand, &self.answers.request, self.clock.due)?;
         self.signals.accept(demand);
-        if taken == Taken::InStep {
+        if taken == DemandOutcome::InStep {
             self.servo.accept(&demand.coordinates);
         }
         Ok(())
@@ -155,12 +155,12 @@ impl<R: Robot> Edp<'_, R> {
 
     /// What a reply without a fault says: how fast the rate and the robot may change, and its image, if that is wanted.
     fn tell_path(&mut self) {
-        self.path.look_along_screw();
+        self.path.look_along_twist();
         let is_together = self.path.is_together();
         let acceptor = &self.path.acceptor;
         let header = &mut self.answers.reply.header;
         header.flags |= if is_together { flag::TOGETHER } else { 0 };
-        header.headroom = RateHeadroom { most: self.servo.speed_scaling(), ..acceptor.headroom() };
+        header.rate_margin = RateMargin { most: self.servo.speed_scaling(), ..acceptor.rate_margin() };
         header.law = acceptor.braking_law(self.path.seconds);
         if self.answers.request.is(flag::WANT_STATE) {
             header.flags |= flag::STATE;

@@ -1,4 +1,4 @@
-//! Who watches an EDP: observers of its servo periods, witnesses of its steps and faults, and virtual sensors.
+//! Who watches an EDP: observers of its servo periods, observers of its steps and faults, and virtual sensors.
 //!
 //! In: servo periods, steps that begin, the fault that it stops for. Out: the same to those who watch; nothing that the EDP
 //! acts on.
@@ -14,7 +14,7 @@ use crate::model::robot::Robot;
 use crate::model::time::Nanos;
 use crate::model::wire::Wire;
 use crate::observe::servo::{Observer, ServoRecord};
-use crate::observe::witness::{IMAGE_WORDS, Mode as ShownMode, What, Witnesses};
+use crate::observe::step_observer::{IMAGE_WORDS, Mode as ShownMode, StepEvent, StepObservers};
 use crate::safety::limits::Acceptor;
 
 use super::path::Mode;
@@ -22,7 +22,7 @@ use super::path::Mode;
 /// Those who watch.
 pub(super) struct Shown<R: Robot> {
     pub observers: Vec<Observer<R>>,
-    pub witnesses: Witnesses,
+    pub step_observers: StepObservers,
     pub states: Vec<Rc<dyn Board>>,
 }
 
@@ -56,12 +56,12 @@ impl<R: Robot> Shown<R> {
 
     /// Shows that a request came too late for its step: demands could be taken for step `due`.
     pub fn show_late(&self, now: Nanos, step: u64, nth: u32, due: u64) {
-        self.witnesses.show(now, &What::LateRequest { step, nth, due }, &[]);
+        self.step_observers.show(now, &StepEvent::LateRequest { step, nth, due }, &[]);
     }
 
     /// Shows the fault that is latched.
     pub fn show_fault(&self, now: Nanos, fault: &Fault, step: u64) {
-        self.witnesses.show_fault(now, &What::Fault { step }, Some(fault));
+        self.step_observers.show_fault(now, &StepEvent::Fault { step }, Some(fault));
     }
 }
 
@@ -71,7 +71,7 @@ pub(super) const fn shown_mode<J>(mode: &Mode<J>) -> ShownMode {
         Mode::Holding => ShownMode::Holding,
         Mode::Moving { missed: 0 } => ShownMode::Moving,
         Mode::Moving { .. } => ShownMode::Bridging,
-        Mode::Braking(_) | Mode::OnScrew(_) => ShownMode::Braking,
+        Mode::Braking(_) | Mode::OnTwist(_) => ShownMode::Braking,
         Mode::Off => ShownMode::Off,
     }
 }

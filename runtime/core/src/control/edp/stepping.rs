@@ -14,7 +14,7 @@ use crate::model::signals::SIGNAL_WORDS;
 use crate::model::time::Nanos;
 use crate::model::wire::Wire;
 use crate::observe::servo::ServoRecord;
-use crate::observe::witness::What;
+use crate::observe::step_observer::StepEvent;
 use crate::operator::state::EdpState;
 use crate::safety::limits::AcceptedDemand;
 
@@ -125,15 +125,15 @@ impl<R: Robot> Edp<'_, R> {
         })
     }
 
-    /// Shows the step that begins to the witnesses.
+    /// Shows the step that begins to the observers.
     fn show_step(&mut self) {
-        if !self.shown.witnesses.is_watched() {
+        if !self.shown.step_observers.is_watched() {
             return;
         }
-        let what = What::Image { step: self.clock.due, mode: shown_mode(&self.path.mode) };
+        let what = StepEvent::Image { step: self.clock.due, mode: shown_mode(&self.path.mode) };
         // Kinematics are the user's code.
         match guarded(|| image_words(&self.path.acceptor, &self.measured_state())) {
-            Ok(words) => self.shown.witnesses.show(self.host.waiter.now(), &what, &words),
+            Ok(words) => self.shown.step_observers.show(self.host.waiter.now(), &what, &words),
             Err(panic) => self.stop_for(panic, self.clock.due),
         }
         self.show_currents();
@@ -152,8 +152,8 @@ impl<R: Robot> Edp<'_, R> {
                 for (word, current) in words.iter_mut().zip(currents.as_slice()) {
                     *word = current.to_bits();
                 }
-                let what = What::Currents { step: self.clock.due };
-                self.shown.witnesses.show(self.host.waiter.now(), &what, &words[..R::Joints::LEN]);
+                let what = StepEvent::Currents { step: self.clock.due };
+                self.shown.step_observers.show(self.host.waiter.now(), &what, &words[..R::Joints::LEN]);
             }
             Err(panic) => self.stop_for(panic, self.clock.due),
         }
@@ -164,8 +164,8 @@ impl<R: Robot> Edp<'_, R> {
         if self.signals.has_any() {
             let mut words = [0; SIGNAL_WORDS];
             self.signals.signals().put(&mut words);
-            let what = What::Signals { step: self.clock.due };
-            self.shown.witnesses.show(self.host.waiter.now(), &what, &words);
+            let what = StepEvent::Signals { step: self.clock.due };
+            self.shown.step_observers.show(self.host.waiter.now(), &what, &words);
         }
     }
 

@@ -55,7 +55,7 @@ fn config(servo: Duration) -> EdpConfig<Slide> {
         stop_steps: 200,
         declared: Declared::default(),
         observers: Vec::new(),
-        witnesses: crate::observe::witness::Witnesses::to(Vec::new()),
+        step_observers: crate::observe::step_observer::StepObservers::to(Vec::new()),
         states: Vec::new(),
         replayed: None,
     }

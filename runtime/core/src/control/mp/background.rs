@@ -25,13 +25,13 @@ use crate::model::robot::Robot;
 use crate::model::step::Step;
 use crate::model::type_name::TypeName;
 use crate::model::wire::Wire;
-use crate::operator::state::Doing;
+use crate::operator::state::InstructionKind;
 use crate::safety::braking::BrakingLaw;
 
 use super::Mp;
 use super::clock::StepClock;
-use super::course::Course;
 use super::exchange::Gathered;
+use super::progress::Progress;
 use super::robots::RobotPorts;
 
 /// All motions in the background, and those that are over.
@@ -71,7 +71,7 @@ trait Moving {
 }
 
 struct Started<G: Generator> {
-    course: Course<G>,
+    progress: Progress<G>,
     instruction: Option<Instruction>,
     indices: Vec<usize>,
     /// Whether it took its robots over moving.
@@ -118,20 +118,21 @@ impl<G: Generator> Moving for Started<G> {
         if self.stage != Stage::Moving {
             return Ok((OrderKind::End, flag::WANT_STATE));
         }
-        let course = &mut self.course;
-        if course.uses().robots {
-            robots.read_images::<G::Robots>(&self.indices, &mut course.e)?;
+        let progress = &mut self.progress;
+        if progress.uses().robots {
+            robots.read_images::<G::Robots>(&self.indices, &mut progress.e)?;
         }
         // Robots that stood cannot have skipped a period of this motion.
-        let t = if course.is_first() && !self.goes_on { clock.first_tick() } else { clock.tick(course.step) };
-        match course.next(t, clock.is_standing())? {
+        let t =
+            if progress.is_first() && !self.goes_on { clock.first_tick() } else { clock.tick(progress.step) };
+        match progress.next(t, clock.is_standing())? {
             Some(Step::Done) => {
                 self.stage = Stage::Ending;
                 return Ok((OrderKind::End, flag::WANT_STATE));
             }
             Some(Step::Next(demands)) => robots.write::<G::Robots, G::Language>(&self.indices, &demands),
             // Suspended before the first step: there is no order to give yet.
-            None if course.is_first() => return Ok((OrderKind::Query, flag::WANT_STATE)),
+            None if progress.is_first() => return Ok((OrderKind::Query, flag::WANT_STATE)),
             None => {}
         }
         Ok((OrderKind::Step, self.flags))
@@ -300,9 +301,11 @@ impl Mp<'_> {
         G: Generator<Sensors = ()> + 'static,
     {
         self.check_handles::<G::Robots, ()>(&robots, &())?;
-        let course = Course::new(generator, robots.images(), ())?;
+        let progress = Progress::new(generator, robots.images(), ())?;
         let indices = robots.indices().as_ref().to_vec();
-        self.instruction(Doing::Move, TypeName::of::<G>(), |mp| mp.start_in_background(course, indices))
+        self.instruction(InstructionKind::Move, TypeName::of::<G>(), |mp| {
+            mp.start_in_background(progress, indices)
+        })
     }
 
     /// **Move in the background** of one robot, by any generator without sensors that an ECP could move it with: see
@@ -327,7 +330,7 @@ impl Mp<'_> {
         let stranger = self.robots.owner.not_its_own(robot.owner, robot.name);
         Owner::refuse("robot", stranger)?;
         let index = robot.index;
-        let outcome = self.instruction(Doing::Move, TypeName::named("end_robot"), |mp| {
+        let outcome = self.instruction(InstructionKind::Move, TypeName::named("end_robot"), |mp| {
             mp.settle()?;
             let indices = mp.take_from_background(|other| other == index)?;
             if indices.is_empty() { Ok(()) } else { mp.end(&indices, OrderKind::End, 0) }
@@ -349,7 +352,7 @@ impl Mp<'_> {
 
     fn start_in_background<G: Generator<Sensors = ()> + 'static>(
         &mut self,
-        course: Course<G>,
+        progress: Progress<G>,
         indices: Vec<usize>,
     ) -> Result<(), Fault> {
         let payload = <G::Robots as Robots<G::Language>>::payload;
@@ -363,7 +366,7 @@ impl Mp<'_> {
         let law = self.robots.law;
         let (served, was_due, stage) = (self.clock.step() - 1, false, Stage::Moving);
         let instruction = self.operating.instruction();
-        let started = Started { course, instruction, indices, goes_on, served, was_due, flags, law, stage };
+        let started = Started { progress, instruction, indices, goes_on, served, was_due, flags, law, stage };
         self.background.motions.push(Box::new(started));
         self.exchange(&[], OrderKind::Query, 0)?;
         self.keep_unless_late();

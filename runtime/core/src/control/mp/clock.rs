@@ -1,6 +1,6 @@
 //! The clock of the steps: when a step begins, how many periods it stands for, and how much path time it has.
 //!
-//! In: the time, the operator's wish, the robots' headroom. Out: the step's index, its real duration and its path
+//! In: the time, the operator's wish, the robots' rate margins. Out: the step's index, its real duration and its path
 //! time `dt`, which every order carries. Steps begin at multiples of the period; a late one skips indices and is
 //! never replayed: its `duration` is the number of periods since the step before it. `dt = rate * duration`.
 

@@ -1,6 +1,6 @@
 //! One exchange of the MP with the robots of an instruction: scatter, then gather.
 //!
-//! In: one order per robot. Out: one reply per robot, with its image and the headroom of its rate; or the first
+//! In: one order per robot. Out: one reply per robot, with its image and the margin of its rate; or the first
 //! cause of what is wrong.
 
 use crate::control::state_words::StateWords;
@@ -67,7 +67,7 @@ impl Mp<'_> {
         self.await_answers(&[index])?;
         let mut gathered = Gathered::NOTHING;
         self.look(index, &mut gathered);
-        self.judge(gathered)
+        self.check(gathered)
     }
 
     fn scatter_and_gather(&mut self, indices: &[usize], kind: OrderKind, flags: u32) -> Result<(), Fault> {
@@ -107,7 +107,7 @@ impl Mp<'_> {
         }
         self.robots.law = gathered.law;
         beside.collect(self, &mut gathered)?;
-        self.judge(gathered)
+        self.check(gathered)
     }
 
     /// Sends a robot an order of this step.
@@ -141,7 +141,7 @@ impl Mp<'_> {
             None => robot.client.send(&robot.order),
             Some(jog) => robot.send_with(jog),
         }
-        robot.show_order(kind, &self.witnesses, || self.host.waiter.now());
+        robot.show_order(kind, &self.step_observers, || self.host.waiter.now());
     }
 
     /// What the replies of robots say that an instruction, or a motion in the background, names: they bound the rate of path
@@ -150,7 +150,7 @@ impl Mp<'_> {
         for &index in indices {
             if self.look(index, gathered) {
                 let header = &self.robots[index].reply.header;
-                self.clock.feed.limit(header.headroom);
+                self.clock.feed.limit(header.rate_margin);
                 gathered.law = gathered.law.and(header.law);
             }
         }
@@ -183,7 +183,7 @@ impl Mp<'_> {
     ///
     /// # Errors
     /// The first cause of what is wrong.
-    fn judge(&mut self, gathered: Gathered) -> Result<(), Fault> {
+    fn check(&mut self, gathered: Gathered) -> Result<(), Fault> {
         if let Some(trouble) = gathered.trouble {
             self.stops.protect(trouble, self.clock.step());
         }
@@ -199,7 +199,7 @@ impl Mp<'_> {
     /// told in that step.
     pub(super) fn await_answers(&mut self, indices: &[usize]) -> Result<(), Fault> {
         let Mp { robots, upper, host, sensing, clock, .. } = self;
-        let mut waiting = sensing.patience.begin(host.waiter);
+        let mut waiting = sensing.timeout.begin(host.waiter);
         if indices.iter().any(|&index| robots[index].is_together()) {
             waiting = waiting.until(clock.together_until());
         }

@@ -15,11 +15,11 @@ use crate::model::list::{Owner, RobotHandle};
 use crate::model::name::Name;
 use crate::model::robot::Robot;
 use crate::model::wire::WORDS;
-use crate::observe::witness::What;
+use crate::observe::step_observer::StepEvent;
 use crate::operator::button::Button;
 use crate::operator::jog::panel::{named, switchable};
 use crate::operator::jog::{JogFrame, JogMotion, JogNow, JogOrder, JogPanel, JogRefusal, JogSeat, JogStop};
-use crate::operator::state::Doing;
+use crate::operator::state::InstructionKind;
 
 use super::Mp;
 
@@ -143,7 +143,7 @@ impl Mp<'_> {
     /// Whether a program lets a robot be jogged now.
     fn jogs(&self, index: usize) -> bool {
         match self.jogging.seat(index) {
-            Some(own) => own.asks && self.operating.is_doing(Doing::Move),
+            Some(own) => own.asks && self.operating.is_doing(InstructionKind::Move),
             None => {
                 let robot = &self.robots[index];
                 robot.reply.is(flag::JOGS) && robot.order.header.len as usize + JogNow::WORDS <= WORDS
@@ -262,12 +262,12 @@ impl Mp<'_> {
 
     fn ask_to_jog(&mut self, now: Option<(usize, JogNow)>) {
         let before = core::mem::replace(&mut self.jogging.now, now);
-        if before != now && self.witnesses.is_watched() {
+        if before != now && self.step_observers.is_watched() {
             let mut words = [0; JogNow::WORDS];
             let index = now.or(before).map_or(0, |(index, _)| index);
             now.unwrap_or_default().1.put(&mut words);
-            let what = What::Jog { step: self.clock.step(), robot: self.robots[index].name };
-            self.witnesses.show(self.host.waiter.now(), &what, &words);
+            let what = StepEvent::Jog { step: self.clock.step(), robot: self.robots[index].name };
+            self.step_observers.show(self.host.waiter.now(), &what, &words);
         }
         self.jogging.say();
     }

@@ -3,24 +3,24 @@
 //! In: the ECPs' replies and its virtual sensors. Out: orders, one per robot of the instruction and step. Only the MP
 //! sets the pace of the cell. [`clock`] says when a step begins and how much path time it has. [`exchange`] sends one
 //! order to each robot and collects the replies; [`instruction`] opens, ends and stops instructions by such exchanges.
-//! [`motion`] is Move and [`waiting`] is Wait; [`background`] is Move that goes on beside later instructions, [`course`] how
+//! [`motion`] is Move and [`waiting`] is Wait; [`background`] is Move that goes on beside later instructions, [`progress`] how
 //! far a generator has come. [`restart`] runs the program, and runs it again after a reset.
-//! The MP of a lower cell [obeys](obeying) the one above it, which [`upper`] hears; [`lower`] is what a robot is that is a cell.
+//! The MP of a lower cell [serves](serving) the one above it, which [`upper`] hears; [`lower`] is what a robot is that is a cell.
 //! [`robots`] holds the ports of the ECPs, [`operating`] the operator's side, [`jogging`] the robot that a person jogs, [`stops`] the
 //! causes of stops.
 
 mod background;
 mod clock;
-mod course;
 mod exchange;
 mod instruction;
 mod jogging;
 mod lower;
 mod motion;
-mod obeying;
 mod operating;
+mod progress;
 mod restart;
 mod robots;
+mod serving;
 mod stops;
 mod telling;
 #[cfg(test)]
@@ -49,10 +49,10 @@ use crate::model::type_name::TypeName;
 use crate::model::wire::Wire;
 use crate::observe::activity::Activity;
 use crate::observe::shown::Shown;
-use crate::observe::witness::{What, Witnesses};
+use crate::observe::step_observer::{StepEvent, StepObservers};
 use crate::operator::Operator;
 use crate::operator::button::{Button, CellState};
-use crate::operator::state::Doing;
+use crate::operator::state::InstructionKind;
 use crate::safety::rate::Feed;
 
 use background::Background;
@@ -77,7 +77,7 @@ pub struct Mp<'w> {
     operating: Operating,
     jogging: Jogging,
     stops: Stops,
-    witnesses: Witnesses,
+    step_observers: StepObservers,
     /// Steps after which a protective stop leaves the path.
     path_stop: u64,
     /// The recorded steps, in a replay.
@@ -112,7 +112,7 @@ impl<'w> Mp<'w> {
             process: ProcessId::MP,
             host,
             robots: RobotPorts::new(robots),
-            witnesses: sensing.witnesses.clone(),
+            step_observers: sensing.step_observers.clone(),
             sensing,
             background: Background::default(),
             clock: StepClock::new(timing.period, timing.grace, Feed::new(timing.rate_change)),
@@ -341,18 +341,18 @@ impl<'w> Mp<'w> {
     /// leaves moving, and an abort that came too late for this one.
     fn instruction<T>(
         &mut self,
-        doing: Doing,
+        doing: InstructionKind,
         by: TypeName,
         work: impl FnOnce(&mut Self) -> Result<T, Fault>,
     ) -> Result<T, Fault> {
         self.check_order()?;
-        self.out_of_obey(doing, by, work)
+        self.out_of_serve(doing, by, work)
     }
 
     /// The same of what a lower cell does without an order.
-    fn out_of_obey<T>(
+    fn out_of_serve<T>(
         &mut self,
-        doing: Doing,
+        doing: InstructionKind,
         by: TypeName,
         work: impl FnOnce(&mut Self) -> Result<T, Fault>,
     ) -> Result<T, Fault> {
@@ -367,16 +367,16 @@ impl<'w> Mp<'w> {
         let outcome = self.carry_out(work);
         self.jogging.end_move();
         self.operating.show_end(self.state(), self.host.console);
-        self.show_instruction(Doing::Nothing, by);
+        self.show_instruction(InstructionKind::Nothing, by);
         outcome
     }
 
-    /// Shows those who look on at the run that an instruction begins or is over.
-    fn show_instruction(&self, doing: Doing, by: TypeName) {
+    /// Shows observers at the run that an instruction begins or is over.
+    fn show_instruction(&self, doing: InstructionKind, by: TypeName) {
         let activity = &self.operating.activity;
         activity.set(activity.get().changed(doing, by));
-        let shown = What::Instruction { step: self.clock.step(), doing, by };
-        self.witnesses.show(self.host.waiter.now(), &shown, &[]);
+        let shown = StepEvent::Instruction { step: self.clock.step(), doing, by };
+        self.step_observers.show(self.host.waiter.now(), &shown, &[]);
     }
 
     fn carry_out<T>(&mut self, work: impl FnOnce(&mut Self) -> Result<T, Fault>) -> Result<T, Fault> {

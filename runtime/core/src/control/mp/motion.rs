@@ -12,16 +12,16 @@ use crate::model::list::{
     Motion, PayloadType, Reading, RobotHandle, Robots, RobotsOf, SensorList, SensorsOf,
 };
 use crate::model::moved::RobotsMovedBy;
-use crate::model::payload::Nudge;
+use crate::model::payload::Trigger;
 use crate::model::robot::Robot;
 use crate::model::step::Step;
 use crate::model::type_name::TypeName;
 
-use crate::operator::state::Doing;
+use crate::operator::state::InstructionKind;
 
 use super::Mp;
 use super::background::is_together;
-use super::course::Course;
+use super::progress::Progress;
 
 impl Mp<'_> {
     /// **Move**: generates the next states of the robots, step by step, until the generator is done (a motion
@@ -118,14 +118,14 @@ impl Mp<'_> {
         self.check_handles(&robots, &sensors)?;
         let indices = robots.indices();
         let indices = indices.as_ref();
-        let mut course = Course::new(generator, robots.images(), sensors.images())?;
-        let outcome = self.instruction(Doing::Move, TypeName::of::<G>(), |mp| {
-            mp.generate(indices, &sensors, &mut course)?;
+        let mut progress = Progress::new(generator, robots.images(), sensors.images())?;
+        let outcome = self.instruction(InstructionKind::Move, TypeName::of::<G>(), |mp| {
+            mp.generate(indices, &sensors, &mut progress)?;
             mp.end(indices, OrderKind::End, ending)
         });
         self.robots.each_image(indices, |i, words| robots.refresh(i, words))?;
-        sensors.store(&course.v);
-        outcome.map(|()| course.generator)
+        sensors.store(&progress.v);
+        outcome.map(|()| progress.generator)
     }
 
     /// Eq. 6: START, the first step, then a step of the generator and an exchange, until it is done.
@@ -133,7 +133,7 @@ impl Mp<'_> {
         &mut self,
         indices: &[usize],
         sensors: &impl SensorsOf<G::Sensors>,
-        course: &mut Course<G>,
+        progress: &mut Progress<G>,
     ) -> Result<(), Fault> {
         let first_uses = const { G::CLASS.first_uses() };
         let next_uses = const { G::CLASS.next_uses() };
@@ -155,12 +155,12 @@ impl Mp<'_> {
         }
         if first_uses.sensors {
             self.order_readings(sensors);
-            self.sensing.collect(sensors, &mut course.v, self.host.waiter, self.clock.step())?;
+            self.sensing.collect(sensors, &mut progress.v, self.host.waiter, self.clock.step())?;
             self.keep_unless_late();
         }
         loop {
             self.begin_step()?;
-            let from_rest = course.is_first() && !handed_over;
+            let from_rest = progress.is_first() && !handed_over;
             if from_rest && self.background.is_empty() {
                 self.clock.count_from_here();
             }
@@ -168,11 +168,11 @@ impl Mp<'_> {
                 return self.abort(indices);
             }
             // Other robots' path time counts every period.
-            let t = if from_rest { self.clock.first_tick() } else { self.clock.tick(course.step) };
-            if course.uses().robots {
-                self.robots.read_images::<G::Robots>(indices, &mut course.e)?;
+            let t = if from_rest { self.clock.first_tick() } else { self.clock.tick(progress.step) };
+            if progress.uses().robots {
+                self.robots.read_images::<G::Robots>(indices, &mut progress.e)?;
             }
-            let next = course.next(t, self.clock.is_standing());
+            let next = progress.next(t, self.clock.is_standing());
             if next.as_ref().is_ok_and(Option::is_some) {
                 self.jogging.see_who_asks();
             }
@@ -183,12 +183,17 @@ impl Mp<'_> {
                 Some(Step::Next(demands)) => {
                     self.robots.write::<G::Robots, G::Language>(indices, &demands);
                 }
-                None if course.is_first() => {
+                None if progress.is_first() => {
                     // Suspended before the first step: there is no order to give yet.
                     self.exchange(indices, OrderKind::Query, flag::WANT_STATE)?;
                     if first_uses.sensors {
                         self.order_readings(sensors);
-                        self.sensing.collect(sensors, &mut course.v, self.host.waiter, self.clock.step())?;
+                        self.sensing.collect(
+                            sensors,
+                            &mut progress.v,
+                            self.host.waiter,
+                            self.clock.step(),
+                        )?;
                     }
                     continue;
                 }
@@ -196,7 +201,7 @@ impl Mp<'_> {
             }
             self.order_readings(sensors);
             self.exchange(indices, OrderKind::Step, flags)?;
-            self.collect_on_path(sensors, &mut course.v)?;
+            self.collect_on_path(sensors, &mut progress.v)?;
             if self.finished(indices, const { G::ENDS }, payload)? {
                 return Ok(());
             }
@@ -234,18 +239,18 @@ impl Mp<'_> {
         Ok(false)
     }
 
-    /// The nudging MP: one instruction of a constant order to all robots, until every ECP has finished.
-    pub(crate) fn nudge(&mut self) -> Result<(), Fault> {
+    /// The triggering MP: one instruction of a constant order to all robots, until every ECP has finished.
+    pub(crate) fn trigger(&mut self) -> Result<(), Fault> {
         let indices = self.robots.all();
         // What is done is the ECPs' programs' own, and shown by them.
-        self.instruction(Doing::Move, TypeName::NONE, |mp| {
-            mp.nudge_all(&indices)?;
+        self.instruction(InstructionKind::Move, TypeName::NONE, |mp| {
+            mp.trigger_all(&indices)?;
             mp.end(&indices, OrderKind::End, 0)
         })
     }
 
-    fn nudge_all(&mut self, indices: &[usize]) -> Result<(), Fault> {
-        let payload = PayloadType::of::<Nudge>();
+    fn trigger_all(&mut self, indices: &[usize]) -> Result<(), Fault> {
+        let payload = PayloadType::of::<Trigger>();
         self.begin_step()?;
         self.start(indices, |_| payload)?;
         loop {

@@ -14,7 +14,7 @@ use crate::operator::button::{Answer, Button, CellState};
 use crate::operator::console::Console;
 use crate::operator::hold::Hold;
 use crate::operator::jog::{JogRefusal, JogStop};
-use crate::operator::state::{Doing, MpState};
+use crate::operator::state::{InstructionKind, MpState};
 
 use super::clock::StepClock;
 
@@ -68,8 +68,8 @@ impl Operating {
     }
 
     /// An instruction begins, of this generator or condition.
-    pub fn show_instruction(&mut self, doing: Doing, by: TypeName) {
-        self.shown.instructions += u64::from(doing != Doing::Homing);
+    pub fn show_instruction(&mut self, doing: InstructionKind, by: TypeName) {
+        self.shown.instructions += u64::from(doing != InstructionKind::Homing);
         self.shown.doing = doing;
         self.shown.by = by;
     }
@@ -77,7 +77,7 @@ impl Operating {
     /// The instruction that is at work, as a fault names it. An MP without a program of its own has none to name.
     pub fn instruction(&self) -> Option<Instruction> {
         let MpState { instructions, doing, by, .. } = self.shown;
-        let is_own = by != TypeName::NONE || doing == Doing::Homing;
+        let is_own = by != TypeName::NONE || doing == InstructionKind::Homing;
         is_own.then(|| Instruction::new(instructions, doing, Level::Mp, by)).flatten()
     }
 
@@ -103,7 +103,7 @@ impl Operating {
 
     /// An instruction is over.
     pub fn show_end(&mut self, state: CellState, console: &dyn Console) {
-        self.shown.doing = Doing::Nothing;
+        self.shown.doing = InstructionKind::Nothing;
         self.shown.state = state;
         console.show(&self.shown);
     }
@@ -148,7 +148,7 @@ impl Operating {
     }
 
     /// Whether this is what is done now.
-    pub fn is_doing(&self, doing: Doing) -> bool {
+    pub fn is_doing(&self, doing: InstructionKind) -> bool {
         self.shown.doing == doing
     }
 

@@ -12,7 +12,7 @@ use crate::safety::latch::AfterFault;
 use crate::safety::latch::{Event, Latch};
 
 use super::exchange::SILENT;
-use crate::operator::state::Doing;
+use crate::operator::state::InstructionKind;
 
 use super::Mp;
 
@@ -55,7 +55,7 @@ impl Mp<'_> {
         let run = std::panic::AssertUnwindSafe(|| {
             self.operating.count_from_here();
             self.operating.operator.show_homing(true);
-            let homed = self.out_of_obey(Doing::Homing, TypeName::NONE, Self::home);
+            let homed = self.out_of_serve(InstructionKind::Homing, TypeName::NONE, Self::home);
             self.operating.operator.show_homing(false);
             homed?;
             program(self)

@@ -22,7 +22,7 @@ use crate::model::robot::Robot;
 use crate::model::sensor::EffectorState;
 use crate::model::time::Nanos;
 use crate::model::wire::{BadWords, Wire};
-use crate::observe::witness::{What, Witnesses};
+use crate::observe::step_observer::{StepEvent, StepObservers};
 use crate::operator::jog::JogNow;
 use crate::safety::braking::BrakingLaw;
 use crate::suggestion::suggestion;
@@ -162,13 +162,18 @@ impl RobotPort {
     }
 
     /// Shows the order that it was sent.
-    pub(super) fn show_order(&self, kind: OrderKind, witnesses: &Witnesses, now: impl FnOnce() -> Nanos) {
-        if !witnesses.is_watched() {
+    pub(super) fn show_order(
+        &self,
+        kind: OrderKind,
+        step_observers: &StepObservers,
+        now: impl FnOnce() -> Nanos,
+    ) {
+        if !step_observers.is_watched() {
             return;
         }
         let PayloadType { name: payload, shape, .. } = self.payload;
         let header = &self.order.header;
-        let what = What::Order {
+        let what = StepEvent::Order {
             // Of a robot of a lower cell, its name among all.
             robot: self.process.name.unwrap_or(self.name),
             step: header.step,
@@ -177,7 +182,7 @@ impl RobotPort {
             payload,
             shape,
         };
-        witnesses.show(now(), &what, self.order.words());
+        step_observers.show(now(), &what, self.order.words());
     }
 
     /// Whether the instruction that was opened last names it, by the ordinal of that.

@@ -1,13 +1,13 @@
 //! What the MP tells those who watch, and what a replay tells the MP.
 //!
-//! In: a step that begins, an operator who aborts, a fault; in a replay the recorded steps. Out: the same to witnesses; in a
+//! In: a step that begins, an operator who aborts, a fault; in a replay the recorded steps. Out: the same to observers; in a
 //! replay the steps and the operator's wishes of the recording.
 
 use std::rc::Rc;
 
 use crate::control::replay::Script;
 use crate::model::fault::{Fault, FaultKind};
-use crate::observe::witness::What;
+use crate::observe::step_observer::StepEvent;
 use crate::safety::latch::Latch;
 
 use super::Mp;
@@ -37,14 +37,14 @@ impl Mp<'_> {
         let step = self.clock.step();
         self.operating.aborts = self.operating.operator.is_aborting();
         let stopping = core::mem::take(&mut self.operating.stopping);
-        if !self.witnesses.is_watched() {
+        if !self.step_observers.is_watched() {
             return Ok(());
         }
-        if self.witnesses.is_over(step) {
+        if self.step_observers.is_over(step) {
             self.stops.refuse();
             return Err(Fault::orderly(FaultKind::CellClosed));
         }
-        let what = What::Step {
+        let what = StepEvent::Step {
             step,
             dt: self.clock.dt(),
             duration: self.clock.duration(),
@@ -55,7 +55,7 @@ impl Mp<'_> {
             stopping,
             resetting: self.operating.operator.latch() == Latch::Resetting,
         };
-        self.witnesses.show(self.host.waiter.now(), &what, &[]);
+        self.step_observers.show(self.host.waiter.now(), &what, &[]);
         Ok(())
     }
 
@@ -67,7 +67,7 @@ impl Mp<'_> {
         }
         if !self.operating.aborts && self.operating.operator.is_aborting() {
             self.operating.aborts = true;
-            self.witnesses.show(self.host.waiter.now(), &What::Abort { step }, &[]);
+            self.step_observers.show(self.host.waiter.now(), &StepEvent::Abort { step }, &[]);
         }
     }
 
@@ -81,7 +81,7 @@ impl Mp<'_> {
             None => self.clock.keep_unless_late(self.host.waiter),
         }
         if self.clock.is_spent() {
-            self.witnesses.show(self.host.waiter.now(), &What::Late { step }, &[]);
+            self.step_observers.show(self.host.waiter.now(), &StepEvent::Late { step }, &[]);
         }
     }
 
@@ -89,7 +89,7 @@ impl Mp<'_> {
     pub(super) fn tell_stop(&self, fault: &Fault) {
         if self.stops.latched.is_none() {
             let step = self.clock.step();
-            self.witnesses.show_fault(self.host.waiter.now(), &What::Fault { step }, Some(fault));
+            self.step_observers.show_fault(self.host.waiter.now(), &StepEvent::Fault { step }, Some(fault));
         }
     }
 }

@@ -8,7 +8,7 @@ use core::cell::Cell;
 use super::*;
 use crate::control::overruns::Timed;
 use crate::link::Closed;
-use crate::link::patience::Patience;
+use crate::link::timeout::AnswerTimeout;
 
 const STEP: Nanos = 1_000_000;
 
@@ -33,8 +33,8 @@ fn run(work: impl Fn(u64) -> Nanos, steps: u64) -> Option<(u64, FaultKind)> {
     let sensing = Sensing {
         owner: crate::model::list::Owner::unique(),
         ports: Vec::new(),
-        patience: Patience { most: STEP, again: STEP },
-        witnesses: Witnesses::to(Vec::new()),
+        timeout: AnswerTimeout { most: STEP, again: STEP },
+        step_observers: StepObservers::to(Vec::new()),
     };
     let timing =
         MpTiming { period: Duration::from_nanos(STEP), grace: STEP / 2, rate_change: 5.0, path_stop: 100 };

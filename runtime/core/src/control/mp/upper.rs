@@ -1,6 +1,6 @@
 //! The MP of a lower cell towards the MP above it: it is an ECP there, whose robot is the whole cell.
 //!
-//! In: the upper MP's orders, of which the first one of an instruction is the program's to obey; the path time in each of them.
+//! In: the upper MP's orders, of which the first one of an instruction is the program's to serve; the path time in each of them.
 //! Out: an answer as soon as an order has come, whatever the cell's own step is doing; what the orders ask of the MP's next
 //! step: to slow down, to end, to stop, to leave the latch. What an order means in which phase is [`Phase::duty`]'s to say.
 //!
@@ -24,7 +24,7 @@ pub(super) const SILENT: &str = "no orders from the upper MP: robots stop on the
 /// What the program of the cell does with the next START.
 #[derive(Clone, Copy)]
 enum Program {
-    /// It computes, or comes to its first `obey`: the order waits.
+    /// It computes, or comes to its first `serve`: the order waits.
     Elsewhere,
     /// It awaits orders of this type.
     Awaits(PayloadType),
@@ -38,11 +38,11 @@ pub(crate) struct Upper {
     /// This MP.
     process: ProcessId,
     /// For how long nothing may come while an instruction is open \[ns\].
-    patience: Nanos,
+    timeout: Nanos,
     /// When an order came last \[ns\].
     heard: Nanos,
     program: Program,
-    /// Whether the program has come to an `obey` since it began.
+    /// Whether the program has come to a `serve` since it began.
     ready: bool,
     /// The words of the instruction's first order, until the program takes them.
     first: Option<[u64; WORDS]>,
@@ -67,11 +67,11 @@ pub(crate) struct Upper {
 }
 
 impl Upper {
-    pub fn new(port: Box<dyn Server>, process: ProcessId, patience: Nanos) -> Upper {
+    pub fn new(port: Box<dyn Server>, process: ProcessId, timeout: Nanos) -> Upper {
         Upper {
             orders: Orders::new(port),
             process,
-            patience,
+            timeout,
             heard: 0,
             program: Program::Elsewhere,
             ready: false,
@@ -122,7 +122,7 @@ impl Upper {
                     let mut words = [0; WORDS];
                     words[..self.orders.words().len()].copy_from_slice(self.orders.words());
                     self.first = Some(words);
-                    self.orders.phase = Phase::Obeying;
+                    self.orders.phase = Phase::Serving;
                 }
                 self.reply(0);
             }
@@ -168,7 +168,7 @@ impl Upper {
                 self.reply(flag::STATE);
             }
             Program::Awaits(payload) => {
-                let text = format!("this cell obeys orders of type `{}`", payload.name);
+                let text = format!("this cell serves orders of type `{}`", payload.name);
                 self.fail(Fault::new(FaultKind::PayloadMismatch).text(&text));
             }
             Program::Over => {
@@ -220,7 +220,7 @@ impl Upper {
     fn say(&mut self) {
         let stands = match self.orders.phase {
             Phase::Idle | Phase::Started | Phase::Finished => true,
-            Phase::Obeying => false,
+            Phase::Serving => false,
             Phase::Latched(_) => self.stands,
         };
         self.state.header.flags =
@@ -247,7 +247,7 @@ impl Upper {
         self.program = Program::Elsewhere;
     }
 
-    /// The program is over: it obeys nothing more.
+    /// The program is over: it serves nothing more.
     pub const fn be_over(&mut self) {
         self.program = Program::Over;
         self.ready = true;
@@ -270,8 +270,8 @@ impl Upper {
 
     /// Whether an instruction is open and its orders have not come for too long.
     pub const fn is_silent(&self, now: Nanos) -> bool {
-        let open = matches!(self.orders.phase, Phase::Started | Phase::Obeying | Phase::Finished);
-        open && now > self.heard + self.patience
+        let open = matches!(self.orders.phase, Phase::Started | Phase::Serving | Phase::Finished);
+        open && now > self.heard + self.timeout
     }
 
     /// Lets START come, for orders of this type.
@@ -287,9 +287,9 @@ impl Upper {
         Some(P::get(&words))
     }
 
-    /// The program has obeyed, and all robots stand.
+    /// The program has served, and all robots stand.
     pub fn finish(&mut self) {
-        if self.orders.phase == Phase::Obeying {
+        if self.orders.phase == Phase::Serving {
             self.orders.phase = Phase::Finished;
         }
         self.ending = None;
@@ -306,8 +306,8 @@ impl Upper {
     }
 
     /// Whether the program is at work on an instruction.
-    pub fn is_obeying(&self) -> bool {
-        self.orders.phase == Phase::Obeying && self.first.is_none()
+    pub fn is_serving(&self) -> bool {
+        self.orders.phase == Phase::Serving && self.first.is_none()
     }
 
     /// How an instruction ends that the program is at work on, if the upper MP has ended it.

@@ -9,7 +9,7 @@ use crate::model::list::{RobotsOf, SensorsOf};
 use crate::model::payload::Order;
 use crate::model::type_name::TypeName;
 
-use crate::operator::state::Doing;
+use crate::operator::state::InstructionKind;
 
 use super::Mp;
 
@@ -53,7 +53,7 @@ impl Mp<'_> {
         let indices = indices.as_ref();
         let mut e = State::new(robots.images());
         let mut v = Reading::new(sensors.images());
-        let outcome = self.instruction(Doing::Wait, TypeName::of::<C>(), |mp| {
+        let outcome = self.instruction(InstructionKind::Wait, TypeName::of::<C>(), |mp| {
             mp.wait_step(indices, &sensors, &mut condition, &mut e, &mut v, limit)
         });
         self.robots.each_image(indices, |i, words| robots.refresh(i, words))?;

@@ -1,6 +1,6 @@
-//! Bodies that the robots of a cell handle, shown to those who look on at a run.
+//! Bodies that the robots of a cell handle, shown to observers at a run.
 //!
-//! In: their poses, from whatever simulates or measures them, where the simulated drives are. Out: the same to witnesses,
+//! In: their poses, from whatever simulates or measures them, where the simulated drives are. Out: the same to observers,
 //! some tens of times a second. Nothing in a cell acts on them.
 
 use core::time::Duration;
@@ -10,7 +10,7 @@ use crate::model::name::Name;
 use crate::model::pose::Pose;
 use crate::model::time::Nanos;
 use crate::model::wire::Wire;
-use crate::observe::witness::{What, Witnesses};
+use crate::observe::step_observer::{StepEvent, StepObservers};
 
 /// How often bodies are shown: as often as an eye can follow, which is less than a step's rate.
 const EVERY: Nanos = Duration::from_millis(20).as_nanos() as Nanos;
@@ -24,7 +24,7 @@ pub(crate) struct Body {
 /// The bodies of a cell.
 pub(crate) struct Bodies {
     bodies: Vec<Body>,
-    witnesses: Witnesses,
+    step_observers: StepObservers,
     /// Length of a step \[ns\].
     step: Nanos,
     /// When they are shown next.
@@ -33,13 +33,13 @@ pub(crate) struct Bodies {
 
 impl Bodies {
     /// Bodies of a cell with steps of this length.
-    pub fn of(bodies: Vec<Body>, witnesses: Witnesses, step: Duration) -> Self {
-        Bodies { bodies, witnesses, step: (step.as_nanos() as Nanos).max(1), due: 0 }
+    pub fn of(bodies: Vec<Body>, step_observers: StepObservers, step: Duration) -> Self {
+        Bodies { bodies, step_observers, step: (step.as_nanos() as Nanos).max(1), due: 0 }
     }
 
     /// Whether there is nothing to show, or nobody to show it to.
     pub fn is_idle(&self) -> bool {
-        self.bodies.is_empty() || !self.witnesses.is_watched()
+        self.bodies.is_empty() || !self.step_observers.is_watched()
     }
 
     /// Shows them, if it is time to.
@@ -51,8 +51,8 @@ impl Bodies {
         for body in &mut self.bodies {
             let mut words = [0; Pose::LEN];
             (body.pose)().put(&mut words);
-            let what = What::Body { step: now / self.step, body: body.name };
-            self.witnesses.show(now, &what, &words);
+            let what = StepEvent::Body { step: now / self.step, body: body.name };
+            self.step_observers.show(now, &what, &words);
         }
     }
 }

@@ -12,7 +12,7 @@
 use std::rc::Rc;
 
 use super::{Part, Rest, stands};
-use crate::control::command::{Command, Reading, Switch, Told};
+use crate::control::command::{Command, DriveSettings, Reading, Switch};
 use crate::control::guarded::guarded;
 use crate::link::message::Message;
 use crate::link::{Board, Server};
@@ -41,7 +41,7 @@ pub(super) struct Drives<R: Robot> {
     /// Length of a step \[ns\].
     step_period: Nanos,
     /// For how long commands may stay away \[ns\].
-    patience: Nanos,
+    timeout: Nanos,
     /// The newest command; `None`: the robot stands where it was switched on, powered.
     newest: Option<Command<R::Joints>>,
     /// The period that happens next.
@@ -50,7 +50,7 @@ pub(super) struct Drives<R: Robot> {
     at: R::Joints,
     way: R::Joints,
     choice: u64,
-    told: Told,
+    told: DriveSettings,
     /// How often their power was switched.
     switched: u64,
     measured: Measured<R::Joints>,
@@ -76,7 +76,7 @@ impl<R: Robot> Drives<R> {
         measured: Measured<R::Joints>,
         commands: Commands,
         step_period: Nanos,
-        patience: Nanos,
+        timeout: Nanos,
         observers: Vec<Observer<R>>,
     ) -> Self {
         let servo_period = driver.period().as_nanos() as Nanos;
@@ -86,13 +86,13 @@ impl<R: Robot> Drives<R> {
             commands,
             servo_period: servo_period.max(1),
             step_period: step_period.max(1),
-            patience,
+            timeout,
             newest: None,
             next: 0,
             at: measured.position,
             way: R::Joints::zeros(),
             choice: 0,
-            told: Told::default(),
+            told: DriveSettings::default(),
             switched: 0,
             measured,
             observers,
@@ -174,11 +174,11 @@ impl<R: Robot> Drives<R> {
     fn period(&mut self) {
         let Some(newest) = self.newest else { return };
         let silent = self.next.saturating_sub(newest.period);
-        if self.off.is_none() && silent * self.servo_period >= self.patience {
+        if self.off.is_none() && silent * self.servo_period >= self.timeout {
             let steps = |time: Nanos| (time / self.step_period) as f64;
             let fault =
                 Fault::new(FaultKind::Overrun).text("its drives got no demand and applied their brakes");
-            let fault = fault.exceeds(steps(silent * self.servo_period), steps(self.patience) - 1.0, "step");
+            let fault = fault.exceeds(steps(silent * self.servo_period), steps(self.timeout) - 1.0, "step");
             self.off = Some(Off { fault, silent, braking: 0 });
         }
         if let Some(off) = &mut self.off {
@@ -216,7 +216,7 @@ impl<R: Robot> Drives<R> {
     }
 
     /// Tells the drives what is new beside where to be.
-    fn hear(&mut self, told: &Told) {
+    fn hear(&mut self, told: &DriveSettings) {
         if told.outputs != self.told.outputs {
             self.driver.switch_outputs(&told.outputs);
         }

@@ -28,7 +28,7 @@ use crate::control::drive::{Drive, PlantDrive, PlantEnd};
 use crate::control::plant_sensor::PlantSensor;
 use crate::control::vsp::{Aggregator, RawSensors};
 use crate::link::memory::Stuck;
-use crate::link::patience::Patience;
+use crate::link::timeout::AnswerTimeout;
 use crate::link::{Board, Clock, Closed, Link, Sample, Simulation};
 use crate::model::driver::{Driver, Measured};
 use crate::model::fault::ProcessId;
@@ -115,7 +115,7 @@ impl Site {
         }
         let is_simulated = driver.simulation().is_some();
         let Some(plant) = self.place.filter(|_| is_simulated) else { return Drive::Here(driver) };
-        let Patience { most: patience, again: period } = Patience::of_step(self.period);
+        let AnswerTimeout { most: timeout, again: period } = AnswerTimeout::of_step(self.period);
         let (end, commands) = match self.simulation {
             Simulation::InEdps | Simulation::Asked => {
                 let (client, server) = link.port(edp, plant);
@@ -132,10 +132,10 @@ impl Site {
             Ok(measured) => measured,
             Err(trip) => return Drive::unread_in_plant(&*driver, &trip),
         };
-        let drive = Drive::Plant(Box::new(PlantDrive::new(&*driver, measured, end, patience)));
+        let drive = Drive::Plant(Box::new(PlantDrive::new(&*driver, measured, end, timeout)));
         let observers = if self.watched { core::mem::take(observers) } else { Vec::new() };
         self.parts
-            .push(Box::new(Drives::new(process, driver, measured, commands, period, patience, observers)));
+            .push(Box::new(Drives::new(process, driver, measured, commands, period, timeout, observers)));
         drive
     }
 
@@ -157,10 +157,10 @@ impl Site {
         };
         let (port, server) = link.port(vsp, plant);
         self.parts.push(Box::new(Sensor::new(aggregator, server)));
-        RawSensors::Plant(PlantSensor { port, plant, patience: Patience::of_step(self.period) })
+        RawSensors::Plant(PlantSensor { port, plant, timeout: AnswerTimeout::of_step(self.period) })
     }
 
-    /// Takes the bodies that are shown to those who look on, if the plant has a place; gives them back otherwise.
+    /// Takes the bodies that are shown to observers, if the plant has a place; gives them back otherwise.
     pub(crate) fn take_bodies(&mut self, bodies: Bodies) -> Option<Bodies> {
         if self.place.is_none() {
             return Some(bodies);

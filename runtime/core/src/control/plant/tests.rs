@@ -439,7 +439,7 @@ fn a_choice_of_regulators_is_made_once_and_before_the_period_that_it_is_for() {
 
 #[test]
 fn outputs_and_a_load_are_told_once_and_before_the_period_that_they_are_for() {
-    use crate::control::command::Told as Beside;
+    use crate::control::command::DriveSettings as Beside;
     let on = |on| Outputs::NONE.with(Channel::Digital(2), Value::Digital(on));
     let load = |mass| Load::point(mass, Vector3::z());
     let orders = [

@@ -77,7 +77,7 @@ impl<R: Robot> Driver<R> for Recorded<R> {
         Ok(self.at(self.step))
     }
 
-    /// Which channels there are, the run that was recorded has judged.
+    /// Which channels there are, the run that was recorded has checked.
     fn channels(&self) -> Channels {
         Channels::ALL
     }
@@ -90,7 +90,7 @@ impl<R: Robot> Driver<R> for Recorded<R> {
         self.load_time
     }
 
-    /// Which sets there are, the run that was recorded has judged.
+    /// Which sets there are, the run that was recorded has checked.
     fn has_regulator(&self, _: usize, _: u8) -> bool {
         true
     }

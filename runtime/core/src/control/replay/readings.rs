@@ -6,7 +6,7 @@ use crate::link::message::{Kind, Message};
 use crate::model::fault::ProcessId;
 use crate::model::name::Name;
 use crate::model::wire::WORDS;
-use crate::observe::witness::ReadingState;
+use crate::observe::step_observer::ReadingState;
 
 /// What was collected once.
 #[derive(Clone, Debug, PartialEq)]

@@ -55,7 +55,7 @@ fault_kinds! {
     PayloadMismatch = 3: Refused, "the MP and the ECP disagree about the order";
     /// The operator aborted the instruction.
     Aborted = 4: Suspended, "aborted by the operator";
-    /// The MP ended the instruction that the ECP was still working on. [`Ecp::obey`](crate::program::Ecp::obey) turns it into `Ok`.
+    /// The MP ended the instruction that the ECP was still working on. [`Ecp::serve`](crate::program::Ecp::serve) turns it into `Ok`.
     InstructionEnded = 5: Suspended, "the instruction was ended by the MP";
     /// A Wait did not see its condition within its time-out.
     TimedOut = 6: Suspended, "the condition was not met in time";

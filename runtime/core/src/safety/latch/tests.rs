@@ -70,14 +70,15 @@ fn nothing_of_an_earlier_epoch_is_done_and_nothing_moves_behind_a_gate_that_is_s
         (shut, 6, [Ignored, Ignored, Done,    Done,    Refused]),
     ];
     for (gate, epoch, admissions) in table {
-        let asked = [Asked::Move, Asked::Look, Asked::Stop, Asked::Reset, Asked::Reset];
+        let asked =
+            [GateRequest::Move, GateRequest::Look, GateRequest::Stop, GateRequest::Reset, GateRequest::Reset];
         for (i, (asked, admission)) in asked.into_iter().zip(admissions).enumerate() {
             let (next, what) = gate.meet(epoch, asked, i < 4);
             assert_eq!(what, admission, "{asked:?} of epoch {epoch} at {gate:?}");
             let opens = gate.shut && !next.shut;
             assert_eq!(
                 opens,
-                asked == Asked::Reset && what == Done,
+                asked == GateRequest::Reset && what == Done,
                 "{asked:?} of epoch {epoch} at {gate:?}"
             );
         }

@@ -1,6 +1,6 @@
-//! How the joints of a robot accelerate on a screw along which its flange goes at constant velocity.
+//! How the joints of a robot accelerate on a twist along which its flange goes at constant velocity.
 //!
-//! In: the state demanded last, and the screw that led to it. Out: the acceleration \[rad/s² or m/s²\] that a screw takes of each
+//! In: the state demanded last, and the twist that led to it. Out: the acceleration \[rad/s² or m/s²\] that a twist takes of each
 //! joint's limit before braking takes any. Bent in joint space it is near a singular posture most of all.
 
 use crate::model::joints::JointVector;
@@ -24,23 +24,23 @@ pub(super) struct Curvature<J> {
 }
 
 impl<J: JointVector> Curvature<J> {
-    /// Of a robot that is on no screw.
+    /// Of a robot that is on no twist.
     pub fn none() -> Self {
         Curvature { acceleration: J::zeros(), speed: 0.0, left: 0.0 }
     }
 }
 
 impl<R: Robot> Acceptor<R> {
-    /// Looks at the curvature of the screw on which the robot moves together with others, in steps of `duration` \[s\]. A screw on
+    /// Looks at the curvature of the twist on which the robot moves together with others, in steps of `duration` \[s\]. A twist on
     /// which the kinematics has no next step leaves what was seen before.
-    pub fn look_along_screw(&mut self, duration: f64) {
+    pub fn look_along_twist(&mut self, duration: f64) {
         self.curvature.left -= duration;
-        // Half a step is round-off. One that stood when it was looked at has been seen on no screw.
+        // Half a step is round-off. One that stood when it was looked at has been seen on no twist.
         if self.curvature.left > 0.5 * duration && self.curvature.speed > 0.0 {
             return;
         }
         self.curvature.left = HOLDS;
-        // One that is on its way back to its path is elsewhere on its screw; what was seen before holds.
+        // One that is on its way back to its path is elsewhere on its twist; what was seen before holds.
         if !self.track.is_followed() {
             return;
         }
@@ -57,10 +57,10 @@ impl<R: Robot> Acceptor<R> {
         }
     }
 
-    /// The acceleration of each joint \[rad/s² or m/s²\] on the screw at the present speed.
+    /// The acceleration of each joint \[rad/s² or m/s²\] on the twist at the present speed.
     pub(super) fn curvature(&self) -> R::Joints {
         let Curvature { acceleration, speed, .. } = self.curvature;
-        // A robot that stood has been seen on no screw.
+        // A robot that stood has been seen on no twist.
         if speed > 0.0 { acceleration * (self.speed() / speed).powi(2) } else { R::Joints::zeros() }
     }
 
@@ -76,8 +76,8 @@ impl<R: Robot> Acceptor<R> {
         self.curvature = Curvature { acceleration, speed: self.speed(), left: HOLDS };
     }
 
-    /// The robot moves by itself: there is no screw.
-    pub fn leave_screw(&mut self) {
+    /// The robot moves by itself: there is no twist.
+    pub fn leave_twist(&mut self) {
         self.curvature = Curvature::none();
     }
 }

@@ -50,7 +50,7 @@ impl<R: Robot> Acceptor<R> {
         let displaced = self.displaced(D, duration)?;
         self.check_tool(&self.motion.tool, &displaced.position, duration)?;
         self.state.go_to(displaced.position, displaced.velocity, duration);
-        self.track.bridge_on_screw(duration);
+        self.track.bridge_on_twist(duration);
         self.pace.period = duration;
         Ok(AcceptedDemand::new(displaced.position))
     }
@@ -76,7 +76,7 @@ impl<R: Robot> Acceptor<R> {
 
     /// A demand is missing in a standstill: of robots that move together all stand then.
     pub fn stand_by(&mut self, duration: f64) -> AcceptedDemand<R> {
-        self.track.bridge_on_screw(duration);
+        self.track.bridge_on_twist(duration);
         self.pace.period = duration;
         AcceptedDemand::new(self.state.position)
     }
@@ -101,7 +101,7 @@ impl<R: Robot> Acceptor<R> {
         let from = self.end_of_path().unwrap_or(self.state.position);
         self.track.path = Path {
             missing: missed * duration,
-            on_screw: together,
+            on_twist: together,
             late: Some(position),
             ..Path::after(from, R::Joints::zeros(), duration)
         };

@@ -17,7 +17,7 @@ impl<R: Robot> Acceptor<R> {
     /// do not come back, and those that move together go by one another.
     pub fn goes_on_out_of_step(&self) -> bool {
         let by_joints =
-            !matches!(self.track.off_path, Some(OffPath::Together(_))) && !self.track.path.on_screw;
+            !matches!(self.track.off_path, Some(OffPath::Together(_))) && !self.track.path.on_twist;
         by_joints && self.checks.robot.limits().jerk.is_none()
     }
 

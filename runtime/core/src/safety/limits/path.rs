@@ -5,7 +5,7 @@
 
 use crate::model::joints::JointVector;
 use crate::model::robot::{Limits, Robot};
-use crate::safety::screw::{Bridging, Screw};
+use crate::safety::common_twist::{Bridging, Twist};
 
 use super::catching_up::CatchingUp;
 use super::rejoining::Rejoining;
@@ -22,15 +22,15 @@ pub(super) struct Path<J> {
     pub span: f64,
     /// For how long demands have been missing since \[s\]; below 0 where that demand was of a step that is still to come.
     pub missing: f64,
-    /// Whether that time was bridged on a screw.
-    pub on_screw: bool,
+    /// Whether that time was bridged on a twist.
+    pub on_twist: bool,
     /// Where the path went in that time, as a demand says that came too late to be followed.
     pub late: Option<J>,
 }
 
 impl<J> Path<J> {
     pub const fn after(position: J, velocity: J, span: f64) -> Self {
-        Path { position, velocity, span, missing: 0.0, on_screw: false, late: None }
+        Path { position, velocity, span, missing: 0.0, on_twist: false, late: None }
     }
 }
 
@@ -63,7 +63,7 @@ impl<J: JointVector> Track<J> {
 
     /// Whether the robot is where its path is, and no demand is missing.
     pub fn is_in_step(&self) -> bool {
-        self.is_followed() && self.path.missing == 0.0 && !self.path.on_screw
+        self.is_followed() && self.path.missing == 0.0 && !self.path.on_twist
     }
 
     /// The path goes on to `demand` with this mean velocity in `span` \[s\], and the robot that is in step with it follows it
@@ -99,10 +99,10 @@ impl<J: JointVector> Track<J> {
         comes_back.then(|| self.path.late.unwrap_or(self.path.position))
     }
 
-    /// The demand of a step of `duration` \[s\] is missing; that was bridged on a screw.
-    pub fn bridge_on_screw(&mut self, duration: f64) {
+    /// The demand of a step of `duration` \[s\] is missing; that was bridged on a twist.
+    pub fn bridge_on_twist(&mut self, duration: f64) {
         self.path.missing += duration;
-        self.path.on_screw = true;
+        self.path.on_twist = true;
     }
 
     /// The path once it has come to `demand`, at the end of a step of `duration` \[s\].
@@ -127,29 +127,29 @@ impl<J: JointVector> Track<J> {
         robot: &R,
         duration: f64,
     ) -> Bridging {
-        let screw = self.screw(robot, duration);
+        let twist = self.twist(robot, duration);
         // One that comes back by its own joints has a change of its own.
         let bend = match &self.off_path {
-            Some(OffPath::Joints(_)) => Screw::NONE,
+            Some(OffPath::Joints(_)) => Twist::NONE,
             Some(OffPath::Together(_)) | None => state.bend(robot, duration),
         };
-        Bridging::after(screw, bend)
+        Bridging::after(twist, bend)
     }
 
     /// The displacement of the last step in the world: the path's, and that of the way back to it.
-    fn screw<R: Robot<Joints = J>>(&self, robot: &R, duration: f64) -> Screw {
+    fn twist<R: Robot<Joints = J>>(&self, robot: &R, duration: f64) -> Twist {
         match &self.off_path {
-            Some(OffPath::Together(way)) => self.path_screw(robot, duration) + way.change(),
-            Some(OffPath::Joints(_)) | None => self.path_screw(robot, duration),
+            Some(OffPath::Together(way)) => self.path_twist(robot, duration) + way.change(),
+            Some(OffPath::Joints(_)) | None => self.path_twist(robot, duration),
         }
     }
 
     /// The displacement of the path's last step in the world, as its mean velocity makes it.
-    pub fn path_screw<R: Robot<Joints = J>>(&self, robot: &R, duration: f64) -> Screw {
+    pub fn path_twist<R: Robot<Joints = J>>(&self, robot: &R, duration: f64) -> Twist {
         let before = self.path.position - self.path.velocity * duration;
-        let of_joints = || Screw::between(&robot.forward(&before), &robot.forward(&self.path.position));
+        let of_joints = || Twist::between(&robot.forward(&before), &robot.forward(&self.path.position));
         match &self.off_path {
-            Some(OffPath::Together(way)) => way.path_screw().unwrap_or_else(of_joints),
+            Some(OffPath::Together(way)) => way.path_twist().unwrap_or_else(of_joints),
             Some(OffPath::Joints(_)) | None => of_joints(),
         }
     }

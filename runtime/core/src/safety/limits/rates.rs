@@ -1,13 +1,13 @@
-//! How fast a robot's rate, and its speed on a screw, may change.
+//! How fast a robot's rate, and its speed on a twist, may change.
 //!
-//! In: the steps that were accepted, the limits. Out: the headroom and the braking law that go back to the MP with each
+//! In: the steps that were accepted, the limits. Out: the rate margin and the braking law that go back to the MP with each
 //! reply.
 
 use crate::model::joints::JointVector;
 use crate::model::robot::Limits;
 use crate::safety::braking::{self, BrakingLaw};
 
-use crate::safety::rate::{FullRate, RateHeadroom, larger, raised, smaller};
+use crate::safety::rate::{FullRate, RateMargin, larger, raised, smaller};
 
 use super::state::JointState;
 
@@ -18,7 +18,7 @@ pub const PATH_SHARE: f64 = 0.9;
 /// The share of an acceleration limit that a path and the change of its rate use together.
 const USABLE_SHARE: f64 = 0.98;
 
-/// By how much the curvature of a screw may grow while a robot brakes on it: the posture changes on the way.
+/// By how much the curvature of a twist may grow while a robot brakes on it: the posture changes on the way.
 const GROWN: f64 = 1.25;
 
 /// How fast the path is gone along.
@@ -65,19 +65,19 @@ impl<J: JointVector> Pace<J> {
     ///
     /// Without a jerk limit that follows the path's own speed: a slow path may change its rate fast. With one it is that of
     /// a path at the velocity limits, because a rate that changes must not meet a bound that becomes narrower meanwhile.
-    pub fn headroom(&self, limits: &Limits<J>) -> RateHeadroom {
+    pub fn rate_margin(&self, limits: &Limits<J>) -> RateMargin {
         let speed = |i: usize| match limits.jerk {
             Some(_) => self.path_speed[i].max(limits.velocity[i]),
             None => self.path_speed[i],
         };
-        Headroom { limits, rate: self.rate, period: self.period, bridged: self.bridged }.at_speed(speed)
+        MarginRule { limits, rate: self.rate, period: self.period, bridged: self.bridged }.at_speed(speed)
     }
 }
 
 /// What the limits leave for changes of the rate, beside a path that uses [`PATH_SHARE`] of them.
 ///
 /// A path that has been gentle may brake hard in its next step, so what was seen of its acceleration proves nothing.
-struct Headroom<'a, J> {
+struct MarginRule<'a, J> {
     limits: &'a Limits<J>,
     /// Path time over real time, 0 to 1.
     rate: f64,
@@ -87,17 +87,17 @@ struct Headroom<'a, J> {
     bridged: f64,
 }
 
-impl<J: JointVector> Headroom<'_, J> {
+impl<J: JointVector> MarginRule<'_, J> {
     /// Beside a path that has, at rate 1, this speed in each joint [rad/s or m/s].
     ///
     /// The path's acceleration at a changing rate is `r² q'' + r' q'`, its jerk `r³ q''' + 3 r r' q'' + r'' q'`. Of what the
     /// path's own part leaves of a jerk limit, a half is for each of the others. Where demands come in every n-th step only,
     /// catching up after bridging takes n² times the path's acceleration: a plan and the change of its rate have the n²-th
     /// part of the limit together.
-    fn at_speed(&self, speed: impl Fn(usize) -> f64) -> RateHeadroom {
+    fn at_speed(&self, speed: impl Fn(usize) -> f64) -> RateMargin {
         // By how much the rate itself may be higher at the end of a step in which it rises.
         let raised = raised(self.rate, self.period);
-        let mut headroom = RateHeadroom::UNLIMITED;
+        let mut margin = RateMargin::UNLIMITED;
         let parts = (1.0 + self.bridged).powi(2);
         let jerk = self.limits.jerk.as_ref();
         for i in 0..J::LEN {
@@ -107,8 +107,8 @@ impl<J: JointVector> Headroom<'_, J> {
             let part = limit / parts;
             let left = |rate: f64| (USABLE_SHARE - PATH_SHARE * rate * rate) * part / along;
             let Some(jerk) = jerk.map(|jerk| jerk[i]) else {
-                headroom.rise = smaller(headroom.rise, left(raised));
-                headroom.fall = smaller(headroom.fall, left(self.rate));
+                margin.rise = smaller(margin.rise, left(raised));
+                margin.fall = smaller(margin.fall, left(self.rate));
                 continue;
             };
             let rest = |rate: f64| 0.5 * (USABLE_SHARE - PATH_SHARE * rate.powi(3)) * jerk;
@@ -119,32 +119,32 @@ impl<J: JointVector> Headroom<'_, J> {
             let of_jerk = unused
                 * (USABLE_SHARE + 2.0 * PATH_SHARE)
                 * (0.5 * jerk / (3.0 * PATH_SHARE * limit)).powi(2);
-            headroom = headroom.and(RateHeadroom {
+            margin = margin.and(RateMargin {
                 rise: change(raised),
                 fall: change(self.rate),
                 bend: rest(raised) / along,
                 full: FullRate { rise: change(1.0), bend: (rest(1.0) / along).min(of_left).min(of_jerk) },
-                ..RateHeadroom::UNLIMITED
+                ..RateMargin::UNLIMITED
             });
         }
-        headroom
+        margin
     }
 }
 
 /// The least that a robot at this rate leaves for changes of the rate, in steps of `period` \[s\]: beside a path at all
 /// velocity limits.
-pub(crate) fn least_headroom<J: JointVector>(limits: &Limits<J>, rate: f64, period: f64) -> RateHeadroom {
-    Headroom { limits, rate, period, bridged: 0.0 }.at_speed(|i| limits.velocity[i])
+pub(crate) fn least_margin<J: JointVector>(limits: &Limits<J>, rate: f64, period: f64) -> RateMargin {
+    MarginRule { limits, rate, period, bridged: 0.0 }.at_speed(|i| limits.velocity[i])
 }
 
 /// What a robot that stands leaves for changes of the rate, in steps of `period` \[s\]: it may begin to move in the next one.
-pub(crate) fn standing_headroom<J: JointVector>(limits: &Limits<J>, rate: f64, period: f64) -> RateHeadroom {
+pub(crate) fn standing_margin<J: JointVector>(limits: &Limits<J>, rate: f64, period: f64) -> RateMargin {
     let pace = Pace { rate, period, ..Pace::at_rest() };
-    pace.headroom(limits)
+    pace.rate_margin(limits)
 }
 
-/// How fast a robot in this state may slow down on its screw, in steps of `period` \[s\]: within [`braking::SHARE`] of the
-/// acceleration limits, and within what the screw's `curvature` \[rad/s² or m/s²\] leaves of them where it slows a joint down as well.
+/// How fast a robot in this state may slow down on its twist, in steps of `period` \[s\]: within [`braking::SHARE`] of the
+/// acceleration limits, and within what the twist's `curvature` \[rad/s² or m/s²\] leaves of them where it slows a joint down as well.
 /// Where the curvature leaves enough, that takes no longer than braking from the velocity limits. It never takes longer than
 /// braking from them with that share.
 pub(super) fn braking_law<J: JointVector>(

@@ -1,11 +1,11 @@
 //! How robots that move together come back onto their path when all of them had no demand.
 //!
-//! In: the screws of the path before and over the time without demands, and the screws that the robots followed meanwhile. Out: the
-//! displacement of the body from its path, in the world, step by step until it is zero. All arms of one body know these screws, each by its own flange
-//! ([`together`](crate::safety::screw)), so all of them are displaced alike and keep their relative pose.
+//! In: the twists of the path before and over the time without demands, and the twists that the robots followed meanwhile. Out: the
+//! displacement of the body from its path, in the world, step by step until it is zero. All arms of one body know these twists, each by its own flange
+//! ([`together`](crate::safety::common_twist)), so all of them are displaced alike and keep their relative pose.
 
 use crate::model::pose::Pose;
-use crate::safety::screw::Screw;
+use crate::safety::common_twist::Twist;
 
 /// How many steps robots take to come back, for each multiple of the path's change of velocity in a step by which they are too
 /// fast. The first acceleration on the way back is `4/50` of the path's, and a little more for the displacement itself: a path
@@ -13,13 +13,13 @@ use crate::safety::screw::Screw;
 const STEPS: f64 = 50.0;
 
 /// How robots and their path have gone on.
-pub(super) struct Gone {
-    /// The path's screw in its last step before the time without demands, and over that time and the step of the late demand.
-    pub last: Screw,
-    pub over: Screw,
+pub(super) struct StepTwists {
+    /// The path's twist in its last step before the time without demands, and over that time and the step of the late demand.
+    pub last: Twist,
+    pub over: Twist,
     /// The robots' over that time, from where the path was before, and in its last step.
-    pub bridged: Screw,
-    pub change: Screw,
+    pub bridged: Twist,
+    pub change: Twist,
 }
 
 /// A way back to the path: the displacement from the path is a cubic polynomial in time. It begins with the displacement, and
@@ -27,11 +27,11 @@ pub(super) struct Gone {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Rejoining {
     /// The displacement at the last bridged step, and its change in that step.
-    from: Screw,
-    change: Screw,
-    /// The path's screw in the step of the late demand, and the largest change of such a screw in a step since the robots
+    from: Twist,
+    change: Twist,
+    /// The path's twist in the step of the late demand, and the largest change of such a twist in a step since the robots
     /// left the path.
-    path: Screw,
+    path: Twist,
     bend: f64,
     /// Steps since, and in all.
     step: f64,
@@ -40,9 +40,9 @@ pub(super) struct Rejoining {
 
 impl Rejoining {
     /// After `missed` steps without demands, from the way back on which the robots were.
-    pub fn after(known: Option<&Rejoining>, gone: &Gone, missed: f64) -> Rejoining {
-        let Gone { last, over, bridged, change } = *gone;
-        // Both are screws of the middles of their times: the path's changes by this in each step.
+    pub fn after(known: Option<&Rejoining>, gone: &StepTwists, missed: f64) -> Rejoining {
+        let StepTwists { last, over, bridged, change } = *gone;
+        // Both are twists of the middles of their times: the path's changes by this in each step.
         let bend = (over * (1.0 + missed).recip() - last) * (0.5 * (missed + 2.0)).recip();
         let from = bridged - last * missed - bend * (0.5 * missed * (missed + 1.0));
         let change = change - last - bend * missed;
@@ -67,16 +67,16 @@ impl Rejoining {
     }
 
     /// By how much that changed in the last step.
-    pub fn change(&self) -> Screw {
+    pub fn change(&self) -> Twist {
         self.offset(self.step) - self.offset(self.step - 1.0)
     }
 
-    /// The path's last screw, of the step of the late demand: later ones are those of the demands.
-    pub fn path_screw(&self) -> Option<Screw> {
+    /// The path's last twist, of the step of the late demand: later ones are those of the demands.
+    pub fn path_twist(&self) -> Option<Twist> {
         (self.step == 1.0).then_some(self.path)
     }
 
-    fn offset(&self, step: f64) -> Screw {
+    fn offset(&self, step: f64) -> Twist {
         let u = step / self.steps;
         let rest = 1.0 - u;
         self.from * ((1.0 + 2.0 * u) * rest * rest) + self.change * (step * rest * rest)

@@ -4,7 +4,7 @@
 
 use crate::model::joints::JointVector;
 use crate::model::robot::Robot;
-use crate::safety::screw::Screw;
+use crate::safety::common_twist::Twist;
 
 /// Where the joints are demanded to be, and how they move there.
 #[derive(Clone, Copy, Debug)]
@@ -35,16 +35,16 @@ impl<J: JointVector> JointState<J> {
     }
 
     /// The displacement of the flange in the last step of `duration` \[s\], in the world.
-    pub fn screw<R: Robot<Joints = J>>(&self, robot: &R, duration: f64) -> Screw {
+    pub fn twist<R: Robot<Joints = J>>(&self, robot: &R, duration: f64) -> Twist {
         let before = self.position - self.velocity * duration;
-        Screw::between(&robot.forward(&before), &robot.forward(&self.position))
+        Twist::between(&robot.forward(&before), &robot.forward(&self.position))
     }
 
     /// By how much that displacement differs from the one of the step before.
-    pub fn bend<R: Robot<Joints = J>>(&self, robot: &R, duration: f64) -> Screw {
+    pub fn bend<R: Robot<Joints = J>>(&self, robot: &R, duration: f64) -> Twist {
         let velocity = self.velocity - self.acceleration * duration;
         let before = JointState { position: self.position - self.velocity * duration, velocity, ..*self };
-        self.screw(robot, duration) - before.screw(robot, duration)
+        self.twist(robot, duration) - before.twist(robot, duration)
     }
 
     /// A step of `duration` \[s\] at `velocity` ends at `position`.

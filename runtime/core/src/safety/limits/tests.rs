@@ -289,14 +289,14 @@ fn a_redundancy_is_for_poses_and_a_number() {
 }
 
 #[test]
-fn a_screw_is_that_of_the_last_step_in_the_world_and_is_gone_on_along() {
+fn a_twist_is_that_of_the_last_step_in_the_world_and_is_gone_on_along() {
     let mut acceptor = acceptor(Turntable::new());
     (acceptor.state.position, acceptor.state.velocity) = (Two::new(0.2, 0.1), Two::new(0.3, 0.4));
     (acceptor.track.path.position, acceptor.track.path.velocity) =
         (acceptor.state.position, Two::new(0.2, 0.5));
     let before = Pose::new(Vector3::new(0.2 - 0.2e-3, 0.0, 0.0), Vector3::new(0.0, 0.0, 0.1 - 0.5e-3));
     let after = Pose::new(Vector3::new(0.2, 0.0, 0.0), Vector3::new(0.0, 0.0, 0.1));
-    let off = acceptor.bridging(T).screw.part(1.0).inv_mul(&(after * before.inverse()));
+    let off = acceptor.bridging(T).twist.part(1.0).inv_mul(&(after * before.inverse()));
     assert!(off.translation.vector.norm() + off.rotation.imag().norm() < 1e-14, "{off}");
 
     // 0.305 m/s and 0.39 rad/s from 0.3 m/s and 0.4 rad/s; the turn is about z of the world.
@@ -323,7 +323,7 @@ fn what_slows_down_has_no_demand_to_make_up_for() {
     acceptor.slow_down(&Pose::translation(5e-6, 0.0, 0.0), T).expect("slow");
     assert_eq!((acceptor.track.path.missing, acceptor.track.path.position), (0.0, acceptor.state.position));
     near(acceptor.track.path.velocity[0], 5e-3);
-    // Off the screw for want of numbers.
+    // Off the twist for want of numbers.
     acceptor.checks.robot.off = f64::NAN;
     let fault = acceptor.go_on(&Pose::identity(), T).expect_err("no number");
     assert_eq!((fault.kind(), fault.joint()), (FaultKind::DemandNotFinite, Some(0)));

@@ -5,15 +5,15 @@
 use crate::model::fault::Fault;
 use crate::model::pose::Pose;
 use crate::model::robot::Robot;
-use crate::safety::screw::Screw;
+use crate::safety::common_twist::Twist;
 
 use super::Acceptor;
 use super::catching_up::{CatchingUp, Late};
 use super::path::{OffPath, Track};
-use super::rejoining::{Gone, Rejoining};
+use super::rejoining::{Rejoining, StepTwists};
 
 /// A state for the end of a step.
-pub(super) struct Next<J> {
+pub(super) struct NextState<J> {
     pub position: J,
     pub velocity: J,
     pub track: Track<J>,
@@ -33,27 +33,27 @@ impl<R: Robot> Acceptor<R> {
         demand: &R::Joints,
         duration: f64,
         all_missed: bool,
-    ) -> Result<Next<R::Joints>, Fault> {
+    ) -> Result<NextState<R::Joints>, Fault> {
         if self.track.is_in_step() {
             return self.there(demand, duration);
         }
         let missed = (self.track.path.missing / duration).round();
         let way = match &self.track.off_path {
-            Some(OffPath::Together(way)) if missed == 0.0 || self.track.path.on_screw => Some(way),
+            Some(OffPath::Together(way)) if missed == 0.0 || self.track.path.on_twist => Some(way),
             Some(_) | None => None,
         };
         // One that is off its path by its joints does not come back with the others.
         let with_others =
-            self.track.path.on_screw && !matches!(self.track.off_path, Some(OffPath::Joints(_)));
+            self.track.path.on_twist && !matches!(self.track.off_path, Some(OffPath::Joints(_)));
         let rejoin = || {
             let robot = &self.checks.robot;
             let [from, to, at] =
                 [&self.track.path.position, demand, &self.state.position].map(|joints| robot.forward(joints));
-            let gone = Gone {
-                last: self.track.path_screw(robot, duration),
-                over: Screw::between(&from, &to),
-                bridged: Screw::between(&from, &at),
-                change: self.state.screw(robot, duration),
+            let gone = StepTwists {
+                last: self.track.path_twist(robot, duration),
+                over: Twist::between(&from, &to),
+                bridged: Twist::between(&from, &at),
+                change: self.state.twist(robot, duration),
             };
             self.beside(demand, Rejoining::after(way, &gone, missed), duration)
         };
@@ -82,24 +82,24 @@ impl<R: Robot> Acceptor<R> {
         demand: &R::Joints,
         rejoining: Rejoining,
         duration: f64,
-    ) -> Result<Next<R::Joints>, Fault> {
+    ) -> Result<NextState<R::Joints>, Fault> {
         let X_WF = rejoining.displacement() * self.checks.robot.forward(demand);
         let position = self.flange_joints(&X_WF, demand)?;
         let velocity = self.velocity_to(&position, None, duration)?;
         let off_path = Some(OffPath::Together(rejoining));
         let track = Track { path: self.track.path_to(demand, duration), off_path };
-        Ok(Next { position, velocity, track })
+        Ok(NextState { position, velocity, track })
     }
 
     /// The state at a demand.
-    fn there(&self, demand: &R::Joints, duration: f64) -> Result<Next<R::Joints>, Fault> {
+    fn there(&self, demand: &R::Joints, duration: f64) -> Result<NextState<R::Joints>, Fault> {
         let path = self.track.path_to(demand, duration);
         let velocity = self.velocity_to(demand, Some(&path.velocity), duration)?;
-        Ok(Next { position: *demand, velocity, track: Track { path, off_path: None } })
+        Ok(NextState { position: *demand, velocity, track: Track { path, off_path: None } })
     }
 
     /// A state on the way back to the path; `None` if the path is too far away.
-    fn back(&self, demand: &R::Joints, duration: f64) -> Result<Option<Next<R::Joints>>, Fault> {
+    fn back(&self, demand: &R::Joints, duration: f64) -> Result<Option<NextState<R::Joints>>, Fault> {
         let path = self.track.path_to(demand, duration);
         // Both velocities are those of the middles of their times.
         let acceleration =
@@ -124,7 +124,7 @@ impl<R: Robot> Acceptor<R> {
         };
         let velocity = self.velocity_to(&position, None, duration)?;
         let off_path = off_path.map(OffPath::Joints);
-        Ok(Some(Next { position, velocity, track: Track { path, off_path } }))
+        Ok(Some(NextState { position, velocity, track: Track { path, off_path } }))
     }
 
     /// The state that the flange has once it is displaced by `D` in the world.

@@ -50,8 +50,8 @@ impl Reader {
             }
         };
         let address = table.get("address").map(|value| {
-            let address = self.address_of_door(value)?;
-            self.take_door(value, name, address).then_some(address)
+            let address = self.address_of_gateway(value)?;
+            self.take_gateway(value, name, address).then_some(address)
         });
         let mut required = |key: &str, example: &str| {
             let value = table.get(key);
@@ -112,7 +112,7 @@ impl Reader {
         })
     }
 
-    fn address_of_door(&mut self, value: &Value<'_>) -> Option<SocketAddr> {
+    fn address_of_gateway(&mut self, value: &Value<'_>) -> Option<SocketAddr> {
         const ADDRESS: &str = "\"192.168.1.2:7449\", the address of the sensor's machine in the network of the program, and a port";
         let text = self.text(value, ADDRESS)?;
         let wrong = match text.parse::<SocketAddr>() {
@@ -126,9 +126,9 @@ impl Reader {
         None
     }
 
-    /// Takes the address for this sensor's door; false, and told, if another sensor's has it.
-    fn take_door(&mut self, value: &Value<'_>, name: &str, address: SocketAddr) -> bool {
-        if let Some((other, _)) = self.doors.iter().find(|(_, known)| *known == address) {
+    /// Takes the address for this sensor's gateway; false, and told, if another sensor's has it.
+    fn take_gateway(&mut self, value: &Value<'_>, name: &str, address: SocketAddr) -> bool {
+        if let Some((other, _)) = self.gateways.iter().find(|(_, known)| *known == address) {
             let what = format!("sensor `{other}` has this address already");
             let port = address.port().checked_add(1).unwrap_or(7449);
             let help =
@@ -136,7 +136,7 @@ impl Reader {
             self.complain(&value.span(), what, help);
             return false;
         }
-        self.doors.push((name.to_owned(), address));
+        self.gateways.push((name.to_owned(), address));
         true
     }
 

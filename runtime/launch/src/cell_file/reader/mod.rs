@@ -40,7 +40,7 @@ pub(super) fn read(name: &str, text: &str) -> Result<CellFile, CellFileError> {
     let (document, syntax) = DeTable::parse_recoverable(text);
     let source_of_reader = Rc::clone(&source);
     let mut reader =
-        Reader { source: source_of_reader, errors: Vec::new(), questions: Vec::new(), doors: Vec::new() };
+        Reader { source: source_of_reader, errors: Vec::new(), questions: Vec::new(), gateways: Vec::new() };
     // Other errors are not reported, because they may only follow from the line that is no TOML.
     let place = |error: &toml::de::Error| error.span().unwrap_or(0..0);
     if let Some(error) = syntax.iter().min_by_key(|error| place(error).start) {
@@ -116,7 +116,7 @@ struct Reader {
     /// What is allowed and improbable.
     questions: Vec<CellFileError>,
     /// Sensors whose programs are on other machines, and where those call.
-    doors: Vec<(String, SocketAddr)>,
+    gateways: Vec<(String, SocketAddr)>,
 }
 
 /// A named table: `[robots.NAME]`.

@@ -126,8 +126,8 @@ impl Reader {
             }
             Ok(address) => {
                 let node = others.iter().find(|other| other.address == address);
-                let door = self.doors.iter().find(|(_, known)| *known == address);
-                match (node, door) {
+                let gateway = self.gateways.iter().find(|(_, known)| *known == address);
+                match (node, gateway) {
                     (Some(other), _) => format!("node `{}` has this address already", other.name.as_str()),
                     (None, Some((sensor, _))) => {
                         format!("the program of sensor `{sensor}` calls at this address")

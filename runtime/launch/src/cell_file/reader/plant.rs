@@ -10,7 +10,7 @@ use super::super::entry::RobotEntry;
 use super::super::plant::PlantEntry;
 use super::{Reader, Value};
 
-pub(in super::super) const PLANT_KEYS: [&str; 2] = ["port", "patience_ms"];
+pub(in super::super) const PLANT_KEYS: [&str; 2] = ["port", "timeout_ms"];
 
 /// A process of a cell computes for less than a minute without waiting, or counts as stuck.
 const LONGEST: Duration = Duration::from_secs(50);
@@ -24,16 +24,16 @@ impl Reader {
             return None;
         };
         self.known(table, &PLANT_KEYS, "a plant has");
-        let patience = match table.get("patience_ms") {
-            None => PlantEntry::PATIENCE,
+        let timeout = match table.get("timeout_ms") {
+            None => PlantEntry::TIMEOUT,
             Some(value) => {
-                let patience = self.duration(value)?;
-                if patience > LONGEST {
-                    let what = format!("{} ms", patience.as_millis());
+                let timeout = self.duration(value)?;
+                if timeout > LONGEST {
+                    let what = format!("{} ms", timeout.as_millis());
                     let help = format!("write a number of milliseconds up to {}", LONGEST.as_millis());
                     self.complain(&value.span(), what, help);
                 }
-                patience
+                timeout
             }
         };
         let Some(port) = table.get("port") else {
@@ -51,7 +51,7 @@ impl Reader {
                 robot: robot.to_owned(),
                 port: name.as_str().to_owned(),
                 span: value.span(),
-                patience,
+                timeout,
                 robots: Vec::new(),
             }),
             Err(bad) => {

@@ -1,6 +1,6 @@
 //! One line as words: `N` numbers, comments and assignments are gone, every value is computed.
 //!
-//! A word that the machine obeys is taken; what is left when the line is done, the reader tells.
+//! A word that the machine carries out is taken; what is left when the line is done, the reader tells.
 
 use std::cell::Cell;
 
@@ -25,19 +25,19 @@ pub struct Block {
 }
 
 impl Block {
-    /// The word of a letter that stands at most once, to be obeyed.
+    /// The word of a letter that stands at most once, to be carried out.
     pub fn word(&self, letter: char) -> Option<&Word> {
         let word = self.words.iter().find(|word| word.letter == letter)?;
         word.taken.set(true);
         Some(word)
     }
 
-    /// The value of a letter, to be obeyed.
+    /// The value of a letter, to be carried out.
     pub fn value(&self, letter: char) -> Option<f64> {
         self.word(letter).map(|word| word.value)
     }
 
-    /// Takes the words of these letters without obeying them: who calls says so.
+    /// Takes the words of these letters without carrying them out: who calls says so.
     pub fn take(&self, letters: &str) {
         self.words.iter().filter(|word| letters.contains(word.letter)).for_each(|word| word.taken.set(true));
     }
@@ -52,7 +52,7 @@ impl Block {
         self.words.iter().find(|word| letters.contains(word.letter)).map(|word| word.byte)
     }
 
-    /// The words of a letter that may stand several times: G and M, which are always obeyed or told.
+    /// The words of a letter that may stand several times: G and M, which are always carried out or told.
     pub fn all(&self, letter: char) -> impl Iterator<Item = &Word> {
         self.words.iter().filter(move |word| word.letter == letter).inspect(|word| word.taken.set(true))
     }

@@ -75,8 +75,8 @@ pub fn cuts(done: Done, lift: PenLift) -> Result<Cuts, Stop> {
     let rule = rule(&steps, &said, lift)?;
     let mut warnings: Vec<String> = what_was_found(rule, &steps, lift).into_iter().collect();
     for (signal, line) in [(Signal::Servo, said.servo_line), (Signal::Tone, said.tone_line)] {
-        let obeyed = matches!(rule, Rule::Pen(pen) if pen.signal == signal);
-        if let Some(line) = line.filter(|_| !obeyed) {
+        let carried_out = matches!(rule, Rule::Pen(pen) if pen.signal == signal);
+        if let Some(line) = line.filter(|_| !carried_out) {
             let what = match said.of(signal) {
                 [_, _, ..] => {
                     format!("{signal} left out; if it lifts the pen, say --pen {}", name_of(signal))

@@ -7,7 +7,7 @@ use super::{Stop, malformed, unsupported};
 use crate::drawing::Vec3;
 
 impl Machine<'_> {
-    /// Obeys a word that moves no tool, or sends it home.
+    /// Carries out a word that moves no tool, or sends it home.
     pub(super) fn set(&mut self, request: Request, block: &Block, byte: usize) -> Result<(), Stop> {
         match request {
             Request::SetData => return self.set_data(block, byte),

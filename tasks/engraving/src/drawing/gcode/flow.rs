@@ -59,8 +59,8 @@ impl<'a> Control<'a> {
         Ok(Some((number, line)))
     }
 
-    /// Obeys the O-word of a line.
-    pub fn obey(
+    /// Carries out the O-word of a line.
+    pub fn carry_out(
         &mut self,
         number: usize,
         line: &str,

@@ -6,7 +6,7 @@ use super::cutting::{Move, Pace, Step};
 use super::cycles::Sticky;
 use super::modes::{Distance, FeedMode, MachineWord, Modes, Plane, Request, check_groups, tenths};
 use super::notes::Notes;
-use super::parameters::{Parameters, Told};
+use super::parameters::{MachineReport, Parameters};
 use super::pen::{Signal, Signals};
 use super::spline::Collected;
 use super::{Cause, Stop, malformed, unsupported};
@@ -14,7 +14,7 @@ use crate::drawing::{Budget, Height, Piece, Vec2, Vec3};
 
 /// What a line asks of the program's control.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Asked {
+pub enum ControlRequest {
     /// To go on with the next line.
     Nothing,
     /// M2 or M30.
@@ -140,7 +140,7 @@ impl<'a> Machine<'a> {
         }
         let scale = self.scale();
         let Coordinates { systems, active, .. } = self.coordinates;
-        self.parameters.told = Told {
+        self.parameters.told = MachineReport {
             position: (self.tool - self.coordinates.origin()) / scale,
             machine: self.tool / scale,
             shift: self.coordinates.shift() / scale,
@@ -163,7 +163,7 @@ impl<'a> Machine<'a> {
     }
 
     /// Runs the words of a line, which may be none.
-    pub fn run(&mut self, line: usize, block: &Block) -> Result<Asked, Stop> {
+    pub fn run(&mut self, line: usize, block: &Block) -> Result<ControlRequest, Stop> {
         self.line = line;
         check_letters(block)?;
         check_groups(block.all('g'))?;
@@ -231,11 +231,11 @@ impl<'a> Machine<'a> {
         }
     }
 
-    fn machine_words(&mut self, block: &Block) -> Result<Asked, Stop> {
-        let mut asked = Asked::Nothing;
+    fn machine_words(&mut self, block: &Block) -> Result<ControlRequest, Stop> {
+        let mut asked = ControlRequest::Nothing;
         for word in block.all('m') {
             match self.modes.m(word.value.floor() as i64) {
-                MachineWord::End => asked = Asked::End,
+                MachineWord::End => asked = ControlRequest::End,
                 MachineWord::Fan => {}
                 MachineWord::Spindle => {
                     if let Some(value) = self.modes.power {
@@ -252,9 +252,13 @@ impl<'a> Machine<'a> {
                             "write M98 P with the number of a program",
                         );
                     };
-                    asked = Asked::Call { number, times: block.value('l').unwrap_or(1.0), byte: word.byte };
+                    asked = ControlRequest::Call {
+                        number,
+                        times: block.value('l').unwrap_or(1.0),
+                        byte: word.byte,
+                    };
                 }
-                MachineWord::Return => asked = Asked::Return { byte: word.byte },
+                MachineWord::Return => asked = ControlRequest::Return { byte: word.byte },
                 MachineWord::LeftOut(what, letters) => {
                     block.take(letters);
                     self.left_out('M', word, what);
@@ -343,7 +347,7 @@ impl<'a> Machine<'a> {
         self.notes.add(&name, self.line, || format!("{name} left out: {what}"));
     }
 
-    /// Tells words that nothing has obeyed, by letters.
+    /// Tells words that nothing has carried out, by letters.
     fn tell_untaken(&mut self, block: &Block) {
         for word in block.untaken() {
             let letter = word.letter.to_ascii_uppercase();

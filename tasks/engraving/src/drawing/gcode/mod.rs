@@ -40,7 +40,7 @@ use characters::Characters;
 pub use cutting::DEEPEST;
 use cutting::cuts;
 use flow::Control;
-use machine::{Asked, Machine};
+use machine::{ControlRequest, Machine};
 pub use pen::{PenLift, Signal};
 pub use program::BlockDelete;
 use program::Program;
@@ -129,7 +129,7 @@ fn one_line(
     let mut characters = Characters::new(line);
     characters.accept('/');
     if let Some(word) = program.word(number) {
-        control.obey(number, line, word, machine.parameters(line))?;
+        control.carry_out(number, line, word, machine.parameters(line))?;
         if word.flow != program::Flow::Number {
             return Ok(false);
         }
@@ -138,10 +138,12 @@ fn one_line(
     }
     let block = block::parse(&mut characters, machine.parameters(line), depth)?;
     match machine.run(number, &block)? {
-        Asked::Nothing => Ok(false),
-        Asked::End => Ok(true),
-        Asked::Call { number, times, byte } => control.run_numbered(number, times, byte).map(|()| false),
-        Asked::Return { byte } => Ok(!control.return_numbered(byte)?),
+        ControlRequest::Nothing => Ok(false),
+        ControlRequest::End => Ok(true),
+        ControlRequest::Call { number, times, byte } => {
+            control.run_numbered(number, times, byte).map(|()| false)
+        }
+        ControlRequest::Return { byte } => Ok(!control.return_numbered(byte)?),
     }
 }
 

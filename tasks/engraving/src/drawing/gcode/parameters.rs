@@ -21,7 +21,7 @@ const KEPT: std::ops::RangeInclusive<u32> = 5061..=5430;
 
 /// What the machine tells of itself, in the units of the program.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Told {
+pub struct MachineReport {
     /// Coordinates in the active system.
     pub position: Vec3,
     /// Coordinates of the machine.
@@ -57,7 +57,7 @@ pub struct Parameters {
     local: Vec<HashMap<String, f64>>,
     /// `#1` to `#30` of each caller.
     callers: Vec<Vec<f64>>,
-    pub told: Told,
+    pub told: MachineReport,
 }
 
 impl Parameters {
@@ -131,7 +131,7 @@ impl Parameters {
 
     /// Numbered parameters that the machine keeps.
     fn kept(&self, n: u32) -> Option<f64> {
-        let Told { position, shift, systems, active, .. } = &self.told;
+        let MachineReport { position, shift, systems, active, .. } = &self.told;
         let axis = |v: &Vec3, n: u32| v.get(n as usize).copied();
         match n {
             5211..=5213 => axis(shift, n - 5211),

@@ -1,6 +1,6 @@
 //! SVG: what is seen becomes strokes.
 //!
-//! usvg says what is seen, where and with which stroke: it obeys `use`, `switch`, style sheets, units, viewports and
+//! usvg says what is seen, where and with which stroke: it resolves `use`, `switch`, style sheets, units, viewports and
 //! markers. It computes in `f32` and makes cubics of arcs, which is not enough for 2 um: so it is given marks in the place
 //! of outlines (`rewrite`), and the outlines behind them are read in `f64` (`source`) and drawn where usvg has put them
 //! (`seen`, `exact`). Every outline that is filled or stroked is engraved; a dashed one as its dashes. Entities of a DTD

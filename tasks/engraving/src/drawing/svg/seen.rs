@@ -86,10 +86,10 @@ impl<'a> Seen<'_, 'a> {
         }
         let map = round.map.after(&self.transforms.exact(group.transform()));
         if group.mask().is_some() {
-            self.tell("masks are not obeyed: what they hide is engraved".to_owned());
+            self.tell("masks are not applied: what they hide is engraved".to_owned());
         }
         if !group.filters().is_empty() {
-            self.tell("filters are not obeyed".to_owned());
+            self.tell("filters are not applied".to_owned());
         }
         let Some(path) = group.clip_path() else {
             return self.children(group, Round { map, ..round });

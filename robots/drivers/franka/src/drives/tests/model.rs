@@ -153,10 +153,10 @@ impl Network for VirtualNetwork {
         self.simulation.borrow().now
     }
 
-    fn connect(&mut self, patience: Duration) -> Result<u16, DriveFault> {
+    fn connect(&mut self, timeout: Duration) -> Result<u16, DriveFault> {
         self.close();
         let mut simulation = self.simulation.borrow_mut();
-        assert_eq!(patience, PATIENCE);
+        assert_eq!(timeout, TIMEOUT);
         if simulation.version.is_none() {
             return Err(ABSENT);
         }

@@ -125,9 +125,9 @@ fn the_rate_of_a_demand_is_its_path_time_over_its_own_duration() {
     (header.dt, header.duration, header.len) = (3e-3, 4e-3, <Demand<Slide> as Wire>::LEN as u32);
     x(5e-6).put(&mut edp.answers.request.body);
     edp.serve();
-    // (0.98 - 0.9 r²) a / (v + a T), see `Acceptor::headroom`.
+    // (0.98 - 0.9 r²) a / (v + a T), see `Acceptor::rate_margin`.
     let expected = (0.98 - 0.9 * 0.75 * 0.75) * 10.0 / (5e-3 / 0.75 + 10.0 * 1e-3);
-    let fall = edp.answers.reply.header.headroom.fall;
+    let fall = edp.answers.reply.header.rate_margin.fall;
     assert!((fall - expected).abs() < 1e-9 * expected, "{fall}, {expected}");
 }
 

@@ -7,7 +7,7 @@
 
 use stateright::{Checker, Model, Property};
 
-use crate::safety::latch::{Admission, Asked, Event, Gate, Latch, Latching};
+use crate::safety::latch::{Admission, Event, Gate, GateRequest, Latch, Latching};
 
 const ROBOTS: usize = 2;
 /// Resets, faults and messages on one link that are explored, and the speed of a robot in braking steps.
@@ -16,7 +16,7 @@ const FAULTS: u8 = 2;
 const FLIGHT: usize = 2;
 const SPEED: u8 = 2;
 
-type Message = (u32, Asked);
+type Message = (u32, GateRequest);
 
 /// What a robot answers: to an order of which epoch, whether it stands, whether its gate is shut.
 type Answer = (u32, bool, bool);
@@ -112,9 +112,9 @@ impl CellState {
 
     fn order(&mut self, i: usize) -> bool {
         let asked = match self.latching.latch {
-            Latch::Clear => Asked::Move,
-            Latch::Stopping | Latch::Latched | Latch::Acknowledged => Asked::Stop,
-            Latch::Resetting => Asked::Reset,
+            Latch::Clear => GateRequest::Move,
+            Latch::Stopping | Latch::Latched | Latch::Acknowledged => GateRequest::Stop,
+            Latch::Resetting => GateRequest::Reset,
         };
         let message = (self.epoch, asked);
         let orders = &mut self.robots[i].orders;
@@ -188,7 +188,7 @@ impl RobotState {
             Admission::Ignored => None,
             Admission::Done => Some((epoch, asked)),
             // It answers with what is latched, and its EDP is told to stop.
-            Admission::Refused => Some((epoch, Asked::Stop)),
+            Admission::Refused => Some((epoch, GateRequest::Stop)),
         }
     }
 
@@ -202,18 +202,18 @@ impl RobotState {
         }
         let mut broken = false;
         match (asked, admission) {
-            (Asked::Move, Admission::Done) => {
+            (GateRequest::Move, Admission::Done) => {
                 broken = self.ghost_latched || epoch != self.ghost_epoch;
                 (self.speed, self.braking) = (SPEED, false);
             }
-            (Asked::Reset, Admission::Done) => {
+            (GateRequest::Reset, Admission::Done) => {
                 (self.ghost_latched, self.ghost_epoch) = (false, epoch);
             }
-            (Asked::Stop, _) | (_, Admission::Refused) => {
+            (GateRequest::Stop, _) | (_, Admission::Refused) => {
                 self.shut_down();
                 self.ghost_epoch = self.ghost_epoch.max(epoch);
             }
-            (Asked::Look, _) | (_, Admission::Ignored) => {}
+            (GateRequest::Look, _) | (_, Admission::Ignored) => {}
         }
         let latched = admission == Admission::Refused || self.ghost_latched;
         // An ECP behind whose back its EDP has latched hears of it now.
@@ -335,7 +335,7 @@ impl Model for StopProtocol {
             Property::<Self>::sometimes(
                 "an order from before the stop arrives after a restart",
                 |_, state| {
-                    let is_old = |order: &Message| order.0 < state.epoch && order.1 == Asked::Move;
+                    let is_old = |order: &Message| order.0 < state.epoch && order.1 == GateRequest::Move;
                     state.ghost_restarts == 1
                         && state.robots.iter().any(|robot| robot.orders.iter().any(is_old))
                 },

@@ -12,7 +12,7 @@ struct Trapezoid {
     cruise: f64,
 }
 
-impl Course for Trapezoid {
+impl Trajectory for Trapezoid {
     fn duration(&self) -> f64 {
         2.0 * self.v / self.a + self.cruise
     }
@@ -37,7 +37,7 @@ pub(super) struct Quintic {
     pub duration: f64,
 }
 
-impl Course for Quintic {
+impl Trajectory for Quintic {
     fn duration(&self) -> f64 {
         self.duration
     }
@@ -58,7 +58,7 @@ struct Went {
 }
 
 /// A path from rest to rest.
-pub(super) trait Course {
+pub(super) trait Trajectory {
     /// In which time \[s\].
     fn duration(&self) -> f64;
     /// Where it is at a time.
@@ -66,7 +66,7 @@ pub(super) trait Course {
 }
 
 /// Follows the path, without the demands of steps `k + 1` to `k + n`, and then holds where it ends.
-fn go(path: &impl Course, k: usize, n: usize) -> Result<Went, FaultKind> {
+fn go(path: &impl Trajectory, k: usize, n: usize) -> Result<Went, FaultKind> {
     let mut acceptor = acceptor(Turntable::with(|limits| limits.lower[0] = -9.0));
     acceptor.checks.robot.limits.upper[0] = 9.0;
     let last = (path.duration() / T).ceil() as usize + 1;
@@ -304,7 +304,7 @@ fn demands_that_are_lost_on_the_way_back_are_bridged_at_the_robots_own_velocity(
 fn fault_18_joints_of_an_inverse_that_are_no_numbers_are_refused_on_the_common_way_back() {
     let mut acceptor = acceptor(Turntable::new());
     (acceptor.state.velocity[0], acceptor.track.path.velocity[0], acceptor.track.path.span) = (0.3, 0.3, T);
-    acceptor.go_on(&Pose::translation(0.3 * T, 0.0, 0.0), T).expect("on the screw");
+    acceptor.go_on(&Pose::translation(0.3 * T, 0.0, 0.0), T).expect("on the twist");
     acceptor.checks.robot.off = f64::NAN;
     let before = acceptor.state.position;
     let fault = acceptor.rejoin(&joints(0.6 * T, 0.0), 2.0 * T, T).expect_err("no joints");
@@ -336,22 +336,22 @@ fn an_offset_ends_in_the_fewest_steps_that_the_acceleration_allows() {
     }
 }
 
-/// After a demand that was missing on a screw, of a path of 2 m/s².
-fn on_a_screw() -> Acceptor<Turntable> {
+/// After a demand that was missing on a twist, of a path of 2 m/s².
+fn on_a_twist() -> Acceptor<Turntable> {
     let mut acceptor = acceptor(Turntable::new());
     acceptor.accept(&joints(1e-6, 0.0), T, T).expect("slow");
-    let screw = acceptor.bridging(T).screw;
-    acceptor.go_on(&screw.part(1.0), T).expect("within the limits");
+    let twist = acceptor.bridging(T).twist;
+    acceptor.go_on(&twist.part(1.0), T).expect("within the limits");
     acceptor
 }
 
 #[test]
 fn an_arm_that_missed_a_demand_alone_goes_straight_to_the_next_and_arms_that_all_did_come_back_together() {
     let demand = joints(9e-6, 0.0);
-    let mut alone = on_a_screw();
+    let mut alone = on_a_twist();
     alone.accept(&demand, 2.0 * T, T).expect("6 m/s²");
     assert!(alone.is_on_path() && alone.state.position == Two::new(9e-6, 0.0), "{}", alone.state.position);
-    let mut together = on_a_screw();
+    let mut together = on_a_twist();
     together.rejoin(&demand, 2.0 * T, T).expect("within the limits");
     assert!(
         matches!(together.track.off_path, Some(OffPath::Together(_))) && together.state.position[0] < 8e-6
@@ -359,8 +359,8 @@ fn an_arm_that_missed_a_demand_alone_goes_straight_to_the_next_and_arms_that_all
     // 12 m/s² are too much at once: whether the others missed it, too, is not known.
     let mut unknown = acceptor(Turntable::new());
     unknown.accept(&joints(2e-6, 0.0), T, T).expect("slow");
-    let screw = unknown.bridging(T).screw;
-    unknown.go_on(&screw.part(1.0), T).expect("within the limits");
+    let twist = unknown.bridging(T).twist;
+    unknown.go_on(&twist.part(1.0), T).expect("within the limits");
     unknown.accept(&joints(18e-6, 0.0), 2.0 * T, T).expect("on the way back");
     assert!(matches!(unknown.track.off_path, Some(OffPath::Together(_))));
     // One that was bridged by its joints since is beside the others anyway, and comes back by itself.

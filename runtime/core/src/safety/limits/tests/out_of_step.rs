@@ -1,12 +1,12 @@
 //! Demands that come after or before their steps: the robot goes on along its path, within the limits, and ends where it ends.
 
-use super::late::{Course, Quintic};
+use super::late::{Quintic, Trajectory};
 use super::*;
 use crate::safety::limits::catching_up::FARTHEST;
 
 /// Follows the path, where the demand of step `k` comes `late(k)` steps late, in the order of their steps; returns how far from
 /// the path the robot was at most \[m\], and where it ended.
-fn go(path: &impl Course, late: impl Fn(i64) -> i64) -> Result<(f64, Two), Fault> {
+fn go(path: &impl Trajectory, late: impl Fn(i64) -> i64) -> Result<(f64, Two), Fault> {
     let mut acceptor = acceptor(Turntable::new());
     let last = (path.duration() / T).ceil() as i64;
     let (mut next, mut off, mut before) = (1, 0.0_f64, (Two::zeros(), Two::zeros()));

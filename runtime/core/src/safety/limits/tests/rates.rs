@@ -1,8 +1,8 @@
-//! How fast the rate may change, and how fast robots slow down on their screw.
+//! How fast the rate may change, and how fast robots slow down on their twist.
 
 use super::*;
 use crate::safety::braking::BrakingLaw;
-use crate::safety::limits::rates::least_headroom;
+use crate::safety::limits::rates::least_margin;
 use crate::safety::rate::{DEFAULT_CHANGE, Feed, path_stop_time};
 
 /// At 0.3 m/s and -0.2 rad/s.
@@ -17,40 +17,40 @@ fn moving(robot: Turntable) -> Acceptor<Turntable> {
 fn the_rate_may_change_by_what_a_path_leaves_of_the_acceleration() {
     // (0.98 - 0.9 r²) a / (v + a T), of 10 m/s² at 0.3 m/s in 2 ms; the turn's 20 rad/s² at 0.2 rad/s are more.
     let mut acceptor = moving(Turntable::new());
-    let headroom = acceptor.headroom();
-    near(headroom.rise, 0.08 * 10.0 / 0.32);
-    near(headroom.fall, 0.08 * 10.0 / 0.32);
-    assert_eq!(headroom.bend, f64::INFINITY);
+    let margin = acceptor.rate_margin();
+    near(margin.rise, 0.08 * 10.0 / 0.32);
+    near(margin.fall, 0.08 * 10.0 / 0.32);
+    assert_eq!(margin.bend, f64::INFINITY);
     // At half the rate, which may be 0.51 at the end of a step in which it rises by 5 / s.
     acceptor.pace.rate = 0.5;
-    near(acceptor.headroom().fall, (0.98 - 0.9 * 0.25) * 10.0 / 0.32);
-    near(acceptor.headroom().rise, (0.98 - 0.9 * 0.51 * 0.51) * 10.0 / 0.32);
+    near(acceptor.rate_margin().fall, (0.98 - 0.9 * 0.25) * 10.0 / 0.32);
+    near(acceptor.rate_margin().rise, (0.98 - 0.9 * 0.51 * 0.51) * 10.0 / 0.32);
     // Where two of three demands are lost, a ninth.
     acceptor.pace.bridged = 2.0;
-    near(acceptor.headroom().fall, (0.98 - 0.9 * 0.25) * 10.0 / 9.0 / 0.32);
+    near(acceptor.rate_margin().fall, (0.98 - 0.9 * 0.25) * 10.0 / 9.0 / 0.32);
     // The joint that leaves less counts: 20 / (2.0 + 0.04).
     (acceptor.pace.bridged, acceptor.pace.path_speed[1]) = (0.0, 2.0);
-    near(acceptor.headroom().fall, (0.98 - 0.9 * 0.25) * 20.0 / 2.04);
+    near(acceptor.rate_margin().fall, (0.98 - 0.9 * 0.25) * 20.0 / 2.04);
 }
 
 #[test]
 fn with_a_jerk_limit_the_rate_may_change_by_what_a_path_leaves_of_that_as_well() {
     // Of 0.08 j a half for 3 r' q'', with q'' = 0.9 a, a half for r'' q', with q' = v + a T of the velocity limit, 1 m/s.
-    let headroom = moving(Turntable::with_jerk(100.0, 1e6)).headroom();
-    near(headroom.rise, 0.04 * 100.0 / (3.0 * 0.9 * 10.0));
-    near(headroom.fall, 0.04 * 100.0 / (3.0 * 0.9 * 10.0));
-    near(headroom.bend, 0.04 * 100.0 / 1.02);
-    let headroom = moving(Turntable::with_jerk(1e4, 1e6)).headroom();
-    near(headroom.fall, 0.08 * 10.0 / 1.02);
-    near(headroom.bend, 0.04 * 1e4 / 1.02);
+    let margin = moving(Turntable::with_jerk(100.0, 1e6)).rate_margin();
+    near(margin.rise, 0.04 * 100.0 / (3.0 * 0.9 * 10.0));
+    near(margin.fall, 0.04 * 100.0 / (3.0 * 0.9 * 10.0));
+    near(margin.bend, 0.04 * 100.0 / 1.02);
+    let margin = moving(Turntable::with_jerk(1e4, 1e6)).rate_margin();
+    near(margin.fall, 0.08 * 10.0 / 1.02);
+    near(margin.bend, 0.04 * 1e4 / 1.02);
     // At half the rate a path has a quarter of its acceleration and an eighth of its jerk.
     let mut acceptor = moving(Turntable::with_jerk(100.0, 1e6));
     acceptor.pace.rate = 0.5;
-    near(acceptor.headroom().fall, 0.5 * (0.98 - 0.9 / 8.0) * 100.0 / (3.0 * 0.9 * 10.0 * 0.5));
-    near(acceptor.headroom().bend, 0.5 * (0.98 - 0.9 * 0.51_f64.powi(3)) * 100.0 / 1.02);
+    near(acceptor.rate_margin().fall, 0.5 * (0.98 - 0.9 / 8.0) * 100.0 / (3.0 * 0.9 * 10.0 * 0.5));
+    near(acceptor.rate_margin().bend, 0.5 * (0.98 - 0.9 * 0.51_f64.powi(3)) * 100.0 / 1.02);
     // A path that is planned faster than the robot may be, to be gone along slowly.
     acceptor.pace.path_speed[0] = 1.5;
-    near(acceptor.headroom().bend, 0.5 * (0.98 - 0.9 * 0.51_f64.powi(3)) * 100.0 / 1.52);
+    near(acceptor.rate_margin().bend, 0.5 * (0.98 - 0.9 * 0.51_f64.powi(3)) * 100.0 / 1.52);
 }
 
 #[test]
@@ -61,7 +61,7 @@ fn a_stop_on_the_path_takes_the_time_that_the_limits_leave() {
         Turntable::with(|l| (l.velocity, l.acceleration) = (Two::repeat(1.0), Two::repeat(2.0))).limits;
     let (p, u) = (0.9_f64.sqrt(), 0.98_f64.sqrt());
     let integral = (p / u).atanh() / (p * u);
-    let time = path_stop_time(DEFAULT_CHANGE, T, |rate| least_headroom(&limits, rate, T));
+    let time = path_stop_time(DEFAULT_CHANGE, T, |rate| least_margin(&limits, rate, T));
     assert!((time - 1.002 / 2.0 * integral).abs() < 3e-3, "{time}, {integral}");
     // With one, by quadrature in time of the same bounds and those of the jerk, r'' among them: see
     // `tests/benches/peers/path_stop.py`.
@@ -71,7 +71,7 @@ fn a_stop_on_the_path_takes_the_time_that_the_limits_leave() {
             acceleration: Two::repeat(a),
             ..Turntable::with_jerk(jerk, jerk).limits
         };
-        let time = path_stop_time(DEFAULT_CHANGE, T, |rate| least_headroom(&limits, rate, T));
+        let time = path_stop_time(DEFAULT_CHANGE, T, |rate| least_margin(&limits, rate, T));
         assert!((time - seconds).abs() < 5e-3, "{time}, {seconds}");
     }
 }
@@ -156,7 +156,7 @@ fn fault_80_a_path_of_nine_tenths_keeps_all_limits_however_its_rate_changes() {
             if random() < 0.02 {
                 wanted = [0.0, 1.0, random()][(random() * 3.0) as usize];
             }
-            feed.limit(acceptor.headroom());
+            feed.limit(acceptor.rate_margin());
             let dt = feed.advance(wanted, period) * period;
             time += dt;
             if time > seconds {
@@ -173,7 +173,7 @@ fn fault_80_a_path_of_nine_tenths_keeps_all_limits_however_its_rate_changes() {
 }
 
 #[test]
-fn a_robot_slows_down_on_a_screw_by_the_share_of_its_acceleration() {
+fn a_robot_slows_down_on_a_twist_by_the_share_of_its_acceleration() {
     let mut acceptor = moving(Turntable::with_jerk(1000.0, 1e6));
     // 0.3 m/s grows by 1 m/s² for 2 ms, and by a tenth of 10 m/s² for 2 ms.
     let faster = 0.3 + 0.002 + 0.002;
@@ -192,7 +192,7 @@ fn a_robot_slows_down_on_a_screw_by_the_share_of_its_acceleration() {
 }
 
 #[test]
-fn a_robot_slows_down_on_a_bent_screw_by_what_that_leaves_of_its_acceleration() {
+fn a_robot_slows_down_on_a_bent_twist_by_what_that_leaves_of_its_acceleration() {
     let mut acceptor = moving(Turntable::new());
     let faster = 0.3 + 0.002 + 0.002;
     let mut fall = |curvature: [f64; 2]| {
@@ -235,13 +235,13 @@ impl Robot for Polar {
 /// At constant spatial twist `(omega, v_s)` the flange's origin goes by p' = v_s + omega x p, p'' = omega x p'. In polar
 /// coordinates, where r' is along p: v_s = r' e_r, r'' = 0 and theta'' = -r' theta' / r.
 #[test]
-fn the_curvature_of_a_screw_is_the_acceleration_of_joints_that_follow_it() {
+fn the_curvature_of_a_twist_is_the_acceleration_of_joints_that_follow_it() {
     let period = 1e-4;
     let mut acceptor =
         Acceptor::new(Polar(Turntable::new().limits), Pose::identity(), Two::zeros(), REACTION);
     acceptor.state.position = Two::new(0.7, 0.5);
     acceptor.state.velocity = Two::new(0.4, 0.3);
-    acceptor.look_along_screw(period);
+    acceptor.look_along_twist(period);
     let found = acceptor.curvature();
     // Differences over steps are those of their middles: off by less than the change in a step.
     assert!((found[0] + 0.3 * 0.4 / 0.5).abs() < 1e-4 && found[1].abs() < 1e-4, "{found}");
@@ -251,12 +251,12 @@ fn the_curvature_of_a_screw_is_the_acceleration_of_joints_that_follow_it() {
     // It holds for 16 ms.
     acceptor.state.velocity = Two::new(0.4, -0.3);
     for _ in 0..159 {
-        acceptor.look_along_screw(period);
+        acceptor.look_along_twist(period);
         near(acceptor.curvature()[0], found[0]);
     }
-    acceptor.look_along_screw(period);
+    acceptor.look_along_twist(period);
     let found = acceptor.curvature();
     assert!((found[0] - 0.3 * 0.4 / 0.5).abs() < 1e-4 && found[1].abs() < 1e-4, "{found}");
-    acceptor.leave_screw();
+    acceptor.leave_twist();
     assert_eq!(acceptor.curvature(), Two::zeros());
 }

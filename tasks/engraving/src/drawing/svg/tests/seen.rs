@@ -108,7 +108,7 @@ fn a_transform_of_the_root_moves_the_page_in_px() {
 }
 
 #[test]
-fn style_sheets_are_obeyed() {
+fn style_sheets_are_applied() {
     let sheet = "<style>.st0{display:none}.st1{fill:none;stroke:#000}</style>\
                  <g class='st0'><path d='M1 1H90'/></g><path class='st1' d='M10 10H60'/>";
     drawn_at(sheet, &[[10.0, 10.0, 60.0, 10.0]]);
@@ -199,9 +199,9 @@ fn what_is_clipped_masked_or_filled_with_a_pattern_is_told() {
     assert!(told(&within).is_empty(), "{}", told(&within));
     let mask =
         "<mask id='m'><rect width='50' height='50' fill='#fff'/></mask><path mask='url(#m)' d='M10 25H90'/>";
-    assert!(told(mask).contains("masks are not obeyed"));
+    assert!(told(mask).contains("masks are not applied"));
     let filter = "<filter id='f'><feGaussianBlur/></filter><path filter='url(#f)' d='M10 25H90'/>";
-    assert!(told(filter).contains("filters are not obeyed"));
+    assert!(told(filter).contains("filters are not applied"));
     let pattern = "<pattern id='p' width='4' height='4'><circle r='1'/></pattern><rect width='9' height='9' fill='url(#p)'/>";
     assert!(told(pattern).contains("patterns are not engraved"));
     assert!(told("<path d='M90 25H110'/>").contains("partly outside of the page"));
