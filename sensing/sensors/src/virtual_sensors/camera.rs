@@ -25,7 +25,7 @@ pub enum Trigger {
     /// Something comes into a light barrier, whose beam runs along z of its frame `X_WL`.
     Barrier(Pose, Sampled),
     /// The belt has run so far since the last one \[m\].
-    Way(f64),
+    Travel(f64),
 }
 
 /// What is told of each image: the grey values, what was found, the time of the exposure \[s\] and the way of the belt then \[m\].
@@ -41,7 +41,7 @@ pub struct CameraSensor<S> {
     latch: f64,
     /// When the next image is exposed \[s\], and the way of the belt at the last one.
     next: Option<f64>,
-    last_way: f64,
+    last_travel: f64,
     image: Vec<u8>,
     frames: Frames,
     observer: Option<ImageObserver>,
@@ -70,7 +70,7 @@ impl<S: View + 'static> CameraSensor<S> {
             trigger,
             latch,
             next: None,
-            last_way: 0.0,
+            last_travel: 0.0,
             image: Vec::new(),
             frames: Frames::new(4, pixels),
             observer: None,
@@ -92,7 +92,7 @@ impl<S: View + 'static> CameraSensor<S> {
     pub const fn barrier(&mut self) -> Option<&mut LightBarrier> {
         match &mut self.trigger {
             Trigger::Barrier(_, barrier) => Some(barrier.barrier()),
-            Trigger::Way(_) => None,
+            Trigger::Travel(_) => None,
         }
     }
 
@@ -137,8 +137,8 @@ impl<S: View + 'static> VirtualSensor for CameraSensor<S> {
                     },
                 );
             }
-            Trigger::Way(every) => {
-                if self.next.is_none() && (way(now) - self.last_way).abs() >= *every {
+            Trigger::Travel(every) => {
+                if self.next.is_none() && (way(now) - self.last_travel).abs() >= *every {
                     self.next = Some(now + exposure);
                 }
             }
@@ -146,8 +146,8 @@ impl<S: View + 'static> VirtualSensor for CameraSensor<S> {
         (self.sighting.reading.way, self.sighting.reading.speed) = (way(now), belt.velocity[0]);
         if let Some(time) = self.next.filter(|time| now >= time + 0.5 * exposure) {
             self.next = None;
-            self.last_way = way(time);
-            let latched = self.last_way;
+            self.last_travel = way(time);
+            let latched = self.last_travel;
             self.look(order.step, time, latched)?;
         }
         Ok(self.sighting.tell(now))
