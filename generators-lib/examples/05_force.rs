@@ -23,7 +23,7 @@ pub const GAP: f64 = 0.005;
 /// How stiff the table is [N/m].
 pub const STIFFNESS: f64 = 2000.0;
 /// How fast the tool may look for the table, and how far [m/s], [m].
-const WITHIN: Bound = Bound { speed: 0.1, way: 0.05 };
+const WITHIN: Bound = Bound { speed: 0.1, travel: 0.05 };
 
 /// A force sensor at the wrist.
 struct Wrist;

@@ -54,9 +54,9 @@ pub enum Behaviour {
 ///
 /// // 10 N along z, found and kept within 50 mm of the start, at 20 mm/s at most.
 /// let mut axes = [Behaviour::Unguarded { velocity: 0.0 }; 6];
-/// axes[2] = Behaviour::Contact { load: 10.0, give: Give::FORCE, within: Bound { speed: 0.02, way: 0.05 } };
+/// axes[2] = Behaviour::Contact { load: 10.0, give: Give::FORCE, within: Bound { speed: 0.02, travel: 0.05 } };
 /// assert!(ForceControl::new(axes).is_ok());
-/// axes[2] = Behaviour::Contact { load: 10.0, give: Give::FORCE, within: Bound { speed: 0.02, way: 0.0 } };
+/// axes[2] = Behaviour::Contact { load: 10.0, give: Give::FORCE, within: Bound { speed: 0.02, travel: 0.0 } };
 /// assert!(ForceControl::new(axes).is_err());
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -64,7 +64,7 @@ pub struct Bound {
     /// The largest velocity either way [m/s or rad/s], finite, > 0: an axis that would be faster goes at this velocity.
     pub speed: f64,
     /// How far it may be from where it began to keep a load, either way [m or rad], finite, > 0. Farther is a fault.
-    pub way: f64,
+    pub travel: f64,
 }
 
 /// How an axis yields to a load.
@@ -86,7 +86,7 @@ impl Give {
 /// Why a force law cannot be made.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 #[error(
-    "axis {axis} of the force law: {name} is {value}, it must be finite (damping, speed and way > 0, inertia >= 0)"
+    "axis {axis} of the force law: {name} is {value}, it must be finite (damping, speed and travel > 0, inertia >= 0)"
 )]
 pub struct BadForceLaw {
     /// 0 to 5: x, y, z, about x, about y, about z.
@@ -103,7 +103,7 @@ pub struct ForceControl {
     axes: [Behaviour; 6],
     velocity: Vector6<f64>,
     /// How far each axis has gone since it keeps a load [m or rad].
-    way: Vector6<f64>,
+    travel: Vector6<f64>,
 }
 
 /// What a tool feels that moves by a force law, and how far the law has moved it: what a motion may end by.
@@ -113,7 +113,7 @@ pub struct Felt {
     pub load: Wrench,
     /// How far the law has moved the tool since the motion began \[m\], in the axes that the tool had then. What a path moves it
     /// beside is not in it.
-    pub way: Vector3<f64>,
+    pub travel: Vector3<f64>,
 }
 
 /// The load that a wrist sensor tells; `None` before it has told any.
@@ -141,20 +141,20 @@ impl ForceControl {
     /// # Errors
     /// A number out of range.
     pub fn new(axes: [Behaviour; 6]) -> Result<Self, BadForceLaw> {
-        let law = ForceControl { axes, velocity: Vector6::zeros(), way: Vector6::zeros() };
+        let law = ForceControl { axes, velocity: Vector6::zeros(), travel: Vector6::zeros() };
         for (axis, behaviour) in axes.iter().enumerate() {
             let (load, velocity, Give { reciprocal_damping, inertia }) = law.of(axis);
             let unguarded = matches!(behaviour, Behaviour::Unguarded { .. });
             let damped = reciprocal_damping > 0.0 || unguarded;
             // Others have none.
-            let Bound { speed, way } = law.bound(axis).unwrap_or(Bound { speed: 1.0, way: 1.0 });
+            let Bound { speed, travel } = law.bound(axis).unwrap_or(Bound { speed: 1.0, travel: 1.0 });
             for (name, value, holds) in [
                 ("load", load, true),
                 ("velocity", velocity, true),
                 ("reciprocal damping", reciprocal_damping, damped),
                 ("inertia", inertia, inertia >= 0.0),
                 ("largest speed", speed, speed > 0.0),
-                ("longest way", way, way > 0.0),
+                ("longest travel", travel, travel > 0.0),
                 ("damping's time constant", reciprocal_damping * inertia, true),
             ] {
                 if !(value.is_finite() && holds) {
@@ -184,7 +184,7 @@ impl ForceControl {
         }
     }
 
-    /// Another behaviour of an axis (0 to 5) from now on; its velocity stays. The way of one that begins to keep a load counts
+    /// Another behaviour of an axis (0 to 5) from now on; its velocity stays. The travel of one that begins to keep a load counts
     /// from here; that of one that keeps another load goes on.
     ///
     /// # Errors
@@ -197,7 +197,7 @@ impl ForceControl {
         let (law, before) = (ForceControl::new(axes)?, *self);
         self.axes = law.axes;
         for axis in (0..6).filter(|&axis| before.bound(axis).is_none()) {
-            self.way[axis] = 0.0;
+            self.travel[axis] = 0.0;
         }
         Ok(())
     }
@@ -212,7 +212,7 @@ impl ForceControl {
     /// time (`dt = 0`) the tool is not displaced.
     ///
     /// # Errors
-    /// A reading that is not finite, one that asks for more than 1 m or rad in a step, or an axis that has used up its way for
+    /// A reading that is not finite, one that asks for more than 1 m or rad in a step, or an axis that has used up its travel for
     /// the load that it is to keep.
     #[allow(non_snake_case)]
     pub fn advance(&mut self, reading: &Wrench, dt: f64) -> Result<Pose, Fault> {
@@ -230,14 +230,14 @@ impl ForceControl {
             let (load, velocity, Give { reciprocal_damping: b, inertia }) = self.of(axis);
             let wanted = b * (load - present[axis]) + velocity;
             self.velocity[axis] = (wanted * dt + b * inertia * self.velocity[axis]) / (dt + b * inertia);
-            if let Some(Bound { speed, way }) = self.bound(axis) {
+            if let Some(Bound { speed, travel }) = self.bound(axis) {
                 // What is not a number stays one, and is refused below.
                 let velocity = self.velocity[axis];
                 self.velocity[axis] =
                     if velocity.abs() > speed { speed.copysign(velocity) } else { velocity };
-                self.way[axis] += self.velocity[axis] * dt;
-                if self.way[axis].abs() > way {
-                    return Err(used_up(axis, self.way[axis].abs(), way));
+                self.travel[axis] += self.velocity[axis] * dt;
+                if self.travel[axis].abs() > travel {
+                    return Err(used_up(axis, self.travel[axis].abs(), travel));
                 }
             }
         }
@@ -246,7 +246,7 @@ impl ForceControl {
         if !step.iter().all(|x| x.abs() <= FARTHEST) {
             return Err(Fault::thrown("the force law asks for more than 1 m or rad in a step"));
         }
-        let way = Vector3::new(step[0], step[1], step[2]);
+        let travel = Vector3::new(step[0], step[1], step[2]);
         let turn = Vector3::new(step[3], step[4], step[5]);
         let R_EE = UnitQuaternion::from_scaled_axis(turn);
         // The velocity goes on in the axes that the tool then has.
@@ -257,15 +257,15 @@ impl ForceControl {
         let along = turned(0);
         let about = turned(3);
         self.velocity = Vector6::new(along.x, along.y, along.z, about.x, about.y, about.z);
-        Ok(Pose::from_parts(Translation3::from(way), R_EE))
+        Ok(Pose::from_parts(Translation3::from(travel), R_EE))
     }
 }
 
 /// The fault of an axis that has gone too far for the load that it is to keep.
 #[cold]
-fn used_up(axis: usize, gone: f64, way: f64) -> Fault {
-    let text = format!("the force law has used up its way {} and does not keep its load", AXES[axis]);
-    Fault::thrown(&text).exceeds(gone, way, if axis < 3 { "m" } else { "rad" })
+fn used_up(axis: usize, gone: f64, travel: f64) -> Fault {
+    let text = format!("the force law has used up its travel {} and does not keep its load", AXES[axis]);
+    Fault::thrown(&text).exceeds(gone, travel, if axis < 3 { "m" } else { "rad" })
 }
 
 #[cfg(test)]
@@ -273,7 +273,7 @@ mod tests {
     use super::*;
 
     /// More than any of the tests below goes.
-    const WIDE: Bound = Bound { speed: 1.0, way: 1.0 };
+    const WIDE: Bound = Bound { speed: 1.0, travel: 1.0 };
     const STILL: Behaviour = Behaviour::Unguarded { velocity: 0.0 };
     const T: f64 = 2e-3;
 
@@ -281,7 +281,7 @@ mod tests {
         ForceControl::new([STILL, STILL, behaviour, STILL, STILL, STILL]).expect("in range")
     }
 
-    /// Free space: `u_n = b Fd (1 - r^n)`, `r = b m / (T + b m)`, and the way is `T` times the sum.
+    /// Free space: `u_n = b Fd (1 - r^n)`, `r = b m / (T + b m)`, and the travel is `T` times the sum.
     #[test]
     fn a_wanted_load_without_contact_gives_the_step_response_of_a_first_order_lag() {
         let b = 0.005;
@@ -295,8 +295,8 @@ mod tests {
             z += law.advance(&Wrench::default(), T).expect("finite").translation.z;
             let decay = r.powi(n);
             assert!((law.velocity()[2] - b * load * (1.0 - decay)).abs() < 1e-13);
-            let way = T * b * load * (f64::from(n) - r * (1.0 - decay) / (1.0 - r));
-            assert!((z - way).abs() < 1e-12, "{z} {way}");
+            let travel = T * b * load * (f64::from(n) - r * (1.0 - decay) / (1.0 - r));
+            assert!((z - travel).abs() < 1e-12, "{z} {travel}");
         }
     }
 
@@ -336,11 +336,11 @@ mod tests {
     }
 
     /// Free space with a bound: at `b Fd` it would have 50 mm/s, so it goes at the bound's 10 mm/s from when the lag comes to
-    /// that, `1 - r^n = 0.2`, and its way of 20 mm is used up about 2 s later.
+    /// that, `1 - r^n = 0.2`, and its travel of 20 mm is used up about 2 s later.
     #[test]
     fn fault_131_a_load_that_meets_nothing_moves_no_faster_than_its_bound_and_ends_where_its_way_is_used_up()
     {
-        let within = Bound { speed: 0.01, way: 0.02 };
+        let within = Bound { speed: 0.01, travel: 0.02 };
         let mut law = along_z(Behaviour::Contact { load: -10.0, give: Give::FORCE, within });
         let (mut z, mut steps) = (0.0, 0);
         let fault = loop {
@@ -350,15 +350,15 @@ mod tests {
             }
             steps += 1;
             assert!(law.velocity()[2].abs() <= 0.01 && f64::abs(z) <= 0.02);
-            // Another load is kept within the same way.
+            // Another load is kept within the same travel.
             let load = if steps % 2 == 0 { -10.0 } else { -12.0 };
             law.set(2, Behaviour::Contact { load, give: Give::FORCE, within }).expect("in range");
         };
         // The time constant is 0.1 s: until the bound is reached, at most 0.1 s * ln(1 / 0.8) pass.
         assert!((0.02 / 0.01..0.02 / 0.01 + 0.03).contains(&(f64::from(steps) * T)), "{steps}");
-        assert!(fault.to_string().contains("used up its way along z"), "{fault}");
+        assert!(fault.to_string().contains("used up its travel along z"), "{fault}");
         assert!(fault.excess().is_some_and(|excess| excess.limit == 0.02 && excess.unit == "m"), "{fault}");
-        // An axis that begins to keep a load has its whole way before it.
+        // An axis that begins to keep a load has its whole travel before it.
         law.set(2, STILL).expect("in range");
         law.set(2, Behaviour::Contact { load: -10.0, give: Give::FORCE, within }).expect("in range");
         assert!(law.advance(&Wrench::default(), T).is_ok());
@@ -385,8 +385,8 @@ mod tests {
         for (within, name) in [
             (Bound { speed: 0.0, ..WIDE }, "largest speed"),
             (Bound { speed: f64::INFINITY, ..WIDE }, "largest speed"),
-            (Bound { way: f64::NAN, ..WIDE }, "longest way"),
-            (Bound { way: -0.1, ..WIDE }, "longest way"),
+            (Bound { travel: f64::NAN, ..WIDE }, "longest travel"),
+            (Bound { travel: -0.1, ..WIDE }, "longest travel"),
         ] {
             assert!(of(contact(Give::FORCE, within)).is_err_and(|bad| (bad.axis, bad.name) == (1, name)));
         }

@@ -118,7 +118,7 @@ pub struct ToolPoint {
 pub struct LinePath {
     from: Isometry3<f64>,
     to: Isometry3<f64>,
-    way: Vector3<f64>,
+    displacement: Vector3<f64>,
     /// `q0 u`, for the unit axis `u` in the frame of the start.
     across: Quaternion<f64>,
     /// `theta u` in the frame of the path \[rad\].
@@ -132,17 +132,17 @@ impl LinePath {
     /// relative quaternion names.
     #[must_use]
     pub fn new(from: Isometry3<f64>, to: Isometry3<f64>) -> Self {
-        let way = to.translation.vector - from.translation.vector;
+        let displacement = to.translation.vector - from.translation.vector;
         let turn = (from.rotation.inverse() * to.rotation).scaled_axis();
         let axis = turn.try_normalize(0.0).unwrap_or_default();
         let across = from.rotation.into_inner() * Quaternion::from_imag(axis);
-        Self { from, to, way, across, turn: from.rotation * turn, half_angle: 0.5 * turn.norm() }
+        Self { from, to, displacement, across, turn: from.rotation * turn, half_angle: 0.5 * turn.norm() }
     }
 
     /// Length of the origin's way \[m\].
     #[must_use]
     pub fn length(&self) -> f64 {
-        self.way.norm()
+        self.displacement.norm()
     }
 
     /// Angle of the turn \[rad\], 0..=pi.
@@ -161,7 +161,7 @@ impl LinePath {
         if s >= 1.0 {
             return self.to;
         }
-        let translation = Translation3::from(self.from.translation.vector + self.way * s);
+        let translation = Translation3::from(self.from.translation.vector + self.displacement * s);
         Isometry3::from_parts(translation, self.rotation(s))
     }
 
@@ -192,9 +192,9 @@ impl LinePath {
     pub fn at(&self, point: &ProfilePoint) -> ToolPoint {
         ToolPoint {
             pose: self.pose(point.s),
-            velocity: self.way * point.v,
+            velocity: self.displacement * point.v,
             turning: self.turn * point.v,
-            acceleration: self.way * point.a,
+            acceleration: self.displacement * point.a,
             turning_acceleration: self.turn * point.a,
         }
     }

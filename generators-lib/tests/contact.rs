@@ -40,7 +40,7 @@ fn pressed(dt: f64, steps: u32) -> Vec<Vector3<f64>> {
     let axes = [
         Behaviour::Unguarded { velocity: SPEED },
         Behaviour::Guarded { velocity: SPEED, give: GIVE },
-        Behaviour::Contact { load: LOAD, give: GIVE, within: Bound { speed: 1.0, way: 1.0 } },
+        Behaviour::Contact { load: LOAD, give: GIVE, within: Bound { speed: 1.0, travel: 1.0 } },
         still,
         still,
         still,

@@ -119,7 +119,7 @@ fn cooperation_allocates_nothing() {
     assert_eq!(stepped(drive, &e, &none, &no_order), 0);
     let stiffness = GraspStiffness { force: 5e4, torque: 500.0 };
     let gains = SqueezeGains { stiffness, rate: 5.0, inertia: 0.02 };
-    let bounds = SqueezeBounds { speed: 1.0, turning: 1.0, way: 1.0, angle: 1.0 };
+    let bounds = SqueezeBounds { speed: 1.0, turning: 1.0, travel: 1.0, angle: 1.0 };
     let law = SqueezeLaw::new(gains, bounds, 0.01).unwrap();
     let (body, squeeze) = (BodyFrame::InFirstTool(Pose::translation(0.1, 0.0, 0.0)), 5.0);
     let squeezed = SqueezedCarry::<Two, [Wrist; 2], _>::along(body, path(), law, squeeze, 0);

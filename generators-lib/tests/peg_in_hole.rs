@@ -22,7 +22,7 @@ use nalgebra::Vector3;
 const ALONG: Give = Give { reciprocal_damping: 1e-3, inertia: 10.0 };
 const ABOUT: Give = Give { reciprocal_damping: 0.1, inertia: 0.1 };
 /// No axis is faster, or goes farther for its load [m/s, m].
-const WITHIN: Bound = Bound { speed: 0.02, way: 0.03 };
+const WITHIN: Bound = Bound { speed: 0.02, travel: 0.03 };
 /// The peg has to go in so far [m].
 const DEEP: f64 = 0.015;
 
@@ -53,14 +53,14 @@ fn insert(mp: &mut Mp) -> Result<(), Fault> {
     // Round and round under these 10 N, until the end of the peg sinks by 0.4 mm.
     let across = JerkLimits { velocity: 0.01, acceleration: 0.2, jerk: 10.0 };
     let spiral = SpiralSearch::over(4.3e-3, 0.8e-3, across);
-    let search = Compliant::by(spiral, pressing(10.0, false)?, 1).until(|felt| felt.way.z > 4e-4, 0.02);
+    let search = Compliant::by(spiral, pressing(10.0, false)?, 1).until(|felt| felt.travel.z > 4e-4, 0.02);
     if !mp.move_robot(&mut arm, (&mut wrist,), search)?.has_found() {
         return Err(Fault::thrown("there is no hole where the spiral has been"));
     }
 
     for attempt in 0..3 {
         // In, while all that it feels beside its axis moves it aside and turns it.
-        let push = ForceLaw::lasting(pressing(15.0, true)?, 4.0, 1).until(|felt| felt.way.z > DEEP);
+        let push = ForceLaw::lasting(pressing(15.0, true)?, 4.0, 1).until(|felt| felt.travel.z > DEEP);
         mp.move_robot(&mut arm, (&mut wrist,), push)?;
         let depth = touched.inv_mul(&arm.demanded().pose).translation.z;
         if depth > DEEP {
@@ -69,7 +69,7 @@ fn insert(mp: &mut Mp) -> Result<(), Fault> {
         // It is stuck: tilted under pressure to every side, each time farther, until it goes on by 2 mm.
         let turning = JerkLimits { velocity: 0.03, acceleration: 0.3, jerk: 10.0 };
         let tilts = TiltSearch::within(0.02 * f64::from(1 + attempt), 0.01, turning);
-        let tilt = Compliant::by(tilts, pressing(10.0, false)?, 1).until(|felt| felt.way.z > 2e-3, 0.05);
+        let tilt = Compliant::by(tilts, pressing(10.0, false)?, 1).until(|felt| felt.travel.z > 2e-3, 0.05);
         mp.move_robot(&mut arm, (&mut wrist,), tilt)?;
     }
     Err(Fault::thrown("the peg is stuck in its hole"))

@@ -45,7 +45,7 @@ use crate::force::{Felt, ForceControl, fresh};
 /// # }
 /// // 0.1 m along x on a spring of 2 N/mm which rises by 1 mm in 50 mm, pressed with 10 N.
 /// let mut axes = [Behaviour::Unguarded { velocity: 0.0 }; 6];
-/// axes[2] = Behaviour::Contact { load: 10.0, give: Give::FORCE, within: Bound { speed: 0.1, way: 0.05 } };
+/// axes[2] = Behaviour::Contact { load: 10.0, give: Give::FORCE, within: Bound { speed: 0.1, travel: 0.05 } };
 /// let law = ForceControl::new(axes).map_err(|bad| Fault::thrown(&bad.to_string()))?;
 /// let limits = ProfileLimits { velocity: 0.02, acceleration: 0.1 };
 /// let limits = ToolLimits { translation: limits, rotation: limits };
@@ -73,7 +73,7 @@ pub struct Compliant<G, S> {
     /// Rotation of the first demand.
     start: Option<UnitQuaternion<f64>>,
     /// `d` \[m\] and `Q`.
-    way: Vector3<f64>,
+    travel: Vector3<f64>,
     turn: UnitQuaternion<f64>,
     of: PhantomData<S>,
 }
@@ -97,7 +97,7 @@ impl<G: Generator<Language = Motion>, S: Sensor<Reading = Wrench>> Compliant<G, 
             until: None,
             braked: None,
             start: None,
-            way: Vector3::zeros(),
+            travel: Vector3::zeros(),
             turn: UnitQuaternion::identity(),
             of: PhantomData,
         }
@@ -120,12 +120,13 @@ impl<G: Generator<Language = Motion>, S: Sensor<Reading = Wrench>> Compliant<G, 
     /// What is felt now; the tick of the generator, without path time where nothing has been felt yet; `None` at the end.
     fn begin(&mut self, v: &Reading<(S,)>, t: Tick) -> Result<Option<(Option<Wrench>, Tick)>, Fault> {
         let Some(load) = fresh(&v.0, self.oldest)? else { return Ok(Some((None, Tick { dt: 0.0, ..t }))) };
-        let way = self.start.map_or_else(Vector3::zeros, |start| start.inverse_transform_vector(&self.way));
+        let travel =
+            self.start.map_or_else(Vector3::zeros, |start| start.inverse_transform_vector(&self.travel));
         let Some(Until { found, braking }) = self.until else { return Ok(Some((Some(load), t))) };
         if self.braked.as_ref().is_some_and(Braked::stands) {
             return Ok(None);
         }
-        if self.braked.is_none() && found(&Felt { load, way }) {
+        if self.braked.is_none() && found(&Felt { load, travel }) {
             self.braked = Some(Braked::within(braking));
         }
         let share = self.braked.as_mut().map_or(1.0, |braked| braked.share(t.dt));
@@ -141,11 +142,12 @@ impl<G: Generator<Language = Motion>, S: Sensor<Reading = Wrench>> Compliant<G, 
         self.start.get_or_insert(R_WG);
         if let Some(load) = load {
             let X_EE = self.law.advance(&load, t.dt)?;
-            self.way += R_WG * (self.turn * X_EE.translation.vector);
+            self.travel += R_WG * (self.turn * X_EE.translation.vector);
             self.turn *= X_EE.rotation;
             self.turn.renormalize_fast();
         }
-        let X_GE = Pose::from_parts(Translation3::from(R_WG.inverse_transform_vector(&self.way)), self.turn);
+        let X_GE =
+            Pose::from_parts(Translation3::from(R_WG.inverse_transform_vector(&self.travel)), self.turn);
         demand.moved_in_tool(&X_GE).map(Step::Next).ok_or_else(refused)
     }
 }
@@ -231,7 +233,7 @@ mod tests {
     fn law() -> ForceControl {
         let mut axes = [Behaviour::Unguarded { velocity: 0.0 }; 6];
         axes[2] =
-            Behaviour::Contact { load: LOAD, give: Give::FORCE, within: Bound { speed: 0.1, way: 0.05 } };
+            Behaviour::Contact { load: LOAD, give: Give::FORCE, within: Bound { speed: 0.1, travel: 0.05 } };
         ForceControl::new(axes).expect("in range")
     }
 
@@ -268,14 +270,14 @@ mod tests {
     #[test]
     fn the_path_leads_across_and_the_load_is_kept_on_a_slope_but_for_what_its_damping_takes() {
         let slope = -0.02;
-        let way = pressed(Compliant::by(line(Vector3::x() * 0.1), law(), 1), |x, _| slope * x);
+        let travel = pressed(Compliant::by(line(Vector3::x() * 0.1), law(), 1), |x, _| slope * x);
         let (speed, give) = (0.02, Give::FORCE);
         // The middle of the way, long after the oscillation of the first contact.
-        let at = way[way.len() * 4 / 5].translation;
+        let at = travel[travel.len() * 4 / 5].translation;
         let load = STIFFNESS * (at.z - slope * at.x);
         let expected = LOAD - speed * slope / give.reciprocal_damping;
         assert!((load - expected).abs() < 0.01, "{load} {expected}");
-        let end = way[way.len() - 1].translation;
+        let end = travel[travel.len() - 1].translation;
         assert!((end.x - 0.1).abs() < 1e-12 && end.y.abs() < 1e-12, "{end}");
     }
 
@@ -284,8 +286,8 @@ mod tests {
     fn a_tilt_under_pressure_leaves_the_tip_where_it_is() {
         let limits = JerkLimits { velocity: 0.05, acceleration: 0.5, jerk: 10.0 };
         let search = TiltSearch::within(0.05, 0.02, limits);
-        let way = pressed(Compliant::by(search, law(), 1), |_, _| 0.0);
-        let end = way[way.len() - 1];
+        let travel = pressed(Compliant::by(search, law(), 1), |_, _| 0.0);
+        let end = travel[travel.len() - 1];
         assert!((end.rotation.angle() - 0.06).abs() < 1e-9, "{end}");
         // It moves across only as far as the axis along which it presses is tilted: by 0.06 of 5 mm at most.
         assert!(end.translation.vector.xy().norm() < 0.06 * 5.1e-3, "{end}");
@@ -299,7 +301,7 @@ mod tests {
         let limits = JerkLimits { velocity: 0.01, acceleration: 0.1, jerk: 2.0 };
         let search = || {
             let spiral = SpiralSearch::<Irp6>::over(4e-3, 1e-3, limits);
-            Compliant::<_, Wrist>::by(spiral, law(), 1).until(|felt| felt.way.z > 6.5e-3, 0.05)
+            Compliant::<_, Wrist>::by(spiral, law(), 1).until(|felt| felt.travel.z > 6.5e-3, 0.05)
         };
         let hole = |x: f64, y: f64| if (x + 1.2e-3).hypot(y - 1.6e-3) < 0.5e-3 { 0.05 } else { 0.0 };
         let found = pressed(search(), hole);
@@ -313,7 +315,7 @@ mod tests {
         let mut search = search();
         assert!(!search.has_found());
         search.start = Some(UnitQuaternion::identity());
-        search.way = Vector3::z() * 7e-3;
+        search.travel = Vector3::z() * 7e-3;
         let v = Reading::new((SensorImage::new(Wrench::default(), 0),));
         search.begin(&v, Tick { step: 1, dt: DT, duration: DT }).expect("fresh");
         assert!(search.has_found());

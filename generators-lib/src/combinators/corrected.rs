@@ -17,7 +17,7 @@ pub struct CorrectionLimits {
     /// Time in which the correction's speed reaches these \[s\], and in which it approaches its goal.
     pub ramp: f64,
     /// Distance \[m\] beyond which a correction is a fault.
-    pub way: f64,
+    pub travel: f64,
     /// Angle \[rad\] beyond which it is one.
     pub angle: f64,
     /// Age of a reading that is too old \[steps\].
@@ -49,7 +49,7 @@ pub struct CorrectionLimits {
 /// let limits = ProfileLimits { velocity: 0.1, acceleration: 0.5 };
 /// let limits = ToolLimits { translation: limits, rotation: limits };
 /// let line = ToolOffset::<Irp6>::by(Pose::translation(0.2, 0.0, 0.0), limits);
-/// let within = CorrectionLimits { speed: 0.02, turning: 0.1, ramp: 0.1, way: 0.02, angle: 0.1, oldest: 1 };
+/// let within = CorrectionLimits { speed: 0.02, turning: 0.1, ramp: 0.1, travel: 0.02, angle: 0.1, oldest: 1 };
 /// let motion = Corrected::<_, Camera>::by(line, |seam| seam.pose, within);
 /// // The seam that the camera sees is 1 cm beside the line.
 /// let seam = Displacement { pose: Pose::translation(0.0, 0.01, 0.0) };
@@ -64,7 +64,7 @@ pub struct Corrected<G, S: Sensor> {
     generator: G,
     correct: fn(&S::Reading) -> Pose,
     limits: CorrectionLimits,
-    way: Vector3<f64>,
+    travel: Vector3<f64>,
     turn: Vector3<f64>,
     speed: Vector3<f64>,
     turning: Vector3<f64>,
@@ -80,7 +80,7 @@ impl<G: Generator<Language = Motion>, S: Sensor> Corrected<G, S> {
             generator,
             correct,
             limits,
-            way: still,
+            travel: still,
             turn: still,
             speed: still,
             turning: still,
@@ -89,8 +89,8 @@ impl<G: Generator<Language = Motion>, S: Sensor> Corrected<G, S> {
     }
 
     fn check(&self) -> Result<(), Fault> {
-        let CorrectionLimits { speed, turning, ramp, way, angle, .. } = self.limits;
-        if [speed, turning, ramp, way, angle].iter().all(|x| (1e-9..=1e9).contains(x)) {
+        let CorrectionLimits { speed, turning, ramp, travel, angle, .. } = self.limits;
+        if [speed, turning, ramp, travel, angle].iter().all(|x| (1e-9..=1e9).contains(x)) {
             return Ok(());
         }
         Err(Fault::thrown("the limits of a correction must lie within 1e-9 and 1e9"))
@@ -109,18 +109,18 @@ impl<G: Generator<Language = Motion>, S: Sensor> Corrected<G, S> {
                 ));
             }
             let goal = (self.correct)(&reading);
-            let way = goal.translation.vector;
+            let travel = goal.translation.vector;
             let turn = goal.rotation.scaled_axis();
-            let finite = way.iter().chain(goal.rotation.coords.iter()).all(|x| x.is_finite());
-            if !finite || way.norm() > limits.way || turn.norm() > limits.angle {
+            let finite = travel.iter().chain(goal.rotation.coords.iter()).all(|x| x.is_finite());
+            if !finite || travel.norm() > limits.travel || turn.norm() > limits.angle {
                 let fault = Fault::thrown("the sensor asks for a correction that is out of bounds");
-                return Err(fault.exceeds(way.norm(), limits.way, "m"));
+                return Err(fault.exceeds(travel.norm(), limits.travel, "m"));
             }
-            pull(&mut self.way, &mut self.speed, &way, limits.speed, limits.ramp, t.dt);
+            pull(&mut self.travel, &mut self.speed, &travel, limits.speed, limits.ramp, t.dt);
             pull(&mut self.turn, &mut self.turning, &turn, limits.turning, limits.ramp, t.dt);
         }
         let rotation = UnitQuaternion::from_scaled_axis(self.turn);
-        Ok(Pose::from_parts(Translation3::from(self.way), rotation))
+        Ok(Pose::from_parts(Translation3::from(self.travel), rotation))
     }
 
     fn corrected<R: Robot>(&mut self, step: Step<R>, v: &Reading<(S,)>, t: Tick) -> Result<Step<R>, Fault> {
@@ -224,7 +224,7 @@ mod tests {
         let speed = 0.02;
         let ramp = 0.1;
         let dt = 2e-3;
-        let bounds = CorrectionLimits { speed, turning: 0.1, ramp, way: 0.02, angle: 0.1, oldest: 1 };
+        let bounds = CorrectionLimits { speed, turning: 0.1, ramp, travel: 0.02, angle: 0.1, oldest: 1 };
         let mut generator = Corrected::<_, Seam>::by(line, |seam| seam.pose, bounds);
         assert_eq!(<Corrected<ToolOffset<Irp6>, Seam> as Generator>::CLASS.to_string(), "ECP f*1(c, v)");
         let state = RobotState { joints: Six::zeros(), velocity: Six::zeros(), pose: Pose::identity() };
@@ -268,10 +268,10 @@ mod tests {
     fn a_generator_that_has_a_sensor_of_its_own_is_corrected_by_another() {
         let mut axes = [Behaviour::Unguarded { velocity: 0.0 }; 6];
         axes[2] =
-            Behaviour::Contact { load: 10.0, give: Give::FORCE, within: Bound { speed: 0.1, way: 0.05 } };
+            Behaviour::Contact { load: 10.0, give: Give::FORCE, within: Bound { speed: 0.1, travel: 0.05 } };
         let law = ForceControl::new(axes).expect("in range");
         let bounds =
-            CorrectionLimits { speed: 0.02, turning: 0.1, ramp: 0.1, way: 0.02, angle: 0.1, oldest: 1 };
+            CorrectionLimits { speed: 0.02, turning: 0.1, ramp: 0.1, travel: 0.02, angle: 0.1, oldest: 1 };
         let press = ForceLaw::<Irp6, Wrist>::lasting(law, 4.0, 1);
         let mut generator = Corrected::<_, Seam>::by(press, |seam| seam.pose, bounds);
         let state = RobotState { joints: Six::zeros(), velocity: Six::zeros(), pose: Pose::identity() };

@@ -28,7 +28,7 @@ use crate::braked::Braked;
 /// let along = GuardedApproach::<Irp6, Wrist>::along(-Vector3::z_axis(), 0.05, 0.25, 0.2, |_| false);
 /// let felt = |v: &Reading<(Wrist,)>| v.0.reading().is_some_and(|felt| felt.force.norm() > 1.0);
 /// let mut axes = [Behaviour::Unguarded { velocity: 0.0 }; 6];
-/// axes[2] = Behaviour::Contact { load: 10.0, give: Give::FORCE, within: Bound { speed: 0.1, way: 0.05 } };
+/// axes[2] = Behaviour::Contact { load: 10.0, give: Give::FORCE, within: Bound { speed: 0.1, travel: 0.05 } };
 /// let law = ForceControl::new(axes).map_err(|bad| Fault::thrown(&bad.to_string()))?;
 /// let motion = Override::of(along, felt, 0.1, ForceLaw::lasting(law, 3.0, 1));
 /// let irp6 = Irp6::nominal();

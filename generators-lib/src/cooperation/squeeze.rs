@@ -17,7 +17,7 @@
 //! pi/2`. [`SqueezeLaw::new`] asks for `a (D + m) < 1`: then grasps may be half as stiff again as stated. A static
 //! misplacement decays at the rate `a`.
 //!
-//! **Bounds.** A correction that would exceed its bounds of speed or way is a fault, never cut off: internal forces that call
+//! **Bounds.** A correction that would exceed its bounds of speed or travel is a fault, never cut off: internal forces that call
 //! for more are no misplacement of some millimetres but a wrong sensor, a lost grasp or an obstacle.
 
 use mrroc::pose::Wrench;
@@ -46,7 +46,7 @@ pub struct SqueezeBounds {
     /// Angular speed [rad/s].
     pub turning: f64,
     /// Distance from the rigid grasp \[m\].
-    pub way: f64,
+    pub travel: f64,
     /// Angle from the rigid grasp \[rad\].
     pub angle: f64,
 }
@@ -84,7 +84,7 @@ pub struct SqueezeLaw {
 /// The correction of one arm.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Correction {
-    way: Vector3<f64>,
+    travel: Vector3<f64>,
     angle: Vector3<f64>,
     speed: Vector3<f64>,
     turning: Vector3<f64>,
@@ -103,7 +103,7 @@ impl SqueezeLaw {
             ("rate", gains.rate),
             ("speed bound", bounds.speed),
             ("turning bound", bounds.turning),
-            ("way bound", bounds.way),
+            ("travel bound", bounds.travel),
             ("angle bound", bounds.angle),
         ];
         for (name, value) in positive {
@@ -145,19 +145,19 @@ impl SqueezeLaw {
             };
             c.speed = law(1.0 / stiffness.force, excess.force, c.speed);
             c.turning = law(1.0 / stiffness.torque, excess.torque, c.turning);
-            c.way += c.speed * dt;
+            c.travel += c.speed * dt;
             c.angle += c.turning * dt;
             self.check(c)?;
         }
-        Ok(Pose::from_parts(Translation3::from(c.way), UnitQuaternion::from_scaled_axis(c.angle)))
+        Ok(Pose::from_parts(Translation3::from(c.travel), UnitQuaternion::from_scaled_axis(c.angle)))
     }
 
     fn check(&self, c: &Correction) -> Result<(), Fault> {
-        let SqueezeBounds { speed, turning, way, angle } = self.bounds;
+        let SqueezeBounds { speed, turning, travel, angle } = self.bounds;
         for (what, actual, limit, unit) in [
             ("the internal force calls for too fast a correction", c.speed.norm(), speed, "m/s"),
             ("the internal torque calls for too fast a correction", c.turning.norm(), turning, "rad/s"),
-            ("the internal force calls for too large a correction", c.way.norm(), way, "m"),
+            ("the internal force calls for too large a correction", c.travel.norm(), travel, "m"),
             ("the internal torque calls for too large a correction", c.angle.norm(), angle, "rad"),
         ] {
             if actual > limit {
@@ -172,7 +172,7 @@ impl SqueezeLaw {
 mod tests {
     use super::*;
 
-    const BOUNDS: SqueezeBounds = SqueezeBounds { speed: 0.1, turning: 1.0, way: 0.01, angle: 0.1 };
+    const BOUNDS: SqueezeBounds = SqueezeBounds { speed: 0.1, turning: 1.0, travel: 0.01, angle: 0.1 };
 
     fn gains(rate: f64, inertia: f64) -> SqueezeGains {
         SqueezeGains { stiffness: GraspStiffness { force: 5e4, torque: 500.0 }, rate, inertia }
@@ -186,13 +186,13 @@ mod tests {
         let mut left = 1.0_f64;
         let mut overshoot = 0.0_f64;
         for _ in 0..steps {
-            let (way, angle) = past[past.len() - 1 - delay];
-            let load = Wrench::new(Vector3::x() * (5e4 * k * way), Vector3::y() * (500.0 * k * angle));
+            let (travel, angle) = past[past.len() - 1 - delay];
+            let load = Wrench::new(Vector3::x() * (5e4 * k * travel), Vector3::y() * (500.0 * k * angle));
             let pose = law.advance(&mut c, &load, 2e-3).expect("within the bounds");
             past.push((1e-3 - pose.translation.x, 2e-3 - pose.rotation.scaled_axis().y));
-            let (way, angle) = past[past.len() - 1];
-            left = (way / 1e-3).abs().max((angle / 2e-3).abs());
-            overshoot = overshoot.max(-way / 1e-3);
+            let (travel, angle) = past[past.len() - 1];
+            left = (travel / 1e-3).abs().max((angle / 2e-3).abs());
+            overshoot = overshoot.max(-travel / 1e-3);
         }
         (left, overshoot)
     }
@@ -212,7 +212,7 @@ mod tests {
                 let delay = f64::from(steps) * 2e-3;
                 let lag = delay / (1.0 - share);
                 let gains = gains(0.999 / lag, lag - delay);
-                let wide = SqueezeBounds { speed: 10.0, turning: 10.0, way: 1.0, angle: 1.0 };
+                let wide = SqueezeBounds { speed: 10.0, turning: 10.0, travel: 1.0, angle: 1.0 };
                 let law = SqueezeLaw::new(gains, wide, delay).expect("reserve");
                 // The step itself is the first of the delay's steps.
                 let (left, _) = relax(&law, 1.5, steps as usize - 1, 300 * steps as usize + 3000);
@@ -251,13 +251,13 @@ mod tests {
         let law = SqueezeLaw::new(gains(b * 5e4, b * m), BOUNDS, 0.0).expect("reserve");
         let mut c = Correction::default();
         let mut delta = 0.0;
-        let mut way = 0.0;
+        let mut travel = 0.0;
         for i in 0..50 {
             let force = 10.0 * f64::from(i % 7) - 20.0;
             let pose = law.advance(&mut c, &Wrench::new(Vector3::z() * force, Vector3::zeros()), t);
             delta = (b * force * t * t + b * m * delta) / (t + b * m);
-            way += delta;
-            assert!((pose.expect("small").translation.z - way).abs() < 1e-15);
+            travel += delta;
+            assert!((pose.expect("small").translation.z - travel).abs() < 1e-15);
         }
     }
 }

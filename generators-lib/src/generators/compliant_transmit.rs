@@ -29,7 +29,7 @@ use mrroc_generators::cooperation::{Correction, Displacement, SqueezeLaw};
 /// # }
 /// let stiffness = GraspStiffness { force: 2000.0, torque: 20.0 };
 /// let gains = SqueezeGains { stiffness, rate: 5.0, inertia: 0.0 };
-/// let bounds = SqueezeBounds { speed: 0.2, turning: 0.2, way: 0.1, angle: 0.1 };
+/// let bounds = SqueezeBounds { speed: 0.2, turning: 0.2, travel: 0.1, angle: 0.1 };
 /// let law = SqueezeLaw::new(gains, bounds, 0.01).map_err(|bad| Fault::thrown(&bad.to_string()))?;
 /// let mut transmit = CompliantTransmit::<Irp6, Wrist>::by(law, 1);
 /// // Ordered 10 mm along z and pushed back by 20 N, the tool yields at a F / K = 5 * 20 / 2000 m/s: 0.1 mm in a step.
@@ -98,7 +98,7 @@ mod tests {
     fn a_push_displaces_what_is_ordered() {
         let stiffness = GraspStiffness { force: 5e4, torque: 500.0 };
         let gains = SqueezeGains { stiffness, rate: 5.0, inertia: 0.0 };
-        let bounds = SqueezeBounds { speed: 0.01, turning: 0.1, way: 1e-3, angle: 0.01 };
+        let bounds = SqueezeBounds { speed: 0.01, turning: 0.1, travel: 1e-3, angle: 0.01 };
         let law = SqueezeLaw::new(gains, bounds, 0.01).expect("reserve");
         let mut generator = CompliantTransmit::<Irp6, Wrist>::by(law, 1);
         let t = Tick { step: 0, dt: 2e-3, duration: 2e-3 };

@@ -30,7 +30,7 @@ use mrroc_generators::force::{Felt, ForceControl, fresh};
 /// # }
 /// // Along its z axis the tool presses with 10 N on a spring of 2 N/mm; along the others it stays.
 /// let mut axes = [Behaviour::Unguarded { velocity: 0.0 }; 6];
-/// axes[2] = Behaviour::Contact { load: 10.0, give: Give::FORCE, within: Bound { speed: 0.1, way: 0.05 } };
+/// axes[2] = Behaviour::Contact { load: 10.0, give: Give::FORCE, within: Bound { speed: 0.1, travel: 0.05 } };
 /// let law = ForceControl::new(axes).map_err(|bad| Fault::thrown(&bad.to_string()))?;
 /// let irp6 = Irp6::nominal();
 /// let depth = |arm: Pose| irp6.forward(&Irp6::READY).inv_mul(&arm).translation.z;
@@ -99,8 +99,8 @@ impl<R: Robot, S: Sensor<Reading = Wrench>> ForceLaw<R, S> {
         }
         self.time += t.dt;
         if let Some(load) = fresh(&v.0, self.oldest)? {
-            let way = self.start.inv_mul(&self.pose).translation.vector;
-            if self.until.is_some_and(|found| found(&Felt { load, way })) {
+            let travel = self.start.inv_mul(&self.pose).translation.vector;
+            if self.until.is_some_and(|found| found(&Felt { load, travel })) {
                 self.found = true;
                 return Ok(Step::Done);
             }
@@ -128,7 +128,7 @@ mod tests {
         type Configuration = ();
     }
 
-    const WITHIN: Bound = Bound { speed: 0.1, way: 0.05 };
+    const WITHIN: Bound = Bound { speed: 0.1, travel: 0.05 };
 
     /// A table at this height \[m\], a spring of 2 N/mm, under a tool that points down.
     struct Table(f64);
@@ -171,7 +171,7 @@ mod tests {
         let mut axes = [Behaviour::Unguarded { velocity: 0.0 }; 6];
         axes[2] = Behaviour::Contact { load: 10.0, give: Give::FORCE, within: WITHIN };
         let law = ForceControl::new(axes).expect("in range");
-        let mut motion = ForceLaw::<Irp6, Wrist>::lasting(law, 4.0, 1).until(|felt| felt.way.z > 0.02);
+        let mut motion = ForceLaw::<Irp6, Wrist>::lasting(law, 4.0, 1).until(|felt| felt.travel.z > 0.02);
         let e = State::new(mrroc_generators::rehearsal::at_rest(&irp6, Irp6::READY));
         let v = Reading::new((mrroc::sensor::SensorImage::new(Wrench::default(), 0),));
         let t = Tick { step: 0, dt: 2e-3, duration: 2e-3 };

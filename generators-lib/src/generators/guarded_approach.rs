@@ -8,7 +8,7 @@ use nalgebra::{Translation3, Unit, Vector3};
 /// Moves the tool in one direction at a constant speed until a reading reports contact.
 ///
 /// Ends in the step after the contact; the runtime brings the tool to a standstill. Throws a fault if there is no
-/// contact within `way`.
+/// contact within `travel`.
 ///
 /// ```
 /// use mrroc::{pose::Wrench, sensor::SensorImage};
@@ -43,7 +43,7 @@ pub struct GuardedApproach<R, S: Sensor> {
     direction: Unit<Vector3<f64>>,
     speed: f64,
     acceleration: f64,
-    way: f64,
+    travel: f64,
     contact: fn(&S::Reading) -> bool,
     start: Pose,
     travelled: f64,
@@ -52,14 +52,14 @@ pub struct GuardedApproach<R, S: Sensor> {
 }
 
 impl<R: Robot, S: Sensor> GuardedApproach<R, S> {
-    /// Along `direction` in the world at `speed` [m/s], reached by `acceleration` [m/s²], for at most `way`
+    /// Along `direction` in the world at `speed` [m/s], reached by `acceleration` [m/s²], for at most `travel`
     /// \[m\], until `contact` holds for a reading. All > 0.
     #[must_use]
     pub fn along(
         direction: Unit<Vector3<f64>>,
         speed: f64,
         acceleration: f64,
-        way: f64,
+        travel: f64,
         contact: fn(&S::Reading) -> bool,
     ) -> Self {
         let start = Pose::identity();
@@ -69,7 +69,7 @@ impl<R: Robot, S: Sensor> GuardedApproach<R, S> {
             direction,
             speed,
             acceleration,
-            way,
+            travel,
             contact,
             start,
             travelled,
@@ -84,8 +84,8 @@ impl<R: Robot, S: Sensor> GuardedApproach<R, S> {
         }
         self.rate = (self.rate + self.acceleration * t.dt).min(self.speed);
         self.travelled += self.rate * t.dt;
-        if self.travelled > self.way {
-            return Err(Fault::thrown("no contact on the whole way of a guarded approach"));
+        if self.travelled > self.travel {
+            return Err(Fault::thrown("no contact on the whole travel of a guarded approach"));
         }
         let moved = Translation3::from(self.direction.into_inner() * self.travelled);
         Ok(Step::Next(Demand::pose(moved * self.start)))
@@ -95,9 +95,9 @@ impl<R: Robot, S: Sensor> GuardedApproach<R, S> {
 #[generator(ecp)]
 impl<R: Robot, S: Sensor> GuardedApproach<R, S> {
     fn first_step(&mut self, e: &State<R>, v: &Reading<(S,)>, t: Tick) -> Result<Step<R>, Fault> {
-        if [self.speed, self.acceleration, self.way].iter().any(|x| !(x.is_finite() && *x > 0.0)) {
+        if [self.speed, self.acceleration, self.travel].iter().any(|x| !(x.is_finite() && *x > 0.0)) {
             return Err(Fault::thrown(
-                "speed, acceleration and way of a guarded approach must be finite and > 0",
+                "speed, acceleration and travel of a guarded approach must be finite and > 0",
             ));
         }
         self.start = e.demanded().pose;

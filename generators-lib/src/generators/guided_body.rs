@@ -51,8 +51,8 @@ use mrroc_generators::force::Give;
 /// })?;
 /// // Without inertia it moves at b (F - 1 N) = 0.09 m/s, in 499 of the 500 steps.
 /// let end = demands[499][0].as_pose().map_or(0.0, |pose| pose.translation.x);
-/// let way = end - arms[0].demanded().pose.translation.x;
-/// assert!((way - 0.09 * 0.998).abs() < 1e-9, "{way}");
+/// let travel = end - arms[0].demanded().pose.translation.x;
+/// assert!((travel - 0.09 * 0.998).abs() < 1e-9, "{travel}");
 /// # Ok::<(), Fault>(())
 /// ```
 pub struct GuidedBody<L: RobotList, V, O = Motion> {
@@ -63,7 +63,7 @@ pub struct GuidedBody<L: RobotList, V, O = Motion> {
     starts: L::Each<Pose>,
     weight: Option<Vector3<f64>>,
     velocity: Vector3<f64>,
-    way: Vector3<f64>,
+    travel: Vector3<f64>,
     time: f64,
     of: PhantomData<(V, O)>,
 }
@@ -77,10 +77,10 @@ impl<L: RobotsEach<Placed, O>, V: SensorsEach<Wrench>, O: 'static> GuidedBody<L,
         let still = Vector3::zeros();
         let weight = None;
         let velocity = still;
-        let way = still;
+        let travel = still;
         let time = 0.0;
         let of = PhantomData;
-        GuidedBody { give, threshold, reach, duration, starts, weight, velocity, way, time, of }
+        GuidedBody { give, threshold, reach, duration, starts, weight, velocity, travel, time, of }
     }
 }
 
@@ -123,15 +123,15 @@ impl<L: RobotsEach<Placed, O>, V: SensorsEach<Wrench>, O: 'static> GuidedBody<L,
         if t.dt > 0.0 {
             self.velocity = (push * (b * t.dt) + self.velocity * (b * m)) / (t.dt + b * m);
         }
-        self.way += self.velocity * t.dt;
-        let far = self.way.norm();
+        self.travel += self.velocity * t.dt;
+        let far = self.travel.norm();
         if far.is_nan() || far > self.reach {
             return Err(
                 Fault::thrown("a guided body was pushed out of its reach").exceeds(far, self.reach, "m")
             );
         }
         let starts = &self.starts;
-        let moved = Translation3::from(self.way);
+        let moved = Translation3::from(self.travel);
         Ok(Step::Next(L::each(|i| Placed { X_WEs: starts.as_ref()[i], X_WE: moved * starts.as_ref()[i] })))
     }
 }
@@ -178,7 +178,7 @@ mod tests {
             assert!(matches!(step, Step::Next(_)));
             // Of 10 N, 8 are above the threshold: u_n = b F (1 - r^n), x_n = T sum u.
             let x = dt * b * 8.0 * (f64::from(n) - r * (1.0 - r.powi(n)) / (1.0 - r));
-            assert!((generator.way - Vector3::new(x, 0.0, 0.0)).norm() < 1e-12, "{}", generator.way);
+            assert!((generator.travel - Vector3::new(x, 0.0, 0.0)).norm() < 1e-12, "{}", generator.travel);
         }
         let fault = (0..2000).find_map(|_| generator.next_step(&e, &v(20.0), t).err()).expect("out of reach");
         assert!(fault.excess().is_some_and(|x| x.actual > 0.1 && x.limit == 0.1));

@@ -39,7 +39,7 @@ pub struct Pressing {
 /// # }
 /// // A tool of 13.18 N that hangs down freely and is ordered to press with 10 N: the law is m dv/dt + v / b = 10 N.
 /// let give = Give { reciprocal_damping: 0.005, inertia: 0.0 };
-/// let mut press = OrderedForce::<Irp6, Wrist>::with_tool(13.18, give, Bound { speed: 0.1, way: 0.05 });
+/// let mut press = OrderedForce::<Irp6, Wrist>::with_tool(13.18, give, Bound { speed: 0.1, travel: 0.05 });
 /// let arm = at_rest(&Irp6::nominal(), Irp6::READY);
 /// let order = Order::new(Pressing { force: 10.0, across: [0.0, 0.0] });
 /// let weight = arm.measured().pose.rotation.inverse_transform_vector(&(Vector3::z() * -13.18));
@@ -131,7 +131,7 @@ mod tests {
         let t = Tick { step: 0, dt: 2e-3, duration: 2e-3 };
         let stiffness = 2000.0;
         let mut generator =
-            OrderedForce::<Irp6, Wrist>::with_tool(13.18, Give::FORCE, Bound { speed: 0.1, way: 0.05 });
+            OrderedForce::<Irp6, Wrist>::with_tool(13.18, Give::FORCE, Bound { speed: 0.1, travel: 0.05 });
         let mut z = 0.0_f64;
         for i in 0..3000 {
             // The tool hangs along its z; the spring pushes against it.

@@ -3,7 +3,7 @@
 use mrroc::operator::jog::{JogNow, JogOrder, JogPanel, JogStop};
 use mrroc::prelude::*;
 
-use mrroc_generators::jogging::{Ahead, JogLimits, Run, Way};
+use mrroc_generators::jogging::{Ahead, JogLimits, JogPath, Run};
 
 /// Moves a robot as a person at a console of the cell jogs it: its tool along or about axes of the tool, of the world or of a frame
 /// that the cell names, single joints, or all joints to positions; as long as a button is held, or by increments. While the robot
@@ -35,8 +35,8 @@ use mrroc_generators::jogging::{Ahead, JogLimits, Run, Way};
 ///     Ok(Given { order: Order::new(()), e: State::new(e), v: Reading::new(()) })
 /// })?;
 /// let end = demands.last().and_then(Demand::as_joints).expect("joints");
-/// let way = irp6.forward(&end).translation.vector - irp6.forward(&Irp6::READY).translation.vector;
-/// assert!((way.z + 0.03).abs() < 1e-9 && way.xy().norm() < 1e-9, "{way}");
+/// let path = irp6.forward(&end).translation.vector - irp6.forward(&Irp6::READY).translation.vector;
+/// assert!((path.z + 0.03).abs() < 1e-9 && path.xy().norm() < 1e-9, "{path}");
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct PanelJog<R: Robot> {
@@ -52,7 +52,7 @@ pub struct PanelJog<R: Robot> {
 struct Jogged<R: Robot> {
     press: u64,
     order: JogOrder,
-    way: Way<R>,
+    path: JogPath<R>,
     ahead: Ahead<R>,
     run: Run,
 }
@@ -73,14 +73,14 @@ impl<R: Robot> PanelJog<R> {
 
     /// Another press of a button, of a robot that stands; why it does not move.
     fn begin(&mut self, press: u64, order: JogOrder) -> Option<JogStop> {
-        let way = match Way::of(&order, &self.panel, self.joints, &self.tool) {
-            Some(way) => way,
+        let path = match JogPath::of(&order, &self.panel, self.joints, &self.tool) {
+            Some(path) => path,
             None => return Some(JogStop::There),
         };
-        let Some(ahead) = Ahead::of(&way, self.panel.model(), self.joints, &self.limits) else {
+        let Some(ahead) = Ahead::of(&path, self.panel.model(), self.joints, &self.limits) else {
             return Some(JogStop::Way);
         };
-        self.jog = Some(Jogged { press, order, way, ahead, run: Run::default() });
+        self.jog = Some(Jogged { press, order, path, ahead, run: Run::default() });
         None
     }
 
@@ -110,9 +110,9 @@ impl<R: Robot> PanelJog<R> {
                     && order.speed.signum() == jog.order.speed.signum()
             });
             let model = self.panel.model();
-            jog.ahead.look(&jog.way, model, jog.run.at(), &self.limits);
+            jog.ahead.look(&jog.path, model, jog.run.at(), &self.limits);
             jog.run.go(&jog.ahead, share.map(|(_, order)| order.speed.abs()), dt)?;
-            let joints = jog.way.joints(model, jog.run.at(), &self.joints);
+            let joints = jog.path.joints(model, jog.run.at(), &self.joints);
             self.joints =
                 joints.ok_or_else(|| Fault::thrown("the arm cannot follow a way that was clear"))?;
             let rests = jog.run.rests();

@@ -37,7 +37,7 @@ use mrroc_generators::cooperation::{InternalForce, Placed, Sharing, SqueezeLaw, 
 /// # }
 /// let stiffness = GraspStiffness { force: 2000.0, torque: 20.0 };
 /// let gains = SqueezeGains { stiffness, rate: 5.0, inertia: 0.0 };
-/// let bounds = SqueezeBounds { speed: 0.2, turning: 0.2, way: 0.1, angle: 0.1 };
+/// let bounds = SqueezeBounds { speed: 0.2, turning: 0.2, travel: 0.1, angle: 0.1 };
 /// let law = SqueezeLaw::new(gains, bounds, 0.01).map_err(|bad| Fault::thrown(&bad.to_string()))?;
 /// let limits = ProfileLimits { velocity: 0.1, acceleration: 0.5 };
 /// let limits = ToolLimits { translation: limits, rotation: limits };
@@ -159,7 +159,7 @@ mod tests {
     fn arms_yield_to_a_squeeze_and_not_to_a_weight() {
         let stiffness = GraspStiffness { force: 5e4, torque: 500.0 };
         let gains = SqueezeGains { stiffness, rate: 5.0, inertia: 0.0 };
-        let bounds = SqueezeBounds { speed: 0.01, turning: 0.1, way: 1e-3, angle: 0.01 };
+        let bounds = SqueezeBounds { speed: 0.01, turning: 0.1, travel: 1e-3, angle: 0.01 };
         let law = SqueezeLaw::new(gains, bounds, 0.01).expect("reserve");
         let rest = TimedBody::new(1.0, |_| Pose::identity());
         let mut generator =

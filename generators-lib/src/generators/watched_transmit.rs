@@ -37,17 +37,17 @@ use mrroc_generators::cooperation::Displacement;
 /// # Ok::<(), Fault>(())
 /// ```
 pub struct WatchedTransmit<R> {
-    way: f64,
+    distance: f64,
     angle: f64,
     of: PhantomData<R>,
 }
 
 impl<R: Robot> WatchedTransmit<R> {
-    /// The tool may be `way` \[m\] and `angle` \[rad\] off, both > 0; at the speed `v` a lag of the drives of `d` seconds and one
+    /// The tool may be `distance` \[m\] and `angle` \[rad\] off, both > 0; at the speed `v` a lag of the drives of `d` seconds and one
     /// step `T` explain `v (d + T)`.
     #[must_use]
-    pub fn within(way: f64, angle: f64) -> Self {
-        WatchedTransmit { way, angle, of: PhantomData }
+    pub fn within(distance: f64, angle: f64) -> Self {
+        WatchedTransmit { distance, angle, of: PhantomData }
     }
 }
 
@@ -56,7 +56,7 @@ impl<R: Robot> WatchedTransmit<R> {
     fn next_step(&self, order: &Order<Displacement>, e: &State<R>) -> Result<Step<R>, Fault> {
         let off = e.demanded().pose.inv_mul(&e.measured().pose);
         let shares =
-            [(off.translation.vector.norm(), self.way, "m"), (off.rotation.angle(), self.angle, "rad")];
+            [(off.translation.vector.norm(), self.distance, "m"), (off.rotation.angle(), self.angle, "rad")];
         for (actual, limit, unit) in shares {
             // What is not a number is off, too.
             if actual.partial_cmp(&limit).is_none_or(|order| order.is_gt()) {

@@ -1,28 +1,28 @@
-//! How much of a way can be gone, and how fast.
+//! How much of a path can be gone, and how fast.
 //!
-//! In: a way, and how much of it may be needed to come to rest. Out: how much of it is clear, how fast its parts can be gone, and
+//! In: a path, and how much of it may be needed to come to rest. Out: how much of it is clear, how fast its parts can be gone, and
 //! what bounds it. It is looked at in small pieces, each of them once.
 
 use mrroc::operator::jog::JogStop;
 use mrroc::prelude::*;
 use mrroc::robot::JointVector;
 
-use super::{JogLimits, Way};
+use super::{JogLimits, JogPath};
 
 /// Pieces that are looked at ahead.
 const PIECES: usize = 32;
 
-/// How much slower than it may be at most a motion is where a way is still gone, and no longer where it is given up.
+/// How much slower than it may be at most a motion is where a path is still gone, and no longer where it is given up.
 const SLOWEST: f64 = 0.04;
 
-/// How often the piece in which a way ends is halved.
+/// How often the piece in which a path ends is halved.
 const HALVINGS: usize = 8;
 
 /// How often it is looked ahead in a step. Each look takes two solutions of the inverse kinematics, which are iterations for many arms:
 /// a step's work must not grow with how far a robot needs to see. Four pieces a step are seen far faster than they are gone.
 const LOOKS: usize = 4;
 
-/// How much of a way is clear.
+/// How much of a path is clear.
 #[derive(Clone, Debug)]
 pub struct Ahead<R: Robot> {
     /// Length of a piece.
@@ -37,14 +37,14 @@ pub struct Ahead<R: Robot> {
     /// The largest speeds in the newest pieces, the newest one at `newest`.
     speeds: [f64; PIECES],
     newest: usize,
-    /// Acceleration and jerk of the way \[1/s²\], \[1/s³\].
+    /// Acceleration and jerk of the path \[1/s²\], \[1/s³\].
     acceleration: f64,
     jerk: f64,
     /// The largest speed that limits of the tool and the joints allow at the beginning, at 100 %.
     full: f64,
 }
 
-/// How joints and tool change with the length of a way.
+/// How joints and tool change with the length of a path.
 struct Change<J> {
     /// Joints [rad or m] for each unit of length, and their curvature.
     joints: J,
@@ -55,12 +55,12 @@ struct Change<J> {
 }
 
 impl<R: Robot> Ahead<R> {
-    /// Of a way that begins at the joints `q` [rad or m]; `None` where the arm cannot even begin it.
+    /// Of a path that begins at the joints `q` [rad or m]; `None` where the arm cannot even begin it.
     #[must_use]
-    pub fn of(way: &Way<R>, model: &R, q: R::Joints, limits: &JogLimits) -> Option<Self> {
+    pub fn of(path: &JogPath<R>, model: &R, q: R::Joints, limits: &JogLimits) -> Option<Self> {
         // Short against what bends ways, long against the rounding of inverse kinematics.
-        let first = 1e-3_f64.min(way.length());
-        let change = change(way, model, first, &q, &way.joints(model, first, &q)?, first)?;
+        let first = 1e-3_f64.min(path.length());
+        let change = change(path, model, first, &q, &path.joints(model, first, &q)?, first)?;
         let of_arm = model.limits();
         let least =
             |shares: &dyn Fn(usize) -> f64| (0..R::Joints::LEN).map(shares).fold(f64::INFINITY, f64::min);
@@ -92,13 +92,13 @@ impl<R: Robot> Ahead<R> {
         })
     }
 
-    /// Acceleration \[1/s²\] and jerk \[1/s³\] of the way.
+    /// Acceleration \[1/s²\] and jerk \[1/s³\] of the path.
     #[must_use]
     pub const fn limits(&self) -> (f64, f64) {
         (self.acceleration, self.jerk)
     }
 
-    /// How much of the way is clear.
+    /// How much of the path is clear.
     #[must_use]
     pub const fn clear(&self) -> f64 {
         self.clear
@@ -117,8 +117,8 @@ impl<R: Robot> Ahead<R> {
     }
 
     /// Looks further, up to so far that it can come to rest behind `s` from full speed; a few times in each call.
-    pub fn look(&mut self, way: &Way<R>, model: &R, s: f64, limits: &JogLimits) {
-        let far = (s + self.piece * (PIECES - 1) as f64).min(way.length());
+    pub fn look(&mut self, path: &JogPath<R>, model: &R, s: f64, limits: &JogLimits) {
+        let far = (s + self.piece * (PIECES - 1) as f64).min(path.length());
         for _ in 0..LOOKS {
             if self.bound.is_some() {
                 return;
@@ -127,7 +127,7 @@ impl<R: Robot> Ahead<R> {
                 // It comes as near to the end of what is clear as halving finds it.
                 Some((beyond, bound, halvings)) => {
                     let middle = 0.5 * (self.clear + beyond);
-                    let beyond = match self.see(way, model, middle, limits) {
+                    let beyond = match self.see(path, model, middle, limits) {
                         Ok((joints, _)) => {
                             (self.clear, self.joints) = (middle, joints);
                             beyond
@@ -139,8 +139,8 @@ impl<R: Robot> Ahead<R> {
                     self.bound = (left == 0).then_some(bound);
                 }
                 None if self.clear < far => {
-                    let next = (self.clear + self.piece).min(way.length());
-                    match self.see(way, model, next, limits) {
+                    let next = (self.clear + self.piece).min(path.length());
+                    match self.see(path, model, next, limits) {
                         Ok((joints, speed)) => {
                             self.newest = (self.newest + 1) % PIECES;
                             self.speeds[self.newest] = speed;
@@ -152,17 +152,23 @@ impl<R: Robot> Ahead<R> {
                 None => break,
             }
         }
-        if self.clear >= way.length() {
+        if self.clear >= path.length() {
             self.bound.get_or_insert(JogStop::There);
         }
     }
 
-    /// The joints after `s` of the way, and how fast it can be gone there, at 100 %.
+    /// The joints after `s` of the path, and how fast it can be gone there, at 100 %.
     ///
     /// # Errors
     /// What keeps the robot from it.
-    fn see(&self, way: &Way<R>, model: &R, s: f64, limits: &JogLimits) -> Result<(R::Joints, f64), JogStop> {
-        let joints = way.joints(model, s, &self.joints).ok_or(JogStop::Way)?;
+    fn see(
+        &self,
+        path: &JogPath<R>,
+        model: &R,
+        s: f64,
+        limits: &JogLimits,
+    ) -> Result<(R::Joints, f64), JogStop> {
+        let joints = path.joints(model, s, &self.joints).ok_or(JogStop::Way)?;
         let of_arm = model.limits();
         for i in 0..R::Joints::LEN {
             let beyond = |q: f64| {
@@ -173,7 +179,7 @@ impl<R: Robot> Ahead<R> {
                 return Err(JogStop::Joint(i as u8));
             }
         }
-        let change = change(way, model, s, &self.joints, &joints, s - self.clear).ok_or(JogStop::Way)?;
+        let change = change(path, model, s, &self.joints, &joints, s - self.clear).ok_or(JogStop::Way)?;
         let twice = |i: usize| 2.0 * limits.joints * of_arm.acceleration[i];
         let bears = (0..R::Joints::LEN)
             .all(|i| change.joints[i].abs() * self.acceleration <= twice(i).max(f64::MIN_POSITIVE));
@@ -193,18 +199,18 @@ impl<R: Robot> Ahead<R> {
 
 /// How joints and tool change at `s`, of which the joints are known there and `by` before it.
 fn change<R: Robot>(
-    way: &Way<R>,
+    path: &JogPath<R>,
     model: &R,
     s: f64,
     before: &R::Joints,
     here: &R::Joints,
     by: f64,
 ) -> Option<Change<R::Joints>> {
-    let after = way.joints(model, s + by, here)?;
+    let after = path.joints(model, s + by, here)?;
     let joints = (*here - *before) * (1.0 / by);
     let next = (after - *here) * (1.0 / by);
     let worse = R::Joints::from_joints(|i| if next[i].abs() > joints[i].abs() { next[i] } else { joints[i] });
-    let (a, b) = (way.tool(model, before), way.tool(model, here));
+    let (a, b) = (path.tool(model, before), path.tool(model, here));
     let along = (b.translation.vector - a.translation.vector).norm() / by;
     let about = a.rotation.angle_to(&b.rotation) / by;
     Some(Change { joints: worse, bend: (next - joints) * (1.0 / by), along, about })

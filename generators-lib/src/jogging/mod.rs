@@ -1,19 +1,19 @@
 //! A robot that a person jogs: ways that are looked at before they are gone, and a motion along them that can stop at any time.
 //!
-//! In: what a person asks for, the robot's model. Out: joint positions, step by step. A [`Way`] says where the joints are after some
+//! In: what a person asks for, the robot's model. Out: joint positions, step by step. A [`JogPath`] says where the joints are after some
 //! of it; [`Ahead`] finds out how much of it can be gone, and how fast; [`Run`] goes along it, within limits of velocity,
 //! acceleration and jerk, so that it can always come to rest on what has been looked at.
 //!
-//! What bounds a way is told and is no fault: a joint near its limit, the end of the arm's reach, a singularity. So a person who
+//! What bounds a path is told and is no fault: a joint near its limit, the end of the arm's reach, a singularity. So a person who
 //! jogs against any of them sees the robot slow down and stand there, and can jog it back.
 
 mod ahead;
+mod path;
 mod run;
-mod way;
 
 pub use ahead::Ahead;
+pub use path::JogPath;
 pub use run::Run;
-pub use way::Way;
 
 use mrroc::operator::REDUCED_SPEED;
 

@@ -1,18 +1,18 @@
-//! Along a way, and to rest on it at any time.
+//! Along a path, and to rest on it at any time.
 
 use mrroc::prelude::*;
 
 use super::Ahead;
 use crate::jerk::{AxisLimits, AxisPlan, AxisState, AxisTarget};
 
-/// How far along a way, and how fast.
+/// How far along a path, and how fast.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Run {
     at: AxisState,
 }
 
 impl Run {
-    /// How much of the way is behind.
+    /// How much of the path is behind.
     #[must_use]
     pub const fn at(&self) -> f64 {
         self.at.position
@@ -25,7 +25,7 @@ impl Run {
     }
 
     /// Goes on for `dt` \[s\] of path time, > 0: at up to `share` of the largest speed, or to rest where it is `None`; never
-    /// farther than the way is clear.
+    /// farther than the path is clear.
     ///
     /// # Errors
     /// Numbers of which no motion can be made.
@@ -64,13 +64,13 @@ impl Run {
         let easing = (a + peak).max(0.0) / jerk;
         let held = v + easing * (a - 0.5 * easing * jerk) - last;
         let held = if peak > 0.0 { (held / peak).max(0.0) } else { 0.0 };
-        let (mut way, mut v, mut a) = (0.0, v, a);
+        let (mut distance, mut v, mut a) = (0.0, v, a);
         for (time, jerk) in [(easing, -jerk), (held, 0.0), (peak / jerk, jerk)] {
-            way += time * (v + time * (0.5 * a + time * jerk / 6.0));
+            distance += time * (v + time * (0.5 * a + time * jerk / 6.0));
             v += time * (a + 0.5 * time * jerk);
             a += time * jerk;
         }
-        way.max(0.0)
+        distance.max(0.0)
     }
 }
 
@@ -87,14 +87,14 @@ mod tests {
             let most_back = (2.0 * jerk * v).sqrt().min(most);
             let a = if share < 0.0 { share * most_back } else { share * most };
             let run = Run { at: AxisState { position: 0.0, velocity: v, acceleration: a } };
-            let way = run.stopping(most, jerk);
+            let distance = run.stopping(most, jerk);
             let limits = AxisLimits::symmetric(100.0, most, jerk);
-            let target = AxisTarget { position: way, ..AxisTarget::default() };
+            let target = AxisTarget { position: distance, ..AxisTarget::default() };
             let plan = AxisPlan::new(&run.at, &target, &limits).expect("a plan");
             // The fastest motion there never turns round: it stops as soon as it can.
             let peaks = plan.fastest().peaks();
-            prop_assert!(peaks.velocity.1 > -1e-6, "{:?} {way}", peaks);
-            prop_assert!(peaks.velocity.0 <= v + a.max(0.0).powi(2) / (2.0 * jerk) + 1e-6, "{:?} {way}", peaks);
+            prop_assert!(peaks.velocity.1 > -1e-6, "{:?} {distance}", peaks);
+            prop_assert!(peaks.velocity.0 <= v + a.max(0.0).powi(2) / (2.0 * jerk) + 1e-6, "{:?} {distance}", peaks);
         }
     }
 }

@@ -9,7 +9,7 @@ use super::{Blend, ViaError};
 use crate::profile::JerkLimits;
 
 /// Coordinates of a leg.
-pub(super) type Way = [f64; MAX_JOINTS];
+pub(super) type LegVector = [f64; MAX_JOINTS];
 
 /// Coordinates that are limited together, by their norm.
 #[derive(Clone, Debug)]
@@ -36,7 +36,7 @@ struct Leg {
 }
 
 struct Problem<'a> {
-    ways: &'a [Way],
+    ways: &'a [LegVector],
     groups: &'a [Group],
     /// Largest rate of each leg by the velocity limits [1/s].
     most: Vec<f64>,
@@ -45,7 +45,7 @@ struct Problem<'a> {
 }
 
 /// The rates of `ways` that are not zero.
-pub(super) fn plan(ways: &[Way], groups: &[Group]) -> Result<Times, ViaError> {
+pub(super) fn plan(ways: &[LegVector], groups: &[Group]) -> Result<Times, ViaError> {
     let mut problem = Problem::new(ways, groups)?;
     problem.slow_down()?;
     let legs: Vec<_> = (0..ways.len()).map_while(|k| problem.leg(k)).collect();
@@ -88,7 +88,7 @@ fn largest(most: f64, good: impl Fn(f64) -> bool) -> f64 {
 }
 
 impl Group {
-    fn norm(&self, way: &Way) -> f64 {
+    fn norm(&self, way: &LegVector) -> f64 {
         way[self.axes.clone()].iter().fold(0.0_f64, |norm, x| norm.hypot(*x))
     }
 
@@ -99,9 +99,9 @@ impl Group {
 
 impl<'a> Problem<'a> {
     /// Each corner as fast as it may be passed by itself.
-    fn new(ways: &'a [Way], groups: &'a [Group]) -> Result<Problem<'a>, ViaError> {
+    fn new(ways: &'a [LegVector], groups: &'a [Group]) -> Result<Problem<'a>, ViaError> {
         check(groups)?;
-        let rate = |way: &Way| {
+        let rate = |way: &LegVector| {
             groups.iter().map(|group| group.limits.velocity / group.norm(way)).fold(f64::INFINITY, f64::min)
         };
         let most: Vec<f64> = ways.iter().map(rate).collect();
@@ -119,13 +119,13 @@ impl<'a> Problem<'a> {
         self.shares[corner] * self.most[leg]
     }
 
-    fn blend(&self, change: &Way) -> Blend {
+    fn blend(&self, change: &LegVector) -> Blend {
         let groups = self.groups.iter();
         Blend::of(groups.map(|group| (group.norm(change), group.acceleration(), group.limits.jerk)))
     }
 
     /// The change of velocity round a corner that is passed with a share of the largest rates.
-    fn change(&self, corner: usize, share: f64) -> Way {
+    fn change(&self, corner: usize, share: f64) -> LegVector {
         let before = &self.ways[corner - 1];
         let after = &self.ways[corner];
         let rates = (share * self.most[corner - 1], share * self.most[corner]);
@@ -251,7 +251,7 @@ mod tests {
     }
 
     /// Legs whose lengths are three orders of magnitude apart, so that many have no room for their corners' blends.
-    fn zigzag(count: usize, seed: u64) -> Vec<Way> {
+    fn zigzag(count: usize, seed: u64) -> Vec<LegVector> {
         let mut state = seed;
         let mut leg = || {
             let length = 10_f64.powf(-3.0 * random(&mut state));
@@ -269,7 +269,7 @@ mod tests {
     }
 
     /// All legs anew whenever corners are slowed down, from the first leg that has no room; and how often that was.
-    fn dense(ways: &[Way], groups: &[Group]) -> Result<(Times, usize), ViaError> {
+    fn dense(ways: &[LegVector], groups: &[Group]) -> Result<(Times, usize), ViaError> {
         let mut problem = Problem::new(ways, groups)?;
         for tries in 0..2000 {
             let legs: Vec<_> = (0..ways.len()).map(|k| problem.leg(k)).collect();

@@ -5,7 +5,7 @@ use mrroc::robot::MAX_JOINTS;
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 
 use super::ViaError;
-use super::legs::{Group, Way, plan};
+use super::legs::{Group, LegVector, plan};
 use super::times::Times;
 use crate::line::SmoothToolLimits;
 use crate::way_points;
@@ -54,7 +54,7 @@ impl ViaPoses {
             group(0, limits.translation, deviation.distance, false),
             group(3, limits.rotation, deviation.angle, true),
         ];
-        let coordinates: Vec<Way> = ways
+        let coordinates: Vec<LegVector> = ways
             .iter()
             .map(|(way, turn)| {
                 let mut all = [0.0; MAX_JOINTS];

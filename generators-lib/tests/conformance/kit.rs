@@ -203,7 +203,7 @@ pub fn drive(path: StraightBody, limits: ToolLimits) -> SharedDrive<Two, Straigh
 
 pub fn squeeze_law(inertia: f64) -> Option<SqueezeLaw> {
     let stiffness = GraspStiffness { force: 5e4, torque: 500.0 };
-    let bounds = SqueezeBounds { speed: 1.0, turning: 1.0, way: 1.0, angle: 1.0 };
+    let bounds = SqueezeBounds { speed: 1.0, turning: 1.0, travel: 1.0, angle: 1.0 };
     SqueezeLaw::new(SqueezeGains { stiffness, rate: 5.0, inertia }, bounds, 0.01).ok()
 }
 
@@ -233,7 +233,7 @@ pub fn law(load: f64, velocity: f64, give: Give) -> Option<ForceControl> {
     let mut axes = [Behaviour::Unguarded { velocity: 0.0 }; 6];
     (axes[0], axes[2], axes[3]) = (
         Behaviour::Guarded { velocity, give },
-        Behaviour::Contact { load, give, within: Bound { speed: 1.0, way: 10.0 } },
+        Behaviour::Contact { load, give, within: Bound { speed: 1.0, travel: 10.0 } },
         Behaviour::Unguarded { velocity },
     );
     ForceControl::new(axes).ok()
@@ -265,9 +265,9 @@ pub fn felt<G: Generator<Robots = Irp6, Sensors = (Wrist,)>>(step: u64, order: G
     Given { order: Order::new(order), e: State::new(image()), v }
 }
 
-pub fn corrected(speed: f64, ramp: f64, way: f64) -> Corrected<StraightLine<Irp6>, Camera> {
+pub fn corrected(speed: f64, ramp: f64, travel: f64) -> Corrected<StraightLine<Irp6>, Camera> {
     let line = StraightLine::by(Pose::translation(0.0, 0.0, 0.1), tool_limits(0.3, 1.0));
-    let limits = CorrectionLimits { speed, turning: speed, ramp, way, angle: 1.0, oldest: 1 };
+    let limits = CorrectionLimits { speed, turning: speed, ramp, travel, angle: 1.0, oldest: 1 };
     Corrected::by(line, |seen: &Displacement| seen.pose, limits)
 }
 

@@ -17,7 +17,7 @@ use mrroc_robots::{Irp6, Irp6FiveDof};
 use nalgebra::Vector3;
 
 /// More than the motions below need.
-const WIDE: Bound = Bound { speed: 1.0, way: 10.0 };
+const WIDE: Bound = Bound { speed: 1.0, travel: 10.0 };
 
 generator_conformance! {
     guarded_approach: GuardedApproach<Irp6, Wrist>,
@@ -127,7 +127,7 @@ generator_conformance! {
         let gives = [(x, 1.0), (0.01, x), (x, x)].map(|(reciprocal_damping, inertia)| Give { reciprocal_damping, inertia });
         let mut odd: Vec<_> = gives.map(|give| OrderedForce::with_tool(10.0, give, WIDE)).into();
         odd.push(OrderedForce::with_tool(x, Give::FORCE, WIDE));
-        odd.push(OrderedForce::with_tool(10.0, Give::FORCE, Bound { speed: x, way: x }));
+        odd.push(OrderedForce::with_tool(10.0, Give::FORCE, Bound { speed: x, travel: x }));
         odd
     },
     allocated: bytes,

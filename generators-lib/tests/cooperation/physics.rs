@@ -80,7 +80,7 @@ fn stress(closing: Closing, with_sensors: bool) -> (f64, f64) {
         if with_sensors {
             let stiffness = GraspStiffness { force: 5e4, torque: 500.0 };
             let gains = SqueezeGains { stiffness, rate: 8.0, inertia: 0.03 };
-            let bounds = SqueezeBounds { speed: 0.02, turning: 0.1, way: 5e-3, angle: 0.02 };
+            let bounds = SqueezeBounds { speed: 0.02, turning: 0.1, travel: 5e-3, angle: 0.02 };
             let law = SqueezeLaw::new(gains, bounds, 0.03).expect("reserve");
             let carry =
                 SqueezedCarry::<Two, [WristForce; 2], _>::along(BodyFrame::Centroid, path, law, 0.0, 0);

@@ -137,7 +137,7 @@ fn cell<const N: usize>(off: [Pose; N]) -> (Cell, Rc<Held<N>>, [Trace; N]) {
 
 fn law() -> SqueezeLaw {
     let gains = SqueezeGains { stiffness: K, rate: 6.0, inertia: 0.03 };
-    let bounds = SqueezeBounds { speed: 0.02, turning: 0.1, way: 5e-3, angle: 0.02 };
+    let bounds = SqueezeBounds { speed: 0.02, turning: 0.1, travel: 5e-3, angle: 0.02 };
     SqueezeLaw::new(gains, bounds, 0.02).expect("reserve")
 }
 

@@ -195,7 +195,8 @@ fn spline() -> Result<Track, Box<dyn Error>> {
 fn pressing(velocity: f64) -> Result<ForceControl, Box<dyn Error>> {
     let mut axes = [Behaviour::Unguarded { velocity: 0.0 }; 6];
     axes[0] = Behaviour::Unguarded { velocity };
-    axes[2] = Behaviour::Contact { load: 10.0, give: Give::FORCE, within: Bound { speed: 0.1, way: 0.05 } };
+    axes[2] =
+        Behaviour::Contact { load: 10.0, give: Give::FORCE, within: Bound { speed: 0.1, travel: 0.05 } };
     Ok(ForceControl::new(axes)?)
 }
 
@@ -234,7 +235,8 @@ fn told() -> Sheets {
         let pose = Pose::translation(0.0, if step < 100 { 0.0 } else { 0.01 }, 0.0);
         ((), Reading::new((SensorImage::<Camera>::new(Displacement { pose }, 0),)))
     };
-    let bounds = CorrectionLimits { speed: 0.02, turning: 0.1, ramp: 0.1, way: 0.02, angle: 0.1, oldest: 1 };
+    let bounds =
+        CorrectionLimits { speed: 0.02, turning: 0.1, ramp: 0.1, travel: 0.02, angle: 0.1, oldest: 1 };
     let corrected =
         Corrected::<_, Camera>::by(ToolOffset::<Irp6>::by(offset(), limits()), |seen| seen.pose, bounds);
     let compliant = Compliant::<_, Wrist>::by(ToolOffset::<Irp6>::by(offset(), slow()), pressing(0.0)?, 1);
@@ -266,7 +268,7 @@ fn told() -> Sheets {
     let felt = |step: u64, at: &[Image; 2]| (ordered(step), Reading::new((table(&at[0], 0.08),)));
     let stiffness = GraspStiffness { force: 2e3, torque: 20.0 };
     let gains = SqueezeGains { stiffness, rate: 5.0, inertia: 0.01 };
-    let bounds = SqueezeBounds { speed: 0.2, turning: 0.2, way: 0.1, angle: 0.1 };
+    let bounds = SqueezeBounds { speed: 0.2, turning: 0.2, travel: 0.1, angle: 0.1 };
     let law = SqueezeLaw::new(gains, bounds, DT)?;
     let by_order = |step: u64, _: &[Image; 2]| (ordered(step), Reading::new(()));
     let reached = |step: u64, _: &[Image; 2]| {
@@ -288,7 +290,11 @@ fn told() -> Sheets {
         (
             "ordered_force",
             follow(
-                OrderedForce::<Irp6, Wrist>::with_tool(13.18, Give::FORCE, Bound { speed: 0.1, way: 0.05 }),
+                OrderedForce::<Irp6, Wrist>::with_tool(
+                    13.18,
+                    Give::FORCE,
+                    Bound { speed: 0.1, travel: 0.05 },
+                ),
                 500,
                 press,
             ),
@@ -328,7 +334,7 @@ fn pairs() -> Sheets {
     let drive = SharedDrive::<Two, _>::from(Pose::identity(), body(), loops, limits());
     let gains =
         SqueezeGains { stiffness: GraspStiffness { force: 2e3, torque: 20.0 }, rate: 5.0, inertia: 0.01 };
-    let bounds = SqueezeBounds { speed: 0.2, turning: 0.2, way: 0.1, angle: 0.1 };
+    let bounds = SqueezeBounds { speed: 0.2, turning: 0.2, travel: 0.1, angle: 0.1 };
     let law = SqueezeLaw::new(gains, bounds, DT)?;
     let squeezed = SqueezedCarry::<Two, [Wrist; 2], _>::along(BodyFrame::Centroid, body(), law, 5.0, 0);
     // A body of 2 N/mm between the tools' origins, as long as at the start.

@@ -25,7 +25,7 @@ use tokio::time::timeout;
 
 use crate::driver::{Panel, Place};
 use crate::page;
-use crate::rules::origin::{NotAdmitted, Way};
+use crate::rules::origin::{NotAdmitted, RequestTarget};
 use crate::rules::{CONNECTIONS, LONGEST};
 use crate::secured::Secured;
 use crate::socket;
@@ -116,7 +116,8 @@ async fn answer(stream: impl AsyncRead + AsyncWrite + Unpin + Send + 'static, ro
 
 /// Answers only what comes from this panel's own page.
 async fn admit(State(panel): State<Arc<Panel>>, request: Request, next: Next) -> Response<Body> {
-    let way = if request.uri().path() == "/connect" { Way::Connection } else { Way::File };
+    let target =
+        if request.uri().path() == "/connect" { RequestTarget::Connection } else { RequestTarget::File };
     if request.uri().authority().is_some() {
         return page::told(StatusCode::BAD_REQUEST, "the panel is no proxy: ask for a path alone");
     }
@@ -129,7 +130,7 @@ async fn admit(State(panel): State<Arc<Panel>>, request: Request, next: Next) ->
     let admitted = {
         let header = |name| said_once(request.headers().get_all(name));
         match (header(header::HOST), header(header::ORIGIN)) {
-            (Ok(host), Ok(origin)) => panel.origins.admit(way, host, origin),
+            (Ok(host), Ok(origin)) => panel.origins.admit(target, host, origin),
             (Err(Unclear), _) => Err(NotAdmitted::Host),
             (_, Err(Unclear)) => Err(NotAdmitted::Origin),
         }

@@ -270,7 +270,7 @@ fn fault_159_a_node_that_is_held_up_by_the_network_has_ended_soon() {
 }
 
 /// Who hears at a gateway.
-struct Listener(Mutex<Sender<AtGateway>>);
+struct GatewayRecorder(Mutex<Sender<AtGateway>>);
 
 #[derive(Debug, PartialEq)]
 enum AtGateway {
@@ -279,7 +279,7 @@ enum AtGateway {
     Lost(u64),
 }
 
-impl GatewayListener for Listener {
+impl GatewayListener for GatewayRecorder {
     fn came(&self, bytes: &[u8]) {
         let _ = self.0.lock().expect("whole").send(AtGateway::Came(bytes.to_vec()));
     }
@@ -304,7 +304,7 @@ fn program(bench: &Bench, (folder, name): (&str, &str), place: usize) -> zenoh::
 fn fault_211_the_certificate_of_a_sensors_program_is_taken_by_the_gateway_of_that_sensor_and_nothing_else() {
     let bench = Bench::new("gateway");
     let (tells, hears) = channel();
-    let listener = Arc::new(Listener(Mutex::new(tells)));
+    let listener = Arc::new(GatewayRecorder(Mutex::new(tells)));
     let keys = bench.folder.join("c");
     let gateway = Gateway { sensor: "camera", address: bench.nodes.all()[2].address, keys: &keys };
     let gateway = Zenoh.open_gateway(&gateway, listener).expect("opened");

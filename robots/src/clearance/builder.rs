@@ -35,7 +35,7 @@ impl Clearance {
                 stopping,
                 pairs: Vec::new(),
                 unchecked: Vec::new(),
-                ways: Vec::new(),
+                stopping_distances: Vec::new(),
             },
         }
     }
@@ -128,7 +128,7 @@ impl ClearanceBuilder {
             }
         }
         self.clearance.stopping = stopping;
-        self.clearance.ways = vec![[0.0; MAX_JOINTS]; self.clearance.robots.len()];
+        self.clearance.stopping_distances = vec![[0.0; MAX_JOINTS]; self.clearance.robots.len()];
         self.clearance.pair();
         Ok(self.clearance)
     }

@@ -20,7 +20,7 @@ pub(super) type Owned = (Arc<str>, Arc<str>);
 enum Purpose {
     /// The distance as it is.
     Distance,
-    /// The distance less the way to a standstill and the margin.
+    /// The distance less the stopping distance and the margin.
     Slack,
 }
 
@@ -38,7 +38,7 @@ pub struct Clearance {
     pub(super) stopping: Stopping,
     pub(super) pairs: Vec<Pair>,
     pub(super) unchecked: Vec<(Pair, Unchecked)>,
-    pub(super) ways: Vec<Joints>,
+    pub(super) stopping_distances: Vec<Joints>,
 }
 
 impl Clearance {
@@ -56,11 +56,11 @@ impl Clearance {
             let state = state_of(states, robot)?;
             pace = pace.and(robot.shape().pace(&self.stopping, &state.demanded.velocity));
         }
-        for (robot, way) in self.robots.iter_mut().zip(&mut self.ways) {
+        for (robot, distances) in self.robots.iter_mut().zip(&mut self.stopping_distances) {
             let state = &state_of(states, robot)?.demanded;
-            *way = robot.shape().ways(&self.stopping, &state.velocity, &pace);
+            *distances = robot.shape().stopping_distances(&self.stopping, &state.velocity, &pace);
             let robot_name = robot.name;
-            if !robot.stand(&state.joints, Some(way)) {
+            if !robot.stand(&state.joints, Some(distances)) {
                 return Err(CheckError::NoPosture { robot: robot_name });
             }
         }

@@ -18,11 +18,11 @@ const MOTIONS: usize = 17;
 pub(super) trait Shape {
     fn links(&self) -> Vec<Link>;
     fn capsules(&self, q: &Joints, visit: &mut dyn FnMut(Capsule));
-    fn motions(&self, q: &Joints, way: &Joints, visit: &mut dyn FnMut(Motion));
+    fn motions(&self, q: &Joints, distances: &Joints, visit: &mut dyn FnMut(Motion));
     fn flange(&self, q: &Joints) -> Pose;
     fn flange_motions(&self) -> u32;
     fn pace(&self, stopping: &Stopping, velocity: &Joints) -> Pace;
-    fn ways(&self, stopping: &Stopping, velocity: &Joints, cell: &Pace) -> Joints;
+    fn stopping_distances(&self, stopping: &Stopping, velocity: &Joints, cell: &Pace) -> Joints;
     /// The position that lies `part` (0 to 1 each) of the way between the limits; endless joints within a turn.
     fn between_limits(&self, part: &dyn Fn(usize) -> f64) -> Joints;
     /// Whether the position keeps the limits that joints share.
@@ -38,9 +38,9 @@ impl<O: Outline> Shape for O {
         Outline::capsules(self, &JointVector::from_joints(|i| q[i]), visit);
     }
 
-    fn motions(&self, q: &Joints, way: &Joints, visit: &mut dyn FnMut(Motion)) {
+    fn motions(&self, q: &Joints, distances: &Joints, visit: &mut dyn FnMut(Motion)) {
         let joints = |values: &Joints| JointVector::from_joints(|i| values[i]);
-        Outline::motions(self, &joints(q), &joints(way), visit);
+        Outline::motions(self, &joints(q), &joints(distances), visit);
     }
 
     fn flange(&self, q: &Joints) -> Pose {
@@ -55,9 +55,10 @@ impl<O: Outline> Shape for O {
         stopping.pace(self.robot().limits(), velocity)
     }
 
-    fn ways(&self, stopping: &Stopping, velocity: &Joints, cell: &Pace) -> Joints {
-        let ways: <O::Robot as Robot>::Joints = stopping.ways(self.robot().limits(), velocity, cell);
-        padded(&ways)
+    fn stopping_distances(&self, stopping: &Stopping, velocity: &Joints, cell: &Pace) -> Joints {
+        let stopping_distances: <O::Robot as Robot>::Joints =
+            stopping.stopping_distances(self.robot().limits(), velocity, cell);
+        padded(&stopping_distances)
     }
 
     fn between_limits(&self, part: &dyn Fn(usize) -> f64) -> Joints {
@@ -155,9 +156,9 @@ impl Placement {
         self.carried.len() != before
     }
 
-    /// Stands the robot at `q`, its joints moving by at most `way` more; whether it can stand there.
+    /// Stands the robot at `q`, its joints moving by at most `distances` more; whether it can stand there.
     #[allow(non_snake_case)]
-    pub(super) fn stand(&mut self, q: &Joints, way: Option<&Joints>) -> bool {
+    pub(super) fn stand(&mut self, q: &Joints, distances: Option<&Joints>) -> bool {
         let Self { shape, links, own, carried, placed, motions, .. } = self;
         placed.clear();
         shape.capsules(q, &mut |capsule| {
@@ -172,9 +173,9 @@ impl Placement {
             let X_WF = shape.flange(q);
             placed.extend(carried.iter().map(|capsule| Placed::new(capsule.moved(&X_WF))));
         }
-        if let Some(way) = way {
+        if let Some(distances) = distances {
             motions.clear();
-            shape.motions(q, way, &mut |motion| {
+            shape.motions(q, distances, &mut |motion| {
                 if motions.len() < MOTIONS {
                     motions.push(motion);
                 }
@@ -223,12 +224,12 @@ mod tests {
     }
 
     proptest! {
-        /// Wherever the joints go within their ways, no end of a capsule gets farther than its travel, and no two links of one
+        /// Wherever the joints go within their distances, no end of a capsule gets farther than its travel, and no two links of one
         /// robot nearer than by the travels of the motions between.
         #[test]
         fn no_end_of_a_link_gets_farther_than_its_travel(
             part in proptest::array::uniform8(0.05..0.95_f64),
-            way in proptest::array::uniform8(0.0..0.5_f64),
+            distances in proptest::array::uniform8(0.0..0.5_f64),
             to in proptest::array::uniform8(-1.0..1.0_f64),
         ) {
             for mut arm in arms() {
@@ -240,13 +241,13 @@ mod tests {
                 // Lengths of RNT's actuators change by a tenth of what angles do.
                 let is_rnt = &*arm.links[0].name == "column" && arm.own() == 7;
                 let is_short = |i: usize| is_rnt && (i == 1 || i == 2);
-                let way: Joints = core::array::from_fn(|i| if is_short(i) { 0.1 * way[i] } else { way[i] });
-                let moved: Joints = core::array::from_fn(|i| q[i] + way[i] * to[i]);
+                let distances: Joints = core::array::from_fn(|i| if is_short(i) { 0.1 * distances[i] } else { distances[i] });
+                let moved: Joints = core::array::from_fn(|i| q[i] + distances[i] * to[i]);
                 if !arm.stand(&moved, None) {
                     continue;
                 }
                 let after: Vec<Capsule> = arm.placed.iter().map(|placed| placed.capsule).collect();
-                if !arm.stand(&q, Some(&way)) {
+                if !arm.stand(&q, Some(&distances)) {
                     continue;
                 }
                 for ((link, placed), after) in arm.links.iter().zip(&arm.placed).zip(&after) {

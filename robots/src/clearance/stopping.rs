@@ -1,10 +1,10 @@
 //! How far joints still move when a robot is stopped now.
 //!
-//! In: the demanded speeds `v` and the limits of acceleration `a` (and jerk `j`). Out: a way that no joint exceeds until it
+//! In: the demanded speeds `v` and the limits of acceleration `a` (and jerk `j`). Out: a distance that no joint exceeds until it
 //! stands. First the time `reaction` passes, in which a joint may still gain speed:
 //!
 //! ```text
-//! way >= v t + a t^2 / 2,     then  v' = v + a t
+//! distances >= v t + a t^2 / 2,     then  v' = v + a t
 //! ```
 //!
 //! **Braking**, as when a peer is lost: without jerk limits all joints decelerate evenly in one time `T = max v'/a`, so
@@ -24,7 +24,7 @@
 //! may be, and to end it.
 //!
 //! This assumes that within the stop the path, at rate 1, is nowhere faster than now. Where it is, the next check finds the
-//! longer way; a margin covers the difference of one check.
+//! longer distance; a margin covers the difference of one check.
 
 use core::time::Duration;
 
@@ -89,7 +89,12 @@ impl Stopping {
     }
 
     /// Ways of a robot's joints until they stand [rad or m], >= 0, when the robots of the cell have this pace.
-    pub(super) fn ways<J: JointVector>(&self, limits: &Limits<J>, velocity: &[f64], cell: &Pace) -> J {
+    pub(super) fn stopping_distances<J: JointVector>(
+        &self,
+        limits: &Limits<J>,
+        velocity: &[f64],
+        cell: &Pace,
+    ) -> J {
         let own = self.pace(limits, velocity);
         J::from_joints(|i| {
             let (v, a) = (velocity[i].abs(), limits.acceleration[i]);
@@ -143,27 +148,33 @@ mod tests {
         }
     }
 
-    fn ways(stopping: Stopping, limits: &Limits<SVector<f64, 2>>, v: [f64; 2]) -> SVector<f64, 2> {
-        stopping.ways(limits, &v, &stopping.pace(limits, &v))
+    fn stopping_distances(
+        stopping: Stopping,
+        limits: &Limits<SVector<f64, 2>>,
+        v: [f64; 2],
+    ) -> SVector<f64, 2> {
+        stopping.stopping_distances(limits, &v, &stopping.pace(limits, &v))
     }
 
     #[test]
     fn braking_takes_half_of_v_t_with_the_time_of_the_slowest_joint() {
         // Joint 2 needs 0.5 s, joint 1 would need 0.2 s: 1.4 x 0.5 / 2 and 1 x 0.5 / 2.
-        let way = ways(Stopping { reaction: 0.0, stop: Stop::Braking }, &limits(None), [-1.4, 1.0]);
-        assert!((way - SVector::from([0.35, 0.25])).amax() < 1e-15);
+        let distances =
+            stopping_distances(Stopping { reaction: 0.0, stop: Stop::Braking }, &limits(None), [-1.4, 1.0]);
+        assert!((distances - SVector::from([0.35, 0.25])).amax() < 1e-15);
     }
 
     #[test]
     fn a_joint_may_gain_speed_before_the_stop_begins() {
         // In 0.1 s from rest to 0.7 and 0.2 rad/s, after 0.035 and 0.01 rad; both then need 0.1 s.
-        let way = ways(Stopping { reaction: 0.1, stop: Stop::Braking }, &limits(None), [0.0, 0.0]);
-        assert!((way - SVector::from([0.07, 0.02])).amax() < 1e-15);
+        let distances =
+            stopping_distances(Stopping { reaction: 0.1, stop: Stop::Braking }, &limits(None), [0.0, 0.0]);
+        assert!((distances - SVector::from([0.07, 0.02])).amax() < 1e-15);
     }
 
     #[test]
     fn braking_with_limited_jerk_takes_no_longer_way_than_the_bound() {
-        // From v with the acceleration a still driving: it fades within a/j; then the time-optimal way to rest, with or
+        // From v with the acceleration a still driving: it fades within a/j; then the time-optimal motion to rest, with or
         // without reaching the largest deceleration, 2 rad/s^2.
         for (v, a, jerk) in [(1.0, 2.0, 50.0), (0.05, 2.0, 5.0), (2.0, 1.0, 20.0), (0.5, 0.0, 100.0)] {
             let fading: f64 = a / jerk;
@@ -176,8 +187,8 @@ mod tests {
             };
             let exact = fades + 0.5 * fastest * time;
             let stopping = Stopping { reaction: 0.0, stop: Stop::Braking };
-            let way = ways(stopping, &limits(Some(jerk)), [0.0, v])[1];
-            assert!(way >= exact, "{v} {a} {jerk}: {way} {exact}");
+            let distances = stopping_distances(stopping, &limits(Some(jerk)), [0.0, v])[1];
+            assert!(distances >= exact, "{v} {a} {jerk}: {distances} {exact}");
         }
     }
 
@@ -194,12 +205,12 @@ mod tests {
                     rate -= dt * ((0.98 - 0.9 * rate * rate) / (slowest + step)).min(change);
                 }
                 let stopping = Stopping { reaction: 0.0, stop: Stop::OnPath { rate_change: change, step } };
-                let way = ways(stopping, &limits(None), v);
+                let distances = stopping_distances(stopping, &limits(None), v);
                 for i in 0..2 {
                     let exact = v[i] * path;
-                    assert!(way[i] >= exact * (1.0 - 1e-3), "{change} {v:?}: {} {exact}", way[i]);
+                    assert!(distances[i] >= exact * (1.0 - 1e-3), "{change} {v:?}: {} {exact}", distances[i]);
                     // One of the two bounds may be taken in vain.
-                    assert!(way[i] <= 2.0 * exact + 1e-12, "{change} {v:?}: {} {exact}", way[i]);
+                    assert!(distances[i] <= 2.0 * exact + 1e-12, "{change} {v:?}: {} {exact}", distances[i]);
                 }
             }
         }

@@ -63,13 +63,13 @@ impl DiffDrive {
     /// ```
     /// use mrroc_wheels::DiffDrive;
     /// let q = DiffDrive::wheels(0.3, -0.7);
-    /// let (way, turn) = DiffDrive::rolled(&q);
-    /// assert!((way - 0.3).abs() < 1e-15 && (turn + 0.7).abs() < 1e-15);
+    /// let (distance, turn) = DiffDrive::rolled(&q);
+    /// assert!((distance - 0.3).abs() < 1e-15 && (turn + 0.7).abs() < 1e-15);
     /// ```
     #[must_use]
-    pub fn wheels(way: f64, turn: f64) -> Two {
+    pub fn wheels(distance: f64, turn: f64) -> Two {
         let more = 0.5 * Self::TRACK * turn;
-        Two::new(way - more, way + more) / Self::WHEEL
+        Two::new(distance - more, distance + more) / Self::WHEEL
     }
 }
 
@@ -90,9 +90,9 @@ impl Robot for DiffDrive {
 
     /// The axle's frame on the unrolled path: see the [module](self).
     fn forward(&self, q: &Two) -> Pose {
-        let (way, turn) = Self::rolled(q);
+        let (distance, turn) = Self::rolled(q);
         Pose::from_parts(
-            Translation3::new(way, 0.0, 0.0),
+            Translation3::new(distance, 0.0, 0.0),
             UnitQuaternion::from_axis_angle(&Vector3::z_axis(), turn),
         )
     }

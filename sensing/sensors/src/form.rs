@@ -53,7 +53,7 @@ pub enum Piece {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
     /// In lengths of the ray's direction, > 0.
-    pub way: f64,
+    pub distance: f64,
     /// Unit vector, outwards.
     pub normal: Vector3<f64>,
 }
@@ -84,7 +84,7 @@ impl Form {
     /// Where a ray meets it first.
     #[must_use]
     pub fn hit(&self, origin: &Vector3<f64>, direction: &Vector3<f64>) -> Option<Hit> {
-        let nearer = |a: Hit, b: Hit| if b.way < a.way { b } else { a };
+        let nearer = |a: Hit, b: Hit| if b.distance < a.distance { b } else { a };
         self.0.iter().filter_map(|piece| piece.hit(origin, direction)).reduce(nearer)
     }
 
@@ -146,7 +146,7 @@ impl Piece {
             Self::Tube { radius, inner, height } => tube(o, d, radius, inner, height),
             Self::Cap { radius, centre, from } => {
                 let centre = Vector3::new(0.0, 0.0, centre);
-                let above = |hit: &Hit| o.z + hit.way * d.z >= from;
+                let above = |hit: &Hit| o.z + hit.distance * d.z >= from;
                 ball(o, d, &centre, radius).into_iter().flatten().find(above)
             }
             Self::Half { radius, half_length } => half(o, d, radius, half_length),
@@ -172,7 +172,7 @@ fn slabs(o: &Vector3<f64>, d: &Vector3<f64>, lower: &Vector3<f64>, upper: &Vecto
     }
     let mut normal = Vector3::zeros();
     normal[face] = -d[face].signum();
-    Some(Hit { way: enter, normal })
+    Some(Hit { distance: enter, normal })
 }
 
 /// Roots of a t^2 + 2 b t + c.
@@ -187,76 +187,76 @@ fn roots(a: f64, b: f64, c: f64) -> Option<[f64; 2]> {
 fn tube(o: &Vector3<f64>, d: &Vector3<f64>, radius: f64, inner: f64, height: f64) -> Option<Hit> {
     let (p, v) = (o.xy(), d.xy());
     let mut first: Option<Hit> = None;
-    let mut take = |way: f64, normal: Vector3<f64>| {
-        if way > 0.0 && first.is_none_or(|first| way < first.way) {
-            first = Some(Hit { way, normal });
+    let mut take = |distance: f64, normal: Vector3<f64>| {
+        if distance > 0.0 && first.is_none_or(|first| distance < first.distance) {
+            first = Some(Hit { distance, normal });
         }
     };
     // Its top, the outer wall where the ray enters, the inner wall where the ray leaves the hole.
-    let way = (height - o.z) / d.z;
-    let at = p + v * way;
+    let distance = (height - o.z) / d.z;
+    let at = p + v * distance;
     if (inner * inner..=radius * radius).contains(&at.norm_squared()) {
-        take(way, Vector3::z());
+        take(distance, Vector3::z());
     }
     let wall = |r: f64, which: usize| {
-        let way = roots(v.norm_squared(), p.dot(&v), p.norm_squared() - r * r)?[which];
-        let z = o.z + way * d.z;
-        let out: Vector2<f64> = (p + v * way) / r;
-        (0.0..=height).contains(&z).then_some((way, Vector3::new(out.x, out.y, 0.0)))
+        let distance = roots(v.norm_squared(), p.dot(&v), p.norm_squared() - r * r)?[which];
+        let z = o.z + distance * d.z;
+        let out: Vector2<f64> = (p + v * distance) / r;
+        (0.0..=height).contains(&z).then_some((distance, Vector3::new(out.x, out.y, 0.0)))
     };
-    if let Some((way, normal)) = wall(radius, 0) {
-        take(way, normal);
+    if let Some((distance, normal)) = wall(radius, 0) {
+        take(distance, normal);
     }
     if inner > 0.0
-        && let Some((way, normal)) = wall(inner, 1)
+        && let Some((distance, normal)) = wall(inner, 1)
     {
-        take(way, -normal);
+        take(distance, -normal);
     }
     first
 }
 
 fn ball(o: &Vector3<f64>, d: &Vector3<f64>, centre: &Vector3<f64>, radius: f64) -> [Option<Hit>; 2] {
-    let way = o - centre;
-    let Some(both) = roots(d.norm_squared(), way.dot(d), way.norm_squared() - radius * radius) else {
+    let offset = o - centre;
+    let Some(both) = roots(d.norm_squared(), offset.dot(d), offset.norm_squared() - radius * radius) else {
         return [None, None];
     };
-    both.map(|t| (t > 0.0).then(|| Hit { way: t, normal: (way + d * t) / radius }))
+    both.map(|t| (t > 0.0).then(|| Hit { distance: t, normal: (offset + d * t) / radius }))
 }
 
 fn half(o: &Vector3<f64>, d: &Vector3<f64>, radius: f64, half_length: f64) -> Option<Hit> {
     // The round side, from outside; else an end.
     let (p, v) = (o.yz(), d.yz());
-    if let Some([way, _]) = roots(v.norm_squared(), p.dot(&v), p.norm_squared() - radius * radius) {
-        let at = o + d * way;
-        if way > 0.0 && at.z >= 0.0 && at.x.abs() <= half_length {
-            return Some(Hit { way, normal: Vector3::new(0.0, at.y, at.z) / radius });
+    if let Some([distance, _]) = roots(v.norm_squared(), p.dot(&v), p.norm_squared() - radius * radius) {
+        let at = o + d * distance;
+        if distance > 0.0 && at.z >= 0.0 && at.x.abs() <= half_length {
+            return Some(Hit { distance, normal: Vector3::new(0.0, at.y, at.z) / radius });
         }
     }
     let end = -half_length * d.x.signum();
-    let way = (end - o.x) / d.x;
-    let at = o + d * way;
-    let on = way > 0.0 && at.z >= 0.0 && at.yz().norm_squared() <= radius * radius;
-    on.then(|| Hit { way, normal: Vector3::x() * end.signum() })
+    let distance = (end - o.x) / d.x;
+    let at = o + d * distance;
+    let on = distance > 0.0 && at.z >= 0.0 && at.yz().norm_squared() <= radius * radius;
+    on.then(|| Hit { distance, normal: Vector3::x() * end.signum() })
 }
 
 fn capsule(o: &Vector3<f64>, d: &Vector3<f64>, ends: &[Vector3<f64>; 2], radius: f64) -> Option<Hit> {
     let [a, b] = ends;
-    let (axis, way) = (b - a, o - a);
-    let (length, along, start) = (axis.norm_squared(), axis.dot(d), axis.dot(&way));
-    let (p, v) = (way * length - axis * start, d * length - axis * along);
+    let (axis, offset) = (b - a, o - a);
+    let (length, along, start) = (axis.norm_squared(), axis.dot(d), axis.dot(&offset));
+    let (p, v) = (offset * length - axis * start, d * length - axis * along);
     let scale = length * length * radius * radius;
     let mut best = if length > 0.0 {
         roots(v.norm_squared(), p.dot(&v), p.norm_squared() - scale).and_then(|[t, _]| {
             let s = (start + t * along) / length;
-            let normal = (way + d * t - axis * s) / radius;
-            (t > 0.0 && (0.0..=1.0).contains(&s)).then_some(Hit { way: t, normal })
+            let normal = (offset + d * t - axis * s) / radius;
+            (t > 0.0 && (0.0..=1.0).contains(&s)).then_some(Hit { distance: t, normal })
         })
     } else {
         None
     };
     for end in ends {
         let [first, _] = ball(o, d, end, radius);
-        if let Some(hit) = first.filter(|hit| best.is_none_or(|best| hit.way < best.way)) {
+        if let Some(hit) = first.filter(|hit| best.is_none_or(|best| hit.distance < best.distance)) {
             best = Some(hit);
         }
     }
@@ -284,7 +284,7 @@ mod tests {
         };
         let height = |piece: &Piece, x, y| {
             let (o, d) = down(x, y);
-            piece.hit(&o, &d).map(|hit| 1.0 - hit.way)
+            piece.hit(&o, &d).map(|hit| 1.0 - hit.distance)
         };
         let near =
             |got: Option<f64>, wanted: f64| assert!((got.expect("met") - wanted).abs() < 1e-12, "{got:?}");
@@ -305,12 +305,15 @@ mod tests {
         // Towards the hole of a ring, and its far wall inside.
         let ring = Piece::Tube { radius: 0.03, inner: 0.02, height: 0.04 };
         let hit = ring.hit(&Vector3::new(-0.015, 0.0, 0.05), &Vector3::new(1.0, 0.0, -1.0)).expect("met");
-        assert!((hit.way - 0.035).abs() < 1e-12 && (hit.normal + Vector3::x()).norm() < 1e-12, "{hit:?}");
+        assert!(
+            (hit.distance - 0.035).abs() < 1e-12 && (hit.normal + Vector3::x()).norm() < 1e-12,
+            "{hit:?}"
+        );
         let block = Piece::Block { lower: Vector3::repeat(0.0), upper: Vector3::repeat(0.05) };
         let hit = block.hit(&Vector3::new(-0.1, 0.02, 0.02), &Vector3::new(2.0, 0.0, 0.0)).expect("met");
-        assert!((hit.way - 0.05).abs() < 1e-12 && (hit.normal + Vector3::x()).norm() < 1e-12, "{hit:?}");
+        assert!((hit.distance - 0.05).abs() < 1e-12 && (hit.normal + Vector3::x()).norm() < 1e-12, "{hit:?}");
         let half = Piece::Half { radius: 0.03, half_length: 0.05 };
         let hit = half.hit(&Vector3::new(0.1, 0.0, 0.02), &Vector3::new(-1.0, 0.0, -0.1)).expect("met");
-        assert!((hit.way - 0.05).abs() < 1e-12 && (hit.normal - Vector3::x()).norm() < 1e-12, "{hit:?}");
+        assert!((hit.distance - 0.05).abs() < 1e-12 && (hit.normal - Vector3::x()).norm() < 1e-12, "{hit:?}");
     }
 }

@@ -34,7 +34,7 @@ pub type Wrists = (WristForce, WristForce);
 /// A figure is out of range.
 pub fn law() -> Result<SqueezeLaw, Fault> {
     let gains = SqueezeGains { stiffness: STIFFNESS, rate: 18.0, inertia: 0.01 };
-    let bounds = SqueezeBounds { speed: 0.02, turning: 0.2, way: 0.005, angle: 0.05 };
+    let bounds = SqueezeBounds { speed: 0.02, turning: 0.2, travel: 0.005, angle: 0.05 };
     SqueezeLaw::new(gains, bounds, DELAY).map_err(|bad| Fault::thrown(&bad.to_string()))
 }
 

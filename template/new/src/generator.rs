@@ -469,7 +469,7 @@ mod tests {
     #[test]
     fn the_first_constructor_is_shown() {
         let call = |name: &str| constructor(entry(name).source).expect("a constructor");
-        assert_eq!(call("guarded_approach"), "along(direction, speed, acceleration, way, contact)");
+        assert_eq!(call("guarded_approach"), "along(direction, speed, acceleration, travel, contact)");
         assert_eq!(call("joint_move"), "to(goal, velocity, acceleration)");
         assert_eq!(call("spline_track"), "through(points, spline, feed, X_WP, R_PE)?");
         assert_eq!(call("straight_line"), "to(X_WE, limits)");

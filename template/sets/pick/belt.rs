@@ -63,5 +63,5 @@ pub fn camera(line: OverBelt) -> CameraSensor<OverBelt> {
     // FILL IN: your parts. With more than one class `Sole` gives way to a network: see README.md.
     let block = PartClass { name: "block", form: Workpiece::block(PART, 0.2).form, turns: 2 };
     let vision = Vision::new(plane.clone(), vec![block], Box::new(Sole));
-    CameraSensor::new(line, Imager::over(plane, 1), vision, Trigger::Way(0.05), LATCH)
+    CameraSensor::new(line, Imager::over(plane, 1), vision, Trigger::Travel(0.05), LATCH)
 }

@@ -25,7 +25,7 @@ pub enum NotAdmitted {
 
 /// What is asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Way {
+pub enum RequestTarget {
     /// A file of the page.
     File,
     /// A connection that shows and operates the cell.
@@ -64,13 +64,18 @@ impl OriginPolicy {
     ///
     /// # Errors
     /// [`NotAdmitted`]
-    pub fn admit(&self, way: Way, host: Option<&str>, origin: Option<&str>) -> Result<(), NotAdmitted> {
+    pub fn admit(
+        &self,
+        target: RequestTarget,
+        host: Option<&str>,
+        origin: Option<&str>,
+    ) -> Result<(), NotAdmitted> {
         let host = host.filter(|host| self.hosts.iter().any(|own| own.eq_ignore_ascii_case(host)));
         let host = host.ok_or(NotAdmitted::Host)?;
-        match (origin, way) {
+        match (origin, target) {
             // Browsers say the origin of every connection that a page opens, but not of a file that is only read.
-            (None, Way::File) => Ok(()),
-            (None, Way::Connection) => Err(NotAdmitted::Origin),
+            (None, RequestTarget::File) => Ok(()),
+            (None, RequestTarget::Connection) => Err(NotAdmitted::Origin),
             (Some(origin), _) => {
                 let own = origin.strip_prefix(self.scheme).is_some_and(|of| of.eq_ignore_ascii_case(host));
                 if own { Ok(()) } else { Err(NotAdmitted::Origin) }
@@ -87,11 +92,11 @@ mod tests {
     fn fault_201_a_page_of_another_origin_or_a_host_of_another_name_is_not_admitted() {
         let origins = OriginPolicy::at(SocketAddr::from(([127, 0, 0, 1], 7411)));
         let connection =
-            |host: Option<&str>, origin: Option<&str>| origins.admit(Way::Connection, host, origin);
+            |host: Option<&str>, origin: Option<&str>| origins.admit(RequestTarget::Connection, host, origin);
         for host in ["127.0.0.1:7411", "localhost:7411", "[::1]:7411", "LocalHost:7411"] {
             let origin = format!("http://{host}");
             assert_eq!(connection(Some(host), Some(&origin)), Ok(()), "{host}");
-            assert_eq!(origins.admit(Way::File, Some(host), None), Ok(()), "{host}");
+            assert_eq!(origins.admit(RequestTarget::File, Some(host), None), Ok(()), "{host}");
         }
         let own = Some("127.0.0.1:7411");
         for origin in [
@@ -105,13 +110,17 @@ mod tests {
             "",
         ] {
             assert_eq!(connection(own, Some(origin)), Err(NotAdmitted::Origin), "{origin}");
-            assert_eq!(origins.admit(Way::File, own, Some(origin)), Err(NotAdmitted::Origin), "{origin}");
+            assert_eq!(
+                origins.admit(RequestTarget::File, own, Some(origin)),
+                Err(NotAdmitted::Origin),
+                "{origin}"
+            );
         }
         assert_eq!(connection(own, None), Err(NotAdmitted::Origin));
         // A name that was made to lead here, the right name of another port, and none.
         for host in [Some("evil.example:7411"), Some("127.0.0.1:80"), Some("127.0.0.1"), Some(""), None] {
             assert_eq!(connection(host, Some("http://127.0.0.1:7411")), Err(NotAdmitted::Host), "{host:?}");
-            assert_eq!(origins.admit(Way::File, host, None), Err(NotAdmitted::Host), "{host:?}");
+            assert_eq!(origins.admit(RequestTarget::File, host, None), Err(NotAdmitted::Host), "{host:?}");
         }
     }
 
@@ -119,28 +128,31 @@ mod tests {
     fn fault_201_on_a_network_a_panel_is_called_by_its_own_address_alone_and_never_without_tls() {
         let origins = OriginPolicy::at(SocketAddr::from(([192, 0, 2, 1], 7411)));
         let own = Some("192.0.2.1:7411");
-        assert_eq!(origins.admit(Way::Connection, own, Some("https://192.0.2.1:7411")), Ok(()));
-        assert_eq!(origins.admit(Way::File, own, None), Ok(()));
+        assert_eq!(origins.admit(RequestTarget::Connection, own, Some("https://192.0.2.1:7411")), Ok(()));
+        assert_eq!(origins.admit(RequestTarget::File, own, None), Ok(()));
         for origin in ["http://192.0.2.1:7411", "https://192.0.2.2:7411", "https://192.0.2.1", "null"] {
             assert_eq!(
-                origins.admit(Way::Connection, own, Some(origin)),
+                origins.admit(RequestTarget::Connection, own, Some(origin)),
                 Err(NotAdmitted::Origin),
                 "{origin}"
             );
         }
         let second = OriginPolicy::at(SocketAddr::from(([127, 0, 0, 2], 7411)));
-        assert_eq!(second.admit(Way::File, Some("127.0.0.2:7411"), None), Ok(()));
+        assert_eq!(second.admit(RequestTarget::File, Some("127.0.0.2:7411"), None), Ok(()));
         // Names that lead to loopback, and any other name.
         for host in ["127.0.0.1:7411", "localhost:7411", "cell.example:7411", "192.0.2.1"] {
             let origin = format!("https://{host}");
             assert_eq!(
-                origins.admit(Way::Connection, Some(host), Some(&origin)),
+                origins.admit(RequestTarget::Connection, Some(host), Some(&origin)),
                 Err(NotAdmitted::Host),
                 "{host}"
             );
         }
         // The port of https is not said.
         let origins = OriginPolicy::at(SocketAddr::from(([192, 0, 2, 1], 443)));
-        assert_eq!(origins.admit(Way::Connection, Some("192.0.2.1"), Some("https://192.0.2.1")), Ok(()));
+        assert_eq!(
+            origins.admit(RequestTarget::Connection, Some("192.0.2.1"), Some("https://192.0.2.1")),
+            Ok(())
+        );
     }
 }

@@ -27,12 +27,12 @@ fn irp6_capsules(frames: &[Pose], visit: &mut dyn FnMut(Capsule)) {
 }
 
 /// Visits the motions of an IRp-6's first five joints.
-fn irp6_motions(frames: &[Pose], way: [f64; 5], visit: &mut dyn FnMut(Motion)) {
-    visit(turn(&frames[0], Vector3::z(), way[0]));
-    visit(turn(&frames[0], Vector3::y(), way[1]));
-    visit(turn(&frames[1], Vector3::y(), way[2]));
-    visit(turn(&frames[2], Vector3::y(), way[3]));
-    visit(turn(&frames[2], Vector3::x(), way[4]));
+fn irp6_motions(frames: &[Pose], distances: [f64; 5], visit: &mut dyn FnMut(Motion)) {
+    visit(turn(&frames[0], Vector3::z(), distances[0]));
+    visit(turn(&frames[0], Vector3::y(), distances[1]));
+    visit(turn(&frames[1], Vector3::y(), distances[2]));
+    visit(turn(&frames[2], Vector3::y(), distances[3]));
+    visit(turn(&frames[2], Vector3::x(), distances[4]));
 }
 
 /// The links of an IRp-6 whose base is moved by the first `before` motions. Rolling about d5 does not move the wrist's
@@ -62,10 +62,10 @@ impl Outline for Irp6 {
         irp6_capsules(&frames(self, q).0[1..], visit);
     }
 
-    fn motions(&self, q: &Six, way: &Six, visit: &mut dyn FnMut(Motion)) {
+    fn motions(&self, q: &Six, distances: &Six, visit: &mut dyn FnMut(Motion)) {
         let (frames, _) = frames(self, q);
-        irp6_motions(&frames[1..], core::array::from_fn(|i| way[i]), visit);
-        visit(turn(&frames[5], Vector3::z(), way[5]));
+        irp6_motions(&frames[1..], core::array::from_fn(|i| distances[i]), visit);
+        visit(turn(&frames[5], Vector3::z(), distances[5]));
     }
 }
 
@@ -85,8 +85,8 @@ impl Outline for Irp6FiveDof {
         irp6_capsules(&frames(self, q).0[1..], visit);
     }
 
-    fn motions(&self, q: &Five, way: &Five, visit: &mut dyn FnMut(Motion)) {
-        irp6_motions(&frames(self, q).0[1..], core::array::from_fn(|i| way[i]), visit);
+    fn motions(&self, q: &Five, distances: &Five, visit: &mut dyn FnMut(Motion)) {
+        irp6_motions(&frames(self, q).0[1..], core::array::from_fn(|i| distances[i]), visit);
     }
 }
 
@@ -106,10 +106,10 @@ impl Outline for Irp6Track {
         irp6_capsules(&frames(self, q).0[2..], visit);
     }
 
-    fn motions(&self, q: &Seven, way: &Seven, visit: &mut dyn FnMut(Motion)) {
+    fn motions(&self, q: &Seven, distances: &Seven, visit: &mut dyn FnMut(Motion)) {
         let (frames, _) = frames(self, q);
-        visit(Motion::Slide { way: way[0] });
-        irp6_motions(&frames[2..], core::array::from_fn(|i| way[i + 1]), visit);
-        visit(turn(&frames[6], Vector3::z(), way[6]));
+        visit(Motion::Slide { bound: distances[0] });
+        irp6_motions(&frames[2..], core::array::from_fn(|i| distances[i + 1]), visit);
+        visit(turn(&frames[6], Vector3::z(), distances[6]));
     }
 }

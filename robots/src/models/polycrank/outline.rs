@@ -63,10 +63,10 @@ impl Outline for Polycrank {
         visit(Capsule::new(end(5), top(6), LEVEL));
     }
 
-    fn motions(&self, q: &Seven, way: &Seven, visit: &mut dyn FnMut(Motion)) {
+    fn motions(&self, q: &Seven, distances: &Seven, visit: &mut dyn FnMut(Motion)) {
         let (frames, _) = frames(self, q);
         for i in 0..7 {
-            visit(turn(&frames[i], Vector3::z(), way[i]));
+            visit(turn(&frames[i], Vector3::z(), distances[i]));
         }
     }
 }

@@ -67,16 +67,16 @@ fn bend(delta: f64) -> Option<f64> {
     (rod.perp(&rocker) > 0.0).then(|| forearm.y.atan2(forearm.x))
 }
 
-/// Largest turn of a crank \[rad\] when the bar from a foot at `distance` that turns it is `length` long, give or take `way`
+/// Largest turn of a crank \[rad\] when the bar from a foot at `distance` that turns it is `length` long, give or take `change`
 /// \[m\]; all that it can, where the bar could be too short or too long.
-fn by_length(distance: f64, crank: f64, length: f64, way: f64) -> f64 {
+fn by_length(distance: f64, crank: f64, length: f64, change: f64) -> f64 {
     let at = |length: f64| {
         let cosine = (distance * distance + crank * crank - length * length) / (2.0 * distance * crank);
         if cosine.abs() <= 1.0 { cosine.acos() } else { f64::NAN }
     };
     let now = at(length);
-    let less = (at(length - way) - now).abs();
-    let more = (at(length + way) - now).abs();
+    let less = (at(length - change) - now).abs();
+    let more = (at(length + change) - now).abs();
     if less.is_nan() || more.is_nan() { PI } else { less.max(more) }
 }
 
@@ -120,18 +120,18 @@ impl Outline for Rnt {
         visit(Capsule::new(c, f, ARM[2]));
     }
 
-    fn motions(&self, q: &Six, way: &Six, visit: &mut dyn FnMut(Motion)) {
+    fn motions(&self, q: &Six, distances: &Six, visit: &mut dyn FnMut(Motion)) {
         let (frames, count) = frames(self, q);
         let Some(linkage) = Linkage::of(q[1], q[2]).filter(|_| count == FRAME_COUNT) else { return };
-        let [upper, forearm, rocker] = turns(&linkage, q[1], q[2], way[1], way[2]);
+        let [upper, forearm, rocker] = turns(&linkage, q[1], q[2], distances[1], distances[2]);
         let [shoulder, elbow, centre, flange]: [&Pose; 4] = [&frames[2], &frames[5], &frames[6], &frames[7]];
-        visit(turn(&frames[1], Vector3::z(), way[0]));
+        visit(turn(&frames[1], Vector3::z(), distances[0]));
         visit(turn(shoulder, Vector3::y(), rocker));
         visit(turn(shoulder, Vector3::y(), upper));
         visit(turn(elbow, Vector3::y(), forearm));
-        visit(turn(elbow, Vector3::x(), way[3]));
-        visit(Motion::Turn { point: origin(centre), axis: None, way: way[4] });
-        visit(turn(flange, Vector3::z(), way[5]));
+        visit(turn(elbow, Vector3::x(), distances[3]));
+        visit(Motion::Turn { point: origin(centre), axis: None, bound: distances[4] });
+        visit(turn(flange, Vector3::z(), distances[5]));
     }
 
     fn flange_motions(&self) -> u32 {

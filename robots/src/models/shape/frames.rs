@@ -27,6 +27,6 @@ pub(crate) fn origin(frame: &Pose) -> Vector3<f64> {
 }
 
 /// A turn about an axis of a frame, through its origin.
-pub(crate) fn turn(frame: &Pose, axis: Vector3<f64>, way: f64) -> Motion {
-    Motion::Turn { point: origin(frame), axis: Some(frame.rotation * axis), way }
+pub(crate) fn turn(frame: &Pose, axis: Vector3<f64>, bound: f64) -> Motion {
+    Motion::Turn { point: origin(frame), axis: Some(frame.rotation * axis), bound }
 }

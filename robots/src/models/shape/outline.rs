@@ -43,32 +43,32 @@ pub enum Motion {
         /// The axis, of length 1; `None` where only the point is known.
         axis: Option<Vector3<f64>>,
         /// Largest angle, either way \[rad\], >= 0.
-        way: f64,
+        bound: f64,
     },
     /// A shift along a line.
     Slide {
-        /// Largest way, either way \[m\], >= 0.
-        way: f64,
+        /// Largest shift, either way \[m\], >= 0.
+        bound: f64,
     },
 }
 
 impl Motion {
     /// How far a body in a capsule may get by this motion \[m\], when the motions behind it may have moved it by `moved`.
     ///
-    /// A turn by `way` moves a point at the distance `d` from the axis by at most `way d`. The distance from an axis is
+    /// A turn by `bound` moves a point at the distance `d` from the axis by at most `bound d`. The distance from an axis is
     /// convex, so no point of the segment is farther from it than the farther end; the radius is added.
     pub(crate) fn travel(&self, capsule: &Capsule, moved: f64) -> f64 {
         match self {
-            Motion::Slide { way } => *way,
-            Motion::Turn { point, axis, way } => {
+            Motion::Slide { bound } => *bound,
+            Motion::Turn { point, axis, bound } => {
                 let arm = |end: &Vector3<f64>| match axis {
                     Some(axis) => (end - point).cross(axis).norm_squared(),
                     None => (end - point).norm_squared(),
                 };
                 let [a, b] = &capsule.ends;
-                // The chord of the arc; of a short one there is no need to know it. A way that is no number must stay so.
+                // The chord of the arc; of a short one there is no need to know it. One that is no number must stay so.
                 let chord =
-                    if *way > 0.5 { 2.0 * (0.5 * way.min(core::f64::consts::PI)).sin() } else { *way };
+                    if *bound > 0.5 { 2.0 * (0.5 * bound.min(core::f64::consts::PI)).sin() } else { *bound };
                 chord * (arm(a).max(arm(b)).sqrt() + capsule.radius + moved)
             }
         }
@@ -111,8 +111,8 @@ impl Motion {
 ///         visit(Capsule::new(Vector3::zeros(), end, 0.05));
 ///     }
 ///
-///     fn motions(&self, _q: &One, way: &One, visit: &mut dyn FnMut(Motion)) {
-///         visit(Motion::Turn { point: Vector3::zeros(), axis: Some(Vector3::z()), way: way[0] });
+///     fn motions(&self, _q: &One, distances: &One, visit: &mut dyn FnMut(Motion)) {
+///         visit(Motion::Turn { point: Vector3::zeros(), axis: Some(Vector3::z()), bound: distances[0] });
 ///     }
 /// }
 /// ```
@@ -129,12 +129,12 @@ pub trait Outline: 'static {
     /// Visits the capsules at `q` [rad or m], in the world; fewer than there are links where the robot cannot stand so.
     fn capsules(&self, q: &<Self::Robot as Robot>::Joints, visit: &mut dyn FnMut(Capsule));
 
-    /// Visits the motions that moving every joint from `q` by at most `way` [rad or m, >= 0] either way consists of, from
+    /// Visits the motions that moving every joint from `q` by at most `distances` [rad or m, >= 0] either way consists of, from
     /// base to flange; at most 17.
     fn motions(
         &self,
         q: &<Self::Robot as Robot>::Joints,
-        way: &<Self::Robot as Robot>::Joints,
+        distances: &<Self::Robot as Robot>::Joints,
         visit: &mut dyn FnMut(Motion),
     );
 

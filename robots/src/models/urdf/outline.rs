@@ -198,18 +198,18 @@ impl<const N: usize> Outline for SerialOutline<N> {
         }
     }
 
-    fn motions(&self, q: &SVector<f64, N>, way: &SVector<f64, N>, visit: &mut dyn FnMut(Motion)) {
+    fn motions(&self, q: &SVector<f64, N>, distances: &SVector<f64, N>, visit: &mut dyn FnMut(Motion)) {
         let (frames, _) = self.frames(q);
-        visit(Motion::Slide { way: 0.0 });
+        visit(Motion::Slide { bound: 0.0 });
         for (segment, frame) in self.robot.segments().iter().zip(&frames[1..]) {
-            let way = segment.multiplier.abs() * way[segment.leader];
+            let bound = segment.multiplier.abs() * distances[segment.leader];
             visit(match segment.kind {
                 JointKind::Revolute => Motion::Turn {
                     point: frame.translation.vector,
                     axis: Some(frame.rotation * Vector3::z()),
-                    way,
+                    bound,
                 },
-                JointKind::Prismatic => Motion::Slide { way },
+                JointKind::Prismatic => Motion::Slide { bound },
             });
         }
     }

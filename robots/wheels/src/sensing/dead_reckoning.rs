@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! standing (no wheel turned for 0.1 s)   heading stays;  bias := mean of what the gyro says
-//! moving                                 heading += gyro - bias dt;   way += r (dq_L + dq_R) / 2 along it
+//! moving                                 heading += gyro - bias dt;   distance += r (dq_L + dq_R) / 2 along it
 //! told apart                             d := d exp(-dt / 0.5 s) + (gyro - bias dt) - r (dq_R - dq_L) / b
 //! ```
 //!
@@ -38,7 +38,7 @@ pub struct Reckoned {
     /// Where it stands.
     pub pose: Planar,
     /// How far it went \[m\].
-    pub way: f64,
+    pub distance: f64,
     /// How far it turned \[rad\].
     pub turn: f64,
     /// How far gyro and wheels are apart about a turn \[rad\].
@@ -89,8 +89,8 @@ impl DeadReckoning {
     /// One step: the wheels are at these angles \[rad\], and the gyro said so much.
     pub fn step(&mut self, wheels: &Two, gyro: &Turned) -> Reckoned {
         let moved = *wheels - self.wheels.replace(*wheels).unwrap_or(*wheels);
-        let (way, turn_of_wheels) = DiffDrive::rolled(&moved);
-        let way = self.scale * way;
+        let (distance, turn_of_wheels) = DiffDrive::rolled(&moved);
+        let distance = self.scale * distance;
         // Encoders tremble by a pulse; a base that creeps leaves that behind.
         let is_still = (*wheels - *self.rest.get_or_insert(*wheels)).amax() < Self::TREMBLING;
         if is_still {
@@ -110,8 +110,8 @@ impl DeadReckoning {
             Some(_) | None => 0.0,
         };
         self.apart = self.apart * (-gyro.time / Self::COMPARED).exp() + turn - turn_of_wheels;
-        self.pose = self.pose.moved(way, turn);
-        Reckoned { pose: self.pose, way, turn, apart: self.apart, stands: stands && self.bias.is_some() }
+        self.pose = self.pose.moved(distance, turn);
+        Reckoned { pose: self.pose, distance, turn, apart: self.apart, stands: stands && self.bias.is_some() }
     }
 }
 

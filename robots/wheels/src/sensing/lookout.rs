@@ -157,7 +157,7 @@ impl VirtualSensor for LookingOut {
                 pose = self.memory.trace(i, sure.map(|far| pose.place(&on_base(far))), pose);
             }
         }
-        self.gone += reckoned.way.abs();
+        self.gone += reckoned.distance.abs();
         if is_new && steady && self.gone > Self::AGAIN {
             self.gone = 0.0;
             // Those that look ahead, from right to left, as they met last.

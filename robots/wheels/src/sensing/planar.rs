@@ -48,12 +48,16 @@ impl Planar {
         Vector2::new(cosine * off.x + sine * off.y, cosine * off.y - sine * off.x)
     }
 
-    /// After it has gone `way` \[m\] while it turned by `turn` \[rad\], on an arc.
+    /// After it has gone `distance` \[m\] while it turned by `turn` \[rad\], on an arc.
     #[must_use]
-    pub fn moved(&self, way: f64, turn: f64) -> Self {
+    pub fn moved(&self, distance: f64, turn: f64) -> Self {
         // The chord of the arc: 2 sin(turn / 2) / turn of it.
         let half = 0.5 * turn;
-        let chord = if half.abs() < 1e-4 { way * (1.0 - half * half / 6.0) } else { way * half.sin() / half };
+        let chord = if half.abs() < 1e-4 {
+            distance * (1.0 - half * half / 6.0)
+        } else {
+            distance * half.sin() / half
+        };
         let (sine, cosine) = (self.heading + half).sin_cos();
         Self { x: self.x + chord * cosine, y: self.y + chord * sine, heading: self.heading + turn }
     }
@@ -72,17 +76,17 @@ mod tests {
     #[test]
     fn an_arc_in_one_step_ends_where_many_short_steps_do() {
         let start = Planar { x: 0.1, y: -0.2, heading: 0.7 };
-        for (way, turn) in [(0.5, 1.3), (0.4, 1e-6), (-0.3, -2.0), (0.0, 1.0)] {
-            let whole = start.moved(way, turn);
+        for (distance, turn) in [(0.5, 1.3), (0.4, 1e-6), (-0.3, -2.0), (0.0, 1.0)] {
+            let whole = start.moved(distance, turn);
             let mut parts = start;
             for _ in 0..10_000 {
-                parts = parts.moved(way * 1e-4, turn * 1e-4);
+                parts = parts.moved(distance * 1e-4, turn * 1e-4);
             }
-            assert!((whole.at() - parts.at()).norm() < 1e-10, "{way} {turn}");
+            assert!((whole.at() - parts.at()).norm() < 1e-10, "{distance} {turn}");
             // The centre of the circle: a way over a turn to the left.
             if turn.abs() > 0.1 {
-                let centre = start.place(&Vector2::new(0.0, way / turn));
-                assert!((whole.place(&Vector2::new(0.0, way / turn)) - centre).norm() < 1e-12);
+                let centre = start.place(&Vector2::new(0.0, distance / turn));
+                assert!((whole.place(&Vector2::new(0.0, distance / turn)) - centre).norm() < 1e-12);
             }
         }
     }

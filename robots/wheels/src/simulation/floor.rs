@@ -50,7 +50,7 @@ struct State {
     touched: Touched,
     time: f64,
     /// How far its axle went \[m\].
-    way: f64,
+    travel: f64,
 }
 
 impl Floor {
@@ -62,7 +62,7 @@ impl Floor {
             chassis: Chassis::at(pose),
             touched: Touched::default(),
             time: 0.0,
-            way: 0.0,
+            travel: 0.0,
         })))
     }
 
@@ -86,8 +86,8 @@ impl Floor {
 
     /// How far the middle of the axle went \[m\].
     #[must_use]
-    pub fn way(&self) -> f64 {
-        self.0.borrow().way
+    pub fn travel(&self) -> f64 {
+        self.0.borrow().travel
     }
 
     /// Changes the ground from now on: oil, a carpet, other walls.
@@ -109,7 +109,7 @@ impl Floor {
             pushes = state.chassis.step(wheels, &state.ground);
             state.time += Chassis::STEP;
             let motion = &state.chassis.motion;
-            state.way += motion.ahead.hypot(motion.left) * Chassis::STEP;
+            state.travel += motion.ahead.hypot(motion.left) * Chassis::STEP;
             let pressed = state.chassis.pressed;
             state.touched.times += u32::from(pressed > 0.0 && !state.touched.now);
             state.touched.now = pressed > 0.0;

@@ -7,7 +7,7 @@
 //!
 //! An [`Acceptor`] is put together from the robot with its limits ([`checks`]), the state demanded last ([`state`]), the path
 //! and the way back to it ([`path`]), the motion that is under way ([`motion`]) and its pace ([`rates`]). What it does in a
-//! step is here for a demand, in [`missing`] where there is none, in [`out_of_step`] for one of another step, in [`resting`] on the way to a standstill; [`ways`] finds
+//! step is here for a demand, in [`missing`] where there is none, in [`out_of_step`] for one of another step, in [`resting`] on the way to a standstill; [`next_state`] finds
 //! the state at the end of a step for all of them.
 
 use core::marker::PhantomData;
@@ -26,12 +26,12 @@ use checks::{CheckedStep, Checks, Proposed, Standstill};
 use curvature::Curvature;
 pub(crate) use goals::GOAL;
 use motion::Motion;
+use next_state::NextState;
 use path::Track;
 pub(crate) use poses::{DISAGREEMENT, NOT_ATTAINABLE, NOT_FOUND, NOT_REDUNDANT};
 use poses::{ToolPose, valid_frame};
 use rates::Pace;
 use state::JointState;
-use ways::NextState;
 
 mod catching_up;
 mod checks;
@@ -39,6 +39,7 @@ mod curvature;
 mod goals;
 mod missing;
 mod motion;
+mod next_state;
 mod out_of_step;
 mod path;
 mod poses;
@@ -48,7 +49,6 @@ mod resting;
 mod state;
 #[cfg(test)]
 mod tests;
-mod ways;
 
 /// The largest velocity of a tool at reduced speed \[m/s\].
 pub const REDUCED_SPEED: f64 = 0.25;
@@ -158,8 +158,8 @@ impl<R: Robot> Acceptor<R> {
     ///
     /// # Errors
     /// The velocity limit that they would break.
-    pub fn check_way(&self, way: &R::Joints, duration: f64) -> Result<(), Fault> {
-        self.checks.check_way(way, duration)
+    pub fn check_displacement(&self, displacement: &R::Joints, duration: f64) -> Result<(), Fault> {
+        self.checks.check_displacement(displacement, duration)
     }
 
     /// How fast the rate may change now.

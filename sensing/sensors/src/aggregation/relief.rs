@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! echo -> its middle, without the threshold's walk -> height = h (1 - t / t of the belt)        the speed of sound goes out of it
-//!      -> place of the transducer - way of the belt at the ping                                 in the belt's own frame
+//!      -> place of the transducer - travel of the belt at the ping                                 in the belt's own frame
 //!      -> things: places that stand out of the belt, with a strip of bare belt before and behind
 //! ```
 //!
@@ -190,18 +190,18 @@ impl Reliefs {
         self.learned.is_some()
     }
 
-    /// Takes what a transducer heard, when the belt had run `way` \[m\].
+    /// Takes what a transducer heard, when the belt had run `travel` \[m\].
     ///
     /// # Errors
     /// [`Deaf`].
-    pub fn take(&mut self, number: usize, echo: Option<Echo>, way: f64) -> Result<(), Deaf> {
+    pub fn take(&mut self, number: usize, echo: Option<Echo>, travel: f64) -> Result<(), Deaf> {
         if echo.is_none() {
-            self.count_unheard(number, way)?;
+            self.count_unheard(number, travel)?;
         }
         let Some(learned) = self.learned else { return self.learn(number, echo) };
         let place = self.array.places[number];
         let bare = &mut self.bare[number];
-        let along = place.x - way;
+        let along = place.x - travel;
         let heard = if let Some(echo) = echo {
             bare.unheard = 0;
             bare.count = bare.count.saturating_add(1);
@@ -241,13 +241,13 @@ impl Reliefs {
     }
 
     /// Counts a ping without an echo.
-    fn count_unheard(&mut self, number: usize, way: f64) -> Result<(), Deaf> {
+    fn count_unheard(&mut self, number: usize, travel: f64) -> Result<(), Deaf> {
         let (of, bare) = (self.bare.len(), &mut self.bare[number]);
         if bare.unheard == 0 {
-            bare.from = way;
+            bare.from = travel;
         }
         bare.unheard += 1;
-        let run = (way - bare.from).abs();
+        let run = (travel - bare.from).abs();
         if bare.unheard >= Self::DEAF.0 && (run >= Self::DEAF.1 || bare.count < Self::ENOUGH) {
             let (count, way_mm) = (bare.unheard, 1e3 * run);
             return Err(Deaf::Transducer { number: number + 1, of, count, way_mm });
@@ -317,14 +317,14 @@ impl Reliefs {
         self.bare.iter().map(|bare| bare.time).sum::<f64>() / self.bare.len() as f64
     }
 
-    /// Where the last row of the array is on a belt that has run `way` \[m\]: what is before that has been below all of them.
-    fn frontier(&self, way: f64) -> f64 {
-        self.array.places.iter().map(|place| place.x).fold(f64::NEG_INFINITY, f64::max) - way
+    /// Where the last row of the array is on a belt that has run `travel` \[m\]: what is before that has been below all of them.
+    fn frontier(&self, travel: f64) -> f64 {
+        self.array.places.iter().map(|place| place.x).fold(f64::NEG_INFINITY, f64::max) - travel
     }
 
-    /// The next thing that has wholly passed on a belt that has run `way` \[m\].
-    pub fn passed(&mut self, way: f64) -> Option<Relief> {
-        let frontier = self.frontier(way);
+    /// The next thing that has wholly passed on a belt that has run `travel` \[m\].
+    pub fn passed(&mut self, travel: f64) -> Option<Relief> {
+        let frontier = self.frontier(travel);
         let raised =
             |sample: &&Sample| sample.along > frontier && sample.heard.is_some_and(|[z, _]| z > Self::RAISED);
         let mut raised: Vec<f64> = self.samples.iter().filter(raised).map(|sample| sample.along).collect();
@@ -343,7 +343,7 @@ impl Reliefs {
         self.done = self.done.min(keep);
         self.samples.retain(|sample| sample.along < keep);
         if count < Self::FEWEST {
-            return self.passed(way);
+            return self.passed(travel);
         }
         let across = self.array.places.iter().map(|place| place.y);
         let width = across.clone().fold(f64::NEG_INFINITY, f64::max) - across.fold(f64::INFINITY, f64::min);

@@ -231,7 +231,10 @@ impl Imager {
                             of.form.hit(eye, &(X_PC.rotation * ray))
                         };
                         let Some(met) = hit(thing) else { continue };
-                        if others.iter().any(|other| hit(other).is_some_and(|other| other.way < met.way)) {
+                        if others
+                            .iter()
+                            .any(|other| hit(other).is_some_and(|other| other.distance < met.distance))
+                        {
                             continue;
                         }
                         let (_, X_PC) = &thing.eyes[row % 2][moment];

@@ -108,7 +108,8 @@ impl Sounders {
                 near.iter().enumerate().any(|(other, (form, X_FP))| {
                     let X_PF = X_FP.inverse();
                     let eye = (X_PF * Point3::from(*place)).coords;
-                    other != this && form.hit(&eye, &(X_PF.rotation * ray)).is_some_and(|hit| hit.way < way)
+                    other != this
+                        && form.hit(&eye, &(X_PF.rotation * ray)).is_some_and(|hit| hit.distance < way)
                 })
             };
             array.add(transducer, wave, place, (form, X_FP), Array::FINE, hides);

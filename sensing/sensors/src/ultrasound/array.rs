@@ -117,10 +117,10 @@ impl Array {
         transducer.add(wave, window, step, |u, v| {
             let ray = Vector3::new(u, v, -1.0);
             let Some(hit) = form.hit(&eye, &(X_PF.rotation * ray)) else { return (None, None) };
-            if others(&ray, hit.way) {
+            if others(&ray, hit.distance) {
                 return (None, None);
             }
-            (Some(hit.way), self.behind(place, v))
+            (Some(hit.distance), self.behind(place, v))
         });
     }
 }

@@ -3,7 +3,7 @@
 //! ```text
 //! trigger --10 ms--> exposure ------------ processing, 60 ms ------------> in the readings
 //!                       |
-//!                       +- the encoder's count is latched: x = place on the image - way of the belt at the exposure
+//!                       +- the encoder's count is latched: x = place on the image - travel of the belt at the exposure
 //! ```
 //!
 //! A place in the belt's frame does not age: that an image takes its time costs no accuracy.
@@ -25,10 +25,10 @@ pub enum Trigger {
     /// Something comes into a light barrier, whose beam runs along z of its frame `X_WL`.
     Barrier(Pose, Sampled),
     /// The belt has run so far since the last one \[m\].
-    Way(f64),
+    Travel(f64),
 }
 
-/// What is told of each image: the grey values, what was found, the time of the exposure \[s\] and the way of the belt then \[m\].
+/// What is told of each image: the grey values, what was found, the time of the exposure \[s\] and the travel of the belt then \[m\].
 pub type ImageObserver = Box<dyn FnMut(&[u8], &[DetectedObject], f64, f64)>;
 
 /// A camera over a scene.
@@ -39,9 +39,9 @@ pub struct CameraSensor<S> {
     trigger: Trigger,
     /// How old the state of the belt is that goes with an order \[s\].
     latch: f64,
-    /// When the next image is exposed \[s\], and the way of the belt at the last one.
+    /// When the next image is exposed \[s\], and the travel of the belt at the last one.
     next: Option<f64>,
-    last_way: f64,
+    last_travel: f64,
     image: Vec<u8>,
     frames: Frames,
     observer: Option<ImageObserver>,
@@ -70,7 +70,7 @@ impl<S: View + 'static> CameraSensor<S> {
             trigger,
             latch,
             next: None,
-            last_way: 0.0,
+            last_travel: 0.0,
             image: Vec::new(),
             frames: Frames::new(4, pixels),
             observer: None,
@@ -92,20 +92,20 @@ impl<S: View + 'static> CameraSensor<S> {
     pub const fn barrier(&mut self) -> Option<&mut LightBarrier> {
         match &mut self.trigger {
             Trigger::Barrier(_, barrier) => Some(barrier.barrier()),
-            Trigger::Way(_) => None,
+            Trigger::Travel(_) => None,
         }
     }
 
-    /// Exposes an image whose middle is at `time` \[s\], when the belt had run `way` \[m\].
-    fn look(&mut self, step: u64, time: f64, way: f64) -> Result<(), Fault> {
+    /// Exposes an image whose middle is at `time` \[s\], when the belt had run `travel` \[m\].
+    fn look(&mut self, step: u64, time: f64, travel: f64) -> Result<(), Fault> {
         self.imager.expose(&self.scene, time, &mut self.image);
         let [width, height] = self.sighting.vision().plane().camera.size;
         self.frames.image(step, (width as u32, height as u32), 1, &self.image);
-        let Some(found) = self.sighting.evaluate(&self.image, way, time + Self::PROCESSING)? else {
+        let Some(found) = self.sighting.evaluate(&self.image, travel, time + Self::PROCESSING)? else {
             return Ok(());
         };
         if let Some(observer) = &mut self.observer {
-            observer(&self.image, &found, time, way);
+            observer(&self.image, &found, time, travel);
         }
         Ok(())
     }
@@ -119,7 +119,7 @@ impl<S: View + 'static> VirtualSensor for CameraSensor<S> {
             Fault::thrown("a camera sees parts on a belt: write of = \"BELT\" in its table of cell.toml")
         })?;
         let now = self.scene.now();
-        let way = |time: f64| belt.joints[0] + belt.velocity[0] * (time - now + self.latch);
+        let travel = |time: f64| belt.joints[0] + belt.velocity[0] * (time - now + self.latch);
         let exposure = self.imager.exposure();
         if !self.sighting.vision().is_taught() && self.next.is_none() {
             self.next = Some(now + exposure);
@@ -137,17 +137,17 @@ impl<S: View + 'static> VirtualSensor for CameraSensor<S> {
                     },
                 );
             }
-            Trigger::Way(every) => {
-                if self.next.is_none() && (way(now) - self.last_way).abs() >= *every {
+            Trigger::Travel(every) => {
+                if self.next.is_none() && (travel(now) - self.last_travel).abs() >= *every {
                     self.next = Some(now + exposure);
                 }
             }
         }
-        (self.sighting.reading.way, self.sighting.reading.speed) = (way(now), belt.velocity[0]);
+        (self.sighting.reading.way, self.sighting.reading.speed) = (travel(now), belt.velocity[0]);
         if let Some(time) = self.next.filter(|time| now >= time + 0.5 * exposure) {
             self.next = None;
-            self.last_way = way(time);
-            let latched = self.last_way;
+            self.last_travel = travel(time);
+            let latched = self.last_travel;
             self.look(order.step, time, latched)?;
         }
         Ok(self.sighting.tell(now))

@@ -95,7 +95,7 @@ impl<T: PhotoSource> VirtualSensor for PhotoSensor<T> {
         let belt = order.robot.ok_or_else(|| {
             Fault::thrown("a camera sees parts on a belt: write of = \"BELT\" in its table of cell.toml")
         })?;
-        let (way, speed) = (belt.joints[0], belt.velocity[0]);
+        let (travel, speed) = (belt.joints[0], belt.velocity[0]);
         if let Some(Photo { grey, age }) = self.source.take()? {
             let [width, height] = self.sighting.vision().plane().camera.size;
             if grey.len() != width * height {
@@ -108,9 +108,9 @@ impl<T: PhotoSource> VirtualSensor for PhotoSensor<T> {
                 let fault = Fault::thrown("an image is too old to tell where its parts are on the belt");
                 return Err(fault.exceeds(age, Self::OLDEST, "s"));
             }
-            self.sighting.evaluate(&grey, way - speed * (age - self.latch), 0.0)?;
+            self.sighting.evaluate(&grey, travel - speed * (age - self.latch), 0.0)?;
         }
-        (self.sighting.reading.way, self.sighting.reading.speed) = (way, speed);
+        (self.sighting.reading.way, self.sighting.reading.speed) = (travel, speed);
         Ok(self.sighting.tell(0.0))
     }
 
@@ -178,10 +178,10 @@ mod tests {
         Vision::new(plane(), vec![block], Box::new(Sole))
     }
 
-    /// With the belt at a way and a speed.
-    fn order(way: f64, speed: f64) -> ReadingOrder<()> {
+    /// With the belt at a travel and a speed.
+    fn order(travel: f64, speed: f64) -> ReadingOrder<()> {
         let (mut joints, mut velocity) = ([0.0; mrroc::robot::MAX_JOINTS], [0.0; mrroc::robot::MAX_JOINTS]);
-        (joints[0], velocity[0]) = (way, speed);
+        (joints[0], velocity[0]) = (travel, speed);
         let belt = EffectorState { joints, velocity, pose: Pose::identity(), wrench: None };
         ReadingOrder { configuration: (), robot: Some(belt), step: 0 }
     }

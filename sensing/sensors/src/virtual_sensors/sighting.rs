@@ -30,12 +30,12 @@ impl Sighting {
         &self.vision
     }
 
-    /// What is in an image that was exposed when the belt had run `way` \[m\]; it is in readings from `from` \[s\] on. The first image is that of
+    /// What is in an image that was exposed when the belt had run `travel` \[m\]; it is in readings from `from` \[s\] on. The first image is that of
     /// the empty belt: `None`.
     pub fn evaluate(
         &mut self,
         image: &[u8],
-        way: f64,
+        travel: f64,
         from: f64,
     ) -> Result<Option<Vec<DetectedObject>>, Fault> {
         let dark = |error: Blind| Fault::thrown(&error.to_string());
@@ -46,7 +46,7 @@ impl Sighting {
         let found = self.vision.look(image).map_err(dark)?;
         self.reading.images += 1;
         for thing in &found {
-            let along = thing.place.x - way;
+            let along = thing.place.x - travel;
             let Some(class) = thing.class else {
                 self.reading.unknown += 1;
                 continue;

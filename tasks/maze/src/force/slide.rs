@@ -24,7 +24,7 @@ const SHORTEST: f64 = 0.08;
 /// How an axis yields: against the stylus's 2 N/mm the force comes to what it is to be with 1 / (k b) = 0.1 s.
 const GIVE: Give = Give { reciprocal_damping: 0.005, inertia: 5.0 };
 /// How fast the ball goes towards the wall, and how far from where it began to press \[m\].
-const WITHIN: Bound = Bound { speed: 0.02, way: 0.01 };
+const WITHIN: Bound = Bound { speed: 0.02, travel: 0.01 };
 
 /// Slides along a wall until it ends, another one is in the way, or it is far enough.
 ///

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! |speed - speed of the reading before| <= JUMP          a conveyor changes by 0.0002 m/s in a step of 4 ms
-//! way != way of the readings of the last STANDING    or   |speed| <= JUMP
+//! travel != travel of the readings of the last STANDING    or   |speed| <= JUMP
 //! ```
 //!
 //! An encoder whose count stands while the belt runs fails one of them, whether its speed is taken from the count or not. A count that has
@@ -30,11 +30,11 @@ impl Count {
     ///
     /// # Errors
     /// No belt runs so.
-    pub fn take(&mut self, way: f64, speed: f64, dt: f64) -> Result<(), Fault> {
-        let Some((way_before, before)) = self.last.replace((way, speed)) else {
+    pub fn take(&mut self, travel: f64, speed: f64, dt: f64) -> Result<(), Fault> {
+        let Some((travel_before, before)) = self.last.replace((travel, speed)) else {
             return Ok(());
         };
-        let stands = way == way_before && speed.abs() > Self::JUMP;
+        let stands = travel == travel_before && speed.abs() > Self::JUMP;
         self.stood = if stands { self.stood + dt } else { 0.0 };
         if self.stood > Self::STANDING || (speed - before).abs() > Self::JUMP {
             return Err(Fault::thrown(&format!(
@@ -51,18 +51,18 @@ mod tests {
 
     /// A conveyor's acceleration over steps of 4 ms, up to a speed and down again.
     fn belt() -> impl Iterator<Item = (f64, f64)> {
-        let (step, acceleration, mut way, mut speed) = (4e-3, 0.05, 0.0, 0.0);
+        let (step, acceleration, mut travel, mut speed) = (4e-3, 0.05, 0.0, 0.0);
         (0..1200).map(move |i| {
             speed += if i < 600 { acceleration } else { -acceleration } * step;
-            way += speed * step;
-            (way, speed)
+            travel += speed * step;
+            (travel, speed)
         })
     }
 
     #[test]
     fn a_belt_that_speeds_up_and_stops_is_believed() {
         let mut count = Count::default();
-        assert!(belt().all(|(way, speed)| count.take(way, speed, 4e-3).is_ok()));
+        assert!(belt().all(|(travel, speed)| count.take(travel, speed, 4e-3).is_ok()));
     }
 
     #[test]
@@ -70,11 +70,12 @@ mod tests {
         for speed_stays in [false, true] {
             let mut count = Count::default();
             let all: Vec<_> = belt().take(500).collect();
-            all.iter().for_each(|(way, speed)| count.take(*way, *speed, 4e-3).expect("it runs"));
-            let (way, speed) = all[499];
+            all.iter().for_each(|(travel, speed)| count.take(*travel, *speed, 4e-3).expect("it runs"));
+            let (travel, speed) = all[499];
             // The reading is late by five steps: it is the same for a good reason.
-            (0..5).for_each(|_| count.take(way, speed, 4e-3).expect("the reading is late"));
-            let fault = count.take(way, if speed_stays { speed } else { 0.0 }, 4e-3).expect_err("it stands");
+            (0..5).for_each(|_| count.take(travel, speed, 4e-3).expect("the reading is late"));
+            let fault =
+                count.take(travel, if speed_stays { speed } else { 0.0 }, 4e-3).expect_err("it stands");
             assert!(fault.to_string().contains("see that it turns with the belt"), "{fault}");
         }
     }

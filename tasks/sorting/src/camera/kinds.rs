@@ -137,7 +137,7 @@ fn masses(form: &Form) -> (f64, Vector3<f64>, Matrix3<f64>) {
     let column = |i: i32, j: i32| {
         let (x, y) = ((f64::from(i) + 0.5) * SIDE, (f64::from(j) + 0.5) * SIDE);
         let hit = form.hit(&Vector3::new(x, y, 1.0), &-Vector3::z())?;
-        Some((x, y, 1.0 - hit.way))
+        Some((x, y, 1.0 - hit.distance))
     };
     let columns = (-80..80).flat_map(|i| (-80..80).filter_map(move |j| column(i, j)));
     let (mut mass, mut first, mut second) = (0.0, Vector3::zeros(), Matrix3::zeros());

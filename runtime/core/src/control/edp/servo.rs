@@ -205,9 +205,9 @@ impl<R: Robot> Servo<R> {
         let pose = self.interpolation.pose_at(end, |joints| robot.forward(joints));
         let difference = acceptor.flange_joints(&pose, joints)? - *joints;
         // On another branch, or where the pose turns about a singularity that the joints do not.
-        acceptor.check_way(&difference, self.period.as_secs_f64())?;
-        let way = *joints + difference - self.commanded;
-        acceptor.check_way(&way, seconds)?;
+        acceptor.check_displacement(&difference, self.period.as_secs_f64())?;
+        let displacement = *joints + difference - self.commanded;
+        acceptor.check_displacement(&displacement, seconds)?;
         Ok(difference)
     }
 

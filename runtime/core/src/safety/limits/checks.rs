@@ -81,19 +81,19 @@ impl<R: Robot> Checks<R> {
             let fault = Fault::new(FaultKind::DemandOutOfRange).at_joint(limit.joint).text(limit.what);
             fault.exceeds_by(limit.excess)
         };
-        let (from, way) = (&step.from.position, (position, step.duration));
+        let (from, motion) = (&step.from.position, (position, step.duration));
         let checked = if stop.time > 0.0 {
-            self.robot.check_coupled_to_stop(from, way, (&stop.position, stop.time))
+            self.robot.check_coupled_to_stop(from, motion, (&stop.position, stop.time))
         } else {
-            self.robot.check_coupled(from, way.0, way.1)
+            self.robot.check_coupled(from, motion.0, motion.1)
         };
         checked.map_err(coupled)
     }
 
-    /// Whether the joints may go this way [rad or m] in `duration` \[s\].
-    pub fn check_way(&self, way: &R::Joints, duration: f64) -> Result<(), Fault> {
+    /// Whether the joints may go by this displacement [rad or m] in `duration` \[s\].
+    pub fn check_displacement(&self, displacement: &R::Joints, duration: f64) -> Result<(), Fault> {
         for i in 0..R::Joints::LEN {
-            let speed = way[i].abs() / duration;
+            let speed = displacement[i].abs() / duration;
             let limit = self.robot.limits().velocity[i];
             // A NaN is no small speed.
             let is_small = speed <= limit * (1.0 + RELATIVE) + POSITION_ROUND_OFF / duration;
@@ -121,15 +121,15 @@ impl<R: Robot> Checks<R> {
         let mut is_within = true;
         for i in 0..R::Joints::LEN {
             let q = next.position[i];
-            let way = fastest[i] * time;
+            let travel = fastest[i] * time;
             let faster =
                 if next.held[i].abs() > next.velocity[i].abs() { next.held[i] } else { next.velocity[i] };
             stop.position[i] = q + faster * time;
             // All four are looked at, without a branch for each.
             is_within &= (fastest[i] <= limits.velocity[i])
                 & (next.acceleration[i].abs() <= limits.acceleration[i])
-                & (q - way >= limits.lower[i])
-                & (q + way <= limits.upper[i]);
+                & (q - travel >= limits.lower[i])
+                & (q + travel <= limits.upper[i]);
         }
         is_within.then_some(stop)
     }
@@ -181,8 +181,9 @@ impl<R: Robot> Checks<R> {
                 if step.starting {
                     // A first demand a whole jump away is not a fast motion but a wrong start.
                     let jump = v[i].abs() * duration;
-                    let way = speed_limit * duration;
-                    let fault = excess(FaultKind::StartPoseMismatch, jump, way, self.robot.joint(i).unit(0));
+                    let travel = speed_limit * duration;
+                    let fault =
+                        excess(FaultKind::StartPoseMismatch, jump, travel, self.robot.joint(i).unit(0));
                     return Err(
                         fault.text("the first demand jumps; begin at `e.demanded()`, as in `first = ..`")
                     );
@@ -209,14 +210,14 @@ impl<R: Robot> Checks<R> {
             let (up, down) = match (jerk_limit, release) {
                 (Some(jerk), Some(release)) => {
                     let from = |v, a| stopping_distance(v, a, limit, jerk, duration);
-                    let way = |v: f64, kept: f64, a: f64| {
+                    let travel = |v: f64, kept: f64, a: f64| {
                         let at_once = if v > 0.0 { from(v, a) } else { 0.0 };
                         let later = if kept > 0.0 { from(kept, release.left.copysign(a)) } else { 0.0 };
                         // An acceleration in this direction may take longer to fade than a lost peer to be noticed.
                         let fading = if a > 0.0 { release.time } else { 0.0 };
                         at_once.max(later) + v.max(kept).max(0.0) * self.reaction.max(fading)
                     };
-                    (way(v[i], kept, a[i]), way(-v[i], -kept, -a[i]))
+                    (travel(v[i], kept, a[i]), travel(-v[i], -kept, -a[i]))
                 }
                 _ => {
                     let time = 0.5 * stop_time + self.reaction;

@@ -303,7 +303,7 @@ fn fault_19_a_frame_is_taken_normalised_up_to_the_tolerance() {
 #[test]
 fn a_way_between_two_demands_is_as_fast_as_a_joint_may_be() {
     let acceptor = acceptor(Turntable::with(|l| l.velocity = Two::new(1.0, 100.0)));
-    let way = |first: f64, second: f64| acceptor.check_way(&Two::new(first * T, second * T), T);
+    let way = |first: f64, second: f64| acceptor.check_displacement(&Two::new(first * T, second * T), T);
     // 1e-9 of 100 rad/s; at 1 m/s as much again for the round-off of 1e-12 m in 1 ms.
     for sign in [1.0, -1.0] {
         way(sign * (1.0 + 1.9e-9), sign * (100.0 + 0.9e-7)).expect("as fast as it may be");

@@ -12,9 +12,9 @@ use mrroc::prelude::*;
 use mrroc::robot::JointVector;
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 
-/// A way of a robot's joints. Its length `s` is in rad or m of the joint, m or rad of the tool, or in shares of the whole way.
+/// A path of a robot's joints. Its length `s` is in rad or m of the joint, m or rad of the tool, or in shares of the whole path.
 #[derive(Clone, Copy, Debug)]
-pub struct Way<R: Robot> {
+pub struct JogPath<R: Robot> {
     kind: Kind<R::Joints>,
     /// Where it begins: joints, and the pose of the tool `X_WE`.
     from: R::Joints,
@@ -34,8 +34,8 @@ enum Kind<J> {
     About(Vector3<f64>),
 }
 
-impl<R: Robot> Way<R> {
-    /// The way that an order asks for, from the joints `q` [rad or m], of the tool `X_FE`; `None` if there is no such frame or
+impl<R: Robot> JogPath<R> {
+    /// The path that an order asks for, from the joints `q` [rad or m], of the tool `X_FE`; `None` if there is no such frame or
     /// joint, nothing to go, or an output is switched.
     #[must_use]
     #[allow(non_snake_case)]
@@ -58,7 +58,7 @@ impl<R: Robot> Way<R> {
             }
         };
         let is_nothing = matches!(kind, Kind::Joints(way) if way.as_slice().iter().all(|q| *q == 0.0));
-        (!is_nothing).then(|| Way { kind, from: q, start, flange: X_FE.inverse(), length })
+        (!is_nothing).then(|| JogPath { kind, from: q, start, flange: X_FE.inverse(), length })
     }
 
     /// How long it is; infinite as long as it is held.

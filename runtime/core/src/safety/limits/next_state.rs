@@ -38,8 +38,10 @@ impl<R: Robot> Acceptor<R> {
             return self.there(demand, duration);
         }
         let missed = (self.track.path.missing / duration).round();
-        let way = match &self.track.off_path {
-            Some(OffPath::Together(way)) if missed == 0.0 || self.track.path.on_twist => Some(way),
+        let rejoining = match &self.track.off_path {
+            Some(OffPath::Together(rejoining)) if missed == 0.0 || self.track.path.on_twist => {
+                Some(rejoining)
+            }
             Some(_) | None => None,
         };
         // One that is off its path by its joints does not come back with the others.
@@ -55,21 +57,21 @@ impl<R: Robot> Acceptor<R> {
                 bridged: Twist::between(&from, &at),
                 change: self.state.twist(robot, duration),
             };
-            self.beside(demand, Rejoining::after(way, &gone, missed), duration)
+            self.beside(demand, Rejoining::after(rejoining, &gone, missed), duration)
         };
         if all_missed && with_others {
             return rejoin();
         }
-        let there = match way.and_then(|way| way.advanced(missed + 1.0)) {
-            Some(way) => self.beside(demand, way, duration),
+        let there = match rejoining.and_then(|rejoining| rejoining.advanced(missed + 1.0)) {
+            Some(rejoining) => self.beside(demand, rejoining, duration),
             None => self.there(demand, duration),
         };
         let comes_back = self.end_of_path().is_some();
         match there {
-            Ok(next) if way.is_some() || with_others || !comes_back => Ok(next),
+            Ok(next) if rejoining.is_some() || with_others || !comes_back => Ok(next),
             // Whether the others missed a demand, too, is not known: at worst this one is beside them for a while.
             Err(_) if with_others => rejoin(),
-            Err(fault) if way.is_some() || !comes_back => Err(fault),
+            Err(fault) if rejoining.is_some() || !comes_back => Err(fault),
             // Even a demand that can be taken at once is one to come back to: the robot is not as fast as the path there.
             there => self.back(demand, duration)?.map_or(there, Ok),
         }
