@@ -147,8 +147,13 @@ impl StateBoard {
         self.stops(1)
     }
 
+    /// In which step it began the last of them; `u64::MAX`: the cell was in the fault state already.
+    pub fn stop_step(&self) -> &AtomicU64 {
+        self.stops(2)
+    }
+
     fn stops(&self, nth: usize) -> &AtomicU64 {
-        // SAFETY: as of the heartbeat, behind which and the slew they lie; `nth` is 0 or 1.
+        // SAFETY: as of the heartbeat, behind which and the slew they lie; `nth` is less than 3.
         #[allow(unsafe_code)]
         unsafe {
             self.panels.add(self.count).cast::<Heartbeat>().add(2).cast::<AtomicU64>().add(nth).as_ref()
@@ -184,7 +189,7 @@ impl Drop for StateBoard {
 }
 
 fn bytes(count: usize) -> usize {
-    count * size_of::<Entry>() + size_of::<Heartbeat>() + size_of::<AtomicI64>() + 2 * size_of::<AtomicU64>()
+    count * size_of::<Entry>() + size_of::<Heartbeat>() + size_of::<AtomicI64>() + 3 * size_of::<AtomicU64>()
 }
 
 fn path(session: u64) -> PathBuf {

@@ -107,8 +107,9 @@ impl Notices for StopsOnBoard {
         self.0.get().map_or(0, |(board, _)| board.stops_begun().load(Ordering::Acquire))
     }
 
-    fn show_stops_begun(&self, stops: u64) {
+    fn show_stops_begun(&self, stops: u64, step: Option<u64>) {
         if let Some((board, _)) = self.0.get() {
+            board.stop_step().store(step.unwrap_or(u64::MAX), Ordering::Relaxed);
             board.stops_begun().store(stops, Ordering::Release);
         }
     }

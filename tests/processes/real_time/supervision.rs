@@ -60,7 +60,7 @@ fn fault_60_a_stop_needs_no_launcher() {
     if stopped && ended != Ended::Late {
         let (status, said) = told;
         let carried_out =
-            said.contains("stop: the MP stops the robots, but the cell has not answered for 5 s");
+            said.contains("stopping: step ") && said.contains(", but the cell has not answered for 5 s");
         assert!(status == Some(0) && carried_out, "{status:?}: {said}");
         assert_eq!(ended, Ended::Stopped, "{}", launch.said());
     }

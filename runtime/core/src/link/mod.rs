@@ -114,8 +114,8 @@ pub trait Notices {
         0
     }
 
-    /// Shows how many the MP has begun to carry out.
-    fn show_stops_begun(&self, _stops: u64) {}
+    /// Shows how many the MP has begun to carry out, and in which step; `None`: the cell was in the fault state already.
+    fn show_stops_begun(&self, _stops: u64, _step: Option<u64>) {}
 }
 
 /// The meter and the notices of a link that measures nothing and has no events.

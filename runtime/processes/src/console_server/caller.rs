@@ -18,7 +18,7 @@ use crate::board::StateBoard;
 use crate::identity::{CellId, Holder};
 use crate::session::{SessionError, is_stopped, is_used, number_of_session, sessions_of};
 use mrroc_core::fault::Name;
-use mrroc_core::operator::button::Button;
+use mrroc_core::operator::button::{Button, CellState};
 
 /// How long a console waits for the cell to take its connection, its request, and to answer.
 pub(super) const TIMEOUT: Duration = Duration::from_secs(5);
@@ -176,12 +176,11 @@ impl Caller {
             // A console server that has hung up may have said why.
             Ok(()) | Err(_) => self.hears.hear(),
         };
-        match heard {
-            Err(error) if error.kind() == ErrorKind::TimedOut && self.asks.stop_has_begun(request) => {
-                Ok(ConsoleMessage::Reply(Reply::Done(format!("stop: the MP stops the robots, but {error}"))))
-            }
-            heard => heard,
-        }
+        // The server may be late with a stop that the board has told the MP already, or the cell has ended by it meanwhile.
+        let Some(step) = self.asks.stop_begun(request) else { return heard };
+        let silent = heard.err().filter(|error| error.kind() == ErrorKind::TimedOut);
+        let but = silent.map_or_else(String::new, |error| format!(", but {error}"));
+        Ok(ConsoleMessage::Reply(Reply::Done(format!("{}: step {step}{but}", CellState::Stopping.word()))))
     }
 }
 
@@ -210,11 +209,12 @@ impl RequestSender {
         self.board.as_ref().filter(|_| is_stop)
     }
 
-    /// Whether it is a stop that the MP has begun to carry out.
-    fn stop_has_begun(&self, request: &Request) -> bool {
-        self.stop_on_board(request).is_some_and(|board| {
-            board.stops_begun().load(Ordering::Acquire) >= board.stops_asked().load(Ordering::Acquire)
-        })
+    /// The step in which the MP has begun to carry it out, if it is a stop, and the cell was not in the fault state already.
+    fn stop_begun(&self, request: &Request) -> Option<u64> {
+        let board = self.stop_on_board(request)?;
+        let begun = board.stops_begun().load(Ordering::Acquire);
+        let step = board.stop_step().load(Ordering::Relaxed);
+        (begun >= board.stops_asked().load(Ordering::Acquire) && step != u64::MAX).then_some(step)
     }
 
     /// Sends a request of a page, or of this console itself.

@@ -106,9 +106,9 @@ impl Outside {
         self.stops.as_ref().map_or(0, |stops| stops.stops_begun())
     }
 
-    fn show_stops_begun(&self, begun: u64) {
+    fn show_stops_begun(&self, begun: u64, step: Option<u64>) {
         if let Some(stops) = &self.stops {
-            stops.show_stops_begun(begun);
+            stops.show_stops_begun(begun, step);
         }
     }
 
@@ -299,8 +299,8 @@ impl Notices for RealTime {
         self.outside.stops_begun()
     }
 
-    fn show_stops_begun(&self, stops: u64) {
-        self.outside.show_stops_begun(stops);
+    fn show_stops_begun(&self, stops: u64, step: Option<u64>) {
+        self.outside.show_stops_begun(stops, step);
     }
 }
 
@@ -377,7 +377,7 @@ impl<L: Launcher> Notices for LockStep<'_, L> {
         self.outside.stops_begun()
     }
 
-    fn show_stops_begun(&self, stops: u64) {
-        self.outside.show_stops_begun(stops);
+    fn show_stops_begun(&self, stops: u64, step: Option<u64>) {
+        self.outside.show_stops_begun(stops, step);
     }
 }
