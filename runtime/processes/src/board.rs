@@ -16,7 +16,8 @@ use rustix::fs::{FallocateFlags, fallocate};
 use rustix::mm::{MapFlags, ProtFlags, mmap, munmap};
 
 use super::heartbeat::Heartbeat;
-use super::session::{SHARED_MEMORY, prefix};
+use super::session::prefix;
+use crate::capacity::SHARED_MEMORY;
 use std::sync::atomic::AtomicI64;
 
 /// Words of an entry, its sequence number not counted.

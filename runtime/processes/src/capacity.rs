@@ -11,8 +11,8 @@ use std::path::Path;
 use rustix::fs::statvfs;
 use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
 
-use super::console_server::CONNECTIONS;
-use super::session::SHARED_MEMORY;
+/// The folder of the segments of shared memory.
+pub(super) const SHARED_MEMORY: &str = "/dev/shm";
 
 /// Shared memory of a process, or of a way between two processes \[bytes\]. The cell of the tests takes 30 kB for each.
 const SHARED_EACH: u64 = 128 << 10;
@@ -71,20 +71,20 @@ pub(super) fn free_shared_memory() -> io::Result<u64> {
     Ok(shm.f_bavail * shm.f_frsize)
 }
 
-/// Checks that there is room for so many processes and ways between them. Raises the limit of open files of this
+/// Checks that there is room for so many processes and ways between them. If so many files are allowed, so many consoles may
+/// connect to the cell. Raises the limit of open files of this
 /// process, and so of the processes that it starts, to what they need, as far as the system allows it.
 ///
 /// # Errors
 /// [`NoRoom`]
-pub(super) fn check(processes_and_ways: usize) -> Result<(), NoRoom> {
+pub(super) fn check(processes_and_ways: usize, consoles: usize) -> Result<(), NoRoom> {
     let count = processes_and_ways as u64;
     let needed = FILES + FILES_EACH * count;
     let Rlimit { current, maximum } = getrlimit(Resource::Nofile);
     if maximum.is_some_and(|maximum| maximum < needed) {
         return Err(NoRoom::Files { allowed: maximum.unwrap_or(u64::MAX), needed });
     }
-    // For as many consoles as there may be, if so many files are allowed.
-    let wanted = (needed + CONNECTIONS as u64).min(maximum.unwrap_or(u64::MAX));
+    let wanted = (needed + consoles as u64).min(maximum.unwrap_or(u64::MAX));
     let is_below = |limit| current.is_some_and(|current| current < limit);
     let raise = || setrlimit(Resource::Nofile, Rlimit { current: Some(wanted), maximum });
     if is_below(wanted) && raise().is_err() && is_below(needed) {

@@ -14,9 +14,9 @@ use rustix::system::uname;
 use rustix::thread::{ClockId, clock_nanosleep_absolute, sched_getaffinity};
 use rustix::time::Timespec;
 
-use super::capacity::free_shared_memory;
+use super::capacity::{SHARED_MEMORY, free_shared_memory};
 use super::scheduling::set_priority;
-use super::session::{SHARED_MEMORY, base};
+use super::session::base;
 use crate::iceoryx::monotonic;
 
 /// For how long wake-ups are measured, half of it at each priority.

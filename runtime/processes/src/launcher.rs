@@ -8,20 +8,19 @@ use std::time::{Duration, Instant};
 
 use super::board::StateBoard;
 use super::capacity::{self, NoRoom};
-use super::console_server::ConsoleServer;
+use super::console_server::{CONNECTIONS, ConsoleServer};
 use super::figures::table;
 use super::latch_notes::LatchNotes;
-use super::nodes::carrier::NO_NETWORK;
 use super::pacing::pace;
-use super::process_set::{Member, NoStart, Plan, ProcessSet, Start};
+use super::process_set::{NoStart, Plan, ProcessSet, Start};
 use super::session::{CellLock, Private, Session, SessionError, prefix};
 use super::signals::Signals;
 use super::supervision::{Supervision, Timeouts};
 use crate::iceoryx::{Clock, Fabric, LinkError, make_management};
 use mrroc_core::cell::Rest;
-use mrroc_core::cell::{Cell, CellError, RunReport, first_cause};
+use mrroc_core::cell::{Cell, CellError, RunReport};
 use mrroc_core::console::{Background, complain};
-use mrroc_core::fault::{Fault, ProcessId};
+use mrroc_core::fault::ProcessId;
 use mrroc_core::link::Nanos;
 use mrroc_core::observe::NotRecorded;
 use mrroc_core::observe::recording::CommandRecord;
@@ -34,6 +33,10 @@ const ATTEMPTS: u64 = 5;
 /// How long the MP's program may compute without a Move or a Wait, unless the cell says otherwise: long enough for
 /// planning, which takes seconds.
 const COMPUTING: Duration = Duration::from_secs(60);
+
+/// What is wrong where a cell has nodes and its program no network.
+pub(crate) const NO_NETWORK: &str = "cell.toml has nodes, and this program has no network between them\n help: depend on mrroc-zenoh, and write \
+                          mrroc::launch::nodes_over(&mrroc_zenoh::Zenoh) as the first line of main";
 
 /// Why a cell did not run as processes, or did not run to its end.
 #[derive(Debug, thiserror::Error)]
@@ -99,7 +102,7 @@ pub(crate) fn launch(cell: Cell, plan: &Plan) -> Result<Launched, LaunchError> {
     let mut fabric = Fabric::new(ProcessId::MP, plan.clock);
     cell.put_on(&mut fabric)?;
     let lock = CellLock::take(&plan.cell, &hardware)?;
-    capacity::check(fabric.places().len() + fabric.ways())?;
+    capacity::check(fabric.places().len() + fabric.ways(), CONNECTIONS)?;
     let signals = Signals::hear(plan.clock)?;
     let mut epoch = 1;
     loop {
@@ -211,40 +214,6 @@ fn open_console_server(
         .map_err(LaunchError::ConsoleServer)
 }
 
-/// The result of a run.
-pub(super) struct Run {
-    /// The first process that died.
-    death: Option<Fault>,
-    outcomes: Vec<(ProcessId, Result<(), Fault>)>,
-    steps: u64,
-    time: Duration,
-}
-
-impl Run {
-    pub fn of(process_set: &ProcessSet, death: Option<Fault>, time: Option<Nanos>) -> Run {
-        let overs: Vec<_> = process_set
-            .members
-            .iter()
-            .filter_map(|member| Some((member.id, member.over.borrow().clone()?)))
-            .collect();
-        let mp = overs.iter().find(|(id, _)| *id == ProcessId::MP).map(|(_, over)| over);
-        let time = time.or_else(|| mp.map(|over| over.time)).unwrap_or(0);
-        Run {
-            death,
-            steps: mp.map_or(0, |over| over.steps),
-            time: Duration::from_nanos(time),
-            outcomes: overs.into_iter().filter_map(|(id, over)| Some((id, over.outcome?))).collect(),
-        }
-    }
-
-    fn outcome(self) -> Result<(), Fault> {
-        match self.death {
-            Some(death) => Err(death),
-            None => first_cause(&self.outcomes),
-        }
-    }
-}
-
 /// Prints how a robot came to a standstill after its demands had stopped.
 fn tell_rest(rest: &Rest) {
     let Rest { edp, braked_after, stood_after } = rest;
@@ -252,9 +221,4 @@ fn tell_rest(rest: &Rest) {
         "note: {edp}: its drives applied their brakes {braked_after} steps after the last demand; the robot stood \
          {stood_after} steps later"
     ));
-}
-
-/// Tells of a process whose end the cell survives.
-pub(super) fn note(member: &Member, how: &str) {
-    complain(&format!("note: {}: {how}", member.id));
 }

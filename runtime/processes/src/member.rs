@@ -15,7 +15,7 @@ use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::process::{Signal, set_parent_process_death_signal};
 
 use super::control::{Control, Frame};
-use super::figures::Gauge;
+use super::gauge::Gauge;
 use super::own_entry::OwnEntry;
 use super::scheduling::{Lacks, ask, give_back_priority};
 use super::session::{Membership, Private, prefix};

@@ -6,11 +6,10 @@
 
 use std::time::{Duration, Instant};
 
+use super::console_server::STOPPING;
+
 /// The share of its timeout after which the launcher tells of an MP that stands still.
 const TELLING: u32 = 6;
-
-/// How long an MP that was told to stop may go on computing.
-pub(super) const STOPPING: Duration = Duration::from_secs(5);
 
 /// The most time that one look counts.
 const LOOK: Duration = Duration::from_millis(500);

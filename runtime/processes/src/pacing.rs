@@ -12,7 +12,7 @@ use std::time::Duration;
 
 use super::console_server::ConsoleServer;
 use super::control::Frame;
-use super::launcher::{Run, note};
+use super::ending::{Run, note};
 use super::process_set::{Member, Over, ProcessSet};
 use super::signals::Signals;
 use mrroc_core::cell::CellError;

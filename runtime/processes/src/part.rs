@@ -20,7 +20,7 @@ use mrroc_launch::{Launch, Operating, Processes, Ran};
 use crate::doctor::examine;
 use crate::launcher::{LaunchError, Launched, launch};
 use crate::member::{NoPart, run};
-use crate::nodes::{agent, carrier, link};
+use crate::nodes::{carrier, link, runs};
 use crate::operating::operate;
 use crate::picture_socket::{self, Receiver};
 use crate::process_set::Plan;
@@ -60,7 +60,7 @@ impl Processes for OverSharedMemory {
 
     fn node(&self, cell: Cell, name: &str, how: Launch) -> ExitCode {
         match how.cell.map_or_else(std::env::current_exe, Ok) {
-            Ok(file) => agent::run(cell, name, file, (how.arguments, how.quiet)),
+            Ok(file) => runs::run(cell, name, file, (how.arguments, how.quiet)),
             Err(error) => refused(&error),
         }
     }

@@ -18,7 +18,6 @@ use rustix::event::{PollFd, PollFlags, Timespec, poll};
 
 use super::control::{Control, Frame};
 use super::figures::Figures;
-use super::nodes::carrier::FAR;
 use super::scheduling::Lacks;
 use super::session::Session;
 use super::signals::Signals;
@@ -39,6 +38,9 @@ const CLOSING_EACH: Duration = Duration::from_millis(250);
 
 /// How long a process that has closed its connection may take to end.
 const ENDING: Duration = Duration::from_millis(500);
+
+/// The socket in a session's folder to which the launcher connects once for each process of another machine.
+pub(crate) const FAR: &str = "far";
 
 /// How the processes of a cell are started.
 #[derive(Clone, Debug)]

@@ -23,10 +23,8 @@ use rustix::process::umask;
 pub(crate) use error::SessionError;
 pub(super) use lock::CellLock;
 
+use crate::capacity::SHARED_MEMORY;
 use crate::identity::CellId;
-
-/// The folder of the segments of shared memory.
-pub(super) const SHARED_MEMORY: &str = "/dev/shm";
 
 /// The longest root path \[bytes\]: the path of a socket in it is 57 bytes longer, and the system allows 107.
 const MAX_ROOT: usize = 50;

@@ -15,7 +15,7 @@ use signal_hook::SigId;
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGTSTP};
 use signal_hook::low_level::{emulate_default_handler, unregister};
 
-use crate::iceoryx::Clock;
+use mrroc_core::link::Clock;
 
 /// What ends a launcher: Ctrl-C, a request of the system, and the end of its terminal.
 const ENDS: [i32; 3] = [SIGINT, SIGTERM, SIGHUP];

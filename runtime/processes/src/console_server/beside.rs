@@ -4,13 +4,11 @@
 //! one is, it takes at most 24 bytes.
 
 use core::fmt;
-use core::str::SplitAsciiWhitespace;
+use core::str::{FromStr, SplitAsciiWhitespace};
 
 use mrroc_core::payload::{WORDS, Wire};
 use mrroc_core::pose::Pose;
 use mrroc_core::robot::{ANALOG, Load, Signals, Values};
-
-use super::picture::number;
 
 /// What a robot carries, and its inputs and outputs.
 #[derive(Clone, Debug, PartialEq)]
@@ -133,6 +131,11 @@ fn put<T: Wire>(f: &mut fmt::Formatter<'_>, value: &T) -> fmt::Result {
     let mut words = [0; NUMBERS];
     value.put(&mut words);
     words[..T::LEN].iter().try_for_each(|word| write!(f, " {:e}", f64::from_bits(*word)))
+}
+
+/// Reads the next word, a number.
+pub(super) fn number<T: FromStr>(words: &mut SplitAsciiWhitespace<'_>) -> Option<T> {
+    words.next()?.parse().ok()
 }
 
 /// Reads what consists of numbers.

@@ -12,8 +12,7 @@ use std::time::{Duration, Instant};
 use rustix::net::sockopt::{Timeout, set_socket_timeout, socket_peercred};
 use rustix::net::{AddressFamily, SocketAddrUnix, SocketFlags, SocketType, connect, socket_with};
 
-use super::protocol::{Addressed, ConsoleMessage, OnBehalf, Reply, Request};
-use super::service::SOCKET;
+use super::protocol::{Addressed, ConsoleMessage, OnBehalf, Reply, Request, SOCKET};
 use crate::board::StateBoard;
 use crate::identity::{CellId, Holder};
 use crate::session::{SessionError, is_stopped, is_used, number_of_session, sessions_of};

@@ -16,7 +16,8 @@ use std::thread::JoinHandle;
 use std::time::Instant;
 
 use super::mp_session::MpSession;
-use super::service::{SOCKET, Service};
+use super::protocol::SOCKET;
+use super::service::{Seat, Service};
 use crate::board::StateBoard;
 use crate::control::Frame;
 use crate::figures::Figures;
@@ -25,14 +26,6 @@ use mrroc_core::console::complain;
 use mrroc_core::fault::ProcessId;
 use mrroc_core::link::Nanos;
 use mrroc_core::observe::recording::CommandRecord;
-
-/// A process of the cell, and whether it runs.
-pub(super) struct Seat {
-    pub id: ProcessId,
-    pub pid: u32,
-    pub runs: bool,
-    pub figures: Figures,
-}
 
 /// The console server of a running cell.
 pub(crate) struct ConsoleServer {

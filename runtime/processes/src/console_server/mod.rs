@@ -22,6 +22,7 @@ pub use beside::{BodyPicture, CarriedPicture, ReadingPicture};
 pub use caller::{Caller, ENDED, ReplyReceiver, RequestSender};
 pub(super) use handle::ConsoleServer;
 pub use picture::{CellPicture, Picture, ProcessPicture, RobotPicture};
+pub(super) use presses::STOPPING;
 pub(super) use protocol::Addressed;
 pub use protocol::{ConsoleMessage, MAX_REQUEST, OnBehalf, Reply, Request};
 pub(super) use service::CONNECTIONS;

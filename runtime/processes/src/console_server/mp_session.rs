@@ -3,10 +3,18 @@
 //! In: the processes of the launch. Out: for each MP among them what consoles ask of it, and which processes its picture shows.
 
 use std::sync::Arc;
+use std::time::Instant;
 
-use super::presses::Flight;
 use mrroc_core::fault::{ProcessId, Role};
 use mrroc_core::operator::button::Button;
+
+/// A press that is under way.
+#[derive(Clone, Copy)]
+pub(super) struct Flight {
+    pub number: u64,
+    pub button: Button,
+    pub since: Instant,
+}
 
 /// What consoles ask of one MP: that of the cell, or that of a lower one.
 pub(super) struct MpSession {

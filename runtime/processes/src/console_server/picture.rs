@@ -5,9 +5,9 @@
 //! what the line is about; there is one line for each process and each robot, for what it carries, for each reading and each body.
 
 use core::fmt;
-use core::str::{FromStr, SplitAsciiWhitespace};
+use core::str::SplitAsciiWhitespace;
 
-use super::beside::{BodyPicture, CarriedPicture, ReadingPicture};
+use super::beside::{BodyPicture, CarriedPicture, ReadingPicture, number};
 use crate::entry::BODIES;
 use crate::figures::{FIGURES_WORDS, Figures};
 use mrroc_core::link::places::MAX_PROCESSES;
@@ -307,10 +307,6 @@ fn state(words: &mut SplitAsciiWhitespace<'_>) -> Option<CellState> {
 fn doing(words: &mut SplitAsciiWhitespace<'_>) -> Option<InstructionKind> {
     let word = words.next()?;
     InstructionKind::ALL.into_iter().find(|doing| doing.word() == word)
-}
-
-pub(super) fn number<T: FromStr>(words: &mut SplitAsciiWhitespace<'_>) -> Option<T> {
-    words.next()?.parse().ok()
 }
 
 fn rest(words: &mut SplitAsciiWhitespace<'_>) -> String {

@@ -7,23 +7,18 @@ use std::io::Write;
 use std::time::{Duration, Instant};
 
 use super::console::{Console, PendingRequest};
+use super::mp_session::Flight;
 use super::protocol::Reply;
 use super::service::Service;
 use crate::control::Frame;
-use crate::mp_watch::STOPPING;
 use mrroc_core::fault::Fault;
 use mrroc_core::operator::button::{Answer, Button, CellState};
 
 /// How long a console waits for its press to be carried out.
 const TIMEOUT: Duration = Duration::from_secs(1);
 
-/// A press that is under way.
-#[derive(Clone, Copy)]
-pub(super) struct Flight {
-    number: u64,
-    button: Button,
-    since: Instant,
-}
+/// How long an MP that was told to stop may go on computing before its launcher ends the cell.
+pub(crate) const STOPPING: Duration = Duration::from_secs(5);
 
 impl Service {
     /// Answers consoles whose presses were carried out or refused.

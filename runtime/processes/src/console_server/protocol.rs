@@ -23,6 +23,9 @@ use mrroc_core::fault::Name;
 use mrroc_core::link::Nanos;
 use mrroc_core::operator::button::Button;
 
+/// The name of the console server's socket in a session's folder.
+pub(super) const SOCKET: &str = "operator";
+
 /// The longest request, without its line end \[bytes\].
 pub const MAX_REQUEST: usize = 450;
 

@@ -23,13 +23,13 @@ use rustix::net::sockopt::socket_peercred;
 
 use super::beside::{BodyPicture, CarriedPicture, ReadingPicture};
 use super::console::{Console, PendingRequest};
-use super::handle::Seat;
 use super::mp_session::MpSession;
 use super::picture::{CellPicture, Picture, ProcessPicture, RobotPicture};
 use super::protocol::{Addressed, Reply, Request};
 use crate::board::StateBoard;
 use crate::control::Frame;
 use crate::entry::{self, MpPanel, RobotEntry, ecp};
+use crate::figures::Figures;
 use crate::iceoryx::monotonic;
 use mrroc_core::console::complain;
 use mrroc_core::fault::{Fault, Name, ProcessId, Role};
@@ -38,9 +38,6 @@ use mrroc_core::observe::recording::{Command, CommandRecord};
 use mrroc_core::operator::button::{Button, CellState};
 use mrroc_core::operator::jog::JogStop;
 use mrroc_core::operator::state::InstructionKind;
-
-/// The name of the socket in a session's folder.
-pub(super) const SOCKET: &str = "operator";
 
 /// The most consoles that are served at a time.
 const CONSOLES: usize = 128;
@@ -71,6 +68,14 @@ const LOOK: Duration = Duration::from_millis(2);
 
 /// The time between two pictures.
 const PICTURE: Duration = Duration::from_millis(50);
+
+/// A process of the cell, and whether it runs.
+pub(super) struct Seat {
+    pub id: ProcessId,
+    pub pid: u32,
+    pub runs: bool,
+    pub figures: Figures,
+}
 
 /// The state of the console server's thread.
 pub(super) struct Service {

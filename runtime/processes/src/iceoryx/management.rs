@@ -10,7 +10,7 @@ use std::os::unix::fs::OpenOptionsExt;
 use std::path::Path;
 
 use super::fabric::LinkError;
-use crate::session::SHARED_MEMORY;
+use crate::capacity::SHARED_MEMORY;
 
 /// Its name behind the prefix of a session.
 const NAME: &str = "9204dd183d1c4d8e1ff592a30766ffa6765aa8b5_node.0_10_0.global_mgmt";

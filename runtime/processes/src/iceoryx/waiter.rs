@@ -10,27 +10,20 @@ use std::sync::Arc;
 use std::sync::mpsc::Receiver;
 
 use rustix::thread::{ClockId, clock_nanosleep_absolute};
-use rustix::time::Timespec;
 
 use super::samples::Samples;
-use super::wake_futex::WakeFutex;
+use super::wake_futex::{NANOS, WakeFutex, timespec};
 use mrroc_core::link::places::Places;
 use mrroc_core::link::{Closed, Host, Meter, Nanos, News, Notices, Sample, Waiter};
 use mrroc_core::operator::button::Button;
 use mrroc_core::operator::console::Console;
 use mrroc_core::operator::state::{EcpState, EdpState, MpState, VspState};
 
-const NANOS: u64 = 1_000_000_000;
-
 /// The machine's monotonic time \[ns\].
 pub(crate) fn monotonic() -> Nanos {
     let now = rustix::time::clock_gettime(rustix::time::ClockId::Monotonic);
     // The clock counts from the start of the machine, so neither part is negative.
     now.tv_sec.cast_unsigned() * NANOS + now.tv_nsec.cast_unsigned()
-}
-
-pub(super) fn timespec(nanos: Nanos) -> Timespec {
-    Timespec { tv_sec: (nanos / NANOS).cast_signed(), tv_nsec: (nanos % NANOS).cast_signed() }
 }
 
 /// The launcher, as a process in lock-step sees it: it decides when the process runs.

@@ -15,12 +15,15 @@ use std::path::{Path, PathBuf};
 use rustix::fs::{FallocateFlags, fallocate};
 use rustix::mm::{MapFlags, ProtFlags, mmap};
 use rustix::thread::futex;
+use rustix::time::Timespec;
 
-use super::waiter::timespec;
 use mrroc_core::link::Nanos;
 
 /// The folder of the futex's file: in memory, wherever the folder of the session is.
 const FOLDER: &str = "/dev/shm";
+
+/// Nanoseconds of a second.
+pub(super) const NANOS: u64 = 1_000_000_000;
 
 /// Size of the futex's file \[bytes\].
 const SIZE: usize = size_of::<[AtomicU32; 2]>();
@@ -102,6 +105,11 @@ impl WakeFutex {
         let _ = futex::wait_bitset(self.wakes, futex::Flags::empty(), wakes, until.as_ref(), NonZeroU32::MAX);
         self.asleep.store(0, Ordering::SeqCst);
     }
+}
+
+/// A time as the system takes it.
+pub(super) fn timespec(nanos: Nanos) -> Timespec {
+    Timespec { tv_sec: (nanos / NANOS).cast_signed(), tv_nsec: (nanos % NANOS).cast_signed() }
 }
 
 fn path(prefix: &str, place: usize) -> PathBuf {

@@ -18,7 +18,7 @@
 //! [`link`] what `doctor` finds out about a network.
 
 mod absence;
-pub(crate) mod agent;
+mod agent;
 pub(crate) mod carrier;
 mod identity;
 pub(crate) mod link;
@@ -26,5 +26,6 @@ mod message;
 mod phase;
 mod pings;
 mod run;
+pub(crate) mod runs;
 mod sending;
 mod silence;
