@@ -20,12 +20,12 @@ use super::message::NodeMessage;
 use super::phase::{Phase, allowance};
 use super::sending::{Post, join};
 use super::silence::Silences;
-use crate::capacity;
-use crate::console_server::CONNECTIONS;
+use crate::consoles::CONNECTIONS;
 use crate::control::Frame;
-use crate::iceoryx::{Fabric, Incoming, Where, monotonic};
-use crate::launcher::NO_NETWORK;
-use crate::process_set::Plan;
+use crate::launch::launcher::NO_NETWORK;
+use crate::launch::process_set::Plan;
+use crate::link::{Fabric, Incoming, Where, monotonic};
+use crate::machine::capacity;
 use crate::session::CellLock;
 
 /// What an agent has of its cell.

@@ -25,12 +25,12 @@ use super::message::NodeMessage;
 use super::sending::{Post, Sending, join};
 use super::silence::{SILENT, Silences};
 use crate::control::{Control, Frame};
-use crate::iceoryx::{Fabric, Incoming, Seal, Seals, StandIn, Where, monotonic};
-use crate::identity::CellId;
-use crate::launcher::NO_NETWORK;
+use crate::launch::launcher::NO_NETWORK;
+use crate::launch::process_set::FAR;
+use crate::link::{Fabric, Incoming, Seal, Seals, StandIn, Where, monotonic};
+use crate::machine::identity::CellId;
+use crate::machine::scheduling::Lacks;
 use crate::member::NoPart;
-use crate::process_set::FAR;
-use crate::scheduling::Lacks;
 use crate::session::{Membership, Private, prefix};
 
 /// How long nodes may take to answer before the cell is given up.
@@ -131,7 +131,7 @@ fn carry(
     let network = network().ok_or_else(|| NO_NETWORK.to_owned())?;
     let (realtime, step) = (cell.realtime().cloned(), cell.step_length());
     let membership = Membership::join(folder).map_err(|error| text(&error))?;
-    let _part = crate::identity::take_part(id).map_err(|error| text(&error))?;
+    let _part = crate::machine::identity::take_part(id).map_err(|error| text(&error))?;
     if membership.number != seal.session {
         return Err("its launcher is of another session".to_owned());
     }

@@ -17,8 +17,8 @@ use super::absence::absent;
 use super::identity::keys;
 use super::message::NodeMessage;
 use super::phase::{Figures, Phase, WORK};
-use crate::iceoryx::monotonic;
-use crate::launcher::NO_NETWORK;
+use crate::launch::launcher::NO_NETWORK;
+use crate::link::monotonic;
 
 /// How many pings, and the time between two.
 const PINGS: u32 = 1000;
