@@ -13,7 +13,6 @@ const KNOWN: &[(&str, usize)] = &[
     ("runtime/core", 10),
     ("runtime/launch", 11),
     ("runtime/recording", 3),
-    ("runtime/testing", 6),
     ("generators-lib", 6),
     ("robots", 16),
     ("robots/drivers/kit", 3),
