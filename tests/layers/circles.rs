@@ -20,7 +20,6 @@ const KNOWN: &[(&str, usize)] = &[
     ("robots/drivers/modbus", 2),
     ("robots/drivers/ur", 10),
     ("robots/drivers/robotiq", 3),
-    ("ports/panel", 13),
     ("sensing/calibration", 2),
     ("sensing/geocom", 5),
     ("sensing/map", 4),
