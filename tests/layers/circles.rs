@@ -18,7 +18,6 @@ const KNOWN: &[(&str, usize)] = &[
     ("robots/drivers/franka", 5),
     ("robots/drivers/kuka", 3),
     ("robots/drivers/modbus", 2),
-    ("robots/drivers/ur", 10),
     ("robots/drivers/robotiq", 3),
     ("sensing/calibration", 2),
     ("sensing/geocom", 5),
