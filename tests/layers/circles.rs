@@ -25,7 +25,6 @@ const KNOWN: &[(&str, usize)] = &[
     ("robots/wheels", 2),
     ("tasks/engraving", 15),
     ("tasks/sorting", 5),
-    ("pictures", 4),
 ];
 
 /// A module of a crate by its path: none of the crate itself.
