@@ -15,7 +15,6 @@ const KNOWN: &[(&str, usize)] = &[
     ("robots", 16),
     ("robots/drivers/kit", 3),
     ("robots/drivers/franka", 5),
-    ("robots/drivers/robotiq", 3),
     ("sensing/calibration", 2),
     ("sensing/geocom", 5),
     ("sensing/map", 4),
