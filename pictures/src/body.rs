@@ -7,10 +7,20 @@ use nalgebra::Vector3;
 
 use crate::playback::Playback;
 use crate::projection::Projection;
-use crate::scene::Actor;
-use crate::stick::Stick;
+
+use crate::stick::{Motion, Stick};
 use crate::svg::palette::WHITE;
 use crate::svg::{Colour, Look, Svg};
+use crate::tool_path::ToolPath;
+
+/// A robot as it is drawn.
+#[derive(Clone, Debug)]
+pub(crate) struct Actor<'a> {
+    pub name: &'a str,
+    pub colour: Colour,
+    pub motion: Motion,
+    pub path: ToolPath,
+}
 
 /// How large a robot is drawn \[px\].
 #[derive(Clone, Copy, Debug)]

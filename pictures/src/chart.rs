@@ -5,8 +5,8 @@
 
 use mrroc::robot::JointKind;
 
-use crate::history::{History, Sample};
-use crate::speed::Rates;
+use crate::history::History;
+use crate::sample::{Rates, Sample};
 use crate::svg::palette::{self, INK};
 use crate::svg::{Colour, Range};
 

@@ -4,9 +4,9 @@
 
 use nalgebra::{Vector2, Vector3};
 
+use crate::body::Actor;
 use crate::marks::{arrow, ends};
 use crate::projection::{Extent, Projection, View};
-use crate::scene::Actor;
 use crate::svg::palette::{GREY, GRID, INK, PALE};
 use crate::svg::{Area, Look, Range, Svg, TextStyle, step};
 use crate::wording::metres;

@@ -5,7 +5,8 @@
 
 use nalgebra::Vector2;
 
-use crate::history::{History, Sample};
+use crate::history::History;
+use crate::sample::Sample;
 use crate::svg::palette::{self, GREY, GRID, INK};
 use crate::svg::{Area, Look, Svg, TextStyle};
 use crate::wording::{figure, position};

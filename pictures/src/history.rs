@@ -9,7 +9,8 @@ use mrroc::robot::JointKind;
 use nalgebra::Vector3;
 
 use crate::instructions::Log;
-use crate::speed::{Rates, Speeds};
+use crate::sample::Sample;
+use crate::speed::Speeds;
 use crate::svg::Range;
 
 /// The most samples kept, besides the last.
@@ -17,35 +18,6 @@ pub(crate) const CAPACITY: usize = 4000;
 
 /// Travel of a measured joint [rad or m] up to which it stands still: a regulator plays about its encoder's pulses.
 const STILL: f64 = 2e-4;
-
-/// A robot at the end of a servo period.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Sample {
-    /// Time since the cell started \[s\].
-    pub time: f64,
-    /// Joint positions demanded [rad or m].
-    pub demanded: Vec<f64>,
-    /// Joint positions measured [rad or m].
-    pub measured: Vec<f64>,
-    /// Where the links begin, from the base to the flange, in the world \[m\].
-    pub links: Vec<Vector3<f64>>,
-    /// `X_WE`, the pose of the tool.
-    pub tool: Pose,
-    /// How fast all that is; none at first.
-    pub rates: Option<Rates>,
-}
-
-impl Sample {
-    fn is_finite(&self) -> bool {
-        let finite = |values: &[f64]| values.iter().all(|value| value.is_finite());
-        self.time.is_finite()
-            && finite(&self.demanded)
-            && finite(&self.measured)
-            && self.links.iter().all(|point| finite(point.as_slice()))
-            && finite(self.tool.translation.vector.as_slice())
-            && finite(self.tool.rotation.coords.as_slice())
-    }
-}
 
 /// What one joint did in all servo periods.
 #[derive(Clone, Copy, Debug, PartialEq)]

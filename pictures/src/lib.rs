@@ -41,6 +41,7 @@ mod playback;
 mod plot;
 mod projection;
 mod quantities;
+mod sample;
 mod scene;
 mod seen;
 mod speed;

@@ -8,12 +8,14 @@ use nalgebra::{Vector2, Vector3};
 
 use crate::bands::{self, Row};
 use crate::block::Block;
+use crate::body::Actor;
 use crate::chart::{self, Chart};
 use crate::curves::{LABELS, Timeline};
-use crate::history::{History, Sample};
+use crate::history::History;
 use crate::instructions::Log;
 use crate::playback::Playback;
-use crate::scene::{Actor, Scene};
+use crate::sample::Sample;
+use crate::scene::Scene;
 use crate::seen::Sights;
 use crate::stick::Motion;
 use crate::svg::palette::{self, GREY, INK, PAGE, WHITE};

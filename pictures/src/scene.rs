@@ -6,26 +6,17 @@
 use nalgebra::{Vector2, Vector3};
 
 use crate::block::Block;
-use crate::body::{self, Pen};
+use crate::body::{self, Actor, Pen};
 use crate::floor::{self, Floor};
 use crate::ghosts::ghosts;
 use crate::marks::{dot, ends, ring};
 use crate::panel;
 use crate::playback::{self, Playback};
 use crate::projection::{Extent, Projection, View};
-use crate::stick::{Motion, Stick};
+use crate::stick::Stick;
 use crate::svg::palette::{FLOOR, GREY, GRID, INK, RULE, WHITE};
-use crate::svg::{Area, Colour, Look, Range, Svg, TextStyle, Ticks, shortened, step, thinned};
-use crate::tool_path::{LEVELS, ToolPath, level_colour};
-
-/// A robot as it is drawn.
-#[derive(Clone, Debug)]
-pub(crate) struct Actor<'a> {
-    pub name: &'a str,
-    pub colour: Colour,
-    pub motion: Motion,
-    pub path: ToolPath,
-}
+use crate::svg::{Area, Look, Range, Svg, TextStyle, Ticks, shortened, step, thinned};
+use crate::tool_path::{LEVELS, level_colour};
 
 /// What all views share.
 #[derive(Clone, Copy, Debug)]

@@ -7,23 +7,10 @@ use std::collections::VecDeque;
 
 use nalgebra::Vector3;
 
-use crate::history::Sample;
+use crate::sample::{Rates, Sample};
 
 /// Over what time positions are compared \[s\].
 const WINDOW: f64 = 0.016;
-
-/// What changes how fast.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Rates {
-    /// The middle of the window \[s\].
-    pub time: f64,
-    /// Of the demanded joint positions [rad/s or m/s].
-    pub demanded: Vec<f64>,
-    /// Of the measured joint positions [rad/s or m/s].
-    pub measured: Vec<f64>,
-    /// Speed of the tool [m/s], at least 0.
-    pub tool: f64,
-}
 
 /// The servo periods of one window.
 #[derive(Clone, Debug, Default)]

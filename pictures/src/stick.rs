@@ -5,7 +5,8 @@
 
 use nalgebra::Vector3;
 
-use crate::history::{History, Sample};
+use crate::history::History;
+use crate::sample::Sample;
 
 /// A pose of a robot.
 #[derive(Clone, Debug, PartialEq)]

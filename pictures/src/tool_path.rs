@@ -4,8 +4,9 @@
 
 use nalgebra::Vector2;
 
-use crate::history::{History, Sample};
+use crate::history::History;
 use crate::projection::{Extent, Projection};
+use crate::sample::Sample;
 use crate::stick::Motion;
 use crate::svg::palette::{self, WHITE};
 use crate::svg::{Colour, Look, Svg, thinned, thinning};

@@ -3,15 +3,34 @@
 //! The imports are read from the source as text: every `crate::..` path of a file, without its comments and its tests.
 //! `cargo test -p mrroc-tests --test all layers -- --nocapture` prints the lines of each layer and crate.
 
+mod circles;
 mod words;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use circles::in_circles;
+
 /// The layers of the core, from the bottom up.
 const CORE: &[&str] =
     &["console", "files", "suggestion", "model", "safety", "operator", "link", "observe", "control", "cell"];
+
+/// The layers of a cell's processes, from the bottom up.
+const PROCESSES: &[&str] = &[
+    "machine",
+    "session",
+    "link",
+    "board",
+    "control",
+    "consoles",
+    "launch",
+    "member",
+    "nodes",
+    "picture_socket",
+    "diagnosis",
+    "part",
+];
 
 /// Which folders of the robots each one may import.
 const ROBOTS: &[(&str, &[&str])] = &[
@@ -104,8 +123,8 @@ impl Source {
     }
 }
 
-/// The files of a folder that are no tests.
-fn sources(folder: &str) -> Vec<Source> {
+/// All `.rs` files of a folder: their paths there, and what they have.
+fn texts(folder: &str) -> Vec<(String, String)> {
     let top = root().join(folder);
     let mut found = Vec::new();
     let mut folders = vec![top.clone()];
@@ -116,28 +135,34 @@ fn sources(folder: &str) -> Vec<Source> {
                 continue;
             }
             let path = entry.strip_prefix(&top).expect("below it").to_string_lossy().replace('\\', "/");
-            let is_test = path.contains("tests/") || path.ends_with("tests.rs");
-            if path.ends_with(".rs") && !is_test {
-                found.push(Source { path, text: fs::read_to_string(&entry).expect("a text") });
+            if path.ends_with(".rs") {
+                found.push((path, fs::read_to_string(&entry).expect("a text")));
             }
         }
     }
-    found.sort_by(|a, b| a.path.cmp(&b.path));
+    found.sort();
     assert!(!found.is_empty(), "{folder} has no sources");
     found
 }
 
-#[test]
-fn no_layer_of_the_core_imports_one_above_it() {
-    let place = |layer: &str| CORE.iter().position(|known| *known == layer);
+/// The files of a folder that are no tests.
+fn sources(folder: &str) -> Vec<Source> {
+    let is_test = |path: &str| path.contains("tests/") || path.ends_with("tests.rs");
+    let texts = texts(folder).into_iter().filter(|(path, _)| !is_test(path));
+    texts.map(|(path, text)| Source { path, text }).collect()
+}
+
+/// Looks for imports from a layer above among the files of a folder but for those `outside` of all layers, and prints the lines of each
+/// layer.
+fn no_layer_imports_one_above_it(folder: &str, layers: &[&str], outside: &[&str]) {
+    let place = |layer: &str| layers.iter().position(|known| *known == layer);
     let mut lines = BTreeMap::<&str, usize>::new();
     let mut seen = BTreeSet::new();
     let mut wrong = Vec::new();
-    let sources = sources("runtime/core/src");
+    let sources = sources(folder);
     for source in &sources {
         *lines.entry(source.layer()).or_default() += source.text.lines().count();
-        // The root names everything, and so does what the macros' expansions name.
-        if ["lib", "private"].contains(&source.layer()) {
+        if outside.contains(&source.layer()) {
             continue;
         }
         let Some(own) = place(source.layer()) else { panic!("{} is in no layer", source.path) };
@@ -155,11 +180,22 @@ fn no_layer_of_the_core_imports_one_above_it() {
             }
         }
     }
-    for layer in CORE {
-        println!("{layer:12} {:6} lines", lines.get(layer).copied().unwrap_or_default());
+    for layer in layers {
+        println!("{layer:14} {:6} lines", lines.get(layer).copied().unwrap_or_default());
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
-    assert_eq!(seen.len(), CORE.len(), "a layer without files");
+    assert_eq!(seen.len(), layers.len(), "a layer without files");
+}
+
+#[test]
+fn no_layer_of_the_core_imports_one_above_it() {
+    // The root names everything, and so does what the macros' expansions name.
+    no_layer_imports_one_above_it("runtime/core/src", CORE, &["lib", "private"]);
+}
+
+#[test]
+fn no_layer_of_a_cells_processes_imports_one_above_it() {
+    no_layer_imports_one_above_it("runtime/processes/src", PROCESSES, &["lib"]);
 }
 
 #[test]
@@ -174,20 +210,7 @@ fn no_modules_of_the_core_import_each_other_in_a_circle() {
         let others = source.imports().into_iter().filter(|import| modules.contains(import) && *import != own);
         edges.entry(own.clone()).or_default().extend(others);
     }
-    // A module that is reached from itself is in a circle.
-    let mut circles = BTreeSet::new();
-    for module in edges.keys() {
-        let mut reached = BTreeSet::new();
-        let mut next: Vec<_> = edges[module].iter().cloned().collect();
-        while let Some(other) = next.pop() {
-            if reached.insert(other.clone()) {
-                next.extend(edges.get(&other).into_iter().flatten().cloned());
-            }
-        }
-        if reached.contains(module) {
-            circles.insert(module.clone());
-        }
-    }
+    let circles = in_circles(&edges);
     assert!(circles.is_empty(), "in a circle: {circles:?}");
 }
 

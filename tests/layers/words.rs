@@ -41,7 +41,7 @@ const ALLOWED: &[(&str, &str, &str)] = &[
     ("door", "runtime/core/src/model/robot_stop.rs", "the door of a guarded cell"),
     ("door", "runtime/launch/src/options.rs", "the word of the command line"),
     ("door", "runtime/launch/src/telling.rs", "the word of the command line"),
-    ("door", "runtime/processes/src/latch_notes.rs", "the name of a guard"),
+    ("door", "runtime/processes/src/launch/latch_notes.rs", "the name of a guard"),
     ("door", "tests/runtime/signals.rs", "a door, as an input"),
     ("nudg", "runtime/core/src/model/payload.rs", "the text that identifies the order on the wire"),
     ("", "tests/layers/words.rs", "this list"),

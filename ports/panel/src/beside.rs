@@ -7,8 +7,8 @@ use mrroc_core::pose::Pose;
 use mrroc_core::robot::{Channel, Load, Signals, Tool};
 use serde_json::{Value, json};
 
-use crate::now::{finite, is_pose, numbers, rounded};
 use crate::readings;
+use crate::values::{finite, is_pose, numbers, rounded};
 
 /// How far a tool in force may be from one of the cell's to be called by its name \[m\], and by the angle \[rad\].
 const SAME: f64 = 1e-6;

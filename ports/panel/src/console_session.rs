@@ -21,7 +21,6 @@ use serde_json::{Value, json};
 use tokio::sync::{oneshot, watch};
 
 use crate::beside::CarriedLoad;
-use crate::driver::RequestSink;
 use crate::now::{Appearance, CellMoment, RobotNow};
 use crate::readings::{OLD, of_words};
 use crate::rules::request::Stamp;
@@ -34,6 +33,15 @@ const LAST: i32 = 19;
 
 /// How long a cell that is being started is waited for.
 const STARTING: Duration = Duration::from_secs(30);
+
+/// Where requests go.
+pub trait RequestSink: Send + Sync {
+    /// Asks for something; the answer comes within seconds.
+    fn ask(&self, request: Request, by: OnBehalf) -> oneshot::Receiver<Reply>;
+
+    /// Stops the cell. However much else is asked for, this does not wait for it.
+    fn stop(&self, by: OnBehalf) -> oneshot::Receiver<Reply>;
+}
 
 /// What the cell did last.
 #[derive(Clone, Default)]

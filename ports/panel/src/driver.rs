@@ -9,11 +9,11 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use mrroc_core::console::complain;
-use mrroc_processes::{OnBehalf, Reply, Request};
+use mrroc_processes::Reply;
 use tokio::sync::{oneshot, watch};
 use tokio::time::Instant;
 
-use crate::console_session::CellSnapshot;
+use crate::console_session::{CellSnapshot, RequestSink};
 use crate::events::{Action, Key, Kind, To};
 use crate::now::Appearance;
 use crate::pages::Pages;
@@ -25,15 +25,6 @@ use crate::teaching;
 
 /// How long is waited at most until it is looked whether a page has said nothing for too long.
 const LOOKS: Duration = Duration::from_millis(20);
-
-/// Where requests go.
-pub trait RequestSink: Send + Sync {
-    /// Asks for something; the answer comes within seconds.
-    fn ask(&self, request: Request, by: OnBehalf) -> oneshot::Receiver<Reply>;
-
-    /// Stops the cell. However much else is asked for, this does not wait for it.
-    fn stop(&self, by: OnBehalf) -> oneshot::Receiver<Reply>;
-}
 
 /// What a panel shows.
 pub enum Source {

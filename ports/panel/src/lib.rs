@@ -67,6 +67,8 @@ mod socket;
 mod teaching;
 #[cfg(all(test, feature = "server", target_os = "linux"))]
 mod tests;
+#[cfg(all(feature = "server", target_os = "linux"))]
+mod values;
 
 #[cfg(all(feature = "server", target_os = "linux"))]
 pub use panel::InBrowser;

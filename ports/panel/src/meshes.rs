@@ -11,7 +11,7 @@ use mrroc_core::observe::layout::RobotLayout;
 use mrroc_core::robot::LinkMesh;
 use serde_json::{Value, json};
 
-use crate::now::numbers;
+use crate::values::numbers;
 
 /// The largest file that is read \[bytes\].
 const LARGEST: u64 = 8 << 20;

@@ -10,6 +10,7 @@ use serde_json::{Value, json};
 
 use crate::beside::{self, Beside, CarriedLoad, ReadingNow};
 use crate::meshes::Meshes;
+use crate::values::{finite, is_pose, numbers, rounded};
 
 /// The radius of bars between the frames of a robot without a shape, as a share of its longest link, and its bounds \[m\].
 const BAR: f64 = 0.05;
@@ -328,27 +329,6 @@ fn capsules(figure: &dyn Figure, joints: &[f64]) -> Vec<Capsule> {
     links
 }
 
-pub fn is_pose(pose: &Pose) -> bool {
-    let norm = pose.rotation.as_ref().norm();
-    pose.translation.vector.iter().all(|x| x.is_finite()) && (norm - 1.0).abs() < 1e-6
-}
-
-/// To a millionth: a micrometre is more than a page shows, and short texts are sooner read.
-pub fn rounded(x: f64) -> f64 {
-    (x * 1e6).round() / 1e6
-}
-
-/// A number that JSON can say.
-pub fn finite(x: f64) -> Option<f64> {
-    x.is_finite().then_some(x)
-}
-
 fn round(joints: &[f64]) -> Vec<Option<f64>> {
     joints.iter().map(|q| finite(rounded(*q))).collect()
-}
-
-/// A pose as x, y, z and the quaternion x, y, z, w.
-pub fn numbers(pose: &Pose) -> [f64; 7] {
-    let (p, q) = (&pose.translation, &pose.rotation);
-    [p.x, p.y, p.z, q.i, q.j, q.k, q.w].map(rounded)
 }

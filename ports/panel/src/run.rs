@@ -13,6 +13,7 @@ use std::time::Duration;
 
 use mrroc_core::console::{refused, say};
 use mrroc_core::observe::layout::Layout;
+use mrroc_launch::MemoryRunViewer;
 use tokio::net::TcpListener;
 use tokio::sync::watch;
 
@@ -20,7 +21,7 @@ use crate::console_session::{CellSnapshot, ConsoleSession};
 use crate::driver::{Panel, Source, look_after};
 use crate::now::Appearance;
 use crate::rules::token::Token;
-use crate::run_history::RunHistory;
+use crate::run_history::{OnMemory, RunHistory};
 use crate::secured::Secured;
 use crate::server::serve;
 
@@ -54,6 +55,13 @@ pub fn attend(layout: &Layout, cell: &Path) -> ExitCode {
 /// Shows a run that is over, until this process is ended.
 pub fn play(looks: Arc<Appearance>, history: RunHistory) -> ExitCode {
     begin(looks, Source::Over(Box::new(history)), None)
+}
+
+impl MemoryRunViewer for OnMemory {
+    fn show(&self) -> ExitCode {
+        let (looks, history) = self.take();
+        play(Arc::new(looks), history)
+    }
 }
 
 fn begin(looks: Arc<Appearance>, source: Source, cell: Option<&Path>) -> ExitCode {

@@ -3,8 +3,6 @@
 //! In: what a run on the memory link shows, or a recording. Out: the cell at any moment of it.
 
 use std::cell::RefCell;
-use std::process::ExitCode;
-use std::sync::Arc;
 
 use mrroc_core::fault::{Fault, FaultWords, ProcessId, Role};
 use mrroc_core::observe::layout::Layout;
@@ -13,7 +11,6 @@ use mrroc_core::operator::state::InstructionKind;
 use mrroc_core::payload::Wire;
 use mrroc_core::pose::Pose;
 use mrroc_core::robot::{MAX_JOINTS, Signals};
-use mrroc_launch::MemoryRunViewer;
 
 use crate::beside::{CarriedLoad, ReadingNow};
 use crate::now::{Appearance, CellMoment, RobotNow};
@@ -270,6 +267,12 @@ impl OnMemory {
     pub fn of(layout: Layout) -> OnMemory {
         OnMemory { history: RefCell::new(RunHistory::of(&layout)), layout }
     }
+
+    /// What the cell is made of, and its history so far, which begins anew.
+    pub fn take(&self) -> (Appearance, RunHistory) {
+        let history = std::mem::replace(&mut *self.history.borrow_mut(), RunHistory::of(&self.layout));
+        (Appearance::of(&self.layout), history)
+    }
 }
 
 impl StepObserver for OnMemory {
@@ -331,12 +334,5 @@ impl StepObserver for OnMemory {
             }
             _ => {}
         }
-    }
-}
-
-impl MemoryRunViewer for OnMemory {
-    fn show(&self) -> ExitCode {
-        let history = std::mem::replace(&mut *self.history.borrow_mut(), RunHistory::of(&self.layout));
-        crate::run::play(Arc::new(Appearance::of(&self.layout)), history)
     }
 }

@@ -12,6 +12,9 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
+use mrroc_core::cell::Cell;
+use mrroc_core::observe::Recording;
+
 /// The file in which the operator's panel keeps the poses that it teaches a robot: `poses/left.txt` beside the file of the cell.
 #[must_use]
 pub fn poses(cell: &Path, robot: &str) -> PathBuf {
@@ -21,6 +24,11 @@ pub fn poses(cell: &Path, robot: &str) -> PathBuf {
 /// What is told of a file that cannot be written, with the options by which another one is given.
 pub(crate) fn unwritable(file: &Path, error: &io::Error, instead: &str) -> String {
     format!("{}: cannot be written: {error}\n help: give another file by {instead}", file.display())
+}
+
+/// The file to which a cell is to be recorded.
+pub(crate) fn recorded(cell: &Cell) -> Option<&Path> {
+    cell.recording().map(Recording::file)
 }
 
 /// What was read so far, by whole paths.

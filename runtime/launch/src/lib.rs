@@ -30,12 +30,12 @@ use mrroc_core::cell::{Cell, CellError, RunPicture};
 use mrroc_core::console::{refused, say};
 use mrroc_core::link::Clock;
 use mrroc_core::link::timeout::together_budget;
-use mrroc_core::observe::layout::{HardwareLayout, Layout, RobotLayout};
-use mrroc_core::observe::{NotRecorded, Recording};
+use mrroc_core::observe::NotRecorded;
+use mrroc_core::observe::layout::{HardwareLayout, Layout};
 
-use crate::cell_file::CellFile;
+use crate::cell_file::{CellFile, is_arm};
 use crate::dry_run::{dry_run, dry_run_first};
-use crate::files::check_outputs;
+use crate::files::{check_outputs, recorded};
 use crate::options::{LaunchCommand, Options, nearest_cell, parse};
 use crate::outcome::{answered, cell_refused, note, stand_ins};
 use crate::outcome_file::check_outcome;
@@ -45,8 +45,7 @@ use crate::telling::PartRequest;
 
 pub use crate::options::Operating;
 pub use crate::own::{own_number, own_option};
-pub use crate::parts::{MemoryRunViewer, Panel, Parts, Processes, Replays};
-pub use crate::program::{Launch, Ran};
+pub use crate::parts::{Launch, MemoryRunViewer, Panel, Parts, Processes, Ran, Replays};
 
 /// The main function of a task program: `cell` makes a cell from `cell.toml`, and this function runs it with the
 /// options of the command line.
@@ -238,11 +237,6 @@ fn no_priority(step: Duration) -> String {
     )
 }
 
-/// Whether a robot is an arm: a belt, a gripper or a table has at most three joints.
-fn is_arm(robot: &&RobotLayout) -> bool {
-    robot.joints.len() > 3
-}
-
 /// Whether a cell has several arms, and asks for no priority.
 fn lacks_priority(cell: &Cell) -> bool {
     cell.realtime().is_none() && cell.layout().robots.iter().filter(is_arm).count() > 1
@@ -289,9 +283,4 @@ fn check_frames(folder: &Path, can_record: bool) -> Result<(), String> {
             Err(format!("{folder_name}: cannot be written: {error}\n help: give another folder by --frames"))
         }
     }
-}
-
-/// The file to which a cell is to be recorded.
-fn recorded(cell: &Cell) -> Option<&Path> {
-    cell.recording().map(Recording::file)
 }

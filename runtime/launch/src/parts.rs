@@ -1,21 +1,24 @@
 //! The optional parts of a program: crates that record, replay, or run a cell as processes.
 //!
-//! In: the parts that a program was built with, from the facade `mrroc`. Out: what the command line calls. The parts
+//! In: the parts that a program was built with, from the facade `mrroc`. Out: what the command line calls, and how it says that a cell
+//! is to run. The parts
 //! are plain function pointers and traits, so that this crate needs no `cfg` for them.
 
-use std::path::Path;
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::rc::Rc;
 
 use crate::cell_file::CellFile;
-use mrroc_core::cell::{Cell, CellError, Nodes};
+use mrroc_core::cell::{Cell, CellError, Nodes, RunReport};
 use mrroc_core::fault::{Name, ProcessId};
+use mrroc_core::link::Clock;
 use mrroc_core::observe::layout::Layout;
 use mrroc_core::observe::recording::{NotRecorded, Recorder};
 use mrroc_core::observe::step_observer::StepObserver;
 
-use crate::options::Operating;
-use crate::program::{Launch, Ran};
+use crate::options::{AskedRecording, Operating};
+use crate::telling::PartRequest;
 use mrroc_core::console::refused as refuse;
 
 /// Replays the recording of a file on a cell: whether as far as it goes (`--partial`), and whether without a word (`--quiet`).
@@ -50,6 +53,53 @@ pub trait Panel: core::fmt::Debug + Sync {
 pub trait MemoryRunViewer: StepObserver {
     /// The run is over: shows it until this process is ended by a signal.
     fn show(&self) -> ExitCode;
+}
+
+/// How a task program with a command line of its own runs its cell; [`launch`](crate) is for all others.
+///
+/// When the cell runs as processes, the launcher starts the program again for each process, with the same arguments. So
+/// the program must read the arguments and put its cell together before it asks which process it is, and must not move
+/// or write anything before that.
+#[derive(Clone, Debug)]
+pub struct Launch {
+    /// Which process of the cell this is, and the folder of its session, if a launcher has started it.
+    pub part: Option<(ProcessId, PathBuf)>,
+    /// The arguments with which the processes are started.
+    pub arguments: Vec<OsString>,
+    /// What the command line asks for concerning a recording.
+    pub(super) recording: Option<AskedRecording>,
+    /// What is asked of a robot or a sensor, by name, and nothing else.
+    pub(super) asked: Option<(PartRequest, String)>,
+    /// Whether the cell is shown in a browser.
+    pub(super) panel: bool,
+    /// By which clock the cell runs as processes; `None`: on the memory link.
+    pub clock: Option<Clock>,
+    /// How long a process polls for messages before it sleeps \[ns\].
+    pub spin: u64,
+    /// The file of the cell, or another path that identifies it; `None`: the program's own file.
+    pub cell: Option<PathBuf>,
+    /// The file for how the run ends, as JSON.
+    pub outcome: Option<PathBuf>,
+    /// Whether only errors are printed.
+    pub quiet: bool,
+    /// Whether the program watches robots and keeps something of the run.
+    pub watching: bool,
+    /// What the program was built with.
+    pub(super) parts: &'static Parts,
+}
+
+/// The result of a run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[must_use]
+pub enum Ran {
+    /// The cell ran on the memory link, in this process; or it ran as processes, and this is the process that has
+    /// observed the robots ([`Launch::watching`]).
+    Here(RunReport),
+    /// The cell ran as processes, and this is their launcher.
+    Processes(RunReport),
+    /// This was one of the processes, or a replay; it is over and is to end with this status. Its messages have been
+    /// printed, here or by another process.
+    Part(ExitCode),
 }
 
 /// Runs and operates cells as processes of the operating system.

@@ -9,68 +9,20 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Duration;
 
-use super::files::check_outputs;
+use super::files::{check_outputs, recorded};
 use super::options::{
     AskedRecording, LaunchCommand, help_beside_own, is_word, parse, split_asked, split_panel, split_part,
     split_recording,
 };
 use super::outcome::answered;
 use super::panel;
-use super::parts::Parts;
-use super::recorded;
+use super::parts::{Launch, Parts, Ran};
 use super::telling::{self, PartRequest};
-use mrroc_core::cell::{Cell, CellError, RunReport};
+use mrroc_core::cell::{Cell, CellError};
 use mrroc_core::console::refused;
 use mrroc_core::fault::ProcessId;
 use mrroc_core::link::Clock;
 use mrroc_core::observe::NotRecorded;
-
-/// How a task program with a command line of its own runs its cell; [`launch`](crate) is for all others.
-///
-/// When the cell runs as processes, the launcher starts the program again for each process, with the same arguments. So
-/// the program must read the arguments and put its cell together before it asks which process it is, and must not move
-/// or write anything before that.
-#[derive(Clone, Debug)]
-pub struct Launch {
-    /// Which process of the cell this is, and the folder of its session, if a launcher has started it.
-    pub part: Option<(ProcessId, PathBuf)>,
-    /// The arguments with which the processes are started.
-    pub arguments: Vec<OsString>,
-    /// What the command line asks for concerning a recording.
-    pub(super) recording: Option<AskedRecording>,
-    /// What is asked of a robot or a sensor, by name, and nothing else.
-    pub(super) asked: Option<(PartRequest, String)>,
-    /// Whether the cell is shown in a browser.
-    pub(super) panel: bool,
-    /// By which clock the cell runs as processes; `None`: on the memory link.
-    pub clock: Option<Clock>,
-    /// How long a process polls for messages before it sleeps \[ns\].
-    pub spin: u64,
-    /// The file of the cell, or another path that identifies it; `None`: the program's own file.
-    pub cell: Option<PathBuf>,
-    /// The file for how the run ends, as JSON.
-    pub outcome: Option<PathBuf>,
-    /// Whether only errors are printed.
-    pub quiet: bool,
-    /// Whether the program watches robots and keeps something of the run.
-    pub watching: bool,
-    /// What the program was built with.
-    pub(super) parts: &'static Parts,
-}
-
-/// The result of a run.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[must_use]
-pub enum Ran {
-    /// The cell ran on the memory link, in this process; or it ran as processes, and this is the process that has
-    /// observed the robots ([`Launch::watching`]).
-    Here(RunReport),
-    /// The cell ran as processes, and this is their launcher.
-    Processes(RunReport),
-    /// This was one of the processes, or a replay; it is over and is to end with this status. Its messages have been
-    /// printed, here or by another process.
-    Part(ExitCode),
-}
 
 impl Launch {
     /// Reads the arguments after the program's name. The cell will run on the memory link, unless

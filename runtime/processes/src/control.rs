@@ -13,10 +13,10 @@ use std::os::unix::net::UnixStream;
 
 use rustix::net::{SendFlags, send};
 
-use super::figures::{FIGURES_WORDS, Figures};
-use super::scheduling::Lacks;
-use crate::iceoryx::{Clock, Seal};
-use crate::identity::CellId;
+use crate::board::figures::{FIGURES_WORDS, Figures};
+use crate::link::{Clock, Seal};
+use crate::machine::identity::CellId;
+use crate::machine::scheduling::Lacks;
 use mrroc_core::cell::Rest;
 use mrroc_core::fault::Name;
 use mrroc_core::fault::{Fault, FaultWords, ProcessId, Role};

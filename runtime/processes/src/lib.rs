@@ -3,16 +3,21 @@
 //! In: a cell and a command line. Out: the run of all its processes, supervised by the launcher, or of the one process
 //! that this is.
 //!
-//! A cell and its hardware are run once on a machine, by their `identity`. The `launcher` starts a `session` and its
-//! `process_set`. In real time it keeps the cell under its `supervision`: it gives its `heartbeat`, hears `signals` of its
-//! terminal, and `mp_watch` says when the MP stands still; under the virtual clock it resumes one process after another
-//! (`pacing`). Each process is a `member`, which puts the whole cell together and runs its own part; `control` holds the
-//! frames between the launcher and its processes. The operator's consoles connect to the `console_server`. Each process
-//! shows what it does in its `entry` of the state `board`. A plant that draws a picture is shown what other processes have through
-//! the `picture_socket`.
-//! A cell may be on several machines: `nodes` has what carries its messages between them.
-//! `scheduling` asks the machine for priorities, cores and locked memory, `capacity` checks that there is enough shared
-//! memory and open files, and `doctor` says what the machine can do.
+//! Its folders are layers: none imports what stands above it. From the lowest one up:
+//!
+//! - `machine`: a cell and its hardware are run once on a machine, with the priorities, cores and memory that it is granted;
+//! - `session`: the files and the shared memory of one launch;
+//! - `link`: the messages between processes, in shared memory;
+//! - `board`: the state board, on which each process shows what it does, and the launcher its heartbeat;
+//! - `control`: the frames between the launcher and its processes;
+//! - `consoles`: the operator's consoles, and the console server, to which they connect;
+//! - `launch`: the launcher starts a session and its processes, supervises them in real time or resumes one after another under the
+//!   virtual clock, and reports how the run ended;
+//! - `member`: a process of the cell puts the whole cell together and runs its own part;
+//! - `nodes`: what carries the messages of a cell on several machines between these;
+//! - `picture_socket`: shows a plant that draws a picture what other processes have;
+//! - `diagnosis`: says what the machine can do;
+//! - `part`: what the command line asks of all of them.
 
 #![cfg(target_os = "linux")]
 #![allow(
@@ -21,39 +26,23 @@
 )]
 
 mod board;
-mod capacity;
-mod console_server;
+mod consoles;
 mod control;
-mod doctor;
-mod entry;
-mod figures;
-mod heartbeat;
-mod holding;
-mod iceoryx;
-mod identity;
-mod latch_notes;
-#[cfg(test)]
-mod latency;
-mod launcher;
+mod diagnosis;
+mod launch;
+mod link;
+mod machine;
 mod member;
-mod mp_watch;
 mod nodes;
-mod operating;
-mod own_entry;
-mod pacing;
 mod part;
 mod picture_socket;
-mod process_set;
-#[doc(hidden)]
-pub mod readers;
-mod scheduling;
 mod session;
-mod signals;
-mod supervision;
 
-pub use console_server::{
+pub use board::figures::{Figures, Spread};
+#[doc(hidden)]
+pub use consoles::readers;
+pub use consoles::{
     BodyPicture, Caller, CarriedPicture, CellPicture, ConsoleMessage, ENDED, MAX_REQUEST, OnBehalf, Picture,
     ProcessPicture, ReadingPicture, Reply, ReplyReceiver, Request, RequestSender, RobotPicture,
 };
-pub use figures::{Figures, Spread};
 pub use part::OverSharedMemory;

@@ -17,13 +17,13 @@ use mrroc_core::observe::step_observer::StepObserver;
 use mrroc_launch::long_run::LongRunNotes;
 use mrroc_launch::{Launch, Operating, Processes, Ran};
 
-use crate::doctor::examine;
-use crate::launcher::{LaunchError, Launched, launch};
+use crate::consoles::operate;
+use crate::diagnosis::doctor::examine;
+use crate::launch::launcher::{LaunchError, Launched, launch};
+use crate::launch::process_set::Plan;
 use crate::member::{NoPart, run};
-use crate::nodes::{agent, carrier, link};
-use crate::operating::operate;
+use crate::nodes::{carrier, link, runs};
 use crate::picture_socket::{self, Receiver};
-use crate::process_set::Plan;
 
 /// Cells as processes over shared memory.
 #[derive(Clone, Copy, Debug)]
@@ -60,7 +60,7 @@ impl Processes for OverSharedMemory {
 
     fn node(&self, cell: Cell, name: &str, how: Launch) -> ExitCode {
         match how.cell.map_or_else(std::env::current_exe, Ok) {
-            Ok(file) => agent::run(cell, name, file, (how.arguments, how.quiet)),
+            Ok(file) => runs::run(cell, name, file, (how.arguments, how.quiet)),
             Err(error) => refused(&error),
         }
     }

@@ -51,15 +51,17 @@ mod relay;
 mod replaying;
 mod ring;
 mod scene;
+mod wrong;
 
 use std::path::PathBuf;
 
 use mrroc_core::observe::recording::Recording;
 
 pub use compare::{Compared, Difference};
-pub use reader::{CutOff, NotReplayable, each_message};
+pub use reader::each_message;
 pub use recorder::Mcap;
 pub use replaying::{Replay, ReplayError, replay_command};
+pub use wrong::{CutOff, NotReplayable};
 
 /// Records everything to the MCAP file at `file`, which is created; a recording that is there is overwritten, any other file
 /// is refused. An argument for

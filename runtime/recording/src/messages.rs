@@ -10,7 +10,7 @@ use mcap::records::Metadata;
 use serde_json::Value;
 
 use super::json::{as_number, words};
-use super::reader::{CutOff, Wrong};
+use super::wrong::{CutOff, Wrong};
 use mrroc_core::console::quoted;
 use mrroc_core::fault::Name;
 use mrroc_core::fault::{ProcessId, Role};

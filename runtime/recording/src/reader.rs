@@ -5,60 +5,19 @@
 
 use std::collections::BTreeMap;
 use std::io::Read;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use mcap::records::{Metadata, Record};
 
 use super::file::{END, PROFILE, START, VERSION};
 use super::messages::Messages;
 use super::records::{self, Ended};
+use super::wrong::{CutOff, NotReplayable, Wrong, unreadable};
 use mrroc_core::console::quoted;
 use mrroc_core::link::Nanos;
 use mrroc_core::observe::layout::Layout;
 use mrroc_core::replay::RecordedRun;
 use mrroc_launch::files;
-
-/// What to do with a recording that was cut off.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum CutOff {
-    /// Refuse it.
-    Refused,
-    /// Replay it up to the last step that is complete.
-    Taken,
-}
-
-/// Why a file cannot be replayed.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{}: {what}\n help: {help}", file.display())]
-pub struct NotReplayable {
-    file: PathBuf,
-    what: String,
-    help: String,
-}
-
-/// What is wrong with a recording; the name of the file is added later.
-pub(super) struct Wrong {
-    what: String,
-    help: &'static str,
-}
-
-impl Wrong {
-    pub fn new(what: impl Into<String>, help: &'static str) -> Wrong {
-        Wrong { what: what.into(), help }
-    }
-
-    /// An error for contents that only another kind of recorder can have written.
-    pub fn foreign(what: impl Into<String>) -> Wrong {
-        Wrong::new(what, "give a file that --record has written")
-    }
-
-    fn of(self, file: &Path) -> NotReplayable {
-        NotReplayable { file: file.to_owned(), what: self.what, help: self.help.to_owned() }
-    }
-}
-
-pub(super) const DAMAGED: &str =
-    "record the run again; what is there up to the damage can be looked at with an MCAP viewer";
 
 /// Reads a recording of a cell.
 ///
@@ -76,10 +35,6 @@ pub(crate) fn read_bytes(
     cut_off: CutOff,
 ) -> Result<RecordedRun, NotReplayable> {
     read_from(bytes, layout, cut_off).map_err(|wrong| wrong.of(Path::new("bytes")))
-}
-
-pub(super) fn unreadable(error: std::io::Error) -> Wrong {
-    Wrong::new(format!("cannot be read: {error}"), "see whether it is a file, and who may read it")
 }
 
 fn read_from(from: impl Read, layout: &Layout, cut_off: CutOff) -> Result<RecordedRun, Wrong> {

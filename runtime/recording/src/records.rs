@@ -12,7 +12,7 @@ use mcap::records::{Record, op};
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use mrroc_core::console::quoted;
 
-use super::reader::{DAMAGED, Wrong, unreadable};
+use super::wrong::{DAMAGED, Wrong, unreadable};
 
 /// The largest record or chunk that is read \[bytes\]; the chunks of a recording have a quarter of a megabyte.
 const LARGEST: usize = 1 << 20;

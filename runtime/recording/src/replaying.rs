@@ -13,7 +13,8 @@ use mrroc_core::observe::step_observer::StepObserver;
 use mrroc_launch::outcome::{cell_refused, report};
 
 use crate::compare::{Compared, Comparison};
-use crate::reader::{CutOff, NotReplayable, read};
+use crate::reader::read;
+use crate::wrong::{CutOff, NotReplayable};
 
 /// Why a recording was not replayed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

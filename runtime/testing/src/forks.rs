@@ -7,8 +7,18 @@ use std::collections::VecDeque;
 use std::io::{self, PipeReader, PipeWriter, Read, Write, pipe};
 
 use super::case::{Case, Injected, LinkFault};
-use super::stage::Lasting;
 use super::verdict::Verdict;
+
+/// How long a trial goes on.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Lasting {
+    /// How long the robots are watched after the MP's program is over or the MP is gone \[steps\].
+    pub afterwards: u64,
+    /// After so many steps a trial is given up as endless.
+    pub most: u64,
+    /// After so many steps a trial that goes on has been watched for long enough.
+    pub watched: u64,
+}
 
 /// How many steps before its fault a copy is made: earlier, because messages name steps that are still to come.
 const LEAD: u64 = 4;

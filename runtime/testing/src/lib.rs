@@ -63,6 +63,7 @@
 
 mod case;
 mod channel;
+mod check;
 mod drive;
 mod forks;
 mod link;

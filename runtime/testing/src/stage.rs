@@ -3,21 +3,10 @@
 use core::cell::{Cell, RefCell};
 
 use super::case::{Case, Channel, Injected, LinkFault};
-use super::forks::Forks;
+use super::forks::{Forks, Lasting};
 use super::random::Random;
 use mrroc_core::fault::{ProcessId, Role};
 use mrroc_core::link::Nanos;
-
-/// How long a trial goes on.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Lasting {
-    /// How long the robots are watched after the MP's program is over or the MP is gone \[steps\].
-    pub afterwards: u64,
-    /// After so many steps a trial is given up as endless.
-    pub most: u64,
-    /// After so many steps a trial that goes on has been watched for long enough.
-    pub watched: u64,
-}
 
 /// A run of a cell with a fault.
 pub(super) struct Stage {

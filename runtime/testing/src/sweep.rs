@@ -6,11 +6,11 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use super::case::{Case, Injected, LinkFault, Press, Wire};
-use super::forks::{Forks, end_copy};
+use super::check::check;
+use super::forks::{Forks, Lasting, end_copy};
 use super::report::SweepReport;
-use super::stage::Lasting;
 use super::trial::{Part, Trial, attempt};
-use super::verdict::{Verdict, check};
+use super::verdict::Verdict;
 use mrroc_core::cell::{Cell, CellError};
 use mrroc_core::fault::Name;
 

@@ -7,10 +7,10 @@ use std::cell::RefCell;
 use std::rc::Rc;
 
 use super::case::{Case, Channel, Injected, Press};
-use super::forks::Forks;
+use super::forks::{Forks, Lasting};
 use super::link::FaultyLink;
 use super::motion_monitor::{Bounds, MotionMonitor};
-use super::stage::{Lasting, Stage};
+use super::stage::Stage;
 use mrroc_core::cell::{Cell, CellError, RunReport, first_cause};
 use mrroc_core::fault::ProcessId;
 use mrroc_core::link::Nanos;

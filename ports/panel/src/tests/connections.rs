@@ -10,7 +10,8 @@ use tokio::sync::{oneshot, watch};
 use tokio::time::Instant;
 
 use super::*;
-use crate::driver::{Panel, RequestSink, Source, look_after};
+use crate::console_session::RequestSink;
+use crate::driver::{Panel, Source, look_after};
 use crate::rules::CONNECTIONS;
 use crate::rules::token::Token;
 use crate::server::Connections;

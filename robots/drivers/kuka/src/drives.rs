@@ -7,18 +7,18 @@
 mod tests;
 
 use core::time::Duration;
-use std::net::{IpAddr, SocketAddr};
+use std::net::SocketAddr;
 
 use mrroc::robot::{
     Channels, DriveFault, Driver, Load, Measured, Outputs, Pace, Pulse, Robot, RobotStop, Signals, StopCause,
 };
 use mrroc_driver_kit::Counted;
 
-use crate::corrections::Corrections;
 use crate::message::FromController;
 use crate::network::{Network, Sockets};
-use crate::opening::Opening;
+use crate::opening::{Opening, SILENT};
 use crate::session::{Joints, Sent, Session};
+use crate::settings::RsiSettings;
 use crate::words::{self, Words};
 
 /// Periods for which the controller may say nothing: as many as its own `Timeout` usually allows to be late.
@@ -27,36 +27,6 @@ const SILENCE: u32 = 100;
 /// Answers in a row that the controller may not take, as far as it counts them, before that is told: half of what its own `Timeout`
 /// usually allows.
 const REFUSED: u64 = 50;
-
-/// A controller, and where this machine listens for it.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct RsiSettings {
-    /// This machine's address on the controller's network, and the port there: the `IP_NUMBER` and `PORT` of its
-    /// configuration.
-    pub listen: SocketAddr,
-    /// The controller's address: messages of anybody else are not looked at.
-    pub robot: IpAddr,
-    /// The name that the controller's configuration gives this end, its `SENTYPE`; `ImFree` by default, as in KUKA's examples.
-    pub sensor: String,
-    /// The controller's period, 4 ms by default, or 12.
-    pub period: Duration,
-    /// What corrections count from: [`Corrections::Absolute`] by default.
-    pub corrections: Corrections,
-}
-
-impl RsiSettings {
-    /// With the defaults.
-    #[must_use]
-    pub fn new(listen: SocketAddr, robot: IpAddr) -> RsiSettings {
-        RsiSettings {
-            listen,
-            robot,
-            sensor: "ImFree".to_owned(),
-            period: Duration::from_millis(4),
-            corrections: Corrections::Absolute,
-        }
-    }
-}
 
 /// The drives. They are paced by the controller, and reach it through the network `N`.
 #[derive(Debug)]
@@ -137,17 +107,9 @@ fn send(network: &mut impl Network, sent: Option<Sent>) -> Result<(), DriveFault
 }
 
 const CLOSED: DriveFault = DriveFault::Other("the controller is not connected");
-pub(crate) const SILENT: DriveFault = DriveFault::Stopped(
-    RobotStop::new(StopCause::ProgramNotRunning).named("the controller sends nothing").at_pendant(),
-);
 const NOT_TAKEN: DriveFault = DriveFault::Stopped(
     RobotStop::new(StopCause::CommunicationLost)
         .named("it takes no answers: they are late, or its SENTYPE differs"),
-);
-pub(crate) const NO_DELAY: DriveFault =
-    DriveFault::Other("relative corrections need its count of late answers: let it send DEF_Delay");
-pub(crate) const NO_COUNT: DriveFault = DriveFault::Other(
-    "relative corrections need its count of late answers, and it does not count one that is left out: write corrections = \"absolute\"",
 );
 const LOADED: DriveFault = DriveFault::Other(
     "a KUKA arm is told no load by its Robot Sensor Interface: set the load data of its tools at the pendant, and say none here",

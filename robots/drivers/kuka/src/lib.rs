@@ -30,6 +30,7 @@ mod message;
 mod network;
 mod opening;
 mod session;
+mod settings;
 mod words;
 
 use core::time::Duration;
@@ -39,10 +40,11 @@ use mrroc_launch::cell_file::{AnySetup, EntryKey, Kinds, RobotEntry};
 use mrroc_robots::{Simulated, urdf_arm};
 
 pub use corrections::Corrections;
-pub use drives::{Rsi, RsiSettings};
+pub use drives::Rsi;
 pub use message::{AXES, FromController, ToController};
 pub use mrroc_driver_kit::Arrived;
 pub use network::{Network, Sockets};
+pub use settings::RsiSettings;
 
 /// Adds the kind `kuka-rsi`: an arm of six axes, read from the URDF `file` as the kind `urdf` is, and moved by a controller
 /// at `address`, which sends to this machine's `listen`. `period_ms` is 4 or 12, and `corrections` are "absolute" or "relative", as

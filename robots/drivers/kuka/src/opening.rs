@@ -6,13 +6,22 @@
 use core::time::Duration;
 use std::net::SocketAddr;
 
-use mrroc::robot::DriveFault;
+use mrroc::robot::{DriveFault, RobotStop, StopCause};
 
 use crate::corrections::{Corrections, Counts, Sum};
-use crate::drives::{NO_COUNT, NO_DELAY, RsiSettings, SILENT};
 use crate::message::FromController;
 use crate::session::{Sent, Session};
+use crate::settings::RsiSettings;
 use crate::words::Words;
+
+pub(crate) const SILENT: DriveFault = DriveFault::Stopped(
+    RobotStop::new(StopCause::ProgramNotRunning).named("the controller sends nothing").at_pendant(),
+);
+pub(crate) const NO_DELAY: DriveFault =
+    DriveFault::Other("relative corrections need its count of late answers: let it send DEF_Delay");
+pub(crate) const NO_COUNT: DriveFault = DriveFault::Other(
+    "relative corrections need its count of late answers, and it does not count one that is left out: write corrections = \"absolute\"",
+);
 
 /// How often it is tried to find out when the controller counts a late answer: it may be late by itself meanwhile.
 const TRIALS: u32 = 10;

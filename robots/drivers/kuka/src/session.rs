@@ -10,8 +10,8 @@ use mrroc::robot::{DriveFault, Measured};
 use nalgebra::SVector;
 
 use crate::corrections::{Counts, Sum};
-use crate::drives::RsiSettings;
 use crate::message::{AXES, FromController, ToController};
+use crate::settings::RsiSettings;
 
 /// Joint positions [rad].
 pub(crate) type Joints = SVector<f64, AXES>;

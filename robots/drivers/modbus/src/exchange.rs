@@ -12,9 +12,9 @@ use mrroc::robot::{ANALOG, Channel, DriveFault, Outputs, Signals, Value, Values}
 use mrroc_driver_kit::{Network, NotConnected, Number, Peer, Protocol, Recalled, Received, Session, Times};
 
 use crate::client::{Broken, CONNECT, Client, lost};
-use crate::drives::ModbusIoSettings;
 use crate::layout::Layout;
 use crate::message::{Answer, Table, UnitRequest};
+use crate::settings::ModbusIoSettings;
 
 /// The shortest time from one exchange to the next.
 const PAUSE: Duration = Duration::from_millis(5);

@@ -24,6 +24,7 @@ mod drives;
 mod exchange;
 mod layout;
 pub mod message;
+mod settings;
 
 #[cfg(test)]
 mod tests;
@@ -33,8 +34,9 @@ use mrroc::robot::IdealDrives;
 use mrroc_launch::cell_file::Kinds;
 use mrroc_robots::{IoBlock, NoJoints};
 
-pub use drives::{ModbusIo, ModbusIoSettings};
+pub use drives::ModbusIo;
 pub use layout::{Layout, Scale};
+pub use settings::ModbusIoSettings;
 
 /// The port of Modbus TCP.
 pub const PORT: u16 = 502;

@@ -3,38 +3,17 @@
 //! In: the newest position that is demanded. Out: the newest status, the speed of the fingers, and why it has ended. The exchange and
 //! the drives hand this over in atomics, so that neither waits for the other. What goes on in it is in `protocol.rs`.
 
-use core::sync::atomic::{AtomicU8, AtomicU64, Ordering};
+use core::sync::atomic::{AtomicU8, Ordering};
 use core::time::Duration;
 use std::sync::Arc;
 
 use mrroc::robot::DriveFault;
-use mrroc_driver_kit::{Network, Number, Peer, Recalled, Session, Times};
+use mrroc_driver_kit::{Network, Peer, Recalled, Session};
 use mrroc_modbus::client::{CONNECT, lost};
 
-use crate::drives::RobotiqSettings;
-use crate::protocol::{CLOSED, GripperProtocol};
+use crate::protocol::{CLOSED, GripperProtocol, Inactive, Shared};
 use crate::registers::Status;
-
-/// Whether the gripper may be activated.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Inactive {
-    /// One that is not active is refused.
-    Refused,
-    /// One that is not active is activated, while that is [asked for](Link::ask_for_activation).
-    Activated,
-}
-
-/// What the exchange and the drives hand to each other.
-#[derive(Debug, Default)]
-pub(crate) struct Shared {
-    pub(crate) times: Times,
-    /// The position and the force that are demanded, in the gripper's numbers.
-    pub(crate) position: AtomicU8,
-    pub(crate) force: AtomicU8,
-    /// The newest status; the speed in the gripper's numbers a second.
-    pub(crate) status: AtomicU64,
-    pub(crate) speed: Number,
-}
+use crate::settings::RobotiqSettings;
 
 /// What the gripper says, as the drives see it.
 #[derive(Clone, Copy, Debug)]

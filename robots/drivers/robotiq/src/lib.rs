@@ -29,6 +29,7 @@ mod drives;
 mod exchange;
 mod protocol;
 pub mod registers;
+mod settings;
 #[cfg(test)]
 mod tests;
 
@@ -38,7 +39,8 @@ use mrroc_robots::{One, Simulated, TwoFingers};
 
 pub use mrroc_modbus::PORT;
 
-pub use drives::{Activation, Openings, Robotiq, RobotiqSettings};
+pub use drives::{Activation, Robotiq};
+pub use settings::{Openings, RobotiqSettings};
 
 /// Adds the kind `robotiq-2f85`: [`TwoFingers`] at an `address`, on port 502 unless it says another one. Simulated drives,
 /// from `start` on, stand in where nothing real may move. With `homed = false` a gripper that is not active is activated

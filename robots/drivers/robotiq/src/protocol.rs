@@ -3,18 +3,17 @@
 //! First the status is read until the fingers stand, after an activation where that is asked for; then what is demanded is written, and
 //! the status read, at most 200 times a second. One question is asked at a time.
 
-use core::sync::atomic::Ordering;
+use core::sync::atomic::{AtomicU8, AtomicU64, Ordering};
 use core::time::Duration;
 use std::sync::Arc;
 
 use mrroc::robot::{DriveFault, RobotStop, StopCause};
-use mrroc_driver_kit::{NotConnected, Protocol, Received, Speed};
+use mrroc_driver_kit::{NotConnected, Number, Protocol, Received, Speed, Times};
 use mrroc_modbus::client::{Broken, Client, lost};
 use mrroc_modbus::message::{Answer, NoAnswer, Table, UnitRequest};
 
-use crate::drives::RobotiqSettings;
-use crate::exchange::{Inactive, Shared};
 use crate::registers::{Fingers, REQUEST, Request, STATUS, Status};
+use crate::settings::RobotiqSettings;
 
 /// The shortest time from one exchange to the next: a gripper takes 200 a second at most.
 const PAUSE: Duration = Duration::from_millis(5);
@@ -91,6 +90,27 @@ struct Round {
     /// Whether this was not the last that was told.
     is_news: bool,
     is_held: bool,
+}
+
+/// Whether the gripper may be activated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Inactive {
+    /// One that is not active is refused.
+    Refused,
+    /// One that is not active is activated, while that is asked for.
+    Activated,
+}
+
+/// What the exchange and the drives hand to each other.
+#[derive(Debug, Default)]
+pub(crate) struct Shared {
+    pub(crate) times: Times,
+    /// The position and the force that are demanded, in the gripper's numbers.
+    pub(crate) position: AtomicU8,
+    pub(crate) force: AtomicU8,
+    /// The newest status; the speed in the gripper's numbers a second.
+    pub(crate) status: AtomicU64,
+    pub(crate) speed: Number,
 }
 
 /// The protocol, and what is known of the gripper.

@@ -26,12 +26,9 @@ use crate::outputs::{self, Group, Groups};
 use crate::payload::{self, Payload};
 use crate::script::Script;
 use crate::set_point::{Ask, SetPoint};
-use crate::state::State;
+use crate::state::{PERIOD, State};
 use crate::stop::{self, Connected};
 use crate::wire::{ConnectionLost, Job, JobState, Ports, Sockets, Wire};
-
-/// The controller's period.
-pub const PERIOD: Duration = Duration::from_millis(2);
 
 /// How often the drives look, when they are opened, whether the controller is ready: 20 s for [`Sockets`].
 const LOOKS: u32 = 20_000;

@@ -31,6 +31,7 @@
 
 mod calibration;
 mod drives;
+mod inertia;
 mod kinds;
 mod models;
 pub mod outputs;
@@ -44,12 +45,12 @@ mod stop;
 mod wire;
 
 pub use calibration::{Calibration, NoCalibration};
-pub use drives::{PERIOD, Ur, UrSettings};
+pub use drives::{Ur, UrSettings};
 pub use kinds::{with_ur, with_ur_as};
 pub use models::{JOINTS, UrModel};
 pub use script::{Ended, Script};
 pub use set_point::{Ask, SET_POINT_BYTES, SetPoint};
-pub use state::{Program, RECIPE, RobotMode, Safety, State, check_offers, recipe_names};
+pub use state::{PERIOD, Program, RECIPE, RobotMode, Safety, State, check_offers, recipe_names};
 pub use stop::Connected;
 pub use wire::{
     Connection, ConnectionLost, Connections, Job, JobState, Listener, Network, Ports, Received, Sockets, Tcp,

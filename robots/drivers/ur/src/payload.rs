@@ -6,24 +6,12 @@
 use core::time::Duration;
 
 use mrroc::robot::{DriveFault, Load, RobotStop, StopCause};
-use nalgebra::Matrix3;
 
-use crate::drives::PERIOD;
 use crate::models::JOINTS;
 use crate::set_point::SetPoint;
-use crate::state::State;
+use crate::state::{PERIOD, State};
 
-/// The elements of an inertia, in UR's order [kg m²].
-#[must_use]
-pub fn elements(inertia: &Matrix3<f64>) -> [f64; 6] {
-    [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)].map(|place| inertia[place])
-}
-
-/// The inertia of its elements in UR's order [kg m²].
-#[must_use]
-pub fn inertia([xx, yy, zz, xy, xz, yz]: [f64; 6]) -> Matrix3<f64> {
-    Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz)
-}
+pub use crate::inertia::{elements, inertia};
 
 /// How far a joint may be driven in a period of an arm that stands \[rad\]: 1 mrad/s.
 const STILL: f64 = 2e-6;

@@ -5,8 +5,8 @@ use core::time::Duration;
 use mrroc::robot::Load;
 use nalgebra::Matrix3;
 
+use crate::inertia::{elements, inertia};
 use crate::models::JOINTS;
-use crate::payload;
 
 /// Bytes of a message.
 pub const SET_POINT_BYTES: usize = 32;
@@ -64,7 +64,7 @@ impl SetPoint {
     #[must_use]
     pub fn carry(load: &Load, timeout: Duration) -> [SetPoint; 2] {
         let numbers = [load.mass, load.centre.x, load.centre.y, load.centre.z, 0.0, 0.0];
-        let inertia = SetPoint::to(&payload::elements(&load.inertia), timeout);
+        let inertia = SetPoint::to(&elements(&load.inertia), timeout);
         [
             SetPoint { ask: Ask::Inertia, ..inertia },
             SetPoint { ask: Ask::Load, ..SetPoint::to(&numbers, timeout) },
@@ -81,7 +81,7 @@ impl SetPoint {
     /// The inertia of a load [kg m²], if this is one.
     #[must_use]
     pub fn inertia(&self) -> Option<Matrix3<f64>> {
-        (self.ask == Ask::Inertia).then(|| payload::inertia(self.joints()))
+        (self.ask == Ask::Inertia).then(|| inertia(self.joints()))
     }
 
     /// Asks for this, without a position.

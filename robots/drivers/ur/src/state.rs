@@ -1,12 +1,17 @@
 //! What the driver is told by a controller in every period.
 
+use core::time::Duration;
+
 use mrroc::pose::{Pose, Wrench};
 use mrroc::robot::Load;
 use nalgebra::Vector3;
 
+use crate::inertia;
 use crate::models::JOINTS;
-use crate::payload;
 use crate::rtde::{Offer, Type, Values};
+
+/// The controller's period.
+pub const PERIOD: Duration = Duration::from_millis(2);
 
 /// The fields, in the order in which they come, with the types that the controller must have for them.
 pub const RECIPE: [(&str, Type); 25] = [
@@ -249,7 +254,7 @@ impl State {
         let all_finite = |all: &[f64]| all.iter().all(|one| one.is_finite());
         let centre: [f64; 3] = values.doubles().filter(|all| all_finite(all))?;
         let inertia: [f64; 6] = values.doubles().filter(|all| all_finite(all))?;
-        let payload = Load { mass, centre: centre.into(), inertia: payload::inertia(inertia) };
+        let payload = Load { mass, centre: centre.into(), inertia: inertia::inertia(inertia) };
         let is_guided = status >> 2 & 1 != 0;
         values.is_over().then_some(State {
             timestamp,

@@ -14,16 +14,9 @@ use mrroc_core::robot::JointVector;
 use mrroc_core::robot::{Robot, Tool};
 use mrroc_core::sensor::VspMode;
 
-use super::error::Source;
+use super::error::{At, Source};
 use super::external::ExternalEntry;
 use super::plant::PlantEntry;
-
-/// A value and where it stands in the text.
-#[derive(Clone, Debug)]
-pub(super) struct At<T> {
-    pub value: T,
-    pub span: Range<usize>,
-}
 
 /// A robot of a cell file, from which the set-up of its kind is made.
 #[derive(Clone, Debug)]

@@ -66,6 +66,13 @@ impl CellFileError {
     }
 }
 
+/// A value and where it stands in the text.
+#[derive(Clone, Debug)]
+pub(super) struct At<T> {
+    pub value: T,
+    pub span: Range<usize>,
+}
+
 /// The file's name and text, kept for messages about errors that are found later.
 #[derive(Debug)]
 pub(super) struct Source {

@@ -8,8 +8,7 @@ use std::rc::Rc;
 
 use mrroc_core::cell::CellError;
 
-use super::entry::At;
-use super::error::Source;
+use super::error::{At, Source};
 
 /// A sensor whose readings a program of another sends, as the cell file describes it. The file says what may be believed:
 /// how often readings come, and what they may be.

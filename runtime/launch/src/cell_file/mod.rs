@@ -112,7 +112,7 @@ use std::rc::Rc;
 use mrroc_core::cell::Realtime;
 use mrroc_core::cell::{AfterFault, Cell, CellError, Nodes, SensorSetup};
 use mrroc_core::observe::Recording;
-use mrroc_core::observe::layout::Layout;
+use mrroc_core::observe::layout::{Layout, RobotLayout};
 use mrroc_core::pose::Pose;
 use mrroc_core::robot::Tool;
 use mrroc_core::sensor::Sensor;
@@ -125,10 +125,14 @@ pub use kinds::{AnySetup, Kinds};
 pub use plant::PlantEntry;
 
 use crate::files;
-use crate::is_arm;
 use entry::SensorEntry;
 use error::Source;
 use lower::LowerEntry;
+
+/// Whether a robot is an arm: a belt, a gripper or a table has at most three joints.
+pub(crate) fn is_arm(robot: &&RobotLayout) -> bool {
+    robot.joints.len() > 3
+}
 
 /// A cell as its file describes it: names, kinds, places and periods, without programs.
 #[derive(Clone, Debug)]

@@ -1,33 +1,31 @@
-//! The agent of a node: it waits for a cell, and has the processes of its node in it.
+//! The agent of a node: what it has of its cell, and what it hears.
 //!
-//! In: what the carrier of the launcher's machine says. Out: one [`Run`] after the other of the cell whose file and program are the
-//! same here as there.
+//! In: the cell as it is on this machine, and what the carrier of the launcher's machine says. Out: the lock of the cell, how its
+//! processes are started, and events for the runs of the cell.
 
 use std::ffi::OsString;
 use std::path::PathBuf;
-use std::process::ExitCode;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError, RwLock};
 use std::time::Duration;
 
 use mrroc_core::cell::{Cell, CellError, Nodes, Permission, Realtime};
-use mrroc_core::console::{complain, refused, say};
 use mrroc_core::fault::{Name, ProcessId, Role};
 use mrroc_core::link::Clock;
 use mrroc_core::suggestion::suggestion;
 use mrroc_launch::network::{JoinOptions, NodeListener, Side, Wires, network};
 
-use super::carrier::NO_NETWORK;
 use super::identity::{Identity, keys};
 use super::message::NodeMessage;
 use super::phase::{Phase, allowance};
-use super::run::Run;
 use super::sending::{Post, join};
 use super::silence::Silences;
-use crate::capacity;
+use crate::consoles::CONNECTIONS;
 use crate::control::Frame;
-use crate::iceoryx::{Fabric, Incoming, Where, monotonic};
-use crate::process_set::Plan;
+use crate::launch::launcher::NO_NETWORK;
+use crate::launch::process_set::Plan;
+use crate::link::{Fabric, Incoming, Where, monotonic};
+use crate::machine::capacity;
 use crate::session::CellLock;
 
 /// What an agent has of its cell.
@@ -118,21 +116,9 @@ impl NodeListener for Hub {
     }
 }
 
-/// Runs the node `name` of the cell of the file at `file`, whose processes are started with `arguments`, until it is ended.
-pub(crate) fn run(
-    cell: Cell,
-    name: &str,
-    file: PathBuf,
-    (arguments, quiet): (Vec<OsString>, bool),
-) -> ExitCode {
-    match Agent::join(cell, name, file, (arguments, quiet)) {
-        Ok(agent) => agent.run(),
-        Err(error) => refused(&error),
-    }
-}
-
 impl Agent {
-    fn join(
+    /// Reads the cell, takes its lock on this machine, and joins the network.
+    pub(super) fn join(
         mut cell: Cell,
         name: &str,
         file: PathBuf,
@@ -169,7 +155,7 @@ impl Agent {
         let lock = CellLock::take(&file, &hardware).map_err(|error| text(&error))?;
         // A node may wait for its cell for days, and what a killed one has left takes shared memory until then.
         lock.remove_remains().map_err(|error| text(&error))?;
-        capacity::check(fabric.places().len() + fabric.ways()).map_err(|error| text(&error))?;
+        capacity::check(fabric.places().len() + fabric.ways(), CONNECTIONS).map_err(|error| text(&error))?;
         let own = Identity::here(nodes.file()).map_err(|error| text(&error))?;
         let (tells, events) = channel();
         let hub = Arc::new(Hub {
@@ -214,45 +200,6 @@ impl Agent {
     pub(super) fn send(&self, session: u64, said: &NodeMessage) {
         if let Some(post) = self.hub.post.get() {
             post.say(self.mp(), said.to_bytes(session));
-        }
-    }
-
-    /// Takes part in one cell after the other.
-    fn run(self) -> ExitCode {
-        if !self.plan.quiet {
-            let address = self.nodes.all()[self.me].address;
-            // Nothing waits for who reads it.
-            let _ = say(&format!("node {} waits at {address}\n", self.name()));
-        }
-        let mut next = None;
-        loop {
-            let (session, identity, seal) = match next.take() {
-                Some(hello) => hello,
-                None => match self.events.recv() {
-                    Ok(Event::Came(from, session, NodeMessage::Hello(identity, seal)))
-                        if from == self.mp() =>
-                    {
-                        (session, identity, seal)
-                    }
-                    Ok(_) => continue,
-                    Err(_) => return ExitCode::FAILURE,
-                },
-            };
-            let first = self.nodes.first().map_or("", |node| node.name.as_str());
-            if let Some(why) = self.own.differs(identity, first) {
-                if !self.plan.quiet {
-                    complain(&format!("node {}: refused: {why}", self.name()));
-                }
-                self.send(session, &NodeMessage::Refused(why));
-                continue;
-            }
-            match Run::begin(&self, seal) {
-                Ok(run) => next = run.go_on(),
-                Err(why) => {
-                    complain(&format!("node {}: {why}", self.name()));
-                    self.send(session, &NodeMessage::Refused(why));
-                }
-            }
         }
     }
 }

@@ -25,10 +25,12 @@ use super::message::NodeMessage;
 use super::sending::{Post, Sending, join};
 use super::silence::{SILENT, Silences};
 use crate::control::{Control, Frame};
-use crate::iceoryx::{Fabric, Incoming, Seal, Seals, StandIn, Where, monotonic};
-use crate::identity::CellId;
+use crate::launch::launcher::NO_NETWORK;
+use crate::launch::process_set::FAR;
+use crate::link::{Fabric, Incoming, Seal, Seals, StandIn, Where, monotonic};
+use crate::machine::identity::CellId;
+use crate::machine::scheduling::Lacks;
 use crate::member::NoPart;
-use crate::scheduling::Lacks;
 use crate::session::{Membership, Private, prefix};
 
 /// How long nodes may take to answer before the cell is given up.
@@ -36,9 +38,6 @@ const TIMEOUT: Duration = Duration::from_secs(10);
 
 /// How often a node that is busy is asked again.
 const AGAIN: Duration = Duration::from_millis(500);
-
-/// The socket in a session's folder to which the launcher connects once for each process of another machine.
-pub(crate) const FAR: &str = "far";
 
 /// What happens to a carrier.
 #[expect(clippy::large_enum_variant, reason = "it is looked at where it has come")]
@@ -132,7 +131,7 @@ fn carry(
     let network = network().ok_or_else(|| NO_NETWORK.to_owned())?;
     let (realtime, step) = (cell.realtime().cloned(), cell.step_length());
     let membership = Membership::join(folder).map_err(|error| text(&error))?;
-    let _part = crate::identity::take_part(id).map_err(|error| text(&error))?;
+    let _part = crate::machine::identity::take_part(id).map_err(|error| text(&error))?;
     if membership.number != seal.session {
         return Err("its launcher is of another session".to_owned());
     }
@@ -172,9 +171,6 @@ fn carry(
     let carrier = Carrier { nodes, places, wires, post, hub, seal, far: Vec::new() };
     carrier.run(&events, (stand_in, control), (realtime.as_ref(), step))
 }
-
-pub(crate) const NO_NETWORK: &str = "cell.toml has nodes, and this program has no network between them\n help: depend on mrroc-zenoh, and write \
-                          mrroc::launch::nodes_over(&mrroc_zenoh::Zenoh) as the first line of main";
 
 /// Finds all nodes and asks each to take part.
 fn meet(

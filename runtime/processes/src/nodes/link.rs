@@ -14,11 +14,11 @@ use mrroc_core::link::timeout::together_budget;
 use mrroc_launch::network::{JoinOptions, NodeListener, Side, Wires, network};
 
 use super::absence::absent;
-use super::carrier::NO_NETWORK;
 use super::identity::keys;
 use super::message::NodeMessage;
 use super::phase::{Figures, Phase, WORK};
-use crate::iceoryx::monotonic;
+use crate::launch::launcher::NO_NETWORK;
+use crate::link::monotonic;
 
 /// How many pings, and the time between two.
 const PINGS: u32 = 1000;

@@ -7,7 +7,7 @@
 //! ```
 //!
 //! On each machine processes speak over shared memory as in a cell on one. What belongs to a process of another machine, its
-//! boards and its futex, a stand-in has here ([`StandIn`](crate::iceoryx::StandIn)), and a carrier takes what is written there
+//! boards and its futex, a stand-in has here ([`StandIn`](crate::link::StandIn)), and a carrier takes what is written there
 //! to the other machine, and writes what comes from there. So no process of a cell knows of a network, no thread of a
 //! network is in a process that has steps, and what is late or lost on the way is as late or lost as anywhere else.
 //!
@@ -18,7 +18,7 @@
 //! [`link`] what `doctor` finds out about a network.
 
 mod absence;
-pub(crate) mod agent;
+mod agent;
 pub(crate) mod carrier;
 mod identity;
 pub(crate) mod link;
@@ -26,5 +26,6 @@ mod message;
 mod phase;
 mod pings;
 mod run;
+pub(crate) mod runs;
 mod sending;
 mod silence;

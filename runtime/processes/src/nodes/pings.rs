@@ -10,7 +10,7 @@ use super::agent::Agent;
 use super::message::NodeMessage;
 use super::phase::{FOLLOWS, Phase};
 use crate::board::StateBoard;
-use crate::iceoryx::monotonic;
+use crate::link::monotonic;
 
 /// The time between two pings, of which 64 count, and how many there must be before a cell begins.
 const PING: Duration = Duration::from_millis(50);

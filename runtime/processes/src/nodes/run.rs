@@ -22,9 +22,9 @@ use super::phase::{Figures, Phase, allowance};
 use super::pings::Pings;
 use super::sending::Sending;
 use crate::control::Frame;
-use crate::iceoryx::{Seal, Seals, StandIn, monotonic};
-use crate::launcher::make_shared;
-use crate::process_set::{CLOSING, Member};
+use crate::launch::launcher::make_shared;
+use crate::launch::process_set::{CLOSING, Member};
+use crate::link::{Seal, Seals, StandIn, monotonic};
 use crate::session::{Private, Session, prefix};
 
 /// How long a run waits before it looks whether processes are late to end.

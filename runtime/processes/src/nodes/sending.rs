@@ -14,8 +14,8 @@ use mrroc_core::link::Nanos;
 use mrroc_launch::network::{JoinOptions, Network, NodeListener, Wires};
 
 use super::message::NodeMessage;
-use crate::iceoryx::{Outgoing, monotonic};
-use crate::scheduling::{give_back_priority, set_priority};
+use crate::link::{Outgoing, monotonic};
+use crate::machine::scheduling::{give_back_priority, set_priority};
 
 /// How often a thread without boards looks whether it is to end \[ns\].
 const LOOK: Nanos = 50_000_000;

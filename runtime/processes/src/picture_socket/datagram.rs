@@ -2,12 +2,23 @@
 //!
 //! In: records of the ring. Out: words, and from these what was shown, checked.
 
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
 use mrroc_core::fault::{Name, ProcessId, Role};
 use mrroc_core::link::Nanos;
 use mrroc_core::observe::layout::Layout;
 use mrroc_core::observe::ring::Record;
 use mrroc_core::observe::step_observer::{ReadingState, StepEvent};
 use mrroc_core::payload::{WORDS, Wire};
+
+/// How long to wait for a plant, or for a thread of its, that takes nothing: shorter than a launcher waits for processes that end.
+pub(super) const TIMEOUT: Duration = Duration::from_secs(3);
+
+/// The path of the socket in the folder of a session.
+pub(super) fn socket(folder: &Path) -> PathBuf {
+    folder.join("picture")
+}
 
 /// The kinds of what is shown.
 const STEP: u64 = 1;

@@ -12,16 +12,5 @@ mod sender;
 #[cfg(test)]
 mod tests;
 
-use std::path::{Path, PathBuf};
-use std::time::Duration;
-
 pub(crate) use receiver::Receiver;
 pub(crate) use sender::join;
-
-/// How long to wait for a plant, or for a thread of its, that takes nothing: shorter than a launcher waits for processes that end.
-const TIMEOUT: Duration = Duration::from_secs(3);
-
-/// The path of the socket in the folder of a session.
-fn socket(folder: &Path) -> PathBuf {
-    folder.join("picture")
-}

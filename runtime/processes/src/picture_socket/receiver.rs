@@ -14,8 +14,7 @@ use mrroc_core::console::complain;
 use mrroc_core::observe::layout::Layout;
 use mrroc_core::observe::step_observer::{SharedStepObserver, StepObserver};
 
-use super::datagram::{PictureRecord, read};
-use super::{TIMEOUT, socket};
+use super::datagram::{PictureRecord, TIMEOUT, read, socket};
 
 /// The longest datagram \[bytes\].
 const LONGEST: usize = 64 * 1024;

@@ -15,7 +15,7 @@ use mrroc_core::link::Clock;
 use mrroc_core::observe::ring::{Record, Ring, RingError, RingUse, Sink};
 use mrroc_core::observe::step_observer::StepEvent;
 
-use super::{TIMEOUT, datagram, socket};
+use super::datagram::{self, TIMEOUT, socket};
 
 /// Number of records that the ring holds: those of a quarter of a second of an MP with three sensors at 1 kHz.
 const LENGTH: usize = 1024;

@@ -16,10 +16,9 @@ use mrroc_core::payload::Shape;
 use mrroc_core::sensor::VspMode;
 use proptest::prelude::*;
 
-use super::datagram::{PictureRecord, read};
+use super::datagram::{PictureRecord, read, socket};
 use super::receiver::Receiver;
 use super::sender::send;
-use super::socket;
 
 /// More than the ring and the socket take.
 const MANY: u64 = 200_000;

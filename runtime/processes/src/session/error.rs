@@ -3,7 +3,7 @@
 use std::io;
 use std::path::PathBuf;
 
-use crate::identity::{AlreadyTaken, Holder};
+use crate::machine::identity::{AlreadyTaken, Holder};
 
 /// Why a session could not be made.
 #[derive(Debug, thiserror::Error)]
@@ -57,7 +57,7 @@ pub(crate) enum SessionError {
     )]
     TooLong(PathBuf),
     /// Reading or writing failed.
-    #[error("{0}: {1}{help}", help = crate::capacity::remedy(.1))]
+    #[error("{0}: {1}{help}", help = crate::machine::capacity::remedy(.1))]
     Io(PathBuf, io::Error),
 }
 

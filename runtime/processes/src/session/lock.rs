@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use super::{Session, SessionError, at, base, is_used, number_of, open, read_name, remove};
-use crate::identity::{CellId, Names};
+use crate::machine::identity::{CellId, Names};
 
 /// How long processes of a crashed launch may still brake their robots.
 const BRAKING: Duration = Duration::from_secs(3);

@@ -7,8 +7,11 @@ use mrroc::pose::Pose;
 use mrroc::robot::{Channel, Limits, NoInverse, Value};
 
 use self::model::{Counting, FIRST, Fixture, PERIOD, Says};
+use std::net::IpAddr;
+
 use super::*;
-use crate::opening::TIMEOUT;
+use crate::corrections::Corrections;
+use crate::opening::{NO_COUNT, NO_DELAY, TIMEOUT};
 use crate::session::radians;
 
 /// Where the controller sends from.

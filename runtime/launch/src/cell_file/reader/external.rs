@@ -8,7 +8,7 @@ use mrroc_core::fault::Name;
 use mrroc_core::sensor::VspMode;
 use toml::de::DeValue;
 
-use super::super::entry::At;
+use super::super::error::At;
 use super::super::external::ExternalEntry;
 use super::{Reader, Value};
 

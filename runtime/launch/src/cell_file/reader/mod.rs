@@ -23,8 +23,8 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use super::CellFile;
-use super::entry::{At, SensorEntry};
-use super::error::{CellFileError, Source};
+use super::entry::SensorEntry;
+use super::error::{At, CellFileError, Source};
 
 use cell::CELL_KEYS;
 

@@ -8,7 +8,8 @@ use mrroc_core::payload::layout_hash;
 use mrroc_core::suggestion::suggestion;
 use toml::de::DeTable;
 
-use super::super::entry::{At, RobotEntry, SensorEntry};
+use super::super::entry::{RobotEntry, SensorEntry};
+use super::super::error::At;
 use super::{Reader, Value};
 
 pub(in super::super) const NODE_KEYS: [&str; 2] = ["address", "mp"];

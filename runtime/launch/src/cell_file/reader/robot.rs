@@ -12,7 +12,8 @@ use toml::de::{DeTable, DeValue};
 
 use crate::files;
 
-use super::super::entry::{At, Description, RobotEntry};
+use super::super::entry::{Description, RobotEntry};
+use super::super::error::At;
 use super::value::{IN_CELL, ON_FLANGE};
 use super::{Entry, Reader, Value};
 

@@ -8,7 +8,7 @@ use mrroc_core::pose::{Pose, Zyz};
 use mrroc_core::suggestion::suggestion;
 use toml::de::{DeTable, DeValue};
 
-use super::super::entry::At;
+use super::super::error::At;
 use super::{Reader, Value};
 
 pub(in super::super) const POSE_KEYS: [&str; 2] = ["position", "zyz"];

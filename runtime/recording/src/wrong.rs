@@ -1,0 +1,54 @@
+//! What is wrong with a recording.
+//!
+//! In: what a reader finds. Out: a text for a person, with what to do.
+
+use std::path::{Path, PathBuf};
+
+/// What to do with a recording that was cut off.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CutOff {
+    /// Refuse it.
+    Refused,
+    /// Replay it up to the last step that is complete.
+    Taken,
+}
+
+/// Why a file cannot be replayed.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{}: {what}\n help: {help}", file.display())]
+pub struct NotReplayable {
+    file: PathBuf,
+    what: String,
+    help: String,
+}
+
+/// What is wrong with a recording; the name of the file is added later.
+pub(super) struct Wrong {
+    what: String,
+    help: &'static str,
+}
+
+impl Wrong {
+    pub fn new(what: impl Into<String>, help: &'static str) -> Wrong {
+        Wrong { what: what.into(), help }
+    }
+
+    /// An error for contents that only another kind of recorder can have written.
+    pub fn foreign(what: impl Into<String>) -> Wrong {
+        Wrong::new(what, "give a file that --record has written")
+    }
+
+    /// The same of this file.
+    pub fn of(self, file: &Path) -> NotReplayable {
+        NotReplayable { file: file.to_owned(), what: self.what, help: self.help.to_owned() }
+    }
+}
+
+/// What to do about a file that is damaged.
+pub(super) const DAMAGED: &str =
+    "record the run again; what is there up to the damage can be looked at with an MCAP viewer";
+
+/// A file that the system does not read.
+pub(super) fn unreadable(error: std::io::Error) -> Wrong {
+    Wrong::new(format!("cannot be read: {error}"), "see whether it is a file, and who may read it")
+}
