@@ -207,6 +207,8 @@ fn a_cell_that_was_stopped_starts_again_after_acknowledgement_and_reset() {
         assert!(status == Some(1) && said.contains(told), "{word}: {status:?}: {said}");
     };
     let operator = |launch: &mut Launch| {
+        // The program begins again from where the drives are, which must be where they were told to be.
+        wait_until(|| ROBOTS.iter().all(|robot| periods_at_rest(&launch.record(robot)) >= 1000));
         let stopped = done(&place, &["stop"], "stopping: step ");
         wait_until(|| ask(&place, &["status"]).1.starts_with("latched: "));
         let (_, said) = ask(&place, &["status"]);

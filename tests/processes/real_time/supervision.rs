@@ -125,13 +125,16 @@ fn fault_61_a_launcher_whose_cell_is_over_is_stopped_and_ended_as_any_program() 
     let words = ["--processes", "--no-picture"];
     let output = unread.try_clone().expect("a descriptor");
     let mut launch = place.start_writing([Some(output.into()), None], &[], "unread", &words);
-    // After a fault it has nothing to say on its standard output, and has ended.
-    let waits = launch.comes_to(|launch| {
+    // After a fault it has nothing to say on its standard output, and ends.
+    let is_over = launch.comes_to(|launch| {
         !launch.record("left").is_empty() && place.sessions().is_empty() && launch.end_if_over().is_none()
     });
-    if waits {
+    if is_over {
         launch.signal(Signal::TSTP);
-        wait_until(|| launch.is_stopped());
+        wait_until(|| launch.is_stopped() || launch.end_if_over().is_some());
+    }
+    let waits = is_over && launch.end_if_over().is_none();
+    if waits {
         launch.signal(Signal::CONT);
         launch.signal(Signal::INT);
     }
