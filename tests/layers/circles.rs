@@ -17,8 +17,6 @@ const KNOWN: &[(&str, usize)] = &[
     ("robots/drivers/franka", 5),
     ("sensing/calibration", 2),
     ("sensing/geocom", 5),
-    ("sensing/map", 4),
-    ("robots/wheels", 2),
     ("tasks/engraving", 15),
     ("tasks/sorting", 5),
 ];

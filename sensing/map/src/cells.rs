@@ -11,7 +11,7 @@
 
 use pathfinding::prelude::astar;
 
-use crate::panels::{Panel, Panels};
+use crate::panels::{Panel, Panels, Which};
 use crate::shortest::Region;
 use crate::walls::{Place, Wall};
 
@@ -19,9 +19,6 @@ use crate::walls::{Place, Wall};
 const TURN: f64 = 0.29;
 /// The surcharge on a panel that the ball has passed. Measured: 0.6 is best of 0, 0.3, 0.6 and 1.
 const PASSED: f64 = 0.6;
-
-/// A panel: whether it is upright, its line, its number along the line.
-pub type Which = (bool, usize, usize);
 
 /// A room, and the direction in which it was entered.
 type Node = ((usize, usize), Option<usize>);

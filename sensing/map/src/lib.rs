@@ -29,6 +29,7 @@
 //! ```
 
 mod cells;
+mod contact;
 mod layout;
 mod map;
 mod panels;
@@ -40,8 +41,9 @@ mod spacing;
 mod taut;
 mod walls;
 
+pub use contact::{Contact, Knowledge};
 pub use layout::{Goal, LARGEST, Layout, LayoutError, Side};
-pub use map::{Contact, Knowledge, Map, Thought};
+pub use map::{Map, Thought};
 pub use plan::Planner;
 pub use random::Chance;
 pub use shortest::{Inflated, Region};

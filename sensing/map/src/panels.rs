@@ -2,9 +2,11 @@
 //!
 //! In: touches and ways of the ball. Out: for each panel whether it is wall, open or not known.
 
-use crate::cells::Which;
 use crate::map::Map;
 use crate::walls::Place;
+
+/// A panel: whether it is upright, its line, its number along the line.
+pub type Which = (bool, usize, usize);
 
 /// What is known of a panel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

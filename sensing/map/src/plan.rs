@@ -10,7 +10,8 @@ use nalgebra::Vector2;
 use pathfinding::prelude::astar;
 
 use crate::cells::panels_to;
-use crate::map::{Contact, Knowledge, Map};
+use crate::contact::{Contact, Knowledge};
+use crate::map::Map;
 use crate::panels::Panels;
 use crate::portals::Portals;
 use crate::shortest::Region;

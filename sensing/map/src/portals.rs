@@ -6,7 +6,7 @@
 //! way        the shortest over all choices of portals (dynamic programming), then pulled straight where that is clear
 //! ```
 
-use crate::cells::Which;
+use crate::panels::Which;
 use crate::panels::{Panel, Panels};
 use crate::shortest::Region;
 use crate::walls::{Place, Wall};
@@ -193,7 +193,8 @@ impl Portals<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::map::{Knowledge, Map};
+    use crate::contact::Knowledge;
+    use crate::map::Map;
 
     #[test]
     fn where_a_post_was_touched_the_way_leads_squarely_through_the_middle_of_the_panel_beside_it() {

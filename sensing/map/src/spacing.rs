@@ -8,7 +8,7 @@
 //! learned        as soon as one of the spacings is `SURE` times as probable as all else together; until it is `SURE` times less so
 //! ```
 
-use crate::map::{Contact, Knowledge};
+use crate::contact::{Contact, Knowledge};
 
 /// The odds at which a spacing counts as learned.
 const SURE: f64 = 30.0;

@@ -13,7 +13,7 @@
 
 use nalgebra::{Rotation2, Vector2};
 
-use super::floor::Ground;
+use super::ground::Ground;
 use crate::model::DiffDrive;
 use crate::sensing::Planar;
 

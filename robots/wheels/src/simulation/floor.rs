@@ -6,27 +6,8 @@ use std::rc::Rc;
 use mrroc_map::Walls;
 
 use super::chassis::{Chassis, Motion};
+use super::ground::Ground;
 use crate::sensing::Planar;
-
-/// The floor and its walls.
-#[derive(Clone, Debug)]
-pub struct Ground {
-    /// Friction of the tyres on it.
-    pub friction: f64,
-    /// What drags at the axle, dry: carpet, or a load that is towed \[N\].
-    pub drag: f64,
-    /// The radii of the left and the right wheel, as shares of what they are said to be.
-    pub rims: [f64; 2],
-    /// Walls, in the frame of the floor.
-    pub walls: Option<Walls>,
-}
-
-impl Default for Ground {
-    /// Rubber on a board, nothing that drags, no walls.
-    fn default() -> Self {
-        Self { friction: 0.9, drag: 0.0, rims: [1.0; 2], walls: None }
-    }
-}
 
 /// How the body touched walls.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -5,9 +5,11 @@
 mod chassis;
 mod drives;
 mod floor;
+mod ground;
 mod motor;
 
 pub use chassis::{Chassis, Motion};
 pub use drives::Rolling;
-pub use floor::{Floor, Ground, Touched};
+pub use floor::{Floor, Touched};
+pub use ground::Ground;
 pub use motor::Motor;
