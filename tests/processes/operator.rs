@@ -207,7 +207,7 @@ fn a_cell_that_was_stopped_starts_again_after_acknowledgement_and_reset() {
         assert!(status == Some(1) && said.contains(told), "{word}: {status:?}: {said}");
     };
     let operator = |launch: &mut Launch| {
-        // The program begins again from where the drives are, which must be where they were told to be.
+        // Long enough that drives with friction are not where they were told to be.
         wait_until(|| ROBOTS.iter().all(|robot| periods_at_rest(&launch.record(robot)) >= 1000));
         let stopped = done(&place, &["stop"], "stopping: step ");
         wait_until(|| ask(&place, &["status"]).1.starts_with("latched: "));
@@ -225,7 +225,21 @@ fn a_cell_that_was_stopped_starts_again_after_acknowledgement_and_reset() {
     };
     operate(&place, operator, |launch, status, ()| {
         assert_eq!(status, Some(0), "{}", launch.said());
-        assert_ends_where_it_would_have(&place, launch, &[]);
+        let mut reference = place.start_with(&[], "reference", MEMORY);
+        assert!(reference.end().success(), "{}", reference.said());
+        for robot in ROBOTS {
+            // The program turns the column to where it always ends. It begins where the drives were when their power was off, and leaves
+            // the other joints there.
+            let off =
+                launch.drives(robot).into_iter().find(|period| period.switched_off).expect("it was off");
+            let should = [&last_joints(&reference, robot)[..1], &off.measured[1..6]].concat();
+            let error = last_joints(launch, robot)
+                .iter()
+                .zip(&should)
+                .map(|(a, b)| (a - b).abs())
+                .fold(0.0, f64::max);
+            assert!(error <= 1e-9, "{robot}: {error:e} rad");
+        }
     });
 }
 
