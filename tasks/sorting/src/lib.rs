@@ -2,7 +2,7 @@
 //!
 //! The task itself is small: [`mp`] coordinates, [`ecp`] is what each robot does, [`generators`] how they move, [`orders`] what the
 //! coordinator tells them. The rest surrounds it: [`places`] says where things are, [`parts`] what comes and when, [`plant`] what
-//! simulated robots and sensors do, [`observer`] measures, [`run`] is one run, [`summary`] many.
+//! simulated robots and sensors do, [`monitor`] measures, [`run`] is one run, [`summary`] many.
 
 pub mod camera;
 pub mod ecp;

@@ -3,7 +3,7 @@
 //! The task itself is small: [`mp`] coordinates, [`ecp`] is what each robot does, [`generators`] how they move, [`orders`]
 //! what the coordinator tells the robots. [`first`] is the same task as it was begun, with generators of the library alone;
 //! [`sensed`] is the same with force sensors, [`clear`] keeps the arms apart. The rest surrounds it: [`places`] says where things are, [`plant`] what
-//! simulated robots do, [`observer`] measures, [`touching`] is how
+//! simulated robots do, [`monitor`] measures, [`touching`] is how
 //! the arms' bases are calibrated.
 
 pub mod clear;
