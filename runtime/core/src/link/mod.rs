@@ -103,27 +103,31 @@ pub trait Notices {
     fn is_supervised(&self) -> bool {
         true
     }
+}
 
-    /// How many stops consoles have asked for where every process sees it: the uppermost MP and all EDPs look in each period.
-    fn stops_asked(&self) -> u64 {
+/// The stops that consoles ask for where every process sees it, past the launcher.
+pub trait StopBoard {
+    /// How many were asked for: the uppermost MP and all EDPs look in each period.
+    fn asked(&self) -> u64 {
         0
     }
 
     /// How many of them the MP has begun to carry out.
-    fn stops_begun(&self) -> u64 {
+    fn begun(&self) -> u64 {
         0
     }
 
     /// Shows how many the MP has begun to carry out, and in which step; `None`: the cell was in the fault state already.
-    fn show_stops_begun(&self, _stops: u64, _step: Option<u64>) {}
+    fn show_begun(&self, _stops: u64, _step: Option<u64>) {}
 }
 
-/// The meter and the notices of a link that measures nothing and has no events.
+/// The meter, the notices and the stops of a link that measures nothing and has no events.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Nothing;
 
 impl Meter for Nothing {}
 impl Notices for Nothing {}
+impl StopBoard for Nothing {}
 
 /// What a link provides to a process that runs on it.
 #[derive(Clone, Copy)]
@@ -134,6 +138,8 @@ pub struct Host<'w> {
     pub meter: &'w dyn Meter,
     /// What an MP is told from outside of its cell.
     pub notices: &'w dyn Notices,
+    /// The stops that consoles ask for past the launcher.
+    pub stops: &'w dyn StopBoard,
     /// The consoles of the cell's operator.
     pub console: &'w dyn Console,
 }
@@ -142,7 +148,7 @@ impl<'w> Host<'w> {
     /// The host of a link that only lets processes wait.
     #[must_use]
     pub fn of(waiter: &'w dyn Waiter) -> Host<'w> {
-        Host { waiter, meter: &Nothing, notices: &Nothing, console: &NoConsole }
+        Host { waiter, meter: &Nothing, notices: &Nothing, stops: &Nothing, console: &NoConsole }
     }
 }
 

@@ -14,7 +14,7 @@ use rustix::thread::{ClockId, clock_nanosleep_absolute};
 use super::samples::Samples;
 use super::wake_futex::{NANOS, WakeFutex, timespec};
 use mrroc_core::link::places::Places;
-use mrroc_core::link::{Closed, Host, Meter, Nanos, News, Notices, Sample, Waiter};
+use mrroc_core::link::{Closed, Host, Meter, Nanos, News, Nothing, Notices, Sample, StopBoard, Waiter};
 use mrroc_core::operator::button::Button;
 use mrroc_core::operator::console::Console;
 use mrroc_core::operator::state::{EcpState, EdpState, MpState, VspState};
@@ -82,27 +82,18 @@ struct Outside {
     pressed: [Cell<Option<(u64, Button)>>; Button::KINDS],
     shows: Option<Shows>,
     /// The stops on the state board, in a process that looks at them.
-    stops: Option<Rc<dyn Notices>>,
+    stops: Option<Rc<dyn StopBoard>>,
 }
 
 impl Outside {
     /// All of it: who is shown what the process does, and the stops on the state board.
-    fn new(shows: Option<Shows>, stops: Option<Rc<dyn Notices>>) -> Outside {
+    fn new(shows: Option<Shows>, stops: Option<Rc<dyn StopBoard>>) -> Outside {
         Outside { shows, stops, ..Outside::default() }
     }
 
-    fn stops_asked(&self) -> u64 {
-        self.stops.as_ref().map_or(0, |stops| stops.stops_asked())
-    }
-
-    fn stops_begun(&self) -> u64 {
-        self.stops.as_ref().map_or(0, |stops| stops.stops_begun())
-    }
-
-    fn show_stops_begun(&self, begun: u64, step: Option<u64>) {
-        if let Some(stops) = &self.stops {
-            stops.show_stops_begun(begun, step);
-        }
+    /// The stops on the state board; none in a process that does not look at them.
+    fn stops(&self) -> &dyn StopBoard {
+        self.stops.as_deref().unwrap_or(&Nothing)
     }
 
     /// Keeps it. Returns the time at which the process is to go on, if that is what was said \[ns\].
@@ -197,7 +188,7 @@ impl RealTime {
     }
 
     /// Lets the process show its state by `shows`, and see the stops on the state board.
-    pub fn showing(mut self, shows: Option<Shows>, stops: Option<Rc<dyn Notices>>) -> Self {
+    pub fn showing(mut self, shows: Option<Shows>, stops: Option<Rc<dyn StopBoard>>) -> Self {
         self.outside = Outside::new(shows, stops);
         self
     }
@@ -221,7 +212,7 @@ impl RealTime {
 
     /// All that the link offers to a process.
     pub fn host(&self) -> Host<'_> {
-        Host { waiter: self, meter: self, notices: self, console: &self.outside }
+        Host { waiter: self, meter: self, notices: self, stops: self.outside.stops(), console: &self.outside }
     }
 
     /// Whether the process was woken since the last call.
@@ -283,18 +274,6 @@ impl Notices for RealTime {
     fn is_supervised(&self) -> bool {
         self.supervised.as_ref().is_none_or(|supervised| supervised(monotonic()))
     }
-
-    fn stops_asked(&self) -> u64 {
-        self.outside.stops_asked()
-    }
-
-    fn stops_begun(&self) -> u64 {
-        self.outside.stops_begun()
-    }
-
-    fn show_stops_begun(&self, stops: u64, step: Option<u64>) {
-        self.outside.show_stops_begun(stops, step);
-    }
 }
 
 /// Waits in lock-step: the launcher resumes one process at a time and tells it the time.
@@ -311,7 +290,7 @@ impl<'a, L: Launcher> LockStep<'a, L> {
         launcher: &'a L,
         woken: Rc<Cell<Places>>,
         shows: Option<Shows>,
-        stops: Option<Rc<dyn Notices>>,
+        stops: Option<Rc<dyn StopBoard>>,
     ) -> Self {
         let outside = Outside::new(shows, stops);
         let waiter = LockStep { launcher, woken, now: Cell::new(0), outside };
@@ -321,7 +300,7 @@ impl<'a, L: Launcher> LockStep<'a, L> {
 
     /// All that the link offers to a process. In lock-step nothing is late, so there is nothing to measure.
     pub fn host(&self) -> Host<'_> {
-        Host { notices: self, console: &self.outside, ..Host::of(self) }
+        Host { notices: self, stops: self.outside.stops(), console: &self.outside, ..Host::of(self) }
     }
 
     /// Waits until the launcher lets the process go on, and keeps what it says before that.
@@ -360,17 +339,5 @@ impl<L: Launcher> Waiter for LockStep<'_, L> {
 impl<L: Launcher> Notices for LockStep<'_, L> {
     fn news(&self) -> Option<News> {
         self.outside.news.take()
-    }
-
-    fn stops_asked(&self) -> u64 {
-        self.outside.stops_asked()
-    }
-
-    fn stops_begun(&self) -> u64 {
-        self.outside.stops_begun()
-    }
-
-    fn show_stops_begun(&self, stops: u64, step: Option<u64>) {
-        self.outside.show_stops_begun(stops, step);
     }
 }

@@ -8,7 +8,7 @@ use std::rc::Rc;
 use std::sync::atomic::Ordering;
 
 use mrroc_core::fault::{ProcessId, Role};
-use mrroc_core::link::{Nanos, Notices};
+use mrroc_core::link::{Nanos, StopBoard};
 use mrroc_core::observe::Observation;
 use mrroc_core::observe::layout::BodyLayout;
 use mrroc_core::observe::step_observer::{StepEvent, StepObserver};
@@ -79,9 +79,9 @@ impl OwnEntry {
     }
 
     /// The stops that consoles ask for, as the uppermost MP and all EDPs see them; `None` in any other process.
-    pub fn stops(&self, me: ProcessId) -> Option<Rc<dyn Notices>> {
+    pub fn stops(&self, me: ProcessId) -> Option<Rc<dyn StopBoard>> {
         let looks = me == ProcessId::MP || me.role == Role::Edp;
-        looks.then(|| Rc::new(StopsOnBoard(Rc::clone(&self.0))) as Rc<dyn Notices>)
+        looks.then(|| Rc::new(StopsOnBoard(Rc::clone(&self.0))) as Rc<dyn StopBoard>)
     }
 
     /// What tells an MP whether its launcher supervises the cell; `None` in any other process.
@@ -98,16 +98,16 @@ impl OwnEntry {
 /// The stops on the board.
 struct StopsOnBoard(Rc<OnceCell<(StateBoard, usize)>>);
 
-impl Notices for StopsOnBoard {
-    fn stops_asked(&self) -> u64 {
+impl StopBoard for StopsOnBoard {
+    fn asked(&self) -> u64 {
         self.0.get().map_or(0, |(board, _)| board.stops_asked().load(Ordering::Acquire))
     }
 
-    fn stops_begun(&self) -> u64 {
+    fn begun(&self) -> u64 {
         self.0.get().map_or(0, |(board, _)| board.stops_begun().load(Ordering::Acquire))
     }
 
-    fn show_stops_begun(&self, stops: u64, step: Option<u64>) {
+    fn show_begun(&self, stops: u64, step: Option<u64>) {
         if let Some((board, _)) = self.0.get() {
             board.stop_step().store(step.unwrap_or(u64::MAX), Ordering::Relaxed);
             board.stops_begun().store(stops, Ordering::Release);

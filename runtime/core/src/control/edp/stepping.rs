@@ -26,7 +26,7 @@ use super::shown::{image_words, shown_mode};
 impl<R: Robot> Edp<'_, R> {
     /// A step begins: its demand, or what replaces it, is what the drives are on their way to.
     pub(super) fn begin_step(&mut self) {
-        if self.stop_asked.is_overdue(self.clock.due, self.host.notices) && self.answers.fault.is_none() {
+        if self.stop_asked.is_overdue(self.clock.due, self.host.stops) && self.answers.fault.is_none() {
             self.stop_for(Fault::of_operator(), self.clock.due);
         }
         if !self.path.is_off() {

@@ -6,7 +6,7 @@
 
 use core::time::Duration;
 
-use crate::link::Notices;
+use crate::link::StopBoard;
 use crate::safety::stopping::missed_step_budget;
 
 /// What an EDP has seen of the stops that were asked for.
@@ -26,14 +26,14 @@ impl StopAsked {
 
     /// Whether the robot is to stop by itself in this step; said once for each stop.
     #[inline]
-    pub fn is_overdue(&mut self, step: u64, notices: &dyn Notices) -> bool {
-        let asked = notices.stops_asked();
+    pub fn is_overdue(&mut self, step: u64, board: &dyn StopBoard) -> bool {
+        let asked = board.asked();
         if asked != self.seen {
             self.seen = asked;
             self.since = self.since.or(Some(step));
         }
         let Some(since) = self.since else { return false };
-        let begun = notices.stops_begun() >= self.seen;
+        let begun = board.begun() >= self.seen;
         let overdue = !begun && step >= since + self.budget;
         if overdue || begun {
             self.since = None;
@@ -49,12 +49,12 @@ mod tests {
     /// How many stops were asked for, and how many were begun.
     struct Board(u64, u64);
 
-    impl Notices for Board {
-        fn stops_asked(&self) -> u64 {
+    impl StopBoard for Board {
+        fn asked(&self) -> u64 {
             self.0
         }
 
-        fn stops_begun(&self) -> u64 {
+        fn begun(&self) -> u64 {
             self.1
         }
     }

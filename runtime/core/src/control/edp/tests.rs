@@ -9,7 +9,7 @@ use nalgebra::Vector1;
 
 use super::*;
 use crate::link::message::{Kind, Message, OrderKind, RequestKind, flag};
-use crate::link::{Closed, Notices, Waiter};
+use crate::link::{Closed, StopBoard, Waiter};
 use crate::model::demand::Demand;
 use crate::model::fault::Role;
 use crate::model::name::Name;
@@ -100,8 +100,8 @@ fn fault_14_an_edp_bridges_twenty_steps_however_long_its_servo_period_is() {
 /// A state board on which consoles have asked for a stop.
 struct Asked(core::cell::Cell<u64>);
 
-impl Notices for Asked {
-    fn stops_asked(&self) -> u64 {
+impl StopBoard for Asked {
+    fn asked(&self) -> u64 {
         self.0.get()
     }
 }
@@ -109,7 +109,7 @@ impl Notices for Asked {
 #[test]
 fn fault_64_a_robot_whose_mp_does_not_begin_a_stop_that_was_asked_for_stops_by_itself() {
     let (board, waiter) = (Asked(core::cell::Cell::new(0)), Late(core::cell::Cell::new(0)));
-    let host = Host { notices: &board, ..Host::of(&waiter) };
+    let host = Host { stops: &board, ..Host::of(&waiter) };
     let mut moving = Moving::on(host, Duration::from_millis(1));
     // Demands come in every step: an ECP goes on, whatever its MP does.
     for step in 0..60 {

@@ -266,12 +266,12 @@ impl<'w> Mp<'w> {
                 }
             }
         }
-        let asked = self.host.notices.stops_asked();
+        let asked = self.host.stops.asked();
         if asked != self.stops.asked {
             self.stops.asked = asked;
             self.operating.operator.protective_stop();
             let began = self.stops.latched.is_none().then_some(self.clock.step());
-            self.host.notices.show_stops_begun(asked, began);
+            self.host.stops.show_begun(asked, began);
         }
         if self.stops.latched.is_none() && !self.host.notices.is_supervised() {
             // A recording shows it as a stop of the operator, so that a replay stops in the same step.
