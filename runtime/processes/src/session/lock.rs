@@ -68,28 +68,27 @@ impl CellLock {
 
     /// Makes a new session of the cell, after the remains of crashed sessions are removed.
     pub fn session(&self) -> Result<Session, SessionError> {
-        let (_making, alive) = self.wait_for_remains(|| self.id.has_parts())?;
-        match alive {
-            Some(alive) => Err(SessionError::Orphans(alive)),
-            None if self.id.has_parts() => Err(SessionError::Parts),
-            None => Session::make(&self.base, self.cell, self.id),
-        }
+        let (_making, left) = self.wait_for_remains(|| self.id.has_parts().then_some(SessionError::Parts))?;
+        left.map_or_else(|| Session::make(&self.base, self.cell, self.id), Err)
     }
 
     /// Removes what crashed sessions of this user have left, without making a new one.
     pub fn remove_remains(&self) -> Result<(), SessionError> {
-        self.wait_for_remains(|| false).map(drop)
+        self.wait_for_remains(|| None).map(drop)
     }
 
-    /// Removes what crashed sessions have left. While processes of this cell's still brake their robots, or `goes_on` says so, it is tried again, for
-    /// as long as they may brake. The folder of a session that still has processes, and the right to make one.
-    fn wait_for_remains(&self, goes_on: impl Fn() -> bool) -> Result<(File, Option<PathBuf>), SessionError> {
+    /// Removes what crashed sessions have left. While processes of this cell's still brake their robots, or there is something `else_left`, it
+    /// is tried again, for as long as they may brake. The right to make a session, and what is left in its way.
+    fn wait_for_remains(
+        &self,
+        else_left: impl Fn() -> Option<SessionError>,
+    ) -> Result<(File, Option<SessionError>), SessionError> {
         let until = Instant::now() + BRAKING;
         loop {
             let making = self.begin_making()?;
-            let alive = self.remove_crashed()?;
-            if alive.is_none() && !goes_on() || Instant::now() > until {
-                return Ok((making, alive));
+            let left = self.remove_crashed()?.map(SessionError::Orphans).or_else(&else_left);
+            if left.is_none() || Instant::now() > until {
+                return Ok((making, left));
             }
             drop(making);
             std::thread::sleep(Duration::from_millis(20));
