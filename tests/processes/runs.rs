@@ -1,9 +1,10 @@
 //! A cell of processes from its launch to its end: its demands, and the files that it leaves behind.
 
-use mrroc_tests::fixture::{OPENED, REMOTE, SILENT};
+use mrroc_tests::fixture::{OPENED, REMOTE, SILENT, TIMES};
 use rustix::process::Signal;
 
 use crate::launch::{Place, has_moved};
+use crate::sound::{Ended, assert_sound};
 
 pub const REAL: &[&str] = &["--processes", "--quiet"];
 pub const VIRTUAL: &[&str] = &["--virtual", "--quiet"];
@@ -94,6 +95,22 @@ fn fault_120_a_sensor_s_hardware_is_refused_under_the_virtual_clock_and_where_no
         assert!(status == Some(2) && said.contains("sensor `camera` has hardware, camera /"), "{said}");
         assert!(said.contains(refused), "{arguments:?}: {said}");
         assert!(launch.text(OPENED).is_empty(), "{arguments:?}");
+    }
+}
+
+/// Wherever it comes: between a request and its answer, too.
+#[test]
+fn an_interrupt_aborts_a_cell_in_lock_step_on_its_paths() {
+    let place = Place::new(99);
+    for periods in [1, 20, 60, 100, 250, 400] {
+        let arguments = ["--processes", "--virtual", "--quiet"];
+        let mut launch = place.start_with(&[(TIMES, "1000")], "interrupted", &arguments);
+        assert!(launch.comes_to(has_moved(periods)), "{}", launch.said());
+        let processes = launch.processes();
+        launch.signal(Signal::INT);
+        let status = launch.end().code();
+        assert_eq!(assert_sound(&launch, status, None, |kind, _| kind == "Aborted"), Ended::Stopped);
+        launch.assert_nothing_left(&processes);
     }
 }
 

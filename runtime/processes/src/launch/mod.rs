@@ -13,3 +13,6 @@ mod mp_watch;
 mod pacing;
 pub(crate) mod process_set;
 mod supervision;
+
+/// Time that the MP's program has to end after an abort, in addition to the time that its robots take to stop.
+const ABORTING: core::time::Duration = core::time::Duration::from_secs(5);

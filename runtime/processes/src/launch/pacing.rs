@@ -10,6 +10,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
+use super::ABORTING;
 use super::ending::{Run, note};
 use super::process_set::{Member, Over, ProcessSet};
 use crate::consoles::ConsoleServer;
@@ -39,7 +40,7 @@ pub(super) fn pace(
             member: Rc::clone(member),
             wake: scheduler.waker(),
             close: scheduler.closer(),
-            stopped: signals.ends_flag(),
+            ends: signals.ends_flag(),
             death: Rc::clone(&death),
             consoles: Rc::clone(&consoles),
             stop: stop.as_nanos() as Nanos,
@@ -74,7 +75,8 @@ struct Proxy {
     member: Rc<Member>,
     wake: Box<dyn Fn(Places)>,
     close: Box<dyn Fn()>,
-    stopped: Arc<AtomicBool>,
+    /// Whether a signal has asked the launcher to end.
+    ends: Arc<AtomicBool>,
     death: Rc<RefCell<Option<Fault>>>,
     consoles: Rc<Consoles>,
     /// How long robots may take to stop \[ns\].
@@ -90,6 +92,8 @@ impl Proxy {
         // In lock-step a process sends nothing while its program computes, however long that takes.
         drop(self.member.control.wait_for_ever());
         let mut frame = Frame::Resume { now: waiter.now() };
+        // Until when the MP's program has to end after an abort.
+        let mut aborting = None;
         loop {
             if self.member.id.role == Role::Mp {
                 // If the process is gone, the next frame finds that out.
@@ -106,8 +110,8 @@ impl Proxy {
             match answered {
                 Ok(Frame::Waits { deadline, woken }) => {
                     (self.wake)(woken);
-                    if mp && self.stopped.load(Ordering::Acquire) {
-                        (self.close)();
+                    if mp && self.ends.load(Ordering::Acquire) {
+                        self.abort(&mut aborting, waiter.now());
                     }
                     let open = waiter.wait(Some(deadline)).is_ok();
                     frame = if open { Frame::Resume { now: waiter.now() } } else { Frame::Close };
@@ -127,6 +131,19 @@ impl Proxy {
                 }
                 Ok(_) | Err(_) => return self.mourn(waiter, mp),
             }
+        }
+    }
+
+    /// Tells the MP to abort, once, and closes the cell if its program goes on although it was aborted.
+    fn abort(&self, until: &mut Option<Nanos>, now: Nanos) {
+        match *until {
+            None => {
+                // If the process is gone, the next frame finds that out.
+                drop(self.member.control.send(&Frame::Abort));
+                *until = Some(now + self.stop + ABORTING.as_nanos() as Nanos);
+            }
+            Some(until) if now >= until => (self.close)(),
+            Some(_) => {}
         }
     }
 

@@ -9,6 +9,7 @@ use std::time::{Duration, Instant};
 
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 
+use super::ABORTING;
 use super::ending::{Run, note};
 use super::latch_notes::LatchNotes;
 use super::mp_watch::{MpProgress, MpWatch, Still};
@@ -32,9 +33,6 @@ const HEAD_START: Duration = Duration::from_millis(20);
 
 /// The same where processes of other machines receive it, too.
 const HEAD_START_OF_NODES: Duration = Duration::from_millis(300);
-
-/// Time that the MP's program has to end after an abort, in addition to the time that its robots take to stop.
-const ABORTING: Duration = Duration::from_secs(5);
 
 /// Time that a cell has to come to a standstill before its launcher stops, in addition to the time that its robots take.
 const SUSPENDING: Duration = Duration::from_secs(5);

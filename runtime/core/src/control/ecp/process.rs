@@ -29,9 +29,12 @@ impl<R: Robot> Ecp<'_, R> {
     /// Answers for a program that is over; whether a reset starts it again. Otherwise the cell closes.
     pub(crate) fn answer_after_program(&mut self, outcome: &Result<(), Fault>) -> bool {
         while let Ok(order) = self.orders.receive(self.host.waiter) {
-            // A fault on the way is latched, and the answer to the next order.
-            if self.serve_one(order, outcome).is_ok_and(|served| served == Served::Reset) {
-                return true;
+            match self.serve_one(order, outcome) {
+                Ok(Served::Reset) => return true,
+                // The cell closed before its EDP had answered: the order stays open, and nobody waits for its answer.
+                Err(fault) if fault.kind() == FaultKind::CellClosed => return false,
+                // A fault on the way is latched, and the answer to the next order.
+                Ok(Served::Answered) | Err(_) => {}
             }
         }
         false

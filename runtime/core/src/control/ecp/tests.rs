@@ -25,6 +25,7 @@ const STEP: Nanos = 1_000_000;
 struct Counting {
     now: Cell<Nanos>,
     worked: RefCell<Vec<Nanos>>,
+    closes: Cell<bool>,
 }
 
 impl Waiter for Counting {
@@ -34,7 +35,7 @@ impl Waiter for Counting {
     /// A message comes when the next step begins.
     fn wait(&self, _: Option<Nanos>) -> Result<(), Closed> {
         self.now.set(self.now.get() / STEP * STEP + STEP);
-        Ok(())
+        if self.closes.get() { Err(Closed) } else { Ok(()) }
     }
 }
 
@@ -46,10 +47,17 @@ impl Meter for Counting {
     }
 }
 
-/// An MP that opens an instruction, and orders a step of it whenever the last one was answered, after a while.
+/// An MP that orders one thing, and another whenever the last one was answered, after a while. It wants the robot's state if it queries.
 struct Orderer {
+    orders: [OrderKind; 2],
     sent: Cell<u64>,
     waits: Cell<bool>,
+}
+
+impl Orderer {
+    fn of(orders: [OrderKind; 2]) -> Orderer {
+        Orderer { orders, sent: Cell::new(0), waits: Cell::new(false) }
+    }
 }
 
 impl Server for Orderer {
@@ -61,7 +69,9 @@ impl Server for Orderer {
         }
         let sent = self.sent.get();
         self.sent.set(sent + 1);
-        *request = Message::new(Kind::Order(if sent == 0 { OrderKind::Start } else { OrderKind::Step }));
+        let order = self.orders[usize::from(sent > 0)];
+        *request = Message::new(Kind::Order(order));
+        request.header.flags = if order == OrderKind::Query { flag::WANT_STATE } else { 0 };
         request.header.payload = PayloadType::of::<Trigger>().id;
         request.header.instruction = 1;
         request.header.step = sent;
@@ -88,6 +98,20 @@ impl Client for Stands {
     fn receive(&self, reply: &mut Message) -> bool {
         reply.copy_from(&self.0.borrow());
         true
+    }
+}
+
+/// An EDP that has not answered when the cell closes.
+struct ClosesFirst(Rc<Counting>, Rc<Cell<u32>>);
+
+impl Client for ClosesFirst {
+    fn send(&self, _: &Message) {
+        self.0.closes.set(true);
+        self.1.set(self.1.get() + 1);
+        assert!(self.1.get() < 100, "it asks for ever");
+    }
+    fn receive(&self, _: &mut Message) -> bool {
+        false
     }
 }
 
@@ -145,10 +169,8 @@ impl Generator for Working {
     }
 }
 
-#[test]
-fn what_a_wait_took_in_all_its_steps_is_no_late_step_of_the_move_after_it() {
-    let host = Rc::new(Counting::default());
-    let timed = Timed::new(Host { meter: &*host, ..Host::of(&*host) });
+/// An ECP without sensors between these.
+fn ecp<'w>(host: Host<'w>, mp: Orderer, edp: impl Client + 'static) -> Ecp<'w, Slide> {
     let name = Name::new("slide").expect("a name");
     let sensing = Sensing {
         owner: Owner::unique(),
@@ -157,18 +179,16 @@ fn what_a_wait_took_in_all_its_steps_is_no_late_step_of_the_move_after_it() {
         step_observers: StepObservers::to(Vec::new()),
     };
     let pace = Pace { period: STEP, grace: STEP / 2, stop_steps: 100 };
-    let process = ProcessId::new(Role::Ecp, name);
-    let mp = Orderer { sent: Cell::new(0), waits: Cell::new(false) };
-    let edp = Stands(RefCell::new(Message::empty()));
-    let mut ecp = Ecp::<Slide>::new(
-        (process, Rc::new(Slide::new())),
-        timed.host(),
-        Box::new(mp),
-        Box::new(edp),
-        sensing,
-        pace,
-        None,
-    );
+    let driver = (ProcessId::new(Role::Ecp, name), Rc::new(Slide::new()));
+    Ecp::new(driver, host, Box::new(mp), Box::new(edp), sensing, pace, None)
+}
+
+#[test]
+fn what_a_wait_took_in_all_its_steps_is_no_late_step_of_the_move_after_it() {
+    let host = Rc::new(Counting::default());
+    let timed = Timed::new(Host { meter: &*host, ..Host::of(&*host) });
+    let mp = Orderer::of([OrderKind::Start, OrderKind::Step]);
+    let mut ecp = ecp(timed.host(), mp, Stands(RefCell::new(Message::empty())));
     let outcome = ecp.serve(|ecp, _: Trigger| {
         // 300 steps of a tenth of a period: 30 periods in all.
         ecp.wait_until((), Working(Rc::clone(&host), STEP / 10, 300))?;
@@ -182,4 +202,17 @@ fn what_a_wait_took_in_all_its_steps_is_no_late_step_of_the_move_after_it() {
     let of = |time| worked.iter().filter(|worked| **worked == time).count();
     // The work of a step is known when the next one begins.
     assert_eq!((of(STEP / 10), of(STEP / 5), worked.len()), (299, 49, 348), "{worked:?}");
+}
+
+#[test]
+fn a_process_returns_when_its_cell_closes_before_its_edp_has_answered() {
+    let host = Rc::new(Counting::default());
+    let asked = Rc::new(Cell::new(0));
+    let mp = Orderer::of([OrderKind::Query, OrderKind::Query]);
+    let mut ecp = ecp(Host::of(&*host), mp, ClosesFirst(Rc::clone(&host), Rc::clone(&asked)));
+    let outcome = ecp.run_program(|ecp| ecp.serve(|_, _: Trigger| Ok(())));
+    assert_eq!(outcome.as_ref().map_err(|fault| fault.kind()), Err(FaultKind::CellClosed));
+    assert_eq!(asked.get(), 1);
+    // Its order is still open, and nobody waits for the answer.
+    assert!(!ecp.answer_after_program(&outcome), "a reset");
 }
