@@ -67,7 +67,7 @@ fn check(here: &Path, cases: &BTreeMap<String, String>) -> BTreeMap<String, Vec<
     let root = here.join("../..").canonicalize().unwrap();
     let manifest = format!(
         "[package]\nname = \"mistakes\"\nedition = \"2024\"\n\n[workspace]\n\n[dependencies]\n\
-         mrroc = {{ path = {:?} }}\nnalgebra = {{ version = \"*\", default-features = false, features = [\"std\"] }}\n",
+         mrroc = {{ path = {:?}, default-features = false }}\nnalgebra = {{ version = \"*\", default-features = false, features = [\"std\"] }}\n",
         root.join("runtime")
     );
     let library = format!(
