@@ -16,7 +16,7 @@ use crate::choices::Chosen;
 use crate::error::{Error, FULL};
 use crate::template::FILES;
 use crate::urdf::Arm;
-use crate::{name, shell};
+use crate::{name, shell, source};
 
 /// The first argument by which this program starts itself for the generation.
 pub const GENERATION: &str = "--as-cargo-generate";
@@ -36,6 +36,9 @@ pub fn make(name: &str, into: &Path, chosen: &Chosen) -> Result<PathBuf, Error> 
     generate_apart(name, parts.path(), workshop.path())?;
     let made = workshop.path().join(name);
     arm.map_or(Ok(()), |arm| add(&arm, &made)).map_err(|error| unwritable(&made, &error))?;
+    // Cargo adds the project itself to it, and takes out what the project does not use.
+    let copied = source::lock_file(chosen).map_or(Ok(0), |lock| fs::copy(lock, made.join("Cargo.lock")));
+    copied.map_err(|error| unwritable(&made, &error))?;
     fs::rename(made, &project).map_err(|error| unwritable(&project, &error))?;
     Ok(project)
 }

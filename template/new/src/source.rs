@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::choices::Given;
+use crate::choices::{Chosen, Given};
 use crate::error::Error;
 use crate::template::Template;
 
@@ -60,6 +60,13 @@ pub fn complete(template: &Template, given: &mut Given, checkout: Option<&Path>)
     }
     given.insert("mrroc_source".to_owned(), source);
     Ok(())
+}
+
+/// The versions of all crates that mrroc's own tests have, of a project that takes mrroc from a folder with that file.
+pub fn lock_file(chosen: &Chosen) -> Option<PathBuf> {
+    let (_, folder) = chosen.iter().find(|(name, _)| name == "mrroc_path")?;
+    let lock = Path::new(&folder.to_string()).join("Cargo.lock");
+    lock.is_file().then_some(lock)
 }
 
 #[cfg(test)]

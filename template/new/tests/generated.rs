@@ -142,6 +142,16 @@ fn mrroc_in_a_folder_with_blanks_quotes_and_backslashes_is_found() {
 }
 
 #[test]
+fn a_project_begins_with_the_versions_of_other_crates_that_mrroc_is_tested_with() {
+    let folder = Folder::new();
+    said(&folder.run(&["from-folder", "--defaults"]));
+    said(&folder.run(&["from-registry", "--defaults", "-d", "mrroc_source=registry"]));
+    let tested = std::fs::read_to_string(checkout().join("Cargo.lock")).expect("the workspace's Cargo.lock");
+    assert_eq!(folder.read("from-folder/Cargo.lock"), tested);
+    assert!(!folder.path().join("from-registry/Cargo.lock").exists());
+}
+
+#[test]
 fn the_covering_set_holds_every_value_and_the_product_every_combination() {
     let template = Template::read(
         r#"
