@@ -12,7 +12,6 @@ use super::{root, texts};
 const KNOWN: &[(&str, usize)] = &[
     ("runtime/core", 10),
     ("generators-lib", 6),
-    ("robots", 16),
     ("robots/drivers/kit", 3),
     ("robots/drivers/franka", 5),
     ("sensing/calibration", 2),
