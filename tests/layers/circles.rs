@@ -16,7 +16,6 @@ const KNOWN: &[(&str, usize)] = &[
     ("robots/drivers/franka", 5),
     ("sensing/calibration", 2),
     ("sensing/geocom", 5),
-    ("tasks/engraving", 15),
     ("tasks/sorting", 5),
 ];
 
