@@ -15,7 +15,6 @@ const KNOWN: &[(&str, usize)] = &[
     ("robots/drivers/kit", 3),
     ("robots/drivers/franka", 5),
     ("sensing/calibration", 2),
-    ("sensing/geocom", 5),
     ("tasks/sorting", 5),
 ];
 
