@@ -14,7 +14,6 @@ const KNOWN: &[(&str, usize)] = &[
     ("generators-lib", 6),
     ("robots/drivers/kit", 3),
     ("robots/drivers/franka", 5),
-    ("tasks/sorting", 5),
 ];
 
 /// A module of a crate by its path: none of the crate itself.
