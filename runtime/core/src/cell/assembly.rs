@@ -2,11 +2,10 @@
 
 use core::any::TypeId;
 use core::time::Duration;
-use std::cell::RefCell;
 use std::rc::Rc;
 
 use super::lower::{Above, LowerSetup, scoped};
-use super::robot::RobotPlacement;
+use super::robot::{Outcomes, RobotPlacement};
 use super::sensor::Requesters;
 use super::{Cell, CellError};
 use crate::control::ecp::Pace;
@@ -16,7 +15,7 @@ use crate::control::plant::{Bodies, Rests, Site};
 use crate::control::sensing::Sensing;
 use crate::link::timeout::AnswerTimeout;
 use crate::link::{Link, Simulation};
-use crate::model::fault::{Fault, ProcessId, Role};
+use crate::model::fault::{ProcessId, Role};
 use crate::model::list::Owner;
 use crate::model::lower_cell::LowerCell;
 use crate::model::name::Name;
@@ -24,9 +23,6 @@ use crate::model::robot::Robot;
 use crate::model::time::Nanos;
 use crate::observe::shown::AnyShown;
 use crate::observe::step_observer::{StepEvent, StepObservers};
-
-/// How the programs of a cell's processes ended.
-pub type Outcomes = Rc<RefCell<Vec<(ProcessId, Result<(), Fault>)>>>;
 
 /// What the processes of a cell leave behind.
 pub struct Assembly {
@@ -159,9 +155,10 @@ impl Cell {
                 step_observers: step_observers.clone(),
                 signals,
                 named: Rc::clone(&named),
+                outcomes: Rc::clone(&outcomes),
                 wanted: wanted.iter().filter(|wanted| wanted.robot == i).cloned().collect(),
             };
-            robot.spawn(link, plant, place, server, sensing, Rc::clone(&outcomes))?;
+            robot.spawn(link, plant, place, server, sensing)?;
         }
         if let Some(board) = plant.board(link, mp) {
             self.coordination.activity.pass_on(board);

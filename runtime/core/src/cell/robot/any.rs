@@ -8,7 +8,6 @@ use std::sync::Arc;
 
 use super::stand_in::StandIn;
 use super::{RobotPlacement, RobotSetup};
-use crate::cell::assembly::Outcomes;
 use crate::cell::layout::joints;
 use crate::cell::{CellError, limits};
 use crate::control::homing::Drives;
@@ -118,7 +117,6 @@ pub trait AnyRobot {
         place: RobotPlacement,
         mp: Box<dyn Server>,
         sensing: Sensing,
-        outcomes: Outcomes,
     ) -> Result<(), Stuck>;
 }
 
@@ -320,9 +318,8 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
         place: RobotPlacement,
         mp: Box<dyn Server>,
         sensing: Sensing,
-        outcomes: Outcomes,
     ) -> Result<(), Stuck> {
-        self.put_on(link, plant, place, mp, sensing, outcomes)
+        self.put_on(link, plant, place, mp, sensing)
     }
 }
 

@@ -30,9 +30,8 @@ use crate::safety::braking::BrakingLaw;
 
 use super::Mp;
 use super::clock::StepClock;
-use super::exchange::Gathered;
 use super::progress::Progress;
-use super::robots::RobotPorts;
+use super::robots::{Gathered, RobotPorts};
 
 /// All motions in the background, and those that are over.
 #[derive(Default)]

@@ -27,8 +27,12 @@ use crate::operator::jog::JogNow;
 use crate::safety::braking::BrakingLaw;
 use crate::suggestion::suggestion;
 
-use super::lower::Lower;
-use super::{AnyModel, exchange, lower};
+use super::AnyModel;
+
+/// The message of the fault of an ECP that does not answer.
+pub(super) const SILENT: &str = "no answer from the ECP: its program computes or waits elsewhere";
+/// The message of the fault of a cell that does not answer.
+pub(super) const CELL_SILENT: &str = "no answer from the cell's MP: its program computes or waits elsewhere";
 
 /// One robot as the MP sees it.
 pub(crate) struct RobotPort {
@@ -122,7 +126,7 @@ impl RobotPort {
 
     /// The message of its fault when it does not answer.
     pub(super) const fn silent(&self) -> &'static str {
-        if self.lower.is_some() { lower::SILENT } else { exchange::SILENT }
+        if self.lower.is_some() { CELL_SILENT } else { SILENT }
     }
 
     /// Sends its order with what is asked of the robot that a person jogs, behind the order's own words.
@@ -195,6 +199,17 @@ impl RobotPort {
     }
 }
 
+/// What an MP keeps of a robot that is a cell.
+#[derive(Default)]
+pub(super) struct Lower {
+    /// Whether Moves go on without it when it has a fault.
+    pub dispensable: bool,
+    /// The fault for which the last Move went on without it.
+    pub fault: Option<Fault>,
+    /// Whether it is out of the instruction that is open.
+    pub out: bool,
+}
+
 /// All robots of a cell.
 pub(super) struct RobotPorts {
     /// Whose handles are taken.
@@ -206,6 +221,20 @@ pub(super) struct RobotPorts {
     pub ordinal: u32,
     /// Resets that were tried.
     pub epoch: u32,
+}
+
+/// What the replies of an exchange say about all robots.
+pub(super) struct Gathered {
+    /// The first cause of what is wrong.
+    pub first: Option<Fault>,
+    /// What a robot is to be stopped for on its path.
+    pub trouble: Option<Fault>,
+    /// How fast the robots may slow down together.
+    pub law: BrakingLaw,
+}
+
+impl Gathered {
+    pub const NOTHING: Gathered = Gathered { first: None, trouble: None, law: BrakingLaw::UNLIMITED };
 }
 
 impl Index<usize> for RobotPorts {
