@@ -35,6 +35,9 @@ pub type Outcomes = Rc<RefCell<Vec<(ProcessId, Result<(), Fault>)>>>;
 pub struct RobotPlacement {
     pub name: Name,
     pub ecp: usize,
+    /// The port of its orders, and of its sensors.
+    pub mp: Box<dyn Server>,
+    pub sensing: Sensing,
     /// Length of a step.
     pub period: Duration,
     /// How far drives are behind their demands in this cell; `None`: each takes every demand as it is.
@@ -68,8 +71,6 @@ impl<R: Robot> RobotSetup<R> {
         link: &mut dyn Link,
         plant: &mut Site,
         place: RobotPlacement,
-        mp: Box<dyn Server>,
-        sensing: Sensing,
     ) -> Result<(), Stuck> {
         let setup = self;
         let model = Rc::new(setup.robot.clone());
@@ -84,7 +85,7 @@ impl<R: Robot> RobotSetup<R> {
         let states: Vec<_> = place.wanted.iter().map(show_to).collect();
         let mut observers = setup.observers;
         let replayed = setup.replayed.clone();
-        let outcomes = place.outcomes;
+        let (mp, sensing, outcomes) = (place.mp, place.sensing, place.outcomes);
         let ended = Rc::clone(&outcomes);
         // Drives that have to be homed stay with their EDP: what they search with is consumed step by step, and a search
         // that is called no more comes to rest by itself.

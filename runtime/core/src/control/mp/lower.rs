@@ -38,7 +38,7 @@ impl RobotPort {
             return;
         }
         let fault = if self.is_silent {
-            Fault::new(FaultKind::PeerLost).in_process(self.process).text(CELL_SILENT)
+            Fault::new(FaultKind::PeerLost).in_process(self.facts.process).text(CELL_SILENT)
         } else if self.reply.header.kind == Kind::Fault {
             self.reply.fault()
         } else {
@@ -130,7 +130,7 @@ impl Mp<'_> {
             if robot.lower.is_some() && payload.tight {
                 let text = format!(
                     "cell `{}` takes loose orders, an `enum`; `{}` is a struct of tight ones",
-                    robot.name, payload.name
+                    robot.facts.name, payload.name
                 );
                 return Err(Fault::new(FaultKind::PayloadMismatch).in_process(self.process).text(&text));
             }

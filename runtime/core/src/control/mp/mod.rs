@@ -61,8 +61,8 @@ pub(crate) use jogging::AnyModel;
 use jogging::Jogging;
 use operating::Operating;
 pub(crate) use operating::StepHook;
-pub(crate) use robots::RobotPort;
 use robots::RobotPorts;
+pub(crate) use robots::{RobotFacts, RobotPort};
 use stops::Stops;
 pub(crate) use upper::Upper;
 
@@ -142,7 +142,7 @@ impl<'w> Mp<'w> {
 
     /// Lets a guard watch over all robots.
     pub(crate) fn watch_by(&mut self, guard: Option<Guard>) {
-        self.stops.guard = guard.map(|guard| guard.over(self.robots.iter().map(|robot| robot.name)));
+        self.stops.guard = guard.map(|guard| guard.over(self.robots.iter().map(|robot| robot.facts.name)));
     }
 
     /// The handle of a robot, with its state. Each robot has only one handle: pass it on.
