@@ -294,17 +294,18 @@ impl<'w> Mp<'w> {
         if self.stops.protective.is_some() || of_upper.is_some_and(|upper| upper.ending().is_some()) {
             return 0.0;
         }
-        self.operating.operator.wanted_rate() * of_upper.map_or(1.0, Upper::rate)
+        self.operating.operator.wanted_rate() * of_upper.map_or(1.0, |upper| upper.path_time.rate)
     }
 
     /// Whether the operator has suspended the cell, or the one above it.
     fn is_suspended(&self) -> bool {
-        self.operating.operator.is_suspended() || self.upper.as_ref().is_some_and(Upper::is_suspended)
+        self.operating.operator.is_suspended()
+            || self.upper.as_ref().is_some_and(|upper| upper.path_time.suspended)
     }
 
     /// Whether the limit of reduced speed is in force, in this cell or in the one above it.
     fn is_reduced(&self) -> bool {
-        self.operating.is_slow || self.upper.as_ref().is_some_and(Upper::is_reduced)
+        self.operating.is_slow || self.upper.as_ref().is_some_and(|upper| upper.path_time.reduced)
     }
 
     /// Acts on events that the cell's messages do not tell of. If a process is lost in a latched cell, nothing more has
