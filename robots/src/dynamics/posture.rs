@@ -3,8 +3,9 @@
 //! All along the axes of the world, from the origin of the base: a spatial vector is then the same for every body, and what
 //! a joint adds is added without any change of frame.
 
+use mrroc::pose::Pose;
 use mrroc::robot::JointKind;
-use nalgebra::{Matrix3, SVector, Vector3};
+use nalgebra::{Matrix3, Rotation3, SVector, Vector3};
 
 use super::tree::{Stage, Tree};
 
@@ -119,6 +120,19 @@ impl Posture {
             centre: self.origins[i] + turned * stage.centre,
             inertia: turned * stage.inertia * turned.transpose(),
         }
+    }
+}
+
+impl<const N: usize> Tree<N> {
+    /// Pose of the tip in the world, `X_WF`, at `q` [rad or m].
+    #[must_use]
+    pub fn forward(&self, q: &SVector<f64, N>) -> Pose {
+        let posture = Posture::at(self, q);
+        let last = self.stages.len() - 1;
+        let rotation = Rotation3::from_matrix_unchecked(posture.turned[last]);
+        let frame =
+            Pose::from_parts((posture.origins[last] + self.X_WB.translation.vector).into(), rotation.into());
+        frame * self.X_tip
     }
 }
 

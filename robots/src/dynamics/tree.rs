@@ -2,9 +2,8 @@
 
 use mrroc::pose::Pose;
 use mrroc::robot::{JointKind, Load};
-use nalgebra::{Matrix3, SVector, Vector3};
+use nalgebra::{Matrix3, Vector3};
 
-use super::posture::Posture;
 use super::segment::Segment;
 
 /// An open tree of rigid bodies with `N` coordinates, on a fixed base.
@@ -199,17 +198,6 @@ impl<const N: usize> Tree<N> {
     #[must_use]
     pub fn mass(&self) -> f64 {
         self.stages.iter().map(|stage| stage.mass).sum()
-    }
-
-    /// Pose of the tip in the world, `X_WF`, at `q` [rad or m].
-    #[must_use]
-    pub fn forward(&self, q: &SVector<f64, N>) -> Pose {
-        let posture = Posture::at(self, q);
-        let last = self.stages.len() - 1;
-        let rotation = nalgebra::Rotation3::from_matrix_unchecked(posture.turned[last]);
-        let frame =
-            Pose::from_parts((posture.origins[last] + self.X_WB.translation.vector).into(), rotation.into());
-        frame * self.X_tip
     }
 }
 

@@ -12,7 +12,7 @@ use nalgebra::{Quaternion, UnitQuaternion, Vector6};
 use toml::de::{DeTable, DeValue};
 
 use crate::models::irp6::{Irp6, Linear, Screw};
-use crate::models::local::LocalCorrection;
+use crate::models::local::{LocalCorrection, NoCalibration};
 
 /// What no number of a calibration exceeds [m, rad or mm²].
 const MOST: f64 = 1e6;
@@ -51,11 +51,6 @@ pub struct Irp6Calibration {
     /// `square`, `mu`, `nu` \[mm²\] and `reference` \[mm\] of the lower arm's [`Screw`], and of the upper arm's.
     pub screws: [[f64; 4]; 2],
 }
-
-/// A text that is no calibration: why.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{0}")]
-pub struct NoCalibration(pub(crate) String);
 
 impl ArmCalibration {
     /// What the calibration is of, as its file says in `model`.

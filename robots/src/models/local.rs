@@ -16,13 +16,16 @@ use nalgebra::{SMatrix, SVector};
 
 use mrroc::robot::JointKind;
 
-use super::calibration::NoCalibration;
-
 /// How often to go back at most.
 const ROUNDS: usize = 20;
 
 /// What is near enough when going back [rad or m].
 const NEAR: f64 = 1e-14;
+
+/// What is no calibration: why.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
+pub struct NoCalibration(pub(crate) String);
 
 /// A local correction as its file has it.
 #[derive(Clone, Debug, PartialEq)]

@@ -39,7 +39,7 @@ mod urdf;
 mod vectors;
 pub mod xml;
 
-pub use calibration::{ArmCalibration, ChainCalibration, Irp6Calibration, NoCalibration};
+pub use calibration::{ArmCalibration, ChainCalibration, Irp6Calibration};
 pub use conveyor::Conveyor;
 pub(crate) use drives::GRAVITY;
 pub use drives::{Driven, Encoder, Gains, MotorData, MotorLimits, Overload, Shafts};
@@ -48,7 +48,7 @@ pub use io_block::{IoBlock, NoJoints};
 pub use irp6::{Irp6, Irp6FiveDof, Irp6Track, Linear, LinkState, Screw, Transmission};
 pub(crate) use kinematics::closest;
 pub use kinematics::{Jacobian, Kinematics};
-pub use local::LocalCorrection;
+pub use local::{LocalCorrection, NoCalibration};
 pub use polycrank::Polycrank;
 pub use rnt::Rnt;
 pub use shape::{Capsule, Link, Motion, Outline};

@@ -209,7 +209,7 @@ fn run(options: &Options) -> Result<String, Failed> {
     }
     let tested = test.as_ref().map(|test| {
         let errors = |trial: &Trial, fit: &Fit, correction: Option<&LocalCorrection>| {
-            let mut other = data.with_rows_of(test, trial).map_err(|why| before(&why))?;
+            let mut other = data.with_rows_of(test, &trial.stated).map_err(|why| before(&why))?;
             if let Some(correction) = correction {
                 other = bent(&other, trial.stated.arm, correction);
             }

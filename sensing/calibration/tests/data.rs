@@ -34,7 +34,7 @@ fn an_arm_is_calibrated_from_its_data_and_foretells_others() {
     let unseen = read("arm_unseen.csv");
     let mean = |detail| {
         let trial = Trial::of(&data, detail, 1.0, Scales::Declared).expect("a fit");
-        let other = data.with_rows_of(&unseen, &trial).expect("the same names");
+        let other = data.with_rows_of(&unseen, &trial.stated).expect("the same names");
         let errors = trials::lengths(&other, &trial.fit.foretold(&other));
         (trials::Errors::of(errors.into_iter().map(|(_, error)| error)), trial)
     };

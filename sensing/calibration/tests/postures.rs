@@ -105,7 +105,7 @@ fn postures_that_are_chosen_measured_and_calibrated_leave_the_error_that_was_for
         let Told { rank, unknowns, .. } = postures.chosen;
         assert_eq!((information.rank, information.parameters()), (rank, unknowns), "seed {seed}");
         let exact = data(&truth.measured(&unseen, 0.0));
-        let other = measured.with_rows_of(&exact, &trial).expect("the same names");
+        let other = measured.with_rows_of(&exact, &trial.stated).expect("the same names");
         let errors = lengths(&other, &trial.fit.foretold(&other)).into_iter().map(|(_, error)| error);
         squares += Errors::of(errors).rms.powi(2) / 4.0;
     }

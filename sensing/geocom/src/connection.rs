@@ -3,8 +3,9 @@
 use std::os::fd::AsFd;
 use std::time::{Duration, Instant};
 
+use crate::action::{ClientAction, Measured, NoReading};
 use crate::angles::Face;
-use crate::client::{Client, ClientAction, Measured, NoReading, Timeouts};
+use crate::client::{Client, Timeouts};
 use crate::line::Line;
 
 /// How long the line is waited for at most, until whoever runs a client looks at something else, such as the end of the cell.

@@ -4,7 +4,7 @@
 
 use core::time::Duration;
 
-use crate::client::{ClientAction, NoReading};
+use crate::action::{ClientAction, NoReading};
 use crate::framing::Lines;
 use crate::protocol::{Answer, Code, Request};
 

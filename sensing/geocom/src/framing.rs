@@ -1,6 +1,6 @@
 //! Bytes of a serial line as lines of text.
 
-use crate::client::NoReading;
+use crate::action::NoReading;
 use crate::protocol::LONGEST;
 
 /// Lines of text, as their bytes come: in pieces, and several at once.

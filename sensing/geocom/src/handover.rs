@@ -10,10 +10,38 @@ use mrroc::fault::FaultKind;
 use mrroc::prelude::*;
 use mrroc_driver_kit::{Handed, Number};
 
+use crate::action::{ClientAction, Measured, NoReading};
 use crate::angles::Face;
-use crate::client::{Client, ClientAction, Measured, NoReading};
+use crate::client::Client;
 use crate::protocol::Code;
-use crate::sensor::{Angles, Sight};
+
+/// What to sight.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Payload)]
+pub struct Sight {
+    /// Which one, from 1; a new number is a new sight. 0: nothing. A program begins with 0, which forgets the last sight.
+    pub index: u32,
+    /// Where the target is about: horizontal angle from x to y \[rad\].
+    pub hz: f64,
+    /// Its elevation \[rad\].
+    pub v: f64,
+    /// In the second face.
+    pub turned: bool,
+}
+
+/// What was read.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Payload)]
+pub struct Angles {
+    /// Of which sight.
+    pub index: u32,
+    /// Horizontal angle from x to y, -pi to pi \[rad\], as of the first face.
+    pub hz: f64,
+    /// Elevation \[rad\], as of the first face.
+    pub v: f64,
+    /// In the second face.
+    pub turned: bool,
+    /// It is the reading of the sight that was ordered.
+    pub settled: bool,
+}
 
 /// What both sides hand to each other.
 #[derive(Debug, Default)]

@@ -13,6 +13,7 @@
 //! GeoCOM counts the horizontal angle clockwise, and the vertical one from the zenith on, through to 2 pi in the second face. Everything else here counts the
 //! horizontal angle from x to y of a frame with z up, and the elevation, both as of the first face, so that the mean of both faces is a plain mean.
 
+mod action;
 mod angles;
 mod client;
 mod connection;
@@ -26,11 +27,13 @@ mod simulated;
 #[cfg(test)]
 mod tests;
 
+pub use action::{ClientAction, Measured, NoReading};
 pub use angles::{Face, from_circles, to_circles};
-pub use client::{Client, ClientAction, Measured, NoReading, Timeouts};
+pub use client::{Client, Timeouts};
 pub use connection::Connection;
 pub use framing::Lines;
+pub use handover::{Angles, Sight};
 pub use line::Line;
 pub use protocol::{Answer, Code, Request};
-pub use sensor::{Angles, Sight, Sighting, Theodolite};
+pub use sensor::{Sighting, Theodolite};
 pub use simulated::{Scope, Simulated, Targets};

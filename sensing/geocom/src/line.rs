@@ -9,7 +9,7 @@ use mrroc_driver_kit::Serial;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::io::Errno;
 
-use crate::client::NoReading;
+use crate::action::NoReading;
 
 /// A serial port that is open.
 #[derive(Debug)]

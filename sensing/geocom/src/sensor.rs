@@ -10,9 +10,10 @@ use mrroc::fault::FaultKind;
 use mrroc::prelude::*;
 use mrroc_driver_kit::{Talk, Watch};
 
-use crate::client::{ClientAction, NoReading, Timeouts};
+use crate::action::{ClientAction, NoReading};
+use crate::client::Timeouts;
 use crate::connection::Connection;
-use crate::handover::{Orders, Shared, Worker, fault};
+use crate::handover::{Angles, Orders, Shared, Sight, Worker, fault};
 use crate::line::Line;
 
 /// The kind of sensor.
@@ -23,34 +24,6 @@ impl Sensor for Sighting {
     const KIND: &'static str = "geocom";
     type Reading = Angles;
     type Configuration = Sight;
-}
-
-/// What to sight.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Payload)]
-pub struct Sight {
-    /// Which one, from 1; a new number is a new sight. 0: nothing. A program begins with 0, which forgets the last sight.
-    pub index: u32,
-    /// Where the target is about: horizontal angle from x to y \[rad\].
-    pub hz: f64,
-    /// Its elevation \[rad\].
-    pub v: f64,
-    /// In the second face.
-    pub turned: bool,
-}
-
-/// What was read.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Payload)]
-pub struct Angles {
-    /// Of which sight.
-    pub index: u32,
-    /// Horizontal angle from x to y, -pi to pi \[rad\], as of the first face.
-    pub hz: f64,
-    /// Elevation \[rad\], as of the first face.
-    pub v: f64,
-    /// In the second face.
-    pub turned: bool,
-    /// It is the reading of the sight that was ordered.
-    pub settled: bool,
 }
 
 /// How often the thread looks for a new order.

@@ -1,6 +1,7 @@
 //! What becomes of the one part of a cell with a fault.
 
-use sorting::camera::run::{Ready, Settings};
+use sorting::camera::run::Ready;
+use sorting::camera::settings::Settings;
 use sorting::monitor::Fate;
 
 /// When the undisturbed run gets hold of its part \[s\].

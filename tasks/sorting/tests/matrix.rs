@@ -2,7 +2,7 @@
 
 use mrroc::prelude::*;
 use sorting::camera::kinds::KINDS;
-use sorting::camera::run::{Overhead, Settings};
+use sorting::camera::settings::{Overhead, Settings};
 use sorting::camera::summary::{Line, Table};
 use sorting::matrix::command::{counted, examination, rms};
 use sorting::matrix::run::{network, sensors};

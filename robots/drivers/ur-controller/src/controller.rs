@@ -17,18 +17,13 @@ use mrroc_ur::{Calibration, Ended, JOINTS, PERIOD, RobotMode, SET_POINT_BYTES, S
 
 use crate::external::External;
 use crate::program::{Act, Call, Running};
+use crate::target::{T, Target};
 
 /// Its clock when it is made \[s\]: clients take a robot as booted when it has been on for a while.
 const BOOTED: f64 = 100.0;
 
-/// Length of a step \[s\].
-const T: f64 = 0.002;
-
 /// Steps after a protective stop before which it is not released: 5 s.
 const INSPECTION: u64 = 2500;
-
-/// How many times its acceleration limit a joint can do to make up for set-points that are off (assumed).
-const QUICK: f64 = 3.0;
 
 /// What persons do at a robot, and what happens to it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -78,6 +73,38 @@ impl Stops {
     }
 }
 
+/// Its terminals.
+#[derive(Debug, Default)]
+pub(crate) struct Terminals {
+    pub digital_inputs: u64,
+    pub digital_outputs: u64,
+    /// The standard analog inputs and those at the tool [V or A].
+    pub analog_inputs: [f64; 4],
+    /// The analog outputs, as fractions of their ranges.
+    pub analog_outputs: [f64; 2],
+    /// By bits, which of the standard analog inputs (0 and 1) and outputs (2 and 3) are voltages.
+    pub voltages: u32,
+}
+
+/// The program that is loaded at the pendant.
+#[derive(Debug, Default)]
+pub(crate) struct Loaded {
+    pub name: Option<String>,
+    /// Whether it runs without a script of its own.
+    pub is_plain: bool,
+    /// Where its node asks for a script, and that it is to do so now.
+    pub external: Option<SocketAddr>,
+    pub is_asking: bool,
+}
+
+/// Inputs of RTDE as they were written, and by which client.
+#[derive(Debug, Default)]
+pub(crate) struct Inputs {
+    pub values: BTreeMap<String, Value>,
+    pub writers: BTreeMap<String, u64>,
+    pub clients: u64,
+}
+
 /// A controller with its arm.
 #[derive(Debug)]
 pub struct Controller {
@@ -91,38 +118,18 @@ pub struct Controller {
     pub(crate) is_remote: bool,
     pub(crate) is_paused: bool,
     pub(crate) speed_fraction: f64,
-    pub(crate) digital_inputs: u64,
-    pub(crate) digital_outputs: u64,
-    /// The standard analog inputs and those at the tool [V or A].
-    pub(crate) analog_inputs: [f64; 4],
-    /// The analog outputs, as fractions of their ranges.
-    pub(crate) analog_outputs: [f64; 2],
-    /// By bits, which of the standard analog inputs (0 and 1) and outputs (2 and 3) are voltages.
-    pub(crate) voltages: u32,
+    pub(crate) terminals: Terminals,
     /// What the surroundings do to the flange, about its origin and in the axes of the base.
     pub(crate) pushed: Wrench,
     /// Where the tool centre point is in the flange.
     pub(crate) tool: Pose,
-    /// Where the joints are driven to, and how fast.
-    pub(crate) target: Six,
-    pub(crate) target_speed: Six,
-    pub(crate) target_acceleration: Six,
+    pub(crate) target: Target,
     pub(crate) measured: Measured<Six>,
-    /// The last position of `servoj`, while it goes on.
-    goal: Option<Six>,
     pub(crate) program: Option<Running>,
     /// The payload of its installation.
     installed: Load,
-    /// The name of the program that is loaded, and whether it runs without a script of its own.
-    pub(crate) loaded: Option<String>,
-    pub(crate) is_plain: bool,
-    /// Where the node of its program asks for a script, and that it is to do so now.
-    pub(crate) external: Option<SocketAddr>,
-    pub(crate) is_asking: bool,
-    /// Inputs as they were written, and by which client.
-    pub(crate) inputs: BTreeMap<String, Value>,
-    pub(crate) writers: BTreeMap<String, u64>,
-    pub(crate) clients: u64,
+    pub(crate) loaded: Loaded,
+    pub(crate) inputs: Inputs,
     unknown_scripts: u64,
     /// The longest run of steps without a set-point while a script followed them.
     longest_gap: u32,
@@ -148,27 +155,15 @@ impl Controller {
             is_remote: true,
             is_paused: false,
             speed_fraction: 1.0,
-            digital_inputs: 0,
-            digital_outputs: 0,
-            analog_inputs: [0.0; 4],
-            analog_outputs: [0.0; 2],
-            voltages: 0,
+            terminals: Terminals::default(),
             pushed: Wrench::default(),
             tool: Pose::identity(),
-            target: *start,
-            target_speed: Six::zeros(),
-            target_acceleration: Six::zeros(),
+            target: Target { position: *start, ..Target::default() },
             measured,
-            goal: None,
             program: None,
             installed: Load::NONE,
-            loaded: None,
-            is_plain: false,
-            external: None,
-            is_asking: false,
-            inputs: BTreeMap::new(),
-            writers: BTreeMap::new(),
-            clients: 0,
+            loaded: Loaded::default(),
+            inputs: Inputs::default(),
             unknown_scripts: 0,
             longest_gap: 0,
         };
@@ -195,17 +190,17 @@ impl Controller {
     /// One period of 2 ms.
     pub fn step(&mut self) {
         self.steps += 1;
-        let before = self.target_speed;
+        let before = self.target.speed;
         if self.mode != RobotMode::Running {
             self.end_program();
-            self.rest();
+            self.target.rest(self.measured.position);
             self.drives.brake();
         } else if self.stops.any() {
             self.stop_step();
         } else {
             self.program_step();
         }
-        self.target_acceleration = (self.target_speed - before) / T;
+        self.target.acceleration = (self.target.speed - before) / T;
         self.look();
     }
 
@@ -230,19 +225,19 @@ impl Controller {
     /// Where the joints are driven to \[rad\].
     #[must_use]
     pub fn target(&self) -> Six {
-        self.target
+        self.target.position
     }
 
     /// How fast they are driven [rad/s].
     #[must_use]
     pub fn target_speed(&self) -> Six {
-        self.target_speed
+        self.target.speed
     }
 
     /// Whether a script runs, paused or not.
     #[must_use]
     pub fn runs(&self) -> bool {
-        self.program.is_some() || self.is_plain
+        self.program.is_some() || self.loaded.is_plain
     }
 
     /// Scripts that came and were neither of `mrroc-ur` nor UR's own.
@@ -260,23 +255,23 @@ impl Controller {
     /// The digital outputs, as bits: 0 to 7 standard, 8 to 15 configurable, 16 and 17 at the tool.
     #[must_use]
     pub fn digital_outputs(&self) -> u64 {
-        self.digital_outputs
+        self.terminals.digital_outputs
     }
 
     /// Switches the digital outputs, in the same order, as a person does at the pendant.
     pub fn switch_digital_outputs(&mut self, bits: u64) {
-        self.digital_outputs = bits;
+        self.terminals.digital_outputs = bits;
     }
 
     /// Sets the digital inputs, in the same order.
     pub fn set_digital_inputs(&mut self, bits: u64) {
-        self.digital_inputs = bits;
+        self.terminals.digital_inputs = bits;
     }
 
     /// The value of an input of RTDE that a client has written.
     #[must_use]
     pub fn input(&self, name: &str) -> Option<Value> {
-        self.inputs.get(name).copied()
+        self.inputs.values.get(name).copied()
     }
 
     /// Moves the slider of the pendant: which part of its speed a joint may use, 0 to 1.
@@ -322,7 +317,7 @@ impl Controller {
             return false;
         }
         self.end_program();
-        self.program = Some(Running::new(script, others, self.target));
+        self.program = Some(Running::new(script, others, self.target.position));
         true
     }
 
@@ -400,7 +395,7 @@ impl Controller {
         }
         self.stops.protective = None;
         self.drives.reset();
-        self.target = self.measured.position;
+        self.target.position = self.measured.position;
         true
     }
 
@@ -419,17 +414,13 @@ impl Controller {
         if self.mode == RobotMode::Idle {
             self.mode = RobotMode::Running;
             self.drives.reset();
-            self.rest();
+            self.target.rest(self.measured.position);
         }
     }
 
     /// How hard stops brake [rad/s²].
     fn deceleration(&self) -> f64 {
         self.model.accelerations().min()
-    }
-
-    fn rest(&mut self) {
-        (self.target, self.target_speed) = (self.measured.position, Six::zeros());
     }
 
     fn look(&mut self) {
@@ -443,7 +434,7 @@ impl Controller {
     }
 
     fn end_program(&mut self) {
-        (self.program, self.is_paused, self.is_plain) = (None, false, false);
+        (self.program, self.is_paused, self.loaded.is_plain) = (None, false, false);
     }
 
     /// One step of a stop by the safety system.
@@ -455,7 +446,7 @@ impl Controller {
             self.is_paused = self.runs();
         }
         self.brake(self.deceleration());
-        if self.target_speed == Six::zeros() && (self.stops.emergency || self.stops.violation) {
+        if self.target.speed == Six::zeros() && (self.stops.emergency || self.stops.violation) {
             self.mode = RobotMode::PowerOff;
         }
     }
@@ -463,7 +454,7 @@ impl Controller {
     /// One step with nothing that stops the arm.
     fn program_step(&mut self) {
         let act = match &mut self.program {
-            Some(program) if !self.is_paused => program.step(&self.target_speed, self.model.payload()),
+            Some(program) if !self.is_paused => program.step(&self.target.speed, self.model.payload()),
             Some(_) | None => Act::Brake,
         };
         if let Some(program) = &self.program
@@ -477,15 +468,23 @@ impl Controller {
         {
             let when_lost = program.script.when_lost;
             let mask = u64::from(when_lost.digital());
-            self.digital_outputs = self.digital_outputs & !mask | u64::from(when_lost.values().digital());
-            for (i, output) in self.analog_outputs.iter_mut().enumerate() {
+            self.terminals.digital_outputs =
+                self.terminals.digital_outputs & !mask | u64::from(when_lost.values().digital());
+            for (i, output) in self.terminals.analog_outputs.iter_mut().enumerate() {
                 if let Some(Level::Analog(value)) = when_lost.value(Channel::Analog(i as u8)) {
                     *output = value;
                 }
             }
         }
         match act {
-            Act::Servo(goal) => self.servo(&goal),
+            Act::Servo(goal) => {
+                let lookahead = self.program.as_ref().map_or(0.0, |run| run.script.lookahead.as_secs_f64());
+                if !self.target.servo(&goal, self.model, self.speed_fraction, lookahead) {
+                    self.protective_stop();
+                    return self.stop_step();
+                }
+                self.drive();
+            }
             Act::Fail => {
                 self.end_program();
                 self.brake(self.deceleration());
@@ -494,53 +493,25 @@ impl Controller {
                 let stopj = self.program.as_ref().map(|program| program.script.deceleration);
                 self.brake(stopj.unwrap_or(self.deceleration()));
                 let has_told = self.program.as_ref().is_some_and(|program| program.is_told);
-                if has_told && self.target_speed == Six::zeros() {
+                if has_told && self.target.speed == Six::zeros() {
                     self.end_program();
                 }
             }
         }
     }
 
-    /// `servoj`: the joints are at `goal` at the end of the step, if their speeds and accelerations let them. What they are
-    /// off by, they make up so that they come to rest beside it: `v = v_goal + sqrt(a e)` for an error e.
-    fn servo(&mut self, goal: &Six) {
-        let limits = self.model.velocities();
-        let most = self.model.accelerations() * QUICK;
-        let lookahead = self.program.as_ref().map_or(0.0, |program| program.script.lookahead.as_secs_f64());
-        let before = self.goal.replace(*goal).unwrap_or(goal - self.target_speed * T);
-        for i in 0..JOINTS {
-            let way = goal[i] - self.target[i];
-            if way.abs() > limits[i] * lookahead {
-                self.protective_stop();
-                return self.stop_step();
-            }
-            let limit = limits[i] * self.speed_fraction;
-            let of_goal = ((goal[i] - before[i]) / T).clamp(-limits[i], limits[i]);
-            let off = way - of_goal * T;
-            let made_up = (off.abs() / T).min((most[i] * off.abs()).sqrt()).copysign(off);
-            let change = (of_goal + made_up - self.target_speed[i]).clamp(-most[i] * T, most[i] * T);
-            self.target_speed[i] = (self.target_speed[i] + change).clamp(-limit, limit);
-        }
-        self.target += self.target_speed * T;
-        self.drive();
-    }
-
-    /// `stopj`: the fastest joint is braked so hard [rad/s²], and the others with it.
+    /// One step of braking so hard [rad/s²].
     fn brake(&mut self, deceleration: f64) {
-        self.goal = None;
-        let fastest = self.target_speed.amax();
-        let share = if fastest > deceleration * T { 1.0 - deceleration * T / fastest } else { 0.0 };
-        self.target_speed *= share;
-        self.target += self.target_speed * T;
+        self.target.brake(deceleration);
         self.drive();
     }
 
     fn drive(&mut self) {
-        if self.drives.tick(&self.target).is_err() {
+        if self.drives.tick(&self.target.position).is_err() {
             // A joint does not follow: the drives have braked by themselves.
             self.protective_stop();
             self.look();
-            self.rest();
+            self.target.rest(self.measured.position);
         }
     }
 

@@ -30,8 +30,8 @@ impl Controller {
             "safetystatus" => format!("Safetystatus: {}", self.safety_name()),
             "is in remote control" => self.is_remote.to_string(),
             "running" => format!("Program running: {}", self.runs() && !self.is_paused),
-            "programState" => format!("{} {}", self.program_name(), self.loaded.as_deref().unwrap_or("mrroc")),
-            "get loaded program" => match &self.loaded {
+            "programState" => format!("{} {}", self.program_name(), self.loaded.name.as_deref().unwrap_or("mrroc")),
+            "get loaded program" => match &self.loaded.name {
                 Some(name) => format!("Loaded program: /programs/{name}"),
                 None => "No program loaded".to_owned(),
             },
@@ -70,7 +70,7 @@ impl Controller {
                 self.press(crate::Press::StopProgram);
                 "Stopped".to_owned()
             }
-            "play" if (self.loaded.is_some() || self.runs()) && self.play() => "Starting program".to_owned(),
+            "play" if (self.loaded.name.is_some() || self.runs()) && self.play() => "Starting program".to_owned(),
             "play" => "Failed to execute: play".to_owned(),
             "pause" if self.runs() => {
                 self.press(crate::Press::PauseProgram);
@@ -80,7 +80,7 @@ impl Controller {
             _ if command.starts_with("load ") && command.ends_with(".urp") => {
                 let name = command.trim_start_matches("load ").trim();
                 self.press(crate::Press::StopProgram);
-                self.loaded = Some(name.to_owned());
+                self.loaded.name = Some(name.to_owned());
                 format!("Loading program: {name}")
             }
             _ => format!("could not understand: '{command}'"),

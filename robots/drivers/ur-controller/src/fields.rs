@@ -85,16 +85,16 @@ impl Controller {
         Some(match name {
             "timestamp" => Value::Double(self.timestamp()),
             "control_step" => Value::Uint64(self.steps),
-            "target_q" => six(self.target),
-            "target_qd" => six(self.target_speed),
-            "target_qdd" => six(self.target_acceleration),
+            "target_q" => six(self.target.position),
+            "target_qd" => six(self.target.speed),
+            "target_qdd" => six(self.target.acceleration),
             "actual_q" => six(self.measured.position),
             "actual_qd" => six(self.measured.velocity),
             "actual_current" | "target_current" | "joint_control_output" => six(self.currents()),
             "actual_TCP_pose" => self.tool_pose(&self.measured.position),
-            "target_TCP_pose" => self.tool_pose(&self.target),
+            "target_TCP_pose" => self.tool_pose(&self.target.position),
             "actual_TCP_speed" => self.tool_speed(&self.measured.position, &self.measured.velocity),
-            "target_TCP_speed" => self.tool_speed(&self.target, &self.target_speed),
+            "target_TCP_speed" => self.tool_speed(&self.target.position, &self.target.speed),
             // About the origin of the flange, whatever the tool centre point is: UR's manual of URScript, `get_tcp_force`.
             "actual_TCP_force" => {
                 let (f, t) = (self.pushed.force, self.pushed.torque);
@@ -115,13 +115,13 @@ impl Controller {
             "runtime_state" => Value::Uint32(self.runtime_state()),
             "speed_scaling" => Value::Double(self.speed_scaling()),
             "target_speed_fraction" => Value::Double(self.speed_fraction),
-            "actual_digital_input_bits" => Value::Uint64(self.digital_inputs),
-            "actual_digital_output_bits" => Value::Uint64(self.digital_outputs),
-            "analog_io_types" => Value::Uint32(self.voltages),
-            "standard_analog_input0" => Value::Double(self.analog_inputs[0]),
-            "standard_analog_input1" => Value::Double(self.analog_inputs[1]),
-            "tool_analog_input0" => Value::Double(self.analog_inputs[2]),
-            "tool_analog_input1" => Value::Double(self.analog_inputs[3]),
+            "actual_digital_input_bits" => Value::Uint64(self.terminals.digital_inputs),
+            "actual_digital_output_bits" => Value::Uint64(self.terminals.digital_outputs),
+            "analog_io_types" => Value::Uint32(self.terminals.voltages),
+            "standard_analog_input0" => Value::Double(self.terminals.analog_inputs[0]),
+            "standard_analog_input1" => Value::Double(self.terminals.analog_inputs[1]),
+            "tool_analog_input0" => Value::Double(self.terminals.analog_inputs[2]),
+            "tool_analog_input1" => Value::Double(self.terminals.analog_inputs[3]),
             "standard_analog_output0" => Value::Double(self.analog_output(0)),
             "standard_analog_output1" => Value::Double(self.analog_output(1)),
             "actual_main_voltage" | "actual_robot_voltage" => Value::Double(48.0),
@@ -135,41 +135,36 @@ impl Controller {
 
     /// What an analog output gives [V or A]: 0 to 10 V, or 4 to 20 mA.
     pub(crate) fn analog_output(&self, i: usize) -> f64 {
-        let fraction = self.analog_outputs[i];
-        if self.voltages >> (2 + i) & 1 != 0 { 10.0 * fraction } else { 0.004 + 0.016 * fraction }
+        let fraction = self.terminals.analog_outputs[i];
+        if self.terminals.voltages >> (2 + i) & 1 != 0 { 10.0 * fraction } else { 0.004 + 0.016 * fraction }
     }
 
     /// An input as an output: what was written last.
     fn register(&self, name: &str) -> Option<Value> {
         let of = input(name).filter(|_| name.starts_with("input_"))?;
-        Some(self.inputs.get(name).copied().unwrap_or(nothing(of)))
+        Some(self.inputs.values.get(name).copied().unwrap_or(nothing(of)))
     }
 
     /// Carries out what inputs ask for.
     pub(crate) fn write(&mut self, written: &[(String, Value)]) {
-        self.inputs.extend(written.iter().cloned());
-        let byte = |name: &str| {
-            written.iter().find(|(which, _)| which == name).and_then(|(_, value)| match value {
-                Value::Uint8(value) => Some(u64::from(*value)),
-                _ => None,
-            })
+        self.inputs.values.extend(written.iter().cloned());
+        let value_of = |name: &str| written.iter().find(|(which, _)| which == name).map(|(_, value)| *value);
+        let byte = |name: &str| match value_of(name) {
+            Some(Value::Uint8(value)) => Some(u64::from(value)),
+            _ => None,
         };
-        let double = |name: &str| {
-            written.iter().find(|(which, _)| which == name).and_then(|(_, value)| match value {
-                Value::Double(value) => Some(*value).filter(|value| value.is_finite()),
-                _ => None,
-            })
+        let double = |name: &str| match value_of(name) {
+            Some(Value::Double(value)) => Some(value).filter(|value| value.is_finite()),
+            _ => None,
         };
         for (what, first) in [("standard", 0), ("configurable", 8), ("tool", 16)] {
             let mask = byte(&format!("{what}_digital_output_mask"));
             if let (Some(mask), Some(bits)) = (mask, byte(&format!("{what}_digital_output"))) {
-                let mask = mask << first;
-                self.digital_outputs = self.digital_outputs & !mask | bits << first & mask;
+                let (mask, outputs) = (mask << first, &mut self.terminals.digital_outputs);
+                *outputs = *outputs & !mask | bits << first & mask;
             }
         }
-        let is_one =
-            |name: &str| written.iter().any(|(which, value)| which == name && *value == Value::Uint32(1));
-        if is_one("speed_slider_mask")
+        if value_of("speed_slider_mask") == Some(Value::Uint32(1))
             && let Some(fraction) = double("speed_slider_fraction")
         {
             self.set_speed_fraction(fraction);
@@ -180,12 +175,12 @@ impl Controller {
                     continue;
                 }
                 if let Some(value) = double(place).filter(|value| FRACTION.contains(value)) {
-                    self.analog_outputs[i] = value;
+                    self.terminals.analog_outputs[i] = value;
                 }
                 if let Some(voltages) = byte("standard_analog_output_type") {
-                    let bit = 1 << (2 + i);
-                    self.voltages =
-                        if voltages >> i & 1 != 0 { self.voltages | bit } else { self.voltages & !bit };
+                    let (bit, is_voltage) = (1 << (2 + i), voltages >> i & 1 != 0);
+                    let others = self.terminals.voltages & !bit;
+                    self.terminals.voltages = if is_voltage { others | bit } else { others };
                 }
             }
         }

@@ -49,6 +49,7 @@ mod server;
 mod service;
 mod session;
 mod surroundings;
+mod target;
 mod virtual_network;
 
 pub use controller::{Controller, Press};

@@ -104,11 +104,11 @@ impl Controller {
     }
 
     fn masterboard_data(&self) -> Vec<u8> {
-        let mut content = (self.digital_inputs as u32).to_be_bytes().to_vec();
-        content.extend((self.digital_outputs as u32).to_be_bytes());
-        let domain = |bit: u32| (self.voltages >> bit & 1) as u8;
+        let mut content = (self.terminals.digital_inputs as u32).to_be_bytes().to_vec();
+        content.extend((self.terminals.digital_outputs as u32).to_be_bytes());
+        let domain = |bit: u32| (self.terminals.voltages >> bit & 1) as u8;
         content.extend([domain(0), domain(1)]);
-        content.extend(self.analog_inputs[..2].iter().flat_map(|value| value.to_be_bytes()));
+        content.extend(self.terminals.analog_inputs[..2].iter().flat_map(|value| value.to_be_bytes()));
         content.extend([domain(2), domain(3)]);
         content.extend([0, 1].iter().flat_map(|i| self.analog_output(*i).to_be_bytes()));
         // Temperature, voltage, currents.

@@ -25,9 +25,9 @@ pub struct Session {
 impl Session {
     /// A client that has just called.
     pub fn new(controller: &mut Controller) -> Session {
-        controller.clients += 1;
+        controller.inputs.clients += 1;
         Session {
-            client: controller.clients,
+            client: controller.inputs.clients,
             outputs: Vec::new(),
             every: 1,
             starts: false,
@@ -37,7 +37,7 @@ impl Session {
 
     /// The client is gone: others may write what it wrote.
     pub fn end(&self, controller: &mut Controller) {
-        controller.writers.retain(|_, client| *client != self.client);
+        controller.inputs.writers.retain(|_, client| *client != self.client);
     }
 
     /// Carries out a request, and appends the answer.
@@ -78,7 +78,7 @@ impl Session {
         let names: Vec<_> = list(names).collect();
         let offers: Vec<_> = names
             .iter()
-            .map(|name| match (input(name), controller.writers.get(*name)) {
+            .map(|name| match (input(name), controller.inputs.writers.get(*name)) {
                 (None, _) => Offer::NotFound,
                 (Some(_), Some(client)) if *client != self.client => Offer::InUse,
                 (Some(of), _) => Offer::Has(of),
@@ -94,7 +94,7 @@ impl Session {
             .collect();
         let all = !recipe.is_empty() && recipe.len() == offers.len() && self.inputs.len() < RECIPES;
         if all {
-            controller.writers.extend(recipe.iter().map(|(name, _)| (name.clone(), self.client)));
+            controller.inputs.writers.extend(recipe.iter().map(|(name, _)| (name.clone(), self.client)));
             self.inputs.push(recipe);
         }
         let recipe = if all { self.inputs.len() as u8 } else { 0 };

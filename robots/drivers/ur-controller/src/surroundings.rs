@@ -13,18 +13,18 @@ impl Controller {
     /// The analog outputs, as fractions of their ranges.
     #[must_use]
     pub fn analog_outputs(&self) -> [f64; 2] {
-        self.analog_outputs
+        self.terminals.analog_outputs
     }
 
     /// Sets the standard analog inputs 0 and 1, and those at the tool [V or A].
     pub fn set_analog_inputs(&mut self, values: [f64; 4]) {
-        self.analog_inputs = values;
+        self.terminals.analog_inputs = values;
     }
 
     /// Chooses, as a person does at the pendant, which of the standard analog inputs (bits 0 and 1) and outputs (2 and 3) are voltages;
     /// the others are currents, as all are at first.
     pub fn choose_voltages(&mut self, bits: u32) {
-        self.voltages = bits & 0b1111;
+        self.terminals.voltages = bits & 0b1111;
     }
 
     /// Pushes at the flange from now on: what the surroundings do to it, about its origin and in the axes of the base, which are
@@ -41,7 +41,7 @@ impl Controller {
 
     /// Lets the program that is loaded ask here for a script when it is started, as the node of UR's External Control URCap does.
     pub fn set_external_control(&mut self, at: SocketAddr) {
-        self.external = Some(at);
+        self.loaded.external = Some(at);
     }
 
     /// Starts the program that is loaded, or lets one that is paused go on; whether it may.
@@ -50,15 +50,15 @@ impl Controller {
         if may && self.runs() {
             self.is_paused = false;
         } else if may {
-            self.is_asking = self.external.is_some();
-            self.is_plain = !self.is_asking;
+            self.loaded.is_asking = self.loaded.external.is_some();
+            self.loaded.is_plain = !self.loaded.is_asking;
         }
         may
     }
 
     /// Where a program that has just been started asks for a script: once.
     pub fn asks(&mut self) -> Option<SocketAddr> {
-        core::mem::take(&mut self.is_asking).then_some(self.external)?
+        core::mem::take(&mut self.loaded.is_asking).then_some(self.loaded.external)?
     }
 
     /// Takes the script that its program has asked for, in remote control or not. Whether it is one that is done here.

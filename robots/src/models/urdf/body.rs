@@ -4,8 +4,7 @@ use mrroc::pose::Pose;
 use mrroc::robot::Load;
 use nalgebra::{Matrix3, Point3, Vector3};
 
-use super::chain::origin;
-use super::document::{Element, Tree};
+use super::document::{Element, Tree, origin};
 use super::error::UrdfError;
 
 /// The links that are fixed to one another behind a joint, up to the next joint that moves.

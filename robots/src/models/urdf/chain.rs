@@ -7,7 +7,7 @@ use mrroc::robot::{JointKind, MAX_JOINTS};
 use nalgebra::{Quaternion, Translation3, UnitQuaternion, Vector3};
 
 use super::body::Body;
-use super::document::{Element, Joint, Tree, shown};
+use super::document::{Element, Joint, Tree, origin, shown};
 use super::error::UrdfError;
 
 /// The most joints that move in a chain, dependent ones included.
@@ -151,33 +151,6 @@ fn wrong_count(base: &str, tip: &str, names: Vec<String>, asked: usize) -> UrdfE
     };
     let names = if count == 0 { "none".to_owned() } else { names.join(", ") };
     UrdfError::WrongCount { base: shown(base), tip: shown(tip), count, names, asked, help }
-}
-
-/// Where a joint stands in its parent link, or a centre of mass in its own: `<origin>`, by definition the identity where it
-/// is not written.
-pub(super) fn origin(of: &Element<'_, '_>, has_quaternions: bool) -> Result<Pose, UrdfError> {
-    let Some(origin) = of.child("origin")? else { return Ok(Pose::identity()) };
-    origin.only(&["xyz", "rpy", "quat_xyzw"])?;
-    let position = origin.numbers::<3>("xyz")?.unwrap_or_default();
-    let angles = origin.numbers::<3>("rpy")?;
-    let rotation = match (angles, origin.numbers::<4>("quat_xyzw")?) {
-        (Some(_), Some(_)) => {
-            return Err(UrdfError::TwoOrientations { line: origin.line(), element: origin.called });
-        }
-        (_, Some(_)) if !has_quaternions => {
-            return Err(UrdfError::QuaternionBeforeItsTime { line: origin.line(), element: origin.called });
-        }
-        (None, Some([x, y, z, w])) => {
-            let quaternion = Quaternion::new(w, x, y, z);
-            if (quaternion.norm() - 1.0).abs() > 1e-3 {
-                return Err(origin.bad("quat_xyzw", "a quaternion x y z w of length 1"));
-            }
-            UnitQuaternion::new_normalize(quaternion)
-        }
-        (Some([roll, pitch, yaw]), None) => UnitQuaternion::from_euler_angles(roll, pitch, yaw),
-        (None, None) => UnitQuaternion::identity(),
-    };
-    Ok(Pose::from_parts(Translation3::from(position), rotation))
 }
 
 /// How a joint moves, and whether between limits; `None` for a fixed joint.

@@ -6,6 +6,8 @@
 use std::collections::HashMap;
 
 use mrroc::console::quoted;
+use mrroc::pose::Pose;
+use nalgebra::{Quaternion, Translation3, UnitQuaternion};
 use roxmltree::{Document, Node, ParsingOptions};
 
 use super::error::UrdfError;
@@ -194,6 +196,33 @@ impl<'a, 'i> Element<'a, 'i> {
             }),
         }
     }
+}
+
+/// Where a joint stands in its parent link, or a centre of mass in its own: `<origin>`, by definition the identity where it
+/// is not written.
+pub(super) fn origin(of: &Element<'_, '_>, has_quaternions: bool) -> Result<Pose, UrdfError> {
+    let Some(origin) = of.child("origin")? else { return Ok(Pose::identity()) };
+    origin.only(&["xyz", "rpy", "quat_xyzw"])?;
+    let position = origin.numbers::<3>("xyz")?.unwrap_or_default();
+    let angles = origin.numbers::<3>("rpy")?;
+    let rotation = match (angles, origin.numbers::<4>("quat_xyzw")?) {
+        (Some(_), Some(_)) => {
+            return Err(UrdfError::TwoOrientations { line: origin.line(), element: origin.called });
+        }
+        (_, Some(_)) if !has_quaternions => {
+            return Err(UrdfError::QuaternionBeforeItsTime { line: origin.line(), element: origin.called });
+        }
+        (None, Some([x, y, z, w])) => {
+            let quaternion = Quaternion::new(w, x, y, z);
+            if (quaternion.norm() - 1.0).abs() > 1e-3 {
+                return Err(origin.bad("quat_xyzw", "a quaternion x y z w of length 1"));
+            }
+            UnitQuaternion::new_normalize(quaternion)
+        }
+        (Some([roll, pitch, yaw]), None) => UnitQuaternion::from_euler_angles(roll, pitch, yaw),
+        (None, None) => UnitQuaternion::identity(),
+    };
+    Ok(Pose::from_parts(Translation3::from(position), rotation))
 }
 
 /// The beginning of a text, for a message.

@@ -17,14 +17,12 @@
 //! that are not between base and tip are left out.
 
 use mrroc::pose::Pose;
-use mrroc::robot::{JointKind, Measured};
-use nalgebra::{SMatrix, SVector, Vector3};
+use mrroc::robot::JointKind;
+use nalgebra::{SVector, Vector3};
 
 use super::body::Body;
 use super::chain::{Chain, MOST_SEGMENTS, Mover, Segment};
-use super::serial::Serial;
-use crate::dynamics::Tree;
-use crate::models::drives::{Driven, GRAVITY, Gains, MotorData, MotorLimits, Shafts};
+use crate::models::drives::{GRAVITY, Gains, MotorData, MotorLimits};
 use crate::models::irp6::Irp6;
 
 /// Speed [rad/s] and acceleration [rad/s²] of a motor that gears are chosen for.
@@ -33,7 +31,7 @@ const QUICKEST: f64 = 500.0;
 /// Speed of a motor above which drives refuse a demand: a little more, for round-off [rad/s].
 const MOTOR_SPEED: f64 = 260.0;
 /// Inertia of a rotor [kg m²].
-const ROTOR: f64 = 1e-4;
+pub(super) const ROTOR: f64 = 1e-4;
 /// Viscous friction of a motor by its inertia [1/s].
 const VISCOUS: f64 = 0.4;
 /// Coulomb friction of a motor by its inertia [rad/s²].
@@ -46,9 +44,9 @@ const SPARE: f64 = 0.8 * COLUMN.torque_constant * 44.0;
 /// The drives of a chain, and the bodies that they carry.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Drives<const N: usize> {
-    motors: [MotorData; N],
-    limits: MotorLimits<N>,
-    gears: SVector<f64, N>,
+    pub(super) motors: [MotorData; N],
+    pub(super) limits: MotorLimits<N>,
+    pub(super) gears: SVector<f64, N>,
     pub(super) bodies: Vec<Body>,
 }
 
@@ -151,7 +149,11 @@ fn slide(movers: &[Mover], segment: &Segment) -> f64 {
 /// Efforts of the bodies' weight at the coordinates [N m or N], positive against positive motion: the derivatives of the
 /// potential energy, gravity along -z of the world.
 #[allow(non_snake_case)]
-fn efforts<const N: usize>(segments: &[Segment], bodies: &[Body], q: &SVector<f64, N>) -> SVector<f64, N> {
+pub(super) fn efforts<const N: usize>(
+    segments: &[Segment],
+    bodies: &[Body],
+    q: &SVector<f64, N>,
+) -> SVector<f64, N> {
     let mut axes = [(Vector3::zeros(), Vector3::zeros(), Vector3::zeros()); MOST_SEGMENTS];
     let mut X_WL = Pose::identity();
     for ((segment, body), axis) in segments.iter().zip(bodies).zip(&mut axes) {
@@ -178,43 +180,4 @@ fn efforts<const N: usize>(segments: &[Segment], bodies: &[Body], q: &SVector<f6
         efforts[segment.leader] += segment.multiplier * GRAVITY * raised;
     }
     efforts
-}
-
-impl<const N: usize> Driven<N> for Serial<N> {
-    fn motor_data(&self) -> &[MotorData; N] {
-        &self.drives.motors
-    }
-
-    fn motor_limits(&self) -> &MotorLimits<N> {
-        &self.drives.limits
-    }
-
-    /// The links between base and tip, mimic joints too.
-    fn tree(&self) -> Option<Tree<N>> {
-        self.links()
-    }
-
-    fn positions(&self, angles: &SVector<f64, N>) -> SVector<f64, N> {
-        angles.component_div(&self.drives.gears)
-    }
-
-    fn ratios(&self, _angles: &SVector<f64, N>) -> SMatrix<f64, N, N> {
-        SMatrix::from_diagonal(&self.drives.gears.map(f64::recip))
-    }
-
-    /// The rotor that every motor was given beside its load.
-    fn rotors(&self) -> SVector<f64, N> {
-        SVector::repeat(ROTOR)
-    }
-
-    fn motors(&self, q: &SVector<f64, N>) -> SVector<f64, N> {
-        q.component_mul(&self.drives.gears)
-    }
-
-    fn shafts(&self, angles: &SVector<f64, N>, speeds: &SVector<f64, N>) -> Shafts<N> {
-        let gears = &self.drives.gears;
-        let position = angles.component_div(gears);
-        let loads = efforts(&self.segments, &self.drives.bodies, &position).component_div(gears);
-        Shafts { joints: Measured { position, velocity: speeds.component_div(gears) }, loads }
-    }
 }

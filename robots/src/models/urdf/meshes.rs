@@ -9,8 +9,8 @@ use mrroc::prelude::*;
 use mrroc::robot::LinkMesh;
 use nalgebra::Translation3;
 
-use super::chain::{axis, kind, origin, turn_of_z};
-use super::document::{Element, Tree, parsed};
+use super::chain::{axis, kind, turn_of_z};
+use super::document::{Element, Tree, origin, parsed};
 use super::error::UrdfError;
 use super::serial::Serial;
 

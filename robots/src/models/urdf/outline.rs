@@ -4,8 +4,8 @@ use mrroc::prelude::*;
 use mrroc::robot::JointKind;
 use nalgebra::{SVector, Translation3, Vector3};
 
-use super::chain::{MOST_SEGMENTS, axis, kind, origin, turn_of_z};
-use super::document::{Element, Tree, parsed, shown};
+use super::chain::{MOST_SEGMENTS, axis, kind, turn_of_z};
+use super::document::{Element, Tree, origin, parsed, shown};
 use super::error::UrdfError;
 use super::serial::Serial;
 use crate::models::shape::{Capsule, Link, Motion, Outline};

@@ -16,9 +16,9 @@ use super::export::exported;
 use super::motion::Linkage;
 use super::newton;
 use super::rounded::{Rounded, check_near};
-use crate::models::calibration::{ChainCalibration, NoCalibration};
+use crate::models::calibration::ChainCalibration;
 use crate::models::kinematics::{Jacobian, Kinematics};
-use crate::models::local::Local;
+use crate::models::local::{Local, NoCalibration};
 
 /// A serial chain of `N` moving joints, 1 to 8, read from a URDF.
 ///

@@ -1,4 +1,4 @@
-//! A belt: a level surface that moves, with an end, and the drive that moves it in the world.
+//! A belt: a level surface that moves, with an end.
 //!
 //! ```text
 //! u: along the belt, x of its base frame B;   v_b: its speed, the true one of the joint
@@ -8,16 +8,11 @@
 //! ```
 
 use mrroc::pose::Pose;
-use mrroc::robot::{Driver, Robot};
 use nalgebra::Vector3;
 
 use super::contact::Table;
 use super::error::{WorldError, positive};
 use super::motion::{Motion, Nanos, seconds};
-use super::world::World;
-use crate::models::{Conveyor, Driven, One};
-use crate::simulation::simulated::Simulated;
-use crate::simulation::surroundings::{Surrounded, Surroundings};
 
 /// The surface of a belt, in the base frame B of its conveyor: the plane z = 0, along x.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -134,38 +129,5 @@ impl BeltState {
             self.elapsed = 0.0;
         }
         self.force
-    }
-}
-
-/// The drive of a conveyor in a [`World`]: the belt moves as its true joint does, and its motor bears the friction of the bodies on it.
-pub type Conveying = Surrounded<Conveyor, 1, Carried>;
-
-/// The bodies on a belt.
-#[derive(Debug)]
-pub struct Carried {
-    world: World,
-    index: usize,
-}
-
-impl Conveying {
-    pub(super) fn new(world: &World, drive: Simulated<Conveyor, 1>, belt: Belt) -> Result<Self, WorldError> {
-        let base = drive.robot().forward(&One::zeros());
-        let at = drive.robot().forward(&drive.state().position);
-        let index = world.add_belt(belt, drive.period(), base, at)?;
-        Ok(Surrounded::by(drive, Carried { world: world.clone(), index }))
-    }
-}
-
-impl Surroundings<Conveyor, 1> for Carried {
-    fn begin(&mut self, drive: &mut Simulated<Conveyor, 1>) {
-        let force = self.world.begin_belt(self.index);
-        let robot = drive.robot();
-        let at_motor = robot.motor_torques(&robot.motors(&drive.state().position), &One::new(force));
-        // A drive's load counts against its motion.
-        drive.push(0, -at_motor[0]);
-    }
-
-    fn end(&mut self, drive: &Simulated<Conveyor, 1>) {
-        self.world.end_belt(self.index, drive.robot().forward(&drive.state().position));
     }
 }

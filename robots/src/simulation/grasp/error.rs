@@ -1,7 +1,5 @@
 //! Errors in the description of a world, found before anything moves.
 
-use mrroc::fault::Fault;
-
 /// Why a world, or an arm in it, cannot be simulated.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum WorldError {
@@ -66,35 +64,4 @@ pub(super) fn positive(what: &'static str, actual: f64, unit: &'static str) -> R
 pub(super) fn not_negative(what: &'static str, actual: f64, unit: &'static str) -> Result<f64, WorldError> {
     let is_positive = actual >= 0.0 && actual.is_finite();
     if is_positive { Ok(actual) } else { Err(WorldError::Negative { what, actual, unit }) }
-}
-
-/// Why a gripper did not close on the body: the grasp frame is not between its fingers.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-#[error(
-    "the gripper does not reach its grasp: {distance:.4} m and {angle:.4} rad off, it reaches {reach:.4} m and {turn:.4} rad"
-)]
-pub struct OutOfReach {
-    /// Distance of the grasp frame from the tool frame \[m\].
-    pub distance: f64,
-    /// Turn between the two \[rad\].
-    pub angle: f64,
-    /// The largest distance \[m\].
-    pub reach: f64,
-    /// The largest turn \[rad\].
-    pub turn: f64,
-}
-
-impl OutOfReach {
-    /// There is no body.
-    pub(super) fn nothing() -> Self {
-        let (reach, turn) = (super::Grasp::REACH, super::Grasp::TURN);
-        Self { distance: f64::INFINITY, angle: 0.0, reach, turn }
-    }
-}
-
-/// So that programs which close a hand can return it by `?`.
-impl From<OutOfReach> for Fault {
-    fn from(out: OutOfReach) -> Fault {
-        Fault::thrown(&out.to_string())
-    }
 }

@@ -1,9 +1,14 @@
 //! A gripper in a world, as who moves it has it.
 
+use core::time::Duration;
+
+use mrroc::fault::Fault;
 use mrroc::pose::{Pose, Wrench};
 
 use super::compliance::Grasp;
-use super::error::{OutOfReach, WorldError};
+use super::error::WorldError;
+use super::hand::HandState;
+use super::motion::nanos;
 use super::pads::{Jaw, Pads, Touch};
 use super::stepping::Mover;
 use super::world::World;
@@ -15,11 +20,37 @@ pub struct Hand {
     index: usize,
 }
 
-impl Hand {
-    pub(super) fn of(world: &World, index: usize) -> Self {
-        Self { world: world.clone(), index }
-    }
+/// Why a gripper did not close on the body: the grasp frame is not between its fingers.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error(
+    "the gripper does not reach its grasp: {distance:.4} m and {angle:.4} rad off, it reaches {reach:.4} m and {turn:.4} rad"
+)]
+pub struct OutOfReach {
+    /// Distance of the grasp frame from the tool frame \[m\].
+    pub distance: f64,
+    /// Turn between the two \[rad\].
+    pub angle: f64,
+    /// The largest distance \[m\].
+    pub reach: f64,
+    /// The largest turn \[rad\].
+    pub turn: f64,
+}
 
+impl OutOfReach {
+    /// There is no body.
+    fn nothing() -> Self {
+        Self { distance: f64::INFINITY, angle: 0.0, reach: Grasp::REACH, turn: Grasp::TURN }
+    }
+}
+
+/// So that programs which close a hand can return it by `?`.
+impl From<OutOfReach> for Fault {
+    fn from(out: OutOfReach) -> Fault {
+        Fault::thrown(&out.to_string())
+    }
+}
+
+impl Hand {
     /// Closes on the first body: where the two are, or at the stated grasp frame. A closed gripper stays as it is.
     ///
     /// # Errors
@@ -160,5 +191,24 @@ impl Hand {
     #[allow(non_snake_case)]
     pub(super) fn end(&self, X_WE: Pose) {
         self.world.state_mut().hands[self.index].motion.end(X_WE);
+    }
+}
+
+impl World {
+    /// Puts a tool frame into the world, at `X_WE`, which moves every `period`.
+    #[allow(non_snake_case)]
+    pub(super) fn add_hand(&self, grasp: Grasp, period: Duration, X_WE: Pose) -> Result<Hand, WorldError> {
+        grasp.check()?;
+        let period = nanos(period)?;
+        let state = &mut *self.state_mut();
+        state.hands.push(HandState::new(grasp, period, state.time, X_WE));
+        state.reserve();
+        Ok(Hand { world: self.clone(), index: state.hands.len() - 1 })
+    }
+
+    /// The gripper of an arm, counted from 0 in the order in which arms came into the world.
+    #[must_use]
+    pub fn hand(&self, arm: usize) -> Option<Hand> {
+        (arm < self.state().hands.len()).then(|| Hand { world: self.clone(), index: arm })
     }
 }

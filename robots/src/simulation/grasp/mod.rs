@@ -7,11 +7,11 @@
 //! | `compliance.rs` | a compliant grasp |
 //! | `contact.rs` | a table |
 //! | `plate.rs` | a plate with round holes |
-//! | `belt.rs` | a belt that carries bodies by friction, and its drive |
+//! | `belt.rs` | a belt that carries bodies by friction |
 //! | `entry.rs` | bodies that come, rest on a belt, and go into sinks |
 //! | `motion.rs`, `hand.rs` | what drives move in the world; a gripper there |
-//! | `world.rs`, `stepping.rs`, `grip.rs` | the world; how it goes on in time; a gripper from outside |
-//! | `arm.rs` | the drives of an arm in the world |
+//! | `stepping.rs`, `world.rs`, `grip.rs` | the state of a world, and how it goes on in time; the world; a gripper from outside |
+//! | `drives.rs` | the drives of an arm, and of a conveyor, in the world |
 //! | `fingers.rs`, `jaws.rs` | a gripper that is a robot of its own: closing on the one body; on whatever its pads touch |
 //! | `pads.rs` | the pads of fingers |
 //! | `internal.rs` | forces of grippers against one another |
@@ -39,11 +39,11 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod arm;
 mod belt;
 mod body;
 mod compliance;
 mod contact;
+mod drives;
 mod entry;
 mod error;
 mod fingers;
@@ -62,15 +62,15 @@ mod turn;
 mod world;
 mod wrist;
 
-pub use arm::{Grasping, Gripped};
-pub use belt::{Belt, Carried, Conveying};
+pub use belt::Belt;
 pub use body::{Body, BodyState};
 pub use compliance::Grasp;
 pub use contact::Table;
+pub use drives::{Carried, Conveying, Grasping, Gripped};
 pub use entry::{Sink, Whereabouts};
-pub use error::{OutOfReach, WorldError};
+pub use error::WorldError;
 pub use fingers::{Enclosed, Fingers};
-pub use grip::Hand;
+pub use grip::{Hand, OutOfReach};
 pub use internal::Sharing;
 pub use jaws::{Jaws, Pressed};
 pub use pads::{Pads, Touch};

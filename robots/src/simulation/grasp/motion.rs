@@ -2,12 +2,14 @@
 //!
 //! In: its pose at the end of each servo period. Out: its place and its even motion between two of these.
 
+use core::time::Duration;
 use std::collections::VecDeque;
 
 use mrroc::pose::Pose;
 use nalgebra::{UnitQuaternion, Vector3};
 
 use super::compliance::Deflection;
+use super::error::{WorldError, positive};
 use super::turn;
 
 /// Time on the world's clock \[ns\].
@@ -16,6 +18,12 @@ pub(super) type Nanos = u64;
 /// \[s\] of a time on the world's clock.
 pub(super) fn seconds(time: Nanos) -> f64 {
     time as f64 * 1e-9
+}
+
+/// A servo period.
+pub(super) fn nanos(period: Duration) -> Result<Nanos, WorldError> {
+    positive("the servo period", period.as_secs_f64(), "s")?;
+    Ok(Nanos::try_from(period.as_nanos()).unwrap_or(Nanos::MAX))
 }
 
 /// Where E is at a time.

@@ -1,4 +1,4 @@
-//! How a world goes on in time.
+//! The state of a world, and how it goes on in time.
 //!
 //! **Steps.** An interval in which all tools and belts move evenly is divided into leapfrog steps `h`, for each body its own. With
 //! velocities damped explicitly one mode `x'' + c x' + w^2 x = 0` of it is stable where `w^2 h^2 + 2 c h < 4` (both roots of its
@@ -9,14 +9,15 @@
 use mrroc::pose::Wrench;
 use nalgebra::Vector3;
 
+use super::belt::BeltState;
 use super::compliance::Deflection;
-use super::contact::{Point, at_lever};
-use super::entry::{Entry, Whereabouts};
+use super::contact::{Point, Table, at_lever};
+use super::entry::{Entry, Sink, Whereabouts};
 use super::hand::HandState;
 use super::internal::Sharing;
 use super::motion::{Motion, Nanos, seconds};
 use super::pads::Touch;
-use super::world::State;
+use super::plate::Plate;
 
 /// The longest step \[s\], where nothing holds the body.
 const LONGEST: f64 = 1e-3;
@@ -30,6 +31,25 @@ const DECAY: f64 = 0.5;
 pub(super) enum Mover {
     Hand(usize),
     Belt(usize),
+}
+
+/// The state of a world.
+#[derive(Debug)]
+pub(super) struct State {
+    pub time: Nanos,
+    pub entries: Vec<Entry>,
+    /// Those that are in the world.
+    pub active: Vec<usize>,
+    /// When the next one comes.
+    pub next: Nanos,
+    pub gravity: Vector3<f64>,
+    pub table: Option<Table>,
+    pub plate: Option<Plate>,
+    pub belts: Vec<BeltState>,
+    pub sinks: Vec<Sink>,
+    /// Whether bodies may rest on belts without being integrated.
+    pub rests: bool,
+    pub hands: Vec<HandState>,
 }
 
 impl State {

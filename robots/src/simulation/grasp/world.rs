@@ -16,43 +16,19 @@ use std::rc::Rc;
 use mrroc::pose::Pose;
 use nalgebra::Vector3;
 
-use super::arm::Grasping;
-use super::belt::{Belt, BeltState, Conveying};
+use super::belt::{Belt, BeltState};
 use super::body::{Body, BodyState};
-use super::compliance::Grasp;
 use super::contact::Table;
 use super::entry::{Entry, Sink, Whereabouts};
-use super::error::{WorldError, positive};
-use super::grip::Hand;
-use super::hand::HandState;
-use super::motion::{Nanos, seconds};
+use super::error::{WorldError, not_negative};
+use super::motion::{Nanos, nanos, seconds};
 use super::plate::Plate;
-use super::stepping::Mover;
-use crate::models::{Conveyor, Driven, GRAVITY, Kinematics};
-use crate::simulation::simulated::Simulated;
+use super::stepping::{Mover, State};
+use crate::models::GRAVITY;
 
 /// Bodies, a table, belts, sinks and grippers. All copies are the same world.
 #[derive(Clone, Debug)]
 pub struct World(Rc<RefCell<State>>);
-
-/// The state of a world.
-#[derive(Debug)]
-pub(super) struct State {
-    pub time: Nanos,
-    pub entries: Vec<Entry>,
-    /// Those that are in the world.
-    pub active: Vec<usize>,
-    /// When the next one comes.
-    pub next: Nanos,
-    pub gravity: Vector3<f64>,
-    pub table: Option<Table>,
-    pub plate: Option<Plate>,
-    pub belts: Vec<BeltState>,
-    pub sinks: Vec<Sink>,
-    /// Whether bodies may rest on belts without being integrated.
-    pub rests: bool,
-    pub hands: Vec<HandState>,
-}
 
 impl World {
     /// A world with this body in it, and weight along -z.
@@ -98,7 +74,7 @@ impl World {
     /// # Errors
     /// [`WorldError`] when no rigid body has these figures, or the time is none.
     pub fn put_at(&self, body: &Body, time: f64) -> Result<usize, WorldError> {
-        let time = super::error::not_negative("the time at which a body comes", time, "s")?;
+        let time = not_negative("the time at which a body comes", time, "s")?;
         let state = &mut *self.state_mut();
         state.entries.push(Entry::new(body, (time * 1e9).round() as Nanos, state.plate.as_ref())?);
         let room = state.entries.len() - state.active.len();
@@ -154,45 +130,6 @@ impl World {
         self
     }
 
-    /// The drives of an arm whose gripper, open, holds the body as `grasp` says when it is closed.
-    ///
-    /// The robot of the drives is the true one. The cell's robot is the one that programs compute with: its base may stand
-    /// elsewhere, as after a wrong calibration.
-    ///
-    /// # Errors
-    /// [`WorldError`] when a figure of the grasp is out of range.
-    pub fn arm<const N: usize, R: Driven<N> + Kinematics<N>>(
-        &self,
-        drives: Simulated<R, N>,
-        grasp: Grasp,
-    ) -> Result<Grasping<R, N>, WorldError> {
-        Grasping::new(self, drives, grasp)
-    }
-
-    /// The drive of a conveyor whose belt carries bodies by friction.
-    ///
-    /// # Errors
-    /// [`WorldError`] when a figure of the belt is out of range or its base is not level.
-    pub fn belt(&self, drive: Simulated<Conveyor, 1>, belt: Belt) -> Result<Conveying, WorldError> {
-        Conveying::new(self, drive, belt)
-    }
-
-    /// Puts a tool frame into the world, at `X_WE`, which moves every `period`.
-    #[allow(non_snake_case)]
-    pub(super) fn add_hand(
-        &self,
-        grasp: Grasp,
-        period: core::time::Duration,
-        X_WE: Pose,
-    ) -> Result<Hand, WorldError> {
-        grasp.check()?;
-        let period = nanos(period)?;
-        let state = &mut *self.state_mut();
-        state.hands.push(HandState::new(grasp, period, state.time, X_WE));
-        state.reserve();
-        Ok(Hand::of(self, state.hands.len() - 1))
-    }
-
     /// Puts a belt into the world, its mark at `X_WF`, which moves every `period`; returns its number.
     #[allow(non_snake_case)]
     pub(super) fn add_belt(
@@ -220,12 +157,6 @@ impl World {
     #[allow(non_snake_case)]
     pub(super) fn end_belt(&self, index: usize, X_WF: Pose) {
         self.state_mut().belts[index].motion.end(X_WF);
-    }
-
-    /// The gripper of an arm, counted from 0 in the order in which arms came into the world.
-    #[must_use]
-    pub fn hand(&self, arm: usize) -> Option<Hand> {
-        (arm < self.state().hands.len()).then(|| Hand::of(self, arm))
     }
 
     /// Where the first body is and how it moves.
@@ -341,9 +272,4 @@ impl World {
     pub(super) fn state_mut(&self) -> RefMut<'_, State> {
         self.0.borrow_mut()
     }
-}
-
-fn nanos(period: core::time::Duration) -> Result<Nanos, WorldError> {
-    positive("the servo period", period.as_secs_f64(), "s")?;
-    Ok(Nanos::try_from(period.as_nanos()).unwrap_or(Nanos::MAX))
 }

@@ -2,21 +2,20 @@
 
 use core::any::TypeId;
 use core::time::Duration;
-use std::cell::RefCell;
 use std::rc::Rc;
 
 use super::lower::{Above, LowerSetup, scoped};
-use super::robot::RobotPlacement;
+use super::robot::{Outcomes, RobotPlacement};
 use super::sensor::Requesters;
 use super::{Cell, CellError};
 use crate::control::ecp::Pace;
-use crate::control::mp::{Mp, MpTiming, RobotPort};
+use crate::control::mp::{Mp, MpTiming, RobotFacts, RobotPort};
 use crate::control::overruns::Timed;
 use crate::control::plant::{Bodies, Rests, Site};
 use crate::control::sensing::Sensing;
 use crate::link::timeout::AnswerTimeout;
 use crate::link::{Link, Simulation};
-use crate::model::fault::{Fault, ProcessId, Role};
+use crate::model::fault::{ProcessId, Role};
 use crate::model::list::Owner;
 use crate::model::lower_cell::LowerCell;
 use crate::model::name::Name;
@@ -24,9 +23,6 @@ use crate::model::robot::Robot;
 use crate::model::time::Nanos;
 use crate::observe::shown::AnyShown;
 use crate::observe::step_observer::{StepEvent, StepObservers};
-
-/// How the programs of a cell's processes ended.
-pub type Outcomes = Rc<RefCell<Vec<(ProcessId, Result<(), Fault>)>>>;
 
 /// What the processes of a cell leave behind.
 pub struct Assembly {
@@ -141,17 +137,16 @@ impl Cell {
         let robots = self.parts.robots.into_iter().zip(names).zip(ecps);
         for (i, ((robot, name), ((&ecp, &process), sensing))) in robots.enumerate() {
             let (client, server) = link.port(mp, ecp);
-            let signals = robot.signal_names();
-            let port =
-                RobotPort::new(*name, robot.kind(), robot.kind_name(), client, stop_steps, robot.is_homed());
-            let (model, joints) = robot.model();
-            let port = port.with_model(model, joints);
-            ports.push(port.of_process(process).with_signals(Rc::clone(&signals)));
+            let facts = robot.facts(*name, process, stop_steps);
+            let signals = Rc::clone(&facts.signals);
+            ports.push(RobotPort::new(facts, client));
             let period = self.timing.step.as_nanos() as Nanos;
             let pace = Pace { period, grace, stop_steps };
             let place = RobotPlacement {
                 name: process.name.unwrap_or(*name),
                 ecp,
+                mp: server,
+                sensing,
                 period: self.timing.step,
                 delay,
                 pace,
@@ -159,9 +154,10 @@ impl Cell {
                 step_observers: step_observers.clone(),
                 signals,
                 named: Rc::clone(&named),
+                outcomes: Rc::clone(&outcomes),
                 wanted: wanted.iter().filter(|wanted| wanted.robot == i).cloned().collect(),
             };
-            robot.spawn(link, plant, place, server, sensing, Rc::clone(&outcomes))?;
+            robot.spawn(link, plant, place)?;
         }
         if let Some(board) = plant.board(link, mp) {
             self.coordination.activity.pass_on(board);
@@ -243,9 +239,18 @@ impl LowerSetup {
         let (client, port) = link.port(upper, mp);
         let above = Above { name, port, step };
         self.cell.assemble_at(mp, Some((above, plant)), &robots, link)?;
-        // Its program comes to its orders when its robots are homed.
-        let homed = false;
-        let port = RobotPort::new(own, TypeId::of::<LowerCell>(), LowerCell::KIND, client, stop_steps, homed);
-        Ok(port.of_process(process).of_cell())
+        let facts = RobotFacts {
+            name: own,
+            process,
+            kind: TypeId::of::<LowerCell>(),
+            kind_name: LowerCell::KIND,
+            model: Rc::new(()),
+            joints: 0,
+            signals: Rc::default(),
+            // Its program comes to its orders when its robots are homed.
+            homed: false,
+            stop_steps,
+        };
+        Ok(RobotPort::new(facts, client).of_cell())
     }
 }

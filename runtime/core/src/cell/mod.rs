@@ -61,13 +61,13 @@ use watching::Watching;
 pub use crate::control::plant::{Rest, Rests};
 pub use crate::model::lower_cell::{CellStatus, LowerCell};
 pub use crate::safety::latch::AfterFault;
-pub use assembly::{Assembly, Outcomes};
+pub use assembly::Assembly;
 pub use error::CellError;
 pub use nodes::{Node, Nodes};
 pub use picture::RunPicture;
 pub use realtime::{Permission, Realtime};
 pub use robot::signals::{InputSetup, OutputSetup, WrongSignal};
-pub use robot::{AnyRobot, NoSimulator, RobotSetup};
+pub use robot::{AnyRobot, NoSimulator, Outcomes, RobotSetup};
 pub use running::{RunReport, first_cause};
 pub use sensor::SensorSetup;
 

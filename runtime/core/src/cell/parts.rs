@@ -2,6 +2,7 @@
 //!
 //! In: set-ups, programs of ECPs. Out: everything that is wrong with them, or the robots' names.
 
+use core::any::Any;
 use core::time::Duration;
 
 use crate::console::quoted;
@@ -52,7 +53,7 @@ impl Parts {
             return;
         };
         let kind = found.kind_name();
-        let error = match found.as_any().downcast_mut::<RobotSetup<R>>() {
+        let error = match (&mut **found as &mut dyn Any).downcast_mut::<RobotSetup<R>>() {
             Some(setup) if setup.has_program() => CellError::TwoPrograms(robot.to_owned()),
             Some(setup) => return setup.give_program(program),
             None => CellError::OtherKind { robot: robot.to_owned(), kind, written: R::KIND },

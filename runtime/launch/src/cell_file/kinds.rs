@@ -1,5 +1,6 @@
 //! The kinds of robots that a cell file may name.
 
+use core::any::Any;
 use core::time::Duration;
 use std::rc::Rc;
 
@@ -131,7 +132,7 @@ fn stand_in<R: Robot>(
     let entry = &entry.without_plant();
     let homed = entry.homed();
     let made = simulated.map(|make| make(entry, None).or_else(|_| make(&homed, None))).transpose()?;
-    if let Some(Ok(setup)) = made.map(|setup| setup.into_any().downcast::<RobotSetup<R>>()) {
+    if let Some(Ok(setup)) = made.map(|setup| (setup as Box<dyn Any>).downcast::<RobotSetup<R>>()) {
         return Ok(*setup);
     }
     let drives = IdealDrives::new(robot, entry.start(robot)?, period);

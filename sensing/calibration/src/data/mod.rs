@@ -244,12 +244,12 @@ impl Data {
         Ok(Stated { problem, arm, model, base, instruments, points })
     }
 
-    /// The rows of another file, as measurements of the problem of a trial of this one.
+    /// The rows of another file, as measurements of a problem of this one.
     ///
     /// # Errors
     /// A name of an instrument or a point that this one does not have, or another number of joints.
-    pub fn with_rows_of(&self, other: &Data, trial: &crate::trials::Trial) -> Result<Problem, String> {
-        let mut problem = trial.stated.problem.without_measurements();
+    pub fn with_rows_of(&self, other: &Data, stated: &Stated) -> Result<Problem, String> {
+        let mut problem = stated.problem.without_measurements();
         let find = |own: Vec<&str>, name: &str| {
             own.iter().position(|one| *one == name).ok_or_else(|| {
                 format!("the data to be foretold have `{name}`, of which nothing was learned\n help: give the same names in both headers")
@@ -266,8 +266,8 @@ impl Data {
             }
             let instrument = find(self.instruments().collect(), &other.readers[reading.instrument].name)?;
             let point = find(self.points().collect(), &other.points[reading.point])?;
-            let posture = problem.posture(trial.stated.arm, q);
-            let (instrument, point) = (trial.stated.instruments[instrument], trial.stated.points[point]);
+            let posture = problem.posture(stated.arm, q);
+            let (instrument, point) = (stated.instruments[instrument], stated.points[point]);
             match other.other_device(reading, Scales::Declared) {
                 None => problem.measure(instrument, point, &[posture], &reading.read),
                 Some(device) => problem.measure_by(instrument, device, point, &[posture], &reading.read),

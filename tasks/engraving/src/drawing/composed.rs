@@ -1,9 +1,8 @@
-//! Letters beyond ASCII for the Hershey fonts, which have none: an ASCII letter with marks and strokes, or strokes alone.
+//! Letters as strokes, and those beyond ASCII for the Hershey fonts, which have none: an ASCII letter with marks and strokes, or strokes alone.
 //!
 //! Unicode's canonical decomposition says which letter and which marks (é is e and an acute accent). Lengths are in
 //! the fonts' own units: capitals are 21 high, small letters 14, y up from the baseline.
 
-use super::hershey::Glyph;
 use super::{Affine, Bounds, Vec2};
 use unicode_normalization::UnicodeNormalization;
 
@@ -16,6 +15,14 @@ const GAP: f64 = 3.0;
 const SIDE: f64 = 4.0;
 /// The most letters of one that is written as several, as ½ is.
 const MOST_PARTS: usize = 6;
+
+/// A glyph: edges and polylines in font units, y up from the baseline.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Glyph {
+    pub left: f64,
+    pub right: f64,
+    pub lines: Vec<Vec<Vec2>>,
+}
 
 /// A polyline by its points.
 type Points = &'static [(i8, i8)];

@@ -3,8 +3,6 @@
 //! A piece says where the tip is over the plate, over its parameter t in 0..=1; a [`Height`] says over the same t how
 //! high it is. Linear heights are exact for lines and helices (both run evenly over t), cubic ones are Bézier curves.
 
-use super::piece::quadratic_roots;
-
 /// A height over the plate's surface along a piece \[mm\]: below 0 the tip is in the material.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Height {
@@ -147,6 +145,24 @@ pub(super) fn blossom<T: Copy>(controls: [T; 4], at: [f64; 3], between: impl Fn(
     let (p, q, r) = (between(a, b, x), between(b, c, x), between(c, d, x));
     let (p, q) = (between(p, q, y), between(q, r, y));
     between(p, q, z)
+}
+
+/// Real roots of `a t² + b t + c`.
+pub(super) fn quadratic_roots(a: f64, b: f64, c: f64, into: &mut Vec<f64>) {
+    if a.abs() < 1e-12 * (b.abs() + c.abs()) {
+        if b != 0.0 {
+            into.push(-c / b);
+        }
+        return;
+    }
+    let discriminant = b * b - 4.0 * a * c;
+    if discriminant >= 0.0 {
+        let q = -0.5 * (b + discriminant.sqrt().copysign(b));
+        into.push(q / a);
+        if q != 0.0 {
+            into.push(c / q);
+        }
+    }
 }
 
 #[cfg(test)]

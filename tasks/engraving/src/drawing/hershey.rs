@@ -5,7 +5,7 @@
 //! in ASCII order from the blank; other letters are composed of these. The coarse polylines are drawn as smooth curves through their vertices; turns of
 //! 50 degrees or more stay corners.
 
-use super::composed::composed;
+use super::composed::{Glyph, composed};
 use super::{Affine, Drawing, Import, Stroke, Vec2, smooth_pieces};
 use crate::error::{DrawingError, Place};
 use mrroc::launch::files;
@@ -40,14 +40,6 @@ const LONGEST_FILE: u64 = 4 << 20;
 
 /// What a letter costs of a budget of curve pieces before it is written.
 pub const PIECES_OF_A_LETTER: usize = 8;
-
-/// A glyph: edges and polylines in font units, y up from the baseline.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Glyph {
-    pub left: f64,
-    pub right: f64,
-    pub lines: Vec<Vec<Vec2>>,
-}
 
 /// A single-stroke font.
 #[derive(Clone, Debug, PartialEq)]

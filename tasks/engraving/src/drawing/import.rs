@@ -1,33 +1,12 @@
 //! Reads a file of any known format: size, text and format first, then the format's reader, then what all share.
 
 use super::gcode::Switches;
-use super::{Budget, Drawing, Limits, dxf, gcode, svg};
+use super::{Budget, Import, Limits, dxf, gcode, svg};
 use crate::error::{DrawingError, Place};
 use mrroc::launch::files;
 use std::borrow::Cow;
 use std::io::Read;
 use std::path::Path;
-
-/// What came out of a file.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Import {
-    /// The drawing.
-    pub drawing: Drawing,
-    /// What the reader left out or assumed, one sentence each.
-    pub warnings: Vec<String>,
-    /// In which order the strokes are to be cut.
-    pub order: Order,
-}
-
-/// The order of strokes, and which way round they go.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Order {
-    /// Any that saves travel.
-    #[default]
-    Free,
-    /// As they stand: a program means its order.
-    AsGiven,
-}
 
 /// How a file is read.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -1,4 +1,4 @@
-//! A drawing: a list of strokes.
+//! A drawing: a list of strokes; and what else comes out of a file.
 
 use super::{Affine, Bounds, Stroke};
 
@@ -7,6 +7,27 @@ use super::{Affine, Bounds, Stroke};
 pub struct Drawing {
     /// The strokes in the order of cutting.
     pub strokes: Vec<Stroke>,
+}
+
+/// What came out of a file.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Import {
+    /// The drawing.
+    pub drawing: Drawing,
+    /// What the reader left out or assumed, one sentence each.
+    pub warnings: Vec<String>,
+    /// In which order the strokes are to be cut.
+    pub order: Order,
+}
+
+/// The order of strokes, and which way round they go.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Order {
+    /// Any that saves travel.
+    #[default]
+    Free,
+    /// As they stand: a program means its order.
+    AsGiven,
 }
 
 impl Drawing {
@@ -33,6 +54,7 @@ impl Drawing {
     pub fn transformed(&self, map: &Affine) -> Self {
         Self { strokes: self.strokes.iter().map(|stroke| stroke.transformed(map)).collect() }
     }
+
     /// The drawing with its strokes at this depth \[mm\] where their file says no heights.
     #[must_use]
     pub fn sunk(self, depth: f64) -> Self {

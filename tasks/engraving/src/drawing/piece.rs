@@ -1,6 +1,6 @@
 //! One exact curve piece of a stroke, over the parameter 0..=1.
 
-use super::height::blossom;
+use super::height::{blossom, quadratic_roots};
 use super::{Affine, EllipticalArc, Height, RationalBezier, Vec2, cross};
 
 /// An exact curve: line, elliptical or circular arc, cubic Bézier, or a span of a NURBS.
@@ -225,24 +225,6 @@ fn integral(of: impl Fn(f64) -> f64) -> f64 {
         }
     }
     sum * half
-}
-
-/// Real roots of `a t² + b t + c`.
-pub(super) fn quadratic_roots(a: f64, b: f64, c: f64, into: &mut Vec<f64>) {
-    if a.abs() < 1e-12 * (b.abs() + c.abs()) {
-        if b != 0.0 {
-            into.push(-c / b);
-        }
-        return;
-    }
-    let discriminant = b * b - 4.0 * a * c;
-    if discriminant >= 0.0 {
-        let q = -0.5 * (b + discriminant.sqrt().copysign(b));
-        into.push(q / a);
-        if q != 0.0 {
-            into.push(c / q);
-        }
-    }
 }
 
 #[cfg(test)]

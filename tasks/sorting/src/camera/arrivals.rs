@@ -11,7 +11,7 @@ use nalgebra::Vector3;
 
 use super::kinds::{KINDS, Kind, kinds, lying, strangers};
 use super::layout::{ACROSS, FEED, X_WF};
-use super::run::Settings;
+use super::settings::Settings;
 use super::studio::{REFLECTANCE, TOLERANCE};
 use crate::generators::Uneven;
 

@@ -4,7 +4,8 @@ use core::fmt;
 
 use mrroc::prelude::*;
 
-use super::run::{Outcome, Settings};
+use super::run::Outcome;
+use super::settings::Settings;
 use crate::summary::quantile;
 
 /// What arms need for a part where parts always wait for them: no more than one part in that time can be sorted by each.

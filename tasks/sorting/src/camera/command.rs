@@ -12,7 +12,8 @@ use super::charts::{confusion, filmed, scatter, time_line};
 use super::kinds::classes;
 use super::layout::camera;
 use super::picture::{draw, read, write};
-use super::run::{Outcome, Overhead, Settings, network};
+use super::run::{Outcome, network};
+use super::settings::{Overhead, Settings};
 use super::studio::{data_set, examine};
 use super::summary::{Confusion, Line, Table, examination};
 use crate::matrix::picture::{echoes, reliefs};
@@ -155,7 +156,7 @@ fn regular(options: &Options) -> f64 {
 }
 
 struct Kept {
-    looks: std::rc::Rc<std::cell::RefCell<super::run::Looks>>,
+    looks: std::rc::Rc<std::cell::RefCell<super::looks::Looks>>,
     parts: Vec<(f64, usize)>,
 }
 

@@ -3,7 +3,8 @@
 use core::fmt;
 
 use super::kinds::kinds;
-use super::run::{Outcome, Settings};
+use super::run::Outcome;
+use super::settings::Settings;
 use crate::monitor::Fate;
 
 /// A part that was missed.

@@ -10,26 +10,25 @@ use mrroc::prelude::*;
 use mrroc::robot::RobotView;
 use mrroc_robots::clearance::{Closest, DryRun};
 use mrroc_robots::grasp::{Hand, Sink, Touch, Whereabouts, World};
-use mrroc_sensors::aggregation::{
-    DetectedObject, FEATURES, HeardObject, Network, NetworkError, Relief, Vision,
-};
+use mrroc_sensors::aggregation::{DetectedObject, FEATURES, Network, NetworkError, Vision};
 use mrroc_sensors::physics::{Imager, LightBarrier, Noise};
 use mrroc_sensors::view::View as _;
 use mrroc_sensors::virtual_sensors::{CameraSensor, Encoder, Sampled, Trigger};
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 
 use super::acquire::Acquire;
-use super::arrivals::{Coming, angle, coming};
-use super::clear::{MARGIN, Seen, clearance, guard};
-use super::kinds::{KINDS, classes, kinds, turned};
+use super::arrivals::{Coming, coming};
+use super::clear::{Seen, clearance, guard};
+use super::kinds::{KINDS, classes, kinds};
 use super::layout::{BEAM, BINS, FEED, LAST, STATIONS, TRIGGER, bin, camera};
+use super::looks::{Look, Looks, nearest};
 use super::queue::Queue;
+use super::settings::Settings;
 use super::share::{self, Shared};
 use super::sight::Sight;
 use super::studio::misplaced;
 use super::{ecp, mp};
 use crate::generators::Uneven;
-use crate::matrix::{self, run::Trace};
 use crate::monitor::Fate;
 use crate::places::{BELT, SURFACE, TRAY, TRAYS};
 use crate::plant::Plant;
@@ -38,44 +37,6 @@ use crate::scene::Belt;
 
 /// The sink at the end of the belt; the bins are those before it.
 pub const END_BIN: usize = BINS;
-
-/// What is run.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Settings {
-    /// Nominal speed of the belt [m/s]; the true one is up to 20 % off and wanders.
-    pub speed: f64,
-    /// Of parts, sensors and belt.
-    pub seed: u64,
-    /// How many parts come.
-    pub parts: usize,
-    /// Mean time between two parts \[s\].
-    pub every: f64,
-    /// How regularly they come: none less than this share of that time after another, the rest as Poisson's law says. 0: quite at random.
-    pub regular: f64,
-    /// Which of the strangers comes first, if any.
-    pub stranger: Option<usize>,
-    /// Every so many parts comes a stranger, and one that touches the part before it; 0: none.
-    pub strangers: usize,
-    /// See [`strangers`](Self::strangers).
-    pub touching: usize,
-    /// From when on \[s\] the belt goes at which share of its speed.
-    pub profile: &'static [(f64, f64)],
-    /// What is over the belt.
-    pub overhead: Overhead,
-    /// How many arms are at it, 1 or 2.
-    pub arms: usize,
-    /// Two arms that are nearer than this are stopped \[m\].
-    pub margin: f64,
-}
-
-/// What is over the belt and tells of parts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Overhead {
-    /// A camera.
-    Camera,
-    /// An ultrasonic matrix.
-    Matrix,
-}
 
 /// A cell that is ready to run.
 pub struct Ready {
@@ -96,34 +57,6 @@ pub struct Ready {
     vain: Rc<RefCell<Vec<(u32, usize)>>>,
     gap: Option<Rc<RefCell<DryRun>>>,
     nearness: Rc<std::cell::Cell<Seen>>,
-}
-
-/// What came of the images, or reliefs.
-#[derive(Default)]
-pub struct Looks {
-    /// Things that were found, and what they truly were.
-    pub all: Vec<Look>,
-    /// The first images, and what was found in them.
-    pub images: Vec<(Vec<u8>, Vec<DetectedObject>)>,
-    /// The first reliefs, and what was made of them.
-    pub reliefs: Vec<(Relief, HeardObject)>,
-    /// What one transducer heard while the first part passed.
-    pub traces: Vec<Trace>,
-    /// So many images or reliefs are kept.
-    pub keep: usize,
-}
-
-/// A thing that was found in an image or a relief.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Look {
-    /// Which part it was.
-    pub part: usize,
-    /// As which kind it was taken.
-    pub taken: Option<usize>,
-    /// How far its place in the belt's frame was off, along and across \[m\].
-    pub off: [f64; 2],
-    /// How far its angle was off \[rad\].
-    pub turned: f64,
 }
 
 /// A grasp.
@@ -197,74 +130,6 @@ pub(crate) fn wrong(error: &impl core::fmt::Display) -> Fault {
 }
 
 impl Settings {
-    /// Parts that come every so many seconds in the mean.
-    #[must_use]
-    pub const fn of(speed: f64, parts: usize, every: f64, seed: u64) -> Self {
-        Self {
-            speed,
-            seed,
-            parts,
-            every,
-            regular: Self::REGULAR,
-            stranger: None,
-            strangers: 0,
-            touching: 0,
-            profile: &[],
-            overhead: Overhead::Camera,
-            arms: 1,
-            margin: MARGIN,
-        }
-    }
-
-    /// The same with so many arms, 1 or 2.
-    #[must_use]
-    pub const fn by(self, arms: usize) -> Self {
-        Self { arms, ..self }
-    }
-
-    /// The same with something else over the belt.
-    #[must_use]
-    pub const fn below(self, overhead: Overhead) -> Self {
-        Self { overhead, ..self }
-    }
-
-    /// The time that the arm needs for a part in the mean: measured where parts never wait for it nor it for them \[s\].
-    pub const CYCLE: f64 = 8.0;
-    /// A feeder lets no two parts come within this share of the mean time between them.
-    pub const REGULAR: f64 = 0.7;
-    /// Parts are at least so far apart \[m\]; what edges send back must not run together.
-    const fn spacing(&self) -> f64 {
-        match self.overhead {
-            Overhead::Camera => 0.16,
-            Overhead::Matrix => 0.2,
-        }
-    }
-
-    /// When the first part comes \[s\]: the belt has its speed, and the camera has seen it empty.
-    #[must_use]
-    pub fn first(&self) -> f64 {
-        2.0 + (1.0 + Uneven::OFF) * self.speed / Uneven::ACCELERATION
-    }
-
-    /// The cell.
-    ///
-    /// # Errors
-    /// What is wrong with the cell's file or a figure.
-    pub fn ready(&self) -> Result<Ready, CellError> {
-        match self.overhead {
-            Overhead::Camera => self.sensed_by(
-                |camera| camera,
-                |file, cell, camera, plant| {
-                    let step = file.step().as_secs_f64();
-                    let cell =
-                        cell.sensor(file.sensor("camera", camera)?).sensor(file.sensor("encoder", Encoder)?);
-                    Ok(cell.sensor(file.sensor("fingers", plant.fingers_before(BEAM, step))?))
-                },
-            ),
-            Overhead::Matrix => self.heard_by(|matrix| matrix, matrix::run::sensors),
-        }
-    }
-
     /// The cell with another camera, and sensors that `sense` puts into it.
     ///
     /// # Errors
@@ -371,14 +236,6 @@ impl Settings {
         let observer = compare(sight.clone(), plant.world.clone(), parts.clone(), looks.clone());
         Ok(CameraSensor::new(sight, imager, vision, trigger, Acquire::LATCH).watched(Box::new(observer)))
     }
-
-    /// Runs it.
-    ///
-    /// # Errors
-    /// What is wrong with the cell's file or a figure; a fault of the run is part of its outcome.
-    pub fn run(&self) -> Result<Outcome, CellError> {
-        Ok(self.ready()?.run())
-    }
 }
 
 /// A world with the bins, and one below everything.
@@ -452,33 +309,6 @@ fn compare(
             looks.all.extend(nearest(&world, &parts, &turns, run, thing.class, place, thing.angle));
         }
     }
-}
-
-/// The part that is nearest to a place on a belt that has truly run `run` \[m\], and how far what was told of it is off. A part on a belt that
-/// runs evenly keeps its place in the belt's frame.
-pub fn nearest(
-    world: &World,
-    parts: &[Coming],
-    turns: &[u32],
-    run: f64,
-    taken: Option<usize>,
-    place: [f64; 2],
-    told: f64,
-) -> Option<Look> {
-    let mut nearest: Option<(f64, Look)> = None;
-    world.each_body(|number, state| {
-        let part = &parts[number];
-        let truly = part.place(&state.pose);
-        let along = place[0] - (truly.translation.x - run);
-        let across = place[1] - truly.translation.y;
-        let turned = turned(told, angle(&truly), turns.get(part.kind).copied().unwrap_or(0));
-        let look = Look { part: number, taken, off: [along, across], turned };
-        let distance = along.hypot(across);
-        if nearest.is_none_or(|(least, _)| distance < least) {
-            nearest = Some((distance, look));
-        }
-    });
-    nearest.map(|(_, look)| look)
 }
 
 impl Ready {

@@ -10,7 +10,7 @@ use super::assignment::{Free, Times, Waiting, assign, over};
 use super::layout::{FIRST, LAST, STATIONS};
 use super::orders::Task;
 use super::queue::Queue;
-use super::run::Settings;
+use super::settings::Settings;
 use crate::generators::Uneven;
 use crate::mp::Arm;
 use crate::places::{CLOSED, OPEN};

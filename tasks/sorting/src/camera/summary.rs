@@ -4,8 +4,10 @@ use core::fmt;
 
 use super::kinds::{KINDS, kinds};
 use super::layout::STATIONS;
+use super::looks::Look;
 use super::misses::Miss;
-use super::run::{Look, Outcome, Settings};
+use super::run::Outcome;
+use super::settings::Settings;
 use super::studio::Trial;
 use crate::monitor::Fate;
 use crate::summary::quantile;

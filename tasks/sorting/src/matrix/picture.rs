@@ -7,8 +7,8 @@ use mrroc_sensors::ultrasound::{Air, Waveform};
 use nalgebra::{Rotation2, Vector2};
 
 use super::layout::array;
-use super::run::Trace;
 use crate::camera::kinds::kinds;
+use crate::camera::looks::Trace;
 use crate::pictures::{MARGIN, heading};
 
 const WIDTH: f64 = 1000.0;

@@ -1,4 +1,4 @@
-//! The matrix in the cell.
+//! The matrix in the cell; and a run with whichever sensor is over the belt.
 
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -19,20 +19,11 @@ use crate::camera::acquire::Acquire;
 use crate::camera::arrivals::Coming;
 use crate::camera::kinds::{KINDS, classes, kinds};
 use crate::camera::layout::BEAM;
-use crate::camera::run::{Looks, Ready, Settings, nearest, with_arms, wrong};
+use crate::camera::looks::{Looks, Trace, nearest};
+use crate::camera::run::{Outcome, Ready, with_arms, wrong};
+use crate::camera::settings::{Overhead, Settings};
 use crate::camera::sight::Sight;
 use crate::plant::Plant;
-
-/// What a transducer heard after one ping.
-#[derive(Clone, Debug)]
-pub struct Trace {
-    /// \[s\].
-    pub time: f64,
-    /// The pressure over the range, as [`Waveform`](mrroc_sensors::ultrasound::Waveform) has it.
-    pub heard: Vec<f64>,
-    /// Its first echo.
-    pub echo: Option<Echo>,
-}
 
 /// The cell of the task with the matrix, `cell-matrix.toml`, and with so many arms.
 ///
@@ -66,6 +57,33 @@ pub fn sensors(
 }
 
 impl Settings {
+    /// The cell, with what is to be over the belt.
+    ///
+    /// # Errors
+    /// What is wrong with the cell's file or a figure.
+    pub fn ready(&self) -> Result<Ready, CellError> {
+        match self.overhead {
+            Overhead::Camera => self.sensed_by(
+                |camera| camera,
+                |file, cell, camera, plant| {
+                    let step = file.step().as_secs_f64();
+                    let cell =
+                        cell.sensor(file.sensor("camera", camera)?).sensor(file.sensor("encoder", Encoder)?);
+                    Ok(cell.sensor(file.sensor("fingers", plant.fingers_before(BEAM, step))?))
+                },
+            ),
+            Overhead::Matrix => self.heard_by(|matrix| matrix, sensors),
+        }
+    }
+
+    /// Runs it.
+    ///
+    /// # Errors
+    /// What is wrong with the cell's file or a figure; a fault of the run is part of its outcome.
+    pub fn run(&self) -> Result<Outcome, CellError> {
+        Ok(self.ready()?.run())
+    }
+
     /// The cell with another matrix, and sensors that `sense` puts into it.
     ///
     /// # Errors

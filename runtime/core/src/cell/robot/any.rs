@@ -8,22 +8,21 @@ use std::sync::Arc;
 
 use super::stand_in::StandIn;
 use super::{RobotPlacement, RobotSetup};
-use crate::cell::assembly::Outcomes;
 use crate::cell::layout::joints;
 use crate::cell::{CellError, limits};
 use crate::control::homing::Drives;
+use crate::control::mp::RobotFacts;
 use crate::control::plant::Site;
 use crate::control::replay::RecordedRobot;
 use crate::control::replay::drives::recorded_drives;
-use crate::control::sensing::Sensing;
+use crate::link::Link;
 use crate::link::memory::Stuck;
-use crate::link::{Link, Server};
 use crate::model::drive_fault::DriveFault;
 use crate::model::driver::Channels;
+use crate::model::fault::ProcessId;
 use crate::model::joints::JointVector;
 use crate::model::load::{Load, Tool};
 use crate::model::name::Name;
-use crate::model::named::SignalNames;
 use crate::model::pace::ServoPeriod;
 use crate::model::robot::{InterpolationSpace, NoInverse, Robot};
 use crate::model::time::Nanos;
@@ -38,10 +37,8 @@ use crate::safety::stopping::{longest_braking, stop_steps};
 /// An observer of several robots.
 pub(in crate::cell) type SharedObserver = Rc<RefCell<dyn FnMut(&Observation<'_>)>>;
 
-/// A robot of any kind.
-pub trait AnyRobot {
-    /// Its set-up, whose type its kind tells.
-    fn as_any(&mut self) -> &mut dyn Any;
+/// A robot of any kind: its set-up, whose type its kind tells.
+pub trait AnyRobot: Any {
     /// Shows every servo period to an observer of several robots.
     fn watch(&mut self, observer: SharedObserver, mp: Shown<Activity>);
     /// Calls a function with the time at the end of every servo period \[ns\].
@@ -52,12 +49,10 @@ pub trait AnyRobot {
     fn replay(&mut self, recorded: Rc<RecordedRobot>, step: Duration);
     /// Its name in the cell.
     fn name(&self) -> &str;
-    /// Its kind, as a type.
-    fn kind(&self) -> TypeId;
     /// Its kind's name, for messages.
     fn kind_name(&self) -> &'static str;
-    /// Its model, and how many joints it has.
-    fn model(&self) -> (Rc<dyn Any>, usize);
+    /// What the MP is to know of it: its name in the cell, its ECP, and the steps after which it must stand when it was told to stop.
+    fn facts(&self, name: Name, process: ProcessId, stop_steps: u64) -> RobotFacts;
     /// What it is made of, in plain numbers.
     fn layout(&self, stop_time: Duration) -> RobotLayout;
     /// Whether its ECP has a program of its own.
@@ -84,8 +79,6 @@ pub trait AnyRobot {
     /// # Errors
     /// Why there are none that could.
     fn simulate(&mut self, name: Name) -> Result<(), CellError>;
-    /// Itself, as [`as_any`](AnyRobot::as_any).
-    fn into_any(self: Box<Self>) -> Box<dyn Any>;
     /// Whether its drives may be in the plant.
     fn is_simulated(&mut self) -> bool;
     /// What forbids that its EDP interpolates where it is told to.
@@ -96,9 +89,7 @@ pub trait AnyRobot {
     fn least_margin(&self, rate: f64, step: Duration) -> RateMargin;
     /// The robot that it is mounted on.
     fn mounted_on(&self) -> Option<&str>;
-    /// The names of its inputs and outputs.
-    fn signal_names(&self) -> Rc<SignalNames>;
-    /// What is wrong with these.
+    /// What is wrong with the names of its inputs and outputs.
     fn check_signals(&self, name: Name) -> Vec<CellError>;
     /// The longest stop that it may take, in a cell that allows others `cell`.
     fn stop_time(&self, cell: Duration) -> Duration;
@@ -116,17 +107,10 @@ pub trait AnyRobot {
         link: &mut dyn Link,
         plant: &mut Site,
         place: RobotPlacement,
-        mp: Box<dyn Server>,
-        sensing: Sensing,
-        outcomes: Outcomes,
     ) -> Result<(), Stuck>;
 }
 
 impl<R: Robot> AnyRobot for RobotSetup<R> {
-    fn as_any(&mut self) -> &mut dyn Any {
-        self
-    }
-
     fn watch(&mut self, observer: SharedObserver, mp: Shown<Activity>) {
         let ecp = self.activity.clone();
         let name = self.name.clone();
@@ -171,16 +155,22 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
         &self.name
     }
 
-    fn kind(&self) -> TypeId {
-        TypeId::of::<R>()
-    }
-
     fn kind_name(&self) -> &'static str {
         R::KIND
     }
 
-    fn model(&self) -> (Rc<dyn Any>, usize) {
-        (Rc::new(self.robot.clone()), R::Joints::LEN)
+    fn facts(&self, name: Name, process: ProcessId, stop_steps: u64) -> RobotFacts {
+        RobotFacts {
+            name,
+            process,
+            kind: TypeId::of::<R>(),
+            kind_name: R::KIND,
+            model: Rc::new(self.robot.clone()),
+            joints: R::Joints::LEN,
+            signals: self.signals.names(),
+            homed: self.is_homed(),
+            stop_steps,
+        }
     }
 
     fn layout(&self, stop_time: Duration) -> RobotLayout {
@@ -262,10 +252,6 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
         Ok(())
     }
 
-    fn into_any(self: Box<Self>) -> Box<dyn Any> {
-        self
-    }
-
     fn is_simulated(&mut self) -> bool {
         match &mut self.drives {
             Drives::Homed(driver) => driver.simulation().is_some(),
@@ -275,10 +261,6 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
 
     fn mounted_on(&self) -> Option<&str> {
         self.mounted_on.as_deref()
-    }
-
-    fn signal_names(&self) -> Rc<SignalNames> {
-        self.signals.names()
     }
 
     fn check_signals(&self, name: Name) -> Vec<CellError> {
@@ -318,11 +300,8 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
         link: &mut dyn Link,
         plant: &mut Site,
         place: RobotPlacement,
-        mp: Box<dyn Server>,
-        sensing: Sensing,
-        outcomes: Outcomes,
     ) -> Result<(), Stuck> {
-        self.put_on(link, plant, place, mp, sensing, outcomes)
+        self.put_on(link, plant, place)
     }
 }
 

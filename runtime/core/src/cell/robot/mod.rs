@@ -31,7 +31,7 @@ use crate::observe::shown::{AnyShown, Shown};
 pub use any::AnyRobot;
 pub(super) use any::SharedObserver;
 use signals::{InputSetup, OutputSetup, SignalSetups};
-pub use spawning::{RobotPlacement, StateWanted};
+pub use spawning::{Outcomes, RobotPlacement, StateWanted};
 use stand_in::StandIn;
 
 type EcpProgram<R> = Box<dyn FnMut(&mut Ecp<R>) -> Result<(), Fault>>;

@@ -2,10 +2,10 @@
 
 use core::cell::OnceCell;
 use core::time::Duration;
+use std::cell::RefCell;
 use std::rc::Rc;
 
 use super::RobotSetup;
-use crate::cell::assembly::Outcomes;
 use crate::control::drive::Drive;
 use crate::control::ecp::{Ecp, Pace};
 use crate::control::edp::signals::Declared;
@@ -19,7 +19,7 @@ use crate::control::simulated_signals::{SimulatedSignals, SimulatedWire};
 use crate::link::memory::Stuck;
 use crate::link::{Board, Host, Link, Preparation, Server};
 use crate::model::driver::{Channels, Driver};
-use crate::model::fault::{ProcessId, Role};
+use crate::model::fault::{Fault, ProcessId, Role};
 use crate::model::name::Name;
 use crate::model::named::{CellNames, SignalNames};
 use crate::model::payload::Trigger;
@@ -28,10 +28,16 @@ use crate::observe::shown::AnyShown;
 use crate::observe::step_observer::{StepEvent, StepObservers};
 use crate::safety::latch::Gate;
 
+/// How the programs of a cell's processes ended.
+pub type Outcomes = Rc<RefCell<Vec<(ProcessId, Result<(), Fault>)>>>;
+
 /// Where a robot's processes are.
 pub struct RobotPlacement {
     pub name: Name,
     pub ecp: usize,
+    /// The port of its orders, and of its sensors.
+    pub mp: Box<dyn Server>,
+    pub sensing: Sensing,
     /// Length of a step.
     pub period: Duration,
     /// How far drives are behind their demands in this cell; `None`: each takes every demand as it is.
@@ -42,6 +48,7 @@ pub struct RobotPlacement {
     /// The names of its inputs and outputs, and of the cell's frames and tools.
     pub signals: Rc<SignalNames>,
     pub named: Rc<CellNames>,
+    pub outcomes: Outcomes,
     /// The virtual sensors that want its state from its EDP.
     pub wanted: Vec<StateWanted>,
 }
@@ -64,9 +71,6 @@ impl<R: Robot> RobotSetup<R> {
         link: &mut dyn Link,
         plant: &mut Site,
         place: RobotPlacement,
-        mp: Box<dyn Server>,
-        sensing: Sensing,
-        outcomes: Outcomes,
     ) -> Result<(), Stuck> {
         let setup = self;
         let model = Rc::new(setup.robot.clone());
@@ -81,6 +85,7 @@ impl<R: Robot> RobotSetup<R> {
         let states: Vec<_> = place.wanted.iter().map(show_to).collect();
         let mut observers = setup.observers;
         let replayed = setup.replayed.clone();
+        let (mp, sensing, outcomes) = (place.mp, place.sensing, place.outcomes);
         let ended = Rc::clone(&outcomes);
         // Drives that have to be homed stay with their EDP: what they search with is consumed step by step, and a search
         // that is called no more comes to rest by itself.

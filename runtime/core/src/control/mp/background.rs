@@ -30,9 +30,8 @@ use crate::safety::braking::BrakingLaw;
 
 use super::Mp;
 use super::clock::StepClock;
-use super::exchange::Gathered;
 use super::progress::Progress;
-use super::robots::RobotPorts;
+use super::robots::{Gathered, RobotPorts};
 
 /// All motions in the background, and those that are over.
 #[derive(Default)]
@@ -244,7 +243,7 @@ impl Background {
                     heard.map_err(|fault| fault.in_instruction(motion.instruction()))?;
                 }
                 Some(fault) => {
-                    let is_its = |&index: &usize| fault.robot() == Some(mp.robots[index].name);
+                    let is_its = |&index: &usize| fault.robot() == Some(mp.robots[index].facts.name);
                     let is_its = motion.indices().iter().any(is_its);
                     let instruction = if is_its { motion.instruction() } else { None };
                     gathered.first = Some(fault.in_instruction(instruction));
@@ -383,7 +382,7 @@ impl Mp<'_> {
             let (ours, left): (Vec<usize>, Vec<usize>) =
                 motion.indices().iter().copied().partition(|&i| named(i));
             if let (Some(&ours), Some(&left)) = (ours.first(), left.first()) {
-                let (ours, left) = (self.robots[ours].name, self.robots[left].name);
+                let (ours, left) = (self.robots[ours].facts.name, self.robots[left].facts.name);
                 let text = format!(
                     "`{ours}` and `{left}` move in the background by one generator: name both, or end that motion by `end_robot`"
                 );

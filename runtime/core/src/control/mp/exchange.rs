@@ -10,24 +10,8 @@ use crate::model::list::{SensorList, SensorsOf};
 use crate::safety::braking::BrakingLaw;
 
 use super::background::Background;
+use super::robots::Gathered;
 use super::{Mp, stops};
-
-/// The message of the fault of an ECP that does not answer.
-pub(super) const SILENT: &str = "no answer from the ECP: its program computes or waits elsewhere";
-
-/// What the replies of an exchange say about all robots.
-pub(super) struct Gathered {
-    /// The first cause of what is wrong.
-    pub first: Option<Fault>,
-    /// What a robot is to be stopped for on its path.
-    trouble: Option<Fault>,
-    /// How fast the robots may slow down together.
-    pub law: BrakingLaw,
-}
-
-impl Gathered {
-    const NOTHING: Gathered = Gathered { first: None, trouble: None, law: BrakingLaw::UNLIMITED };
-}
 
 impl Mp<'_> {
     /// Scatter and gather: sends every robot its order, then collects every reply; those that move in the background have

@@ -24,7 +24,7 @@ impl Mp<'_> {
         let left_out = |(index, robot): &(usize, &RobotPort)| robot.handed_over && !indices.contains(index);
         if let Some((_, robot)) = self.robots.iter().enumerate().find(left_out) {
             let text =
-                format!("`{}` was handed over moving: the Move after a blend must name it", robot.name);
+                format!("`{}` was handed over moving: the Move after a blend must name it", robot.facts.name);
             return Err(Fault::thrown(&text));
         }
         let goes_on = self.robots.take_handed_over();
@@ -126,7 +126,8 @@ impl Mp<'_> {
     }
 
     fn home_all(&mut self) -> Result<(), Fault> {
-        let mut unhomed: Vec<_> = (0..self.robots.len()).filter(|&index| !self.robots[index].homed).collect();
+        let mut unhomed: Vec<_> =
+            (0..self.robots.len()).filter(|&index| !self.robots[index].facts.homed).collect();
         while !unhomed.is_empty() {
             self.begin_step()?;
             if self.is_ending() {

@@ -122,7 +122,7 @@ impl Mp<'_> {
     pub fn jog_panel<R: Robot>(&mut self, robot: &RobotHandle<R>) -> Result<JogPanel<R>, Fault> {
         let strange = (robot.owner != self.robots.owner).then_some(robot.name);
         Owner::refuse("robot", strange).map_err(|fault| fault.in_process(self.process))?;
-        let model = Rc::clone(&self.robots[robot.index].model).downcast::<R>().map_err(|_| {
+        let model = Rc::clone(&self.robots[robot.index].facts.model).downcast::<R>().map_err(|_| {
             Fault::new(FaultKind::Config)
                 .text("a cell is not jogged: its robots are")
                 .in_process(self.process)
@@ -136,7 +136,7 @@ impl Mp<'_> {
                 seat
             }
         };
-        let signals = Rc::clone(&self.robots[robot.index].signals);
+        let signals = Rc::clone(&self.robots[robot.index].facts.signals);
         Ok(seat.panel(model, Rc::clone(&self.named), signals))
     }
 
@@ -167,9 +167,9 @@ impl Mp<'_> {
     /// # Errors
     /// Why not.
     fn may_jog(&self, robot: Name, order: &JogOrder) -> Result<usize, JogRefusal> {
-        let index = self.robots.iter().position(|known| known.name == robot && known.lower.is_none());
+        let index = self.robots.iter().position(|known| known.facts.name == robot && known.lower.is_none());
         let index = index.ok_or(JogRefusal::NoRobot)?;
-        let joints = self.robots[index].joints;
+        let joints = self.robots[index].facts.joints;
         let fits = match &order.motion {
             JogMotion::Tool { frame: JogFrame::Named(frame), .. } if named(&self.named, *frame).is_none() => {
                 return Err(JogRefusal::NoFrame);
@@ -178,7 +178,7 @@ impl Mp<'_> {
             JogMotion::Joint { joint } => usize::from(*joint) < joints,
             JogMotion::To { joints: to } => to.positions().len() == joints,
             JogMotion::Output { output, to } => {
-                switchable(&self.robots[index].signals, *output, *to)?;
+                switchable(&self.robots[index].facts.signals, *output, *to)?;
                 true
             }
         };
@@ -203,7 +203,7 @@ impl Mp<'_> {
                 }
             }
             Button::JogDone(robot) => {
-                let index = self.robots.iter().position(|known| known.name == robot);
+                let index = self.robots.iter().position(|known| known.facts.name == robot);
                 let jogs = index.ok_or(JogRefusal::NoRobot).map(|index| self.jogs(index));
                 jogs.map_or_else(Some, |jogs| (!jogs).then_some(JogRefusal::NoProgram))
             }
@@ -233,7 +233,8 @@ impl Mp<'_> {
                 self.jogging.done = None;
             }
             self.jogging.newest = asked.newest;
-            let done = asked.done.and_then(|done| self.robots.iter().position(|robot| robot.name == done));
+            let done =
+                asked.done.and_then(|done| self.robots.iter().position(|robot| robot.facts.name == done));
             // Whatever was done before is not done again.
             self.jogging.done = done.map(|index| (index, self.clock.step() + 1)).or(self.jogging.done);
         }
@@ -255,7 +256,7 @@ impl Mp<'_> {
         self.operating.replay_hold();
         let step = self.clock.step();
         let recorded = self.script.as_ref().and_then(|script| script.jog(step));
-        let index = |robot: &Name| self.robots.iter().position(|known| known.name == *robot);
+        let index = |robot: &Name| self.robots.iter().position(|known| known.facts.name == *robot);
         let now = recorded.and_then(|(robot, now)| Some((index(&robot)?, now)));
         self.ask_to_jog(now);
     }
@@ -266,7 +267,7 @@ impl Mp<'_> {
             let mut words = [0; JogNow::WORDS];
             let index = now.or(before).map_or(0, |(index, _)| index);
             now.unwrap_or_default().1.put(&mut words);
-            let what = StepEvent::Jog { step: self.clock.step(), robot: self.robots[index].name };
+            let what = StepEvent::Jog { step: self.clock.step(), robot: self.robots[index].facts.name };
             self.step_observers.show(self.host.waiter.now(), &what, &words);
         }
         self.jogging.say();

@@ -11,21 +11,7 @@ use crate::model::lower_cell::{CellStatus, LowerCell};
 use crate::model::wire::Wire;
 
 use super::Mp;
-use super::robots::RobotPort;
-
-/// The message of the fault of a cell that does not answer.
-pub(super) const SILENT: &str = "no answer from the cell's MP: its program computes or waits elsewhere";
-
-/// What an MP keeps of a robot that is a cell.
-#[derive(Default)]
-pub(super) struct Lower {
-    /// Whether Moves go on without it when it has a fault.
-    dispensable: bool,
-    /// The fault for which the last Move went on without it.
-    fault: Option<Fault>,
-    /// Whether it is out of the instruction that is open.
-    out: bool,
-}
+use super::robots::{CELL_SILENT, RobotPort};
 
 impl RobotPort {
     /// Whether it is a cell that has no part in what an order is for.
@@ -52,7 +38,7 @@ impl RobotPort {
             return;
         }
         let fault = if self.is_silent {
-            Fault::new(FaultKind::PeerLost).in_process(self.process).text(SILENT)
+            Fault::new(FaultKind::PeerLost).in_process(self.facts.process).text(CELL_SILENT)
         } else if self.reply.header.kind == Kind::Fault {
             self.reply.fault()
         } else {
@@ -144,7 +130,7 @@ impl Mp<'_> {
             if robot.lower.is_some() && payload.tight {
                 let text = format!(
                     "cell `{}` takes loose orders, an `enum`; `{}` is a struct of tight ones",
-                    robot.name, payload.name
+                    robot.facts.name, payload.name
                 );
                 return Err(Fault::new(FaultKind::PayloadMismatch).in_process(self.process).text(&text));
             }

@@ -61,8 +61,8 @@ pub(crate) use jogging::AnyModel;
 use jogging::Jogging;
 use operating::Operating;
 pub(crate) use operating::StepHook;
-pub(crate) use robots::RobotPort;
 use robots::RobotPorts;
+pub(crate) use robots::{RobotFacts, RobotPort};
 use stops::Stops;
 pub(crate) use upper::Upper;
 
@@ -142,7 +142,7 @@ impl<'w> Mp<'w> {
 
     /// Lets a guard watch over all robots.
     pub(crate) fn watch_by(&mut self, guard: Option<Guard>) {
-        self.stops.guard = guard.map(|guard| guard.over(self.robots.iter().map(|robot| robot.name)));
+        self.stops.guard = guard.map(|guard| guard.over(self.robots.iter().map(|robot| robot.facts.name)));
     }
 
     /// The handle of a robot, with its state. Each robot has only one handle: pass it on.
@@ -294,17 +294,18 @@ impl<'w> Mp<'w> {
         if self.stops.protective.is_some() || of_upper.is_some_and(|upper| upper.ending().is_some()) {
             return 0.0;
         }
-        self.operating.operator.wanted_rate() * of_upper.map_or(1.0, Upper::rate)
+        self.operating.operator.wanted_rate() * of_upper.map_or(1.0, |upper| upper.path_time.rate)
     }
 
     /// Whether the operator has suspended the cell, or the one above it.
     fn is_suspended(&self) -> bool {
-        self.operating.operator.is_suspended() || self.upper.as_ref().is_some_and(Upper::is_suspended)
+        self.operating.operator.is_suspended()
+            || self.upper.as_ref().is_some_and(|upper| upper.path_time.suspended)
     }
 
     /// Whether the limit of reduced speed is in force, in this cell or in the one above it.
     fn is_reduced(&self) -> bool {
-        self.operating.is_slow || self.upper.as_ref().is_some_and(Upper::is_reduced)
+        self.operating.is_slow || self.upper.as_ref().is_some_and(|upper| upper.path_time.reduced)
     }
 
     /// Acts on events that the cell's messages do not tell of. If a process is lost in a latched cell, nothing more has

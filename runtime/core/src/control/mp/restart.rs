@@ -11,10 +11,10 @@ use crate::model::type_name::TypeName;
 use crate::safety::latch::AfterFault;
 use crate::safety::latch::{Event, Latch};
 
-use super::exchange::SILENT;
 use crate::operator::state::InstructionKind;
 
 use super::Mp;
+use super::robots::SILENT;
 
 /// Steps for which drives hold after a reset before a program starts: one that cannot says so.
 const TRIAL: u64 = 5;

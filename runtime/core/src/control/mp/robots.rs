@@ -10,7 +10,7 @@ use std::rc::Rc;
 use crate::control::guard::RobotView;
 use crate::link::Client;
 use crate::link::message::{Header, Message, OrderKind, flag};
-use crate::model::fault::{Fault, FaultKind, ProcessId, Role};
+use crate::model::fault::{Fault, FaultKind, ProcessId};
 use crate::model::image::RobotImage;
 use crate::model::image::STATE_WORDS;
 use crate::model::joints::JointVector;
@@ -27,28 +27,38 @@ use crate::operator::jog::JogNow;
 use crate::safety::braking::BrakingLaw;
 use crate::suggestion::suggestion;
 
-use super::lower::Lower;
-use super::{AnyModel, exchange, lower};
+use super::AnyModel;
 
-/// One robot as the MP sees it.
-pub(crate) struct RobotPort {
+/// The message of the fault of an ECP that does not answer.
+pub(super) const SILENT: &str = "no answer from the ECP: its program computes or waits elsewhere";
+/// The message of the fault of a cell that does not answer.
+pub(super) const CELL_SILENT: &str = "no answer from the cell's MP: its program computes or waits elsewhere";
+
+/// What a robot is that the MP has orders for.
+pub struct RobotFacts {
     /// Its name in this cell, and who it is among all processes: the ECP, or the MP of a lower cell.
     pub name: Name,
-    pub(super) process: ProcessId,
+    pub process: ProcessId,
     pub kind: TypeId,
     /// The kind's name, for messages.
     pub kind_name: &'static str,
-    pub client: Box<dyn Client>,
     /// Its model, and how many joints it has; nothing and none of a lower cell.
-    pub(super) model: AnyModel,
-    pub(super) joints: usize,
-    pub taken: bool,
+    pub model: AnyModel,
+    pub joints: usize,
     /// The names of its inputs and outputs.
     pub signals: Rc<SignalNames>,
     /// Whether its drives know where it is.
-    pub(super) homed: bool,
+    pub homed: bool,
     /// Steps after which the robot must stand when it was told to stop.
-    pub(super) stop_steps: u64,
+    pub stop_steps: u64,
+}
+
+/// One robot as the MP sees it.
+pub(crate) struct RobotPort {
+    pub(super) facts: RobotFacts,
+    pub(super) client: Box<dyn Client>,
+    /// Whether its handle is.
+    taken: bool,
     /// What is kept of it if it is a cell.
     pub(super) lower: Option<Lower>,
     /// Whether the last order was sent: a cell that is left out gets none.
@@ -65,26 +75,11 @@ pub(crate) struct RobotPort {
 }
 
 impl RobotPort {
-    pub fn new(
-        name: Name,
-        kind: TypeId,
-        kind_name: &'static str,
-        client: Box<dyn Client>,
-        stop_steps: u64,
-        homed: bool,
-    ) -> RobotPort {
+    pub fn new(facts: RobotFacts, client: Box<dyn Client>) -> RobotPort {
         RobotPort {
-            name,
-            process: ProcessId::new(Role::Ecp, name),
-            kind,
-            kind_name,
+            facts,
             client,
-            model: Rc::new(()),
-            joints: 0,
             taken: false,
-            signals: Rc::default(),
-            homed,
-            stop_steps,
             lower: None,
             asked: false,
             is_silent: false,
@@ -96,24 +91,6 @@ impl RobotPort {
         }
     }
 
-    /// The same with names for the robot's inputs and outputs.
-    pub fn with_signals(mut self, signals: Rc<SignalNames>) -> RobotPort {
-        self.signals = signals;
-        self
-    }
-
-    /// The same with its model, and so many joints.
-    pub fn with_model(mut self, model: AnyModel, joints: usize) -> RobotPort {
-        (self.model, self.joints) = (model, joints);
-        self
-    }
-
-    /// The same of this process, where that has another name than the robot in its cell.
-    pub fn of_process(mut self, process: ProcessId) -> RobotPort {
-        self.process = process;
-        self
-    }
-
     /// The same of a lower cell.
     pub fn of_cell(mut self) -> RobotPort {
         self.lower = Some(Lower::default());
@@ -122,7 +99,7 @@ impl RobotPort {
 
     /// The message of its fault when it does not answer.
     pub(super) const fn silent(&self) -> &'static str {
-        if self.lower.is_some() { lower::SILENT } else { exchange::SILENT }
+        if self.lower.is_some() { CELL_SILENT } else { SILENT }
     }
 
     /// Sends its order with what is asked of the robot that a person jogs, behind the order's own words.
@@ -158,7 +135,7 @@ impl RobotPort {
         let words = self.reply.is(flag::STATE).then(|| self.reply.words())?;
         let (measured, demanded) = words.split_at_checked(STATE_WORDS)?;
         let state = |words: &[u64]| EffectorState::get(words.get(..STATE_WORDS)?).ok();
-        Some(RobotView { name: self.name, measured: state(measured)?, demanded: state(demanded)? })
+        Some(RobotView { name: self.facts.name, measured: state(measured)?, demanded: state(demanded)? })
     }
 
     /// Shows the order that it was sent.
@@ -175,7 +152,7 @@ impl RobotPort {
         let header = &self.order.header;
         let what = StepEvent::Order {
             // Of a robot of a lower cell, its name among all.
-            robot: self.process.name.unwrap_or(self.name),
+            robot: self.facts.process.name.unwrap_or(self.facts.name),
             step: header.step,
             instruction: header.instruction,
             kind,
@@ -191,8 +168,19 @@ impl RobotPort {
     }
 
     pub(super) const fn process(&self) -> ProcessId {
-        self.process
+        self.facts.process
     }
+}
+
+/// What an MP keeps of a robot that is a cell.
+#[derive(Default)]
+pub(super) struct Lower {
+    /// Whether Moves go on without it when it has a fault.
+    pub dispensable: bool,
+    /// The fault for which the last Move went on without it.
+    pub fault: Option<Fault>,
+    /// Whether it is out of the instruction that is open.
+    pub out: bool,
 }
 
 /// All robots of a cell.
@@ -206,6 +194,20 @@ pub(super) struct RobotPorts {
     pub ordinal: u32,
     /// Resets that were tried.
     pub epoch: u32,
+}
+
+/// What the replies of an exchange say about all robots.
+pub(super) struct Gathered {
+    /// The first cause of what is wrong.
+    pub first: Option<Fault>,
+    /// What a robot is to be stopped for on its path.
+    pub trouble: Option<Fault>,
+    /// How fast the robots may slow down together.
+    pub law: BrakingLaw,
+}
+
+impl Gathered {
+    pub const NOTHING: Gathered = Gathered { first: None, trouble: None, law: BrakingLaw::UNLIMITED };
 }
 
 impl Index<usize> for RobotPorts {
@@ -246,13 +248,13 @@ impl RobotPorts {
     /// `Config` when there is no robot of that name and kind, or when its handle is taken.
     pub fn handle<R: Robot>(&mut self, name: &str) -> Result<RobotHandle<R>, Fault> {
         let config = |text: &str| Fault::new(FaultKind::Config).text(text);
-        let Some(index) = self.ports.iter().position(|robot| robot.name.as_str() == name) else {
-            let names: Vec<_> = self.ports.iter().map(|robot| robot.name.as_str()).collect();
+        let Some(index) = self.ports.iter().position(|robot| robot.facts.name.as_str() == name) else {
+            let names: Vec<_> = self.ports.iter().map(|robot| robot.facts.name.as_str()).collect();
             let there = suggestion(name, &names, "the cell has");
             return Err(config(&format!("there is no robot `{name}`: {there}")));
         };
         let port = &mut self.ports[index];
-        if port.kind != TypeId::of::<R>() && port.kind_name == R::KIND {
+        if port.facts.kind != TypeId::of::<R>() && port.facts.kind_name == R::KIND {
             let joints = R::Joints::LEN;
             let text = format!(
                 "robot `{name}` is of the kind {} and has not {joints} joints: name its own number of them in `robot::<..>`",
@@ -260,11 +262,11 @@ impl RobotPorts {
             );
             return Err(config(&text));
         }
-        if port.kind != TypeId::of::<R>() {
+        if port.facts.kind != TypeId::of::<R>() {
             let text = format!(
                 "robot `{name}` is of another kind than {}: name its own, {}, in `robot::<..>`",
                 R::KIND,
-                port.kind_name
+                port.facts.kind_name
             );
             return Err(config(&text));
         }
@@ -275,8 +277,8 @@ impl RobotPorts {
             // Whether it can be dispensed with is for each run of the program to say.
             *lower = Lower::default();
         }
-        let name = port.name;
-        let signals = Rc::clone(&port.signals);
+        let name = port.facts.name;
+        let signals = Rc::clone(&port.facts.signals);
         Ok(RobotHandle { owner: self.owner, index, name, image: RobotImage::unknown(), signals })
     }
 
@@ -312,7 +314,7 @@ impl RobotPorts {
 
     /// Steps after which every robot must stand that was told to stop.
     pub fn stop_steps(&self) -> u64 {
-        self.ports.iter().map(|robot| robot.stop_steps).max().unwrap_or(0)
+        self.ports.iter().map(|robot| robot.facts.stop_steps).max().unwrap_or(0)
     }
 
     /// Writes the demands of the robots of a list into their orders.

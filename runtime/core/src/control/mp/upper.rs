@@ -32,6 +32,24 @@ enum Program {
     Over,
 }
 
+/// The instruction of the upper MP that is open.
+#[derive(Default)]
+struct Served {
+    /// The words of its first order, until the program takes them.
+    first: Option<[u64; WORDS]>,
+    /// The order that ends it while the program is at work on it, or has ended it after that.
+    ending: Option<OrderKind>,
+    ended: Option<OrderKind>,
+}
+
+/// The path time of the upper cell, as its MP's last order says: its rate, 0 to 1, whether it is suspended, and whether the limit of
+/// reduced speed is in force.
+pub(super) struct PathTime {
+    pub rate: f64,
+    pub suspended: bool,
+    pub reduced: bool,
+}
+
 /// The MP above, as this one sees it.
 pub(crate) struct Upper {
     orders: Orders,
@@ -42,17 +60,8 @@ pub(crate) struct Upper {
     /// When an order came last \[ns\].
     heard: Nanos,
     program: Program,
-    /// Whether the program has come to a `serve` since it began.
-    ready: bool,
-    /// The words of the instruction's first order, until the program takes them.
-    first: Option<[u64; WORDS]>,
-    /// The order that ends the instruction while the program is at work on it, or has ended it after that.
-    ending: Option<OrderKind>,
-    ended: Option<OrderKind>,
-    /// What the upper MP's last order says of its path time.
-    rate: f64,
-    suspended: bool,
-    reduced: bool,
+    served: Served,
+    pub(super) path_time: PathTime,
     /// What the MP is to stop the cell for, once.
     wrong: Option<Fault>,
     /// Whether the upper MP stopped the cell: then its reset is this one's, too.
@@ -60,9 +69,8 @@ pub(crate) struct Upper {
     reset: bool,
     /// Whether the robots of a latched cell stand.
     stands: bool,
-    /// What the cell's image says, and the message that it goes with.
-    suspends: bool,
-    own_rate: f64,
+    /// What the cell's image says, among that whether the program has come to a `serve` since it began; the message that it goes with.
+    status: CellStatus,
     state: Message,
 }
 
@@ -74,26 +82,21 @@ impl Upper {
             timeout,
             heard: 0,
             program: Program::Elsewhere,
-            ready: false,
-            first: None,
-            ending: None,
-            ended: None,
-            rate: 1.0,
-            suspended: false,
-            reduced: false,
+            served: Served::default(),
+            path_time: PathTime { rate: 1.0, suspended: false, reduced: false },
             wrong: None,
             stopped: false,
             reset: false,
             stands: true,
-            suspends: false,
-            own_rate: 0.0,
+            // A latched cell answers with its fault.
+            status: CellStatus { ready: false, latched: false, suspended: false, rate: 0.0 },
             state: Message::empty(),
         }
     }
 
     /// What the image says of the cell from now on: whether it is suspended, and its rate of path time.
     pub const fn show(&mut self, suspended: bool, rate: f64) {
-        (self.suspends, self.own_rate) = (suspended, rate);
+        (self.status.suspended, self.status.rate) = (suspended, rate);
     }
 
     /// Answers what has come. A START for which the program is not ready stays open.
@@ -102,9 +105,10 @@ impl Upper {
             self.heard = now;
             let header = self.orders.header();
             if header.duration > 0.0 {
-                self.rate = (header.dt / header.duration).clamp(0.0, 1.0);
+                self.path_time.rate = (header.dt / header.duration).clamp(0.0, 1.0);
             }
-            (self.suspended, self.reduced) = (self.orders.is(flag::SUSPENDED), self.orders.is(flag::REDUCED));
+            self.path_time.suspended = self.orders.is(flag::SUSPENDED);
+            self.path_time.reduced = self.orders.is(flag::REDUCED);
             let duty = self.orders.duty(order);
             if duty == Duty::Open && matches!(self.program, Program::Elsewhere) {
                 return;
@@ -121,7 +125,7 @@ impl Upper {
                 if self.orders.phase == Phase::Started {
                     let mut words = [0; WORDS];
                     words[..self.orders.words().len()].copy_from_slice(self.orders.words());
-                    self.first = Some(words);
+                    self.served.first = Some(words);
                     self.orders.phase = Phase::Serving;
                 }
                 self.reply(0);
@@ -129,13 +133,13 @@ impl Upper {
             Duty::Rest => self.reply(flag::FINISHED),
             // It moves nothing yet, or nothing any more.
             Duty::End | Duty::Abort
-                if self.first.take().is_some() || self.orders.phase == Phase::Finished =>
+                if self.served.first.take().is_some() || self.orders.phase == Phase::Finished =>
             {
-                self.ended = Some(order);
+                self.served.ended = Some(order);
                 self.leave();
             }
             Duty::End | Duty::Abort => {
-                self.ending.get_or_insert(order);
+                self.served.ending.get_or_insert(order);
                 self.reply(0);
             }
             Duty::StayOut => self.leave(),
@@ -145,7 +149,7 @@ impl Upper {
             }
             Duty::Reset if self.stopped && !matches!(self.program, Program::Over) => {
                 self.orders.reset();
-                (self.ready, self.reset, self.stopped) = (false, true, false);
+                (self.status.ready, self.reset, self.stopped) = (false, true, false);
                 self.reply(0);
             }
             // Its own operator resets a cell that has stopped for a cause of its own.
@@ -163,7 +167,7 @@ impl Upper {
     fn open(&mut self) {
         match self.program {
             Program::Awaits(payload) if payload.id == self.orders.header().payload => {
-                (self.ending, self.ended, self.first) = (None, None, None);
+                self.served = Served::default();
                 self.orders.start(payload);
                 self.reply(flag::STATE);
             }
@@ -189,10 +193,7 @@ impl Upper {
     fn reply(&mut self, flags: u32) {
         let wanted = if self.orders.is(flag::WANT_STATE) { flag::STATE } else { 0 };
         if wanted != 0 {
-            // A latched cell answers with its fault.
-            let (ready, suspended, rate) = (self.ready, self.suspends, self.own_rate);
-            let status = CellStatus { ready, latched: false, suspended, rate };
-            RobotImage::<LowerCell>::of_cell(status).put(&mut self.state.body);
+            RobotImage::<LowerCell>::of_cell(self.status).put(&mut self.state.body);
             self.state.header.len = IMAGE_WORDS as u32;
         }
         self.say();
@@ -224,7 +225,7 @@ impl Upper {
             Phase::Latched(_) => self.stands,
         };
         self.state.header.flags =
-            if stands { flag::STANDSTILL } else { 0 } | if self.ready { 0 } else { flag::HOMING };
+            if stands { flag::STANDSTILL } else { 0 } | if self.status.ready { 0 } else { flag::HOMING };
     }
 
     /// From now on every order is answered with the fault, until a reset.
@@ -243,14 +244,14 @@ impl Upper {
     /// The cell has left its latch: its program begins anew.
     pub fn begin(&mut self) {
         self.orders.reset();
-        (self.ready, self.stopped, self.reset, self.wrong) = (false, false, false, None);
+        (self.status.ready, self.stopped, self.reset, self.wrong) = (false, false, false, None);
         self.program = Program::Elsewhere;
     }
 
     /// The program is over: it serves nothing more.
     pub const fn be_over(&mut self) {
         self.program = Program::Over;
-        self.ready = true;
+        self.status.ready = true;
     }
 
     /// Whether the upper MP resets the cell that it had stopped; told once.
@@ -277,12 +278,12 @@ impl Upper {
     /// Lets START come, for orders of this type.
     pub const fn await_start(&mut self, payload: PayloadType) {
         self.program = Program::Awaits(payload);
-        self.ready = true;
+        self.status.ready = true;
     }
 
     /// The first order of the instruction that has begun.
     pub fn take_first<P: Payload>(&mut self) -> Option<Result<P, BadWords>> {
-        let words = self.first.take()?;
+        let words = self.served.first.take()?;
         self.program = Program::Elsewhere;
         Some(P::get(&words))
     }
@@ -292,12 +293,12 @@ impl Upper {
         if self.orders.phase == Phase::Serving {
             self.orders.phase = Phase::Finished;
         }
-        self.ending = None;
+        self.served.ending = None;
     }
 
     /// How the upper MP has ended the instruction, when that is over.
     pub const fn take_ended(&mut self) -> Option<OrderKind> {
-        self.ended.take()
+        self.served.ended.take()
     }
 
     /// Whether no instruction is open.
@@ -307,28 +308,13 @@ impl Upper {
 
     /// Whether the program is at work on an instruction.
     pub fn is_serving(&self) -> bool {
-        self.orders.phase == Phase::Serving && self.first.is_none()
+        self.orders.phase == Phase::Serving && self.served.first.is_none()
     }
 
     /// How an instruction ends that the program is at work on, if the upper MP has ended it.
     pub fn ending(&self) -> Option<Fault> {
-        let kind =
-            if self.ending? == OrderKind::Abort { FaultKind::Aborted } else { FaultKind::InstructionEnded };
+        let aborts = self.served.ending? == OrderKind::Abort;
+        let kind = if aborts { FaultKind::Aborted } else { FaultKind::InstructionEnded };
         Some(Fault::orderly(kind))
-    }
-
-    /// The rate of the upper cell's path time, 0 to 1.
-    pub const fn rate(&self) -> f64 {
-        self.rate
-    }
-
-    /// Whether the upper cell is suspended.
-    pub const fn is_suspended(&self) -> bool {
-        self.suspended
-    }
-
-    /// Whether the limit of reduced speed is in force in the upper cell.
-    pub const fn is_reduced(&self) -> bool {
-        self.reduced
     }
 }

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::modes::Plane;
-use super::{Cause, Stop, malformed};
+use super::stop::{Cause, Stop, malformed};
 use crate::drawing::{EllipticalArc, Height, Piece, Vec2, Vec3, cross};
 
 /// How an arc's circle is given, in the plane's two axes.

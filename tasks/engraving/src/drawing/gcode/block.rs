@@ -7,7 +7,7 @@ use std::cell::Cell;
 use super::characters::Characters;
 use super::expression::Values;
 use super::parameters::Parameters;
-use super::{Stop, malformed, unsupported};
+use super::stop::{Stop, malformed, unsupported};
 
 /// A letter with its value, and where it stands.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,46 +1,10 @@
 //! Which moves of a program cut, how deep and how fast: the rule of the module [`super`].
 
-use super::machine::{Done, Said};
 use super::notes::Notes;
-use super::pen::{Pen, PenLift, Signal, Signals};
-use super::{Cause, Stop, unsupported};
+use super::pen::{Pen, PenLift};
+use super::steps::{Done, Move, Pace, Said, Signal, Step};
+use super::stop::{Cause, Stop, unsupported};
 use crate::drawing::{Height, Manner, Piece, Stroke};
-
-/// How a move was commanded.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Pace {
-    /// G0.
-    Rapid,
-    /// A rapid move of a cycle, in the hole that it has made.
-    Withdrawal,
-    /// Any other.
-    Feed,
-}
-
-/// A move of the tool, or a rest.
-#[derive(Clone, Debug)]
-pub enum Step {
-    Move(Move),
-    /// G4, or at the bottom of a hole \[s\], with the words that may lift a pen.
-    Dwell(f64, Signals),
-}
-
-/// A move.
-#[derive(Clone, Debug)]
-pub struct Move {
-    pub pieces: Vec<(Piece, Height)>,
-    pub pace: Pace,
-    /// Feed [mm/s], if the program has said one.
-    pub feed: Option<f64>,
-    /// Whether spindle or laser were on.
-    pub on: bool,
-    /// The words that may lift a pen.
-    pub signals: Signals,
-    /// Whether the program has said any Z yet.
-    pub z_said: bool,
-    /// Its line, from 0.
-    pub line: usize,
-}
 
 /// What is cut.
 #[derive(Debug)]

@@ -4,35 +4,16 @@
 //! series of cycles began (G98) or to R (G99), whichever G98 finds higher.
 
 use super::block::Block;
-use super::cutting::Pace;
 use super::machine::Machine;
-use super::modes::{Cycle, Distance, FeedMode, Plane};
-use super::{Stop, malformed, unsupported};
+use super::modes::{Cycle, Distance, FeedMode, Plane, Sticky};
+use super::steps::Pace;
+use super::stop::{Stop, malformed, unsupported};
 use crate::drawing::Vec3;
 
 /// How far G73 backs off, and how far above the bottom of the hole G83 comes back rapidly, unless P says \[mm\].
 const CLEARANCE: f64 = 0.254;
 /// The most holes of one line.
 const MOST_REPEATS: f64 = 1e6;
-
-/// Words that hold for the next line of the same series.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Sticky {
-    /// Z and R as they were written.
-    z: Option<f64>,
-    r: Option<f64>,
-    q: Option<f64>,
-    p: Option<f64>,
-    /// The height at which the series began \[mm, machine\].
-    began: Option<f64>,
-}
-
-impl Sticky {
-    /// The series is over.
-    pub fn forget(&mut self) {
-        *self = Self::default();
-    }
-}
 
 impl Machine<'_> {
     /// A line of a cycle.

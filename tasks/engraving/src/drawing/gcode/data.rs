@@ -3,7 +3,7 @@
 use super::block::Block;
 use super::machine::Machine;
 use super::modes::Request;
-use super::{Stop, malformed, unsupported};
+use super::stop::{Stop, malformed, unsupported};
 use crate::drawing::Vec3;
 
 impl Machine<'_> {

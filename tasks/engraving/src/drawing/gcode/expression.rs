@@ -5,7 +5,7 @@
 
 use super::characters::Characters;
 use super::parameters::{Parameter, Parameters};
-use super::{Cause, Stop, malformed};
+use super::stop::{Cause, Stop, malformed};
 
 /// A reader of values on one line.
 pub struct Values<'a, 'b> {

@@ -3,12 +3,13 @@
 //! Every line that runs has its cost; together they may cost what all lines of the file do and [`ALLOWANCE`] more, so that
 //! a loop without an end is refused within two seconds.
 
+use super::block;
 use super::characters::Characters;
 use super::expression::Values;
 use super::o_word::Label;
 use super::parameters::Parameters;
 use super::program::{Cursor, Flow, OWord, Program};
-use super::{Stop, block, malformed};
+use super::stop::{Stop, malformed};
 
 /// What lines that run again may cost \[bytes\].
 const ALLOWANCE: usize = 64 << 20;

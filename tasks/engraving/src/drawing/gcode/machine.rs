@@ -2,14 +2,12 @@
 
 use super::block::{Block, Word};
 use super::coordinates::Coordinates;
-use super::cutting::{Move, Pace, Step};
-use super::cycles::Sticky;
-use super::modes::{Distance, FeedMode, MachineWord, Modes, Plane, Request, check_groups, tenths};
+use super::modes::{Distance, FeedMode, MachineWord, Modes, Plane, Request, Sticky, check_groups, tenths};
 use super::notes::Notes;
 use super::parameters::{MachineReport, Parameters};
-use super::pen::{Signal, Signals};
 use super::spline::Collected;
-use super::{Cause, Stop, malformed, unsupported};
+use super::steps::{Done, Move, Pace, Said, Signal, Signals, Step};
+use super::stop::{Cause, Stop, malformed, unsupported};
 use crate::drawing::{Budget, Height, Piece, Vec2, Vec3};
 
 /// What a line asks of the program's control.
@@ -27,8 +25,6 @@ pub enum ControlRequest {
 
 /// The longest rest that is kept \[s\]: more is a program that counts milliseconds.
 const LONGEST_DWELL: f64 = 60.0;
-/// The most values of S that are kept of a word that may lift a pen.
-const MOST_VALUES: usize = 1000;
 
 /// The machine's state. Places are machine coordinates \[mm\].
 pub struct Machine<'a> {
@@ -58,52 +54,6 @@ pub struct Machine<'a> {
     pub(super) notes: Notes,
     /// The line that runs, from 0.
     pub(super) line: usize,
-}
-
-/// What the program has done.
-pub struct Done {
-    pub steps: Vec<Step>,
-    pub said: Said,
-    pub notes: Notes,
-    pub warnings: Vec<String>,
-}
-
-/// The values of S beside words that may lift a pen, in the order in which they came first.
-#[derive(Debug, Default)]
-pub struct Said {
-    spindle: Vec<f64>,
-    servo: Vec<f64>,
-    tone: Vec<f64>,
-    /// What was in force at the first move over the plate, and at the end.
-    pub first_move: Option<Signals>,
-    pub end: Signals,
-    /// The spindle's S was said without M3, too: it is a power or a speed.
-    pub spindle_alone: bool,
-    /// The first line of M280 and of M300, from 0.
-    pub servo_line: Option<usize>,
-    pub tone_line: Option<usize>,
-}
-
-impl Said {
-    /// The values of a signal.
-    pub fn of(&self, signal: Signal) -> &[f64] {
-        match signal {
-            Signal::Spindle => &self.spindle,
-            Signal::Servo => &self.servo,
-            Signal::Tone => &self.tone,
-        }
-    }
-
-    fn add(&mut self, signal: Signal, value: f64) {
-        let values = match signal {
-            Signal::Spindle => &mut self.spindle,
-            Signal::Servo => &mut self.servo,
-            Signal::Tone => &mut self.tone,
-        };
-        if values.len() < MOST_VALUES && !values.contains(&value) {
-            values.push(value);
-        }
-    }
 }
 
 impl<'a> Machine<'a> {

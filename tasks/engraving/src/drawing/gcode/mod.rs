@@ -33,6 +33,8 @@ mod parameters;
 mod pen;
 mod program;
 mod spline;
+mod steps;
+mod stop;
 
 use super::{Budget, Drawing, Import, Order};
 use crate::error::{DrawingError, Place};
@@ -41,9 +43,11 @@ pub use cutting::DEEPEST;
 use cutting::cuts;
 use flow::Control;
 use machine::{ControlRequest, Machine};
-pub use pen::{PenLift, Signal};
+pub use pen::PenLift;
 pub use program::BlockDelete;
 use program::Program;
+pub use steps::Signal;
+use stop::{Cause, Stop};
 
 /// What is chosen for a program before it is read.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -145,67 +149,6 @@ fn one_line(
         }
         ControlRequest::Return { byte } => Ok(!control.return_numbered(byte)?),
     }
-}
-
-/// Why a block stops the reading, at which byte of its line, and in which line, from 0.
-#[derive(Debug)]
-struct Stop {
-    byte: usize,
-    cause: Cause,
-    line: Option<usize>,
-}
-
-impl Stop {
-    /// In this line, unless another is known.
-    fn on(self, line: usize) -> Self {
-        Self { line: self.line.or(Some(line)), ..self }
-    }
-
-    fn too_deep(byte: usize, what: &'static str, limit: usize) -> Self {
-        Self { byte, cause: Cause::TooDeep(what, limit), line: None }
-    }
-}
-
-/// A cause that does not know its place yet.
-#[derive(Debug)]
-enum Cause {
-    Malformed(String, String),
-    Unsupported(String, String),
-    Truncated(String),
-    Feed(f64),
-    Mismatch(f64, f64),
-    Range(String, f64),
-    TooMany(usize),
-    TooDeep(&'static str, usize),
-    Nothing(String),
-    /// The option names a word that moves no pen.
-    NoPen(String),
-}
-
-impl Cause {
-    fn at(self, at: Place) -> DrawingError {
-        match self {
-            Self::Malformed(what, help) => DrawingError::Malformed { at, what, help },
-            Self::Unsupported(what, help) => DrawingError::Unsupported { at, what, help },
-            Self::Truncated(inside) => DrawingError::Truncated { at, inside },
-            Self::Feed(feed) => DrawingError::FeedNotPositive { at, feed },
-            Self::Mismatch(start_mm, end_mm) => DrawingError::ArcMismatch { at, start_mm, end_mm },
-            Self::Range(what, value) => DrawingError::OutOfRange { at, what, value },
-            Self::TooMany(limit) => DrawingError::TooManyPieces { at, limit },
-            Self::TooDeep(what, limit) => DrawingError::TooDeep { at, what, limit },
-            Self::Nothing(what) | Self::NoPen(what) => {
-                DrawingError::Unsupported { at, what, help: String::new() }
-            }
-        }
-    }
-}
-
-fn malformed<T>(byte: usize, what: impl Into<String>, help: impl Into<String>) -> Result<T, Stop> {
-    Err(Stop { byte, cause: Cause::Malformed(what.into(), help.into()), line: None })
-}
-
-fn unsupported<T>(byte: usize, what: impl Into<String>, help: impl Into<String>) -> Result<T, Stop> {
-    Err(Stop { byte, cause: Cause::Unsupported(what.into(), help.into()), line: None })
 }
 
 #[cfg(test)]

@@ -1,8 +1,8 @@
 //! The modes that G and M words switch.
 
 use super::block::Word;
-use super::pen::Signal;
-use super::{Stop, malformed, unsupported};
+use super::steps::Signal;
+use super::stop::{Stop, malformed, unsupported};
 use crate::drawing::{Vec2, Vec3};
 
 /// The motion that coordinates without a G word mean.
@@ -154,6 +154,25 @@ impl Default for Modes {
             beam_on: false,
             power: None,
         }
+    }
+}
+
+/// Words of cycles that hold for the next line of the same series.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Sticky {
+    /// Z and R as they were written.
+    pub z: Option<f64>,
+    pub r: Option<f64>,
+    pub q: Option<f64>,
+    pub p: Option<f64>,
+    /// The height at which the series began \[mm, machine\].
+    pub began: Option<f64>,
+}
+
+impl Sticky {
+    /// The series is over.
+    pub fn forget(&mut self) {
+        *self = Self::default();
     }
 }
 

@@ -2,11 +2,11 @@
 
 use super::arc::{Arc, Circle};
 use super::block::Block;
-use super::cutting::Pace;
 use super::machine::Machine;
 use super::modes::{Distance, FeedMode, Motion};
 use super::spline::{self, Collected};
-use super::{Cause, Stop, malformed, unsupported};
+use super::steps::Pace;
+use super::stop::{Cause, Stop, malformed, unsupported};
 use crate::drawing::{Height, Piece, Vec2, Vec3};
 
 /// The most turns of one arc.

@@ -1,7 +1,7 @@
 //! One O-word: its label, its keyword, and where they stand in their line.
 
 use super::characters::Characters;
-use super::{Stop, malformed};
+use super::stop::{Stop, malformed};
 
 /// What stands after `O`: a number or a name, in lower case.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]

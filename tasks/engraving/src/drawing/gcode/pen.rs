@@ -5,10 +5,7 @@
 //! tells, most of three do: the first move over the plate is made with the pen up, the program begins by lifting it, and it
 //! ends by lifting it.
 
-use std::fmt;
-
-use super::cutting::{Move, Pace, Step};
-use super::machine::Said;
+use super::steps::{Move, Pace, Said, Signal, Signals, Step};
 
 /// What lifts the pen of a program, as it is chosen.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -25,47 +22,6 @@ pub enum PenLift {
         /// The S of a pen that is down.
         down: Option<f64>,
     },
-}
-
-/// A word whose S lifts a pen.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Signal {
-    /// M3 or M4; M5 and S0 are up unless a value says otherwise.
-    Spindle,
-    /// M280.
-    Servo,
-    /// M300.
-    Tone,
-}
-
-impl fmt::Display for Signal {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Spindle => "M3",
-            Self::Servo => "M280",
-            Self::Tone => "M300",
-        })
-    }
-}
-
-/// The values of S that were in force at a move, once they were said.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Signals {
-    /// Beside M3 or M4.
-    pub spindle: Option<f64>,
-    pub servo: Option<f64>,
-    pub tone: Option<f64>,
-}
-
-impl Signals {
-    /// The value of a signal.
-    pub fn of(&self, signal: Signal) -> Option<f64> {
-        match signal {
-            Signal::Spindle => self.spindle,
-            Signal::Servo => self.servo,
-            Signal::Tone => self.tone,
-        }
-    }
 }
 
 /// A pen that a word lifts.

@@ -6,7 +6,7 @@
 use std::collections::HashMap;
 
 use super::o_word::{Found, Keyword, Label, end_of, name_of, o_word};
-use super::{Stop, malformed};
+use super::stop::{Stop, malformed};
 
 /// What an O-word does. Numbers are those of lines, from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

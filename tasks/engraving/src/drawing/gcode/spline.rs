@@ -1,7 +1,7 @@
 //! G5 (cubic), G5.1 (quadratic), the block from G5.2 to G5.3 as LinuxCNC means it, and G6.2 as Fanuc does (NURBS).
 
 use super::block::{Block, Word};
-use super::{Stop, malformed};
+use super::stop::{Stop, malformed};
 use crate::drawing::{Piece, PlanarNurbs, Vec2};
 
 /// The NURBS that is being collected.

@@ -2,8 +2,18 @@
 //! viewport or clip path is left out, and what may lie partly outside, or lies outside of the page, is told of: programs
 //! differ in what they show beyond the page.
 
-use super::seen::Within;
 use crate::drawing::{Affine, Bounds, Vec2};
+
+/// How much of an outline is seen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Within {
+    /// All of it.
+    Whole,
+    /// Perhaps not all of it.
+    Part,
+    /// Nothing.
+    Nothing,
+}
 
 /// A clip within those round it.
 pub struct Clip<'c> {

@@ -1,7 +1,7 @@
 //! What usvg sees of the document, drawn: the outlines behind the marks, cut to their dashes, in millimetres.
 
 use super::cascade::attribute;
-use super::clip::Clip;
+use super::clip::{Clip, Within};
 use super::dashes::{self, Pattern};
 use super::exact::Transforms;
 use super::expansion::href;
@@ -305,17 +305,6 @@ impl<'a> Seen<'_, 'a> {
             self.warnings.push(what);
         }
     }
-}
-
-/// How much of an outline is seen.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Within {
-    /// All of it.
-    Whole,
-    /// Perhaps not all of it.
-    Part,
-    /// Nothing.
-    Nothing,
 }
 
 fn outlines(count: usize) -> String {
