@@ -289,7 +289,7 @@ fn fault_36_what_contradicts_the_state_of_the_cell_is_refused_with_it() {
         assert!(console.ask("suspend").starts_with("suspended: step "));
         assert!(console.ask("acknowledge").starts_with("refused: it is suspended: step "));
         assert!(console.ask("resume").starts_with("resumed: step "));
-        assert!(console.ask("speed much").starts_with("refused: `much` is no speed"));
+        assert!(console.ask("speed much").starts_with("refused: `speed much` is no request"));
         // Another console: every console may stop the cell.
         let mut other = Console::new(&place);
         assert!(other.ask("resume").starts_with("refused: the console of process"));

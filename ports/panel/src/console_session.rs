@@ -10,13 +10,11 @@ use std::sync::mpsc::{Receiver, Sender, SyncSender, TrySendError, channel, sync_
 use std::time::{Duration, Instant};
 
 use axum::extract::ws::Utf8Bytes;
-use mrroc_core::operator::LAPSE;
 use mrroc_core::operator::button::Button;
+use mrroc_core::operator::{Answer, LAPSE, OnBehalf, Request};
 use mrroc_core::payload::Shape;
 use mrroc_launch::panel::AWAITED;
-use mrroc_processes::{
-    Caller, ConsoleMessage, OnBehalf, Picture, ProcessPicture, Reply, Request, RobotPicture,
-};
+use mrroc_processes::{Caller, ConsoleMessage, Picture, ProcessPicture, RobotPicture};
 use serde_json::{Value, json};
 use tokio::sync::{oneshot, watch};
 
@@ -36,11 +34,8 @@ const STARTING: Duration = Duration::from_secs(30);
 
 /// Where requests go.
 pub trait RequestSink: Send + Sync {
-    /// Asks for something; the answer comes within seconds.
-    fn ask(&self, request: Request, by: OnBehalf) -> oneshot::Receiver<Reply>;
-
-    /// Stops the cell. However much else is asked for, this does not wait for it.
-    fn stop(&self, by: OnBehalf) -> oneshot::Receiver<Reply>;
+    /// Asks for something; the answer comes within seconds. However much else is asked for, a stop does not wait for it.
+    fn ask(&self, request: Request, by: OnBehalf) -> oneshot::Receiver<Answer>;
 }
 
 /// What the cell did last.
@@ -63,7 +58,7 @@ struct Job {
     request: Request,
     by: OnBehalf,
     since: Instant,
-    answer: oneshot::Sender<Reply>,
+    answer: oneshot::Sender<Answer>,
 }
 
 /// A session with the console server.
@@ -92,7 +87,7 @@ impl ConsoleSession {
             }
         };
         let (show, shown) = watch::channel(CellSnapshot::default());
-        watching.asks.ask(&Request::Watch)?;
+        watching.asks.ask(&Request::Watch, None)?;
         spawn("watches", move || watch(watching, &looks, &show))?;
         let carries = |name| {
             let (requests, waiting) = sync_channel(WAITING);
@@ -108,7 +103,7 @@ impl ConsoleSession {
 
     /// A console session of a test, which answers by a function.
     #[cfg(test)]
-    pub fn of(answers: impl Fn(&Request) -> Reply + Send + Sync + 'static) -> ConsoleSession {
+    pub fn of(answers: impl Fn(&Request) -> Answer + Send + Sync + 'static) -> ConsoleSession {
         let answers = Arc::new(answers);
         let carries = |waiting: Receiver<Job>| {
             let answers = Arc::clone(&answers);
@@ -127,31 +122,27 @@ impl ConsoleSession {
 }
 
 impl RequestSink for ConsoleSession {
-    fn ask(&self, request: Request, by: OnBehalf) -> oneshot::Receiver<Reply> {
+    fn ask(&self, request: Request, by: OnBehalf) -> oneshot::Receiver<Answer> {
         let (answer, answered) = oneshot::channel();
         let job = Job { request, by, since: Instant::now(), answer };
         let line = match job.request {
+            Request::Press(Button::Stop) => {
+                // What cannot be sent drops the answer, which the page is told.
+                let _ = self.stops.send(job);
+                return answered;
+            }
             Request::Press(Button::LetGo(_)) => &self.releases,
             _ => &self.requests,
         };
         match line.try_send(job) {
             Ok(()) => {}
             Err(TrySendError::Full(job)) => {
-                let _ = job.answer.send(Reply::Refused("the cell is busy: ask again".to_owned()));
+                let _ = job.answer.send(Answer::Refused("the cell is busy: ask again".to_owned()));
             }
             Err(TrySendError::Disconnected(job)) => {
-                let _ = job.answer.send(Reply::Refused("the panel is ending".to_owned()));
+                let _ = job.answer.send(Answer::Refused("the panel is ending".to_owned()));
             }
         }
-        answered
-    }
-
-    fn stop(&self, by: OnBehalf) -> oneshot::Receiver<Reply> {
-        let (answer, answered) = oneshot::channel();
-        // What cannot be sent drops the answer, which the page is told.
-        let request = Request::Press(Button::Stop);
-        let job = Job { request, by, since: Instant::now(), answer };
-        let _ = self.stops.send(job);
         answered
     }
 }
@@ -181,7 +172,7 @@ fn watch(mut caller: Caller, looks: &Appearance, show: &watch::Sender<CellSnapsh
                 let (text, stamp) = (Some(text.into()), Some((stamp, period)));
                 show.send_replace(CellSnapshot { text, stamp, robots, moves, over: None });
             }
-            Ok(ConsoleMessage::Reply(_)) => {}
+            Ok(ConsoleMessage::Answer(_)) => {}
             Err(error) => {
                 show.send_modify(|shown| shown.over = Some(error.to_string()));
                 return;
@@ -278,12 +269,12 @@ fn carry(cell: &Path, jobs: &Receiver<Job>) {
         // A renewal that has waited is none: whoever held may have let go since.
         let is_late = matches!(job.request, Request::Press(Button::Hold(_) | Button::Jog(..)))
             && job.since.elapsed() > LAPSE / 3;
-        let reply = if is_late {
-            Reply::Refused("the renewal came too late".to_owned())
+        let answer = if is_late {
+            Answer::Refused("the renewal came too late".to_owned())
         } else {
             line.ask(&job.request, job.by)
         };
-        let _ = job.answer.send(reply);
+        let _ = job.answer.send(answer);
     }
 }
 
@@ -296,9 +287,9 @@ fn stop(cell: &Path, jobs: &Receiver<Job>) {
         // Those that have come by now: a stop that comes while this one is under way is one of its own.
         let by = job.by;
         let all: Vec<Job> = std::iter::once(job).chain(jobs.try_iter()).collect();
-        let reply = line.ask(&Request::Press(Button::Stop), by);
+        let answer = line.ask(&Request::Press(Button::Stop), by);
         for job in all {
-            let _ = job.answer.send(reply.clone());
+            let _ = job.answer.send(answer.clone());
         }
     }
 }
@@ -320,20 +311,20 @@ impl Line {
         }
     }
 
-    fn ask(&mut self, request: &Request, by: OnBehalf) -> Reply {
+    fn ask(&mut self, request: &Request, by: OnBehalf) -> Answer {
         let mut why = "the cell does not answer".to_owned();
         // Once more on a new connection, if this one was broken.
         for _ in 0..2 {
             self.open();
-            match self.caller.as_mut().map(|caller| caller.ask_for(request, Some(by))) {
-                Some(Ok(ConsoleMessage::Reply(reply))) => return reply,
-                Some(Ok(ConsoleMessage::Picture(_))) => return Reply::Done(String::new()),
+            match self.caller.as_mut().map(|caller| caller.ask(request, Some(by))) {
+                Some(Ok(ConsoleMessage::Answer(answer))) => return answer,
+                Some(Ok(ConsoleMessage::Picture(_))) => return Answer::Done(String::new()),
                 Some(Err(error)) => why = error.to_string(),
                 None => {}
             }
             self.caller = None;
         }
-        Reply::Refused(why)
+        Answer::Refused(why)
     }
 }
 
@@ -350,18 +341,18 @@ mod tests {
         let console = ConsoleSession::of(move |request| match request {
             Request::Press(Button::LetGo(_)) => {
                 let_go.send(()).expect("the renewal waits");
-                Reply::Done("let go".to_owned())
+                Answer::Done("let go".to_owned())
             }
             _ => {
                 let waited = is_let_go.lock().expect("alone").recv_timeout(Duration::from_secs(20));
-                Reply::Done(if waited.is_ok() { "after" } else { "never" }.to_owned())
+                Answer::Done(if waited.is_ok() { "after" } else { "never" }.to_owned())
             }
         });
         let by = OnBehalf { page: 1, heard: 0 };
         let renewal = Renewal::first(7);
         let renewed = console.ask(Request::Press(Button::Hold(renewal)), by);
         let released = console.ask(Request::Press(Button::LetGo(renewal.hold())), by);
-        assert_eq!(released.blocking_recv(), Ok(Reply::Done("let go".to_owned())));
-        assert_eq!(renewed.blocking_recv(), Ok(Reply::Done("after".to_owned())));
+        assert_eq!(released.blocking_recv(), Ok(Answer::Done("let go".to_owned())));
+        assert_eq!(renewed.blocking_recv(), Ok(Answer::Done("after".to_owned())));
     }
 }

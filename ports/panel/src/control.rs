@@ -5,10 +5,9 @@
 use core::time::Duration;
 
 use mrroc_core::fault::Name;
-use mrroc_core::operator::Renewal;
 use mrroc_core::operator::button::Button;
 use mrroc_core::operator::jog::JogOrder;
-use mrroc_processes::Request;
+use mrroc_core::operator::{Renewal, Request};
 
 use crate::rules::authority::{Authority, LAPSE, NoAuthority, Page};
 

@@ -9,12 +9,12 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use mrroc_core::console::complain;
-use mrroc_processes::Reply;
+use mrroc_core::operator::{Answer, Request};
 use tokio::sync::{oneshot, watch};
 use tokio::time::Instant;
 
 use crate::console_session::{CellSnapshot, RequestSink};
-use crate::events::{Action, Key, Kind, To};
+use crate::events::{Action, Key, To};
 use crate::now::Appearance;
 use crate::pages::Pages;
 use crate::poses::Poses;
@@ -135,13 +135,8 @@ impl Panel {
             Action::Say(text) => complain(&format!("panel: {text}")),
             Action::Ask { request, by, to } => {
                 let answered = self.console.as_ref().map(|console| console.ask(request, by));
-                if let Some(((to, kind), answered)) = to.zip(answered) {
-                    self.tell(to, kind, answered);
-                }
-            }
-            Action::Stop { by, to } => {
-                if let Some(console) = &self.console {
-                    self.tell(to, Kind::Stop, console.stop(by));
+                if let Some((to, answered)) = to.zip(answered) {
+                    self.tell(to, request, answered);
                 }
             }
             Action::Files { asked, shown, to } => {
@@ -159,11 +154,11 @@ impl Panel {
     }
 
     /// Tells a page what the console server answers, when it does.
-    fn tell(self: &Arc<Self>, to: To, kind: Kind, answered: oneshot::Receiver<Reply>) {
+    fn tell(self: &Arc<Self>, to: To, request: Request, answered: oneshot::Receiver<Answer>) {
         let panel = Arc::clone(self);
         tokio::spawn(async move {
-            let reply = answered.await.ok();
-            panel.update(|pages, _| pages.answered(to, &kind, reply));
+            let answer = answered.await.ok();
+            panel.update(|pages, _| pages.answered(to, &request, answer));
         });
     }
 }

@@ -1,6 +1,6 @@
 //! What happens to pages, and what is to be done for them then.
 
-use mrroc_processes::{OnBehalf, Request};
+use mrroc_core::operator::{OnBehalf, Request};
 
 use crate::console_session::CellSnapshot;
 use crate::rules::authority::Page;
@@ -33,23 +33,10 @@ pub struct To {
     pub number: u64,
 }
 
-/// What the console server answers.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Kind {
-    /// What all pages are told by this word.
-    Asked(String),
-    /// The renewal of a hold, of which no other page is told.
-    Renewal,
-    /// A stop.
-    Stop,
-}
-
 /// What is to be done for pages.
 pub enum Action {
     /// The console server is asked for something, for somebody who waits for the answer, or for nobody.
-    Ask { request: Request, by: OnBehalf, to: Option<(To, Kind)> },
-    /// The console server is asked for a stop, which waits for nothing else.
-    Stop { by: OnBehalf, to: To },
+    Ask { request: Request, by: OnBehalf, to: Option<To> },
     /// Something is to be done with the files of poses, of a cell that showed this.
     Files { asked: PageRequest, shown: CellSnapshot, to: To },
     /// The terminal is told.

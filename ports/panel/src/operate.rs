@@ -4,9 +4,9 @@
 
 use core::time::Duration;
 
-use mrroc_processes::{OnBehalf, Request};
+use mrroc_core::operator::{Answer, OnBehalf, Request};
 
-use crate::events::{Key, Kind};
+use crate::events::Key;
 use crate::pages::Pages;
 use crate::rules::request::{Message, PageRequest, Stamp};
 use crate::session::DoesNotRead;
@@ -31,9 +31,9 @@ impl Pages {
             return self.replay(key, number, &asked);
         }
         match self.begin_to(key, by, now, number, asked) {
-            Ok(Some(told)) => self.answer(key, number, "done", told),
+            Ok(Some(told)) => self.answer(key, number, &Answer::Done(told.to_owned())),
             Ok(None) => Ok(()),
-            Err(why) => self.answer(key, number, "refused", &why),
+            Err(why) => self.answer(key, number, &Answer::Refused(why)),
         }
     }
 
@@ -55,7 +55,7 @@ impl Pages {
             PageRequest::Beat => return Ok(()),
             _ => "the run is over: there is nothing to operate",
         };
-        self.answer(key, number, "refused", why)
+        self.answer(key, number, &Answer::Refused(why.to_owned()))
     }
 
     /// Begins to do what a page asks for of a cell that runs. What it is told at once, if that is all; or why not.
@@ -72,9 +72,9 @@ impl Pages {
             PageRequest::Beat => self.control.beat(page, now),
             PageRequest::Take => {
                 self.control.take(page, now).map_err(|why| why.to_string())?;
-                self.ask(key, by, number, Kind::Asked("take control".to_owned()), Request::Take);
+                self.ask(key, by, number, Request::Take);
             }
-            PageRequest::LetGo => {
+            PageRequest::Release => {
                 let left = self.control.leave(page);
                 self.tell_console_server(by, left);
                 self.note(&format!("page {page}: let go of control"));
@@ -82,26 +82,18 @@ impl Pages {
             }
             PageRequest::Press(button, stamp) => {
                 self.may_operate(by, now, stamp)?;
-                self.ask(key, by, number, Kind::Asked(button.to_string()), Request::Press(button));
+                self.ask(key, by, number, Request::Press(button));
             }
-            PageRequest::Hold(begins, stamp) => {
+            PageRequest::Hold(begins, jog, stamp) => {
                 self.may_operate(by, now, stamp)?;
-                let button = self.control.renew(begins, None, now).map_err(|why| why.to_string())?;
-                let kind = if begins { Kind::Asked("hold".to_owned()) } else { Kind::Renewal };
-                self.ask(key, by, number, kind, Request::Press(button));
+                let button = self.control.renew(begins, jog, now).map_err(|why| why.to_string())?;
+                self.ask(key, by, number, Request::Press(button));
             }
-            PageRequest::Jog(begins, robot, order, stamp) => {
-                self.may_operate(by, now, stamp)?;
-                let button = self.control.renew(begins, Some((robot, order)), now);
-                let button = button.map_err(|why| why.to_string())?;
-                let kind = if begins { Kind::Asked(format!("jog {robot} {order}")) } else { Kind::Renewal };
-                self.ask(key, by, number, kind, Request::Press(button));
-            }
-            PageRequest::Release => {
+            PageRequest::LetGo => {
                 let may = self.control.check(page, now);
                 match may.ok().and_then(|()| self.control.release()) {
                     Some(button) => {
-                        self.ask(key, by, number, Kind::Asked("let go".to_owned()), Request::Press(button));
+                        self.ask(key, by, number, Request::Press(button));
                     }
                     None => return Ok(Some("nothing is held")),
                 }

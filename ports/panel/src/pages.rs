@@ -9,12 +9,13 @@ use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 
 use axum::extract::ws::Utf8Bytes;
-use mrroc_processes::{OnBehalf, Reply, Request};
+use mrroc_core::operator::button::Button;
+use mrroc_core::operator::{Answer, OnBehalf, Request};
 use serde_json::json;
 
 use crate::console_session::CellSnapshot;
 use crate::control::Control;
-use crate::events::{Action, Key, Kind, PageEvent, To};
+use crate::events::{Action, Key, PageEvent, To};
 use crate::now::Appearance;
 use crate::rules::PAGES;
 use crate::rules::authority::Page;
@@ -220,7 +221,7 @@ impl Pages {
                 if session.bad > BAD {
                     return Err(": it said what is no message".to_owned());
                 }
-                self.answer(key, 0, "refused", &why.to_string())
+                self.answer(key, 0, &Answer::Refused(why.to_string()))
             }
         };
         done.map_err(|DoesNotRead| ": it does not read".to_owned())
@@ -229,14 +230,13 @@ impl Pages {
     /// Stops the cell, for any page with the token.
     fn stop(&mut self, key: Key, by: OnBehalf, number: u64) {
         if self.history.is_some() {
-            let _ = self.answer(key, number, "refused", "the run is over");
+            let _ = self.answer(key, number, &Answer::Refused("the run is over".to_owned()));
             return;
         }
-        let to = self.awaits(key, by.page, number);
         if let Some(session) = self.sessions.get_mut(&key) {
             session.stopping = true;
         }
-        self.actions.push_back(Action::Stop { by, to });
+        self.ask(key, by, number, Request::Press(Button::Stop));
     }
 
     /// Disconnects a page, which is told why, and what it was to be told before.
@@ -259,8 +259,8 @@ impl Pages {
     }
 
     /// Asks the console server for something that a page is told of.
-    pub(crate) fn ask(&mut self, key: Key, by: OnBehalf, number: u64, kind: Kind, request: Request) {
-        let to = Some((self.awaits(key, by.page, number), kind));
+    pub(crate) fn ask(&mut self, key: Key, by: OnBehalf, number: u64, request: Request) {
+        let to = Some(self.awaits(key, by.page, number));
         self.actions.push_back(Action::Ask { request, by, to });
     }
 
@@ -280,32 +280,31 @@ impl Pages {
     }
 
     /// The console server has answered; `None`: it never will.
-    pub fn answered(&mut self, to: To, kind: &Kind, reply: Option<Reply>) {
+    pub fn answered(&mut self, to: To, request: &Request, answer: Option<Answer>) {
         let To { key, page, number } = to;
-        let word = match (kind, &reply) {
-            (Kind::Asked(word), _) => word,
-            (Kind::Stop, _) => "stop",
+        let answer = answer.unwrap_or_else(|| Answer::Refused("the panel is ending".to_owned()));
+        let word = match request {
             // Why a hold moves nothing: ten times a second at most, so that no other page is told.
-            (Kind::Renewal, reply) => {
-                if let Some(Reply::Refused(why) | Reply::Pending(why)) = reply {
-                    let _ = self.answer(key, number, "refused", why);
+            Request::Press(Button::Hold(renewal) | Button::Jog(renewal, ..)) if renewal.count() > 0 => {
+                if let Answer::Refused(why) | Answer::Pending(why) = answer {
+                    let _ = self.answer(key, number, &Answer::Refused(why));
                 }
                 return self.is_answered(key, false);
             }
+            Request::Press(Button::Hold(_)) => "hold".to_owned(),
+            Request::Press(Button::Jog(_, robot, order)) => format!("jog {robot} {order}"),
+            Request::Press(Button::LetGo(_)) => "let go".to_owned(),
+            Request::Take => "take control".to_owned(),
+            _ => request.to_string(),
         };
-        let (outcome, text) = match reply {
-            Some(Reply::Done(text)) => ("done", text),
-            Some(Reply::Refused(text)) => ("refused", text),
-            Some(Reply::Pending(text)) => ("pending", text),
-            None => ("refused", "the panel is ending".to_owned()),
-        };
-        if word == "take control" && outcome == "refused" {
+        let (outcome, text) = answer.parts();
+        if *request == Request::Take && outcome == "refused" {
             // Another console has it: this page has nothing either.
             self.control.leave(page);
         }
         self.note(&format!("page {page}: {word}: {outcome}: {text}"));
-        let _ = self.answer(key, number, outcome, &text);
-        self.is_answered(key, *kind == Kind::Stop);
+        let _ = self.answer(key, number, &answer);
+        self.is_answered(key, *request == Request::Press(Button::Stop));
     }
 
     /// Something was done with the files of poses, which are these now.
@@ -319,13 +318,13 @@ impl Pages {
         let _ = match outcome {
             Ok(WorkOutcome::Changed(told)) => {
                 self.note(&format!("page {page}: {told}"));
-                self.answer(key, number, "done", &told)
+                self.answer(key, number, &Answer::Done(told))
             }
             Ok(WorkOutcome::Way(way)) => {
                 let said = json!({"kind": "answer", "n": number, "outcome": "done", "text": "", "way": way});
                 self.tell(key, said.to_string().into())
             }
-            Err(why) => self.answer(key, number, "refused", &why),
+            Err(why) => self.answer(key, number, &Answer::Refused(why)),
         };
         self.is_answered(key, false);
     }
@@ -342,18 +341,13 @@ impl Pages {
     ///
     /// # Errors
     /// [`DoesNotRead`]
-    pub(crate) fn answer(
-        &mut self,
-        key: Key,
-        number: u64,
-        outcome: &str,
-        text: &str,
-    ) -> Result<(), DoesNotRead> {
-        if number == 0 && outcome == "done" {
+    pub(crate) fn answer(&mut self, key: Key, number: u64, answer: &Answer) -> Result<(), DoesNotRead> {
+        if number == 0 && matches!(answer, Answer::Done(_)) {
             return Ok(());
         }
-        let said = json!({"kind": "answer", "n": number, "outcome": outcome, "text": text}).to_string();
-        self.tell(key, said.into())
+        let mut said = json!(answer);
+        (said["kind"], said["n"]) = ("answer".into(), number.into());
+        self.tell(key, said.to_string().into())
     }
 
     /// Tells a page what it has asked for.

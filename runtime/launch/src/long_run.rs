@@ -7,8 +7,7 @@
 use std::time::{Duration, Instant};
 
 use super::outcome::note;
-use mrroc_core::operator::Operator;
-use mrroc_core::operator::button::CellState;
+use mrroc_core::operator::{CellState, Operator};
 
 /// What is waited for.
 #[derive(Clone, Copy)]

@@ -7,15 +7,16 @@ use std::iter;
 use std::path::{Path, PathBuf};
 
 use clap::error::ErrorKind;
-use clap::{Args, Command, Parser, Subcommand};
+use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches, Parser, Subcommand};
 
 use crate::own;
 use crate::telling::PartRequest;
 use mrroc_core::fault::Name;
 use mrroc_core::fault::{ProcessId, Role};
 use mrroc_core::link::Clock;
-use mrroc_core::operator::button::{Button, NoButton};
+use mrroc_core::operator::button::{Button, ButtonKind};
 use mrroc_core::operator::jog::JogOrder;
+use mrroc_core::operator::{NoRequest, Request};
 
 const AFTER_HELP: &str = "\
 From status on, the commands ask the same cell from another terminal, while it
@@ -170,51 +171,65 @@ pub(super) enum LaunchCommand {
 pub(super) enum OperatingWord {
     /// Say what the cell does.
     Status,
-    /// Stop all robots on their paths.
-    Suspend,
-    /// Go on.
-    Resume,
-    /// Slow down or speed up on the path.
-    Speed {
-        /// Share of the planned speed, 0% to 100%.
-        #[arg(value_name = "PERCENT")]
-        share: Vec<String>,
-    },
-    /// Stop on the path and end the instruction; end a cell that awaits its reset.
-    Abort,
-    /// Stop on the path for good, as after a fault.
-    Stop,
-    /// Take notice of a fault, in a cell whose file says after_fault = "await reset".
-    Acknowledge,
-    /// Start again, after `acknowledge`.
-    Reset,
-    /// Robots move at reduced speed only, and only while a key is held: `on`, `off`.
-    Reduced {
-        #[arg(value_name = "ON|OFF")]
-        wanted: String,
-    },
+    #[command(flatten)]
+    Press(ButtonWords),
     /// Let robots move at reduced speed while the space bar is held; or jog one: hold left tool x 20%.
     Hold {
         /// The robot, and how it is jogged.
         #[arg(value_name = "JOG", allow_hyphen_values = true)]
         jog: Vec<String>,
     },
-    /// Go on with the program of a robot that was jogged.
-    JogDone {
-        /// The robot.
-        robot: String,
-    },
     /// Any of these, line by line; `take` and `release` keep the control from others meanwhile.
     Console,
+}
+
+/// The kinds of buttons that somebody writes.
+fn written() -> impl Iterator<Item = &'static ButtonKind> {
+    ButtonKind::ALL.iter().filter(|kind| !kind.does.is_empty())
+}
+
+/// A button, as it is written: `speed 50 %`.
+#[derive(Clone, Debug)]
+pub(super) struct ButtonWords(String);
+
+impl FromArgMatches for ButtonWords {
+    fn from_arg_matches(matches: &ArgMatches) -> Result<ButtonWords, clap::Error> {
+        let (word, of_word) =
+            matches.subcommand().ok_or_else(|| clap::Error::new(ErrorKind::MissingSubcommand))?;
+        let rest = of_word.try_get_many::<String>("rest").ok().flatten().into_iter().flatten();
+        let words: Vec<_> = iter::once(word).chain(rest.map(String::as_str)).collect();
+        Ok(ButtonWords(words.join(" ")))
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
+        ButtonWords::from_arg_matches(matches).map(|words| *self = words)
+    }
+}
+
+impl Subcommand for ButtonWords {
+    fn augment_subcommands(command: Command) -> Command {
+        let one = |kind: &ButtonKind| {
+            let command = Command::new(kind.word).about(kind.does);
+            let rest = Arg::new("rest").value_name(kind.rest).num_args(1..).action(ArgAction::Append);
+            if kind.rest.is_empty() { command } else { command.arg(rest) }
+        };
+        command.subcommands(written().map(one))
+    }
+
+    fn augment_subcommands_for_update(command: Command) -> Command {
+        ButtonWords::augment_subcommands(command)
+    }
+
+    fn has_subcommand(word: &str) -> bool {
+        written().any(|kind| kind.word == word)
+    }
 }
 
 /// What an operator wants of a cell that runs already.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Operating {
-    /// What it does, once.
-    Status,
-    /// Press a button.
-    Press(Button),
+    /// Something, once.
+    Ask(Request),
     /// Any of these, line by line.
     Console,
     /// Hold a key, which jogs a robot if one is named.
@@ -249,30 +264,22 @@ impl Options {
 }
 
 impl OperatingWord {
-    /// What it asks for; the speed may stand in two words, `50 %`.
+    /// What it asks for.
     ///
     /// # Errors
-    /// The text is not a speed.
-    pub(super) fn read(&self) -> Result<Operating, NoButton> {
-        Ok(Operating::Press(match self {
-            OperatingWord::Status => return Ok(Operating::Status),
-            OperatingWord::Console => return Ok(Operating::Console),
-            OperatingWord::Hold { jog } if jog.is_empty() => return Ok(Operating::Hold(None)),
+    /// What stands behind a word is nothing that can.
+    pub(super) fn read(&self) -> Result<Operating, NoRequest> {
+        Ok(match self {
+            OperatingWord::Status => Operating::Ask(Request::Status),
+            OperatingWord::Press(ButtonWords(words)) => Operating::Ask(Request::read(words)?),
+            OperatingWord::Hold { jog } if jog.is_empty() => Operating::Hold(None),
             // Which hold it is, the key that is held says.
-            OperatingWord::Hold { jog } => match Button::read("jog", &format!("0 0 {}", jog.join(" ")))? {
-                Button::Jog(_, robot, order) => return Ok(Operating::Hold(Some((robot, order)))),
-                other => other,
+            OperatingWord::Hold { jog } => match Request::read(&format!("jog 0 0 {}", jog.join(" ")))? {
+                Request::Press(Button::Jog(_, robot, order)) => Operating::Hold(Some((robot, order))),
+                request => Operating::Ask(request),
             },
-            OperatingWord::JogDone { robot } => Button::read("jog-done", robot)?,
-            OperatingWord::Reduced { wanted } => Button::read("reduced", wanted)?,
-            OperatingWord::Suspend => Button::Suspend,
-            OperatingWord::Resume => Button::Resume,
-            OperatingWord::Speed { share } => Button::read("speed", &share.join(" "))?,
-            OperatingWord::Abort => Button::Abort,
-            OperatingWord::Stop => Button::Stop,
-            OperatingWord::Acknowledge => Button::Acknowledge,
-            OperatingWord::Reset => Button::Reset,
-        }))
+            OperatingWord::Console => Operating::Console,
+        })
     }
 }
 
@@ -481,7 +488,8 @@ mod tests {
             assert!(text.lines().all(|line| line.len() <= 80), "{text}");
             for word in ["replay", "doctor", "status", "console", "--record"]
                 .iter()
-                .chain(Button::NAMES.iter().filter(|word| !["let-go", "jog"].contains(word)))
+                .chain(&["hold"])
+                .chain(written().map(|kind| &kind.word))
             {
                 assert!(
                     text.lines().any(|line| line.trim_start().starts_with(word)),
@@ -542,14 +550,14 @@ mod tests {
             _ => Ok(None),
         };
         assert_eq!(asked(&[]), Ok(None));
-        assert_eq!(asked(&["status"]), Ok(Some(Operating::Status)));
+        assert_eq!(asked(&["status"]), Ok(Some(Operating::Ask(Request::Status))));
         assert_eq!(asked(&["console"]), Ok(Some(Operating::Console)));
         assert_eq!(options(&["console", "--cell", "c"]).cell, Some(PathBuf::from("c")));
         for of in [&["--of", "line.press", "reset"], &["reset", "--of", "line.press"]] {
-            assert_eq!(asked(of), Ok(Some(Operating::Press(Button::Reset))));
+            assert_eq!(asked(of), Ok(Some(Operating::Ask(Request::Press(Button::Reset)))));
             assert_eq!(options(of).of, Name::of_process("line.press").ok());
         }
-        let half = Ok(Some(Operating::Press(Button::Speed(0.5))));
+        let half = Ok(Some(Operating::Ask(Request::Press(Button::Speed(0.5)))));
         for speed in [
             &["speed", "50%"][..],
             &["speed", "50"],
@@ -564,13 +572,20 @@ mod tests {
             panic!("no jog")
         };
         assert_eq!((robot.as_str(), order.to_string().as_str()), ("left", "tool x -20%"));
-        assert!(matches!(asked(&["jog-done", "left"]), Ok(Some(Operating::Press(Button::JogDone(_))))));
-        assert_eq!(asked(&["reduced", "off"]), Ok(Some(Operating::Press(Button::Reduced(false)))));
-        // What a held key sends is not for a command line.
-        let written = |word: &&str| !["speed", "reduced", "hold", "let-go", "jog", "jog-done"].contains(word);
-        for word in Button::NAMES.into_iter().filter(written) {
-            assert_eq!(asked(&[word]), Ok(Some(Operating::Press(Button::read(word, "").expect("a button")))));
+        assert!(matches!(
+            asked(&["jog-done", "left"]),
+            Ok(Some(Operating::Ask(Request::Press(Button::JogDone(_)))))
+        ));
+        assert_eq!(
+            asked(&["reduced", "off"]),
+            Ok(Some(Operating::Ask(Request::Press(Button::Reduced(false)))))
+        );
+        for kind in written().filter(|kind| kind.rest.is_empty()) {
+            let button = Request::read(kind.word).expect("a button");
+            assert_eq!(asked(&[kind.word]), Ok(Some(Operating::Ask(button))));
         }
+        // What a held key sends is not for a command line.
+        assert!(asked(&["let-go", "1"]).is_err());
         for (arguments, told) in [
             (&["speed", "fast"][..], "write 0% to 100%"),
             (&["speed"], "write 0% to 100%"),

@@ -22,6 +22,7 @@ use mrroc_core::fault::Name;
 use mrroc_core::fault::{Fault, FaultWords, ProcessId, Role};
 use mrroc_core::link::Nanos;
 use mrroc_core::link::places::Places;
+use mrroc_core::operator::Request;
 use mrroc_core::operator::button::Button;
 use mrroc_core::payload::{BadWords, Wire};
 
@@ -31,14 +32,8 @@ const WORDS: usize = 40;
 /// The words of a frame with the places to which a process has sent messages.
 const WOKEN: Range<usize> = 2..2 + Places::WORDS;
 
-/// The words of a frame with a button.
-const BUTTON: Range<usize> = 2..2 + Button::WORDS;
-
 /// Bytes of a frame.
 pub(super) const FRAME: usize = 8 * WORDS;
-
-/// Bytes of a text in a frame.
-const TEXT: usize = 8 * (WORDS - 2);
 
 /// A frame from a launcher to a process, or from a process to its launcher.
 #[derive(Clone, Debug, PartialEq)]
@@ -116,7 +111,7 @@ impl Frame {
             Frame::Abort => 6,
             Frame::Press { number, button } => {
                 words[1] = *number;
-                words[BUTTON].copy_from_slice(&button.to_words());
+                put_text(&mut words[2..], &button.to_string());
                 20
             }
             Frame::Close => 7,
@@ -150,16 +145,7 @@ impl Frame {
                 15
             }
             Frame::Refuses(text) | Frame::Gone(text) => {
-                let mut len = text.len().min(TEXT);
-                while !text.is_char_boundary(len) {
-                    len -= 1;
-                }
-                words[1] = len as u64;
-                for (word, chunk) in words[2..].iter_mut().zip(text.as_bytes()[..len].chunks(8)) {
-                    let mut bytes = [0; 8];
-                    bytes[..chunk.len()].copy_from_slice(chunk);
-                    *word = u64::from_le_bytes(bytes);
-                }
+                put_text(&mut words[1..], text);
                 if matches!(self, Frame::Gone(_)) { 21 } else { 11 }
             }
             Frame::Over { steps, time, outcome } => {
@@ -195,7 +181,9 @@ impl Frame {
             }
             6 => Frame::Abort,
             20 => {
-                let button = words[BUTTON].try_into().ok().and_then(Button::from_words).ok_or(BadWords)?;
+                let Ok(Request::Press(button)) = Request::read(&text(&words[2..])?) else {
+                    return Err(BadWords);
+                };
                 Frame::Press { number: words[1], button }
             }
             7 => Frame::Close,
@@ -203,9 +191,7 @@ impl Frame {
             9 => Frame::Ready { lacks: Lacks::from_word(words[1]) },
             10 => Frame::Waits { deadline: words[1], woken: woken(words)? },
             11 | 21 => {
-                let bytes: Vec<u8> = words[2..].iter().flat_map(|word| word.to_le_bytes()).collect();
-                let len = usize::try_from(words[1]).ok().filter(|&len| len <= TEXT).ok_or(BadWords)?;
-                let text = String::from_utf8_lossy(&bytes[..len]).into_owned();
+                let text = text(&words[1..])?;
                 if words[0] == 21 { Frame::Gone(text) } else { Frame::Refuses(text) }
             }
             12 => {
@@ -257,6 +243,24 @@ impl Frame {
 /// The places to which a process has sent messages.
 fn woken(words: &[u64; WORDS]) -> Result<Places, BadWords> {
     words[WOKEN].try_into().map(Places::from_words).map_err(|_| BadWords)
+}
+
+/// Puts the length of a text, and as much of it as the words take.
+fn put_text(words: &mut [u64], text: &str) {
+    let len = text.floor_char_boundary(8 * (words.len() - 1));
+    words[0] = len as u64;
+    for (word, chunk) in words[1..].iter_mut().zip(text.as_bytes()[..len].chunks(8)) {
+        let mut bytes = [0; 8];
+        bytes[..chunk.len()].copy_from_slice(chunk);
+        *word = u64::from_le_bytes(bytes);
+    }
+}
+
+/// The text in words.
+fn text(words: &[u64]) -> Result<String, BadWords> {
+    let bytes: Vec<u8> = words[1..].iter().flat_map(|word| word.to_le_bytes()).collect();
+    let text = usize::try_from(words[0]).ok().and_then(|len| bytes.get(..len)).ok_or(BadWords)?;
+    Ok(String::from_utf8_lossy(text).into_owned())
 }
 
 /// One end of the socket.
@@ -314,6 +318,7 @@ impl Control {
 mod tests {
     use super::*;
     use mrroc_core::fault::FaultKind;
+    use mrroc_core::robot::MAX_JOINTS;
 
     #[test]
     fn every_frame_comes_out_as_it_went_in_and_the_end_of_the_stream_is_an_error() {
@@ -323,6 +328,10 @@ mod tests {
         let edp = ProcessId::new(Role::Edp, name.expect("a name"));
         let fault = Fault::new(FaultKind::DriveFault).in_process(edp).at_step(3).text("no brake");
         let seal = Seal { session: 1, epoch: 2 };
+        let positions = " -1.2345678901234567e-300".repeat(MAX_JOINTS);
+        let jog =
+            format!("jog {} {} {} to 12.123456789%{positions}", u64::MAX >> 16, u16::MAX, "x".repeat(24));
+        let Ok(Request::Press(longest)) = Request::read(&jog) else { panic!("no jog") };
         let frames = [
             Frame::Welcome { seal, cell: CellId(u64::MAX), clock: Clock::Virtual, spin: 3 },
             Frame::Welcome { seal, cell: CellId(1), clock: Clock::Real, spin: 0 },
@@ -334,6 +343,7 @@ mod tests {
             Frame::Abort,
             Frame::Press { number: 6, button: Button::Speed(0.25) },
             Frame::Press { number: 7, button: Button::Stop },
+            Frame::Press { number: 8, button: longest },
             Frame::Close,
             Frame::Created { fingerprint: 7 },
             Frame::Ready { lacks: Lacks::from_word(5) },

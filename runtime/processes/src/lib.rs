@@ -42,7 +42,7 @@ pub use board::figures::{Figures, Spread};
 #[doc(hidden)]
 pub use consoles::readers;
 pub use consoles::{
-    BodyPicture, Caller, CarriedPicture, CellPicture, ConsoleMessage, ENDED, MAX_REQUEST, OnBehalf, Picture,
-    ProcessPicture, ReadingPicture, Reply, ReplyReceiver, Request, RequestSender, RobotPicture,
+    AnswerReceiver, BodyPicture, Caller, CarriedPicture, CellPicture, ConsoleMessage, ENDED, Picture,
+    ProcessPicture, ReadingPicture, RequestSender, RobotPicture,
 };
 pub use part::OverSharedMemory;

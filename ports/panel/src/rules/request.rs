@@ -4,7 +4,8 @@
 //! epoch and the step that the page showed when it was pressed: what is asked of a picture that is old is refused.
 
 use mrroc_core::fault::Name;
-use mrroc_core::operator::button::{Button, NoButton};
+use mrroc_core::operator::Request;
+use mrroc_core::operator::button::Button;
 use mrroc_core::operator::jog::JogOrder;
 use serde_json::Value;
 
@@ -23,15 +24,13 @@ pub enum PageRequest {
     /// Authority.
     Take,
     /// To give it back.
-    LetGo,
+    Release,
     /// A button.
     Press(Button, Stamp),
-    /// Robots may move while this is said again and again, at reduced speed; whether a hold begins.
-    Hold(bool, Stamp),
-    /// A robot is jogged while this is said again and again, at reduced speed; whether a hold begins.
-    Jog(bool, Name, JogOrder, Stamp),
+    /// Robots may move while this is said again and again, at reduced speed, or one is jogged; whether a hold begins.
+    Hold(bool, Option<(Name, JogOrder)>, Stamp),
     /// They may no longer.
-    Release,
+    LetGo,
     /// A robot that stands is taught its pose, by this name.
     Teach(Name, Name, Stamp),
     /// A pose of a robot gets another name.
@@ -105,15 +104,18 @@ impl Stamp {
     }
 }
 
-fn unknown(bad: NoButton) -> BadMessage {
-    BadMessage::Unknown(bad.to_string().replace("\n help: ", ": "))
-}
-
 /// A name in a message. A robot may be one of a lower cell.
 fn name(json: &Value, key: &'static str) -> Result<Name, BadMessage> {
     let text = json[key].as_str().ok_or(BadMessage::Lacks(key))?;
     let read = if key == "robot" { Name::of_process(text) } else { Name::new(text) };
     read.map_err(|bad| BadMessage::Unknown(bad.to_string()))
+}
+
+/// The robot that is jogged, and how.
+fn jog(json: &Value) -> Result<(Name, JogOrder), BadMessage> {
+    let order = json["order"].as_str().ok_or(BadMessage::Lacks("order"))?;
+    let order = JogOrder::read(&mut order.split_whitespace());
+    Ok((name(json, "robot")?, order.map_err(|bad| BadMessage::Unknown(bad.in_a_line()))?))
 }
 
 impl Message {
@@ -131,15 +133,10 @@ impl Message {
         let asked = match word {
             "beat" => PageRequest::Beat,
             "stop" => PageRequest::Stop,
-            "take" => PageRequest::Take,
             "let-go" => PageRequest::LetGo,
-            "hold" => PageRequest::Hold(json["begins"].as_bool().unwrap_or(false), Stamp::of(&json)?),
-            "release" => PageRequest::Release,
-            "jog" => {
-                let order = json["order"].as_str().ok_or(BadMessage::Lacks("order"))?;
-                let order = JogOrder::read(&mut order.split_whitespace()).map_err(unknown)?;
-                let begins = json["begins"].as_bool().unwrap_or(false);
-                PageRequest::Jog(begins, name(&json, "robot")?, order, Stamp::of(&json)?)
+            "hold" | "jog" => {
+                let jog = (word == "jog").then(|| jog(&json)).transpose()?;
+                PageRequest::Hold(json["begins"].as_bool().unwrap_or(false), jog, Stamp::of(&json)?)
             }
             "teach" => PageRequest::Teach(name(&json, "robot")?, name(&json, "name")?, Stamp::of(&json)?),
             "rename" => PageRequest::Rename(name(&json, "robot")?, name(&json, "name")?, name(&json, "to")?),
@@ -150,11 +147,15 @@ impl Message {
                 let minute = json["minute"].as_bool().unwrap_or(false);
                 PageRequest::Frame(at.ok_or(BadMessage::Lacks("at"))?, minute)
             }
-            _ => {
-                let rest = json["rest"].as_str().unwrap_or("");
-                let button = Button::read(word, rest).map_err(unknown)?;
-                PageRequest::Press(button, Stamp::of(&json)?)
-            }
+            _ => match serde_json::from_value(json.clone()) {
+                Ok(Request::Take) => PageRequest::Take,
+                Ok(Request::Release) => PageRequest::Release,
+                Ok(Request::Press(button)) => PageRequest::Press(button, Stamp::of(&json)?),
+                Ok(Request::Status | Request::Watch) => {
+                    return Err(BadMessage::Unknown("a page is shown the cell without asking".to_owned()));
+                }
+                Err(bad) => return Err(BadMessage::Unknown(bad.to_string())),
+            },
         };
         Ok(Message { number, asked })
     }
@@ -184,12 +185,16 @@ mod tests {
                 r#"{"n":3,"do":"speed","rest":"50%","epoch":2,"step":40}"#,
                 PageRequest::Press(Button::Speed(0.5), stamp),
             ),
-            (r#"{"n":3,"do":"hold","begins":true,"epoch":2,"step":40}"#, PageRequest::Hold(true, stamp)),
-            (r#"{"n":3,"do":"hold","epoch":2,"step":40}"#, PageRequest::Hold(false, stamp)),
+            (
+                r#"{"n":3,"do":"hold","begins":true,"epoch":2,"step":40}"#,
+                PageRequest::Hold(true, None, stamp),
+            ),
+            (r#"{"n":3,"do":"hold","epoch":2,"step":40}"#, PageRequest::Hold(false, None, stamp)),
             (r#"{"n":3,"do":"release"}"#, PageRequest::Release),
+            (r#"{"n":3,"do":"let-go"}"#, PageRequest::LetGo),
             (
                 r#"{"n":3,"do":"jog","begins":true,"robot":"left","order":"tool x 50%","epoch":2,"step":40}"#,
-                PageRequest::Jog(true, left, order, stamp),
+                PageRequest::Hold(true, Some((left, order)), stamp),
             ),
             (
                 r#"{"n":3,"do":"jog-done","rest":"left","epoch":2,"step":40}"#,
@@ -228,12 +233,12 @@ mod tests {
             ("7", "do"),
             ("{}", "do"),
             (r#"{"do":7}"#, "do"),
-            (r#"{"do":"fly","epoch":0,"step":0}"#, "`fly` is no button"),
+            (r#"{"do":"fly","epoch":0,"step":0}"#, "`fly` is no request"),
             (r#"{"do":"resume"}"#, "epoch"),
             (r#"{"do":"resume","epoch":-1,"step":4}"#, "epoch"),
             (r#"{"do":"resume","epoch":1e99,"step":4}"#, "epoch"),
             (r#"{"do":"resume","epoch":1}"#, "step"),
-            (r#"{"do":"speed","rest":"fast","epoch":1,"step":1}"#, "no speed"),
+            (r#"{"do":"speed","rest":"fast","epoch":1,"step":1}"#, "`speed fast` is no request"),
             (r#"{"do":"jog","robot":"left","order":"tool x 900%","epoch":1,"step":1}"#, "tool x -50%"),
             (r#"{"do":"jog","robot":"left","order":"tool x 9%","epoch":1}"#, "step"),
             (r#"{"do":"jog","order":"tool x 9%","epoch":1,"step":1}"#, "robot"),

@@ -2,8 +2,7 @@
 
 use core::sync::atomic::{AtomicUsize, Ordering};
 
-use mrroc_core::operator::button::Button;
-use mrroc_processes::{OnBehalf, Reply, Request};
+use mrroc_core::operator::{Answer, OnBehalf, Request};
 use serde_json::json;
 use tokio::io::{AsyncReadExt, AsyncWriteExt, DuplexStream, duplex};
 use tokio::sync::{oneshot, watch};
@@ -32,15 +31,11 @@ struct Served {
 struct AtOnce(Arc<AtomicUsize>);
 
 impl RequestSink for AtOnce {
-    fn ask(&self, request: Request, _: OnBehalf) -> oneshot::Receiver<Reply> {
+    fn ask(&self, request: Request, _: OnBehalf) -> oneshot::Receiver<Answer> {
         let (answer, answered) = oneshot::channel();
         self.0.fetch_add(1, Ordering::Relaxed);
-        answer.send(Reply::Done(format!("{request}"))).expect("it is waited for");
+        answer.send(Answer::Done(format!("{request}"))).expect("it is waited for");
         answered
-    }
-
-    fn stop(&self, by: OnBehalf) -> oneshot::Receiver<Reply> {
-        self.ask(Request::Press(Button::Stop), by)
     }
 }
 

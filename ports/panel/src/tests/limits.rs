@@ -1,6 +1,6 @@
 //! What is shown to whom, and who is disconnected, when, and with which words.
 
-use mrroc_processes::Request;
+use mrroc_core::operator::Request;
 use serde_json::json;
 
 use super::pages::{fixture, fixture_by};

@@ -1,7 +1,7 @@
 //! Who may operate the cell, and until when.
 
 use mrroc_core::operator::button::Button;
-use mrroc_processes::{Reply, Request};
+use mrroc_core::operator::{Answer, Request};
 use serde_json::{Value, json};
 
 use super::pages::{Fixture, fixture, fixture_by};
@@ -58,7 +58,7 @@ fn fault_205_a_stop_is_taken_from_every_page_whatever_it_said_before_and_whoever
 fn fault_205_a_stop_that_comes_while_the_last_one_of_its_page_is_under_way_is_part_of_it() {
     let mut fixture = fixture_by(|request| match request {
         Request::Press(Button::Stop) => None,
-        request => Some(Reply::Done(format!("{request}"))),
+        request => Some(Answer::Done(format!("{request}"))),
     });
     let (one, two) = (fixture.known(), fixture.known());
     for n in 1..100 {
@@ -71,8 +71,8 @@ fn fault_205_a_stop_that_comes_while_the_last_one_of_its_page_is_under_way_is_pa
         (Some(Request::Press(Button::Stop)), Some(Request::Press(Button::Stop)))
     );
     assert_eq!(fixture.request(), None);
-    let (to, kind) = fixture.waiting.pop_front().expect("one waits");
-    fixture.pages.answered(to, &kind, Some(Reply::Done("stopped".to_owned())));
+    let (to, request) = fixture.waiting.pop_front().expect("one waits");
+    fixture.pages.answered(to, &request, Some(Answer::Done("stopped".to_owned())));
     fixture.settle();
     assert_eq!(fixture.answer(one, 1)["text"], "stopped");
     fixture.say(one, &json!({"n": 100, "do": "stop"}));
@@ -136,7 +136,7 @@ fn fault_206_a_page_that_is_gone_holds_nothing_from_then_on_and_its_console_serv
     let mut fixture = fixture();
     let page = in_control(&mut fixture);
     let held = holds(&mut fixture, page);
-    fixture.say(page, &json!({"n": 3, "do": "let-go"}));
+    fixture.say(page, &json!({"n": 3, "do": "release"}));
     assert_eq!(fixture.request(), Some(Request::Press(Button::LetGo(held))));
     assert_eq!((fixture.request(), fixture.request()), (Some(Request::Release), None));
     assert_eq!(fixture.answer(page, 3)["text"], "nobody has control");
@@ -200,9 +200,9 @@ fn fault_232_a_renewal_that_comes_too_late_begins_nothing() {
 fn a_page_is_told_why_the_robot_stands_that_it_holds() {
     let mut fixture = fixture_by(|request| match request {
         Request::Press(Button::Jog(renewal, ..)) if renewal.count() == 2 => {
-            Some(Reply::Refused("another robot moves".to_owned()))
+            Some(Answer::Refused("another robot moves".to_owned()))
         }
-        request => Some(Reply::Done(format!("{request}"))),
+        request => Some(Answer::Done(format!("{request}"))),
     });
     let (page, other) = (in_control(&mut fixture), fixture.known());
     for count in 0..3 {
@@ -223,8 +223,8 @@ fn a_page_is_told_why_the_robot_stands_that_it_holds() {
 #[test]
 fn a_page_that_another_console_keeps_from_the_cell_has_no_control() {
     let mut fixture = fixture_by(|request| match request {
-        Request::Take => Some(Reply::Refused("console 7 has control".to_owned())),
-        request => Some(Reply::Done(format!("{request}"))),
+        Request::Take => Some(Answer::Refused("console 7 has control".to_owned())),
+        request => Some(Answer::Done(format!("{request}"))),
     });
     let page = fixture.known();
     fixture.say(page, &json!({"n": 1, "do": "take"}));

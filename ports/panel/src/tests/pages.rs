@@ -3,12 +3,11 @@
 use std::collections::BTreeMap;
 use std::collections::VecDeque;
 
-use mrroc_core::operator::button::Button;
-use mrroc_processes::{Reply, Request};
+use mrroc_core::operator::{Answer, Request};
 use serde_json::Value;
 
 use super::*;
-use crate::events::{Action, Key, Kind, PageEvent, To};
+use crate::events::{Action, Key, PageEvent, To};
 use crate::pages::Pages;
 use crate::poses::Poses;
 use crate::rules::request::PageRequest;
@@ -18,7 +17,7 @@ use crate::session::Outgoing;
 use crate::teaching;
 
 /// What a console server answers to a request.
-type Answers = Box<dyn FnMut(&Request) -> Option<Reply>>;
+type Answers = Box<dyn FnMut(&Request) -> Option<Answer>>;
 
 /// Pages of a cell that is not there.
 pub struct Fixture {
@@ -28,7 +27,7 @@ pub struct Fixture {
     pub now: Duration,
     answers: Answers,
     /// What the console server was asked for and does not answer yet.
-    pub waiting: VecDeque<(To, Kind)>,
+    pub waiting: VecDeque<(To, Request)>,
     /// What it was asked for, and when.
     pub asked: VecDeque<(Duration, Request)>,
     /// What the terminal was told.
@@ -46,11 +45,11 @@ pub struct Fixture {
 
 /// Pages of a cell whose console server does all that it is asked for.
 pub fn fixture() -> Fixture {
-    fixture_by(|request| Some(Reply::Done(format!("{request}"))))
+    fixture_by(|request| Some(Answer::Done(format!("{request}"))))
 }
 
 /// The same, whose console server answers so; nothing, if it does not answer.
-pub fn fixture_by(answers: impl FnMut(&Request) -> Option<Reply> + 'static) -> Fixture {
+pub fn fixture_by(answers: impl FnMut(&Request) -> Option<Answer> + 'static) -> Fixture {
     let mut fixture = of_history(None);
     fixture.answers = Box::new(answers);
     fixture.pages.show(shown(&fixture.looks));
@@ -154,7 +153,6 @@ impl Fixture {
                 assert_eq!(u128::from(by.heard), self.now.as_nanos());
                 self.ask(request, to);
             }
-            Action::Stop { to, .. } => self.ask(Request::Press(Button::Stop), Some((to, Kind::Stop))),
             Action::Files { asked, shown, to } => match &self.poses {
                 None => self.work.push_back((to, asked, shown)),
                 poses => {
@@ -165,11 +163,11 @@ impl Fixture {
         }
     }
 
-    fn ask(&mut self, request: Request, to: Option<(To, Kind)>) {
+    fn ask(&mut self, request: Request, to: Option<To>) {
         self.asked.push_back((self.now, request));
         match ((self.answers)(&request), to) {
-            (Some(reply), Some((to, kind))) => self.pages.answered(to, &kind, Some(reply)),
-            (None, Some(to)) => self.waiting.push_back(to),
+            (Some(answer), Some(to)) => self.pages.answered(to, &request, Some(answer)),
+            (None, Some(to)) => self.waiting.push_back((to, request)),
             (_, None) => {}
         }
     }

@@ -7,7 +7,7 @@ use std::sync::Mutex;
 use std::sync::mpsc::{Receiver, channel};
 
 use mrroc_core::operator::button::Button;
-use mrroc_processes::{Reply, Request};
+use mrroc_core::operator::{Answer, Request};
 use serde_json::{Value, json};
 use tokio::net::TcpListener;
 use tokio::sync::watch;
@@ -41,7 +41,7 @@ fn served(cell: Option<&Path>) -> Served {
     let writes = Mutex::new(writes);
     let console = ConsoleSession::of(move |request| {
         let _ = writes.lock().expect("not poisoned").send(*request);
-        Reply::Done(format!("{request}"))
+        Answer::Done(format!("{request}"))
     });
     let (tells, told) = channel();
     std::thread::spawn(move || {

@@ -1,8 +1,8 @@
 //! What pages ask of taught poses.
 
+use mrroc_core::operator::Request;
 use mrroc_core::operator::button::Button;
 use mrroc_core::robot::Robot;
-use mrroc_processes::Request;
 use serde_json::{Value, json};
 
 use super::pages::{Fixture, fixture};

@@ -1,13 +1,8 @@
 // Operating: what a person presses becomes a message, and what the robots do becomes the look of the buttons.
 //
-// In: states of the cell, answers, presses. Out: messages with the epoch and the step that the page showed. A button shows what the
+// In: states of the cell, answers, presses of the buttons in `index.html`, each with the states in which it does something. Out: messages with the epoch and the step that the page showed. A button shows what the
 // cell does, never that it was clicked.
 
-/** In which states of the cell a button does something. */
-const USEFUL = {
-  suspend: ['running'], resume: ['suspended'], abort: ['running', 'suspended', 'latched', 'acknowledged'],
-  acknowledge: ['latched'], reset: ['acknowledged'],
-};
 /** How often a page says that it is there, and that somebody holds [ms]. */
 const BEAT = 100;
 /** How long the cell may take to become what was asked for [ms]. */
@@ -29,7 +24,7 @@ export class Operating {
     });
     by('take').addEventListener('click', () => {
       this.leaves = this.yours;
-      this.press(by('take'), { do: this.yours ? 'let-go' : 'take' }, this.yours ? null : 'you have control');
+      this.press(by('take'), { do: this.yours ? 'release' : 'take' }, this.yours ? null : 'you have control');
     });
     for (const button of document.querySelectorAll('[data-do]')) {
       button.addEventListener('click', () => this.press(button, { do: button.dataset.do, ...this.stamp() }));
@@ -116,7 +111,7 @@ export class Operating {
     delete this.held.button.dataset.pressed;
     delete this.held.button.dataset.refused;
     this.held = null;
-    this.link.say({ do: 'release' });
+    this.link.say({ do: 'let-go' });
   }
 
   beat() {
@@ -151,7 +146,7 @@ export class Operating {
     by('take').setAttribute('aria-pressed', yours);
     by('take').disabled = !open;
     for (const button of document.querySelectorAll('[data-do]')) {
-      button.disabled = !open || !yours || !USEFUL[button.dataset.do].includes(state.state);
+      button.disabled = !open || !yours || !button.dataset.in.split(' ').includes(state.state);
     }
     document.querySelector('[data-do="suspend"]').setAttribute('aria-pressed', state?.state === 'suspended');
     by('speed').disabled = by('reduced').disabled = !open || !yours;

@@ -9,7 +9,8 @@ use crate::model::type_name::TypeName;
 
 pub use crate::model::instruction::InstructionKind;
 
-use super::button::{Answer, Button, CellState};
+use super::button::{Button, Pressed};
+use super::cell_state::CellState;
 use super::jog::JogStop;
 
 /// What an MP shows of itself in every step.
@@ -43,7 +44,7 @@ pub struct MpState {
     /// The cell's state, as far as its operator is concerned.
     pub state: CellState,
     /// What became of the last press of each button.
-    pub answers: [Answer; Button::KINDS],
+    pub answers: [Pressed; Button::KINDS],
     /// What ended the last instruction that did not end well.
     pub fault: Option<FaultWords>,
     /// In a latched cell: what forbids a reset, or made the last one fail.

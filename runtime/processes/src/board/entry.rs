@@ -7,7 +7,8 @@ use super::state_board::ENTRY;
 use mrroc_core::fault::{Fault, FaultWords};
 use mrroc_core::generator::TypeName;
 use mrroc_core::observe::Observation;
-use mrroc_core::operator::button::{Answer, Button, CellState};
+use mrroc_core::operator::CellState;
+use mrroc_core::operator::button::{Button, Pressed};
 use mrroc_core::operator::jog::{JogRefusal, JogStop};
 use mrroc_core::operator::state::{EcpState, EdpState, InstructionKind, MpState, VspState};
 use mrroc_core::payload::{WORDS, Wire};
@@ -60,7 +61,7 @@ pub(crate) fn of_mp(state: &MpState) -> [u64; ENTRY] {
 }
 
 /// What became of a press, in a word: 1 if it was carried out, 0 if it was refused, and from 2 on why a jog was.
-fn outcome(answer: &Answer) -> u64 {
+fn outcome(answer: &Pressed) -> u64 {
     answer.why.map_or(u64::from(answer.done), |why| why as u64 + 2)
 }
 
@@ -130,7 +131,7 @@ pub(crate) struct MpPanel {
     /// Which robots may be jogged now, by their places, and why one stands.
     pub jogs: [u64; 2],
     pub jogged: Option<(usize, JogStop)>,
-    pub answers: [Answer; Button::KINDS],
+    pub answers: [Pressed; Button::KINDS],
     pub fault: Option<Fault>,
     pub persisting: Option<Fault>,
 }
@@ -142,12 +143,12 @@ impl MpPanel {
             let place = usize::try_from(word).ok();
             place.and_then(|place| CellState::ALL.get(place)).copied().unwrap_or_default()
         };
-        let mut answers = [Answer::default(); Button::KINDS];
+        let mut answers = [Pressed::default(); Button::KINDS];
         for (answer, words) in answers.iter_mut().zip(words[ANSWERS..FAULT].chunks_exact(4)) {
             let why = usize::try_from(words[3]).ok().and_then(|word| word.checked_sub(2));
             let why = why.and_then(|place| JogRefusal::ALL.get(place)).copied();
             let (number, step, state, done) = (words[0], words[1], state(words[2]), words[3] == 1);
-            *answer = Answer { number, step, state, done, why };
+            *answer = Pressed { number, step, state, done, why };
         }
         MpPanel {
             step: words[0],
@@ -315,7 +316,7 @@ mod tests {
     fn the_state_of_an_mp_is_read_as_it_was_written() {
         let fault = Fault::new(FaultKind::PeerLost).in_process(ProcessId::MP).at_step(7).text("gone");
         let persisting = Fault::new(FaultKind::DriveFault).in_process(ProcessId::PLANT).text("brake");
-        let answer = Answer { number: 3, step: 9, state: CellState::Stopping, done: true, why: None };
+        let answer = Pressed { number: 3, step: 9, state: CellState::Stopping, done: true, why: None };
         let mut state = MpState {
             step: 1,
             period: 2,
@@ -331,7 +332,7 @@ mod tests {
             ..MpState::default()
         };
         state.answers[Button::Speed(0.0).kind()] = answer;
-        state.answers[10] = Answer { done: false, why: Some(JogRefusal::OthersMove), ..answer };
+        state.answers[10] = Pressed { done: false, why: Some(JogRefusal::OthersMove), ..answer };
         (state.jogs, state.jogged) = ([5, 1 << 63], Some((2, JogStop::Way)));
         let read = MpPanel::read(&of_mp(&state));
         assert_eq!((read.step, read.period, read.epoch), (1, 2, 4));

@@ -12,12 +12,14 @@ use std::time::{Duration, Instant};
 use rustix::net::sockopt::{Timeout, set_socket_timeout, socket_peercred};
 use rustix::net::{AddressFamily, SocketAddrUnix, SocketFlags, SocketType, connect, socket_with};
 
-use super::protocol::{Addressed, ConsoleMessage, OnBehalf, Reply, Request, SOCKET};
+use super::protocol::{ConsoleMessage, SOCKET};
 use crate::board::StateBoard;
 use crate::machine::identity::{CellId, Holder};
 use crate::session::{SessionError, is_stopped, is_used, number_of_session, sessions_of};
 use mrroc_core::fault::Name;
-use mrroc_core::operator::button::{Button, CellState};
+use mrroc_core::operator::button::Button;
+use mrroc_core::operator::request::Addressed;
+use mrroc_core::operator::{Answer, CellState, OnBehalf, Request};
 
 /// How long a console waits for the cell to take its connection, its request, and to answer.
 pub(super) const TIMEOUT: Duration = Duration::from_secs(5);
@@ -66,7 +68,7 @@ pub struct Caller {
     /// The direction to the console server.
     pub asks: RequestSender,
     /// The direction from the console server.
-    pub hears: ReplyReceiver,
+    pub hears: AnswerReceiver,
 }
 
 /// Whether the cell still runs.
@@ -84,7 +86,7 @@ pub struct RequestSender {
 }
 
 /// The direction from the console server to a console.
-pub struct ReplyReceiver {
+pub struct AnswerReceiver {
     stream: BufReader<UnixStream>,
     launcher: Option<u32>,
     runs: Runs,
@@ -148,7 +150,7 @@ impl Caller {
             socket_peercred(&socket).ok().map(|peer| peer.pid.as_raw_nonzero().get().unsigned_abs());
         let stream = UnixStream::from(socket);
         let asks = RequestSender { stream: stream.try_clone()?, cell: None, launcher, board: None };
-        Ok(Caller { asks, hears: ReplyReceiver { stream: BufReader::new(stream), launcher, runs } })
+        Ok(Caller { asks, hears: AnswerReceiver { stream: BufReader::new(stream), launcher, runs } })
     }
 
     /// The same connection, to ask a lower cell.
@@ -157,20 +159,12 @@ impl Caller {
         self
     }
 
-    /// Sends a request and waits for its answer.
-    ///
-    /// # Errors
-    /// The cell does not answer in time, the console server is gone, or what came is neither an answer nor a picture.
-    pub fn ask(&mut self, request: &Request) -> io::Result<ConsoleMessage> {
-        self.ask_for(request, None)
-    }
-
     /// Sends a request of a page of a panel, or of this console itself, and waits for its answer.
     ///
     /// # Errors
-    /// As of [`ask`](Caller::ask).
-    pub fn ask_for(&mut self, request: &Request, by: Option<OnBehalf>) -> io::Result<ConsoleMessage> {
-        let heard = match self.asks.ask_for(request, by) {
+    /// The cell does not answer in time, the console server is gone, or what came is neither an answer nor a picture.
+    pub fn ask(&mut self, request: &Request, by: Option<OnBehalf>) -> io::Result<ConsoleMessage> {
+        let heard = match self.asks.ask(request, by) {
             Err(error) if error.kind() == ErrorKind::TimedOut => Err(error),
             // A console server that has hung up may have said why.
             Ok(()) | Err(_) => self.hears.hear(),
@@ -179,7 +173,7 @@ impl Caller {
         let Some(step) = self.asks.stop_begun(request) else { return heard };
         let silent = heard.err().filter(|error| error.kind() == ErrorKind::TimedOut);
         let but = silent.map_or_else(String::new, |error| format!(", but {error}"));
-        Ok(ConsoleMessage::Reply(Reply::Done(format!("{}: step {step}{but}", CellState::Stopping.word()))))
+        Ok(ConsoleMessage::Answer(Answer::Done(format!("{}: step {step}{but}", CellState::Stopping.word()))))
     }
 }
 
@@ -192,14 +186,6 @@ impl RequestSender {
     /// The lower cell that it asks.
     pub(crate) const fn cell(&self) -> Option<Name> {
         self.cell
-    }
-
-    /// Sends a request.
-    ///
-    /// # Errors
-    /// The cell does not take it in time, or the console server is gone.
-    pub fn ask(&mut self, request: &Request) -> io::Result<()> {
-        self.ask_for(request, None)
     }
 
     /// The board on which this request is asked for as well, if it is a stop of the whole cell.
@@ -217,7 +203,10 @@ impl RequestSender {
     }
 
     /// Sends a request of a page, or of this console itself.
-    fn ask_for(&mut self, request: &Request, by: Option<OnBehalf>) -> io::Result<()> {
+    ///
+    /// # Errors
+    /// The cell does not take it in time, or the console server is gone.
+    pub fn ask(&mut self, request: &Request, by: Option<OnBehalf>) -> io::Result<()> {
         if let Some(board) = self.stop_on_board(request) {
             board.stops_asked().fetch_add(1, Ordering::AcqRel);
         }
@@ -227,7 +216,7 @@ impl RequestSender {
     }
 }
 
-impl ReplyReceiver {
+impl AnswerReceiver {
     /// Waits for the next answer or picture.
     ///
     /// # Errors

@@ -8,10 +8,12 @@ use std::os::fd::{AsFd, BorrowedFd};
 use std::os::unix::net::UnixStream;
 use std::time::Instant;
 
-use super::protocol::{Addressed, MAX_REQUEST, OnBehalf, Reply, Request};
+use super::protocol::MAX_REQUEST;
 use crate::link::monotonic;
 use mrroc_core::observe::recording::Command;
 use mrroc_core::operator::button::Button;
+use mrroc_core::operator::request::Addressed;
+use mrroc_core::operator::{Answer, OnBehalf, Request};
 
 /// How much unread text may wait for a console \[bytes\].
 pub(super) const MAX_OUTPUT: usize = 1 << 19;
@@ -113,7 +115,7 @@ impl Console {
     }
 
     /// The next request, without its line end, if the one before is answered.
-    pub fn line(&mut self) -> Option<Vec<u8>> {
+    pub fn line(&mut self) -> Option<String> {
         if self.asked != PendingRequest::Nothing || self.is_written_to() {
             return None;
         }
@@ -121,10 +123,10 @@ impl Console {
             let mut line: Vec<_> = self.input.drain(..=end).collect();
             line.pop();
             self.has_asked = true;
-            return Some(line);
+            return Some(String::from_utf8_lossy(&line).into_owned());
         }
         if self.input.len() > MAX_REQUEST {
-            self.answer(&Reply::Refused(format!("no request has more than {MAX_REQUEST} bytes")));
+            self.answer(&Answer::Refused(format!("no request has more than {MAX_REQUEST} bytes")));
             self.silent = true;
             self.input.clear();
         }
@@ -162,25 +164,26 @@ impl Console {
     }
 
     /// Answers its request.
-    pub fn answer(&mut self, reply: &Reply) {
+    pub fn answer(&mut self, answer: &Answer) {
         if let Some(command) = self.command.take() {
-            let (outcome, answer) = match reply {
-                Reply::Done(text) => ("done", text),
-                Reply::Refused(text) => ("refused", text),
-                Reply::Pending(text) => ("pending", text),
-            };
-            self.commands.push(Command { answered: monotonic(), outcome, answer: answer.clone(), ..command });
+            let (outcome, text) = answer.parts();
+            self.commands.push(Command {
+                answered: monotonic(),
+                outcome,
+                answer: text.to_owned(),
+                ..command
+            });
         }
         self.asked = PendingRequest::Nothing;
-        self.write(&format!("{reply}\n"));
+        self.write(&format!("{answer}\n"));
     }
 
     /// Answers for the last time: it is disconnected once it has got the answer.
-    pub fn dismiss(&mut self, reply: &Reply) {
+    pub fn dismiss(&mut self, answer: &Answer) {
         self.watches = None;
         self.silent = true;
         self.input.clear();
-        self.answer(reply);
+        self.answer(answer);
     }
 
     /// Writes to it; disconnects it if too much text is unread.

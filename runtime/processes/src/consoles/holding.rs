@@ -16,13 +16,13 @@ use rustix::termios::{LocalModes, OptionalActions, Termios, tcgetattr, tcsetattr
 
 use mrroc_core::console::{refused, say};
 use mrroc_core::fault::Name;
-use mrroc_core::operator::Renewal;
 use mrroc_core::operator::button::Button;
 use mrroc_core::operator::jog::JogOrder;
+use mrroc_core::operator::{Answer, Renewal, Request};
 use mrroc_launch::outcome::report;
 
 use super::caller::Caller;
-use super::protocol::{ConsoleMessage, Reply, Request};
+use super::protocol::ConsoleMessage;
 use crate::link::monotonic;
 
 /// Longest time between two bytes of a key that is held: keys repeat at 10 to 50 Hz.
@@ -43,42 +43,38 @@ enum Key {
     Held { last: Duration, renewed: Duration, renewal: Renewal },
 }
 
-/// What to tell the cell.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Told {
-    Nothing,
-    Renew(Renewal),
-    LetGo(u64),
-}
-
 impl Key {
-    /// A byte came at `now`, on a clock that only goes forward.
-    fn byte(self, now: Duration) -> (Key, Told) {
+    /// What to tell the cell when a byte came at `now`, on a clock that only goes forward.
+    fn byte(self, now: Duration) -> (Key, Option<Button>) {
         let begin = |last| {
             let renewal = Renewal::first(now.as_millis() as u64);
-            (Key::Held { last, renewed: now, renewal }, Told::Renew(renewal))
+            (Key::Held { last, renewed: now, renewal }, Some(Button::Hold(renewal)))
         };
         match self {
             Key::Pressed { last } if now - last <= GAP => begin(now),
             Key::Held { last, renewed, renewal } if now - last <= GAP => {
                 if now - renewed < RENEWAL {
-                    return (Key::Held { last: now, renewed, renewal }, Told::Nothing);
+                    return (Key::Held { last: now, renewed, renewal }, None);
                 }
                 match renewal.next() {
-                    Some(renewal) => (Key::Held { last: now, renewed: now, renewal }, Told::Renew(renewal)),
+                    Some(renewal) => {
+                        (Key::Held { last: now, renewed: now, renewal }, Some(Button::Hold(renewal)))
+                    }
                     None => begin(now),
                 }
             }
-            Key::Held { renewal, .. } => (Key::Pressed { last: now }, Told::LetGo(renewal.hold())),
-            Key::Free | Key::Pressed { .. } => (Key::Pressed { last: now }, Told::Nothing),
+            Key::Held { renewal, .. } => (Key::Pressed { last: now }, Some(Button::LetGo(renewal.hold()))),
+            Key::Free | Key::Pressed { .. } => (Key::Pressed { last: now }, None),
         }
     }
 
-    /// None has come by `now`.
-    fn silence(self, now: Duration) -> (Key, Told) {
+    /// The same when none has come by `now`.
+    fn silence(self, now: Duration) -> (Key, Option<Button>) {
         match self {
-            Key::Held { last, renewal, .. } if now - last > GAP => (Key::Free, Told::LetGo(renewal.hold())),
-            Key::Free | Key::Pressed { .. } | Key::Held { .. } => (self, Told::Nothing),
+            Key::Held { last, renewal, .. } if now - last > GAP => {
+                (Key::Free, Some(Button::LetGo(renewal.hold())))
+            }
+            Key::Free | Key::Pressed { .. } | Key::Held { .. } => (self, None),
         }
     }
 }
@@ -147,7 +143,7 @@ fn hold_by_keys(caller: &mut Caller, jog: Option<(Name, JogOrder)>) -> io::Resul
             let count = stdin.lock().read(&mut bytes)?;
             if count == 0 || bytes[..count].iter().any(|byte| ENDS.contains(byte)) {
                 if let Key::Held { renewal, .. } = key {
-                    tell(caller, jog, Told::LetGo(renewal.hold()))?;
+                    tell(caller, Button::LetGo(renewal.hold()))?;
                 }
                 return Ok(());
             }
@@ -156,29 +152,31 @@ fn hold_by_keys(caller: &mut Caller, jog: Option<(Name, JogOrder)>) -> io::Resul
             key.silence(now)
         };
         key = next;
-        tell(caller, jog, told)?;
+        match (told, jog) {
+            (Some(Button::Hold(renewal)), Some((robot, order))) => {
+                tell(caller, Button::Jog(renewal, robot, order))?;
+            }
+            (Some(button), _) => tell(caller, button)?,
+            (None, _) => {}
+        }
     }
 }
 
-fn tell(caller: &mut Caller, jog: Option<(Name, JogOrder)>, told: Told) -> io::Result<()> {
-    let (button, shown) = match (told, jog) {
-        (Told::Nothing, _) => return Ok(()),
-        (Told::Renew(renewal), Some((robot, order))) => {
-            (Button::Jog(renewal, robot, order), (renewal.count() == 0).then_some("jogged"))
-        }
-        (Told::Renew(renewal), None) => (Button::Hold(renewal), (renewal.count() == 0).then_some("held")),
-        (Told::LetGo(hold), _) => (Button::LetGo(hold), Some("let go")),
+fn tell(caller: &mut Caller, button: Button) -> io::Result<()> {
+    let shown = match button {
+        Button::Hold(renewal) if renewal.count() == 0 => "held\n",
+        Button::Jog(renewal, ..) if renewal.count() == 0 => "jogged\n",
+        Button::LetGo(_) => "let go\n",
+        _ => "",
     };
-    match caller.ask(&Request::Press(button))? {
-        ConsoleMessage::Reply(Reply::Done(_)) => {
-            if let Some(shown) = shown {
-                let _ = say(&format!("{shown}\n"));
-            }
+    match caller.ask(&Request::Press(button), None)? {
+        ConsoleMessage::Answer(Answer::Done(_)) => {
+            let _ = say(shown);
             Ok(())
         }
-        ConsoleMessage::Reply(Reply::Refused(why)) => Err(io::Error::other(why)),
+        ConsoleMessage::Answer(Answer::Refused(why)) => Err(io::Error::other(why)),
         // The program computes: what is held now may be over by then.
-        ConsoleMessage::Reply(Reply::Pending(_)) | ConsoleMessage::Picture(_) => Ok(()),
+        ConsoleMessage::Answer(Answer::Pending(_)) | ConsoleMessage::Picture(_) => Ok(()),
     }
 }
 
@@ -189,12 +187,12 @@ mod tests {
     const MS: Duration = Duration::from_millis(1);
 
     /// What is told when bytes come at these times [ms], and nobody presses anything until `end`.
-    fn told(bytes: &[u32], end: u32) -> Vec<(u32, Told)> {
+    fn told(bytes: &[u32], end: u32) -> Vec<(u32, Button)> {
         let (mut key, mut all) = (Key::default(), Vec::new());
         for now in 0..end {
             let (next, told) = if bytes.contains(&now) { key.byte(MS * now) } else { key.silence(MS * now) };
             key = next;
-            all.extend((told != Told::Nothing).then_some((now, told)));
+            all.extend(told.map(|told| (now, told)));
         }
         all
     }
@@ -206,10 +204,10 @@ mod tests {
         let held: Vec<u32> = [10].into_iter().chain((510..1000).step_by(33)).collect();
         let told = told(&held, 2000);
         let first = Renewal::first(543);
-        assert_eq!(told[0], (543, Told::Renew(first)));
-        assert_eq!(told[1], (609, Told::Renew(first.next().expect("not the last"))));
+        assert_eq!(told[0], (543, Button::Hold(first)));
+        assert_eq!(told[1], (609, Button::Hold(first.next().expect("not the last"))));
         let last = held[held.len() - 1];
-        assert_eq!(told[told.len() - 1], (last + 151, Told::LetGo(543)));
+        assert_eq!(told[told.len() - 1], (last + 151, Button::LetGo(543)));
         // Renewed at least every tenth of a second.
         let renewed: Vec<_> = told[..told.len() - 1].iter().map(|(now, _)| *now).collect();
         assert!(renewed.windows(2).all(|two| two[1] - two[0] <= 100), "{renewed:?}");
@@ -221,9 +219,9 @@ mod tests {
         let holds: Vec<_> = told
             .iter()
             .map(|(_, told)| match told {
-                Told::Renew(renewal) => (true, renewal.hold()),
-                Told::LetGo(hold) => (false, *hold),
-                Told::Nothing => unreachable!("not kept"),
+                Button::Hold(renewal) => (true, renewal.hold()),
+                Button::LetGo(hold) => (false, *hold),
+                other => unreachable!("{other}"),
             })
             .collect();
         assert_eq!(holds, [(true, 30), (false, 30), (true, 430)]);

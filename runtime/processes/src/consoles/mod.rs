@@ -4,7 +4,7 @@
 //! one of each kind at a time; answers that say in which step each press was carried out or refused; pictures of the
 //! cell.
 //!
-//! [`protocol`] defines what the two sides write, [`picture`] and [`beside`] the state of the cell that is shown. On the launcher's
+//! [`Request`](mrroc_core::operator::Request) is what a console asks for, [`protocol`] what it hears, [`picture`] and [`beside`] the state of the cell that is shown. On the launcher's
 //! side [`service`] is the server's thread, [`handle`] the launcher's handle of it, [`console`] one connection, [`mp_session`]
 //! what is asked of one MP, and [`presses`] the way of presses to the MP and back. [`caller`] is the console's side; [`operating`] is the
 //! console of the command line, and [`holding`] lets a key of its terminal hold a cell.
@@ -24,10 +24,10 @@ pub mod readers;
 mod service;
 
 pub use beside::{BodyPicture, CarriedPicture, ReadingPicture};
-pub use caller::{Caller, ENDED, ReplyReceiver, RequestSender};
+pub use caller::{AnswerReceiver, Caller, ENDED, RequestSender};
 pub(super) use handle::ConsoleServer;
 pub(super) use operating::operate;
 pub use picture::{CellPicture, Picture, ProcessPicture, RobotPicture};
 pub(super) use presses::STOPPING;
-pub use protocol::{ConsoleMessage, MAX_REQUEST, OnBehalf, Reply, Request};
+pub use protocol::ConsoleMessage;
 pub(super) use service::CONNECTIONS;

@@ -10,14 +10,16 @@ use std::process::ExitCode;
 
 use mrroc_core::console::{refused, say};
 use mrroc_core::fault::Name;
+use mrroc_core::operator::request::Addressed;
 use mrroc_core::operator::state::InstructionKind;
+use mrroc_core::operator::{Answer, Request};
 use mrroc_launch::Operating;
 use mrroc_launch::outcome::report;
 
 use super::caller::Caller;
 use super::holding::hold;
 use super::picture::Picture;
-use super::protocol::{Addressed, ConsoleMessage, Reply, Request};
+use super::protocol::ConsoleMessage;
 use crate::board::figures::Figures;
 
 /// Sends a request to the running cell of the file at `cell`, or to the lower cell `of` in it, and prints the answer.
@@ -27,8 +29,7 @@ pub(crate) fn operate(cell: &Path, of: Option<Name>, operating: Operating) -> Ex
         Err(error) => return refused(&error),
     };
     match operating {
-        Operating::Status => once(caller, &Request::Status),
-        Operating::Press(button) => once(caller, &Request::Press(button)),
+        Operating::Ask(request) => once(caller, &request),
         Operating::Console => converse(caller),
         Operating::Hold(jog) => hold(caller, jog),
     }
@@ -36,9 +37,9 @@ pub(crate) fn operate(cell: &Path, of: Option<Name>, operating: Operating) -> Ex
 
 /// Sends one request and prints its answer.
 fn once(mut caller: Caller, request: &Request) -> ExitCode {
-    match caller.ask(request) {
+    match caller.ask(request, None) {
         Ok(ConsoleMessage::Picture(picture)) => say(&describe(&picture)),
-        Ok(ConsoleMessage::Reply(reply)) => tell(&reply),
+        Ok(ConsoleMessage::Answer(answer)) => tell(&answer),
         Err(error) => {
             report(&error);
             ExitCode::FAILURE
@@ -46,15 +47,15 @@ fn once(mut caller: Caller, request: &Request) -> ExitCode {
     }
 }
 
-fn tell(reply: &Reply) -> ExitCode {
-    match reply {
-        Reply::Done(text) => say(&format!("{text}\n")),
-        Reply::Refused(text) => {
+fn tell(answer: &Answer) -> ExitCode {
+    match answer {
+        Answer::Done(text) => say(&format!("{text}\n")),
+        Answer::Refused(text) => {
             // A refusal is printed in the same place as any other answer, so that scripts read both alike.
             let _ = say(&format!("refused: {text}\n"));
             ExitCode::FAILURE
         }
-        Reply::Pending(text) => {
+        Answer::Pending(text) => {
             let _ = say(&format!("pending: {text}\n"));
             ExitCode::from(3)
         }
@@ -67,7 +68,7 @@ fn converse(mut caller: Caller) -> ExitCode {
     let own = caller.asks.cell();
     for line in io::stdin().lock().lines() {
         let Ok(line) = line else { break };
-        let addressed = Addressed::read(line.as_bytes());
+        let addressed = Addressed::read(&line);
         let request = addressed.map(|Addressed { cell, request, .. }| {
             caller.asks.of(cell.or(own));
             request
@@ -75,14 +76,14 @@ fn converse(mut caller: Caller) -> ExitCode {
         match request {
             // A console prints one answer after another: it asks again for each picture.
             Ok(Request::Watch) => {
-                let _ = tell(&Reply::Refused("write status".to_owned()));
+                let _ = tell(&Answer::Refused("write status".to_owned()));
             }
-            Err(text) => {
-                let _ = tell(&Reply::Refused(text));
+            Err(refused) => {
+                let _ = tell(&Answer::Refused(refused.in_a_line()));
             }
-            Ok(request) => match caller.ask(&request) {
+            Ok(request) => match caller.ask(&request, None) {
                 Ok(ConsoleMessage::Picture(picture)) => drop(say(&describe(&picture))),
-                Ok(ConsoleMessage::Reply(reply)) => drop(tell(&reply)),
+                Ok(ConsoleMessage::Answer(answer)) => drop(tell(&answer)),
                 Err(error) => {
                     report(&error);
                     return ExitCode::FAILURE;

@@ -11,7 +11,7 @@ use super::beside::{BodyPicture, CarriedPicture, ReadingPicture, number};
 use crate::board::entry::BODIES;
 use crate::board::figures::{FIGURES_WORDS, Figures};
 use mrroc_core::link::places::MAX_PROCESSES;
-use mrroc_core::operator::button::CellState;
+use mrroc_core::operator::CellState;
 use mrroc_core::operator::jog::JogStop;
 use mrroc_core::operator::state::InstructionKind;
 use mrroc_core::payload::Wire;

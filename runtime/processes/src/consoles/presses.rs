@@ -8,11 +8,11 @@ use std::time::{Duration, Instant};
 
 use super::console::{Console, PendingRequest};
 use super::mp_session::Flight;
-use super::protocol::Reply;
 use super::service::Service;
 use crate::control::Frame;
 use mrroc_core::fault::Fault;
-use mrroc_core::operator::button::{Answer, Button, CellState};
+use mrroc_core::operator::button::{Button, Pressed};
+use mrroc_core::operator::{Answer, CellState};
 
 /// How long a console waits for its press to be carried out.
 const TIMEOUT: Duration = Duration::from_secs(1);
@@ -27,19 +27,19 @@ impl Service {
         let over = !self.mp_runs(session);
         for (kind, flight) in self.sessions[session].flights.iter_mut().enumerate() {
             let Some(Flight { number, button, since }) = *flight else { continue };
-            let answer = mp.as_ref().map(|mp| mp.answers[kind]).filter(|answer| answer.number == number);
+            let pressed = mp.as_ref().map(|mp| mp.answers[kind]).filter(|pressed| pressed.number == number);
             let persisting = mp.as_ref().and_then(|mp| mp.persisting.as_ref());
-            let reply = match answer {
-                Some(answer) => say(button, answer, persisting),
-                None if over => Reply::Refused("the cell closes".to_owned()),
-                None if since.elapsed() > TIMEOUT => Reply::Pending(pending(button)),
+            let answer = match pressed {
+                Some(pressed) => say(button, pressed, persisting),
+                None if over => Answer::Refused("the cell closes".to_owned()),
+                None if since.elapsed() > TIMEOUT => Answer::Pending(pending(button)),
                 None => continue,
             };
             // A late press may still be carried out, but the next press does not wait for it.
             *flight = None;
             let asked = PendingRequest::Answer(kind, number);
             let waits = |console: &&mut Console| console.asked == asked && console.session == session;
-            self.consoles.iter_mut().filter(waits).for_each(|console| console.answer(&reply));
+            self.consoles.iter_mut().filter(waits).for_each(|console| console.answer(&answer));
         }
     }
 
@@ -85,28 +85,12 @@ fn pending(button: Button) -> String {
 }
 
 /// `suspended: step 1203`; `refused nothing runs: step 1203`.
-fn say(button: Button, answer: Answer, persisting: Option<&Fault>) -> Reply {
-    let Answer { step, state, done, .. } = answer;
-    if !done {
-        let why = persisting.filter(|_| (button, state) == (Button::Reset, CellState::Acknowledged));
-        let why = why.map_or_else(String::new, |why| format!(": {why}").replace('\n', " "));
-        return Reply::Refused(format!("{}{why}: step {step}", answer.reason(button)));
+fn say(button: Button, pressed: Pressed, persisting: Option<&Fault>) -> Answer {
+    let Pressed { step, state, done, .. } = pressed;
+    if done {
+        return Answer::Done(format!("{}: step {step}", button.done(state)));
     }
-    let what = match (button, state) {
-        (Button::Stop, CellState::Latched | CellState::Acknowledged) => "stopped already".to_owned(),
-        (Button::Stop, _) => "stopping".to_owned(),
-        (Button::Abort, _) => "aborting".to_owned(),
-        (Button::Suspend, _) => "suspended".to_owned(),
-        (Button::Resume, _) => "resumed".to_owned(),
-        (Button::Speed(_), _) => button.to_string(),
-        (Button::Acknowledge, _) => "acknowledged".to_owned(),
-        (Button::Reset, _) => "resetting".to_owned(),
-        (Button::Reduced(true), _) => "reduced speed: robots move only while you hold".to_owned(),
-        (Button::Reduced(false), _) => "full speed, and suspended: resume goes on".to_owned(),
-        (Button::Hold(_), _) => "held".to_owned(),
-        (Button::LetGo(_), _) => "let go".to_owned(),
-        (Button::Jog(_, robot, _), _) => format!("{robot} is jogged"),
-        (Button::JogDone(robot), _) => format!("jogging {robot} is done"),
-    };
-    Reply::Done(format!("{what}: step {step}"))
+    let why = persisting.filter(|_| (button, state) == (Button::Reset, CellState::Acknowledged));
+    let why = why.map_or_else(String::new, |why| format!(": {why}").replace('\n', " "));
+    Answer::Refused(format!("{}{why}: step {step}", pressed.reason(button)))
 }

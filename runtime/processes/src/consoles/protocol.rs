@@ -1,33 +1,18 @@
 //! What a console and the console server of a cell write to each other: lines of text.
 //!
-//! A console sends one request a line, and reads the answer before it sends the next request:
-//!
-//! | request | answer |
-//! |---|---|
-//! | `stop`, `abort`, `let-go 4711` | to every console: they only bring robots to rest |
-//! | `suspend`, `resume`, `speed 50%`, `acknowledge`, `reset`, `reduced on`, `hold 4711 0`, `jog 4711 0 left tool x 20%`, `jog-done left` | only to the console that holds the control token; a console that asks while the token is free takes it |
-//! | `take`, `release` | takes or returns the token; the end of a console returns it as well |
-//! | `status` | a picture |
-//! | `watch` | a picture, and from then on up to 20 pictures a second between the answers |
-//! | `of press suspend` | any of these, of the lower cell `press`; each cell has a control token of its own |
-//! | `by 3 81726354 suspend` | any of these, asked by page 3 of a panel, which heard it at this time of the machine \[ns\]: for the recording |
-//!
-//! An answer is one line, `done TEXT`, `refused TEXT` or `pending TEXT`. A picture is many lines, from `picture` to
-//! `end`.
+//! In: one [request](mrroc_core::operator::request) a line; a console reads the answer before it sends the next one. Out: an answer in one
+//! line, `done TEXT`, `refused TEXT` or `pending TEXT`; or a picture of many lines, from `picture` to `end`.
 
-use core::fmt;
 use std::io::{self, BufRead, ErrorKind};
 
 use super::picture::Picture;
-use mrroc_core::fault::Name;
-use mrroc_core::link::Nanos;
-use mrroc_core::operator::button::Button;
+use mrroc_core::operator::Answer;
 
 /// The name of the console server's socket in a session's folder.
 pub(super) const SOCKET: &str = "operator";
 
 /// The longest request, without its line end \[bytes\].
-pub const MAX_REQUEST: usize = 450;
+pub(super) const MAX_REQUEST: usize = 450;
 
 /// The longest line of an answer \[bytes\].
 const MAX_ANSWER: usize = 4096;
@@ -35,150 +20,11 @@ const MAX_ANSWER: usize = 4096;
 /// The largest number of lines of a picture.
 const MAX_LINES: usize = 1000;
 
-/// A request of a console.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Request {
-    /// `status`: one picture.
-    Status,
-    /// `watch`: one picture now, and further ones from then on.
-    Watch,
-    /// `take`: the control token.
-    Take,
-    /// `release`: give the control token back.
-    Release,
-    /// A button is pressed.
-    Press(Button),
-}
-
-/// The requests that are not buttons.
-const WORDS: [&str; 4] = ["status", "watch", "take", "release"];
-
-impl Request {
-    /// Reads a request.
-    ///
-    /// # Errors
-    /// A line that says what is wrong and what to write.
-    pub fn read(line: &[u8]) -> Result<Request, String> {
-        let line = core::str::from_utf8(line).map_err(|_| "this is no text".to_owned())?.trim();
-        let (word, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
-        match (word, rest) {
-            ("status", "") => Ok(Request::Status),
-            ("watch", "") => Ok(Request::Watch),
-            ("take", "") => Ok(Request::Take),
-            ("release", "") => Ok(Request::Release),
-            _ if WORDS.contains(&word) => Err(format!("write {word} alone")),
-            _ if Button::NAMES.contains(&word) => Button::read(word, rest)
-                .map(Request::Press)
-                .map_err(|error| error.to_string().replace("\n help: ", ": ")),
-            _ => {
-                let known: Vec<_> = WORDS.iter().chain(&Button::NAMES).collect();
-                let help = mrroc_core::suggestion::suggestion(word, &known, "there are");
-                Err(format!("`{}` is no request: {help}", word.escape_default()))
-            }
-        }
-    }
-}
-
-impl fmt::Display for Request {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Request::Status => f.write_str("status"),
-            Request::Watch => f.write_str("watch"),
-            Request::Take => f.write_str("take"),
-            Request::Release => f.write_str("release"),
-            Request::Press(button) => button.fmt(f),
-        }
-    }
-}
-
-/// For whom a console asks: a page of a panel.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct OnBehalf {
-    /// The number of the page.
-    pub page: u64,
-    /// When the panel heard it, by the machine's monotonic clock \[ns\].
-    pub heard: Nanos,
-}
-
-/// A request, the lower cell that it is for, or the uppermost one if none is named, and the page that made it, if one did.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Addressed {
-    pub by: Option<OnBehalf>,
-    pub cell: Option<Name>,
-    pub request: Request,
-}
-
-impl Addressed {
-    /// Reads a request, which may name a page and a cell.
-    ///
-    /// # Errors
-    /// As [`Request::read`].
-    pub fn read(line: &[u8]) -> Result<Addressed, String> {
-        let mut rest = line.trim_ascii_start();
-        let by = match rest.strip_prefix(b"by ") {
-            None => None,
-            Some(behind) => {
-                let (page, behind) = word(behind);
-                let (heard, behind) = word(behind);
-                let number = |word: &[u8]| core::str::from_utf8(word).ok().and_then(|text| text.parse().ok());
-                let by = number(page).zip(number(heard)).map(|(page, heard)| OnBehalf { page, heard });
-                rest = behind;
-                Some(by.ok_or("write the page and when it was heard: by 3 81726354 suspend")?)
-            }
-        };
-        let Some(behind) = rest.trim_ascii_start().strip_prefix(b"of ") else {
-            return Ok(Addressed { by, cell: None, request: Request::read(rest)? });
-        };
-        let (name, request) = word(behind);
-        let name = Name::of_process(&String::from_utf8_lossy(name)).map_err(|error| error.to_string())?;
-        Ok(Addressed { by, cell: Some(name), request: Request::read(request)? })
-    }
-}
-
-/// The first word of a line, and what stands behind it.
-fn word(line: &[u8]) -> (&[u8], &[u8]) {
-    let line = line.trim_ascii_start();
-    line.split_at(line.iter().position(u8::is_ascii_whitespace).unwrap_or(line.len()))
-}
-
-impl fmt::Display for Addressed {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if let Some(OnBehalf { page, heard }) = self.by {
-            write!(f, "by {page} {heard} ")?;
-        }
-        match self.cell {
-            Some(cell) => write!(f, "of {cell} {}", self.request),
-            None => self.request.fmt(f),
-        }
-    }
-}
-
-/// The answer to a request.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Reply {
-    /// The request was carried out; with what happened, in which step.
-    Done(String),
-    /// The request was refused; with the reason.
-    Refused(String),
-    /// The request will be carried out when the next step begins; at present the program computes.
-    Pending(String),
-}
-
-impl fmt::Display for Reply {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Reply::Done(text) => write!(f, "done {text}"),
-            Reply::Refused(text) => write!(f, "refused {text}"),
-            Reply::Pending(text) => write!(f, "pending {text}"),
-        }
-    }
-}
-
 /// What a console receives.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ConsoleMessage {
     /// The answer to a request.
-    Reply(Reply),
+    Answer(Answer),
     /// A picture of the cell.
     Picture(Box<Picture>),
 }
@@ -194,25 +40,18 @@ impl ConsoleMessage {
             io::Error::new(ErrorKind::InvalidData, text)
         };
         let Some(line) = read_line(from)? else { return Ok(None) };
-        let (word, rest) = line.split_once(' ').unwrap_or((&line, ""));
-        let rest = rest.to_owned();
-        match word {
-            "done" => Ok(Some(ConsoleMessage::Reply(Reply::Done(rest)))),
-            "refused" => Ok(Some(ConsoleMessage::Reply(Reply::Refused(rest)))),
-            "pending" => Ok(Some(ConsoleMessage::Reply(Reply::Pending(rest)))),
-            "picture" => {
-                let mut picture = Box::new(Picture::default());
-                for _ in 0..MAX_LINES {
-                    let Some(line) = read_line(from)? else { return Ok(None) };
-                    if line == "end" {
-                        return Ok(Some(ConsoleMessage::Picture(picture)));
-                    }
-                    picture.take(&line).map_err(|error| io::Error::new(ErrorKind::InvalidData, error))?;
-                }
-                Err(bad("picture"))
-            }
-            _ => Err(bad(&line)),
+        if line.split(' ').next() != Some("picture") {
+            return Answer::read(&line).map(ConsoleMessage::Answer).map(Some).ok_or_else(|| bad(&line));
         }
+        let mut picture = Box::new(Picture::default());
+        for _ in 0..MAX_LINES {
+            let Some(line) = read_line(from)? else { return Ok(None) };
+            if line == "end" {
+                return Ok(Some(ConsoleMessage::Picture(picture)));
+            }
+            picture.take(&line).map_err(|error| io::Error::new(ErrorKind::InvalidData, error))?;
+        }
+        Err(bad("picture"))
     }
 }
 
@@ -239,76 +78,26 @@ mod tests {
     use super::*;
     use crate::board::entry::BODIES;
     use crate::board::figures::{FIGURES_WORDS, Figures};
+    use mrroc_core::fault::Name;
     use mrroc_core::link::places::MAX_PROCESSES;
     use mrroc_core::nalgebra::Vector3;
-    use mrroc_core::operator::button::CellState;
     use mrroc_core::operator::jog::JogStop;
+    use mrroc_core::operator::request::Addressed;
     use mrroc_core::operator::state::InstructionKind;
+    use mrroc_core::operator::{CellState, OnBehalf, Request};
     use mrroc_core::payload::WORDS;
     use mrroc_core::pose::Pose;
     use mrroc_core::robot::{Load, MAX_JOINTS, Signals, Values};
     use proptest::prelude::*;
 
     #[test]
-    fn requests_are_read_as_they_are_written_and_others_are_refused_with_the_one_that_was_meant() {
-        let buttons = [Button::Stop, Button::Speed(0.3), Button::Reset].map(Request::Press);
-        let plain = [Request::Status, Request::Watch, Request::Take, Request::Release];
-        for request in plain.into_iter().chain(buttons) {
-            assert_eq!(Request::read(request.to_string().as_bytes()), Ok(request));
-        }
-        for (line, told) in [
-            (&b"staus"[..], "did you mean `status`?"),
-            (b"suspend now", "write suspend alone"),
-            (b"take 2", "write take alone"),
-            (b"speed fast", "write 0% to 100%"),
-            (b"", "there are: status"),
-            (b"\xff\xfe", "no text"),
-        ] {
-            let refused = Request::read(line).expect_err("no request");
-            assert!(refused.contains(told) && !refused.contains('\n'), "{refused}");
-        }
-    }
-
-    #[test]
-    fn a_request_may_name_the_page_that_made_it_and_the_cell_that_it_is_for() {
-        let page = |page, heard| Some(OnBehalf { page, heard });
-        for (line, by, cell, request) in [
-            ("of press suspend", None, Some("press"), Request::Press(Button::Suspend)),
-            (" of  line.press  status", None, Some("line.press"), Request::Status),
-            ("watch", None, None, Request::Watch),
-            ("by 3 81726354 let-go 7", page(3, 81_726_354), None, Request::Press(Button::LetGo(7))),
-            (" by  1  2  of press stop", page(1, 2), Some("press"), Request::Press(Button::Stop)),
-        ] {
-            let cell = cell.map(|name| Name::of_process(name).expect("a name"));
-            let read = Addressed::read(line.as_bytes()).expect("a request");
-            assert_eq!(read, Addressed { by, cell, request });
-            assert_eq!(Addressed::read(read.to_string().as_bytes()), Ok(read));
-        }
-        for (line, told) in [
-            ("of", "no request"),
-            ("of press", "no request"),
-            ("of a:b stop", "is no name"),
-            ("of x y", "no request"),
-            ("by 3 stop", "by 3 81726354 suspend"),
-            ("by -1 3 stop", "by 3 81726354 suspend"),
-            ("by 1 3", "no request"),
-        ] {
-            let refused = Addressed::read(line.as_bytes()).expect_err("no request");
-            assert!(refused.contains(told), "{refused}");
-        }
-        // With the longest names and numbers it is no longer than a request may be.
-        let (by, cell) = (page(u64::MAX, u64::MAX), Name::of_process(&"x".repeat(24)).ok());
-        let button = Button::read("hold", &format!("{} {}", u64::MAX >> 16, u16::MAX)).expect("a hold");
-        assert!(Addressed { by, cell, request: Request::Press(button) }.to_string().len() <= MAX_REQUEST);
-        let longest = format!(
-            "{} {} {} to 12.123456789%{}",
-            u64::MAX >> 16,
-            u16::MAX,
-            "x".repeat(24),
-            " -1.2345678901234567e-300".repeat(8)
-        );
-        let button = Button::read("jog", &longest).expect("a jog");
-        assert!(Addressed { by, cell, request: Request::Press(button) }.to_string().len() <= MAX_REQUEST);
+    fn the_longest_request_is_no_longer_than_one_may_be() {
+        let (by, cell) =
+            (OnBehalf { page: u64::MAX, heard: u64::MAX }, Name::of_process(&"x".repeat(24)).ok());
+        let order = format!("to 12.123456789%{}", " -1.2345678901234567e-300".repeat(MAX_JOINTS));
+        let jog = format!("jog {} {} {} {order}", u64::MAX >> 16, u16::MAX, "x".repeat(24));
+        let request = Request::read(&jog).expect("a jog");
+        assert!(Addressed { by: Some(by), cell, request }.to_string().len() <= MAX_REQUEST);
     }
 
     fn name() -> impl Strategy<Value = String> {
@@ -445,7 +234,7 @@ mod tests {
 
         #[test]
         fn garbage_is_refused_by_both_sides_in_lines_of_their_own(bytes in proptest::collection::vec(any::<u8>(), 0..300)) {
-            if let Err(refused) = Request::read(&bytes) {
+            if let Err(refused) = Addressed::read(&String::from_utf8_lossy(&bytes)).map_err(|refused| refused.in_a_line()) {
                 prop_assert!(!refused.contains('\n') && refused.len() < 2000, "{refused}");
             }
             let _ = ConsoleMessage::read(&mut bytes.as_slice());

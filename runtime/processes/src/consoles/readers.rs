@@ -1,6 +1,7 @@
 //! Reads what consoles and the console server write to each other, for fuzzing. Not part of the stable interface.
 
-use super::protocol::{ConsoleMessage, MAX_REQUEST, Request};
+use super::protocol::{ConsoleMessage, MAX_REQUEST};
+use mrroc_core::operator::request::Addressed;
 
 /// Reads `bytes` as a request of an operator's console, and as what the console server writes to a console.
 ///
@@ -9,9 +10,9 @@ use super::protocol::{ConsoleMessage, MAX_REQUEST, Request};
 pub fn operator(bytes: &[u8]) {
     // The console server reads no longer requests.
     for line in bytes.split(|byte| *byte == b'\n').filter(|line| line.len() <= MAX_REQUEST) {
-        match Request::read(line) {
-            Ok(request) => assert_eq!(Request::read(request.to_string().as_bytes()), Ok(request)),
-            Err(refused) => assert!(!refused.is_empty() && !refused.contains('\n'), "{refused}"),
+        match Addressed::read(&String::from_utf8_lossy(line)) {
+            Ok(request) => assert_eq!(Addressed::read(&request.to_string()), Ok(request)),
+            Err(refused) => assert!(!refused.in_a_line().contains('\n'), "{refused}"),
         }
     }
     let mut rest = bytes;

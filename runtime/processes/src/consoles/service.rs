@@ -25,7 +25,6 @@ use super::beside::{BodyPicture, CarriedPicture, ReadingPicture};
 use super::console::{Console, PendingRequest};
 use super::mp_session::MpSession;
 use super::picture::{CellPicture, Picture, ProcessPicture, RobotPicture};
-use super::protocol::{Addressed, Reply, Request};
 use crate::board::StateBoard;
 use crate::board::entry::{self, MpPanel, RobotEntry, ecp};
 use crate::board::figures::Figures;
@@ -35,9 +34,11 @@ use mrroc_core::console::complain;
 use mrroc_core::fault::{Fault, Name, ProcessId, Role};
 use mrroc_core::link::Nanos;
 use mrroc_core::observe::recording::{Command, CommandRecord};
-use mrroc_core::operator::button::{Button, CellState};
+use mrroc_core::operator::button::Button;
 use mrroc_core::operator::jog::JogStop;
+use mrroc_core::operator::request::Addressed;
 use mrroc_core::operator::state::InstructionKind;
+use mrroc_core::operator::{Answer, CellState, Request};
 
 /// The most consoles that are served at a time.
 const CONSOLES: usize = 128;
@@ -236,7 +237,7 @@ impl Service {
         if self.waiting() == 0 {
             return;
         }
-        let refused = Reply::Refused(TOO_MANY.to_owned());
+        let refused = Answer::Refused(TOO_MANY.to_owned());
         for console in &mut self.consoles {
             let (timeout, may_stay) = match console.is_served {
                 true => (IDLE, console.has_asked),
@@ -259,15 +260,15 @@ impl Service {
                     None => (0, Err(self.no_cell(cell))),
                 }
             }
-            Err(refused) => (0, Err(refused)),
+            Err(refused) => (0, Err(refused.in_a_line())),
         };
         self.consoles[i].session = session;
         let is_for_all = matches!(request, Ok(Request::Press(button)) if button.is_for_all());
         if !self.consoles[i].is_served && !is_for_all {
-            return self.consoles[i].dismiss(&Reply::Refused(TOO_MANY.to_owned()));
+            return self.consoles[i].dismiss(&Answer::Refused(TOO_MANY.to_owned()));
         }
         let answer = match request {
-            Err(refused) => Some(Reply::Refused(refused)),
+            Err(refused) => Some(Answer::Refused(refused)),
             Ok(Request::Status) => {
                 let picture = self.drawn(session);
                 return self.consoles[i].write(&picture);
@@ -280,14 +281,14 @@ impl Service {
             Ok(Request::Take) => Some(
                 self.take(i, session)
                     .err()
-                    .unwrap_or_else(|| Reply::Done("this console holds the control token".to_owned())),
+                    .unwrap_or_else(|| Answer::Done("this console holds the control token".to_owned())),
             ),
             Ok(Request::Release) if self.sessions[session].holder == Some(self.consoles[i].id) => {
                 self.sessions[session].holder = None;
-                Some(Reply::Done("nobody holds the control token".to_owned()))
+                Some(Answer::Done("nobody holds the control token".to_owned()))
             }
             Ok(Request::Release) => {
-                Some(Reply::Refused("this console does not hold the control token".to_owned()))
+                Some(Answer::Refused("this console does not hold the control token".to_owned()))
             }
             Ok(Request::Press(button)) => self.may_press(i, session, button).err(),
         };
@@ -297,14 +298,14 @@ impl Service {
     }
 
     /// Gives a console the control token, unless another one holds it.
-    fn take(&mut self, i: usize, session: usize) -> Result<(), Reply> {
+    fn take(&mut self, i: usize, session: usize) -> Result<(), Answer> {
         let id = self.consoles[i].id;
         let holder = self.sessions[session].holder;
         let holds = |console: &&Console| Some(console.id) == holder && console.id != id && !console.is_over();
         match self.consoles.iter().find(holds) {
             Some(holder) => {
                 let text = format!("the console of process {} holds the control token", holder.pid);
-                Err(Reply::Refused(text))
+                Err(Answer::Refused(text))
             }
             None => {
                 self.sessions[session].holder = Some(id);
@@ -313,14 +314,14 @@ impl Service {
         }
     }
 
-    fn may_press(&mut self, i: usize, session: usize, button: Button) -> Result<(), Reply> {
+    fn may_press(&mut self, i: usize, session: usize, button: Button) -> Result<(), Answer> {
         if !button.is_for_all() {
             self.take(i, session)?;
         }
         // An abort that is kept until the next instruction begins would abort an instruction that the operator did not
         // mean.
         if button == Button::Abort && self.mp(session).is_some_and(|mp| mp.state == CellState::Idle) {
-            return Err(Reply::Refused(CellState::Idle.reason(button).to_owned()));
+            return Err(Answer::Refused(button.reason(CellState::Idle).to_owned()));
         }
         self.consoles[i].asked = PendingRequest::Press(button);
         Ok(())

@@ -4,7 +4,8 @@
 
 use crate::board::entry::MpPanel;
 use mrroc_core::fault::{Fault, Name};
-use mrroc_core::operator::button::{Button, CellState};
+use mrroc_core::operator::CellState;
+use mrroc_core::operator::button::Button;
 
 /// What a person can do at a cell that awaits its reset.
 const WAITS: &str = "nothing moves until it is reset. From another terminal: `acknowledge`, then `reset`, starts its programs again; \
@@ -115,7 +116,7 @@ fn advised(fault: &Fault) -> String {
 mod tests {
     use super::*;
     use mrroc_core::fault::{FaultKind, ProcessId};
-    use mrroc_core::operator::button::Answer;
+    use mrroc_core::operator::button::Pressed;
 
     fn panel(state: CellState, persisting: Option<&str>, reset: u64) -> MpPanel {
         let fault = |text| Fault::new(FaultKind::DriveFault).in_process(ProcessId::MP).at_step(7).text(text);
@@ -123,7 +124,7 @@ mod tests {
         panel.fault = Some(fault("the brake"));
         panel.persisting = persisting.map(fault);
         panel.answers[Button::Reset.kind()] =
-            Answer { number: reset, step: 9, state: CellState::Acknowledged, done: reset > 0, why: None };
+            Pressed { number: reset, step: 9, state: CellState::Acknowledged, done: reset > 0, why: None };
         panel
     }
 

@@ -25,7 +25,8 @@ use crate::session::is_stopped;
 use mrroc_core::console::{complain, wait_until_written};
 use mrroc_core::fault::{Fault, FaultKind, Name, ProcessId, Role};
 use mrroc_core::link::Nanos;
-use mrroc_core::operator::button::{Button, CellState};
+use mrroc_core::operator::CellState;
+use mrroc_core::operator::button::Button;
 use mrroc_core::operator::state::InstructionKind;
 
 /// Time from GO to the beginning of step 0, long enough for all processes to receive GO.

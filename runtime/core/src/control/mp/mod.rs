@@ -50,9 +50,9 @@ use crate::model::wire::Wire;
 use crate::observe::activity::Activity;
 use crate::observe::shown::Shown;
 use crate::observe::step_observer::{StepEvent, StepObservers};
-use crate::operator::Operator;
-use crate::operator::button::{Button, CellState};
+use crate::operator::button::Button;
 use crate::operator::state::InstructionKind;
+use crate::operator::{CellState, Operator};
 use crate::safety::rate::Feed;
 
 use background::Background;

@@ -9,12 +9,12 @@ use crate::model::time::Nanos;
 use crate::model::type_name::TypeName;
 use crate::observe::activity::Activity;
 use crate::observe::shown::Shown;
-use crate::operator::Operator;
-use crate::operator::button::{Answer, Button, CellState};
+use crate::operator::button::{Button, Pressed};
 use crate::operator::console::Console;
 use crate::operator::hold::Hold;
 use crate::operator::jog::{JogRefusal, JogStop};
 use crate::operator::state::{InstructionKind, MpState};
+use crate::operator::{CellState, Operator};
 
 use super::clock::StepClock;
 
@@ -131,7 +131,7 @@ impl Operating {
         refused: Option<JogRefusal>,
     ) {
         let done = refused.is_none() && self.operator.press(button, state);
-        self.shown.answers[kind] = Answer { number, step, state, done, why: refused };
+        self.shown.answers[kind] = Pressed { number, step, state, done, why: refused };
     }
 
     /// The number of the hold that lasts at `now`, if one does and the limit of reduced speed is in force. That comes into force

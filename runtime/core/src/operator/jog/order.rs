@@ -17,7 +17,7 @@ use crate::model::joints::{JointVector, MAX_JOINTS};
 use crate::model::name::Name;
 use crate::model::signals::Value;
 use crate::model::wire::{BadWords, Wire};
-use crate::operator::no_button::NoButton;
+use crate::operator::no_request::NoRequest;
 
 /// What a console asks of the robot that it jogs, as long as its hold lasts.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -186,9 +186,9 @@ impl JogOrder {
     /// Reads one from the words of a text, all that are left.
     ///
     /// # Errors
-    /// [`NoButton`]: what to write.
-    pub fn read(words: &mut SplitWhitespace<'_>) -> Result<JogOrder, NoButton> {
-        JogOrder::parsed(words).and_then(JogOrder::checked).ok_or_else(|| NoButton {
+    /// [`NoRequest`]: what to write.
+    pub fn read(words: &mut SplitWhitespace<'_>) -> Result<JogOrder, NoRequest> {
+        JogOrder::parsed(words).and_then(JogOrder::checked).ok_or_else(|| NoRequest {
             what: "it is not said what is to be jogged".to_owned(),
             help: HELP.to_owned(),
         })
@@ -345,7 +345,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    fn read(text: &str) -> Result<JogOrder, NoButton> {
+    fn read(text: &str) -> Result<JogOrder, NoRequest> {
         JogOrder::read(&mut text.split_whitespace())
     }
 
