@@ -7,13 +7,14 @@ use std::time::{Duration, Instant};
 use mrroc::cell::RunReport;
 use mrroc::cell_file::{CellFile, CellFileError};
 use mrroc::prelude::*;
+use mrroc::random::Noise;
 use mrroc::robot::RobotView;
 use mrroc_robots::clearance::{Closest, DryRun};
 use mrroc_robots::grasp::{Hand, Sink, Touch, Whereabouts, World};
 use mrroc_sensors::aggregation::{
     DetectedObject, FEATURES, HeardObject, Network, NetworkError, Relief, Vision,
 };
-use mrroc_sensors::physics::{Imager, LightBarrier, Noise};
+use mrroc_sensors::physics::{Imager, LightBarrier};
 use mrroc_sensors::view::View as _;
 use mrroc_sensors::virtual_sensors::{CameraSensor, Encoder, Sampled, Trigger};
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
