@@ -10,6 +10,7 @@ use std::time::Instant;
 
 use mrroc::generator::Generator;
 use mrroc::prelude::*;
+use mrroc::random::Random;
 use mrroc::robot::{RobotImage, RobotState};
 use mrroc_generators::bspline::{SpanLength, SpanStream, SplineSettings};
 use mrroc_generators::curve::{Arc, Curve, TurnedCurve};
@@ -25,19 +26,6 @@ const INPUTS: usize = 1000;
 
 /// Step of what is planned anew on the way \[s\].
 const DT: f64 = 1e-3;
-
-/// SplitMix64 (Steele, Lea, Flood 2014).
-struct Random(u64);
-
-impl Random {
-    fn between(&mut self, lower: f64, upper: f64) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        lower + (upper - lower) * (((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64)
-    }
-}
 
 /// Prints the mean time of a call: of each window of inputs in a row the least of all rounds counts.
 fn time(what: &str, window: usize, rounds: usize, mut call: impl FnMut(usize)) {
@@ -99,7 +87,7 @@ type Case<J> = (JointState<J>, JointTarget<J>);
 
 /// States and targets of `N` axes, of a size where they move.
 fn plans<const N: usize>(moving: f64) -> Vec<Case<SVector<f64, N>>> {
-    let mut random = Random(7);
+    let mut random = Random::seeded(7);
     let mut draw = |size: f64| SVector::<f64, N>::from_fn(|_, _| random.between(-size, size));
     (0..INPUTS)
         .map(|_| {

@@ -1,21 +1,23 @@
 //! What every jerk-limited plan keeps, for random inputs; `just sweep-profiles` takes many.
 
+use mrroc::random::Random;
 use mrroc_generators::jerk::*;
 use nalgebra::Vector3;
 
-/// SplitMix64 (Steele, Lea and Flood 2014).
-struct Random(u64);
+/// Random inputs by a seed.
+struct Inputs(Random);
 
-impl Random {
+impl Inputs {
+    fn seeded(seed: u64) -> Inputs {
+        Inputs(Random::seeded(seed))
+    }
+
     fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let x = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((x ^ (x >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+        self.0.unit()
     }
 
     fn range(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.unit()
+        self.0.between(low, high)
     }
 
     /// Uniform, or, once in eight times, one of the ends or 0.
@@ -100,7 +102,7 @@ fn check(profile: &JerkProfile, axis: &(AxisState, AxisTarget, AxisLimits), what
 
 fn fastest(count: u64) {
     for seed in 0..count {
-        let axis = Random(seed).axis();
+        let axis = Inputs::seeded(seed).axis();
         let plan = AxisPlan::new(&axis.0, &axis.1, &axis.2).unwrap_or_else(|e| panic!("{e}: {axis:?}"));
         check(&plan.fastest(), &axis, "fastest");
     }
@@ -113,7 +115,7 @@ fn a_fastest_motion_reaches_its_target_within_the_limits() {
 
 fn lasting(count: u64) {
     for seed in 0..count {
-        let mut random = Random(seed + 1_000_000_000);
+        let mut random = Inputs::seeded(seed + 1_000_000_000);
         let axis = random.axis();
         let plan = AxisPlan::new(&axis.0, &axis.1, &axis.2).unwrap();
         let longer = random.value(1.0, 2.5);
@@ -137,7 +139,7 @@ fn a_motion_of_any_possible_duration_reaches_its_target_within_the_limits() {
 
 fn from_outside(count: u64) {
     for seed in 0..count {
-        let mut random = Random(seed + 4_000_000_000);
+        let mut random = Inputs::seeded(seed + 4_000_000_000);
         let (inside, target, limits) = random.axis();
         let (v, a) = (random.value(-3.0, 3.0), random.value(-3.0, 3.0));
         let start = AxisState {
@@ -182,7 +184,7 @@ fn a_start_outside_the_limits_comes_back_and_reaches_its_target() {
 /// The principle of optimality: what is left of a fastest motion is the fastest motion from there.
 fn rests(count: u64) {
     for seed in 0..count {
-        let mut random = Random(seed + 2_000_000_000);
+        let mut random = Inputs::seeded(seed + 2_000_000_000);
         let (start, target, limits) = random.axis();
         let fastest = AxisPlan::new(&start, &target, &limits).unwrap().fastest();
         let t = random.range(0.0, 0.9) * fastest.duration();
@@ -212,7 +214,7 @@ fn the_rest_of_a_fastest_motion_is_a_fastest_motion() {
 fn synchronised(count: u64) {
     const DT: f64 = 1e-3;
     for seed in 0..count / 3 {
-        let mut random = Random(seed + 3_000_000_000);
+        let mut random = Inputs::seeded(seed + 3_000_000_000);
         let axes: [_; 3] = std::array::from_fn(|_| random.axis());
         let vector =
             |f: fn(&(AxisState, AxisTarget, AxisLimits)) -> f64| Vector3::from_fn(|i, _| f(&axes[i]));

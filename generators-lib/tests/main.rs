@@ -25,6 +25,7 @@ mod profile_properties;
 mod profiles;
 mod reactive;
 mod reference;
+mod registry;
 mod spline_properties;
 mod spline_reference;
 mod timing;

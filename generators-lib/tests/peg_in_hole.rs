@@ -4,6 +4,7 @@ use std::cell::Cell as Slot;
 use std::rc::Rc;
 
 use mrroc::observe::ServoRecord;
+use mrroc::random::Random;
 // ANCHOR: peg
 use std::time::Duration;
 
@@ -124,21 +125,10 @@ struct Run {
     time: f64,
 }
 
-/// Numbers within -1 and 1 from a seed: SplitMix64 (Steele et al. 2014).
-fn spread(seed: u64, count: usize) -> Vec<f64> {
-    let mut state = seed;
-    let next = |_| {
-        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (state ^ (state >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-    };
-    (0..count).map(next).collect()
-}
-
 /// With a hole that is off by up to 3 mm along x and along y, in a plate that leans by up to `lean` \[rad\] about each of them.
 fn run(seed: u64, lean: f64, chamfer: f64) -> Run {
-    let by = spread(seed, 4);
+    let mut random = Random::seeded(seed);
+    let by = [0; 4].map(|_| random.within(1.0));
     let turn = Vector3::new(by[2], by[3], 0.0) * lean;
     let off = Pose::new(Vector3::new(by[0], by[1], 0.0) * 3e-3, turn);
     let (drives, wrist) = simulated(off, chamfer).expect("in range");

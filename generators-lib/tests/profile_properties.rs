@@ -1,16 +1,18 @@
 //! What every profile of a path scalar keeps, for random inputs; `just sweep-profiles` takes many.
 
+use mrroc::random::Random;
 use mrroc_generators::profile::*;
 
-/// SplitMix64 (Steele, Lea and Flood 2014).
-struct Random(u64);
+/// Random inputs by a seed.
+struct Inputs(Random);
 
-impl Random {
+impl Inputs {
+    fn seeded(seed: u64) -> Inputs {
+        Inputs(Random::seeded(seed))
+    }
+
     fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let x = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((x ^ (x >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+        self.0.unit()
     }
 
     /// Over orders of magnitude.
@@ -47,7 +49,7 @@ fn check<P: Profile + Clone + std::fmt::Debug>(
     profile: &P,
     bounds: &Bounds,
     expected: f64,
-    random: &mut Random,
+    random: &mut Inputs,
 ) {
     let (d, t) = (profile.distance(), profile.duration());
     assert!((t - expected).abs() <= 1e-10 * expected, "{t} s, not {expected} s: {profile:?}");
@@ -99,9 +101,9 @@ fn check<P: Profile + Clone + std::fmt::Debug>(
 }
 
 /// Every kind by its limits, with the duration of its closed form.
-fn sweep(first: u64, count: u64, mut kind: impl FnMut(f64, JerkLimits, &mut Random)) {
+fn sweep(first: u64, count: u64, mut kind: impl FnMut(f64, JerkLimits, &mut Inputs)) {
     for seed in first..first + count {
-        let mut random = Random(seed);
+        let mut random = Inputs::seeded(seed);
         let (distance, limits) = (random.distance(), random.limits());
         kind(distance, limits, &mut random);
     }

@@ -9,6 +9,7 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use mrroc::prelude::*;
+use mrroc::random::Random;
 use mrroc_robots::{Irp6, Kinematics, Serial};
 use nalgebra::{SVector, Vector3};
 
@@ -23,19 +24,6 @@ const ROUNDS: usize = 200;
 
 /// How far seeds lie from the solution, either way [rad or m].
 const NEAR: f64 = 0.01;
-
-/// SplitMix64 (Steele, Lea, Flood 2014).
-struct Random(u64);
-
-impl Random {
-    fn between(&mut self, lower: f64, upper: f64) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        lower + (upper - lower) * (((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64)
-    }
-}
 
 /// Prints the mean time of a call.
 fn time(arm: &str, what: &str, mut call: impl FnMut(usize)) {
@@ -55,7 +43,7 @@ fn time(arm: &str, what: &str, mut call: impl FnMut(usize)) {
 fn samples<const N: usize, R: Robot<Joints = SVector<f64, N>>>(
     robot: &R,
 ) -> Vec<(SVector<f64, N>, Pose, SVector<f64, N>)> {
-    let mut random = Random(2014);
+    let mut random = Random::seeded(2014);
     (0..POSITIONS)
         .map(|_| {
             let limits = robot.limits();

@@ -13,6 +13,7 @@ use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 use mrroc::pose::{Pose, Wrench};
+use mrroc::random::Random;
 use mrroc::robot::{JointVector, Load, Robot, Tool};
 use mrroc_robots::{
     Conveyor, Driven, Gripper, Irp6, Irp6FiveDof, Irp6Track, Polycrank, Rnt, Serial, TwoFingers,
@@ -21,21 +22,8 @@ use nalgebra::{Matrix3, SVector, Vector3};
 
 type Outcome = Result<(), Box<dyn std::error::Error>>;
 
-/// SplitMix64 (Steele, Lea, Flood 2014).
-struct Random(u64);
-
-impl Random {
-    fn between(&mut self, lower: f64, upper: f64) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        lower + (upper - lower) * (((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64)
-    }
-
-    fn vector(&mut self, size: f64) -> Vector3<f64> {
-        Vector3::from_fn(|_, _| self.between(-size, size))
-    }
+fn vector(random: &mut Random, size: f64) -> Vector3<f64> {
+    Vector3::from_fn(|_, _| random.between(-size, size))
 }
 
 /// Where the files go, and how many states.
@@ -81,7 +69,7 @@ impl Comparison {
     fn tree<const N: usize, R: Driven<N>>(&mut self, name: &str, robot: &R) -> Outcome {
         let mut file = self.writer(name, robot.urdf(name, &tool()))?;
         let tree = robot.tree().ok_or("no tree")?.with_load(&tool().load);
-        let mut random = Random(self.seed);
+        let mut random = Random::seeded(self.seed);
         let mut put = |numbers: &[f64]| -> Outcome {
             numbers.iter().try_for_each(|x| file.write_all(&x.to_le_bytes()))?;
             Ok(())
@@ -89,7 +77,7 @@ impl Comparison {
         for _ in 0..self.states {
             let [q, v] = Self::state(robot, &mut random);
             let a = robot.limits().acceleration.map(|most| random.between(-most, most));
-            let wrench = Wrench::new(random.vector(50.0), random.vector(10.0));
+            let wrench = Wrench::new(vector(&mut random, 50.0), vector(&mut random, 10.0));
             let tau = tree.inverse_dynamics(&q, &v, &a, Some(&wrench));
             let back = tree.forward_dynamics(&q, &v, &tau, Some(&wrench)).ok_or("no mass")?;
             let (bias, weight) = (tree.bias(&q, &v), tree.gravity_torques(&q));
@@ -105,7 +93,7 @@ impl Comparison {
             put(&[tree.kinetic_energy(&q, &v), tree.potential_energy(&q)])?;
         }
         // Free motion: no motor, no friction, no limit.
-        let [mut q, mut v] = Self::state(robot, &mut Random(self.seed + 1));
+        let [mut q, mut v] = Self::state(robot, &mut Random::seeded(self.seed + 1));
         let energies = |q: &_, v: &_| [tree.kinetic_energy(q, v), tree.potential_energy(q)];
         let start = energies(&q, &v);
         let (h, mut worst, mut most) = (1e-3, 0.0_f64, start[0]);
@@ -157,7 +145,7 @@ impl Comparison {
         let robot = Rnt::new().with_base(base());
         let mut file = self.writer("rnt", robot.urdf("rnt", &Tool { load: Load::NONE, ..tool() }))?;
         let closed = robot.dynamics().ok_or("no dynamics")?;
-        let mut random = Random(self.seed);
+        let mut random = Random::seeded(self.seed);
         let mut states = 0;
         while states < self.states {
             let [q, v] = Self::state(&robot, &mut random);

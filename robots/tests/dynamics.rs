@@ -2,6 +2,7 @@
 //! weigh what their drives bear; and URDFs of which the same robots are read.
 
 use mrroc::pose::{Pose, Wrench};
+use mrroc::random::Random;
 use mrroc::robot::{Load, Robot, Tool};
 use mrroc_counting_allocator::allocations;
 use mrroc_robots::{
@@ -9,8 +10,6 @@ use mrroc_robots::{
     TwoFingers, UrdfText,
 };
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3, Vector6};
-
-use crate::usage::support::Random;
 
 /// A base that stands nowhere in particular.
 fn base() -> Pose {
@@ -29,7 +28,7 @@ fn weighted() -> Serial<6> {
 fn agrees<const N: usize, R: Driven<N> + Kinematics<N>>(robot: &R) {
     let tree = robot.tree().expect("it has links");
     let limits = robot.limits();
-    let mut random = Random(1955);
+    let mut random = Random::seeded(1955);
     for _ in 0..200 {
         let q = loop {
             let drawn = |i: usize, _| random.between(limits.lower[i].max(-3.0), limits.upper[i].min(3.0));
@@ -165,7 +164,7 @@ fn is_read_back<const N: usize, R: Driven<N>>(robot: &R) {
     let off = |a: &SVector<f64, N>, b: &SVector<f64, N>| (a - b).amax();
     assert_eq!((read.limits().lower, read.limits().upper), (limits.lower, limits.upper));
     assert_eq!(read.limits().velocity, limits.velocity);
-    let mut random = Random(1955);
+    let mut random = Random::seeded(1955);
     let ours = robot.tree().expect("it has links").with_load(&tool().load);
     let theirs = read.tree().expect("it has links");
     for _ in 0..100 {

@@ -1,6 +1,7 @@
 //! Simulated drives that do not know where they are find out, from anywhere, and exactly.
 
 use mrroc::fault::Excess;
+use mrroc::random::Random;
 use mrroc::robot::{DriveFault, Driver, Homing, Search};
 use mrroc_launch::cell_file::CellFile;
 use mrroc_robots::{
@@ -9,7 +10,7 @@ use mrroc_robots::{
 };
 use nalgebra::SVector;
 
-use crate::usage::support::{Random, engraving};
+use crate::usage::support::engraving;
 
 fn home<const N: usize, R: Driven<N>>(mut homing: Unhomed<R, N>) -> Result<Simulated<R, N>, DriveFault> {
     loop {
@@ -133,7 +134,7 @@ fn found_is_true<const N: usize, R: Driven<N>>(robot: &R, start: &SVector<f64, N
 fn two_hundred_arms_find_where_they_truly_are() {
     let robot = Irp6::nominal();
     let limits = *mrroc::robot::Robot::limits(&robot);
-    let mut random = Random(20_080_131);
+    let mut random = Random::seeded(20_080_131);
     let mut starts = 0;
     while starts < 200 {
         let q = Six::from_fn(|i, _| random.between(limits.lower[i], limits.upper[i]));

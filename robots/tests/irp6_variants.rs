@@ -1,11 +1,12 @@
 //! What the IRp-6 with five joints and the IRp-6 on its track do where they differ from the six-joint arm.
 
 use mrroc::prelude::*;
+use mrroc::random::Random;
 use mrroc::robot::NoInverse;
 use mrroc_robots::{Five, Irp6, Irp6FiveDof, Irp6Track, Kinematics, Seven};
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 
-use crate::usage::support::{Random, engraving};
+use crate::usage::support::engraving;
 
 const SEED: u64 = 9;
 
@@ -48,7 +49,7 @@ fn the_track_moves_the_least_that_reaches() {
 #[test]
 fn a_tool_that_leans_out_of_the_plane_of_the_arm_is_refused_and_made_upright() {
     let robot = Irp6FiveDof::nominal();
-    let mut random = Random(SEED);
+    let mut random = Random::seeded(SEED);
     for _ in 0..1000 {
         let q = Five::new(0.3, -1.6, 0.1, 0.2, 1.0) + Five::from_fn(|_, _| random.between(-0.3, 0.3));
         let pose = robot.forward(&q);

@@ -1,11 +1,12 @@
 //! The redundancy of the robots with seven joints: given as a parameter of the pose, or kept along a path.
 
 use mrroc::prelude::*;
+use mrroc::random::Random;
 use mrroc::robot::NoInverse;
 use mrroc_robots::{Irp6, Irp6Track, Kinematics, Polycrank, Rnt, Seven, Six};
 use nalgebra::{Translation3, Vector3};
 
-use crate::usage::support::{Random, engraving};
+use crate::usage::support::engraving;
 
 const SEED: u64 = 17;
 
@@ -56,7 +57,7 @@ fn a_closed_circle_closes_in_the_joints() {
 /// From random joints with bent arms and the tool away from the vertical, circles of 4 cm across: the arms stay bent.
 #[test]
 fn random_circles_close_in_polycrank_s_joints() {
-    let (robot, mut random) = (Polycrank::new(), Random(SEED));
+    let (robot, mut random) = (Polycrank::new(), Random::seeded(SEED));
     let (mut closed, mut worst) = (0, 0.0_f64);
     for _ in 0..200 {
         let mut side = || if random.between(-1.0, 1.0) > 0.0 { 1.0 } else { -1.0 };

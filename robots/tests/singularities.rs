@@ -2,10 +2,11 @@
 //! or says why it stops.
 
 use mrroc::prelude::*;
+use mrroc::random::Random;
 use mrroc_robots::{Five, Irp6, Irp6FiveDof, Irp6Track, Kinematics, Polycrank, Rnt, Serial, Seven, Six};
 use nalgebra::{SVector, Translation3, UnitQuaternion, Vector3};
 
-use crate::usage::support::{Random, engraving};
+use crate::usage::support::engraving;
 
 const SEED: u64 = 3;
 
@@ -187,7 +188,7 @@ fn no_jumps<const N: usize, R: Kinematics<N>>(
     lower: SVector<f64, N>,
     upper: SVector<f64, N>,
 ) {
-    let mut random = Random(SEED);
+    let mut random = Random::seeded(SEED);
     let (mut stopped, mut swings) = (0, 0);
     for _ in 0..lines {
         let start = loop {

@@ -2,19 +2,18 @@
 
 use std::hint::black_box;
 
+use mrroc::random::Random;
 use mrroc::robot::Robot;
 use mrroc_counting_allocator::{allocations, count};
 use mrroc_robots::{Kinematics, Serial};
 use nalgebra::SVector;
-
-use crate::usage::support::Random;
 
 fn allocates_nothing<const N: usize>(arm: &str, base: &str, tip: &str) {
     let path = format!("{}/tests/reference/urdf/{arm}.urdf", env!("CARGO_MANIFEST_DIR"));
     let robot: Serial<N> = Serial::from_urdf_file(path, base, tip)
         .and_then(|robot| robot.with_acceleration(SVector::repeat(10.0)))
         .expect("the URDF is sound");
-    let mut random = Random(1);
+    let mut random = Random::seeded(1);
     assert!(allocations() > 0, "reading a file allocates, and that is counted");
     let ((), within) = count(|| {
         for _ in 0..100 {

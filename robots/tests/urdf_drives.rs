@@ -2,11 +2,10 @@
 //! friction is in them.
 
 use mrroc::pose::Pose;
+use mrroc::random::Random;
 use mrroc::robot::Driver;
 use mrroc_robots::{Driven, Serial, Simulated, UrdfError, driver_conformance};
 use nalgebra::{SVector, Vector2, Vector3};
-
-use crate::usage::support::Random;
 
 const GRAVITY: f64 = 9.80665;
 
@@ -114,7 +113,7 @@ fn the_weight_of_a_planar_arm_is_that_of_the_textbook() {
     let [m1, m2] = MASSES;
     let [c1, c2] = CENTRES;
     let robot = planar(true);
-    let mut random = Random(5);
+    let mut random = Random::seeded(5);
     for _ in 0..1000 {
         let q = Vector2::new(random.between(-3.0, 3.0), random.between(-3.0, 3.0));
         let fore = -GRAVITY * m2 * c2 * (q[0] + q[1]).cos();

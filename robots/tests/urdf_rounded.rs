@@ -5,11 +5,10 @@
 use core::f64::consts::TAU;
 
 use mrroc::prelude::*;
+use mrroc::random::Random;
 use mrroc_counting_allocator::count;
 use mrroc_robots::{Kinematics, Serial};
 use nalgebra::{SVector, Translation3, UnitQuaternion, Vector3};
-
-use crate::usage::support::Random;
 
 const SEED: u64 = 15_707_963;
 const POSES: usize = 5_000;
@@ -64,7 +63,7 @@ fn apart<const N: usize>(a: &SVector<f64, N>, b: &SVector<f64, N>) -> f64 {
 /// Every pose comes back to 1e-9, from seeds near and far; from a near seed, away from singularities, on the seed's branch.
 fn gives_back_every_pose<const N: usize>(name: &str, robot: &Serial<N>, rounding: f64) {
     assert!(robot.is_closed_form(), "{name}");
-    let mut random = Random(SEED);
+    let mut random = Random::seeded(SEED);
     let (mut worst, mut joints, mut lost) = (0.0_f64, 0.0_f64, 0);
     for i in 0..POSES {
         let q = positions(robot, &mut random);
@@ -110,7 +109,7 @@ fn arms_with_rounded_right_angles_give_back_every_pose() {
 
 /// As many solutions as the exact arm has at the same joints, each beside one of those, and each of this arm's own pose.
 fn keeps_its_branches<const N: usize>(rounded: &Serial<N>, exact: &Serial<N>, rounding: f64) {
-    let mut random = Random(SEED);
+    let mut random = Random::seeded(SEED);
     let mut most = 0;
     for _ in 0..300 {
         let q = positions(rounded, &mut random);

@@ -13,8 +13,19 @@ use std::path::{Path, PathBuf};
 use circles::in_circles;
 
 /// The layers of the core, from the bottom up.
-const CORE: &[&str] =
-    &["console", "files", "suggestion", "model", "safety", "operator", "link", "observe", "control", "cell"];
+const CORE: &[&str] = &[
+    "console",
+    "files",
+    "random",
+    "suggestion",
+    "model",
+    "safety",
+    "operator",
+    "link",
+    "observe",
+    "control",
+    "cell",
+];
 
 /// The layers of a cell's processes, from the bottom up.
 const PROCESSES: &[&str] = &[
@@ -71,6 +82,7 @@ const CRATES: &[(&str, &[&str])] = &[
     ("sensing/sensors", &["mrroc-core", "mrroc-robots"]),
     ("sensing/calibration", &["mrroc-core", "mrroc-launch", "mrroc-robots", "mrroc-sensors"]),
     ("sensing/geocom", &["mrroc-core", "mrroc-driver-kit"]),
+    ("sensing/map", &["mrroc-core"]),
     ("ports/zenoh", &["mrroc-core", "mrroc-launch"]),
     ("robots/wheels", &["mrroc-core", "mrroc-generators", "mrroc-map", "mrroc-robots"]),
     ("generators-lib", &["mrroc-core"]),

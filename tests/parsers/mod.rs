@@ -9,8 +9,9 @@ mod targets;
 use std::panic::catch_unwind;
 use std::time::Instant;
 
+use mrroc::random::Random;
 use mrroc_counting_allocator::peak;
-use mutation::{Random, mutate};
+use mutation::mutate;
 use targets::TARGETS;
 
 /// Most memory that reading may take \[bytes\].
@@ -41,7 +42,7 @@ fn readers_survive(inputs: usize, seed: u64) {
         for half in 0..2 {
             scope.spawn(move || {
                 for (name, target) in TARGETS.iter().skip(half).step_by(2) {
-                    let (corpus, mut random) = (corpus(name), Random(seed));
+                    let (corpus, mut random) = (corpus(name), Random::seeded(seed));
                     corpus.iter().for_each(|input| read(name, *target, input));
                     let (began, mut worst) = (Instant::now(), 0.0_f64);
                     for _ in 0..each {

@@ -1,22 +1,6 @@
 //! Makes bad input from good input: seeded mutations of a corpus, as fuzzers make them, but without measuring coverage.
 
-/// SplitMix64.
-pub struct Random(pub u64);
-
-impl Random {
-    pub fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    /// A number from 0 to `end - 1`; `end` is at least 1.
-    pub fn below(&mut self, end: usize) -> usize {
-        (self.next() % end.max(1) as u64) as usize
-    }
-}
+use mrroc::random::Random;
 
 /// Texts that are difficult for readers.
 const TOKENS: [&[u8]; 36] = [
@@ -69,7 +53,7 @@ pub fn mutate(corpus: &[Vec<u8>], random: &mut Random) -> Vec<u8> {
         let len = (1 + random.below(32)).min(bytes.len() - at);
         match random.below(9) {
             0 if at < bytes.len() => bytes[at] ^= 1 << random.below(8),
-            1 if at < bytes.len() => bytes[at] = random.next() as u8,
+            1 if at < bytes.len() => bytes[at] = random.bits() as u8,
             2 => drop(bytes.drain(at..at + len)),
             3 => bytes.truncate(at),
             4 => {

@@ -69,7 +69,7 @@ impl BodyPath for StraightBody {
         };
         let line = LinePath::new(*X_WB, goal);
         let profile = line.profile(self.limits).map_err(|error| Fault::thrown(&error.to_string()))?;
-        self.path = Some((line, profile.cursor()));
+        self.path = Some((line, ProfileCursor::new(profile)));
         Ok(())
     }
 

@@ -52,7 +52,7 @@ impl<R: Robot> JointMove<R> {
         let line = JointLine::new(e.demanded().joints, self.goal);
         let profile = line.profile(&self.velocity, &self.acceleration);
         let profile = profile.map_err(|error| Fault::thrown(&error.to_string()))?;
-        self.path = Some((line, profile.cursor()));
+        self.path = Some((line, ProfileCursor::new(profile)));
         Ok(self.advance(t).with_goal(Demand::joints(self.goal)))
     }
 

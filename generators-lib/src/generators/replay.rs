@@ -4,7 +4,7 @@ use mrroc::prelude::*;
 use mrroc::robot::JointVector;
 
 use mrroc_generators::line::{JointLine, LinePath, ToolLimits};
-use mrroc_generators::profile::{ProfileCursor, ProfileLimits};
+use mrroc_generators::profile::{Profile, ProfileCursor, ProfileLimits};
 use mrroc_generators::teach::{Reference, Space, Taught, TaughtPose};
 
 /// Moves from pose to pose of a [`Taught`] sequence, each from rest to rest by one trapezoidal profile: straight in

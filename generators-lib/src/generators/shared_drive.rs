@@ -115,7 +115,7 @@ where
             let goal = self.loops.as_mut()[i].tool(&self.drive, 0.0);
             let line = LinePath::new(self.starts.as_ref()[i], goal);
             let profile = line.profile(self.limits).map_err(|error| Fault::thrown(&error.to_string()))?;
-            self.approaches.as_mut()[i] = Some((line, profile.cursor()));
+            self.approaches.as_mut()[i] = Some((line, ProfileCursor::new(profile)));
         }
         self.advance(t)
     }

@@ -47,7 +47,7 @@ impl<R: Robot> ToolOffset<R> {
     fn first_step(&mut self, t: Tick) -> Result<Step<R>, Fault> {
         let line = LinePath::new(Pose::identity(), self.offset);
         let profile = line.profile(self.limits).map_err(|error| Fault::thrown(&error.to_string()))?;
-        self.path = Some((line, profile.cursor()));
+        self.path = Some((line, ProfileCursor::new(profile)));
         Ok(self.next_step(t).with_goal(Demand::displacement(self.offset)))
     }
 

@@ -8,7 +8,7 @@
 //!
 //! Source: Biagiotti and Melchiorri, *Trajectory Planning for Automatic Machines and Robots*, section 3.2.
 
-use super::{Profile, ProfileCursor, ProfileError, ProfileLimits, ProfilePoint, whole_steps};
+use super::{Profile, ProfileError, ProfileLimits, ProfilePoint, whole_steps};
 
 /// A trapezoidal (or triangular) rest-to-rest profile; immutable.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -114,12 +114,6 @@ impl Trapezoid {
             return ProfilePoint { s: self.distance - 0.5 * a * left * left, v: a * left, a: -a };
         }
         ProfilePoint { s: self.peak * (t - 0.5 * self.ramp), v: self.peak, a: 0.0 }
-    }
-
-    /// A cursor at the start of this profile.
-    #[must_use]
-    pub fn cursor(self) -> ProfileCursor {
-        ProfileCursor::new(self)
     }
 
     fn end(&self) -> ProfilePoint {

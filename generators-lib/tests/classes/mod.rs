@@ -3,7 +3,9 @@
 mod table;
 
 use mrroc::generator::Class;
-use table::{ROWS, table};
+use table::table;
+
+use super::registry::rows;
 
 #[test]
 fn the_table_in_the_documentation_is_that_of_the_code() {
@@ -20,17 +22,6 @@ fn the_table_in_the_documentation_is_that_of_the_code() {
 fn write_the_table_anew() {
     let file = concat!(env!("CARGO_MANIFEST_DIR"), "/classes.md");
     std::fs::write(file, table()).expect("the file can be written");
-}
-
-#[test]
-fn every_generator_of_the_folder_is_in_the_table() {
-    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/src/generators");
-    let files = std::fs::read_dir(folder).expect("the folder of the generators");
-    let files = files.map(|entry| entry.expect("an entry").file_name().into_string().expect("a plain name"));
-    let mut names: Vec<_> = files.filter_map(|file| Some(file.strip_suffix(".rs")?.to_owned())).collect();
-    names.retain(|name| name != "mod");
-    names.sort();
-    assert_eq!(names, ROWS.iter().map(|row| row.name).collect::<Vec<_>>());
 }
 
 /// Section 6 of the paper: five classes of the coordinator, eight of an effector's controller. A generator is of the class of
@@ -54,7 +45,7 @@ fn every_class_of_the_paper_has_a_generator() {
     ];
     for function in functions {
         let is_it = |class: &Class| Class::new(class.level, class.next).to_string() == function;
-        assert!(ROWS.iter().any(|row| is_it(&row.class)), "no generator of class {function}");
+        assert!(rows().iter().any(|row| is_it(&row.class)), "no generator of class {function}");
     }
 }
 

@@ -3,10 +3,11 @@
 use std::f64::consts::PI;
 
 use mrroc::generator::Generator;
+use mrroc::operator::jog::{JogNow, JogOrder, JogPanel};
 use mrroc::pose::Wrench;
 use mrroc::prelude::*;
 use mrroc::robot::JointVector as _;
-use mrroc::robot::{RobotImage, RobotState};
+use mrroc::robot::{Channel, Output, RobotImage, RobotState};
 use mrroc::sensor::SensorImage;
 use mrroc_generators::bspline::SplineSettings;
 use mrroc_generators::combinators::{
@@ -19,6 +20,7 @@ use mrroc_generators::feed::{FeedError, FeedLimits};
 use mrroc_generators::force::{Behaviour, Bound, ForceControl, Give};
 use mrroc_generators::generators::*;
 use mrroc_generators::jerk::JointLimits;
+use mrroc_generators::jogging::JogLimits;
 use mrroc_generators::line::{SmoothToolLimits, ToolLimits};
 use mrroc_generators::profile::{JerkLimits, ProfileLimits};
 use mrroc_generators::teach::{Reference, Space, Taught, TaughtPose};
@@ -101,6 +103,16 @@ pub fn ordered<G: Generator<Robots = Irp6, Sensors = (), Order = Displacement>>(
     Given { order: Order::new(Displacement { pose }), e: State::new(image()), v: Reading::new(()) }
 }
 
+/// A pose that is moved in the plane of the tool \[m\].
+pub fn beside(x: f64, y: f64) -> Pose {
+    start() * Pose::translation(x, y, 0.0)
+}
+
+/// The arm with its first joint turned [rad].
+pub fn turned(by: f64) -> Six {
+    arm() + Six::x() * by
+}
+
 pub fn tool_limits(velocity: f64, acceleration: f64) -> ToolLimits {
     let limits = ProfileLimits { velocity, acceleration };
     ToolLimits { translation: limits, rotation: limits }
@@ -128,6 +140,11 @@ pub fn path_limits(velocity: f64, acceleration: f64, speed: f64) -> PathLimits<S
     PathLimits { velocity: Six::repeat(velocity), acceleration: Six::repeat(acceleration), speed }
 }
 
+/// Sizes that are none, one at a time and both.
+pub fn odd_sizes(x: f64) -> [[f64; 2]; 4] {
+    [[0.02, 8e-3], [x, 8e-3], [0.02, x], [x, x]]
+}
+
 /// Limits that are none, one at a time and all.
 pub fn odd_limits(x: f64) -> [[f64; 3]; 5] {
     [[0.5, 1.0, 10.0], [x, 1.0, 10.0], [0.5, x, 10.0], [0.5, 1.0, x], [x, x, x]]
@@ -137,6 +154,22 @@ pub fn odd_limits(x: f64) -> [[f64; 3]; 5] {
 pub fn helix(radius: f64, pitch: f64, angle: f64) -> Result<Helix, CurveError> {
     Helix::about(Vector3::zeros(), Vector3::new(radius, 0.0, 0.0), Vector3::z_axis(), angle, pitch)
 }
+
+/// Jogged down, by a panel on which a button is held all the time.
+pub fn jogged(limits: JogLimits) -> PanelJog<Irp6> {
+    let (panel, seat) = JogPanel::alone(Irp6::nominal());
+    let order = JogOrder::read(&mut "world z -40%".split_whitespace()).expect("an order");
+    seat.say(JogNow::Order { press: 1, order });
+    PanelJog::within(panel, limits)
+}
+
+/// An analog output.
+pub fn flow() -> Output<f64> {
+    Output::of(Channel::Analog(0)).expect("an analog one")
+}
+
+/// More than any motion here needs.
+pub const WIDE: Bound = Bound { speed: 1.0, travel: 10.0 };
 
 /// An arm that is to reach joint positions beside its own.
 pub fn reaching(by: f64) -> Given<ReachState<Irp6>> {
@@ -175,10 +208,9 @@ pub fn feed(feed: f64, acceleration: f64) -> FeedLimits {
     FeedLimits { feed, tangential: acceleration, normal: acceleration, step: 4e-3, chord_error, jerk }
 }
 
-pub fn track(
-    points: &[Vector3<f64>],
-    limits: FeedLimits,
-) -> Result<SplineTrack<Irp6, std::vec::IntoIter<Vector3<f64>>>, FeedError> {
+pub type Points = std::vec::IntoIter<Vector3<f64>>;
+
+pub fn track(points: &[Vector3<f64>], limits: FeedLimits) -> Result<SplineTrack<Irp6, Points>, FeedError> {
     let at = start();
     SplineTrack::through(points.to_vec(), SplineSettings::default(), limits, at, UnitQuaternion::identity())
 }
@@ -317,6 +349,13 @@ pub fn shown(x: f64, share: f64, space: Space) -> Option<Taught> {
     let poses = [1.0, 0.5].map(|k| TaughtPose::new(share, 0.5, &[k * x; 6]));
     let poses = poses.into_iter().collect::<Option<_>>()?;
     Some(Taught { space, reference: Reference::Relative, poses })
+}
+
+/// Two motions of the first joint that were taught [rad].
+pub fn swung(first: f64, second: f64) -> Taught {
+    let legs = [first, second].map(|q| TaughtPose::new(1.0, 1.0, &[q, 0.0, 0.0, 0.0, 0.0, 0.0]));
+    let poses = legs.into_iter().flatten().collect();
+    Taught { space: Space::Joint, reference: Reference::Relative, poses }
 }
 
 /// To a place beside the object that the camera sees.

@@ -10,6 +10,8 @@ use std::fs;
 
 use sheet::Sheet;
 
+use crate::usage::registry::rows;
+
 const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/pictures");
 
 /// Examples without a picture: the point of one is who orders whom, of the other where parts are in the end.
@@ -21,16 +23,14 @@ const LEVEL: [&str; 6] = ["await_operator", "constant_order", "delay", "settle",
 /// Generators that demand what `transmit_displacement` does, until they stop or where they need not yield.
 const SAME: [&str; 2] = ["watched_transmit", "yielding_transmit"];
 
-/// Names of the files of a folder of this crate that have pictures.
+/// Names of the files of a folder of this crate.
 fn names(folder: &str) -> Vec<String> {
     let files = fs::read_dir(format!("{}/{folder}", env!("CARGO_MANIFEST_DIR"))).expect("a folder");
     let name = |file: fs::DirEntry| file.file_name().into_string().expect("a plain name");
     let files = files.map(|file| name(file.expect("an entry")));
     files
         .filter_map(|file| file.strip_suffix(".rs").map(str::to_owned))
-        .filter(|name| {
-            !["mod", "joined"].iter().chain(&LEVEL).chain(&SAME).chain(&UNDRAWN).any(|other| other == name)
-        })
+        .filter(|name| name != "mod")
         .collect()
 }
 
@@ -45,7 +45,9 @@ fn pictures() -> Result<Vec<(&'static str, Sheet)>, Box<dyn Error>> {
 fn everything_is_drawn_and_nothing_that_is_no_number() {
     let drawn = pictures().expect("the inputs are in range");
     let readme = include_str!("../../pictures/README.md");
-    for name in ["src/generators", "src/combinators", "examples"].into_iter().flat_map(names) {
+    let generators = rows().into_iter().map(|row| row.name.to_owned());
+    let names = generators.chain(["src/combinators", "examples"].into_iter().flat_map(names));
+    for name in names.filter(|name| ![&LEVEL[..], &SAME, &UNDRAWN].concat().contains(&&**name)) {
         let (_, sheet) =
             drawn.iter().find(|(drawn, _)| *drawn == name).unwrap_or_else(|| panic!("no picture of {name}"));
         // What is no number, an SVG has as 0.

@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 
 use mrroc::pose::Pose;
+use mrroc::random::Random;
 use mrroc_pictures::svg::{Area, Look, Page, Svg, TextStyle, palette};
 use mrroc_robots::Kinematics;
 use nalgebra::{SVector, Vector2, Vector3};
@@ -71,17 +72,9 @@ const VIEWS: [View; 2] =
 /// The workspace: positions of the flange for attainable joints, drawn evenly from their limits with a stated seed.
 pub fn flange_positions<const N: usize, R: Kinematics<N>>(robot: &R) -> Vec<Vector3<f64>> {
     let (lower, upper) = (robot.limits().lower, robot.limits().upper);
-    let mut state = 11_u64;
-    let mut unit = || {
-        // SplitMix64.
-        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = state;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
-    };
+    let mut random = Random::seeded(11);
     (0..SAMPLES)
-        .map(|_| SVector::<f64, N>::from_fn(|i, _| lower[i] + (upper[i] - lower[i]) * unit()))
+        .map(|_| SVector::<f64, N>::from_fn(|i, _| random.between(lower[i], upper[i])))
         .filter(|q| robot.is_attainable(q))
         .map(|q| robot.forward(&q).translation.vector)
         .filter(|p| p.amax() < FARTHEST)

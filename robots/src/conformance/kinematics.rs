@@ -1,10 +1,11 @@
 //! What the kinematics of a robot must keep.
 
 use mrroc::pose::Pose;
+use mrroc::random::Random;
 use mrroc::robot::{JointKind, JointVector};
 use nalgebra::{DMatrix, SVector, Translation3, Vector3};
 
-use super::{Random, SEED, Violation, ensure};
+use super::{SEED, Violation, ensure};
 use crate::models::{Kinematics, closest};
 
 /// Largest error of a pose that inverse kinematics gives back [m and rad].
@@ -79,7 +80,7 @@ pub fn inverse_returns_poses<const N: usize, R: Kinematics<N>>(
     robot: &R,
     count: usize,
 ) -> Result<(), Violation> {
-    let mut random = Random(SEED);
+    let mut random = Random::seeded(SEED);
     let mut worst = 0.0_f64;
     let mut refused = 0_usize;
     for _ in 0..count {
@@ -120,7 +121,7 @@ pub fn solutions_are_complete<const N: usize, R: Kinematics<N>>(
     robot: &R,
     count: usize,
 ) -> Result<(), Violation> {
-    let mut random = Random(SEED);
+    let mut random = Random::seeded(SEED);
     let mut total = 0;
     for _ in 0..count {
         let q = attainable(robot, &mut random)?;
@@ -167,7 +168,7 @@ pub fn jacobian_is_the_derivative<const N: usize, R: Kinematics<N>>(
     count: usize,
 ) -> Result<(), Violation> {
     const H: f64 = 2e-5;
-    let mut random = Random(SEED);
+    let mut random = Random::seeded(SEED);
     let mut worst = 0.0_f64;
     for _ in 0..count {
         let q = attainable(robot, &mut random)?;
@@ -219,7 +220,7 @@ pub fn frames_end_at_the_flange<const N: usize, R: Kinematics<N>>(
     robot: &R,
     count: usize,
 ) -> Result<(), Violation> {
-    let mut random = Random(SEED);
+    let mut random = Random::seeded(SEED);
     for _ in 0..count {
         let q = attainable(robot, &mut random)?;
         let mut last = None;
@@ -263,7 +264,7 @@ pub fn nothing_is_nan<const N: usize, R: Kinematics<N>>(
     for pose in [at(nan, 0.0, 0.0), at(0.0, nan, 0.0), at(0.0, 0.0, nan)] {
         ensure(robot.inverse(&pose, start).is_err(), || "a pose that is NaN has an inverse".into())?;
     }
-    let mut random = Random(SEED);
+    let mut random = Random::seeded(SEED);
     for size in [1e-12, 0.5 * robot.reach(), robot.reach(), far] {
         for _ in 0..1_000 {
             let mut draw = || random.between(-size, size);

@@ -125,12 +125,12 @@ pub fn angle(turned: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use mrroc_map::Chance;
+    use mrroc::random::Random;
 
     #[test]
     fn its_unrolled_pose_gives_the_wheels_back_after_any_number_of_turns() {
         let base = DiffDrive::new();
-        let mut chance = Chance::seeded(3);
+        let mut chance = Random::seeded(3);
         for _ in 0..1000 {
             let q = Two::new(chance.within(5e3), chance.within(5e3));
             let near = q + Two::new(chance.within(1.0), chance.within(1.0));

@@ -1,7 +1,7 @@
 //! How well a base follows a path, by where it truly is.
 
 use mrroc::prelude::Robot as _;
-use mrroc_map::Chance;
+use mrroc::random::Random;
 use mrroc_wheels::generators::Follower;
 use mrroc_wheels::simulation::{Chassis, Ground};
 use mrroc_wheels::{DiffDrive, Path, Planar, Two};
@@ -76,7 +76,7 @@ fn a_base_is_at_most_10_mm_off_its_path_at_half_a_metre_a_second_with_2_percent_
 
 #[test]
 fn whatever_is_measured_no_demand_breaks_a_limit() {
-    let mut chance = Chance::seeded(11);
+    let mut chance = Random::seeded(11);
     for _ in 0..20 {
         let mut follower = Follower::on(tour(), LIMITS, 1.5);
         follower.begin(Two::new(3.0, -2.0)).expect("limits");

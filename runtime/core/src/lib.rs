@@ -61,6 +61,7 @@ extern crate self as mrroc;
 pub mod console;
 pub mod files;
 mod model;
+pub mod random;
 mod safety;
 pub mod suggestion;
 

@@ -5,7 +5,7 @@
 
 use core::fmt;
 
-use mrroc_sensors::physics::Noise as Random;
+use mrroc::random::Noise as Random;
 
 use crate::chain::Detail;
 use crate::choice::{Aim, Choice, choose, evaluate};

@@ -2,11 +2,11 @@
 //! scale bar. Their errors are made up; each joint comes to rest 10 urad off, anew in each posture. Nothing is in the lines of sight.
 
 use mrroc::pose::Pose;
+use mrroc::random::Noise as Random;
 use mrroc::robot::JointKind;
 use mrroc_calibration::data::Described;
 use mrroc_calibration::*;
 use mrroc_robots::{Rnt, Six};
-use mrroc_sensors::physics::Noise as Random;
 use nalgebra::{Matrix3, Point3, Vector3};
 
 const SECOND: f64 = core::f64::consts::PI / 648_000.0;

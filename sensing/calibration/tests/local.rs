@@ -1,9 +1,9 @@
 //! The local corrector: it helps where the arm has a smooth error that its dimensions cannot say, and stays off where there is only noise.
 
 use mrroc::pose::Pose;
+use mrroc::random::Noise as Random;
 use mrroc::robot::JointKind;
 use mrroc_calibration::*;
-use mrroc_sensors::physics::Noise as Random;
 use nalgebra::{Point3, Vector3};
 
 /// theta, d, a, alpha [rad, m] of a small six-axis arm, as in `reference/fits.py`.

@@ -3,10 +3,10 @@
 use std::path::Path;
 
 use mrroc::pose::Pose;
+use mrroc::random::Noise as Random;
 use mrroc_calibration::data::{Data, Described, Plan, Scales};
 use mrroc_calibration::trials::{Errors, Trial, lengths};
 use mrroc_calibration::*;
-use mrroc_sensors::physics::Noise as Random;
 use nalgebra::{Point3, Vector3};
 
 const SIGMA: f64 = 2e-5;

@@ -6,7 +6,7 @@
 //! touches, passed ways -> Map -> Planner -> a way through what is not known to be wall
 //! ```
 //!
-//! It knows no robot and no runtime. [`Layout`] reads and writes the text format of micromouse contests, and draws mazes by chance.
+//! It knows no robot, and nothing of the runtime but its random numbers. [`Layout`] reads and writes the text format of micromouse contests, and draws mazes by chance.
 //!
 //! ```
 //! use mrroc_map::{Inflated, Knowledge, Layout, Map, Place, Planner, Region, Walls};
@@ -45,7 +45,6 @@ pub use contact::{Contact, Knowledge};
 pub use layout::{Goal, LARGEST, Layout, LayoutError, Side};
 pub use map::{Map, Thought};
 pub use plan::Planner;
-pub use random::Chance;
 pub use shortest::{Inflated, Region};
 pub use spacing::spacing;
 pub use taut::{Piece, Taut};

@@ -1,41 +1,8 @@
 //! Mazes by chance, like those of contests.
 
+use mrroc::random::Random;
+
 use crate::layout::{Goal, Layout, Side};
-
-/// A sequence of numbers by a seed: SplitMix64 (Steele, Lea, Flood, *Fast splittable pseudorandom number generators*, 2014).
-#[derive(Clone, Debug)]
-pub struct Chance(u64);
-
-impl Chance {
-    /// By this seed.
-    #[must_use]
-    pub const fn seeded(seed: u64) -> Self {
-        Self(seed)
-    }
-
-    fn draw(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    /// A number in 0..1.
-    pub fn share(&mut self) -> f64 {
-        (self.draw() >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    /// A whole number in 0..`below`; `below` > 0.
-    pub fn below(&mut self, below: usize) -> usize {
-        (self.draw() % below as u64) as usize
-    }
-
-    /// A number in -`most`..`most`.
-    pub fn within(&mut self, most: f64) -> f64 {
-        most * (2.0 * self.share() - 1.0)
-    }
-}
 
 impl Layout {
     /// The share of the walls that is taken away to make loops.
@@ -60,7 +27,7 @@ impl Layout {
         assert!((6..=256).contains(&size) && size.is_multiple_of(2), "a size of 6 to 256 cells, even");
         let middle = size / 2;
         let goal = Goal { lower: (middle - 1, middle - 1), upper: (middle, middle) };
-        let mut chance = Chance::seeded(seed);
+        let mut chance = Random::seeded(seed);
         let mut maze = Self::open(size, size, (0, 0), goal);
         let cells = || (0..size * size).map(move |i| (i % size, i / size));
         for cell in cells() {
@@ -107,7 +74,7 @@ impl Layout {
             for side in [Side::Right, Side::Up] {
                 let Some(next) = maze.beyond(cell, side) else { continue };
                 let kept = cell == (0, 0) || goal.contains(cell) || goal.contains(next);
-                if !kept && maze.has_wall(cell, side) && chance.share() < Self::OPENED {
+                if !kept && maze.has_wall(cell, side) && chance.unit() < Self::OPENED {
                     let (x, y) = cell;
                     let posts = match side {
                         Side::Right => [(x + 1, y), (x + 1, y + 1)],

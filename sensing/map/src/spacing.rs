@@ -89,20 +89,20 @@ pub fn spacing(contacts: &[Contact], known: &Knowledge, before: Option<f64>) -> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::random::Chance;
     use crate::walls::Place;
+    use mrroc::random::Random;
 
     const KNOWN: Knowledge =
         Knowledge { size: [0.4, 0.4], radius: 0.002, thickness: 0.002, passage: 0.015, wall: 0.025 };
 
     /// Touches of walls whose middle lines are given by `line`, alternately upright and level, to 0.3 mm.
-    fn learned(count: usize, seed: u64, mut line: impl FnMut(&mut Chance) -> f64) -> Option<f64> {
-        let mut chance = Chance::seeded(seed);
+    fn learned(count: usize, seed: u64, mut line: impl FnMut(&mut Random) -> f64) -> Option<f64> {
+        let mut chance = Random::seeded(seed);
         let mut contacts = vec![];
         let mut learned = None;
         for number in 0..count {
             let c = line(&mut chance) + chance.within(3e-4) - 0.001;
-            let along = 0.4 * chance.share();
+            let along = 0.4 * chance.unit();
             let (into, at) = if number % 2 == 0 {
                 (Place::new(1.0, 0.0), Place::new(c, along))
             } else {
@@ -133,7 +133,7 @@ mod tests {
     #[test]
     fn of_walls_that_stand_anywhere_no_spacing_is_learned() {
         let wrong =
-            (0..200).filter(|seed| learned(12, *seed, |chance| 0.02 + 0.36 * chance.share()).is_some());
+            (0..200).filter(|seed| learned(12, *seed, |chance| 0.02 + 0.36 * chance.unit()).is_some());
         // At odds of 30 to 1 against, a few of 200 may mislead.
         let wrong = wrong.count();
         assert!(wrong <= 6, "{wrong}");

@@ -161,7 +161,7 @@ mod tests {
         // The frame is four of them.
         let frame = walls.boxes().iter().filter(|wall| (wall.upper - wall.lower).max() > 0.4).count();
         assert_eq!(frame, 4);
-        let mut chance = crate::Chance::seeded(1);
+        let mut chance = mrroc::random::Random::seeded(1);
         for _ in 0..2000 {
             let at = Place::new(0.2 + chance.within(0.215), 0.2 + chance.within(0.215));
             let all = walls.boxes().iter().map(|wall| wall.distance(&at)).fold(0.0125, f64::min);

@@ -4,7 +4,8 @@
 
 use std::path::Path;
 
-use mrroc_map::{Chance, Inflated, Knowledge, Layout, Map, Place, Planner, Region, Wall, Walls};
+use mrroc::random::Random;
+use mrroc_map::{Inflated, Knowledge, Layout, Map, Place, Planner, Region, Wall, Walls};
 
 struct Run {
     ratio: f64,
@@ -67,7 +68,7 @@ fn run(maze: &Layout, pitch: f64, seed: u64, then: Then) -> Option<Run> {
     let mut ball = at(maze.start(), 0.5);
     let (shortest, _) = Inflated::by(&walls, known.radius).shortest(&ball, &goal)?;
     let (mut map, planner) = (Map::new(known), Planner::of(&known, 0.048 * pitch));
-    let mut chance = Chance::seeded(seed);
+    let mut chance = Random::seeded(seed);
     let (mut way, mut touches) = (0.0, 0);
     while goal.distance(&ball) > 0.0 {
         let leg = planner.way(&map, &ball, &goal).filter(|_| touches < 2000)?[1] - ball;

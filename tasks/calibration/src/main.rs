@@ -10,11 +10,11 @@ use calibration::estimate::{Accuracy, Bases, Estimate, estimate};
 use calibration::mp::run_telling;
 use calibration::options::{Options, parse};
 use calibration::pictures;
-use calibration::random::Random;
 use calibration::scene::{NAMES, Scene, posture};
 use calibration::theodolite::SECOND;
 use calibration::visits::{Visit, chosen};
 use mrroc::console::{complain, say};
+use mrroc::random::Random;
 use mrroc_calibration::Irp6Arm;
 use mrroc_calibration::file::{Account, text, today};
 use mrroc_calibration::trials::Errors;
@@ -81,7 +81,7 @@ fn calibrate(options: &Options) -> Result<String, Box<dyn Error>> {
         sights.sights.len(),
         time.as_secs_f64() / 60.0
     );
-    let mut random = Random(77);
+    let mut random = Random::seeded(77);
     for (arm, name) in NAMES.into_iter().enumerate() {
         let unseen: Vec<Six> = (0..200).map(|_| posture(arm, &mut random)).collect();
         let Accuracy { rms, max, foretold, own } = estimate.accuracy(scene, arm, &unseen);
@@ -144,7 +144,7 @@ fn calibrate(options: &Options) -> Result<String, Box<dyn Error>> {
 
 /// The pictures, by the names of their files.
 fn draw(estimate: &Estimate, scene: &mut Scene, visits: &[Visit]) -> Vec<(&'static str, String)> {
-    let mut random = Random(78);
+    let mut random = Random::seeded(78);
     let postures = core::array::from_fn(|arm| (0..100).map(|_| posture(arm, &mut random)).collect());
     let mut drawn: Vec<(&str, String)> =
         visits.iter().take(1).map(|visit| ("cell.svg", pictures::cell(scene, visit))).collect();

@@ -4,13 +4,14 @@
 //! some millimetres from where it is believed to be. The arms are 2.1 m apart, as in that laboratory.
 
 use mrroc::pose::Pose;
+use mrroc::random::Random;
 use mrroc::robot::{Load, Robot};
 use mrroc_calibration::Irp6Arm;
 use mrroc_robots::models::{Capsule, Outline};
 use mrroc_robots::{Driven, Irp6, Irp6Calibration, Kinematics, Six};
 use nalgebra::{Matrix3, Point3, Vector3};
 
-use crate::random::Random;
+use crate::random::normal;
 use crate::theodolite::{Face, Theodolite, mean};
 
 /// An arm, by its place among them.
@@ -95,7 +96,7 @@ impl Scene {
             ends: bar_ends(),
             payload: [0.0; ARMS],
             model: Irp6Arm::new(Irp6::nominal()),
-            random: Random(0),
+            random: Random::seeded(0),
             windup: 0.0,
             give: [Six::zeros(); ARMS],
             heavier: Six::zeros(),
@@ -106,10 +107,11 @@ impl Scene {
     /// deviation of what friction leaves between a motor and its joint \[rad\], anew in each posture.
     #[must_use]
     pub fn new(sigma: f64, windup: f64, seed: u64) -> Self {
-        let mut random = Random(seed.wrapping_mul(0x2545_f491_4f6c_dd1d) ^ 0x5eed);
+        let mut random = Random::seeded(seed.wrapping_mul(0x2545_f491_4f6c_dd1d) ^ 0x5eed);
         let mut off = |length: f64, angle: f64| {
-            let mut three =
-                |scale: f64| Vector3::new(random.normal(), random.normal(), random.normal()) * scale;
+            let mut three = |scale: f64| {
+                Vector3::new(normal(&mut random), normal(&mut random), normal(&mut random)) * scale
+            };
             Pose::new(three(length), three(angle))
         };
         let truth = Irp6::nominal().calibrated_by(&Irp6Calibration::of(&Irp6::calibrated()));
@@ -135,7 +137,7 @@ impl Scene {
             ends,
             payload: [0.0; ARMS],
             model: Irp6Arm::new(Irp6::nominal()),
-            random: Random(seed ^ 0xf1c7),
+            random: Random::seeded(seed ^ 0xf1c7),
             windup,
             give: [Six::from(COMPLIANCE); ARMS],
             heavier: Six::from(HEAVIER),
@@ -160,7 +162,7 @@ impl Scene {
 
     /// The same with what friction leaves, anew in every posture.
     pub fn come_to_rest(&mut self, arm: usize, q: &Six) -> Six {
-        let off = Six::from_fn(|_, _| self.random.normal() * self.windup);
+        let off = Six::from_fn(|_, _| normal(&mut self.random) * self.windup);
         self.joints(arm, q) + off
     }
 

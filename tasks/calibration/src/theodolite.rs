@@ -9,9 +9,10 @@
 //! the axes, 0.5 to 5 for a sight.
 
 use mrroc::pose::Pose;
+use mrroc::random::Random;
 use nalgebra::Vector3;
 
-use crate::random::Random;
+use crate::random::normal;
 
 /// An arc second \[rad\].
 pub const SECOND: f64 = core::f64::consts::PI / 648_000.0;
@@ -50,15 +51,15 @@ impl Theodolite {
     /// One of this accuracy (standard deviation of a sight \[rad\]), at a place about which it is levelled, with axes that are off as `seed` says.
     #[must_use]
     pub fn new(place: Pose, sigma: f64, seed: u64) -> Self {
-        let mut random = Random(seed);
-        let tilt = Vector3::new(random.normal(), random.normal(), 0.0) * LEVEL;
+        let mut random = Random::seeded(seed);
+        let tilt = Vector3::new(normal(&mut random), normal(&mut random), 0.0) * LEVEL;
         let axes = [0; 3].map(|_| random.between(-20.0, 20.0) * SECOND);
         Self { place: place * Pose::rotation(tilt), axes, sigma, random }
     }
 
     /// Sights a point of the world \[m\]: horizontal angle and elevation \[rad\].
     pub fn sight(&mut self, point: &Vector3<f64>, face: Face) -> [f64; 2] {
-        let mut normal = || self.random.normal();
+        let mut normal = || normal(&mut self.random);
         let missed = Vector3::new(normal(), normal(), normal()) * CENTRING;
         let noise = [normal(), normal()].map(|one| one * self.sigma);
         let p = self.place.inverse() * nalgebra::Point3::from(point + missed);

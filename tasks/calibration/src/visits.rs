@@ -1,10 +1,10 @@
 //! The postures that the arms visit: clear of each other, in sight of the theodolites, and those that tell most.
 
+use mrroc::random::Random;
 use mrroc_calibration::{Aim, Noise, Problem, choose, evaluate};
 use mrroc_robots::Six;
 
 use crate::estimate::{Sight, Sighted, Sights, Stated};
-use crate::random::Random;
 use crate::scene::{ARMS, BALLS, BAR_SIGHTS, BARS, MUTUAL_SIGHTS, PAYLOAD, Scene, posture, wide_posture};
 
 /// Of the six sights of an arm's balls by both theodolites so many must be free.
@@ -36,7 +36,7 @@ pub fn candidates(count: usize, seed: u64) -> Vec<Visit> {
 
 fn visible(count: usize, seed: u64, draw: impl Fn(usize, &mut Random) -> Six) -> Vec<Visit> {
     let scene = Scene::believed();
-    let mut random = Random(seed);
+    let mut random = Random::seeded(seed);
     let mut found = Vec::new();
     let mut both: [Six; ARMS] = core::array::from_fn(|arm| draw(arm, &mut random));
     while found.len() < count {
@@ -93,7 +93,7 @@ impl Planned {
                 candidates[posture].push(i);
             }
         }
-        let mut random = Random(seed ^ 0xa1a5);
+        let mut random = Random::seeded(seed ^ 0xa1a5);
         let [left, right] = stated.arms.map(|arm| stated.problem.base_of(arm));
         let mut aims = Vec::new();
         for _ in 0..AIMS {

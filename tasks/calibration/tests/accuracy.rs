@@ -5,10 +5,10 @@ use std::time::Duration;
 
 use calibration::estimate::{Accuracy, estimate};
 use calibration::mp::run;
-use calibration::random::Random;
 use calibration::scene::{ARMS, PAYLOAD, Scene, posture};
 use calibration::theodolite::SECOND;
 use calibration::visits::{Visit, chosen, drawn, without_a_cell};
+use mrroc::random::Random;
 use mrroc_robots::Six;
 
 /// A sight in one face \[rad\].
@@ -18,7 +18,7 @@ const SIGHT: f64 = 2.0 * SECOND;
 const WINDUP: f64 = 1e-5;
 
 fn unseen(arm: usize) -> Vec<Six> {
-    let mut random = Random(77);
+    let mut random = Random::seeded(77);
     (0..200).map(|_| posture(arm, &mut random)).collect()
 }
 

@@ -8,7 +8,7 @@
 //!   ----------------+ e_k
 //! ```
 
-use mrroc_map::Chance;
+use mrroc::random::Random;
 use nalgebra::Vector3;
 
 /// One lane.
@@ -100,14 +100,14 @@ impl Ground {
     /// Steps by chance: level before `from` \[m\], then treads of 0.26 to 0.4 m with steps of `step` \[m\] up, down or none between
     /// them, for about `length` \[m\]. Treads of one number differ by one step at most, and none is below the start.
     #[must_use]
-    pub fn random(from: f64, length: f64, step: f64, chance: &mut Chance) -> Self {
+    pub fn random(from: f64, length: f64, step: f64, chance: &mut Random) -> Self {
         let count = (length / 0.33).ceil() as usize;
         let level = Lane { edges: Vec::new(), heights: vec![0.0] };
         let mut ground = Self { left: level.clone(), right: level };
         let mut at = [from; 2];
         let mut levels = [0_usize; 2];
         for _ in 0..count {
-            let next = |level: usize, chance: &mut Chance| (level + chance.below(3)).saturating_sub(1);
+            let next = |level: usize, chance: &mut Random| (level + chance.below(3)).saturating_sub(1);
             let left = next(levels[0], chance);
             let mut right = next(levels[1], chance);
             right = right.clamp(left.saturating_sub(1), left + 1);
@@ -115,7 +115,7 @@ impl Ground {
             for (i, lane) in [&mut ground.left, &mut ground.right].into_iter().enumerate() {
                 lane.edges.push(at[i]);
                 lane.heights.push(levels[i] as f64 * step);
-                at[i] += 0.26 + 0.14 * chance.share();
+                at[i] += 0.26 + 0.14 * chance.unit();
             }
         }
         ground
@@ -123,7 +123,7 @@ impl Ground {
 
     /// The same ground as it truly is: every edge and every tread but the first is off by up to so much \[m\].
     #[must_use]
-    pub fn disturbed(mut self, edge: f64, height: f64, chance: &mut Chance) -> Self {
+    pub fn disturbed(mut self, edge: f64, height: f64, chance: &mut Random) -> Self {
         for lane in [&mut self.left, &mut self.right] {
             lane.edges.iter_mut().for_each(|x| *x += chance.within(edge));
             lane.heights.iter_mut().skip(1).for_each(|z| *z += chance.within(height));
@@ -195,7 +195,7 @@ mod tests {
     #[test]
     fn steps_by_chance_are_of_one_height_and_both_lanes_stay_together() {
         for seed in 0..50 {
-            let ground = Ground::random(0.5, 2.4, 0.02, &mut Chance::seeded(seed));
+            let ground = Ground::random(0.5, 2.4, 0.02, &mut Random::seeded(seed));
             for (left, right) in ground.left.heights.iter().zip(&ground.right.heights) {
                 assert!((left - right).abs() < 0.021 && *left > -1e-9 && *right > -1e-9);
             }

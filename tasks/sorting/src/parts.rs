@@ -1,8 +1,8 @@
 //! What comes on the belt, and when: drawn from a seed.
 
 use mrroc::prelude::*;
+use mrroc::random::Noise;
 use mrroc_robots::grasp::Body;
-use mrroc_sensors::physics::Noise;
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 
 use crate::places::{BELT, LIMIT, PART};

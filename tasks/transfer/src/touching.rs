@@ -4,6 +4,7 @@
 //! tip to be then: in its own base, which is elsewhere than programs believe, and off by what a person misses a cone by.
 
 use mrroc::pose::Pose;
+use mrroc::random::Random;
 use nalgebra::{Point3, Vector3};
 
 use crate::places::{TABLE, polycrank_base, table};
@@ -31,11 +32,11 @@ pub fn points() -> [Vector3<f64>; 6] {
 #[must_use]
 pub fn touches(seed: u64) -> Vec<(String, String, Vector3<f64>)> {
     let bases = [("rnt", Pose::identity()), ("polycrank", polycrank_base() * calibration_error())];
-    let mut noise = Noise(seed);
+    let mut random = Random::seeded(seed);
     let mut all = Vec::new();
     for (i, point) in points().into_iter().enumerate() {
         for (arm, base) in bases {
-            let missed = Vector3::from_fn(|_, _| noise.next() * MISSED);
+            let missed = Vector3::from_fn(|_, _| noise(&mut random) * MISSED);
             let said = (base.inverse() * Point3::from(point + missed)).coords;
             all.push((format!("P{}", i + 1), arm.to_owned(), said));
         }
@@ -43,18 +44,7 @@ pub fn touches(seed: u64) -> Vec<(String, String, Vector3<f64>)> {
     all
 }
 
-/// SplitMix64, and the sum of twelve of its numbers, which is nearly normally distributed.
-struct Noise(u64);
-
-impl Noise {
-    fn next(&mut self) -> f64 {
-        let uniform = |_| {
-            self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-            let mut z = self.0;
-            z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-            z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-            ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
-        };
-        (0..12).map(uniform).sum::<f64>() - 6.0
-    }
+/// The sum of twelve numbers, which is nearly normally distributed.
+fn noise(random: &mut Random) -> f64 {
+    (0..12).map(|_| random.unit()).sum::<f64>() - 6.0
 }

@@ -1,6 +1,6 @@
 //! Both accelerations are held: the variable is the peak velocity.
 
-use super::Value;
+use super::value::Value;
 
 /// `t = (v - b) / A + A / J` for each ramp; `D` is the sum of `(b + v) t / 2`.
 #[inline]

@@ -1,6 +1,6 @@
 //! No acceleration is held: the variable is `w = x + y`, with `y^2 - x^2 = k`, in which the duration is linear.
 
-use super::Value;
+use super::value::Value;
 
 /// `x = (w - k / w) / 2`; negative where the acceleration stays below 0 throughout.
 #[inline]

@@ -26,10 +26,12 @@ mod both_held;
 mod free;
 mod one_held;
 mod piece;
+mod value;
 
 use super::profile::{Phase, Phases};
 use super::{AxisLimits, AxisState, AxisTarget};
-use piece::{Held, Piece, Ramps, Value};
+use piece::{Held, Piece, Ramps};
+use value::Value;
 
 /// Most intervals of durations in which a way is not reached.
 const GAPS: usize = 4;

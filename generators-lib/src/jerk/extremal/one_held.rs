@@ -1,6 +1,6 @@
 //! One acceleration is held: the variable is the other's peak `x`, `v = b + x^2 / J`.
 
-use super::Value;
+use super::value::Value;
 
 /// `t = (v - o) / A + A / J`; `T = 2 x / J + t`; `D = (b + v) x / J + (v + o) t / 2`.
 #[inline]

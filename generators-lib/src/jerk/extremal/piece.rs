@@ -1,14 +1,7 @@
 //! A piece of the curve, whichever of its kinds it is.
 
+use super::value::Value;
 use super::{both_held, free, one_held};
-
-/// Duration and way of the ramps, as the module's `T + a0 / J` and `D + c`, and the way's slope by the piece's variable.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Value {
-    pub time: f64,
-    pub way: f64,
-    pub way_slope: f64,
-}
 
 /// What is held on a piece, and by that its variable `z`.
 #[derive(Clone, Copy, Debug, PartialEq)]

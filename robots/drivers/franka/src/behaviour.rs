@@ -6,27 +6,10 @@
 use mrroc::robot::{DriveFault, Load, Regulators};
 
 use crate::load;
-use crate::message::{JOINTS, Request};
-
-/// How hard each joint is held [N m/rad], 0 to 14250: the robot's `setJointImpedance`.
-pub type Stiffness = [f64; JOINTS];
+use crate::message::{Collision, JOINTS, Request, Stiffness};
 
 /// How many parameter sets of regulators there are.
 pub const SETS: usize = 3;
-
-/// When the robot takes something for a contact, which it only says, and for a collision, which is a reflex. The same while it
-/// accelerates: its `setCollisionBehavior`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Collision {
-    /// External torques at the joints that are a contact [N m], > 0.
-    pub contact_torques: [f64; JOINTS],
-    /// Those that are a collision [N m], at least as large.
-    pub collision_torques: [f64; JOINTS],
-    /// Forces and torques at the flange that are a contact [N, N m], > 0.
-    pub contact_forces: [f64; 6],
-    /// Those that are a collision [N, N m], at least as large.
-    pub collision_forces: [f64; 6],
-}
 
 /// What the robot knows, and what it is to know.
 #[derive(Clone, Debug)]

@@ -62,12 +62,12 @@ use mrroc_launch::cell_file::{AnySetup, Kinds};
 use mrroc_robots::Simulated;
 
 pub use arm::Fr3;
-pub use behaviour::{Collision, SETS, Stiffness};
+pub use behaviour::SETS;
 pub use drives::Fci;
 pub use hand::with_franka_hand;
 pub use limits::velocities;
 pub use link::Answers;
-pub use message::{Answer, JOINTS, Mode, State};
+pub use message::{Answer, Collision, JOINTS, Mode, State, Stiffness};
 pub use mrroc_driver_kit::Arrived;
 pub use network::{Network, Sockets};
 pub use settings::FciSettings;

@@ -9,7 +9,6 @@ use core::array;
 use mrroc::robot::Load;
 use nalgebra::{Matrix3, Vector3};
 
-use crate::behaviour::{Collision, Stiffness};
 use crate::wrench::External;
 
 /// How many joints the arm has.
@@ -172,6 +171,23 @@ pub fn command(count: u64, q: &[f64; JOINTS], is_last: bool) -> [u8; COMMAND] {
     // Velocities, a pose, a twist and an elbow lie between.
     bytes[313] = u8::from(is_last);
     bytes
+}
+
+/// How hard each joint is held [N m/rad], 0 to 14250: the robot's `setJointImpedance`.
+pub type Stiffness = [f64; JOINTS];
+
+/// When the robot takes something for a contact, which it only says, and for a collision, which is a reflex. The same while it
+/// accelerates: its `setCollisionBehavior`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Collision {
+    /// External torques at the joints that are a contact [N m], > 0.
+    pub contact_torques: [f64; JOINTS],
+    /// Those that are a collision [N m], at least as large.
+    pub collision_torques: [f64; JOINTS],
+    /// Forces and torques at the flange that are a contact [N, N m], > 0.
+    pub contact_forces: [f64; 6],
+    /// Those that are a collision [N, N m], at least as large.
+    pub collision_forces: [f64; 6],
 }
 
 /// What the robot is asked for.

@@ -3,8 +3,8 @@
 use core::time::Duration;
 use std::net::IpAddr;
 
-use crate::behaviour::{Collision, SETS, Stiffness};
-use crate::message::PORT;
+use crate::behaviour::SETS;
+use crate::message::{Collision, PORT, Stiffness};
 
 /// How long the robot may say nothing: after 20 answers that did not come it has stopped by itself.
 const SILENCE: Duration = Duration::from_millis(20);

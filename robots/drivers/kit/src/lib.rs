@@ -8,32 +8,33 @@
 //! | sends datagrams | [`Guest`] |
 //! | is called, and sends over the connection | [`Line`] |
 //! | calls | [`RobotListener`], which gives a [`Line`] |
-//! | answers when it likes | a [`Session`], which runs a [`Protocol`] beside the servo periods; [`recall`] connects again at a reset |
+//! | answers when it likes | a [`Session`], which runs a [`Protocol`] beside the servo periods; its [`Exchange`] has the newest reading, and connects again at a reset |
 //! | sends lines of text, as many sensors do, over TCP or a serial line | [`Lines`], which connects again whenever that is needed |
 //!
 //! A [`Protocol`] is a state machine: it is given the time and what has come, and gives what is to be sent. Its [`Session`] runs it over
 //! sockets in a thread; the feature `testing` adds a virtual network, on which tests run it against a model of the device under a
 //! virtual clock.
 
+mod exchange;
 mod lines;
 mod number;
 mod protocol;
-mod recall;
 mod serial;
 mod session;
 mod sockets;
 mod speed;
 mod talk;
+mod task;
 mod tcp;
 #[cfg(any(test, feature = "testing"))]
 pub mod testing;
 mod times;
 mod udp;
 
+pub use exchange::Exchange;
 pub use lines::{Lines, NoLines};
 pub use number::Number;
 pub use protocol::{NotConnected, Peer, Protocol, Received};
-pub use recall::{Recalled, recall};
 pub use serial::Serial;
 pub use session::{Network, Session};
 pub use speed::Speed;

@@ -3,7 +3,6 @@
 //! In: a protocol, and the network over which it runs. Out: whether it goes on, and the time since it began. What the protocol and the
 //! drives hand to each other is their own, in atomics, so that neither waits for the other.
 
-use core::fmt::Debug;
 use core::time::Duration;
 use std::io;
 use std::sync::{Arc, OnceLock};
@@ -11,6 +10,7 @@ use std::sync::{Arc, OnceLock};
 use crate::protocol::{NotConnected, Peer, Protocol, Received};
 use crate::serial::Serial;
 use crate::sockets::Thread;
+use crate::task::{Running, Task};
 
 /// Where sessions run. By default over the sockets of this machine, each in a thread of its own, by the monotonic clock; in tests over a
 /// virtual connection.
@@ -48,34 +48,12 @@ impl Network {
 }
 
 #[cfg(any(test, feature = "testing"))]
-impl From<crate::testing::VirtualNetwork> for Network {
-    fn from(network: crate::testing::VirtualNetwork) -> Network {
-        Network(Kind::Virtual(network))
+impl crate::testing::VirtualNetwork {
+    /// It, for the drives.
+    #[must_use]
+    pub fn network(&self) -> Network {
+        Network(Kind::Virtual(self.clone()))
     }
-}
-
-/// A protocol of any kind, as what runs it sees it.
-pub(crate) trait Task: Send {
-    /// As [`Protocol::poll`]; `None` when it has ended.
-    fn poll(&mut self, now: Duration, received: Received<'_>, send: &mut Vec<u8>) -> Option<Duration>;
-
-    /// There is no connection.
-    fn fail(&mut self, why: NotConnected);
-
-    /// It was told to end.
-    fn close(&mut self);
-}
-
-/// What runs a protocol. When it is dropped the protocol has ended.
-pub(crate) trait Running: Debug + Send + Sync {
-    /// The time since the session began.
-    fn now(&self) -> Duration;
-
-    /// Tells it to end, and returns.
-    fn hang_up(&self);
-
-    /// Whether it has ended.
-    fn is_over(&self) -> bool;
 }
 
 struct Run<P: Protocol> {

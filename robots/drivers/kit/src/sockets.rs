@@ -18,7 +18,7 @@ use rustix::event::{PollFd, PollFlags, Timespec, poll};
 
 use crate::protocol::{NotConnected, Peer, Received};
 use crate::serial::Serial;
-use crate::session::{Running, Task};
+use crate::task::{Running, Task};
 use crate::udp::Guest;
 
 /// The most bytes that are taken at once; more are taken by the next poll.

@@ -5,10 +5,10 @@ use core::time::Duration;
 use mrroc::robot::{
     Channel, Channels, DriveFault, Driver, Measured, Outputs, Recovery, Robot, Signals, Value,
 };
-use mrroc_driver_kit::{Network, recall};
+use mrroc_driver_kit::{Exchange, Network};
 use mrroc_robots::NoJoints;
 
-use crate::exchange::{CLOSED, Link};
+use crate::exchange::{CLOSED, Link, Shared, connect};
 use crate::settings::ModbusIoSettings;
 
 const BEYOND: DriveFault =
@@ -40,7 +40,7 @@ impl ModbusIo {
         ModbusIo { settings, network, link: None, told: Outputs::NONE, is_beyond: false, recovers: false }
     }
 
-    fn heard(&self) -> Result<Signals, DriveFault> {
+    fn heard(&self) -> Result<&Shared, DriveFault> {
         self.link.as_ref().ok_or(CLOSED)?.heard()?.ok_or(CLOSED)
     }
 
@@ -52,8 +52,8 @@ impl ModbusIo {
 
 /// A link that tells outputs what they were told before.
 fn begin(network: &Network, settings: &ModbusIoSettings, told: &Outputs) -> Result<Link, DriveFault> {
-    let link = Link::begin(network, settings)?;
-    link.tell(told, &settings.layout);
+    let link = connect(network, settings)?;
+    link.shared().tell(told, &settings.layout);
     Ok(link)
 }
 
@@ -70,9 +70,7 @@ impl<R: Robot<Joints = NoJoints>> Driver<R> for ModbusIo {
         // A gateway may have room for one connection.
         self.link = None;
         let link = begin(&self.network, &self.settings, &self.told)?;
-        while link.heard()?.is_none() {
-            self.network.wait(Duration::from_millis(1));
-        }
+        link.wait(&self.network)?;
         self.link = Some(link);
         Ok(())
     }
@@ -101,7 +99,7 @@ impl<R: Robot<Joints = NoJoints>> Driver<R> for ModbusIo {
     }
 
     fn signals(&self) -> Signals {
-        self.heard().unwrap_or(Signals::OFF)
+        self.heard().map_or(Signals::OFF, Shared::signals)
     }
 
     fn switch_outputs(&mut self, told: &Outputs) {
@@ -114,14 +112,14 @@ impl<R: Robot<Joints = NoJoints>> Driver<R> for ModbusIo {
         self.is_beyond |= told.iter().any(beyond);
         self.told = *told;
         if let Some(link) = &self.link {
-            link.tell(told, &self.settings.layout);
+            link.shared().tell(told, &self.settings.layout);
         }
     }
 
     /// Connects again, if the exchange has ended. Outputs are then told what they were told last.
     fn recover(&mut self) -> Result<Recovery, DriveFault> {
         let Self { settings, network, link, told, recovers, .. } = self;
-        let is_over = recall(link, recovers, || begin(network, settings, told))?;
+        let is_over = Exchange::recall(link, recovers, || begin(network, settings, told))?;
         Ok(if is_over { Recovery::Over } else { Recovery::GoesOn })
     }
 

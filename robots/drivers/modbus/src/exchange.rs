@@ -9,7 +9,7 @@ use core::time::Duration;
 use std::sync::Arc;
 
 use mrroc::robot::{ANALOG, Channel, DriveFault, Outputs, Signals, Value, Values};
-use mrroc_driver_kit::{Network, NotConnected, Number, Peer, Protocol, Recalled, Received, Session, Times};
+use mrroc_driver_kit::{Exchange, Network, NotConnected, Number, Peer, Protocol, Received, Session, Times};
 
 use crate::client::{Broken, CONNECT, Client, lost};
 use crate::layout::Layout;
@@ -27,7 +27,7 @@ const QUESTIONS: u32 = 5;
 
 /// What the exchange and the drives hand to each other.
 #[derive(Debug, Default)]
-struct Shared {
+pub(crate) struct Shared {
     times: Times,
     /// Which digital outputs were told something, in the upper half, and what.
     told: AtomicU64,
@@ -43,12 +43,7 @@ struct Shared {
 const TOLD: u32 = 1 << 16;
 
 /// An exchange that goes on.
-#[derive(Debug)]
-pub struct Link {
-    session: Session<DriveFault>,
-    shared: Arc<Shared>,
-    silence: Duration,
-}
+pub(crate) type Link = Exchange<Shared, DriveFault>;
 
 pub(crate) const CLOSED: DriveFault = DriveFault::Other("the device is not connected");
 
@@ -56,80 +51,60 @@ const NOT_SWITCHED: DriveFault = DriveFault::Other(
     "the device does not switch its outputs as it is told: does another master switch them, or are they other coils?",
 );
 
-impl Link {
-    /// Begins to connect, and returns.
-    ///
-    /// # Errors
-    /// A thread cannot be started.
-    pub fn begin(network: &Network, settings: &ModbusIoSettings) -> Result<Link, DriveFault> {
-        let silence = settings.timeout * QUESTIONS;
-        let shared = Arc::new(Shared::default());
-        let peer = Peer { address: settings.address, timeout: CONNECT, sends_datagrams: false };
-        let exchange = Exchange {
-            shared: Arc::clone(&shared),
-            layout: settings.layout.clone(),
-            client: Client::new(settings.unit, settings.timeout),
-            silence,
-            next: None,
-            step: Step::FIRST,
-            differs: false,
-            written: (0, 0),
-            written_analog: [None; ANALOG],
-            unswitched: 0,
-        };
-        let session = Session::begin(network, "modbus", peer, exchange, CLOSED);
-        let session = session.map_err(|_| DriveFault::Other("this machine starts no more threads"))?;
-        Ok(Link { session, shared, silence })
-    }
+/// Begins to connect, and returns.
+///
+/// # Errors
+/// A thread cannot be started.
+pub(crate) fn connect(network: &Network, settings: &ModbusIoSettings) -> Result<Link, DriveFault> {
+    let silence = settings.timeout * QUESTIONS;
+    let shared = Arc::new(Shared::default());
+    let peer = Peer { address: settings.address, timeout: CONNECT, sends_datagrams: false };
+    let protocol = IoProtocol {
+        shared: Arc::clone(&shared),
+        layout: settings.layout.clone(),
+        client: Client::new(settings.unit, settings.timeout),
+        silence,
+        next: None,
+        step: Step::FIRST,
+        differs: false,
+        written: (0, 0),
+        written_analog: [None; ANALOG],
+        unswitched: 0,
+    };
+    let session = Session::begin(network, "modbus", peer, protocol, CLOSED);
+    let session = session.map_err(|_| DriveFault::Other("this machine starts no more threads"))?;
+    Ok(Exchange::new(session, shared, silence, lost("no reading came in time")))
+}
 
-    /// The newest that was read; `None` before the first time.
-    ///
-    /// # Errors
-    /// Why nothing more is heard.
-    pub fn heard(&self) -> Result<Option<Signals>, DriveFault> {
-        self.session.goes_on()?;
-        if !self.shared.times.has_heard() {
-            return Ok(None);
-        }
-        if self.shared.times.is_silent_for(self.session.now(), self.silence) {
-            return Err(lost("no reading came in time"));
-        }
-        let Shared { inputs, outputs, analog_inputs, analog_outputs, .. } = &*self.shared;
+impl AsRef<Times> for Shared {
+    fn as_ref(&self) -> &Times {
+        &self.times
+    }
+}
+
+impl Shared {
+    /// The newest that was read.
+    pub fn signals(&self) -> Signals {
         let values = |digital: &AtomicU32, analog: &[Number; ANALOG]| {
             Values::new(digital.load(Ordering::Relaxed), analog.each_ref().map(Number::get))
         };
-        Ok(Some(Signals { inputs: values(inputs, analog_inputs), outputs: values(outputs, analog_outputs) }))
+        Signals {
+            inputs: values(&self.inputs, &self.analog_inputs),
+            outputs: values(&self.outputs, &self.analog_outputs),
+        }
     }
 
     /// What programs have told outputs so far: digital values, and registers of analog ones.
     pub fn tell(&self, told: &Outputs, layout: &Layout) {
-        let Shared { told: digital, told_analog, .. } = &*self.shared;
         let word = u64::from(told.digital()) << 32 | u64::from(told.values().digital());
-        digital.store(word, Ordering::Relaxed);
+        self.told.store(word, Ordering::Relaxed);
         for (channel, value) in told.iter() {
             if let (Channel::Analog(number), Value::Analog(value)) = (channel, value)
                 && let Some(register) = layout.analog_output.register(value)
             {
-                told_analog[usize::from(number)].store(TOLD | u32::from(register), Ordering::Relaxed);
+                self.told_analog[usize::from(number)].store(TOLD | u32::from(register), Ordering::Relaxed);
             }
         }
-    }
-}
-
-impl Recalled for Link {
-    type Fault = DriveFault;
-
-    fn has_heard(&self) -> Result<bool, DriveFault> {
-        self.heard().map(|heard| heard.is_some())
-    }
-
-    /// Ends the exchange.
-    fn hang_up(&self) {
-        self.session.hang_up();
-    }
-
-    fn is_over(&self) -> bool {
-        self.session.is_over()
     }
 }
 
@@ -152,8 +127,8 @@ impl Step {
     const FIRST: Step = Step::Read(Table::DiscreteInputs);
 }
 
-/// The exchange as a protocol: reads everything, and switches what is not as it was told.
-struct Exchange {
+/// What goes on in the exchange: reads everything, and switches what is not as it was told.
+struct IoProtocol {
     shared: Arc<Shared>,
     layout: Layout,
     client: Client,
@@ -170,7 +145,7 @@ struct Exchange {
     unswitched: u32,
 }
 
-impl Protocol for Exchange {
+impl Protocol for IoProtocol {
     type Fault = DriveFault;
 
     fn poll(
@@ -209,7 +184,7 @@ impl Protocol for Exchange {
     }
 }
 
-impl Exchange {
+impl IoProtocol {
     /// The next exchange begins anew, after a while.
     fn pause(&mut self, now: Duration) {
         self.next = self.next.map(|next| (next + PAUSE).max(now));

@@ -2,25 +2,43 @@
 //!
 //! In: openings. Out: what the exchange of registers has brought last. Nothing here waits, but for opening and closing.
 
+use core::sync::atomic::Ordering;
 use core::time::Duration;
+use std::sync::Arc;
 
 use mrroc::robot::{DriveFault, Driver, Homing, Measured, Recovery, Regulators, Robot, Search};
-use mrroc_driver_kit::{Network, recall};
+use mrroc_driver_kit::{Exchange, Network, Peer, Session};
+use mrroc_modbus::client::{CONNECT, lost};
 use mrroc_robots::One;
 
-use crate::exchange::{Link, TimedStatus};
-use crate::protocol::{CLOSED, Inactive};
+use crate::protocol::{CLOSED, GripperProtocol, Inactive, Shared};
+use crate::registers::Status;
 use crate::settings::RobotiqSettings;
+
+/// An exchange that goes on.
+type Link = Exchange<Shared, DriveFault>;
 
 impl RobotiqSettings {
     fn hardware(&self) -> String {
         format!("Robotiq gripper {} unit {}", self.address, self.unit)
     }
 
-    fn measured(&self, heard: &TimedStatus) -> Measured<One> {
-        let position = One::new(self.openings.opening(heard.status.position()));
-        Measured { position, velocity: One::new(heard.speed * self.openings.slope()) }
+    fn measured(&self, (status, speed): (Status, f64)) -> Measured<One> {
+        let position = One::new(self.openings.opening(status.position()));
+        Measured { position, velocity: One::new(speed * self.openings.slope()) }
     }
+}
+
+/// Begins to connect, and returns.
+fn connect(network: &Network, settings: &RobotiqSettings, inactive: Inactive) -> Result<Link, DriveFault> {
+    let shared = Arc::new(Shared::default());
+    shared.force.store(settings.force, Ordering::Relaxed);
+    let peer = Peer { address: settings.address, timeout: CONNECT, sends_datagrams: false };
+    let protocol = GripperProtocol::new(Arc::clone(&shared), settings, inactive);
+    let session = Session::begin(network, "gripper", peer, protocol, CLOSED);
+    let session = session.map_err(|_| DriveFault::Other("this machine starts no more threads"))?;
+    // An exchange is two questions.
+    Ok(Exchange::new(session, shared, settings.timeout * 2, lost("no reading came in time")))
 }
 
 /// The drives of any robot of one joint that is the opening between its fingers \[m\].
@@ -52,8 +70,10 @@ impl Robotiq {
         self.link.as_ref().ok_or(CLOSED)
     }
 
-    fn heard(&self) -> Result<TimedStatus, DriveFault> {
-        self.link()?.heard()?.ok_or(CLOSED)
+    /// The newest status, and the speed of the fingers.
+    fn heard(&self) -> Result<(Status, f64), DriveFault> {
+        let heard = self.link()?.heard()?;
+        heard.and_then(|heard| Some((heard.status()?, heard.speed.get()))).ok_or(CLOSED)
     }
 }
 
@@ -69,10 +89,8 @@ impl<R: Robot<Joints = One>> Driver<R> for Robotiq {
     fn open(&mut self) -> Result<(), DriveFault> {
         // A gateway may have room for one connection.
         self.link = None;
-        let link = Link::begin(&self.network, &self.settings, Inactive::Refused)?;
-        while link.heard()?.is_none() {
-            self.network.wait(Duration::from_millis(1));
-        }
+        let link = connect(&self.network, &self.settings, Inactive::Refused)?;
+        link.wait(&self.network)?;
         self.link = Some(link);
         Ok(())
     }
@@ -83,27 +101,29 @@ impl<R: Robot<Joints = One>> Driver<R> for Robotiq {
     }
 
     fn held(&self) -> Option<One> {
-        self.link.as_ref().map(|link| One::new(self.settings.openings.opening(link.position())))
+        let position = self.link.as_ref()?.shared().position.load(Ordering::Relaxed);
+        Some(One::new(self.settings.openings.opening(position)))
     }
 
     fn measured(&self) -> Result<Measured<One>, DriveFault> {
-        Ok(self.settings.measured(&self.heard()?))
+        Ok(self.settings.measured(self.heard()?))
     }
 
     fn tick(&mut self, demanded: &One) -> Result<Measured<One>, DriveFault> {
         let heard = self.heard()?;
-        self.link()?.go_to(self.settings.openings.number(demanded[0])?);
-        Ok(self.settings.measured(&heard))
+        let position = self.settings.openings.number(demanded[0])?;
+        self.link()?.shared().position.store(position, Ordering::Relaxed);
+        Ok(self.settings.measured(heard))
     }
 
     fn motor_currents(&self) -> Option<One> {
-        self.heard().ok().map(|heard| One::new(heard.status.current()))
+        self.heard().ok().map(|(status, _)| One::new(status.current()))
     }
 
     /// Connects again, if the exchange has ended.
     fn recover(&mut self) -> Result<Recovery, DriveFault> {
         let Self { settings, network, link, recovers } = self;
-        let is_over = recall(link, recovers, || Link::begin(network, settings, Inactive::Refused))?;
+        let is_over = Exchange::recall(link, recovers, || connect(network, settings, Inactive::Refused))?;
         Ok(if is_over { Recovery::Over } else { Recovery::GoesOn })
     }
 
@@ -122,7 +142,7 @@ impl<R: Robot<Joints = One>> Driver<R> for Robotiq {
             _ => 255,
         };
         if let Some(link) = &self.link {
-            link.press_with(force);
+            link.shared().force.store(force, Ordering::Relaxed);
         }
     }
 }
@@ -166,8 +186,8 @@ impl<R: Robot<Joints = One>> Homing<R> for Activation {
 
     fn search(self) -> Result<Search<Self, Robotiq>, DriveFault> {
         let Activation { settings, network, link } = self;
-        let link = link.map_or_else(|| Link::begin(&network, &settings, Inactive::Activated), Ok)?;
-        link.ask_for_activation();
+        let link = link.map_or_else(|| connect(&network, &settings, Inactive::Activated), Ok)?;
+        link.ask();
         let found = link.heard()?.is_some();
         let link = Some(link);
         Ok(if found {

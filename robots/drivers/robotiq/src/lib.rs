@@ -26,7 +26,6 @@
 //! ```
 
 mod drives;
-mod exchange;
 mod protocol;
 pub mod registers;
 mod settings;

@@ -104,13 +104,26 @@ pub enum Inactive {
 /// What the exchange and the drives hand to each other.
 #[derive(Debug, Default)]
 pub(crate) struct Shared {
-    pub(crate) times: Times,
-    /// The position and the force that are demanded, in the gripper's numbers.
-    pub(crate) position: AtomicU8,
-    pub(crate) force: AtomicU8,
-    /// The newest status; the speed in the gripper's numbers a second.
-    pub(crate) status: AtomicU64,
-    pub(crate) speed: Number,
+    times: Times,
+    /// Where the fingers are held, or were told to go last, and the force from the next motion on, in the gripper's numbers.
+    pub position: AtomicU8,
+    pub force: AtomicU8,
+    /// The newest status; the speed in the gripper's numbers a second, positive while they close.
+    status: AtomicU64,
+    pub speed: Number,
+}
+
+impl AsRef<Times> for Shared {
+    fn as_ref(&self) -> &Times {
+        &self.times
+    }
+}
+
+impl Shared {
+    /// The newest status; `None` before the fingers are known to stand.
+    pub fn status(&self) -> Option<Status> {
+        Status::from_word(self.status.load(Ordering::Relaxed))
+    }
 }
 
 /// The protocol, and what is known of the gripper.

@@ -5,6 +5,7 @@
 use core::f64::consts::PI;
 
 use mrroc::pose::Pose;
+use mrroc::random::Random;
 use mrroc::robot::Robot;
 use mrroc_counting_allocator::count;
 use mrroc_robots::{Kinematics, Serial, Six};
@@ -13,21 +14,8 @@ use nalgebra::{Matrix3, Matrix4, Vector3};
 
 const POSES: usize = 10_000;
 
-/// SplitMix64 (Steele, Lea, Flood 2014).
-struct Random(u64);
-
-impl Random {
-    fn between(&mut self, lower: f64, upper: f64) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        lower + (upper - lower) * (((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64)
-    }
-
-    fn joints(&mut self, distance: f64) -> Six {
-        Six::from_fn(|_, _| self.between(-distance, distance))
-    }
+fn drawn(random: &mut Random, distance: f64) -> Six {
+    Six::from_fn(|_, _| random.between(-distance, distance))
 }
 
 /// The calibration of a UR10 that its owner has published in UR's forum (thread 18921): what it adds to the nominal one.
@@ -147,13 +135,13 @@ fn arms(random: &mut Random) -> Vec<(UrModel, Calibration)> {
 
 #[test]
 fn an_arm_has_the_poses_of_its_own_parameters() {
-    let mut random = Random(18_921);
+    let mut random = Random::seeded(18_921);
     for (model, calibration) in arms(&mut random) {
         let arm = arm(model, &calibration);
         let base = Pose::translation(0.3, -0.2, 0.5) * Pose::rotation(Vector3::new(0.1, 0.2, 2.0));
         let moved = model.calibrated(base, &calibration).expect("the same");
         for _ in 0..1000 {
-            let q = random.joints(6.2);
+            let q = drawn(&mut random, 6.2);
             let expected = product(&calibration, &q);
             let off = error(&arm.forward(&q), &expected);
             assert!(off < 1e-12, "{model:?} {off}");
@@ -178,15 +166,15 @@ fn an_arm_has_the_poses_of_its_own_parameters() {
 
 #[test]
 fn ten_thousand_poses_of_every_arm_come_back_to_a_nanometre_without_allocation() {
-    let mut random = Random(20_261_123);
+    let mut random = Random::seeded(20_261_123);
     for (model, calibration) in arms(&mut random) {
         let arm = arm(model, &calibration);
         assert!(arm.is_closed_form());
         let (mut worst, mut joints, mut singular) = (0.0_f64, 0.0_f64, 0);
         for k in 0..POSES {
-            let q = random.joints(PI);
+            let q = drawn(&mut random, PI);
             let pose = arm.forward(&q);
-            let seed = q + random.joints(0.05);
+            let seed = q + drawn(&mut random, 0.05);
             let (found, allocated) = count(|| arm.inverse(&pose, &seed));
             assert_eq!(allocated, 0, "allocations");
             let found = found.unwrap_or_else(|why| panic!("{model:?} pose {k} at {q}: {why}"));
@@ -206,12 +194,12 @@ fn ten_thousand_poses_of_every_arm_come_back_to_a_nanometre_without_allocation()
 
 #[test]
 fn all_solutions_of_a_calibrated_arm_have_its_pose() {
-    let mut random = Random(5);
+    let mut random = Random::seeded(5);
     for (model, calibration) in arms(&mut random) {
         let arm = arm(model, &calibration);
         let mut counts = [0; 9];
         for _ in 0..500 {
-            let q = random.joints(2.5);
+            let q = drawn(&mut random, 2.5);
             let pose = arm.forward(&q);
             let (mut count, mut own) = (0, false);
             let visited = arm.solutions(&pose, &q, &mut |found| {

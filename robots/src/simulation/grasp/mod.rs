@@ -16,7 +16,7 @@
 //! | `pads.rs` | the pads of fingers |
 //! | `internal.rs` | forces of grippers against one another |
 //! | `wrist.rs` | the force and torque sensor at a wrist |
-//! | `turn.rs`, `noise.rs` | rotation vectors; seeded noise |
+//! | `turn.rs` | rotation vectors |
 //!
 //! ```
 //! use mrroc::prelude::*;
@@ -52,7 +52,6 @@ mod hand;
 mod internal;
 mod jaws;
 mod motion;
-mod noise;
 mod pads;
 mod plate;
 mod stepping;

@@ -13,12 +13,12 @@ use core::f64::consts::TAU;
 use mrroc::fault::FaultKind;
 use mrroc::pose::Wrench;
 use mrroc::prelude::*;
+use mrroc::random::Noise;
 use nalgebra::{UnitQuaternion, Vector3};
 
 use crate::sensors::{Bias, WristForce, WristOrder};
 
 use super::grip::Hand;
-use super::noise::Noise;
 
 /// A simulated wrist sensor, on the hand of an arm in a [`World`](super::World).
 #[derive(Clone, Debug)]

@@ -8,7 +8,7 @@
 
 use core::f64::consts::TAU;
 
-use mrroc_map::Chance;
+use mrroc::random::Random;
 
 use crate::simulation::Floor;
 
@@ -34,7 +34,7 @@ pub struct Turned {
 #[derive(Debug)]
 pub struct Gyro {
     floor: Floor,
-    chance: Chance,
+    chance: Random,
     /// What it reads at rest [rad/s].
     bias: f64,
     scale: f64,
@@ -58,7 +58,7 @@ impl Gyro {
     /// On the base of this floor, with errors by chance.
     #[must_use]
     pub fn new(floor: Floor, seed: u64) -> Self {
-        let mut chance = Chance::seeded(seed ^ 0x6779_726f);
+        let mut chance = Random::seeded(seed ^ 0x6779_726f);
         let (bias, scale) = (chance.within(Self::BIAS), chance.within(Self::SCALE));
         let (heading, time) = (floor.motion().pose.heading, floor.time());
         Self { floor, chance, bias, scale, heading, time, fault: None }
@@ -94,7 +94,7 @@ impl Gyro {
 }
 
 /// A number of the standard normal distribution (Box and Muller).
-pub(crate) fn normal(chance: &mut Chance) -> f64 {
-    let (a, b) = (1.0 - chance.share(), chance.share());
+pub(crate) fn normal(chance: &mut Random) -> f64 {
+    let (a, b) = (1.0 - chance.unit(), chance.unit());
     (-2.0 * a.ln()).sqrt() * (TAU * b).cos()
 }

@@ -10,7 +10,8 @@
 //! Seven look ahead side by side, 11 mm apart, and four more at each side a little outwards: walls are 12 mm thick, so that no end of a wall in
 //! the way of the body stays unseen.
 
-use mrroc_map::{Chance, Place, Wall, Walls};
+use mrroc::random::Random;
+use mrroc_map::{Place, Wall, Walls};
 use nalgebra::Vector2;
 
 use super::gyro::normal;
@@ -77,7 +78,7 @@ pub fn distance(code: f64) -> Option<f64> {
 #[derive(Debug)]
 pub struct Infrared {
     floor: Floor,
-    chance: Chance,
+    chance: Random,
     gains: [f64; SENSORS],
     next: [f64; SENSORS],
     blind: [bool; SENSORS],
@@ -94,9 +95,9 @@ impl Infrared {
     /// On the base of this floor.
     #[must_use]
     pub fn new(floor: Floor, seed: u64) -> Self {
-        let mut chance = Chance::seeded(seed ^ 0x6972);
+        let mut chance = Random::seeded(seed ^ 0x6972);
         let gains = core::array::from_fn(|_| 1.0 + chance.within(0.01));
-        let next = core::array::from_fn(|_| Self::SAMPLE * chance.share());
+        let next = core::array::from_fn(|_| Self::SAMPLE * chance.unit());
         Self { floor, chance, gains, next, blind: [false; SENSORS] }
     }
 
@@ -176,7 +177,7 @@ mod tests {
     fn a_ray_meets_the_same_wall_as_when_every_wall_is_tried() {
         let maze = Layout::random(16, 5);
         let walls = Walls::of(&maze, 0.18, 0.012);
-        let mut chance = Chance::seeded(2);
+        let mut chance = Random::seeded(2);
         for _ in 0..3000 {
             let from = Place::new(1.44 + chance.within(1.4), 1.44 + chance.within(1.4));
             let (sine, cosine) = chance.within(4.0).sin_cos();

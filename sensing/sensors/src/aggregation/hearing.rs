@@ -13,13 +13,13 @@ use core::cell::OnceCell;
 use core::f64::consts::{PI, TAU};
 
 use mrroc::pose::Pose;
+use mrroc::random::Noise;
 use nalgebra::{Rotation2, Vector2, Vector3};
 
 use super::relief::{Relief, Sample};
 use super::relief_features::{RELIEF_FEATURES, relief_features};
 use super::vision::{Classifier, PartClass};
 use crate::form::Form;
-use crate::physics::Noise;
 use crate::ultrasound::{Air, Array, Waveform};
 
 /// What is so high is no belt \[m\].

@@ -10,9 +10,9 @@
 //! the world is seen, at the times of the exposure. Surfaces are matt, and cast no shadows.
 
 use mrroc::pose::Pose;
+use mrroc::random::Noise;
 use nalgebra::{Point3, Vector3};
 
-use super::noise::Noise;
 use crate::camera::{Camera, Plane};
 use crate::form::Form;
 use crate::view::View;

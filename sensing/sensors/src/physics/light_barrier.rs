@@ -9,8 +9,8 @@
 //! Where an edge passes slowly, or a round part comes near the threshold, noise switches the output to and fro: chatter.
 
 use mrroc::pose::Pose;
+use mrroc::random::Noise;
 
-use super::noise::Noise;
 use crate::scene::Scene;
 
 /// A through-beam light barrier.

@@ -2,12 +2,10 @@
 
 mod image;
 mod light_barrier;
-mod noise;
 mod sounders;
 mod triangulation;
 
 pub use image::{Dark, Imager};
 pub use light_barrier::{LightBarrier, Stuck};
-pub use noise::Noise;
 pub use sounders::{Silent, Sounders};
 pub use triangulation::{Triangulation, code_of, distance_of};

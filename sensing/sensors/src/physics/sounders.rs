@@ -3,9 +3,9 @@
 //! What is heard is the coherent sum over rays that [`ultrasound`](crate::ultrasound) describes, of the parts as they truly lie at the time of the
 //! ping, and noise 30 dB below the belt's echo. Transducers are a little elsewhere than they are believed to be, and not alike loud.
 
+use mrroc::random::Noise;
 use nalgebra::{Point3, Vector3};
 
-use super::noise::Noise;
 use crate::ultrasound::{Air, Array, Echo, Transducer, Waveform};
 use crate::view::View;
 

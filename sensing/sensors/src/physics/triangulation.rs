@@ -8,8 +8,8 @@
 //! something far; at times it gives a 0.
 
 use mrroc::pose::Pose;
+use mrroc::random::Noise;
 
-use super::noise::Noise;
 use crate::scene::Scene;
 
 /// Where the curve turns \[m\]: nearer objects look farther.

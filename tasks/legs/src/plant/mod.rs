@@ -11,7 +11,7 @@ use std::rc::Rc;
 
 use mrroc::cell_file::Kinds;
 use mrroc::prelude::*;
-use mrroc_map::Chance;
+use mrroc::random::Random;
 use mrroc_robots::Simulated;
 use nalgebra::Vector3;
 
@@ -45,10 +45,10 @@ impl Drawn {
     /// By this seed, on steps of 2 cm for this length \[m\].
     #[must_use]
     pub fn by(seed: u64, length: f64) -> Self {
-        let mut chance = Chance::seeded(seed ^ 0x6c65_6773);
+        let mut chance = Random::seeded(seed ^ 0x6c65_6773);
         let told = Ground::random(0.55, length, 0.02, &mut chance);
         let ground = told.clone().disturbed(0.005, 0.004, &mut chance);
-        let friction = 0.5 + 0.4 * chance.share();
+        let friction = 0.5 + 0.4 * chance.unit();
         let at = Pose::translation(chance.within(0.015), chance.within(0.015), 0.0)
             * Pose::rotation(Vector3::z() * chance.within(1.0_f64.to_radians()));
         Self { told, ground, friction, X_WT: at }

@@ -9,7 +9,7 @@ use std::cell::RefCell;
 use std::rc::Rc;
 
 use mrroc::prelude::*;
-use mrroc_map::Chance;
+use mrroc::random::Random;
 use nalgebra::Vector3;
 
 use super::world::World;
@@ -55,14 +55,14 @@ pub struct Lean {
 pub struct ForceCells {
     world: Rc<RefCell<World>>,
     zero: [f64; 4],
-    chance: Chance,
+    chance: Random,
 }
 
 impl ForceCells {
     /// Of this machine.
     #[must_use]
     pub fn new(world: Rc<RefCell<World>>, seed: u64) -> Self {
-        let mut chance = Chance::seeded(seed ^ 0x666f_7263);
+        let mut chance = Random::seeded(seed ^ 0x666f_7263);
         Self { world, zero: core::array::from_fn(|_| chance.within(2.0)), chance }
     }
 }
@@ -85,7 +85,7 @@ impl VirtualSensor for ForceCells {
 pub struct Inclinometer {
     world: Rc<RefCell<World>>,
     zero: [f64; 2],
-    chance: Chance,
+    chance: Random,
     mean: Option<[f64; 2]>,
 }
 
@@ -96,7 +96,7 @@ impl Inclinometer {
     /// Of this machine.
     #[must_use]
     pub fn new(world: Rc<RefCell<World>>, seed: u64) -> Self {
-        let mut chance = Chance::seeded(seed ^ 0x6c65_7665);
+        let mut chance = Random::seeded(seed ^ 0x6c65_7665);
         let zero = core::array::from_fn(|_| chance.within(0.1_f64.to_radians()));
         Self { world, zero, chance, mean: None }
     }

@@ -6,8 +6,8 @@ use core::f64::consts::PI;
 use std::sync::OnceLock;
 
 use mrroc::pose::{AngleAxis, Pose};
+use mrroc::random::Noise;
 use mrroc_sensors::camera::{Camera, Lens, Plane};
-use mrroc_sensors::physics::Noise;
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 
 use crate::places::MIDDLE;

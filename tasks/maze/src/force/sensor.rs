@@ -12,9 +12,9 @@ use std::rc::Rc;
 
 use mrroc::fault::FaultKind;
 use mrroc::prelude::*;
+use mrroc::random::Noise;
 use mrroc::robot::RobotImage;
 use mrroc_robots::Irp6;
-use mrroc_sensors::physics::Noise;
 use nalgebra::Vector2;
 
 use crate::feeling::{Feeling, Seen, Stretch, Touch};

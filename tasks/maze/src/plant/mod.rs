@@ -9,7 +9,8 @@ use std::rc::Rc;
 
 use mrroc::cell_file::Kinds;
 use mrroc::prelude::*;
-use mrroc_map::{Chance, Layout, Walls};
+use mrroc::random::Random;
+use mrroc_map::{Layout, Walls};
 use mrroc_robots::{Irp6, SimulatedIrp6};
 use nalgebra::Vector3;
 
@@ -34,7 +35,7 @@ impl Plant {
     /// Walls in a frame of these sides \[m\], which stand as loosely.
     #[must_use]
     pub fn among(walls: Walls, size: [f64; 2], sizes: &Sizes, seed: u64) -> Self {
-        let mut chance = Chance::seeded(seed ^ 0x6d61_7a65);
+        let mut chance = Random::seeded(seed ^ 0x6d61_7a65);
         let middle = Pose::translation(0.5 * size[0], 0.5 * size[1], 0.0);
         let off = Pose::translation(chance.within(LOOSE), chance.within(LOOSE), 0.0)
             * Pose::rotation(Vector3::z() * chance.within(TURNED));

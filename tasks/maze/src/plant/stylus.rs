@@ -11,7 +11,8 @@ use mrroc::fault::FaultKind;
 use mrroc::prelude::*;
 use nalgebra::Vector2;
 
-use mrroc_map::{Chance, Place, Wall, Walls};
+use mrroc::random::Random;
+use mrroc_map::{Place, Wall, Walls};
 
 /// Stiffness of the spring [N/m].
 pub const STIFFNESS: f64 = 2000.0;
@@ -35,7 +36,7 @@ pub struct Stylus {
     pressed: bool,
     /// Until when the switch bounces \[s\].
     bouncing: f64,
-    chance: Chance,
+    chance: Random,
     /// Whether the switch is broken: it no longer closes.
     pub stuck: bool,
     /// The ball's way since it was counted from 0, and the largest deflection \[m\].
@@ -54,7 +55,7 @@ impl Stylus {
             deflection: Vector2::new(0.0, 0.0),
             pressed: false,
             bouncing: 0.0,
-            chance: Chance::seeded(seed),
+            chance: Random::seeded(seed),
             stuck: false,
             way: 0.0,
             most: 0.0,
@@ -138,9 +139,9 @@ impl Stylus {
         let pressed = force > if self.pressed { 0.5 * closes } else { closes };
         if pressed != self.pressed {
             self.pressed = pressed;
-            self.bouncing = t + BOUNCING[0] + (BOUNCING[1] - BOUNCING[0]) * self.chance.share();
+            self.bouncing = t + BOUNCING[0] + (BOUNCING[1] - BOUNCING[0]) * self.chance.unit();
         }
-        let closed = if t < self.bouncing { self.chance.share() < 0.5 } else { self.pressed };
+        let closed = if t < self.bouncing { self.chance.unit() < 0.5 } else { self.pressed };
         closed && !self.stuck
     }
 }

@@ -5,7 +5,8 @@ use std::rc::Rc;
 
 use mrroc::cell_file::Kinds;
 use mrroc::prelude::*;
-use mrroc_map::{Chance, Knowledge, Layout, Place, Side, Walls};
+use mrroc::random::Random;
+use mrroc_map::{Knowledge, Layout, Place, Side, Walls};
 use mrroc_wheels::sensing::infrared::SENSORS;
 use mrroc_wheels::sensing::{
     DeadReckoning, Gyro, Infrared, Located, LookingOut, Lookout, Sight, WallMemory, Watch,
@@ -35,7 +36,7 @@ impl Plant {
     /// A base at the start of a maze, turned to where that is open.
     #[must_use]
     pub fn new(maze: &Layout, sizes: &Sizes, seed: u64) -> Self {
-        let mut chance = Chance::seeded(seed ^ 0x7768_6c73);
+        let mut chance = Random::seeded(seed ^ 0x7768_6c73);
         let (x, y) = maze.start();
         let open = Side::ALL.into_iter().position(|side| maze.next((x, y), side).is_some()).unwrap_or(0);
         let said = Planar {

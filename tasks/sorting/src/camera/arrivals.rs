@@ -3,9 +3,9 @@
 use core::f64::consts::PI;
 
 use mrroc::prelude::*;
+use mrroc::random::Noise;
 use mrroc_robots::grasp::Body;
 use mrroc_sensors::form::Form;
-use mrroc_sensors::physics::Noise;
 use mrroc_sensors::simulated::Workpiece;
 use nalgebra::Vector3;
 

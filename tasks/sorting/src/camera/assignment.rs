@@ -99,7 +99,7 @@ pub fn assign<const ARMS: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use mrroc_sensors::physics::Noise;
+    use mrroc::random::Noise;
 
     const TIMES: Times = Times { cycle: 8.0, reaching: 4.5, carrying: 3.5 };
 

@@ -4,10 +4,11 @@ use core::f64::consts::PI;
 use std::fmt::Write as _;
 
 use mrroc::pose::{AngleAxis, Pose};
+use mrroc::random::Noise;
 use mrroc_sensors::aggregation::{Blind, Classifier, DetectedObject, FEATURES, Vision};
 use mrroc_sensors::camera::Plane;
 use mrroc_sensors::form::Form;
-use mrroc_sensors::physics::{Imager, Noise};
+use mrroc_sensors::physics::Imager;
 use mrroc_sensors::scene::{Scene, Solid};
 use mrroc_sensors::view::{Seen, View};
 use nalgebra::{Vector2, Vector3};

@@ -1,8 +1,8 @@
 //! Runs a belt as a worn drive does: not at its nominal speed, and not evenly.
 
 use mrroc::prelude::*;
+use mrroc::random::Noise;
 use mrroc_robots::{Conveyor, One};
-use mrroc_sensors::physics::Noise;
 
 /// Speeds a belt up to a speed within 20 % of the nominal one, which wanders from then on: by a rate of at most 0.5 % a second that is drawn
 /// anew every second. No program is told of it.

@@ -3,8 +3,9 @@
 use core::f64::consts::PI;
 use std::fmt::Write as _;
 
+use mrroc::random::Noise;
 use mrroc_sensors::aggregation::{Classifier, Deaf, HeardObject, Hearing, RELIEF_FEATURES, Relief, Reliefs};
-use mrroc_sensors::physics::{Noise, Sounders};
+use mrroc_sensors::physics::Sounders;
 use mrroc_sensors::ultrasound::Air;
 
 use super::layout::{LIMITS, MATRIX, array};

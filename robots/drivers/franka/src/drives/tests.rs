@@ -10,10 +10,9 @@ use mrroc::robot::StopCause;
 use self::model::Fixture;
 use super::*;
 use crate::arm::Fr3;
-use crate::behaviour::{Collision, Stiffness};
 use crate::link::{FARTHEST, IN_TIME, REASON, STARTED};
 use crate::message::testing::{bytes, standing};
-use crate::message::{COMMUNICATION, JOINTS};
+use crate::message::{COMMUNICATION, Collision, JOINTS, Stiffness};
 use crate::stops::{ENDED, OTHER_VERSION, REFUSED, TOO_FAR, stop};
 
 const START: [f64; JOINTS] = [0.0, 0.25, 0.0, -1.5, 0.0, 1.5, 0.5];

@@ -3,54 +3,23 @@
 //! In: openings. Out: the newest state of the hand. Nothing here waits, but for opening and closing.
 
 use core::time::Duration;
-use std::net::SocketAddr;
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
 
 use mrroc::robot::{
     ANALOG, Channels, DriveFault, Driver, Homing, Measured, Recovery, Regulators, Robot, Search, Signals,
     Values, WhenLost,
 };
-use mrroc_driver_kit::{Network, recall};
+use mrroc_driver_kit::{Exchange, Network, Peer, Session};
 use mrroc_robots::One;
 
-use super::exchange::{HandStatus, Link, Unhomed};
-use super::faults::CLOSED;
+use super::faults::{CLOSED, SILENT};
+use super::protocol::{CONNECT, HandProtocol, Unhomed};
+use super::settings::HandSettings;
+use super::shared::Shared;
 
-/// A hand at an address.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct HandSettings {
-    /// Where its robot listens for it.
-    pub address: SocketAddr,
-    /// How fast the opening changes [m/s], > 0: 0.1 by default, which is 0.05 for each finger.
-    pub speed: f64,
-    /// How hard it presses on what it grasps \[N\], > 0: 40 by default. A hand may hold 70 N for long.
-    pub force: f64,
-    /// How long a motion may take, 10 s by default.
-    pub timeout: Duration,
-    /// How long the hand may say nothing, 1 s by default: then the connection counts as lost. The cell does not count this in the
-    /// time of its stops.
-    pub silence: Duration,
-    /// How often the EDP looks at what the hand has said, 2 ms by default; it divides the step, or the step divides it.
-    pub period: Duration,
-}
-
-impl HandSettings {
-    /// With the defaults.
-    #[must_use]
-    pub const fn new(address: SocketAddr) -> HandSettings {
-        HandSettings {
-            address,
-            speed: 0.1,
-            force: 40.0,
-            timeout: Duration::from_secs(10),
-            silence: Duration::from_secs(1),
-            period: Duration::from_millis(2),
-        }
-    }
-
-    fn hardware(&self) -> String {
-        format!("Franka Hand {}", self.address)
-    }
-}
+/// An exchange that goes on.
+type Link = Exchange<Shared, DriveFault>;
 
 /// The drives of any robot of one joint that is the opening between its fingers \[m\].
 ///
@@ -83,17 +52,29 @@ impl Hand {
         self.link.as_ref().ok_or(CLOSED)
     }
 
-    fn heard(&self) -> Result<HandStatus, DriveFault> {
+    fn heard(&self) -> Result<&Shared, DriveFault> {
         self.link()?.heard()?.ok_or(CLOSED)
     }
 }
 
-fn connect(network: &Network, settings: &HandSettings, presses: bool) -> Result<Link, DriveFault> {
-    Link::begin(network, settings, presses, Unhomed::Refused)
+/// Begins to connect, and returns.
+fn connect(
+    network: &Network,
+    settings: &HandSettings,
+    presses: bool,
+    unhomed: Unhomed,
+) -> Result<Link, DriveFault> {
+    let shared = Arc::new(Shared::default());
+    shared.presses.store(presses, Ordering::Relaxed);
+    let protocol = HandProtocol::new(Arc::clone(&shared), *settings, unhomed);
+    let peer = Peer { address: settings.address, timeout: CONNECT, sends_datagrams: true };
+    let session = Session::begin(network, "hand", peer, protocol, CLOSED);
+    let session = session.map_err(|_| DriveFault::Other("this machine starts no more threads"))?;
+    Ok(Exchange::new(session, shared, settings.silence, SILENT))
 }
 
-fn measured(heard: &HandStatus) -> Measured<One> {
-    Measured { position: One::new(heard.width), velocity: One::new(heard.speed) }
+fn measured(heard: &Shared) -> Measured<One> {
+    Measured { position: One::new(heard.width.get()), velocity: One::new(heard.speed.get()) }
 }
 
 impl<R: Robot<Joints = One>> Driver<R> for Hand {
@@ -108,10 +89,8 @@ impl<R: Robot<Joints = One>> Driver<R> for Hand {
     fn open(&mut self) -> Result<(), DriveFault> {
         // A hand has one connection at a time.
         self.link = None;
-        let link = connect(&self.network, &self.settings, self.presses)?;
-        while link.heard()?.is_none() {
-            self.network.wait(Duration::from_millis(1));
-        }
+        let link = connect(&self.network, &self.settings, self.presses, Unhomed::Refused)?;
+        link.wait(&self.network)?;
         self.link = Some(link);
         Ok(())
     }
@@ -122,17 +101,18 @@ impl<R: Robot<Joints = One>> Driver<R> for Hand {
     }
 
     fn held(&self) -> Option<One> {
-        self.link.as_ref().map(|link| One::new(link.demanded()))
+        self.link.as_ref().map(|link| One::new(link.shared().demanded.get()))
     }
 
     fn measured(&self) -> Result<Measured<One>, DriveFault> {
-        Ok(measured(&self.heard()?))
+        Ok(measured(self.heard()?))
     }
 
     fn tick(&mut self, demanded: &One) -> Result<Measured<One>, DriveFault> {
         let heard = self.heard()?;
-        self.link()?.go_to(demanded[0])?;
-        Ok(measured(&heard))
+        let measured = measured(heard);
+        heard.go_to(demanded[0])?;
+        Ok(measured)
     }
 
     fn channels(&self) -> Channels {
@@ -140,14 +120,15 @@ impl<R: Robot<Joints = One>> Driver<R> for Hand {
     }
 
     fn signals(&self) -> Signals {
-        let is_grasped = self.heard().is_ok_and(|heard| heard.is_grasped);
+        let is_grasped = self.heard().is_ok_and(|heard| heard.is_grasped.load(Ordering::Relaxed));
         Signals { inputs: Values::new(u32::from(is_grasped), [0.0; ANALOG]), ..Signals::OFF }
     }
 
     /// Connects again, if the exchange has ended.
     fn recover(&mut self) -> Result<Recovery, DriveFault> {
         let Self { settings, network, presses, link, recovers } = self;
-        let is_over = recall(link, recovers, || connect(network, settings, *presses))?;
+        let begin = || connect(network, settings, *presses, Unhomed::Refused);
+        let is_over = Exchange::recall(link, recovers, begin)?;
         Ok(if is_over { Recovery::Over } else { Recovery::GoesOn })
     }
 
@@ -162,7 +143,7 @@ impl<R: Robot<Joints = One>> Driver<R> for Hand {
     fn choose_regulators(&mut self, sets: &Regulators) {
         self.presses = sets.set(0) == 0;
         if let Some(link) = &self.link {
-            link.press(self.presses);
+            link.shared().presses.store(self.presses, Ordering::Relaxed);
         }
     }
 }
@@ -205,8 +186,8 @@ impl<R: Robot<Joints = One>> Homing<R> for HandHoming {
 
     fn search(self) -> Result<Search<Self, Hand>, DriveFault> {
         let HandHoming { settings, network, link } = self;
-        let link = link.map_or_else(|| Link::begin(&network, &settings, true, Unhomed::Homed), Ok)?;
-        link.ask_for_homing();
+        let link = link.map_or_else(|| connect(&network, &settings, true, Unhomed::Homed), Ok)?;
+        link.ask();
         let found = link.heard()?.is_some();
         let link = Some(link);
         Ok(if found {

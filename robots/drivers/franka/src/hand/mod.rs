@@ -20,12 +20,13 @@
 //! not done since the robot was switched on.
 
 mod drives;
-mod exchange;
 #[cfg(test)]
 mod fake;
 mod faults;
 mod message;
 mod protocol;
+mod settings;
+mod shared;
 #[cfg(test)]
 mod tests;
 
@@ -33,8 +34,9 @@ use mrroc::cell::RobotSetup;
 use mrroc_launch::cell_file::Kinds;
 use mrroc_robots::{One, Simulated, TwoFingers};
 
-pub use drives::{Hand, HandHoming, HandSettings};
+pub use drives::{Hand, HandHoming};
 pub use message::{Answer, Outcome, PORT, Request, STATE, State, VERSION};
+pub use settings::HandSettings;
 
 /// How far the fingers of the hand open \[m\].
 pub const STROKE: f64 = 0.08;

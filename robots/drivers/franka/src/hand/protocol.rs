@@ -10,13 +10,16 @@ use std::sync::Arc;
 use mrroc::robot::{DriveFault, StopCause};
 use mrroc_driver_kit::{Cutting, NotConnected, Protocol, Received, Speed};
 
-use super::drives::HandSettings;
-use super::exchange::{CONNECT, Shared, Unhomed};
 use super::faults::{
     BY_OTHERS, ENDLESS, HUNG_UP, MOVED_BY_OTHERS, NO_HAND, NO_PORT, NOT_HOMED, OTHER_VERSION, SHORT, SILENT,
     UNREACHABLE, stop,
 };
 use super::message::{Answer, Outcome, Request, State, VERSION};
+use super::settings::HandSettings;
+use super::shared::Shared;
+
+/// How long the hand may take to accept the connection, and to answer it.
+pub(super) const CONNECT: Duration = Duration::from_secs(1);
 
 /// How long a demand must have stood before it is told: some servo periods and steps.
 const STANDS: Duration = Duration::from_millis(20);
@@ -106,8 +109,17 @@ enum Phase {
     },
 }
 
+/// Whether the hand may be homed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Unhomed {
+    /// One that is not homed is refused.
+    Refused,
+    /// One that is not homed is homed, while that is asked for.
+    Homed,
+}
+
 /// The protocol, and what is known of the hand.
-pub(crate) struct HandProtocol {
+pub(super) struct HandProtocol {
     shared: Arc<Shared>,
     settings: HandSettings,
     unhomed: Unhomed,
@@ -164,7 +176,7 @@ impl Protocol for HandProtocol {
 }
 
 impl HandProtocol {
-    pub(crate) fn new(shared: Arc<Shared>, settings: HandSettings, unhomed: Unhomed) -> HandProtocol {
+    pub(super) fn new(shared: Arc<Shared>, settings: HandSettings, unhomed: Unhomed) -> HandProtocol {
         HandProtocol {
             shared,
             settings,

@@ -11,7 +11,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::device::{Device, Reply};
 use crate::protocol::{NotConnected, Peer, Received};
-use crate::session::{Network, Running, Task};
+use crate::task::{Running, Task};
 
 /// Polls at one time after which nothing is expected to end it.
 const POLLS: usize = 100_000;
@@ -221,12 +221,6 @@ impl VirtualNetwork {
     fn world(&self) -> MutexGuard<'_, World> {
         // A model that panics ends its test.
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    /// It, for the drives.
-    #[must_use]
-    pub fn network(&self) -> Network {
-        self.clone().into()
     }
 
     /// The time since its beginning.

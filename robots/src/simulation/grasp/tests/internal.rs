@@ -1,10 +1,10 @@
 //! How grippers share a load, and what is left over.
 
 use mrroc::pose::Wrench;
+use mrroc::random::Noise;
 use nalgebra::Vector3;
 
 use crate::simulation::grasp::Sharing;
-use crate::simulation::grasp::noise::Noise;
 
 fn random(noise: &mut Noise) -> Vector3<f64> {
     Vector3::from_fn(|_, _| noise.normal())

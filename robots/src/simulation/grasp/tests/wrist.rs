@@ -5,6 +5,7 @@ use core::f64::consts::TAU;
 use mrroc::fault::FaultKind;
 use mrroc::pose::{AngleAxis, Wrench};
 use mrroc::prelude::*;
+use mrroc::random::Noise;
 use mrroc::robot::MAX_JOINTS;
 use mrroc::sensor::EffectorState;
 use nalgebra::{Translation3, Vector3};
@@ -12,7 +13,6 @@ use nalgebra::{Translation3, Vector3};
 use super::Bench;
 use super::bench::at;
 use crate::sensors::WristOrder;
-use crate::simulation::grasp::noise::Noise;
 use crate::simulation::grasp::{Body, Grasp, SimulatedWrist, World};
 
 #[allow(non_snake_case)]

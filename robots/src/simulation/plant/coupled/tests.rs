@@ -1,20 +1,12 @@
 //! Coupled motors keep the equation of motion in every step: its residual, by recursive Newton-Euler, is friction.
 
+use mrroc::random::Random;
 use nalgebra::SVector;
 
 use super::super::{H, Plant};
 use super::Coupling;
 use crate::dynamics::Tree;
 use crate::models::{Driven, Polycrank, Serial};
-
-/// SplitMix64 (Steele, Lea, Flood 2014), in -1..1.
-fn random(state: &mut u64) -> f64 {
-    *state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-    let mut z = *state;
-    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    2.0 * (((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64) - 1.0
-}
 
 fn weighted() -> Serial<6> {
     Serial::<6>::from_urdf(
@@ -28,21 +20,21 @@ fn weighted() -> Serial<6> {
 
 /// What is left of the equation of motion in one step of a robot whose gears are the same in every posture.
 fn keeps_its_equation<const N: usize>(robot: &impl Driven<N>, tree: &Tree<N>) {
-    let mut state = 1955;
+    let mut random = Random::seeded(1955);
     let (mut stood, mut limited) = (0, 0);
     for k in 0..2000 {
         // Every third time from near rest, with little voltage, so that friction holds some.
         let size = if k % 3 == 0 { 1e-3 } else { 1.0 };
         let speed = robot.motor_limits().speed;
-        let q = SVector::<f64, N>::from_fn(|_, _| random(&mut state));
+        let q = SVector::<f64, N>::from_fn(|_, _| random.within(1.0));
         let angles = robot.motors(&q);
         let data = robot.motor_data();
         let mut plants: [Plant; N] = core::array::from_fn(|i| Plant::at_rest(&data[i], angles[i]));
-        plants.iter_mut().for_each(|plant| plant.speed = speed * size * random(&mut state));
+        plants.iter_mut().for_each(|plant| plant.speed = speed * size * random.within(1.0));
         plants[0].jammed = k % 5 == 0;
         let before = SVector::<f64, N>::from_fn(|i, _| plants[i].speed);
-        let pwm: [f64; N] = core::array::from_fn(|_| 255.0 * size.sqrt() * random(&mut state));
-        let loads = SVector::<f64, N>::from_fn(|i, _| data[i].coulomb * random(&mut state));
+        let pwm: [f64; N] = core::array::from_fn(|_| 255.0 * size.sqrt() * random.within(1.0));
+        let loads = SVector::<f64, N>::from_fn(|i, _| data[i].coulomb * random.within(1.0));
         let mut coupling = Coupling::of(robot).expect("it has links");
         coupling.follow(robot, &plants);
         coupling.step(robot, &mut plants, &pwm, &loads);
