@@ -12,8 +12,7 @@
 //! | `of press suspend` | any of these, of the lower cell `press`; each cell has a control token of its own |
 //! | `by 3 81726354 suspend` | any of these, asked by page 3 of a panel, which heard it at this time of the machine \[ns\]: for the recording |
 //!
-//! An answer is one line, `done TEXT`, `refused TEXT` or `pending TEXT`. A picture is many lines, from `picture` to
-//! `end`.
+//! An answer is one line, `done TEXT`, `refused TEXT` or `pending TEXT`. So is a picture, `picture JSON`.
 
 use core::fmt;
 use std::io::{self, BufRead, ErrorKind};
@@ -29,11 +28,8 @@ pub(super) const SOCKET: &str = "operator";
 /// The longest request, without its line end \[bytes\].
 pub const MAX_REQUEST: usize = 450;
 
-/// The longest line of an answer \[bytes\].
-const MAX_ANSWER: usize = 4096;
-
-/// The largest number of lines of a picture.
-const MAX_LINES: usize = 1000;
+/// The longest line that a console reads, and how much unread text may wait for it \[bytes\].
+pub(super) const MAX_ANSWER: usize = 1 << 19;
 
 /// A request of a console.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -200,17 +196,10 @@ impl ConsoleMessage {
             "done" => Ok(Some(ConsoleMessage::Reply(Reply::Done(rest)))),
             "refused" => Ok(Some(ConsoleMessage::Reply(Reply::Refused(rest)))),
             "pending" => Ok(Some(ConsoleMessage::Reply(Reply::Pending(rest)))),
-            "picture" => {
-                let mut picture = Box::new(Picture::default());
-                for _ in 0..MAX_LINES {
-                    let Some(line) = read_line(from)? else { return Ok(None) };
-                    if line == "end" {
-                        return Ok(Some(ConsoleMessage::Picture(picture)));
-                    }
-                    picture.take(&line).map_err(|error| io::Error::new(ErrorKind::InvalidData, error))?;
-                }
-                Err(bad("picture"))
-            }
+            "picture" => match serde_json::from_str(&rest) {
+                Ok(picture) => Ok(Some(ConsoleMessage::Picture(picture))),
+                Err(error) => Err(io::Error::new(ErrorKind::InvalidData, error)),
+            },
             _ => Err(bad(&line)),
         }
     }
@@ -234,7 +223,6 @@ fn read_line(from: &mut impl BufRead) -> io::Result<Option<String>> {
 #[cfg(test)]
 mod tests {
     use super::super::beside::{BodyPicture, CarriedPicture, ReadingPicture};
-    use super::super::console::MAX_OUTPUT;
     use super::super::picture::{CellPicture, ProcessPicture, RobotPicture};
     use super::*;
     use crate::board::entry::BODIES;
@@ -507,7 +495,7 @@ mod tests {
             ..Picture::default()
         };
         let text = picture.to_string();
-        assert!(text.len() <= MAX_OUTPUT, "{}", text.len());
+        assert!(text.len() <= MAX_ANSWER, "{}", text.len());
         assert_eq!(
             ConsoleMessage::read(&mut text.as_bytes()).expect("a picture"),
             Some(ConsoleMessage::Picture(Box::new(picture)))
@@ -516,13 +504,9 @@ mod tests {
 
     #[test]
     fn what_has_no_end_is_given_up() {
-        let huge = vec![b'x'; 100 * MAX_ANSWER];
+        let huge = vec![b'x'; 2 * MAX_ANSWER];
         assert!(ConsoleMessage::read(&mut huge.as_slice()).is_err());
-        let endless = "picture\n".to_owned() + &"token 1\n".repeat(10 * MAX_LINES);
-        assert!(ConsoleMessage::read(&mut endless.as_bytes()).is_err());
-        let crowded = "picture\n".to_owned()
-            + &"process 1 runs 0 0 0 0 0 0 0 0 0 0 0 mp\n".repeat(MAX_PROCESSES + 1)
-            + "end\n";
-        assert!(ConsoleMessage::read(&mut crowded.as_bytes()).is_err());
+        let deep = "picture ".to_owned() + &"[".repeat(MAX_ANSWER / 2) + "\n";
+        assert!(ConsoleMessage::read(&mut deep.as_bytes()).is_err());
     }
 }
