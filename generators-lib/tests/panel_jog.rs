@@ -8,7 +8,7 @@ use mrroc::cell::{CellError, OutputSetup, RunReport};
 use mrroc::fault::{Name, ProcessId};
 use mrroc::link::Nanos;
 use mrroc::observe::ServoRecord;
-use mrroc::observe::step_observer::{StepEvent, StepObserver};
+use mrroc::observe::step_observer::{StepEvent, StepObserver, StepRecord};
 use mrroc::operator::jog::{JogOrder, JogPanel};
 use mrroc::operator::{LAPSE, Operator, REDUCED_SPEED, Renewal};
 use mrroc::payload::Wire;
@@ -83,7 +83,7 @@ struct Seen {
 impl StepObserver for Seen {
     fn see(&self, _: Nanos, _: ProcessId, what: &StepEvent, _: &[u64]) {
         match *what {
-            StepEvent::Step { step, dt, .. } => {
+            StepEvent::Step(StepRecord { step, dt, .. }) => {
                 self.dt.borrow_mut().resize(step as usize, f64::NAN);
                 self.dt.borrow_mut().push(dt);
             }

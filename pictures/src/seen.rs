@@ -8,7 +8,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use mrroc::fault::{Name, ProcessId, Role};
 use mrroc::observe::layout::{Layout, RobotLayout, SensorLayout, SignalLayout};
-use mrroc::observe::step_observer::{ReadingState, StepEvent, StepObserver};
+use mrroc::observe::step_observer::{ReadingState, StepEvent, StepObserver, StepRecord};
 use mrroc::payload::Wire;
 use mrroc::robot::{Channel, Signals};
 
@@ -114,7 +114,7 @@ impl Sights {
     /// Something was shown at a time \[s\].
     fn see(&mut self, time: f64, by: ProcessId, what: &StepEvent, words: &[u64]) {
         match what {
-            StepEvent::Step { step, dt, duration, speed, .. } if *duration > 0.0 => {
+            StepEvent::Step(StepRecord { step, dt, duration, speed, .. }) if *duration > 0.0 => {
                 self.rate.see(*step, time, &[dt / duration, *speed]);
             }
             StepEvent::Reading { sensor, step, state, .. } => {
@@ -130,19 +130,7 @@ impl Sights {
                     robot.see(*step, time, &signals);
                 }
             }
-            StepEvent::Step { .. }
-            | StepEvent::Instruction { .. }
-            | StepEvent::Abort { .. }
-            | StepEvent::Jog { .. }
-            | StepEvent::Late { .. }
-            | StepEvent::LateRequest { .. }
-            | StepEvent::Order { .. }
-            | StepEvent::Found { .. }
-            | StepEvent::Image { .. }
-            | StepEvent::Currents { .. }
-            | StepEvent::Fault { .. }
-            | StepEvent::Body { .. }
-            | StepEvent::End { .. } => {}
+            _ => {}
         }
     }
 }

@@ -125,7 +125,7 @@ fn fault_63_all_of_a_hundred_consoles_are_answered_and_one_too_many_is_told_so()
             consoles.iter_mut().for_each(|console| console.send(request));
             let answers: Vec<_> = consoles.iter_mut().map(Line::hear).collect();
             let right = |answer: &String| match request {
-                "status" => answer == "picture\n",
+                "status" => answer.starts_with("picture "),
                 // One of them takes the token.
                 _ => answer.starts_with("done resumed: ") || answer.contains("holds the control token"),
             };
@@ -135,7 +135,7 @@ fn fault_63_all_of_a_hundred_consoles_are_answered_and_one_too_many_is_told_so()
         while consoles.len() < SERVED {
             let mut console = Line::new(&socket);
             console.send("status");
-            assert_eq!(console.hear(), "picture\n");
+            assert!(console.hear().starts_with("picture "));
             consoles.push(console);
         }
         let mut further = Line::new(&socket);

@@ -6,13 +6,14 @@ use std::path::Path;
 
 use mrroc_core::nalgebra::{Quaternion, Translation3, UnitQuaternion};
 use mrroc_core::observe::layout::{Layout, SignalLayout};
+use mrroc_core::observe::step_observer::StepRecord;
 use mrroc_core::operator::state::InstructionKind;
 use mrroc_core::pose::Pose;
 use mrroc_core::robot::{Signals, Value as Signal};
 use serde_json::Value;
 
 use crate::readings::of_json;
-use crate::run_history::{RunHistory, StepSeen};
+use crate::run_history::RunHistory;
 
 /// The largest file that is played \[bytes\].
 const LARGEST: u64 = 1 << 30;
@@ -50,7 +51,7 @@ fn take(history: &mut RunHistory, layout: &Layout, time: u64, topic: &str, data:
         let number = |name: &str| json[name].as_f64().unwrap_or(0.0);
         history.step(
             time,
-            &StepSeen {
+            &StepRecord {
                 step: json["step"].as_u64().unwrap_or(0),
                 dt: number("dt"),
                 duration: number("duration"),
@@ -58,6 +59,7 @@ fn take(history: &mut RunHistory, layout: &Layout, time: u64, topic: &str, data:
                 suspended: is("suspended"),
                 reduced: is("reduced"),
                 aborting: is("aborting"),
+                stopping: is("stopping"),
                 resetting: is("resetting"),
             },
         );

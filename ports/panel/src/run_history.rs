@@ -6,7 +6,7 @@ use std::cell::RefCell;
 
 use mrroc_core::fault::{Fault, FaultWords, ProcessId, Role};
 use mrroc_core::observe::layout::Layout;
-use mrroc_core::observe::step_observer::{ReadingState, STATE_WORDS, StepEvent, StepObserver};
+use mrroc_core::observe::step_observer::{ReadingState, STATE_WORDS, StepEvent, StepObserver, StepRecord};
 use mrroc_core::operator::state::InstructionKind;
 use mrroc_core::payload::Wire;
 use mrroc_core::pose::Pose;
@@ -84,7 +84,7 @@ impl RunHistory {
     }
 
     /// The MP begins a step: the moment before it is kept, if it is due.
-    pub fn step(&mut self, time: u64, step: &StepSeen) {
+    pub fn step(&mut self, time: u64, step: &StepRecord) {
         self.keep(time);
         let now = &mut self.now;
         now.step = step.step;
@@ -242,19 +242,6 @@ fn nanos(time: f64) -> u64 {
     (time.clamp(0.0, 1e9) * 1e9) as u64
 }
 
-/// What a step of the MP shows of itself.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct StepSeen {
-    pub step: u64,
-    pub dt: f64,
-    pub duration: f64,
-    pub speed: f64,
-    pub suspended: bool,
-    pub reduced: bool,
-    pub aborting: bool,
-    pub resetting: bool,
-}
-
 /// Looks on at a run on the memory link.
 pub struct OnMemory {
     layout: Layout,
@@ -279,12 +266,7 @@ impl StepObserver for OnMemory {
     fn see(&self, time: u64, by: ProcessId, what: &StepEvent, words: &[u64]) {
         let mut history = self.history.borrow_mut();
         match *what {
-            StepEvent::Step {
-                step, dt, duration, speed, suspended, reduced, aborting, resetting, ..
-            } => {
-                let seen = StepSeen { step, dt, duration, speed, suspended, reduced, aborting, resetting };
-                history.step(time, &seen);
-            }
+            StepEvent::Step(step) => history.step(time, &step),
             StepEvent::Image { .. } if history.is_due(time) && words.len() >= 2 * STATE_WORDS => {
                 let Some(name) = by.name else { return };
                 let (demanded, measured) = words.split_at(STATE_WORDS);

@@ -6,6 +6,7 @@ use mrroc::pose::Wrench;
 use mrroc::prelude::*;
 use mrroc_core::nalgebra::Vector3;
 use mrroc_core::observe::layout::Layout;
+use mrroc_core::observe::step_observer::StepRecord;
 use mrroc_core::operator::state::InstructionKind;
 use mrroc_core::payload::Wire;
 use mrroc_core::robot::{Load, Signals, Tool, Values};
@@ -16,7 +17,7 @@ use serde_json::json;
 
 use crate::console_session::now;
 use crate::now::Appearance;
-use crate::run_history::{RunHistory, StepSeen};
+use crate::run_history::RunHistory;
 
 const START: Six = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
 
@@ -113,7 +114,7 @@ fn fault_241_a_reading_that_is_old_or_a_fault_is_not_shown_of_a_cell_that_runs()
 fn pass(history: &mut RunHistory, step: u64, resetting: bool) {
     let (time, tool, six) = (20_000_000 * step, Pose::identity(), START.as_slice());
     history.robot(time, "arm", [six, six], [tool, tool]);
-    history.step(time, &StepSeen { step, dt: 0.02, duration: 0.02, resetting, ..StepSeen::default() });
+    history.step(time, &StepRecord { step, dt: 0.02, duration: 0.02, resetting, ..StepRecord::default() });
 }
 
 #[test]

@@ -13,12 +13,13 @@ use std::time::Duration;
 
 use serde_json::json;
 
-use super::channels::{Outlet, of_cell};
+use super::channels::Outlet;
 use super::json::object;
 use super::relay::{Sender, socket};
 use mrroc_core::fault::Name;
 use mrroc_core::link::Clock;
 use mrroc_core::observe::recording::{Command, CommandRecord};
+use mrroc_core::observe::sample::{Schema, Subject, Topic};
 
 /// Commands that wait for the file.
 const WAITING: usize = 256;
@@ -98,8 +99,9 @@ fn send(sender: &mut Sender, channels: &mut Vec<(Option<Name>, u16)>, command: &
                 ("outcome", text.clone()),
                 ("answer", text),
             ];
-            let topic = of_cell(command.cell, "commands");
-            let channel = sender.open(&topic, "mrroc.Command", &object(fields).to_string())?;
+            let topic = Topic::new(Subject::Cell(command.cell), "commands", Schema::Common("Command"));
+            let schema = object(fields).to_string();
+            let channel = sender.open(&topic.to_string(), &topic.schema(), &schema)?;
             channels.push((command.cell, channel));
             channel
         }

@@ -121,26 +121,10 @@ impl Comparison {
 
 impl StepObserver for Comparison {
     fn see(&self, _: Nanos, by: ProcessId, what: &StepEvent, words: &[u64]) {
-        match *what {
-            StepEvent::Image { step, .. } => {
-                if let Some(robot) = by.name {
-                    self.compare(robot, step, words);
-                }
-            }
-            StepEvent::Step { step, .. } => self.begun.set(step),
-            StepEvent::Instruction { .. }
-            | StepEvent::Abort { .. }
-            | StepEvent::Jog { .. }
-            | StepEvent::Late { .. }
-            | StepEvent::LateRequest { .. }
-            | StepEvent::Order { .. }
-            | StepEvent::Found { .. }
-            | StepEvent::Reading { .. }
-            | StepEvent::Fault { .. }
-            | StepEvent::Currents { .. }
-            | StepEvent::Signals { .. }
-            | StepEvent::Body { .. }
-            | StepEvent::End { .. } => {}
+        match (*what, by.name) {
+            (StepEvent::Image { step, .. }, Some(robot)) => self.compare(robot, step, words),
+            (StepEvent::Step(record), _) => self.begun.set(record.step),
+            _ => {}
         }
     }
 

@@ -14,6 +14,7 @@ use mrroc_core::link::Clock;
 use mrroc_core::observe::layout::Layout;
 use mrroc_core::observe::recording::Recording;
 use mrroc_core::observe::ring::{Record, Ring, RingError, RingUse, Sink};
+use mrroc_core::observe::sample::Subject;
 use mrroc_core::observe::step_observer::StepEvent;
 
 /// Number of records that the ring holds: those of a second with two robots and a sensor at 1 kHz.
@@ -53,24 +54,12 @@ pub(super) fn begin(recording: &Recording, layout: Layout, clock: Clock, open: O
 
 /// Whether this is to be recorded.
 fn is_asked_for(recording: &Recording, by: ProcessId, what: &StepEvent) -> bool {
-    match what {
-        StepEvent::Image { .. } | StepEvent::Currents { .. } | StepEvent::Signals { .. } => {
-            by.name.is_none_or(|name| recording.has_robot(name.as_str()))
+    match what.topic(by).subject {
+        Subject::Robot(name) => recording.has_robot(name.as_str()),
+        Subject::Sensor(cell, name) => {
+            recording.has_sensor_in(cell.as_ref().map(Name::as_str), name.as_str())
         }
-        StepEvent::Order { robot, .. } => recording.has_robot(robot.as_str()),
-        StepEvent::Reading { sensor, .. } => {
-            recording.has_sensor_in(by.cell().as_ref().map(Name::as_str), sensor.as_str())
-        }
-        StepEvent::Step { .. }
-        | StepEvent::Instruction { .. }
-        | StepEvent::Abort { .. }
-        | StepEvent::Jog { .. }
-        | StepEvent::Late { .. }
-        | StepEvent::LateRequest { .. }
-        | StepEvent::Found { .. }
-        | StepEvent::Fault { .. }
-        | StepEvent::Body { .. }
-        | StepEvent::End { .. } => true,
+        Subject::Cell(_) | Subject::Body(_) => true,
     }
 }
 

@@ -4,7 +4,7 @@
 
 use iceoryx2::prelude::ZeroCopySend;
 use mrroc::fault::Fault;
-use mrroc::observe::step_observer::{IMAGE_WORDS, Mode, StepEvent};
+use mrroc::observe::step_observer::{IMAGE_WORDS, Mode, StepRecord};
 
 /// The version of this interface.
 pub(crate) const VERSION: u32 = 1;
@@ -111,17 +111,17 @@ impl CellMessage {
     };
 
     /// A step begins at a time of the cell \[ns\].
-    pub fn begin(&mut self, at: u64, what: &StepEvent) {
-        let &StepEvent::Step { step, dt, duration, speed, suspended, reduced, aborting, stopping, resetting } =
-            what
-        else {
-            return;
-        };
-        let bits = [(suspended, SUSPENDED), (reduced, REDUCED), (aborting, ABORTING), (stopping, STOPPING)];
+    pub fn begin(&mut self, at: u64, step: &StepRecord) {
+        let bits = [
+            (step.suspended, SUSPENDED),
+            (step.reduced, REDUCED),
+            (step.aborting, ABORTING),
+            (step.stopping, STOPPING),
+        ];
         self.flags = bits.iter().filter(|(is_set, _)| *is_set).map(|(_, bit)| bit).sum();
-        (self.step, self.time, self.path_time) = (step, at, dt);
-        (self.duration, self.speed) = (duration, speed);
-        if resetting {
+        (self.step, self.time, self.path_time) = (step.step, at, step.dt);
+        (self.duration, self.speed) = (step.duration, step.speed);
+        if step.resetting {
             self.fault = [0; TEXT];
         }
     }

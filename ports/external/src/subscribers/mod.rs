@@ -122,23 +122,10 @@ impl Subscription for Subscribers {
 
 /// Whether subscribers are shown this.
 fn is_shown(what: &StepEvent) -> bool {
-    match what {
-        StepEvent::Step { .. }
-        | StepEvent::Image { .. }
-        | StepEvent::Fault { .. }
-        | StepEvent::End { .. } => true,
-        StepEvent::Instruction { .. }
-        | StepEvent::Abort { .. }
-        | StepEvent::Jog { .. }
-        | StepEvent::Late { .. }
-        | StepEvent::LateRequest { .. }
-        | StepEvent::Order { .. }
-        | StepEvent::Found { .. }
-        | StepEvent::Currents { .. }
-        | StepEvent::Signals { .. }
-        | StepEvent::Reading { .. }
-        | StepEvent::Body { .. } => false,
-    }
+    matches!(
+        what,
+        StepEvent::Step(_) | StepEvent::Image { .. } | StepEvent::Fault { .. } | StepEvent::End { .. }
+    )
 }
 
 fn tell(port: &str, trouble: &RingError) {
@@ -199,8 +186,8 @@ impl Sink for Show {
                     let _ = robot.images.send_copy(RobotMessage { sent: monotonic(), ..message });
                 }
             }
-            StepEvent::Step { .. } => {
-                self.newest.begin(record.time, &record.what);
+            StepEvent::Step(step) => {
+                self.newest.begin(record.time, &step);
                 self.show_cell();
             }
             StepEvent::Fault { step } | StepEvent::End { step } => {

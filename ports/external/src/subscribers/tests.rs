@@ -10,7 +10,7 @@ use iceoryx2::prelude::*;
 use mrroc::cell::Cell;
 use mrroc::fault::{Fault, ProcessId};
 use mrroc::generator::RobotHandle;
-use mrroc::observe::step_observer::{StepEvent, StepObserver};
+use mrroc::observe::step_observer::{StepEvent, StepObserver, StepRecord};
 use mrroc::prelude::*;
 use mrroc_generators::generators::JointMove;
 use mrroc_launch::cell_file::CellFile;
@@ -151,7 +151,7 @@ fn a_second_cell_at_the_same_port_runs_unseen_and_the_first_one_stays_shown() {
     let shown = cell(&folder).begin_subscriptions(None, mrroc::link::Clock::Virtual);
     assert_eq!(shown.len(), 1);
     // Its thread has opened the port when it has shown something.
-    let step = StepEvent::Step {
+    let step = StepEvent::Step(StepRecord {
         step: 7,
         dt: 0.002,
         duration: 0.002,
@@ -161,7 +161,7 @@ fn a_second_cell_at_the_same_port_runs_unseen_and_the_first_one_stays_shown() {
         aborting: false,
         stopping: false,
         resetting: false,
-    };
+    });
     shown[0].see(14_000_000, ProcessId::MP, &step, &[]);
     let mut first = subscriber.steps();
     while first.is_empty() {

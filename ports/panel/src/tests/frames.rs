@@ -1,11 +1,12 @@
 //! What a page is sent, and in which order.
 
+use mrroc_core::observe::step_observer::StepRecord;
 use serde_json::json;
 
 use super::pages::{fixture, of_history};
 use super::*;
 use crate::events::PageEvent;
-use crate::run_history::{RunHistory, StepSeen};
+use crate::run_history::RunHistory;
 
 #[test]
 fn a_page_is_told_what_stays_as_it_is_then_who_has_control_and_then_what_changes() {
@@ -97,7 +98,7 @@ fn what_a_run_showed_that_is_over_is_answered_and_nothing_of_it_is_operated() {
     for step in 0..100 {
         let (time, tool) = (20_000_000 * step, mrroc_core::pose::Pose::identity());
         history.robot(time, "arm", [&six, &six], [tool, tool]);
-        history.step(time, &StepSeen { step, dt: 0.02, duration: 0.02, ..StepSeen::default() });
+        history.step(time, &StepRecord { step, dt: 0.02, duration: 0.02, ..StepRecord::default() });
     }
     let lasts = history.lasts();
     let mut fixture = of_history(Some(Box::new(history)));

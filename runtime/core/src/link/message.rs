@@ -44,6 +44,23 @@ pub enum OrderKind {
     Reset,
 }
 
+impl OrderKind {
+    /// Its word.
+    #[must_use]
+    pub const fn word(self) -> &'static str {
+        match self {
+            OrderKind::Query => "query",
+            OrderKind::Start => "start",
+            OrderKind::Step => "step",
+            OrderKind::End => "end",
+            OrderKind::Abort => "abort",
+            OrderKind::Brake => "brake",
+            OrderKind::Stop => "stop",
+            OrderKind::Reset => "reset",
+        }
+    }
+}
+
 /// What an ECP tells its EDP.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RequestKind {

@@ -7,8 +7,10 @@ pub mod activity;
 pub mod layout;
 pub mod recording;
 pub mod ring;
+pub mod sample;
 pub mod servo;
 pub mod shown;
+mod step_event;
 pub mod step_observer;
 pub mod subscription;
 

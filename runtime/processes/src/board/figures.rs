@@ -8,9 +8,10 @@ use std::fmt::Write;
 use mrroc_core::fault::ProcessId;
 use mrroc_core::link::Nanos;
 use mrroc_launch::outcome_file::{Punctuality, Times};
+use serde::{Deserialize, Serialize};
 
 /// The distribution of a time \[ns\].
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Spread {
     /// How many samples there are.
     pub count: u64,
@@ -23,7 +24,7 @@ pub struct Spread {
 }
 
 /// The figures of a process since the cell began.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Figures {
     /// How late steps of the MP and servo periods of an EDP or of the plant began.
     pub late: Spread,

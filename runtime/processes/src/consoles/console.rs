@@ -8,15 +8,12 @@ use std::os::fd::{AsFd, BorrowedFd};
 use std::os::unix::net::UnixStream;
 use std::time::Instant;
 
-use super::protocol::MAX_REQUEST;
+use super::protocol::{MAX_ANSWER, MAX_REQUEST};
 use crate::link::monotonic;
 use mrroc_core::observe::recording::Command;
 use mrroc_core::operator::button::Button;
 use mrroc_core::operator::request::Addressed;
 use mrroc_core::operator::{Answer, OnBehalf, Request};
-
-/// How much unread text may wait for a console \[bytes\].
-pub(super) const MAX_OUTPUT: usize = 1 << 19;
 
 /// The request of a console that has not been answered yet.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -190,7 +187,7 @@ impl Console {
     pub fn write(&mut self, text: &str) {
         self.output.extend_from_slice(text.as_bytes());
         self.flush();
-        self.gone |= self.output.len() > MAX_OUTPUT;
+        self.gone |= self.output.len() > MAX_ANSWER;
     }
 
     /// Writes as much of the waiting text as the socket takes.

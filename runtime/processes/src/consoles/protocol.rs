@@ -1,7 +1,7 @@
 //! What a console and the console server of a cell write to each other: lines of text.
 //!
 //! In: one [request](mrroc_core::operator::request) a line; a console reads the answer before it sends the next one. Out: an answer in one
-//! line, `done TEXT`, `refused TEXT` or `pending TEXT`; or a picture of many lines, from `picture` to `end`.
+//! line, `done TEXT`, `refused TEXT` or `pending TEXT`; or a picture in one line, `picture JSON`.
 
 use std::io::{self, BufRead, ErrorKind};
 
@@ -14,11 +14,8 @@ pub(super) const SOCKET: &str = "operator";
 /// The longest request, without its line end \[bytes\].
 pub(super) const MAX_REQUEST: usize = 450;
 
-/// The longest line of an answer \[bytes\].
-const MAX_ANSWER: usize = 4096;
-
-/// The largest number of lines of a picture.
-const MAX_LINES: usize = 1000;
+/// The longest line that a console reads, and how much unread text may wait for it \[bytes\].
+pub(super) const MAX_ANSWER: usize = 1 << 19;
 
 /// What a console receives.
 #[derive(Clone, Debug, PartialEq)]
@@ -40,18 +37,14 @@ impl ConsoleMessage {
             io::Error::new(ErrorKind::InvalidData, text)
         };
         let Some(line) = read_line(from)? else { return Ok(None) };
-        if line.split(' ').next() != Some("picture") {
+        let Some(picture) = line.strip_prefix("picture ") else {
             return Answer::read(&line).map(ConsoleMessage::Answer).map(Some).ok_or_else(|| bad(&line));
-        }
-        let mut picture = Box::new(Picture::default());
-        for _ in 0..MAX_LINES {
-            let Some(line) = read_line(from)? else { return Ok(None) };
-            if line == "end" {
-                return Ok(Some(ConsoleMessage::Picture(picture)));
-            }
-            picture.take(&line).map_err(|error| io::Error::new(ErrorKind::InvalidData, error))?;
-        }
-        Err(bad("picture"))
+        };
+        let picture = serde_json::from_str(picture);
+        picture
+            .map(ConsoleMessage::Picture)
+            .map(Some)
+            .map_err(|error| io::Error::new(ErrorKind::InvalidData, error))
     }
 }
 
@@ -73,7 +66,6 @@ fn read_line(from: &mut impl BufRead) -> io::Result<Option<String>> {
 #[cfg(test)]
 mod tests {
     use super::super::beside::{BodyPicture, CarriedPicture, ReadingPicture};
-    use super::super::console::MAX_OUTPUT;
     use super::super::picture::{CellPicture, ProcessPicture, RobotPicture};
     use super::*;
     use crate::board::entry::BODIES;
@@ -296,7 +288,7 @@ mod tests {
             ..Picture::default()
         };
         let text = picture.to_string();
-        assert!(text.len() <= MAX_OUTPUT, "{}", text.len());
+        assert!(text.len() <= MAX_ANSWER, "{}", text.len());
         assert_eq!(
             ConsoleMessage::read(&mut text.as_bytes()).expect("a picture"),
             Some(ConsoleMessage::Picture(Box::new(picture)))
@@ -305,13 +297,9 @@ mod tests {
 
     #[test]
     fn what_has_no_end_is_given_up() {
-        let huge = vec![b'x'; 100 * MAX_ANSWER];
+        let huge = vec![b'x'; 2 * MAX_ANSWER];
         assert!(ConsoleMessage::read(&mut huge.as_slice()).is_err());
-        let endless = "picture\n".to_owned() + &"token 1\n".repeat(10 * MAX_LINES);
-        assert!(ConsoleMessage::read(&mut endless.as_bytes()).is_err());
-        let crowded = "picture\n".to_owned()
-            + &"process 1 runs 0 0 0 0 0 0 0 0 0 0 0 mp\n".repeat(MAX_PROCESSES + 1)
-            + "end\n";
-        assert!(ConsoleMessage::read(&mut crowded.as_bytes()).is_err());
+        let deep = "picture ".to_owned() + &"[".repeat(MAX_ANSWER / 2) + "\n";
+        assert!(ConsoleMessage::read(&mut deep.as_bytes()).is_err());
     }
 }

@@ -404,7 +404,7 @@ impl Service {
                 speed: mp.speed,
                 doing: mp.doing,
                 by: mp.by,
-                fault: mp.fault.map(|fault| fault.to_string()),
+                fault: mp.fault.as_ref().map(one_line),
             })
         };
         self.sessions.iter().enumerate().filter_map(lower).collect()
@@ -428,8 +428,8 @@ impl Service {
             by: mp.by,
             holder: holder.map(|console| console.pid),
             help: mp.fault.as_ref().and_then(Fault::help).map(str::to_owned),
-            fault: mp.fault.map(|fault| fault.to_string()),
-            persisting: mp.persisting.map(|fault| fault.to_string()),
+            fault: mp.fault.as_ref().map(one_line),
+            persisting: mp.persisting.as_ref().map(one_line),
             cells: self.cells(session),
             ..Picture::default()
         };
@@ -490,4 +490,9 @@ impl Service {
         }
         picture
     }
+}
+
+/// A fault in one line: a program's text of it may have several.
+fn one_line(fault: &Fault) -> String {
+    fault.to_string().split_whitespace().collect::<Vec<_>>().join(" ")
 }

@@ -11,7 +11,7 @@ use mrroc_core::link::{Clock, Nanos};
 use mrroc_core::observe::layout::{Layout, SensorLayout};
 use mrroc_core::observe::recording::RunRecord;
 use mrroc_core::observe::ring::Ring;
-use mrroc_core::observe::step_observer::{ReadingState, StepEvent, StepObserver};
+use mrroc_core::observe::step_observer::{ReadingState, StepEvent, StepObserver, StepRecord};
 use mrroc_core::payload::Shape;
 use mrroc_core::sensor::VspMode;
 use proptest::prelude::*;
@@ -74,7 +74,7 @@ fn name(text: &str) -> Name {
 }
 
 fn step(step: u64) -> StepEvent {
-    StepEvent::Step {
+    StepEvent::Step(StepRecord {
         step,
         dt: 0.001,
         duration: 0.002,
@@ -84,7 +84,7 @@ fn step(step: u64) -> StepEvent {
         aborting: false,
         stopping: false,
         resetting: true,
-    }
+    })
 }
 
 fn reading(step: u64, state: ReadingState) -> StepEvent {
@@ -142,7 +142,7 @@ impl StepObserver for Waits {
         let mut seen = self.0.lock().expect("no panic");
         let expected = seen.1;
         assert!(
-            matches!(what, StepEvent::Step { step, .. } if *step == expected),
+            matches!(what, StepEvent::Step(StepRecord { step, .. }) if *step == expected),
             "{what:?}, not {expected}"
         );
         seen.1 += 1;

@@ -11,7 +11,7 @@ use crate::cell::{Cell, CellError, RobotSetup};
 use crate::model::fault::{FaultKind, ProcessId};
 use crate::model::pose::Pose;
 use crate::model::time::Nanos;
-use crate::observe::step_observer::{StepEvent, StepObserver};
+use crate::observe::step_observer::{StepEvent, StepObserver, StepRecord};
 
 /// The steps that were shown, each with whether a protective stop was asked for.
 #[derive(Default)]
@@ -19,7 +19,7 @@ struct Steps(RefCell<Vec<(u64, bool)>>);
 
 impl StepObserver for Steps {
     fn see(&self, _: Nanos, _: ProcessId, what: &StepEvent, _: &[u64]) {
-        if let StepEvent::Step { step, stopping, .. } = what {
+        if let StepEvent::Step(StepRecord { step, stopping, .. }) = what {
             self.0.borrow_mut().push((*step, *stopping));
         }
     }

@@ -7,7 +7,7 @@ use std::rc::Rc;
 
 use crate::control::replay::Script;
 use crate::model::fault::{Fault, FaultKind};
-use crate::observe::step_observer::StepEvent;
+use crate::observe::step_observer::{StepEvent, StepRecord};
 use crate::safety::latch::Latch;
 
 use super::Mp;
@@ -44,7 +44,7 @@ impl Mp<'_> {
             self.stops.refuse();
             return Err(Fault::orderly(FaultKind::CellClosed));
         }
-        let what = StepEvent::Step {
+        let record = StepRecord {
             step,
             dt: self.clock.dt(),
             duration: self.clock.duration(),
@@ -55,7 +55,7 @@ impl Mp<'_> {
             stopping,
             resetting: self.operating.operator.latch() == Latch::Resetting,
         };
-        self.step_observers.show(self.host.waiter.now(), &what, &[]);
+        self.step_observers.show(self.host.waiter.now(), &StepEvent::Step(record), &[]);
         Ok(())
     }
 

@@ -2,10 +2,12 @@
 
 use core::fmt;
 
+use mrroc_macros::Payload;
+
 use crate::model::name::Name;
 
 /// The role of a process.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Payload)]
 pub enum Role {
     /// Master process, the coordinator.
     Mp,

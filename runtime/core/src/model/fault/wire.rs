@@ -77,16 +77,7 @@ impl Wire for FaultWords {
     fn get(words: &[u64]) -> Result<Self, BadWords> {
         let words = words.get(..Self::LEN).ok_or(BadWords)?;
         let some = |word: u64| (word != NONE).then_some(word);
-        let role = match some(words[1]) {
-            None => None,
-            Some(0) => Some(Role::Mp),
-            Some(1) => Some(Role::Ecp),
-            Some(2) => Some(Role::Edp),
-            Some(3) => Some(Role::Vsp),
-            Some(4) => Some(Role::Plant),
-            Some(5) => Some(Role::Node),
-            Some(_) => return Err(BadWords),
-        };
+        let role = some(words[1]).map(|word| Role::get(&[word])).transpose()?;
         let process = role.map(|role| ProcessId { role, name: Name::get(&words[8..11]).ok() });
         let excess = match some(words[4]) {
             None => None,
