@@ -120,7 +120,7 @@ pub enum StepEvent {
         /// The step.
         step: u64,
     },
-    /// The inputs and outputs of a robot that has such, when an EDP begins a step: [`SIGNAL_WORDS`] words of its
+    /// The inputs and outputs of a robot that has such, when an EDP begins a step: [`SIGNAL_WORDS`](crate::observe::step_observer::SIGNAL_WORDS) words of its
     /// [`Signals`](crate::robot::Signals).
     Signals {
         /// The step.
