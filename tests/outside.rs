@@ -1,5 +1,5 @@
-//! Cargo in projects outside of the workspace, which tests make: without the network, with this workspace's versions,
-//! profiles and target folder. What it has compiled already is not compiled again, and what they share is compiled once.
+//! Cargo in projects outside of the workspace, which tests make: without the network, with this workspace's profiles and
+//! target folder. What it has compiled already is not compiled again, and what they share is compiled once.
 
 use std::fs;
 use std::path::Path;
@@ -10,7 +10,6 @@ pub fn cargo(root: &Path, project: &Path, subcommand: &str) -> Command {
     let workspace = fs::read_to_string(root.join("Cargo.toml")).expect("the workspace's manifest");
     let configuration = project.join("profiles.toml");
     fs::write(&configuration, profiles(&workspace)).expect("the project can be written");
-    fs::copy(root.join("Cargo.lock"), project.join("Cargo.lock")).expect("the workspace's Cargo.lock");
     let target = Path::new(env!("CARGO_TARGET_TMPDIR")).parent().expect("the target folder");
     let mut command = Command::new(env!("CARGO"));
     command.arg(subcommand);

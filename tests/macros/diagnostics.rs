@@ -76,6 +76,7 @@ fn check(here: &Path, cases: &BTreeMap<String, String>) -> BTreeMap<String, Vec<
         here.join("program.rs")
     );
     fs::write(scratch.join("Cargo.toml"), manifest).unwrap();
+    fs::copy(root.join("Cargo.lock"), scratch.join("Cargo.lock")).unwrap();
     fs::write(scratch.join("src/lib.rs"), library).unwrap();
 
     let mut errors = BTreeMap::<String, Vec<Mistake>>::new();

@@ -22,6 +22,9 @@ fn project(folder: Folder) -> Folder {
         "Cargo.toml",
         &(manifest + "nalgebra = { version = \"0.35\", default-features = false, features = [\"std\"] }\n"),
     );
+    let versions =
+        std::fs::read_to_string(checkout().join("Cargo.lock")).expect("the workspace's Cargo.lock");
+    folder.write("Cargo.lock", &versions);
     folder.write("src/lib.rs", "//! A task.\n\npub mod generators;\n");
     folder.write("src/generators/mod.rs", "//! Generators of this task.\n");
     folder
