@@ -297,11 +297,11 @@ impl Pages {
             Request::Take => "take control".to_owned(),
             _ => request.to_string(),
         };
-        let (outcome, text) = answer.parts();
-        if *request == Request::Take && outcome == "refused" {
+        if *request == Request::Take && matches!(answer, Answer::Refused(_)) {
             // Another console has it: this page has nothing either.
             self.control.leave(page);
         }
+        let (outcome, text) = answer.parts();
         self.note(&format!("page {page}: {word}: {outcome}: {text}"));
         let _ = self.answer(key, number, &answer);
         self.is_answered(key, *request == Request::Press(Button::Stop));

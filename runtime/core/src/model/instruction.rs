@@ -24,14 +24,17 @@ impl InstructionKind {
     pub const ALL: [InstructionKind; 4] =
         [InstructionKind::Nothing, InstructionKind::Homing, InstructionKind::Move, InstructionKind::Wait];
 
+    /// Their words, in the same order.
+    pub const WORDS: [&'static str; InstructionKind::ALL.len()] = ["nothing", "homing", "move", "wait"];
+
     /// Its word.
     pub const fn word(self) -> &'static str {
-        match self {
-            InstructionKind::Nothing => "nothing",
-            InstructionKind::Homing => "homing",
-            InstructionKind::Move => "move",
-            InstructionKind::Wait => "wait",
-        }
+        InstructionKind::WORDS[self as usize]
+    }
+
+    /// The one that travels as this; `None` if there is none.
+    pub fn from_word(word: u64) -> Option<InstructionKind> {
+        InstructionKind::ALL.get(usize::try_from(word).ok()?).copied()
     }
 }
 
@@ -138,14 +141,12 @@ impl Wire for Instruction {
     fn get(words: &[u64]) -> Result<Self, BadWords> {
         let words = words.get(..Self::LEN).ok_or(BadWords)?;
         let level = if words[0] & OF_ECP != 0 { Level::Ecp } else { Level::Mp };
-        let doing = usize::try_from((words[0] & !OF_ECP) >> 32)
-            .ok()
-            .and_then(|place| InstructionKind::ALL.get(place));
+        let doing = InstructionKind::from_word((words[0] & !OF_ECP) >> 32).ok_or(BadWords)?;
         let mut by = [0; NAME];
         for (chunk, word) in by.as_chunks_mut::<8>().0.iter_mut().zip(&words[1..]) {
             *chunk = word.to_le_bytes();
         }
-        Ok(Instruction { ordinal: words[0] as u32, doing: *doing.ok_or(BadWords)?, level, by })
+        Ok(Instruction { ordinal: words[0] as u32, doing, level, by })
     }
 }
 

@@ -70,12 +70,11 @@ impl Wire for Activity {
 
     fn get(words: &[u64]) -> Result<Self, BadWords> {
         let words = words.get(..Self::LEN).ok_or(BadWords)?;
-        let doing = usize::try_from(words[1]).ok().and_then(|place| InstructionKind::ALL.get(place));
+        let doing = InstructionKind::from_word(words[1]).ok_or(BadWords)?;
         let mut name = [0; NAME];
         for (chunk, word) in name.as_chunks_mut::<8>().0.iter_mut().zip(&words[3..]) {
             *chunk = word.to_le_bytes();
         }
-        let doing = *doing.ok_or(BadWords)?;
         Ok(Activity { instructions: words[0], doing, suspended: bool::get(&words[2..])?, name })
     }
 }

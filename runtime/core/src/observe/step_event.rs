@@ -120,8 +120,8 @@ pub enum StepEvent {
         /// The step.
         step: u64,
     },
-    /// The inputs and outputs of a robot that has such, when an EDP begins a step: [`SIGNAL_WORDS`](crate::observe::step_observer::SIGNAL_WORDS) words of its
-    /// [`Signals`](crate::robot::Signals).
+    /// The inputs and outputs of a robot that has such, when an EDP begins a step:
+    /// [`SIGNAL_WORDS`](super::step_observer::SIGNAL_WORDS) words of its [`Signals`](crate::robot::Signals).
     Signals {
         /// The step.
         step: u64,
@@ -214,12 +214,7 @@ impl ReadingState {
 }
 
 /// What is done in an instruction, as its word.
-const DOING: &Shape = &Shape::Choice(&[
-    InstructionKind::ALL[0].word(),
-    InstructionKind::ALL[1].word(),
-    InstructionKind::ALL[2].word(),
-    InstructionKind::ALL[3].word(),
-]);
+const DOING: &Shape = &Shape::Choice(&InstructionKind::WORDS);
 
 impl StepEvent {
     /// The channel of which it is a sample, shown by this process.

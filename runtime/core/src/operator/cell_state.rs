@@ -48,6 +48,11 @@ impl CellState {
     pub const fn word(self) -> &'static str {
         CellState::WORDS[self as usize]
     }
+
+    /// The one that travels as this; `None` if there is none.
+    pub fn from_word(word: u64) -> Option<CellState> {
+        CellState::ALL.get(usize::try_from(word).ok()?).copied()
+    }
 }
 
 impl Operator {

@@ -92,11 +92,11 @@ const STOP: usize = 2 + NAME_BYTES / 8;
 /// What the entry of an ECP says: what its program does, the generator or condition of its last instruction, and why its robot
 /// stands though it is jogged.
 pub(crate) fn ecp(words: &[u64; ENTRY]) -> (InstructionKind, String, JogStop) {
-    (doing(words[0]), name(&words[1..STOP]), JogStop::from_word(words[STOP]))
-}
-
-fn doing(word: u64) -> InstructionKind {
-    usize::try_from(word).ok().and_then(|place| InstructionKind::ALL.get(place)).copied().unwrap_or_default()
+    (
+        InstructionKind::from_word(words[0]).unwrap_or_default(),
+        name(&words[1..STOP]),
+        JogStop::from_word(words[STOP]),
+    )
 }
 
 /// Puts the length of a name, and its first bytes, without allocation.
@@ -139,10 +139,7 @@ pub(crate) struct MpPanel {
 impl MpPanel {
     /// Reads an entry. Words that have no valid meaning are read as absent.
     pub fn read(words: &[u64; ENTRY]) -> MpPanel {
-        let state = |word: u64| {
-            let place = usize::try_from(word).ok();
-            place.and_then(|place| CellState::ALL.get(place)).copied().unwrap_or_default()
-        };
+        let state = |word| CellState::from_word(word).unwrap_or_default();
         let mut answers = [Pressed::default(); Button::KINDS];
         for (answer, words) in answers.iter_mut().zip(words[ANSWERS..FAULT].chunks_exact(4)) {
             let why = usize::try_from(words[3]).ok().and_then(|word| word.checked_sub(2));
@@ -155,7 +152,7 @@ impl MpPanel {
             period: words[1],
             epoch: words[9] as u32,
             instructions: words[2],
-            doing: doing(words[3]),
+            doing: InstructionKind::from_word(words[3]).unwrap_or_default(),
             by: name(&words[NAME..PERSISTING]),
             rate: f64::from_bits(words[4]),
             speed: f64::from_bits(words[5]),

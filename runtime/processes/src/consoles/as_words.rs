@@ -57,7 +57,7 @@ as_words! {
     };
     Vec<f64>: |numbers| numbers.iter().map(|x| x.to_bits()).collect(),
         |words| Some(words.iter().map(|word| f64::from_bits(*word)).collect());
-    CellState: |state| vec![*state as u64], |words| CellState::ALL.get(usize::try_from(*words.first()?).ok()?).copied();
-    InstructionKind: |doing| vec![*doing as u64], |words| InstructionKind::ALL.get(usize::try_from(*words.first()?).ok()?).copied();
+    CellState: |state| vec![*state as u64], |words| CellState::from_word(*words.first()?);
+    InstructionKind: |doing| vec![*doing as u64], |words| InstructionKind::from_word(*words.first()?);
     JogStop: |stop| vec![stop.to_word()], |words| words.first().copied().map(JogStop::from_word);
 }
