@@ -21,6 +21,16 @@ impl Capsule {
         let [p, q] = nearest_points(&self.ends, &other.ends);
         Gap::between([p, q], [self.radius, other.radius])
     }
+
+    /// The distance of a point from its surface \[m\]; below 0 inside, at least minus the radius.
+    #[must_use]
+    pub fn distance(&self, point: &Vector3<f64>) -> f64 {
+        let [a, b] = &self.ends;
+        let d = b - a;
+        let length = d.norm_squared();
+        let part = if length > 0.0 { (d.dot(&(point - a)) / length).clamp(0.0, 1.0) } else { 0.0 };
+        (point - a - d * part).norm() - self.radius
+    }
 }
 
 /// The distance between two bodies, and where it is.

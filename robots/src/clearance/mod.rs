@@ -5,7 +5,7 @@
 //! ```text
 //! Outline (links as capsules, motions) --.
 //! tools, grasped bodies (capsules in F) --+-> Clearance --- check ---> a guard: protective stop on the path
-//! Obstacle (table, post, box) ------------'       '------ DryRun ---> smallest distance of a whole run
+//! Obstacle (table, box, cloud, ..) -------'       '------ DryRun ---> smallest distance of a whole run
 //! ```
 //!
 //! **In motion.** [`Clearance::check`] is made for the guard of a cell:
@@ -63,7 +63,7 @@ pub use check::Clearance;
 pub use dry_run::{Closest, DryRun, smallest_distance};
 pub use error::{CheckError, ClearanceError, Nearest, Side, TooClose};
 pub use gap::Gap;
-pub use obstacle::Obstacle;
+pub use obstacle::{Bodies, Cloud, HeightField, Obstacle, ObstacleError};
 pub use stopping::{Stop, Stopping};
 
 pub use crate::models::{Capsule, Link, Motion, Outline};
