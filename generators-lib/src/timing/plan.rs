@@ -71,6 +71,12 @@ impl TimeOptimal {
         problem.fastest(&sets, speeds[0])
     }
 
+    /// The places where its acceleration changes, in order: time \[s\], how far the parameter is from its start, its speed, and its
+    /// acceleration from there on. The last one is its end.
+    pub fn pieces(&self) -> impl ExactSizeIterator<Item = (f64, ProfilePoint)> {
+        self.knots.iter().map(|knot| (knot.time, ProfilePoint { s: knot.s, v: knot.v, a: knot.a }))
+    }
+
     fn last(&self) -> &Knot {
         &self.knots[self.knots.len() - 1]
     }

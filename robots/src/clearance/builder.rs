@@ -51,7 +51,7 @@ impl ClearanceBuilder {
         if self.clearance.place_of(name).is_some() {
             return Err(ClearanceError::SecondRobot { robot });
         }
-        self.clearance.robots.push(Placement::new(robot, Box::new(outline)));
+        self.clearance.robots.push(Placement::new(robot, Arc::new(outline)));
         Ok(self)
     }
 

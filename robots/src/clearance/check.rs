@@ -27,6 +27,7 @@ enum Purpose {
 /// Robots, what they carry and what stands around them; made by a [`ClearanceBuilder`](super::ClearanceBuilder).
 ///
 /// A check takes a few microseconds and allocates nothing.
+#[derive(Clone)]
 pub struct Clearance {
     pub(super) robots: Vec<Placement>,
     pub(super) names: Vec<Arc<str>>,

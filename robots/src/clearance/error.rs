@@ -16,6 +16,13 @@ pub struct Side {
     pub point: Vector3<f64>,
 }
 
+impl core::fmt::Display for Nearest {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        let [a, b] = &self.sides;
+        write!(f, "{a} and {b} are {:.1} mm apart", 1e3 * self.distance)
+    }
+}
+
 impl core::fmt::Display for Side {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match &self.robot {

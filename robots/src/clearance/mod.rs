@@ -55,6 +55,7 @@ mod error;
 mod gap;
 mod obstacle;
 mod pairs;
+mod parts;
 mod posture;
 mod stopping;
 
@@ -64,6 +65,8 @@ pub use dry_run::{Closest, DryRun, smallest_distance};
 pub use error::{CheckError, ClearanceError, Nearest, Side, TooClose};
 pub use gap::Gap;
 pub use obstacle::{Bodies, Cloud, HeightField, Obstacle, ObstacleError};
-pub use stopping::{Stop, Stopping};
+pub use parts::{CheckedPair, Partner, RobotPart};
+pub use posture::{Joints, Shape};
+pub use stopping::{Pace, Stop, Stopping};
 
-pub use crate::models::{Capsule, Link, Motion, Outline};
+pub use crate::models::{Capsule, Chain, ChainBody, ChainJoint, Link, Motion, Outline};

@@ -1,32 +1,49 @@
 //! A robot of any kind as the clearance sees it: capsules where they are, and how far each may still get.
 
+use std::sync::Arc;
+
 use mrroc::fault::Name;
 use mrroc::prelude::*;
-use mrroc::robot::{JointVector, MAX_JOINTS};
-use nalgebra::Vector3;
+use mrroc::robot::{JointKind, JointVector, Limits, MAX_JOINTS};
+use nalgebra::{SVector, Vector3};
 
 use super::stopping::{Pace, Stopping};
-use crate::models::{Capsule, Link, Motion, Outline};
+use crate::models::{Capsule, Chain, Link, Motion, Outline};
 
 /// Joint positions or velocities of a robot of any kind, as the runtime passes them.
-pub(super) type Joints = [f64; MAX_JOINTS];
+pub type Joints = [f64; MAX_JOINTS];
 
 /// The most motions that a robot's outline may have.
 const MOTIONS: usize = 17;
 
-/// An [`Outline`] without its type.
-pub(super) trait Shape {
+/// An [`Outline`] without its type: joints are the first of eight numbers.
+pub trait Shape: Send + Sync {
+    /// As [`Outline::links`].
     fn links(&self) -> Vec<Link>;
+    /// As [`Outline::capsules`].
     fn capsules(&self, q: &Joints, visit: &mut dyn FnMut(Capsule));
+    /// As [`Outline::motions`].
     fn motions(&self, q: &Joints, distances: &Joints, visit: &mut dyn FnMut(Motion));
-    fn flange(&self, q: &Joints) -> Pose;
+    /// As [`Outline::flange_motions`].
     fn flange_motions(&self) -> u32;
-    fn pace(&self, stopping: &Stopping, velocity: &Joints) -> Pace;
-    fn stopping_distances(&self, stopping: &Stopping, velocity: &Joints, cell: &Pace) -> Joints;
-    /// The position that lies `part` (0 to 1 each) of the way between the limits; endless joints within a turn.
-    fn between_limits(&self, part: &dyn Fn(usize) -> f64) -> Joints;
+    /// As [`Outline::chain`].
+    fn chain(&self) -> Option<Chain>;
+    /// Pose of the flange in the world at `q` [rad or m].
+    fn flange(&self, q: &Joints) -> Pose;
+    /// The robot's limits; those beyond its joints are 0.
+    fn limits(&self) -> Limits<SVector<f64, MAX_JOINTS>>;
+    /// What kind each joint is, in their order.
+    fn kinds(&self) -> Vec<JointKind>;
+    /// Whether joints share limits, so that not every position within the limits is possible.
+    fn is_coupled(&self) -> bool;
     /// Whether the position keeps the limits that joints share.
     fn is_possible(&self, q: &Joints) -> bool;
+    /// The position that lies `part` (0 to 1 each) of the way between the limits; endless joints within a turn.
+    fn between_limits(&self, part: &dyn Fn(usize) -> f64) -> Joints;
+    /// The largest `v/a` of its joints, of which the slowest decides how long a stop of the cell takes.
+    fn pace(&self, stopping: &Stopping, velocity: &Joints) -> Pace;
+    /// How far each joint still moves in such a stop [rad or m].
+    fn stopping_distances(&self, stopping: &Stopping, velocity: &Joints, cell: &Pace) -> Joints;
 }
 
 impl<O: Outline> Shape for O {
@@ -41,6 +58,30 @@ impl<O: Outline> Shape for O {
     fn motions(&self, q: &Joints, distances: &Joints, visit: &mut dyn FnMut(Motion)) {
         let joints = |values: &Joints| JointVector::from_joints(|i| values[i]);
         Outline::motions(self, &joints(q), &joints(distances), visit);
+    }
+
+    fn chain(&self) -> Option<Chain> {
+        Outline::chain(self)
+    }
+
+    fn limits(&self) -> Limits<SVector<f64, MAX_JOINTS>> {
+        let limits = self.robot().limits();
+        let padded = |joints: &<O::Robot as Robot>::Joints| SVector::from(padded(joints));
+        Limits {
+            lower: padded(&limits.lower),
+            upper: padded(&limits.upper),
+            velocity: padded(&limits.velocity),
+            acceleration: padded(&limits.acceleration),
+            jerk: limits.jerk.as_ref().map(padded),
+        }
+    }
+
+    fn kinds(&self) -> Vec<JointKind> {
+        (0..<O::Robot as Robot>::Joints::LEN).map(|i| self.robot().joint(i)).collect()
+    }
+
+    fn is_coupled(&self) -> bool {
+        !self.robot().coupled_limits().is_empty()
     }
 
     fn flange(&self, q: &Joints) -> Pose {
@@ -67,7 +108,7 @@ impl<O: Outline> Shape for O {
         let q: <O::Robot as Robot>::Joints = JointVector::from_joints(|i| {
             let mut lower = limits.lower[i];
             let mut upper = limits.upper[i];
-            if self.robot().joint(i) == mrroc::robot::JointKind::Revolute && lower < -TURN && upper > TURN {
+            if self.robot().joint(i) == JointKind::Revolute && lower < -TURN && upper > TURN {
                 lower = -TURN;
                 upper = TURN;
             }
@@ -108,9 +149,10 @@ impl Placed {
 }
 
 /// A robot, what it carries, and where it is.
+#[derive(Clone)]
 pub(super) struct Placement {
     pub(super) name: Name,
-    shape: Box<dyn Shape>,
+    shape: Arc<dyn Shape>,
     /// The robot's own links, then what it carries.
     pub(super) links: Vec<Link>,
     own: usize,
@@ -121,7 +163,7 @@ pub(super) struct Placement {
 }
 
 impl Placement {
-    pub(super) fn new(name: Name, shape: Box<dyn Shape>) -> Self {
+    pub(super) fn new(name: Name, shape: Arc<dyn Shape>) -> Self {
         let links = shape.links();
         let own = links.len();
         let placed = Vec::with_capacity(own);
@@ -133,8 +175,13 @@ impl Placement {
         self.own
     }
 
-    pub(super) fn shape(&self) -> &dyn Shape {
-        &*self.shape
+    pub(super) fn shape(&self) -> &Arc<dyn Shape> {
+        &self.shape
+    }
+
+    /// What it carries, in the flange's frame.
+    pub(super) fn carried(&self) -> &[Capsule] {
+        &self.carried
     }
 
     /// Fixes a capsule, given in F, to the flange.
@@ -203,20 +250,20 @@ mod tests {
     use proptest::prelude::*;
 
     /// An arm read from a file of `tests/reference/urdf`, with stout links.
-    fn read<const N: usize>(text: &str, ends: [&str; 2], base: Pose) -> Box<dyn Shape> {
+    fn read<const N: usize>(text: &str, ends: [&str; 2], base: Pose) -> Arc<dyn Shape> {
         let builder = Serial::<N>::from_urdf(text, ends[0], ends[1]).unwrap();
         let robot = builder.with_acceleration(nalgebra::SVector::repeat(0.5)).unwrap();
-        Box::new(SerialOutline::new(robot.with_base(base), 0.05))
+        Arc::new(SerialOutline::new(robot.with_base(base), 0.05))
     }
 
     fn arms() -> Vec<Placement> {
         let base = Pose::new(Vector3::new(0.3, -0.2, 0.1), Vector3::new(0.2, 0.4, -1.0));
-        let shapes: [Box<dyn Shape>; 7] = [
-            Box::new(Irp6::nominal().with_base(base)),
-            Box::new(Irp6FiveDof::nominal().with_base(base)),
-            Box::new(Irp6Track::nominal().with_base(base)),
-            Box::new(Rnt::new().with_base(base)),
-            Box::new(Polycrank::new().with_base(base)),
+        let shapes: [Arc<dyn Shape>; 7] = [
+            Arc::new(Irp6::nominal().with_base(base)),
+            Arc::new(Irp6FiveDof::nominal().with_base(base)),
+            Arc::new(Irp6Track::nominal().with_base(base)),
+            Arc::new(Rnt::new().with_base(base)),
+            Arc::new(Polycrank::new().with_base(base)),
             read::<4>(include_str!("../../tests/reference/urdf/gantry.urdf"), ["bed", "tool"], base),
             read::<4>(include_str!("../../tests/reference/urdf/palletiser.urdf"), ["base", "tool"], base),
         ];

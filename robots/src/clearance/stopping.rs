@@ -119,7 +119,7 @@ impl Stopping {
 
 /// What the slowest joint to stop needs.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Pace {
+pub struct Pace {
     /// Largest v/a \[s\].
     slowest: f64,
     /// Largest a/j \[s\].

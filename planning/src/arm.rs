@@ -1,0 +1,336 @@
+//! A robot in eight postures at once: where its balls are, and how far each of its links may still get.
+//!
+//! In: joint positions, and by how much each may be off, either way. Out: frames of links, and a bound of the distance that any point
+//! of a link is from where it stands: `D_i = D_i+1 + w_i (d_i + D_i+1)` as in [`mrroc_robots::clearance`].
+//!
+//! An arm whose outline is a [`Chain`] is computed in all lanes together; others posture by posture.
+
+use std::sync::Arc;
+
+use mrroc::fault::Name;
+use mrroc::robot::{JointKind, MAX_JOINTS};
+use mrroc_robots::clearance::{Capsule, Chain, Joints, Link, Motion, RobotPart, Shape};
+use nalgebra::Vector3;
+
+use crate::balls::{Ball, BallTree, around, count, covering};
+use crate::lanes::{Frames, LANES, Lanes, Points};
+
+/// Capsules of a robot that move as one body.
+#[derive(Clone, Debug)]
+pub(crate) struct Limb {
+    /// The links, by their numbers.
+    pub(crate) links: Vec<usize>,
+    /// How many joints of the chain move it.
+    pub(crate) joints: usize,
+    /// Which motions of the outline move it.
+    pub(crate) moved_by: u32,
+    /// Balls in the limb's frame; of an arm that is no chain their number alone matters.
+    pub(crate) tree: BallTree,
+}
+
+/// A joint of a chain, in single precision.
+#[derive(Clone, Copy, Debug)]
+struct Joint {
+    rotation: [[f32; 3]; 3],
+    offset: [f32; 3],
+    kind: JointKind,
+    leader: usize,
+    multiplier: f32,
+    zero: f32,
+}
+
+#[derive(Clone)]
+enum Kinematics {
+    Chain(Vec<Joint>),
+    /// Any other outline, and how many balls cover each of its capsules.
+    Outline(Vec<usize>),
+}
+
+/// A robot.
+#[derive(Clone)]
+pub(crate) struct Arm {
+    pub(crate) part: RobotPart,
+    /// Its first joint among those of all robots.
+    pub(crate) first: usize,
+    /// How many joints it has.
+    pub(crate) joints: usize,
+    pub(crate) limbs: Vec<Limb>,
+    kinematics: Kinematics,
+}
+
+/// The most motions of an outline.
+pub(crate) const MOTIONS: usize = 17;
+
+/// Where an arm stands in each lane.
+#[derive(Clone, Default)]
+pub(crate) struct Standing {
+    /// The world, then the frame of each joint of a chain.
+    frames: Vec<Frames>,
+    /// The balls of each limb of an arm that is no chain.
+    placed: Vec<Vec<(Points, Lanes)>>,
+    /// How far a limb may still get by the motions from the `i`th on \[m\].
+    pub(crate) travel: Vec<[Lanes; MOTIONS + 1]>,
+}
+
+impl Arm {
+    /// The robot `part`, whose first joint is the `first` of all.
+    pub(crate) fn new(part: RobotPart, first: usize) -> Self {
+        let joints = part.shape.kinds().len();
+        let chain = part.shape.chain();
+        let own = part.links.len() - part.carried.len();
+        let mut limbs: Vec<Limb> = Vec::new();
+        for (i, link) in part.links.iter().enumerate() {
+            let last = chain.as_ref().map_or(0, |chain| chain.joints.len());
+            let moved = chain.as_ref().map_or(0, |chain| chain.bodies.get(i).map_or(last, |body| body.joints));
+            let same = |limb: &&mut Limb| {
+                let other: &Link = &part.links[limb.links[0]];
+                // What is carried is a limb of its own: it comes and goes.
+                (limb.links[0] < own) == (i < own) && other.name == link.name && limb.moved_by == link.moved_by
+            };
+            match limbs.iter_mut().find(same) {
+                Some(limb) => limb.links.push(i),
+                None => {
+                    let tree = BallTree::default();
+                    limbs.push(Limb { links: vec![i], joints: moved, moved_by: link.moved_by, tree });
+                }
+            }
+        }
+        let mut arm = Arm { part, first, joints, limbs, kinematics: Kinematics::Outline(Vec::new()) };
+        match chain {
+            Some(chain) => arm.take_chain(&chain, own),
+            None => arm.take_outline(),
+        }
+        arm
+    }
+
+    fn take_chain(&mut self, chain: &Chain, own: usize) {
+        for limb in &mut self.limbs {
+            let capsules: Vec<Capsule> = limb
+                .links
+                .iter()
+                .map(|&link| match chain.bodies.get(link).filter(|_| link < own) {
+                    Some(body) => body.capsule,
+                    None => self.part.carried[link - own].moved(&chain.X_tip),
+                })
+                .collect();
+            limb.tree = BallTree::of(&capsules);
+        }
+        let joint = |joint: &mrroc_robots::clearance::ChainJoint| {
+            let rotation = joint.X_before.rotation.to_rotation_matrix();
+            let column = |k: usize| [0, 1, 2].map(|i| rotation[(i, k)] as f32);
+            Joint {
+                rotation: [column(0), column(1), column(2)],
+                offset: [0, 1, 2].map(|i| joint.X_before.translation.vector[i] as f32),
+                kind: joint.kind,
+                leader: joint.leader,
+                multiplier: joint.multiplier as f32,
+                zero: joint.offset as f32,
+            }
+        };
+        self.kinematics = Kinematics::Chain(chain.joints.iter().map(joint).collect());
+    }
+
+    /// Balls for each capsule, as long as it is in the middle of the joints' ranges: a bar that is stretched is covered by as many.
+    fn take_outline(&mut self) {
+        let q = self.part.shape.between_limits(&|_| 0.5);
+        let capsules = self.capsules(&q).unwrap_or_default();
+        let counts: Vec<usize> =
+            (0..self.part.links.len()).map(|i| capsules.get(i).map_or(8, count)).collect();
+        for limb in &mut self.limbs {
+            // The numbers of the nodes are what is needed: balls along a line have the same tree wherever they are.
+            let line = |&link: &usize| {
+                let n = counts[link];
+                let at = |k: usize| Vector3::x() * (link as f64 + k as f64 / n as f64);
+                capsules.get(link).copied().unwrap_or_else(|| Capsule::new(at(0), at(1), 0.05))
+            };
+            limb.tree = BallTree::of(&limb.links.iter().map(line).collect::<Vec<_>>());
+        }
+        self.kinematics = Kinematics::Outline(counts);
+    }
+
+    /// All capsules at `q` in the world; `None` where it cannot stand so.
+    pub(crate) fn capsules(&self, q: &Joints) -> Option<Vec<Capsule>> {
+        let own = self.part.links.len() - self.part.carried.len();
+        let mut capsules = Vec::with_capacity(self.part.links.len());
+        self.part.shape.capsules(q, &mut |capsule| capsules.push(capsule));
+        if capsules.len() != own {
+            return None;
+        }
+        if !self.part.carried.is_empty() {
+            let flange = self.part.shape.flange(q);
+            capsules.extend(self.part.carried.iter().map(|capsule| capsule.moved(&flange)));
+        }
+        Some(capsules)
+    }
+
+    /// The joint from which on one of two limbs moves alone.
+    pub(crate) fn apart(&self, a: usize, b: usize, since: usize) -> usize {
+        match self.kinematics {
+            Kinematics::Chain(_) => self.limbs[a].joints.min(self.limbs[b].joints),
+            Kinematics::Outline(_) => since,
+        }
+    }
+
+    /// Stands in all lanes: `q` and `half` are the positions of this arm's joints, and by how much they may be off.
+    #[inline(always)]
+    pub(crate) fn stand(&self, q: &[Lanes], half: Option<&[Lanes]>, standing: &mut Standing) {
+        match &self.kinematics {
+            Kinematics::Chain(joints) => self.stand_chain(joints, q, half, standing),
+            Kinematics::Outline(counts) => self.stand_outline(counts, q, half, standing),
+        }
+    }
+
+    #[inline(always)]
+    fn stand_chain(&self, joints: &[Joint], q: &[Lanes], half: Option<&[Lanes]>, standing: &mut Standing) {
+        let frames = &mut standing.frames;
+        frames.clear();
+        let mut frame = Frames::world();
+        frames.push(frame);
+        for joint in joints {
+            let origin = frame.place(joint.offset);
+            let [x, y, z] = joint.rotation.map(|axis| frame.direction(axis));
+            frame = Frames { x, y, z, origin };
+            let value = q[joint.leader] * joint.multiplier + Lanes::splat(joint.zero);
+            match joint.kind {
+                JointKind::Revolute => {
+                    let (s, c) = value.sin_cos();
+                    frame.x = x * c + y * s;
+                    frame.y = y * c - x * s;
+                }
+                JointKind::Prismatic => frame.origin = origin + z * value,
+            }
+            frames.push(frame);
+        }
+        let Some(half) = half else { return };
+        standing.travel.resize(self.limbs.len(), [Lanes::default(); MOTIONS + 1]);
+        for (limb, travel) in self.limbs.iter().zip(&mut standing.travel) {
+            let root = &limb.tree.nodes[0];
+            let centre = frames[limb.joints].place(root.centre);
+            let mut moved = Lanes::default();
+            travel[limb.joints] = moved;
+            for (j, joint) in joints[..limb.joints].iter().enumerate().rev() {
+                let by = half[joint.leader] * joint.multiplier.abs();
+                moved = match joint.kind {
+                    JointKind::Revolute => {
+                        let from = (centre - frames[j + 1].origin).cross(frames[j + 1].z);
+                        let arm = from.squared().sqrt() + Lanes::splat(root.radius);
+                        moved + by * (arm + moved)
+                    }
+                    JointKind::Prismatic => moved + by,
+                };
+                travel[j] = moved;
+            }
+        }
+    }
+
+    fn stand_outline(&self, counts: &[usize], q: &[Lanes], half: Option<&[Lanes]>, standing: &mut Standing) {
+        let Standing { placed, travel, .. } = standing;
+        placed.resize(self.limbs.len(), Vec::new());
+        travel.resize(self.limbs.len(), [Lanes::default(); MOTIONS + 1]);
+        for (limb, placed) in self.limbs.iter().zip(placed.iter_mut()) {
+            placed.clear();
+            placed.resize(limb.tree.nodes.len(), (Points::default(), Lanes::splat(f32::NAN)));
+        }
+        for lane in 0..LANES {
+            let of = |values: &[Lanes]| -> Joints {
+                core::array::from_fn(|i| values.get(i).map_or(0.0, |value| f64::from(value.0[lane])))
+            };
+            let at = of(q);
+            // A posture in which it cannot stand keeps balls that are no numbers, which are clear of nothing.
+            let Some(capsules) = self.capsules(&at) else { continue };
+            for (limb, placed) in self.limbs.iter().zip(placed.iter_mut()) {
+                let groups = limb.links.iter().map(|&link| (&capsules[link], counts[link]));
+                let balls: Vec<Vec<Ball>> = groups.map(|(capsule, n)| covering(capsule, n).collect()).collect();
+                place(&limb.tree, &balls, lane, placed);
+            }
+            let Some(half) = half else { continue };
+            let mut motions = Vec::with_capacity(MOTIONS);
+            self.part.shape.motions(&at, &of(half), &mut |motion| motions.push(motion));
+            motions.truncate(MOTIONS);
+            for ((limb, travel), placed) in self.limbs.iter().zip(travel.iter_mut()).zip(placed.iter()) {
+                let (centre, radius) = &placed[0];
+                let centre = Vector3::from(centre.0.map(|x| f64::from(x.0[lane])));
+                let mut moved = 0.0;
+                travel[motions.len()].0[lane] = 0.0;
+                for (i, motion) in motions.iter().enumerate().rev() {
+                    if limb.moved_by >> i & 1 == 1 {
+                        moved += moved_by(motion, &centre, f64::from(radius.0[lane]), moved);
+                    }
+                    travel[i].0[lane] = moved as f32;
+                }
+            }
+        }
+    }
+
+    /// The ball of a node of a limb.
+    #[inline(always)]
+    pub(crate) fn ball(&self, standing: &Standing, limb: usize, node: usize) -> (Points, Lanes) {
+        match self.kinematics {
+            Kinematics::Chain(_) => {
+                let limb = &self.limbs[limb];
+                let node = &limb.tree.nodes[node];
+                (standing.frames[limb.joints].place(node.centre), Lanes::splat(node.radius))
+            }
+            Kinematics::Outline(_) => standing.placed[limb][node],
+        }
+    }
+
+    /// Its name.
+    pub(crate) fn name(&self) -> Name {
+        self.part.name
+    }
+
+    /// Of the joints of all robots, those of this one.
+    pub(crate) fn own<T: Copy + Default>(&self, all: &[T]) -> [T; MAX_JOINTS] {
+        core::array::from_fn(|i| if i < self.joints { all[self.first + i] } else { T::default() })
+    }
+}
+
+/// How far a ball may get by a motion, when those behind it may have moved it by `moved` \[m\].
+fn moved_by(motion: &Motion, centre: &Vector3<f64>, radius: f64, moved: f64) -> f64 {
+    match motion {
+        Motion::Slide { bound } => *bound,
+        Motion::Turn { point, axis, bound } => {
+            let from = centre - point;
+            let arm = axis.map_or(from, |axis| from.cross(&axis)).norm();
+            bound * (arm + radius + moved)
+        }
+    }
+}
+
+/// Places the balls of a limb's capsules, and those around them, in one lane of the nodes of a tree of the same shape.
+fn place(tree: &BallTree, balls: &[Vec<Ball>], lane: usize, placed: &mut [(Points, Lanes)]) {
+    let mut set = |node: usize, ball: &Ball| {
+        for (i, lanes) in placed[node].0.0.iter_mut().enumerate() {
+            lanes.0[lane] = ball.centre[i] as f32;
+        }
+        placed[node].1.0[lane] = (ball.radius + 1e-6 * (1.0 + ball.centre.norm())) as f32;
+    };
+    // Nodes stand before what is below them, so from the last to the first what is below is known.
+    let mut below: Vec<Option<Ball>> = vec![None; tree.nodes.len()];
+    for (root, balls) in tree.roots.iter().zip(balls) {
+        let mut leaf = *root as usize;
+        for ball in balls {
+            while tree.nodes.get(leaf).is_some_and(|node| node.second != 0) {
+                leaf += 1;
+            }
+            if let Some(place) = below.get_mut(leaf) {
+                *place = Some(*ball);
+            }
+            leaf += 1;
+        }
+    }
+    for node in (0..tree.nodes.len()).rev() {
+        let second = tree.nodes[node].second as usize;
+        if second != 0 {
+            let both: Vec<Ball> = [node + 1, second].into_iter().filter_map(|child| below[child]).collect();
+            below[node] = (!both.is_empty()).then(|| around(&both));
+        }
+        if let Some(ball) = &below[node] {
+            set(node, ball);
+        }
+    }
+}
+
+/// The same shape for several owners.
+pub(crate) type SharedShape = Arc<dyn Shape>;

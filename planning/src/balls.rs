@@ -1,0 +1,164 @@
+//! Balls that cover a link, in a tree: each node's ball holds those below it.
+//!
+//! In: the capsules of a link. Out: a [`BallTree`], whose leaves cover the capsules, standing out by at most [`EXCESS`]. A node that is
+//! clear of something needs no look at what is below it.
+
+use mrroc_robots::clearance::Capsule;
+use nalgebra::Vector3;
+
+/// By how much the balls of a capsule may stand out of it \[m\].
+pub(crate) const EXCESS: f64 = 0.003;
+
+/// The most balls along one capsule: a long thin one is covered less tightly.
+const MOST: usize = 64;
+
+/// A ball in the frame of its link.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Ball {
+    /// Centre \[m\].
+    pub(crate) centre: Vector3<f64>,
+    /// Radius \[m\], > 0.
+    pub(crate) radius: f64,
+}
+
+/// A node: its ball, and where its second child stands; the first one is the next node.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Node {
+    pub(crate) centre: [f32; 3],
+    pub(crate) radius: f32,
+    /// 0 for a leaf.
+    pub(crate) second: u32,
+}
+
+/// Balls around the capsules of one link.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct BallTree {
+    pub(crate) nodes: Vec<Node>,
+    /// The node that holds each of the capsules, and nothing else.
+    pub(crate) roots: Vec<u32>,
+}
+
+/// How many balls cover a capsule.
+pub(crate) fn count(capsule: &Capsule) -> usize {
+    let length = (capsule.ends[1] - capsule.ends[0]).norm();
+    let half = ((capsule.radius + EXCESS).powi(2) - capsule.radius.powi(2)).sqrt();
+    // Centres from end to end, neighbours at most twice `half` apart; that is finite for capsules that are valid.
+    ((length / (2.0 * half)).ceil() as usize + 1).clamp(1, MOST)
+}
+
+/// The balls that cover a capsule, so many.
+pub(crate) fn covering(capsule: &Capsule, count: usize) -> impl Iterator<Item = Ball> {
+    let [a, b] = capsule.ends;
+    let spans = count.saturating_sub(1).max(1) as f64;
+    // Midway between two centres the balls must still reach the capsule's surface.
+    let half = if count > 1 { 0.5 * (b - a).norm() / spans } else { 0.0 };
+    let centre = move |k: usize| if count > 1 { a + (b - a) * (k as f64 / spans) } else { 0.5 * (a + b) };
+    let half = if count > 1 { half } else { 0.5 * (b - a).norm() };
+    let radius = if count > 1 { capsule.radius.hypot(half) } else { capsule.radius + half };
+    (0..count).map(move |k| Ball { centre: centre(k), radius })
+}
+
+/// A ball that holds all of them, of which there is at least one.
+pub(crate) fn around(balls: &[Ball]) -> Ball {
+    let mut lower = Vector3::repeat(f64::INFINITY);
+    let mut upper = Vector3::repeat(f64::NEG_INFINITY);
+    for ball in balls {
+        lower = lower.zip_map(&ball.centre, |a, b| a.min(b - ball.radius));
+        upper = upper.zip_map(&ball.centre, |a, b| a.max(b + ball.radius));
+    }
+    let centre = 0.5 * (lower + upper);
+    let radius = balls.iter().map(|ball| (ball.centre - centre).norm() + ball.radius).fold(0.0, f64::max);
+    Ball { centre, radius }
+}
+
+impl BallTree {
+    /// Of the capsules of a link, in its frame.
+    pub(crate) fn of(capsules: &[Capsule]) -> Self {
+        let mut tree = BallTree { nodes: Vec::new(), roots: vec![0; capsules.len()] };
+        let mut groups: Vec<(usize, Vec<Ball>)> =
+            capsules.iter().map(|capsule| covering(capsule, count(capsule)).collect()).enumerate().collect();
+        tree.add_groups(&mut groups);
+        tree
+    }
+
+    fn push(&mut self, balls: &[Ball]) -> usize {
+        let ball = around(balls);
+        let centre = [0, 1, 2].map(|i| ball.centre[i] as f32);
+        // Rounded to single precision, and still around them.
+        let radius = (ball.radius + 1e-6 * (1.0 + ball.centre.norm())) as f32;
+        self.nodes.push(Node { centre, radius, second: 0 });
+        self.nodes.len() - 1
+    }
+
+    fn add_groups(&mut self, groups: &mut [(usize, Vec<Ball>)]) {
+        match groups {
+            [] => {}
+            [(capsule, balls)] => {
+                self.roots[*capsule] = self.nodes.len() as u32;
+                self.add(balls);
+            }
+            _ => {
+                let all: Vec<Ball> = groups.iter().flat_map(|(_, balls)| balls).copied().collect();
+                let node = self.push(&all);
+                let centres: Vec<Vector3<f64>> =
+                    groups.iter().map(|(_, balls)| around(balls).centre).collect();
+                let axis = longest(&centres);
+                groups.sort_by(|(i, a), (j, b)| {
+                    let order = around(a).centre[axis].total_cmp(&around(b).centre[axis]);
+                    order.then(i.cmp(j))
+                });
+                let (first, second) = groups.split_at_mut(groups.len() / 2);
+                self.add_groups(first);
+                self.nodes[node].second = self.nodes.len() as u32;
+                self.add_groups(second);
+            }
+        }
+    }
+
+    fn add(&mut self, balls: &[Ball]) {
+        let node = self.push(balls);
+        if balls.len() > 1 {
+            let (first, second) = balls.split_at(balls.len() / 2);
+            self.add(first);
+            self.nodes[node].second = self.nodes.len() as u32;
+            self.add(second);
+        }
+    }
+}
+
+/// The axis along which the points are spread most.
+fn longest(points: &[Vector3<f64>]) -> usize {
+    let lower = points.iter().fold(Vector3::repeat(f64::INFINITY), |a, b| a.inf(b));
+    let upper = points.iter().fold(Vector3::repeat(f64::NEG_INFINITY), |a, b| a.sup(b));
+    (upper - lower).imax()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn every_point_of_a_capsule_lies_in_a_leaf_and_no_leaf_stands_out_by_more_than_the_excess(
+            ends in proptest::array::uniform6(-0.4..0.4_f64), radius in 0.01..0.1_f64,
+            along in 0.0..1.0_f64, direction in proptest::array::uniform3(-1.0..1.0_f64),
+        ) {
+            let [a, b] = [Vector3::new(ends[0], ends[1], ends[2]), Vector3::new(ends[3], ends[4], ends[5])];
+            let capsule = Capsule::new(a, b, radius);
+            let direction = Vector3::from(direction);
+            prop_assume!(direction.norm() > 0.1);
+            let point = a + (b - a) * along + direction.normalize() * radius;
+            let tree = BallTree::of(&[capsule]);
+            let inside = |node: &Node| {
+                (point - Vector3::from(node.centre.map(f64::from))).norm() <= f64::from(node.radius)
+            };
+            prop_assert!(inside(&tree.nodes[0]));
+            prop_assert!(tree.nodes.iter().any(|node| node.second == 0 && inside(node)));
+            let stands_out = tree.nodes.iter().filter(|node| node.second == 0).any(|node| {
+                f64::from(node.radius) > radius + EXCESS + 1e-5
+            });
+            prop_assert!(!stands_out);
+        }
+    }
+}

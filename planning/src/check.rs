@@ -1,0 +1,362 @@
+//! Whether robots are clear of everything: in eight postures at once, and all around each of them.
+//!
+//! In: positions of the joints of all robots, and by how much each may be off, either way. Out: for each posture whether **all**
+//! positions within that are proven clear by the margins ([`Verdict::proven`]), and whether the posture itself is
+//! ([`Verdict::clear`]). The proof is the one of [`mrroc_robots::clearance`]: no point of a link gets farther than its travel `D`,
+//! so balls that are `D` larger and still apart are apart wherever the joints are.
+//!
+//! Single precision: what rounding may cost is added to every distance ([`ROUNDING`]).
+
+use mrroc_robots::clearance::{CheckedPair, Clearance, Obstacle, Partner};
+use nalgebra::Vector3;
+
+use crate::arm::{Arm, Standing};
+use crate::lanes::{ALL, LANES, Lanes, Mask, Points};
+
+/// What the rounding of positions in single precision may cost \[m\]: a few units in the last place at some ten metres.
+const ROUNDING: f32 = 2e-5;
+
+/// What is kept apart from a limb.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Against {
+    /// An obstacle.
+    Obstacle(usize),
+    /// A limb of an arm.
+    Limb(usize, usize),
+}
+
+/// A limb, what is kept apart from it, and by how much.
+#[derive(Clone, Debug)]
+struct Pairing {
+    arm: usize,
+    limb: usize,
+    against: Against,
+    margin: f32,
+    /// From which joint on their travel counts.
+    since: usize,
+    /// The nodes of both trees below which balls are compared; one pair of roots where all are. Against an obstacle the second is 0.
+    parts: Vec<(u32, u32)>,
+}
+
+/// An obstacle in single precision.
+#[derive(Clone)]
+enum Body {
+    HalfSpace { normal: [f32; 3], height: f32 },
+    Capsule { a: [f32; 3], along: [f32; 3], squared: f32, radius: f32 },
+    Box { axes: [[f32; 3]; 3], centre: [f32; 3], half: [f32; 3] },
+    Cylinder { axis: [f32; 3], centre: [f32; 3], radius: f32, half: f32 },
+    /// Any other, asked posture by posture.
+    Other(Obstacle),
+}
+
+impl Body {
+    fn new(obstacle: &Obstacle) -> Self {
+        let single = |v: &Vector3<f64>| [0, 1, 2].map(|i| v[i] as f32);
+        match obstacle {
+            Obstacle::HalfSpace { normal, height } => {
+                Body::HalfSpace { normal: single(normal), height: *height as f32 }
+            }
+            Obstacle::Capsule(capsule) => {
+                let along = capsule.ends[1] - capsule.ends[0];
+                Body::Capsule {
+                    a: single(&capsule.ends[0]),
+                    along: single(&along),
+                    squared: along.norm_squared() as f32,
+                    radius: capsule.radius as f32,
+                }
+            }
+            Obstacle::Box { X_WO, half } => {
+                let axes = X_WO.rotation.to_rotation_matrix();
+                Body::Box {
+                    axes: [0, 1, 2].map(|k| [0, 1, 2].map(|i| axes[(i, k)] as f32)),
+                    centre: single(&X_WO.translation.vector),
+                    half: single(half),
+                }
+            }
+            Obstacle::Cylinder { X_WO, radius, half_length } => Body::Cylinder {
+                axis: single(&(X_WO.rotation * Vector3::z())),
+                centre: single(&X_WO.translation.vector),
+                radius: *radius as f32,
+                half: *half_length as f32,
+            },
+            Obstacle::Bodies(_) | Obstacle::Cloud(_) | Obstacle::HeightField(_) => Body::Other(obstacle.clone()),
+        }
+    }
+
+    /// In which lanes a ball of this radius, >= 0, is clear of it.
+    #[inline(always)]
+    fn clear_of(&self, centre: Points, radius: Lanes) -> Mask {
+        match self {
+            Body::HalfSpace { normal, height } => {
+                (centre.dot(Points::splat(*normal)) - Lanes::splat(*height)).above(radius)
+            }
+            Body::Capsule { a, along, squared, radius: own } => {
+                let from = centre - Points::splat(*a);
+                let along = Points::splat(*along);
+                let share = if *squared > 0.0 { from.dot(along) * (1.0 / squared) } else { Lanes::default() };
+                let share = share.max(Lanes::default()).min(Lanes::splat(1.0));
+                let apart = radius + Lanes::splat(*own);
+                (from - along * share).squared().above(apart * apart)
+            }
+            Body::Box { axes, centre: middle, half } => {
+                let from = centre - Points::splat(*middle);
+                let mut squared = Lanes::default();
+                for (axis, half) in axes.iter().zip(half) {
+                    let beyond = from.dot(Points::splat(*axis)).abs() - Lanes::splat(*half);
+                    let beyond = beyond.max(Lanes::default());
+                    squared = squared + beyond * beyond;
+                }
+                squared.above(radius * radius)
+            }
+            Body::Cylinder { axis, centre: middle, radius: own, half } => {
+                let from = centre - Points::splat(*middle);
+                let along = from.dot(Points::splat(*axis));
+                let across = (from.squared() - along * along).max(Lanes::default()).sqrt();
+                let ends = (along.abs() - Lanes::splat(*half)).max(Lanes::default());
+                let side = (across - Lanes::splat(*own)).max(Lanes::default());
+                (ends * ends + side * side).above(radius * radius)
+            }
+            Body::Other(obstacle) => {
+                let mut mask = 0;
+                for lane in 0..LANES {
+                    let at = Vector3::from(centre.0.map(|x| f64::from(x.0[lane])));
+                    let radius = f64::from(radius.0[lane]);
+                    mask |= Mask::from(obstacle.ball_clear(&at, radius)) << lane;
+                }
+                mask
+            }
+        }
+    }
+}
+
+/// What a check of eight postures says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Verdict {
+    /// The lanes in which all positions around the posture are clear.
+    pub(crate) proven: Mask,
+    /// The lanes whose postures themselves are clear.
+    pub(crate) clear: Mask,
+}
+
+/// Robots and what is around them.
+#[derive(Clone)]
+pub(crate) struct Checker {
+    pub(crate) arms: Vec<Arm>,
+    bodies: Vec<Body>,
+    pairings: Vec<Pairing>,
+    standing: Vec<Standing>,
+    /// How many batches of eight it has checked.
+    pub(crate) batches: u64,
+    wide: bool,
+}
+
+impl Checker {
+    /// The robots, obstacles, pairs and margins of a clearance.
+    pub(crate) fn new(clearance: &Clearance) -> Self {
+        let mut arms = Vec::new();
+        let mut joints = 0;
+        for part in clearance.robot_parts() {
+            let arm = Arm::new(part, joints);
+            joints += arm.joints;
+            arms.push(arm);
+        }
+        let bodies = clearance.obstacle_parts().map(|(_, obstacle)| Body::new(obstacle)).collect();
+        let pairings = pairings(&arms, clearance.checked_pairs());
+        let standing = vec![Standing::default(); arms.len()];
+        Checker { arms, bodies, pairings, standing, batches: 0, wide: is_wide() }
+    }
+
+    /// How many joints all robots have.
+    pub(crate) fn joints(&self) -> usize {
+        self.arms.iter().map(|arm| arm.joints).sum()
+    }
+
+    /// Checks eight postures at `q` [rad or m], and all positions that are off by at most `half` [rad or m, >= 0]. Ends as soon as a
+    /// wanted lane is found not to be clear.
+    pub(crate) fn check(&mut self, q: &[Lanes], half: Option<&[Lanes]>, wanted: Mask) -> Verdict {
+        self.batches += 1;
+        #[cfg(target_arch = "x86_64")]
+        if self.wide {
+            // SAFETY: the processor has these instructions, as `is_wide` has found out.
+            return unsafe { self.check_wide(q, half, wanted) };
+        }
+        self.check_lanes(q, half, wanted)
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2")]
+    fn check_wide(&mut self, q: &[Lanes], half: Option<&[Lanes]>, wanted: Mask) -> Verdict {
+        self.check_lanes(q, half, wanted)
+    }
+
+    #[inline(always)]
+    fn check_lanes(&mut self, q: &[Lanes], half: Option<&[Lanes]>, wanted: Mask) -> Verdict {
+        for (arm, standing) in self.arms.iter().zip(&mut self.standing) {
+            let own = arm.first..arm.first + arm.joints;
+            arm.stand(&q[own.clone()], half.map(|half| &half[own]), standing);
+        }
+        let mut verdict = Verdict { proven: wanted, clear: wanted };
+        for i in 0..self.pairings.len() {
+            let (unproven, hit) = self.compare(&self.pairings[i], half.is_some(), wanted);
+            verdict.proven &= !unproven;
+            verdict.clear &= !hit;
+            if verdict.clear != wanted {
+                // What hits once is likely to hit again: it is asked sooner.
+                if i > 0 {
+                    self.pairings.swap(i, i / 2);
+                }
+                break;
+            }
+        }
+        verdict
+    }
+
+    /// The wanted lanes in which a pair is not proven clear, and in which it hits.
+    #[inline(always)]
+    fn compare(&self, pairing: &Pairing, moving: bool, wanted: Mask) -> (Mask, Mask) {
+        let Pairing { arm, limb, since, .. } = *pairing;
+        let margin = Lanes::splat(pairing.margin + ROUNDING);
+        let standing = &self.standing[arm];
+        let travel = if moving { standing.travel[limb][since] } else { Lanes::default() };
+        let (mut unproven, mut hit) = (0, 0);
+        match pairing.against {
+            Against::Obstacle(body) => {
+                let body = &self.bodies[body];
+                let mut stack = [(0u32, 0 as Mask); DEPTH];
+                for &(node, _) in &pairing.parts {
+                    stack[0] = (node, wanted);
+                    let mut depth = 1;
+                    while depth > 0 {
+                        depth -= 1;
+                        let (node, mask) = stack[depth];
+                        let (centre, radius) = self.arms[arm].ball(standing, limb, node as usize);
+                        let apart = radius + margin;
+                        let left = mask & !body.clear_of(centre, apart + travel);
+                        if left == 0 {
+                            continue;
+                        }
+                        let second = self.arms[arm].limbs[limb].tree.nodes[node as usize].second;
+                        if second == 0 {
+                            unproven |= left;
+                            hit |= if moving { left & !body.clear_of(centre, apart) } else { left };
+                        } else {
+                            stack[depth] = (node + 1, left);
+                            stack[depth + 1] = (second, left);
+                            depth += 2;
+                        }
+                    }
+                }
+            }
+            Against::Limb(other_arm, other_limb) => {
+                let other = &self.standing[other_arm];
+                let travel = travel + if moving { other.travel[other_limb][since] } else { Lanes::default() };
+                let mut stack = [(0u32, 0u32, 0 as Mask); 2 * DEPTH];
+                for &(a, b) in &pairing.parts {
+                    stack[0] = (a, b, wanted);
+                    let mut depth = 1;
+                    while depth > 0 {
+                        depth -= 1;
+                        let (a, b, mask) = stack[depth];
+                        let (p, r) = self.arms[arm].ball(standing, limb, a as usize);
+                        let (q, s) = self.arms[other_arm].ball(other, other_limb, b as usize);
+                        let squared = (p - q).squared();
+                        let apart = r + s + margin;
+                        let far = apart + travel;
+                        let left = mask & !squared.above(far * far);
+                        if left == 0 {
+                            continue;
+                        }
+                        let [one, two] = [
+                            self.arms[arm].limbs[limb].tree.nodes[a as usize],
+                            self.arms[other_arm].limbs[other_limb].tree.nodes[b as usize],
+                        ];
+                        if one.second == 0 && two.second == 0 {
+                            unproven |= left;
+                            hit |= if moving { left & !squared.above(apart * apart) } else { left };
+                        } else if two.second == 0 || (one.second != 0 && one.radius >= two.radius) {
+                            stack[depth] = (a + 1, b, left);
+                            stack[depth + 1] = (one.second, b, left);
+                            depth += 2;
+                        } else {
+                            stack[depth] = (a, b + 1, left);
+                            stack[depth + 1] = (a, two.second, left);
+                            depth += 2;
+                        }
+                    }
+                }
+            }
+        }
+        (unproven, hit)
+    }
+
+    /// Whether joints that share limits allow a posture, in double precision.
+    pub(crate) fn is_possible(&self, q: &[f64]) -> bool {
+        self.arms.iter().all(|arm| !arm.part.shape.is_coupled() || arm.part.shape.is_possible(&arm.own(q)))
+    }
+
+    /// Whether a posture is clear.
+    pub(crate) fn is_clear(&mut self, q: &[f64]) -> bool {
+        let lanes: Vec<Lanes> = q.iter().map(|q| Lanes::splat(*q as f32)).collect();
+        self.is_possible(q) && self.check(&lanes, None, ALL).clear == ALL
+    }
+}
+
+/// How deep a stack of nodes may get: the trees of some ten thousand balls, halved in each node, are far from it.
+const DEPTH: usize = 48;
+
+#[cfg(target_arch = "x86_64")]
+fn is_wide() -> bool {
+    std::arch::is_x86_feature_detected!("avx2")
+}
+
+#[cfg(not(target_arch = "x86_64"))]
+fn is_wide() -> bool {
+    false
+}
+
+/// The pairs of capsules, as pairs of limbs.
+fn pairings(arms: &[Arm], pairs: impl Iterator<Item = CheckedPair>) -> Vec<Pairing> {
+    let limb_of = |arm: usize, link: usize| -> Option<(usize, u32)> {
+        arms[arm].limbs.iter().enumerate().find_map(|(l, limb)| {
+            let place = limb.links.iter().position(|of| *of == link)?;
+            Some((l, limb.tree.roots[place]))
+        })
+    };
+    let mut found: Vec<Pairing> = Vec::new();
+    for pair in pairs {
+        let Some((limb, root)) = limb_of(pair.robot, pair.link) else { continue };
+        let (against, part, since) = match pair.partner {
+            Partner::Obstacle(body) => (Against::Obstacle(body), (root, 0), 0),
+            Partner::Link(arm, link) => {
+                let Some((other, other_root)) = limb_of(arm, link) else { continue };
+                let since = if arm == pair.robot { arms[arm].apart(limb, other, pair.since) } else { 0 };
+                (Against::Limb(arm, other), (root, other_root), since)
+            }
+        };
+        let margin = pair.margin as f32;
+        let same = |of: &&mut Pairing| {
+            (of.arm, of.limb, of.against, of.margin, of.since) == (pair.robot, limb, against, margin, since)
+        };
+        match found.iter_mut().find(same) {
+            Some(of) => of.parts.push(part),
+            None => {
+                let parts = vec![part];
+                found.push(Pairing { arm: pair.robot, limb, against, margin, since, parts });
+            }
+        }
+    }
+    for pairing in &mut found {
+        let count = |arm: usize, limb: usize| arms[arm].limbs[limb].tree.roots.len();
+        let all = count(pairing.arm, pairing.limb)
+            * match pairing.against {
+                Against::Obstacle(_) => 1,
+                Against::Limb(arm, limb) => count(arm, limb),
+            };
+        if pairing.parts.len() == all {
+            pairing.parts = vec![(0, 0)];
+        }
+    }
+    // Links far from the base meet something first.
+    found.sort_by_key(|pairing| core::cmp::Reverse(pairing.limb));
+    found
+}

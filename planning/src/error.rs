@@ -1,0 +1,84 @@
+//! Why there is no plan.
+
+use mrroc_generators::timing::TimingError;
+use mrroc_robots::clearance::{CheckError, Nearest};
+use thiserror::Error;
+
+/// Why there is no plan.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum PlanError {
+    /// A planner plans for one to four robots.
+    #[error("a planner takes 1 to 4 robots, the clearance has {0}")]
+    Robots(usize),
+    /// A list of positions is longer or shorter than the robots have joints.
+    #[error("{expected} joint positions are needed, {actual} were given: help: those of all robots, one behind the other")]
+    Joints {
+        /// Joints of all robots.
+        expected: usize,
+        /// Positions given.
+        actual: usize,
+    },
+    /// A joint of the start or of a goal is no number, or beyond its limits.
+    #[error("{robot} joint {joint}: position {position} of the {place} is not within its limits {lower} to {upper}")]
+    Limit {
+        /// `start` or `goal`.
+        place: &'static str,
+        /// The robot.
+        robot: String,
+        /// The joint, counted from 1.
+        joint: usize,
+        /// Its position [rad or m].
+        position: f64,
+        /// Its lower limit [rad or m].
+        lower: f64,
+        /// Its upper limit [rad or m].
+        upper: f64,
+    },
+    /// Joints of the start or of a goal share a limit that they do not keep, or have no posture there.
+    #[error("{robot}: the joints of the {place} do not go together: a limit that they share is not kept")]
+    Coupled {
+        /// `start` or `goal`.
+        place: &'static str,
+        /// The robot.
+        robot: String,
+    },
+    /// The robots are too near to something at the start.
+    #[error("at the start {0}, and the margin is {margin:.1} mm", margin = 1e3 * .0.margin)]
+    StartNotClear(Box<Nearest>),
+    /// They are at all goals; told is the first.
+    #[error("at the goal {0}, and the margin is {margin:.1} mm", margin = 1e3 * .0.margin)]
+    GoalNotClear(Box<Nearest>),
+    /// There is no goal.
+    #[error("no goal: the pose has no solution within the limits of the joints")]
+    NoGoal,
+    /// The effort was spent.
+    #[error("no path found in {checks} checks: the nearest that was reached is {apart:.3} rad or m from a goal, where {nearest}: help: allow more effort, or see what is in between")]
+    NotFound {
+        /// Checks of eight postures.
+        checks: u64,
+        /// From there to a goal: the root of the sum of squares over all joints [rad or m].
+        apart: f64,
+        /// What is nearest there.
+        nearest: Box<Nearest>,
+    },
+    /// Even at a thousandth of the speed the stops are not proven clear at one place.
+    #[error("no speed is slow enough for the stops at {at:.0} % of the path: help: a smaller margin, or a shorter reaction time")]
+    StopsNotClear {
+        /// Share of the path [%].
+        at: f64,
+    },
+    /// The path has no motion within the limits.
+    #[error("the path has no motion within the limits")]
+    Timing(#[from] TimingError),
+    /// A posture cannot be checked.
+    #[error("a posture cannot be checked")]
+    Check(#[from] CheckError),
+    /// Another robot is asked about.
+    #[error("the plan is not for a robot called {name}: it is for {known}")]
+    NoRobot {
+        /// The name.
+        name: String,
+        /// The robots of the plan.
+        known: String,
+    },
+}

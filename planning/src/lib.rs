@@ -1,0 +1,41 @@
+//! Collision-free motions for one to four arms, planned so that their stops are clear as well.
+//!
+//! In: a [`Clearance`](mrroc_robots::clearance::Clearance), which is the world of the guard and of dry runs too, joint positions of all its
+//! robots, and goals. Out: a [`Plan`], which [`FollowPlan`] moves robots along.
+//!
+//! ```text
+//! Clearance --> Checker: eight postures at once, proofs between them
+//!                  |
+//! start, goals --> search: RRT-Connect, shortcuts --> Path: corners rounded --> timing: limits, stops --> Plan --> FollowPlan
+//! ```
+//!
+//! Nothing of this runs in a step but [`FollowPlan`], which evaluates the plan. It is no certified safety function.
+#![warn(missing_docs)]
+
+mod arm;
+mod balls;
+mod check;
+mod edge;
+mod error;
+mod follow;
+mod lanes;
+mod limits;
+mod path;
+mod plan;
+mod planner;
+mod search;
+mod speed;
+mod stop;
+mod timing;
+
+pub use error::PlanError;
+pub use follow::FollowPlan;
+pub use plan::{Closest, Plan};
+pub use planner::Planner;
+
+// The files in `tests/` use this crate by its name, as its users do.
+#[cfg(test)]
+extern crate self as mrroc_planning;
+#[cfg(test)]
+#[path = "../tests/main.rs"]
+mod usage;

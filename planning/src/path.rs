@@ -1,0 +1,213 @@
+//! A path of all joints: straight legs, whose corners are rounded as far as what is near allows.
+//!
+//! In: points of a clear path. Out: a [`Path`], twice continuously differentiable by its parameter `u`, which on legs is the length: the
+//! root of the sum of squares over all joints.
+//!
+//! A corner `C` between the directions `e` and `f` is replaced, from `d` before it to `d` behind it, by the Bézier curve of degree 5
+//! with the points `C - d e, C - 0.6 d e, C - 0.2 d e, C + 0.2 d f, C + 0.6 d f, C + d f` over `2 d` of the parameter: it joins the legs with
+//! their first and second derivative, and lies in the triangle that it cuts off.
+
+use crate::check::Checker;
+use crate::edge::Edges;
+
+/// The largest distance from a corner at which it is rounded [rad or m].
+const LARGEST: f64 = 0.6;
+/// The least distance; nearer than that a corner is passed at hardly any speed.
+const LEAST: f64 = 1e-4;
+/// Into how many chords a curve is cut for its check.
+const CHORDS: usize = 8;
+
+/// Position, first and second derivative by the parameter.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct At {
+    pub(crate) q: Vec<f64>,
+    pub(crate) first: Vec<f64>,
+    pub(crate) second: Vec<f64>,
+}
+
+/// A piece of a path, from its parameter to that of the next.
+#[derive(Clone, Debug, PartialEq)]
+enum Piece {
+    /// From a point along a direction of length 1.
+    Leg { from: Vec<f64>, along: Vec<f64> },
+    /// Joint by joint the six numbers of a curve of degree 5.
+    Curve(Vec<[f64; 6]>),
+}
+
+/// A path of all joints.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Path {
+    /// Where each piece begins, and the end.
+    knots: Vec<f64>,
+    pieces: Vec<Piece>,
+}
+
+fn distance(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (b - a) * (b - a)).sum::<f64>().sqrt()
+}
+
+/// `a + b x`.
+fn along(a: &[f64], b: &[f64], x: f64) -> Vec<f64> {
+    a.iter().zip(b).map(|(a, b)| a + b * x).collect()
+}
+
+impl Path {
+    /// Through points, each apart from the next, whose straight legs are clear; corners are rounded as far as is clear as well.
+    pub(crate) fn rounded(checker: &mut Checker, edges: &mut Edges, points: &[Vec<f64>]) -> Self {
+        let directions: Vec<(Vec<f64>, f64)> = points
+            .windows(2)
+            .map(|pair| {
+                let length = distance(&pair[0], &pair[1]);
+                (pair[1].iter().zip(&pair[0]).map(|(b, a)| (b - a) / length).collect(), length)
+            })
+            .collect();
+        let mut path = Path { knots: vec![0.0], pieces: Vec::new() };
+        let mut start = points[0].clone();
+        for (i, pair) in directions.windows(2).enumerate() {
+            let [(e, before), (f, behind)] = pair else { continue };
+            let corner = &points[i + 1];
+            let mut d = LARGEST.min(0.5 * before).min(0.5 * behind);
+            let curve = loop {
+                let curve = curve(corner, e, f, d);
+                if d <= LEAST || is_clear(checker, edges, &curve) {
+                    break curve;
+                }
+                d *= 0.5;
+            };
+            path.leg(&start, &along(corner, e, -d), e);
+            path.push(2.0 * d, Piece::Curve(curve));
+            start = along(corner, f, d);
+        }
+        if let (Some((e, _)), Some(end)) = (directions.last(), points.last()) {
+            path.leg(&start, end, e);
+        }
+        path
+    }
+
+    fn leg(&mut self, from: &[f64], to: &[f64], direction: &[f64]) {
+        let length = distance(from, to);
+        if length > 1e-12 {
+            self.push(length, Piece::Leg { from: from.to_vec(), along: direction.to_vec() });
+        }
+    }
+
+    fn push(&mut self, length: f64, piece: Piece) {
+        self.knots.push(self.knots[self.knots.len() - 1] + length);
+        self.pieces.push(piece);
+    }
+
+    /// The last parameter; the first is 0.
+    pub(crate) fn length(&self) -> f64 {
+        self.knots[self.knots.len() - 1]
+    }
+
+    /// Where pieces begin and end, rising.
+    pub(crate) fn knots(&self) -> &[f64] {
+        &self.knots
+    }
+
+    /// The path at a parameter; before its start and behind its end it stays there.
+    pub(crate) fn at(&self, u: f64) -> At {
+        let piece = self.knots.partition_point(|knot| *knot <= u).clamp(1, self.pieces.len()) - 1;
+        let (from, to) = (self.knots[piece], self.knots[piece + 1]);
+        let s = u.clamp(from, to) - from;
+        match &self.pieces[piece] {
+            Piece::Leg { from, along: direction } => At {
+                q: along(from, direction, s),
+                first: direction.clone(),
+                second: vec![0.0; direction.len()],
+            },
+            Piece::Curve(points) => {
+                let width = to - from;
+                let at = points.iter().map(|points| bezier(points, s / width));
+                let mut out = At { q: Vec::new(), first: Vec::new(), second: Vec::new() };
+                for [value, first, second] in at {
+                    out.q.push(value);
+                    out.first.push(first / width);
+                    out.second.push(second / (width * width));
+                }
+                out
+            }
+        }
+    }
+
+    /// The position of one joint.
+    pub(crate) fn joint_at(&self, u: f64, joint: usize) -> f64 {
+        let piece = self.knots.partition_point(|knot| *knot <= u).clamp(1, self.pieces.len()) - 1;
+        let (from, to) = (self.knots[piece], self.knots[piece + 1]);
+        let s = u.clamp(from, to) - from;
+        match &self.pieces[piece] {
+            Piece::Leg { from, along } => from[joint] + along[joint] * s,
+            Piece::Curve(points) => bezier(&points[joint], s / (to - from))[0],
+        }
+    }
+}
+
+/// The curve around a corner.
+fn curve(corner: &[f64], e: &[f64], f: &[f64], d: f64) -> Vec<[f64; 6]> {
+    let joint = |((c, e), f): ((&f64, &f64), &f64)| {
+        [c - d * e, c - 0.6 * d * e, c - 0.2 * d * e, c + 0.2 * d * f, c + 0.6 * d * f, c + d * f]
+    };
+    corner.iter().zip(e).zip(f).map(joint).collect()
+}
+
+/// Value, first and second derivative of a curve of degree 5 at `t`, 0 to 1, by de Casteljau's scheme.
+fn bezier(points: &[f64; 6], t: f64) -> [f64; 3] {
+    let mut p = *points;
+    let (mut first, mut second) = (0.0, 0.0);
+    for degree in (1..=5).rev() {
+        if degree == 2 {
+            second = 20.0 * (p[2] - 2.0 * p[1] + p[0]);
+        }
+        if degree == 1 {
+            first = 5.0 * (p[1] - p[0]);
+        }
+        for i in 0..degree {
+            p[i] += (p[i + 1] - p[i]) * t;
+        }
+    }
+    [p[0], first, second]
+}
+
+/// Whether a curve is clear: its chords are, with all that lies as far off them as the curve may.
+fn is_clear(checker: &mut Checker, edges: &mut Edges, curve: &[[f64; 6]]) -> bool {
+    // A curve is off its chord by at most an eighth of the square of the width times its second derivative, which is at most the
+    // largest of its control points.
+    let bend = |points: &[f64; 6]| {
+        let second = points.windows(3).map(|p| (20.0 * (p[2] - 2.0 * p[1] + p[0])).abs()).fold(0.0, f64::max);
+        (second / (8.0 * (CHORDS * CHORDS) as f64)) as f32
+    };
+    let off: Vec<f32> = curve.iter().map(bend).collect();
+    let at = |k: usize| -> Vec<f32> {
+        let t = k as f64 / CHORDS as f64;
+        curve.iter().map(|points| bezier(points, t)[0] as f32).collect()
+    };
+    (0..CHORDS).all(|k| edges.is_clear_around(checker, &at(k), &at(k + 1), &off))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_curve_of_degree_five_has_the_derivatives_of_its_bernstein_form() {
+        // t^5: all control points 0 but the last.
+        let [value, first, second] = bezier(&[0.0, 0.0, 0.0, 0.0, 0.0, 1.0], 0.7);
+        assert!((value - 0.7_f64.powi(5)).abs() < 1e-15);
+        assert!((first - 5.0 * 0.7_f64.powi(4)).abs() < 1e-14);
+        assert!((second - 20.0 * 0.7_f64.powi(3)).abs() < 1e-14);
+    }
+
+    #[test]
+    fn a_rounded_corner_joins_its_legs_with_two_derivatives() {
+        let (e, f) = ([0.6, 0.8], [-0.8, 0.6]);
+        let points = curve(&[1.0, 2.0], &e, &f, 0.25);
+        for (joint, points) in points.iter().enumerate() {
+            let [from, first, second] = bezier(points, 0.0);
+            assert!((from - ([1.0, 2.0][joint] - 0.25 * e[joint])).abs() < 1e-15);
+            assert!((first / 0.5 - e[joint]).abs() < 1e-14 && second.abs() < 1e-12);
+            let [_, first, second] = bezier(points, 1.0);
+            assert!((first / 0.5 - f[joint]).abs() < 1e-14 && second.abs() < 1e-12);
+        }
+    }
+}

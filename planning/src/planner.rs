@@ -1,0 +1,205 @@
+//! Plans motions of all robots of a clearance.
+
+use core::f64::consts::{PI, TAU};
+use std::sync::Arc;
+
+use mrroc::robot::JointKind;
+use mrroc_robots::clearance::{Clearance, Nearest};
+
+use crate::arm::Arm;
+use crate::check::Checker;
+use crate::edge::Edges;
+use crate::error::PlanError;
+use crate::limits::Limits;
+use crate::path::Path;
+use crate::plan::{Motion, Plan};
+use crate::search::{Samples, connect, shorten};
+use crate::stop::ROBOTS;
+use crate::timing::timed;
+
+/// Ranges longer than this have no ends that matter to a plan: two turns.
+const ENDLESS: f64 = 2.0 * TAU;
+
+/// Plans motions for the robots of a [`Clearance`], with its bodies, pairs and margins.
+///
+/// Planning is deterministic: the same clearance, start, goals and settings give the same plan, to the bit.
+#[derive(Clone)]
+pub struct Planner {
+    clearance: Clearance,
+    checker: Checker,
+    edges: Edges,
+    limits: Limits,
+    seed: u64,
+    effort: u64,
+    reaction: f64,
+}
+
+impl Planner {
+    /// For all robots of `clearance`, 1 to 4.
+    ///
+    /// # Errors
+    /// [`PlanError::Robots`].
+    pub fn new(clearance: Clearance) -> Result<Self, PlanError> {
+        let checker = Checker::new(&clearance);
+        if !(1..=ROBOTS).contains(&checker.arms.len()) {
+            return Err(PlanError::Robots(checker.arms.len()));
+        }
+        let limits = Limits::of(&checker.arms);
+        Ok(Planner {
+            clearance,
+            checker,
+            edges: Edges::default(),
+            limits,
+            seed: 1,
+            effort: 400_000,
+            reaction: 0.03,
+        })
+    }
+
+    /// Another seed of its samples: another path, where there are several.
+    #[must_use]
+    pub fn with_seed(mut self, seed: u64) -> Self {
+        self.seed = seed;
+        self
+    }
+
+    /// Gives up after so many checks of eight postures; 400,000 unless said otherwise, which is about a second.
+    #[must_use]
+    pub fn with_effort(mut self, checks: u64) -> Self {
+        self.effort = checks;
+        self
+    }
+
+    /// The time from a fault until the last robot brakes \[s\], finite and >= 0: 30 ms unless said otherwise, enough for steps of up to
+    /// 2 ms.
+    #[must_use]
+    pub fn with_reaction(mut self, reaction: f64) -> Self {
+        self.reaction = reaction;
+        self
+    }
+
+    /// The clearance that it plans with.
+    #[must_use]
+    pub const fn clearance(&self) -> &Clearance {
+        &self.clearance
+    }
+
+    /// A motion from rest to rest: from the joint positions `start` [rad or m] of all robots, one behind the other, to the first of
+    /// `goals` that is reached.
+    ///
+    /// # Errors
+    /// [`PlanError`].
+    pub fn plan(&mut self, start: &[f64], goals: &[Vec<f64>]) -> Result<Plan, PlanError> {
+        let points = self.find(start, goals)?;
+        let ends = [points[0].clone(), points[points.len() - 1].clone()];
+        let offset = self.offset(&ends[0]);
+        let inner: Vec<Vec<f64>> = points
+            .iter()
+            .map(|q| q.iter().zip(&offset).map(|(q, offset)| q - offset).collect())
+            .collect();
+        let path = Path::rounded(&mut self.checker, &mut self.edges, &inner);
+        let speed = timed(&mut self.checker, &path, &self.limits, self.reaction)?;
+        let robots = self.checker.arms.iter().map(Arm::name).collect();
+        let motion = Motion { path, speed, limits: self.limits.clone(), offset, ends };
+        Ok(Plan { robots, motion: Arc::new(motion) })
+    }
+
+    /// Points of a path whose straight legs are clear, without corners rounded and without times; it begins at `start` and ends at
+    /// one of `goals`, of which there is one that is not the start.
+    ///
+    /// # Errors
+    /// [`PlanError`].
+    pub fn find(&mut self, start: &[f64], goals: &[Vec<f64>]) -> Result<Vec<Vec<f64>>, PlanError> {
+        self.within_limits("start", start)?;
+        let offset = self.offset(start);
+        let inner = |q: &[f64]| -> Vec<f32> { q.iter().zip(&offset).map(|(q, o)| (q - o) as f32).collect() };
+        if !self.checker.is_clear(start) {
+            return Err(PlanError::StartNotClear(Box::new(self.nearest(start)?)));
+        }
+        let mut clear = Vec::new();
+        let mut refused = None;
+        for goal in goals {
+            self.within_limits("goal", goal)?;
+            if self.checker.is_clear(goal) {
+                clear.push(goal);
+            } else if refused.is_none() {
+                refused = Some(self.nearest(goal)?);
+            }
+        }
+        if clear.is_empty() {
+            return Err(refused.map_or(PlanError::NoGoal, |nearest| PlanError::GoalNotClear(Box::new(nearest))));
+        }
+        let from = inner(start);
+        let to: Vec<Vec<f32>> = clear.iter().map(|goal| inner(goal)).collect();
+        let [lower, upper] = self.ranges(&from, &to);
+        let mut samples = Samples::new(self.seed, &lower, &upper);
+        let before = self.checker.batches;
+        let (checker, edges) = (&mut self.checker, &mut self.edges);
+        match connect(checker, edges, &mut samples, &from, &to, self.effort) {
+            Ok(mut path) => {
+                let reached = path[path.len() - 1].clone();
+                shorten(checker, edges, self.seed, &mut path, self.effort / 4);
+                let goal = to.iter().position(|goal| *goal == reached).map_or(clear[0], |i| clear[i]);
+                let middle = path[1..path.len() - 1].iter();
+                let outer = |q: &Vec<f32>| q.iter().zip(&offset).map(|(q, o)| f64::from(*q) + o).collect();
+                Ok(core::iter::once(start.to_vec()).chain(middle.map(outer)).chain([goal.clone()]).collect())
+            }
+            Err((nearest, apart)) => {
+                let q: Vec<f64> = nearest.iter().zip(&offset).map(|(q, o)| f64::from(*q) + o).collect();
+                let nearest = Box::new(self.nearest(&q)?);
+                Err(PlanError::NotFound { checks: self.checker.batches - before, apart, nearest })
+            }
+        }
+    }
+
+    /// Whole turns by which endless joints are off what they are computed with, so that single precision is enough [rad].
+    fn offset(&self, start: &[f64]) -> Vec<f64> {
+        (0..start.len()).map(|j| if self.is_endless(j) { (start[j] / TAU).round() * TAU } else { 0.0 }).collect()
+    }
+
+    fn is_endless(&self, joint: usize) -> bool {
+        let Limits { kinds, lower, upper, .. } = &self.limits;
+        kinds[joint] == JointKind::Revolute && upper[joint] - lower[joint] > ENDLESS
+    }
+
+    /// Where samples are drawn: within the limits; endless joints a turn around the start and the goals.
+    fn ranges(&self, from: &[f32], to: &[Vec<f32>]) -> [Vec<f32>; 2] {
+        let range = |j: usize| {
+            if self.is_endless(j) {
+                let ends = core::iter::once(from[j]).chain(to.iter().map(|goal| goal[j]));
+                let (least, most) = ends.fold((f32::INFINITY, f32::NEG_INFINITY), |(a, b), q| (a.min(q), b.max(q)));
+                (least - PI as f32, most + PI as f32)
+            } else {
+                (self.limits.lower[j] as f32, self.limits.upper[j] as f32)
+            }
+        };
+        [(0..from.len()).map(|j| range(j).0).collect(), (0..from.len()).map(|j| range(j).1).collect()]
+    }
+
+    fn within_limits(&self, place: &'static str, q: &[f64]) -> Result<(), PlanError> {
+        let expected = self.limits.joints();
+        if q.len() != expected {
+            return Err(PlanError::Joints { expected, actual: q.len() });
+        }
+        for arm in &self.checker.arms {
+            let robot = arm.name().as_str().to_owned();
+            for j in 0..arm.joints {
+                let (position, lower, upper) =
+                    (q[arm.first + j], self.limits.lower[arm.first + j], self.limits.upper[arm.first + j]);
+                if !(lower..=upper).contains(&position) {
+                    return Err(PlanError::Limit { place, robot, joint: j + 1, position, lower, upper });
+                }
+            }
+            if arm.part.shape.is_coupled() && !arm.part.shape.is_possible(&arm.own(q)) {
+                return Err(PlanError::Coupled { place, robot });
+            }
+        }
+        Ok(())
+    }
+
+    /// What is nearest at a position.
+    fn nearest(&mut self, q: &[f64]) -> Result<Nearest, PlanError> {
+        let robots: Vec<&[f64]> = self.limits.robots.iter().map(|range| &q[range.clone()]).collect();
+        Ok(self.clearance.nearest_at(&robots)?)
+    }
+}

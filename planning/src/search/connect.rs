@@ -1,0 +1,84 @@
+//! RRT-Connect: a tree from the start and one from the goals grow towards each other.
+
+use super::sampling::Samples;
+use super::tree::Tree;
+use super::Points;
+use crate::check::Checker;
+use crate::edge::Edges;
+
+/// The longest step of a tree: the root of the sum of squares over all joints [rad or m].
+const RANGE: f32 = 2.0;
+
+/// A path from `start` to one of the `goals`, all of them clear.
+///
+/// # Errors
+/// `effort` checks have found none: the nearest position to a goal that was reached from the start, and its distance.
+pub(crate) fn connect(
+    checker: &mut Checker,
+    edges: &mut Edges,
+    samples: &mut Samples,
+    start: &[f32],
+    goals: &[Vec<f32>],
+    effort: u64,
+) -> Result<Points, (Vec<f32>, f64)> {
+    let end = checker.batches + effort;
+    if let Some(goal) = goals.iter().find(|goal| edges.is_clear(checker, start, goal)) {
+        return Ok(vec![start.to_vec(), goal.clone()]);
+    }
+    let n = start.len();
+    let mut trees = [Tree::new(n), Tree::new(n)];
+    trees[0].add(start, None);
+    goals.iter().for_each(|goal| drop(trees[1].add(goal, None)));
+    let (mut wanted, mut from, mut to) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
+    while checker.batches < end {
+        // The smaller one grows.
+        let grows = usize::from(trees[1].len() < trees[0].len());
+        samples.next(&mut wanted);
+        let (near, squared) = trees[grows].nearest(&wanted);
+        trees[grows].position(near, &mut from);
+        step(&from, &wanted, squared.sqrt(), &mut to);
+        checker.batches += 1;
+        if !edges.is_clear(checker, &from, &to) {
+            continue;
+        }
+        let new = trees[grows].add(&to, Some(near));
+        // The other one goes towards it as far as it can.
+        let other = 1 - grows;
+        wanted.copy_from_slice(&to);
+        let (mut near, squared) = trees[other].nearest(&wanted);
+        let mut left = squared.sqrt();
+        loop {
+            trees[other].position(near, &mut from);
+            let arrives = step(&from, &wanted, left, &mut to);
+            if !edges.is_clear(checker, &from, &to) {
+                break;
+            }
+            if arrives {
+                let mut path = trees[grows].to_root(new);
+                let mut rest = trees[other].to_root(near);
+                if grows == 1 {
+                    core::mem::swap(&mut path, &mut rest);
+                }
+                path.reverse();
+                path.extend(rest);
+                return Ok(path);
+            }
+            near = trees[other].add(&to, Some(near));
+            left -= RANGE;
+        }
+    }
+    let reached = goals.iter().map(|goal| trees[0].nearest(goal));
+    let (node, squared) = reached.min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0, f32::INFINITY));
+    trees[0].position(node, &mut from);
+    Err((from, f64::from(squared.sqrt())))
+}
+
+/// The position at most one step from `from` towards `wanted`, which is `distance` away; whether it is that.
+fn step(from: &[f32], wanted: &[f32], distance: f32, to: &mut [f32]) -> bool {
+    let arrives = distance <= RANGE;
+    let share = if arrives { 1.0 } else { RANGE / distance };
+    for ((to, from), wanted) in to.iter_mut().zip(from).zip(wanted) {
+        *to = if arrives { *wanted } else { from + (wanted - from) * share };
+    }
+    arrives
+}

@@ -1,0 +1,16 @@
+//! Finds a path of all joints from a start to one of several goals: RRT-Connect, then shortcuts.
+//!
+//! Deterministic: the same world, start, goals and settings give the same path, to the bit. Effort is counted in checks of eight postures,
+//! not in time. Literature: Kuffner and LaValle, *RRT-Connect* (ICRA 2000); samples are a Halton sequence, shifted by the seed.
+
+mod connect;
+mod sampling;
+mod shorten;
+mod tree;
+
+pub(crate) use connect::connect;
+pub(crate) use sampling::Samples;
+pub(crate) use shorten::{length, shorten};
+
+/// Positions of all joints along a path [rad or m].
+pub(crate) type Points = Vec<Vec<f32>>;

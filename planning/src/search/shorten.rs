@@ -1,0 +1,91 @@
+//! Makes a path shorter: what is straight and clear replaces what is not.
+
+use mrroc::random::Random;
+
+use super::Points;
+use crate::check::Checker;
+use crate::edge::Edges;
+
+/// Ends after so many tries in a row that gained nothing.
+const IN_VAIN: usize = 24;
+
+/// Two points of a path that are nearer than this are one [rad or m].
+const SAME: f32 = 1e-4;
+
+/// Length of a path: the sum of the roots of the sums of squares over all joints [rad or m].
+pub(crate) fn length(path: &[Vec<f32>]) -> f64 {
+    path.windows(2).map(|pair| f64::from(distance(&pair[0], &pair[1]))).sum()
+}
+
+fn distance(a: &[f32], b: &[f32]) -> f32 {
+    a.iter().zip(b).map(|(a, b)| (b - a) * (b - a)).sum::<f32>().sqrt()
+}
+
+/// Shortens `path` by at most `effort` checks.
+pub(crate) fn shorten(
+    checker: &mut Checker,
+    edges: &mut Edges,
+    seed: u64,
+    path: &mut Points,
+    effort: u64,
+) {
+    let end = checker.batches + effort;
+    skip(checker, edges, path, end);
+    let mut random = Random::seeded(seed ^ 0x5ca1_ab1e);
+    let mut in_vain = 0;
+    while path.len() > 2 && in_vain < IN_VAIN && checker.batches < end {
+        let whole = length(path);
+        let [a, b] = [random.unit(), random.unit()].map(|share| at(path, share * whole));
+        let (a, b) = if (a.0, a.1) <= (b.0, b.1) { (a, b) } else { (b, a) };
+        in_vain += 1;
+        if a.0 == b.0 {
+            continue;
+        }
+        let [from, to] = [&a, &b].map(|(leg, share)| between(&path[*leg], &path[*leg + 1], *share));
+        let before = distance(&from, &path[a.0 + 1])
+            + length(&path[a.0 + 1..=b.0]) as f32
+            + distance(&path[b.0], &to);
+        let gained = before - distance(&from, &to);
+        if gained < 1e-3 * whole as f32 || !edges.is_clear(checker, &from, &to) {
+            continue;
+        }
+        // What remains of both legs is a part of what was clear.
+        path.splice(a.0 + 1..=b.0, [from, to]);
+        path.dedup_by(|b, a| distance(a, b) < SAME);
+        in_vain = 0;
+    }
+    skip(checker, edges, path, end);
+}
+
+/// Leaves out points between two that a straight motion joins: for each one, from the far end on.
+fn skip(checker: &mut Checker, edges: &mut Edges, path: &mut Points, end: u64) {
+    let mut from = 0;
+    while from + 2 < path.len() {
+        let mut to = path.len() - 1;
+        while to > from + 1 && checker.batches < end {
+            if edges.is_clear(checker, &path[from], &path[to]) {
+                path.drain(from + 1..to);
+                break;
+            }
+            to -= 1;
+        }
+        from += 1;
+    }
+}
+
+/// The leg of a path in which a length is, and the share of that leg before it.
+fn at(path: &[Vec<f32>], along: f64) -> (usize, f32) {
+    let mut left = along;
+    for (leg, pair) in path.windows(2).enumerate() {
+        let length = f64::from(distance(&pair[0], &pair[1]));
+        if left <= length && length > 0.0 {
+            return (leg, (left / length) as f32);
+        }
+        left -= length;
+    }
+    (path.len() - 2, 1.0)
+}
+
+fn between(a: &[f32], b: &[f32], share: f32) -> Vec<f32> {
+    a.iter().zip(b).map(|(a, b)| a + (b - a) * share).collect()
+}

@@ -1,0 +1,78 @@
+//! A tree of positions, with the nearest one to any position.
+
+use crate::lanes::{LANES, Lanes};
+
+/// Positions that are reached from a root, or from several.
+#[derive(Clone)]
+pub(crate) struct Tree {
+    joints: usize,
+    /// Eight positions at a time, joint by joint; places that are not taken are far away.
+    blocks: Vec<Lanes>,
+    parents: Vec<u32>,
+}
+
+/// The parent of a root.
+const NONE: u32 = u32::MAX;
+
+impl Tree {
+    pub(crate) fn new(joints: usize) -> Self {
+        Tree { joints, blocks: Vec::new(), parents: Vec::new() }
+    }
+
+    pub(crate) fn len(&self) -> usize {
+        self.parents.len()
+    }
+
+    /// Adds a position; its number.
+    pub(crate) fn add(&mut self, q: &[f32], parent: Option<usize>) -> usize {
+        let node = self.len();
+        let lane = node % LANES;
+        if lane == 0 {
+            self.blocks.resize(self.blocks.len() + self.joints, Lanes::splat(1e18));
+        }
+        let block = self.blocks.len() - self.joints;
+        for (lanes, q) in self.blocks[block..].iter_mut().zip(q) {
+            lanes.0[lane] = *q;
+        }
+        self.parents.push(parent.map_or(NONE, |parent| parent as u32));
+        node
+    }
+
+    pub(crate) fn position(&self, node: usize, q: &mut [f32]) {
+        let block = node / LANES * self.joints;
+        for (q, lanes) in q.iter_mut().zip(&self.blocks[block..block + self.joints]) {
+            *q = lanes.0[node % LANES];
+        }
+    }
+
+    /// The nearest node, and the square of its distance.
+    pub(crate) fn nearest(&self, q: &[f32]) -> (usize, f32) {
+        let mut best = (0, f32::INFINITY);
+        for (b, block) in self.blocks.chunks_exact(self.joints).enumerate() {
+            let mut squared = Lanes::default();
+            for (lanes, q) in block.iter().zip(q) {
+                let off = *lanes - Lanes::splat(*q);
+                squared = squared + off * off;
+            }
+            for (lane, squared) in squared.0.iter().enumerate() {
+                if *squared < best.1 {
+                    best = (b * LANES + lane, *squared);
+                }
+            }
+        }
+        best
+    }
+
+    /// The positions from a node to its root.
+    pub(crate) fn to_root(&self, node: usize) -> Vec<Vec<f32>> {
+        let mut path = Vec::new();
+        let mut at = node as u32;
+        while at != NONE {
+            let mut q = vec![0.0; self.joints];
+            self.position(at as usize, &mut q);
+            path.push(q);
+            at = self.parents[at as usize];
+        }
+        path
+    }
+}

@@ -1,0 +1,98 @@
+//! How far a path is passed at a time: the fastest motion within limits, made smooth where robots limit jerk.
+//!
+//! In: the pieces of constant acceleration of a time-optimal motion. Out: a [`Speed`], the mean of that motion over a window of time
+//! `w`. Its acceleration rises and falls within `w` where the other one jumps, so its jerk is at most `2 A / w`; it lasts `w` longer, on the same
+//! path.
+
+use mrroc_generators::profile::ProfilePoint;
+use mrroc_generators::timing::TimeOptimal;
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Knot {
+    time: f64,
+    at: ProfilePoint,
+    /// The integral of `s` from the start.
+    sum: f64,
+}
+
+/// The parameter of a path over time.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Speed {
+    knots: Vec<Knot>,
+    window: f64,
+    /// How many times slower it is passed.
+    stretch: f64,
+}
+
+impl Speed {
+    /// The mean of a motion over `window` \[s\], >= 0.
+    pub(crate) fn of(plan: &TimeOptimal, window: f64) -> Self {
+        let mut knots: Vec<Knot> = Vec::with_capacity(plan.pieces().len());
+        for (time, at) in plan.pieces() {
+            let sum = knots.last().map_or(0.0, |before| before.sum_after(time - before.time));
+            knots.push(Knot { time, at, sum });
+        }
+        Speed { knots, window, stretch: 1.0 }
+    }
+
+    /// The same, slower by a factor >= 1.
+    pub(crate) fn slower(mut self, factor: f64) -> Self {
+        self.stretch *= factor;
+        self
+    }
+
+    /// How long it lasts \[s\].
+    pub(crate) fn duration(&self) -> f64 {
+        (self.last().time + self.window) * self.stretch
+    }
+
+    fn last(&self) -> Knot {
+        self.knots.last().copied().unwrap_or(Knot {
+            time: 0.0,
+            at: ProfilePoint { s: 0.0, v: 0.0, a: 0.0 },
+            sum: 0.0,
+        })
+    }
+
+    /// The parameter, from 0, its speed and its acceleration at a time \[s\].
+    pub(crate) fn at(&self, time: f64) -> ProfilePoint {
+        let t = time / self.stretch;
+        let point = if self.window > 0.0 {
+            let ([s1, v1], sum1) = self.sums(t);
+            let ([s0, v0], sum0) = self.sums(t - self.window);
+            let w = self.window;
+            ProfilePoint { s: (sum1 - sum0) / w, v: (s1 - s0) / w, a: (v1 - v0) / w }
+        } else {
+            let i = self.piece(t);
+            let knot = self.knots[i];
+            let h = (t - knot.time).clamp(0.0, self.knots.get(i + 1).map_or(0.0, |next| next.time - knot.time));
+            ProfilePoint { s: knot.at.s + h * (knot.at.v + 0.5 * h * knot.at.a), v: knot.at.v + h * knot.at.a, a: knot.at.a }
+        };
+        ProfilePoint { s: point.s, v: point.v / self.stretch, a: point.a / (self.stretch * self.stretch) }
+    }
+
+    fn piece(&self, t: f64) -> usize {
+        self.knots.partition_point(|knot| knot.time <= t).max(1) - 1
+    }
+
+    /// Position and speed, and the integral of the position: at rest before the start and behind the end.
+    fn sums(&self, t: f64) -> ([f64; 2], f64) {
+        let last = self.last();
+        if t <= 0.0 {
+            return ([0.0; 2], 0.0);
+        }
+        if t >= last.time {
+            return ([last.at.s, 0.0], last.sum + last.at.s * (t - last.time));
+        }
+        let knot = self.knots[self.piece(t)];
+        let h = t - knot.time;
+        let s = knot.at.s + h * (knot.at.v + 0.5 * h * knot.at.a);
+        ([s, knot.at.v + h * knot.at.a], knot.sum_after(h))
+    }
+}
+
+impl Knot {
+    fn sum_after(&self, h: f64) -> f64 {
+        self.sum + h * (self.at.s + h * (0.5 * self.at.v + h * self.at.a / 6.0))
+    }
+}

@@ -1,0 +1,159 @@
+//! Whether what a stop sweeps is clear, from everywhere on a piece of a path.
+//!
+//! In: a piece of a path, and the speed at which it is passed. Out: whether all states that a fault stop leads through are clear.
+//!
+//! A stop on the path needs no check of its own: the path is clear. In a fault stop each robot leaves it. From the joint
+//! velocities `q'` it goes on for the reaction time `T_r`, until the last robot knows of the fault, and then brakes:
+//!
+//! - without limits of jerk all joints of a robot stand after `T = max |q'_i| / a_i`, on a straight line in joint space:
+//!   `q + lambda q' (T_r + T / 2)`, `lambda` 0 to 1;
+//! - with them each joint brakes by itself: anywhere between `q_i` and `q_i + w_i`.
+//!
+//! Robots need not begin together, so every `lambda` of one robot goes with every one of the others. A joint that still accelerates
+//! gains at most `a T_r^2 / 2` meanwhile.
+
+use crate::check::Checker;
+use crate::lanes::{LANES, Lanes, Mask};
+use crate::limits::Limits;
+use crate::path::Path;
+
+/// The most boxes into which the states of a stop are divided.
+const MOST: usize = 400;
+
+/// What a stop sweeps from a piece of a path.
+pub(crate) struct Swept {
+    /// The middle of the positions of the piece, and how far they are off it.
+    middle: Vec<f64>,
+    half: Vec<f64>,
+    /// How far each joint goes until it stands, the middle and half of the range, at each end of which it may be.
+    way: Vec<f64>,
+    off: Vec<f64>,
+}
+
+/// A box of states: the part of its line on which each robot is, as middle and half.
+#[derive(Clone, Copy)]
+struct Part {
+    middle: [f64; ROBOTS],
+    half: [f64; ROBOTS],
+}
+
+/// The most robots.
+pub(crate) const ROBOTS: usize = 4;
+
+impl Swept {
+    /// From the parameters `from` to `to`, passed at `speed` \[1/s\], after a reaction time \[s\].
+    pub(crate) fn new(path: &Path, [from, to]: [f64; 2], speed: f64, limits: &Limits, reaction: f64) -> Self {
+        let n = limits.velocity.len();
+        let at = [0.0, 0.5, 1.0].map(|share| path.at(from + (to - from) * share));
+        let mut swept =
+            Swept { middle: vec![0.0; n], half: vec![0.0; n], way: vec![0.0; n], off: vec![0.0; n] };
+        // Beyond the three samples a path may bend by an eighth of the square of their distance times its second derivative.
+        let width = 0.5 * (to - from);
+        let mut rates = vec![[0.0; 2]; n];
+        for j in 0..n {
+            let range = |values: [f64; 3]| {
+                values.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], x| [a.min(*x), b.max(*x)])
+            };
+            let [lower, upper] = range([0, 1, 2].map(|k| at[k].q[j]));
+            let bend = at.iter().map(|at| at.second[j].abs()).fold(0.0, f64::max) * width * width / 8.0;
+            swept.middle[j] = 0.5 * (lower + upper);
+            swept.half[j] = 0.5 * (upper - lower) + bend;
+            rates[j] = range([0, 1, 2].map(|k| at[k].first[j] * speed));
+        }
+        for robot in &limits.robots {
+            let joints = robot.clone();
+            let fastest = |j: usize| rates[j][0].abs().max(rates[j][1].abs());
+            let time = joints.clone().map(|j| fastest(j) / limits.acceleration[j]).fold(0.0, f64::max);
+            for j in joints {
+                let a = limits.acceleration[j];
+                let [lower, upper] = rates[j].map(|rate| match limits.jerk[j] {
+                    None => rate * (reaction + 0.5 * time),
+                    Some(jerk) => {
+                        // The acceleration first fades, in which the joint may still gain speed.
+                        let fading = a / jerk;
+                        let fastest = rate.abs() + 0.5 * a * fading;
+                        let braking = fastest * fading + 0.5 * fastest * (fastest / a + fading);
+                        (rate.abs() * reaction + if rate == 0.0 { 0.0 } else { braking }).copysign(rate)
+                    }
+                });
+                let gained = 0.5 * a * reaction * reaction;
+                if limits.jerk[j].is_some() {
+                    let [lower, upper] = [lower.min(0.0), upper.max(0.0)];
+                    swept.middle[j] += 0.5 * (lower + upper);
+                    swept.half[j] += 0.5 * (upper - lower) + gained;
+                } else {
+                    swept.way[j] = 0.5 * (lower + upper);
+                    swept.off[j] = 0.5 * (upper - lower) + if time > 0.0 { gained } else { 0.0 };
+                }
+            }
+        }
+        swept
+    }
+
+    /// Whether all of it is proven clear.
+    pub(crate) fn is_clear(&self, checker: &mut Checker, limits: &Limits) -> bool {
+        let n = self.middle.len();
+        let robots = limits.robots.len();
+        let mut open = vec![Part { middle: [0.5; ROBOTS], half: [0.5; ROBOTS] }];
+        for _ in 0..3 {
+            open = open.into_iter().flat_map(|part| self.divided(limits, part)).collect();
+        }
+        let (mut q, mut half) = (vec![Lanes::default(); n], vec![Lanes::default(); n]);
+        let mut left = MOST;
+        while !open.is_empty() {
+            let taken = open.len().min(LANES);
+            if left < taken {
+                return false;
+            }
+            left -= taken;
+            let batch: [Part; LANES] = core::array::from_fn(|lane| open[open.len() - 1 - lane.min(taken - 1)]);
+            open.truncate(open.len() - taken);
+            for (robot, joints) in limits.robots.iter().enumerate().take(robots) {
+                for j in joints.clone() {
+                    q[j] = Lanes(batch.map(|part| (self.middle[j] + part.middle[robot] * self.way[j]) as f32));
+                    half[j] = Lanes(batch.map(|part| {
+                        let most = part.middle[robot] + part.half[robot];
+                        ((self.half[j] + part.half[robot] * self.way[j].abs() + most * self.off[j]) * (1.0 + 1e-6)) as f32
+                    }));
+                }
+            }
+            let wanted = ((1u16 << taken) - 1) as Mask;
+            let verdict = checker.check(&q, Some(&half), wanted);
+            if verdict.clear != wanted {
+                return false;
+            }
+            for (lane, part) in batch.iter().enumerate().take(taken) {
+                if verdict.proven >> lane & 1 == 0 {
+                    let parts = self.divided(limits, *part);
+                    if parts.len() == 1 {
+                        return false;
+                    }
+                    open.extend(parts);
+                }
+            }
+        }
+        true
+    }
+
+    /// A box in two, across the longest of the robots' lines; itself where they are too short.
+    fn divided(&self, limits: &Limits, part: Part) -> Vec<Part> {
+        let length = |robot: usize| {
+            limits.robots[robot].clone().map(|j| self.way[j].abs()).fold(0.0, f64::max) * part.half[robot]
+        };
+        let Some(robot) =
+            (0..limits.robots.len()).max_by(|a, b| length(*a).total_cmp(&length(*b)).then(b.cmp(a)))
+        else {
+            return vec![part];
+        };
+        if length(robot) < 1e-4 {
+            return vec![part];
+        }
+        let side = |sign: f64| {
+            let mut half = part;
+            half.half[robot] *= 0.5;
+            half.middle[robot] += sign * half.half[robot];
+            half
+        };
+        vec![side(-1.0), side(1.0)]
+    }
+}

@@ -1,0 +1,178 @@
+//! How fast a path is passed: the least time within the limits of all joints, slower where a stop would not be clear.
+//!
+//! In: a path whose motion is clear. Out: a [`Speed`]: velocity, acceleration and jerk of every joint within [`SHARES`] of its limits, and
+//! from every instant all stops clear ([`Swept`]).
+//!
+//! First the fastest motion; then, piece by piece, what its stops sweep. Where that is not clear, the speed is limited to the largest
+//! that is, and the motion is planned anew. What is slower anywhere is slower nowhere else, so few rounds are needed.
+
+use mrroc_generators::curve::{Parametric, SplinePoint};
+use mrroc_generators::timing::{LinearLimit, PathLimits, TimeOptimal};
+use nalgebra::SVector;
+
+use crate::check::Checker;
+use crate::error::PlanError;
+use crate::limits::Limits;
+use crate::path::Path;
+use crate::speed::Speed;
+use crate::stop::Swept;
+
+/// Shares of the limits that a plan uses, of velocity and of acceleration and jerk: the rest is for the operator's speed (decision 5).
+const SHARES: [f64; 2] = [0.98, 0.88];
+/// The longest cell of the grid [rad or m], and how many there are at least.
+const CELL: f64 = 0.05;
+const CELLS: f64 = 40.0;
+/// How often the motion is planned anew at most.
+const ROUNDS: usize = 24;
+/// Samples of a motion in which its limits are measured, at least in a cell.
+const SAMPLES: usize = 4;
+
+/// The parameter of a path, as a path of its own.
+struct Parameter<'a> {
+    knots: &'a [f64],
+}
+
+impl Parametric for Parameter<'_> {
+    type Value = SVector<f64, 1>;
+
+    fn range(&self) -> (f64, f64) {
+        (0.0, self.knots[self.knots.len() - 1])
+    }
+
+    fn at(&self, u: f64) -> SplinePoint<SVector<f64, 1>> {
+        SplinePoint { value: [u].into(), first: [1.0].into(), second: [0.0].into() }
+    }
+
+    fn knots(&self) -> &[f64] {
+        self.knots
+    }
+}
+
+/// The motion along `path`, with stops that begin after a `reaction` time \[s\] at the latest.
+pub(crate) fn timed(
+    checker: &mut Checker,
+    path: &Path,
+    limits: &Limits,
+    reaction: f64,
+) -> Result<Speed, PlanError> {
+    let parameter = Parameter { knots: path.knots() };
+    let cells = (path.length() / CELL).max(CELLS);
+    let grid = mrroc_generators::timing::grid(&parameter, cells as usize);
+    let count = grid.len() - 1;
+    let mut most = vec![f64::INFINITY; count];
+    // What was proven clear needs no second proof at a lower speed.
+    let mut proven = vec![0.0_f64; count];
+    for _ in 0..ROUNDS {
+        let speed = fastest(path, &parameter, &grid, limits, &most)?;
+        let passed = speeds(&speed, &grid);
+        let mut slowed = false;
+        for (cell, &passed) in passed.iter().enumerate() {
+            if passed <= proven[cell] {
+                continue;
+            }
+            let mut is_clear = |speed: f64| {
+                let ends = [grid[cell], grid[cell + 1]];
+                Swept::new(path, ends, speed, limits, reaction).is_clear(checker, limits)
+            };
+            if is_clear(passed) {
+                proven[cell] = passed;
+                continue;
+            }
+            let (mut slow, mut fast) = (proven[cell], passed);
+            while fast - slow > 0.1 * fast && fast > 1e-3 * passed {
+                let middle = 0.5 * (slow + fast);
+                if is_clear(middle) { slow = middle } else { fast = middle }
+            }
+            if slow == 0.0 {
+                return Err(PlanError::StopsNotClear { at: 100.0 * grid[cell] / path.length() });
+            }
+            proven[cell] = slow;
+            // A little less, since making the motion smooth may bring the speed of a place near to that of the next.
+            most[cell] = 0.97 * slow;
+            slowed = true;
+        }
+        if !slowed {
+            return Ok(speed);
+        }
+    }
+    Err(PlanError::StopsNotClear { at: 0.0 })
+}
+
+/// The fastest motion within the limits of the joints, and `most` in each cell of the grid.
+fn fastest(
+    path: &Path,
+    parameter: &Parameter<'_>,
+    grid: &[f64],
+    limits: &Limits,
+    most: &[f64],
+) -> Result<Speed, PlanError> {
+    let own = PathLimits { velocity: [1e9].into(), acceleration: [1e12].into(), speed: f64::INFINITY };
+    let mut asked = 0;
+    let n = limits.joints();
+    let rows = |point: &SplinePoint<SVector<f64, 1>>, rows: &mut Vec<LinearLimit>| {
+        // Four places of each cell are asked for, one after the other.
+        let cell = (asked / 4).min(most.len() - 1);
+        asked += 1;
+        let at = path.at(point.value[0]);
+        let mut square = most[cell] * most[cell];
+        for j in 0..n {
+            let high = SHARES[1] * limits.acceleration[j];
+            rows.push(LinearLimit { a: at.first[j], b: at.second[j], low: -high, high });
+            let fastest = SHARES[0] * limits.velocity[j] / at.first[j].abs();
+            square = square.min(fastest * fastest);
+        }
+        rows.push(LinearLimit { a: 0.0, b: 1.0, low: -1.0, high: square.min(1e12) });
+    };
+    let plan = TimeOptimal::with_linear_limits(parameter, grid, &own, [0.0; 2], rows)?;
+    let windows = (0..n).filter_map(|j| limits.jerk[j].map(|jerk| 2.0 * limits.acceleration[j] / jerk));
+    let speed = Speed::of(&plan, windows.fold(0.0, f64::max));
+    let factor = excess(path, &speed, limits, grid.len() * SAMPLES);
+    Ok(speed.slower(factor))
+}
+
+/// How many times slower a motion must be to keep all limits, at least 1.
+fn excess(path: &Path, speed: &Speed, limits: &Limits, samples: usize) -> f64 {
+    let n = limits.joints();
+    let step = speed.duration() / samples as f64;
+    let mut factor = 1.0_f64;
+    let mut before: Option<Vec<f64>> = None;
+    for k in 0..=samples {
+        let at_time = speed.at(k as f64 * step);
+        let at = path.at(at_time.s);
+        let mut accelerations = Vec::with_capacity(n);
+        for j in 0..n {
+            let velocity = (at.first[j] * at_time.v).abs() / (SHARES[0] * limits.velocity[j]);
+            let acceleration = at.first[j] * at_time.a + at.second[j] * at_time.v * at_time.v;
+            let share = acceleration.abs() / (SHARES[1] * limits.acceleration[j]);
+            factor = factor.max(velocity).max(share.sqrt());
+            if let (Some(jerk), Some(before)) = (limits.jerk[j], &before) {
+                let rise = (acceleration - before[j]).abs() / step;
+                factor = factor.max((rise / (SHARES[1] * jerk)).cbrt());
+            }
+            accelerations.push(acceleration);
+        }
+        before = Some(accelerations);
+    }
+    factor
+}
+
+/// The largest speed in each cell.
+fn speeds(speed: &Speed, grid: &[f64]) -> Vec<f64> {
+    let mut most = vec![0.0_f64; grid.len() - 1];
+    let samples = grid.len() * SAMPLES * 2;
+    let step = speed.duration() / samples as f64;
+    for k in 0..=samples {
+        let at = speed.at(k as f64 * step);
+        // Between two samples the speed changes by at most the acceleration, and the place by at most a step of both.
+        let v = at.v + at.a.abs() * step;
+        let [from, to] = [at.s - v * step, at.s + v * step];
+        let first = grid.partition_point(|u| *u <= from).clamp(1, most.len()) - 1;
+        for (cell, most) in most.iter_mut().enumerate().skip(first) {
+            if grid[cell] > to {
+                break;
+            }
+            *most = most.max(v);
+        }
+    }
+    most
+}

@@ -1,0 +1,5 @@
+//! The planner as its users use it.
+
+mod cells;
+mod check;
+mod plans;
