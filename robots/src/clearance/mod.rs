@@ -66,4 +66,4 @@ pub use gap::Gap;
 pub use obstacle::Obstacle;
 pub use stopping::{Stop, Stopping};
 
-pub use crate::models::{Capsule, Link, Motion, Outline};
+pub use crate::models::{Capsule, Chain, ChainBody, ChainJoint, Link, Motion, Outline};

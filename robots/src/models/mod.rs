@@ -51,7 +51,7 @@ pub use kinematics::{Jacobian, Kinematics};
 pub use local::{LocalCorrection, NoCalibration};
 pub use polycrank::Polycrank;
 pub use rnt::Rnt;
-pub use shape::{Capsule, Link, Motion, Outline};
+pub use shape::{Capsule, Chain, ChainBody, ChainJoint, Link, Motion, Outline};
 pub use two_fingers::TwoFingers;
 pub use urdf::{Serial, SerialBuilder, SerialOutline, UrdfError, UrdfText};
 pub use vectors::{Five, One, Seven, Six};

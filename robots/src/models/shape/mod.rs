@@ -10,9 +10,11 @@
 //! tool, the conveyor an obstacle.
 
 mod capsule;
+mod chain;
 mod frames;
 mod outline;
 
 pub use capsule::Capsule;
+pub use chain::{Chain, ChainBody, ChainJoint};
 pub(crate) use frames::{frames, origin, turn};
 pub use outline::{Link, Motion, Outline};

@@ -6,6 +6,7 @@ use mrroc::robot::Robot;
 use nalgebra::Vector3;
 
 use super::capsule::Capsule;
+use super::chain::Chain;
 
 /// One capsule of a robot: which link it belongs to and what moves it.
 #[derive(Clone, Debug, PartialEq)]
@@ -141,5 +142,11 @@ pub trait Outline: 'static {
     /// Which of the motions move the flange, and what it carries: bit `i` for the `i`th; all unless an outline says otherwise.
     fn flange_motions(&self) -> u32 {
         u32::MAX
+    }
+
+    /// The same shape as a serial chain of rigid bodies, if it is one: for kinematics of many postures at once. Its capsules are
+    /// those of [`capsules`](Outline::capsules), in that order, up to round-off. `None` unless an outline says otherwise.
+    fn chain(&self) -> Option<Chain> {
+        None
     }
 }

@@ -4,11 +4,11 @@ use mrroc::prelude::*;
 use mrroc::robot::JointKind;
 use nalgebra::{SVector, Translation3, Vector3};
 
-use super::chain::{MOST_SEGMENTS, axis, kind, turn_of_z};
+use super::chain::{MOST_SEGMENTS, Segment, axis, kind, turn_of_z};
 use super::document::{Element, Tree, origin, parsed, shown};
 use super::error::UrdfError;
 use super::serial::Serial;
-use crate::models::shape::{Capsule, Link, Motion, Outline};
+use crate::models::shape::{Capsule, Chain, ChainBody, ChainJoint, Link, Motion, Outline};
 
 /// A [`Serial`] arm as capsules.
 ///
@@ -216,5 +216,42 @@ impl<const N: usize> Outline for SerialOutline<N> {
 
     fn flange_motions(&self) -> u32 {
         !STRETCHING
+    }
+
+    /// `None` where a bar changes its length, or where the arm has a [local correction](crate::LocalCorrection): its joints then
+    /// do not stand where a multiplier and an offset say.
+    #[allow(non_snake_case)]
+    fn chain(&self) -> Option<Chain> {
+        let segments = self.robot.segments();
+        if self.robot.has_local_correction() {
+            return None;
+        }
+        let joint = |segment: &Segment| ChainJoint {
+            X_before: segment.X_before,
+            kind: segment.kind,
+            leader: segment.leader,
+            multiplier: segment.multiplier,
+            offset: segment.offset,
+        };
+        let X_WB = self.robot.X_WB();
+        let in_frame = |joints: usize, capsule: &Capsule| ChainBody {
+            joints,
+            capsule: if joints == 0 { capsule.moved(&X_WB) } else { *capsule },
+        };
+        let bodies = match &self.shape {
+            Shape::Bars(radius) => {
+                if segments.iter().any(|segment| segment.kind == JointKind::Prismatic) {
+                    return None;
+                }
+                // A turn leaves the origin of its frame where it is.
+                let first = segments.first().map(|first| X_WB.inverse() * first.X_before);
+                let next = segments.iter().skip(1).map(|segment| segment.X_before);
+                let ends = first.into_iter().chain(next).chain([self.robot.X_tip]);
+                let bar = |end: Pose| Capsule::new(Vector3::zeros(), end.translation.vector, *radius);
+                ends.enumerate().map(|(joints, end)| in_frame(joints, &bar(end))).collect()
+            }
+            Shape::Bodies(bodies) => bodies.iter().map(|body| in_frame(body.joints, &body.capsule)).collect(),
+        };
+        Some(Chain { joints: segments.iter().map(joint).collect(), bodies, X_tip: self.robot.X_tip })
     }
 }

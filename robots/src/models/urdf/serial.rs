@@ -298,10 +298,7 @@ impl<const N: usize> Serial<N> {
         }
         let with = |frames: &[Pose], tip: Pose| {
             let mut arm = self.clone();
-            let X_WB = self
-                .segments
-                .first()
-                .map_or_else(Pose::identity, |first| first.X_before * self.X_BJ.inverse());
+            let X_WB = self.X_WB();
             for (segment, frame) in arm.segments.iter_mut().zip(frames) {
                 // What a coordinate is 0 at stays as this robot says it.
                 segment.X_before = *frame;
@@ -383,6 +380,17 @@ impl<const N: usize> Serial<N> {
     /// The joints that move, mimic joints too.
     pub(super) fn segments(&self) -> &[Segment] {
         &self.segments
+    }
+
+    /// Pose of the base in the world.
+    #[allow(non_snake_case)]
+    pub(super) fn X_WB(&self) -> Pose {
+        self.segments.first().map_or_else(Pose::identity, |first| first.X_before * self.X_BJ.inverse())
+    }
+
+    /// Whether its joints stand elsewhere than its encoders read, by what a [`LocalCorrection`](crate::LocalCorrection) says.
+    pub(super) fn has_local_correction(&self) -> bool {
+        self.local.is_some()
     }
 
     /// Inverse kinematics by iteration.
