@@ -1,8 +1,11 @@
 //! The shapes of arms read from URDF.
 
+use mrroc::pose::Pose;
+use mrroc::random::Random;
+use mrroc::robot::Robot;
 use mrroc_robots::clearance::{Clearance, Obstacle, Outline, Stop, Stopping};
 use mrroc_robots::{Serial, SerialOutline, UrdfError};
-use nalgebra::Vector3;
+use nalgebra::{SVector, Vector3};
 
 /// An upper link that turns about y, 1 m above the base, with a tool fixed to its end; the axes lie along x of tilted frames.
 fn urdf(shape: &str) -> String {
@@ -78,4 +81,66 @@ fn bars_with_a_radius_run_from_joint_to_joint() {
     let (height, nearest) = height_above_floor(SerialOutline::new(robot(&text), 0.07), 0.5);
     assert!((height - (1.0 - 0.8 * 0.5_f64.sin() - 0.07)).abs() < 1e-12);
     assert_eq!(nearest, "arm link 1");
+}
+
+/// An arm of `tests/reference/urdf` with a base of its own.
+#[allow(non_snake_case)]
+fn arm<const N: usize>(text: &str, base: &str, tip: &str) -> Serial<N> {
+    let built = Serial::<N>::from_urdf(text, base, tip).unwrap();
+    let X_WB = Pose::new(Vector3::new(0.3, -0.2, 0.1), Vector3::new(0.2, 0.4, -1.0));
+    built.with_acceleration(SVector::repeat(0.5)).unwrap().with_base(X_WB)
+}
+
+/// Compares the capsules of a chain, and its flange, with those of the outline and the robot.
+fn the_chain_is_the_outline<const N: usize>(outline: &SerialOutline<N>) {
+    let chain = outline.chain().expect("a chain");
+    assert_eq!(chain.bodies.len(), outline.links().len());
+    let mut random = Random::seeded(7);
+    for _ in 0..200 {
+        let q = SVector::<f64, N>::from_fn(|_, _| 6.0 * random.unit() - 3.0);
+        let mut expected = Vec::new();
+        outline.capsules(&q, &mut |capsule| expected.push(capsule));
+        let capsules = chain.capsules(q.as_slice());
+        assert_eq!(capsules.len(), expected.len());
+        for (capsule, expected) in capsules.iter().zip(&expected) {
+            for (end, there) in capsule.ends.iter().zip(&expected.ends) {
+                assert!((end - there).amax() < 1e-12, "{end} is not {there}");
+            }
+            assert_eq!(capsule.radius, expected.radius);
+        }
+        let flange = chain.frames(q.as_slice()).last().copied().unwrap();
+        let apart = flange.translation.vector - outline.robot().forward(&q).translation.vector;
+        assert!(apart.amax() < 1e-12, "{apart}");
+    }
+}
+
+/// The text of an arm, with a cylinder beside the origin of each of these links.
+fn with_cylinders(text: &str, links: &[&str]) -> String {
+    let shape = r#"<origin xyz="0.1 0.2 0.3" rpy="0 0 1"/><geometry><cylinder radius="0.1" length="0.2"/></geometry>"#;
+    links.iter().fold(text.to_owned(), |text, link| {
+        let begin = format!("<link name=\"{link}\"");
+        text.replace(&format!("{begin}/>"), &format!("{begin}><collision>{shape}</collision></link>"))
+    })
+}
+
+#[test]
+fn the_chain_of_an_outline_has_its_capsules_in_every_posture() {
+    let seven = include_str!("reference/urdf/seven_axes.urdf");
+    the_chain_is_the_outline(&SerialOutline::new(arm::<7>(seven, "world_foot", "flange"), 0.05));
+    // Two joints of this one mimic others, and so does the slide that its last link is on.
+    let palletiser = include_str!("reference/urdf/palletiser.urdf");
+    the_chain_is_the_outline(&SerialOutline::new(arm::<4>(palletiser, "base", "hand"), 0.05));
+    let text = with_cylinders(palletiser, &["base", "lower", "level_2", "slide", "tool"]);
+    let of_text = |robot| SerialOutline::from_urdf(robot, &text, "base", "tool").unwrap();
+    the_chain_is_the_outline(&of_text(arm::<4>(&text, "base", "tool")));
+}
+
+#[test]
+fn a_chain_has_slides_but_no_bars_that_change_their_length() {
+    let gantry = include_str!("reference/urdf/gantry.urdf");
+    assert_eq!(SerialOutline::new(arm::<4>(gantry, "bed", "tool"), 0.05).chain(), None);
+    let text = with_cylinders(gantry, &["bed", "carriage", "head"]);
+    let outline = SerialOutline::from_urdf(arm::<4>(&text, "bed", "tool"), &text, "bed", "tool").unwrap();
+    assert_eq!(outline.links().len(), 3);
+    the_chain_is_the_outline(&outline);
 }
