@@ -5,11 +5,9 @@
 //!
 //! An arm whose outline is a [`Chain`] is computed in all lanes together; others posture by posture.
 
-use std::sync::Arc;
-
 use mrroc::fault::Name;
 use mrroc::robot::{JointKind, MAX_JOINTS};
-use mrroc_robots::clearance::{Capsule, Chain, Joints, Link, Motion, RobotPart, Shape};
+use mrroc_robots::clearance::{Capsule, Chain, Joints, Link, Motion, RobotPart};
 use nalgebra::Vector3;
 
 use crate::balls::{Ball, BallTree, around, count, covering};
@@ -331,6 +329,3 @@ fn place(tree: &BallTree, balls: &[Vec<Ball>], lane: usize, placed: &mut [(Point
         }
     }
 }
-
-/// The same shape for several owners.
-pub(crate) type SharedShape = Arc<dyn Shape>;

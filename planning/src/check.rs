@@ -166,11 +166,6 @@ impl Checker {
         Checker { arms, bodies, pairings, standing, batches: 0, wide: is_wide() }
     }
 
-    /// How many joints all robots have.
-    pub(crate) fn joints(&self) -> usize {
-        self.arms.iter().map(|arm| arm.joints).sum()
-    }
-
     /// Checks eight postures at `q` [rad or m], and all positions that are off by at most `half` [rad or m, >= 0]. Ends as soon as a
     /// wanted lane is found not to be clear.
     pub(crate) fn check(&mut self, q: &[Lanes], half: Option<&[Lanes]>, wanted: Mask) -> Verdict {

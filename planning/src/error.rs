@@ -43,10 +43,10 @@ pub enum PlanError {
         robot: String,
     },
     /// The robots are too near to something at the start.
-    #[error("at the start {0}, and the margin is {margin:.1} mm", margin = 1e3 * .0.margin)]
+    #[error("the start is not clear by the margin: {0}")]
     StartNotClear(Box<Nearest>),
     /// They are at all goals; told is the first.
-    #[error("at the goal {0}, and the margin is {margin:.1} mm", margin = 1e3 * .0.margin)]
+    #[error("the goal is not clear by the margin: {0}")]
     GoalNotClear(Box<Nearest>),
     /// There is no goal.
     #[error("no goal: the pose has no solution within the limits of the joints")]

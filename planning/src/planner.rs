@@ -104,15 +104,23 @@ impl Planner {
         Ok(Plan { robots, motion: Arc::new(motion) })
     }
 
-    /// Points of a path whose straight legs are clear, without corners rounded and without times; it begins at `start` and ends at
-    /// one of `goals`, of which there is one that is not the start.
+    /// Points of a path whose straight legs are clear, without corners rounded and without times: [`find_first`](Self::find_first), then
+    /// [`shorten`](Self::shorten).
     ///
     /// # Errors
     /// [`PlanError`].
     pub fn find(&mut self, start: &[f64], goals: &[Vec<f64>]) -> Result<Vec<Vec<f64>>, PlanError> {
+        let mut points = self.find_first(start, goals)?;
+        self.shorten(&mut points);
+        Ok(points)
+    }
+
+    /// The first path that is found, usually a long one: points whose straight legs are clear, from `start` to one of `goals`.
+    ///
+    /// # Errors
+    /// [`PlanError`].
+    pub fn find_first(&mut self, start: &[f64], goals: &[Vec<f64>]) -> Result<Vec<Vec<f64>>, PlanError> {
         self.within_limits("start", start)?;
-        let offset = self.offset(start);
-        let inner = |q: &[f64]| -> Vec<f32> { q.iter().zip(&offset).map(|(q, o)| (q - o) as f32).collect() };
         if !self.checker.is_clear(start) {
             return Err(PlanError::StartNotClear(Box::new(self.nearest(start)?)));
         }
@@ -129,27 +137,35 @@ impl Planner {
         if clear.is_empty() {
             return Err(refused.map_or(PlanError::NoGoal, |nearest| PlanError::GoalNotClear(Box::new(nearest))));
         }
-        let from = inner(start);
-        let to: Vec<Vec<f32>> = clear.iter().map(|goal| inner(goal)).collect();
+        let offset = self.offset(start);
+        let from = inner(start, &offset);
+        let to: Vec<Vec<f32>> = clear.iter().map(|goal| inner(goal, &offset)).collect();
         let [lower, upper] = self.ranges(&from, &to);
         let mut samples = Samples::new(self.seed, &lower, &upper);
         let before = self.checker.batches;
-        let (checker, edges) = (&mut self.checker, &mut self.edges);
-        match connect(checker, edges, &mut samples, &from, &to, self.effort) {
-            Ok(mut path) => {
-                let reached = path[path.len() - 1].clone();
-                shorten(checker, edges, self.seed, &mut path, self.effort / 4);
-                let goal = to.iter().position(|goal| *goal == reached).map_or(clear[0], |i| clear[i]);
-                let middle = path[1..path.len() - 1].iter();
-                let outer = |q: &Vec<f32>| q.iter().zip(&offset).map(|(q, o)| f64::from(*q) + o).collect();
-                Ok(core::iter::once(start.to_vec()).chain(middle.map(outer)).chain([goal.clone()]).collect())
+        match connect(&mut self.checker, &mut self.edges, &mut samples, &from, &to, self.effort) {
+            Ok(path) => {
+                let goal = to.iter().position(|goal| path.last() == Some(goal)).map_or(clear[0], |i| clear[i]);
+                let middle = path[1..path.len() - 1].iter().map(|q| outer(q, &offset));
+                Ok(core::iter::once(start.to_vec()).chain(middle).chain([goal.clone()]).collect())
             }
             Err((nearest, apart)) => {
-                let q: Vec<f64> = nearest.iter().zip(&offset).map(|(q, o)| f64::from(*q) + o).collect();
-                let nearest = Box::new(self.nearest(&q)?);
+                let nearest = Box::new(self.nearest(&outer(&nearest, &offset))?);
                 Err(PlanError::NotFound { checks: self.checker.batches - before, apart, nearest })
             }
         }
+    }
+
+    /// Makes a path shorter, as far as a quarter of the effort allows; its ends stay.
+    pub fn shorten(&mut self, points: &mut Vec<Vec<f64>>) {
+        let [Some(start), Some(goal)] = [points.first().cloned(), points.last().cloned()] else { return };
+        let offset = self.offset(&start);
+        let mut path: Vec<Vec<f32>> = points.iter().map(|q| inner(q, &offset)).collect();
+        shorten(&mut self.checker, &mut self.edges, self.seed, &mut path, self.effort / 4);
+        *points = path.iter().map(|q| outer(q, &offset)).collect();
+        let last = points.len() - 1;
+        points[0] = start;
+        points[last] = goal;
     }
 
     /// Whole turns by which endless joints are off what they are computed with, so that single precision is enough [rad].
@@ -202,4 +218,13 @@ impl Planner {
         let robots: Vec<&[f64]> = self.limits.robots.iter().map(|range| &q[range.clone()]).collect();
         Ok(self.clearance.nearest_at(&robots)?)
     }
+}
+
+/// Positions as they are computed with.
+fn inner(q: &[f64], offset: &[f64]) -> Vec<f32> {
+    q.iter().zip(offset).map(|(q, offset)| (q - offset) as f32).collect()
+}
+
+fn outer(q: &[f32], offset: &[f64]) -> Vec<f64> {
+    q.iter().zip(offset).map(|(q, offset)| f64::from(*q) + offset).collect()
 }

@@ -28,7 +28,9 @@ pub(crate) fn connect(
     let n = start.len();
     let mut trees = [Tree::new(n), Tree::new(n)];
     trees[0].add(start, None);
-    goals.iter().for_each(|goal| drop(trees[1].add(goal, None)));
+    for goal in goals {
+        trees[1].add(goal, None);
+    }
     let (mut wanted, mut from, mut to) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
     while checker.batches < end {
         // The smaller one grows.

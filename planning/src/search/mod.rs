@@ -10,7 +10,7 @@ mod tree;
 
 pub(crate) use connect::connect;
 pub(crate) use sampling::Samples;
-pub(crate) use shorten::{length, shorten};
+pub(crate) use shorten::shorten;
 
 /// Positions of all joints along a path [rad or m].
 pub(crate) type Points = Vec<Vec<f32>>;

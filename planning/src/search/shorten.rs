@@ -13,7 +13,7 @@ const IN_VAIN: usize = 24;
 const SAME: f32 = 1e-4;
 
 /// Length of a path: the sum of the roots of the sums of squares over all joints [rad or m].
-pub(crate) fn length(path: &[Vec<f32>]) -> f64 {
+fn length(path: &[Vec<f32>]) -> f64 {
     path.windows(2).map(|pair| f64::from(distance(&pair[0], &pair[1]))).sum()
 }
 
