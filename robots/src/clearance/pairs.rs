@@ -92,11 +92,14 @@ pub(super) fn without_meaningless(
     robots: &mut [Placement],
     obstacles: &[Obstacle],
 ) -> Vec<(Pair, Unchecked)> {
-    let mut ranges = vec![(f64::INFINITY, f64::NEG_INFINITY); pairs.len()];
+    let mut seen = vec![Seen::default(); pairs.len()];
     for (robot, placement) in robots.iter_mut().enumerate() {
+        // A pair that has been both apart and near stays: it needs no further posture.
+        let mut open: Vec<usize> = (0..pairs.len()).filter(|i| pairs[*i].limb.robot == robot).collect();
+        open.retain(|i| pairs[*i].is_own() || matches!(pairs[*i].other, Other::Obstacle(_)));
         let mut stood = 0;
         for sample in 1..=TRIES {
-            if stood == POSTURES {
+            if stood == POSTURES || open.is_empty() {
                 break;
             }
             let q = spread(placement, sample);
@@ -104,35 +107,60 @@ pub(super) fn without_meaningless(
                 continue;
             }
             stood += 1;
-            for (pair, (least, most)) in pairs.iter().zip(&mut ranges) {
-                let own = placement.placed.get(pair.limb.link).filter(|_| pair.limb.robot == robot);
-                let Some(own) = own else { continue };
-                let distance = match pair.other {
-                    Other::Limb(limb) if limb.robot == robot => {
-                        own.capsule.gap(&placement.placed[limb.link].capsule).distance
+            open.retain(|&i| {
+                let (pair, seen) = (&pairs[i], &mut seen[i]);
+                let own = &placement.placed[pair.limb.link];
+                match pair.other {
+                    Other::Limb(limb) => {
+                        let other = &placement.placed[limb.link];
+                        // Most are far apart, which the balls around them show.
+                        if at_least(own, other) > NEVER_NEARER {
+                            seen.apart = true;
+                        } else {
+                            seen.add(own.capsule.gap(&other.capsule).distance);
+                        }
                     }
-                    Other::Limb(_) => continue,
-                    Other::Obstacle(o) => obstacles[o].gap(&own.capsule).distance,
-                };
-                (*least, *most) = (least.min(distance), most.max(distance));
-            }
+                    Other::Obstacle(o) => {
+                        seen.add(obstacles[o].gap(&own.capsule).distance);
+                        // How near obstacles come does not matter.
+                        seen.near |= seen.apart;
+                    }
+                }
+                !(seen.apart && seen.near)
+            });
         }
     }
     let mut removed = Vec::new();
-    let mut ranges = ranges.into_iter();
+    let mut seen = seen.into_iter();
     pairs.retain(|pair| {
-        // Without a posture that was seen, least is above most.
-        let why = match ranges.next() {
-            Some((least, most)) if least <= most && most < 0.0 => Some(Unchecked::AlwaysOverlap),
-            Some((least, most)) if least <= most && pair.is_own() && least > NEVER_NEARER => {
-                Some(Unchecked::NeverMeet)
-            }
+        let why = match seen.next() {
+            Some(Seen { overlapped: true, apart: false, .. }) => Some(Unchecked::AlwaysOverlap),
+            Some(Seen { apart: true, near: false, .. }) if pair.is_own() => Some(Unchecked::NeverMeet),
             _ => None,
         };
         removed.extend(why.map(|why| (*pair, why)));
         why.is_none()
     });
     removed
+}
+
+/// How near two bodies came in the postures that were tried.
+#[derive(Clone, Copy, Debug, Default)]
+struct Seen {
+    /// They overlapped in one.
+    overlapped: bool,
+    /// They did not overlap in one.
+    apart: bool,
+    /// They were nearer than [`NEVER_NEARER`] in one.
+    near: bool,
+}
+
+impl Seen {
+    fn add(&mut self, distance: f64) {
+        self.overlapped |= distance < 0.0;
+        self.apart |= distance >= 0.0;
+        self.near |= distance <= NEVER_NEARER;
+    }
 }
 
 /// A posture of the Halton sequence: evenly spread, the same in every run.
