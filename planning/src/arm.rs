@@ -66,6 +66,8 @@ pub(crate) struct Standing {
     frames: Vec<Frames>,
     /// The balls of each limb of an arm that is no chain.
     placed: Vec<Vec<(Points, Lanes)>>,
+    /// The ball around each limb.
+    pub(crate) roots: Vec<(Points, Lanes)>,
     /// How far a limb may still get by the motions from the `i`th on \[m\].
     pub(crate) travel: Vec<[Lanes; MOTIONS + 1]>,
 }
@@ -199,19 +201,24 @@ impl Arm {
             }
             frames.push(frame);
         }
+        standing.roots.clear();
+        for limb in &self.limbs {
+            let root = &limb.tree.nodes[0];
+            standing.roots.push((frames[limb.joints].place(root.centre), Lanes::splat(root.radius)));
+        }
         let Some(half) = half else { return };
         standing.travel.resize(self.limbs.len(), [Lanes::default(); MOTIONS + 1]);
-        for (limb, travel) in self.limbs.iter().zip(&mut standing.travel) {
-            let root = &limb.tree.nodes[0];
-            let centre = frames[limb.joints].place(root.centre);
+        for ((limb, travel), (centre, radius)) in
+            self.limbs.iter().zip(&mut standing.travel).zip(&standing.roots)
+        {
             let mut moved = Lanes::default();
             travel[limb.joints] = moved;
             for (j, joint) in joints[..limb.joints].iter().enumerate().rev() {
                 let by = half[joint.leader] * joint.multiplier.abs();
                 moved = match joint.kind {
                     JointKind::Revolute => {
-                        let from = (centre - frames[j + 1].origin).cross(frames[j + 1].z);
-                        let arm = from.squared().sqrt() + Lanes::splat(root.radius);
+                        let from = (*centre - frames[j + 1].origin).cross(frames[j + 1].z);
+                        let arm = from.squared().sqrt() + *radius;
                         moved + by * (arm + moved)
                     }
                     JointKind::Prismatic => moved + by,
@@ -222,7 +229,7 @@ impl Arm {
     }
 
     fn stand_outline(&self, counts: &[usize], q: &[Lanes], half: Option<&[Lanes]>, standing: &mut Standing) {
-        let Standing { placed, travel, .. } = standing;
+        let Standing { placed, travel, roots, .. } = standing;
         placed.resize(self.limbs.len(), Vec::new());
         travel.resize(self.limbs.len(), [Lanes::default(); MOTIONS + 1]);
         for (limb, placed) in self.limbs.iter().zip(placed.iter_mut()) {
@@ -235,12 +242,15 @@ impl Arm {
             };
             let at = of(q);
             // A posture in which it cannot stand keeps balls that are no numbers, which are clear of nothing.
+            roots.resize(self.limbs.len(), (Points::default(), Lanes::splat(f32::NAN)));
             let Some(capsules) = self.capsules(&at) else { continue };
             for (limb, placed) in self.limbs.iter().zip(placed.iter_mut()) {
                 let groups = limb.links.iter().map(|&link| (&capsules[link], counts[link]));
                 let balls: Vec<Vec<Ball>> = groups.map(|(capsule, n)| covering(capsule, n).collect()).collect();
                 place(&limb.tree, &balls, lane, placed);
             }
+            roots.clear();
+            roots.extend(placed.iter().map(|placed| placed[0]));
             let Some(half) = half else { continue };
             let mut motions = Vec::with_capacity(MOTIONS);
             self.part.shape.motions(&at, &of(half), &mut |motion| motions.push(motion));

@@ -217,6 +217,12 @@ impl Checker {
         match pairing.against {
             Against::Obstacle(body) => {
                 let body = &self.bodies[body];
+                // Most are far apart, which the ball around the limb shows.
+                let (centre, radius) = standing.roots[limb];
+                let wanted = wanted & !body.clear_of(centre, radius + margin + travel);
+                if wanted == 0 {
+                    return (0, 0);
+                }
                 let mut stack = [(0u32, 0 as Mask); DEPTH];
                 for &(node, _) in &pairing.parts {
                     stack[0] = (node, wanted);
@@ -245,6 +251,12 @@ impl Checker {
             Against::Limb(other_arm, other_limb) => {
                 let other = &self.standing[other_arm];
                 let travel = travel + if moving { other.travel[other_limb][since] } else { Lanes::default() };
+                let ((p, r), (q, s)) = (standing.roots[limb], other.roots[other_limb]);
+                let far = r + s + margin + travel;
+                let wanted = wanted & !(p - q).squared().above(far * far);
+                if wanted == 0 {
+                    return (0, 0);
+                }
                 let mut stack = [(0u32, 0u32, 0 as Mask); 2 * DEPTH];
                 for &(a, b) in &pairing.parts {
                     stack[0] = (a, b, wanted);
