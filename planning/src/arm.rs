@@ -172,7 +172,7 @@ impl Arm {
     }
 
     /// Stands in all lanes: `q` and `half` are the positions of this arm's joints, and by how much they may be off.
-    #[inline(always)]
+    #[inline]
     pub(crate) fn stand(&self, q: &[Lanes], half: Option<&[Lanes]>, standing: &mut Standing) {
         match &self.kinematics {
             Kinematics::Chain(joints) => self.stand_chain(joints, q, half, standing),
@@ -180,7 +180,7 @@ impl Arm {
         }
     }
 
-    #[inline(always)]
+    #[inline]
     fn stand_chain(&self, joints: &[Joint], q: &[Lanes], half: Option<&[Lanes]>, standing: &mut Standing) {
         let frames = &mut standing.frames;
         frames.clear();
@@ -188,7 +188,8 @@ impl Arm {
         frames.push(frame);
         for joint in joints {
             let origin = frame.place(joint.offset);
-            let [x, y, z] = joint.rotation.map(|axis| frame.direction(axis));
+            let [x, y, z] = &joint.rotation;
+            let [x, y, z] = [frame.direction(*x), frame.direction(*y), frame.direction(*z)];
             frame = Frames { x, y, z, origin };
             let value = q[joint.leader] * joint.multiplier + Lanes::splat(joint.zero);
             match joint.kind {
@@ -238,7 +239,7 @@ impl Arm {
         }
         for lane in 0..LANES {
             let of = |values: &[Lanes]| -> Joints {
-                core::array::from_fn(|i| values.get(i).map_or(0.0, |value| f64::from(value.0[lane])))
+                core::array::from_fn(|i| values.get(i).map_or(0.0, |value| f64::from(value.lane(lane))))
             };
             let at = of(q);
             // A posture in which it cannot stand keeps balls that are no numbers, which are clear of nothing.
@@ -257,21 +258,21 @@ impl Arm {
             motions.truncate(MOTIONS);
             for ((limb, travel), placed) in self.limbs.iter().zip(travel.iter_mut()).zip(placed.iter()) {
                 let (centre, radius) = &placed[0];
-                let centre = Vector3::from(centre.0.map(|x| f64::from(x.0[lane])));
+                let centre = Vector3::from(centre.0.map(|x| f64::from(x.lane(lane))));
                 let mut moved = 0.0;
-                travel[motions.len()].0[lane] = 0.0;
+                travel[motions.len()].set(lane, 0.0);
                 for (i, motion) in motions.iter().enumerate().rev() {
                     if limb.moved_by >> i & 1 == 1 {
-                        moved += moved_by(motion, &centre, f64::from(radius.0[lane]), moved);
+                        moved += moved_by(motion, &centre, f64::from(radius.lane(lane)), moved);
                     }
-                    travel[i].0[lane] = moved as f32;
+                    travel[i].set(lane, moved as f32);
                 }
             }
         }
     }
 
     /// The ball of a node of a limb.
-    #[inline(always)]
+    #[inline]
     pub(crate) fn ball(&self, standing: &Standing, limb: usize, node: usize) -> (Points, Lanes) {
         match self.kinematics {
             Kinematics::Chain(_) => {
@@ -310,9 +311,9 @@ fn moved_by(motion: &Motion, centre: &Vector3<f64>, radius: f64, moved: f64) -> 
 fn place(tree: &BallTree, balls: &[Vec<Ball>], lane: usize, placed: &mut [(Points, Lanes)]) {
     let mut set = |node: usize, ball: &Ball| {
         for (i, lanes) in placed[node].0.0.iter_mut().enumerate() {
-            lanes.0[lane] = ball.centre[i] as f32;
+            lanes.set(lane, ball.centre[i] as f32);
         }
-        placed[node].1.0[lane] = (ball.radius + 1e-6 * (1.0 + ball.centre.norm())) as f32;
+        placed[node].1.set(lane, (ball.radius + 1e-6 * (1.0 + ball.centre.norm())) as f32);
     };
     // Nodes stand before what is below them, so from the last to the first what is below is known.
     let mut below: Vec<Option<Ball>> = vec![None; tree.nodes.len()];

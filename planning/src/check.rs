@@ -84,7 +84,7 @@ impl Body {
     }
 
     /// In which lanes a ball of this radius, >= 0, is clear of it.
-    #[inline(always)]
+    #[inline]
     fn clear_of(&self, centre: Points, radius: Lanes) -> Mask {
         match self {
             Body::HalfSpace { normal, height } => {
@@ -119,8 +119,8 @@ impl Body {
             Body::Other(obstacle) => {
                 let mut mask = 0;
                 for lane in 0..LANES {
-                    let at = Vector3::from(centre.0.map(|x| f64::from(x.0[lane])));
-                    let radius = f64::from(radius.0[lane]);
+                    let at = Vector3::from(centre.0.map(|x| f64::from(x.lane(lane))));
+                    let radius = f64::from(radius.lane(lane));
                     mask |= Mask::from(obstacle.ball_clear(&at, radius)) << lane;
                 }
                 mask
@@ -147,7 +147,6 @@ pub(crate) struct Checker {
     standing: Vec<Standing>,
     /// How many batches of eight it has checked.
     pub(crate) batches: u64,
-    wide: bool,
 }
 
 impl Checker {
@@ -163,29 +162,13 @@ impl Checker {
         let bodies = clearance.obstacle_parts().map(|(_, obstacle)| Body::new(obstacle)).collect();
         let pairings = pairings(&arms, clearance.checked_pairs());
         let standing = vec![Standing::default(); arms.len()];
-        Checker { arms, bodies, pairings, standing, batches: 0, wide: is_wide() }
+        Checker { arms, bodies, pairings, standing, batches: 0 }
     }
 
     /// Checks eight postures at `q` [rad or m], and all positions that are off by at most `half` [rad or m, >= 0]. Ends as soon as a
     /// wanted lane is found not to be clear.
     pub(crate) fn check(&mut self, q: &[Lanes], half: Option<&[Lanes]>, wanted: Mask) -> Verdict {
         self.batches += 1;
-        #[cfg(target_arch = "x86_64")]
-        if self.wide {
-            // SAFETY: the processor has these instructions, as `is_wide` has found out.
-            return unsafe { self.check_wide(q, half, wanted) };
-        }
-        self.check_lanes(q, half, wanted)
-    }
-
-    #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx2")]
-    fn check_wide(&mut self, q: &[Lanes], half: Option<&[Lanes]>, wanted: Mask) -> Verdict {
-        self.check_lanes(q, half, wanted)
-    }
-
-    #[inline(always)]
-    fn check_lanes(&mut self, q: &[Lanes], half: Option<&[Lanes]>, wanted: Mask) -> Verdict {
         for (arm, standing) in self.arms.iter().zip(&mut self.standing) {
             let own = arm.first..arm.first + arm.joints;
             arm.stand(&q[own.clone()], half.map(|half| &half[own]), standing);
@@ -207,7 +190,7 @@ impl Checker {
     }
 
     /// The wanted lanes in which a pair is not proven clear, and in which it hits.
-    #[inline(always)]
+    #[inline]
     fn compare(&self, pairing: &Pairing, moving: bool, wanted: Mask) -> (Mask, Mask) {
         let Pairing { arm, limb, since, .. } = *pairing;
         let margin = Lanes::splat(pairing.margin + ROUNDING);
@@ -310,16 +293,6 @@ impl Checker {
 
 /// How deep a stack of nodes may get: the trees of some ten thousand balls, halved in each node, are far from it.
 const DEPTH: usize = 48;
-
-#[cfg(target_arch = "x86_64")]
-fn is_wide() -> bool {
-    std::arch::is_x86_feature_detected!("avx2")
-}
-
-#[cfg(not(target_arch = "x86_64"))]
-fn is_wide() -> bool {
-    false
-}
 
 /// The pairs of capsules, as pairs of limbs.
 fn pairings(arms: &[Arm], pairs: impl Iterator<Item = CheckedPair>) -> Vec<Pairing> {

@@ -50,8 +50,8 @@ impl Edges {
             for j in 0..n {
                 let along = to[j] - from[j];
                 let more = off.get(j).copied().unwrap_or(0.0);
-                self.q[j] = Lanes(batch.map(|(middle, _)| from[j] + along * middle));
-                self.half[j] = Lanes(batch.map(|(_, half)| along.abs() * half * (1.0 + 1e-5) + more));
+                self.q[j] = Lanes::new(batch.map(|(middle, _)| from[j] + along * middle));
+                self.half[j] = Lanes::new(batch.map(|(_, half)| along.abs() * half * (1.0 + 1e-5) + more));
             }
             let wanted = ((1u16 << taken) - 1) as Mask;
             let verdict = checker.check(&self.q, Some(&self.half), wanted);
@@ -76,7 +76,7 @@ fn possible(checker: &Checker, q: &[Lanes], count: usize) -> bool {
     let coupled = checker.arms.iter().any(|arm| arm.part.shape.is_coupled());
     !coupled
         || (0..count).all(|lane| {
-            let at: Vec<f64> = q.iter().map(|q| f64::from(q.0[lane])).collect();
+            let at: Vec<f64> = q.iter().map(|q| f64::from(q.lane(lane))).collect();
             checker.is_possible(&at)
         })
 }

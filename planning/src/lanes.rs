@@ -1,10 +1,10 @@
 //! Eight numbers at once: one for each of eight postures that are checked together.
 //!
-//! Plain arrays, whose loops the compiler turns into vector instructions of the processor that the caller is compiled for
-//! ([`vectorised`](crate::check) picks it at run time). Products and sums are never contracted, so every processor gives the same
-//! numbers, to the bit.
+//! By `wide`: two vectors of four where a program is compiled for any processor, one of eight where it is compiled for those with AVX.
 
 use core::ops::{Add, Mul, Neg, Sub};
+
+use wide::f32x8;
 
 /// How many.
 pub(crate) const LANES: usize = 8;
@@ -17,124 +17,108 @@ pub(crate) const ALL: Mask = Mask::MAX;
 
 /// Eight single-precision numbers.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[repr(align(32))]
-pub(crate) struct Lanes(pub(crate) [f32; LANES]);
+pub(crate) struct Lanes(f32x8);
 
 impl Lanes {
-    #[inline(always)]
-    pub(crate) const fn splat(x: f32) -> Self {
-        Lanes([x; LANES])
+    #[inline]
+    pub(crate) fn splat(x: f32) -> Self {
+        Lanes(f32x8::splat(x))
     }
 
-    #[inline(always)]
-    fn map(self, f: impl Fn(f32) -> f32) -> Self {
-        let mut out = [0.0; LANES];
-        for i in 0..LANES {
-            out[i] = f(self.0[i]);
-        }
-        Lanes(out)
+    #[inline]
+    pub(crate) fn new(lanes: [f32; LANES]) -> Self {
+        Lanes(f32x8::new(lanes))
     }
 
-    #[inline(always)]
-    fn zip(self, other: Self, f: impl Fn(f32, f32) -> f32) -> Self {
-        let mut out = [0.0; LANES];
-        for i in 0..LANES {
-            out[i] = f(self.0[i], other.0[i]);
-        }
-        Lanes(out)
+    #[inline]
+    pub(crate) fn array(self) -> [f32; LANES] {
+        self.0.to_array()
     }
 
-    #[inline(always)]
+    #[inline]
+    pub(crate) fn lane(&self, lane: usize) -> f32 {
+        self.0.as_array()[lane]
+    }
+
+    #[inline]
+    pub(crate) fn set(&mut self, lane: usize, x: f32) {
+        self.0.as_mut_array()[lane] = x;
+    }
+
+    #[inline]
     pub(crate) fn sqrt(self) -> Self {
-        self.map(f32::sqrt)
+        Lanes(self.0.sqrt())
     }
 
-    #[inline(always)]
+    #[inline]
     pub(crate) fn abs(self) -> Self {
-        self.map(f32::abs)
+        Lanes(self.0.abs())
     }
 
-    /// The larger one; where one is no number, the other.
-    #[inline(always)]
+    /// The larger one; `other` where one of them is no number.
+    #[inline]
     pub(crate) fn max(self, other: Self) -> Self {
-        self.zip(other, |a, b| if a > b { a } else { b })
+        Lanes(self.0.fast_max(other.0))
     }
 
-    /// The smaller one; where one is no number, the other.
-    #[inline(always)]
+    /// The smaller one; `other` where one of them is no number.
+    #[inline]
     pub(crate) fn min(self, other: Self) -> Self {
-        self.zip(other, |a, b| if a < b { a } else { b })
+        Lanes(self.0.fast_min(other.0))
     }
 
     /// The lanes that are above the other's; none that is no number.
-    #[inline(always)]
+    #[inline]
     pub(crate) fn above(self, other: Self) -> Mask {
-        let mut mask = 0;
-        for i in 0..LANES {
-            mask |= Mask::from(self.0[i] > other.0[i]) << i;
-        }
-        mask
+        use wide::CmpGt;
+        self.0.simd_gt(other.0).to_bitmask() as Mask
     }
 
-    /// Sines and cosines of angles up to some thousand radians, to 2e-7 within one turn.
-    #[inline(always)]
+    /// Sines and cosines of angles of some turns, to 4e-7 within two turns.
+    #[inline]
     pub(crate) fn sin_cos(self) -> (Self, Self) {
-        // Cody and Waite: to the nearest quarter turn, which is taken away in three parts; then polynomials (Cephes, sinf and cosf).
-        let quarters = self.map(|x| (x * core::f32::consts::FRAC_2_PI).round_ties_even());
-        let x = self.zip(quarters, |x, k| ((x - k * 1.570_312_5) - k * 4.837_513e-4) - k * 7.549_79e-8);
-        let z = x * x;
-        let sine = z.map(|z| (-1.951_529_6e-4 * z + 8.332_161e-3) * z - 1.666_665_5e-1) * z * x + x;
-        let cosine = z.map(|z| {
-            ((2.443_315_7e-5 * z - 1.388_731_6e-3) * z + 4.166_664_6e-2) * z * z - 0.5 * z + 1.0
-        });
-        let (mut s, mut c) = ([0.0; LANES], [0.0; LANES]);
-        for i in 0..LANES {
-            let k = quarters.0[i] as i32;
-            let (a, b) = if k & 1 == 0 { (sine.0[i], cosine.0[i]) } else { (cosine.0[i], sine.0[i]) };
-            s[i] = if k & 2 == 0 { a } else { -a };
-            c[i] = if (k + 1) & 2 == 0 { b } else { -b };
-        }
+        let (s, c) = self.0.sin_cos();
         (Lanes(s), Lanes(c))
     }
 }
 
 impl Add for Lanes {
     type Output = Self;
-    #[inline(always)]
+    #[inline]
     fn add(self, other: Self) -> Self {
-        self.zip(other, |a, b| a + b)
+        Lanes(self.0 + other.0)
     }
 }
 
 impl Sub for Lanes {
     type Output = Self;
-    #[inline(always)]
+    #[inline]
     fn sub(self, other: Self) -> Self {
-        self.zip(other, |a, b| a - b)
+        Lanes(self.0 - other.0)
     }
 }
 
 impl Mul for Lanes {
     type Output = Self;
-    #[inline(always)]
+    #[inline]
     fn mul(self, other: Self) -> Self {
-        self.zip(other, |a, b| a * b)
+        Lanes(self.0 * other.0)
     }
 }
 
 impl Mul<f32> for Lanes {
     type Output = Self;
-    #[inline(always)]
+    #[inline]
     fn mul(self, factor: f32) -> Self {
-        self.map(|a| a * factor)
+        Lanes(self.0 * f32x8::splat(factor))
     }
 }
 
 impl Neg for Lanes {
     type Output = Self;
-    #[inline(always)]
+    #[inline]
     fn neg(self) -> Self {
-        self.map(|a| -a)
+        Lanes(-self.0)
     }
 }
 
@@ -143,23 +127,23 @@ impl Neg for Lanes {
 pub(crate) struct Points(pub(crate) [Lanes; 3]);
 
 impl Points {
-    #[inline(always)]
+    #[inline]
     pub(crate) fn splat(p: [f32; 3]) -> Self {
-        Points(p.map(Lanes::splat))
+        Points([Lanes::splat(p[0]), Lanes::splat(p[1]), Lanes::splat(p[2])])
     }
 
-    #[inline(always)]
+    #[inline]
     pub(crate) fn dot(self, other: Self) -> Lanes {
         self.0[0] * other.0[0] + self.0[1] * other.0[1] + self.0[2] * other.0[2]
     }
 
-    #[inline(always)]
+    #[inline]
     pub(crate) fn cross(self, other: Self) -> Self {
         let [a, b] = [self.0, other.0];
         Points([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
     }
 
-    #[inline(always)]
+    #[inline]
     pub(crate) fn squared(self) -> Lanes {
         self.dot(self)
     }
@@ -167,7 +151,7 @@ impl Points {
 
 impl Add for Points {
     type Output = Self;
-    #[inline(always)]
+    #[inline]
     fn add(self, other: Self) -> Self {
         Points([self.0[0] + other.0[0], self.0[1] + other.0[1], self.0[2] + other.0[2]])
     }
@@ -175,7 +159,7 @@ impl Add for Points {
 
 impl Sub for Points {
     type Output = Self;
-    #[inline(always)]
+    #[inline]
     fn sub(self, other: Self) -> Self {
         Points([self.0[0] - other.0[0], self.0[1] - other.0[1], self.0[2] - other.0[2]])
     }
@@ -183,9 +167,9 @@ impl Sub for Points {
 
 impl Mul<Lanes> for Points {
     type Output = Self;
-    #[inline(always)]
+    #[inline]
     fn mul(self, factor: Lanes) -> Self {
-        Points(self.0.map(|x| x * factor))
+        Points([self.0[0] * factor, self.0[1] * factor, self.0[2] * factor])
     }
 }
 
@@ -200,7 +184,7 @@ pub(crate) struct Frames {
 
 impl Frames {
     /// The world in all lanes.
-    #[inline(always)]
+    #[inline]
     pub(crate) fn world() -> Self {
         Frames {
             x: Points::splat([1.0, 0.0, 0.0]),
@@ -211,15 +195,14 @@ impl Frames {
     }
 
     /// Where a point of the frame is in the world.
-    #[inline(always)]
+    #[inline]
     pub(crate) fn place(&self, p: [f32; 3]) -> Points {
         self.origin + self.direction(p)
     }
 
-    #[inline(always)]
+    #[inline]
     pub(crate) fn direction(&self, v: [f32; 3]) -> Points {
-        let [x, y, z] = v.map(Lanes::splat);
-        self.x * x + self.y * y + self.z * z
+        self.x * Lanes::splat(v[0]) + self.y * Lanes::splat(v[1]) + self.z * Lanes::splat(v[2])
     }
 }
 
@@ -232,15 +215,15 @@ mod tests {
         #[test]
         fn sines_and_cosines_are_those_of_double_precision(angle in -12.6_f32..12.6) {
             let (s, c) = Lanes::splat(angle).sin_cos();
-            prop_assert!((f64::from(s.0[3]) - f64::from(angle).sin()).abs() < 4e-7);
-            prop_assert!((f64::from(c.0[3]) - f64::from(angle).cos()).abs() < 4e-7);
+            prop_assert!((f64::from(s.lane(3)) - f64::from(angle).sin()).abs() < 4e-7);
+            prop_assert!((f64::from(c.lane(3)) - f64::from(angle).cos()).abs() < 4e-7);
         }
     }
 
     #[test]
     fn a_lane_that_is_no_number_is_above_nothing() {
         let mut lanes = Lanes::splat(1.0);
-        lanes.0[2] = f32::NAN;
+        lanes.set(2, f32::NAN);
         assert_eq!(lanes.above(Lanes::splat(0.0)), 0b1111_1011);
     }
 }

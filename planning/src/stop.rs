@@ -110,8 +110,8 @@ impl Swept {
             open.truncate(open.len() - taken);
             for (robot, joints) in limits.robots.iter().enumerate().take(robots) {
                 for j in joints.clone() {
-                    q[j] = Lanes(batch.map(|part| (self.middle[j] + part.middle[robot] * self.way[j]) as f32));
-                    half[j] = Lanes(batch.map(|part| {
+                    q[j] = Lanes::new(batch.map(|part| (self.middle[j] + part.middle[robot] * self.way[j]) as f32));
+                    half[j] = Lanes::new(batch.map(|part| {
                         let most = part.middle[robot] + part.half[robot];
                         ((self.half[j] + part.half[robot] * self.way[j].abs() + most * self.off[j]) * (1.0 + 1e-6)) as f32
                     }));

@@ -32,7 +32,7 @@ impl Tree {
         }
         let block = self.blocks.len() - self.joints;
         for (lanes, q) in self.blocks[block..].iter_mut().zip(q) {
-            lanes.0[lane] = *q;
+            lanes.set(lane, *q);
         }
         self.parents.push(parent.map_or(NONE, |parent| parent as u32));
         node
@@ -41,7 +41,7 @@ impl Tree {
     pub(crate) fn position(&self, node: usize, q: &mut [f32]) {
         let block = node / LANES * self.joints;
         for (q, lanes) in q.iter_mut().zip(&self.blocks[block..block + self.joints]) {
-            *q = lanes.0[node % LANES];
+            *q = lanes.lane(node % LANES);
         }
     }
 
@@ -54,9 +54,9 @@ impl Tree {
                 let off = *lanes - Lanes::splat(*q);
                 squared = squared + off * off;
             }
-            for (lane, squared) in squared.0.iter().enumerate() {
-                if *squared < best.1 {
-                    best = (b * LANES + lane, *squared);
+            for (lane, squared) in squared.array().into_iter().enumerate() {
+                if squared < best.1 {
+                    best = (b * LANES + lane, squared);
                 }
             }
         }
