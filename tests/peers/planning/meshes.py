@@ -4,9 +4,9 @@ Usage: meshes.py PROBLEMS PATHS [--jobs N] [--every N] [--distances]; PROBLEMS o
 list of way points [rad, m], dense or not). Between way points a path is straight in joint space.
 
 Every pair of bodies is looked at alone: links that move to one another and that the SRDF does not disable, and each link with each
-obstacle. A pair at distance d is looked at again before any point of one body can have moved, in the other's frame, by more than d, or by 1 mm
-where d is less: nothing is missed that lasts longer than 1 mm of motion. The bound on the motion is the sum over the joints between both
-bodies of |change of the joint| times the largest distance from its axis that a point behind it can have in any posture.
+obstacle. A pair at distance d is looked at again before its distance can have changed by more than d, or by 1 mm where d is less: nothing is missed
+that lasts longer than 1 mm of motion. The bound on the change is the sum over the joints between both bodies of |change of the joint| times
+the largest distance from its axis that a point of the body behind it can have in any posture.
 With `--distances` the smallest distance of all is exact to 1 mm, for which near pairs are looked at more often.
 
 Meshes are surfaces: a body that is wholly inside another one is not found, but on its way there it is, unless the path begins inside.
@@ -88,7 +88,7 @@ class Bodies:
         return out
 
     def bound(self, a, b, change):
-        """How far a point of link a may move in the frame of link b, or of the world [m], for a change of all joints."""
+        """How much the distance of link a to link b, or to what stands in the world, may change [m] for a change of all joints."""
         if b is None:
             return float(self.reach[a] @ np.abs(change))
         # Joints that carry both bodies move neither to the other. On two branches both motions add.
