@@ -7,7 +7,8 @@ Every pair of bodies is looked at alone: links that move to one another and that
 obstacle. A pair at distance d is looked at again before its distance can have changed by more than d, or by 1 mm where d is less: nothing is missed
 that lasts longer than 1 mm of motion. The bound on the change is the sum over the joints between both bodies of |change of the joint| times
 the largest distance from its axis that a point of the body behind it can have in any posture.
-With `--distances` the smallest distance of all is exact to 1 mm, for which near pairs are looked at more often.
+The smallest distance is that of convex hulls where those are more than 1 mm apart, and the least of what was looked at. With `--distances` it
+is that of the meshes and exact to 1 mm, for which near pairs are looked at more often.
 
 Meshes are surfaces: a body that is wholly inside another one is not found, but on its way there it is, unless the path begins inside.
 Cylinders are cylinders. Prints every path in collision with its pairs, then a JSON line: paths, sampled (looks at a pair), collisions (paths),
@@ -28,7 +29,7 @@ import numpy as np
 import pinocchio as pin
 
 STEP = 1e-3
-# Where the boxes around two bodies are farther than this [m], their distance is enough.
+# Where the boxes around two bodies are farther apart than FAR [m], or their convex hulls than STEP, that distance is enough: it is smaller.
 FAR = 2e-2
 
 
@@ -59,6 +60,15 @@ class Bodies:
         ]
         self.reach = [self.reaches(link) for link in self.links]
         self.boxes = [self.box(link) for link in self.links]
+        self.hulls = [self.hull(link) for link in self.links]
+
+    @staticmethod
+    def hull(link):
+        """The convex hull of a mesh; of what is no mesh the shape itself."""
+        if not isinstance(link.geometry, coal.BVHModelBase):
+            return link.geometry
+        link.geometry.buildConvexHull(False, "Qt")
+        return link.geometry.convex
 
     @staticmethod
     def box(link):
@@ -150,17 +160,20 @@ class Check:
         pose = self.bodies.pose(a)
         if isinstance(b, int):
             other = self.bodies.pose(b)
-            shape, at = self.bodies.links[b].geometry, transform(other)
+            shape, hull, at = self.bodies.links[b].geometry, self.bodies.hulls[b], transform(other)
             box, to_box = self.bodies.boxes[b]
             around = box, transform(other * to_box)
         else:
             _, shape, at = b
-            around = shape, at
+            hull, around = shape, (shape, at)
         box, to_box = self.bodies.boxes[a]
+        enough = self.smallest if self.exact else 0.0
         d = self.between(box, transform(pose * to_box), *around)
-        if d > max(FAR, self.smallest if self.exact else 0.0):
+        if d > max(FAR, enough):
             return d
-        d = self.between(self.bodies.links[a].geometry, transform(pose), shape, at)
+        d = self.between(self.bodies.hulls[a], transform(pose), hull, at)
+        if d <= max(STEP, enough):
+            d = self.between(self.bodies.links[a].geometry, transform(pose), shape, at)
         if d < self.smallest:
             self.smallest, self.near = d, self.name(pair)
         return d
