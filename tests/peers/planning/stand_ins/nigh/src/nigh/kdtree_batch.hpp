@@ -1,0 +1,4 @@
+// All is in nigh_forward.hpp.
+#pragma once
+
+#include <nigh/nigh_forward.hpp>
