@@ -145,6 +145,8 @@ pub(crate) struct Checker {
     bodies: Vec<Body>,
     pairings: Vec<Pairing>,
     standing: Vec<Standing>,
+    /// How much more than the margins is kept \[m\], >= 0.
+    pub(crate) more: f32,
     /// How many batches of eight it has checked.
     pub(crate) batches: u64,
 }
@@ -162,7 +164,7 @@ impl Checker {
         let bodies = clearance.obstacle_parts().map(|(_, obstacle)| Body::new(obstacle)).collect();
         let pairings = pairings(&arms, clearance.checked_pairs());
         let standing = vec![Standing::default(); arms.len()];
-        Checker { arms, bodies, pairings, standing, batches: 0 }
+        Checker { arms, bodies, pairings, standing, more: 0.0, batches: 0 }
     }
 
     /// Checks eight postures at `q` [rad or m], and all positions that are off by at most `half` [rad or m, >= 0]. Ends as soon as a
@@ -193,7 +195,7 @@ impl Checker {
     #[inline]
     fn compare(&self, pairing: &Pairing, moving: bool, wanted: Mask) -> (Mask, Mask) {
         let Pairing { arm, limb, since, .. } = *pairing;
-        let margin = Lanes::splat(pairing.margin + ROUNDING);
+        let margin = Lanes::splat(pairing.margin + self.more + ROUNDING);
         let standing = &self.standing[arm];
         let travel = if moving { standing.travel[limb][since] } else { Lanes::default() };
         let (mut unproven, mut hit) = (0, 0);

@@ -18,6 +18,7 @@ mod check;
 mod edge;
 mod error;
 mod follow;
+mod here;
 mod lanes;
 mod limits;
 mod path;
@@ -30,6 +31,7 @@ mod timing;
 
 pub use error::PlanError;
 pub use follow::FollowPlan;
+pub use here::{Here, HereAll, Standing};
 pub use plan::{Closest, Plan};
 pub use planner::Planner;
 

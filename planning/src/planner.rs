@@ -20,6 +20,9 @@ use crate::timing::timed;
 /// Ranges longer than this have no ends that matter to a plan: two turns.
 const ENDLESS: f64 = 2.0 * TAU;
 
+/// How much more than the margins paths keep \[m\]: what is left for stops, which leave them.
+const MORE: f32 = 5e-4;
+
 /// Plans motions for the robots of a [`Clearance`], with its bodies, pairs and margins.
 ///
 /// Planning is deterministic: the same clearance, start, goals and settings give the same plan, to the bit.
@@ -98,6 +101,7 @@ impl Planner {
             .map(|q| q.iter().zip(&offset).map(|(q, offset)| q - offset).collect())
             .collect();
         let path = Path::rounded(&mut self.checker, &mut self.edges, &inner);
+        self.checker.more = 0.0;
         let speed = timed(&mut self.checker, &path, &self.limits, self.reaction)?;
         let robots = self.checker.arms.iter().map(Arm::name).collect();
         let motion = Motion { path, speed, limits: self.limits.clone(), offset, ends };
@@ -121,6 +125,7 @@ impl Planner {
     /// [`PlanError`].
     pub fn find_first(&mut self, start: &[f64], goals: &[Vec<f64>]) -> Result<Vec<Vec<f64>>, PlanError> {
         self.within_limits("start", start)?;
+        self.checker.more = 0.0;
         if !self.checker.is_clear(start) {
             return Err(PlanError::StartNotClear(Box::new(self.nearest(start)?)));
         }
@@ -136,6 +141,11 @@ impl Planner {
         }
         if clear.is_empty() {
             return Err(refused.map_or(PlanError::NoGoal, |nearest| PlanError::GoalNotClear(Box::new(nearest))));
+        }
+        // Where the start itself is no farther than its margin from something, the path is not either.
+        self.checker.more = MORE;
+        if !self.checker.is_clear(start) || !clear.iter().any(|goal| self.checker.is_clear(goal)) {
+            self.checker.more = 0.0;
         }
         let offset = self.offset(start);
         let from = inner(start, &offset);

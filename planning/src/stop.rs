@@ -9,8 +9,9 @@
 //!   `q + lambda q' (T_r + T / 2)`, `lambda` 0 to 1;
 //! - with them each joint brakes by itself: anywhere between `q_i` and `q_i + w_i`.
 //!
-//! Robots need not begin together, so every `lambda` of one robot goes with every one of the others. A joint that still accelerates
-//! gains at most `a T_r^2 / 2` meanwhile.
+//! Robots need not begin together, so every `lambda` of one robot goes with every one of the others. One that is still told where to go
+//! follows the path until it brakes: its velocity is one of those that it has on the path until then, and the path is off its
+//! tangent by at most half of its second derivative times the square of what is passed.
 
 use crate::check::Checker;
 use crate::lanes::{LANES, Lanes, Mask};
@@ -25,8 +26,8 @@ pub(crate) struct Swept {
     /// The middle of the positions of the piece, and how far they are off it.
     middle: Vec<f64>,
     half: Vec<f64>,
-    /// How far each joint goes until it stands, the middle and half of the range, at each end of which it may be.
-    way: Vec<f64>,
+    /// How far each joint goes until it stands, and how far it may be off that line then.
+    travel: Vec<f64>,
     off: Vec<f64>,
 }
 
@@ -41,24 +42,28 @@ struct Part {
 pub(crate) const ROBOTS: usize = 4;
 
 impl Swept {
-    /// From the parameters `from` to `to`, passed at `speed` \[1/s\], after a reaction time \[s\].
+    /// From the parameters `from` to `to`, with speeds of at most `speed` \[1/s\] from there until the reaction time \[s\] is over.
     pub(crate) fn new(path: &Path, [from, to]: [f64; 2], speed: f64, limits: &Limits, reaction: f64) -> Self {
         let n = limits.velocity.len();
         let at = [0.0, 0.5, 1.0].map(|share| path.at(from + (to - from) * share));
+        let ahead = [1.0 / 3.0, 2.0 / 3.0, 1.0].map(|share| path.at(to + speed * reaction * share));
         let mut swept =
-            Swept { middle: vec![0.0; n], half: vec![0.0; n], way: vec![0.0; n], off: vec![0.0; n] };
-        // Beyond the three samples a path may bend by an eighth of the square of their distance times its second derivative.
+            Swept { middle: vec![0.0; n], half: vec![0.0; n], travel: vec![0.0; n], off: vec![0.0; n] };
+        // Between the samples a path may bend by an eighth of the square of their distance times its second derivative.
         let width = 0.5 * (to - from);
+        let passed = to - from + speed * reaction;
+        let range = |values: &mut dyn Iterator<Item = f64>| {
+            values.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], x| [a.min(x), b.max(x)])
+        };
         let mut rates = vec![[0.0; 2]; n];
         for j in 0..n {
-            let range = |values: [f64; 3]| {
-                values.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], x| [a.min(*x), b.max(*x)])
-            };
-            let [lower, upper] = range([0, 1, 2].map(|k| at[k].q[j]));
-            let bend = at.iter().map(|at| at.second[j].abs()).fold(0.0, f64::max) * width * width / 8.0;
+            let [lower, upper] = range(&mut at.iter().map(|at| at.q[j]));
+            let all = || at.iter().chain(&ahead);
+            let bend = all().map(|at| at.second[j].abs()).fold(0.0, f64::max);
             swept.middle[j] = 0.5 * (lower + upper);
-            swept.half[j] = 0.5 * (upper - lower) + bend;
-            rates[j] = range([0, 1, 2].map(|k| at[k].first[j] * speed));
+            swept.half[j] = 0.5 * (upper - lower) + bend * width * width / 8.0;
+            rates[j] = range(&mut all().map(|at| at.first[j] * speed));
+            swept.off[j] = 0.5 * bend * (passed * passed - (to - from) * (to - from));
         }
         for robot in &limits.robots {
             let joints = robot.clone();
@@ -69,21 +74,22 @@ impl Swept {
                 let [lower, upper] = rates[j].map(|rate| match limits.jerk[j] {
                     None => rate * (reaction + 0.5 * time),
                     Some(jerk) => {
-                        // The acceleration first fades, in which the joint may still gain speed.
+                        // The acceleration first fades, in which the joint may still gain speed; no more than it has left to its limit
+                        // of this plan's share of both.
                         let fading = a / jerk;
                         let fastest = rate.abs() + 0.5 * a * fading;
                         let braking = fastest * fading + 0.5 * fastest * (fastest / a + fading);
                         (rate.abs() * reaction + if rate == 0.0 { 0.0 } else { braking }).copysign(rate)
                     }
                 });
-                let gained = 0.5 * a * reaction * reaction;
                 if limits.jerk[j].is_some() {
                     let [lower, upper] = [lower.min(0.0), upper.max(0.0)];
                     swept.middle[j] += 0.5 * (lower + upper);
-                    swept.half[j] += 0.5 * (upper - lower) + gained;
+                    swept.half[j] += 0.5 * (upper - lower) + swept.off[j];
+                    swept.off[j] = 0.0;
                 } else {
-                    swept.way[j] = 0.5 * (lower + upper);
-                    swept.off[j] = 0.5 * (upper - lower) + if time > 0.0 { gained } else { 0.0 };
+                    swept.travel[j] = 0.5 * (lower + upper);
+                    swept.off[j] += 0.5 * (upper - lower);
                 }
             }
         }
@@ -110,10 +116,10 @@ impl Swept {
             open.truncate(open.len() - taken);
             for (robot, joints) in limits.robots.iter().enumerate().take(robots) {
                 for j in joints.clone() {
-                    q[j] = Lanes::new(batch.map(|part| (self.middle[j] + part.middle[robot] * self.way[j]) as f32));
+                    q[j] = Lanes::new(batch.map(|part| (self.middle[j] + part.middle[robot] * self.travel[j]) as f32));
                     half[j] = Lanes::new(batch.map(|part| {
                         let most = part.middle[robot] + part.half[robot];
-                        ((self.half[j] + part.half[robot] * self.way[j].abs() + most * self.off[j]) * (1.0 + 1e-6)) as f32
+                        ((self.half[j] + part.half[robot] * self.travel[j].abs() + most * self.off[j]) * (1.0 + 1e-6)) as f32
                     }));
                 }
             }
@@ -138,7 +144,7 @@ impl Swept {
     /// A box in two, across the longest of the robots' lines; itself where they are too short.
     fn divided(&self, limits: &Limits, part: Part) -> Vec<Part> {
         let length = |robot: usize| {
-            limits.robots[robot].clone().map(|j| self.way[j].abs()).fold(0.0, f64::max) * part.half[robot]
+            limits.robots[robot].clone().map(|j| self.travel[j].abs()).fold(0.0, f64::max) * part.half[robot]
         };
         let Some(robot) =
             (0..limits.robots.len()).max_by(|a, b| length(*a).total_cmp(&length(*b)).then(b.cmp(a)))

@@ -24,6 +24,10 @@ const CELL: f64 = 0.05;
 const CELLS: f64 = 40.0;
 /// How often the motion is planned anew at most.
 const ROUNDS: usize = 24;
+/// How often a cell is cut in halves at most.
+const HALVINGS: u32 = 9;
+/// Shares of the speed below which a place counts as impassable.
+const SLOWEST: f64 = 1e-3;
 /// Samples of a motion in which its limits are measured, at least in a cell.
 const SAMPLES: usize = 4;
 
@@ -62,24 +66,35 @@ pub(crate) fn timed(
     let mut most = vec![f64::INFINITY; count];
     // What was proven clear needs no second proof at a lower speed.
     let mut proven = vec![0.0_f64; count];
-    for _ in 0..ROUNDS {
+    let mut at = 0.0;
+    for round in 0..ROUNDS {
         let speed = fastest(path, &parameter, &grid, limits, &most)?;
         let passed = speeds(&speed, &grid);
-        let mut slowed = false;
-        for (cell, &passed) in passed.iter().enumerate() {
+        // The last cell that is reached from each one within the reaction time, and the largest speed until then.
+        let ahead: Vec<(usize, f64)> = (0..count)
+            .map(|cell| {
+                let mut most = passed[cell];
+                let mut last = cell;
+                while last + 1 < count && grid[last + 1] < grid[cell + 1] + most * reaction {
+                    last += 1;
+                    most = most.max(passed[last]);
+                }
+                (last, most)
+            })
+            .collect();
+        let mut slowed = None;
+        for (cell, &(last, passed)) in ahead.iter().enumerate() {
             if passed <= proven[cell] {
                 continue;
             }
-            let mut is_clear = |speed: f64| {
-                let ends = [grid[cell], grid[cell + 1]];
-                Swept::new(path, ends, speed, limits, reaction).is_clear(checker, limits)
-            };
+            let ends = [grid[cell], grid[cell + 1]];
+            let mut is_clear = |speed: f64| is_piece_clear(checker, path, ends, speed, limits, reaction, HALVINGS);
             if is_clear(passed) {
                 proven[cell] = passed;
                 continue;
             }
             let (mut slow, mut fast) = (proven[cell], passed);
-            while fast - slow > 0.1 * fast && fast > 1e-3 * passed {
+            while fast - slow > 0.1 * fast && fast > SLOWEST * passed {
                 let middle = 0.5 * (slow + fast);
                 if is_clear(middle) { slow = middle } else { fast = middle }
             }
@@ -87,15 +102,39 @@ pub(crate) fn timed(
                 return Err(PlanError::StopsNotClear { at: 100.0 * grid[cell] / path.length() });
             }
             proven[cell] = slow;
-            // A little less, since making the motion smooth may bring the speed of a place near to that of the next.
-            most[cell] = 0.97 * slow;
-            slowed = true;
+            // Less, and the less the more often it was tried: the speed of a place is measured with that of its neighbours.
+            let share = 1.0 - 0.03 * (round + 1) as f64;
+            for most in &mut most[cell..=last] {
+                *most = most.min(share * slow);
+            }
+            slowed = Some(cell);
         }
-        if !slowed {
-            return Ok(speed);
+        match slowed {
+            None => return Ok(speed),
+            Some(cell) => at = 100.0 * grid[cell] / path.length(),
         }
     }
-    Err(PlanError::StopsNotClear { at: 0.0 })
+    Err(PlanError::StopsNotClear { at })
+}
+
+/// Whether the stops from everywhere on a piece are clear; it is cut in halves, so often, where it is too long to prove that.
+fn is_piece_clear(
+    checker: &mut Checker,
+    path: &Path,
+    [from, to]: [f64; 2],
+    speed: f64,
+    limits: &Limits,
+    reaction: f64,
+    halvings: u32,
+) -> bool {
+    if Swept::new(path, [from, to], speed, limits, reaction).is_clear(checker, limits) {
+        return true;
+    }
+    let middle = 0.5 * (from + to);
+    halvings > 0
+        && [[from, middle], [middle, to]]
+            .into_iter()
+            .all(|ends| is_piece_clear(checker, path, ends, speed, limits, reaction, halvings - 1))
 }
 
 /// The fastest motion within the limits of the joints, and `most` in each cell of the grid.

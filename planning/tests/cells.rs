@@ -34,9 +34,9 @@ pub(crate) fn stopping() -> Stopping {
     Stopping { reaction: 0.02, stop: Stop::Braking }
 }
 
-/// An arm on a table, a box before it.
+/// An arm on a table, which reaches along -x where its first joint is at 0, and a box there.
 pub(crate) fn around_a_box() -> ClearanceBuilder {
-    let obstacle = Obstacle::Box { X_WO: Pose::translation(0.5, 0.0, 0.3), half: Vector3::new(0.1, 0.1, 0.3) };
+    let obstacle = Obstacle::Box { X_WO: Pose::translation(-0.55, -0.1, 0.2), half: Vector3::new(0.1, 0.1, 0.3) };
     Clearance::with_margin(0.02)
         .robot("arm", six_axes(Pose::identity()))
         .expect("an arm")

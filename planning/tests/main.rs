@@ -3,3 +3,4 @@
 mod cells;
 mod check;
 mod plans;
+mod stops;

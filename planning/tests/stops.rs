@@ -1,0 +1,189 @@
+//! Robots that follow a plan and are stopped in the middle of it, by the runtime's own processes.
+
+use std::cell::RefCell;
+use std::marker::PhantomData;
+use std::rc::Rc;
+use std::time::Duration;
+
+use mrroc::generator::Each;
+use mrroc::prelude::*;
+use mrroc::random::Random;
+use mrroc::robot::JointVector;
+use mrroc_planning::{HereAll, Plan, PlanError, Planner};
+use mrroc_robots::clearance::{Clearance, Outline};
+use mrroc_robots::{Serial, Simulated};
+
+use super::cells::{around_a_box, seven_axes, six_axes, stopping, two_arms};
+use super::plans::{A, B};
+
+const STEP: Duration = Duration::from_millis(2);
+
+/// Follows a plan until it throws a fault.
+struct Breaks<R> {
+    plan: Plan,
+    first: usize,
+    time: f64,
+    left: u32,
+    of: PhantomData<R>,
+}
+
+#[generator(ecp)]
+fn breaks<R: Robot>(c: &mut Breaks<R>, t: Tick) -> Result<Step<R>, Fault> {
+    if c.left == 0 {
+        return Err(Fault::thrown("by the test"));
+    }
+    c.left -= 1;
+    if c.time >= c.plan.duration() {
+        return Ok(Step::Done);
+    }
+    c.time += t.dt;
+    let q = c.plan.at(c.time);
+    Ok(Step::Next(Demand::joints(R::Joints::from_joints(|i| q[c.first + i]))))
+}
+
+impl<R> Breaks<R> {
+    fn new(plan: &Plan, first: usize, left: u32) -> Self {
+        Breaks { plan: plan.clone(), first, time: 0.0, left, of: PhantomData }
+    }
+}
+
+/// How near anything comes in a cell \[m\], at what the drives are told.
+fn least_distance(cell: Cell, clearance: Clearance, joints: &[usize]) -> f64 {
+    let seen = Rc::new(RefCell::new(Vec::<(f64, String, Vec<f64>)>::new()));
+    let sink = Rc::clone(&seen);
+    let cell = cell.watch(move |servo| sink.borrow_mut().push((servo.time, servo.robot.to_owned(), servo.demanded.to_vec())));
+    // It ends with the fault that was thrown, or well.
+    if let Err(error) = cell.run() {
+        assert!(error.to_string().contains("by the test") || error.to_string().contains("suspended"), "{error}");
+    }
+    let seen = seen.borrow();
+    let run = seen.iter().map(|(time, robot, q)| (*time, robot.as_str(), q.as_slice()));
+    let closest = mrroc_robots::clearance::smallest_distance(clearance, run).expect("postures").expect("all robots");
+    assert!(!joints.is_empty());
+    closest.nearest.distance
+}
+
+fn setup<const N: usize>(name: &str, outline: &impl Outline<Robot = Serial<N>>, q: &[f64]) -> RobotSetup<Serial<N>> {
+    let robot = outline.robot().clone();
+    let start = nalgebra::SVector::from_column_slice(q);
+    RobotSetup::new(name, robot.clone(), Simulated::new(robot, &start))
+}
+
+/// Where the simulated drives of arms stand, which know their positions in steps of their encoders, when they are put to `q`.
+fn standing(cell: Cell, joints: impl FnOnce(&mut Mp) -> Result<Vec<f64>, Fault> + Clone + 'static) -> Vec<f64> {
+    let found = Rc::new(RefCell::new(Vec::new()));
+    let sink = Rc::clone(&found);
+    let program = move |mp: &mut Mp| {
+        *sink.borrow_mut() = joints.clone()(mp)?;
+        Ok(())
+    };
+    cell.program(program).run().expect("nothing moves");
+    found.take()
+}
+
+#[test]
+fn an_arm_that_is_stopped_anywhere_on_its_plan_keeps_its_margin() {
+    let clearance = around_a_box().build(stopping()).expect("a clearance");
+    let start = standing(Cell::new(STEP).robot(setup("arm", &six_axes(Pose::identity()), &A)), |mp| {
+        let mut arm = mp.robot::<Serial<6>>("arm")?;
+        Ok(mp.wait_until((&mut arm,), (), HereAll::<(Serial<6>,)>::default())?.joints())
+    });
+    let plan = Planner::new(clearance.clone()).expect("a planner").plan(&start, &[B.to_vec()]);
+    let plan = plan.unwrap_or_else(|error| panic!("{error}"));
+    let steps = (plan.duration() / STEP.as_secs_f64()) as u32;
+    let mut least = f64::INFINITY;
+    for k in (0..=steps + 1).step_by(7) {
+        let plan = plan.clone();
+        let cell = Cell::new(STEP).robot(setup("arm", &six_axes(Pose::identity()), &A)).program(move |mp| {
+            let mut arm = mp.robot::<Serial<6>>("arm")?;
+            mp.move_robot(&mut arm, (), Breaks::new(&plan, 0, k)).map(drop)
+        });
+        let distance = least_distance(cell, clearance.clone(), &[6]);
+        assert!(distance >= 0.02 - 1e-4, "a fault in step {k} of {steps}: {distance}");
+        least = least.min(distance);
+    }
+    println!("{steps} steps, least distance {least}");
+}
+
+#[test]
+fn two_arms_that_are_stopped_anywhere_on_their_plans_keep_their_margin() {
+    let clearance = two_arms().build(stopping()).expect("a clearance");
+    let mut planner = Planner::new(clearance.clone()).expect("a planner").with_effort(20_000);
+    let mut random = Random::seeded(7);
+    let mut least = f64::INFINITY;
+    let mut planned = 0;
+    while planned < 3 {
+        // Low and near to one another.
+        let mut draw = || -> Vec<f64> {
+            (0..12)
+                .map(|j| match j % 6 {
+                    0 => random.within(0.7),
+                    1 => random.between(-1.2, -0.3),
+                    2 => random.between(0.2, 1.5),
+                    _ => random.within(1.5),
+                })
+                .collect()
+        };
+        let (start, goal) = (draw(), draw());
+        let turned = Pose::new(nalgebra::Vector3::new(0.9, 0.0, 0.0), nalgebra::Vector3::z() * core::f64::consts::PI);
+        let cell = || {
+            Cell::new(STEP)
+                .robot(setup("left", &six_axes(Pose::identity()), &start[..6]))
+                .robot(setup("right", &six_axes(turned), &start[6..]))
+        };
+        let here = standing(cell(), |mp| {
+            let (mut left, mut right) = (mp.robot::<Serial<6>>("left")?, mp.robot::<Serial<6>>("right")?);
+            Ok(mp.wait_until((&mut left, &mut right), (), HereAll::<(Serial<6>, Serial<6>)>::default())?.joints())
+        });
+        let plan = match planner.plan(&here, &[goal]) {
+            Ok(plan) => plan,
+            Err(PlanError::StartNotClear(_) | PlanError::GoalNotClear(_) | PlanError::NotFound { .. }) => continue,
+            Err(error) => panic!("{error}"),
+        };
+        planned += 1;
+        let steps = (plan.duration() / STEP.as_secs_f64()) as u32;
+        for k in (3..=steps).step_by(61) {
+            let plan = plan.clone();
+            let cell = cell()
+                .program(move |mp| {
+                    let (mut left, mut right) = (mp.robot::<Serial<6>>("left")?, mp.robot::<Serial<6>>("right")?);
+                    let (one, two) = (Breaks::new(&plan, 0, k), Breaks::new(&plan, 6, k + 2));
+                    mp.move_robots((&mut left, &mut right), (), Each::of((one, two))).map(drop)
+                });
+            let distance = least_distance(cell, clearance.clone(), &[6, 6]);
+            assert!(distance >= 0.02 - 1e-4, "plan {planned}, a fault in step {k} of {steps}: {distance}");
+            least = least.min(distance);
+        }
+    }
+    println!("least distance {least}");
+}
+
+#[test]
+fn joints_with_limits_of_jerk_follow_a_plan_within_them() {
+    let clearance = Clearance::with_margin(0.02)
+        .robot("arm", seven_axes(Pose::identity()))
+        .expect("an arm")
+        .obstacle("table", mrroc_robots::clearance::Obstacle::table(-0.2))
+        .expect("a table")
+        .ignore_own("arm");
+    let clearance = clearance.build(stopping()).expect("a clearance");
+    let planner = Planner::new(clearance).expect("a planner");
+    let start = [0.0, 0.4, 0.0, -1.2, 0.0, 0.9, 0.0];
+    let goal = [1.5, -0.5, 0.4, -1.6, -0.6, 1.1, 0.8];
+    let lasts = Rc::new(RefCell::new(0.0));
+    let kept = Rc::clone(&lasts);
+    let report = Cell::new(STEP)
+        .robot(setup("arm", &seven_axes(Pose::identity()), &start))
+        .program(move |mp| {
+            let mut arm = mp.robot::<Serial<7>>("arm")?;
+            let here = mp.wait_until((&mut arm,), (), HereAll::<(Serial<7>,)>::default())?.joints();
+            let thrown = |error: PlanError| Fault::thrown(&error.to_string());
+            let plan = planner.clone().plan(&here, &[goal.to_vec()]).map_err(thrown)?;
+            *kept.borrow_mut() = plan.duration();
+            mp.move_robot(&mut arm, (), plan.motion("arm").map_err(thrown)?).map(drop)
+        })
+        .run()
+        .unwrap_or_else(|error| panic!("{error}"));
+    let (lasted, planned) = (report.time.as_secs_f64(), *lasts.borrow());
+    assert!(planned > 0.5 && lasted >= planned && lasted < planned + 0.1, "{lasted} {planned}");
+}
