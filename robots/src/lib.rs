@@ -49,11 +49,12 @@ pub mod sensors;
 pub mod simulation;
 
 pub use kinds::{simulated, simulated_in, simulated_in_with, urdf_arm};
+pub use models::mesh;
 pub use models::{
-    ArmCalibration, ChainCalibration, Conveyor, Driven, Encoder, Five, Gains, Gripper, IoBlock, Irp6,
-    Irp6Calibration, Irp6FiveDof, Irp6Track, Jacobian, Kinematics, Linear, LinkState, LocalCorrection,
-    MotorData, MotorLimits, NoCalibration, NoJoints, One, Overload, Polycrank, Rnt, Screw, Serial,
-    SerialBuilder, SerialOutline, Seven, Shafts, Six, Transmission, TwoFingers, UrdfError, UrdfText,
+    ArmCalibration, ChainCalibration, Conveyor, DisabledPair, Driven, Encoder, Five, Gains, Gripper, IoBlock,
+    Irp6, Irp6Calibration, Irp6FiveDof, Irp6Track, Jacobian, Kinematics, Linear, LinkState, LocalCorrection,
+    Meshes, MotorData, MotorLimits, NoCalibration, NoJoints, One, Openings, Overload, Polycrank, Rnt, Screw,
+    Serial, SerialBuilder, SerialOutline, Seven, Shafts, Six, Transmission, TwoFingers, UrdfError, UrdfText,
 };
 pub use simulation::{
     Plant, Regulator, RegulatorSet, Shaft, Simulated, SimulatedIrp6, Surrounded, Surroundings, Unhomed, grasp,

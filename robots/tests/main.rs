@@ -17,6 +17,8 @@ mod kinds_urdf;
 mod kinematics;
 mod loads;
 mod memory;
+mod mesh_cover;
+mod mesh_files;
 mod plant;
 mod polycrank;
 mod redundancy;

@@ -3,8 +3,8 @@
 use mrroc::pose::Pose;
 use mrroc::random::Random;
 use mrroc::robot::Robot;
-use mrroc_robots::clearance::{Clearance, Obstacle, Outline, Stop, Stopping};
-use mrroc_robots::{Serial, SerialOutline, UrdfError};
+use mrroc_robots::clearance::{Capsule, Clearance, Obstacle, Outline, Stop, Stopping};
+use mrroc_robots::{DisabledPair, Meshes, Serial, SerialOutline, UrdfError};
 use nalgebra::{SVector, Vector3};
 
 /// An upper link that turns about y, 1 m above the base, with a tool fixed to its end; the axes lie along x of tilted frames.
@@ -35,7 +35,7 @@ fn height_above_floor(outline: impl Outline, q: f64) -> (f64, String) {
 #[test]
 fn collision_shapes_stand_where_the_file_puts_them() {
     let text = urdf(r#"<cylinder radius="0.05" length="0.5"/>"#);
-    let outline = SerialOutline::from_urdf(robot(&text), &text, "base", "tool").unwrap();
+    let outline = SerialOutline::from_urdf(robot(&text), &text, "base", "tool", &Meshes::refused()).unwrap();
     let mut capsules = Vec::new();
     outline.capsules(&[0.5].into(), &mut |capsule| capsules.push(capsule));
     // Along x of the arm from its joint, 0.5 m, turned downwards by 0.5 rad; the tool 0.8 m out.
@@ -53,7 +53,7 @@ fn collision_shapes_stand_where_the_file_puts_them() {
 #[test]
 fn a_box_is_covered() {
     let text = urdf(r#"<box size="0.2 0.1 0.5"/>"#);
-    let outline = SerialOutline::from_urdf(robot(&text), &text, "base", "tool").unwrap();
+    let outline = SerialOutline::from_urdf(robot(&text), &text, "base", "tool", &Meshes::refused()).unwrap();
     let mut capsules = Vec::new();
     outline.capsules(&[0.0].into(), &mut |capsule| capsules.push(capsule));
     // Four rods of 0.1 x 0.05 m and the ball.
@@ -62,16 +62,19 @@ fn a_box_is_covered() {
 }
 
 #[test]
-fn a_mesh_and_a_file_without_shapes_are_refused() {
+fn a_mesh_without_its_folder_and_a_file_without_shapes_are_refused() {
     let text = urdf(r#"<mesh filename="arm.stl"/>"#);
-    let refused = SerialOutline::from_urdf(robot(&text), &text, "base", "tool").unwrap_err();
-    assert!(matches!(refused, UrdfError::UnsupportedCollision { line: 3, .. }), "{refused}");
+    let refused =
+        SerialOutline::from_urdf(robot(&text), &text, "base", "tool", &Meshes::refused()).unwrap_err();
+    assert!(matches!(refused, UrdfError::NoMesh { line: 3, .. }), "{refused}");
     let text = urdf(r#"<sphere radius="0"/>"#);
-    let refused = SerialOutline::from_urdf(robot(&text), &text, "base", "tool").unwrap_err();
+    let refused =
+        SerialOutline::from_urdf(robot(&text), &text, "base", "tool", &Meshes::refused()).unwrap_err();
     assert!(matches!(refused, UrdfError::BadValue { .. }), "{refused}");
     let text = r#"<robot name="r"><link name="base"/><link name="tool"/><joint name="turn" type="revolute">
         <parent link="base"/><child link="tool"/><limit lower="-2" upper="2" velocity="2"/></joint></robot>"#;
-    let refused = SerialOutline::from_urdf(robot(text), text, "base", "tool").unwrap_err();
+    let refused =
+        SerialOutline::from_urdf(robot(text), text, "base", "tool", &Meshes::refused()).unwrap_err();
     assert!(matches!(refused, UrdfError::NoCollision { .. }), "{refused}");
 }
 
@@ -131,7 +134,7 @@ fn the_chain_of_an_outline_has_its_capsules_in_every_posture() {
     let palletiser = include_str!("reference/urdf/palletiser.urdf");
     the_chain_is_the_outline(&SerialOutline::new(arm::<4>(palletiser, "base", "hand"), 0.05));
     let text = with_cylinders(palletiser, &["base", "lower", "level_2", "slide", "tool"]);
-    let of_text = |robot| SerialOutline::from_urdf(robot, &text, "base", "tool").unwrap();
+    let of_text = |robot| SerialOutline::from_urdf(robot, &text, "base", "tool", &Meshes::refused()).unwrap();
     the_chain_is_the_outline(&of_text(arm::<4>(&text, "base", "tool")));
 }
 
@@ -140,7 +143,116 @@ fn a_chain_has_slides_but_no_bars_that_change_their_length() {
     let gantry = include_str!("reference/urdf/gantry.urdf");
     assert_eq!(SerialOutline::new(arm::<4>(gantry, "bed", "tool"), 0.05).chain(), None);
     let text = with_cylinders(gantry, &["bed", "carriage", "head"]);
-    let outline = SerialOutline::from_urdf(arm::<4>(&text, "bed", "tool"), &text, "bed", "tool").unwrap();
+    let robot = arm::<4>(&text, "bed", "tool");
+    let outline = SerialOutline::from_urdf(robot, &text, "bed", "tool", &Meshes::refused()).unwrap();
     assert_eq!(outline.links().len(), 3);
     the_chain_is_the_outline(&outline);
+}
+
+/// A folder with a cube of 0.2 m in millimetres, `meshes/cube.obj`.
+fn folder_with_a_cube(name: &str) -> std::path::PathBuf {
+    let folder = std::env::temp_dir().join(format!("mrroc-outline-{name}-{}", std::process::id()));
+    std::fs::create_dir_all(folder.join("meshes")).unwrap();
+    let corner =
+        |k: i32| format!("v {} {} {}\n", 200 * (k & 1) - 100, 100 * (k & 2) - 100, 50 * (k & 4) - 100);
+    let corners: String = (0..8).map(corner).collect();
+    let faces = "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
+    std::fs::write(folder.join("meshes/cube.obj"), corners + faces).unwrap();
+    std::fs::write(folder.join("meshes/cut.stl"), [0; 100]).unwrap();
+    folder
+}
+
+#[test]
+fn a_mesh_is_covered_where_the_file_puts_it() {
+    let folder = folder_with_a_cube("covered");
+    let text = urdf(r#"<mesh filename="package://r/meshes/cube.obj" scale="0.001 0.001 0.001"/>"#);
+    let outline =
+        SerialOutline::from_urdf(robot(&text), &text, "base", "tool", &Meshes::below(&folder)).unwrap();
+    assert!(outline.links().len() > 2);
+    the_chain_is_the_outline(&outline);
+    // Straight out, the cube reaches from 0.15 to 0.35 m along x, and 0.1 m to each side.
+    let mut capsules = Vec::new();
+    outline.capsules(&[0.0].into(), &mut |capsule| capsules.push(capsule));
+    let (tool, cube) = capsules.split_last().unwrap();
+    assert_eq!(tool.radius, 0.1);
+    let most = |axis: usize, sign: f64| {
+        let reach = |capsule: &Capsule| {
+            let ends = capsule.ends.map(|end| sign * end[axis]);
+            ends[0].max(ends[1]) + capsule.radius
+        };
+        cube.iter().map(reach).fold(f64::NEG_INFINITY, f64::max)
+    };
+    let faces =
+        [(0, -1.0, -0.15), (0, 1.0, 0.35), (1, -1.0, 0.1), (1, 1.0, 0.1), (2, -1.0, -0.9), (2, 1.0, 1.1)];
+    for (axis, sign, face) in faces {
+        let most = most(axis, sign);
+        assert!((-1e-9..5e-3 + 1e-9).contains(&(most - face)), "{axis} {sign}: {most}");
+    }
+    std::fs::remove_dir_all(&folder).unwrap();
+}
+
+#[test]
+fn fault_242_a_mesh_that_is_elsewhere_or_broken_is_refused_by_its_name() {
+    let folder = folder_with_a_cube("refused");
+    let refused = |name: &str| {
+        let text = urdf(&format!(r#"<mesh filename="{name}"/>"#));
+        let meshes = Meshes::below(folder.join("meshes"));
+        SerialOutline::from_urdf(robot(&text), &text, "base", "tool", &meshes).unwrap_err()
+    };
+    let above = format!("../../{}/meshes/cube.obj", folder.file_name().unwrap().to_str().unwrap());
+    let absolute = folder.join("meshes/cube.obj").display().to_string();
+    for name in ["missing.stl", "cube.step", &above, &absolute] {
+        let refused = refused(name);
+        assert!(matches!(refused, UrdfError::NoMesh { line: 3, .. }), "{refused}");
+    }
+    let broken = refused("cut.stl");
+    assert!(matches!(broken, UrdfError::BadMesh { line: 3, .. }), "{broken}");
+    assert!(broken.to_string().contains("cut.stl"), "{broken}");
+    // 200 m: nobody wrote the scale.
+    let large = refused("cube.obj").to_string();
+    assert!(large.contains("cube.obj") && large.contains("scale"), "{large}");
+    std::fs::remove_dir_all(&folder).unwrap();
+}
+
+#[test]
+fn pairs_that_an_srdf_disables_are_not_checked() {
+    let srdf = r#"<robot name="r"><group name="arm"><chain base_link="base" tip_link="tool"/></group>
+        <disable_collisions link1="base" link2="arm" reason="Adjacent"/>
+        <disable_collisions link1="base" link2="tool"/></robot>"#;
+    let pairs = DisabledPair::from_srdf(srdf).unwrap();
+    assert_eq!(pairs.len(), 2);
+    assert_eq!(pairs[0].links, ["base", "arm"]);
+    assert_eq!([&pairs[0].reason, &pairs[1].reason], [&Some("Adjacent".to_owned()), &None]);
+
+    let seven = include_str!("reference/urdf/seven_axes.urdf");
+    let names: Vec<String> = {
+        let document = roxmltree::Document::parse(seven).unwrap();
+        let links = document.descendants().filter(|node| node.has_tag_name("link"));
+        links.filter_map(|link| link.attribute("name").map(str::to_owned)).collect()
+    };
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    let text = with_cylinders(seven, &names);
+    let outline = || {
+        let robot = arm::<7>(&text, "world_foot", "flange");
+        SerialOutline::from_urdf(robot, &text, "world_foot", "flange", &Meshes::refused()).unwrap()
+    };
+    let links = outline().links();
+    let (first, last) = (&links[0], links.last().unwrap());
+    let pair = DisabledPair { links: [last.name.to_string(), first.name.to_string()], reason: None };
+    let pairs_with = |disabled: &[DisabledPair]| {
+        let build = Clearance::with_margin(0.0).robot("arm", outline()).unwrap();
+        let at_rest = Stopping { reaction: 0.0, stop: Stop::Braking };
+        build.ignore_disabled("arm", disabled).build(at_rest).unwrap().pairs()
+    };
+    assert_eq!(pairs_with(&[pair]) + 1, pairs_with(&[]));
+
+    for (wrong, line) in [
+        (srdf.replace("link1=\"base\" link2=\"tool\"", "link1=\"base\""), 3),
+        (srdf.replace("link2=\"arm\"", "link2=\"base\""), 2),
+        (srdf.replace("reason", "because"), 2),
+        (srdf.replace("</robot>", "<robot>"), 3),
+    ] {
+        let refused = DisabledPair::from_srdf(&wrong).unwrap_err();
+        assert!(refused.to_string().contains(&format!("line {line}")), "{refused}");
+    }
 }

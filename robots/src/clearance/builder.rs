@@ -10,7 +10,7 @@ use super::error::ClearanceError;
 use super::obstacle::Obstacle;
 use super::posture::Placement;
 use super::stopping::{Stop, Stopping};
-use crate::models::{Capsule, Outline};
+use crate::models::{Capsule, DisabledPair, Outline};
 
 /// A [`Clearance`] being put together.
 #[must_use = "a clearance is made by build"]
@@ -90,6 +90,13 @@ impl ClearanceBuilder {
         let owned = |(owner, link): (&str, &str)| -> Owned { (owner.into(), link.into()) };
         self.clearance.ignored.push([owned(a), owned(b)]);
         self
+    }
+
+    /// Pairs of links of a robot that an SRDF says not to check. Its links must have the names of the URDF.
+    pub fn ignore_disabled(self, robot: &str, pairs: &[DisabledPair]) -> Self {
+        pairs
+            .iter()
+            .fold(self, |builder, DisabledPair { links: [a, b], .. }| builder.ignore((robot, a), (robot, b)))
     }
 
     /// The links of a robot, its tool and what it carries are not checked against one another: for an arm whose own limits

@@ -13,7 +13,7 @@
 //! A robot is a file, or a folder where it is one of a family or has more to say: `irp6/`, `rnt.rs`, `polycrank.rs`,
 //! `gripper.rs`, `two_fingers.rs`, `conveyor.rs`, `io_block.rs`; `urdf/` reads any serial chain. Three families of arms are solved in closed form: `opw.rs` (ortho-parallel),
 //! `three_parallel.rs` (UR type) and `spherical.rs` (seven axes); `planar.rs` is what these have in common.
-//! They share `base.rs` (where a robot stands), `xml.rs` (what is read of XML), `vectors.rs`, `drives.rs`, `shape/` and the numerics of `kinematics.rs`,
+//! They share `base.rs` (where a robot stands), `xml.rs` (what is read of XML), `vectors.rs`, `drives.rs`, `shape/`, `mesh/` (meshes and capsules that cover them) and the numerics of `kinematics.rs`,
 //! `singular.rs` and `sines.rs`. `calibration.rs` reads what was measured of one arm, `local.rs` corrects what dimensions cannot say of it.
 
 mod base;
@@ -25,6 +25,7 @@ mod io_block;
 mod irp6;
 mod kinematics;
 mod local;
+pub mod mesh;
 mod opw;
 mod planar;
 mod polycrank;
@@ -53,5 +54,5 @@ pub use polycrank::Polycrank;
 pub use rnt::Rnt;
 pub use shape::{Capsule, Chain, ChainBody, ChainJoint, Link, Motion, Outline};
 pub use two_fingers::TwoFingers;
-pub use urdf::{Serial, SerialBuilder, SerialOutline, UrdfError, UrdfText};
+pub use urdf::{DisabledPair, Meshes, Openings, Serial, SerialBuilder, SerialOutline, UrdfError, UrdfText};
 pub use vectors::{Five, One, Seven, Six};

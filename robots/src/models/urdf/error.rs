@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use crate::models::mesh::MeshError;
 use crate::models::xml::TooMuchXml;
 
 /// A URDF that gives no robot. One variant is one cause; `line` counts from 1.
@@ -258,7 +259,7 @@ pub enum UrdfError {
     },
     /// A collision shape that no capsules are made of.
     #[error(
-        "line {line}: {element} holds no box, cylinder, capsule or sphere: replace a mesh by some of these, or use \
+        "line {line}: {element} holds no box, cylinder, capsule, sphere or mesh: write one of these, or use \
          SerialOutline::new with a radius"
     )]
     UnsupportedCollision {
@@ -266,6 +267,29 @@ pub enum UrdfError {
         line: usize,
         /// The element by its name.
         element: String,
+    },
+    /// A mesh of a collision shape that is not there, or whose folder is not known.
+    #[error("line {line}: {element}: \"{name}\" {why}")]
+    NoMesh {
+        /// Line, from 1.
+        line: usize,
+        /// The element by its name.
+        element: String,
+        /// What it names.
+        name: String,
+        /// Why it is none, and what to do.
+        why: &'static str,
+    },
+    /// A mesh of a collision shape that cannot be read or covered.
+    #[error("line {line}: {element}: {why}")]
+    BadMesh {
+        /// Line, from 1.
+        line: usize,
+        /// The element by its name.
+        element: String,
+        /// Why, with the file.
+        #[source]
+        why: Box<MeshError>,
     },
     /// No link of the chain has a collision shape.
     #[error("no link from \"{base}\" to \"{tip}\" has a <collision>: use SerialOutline::new with a radius")]

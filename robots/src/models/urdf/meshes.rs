@@ -59,7 +59,7 @@ fn collect(
     for visual in element.all("visual") {
         let pose = X_JL * origin(&visual, tree.has_quaternions)?;
         let Some(mesh) = mesh(&visual)? else { return Ok(false) };
-        let Some(file) = mesh.text("filename")?.and_then(|name| file(folder, name)) else {
+        let Some(file) = mesh.text("filename")?.and_then(|name| file(folder, name, &["stl"])) else {
             return Ok(false);
         };
         let scale = mesh.numbers::<3>("scale")?.unwrap_or([1.0; 3]);
@@ -75,8 +75,9 @@ fn mesh<'a, 'i>(visual: &Element<'a, 'i>) -> Result<Option<Element<'a, 'i>>, Urd
     }
 }
 
-/// The STL file of this name in a folder or below it, if there is one.
-fn file(folder: &Path, name: &str) -> Option<PathBuf> {
+/// The file that a mesh names, in a folder or below it, if there is one and its name has one of these ends. Of `package://NAME/rest` the
+/// package's name is left out.
+pub(super) fn file(folder: &Path, name: &str, extensions: &[&str]) -> Option<PathBuf> {
     let name = match name.strip_prefix("package://") {
         Some(of_package) => of_package.split_once('/')?.1,
         None => name,
@@ -85,9 +86,10 @@ fn file(folder: &Path, name: &str) -> Option<PathBuf> {
     let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     let path = Path::new(name);
     let is_below = path.components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir));
-    let is_stl = path.extension().is_some_and(|end| end.eq_ignore_ascii_case("stl"));
+    let is_known =
+        path.extension().is_some_and(|end| extensions.iter().any(|known| end.eq_ignore_ascii_case(known)));
     // A link of the file system may lead elsewhere.
-    let found = folder.join(path).canonicalize().ok().filter(|_| is_below && is_stl)?;
+    let found = folder.join(path).canonicalize().ok().filter(|_| is_below && is_known)?;
     found.starts_with(folder.canonicalize().ok()?).then_some(found)
 }
 

@@ -5,7 +5,8 @@
 //!                                                              |-- closed form, for three families of arms
 //!                                                              |-- Newton iteration, for all others
 //!                                                              |-- assumed motors, for simulation
-//!                                                              '-- links, for dynamics; and back to a URDF (export)
+//!                                                              |-- links, for dynamics; and back to a URDF (export)
+//!                                                              '-- capsules of <collision> (SerialOutline); pairs of an SRDF
 //! ```
 //!
 //! [`Serial`] says what is read of a URDF and what is not.
@@ -13,6 +14,7 @@
 mod body;
 mod chain;
 mod closed;
+mod collision;
 mod description;
 mod document;
 mod drives;
@@ -26,8 +28,11 @@ mod outline;
 mod recognition;
 mod rounded;
 mod serial;
+mod srdf;
 
+pub use collision::{Meshes, Openings};
 pub use description::UrdfText;
 pub use error::UrdfError;
 pub use outline::SerialOutline;
 pub use serial::{Serial, SerialBuilder};
+pub use srdf::DisabledPair;

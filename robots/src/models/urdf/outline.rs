@@ -5,7 +5,8 @@ use mrroc::robot::JointKind;
 use nalgebra::{SVector, Translation3, Vector3};
 
 use super::chain::{MOST_SEGMENTS, Segment, axis, kind, turn_of_z};
-use super::document::{Element, Tree, origin, parsed, shown};
+use super::collision::{LinkCapsule, Meshes, Shapes};
+use super::document::{Tree, origin, parsed, shown};
 use super::error::UrdfError;
 use super::serial::Serial;
 use crate::models::shape::{Capsule, Chain, ChainBody, ChainJoint, Link, Motion, Outline};
@@ -14,7 +15,8 @@ use crate::models::shape::{Capsule, Chain, ChainBody, ChainJoint, Link, Motion, 
 ///
 /// **From `<collision>`** ([`SerialOutline::from_urdf`]): of the links from base to tip. A sphere is a ball, a capsule is
 /// itself, a cylinder is given caps that stand out by its radius, a box is covered by four capsules along its longest edge
-/// ([`Capsule::covering_box`]): all hold what is written. A mesh is refused.
+/// ([`Capsule::covering_box`]): all hold what is written. A mesh is [covered](crate::mesh::cover): the capsules hold it, and stand out
+/// by at most [`Meshes::excess`].
 ///
 /// **With a radius** ([`SerialOutline::new`]): one capsule along each link, from the frame of a joint to that of the next, the
 /// last to the flange. The radius must be large enough to hold the links around these lines. Links whose joints' frames
@@ -33,17 +35,7 @@ const STRETCHING: u32 = 1;
 enum Shape {
     /// Bars of this radius between the frames \[m\].
     Bars(f64),
-    Bodies(Vec<Bar>),
-}
-
-/// A capsule of a link.
-#[derive(Clone, Debug, PartialEq)]
-struct Bar {
-    link: String,
-    /// How many joints stand before it.
-    joints: usize,
-    /// In the frame of the last of them, or of the base.
-    capsule: Capsule,
+    Bodies(Vec<LinkCapsule>),
 }
 
 impl<const N: usize> SerialOutline<N> {
@@ -54,17 +46,23 @@ impl<const N: usize> SerialOutline<N> {
     }
 
     /// The shape of `robot` as the `<collision>` elements say of the URDF that it was read from, with the same `base` and
-    /// `tip`.
+    /// `tip`. Covering its meshes takes about a second each: not for a step.
     ///
     /// # Errors
-    /// [`UrdfError`]: as of [`Serial::from_urdf`], a mesh, or no collision shape at all.
-    pub fn from_urdf(robot: Serial<N>, text: &str, base: &str, tip: &str) -> Result<Self, UrdfError> {
+    /// [`UrdfError`]: as of [`Serial::from_urdf`], a mesh that is not there or cannot be covered, or no collision shape at all.
+    pub fn from_urdf(
+        robot: Serial<N>,
+        text: &str,
+        base: &str,
+        tip: &str,
+        meshes: &Meshes,
+    ) -> Result<Self, UrdfError> {
         let document = parsed(text)?;
         let tree = Tree::of(&document)?;
         let mut fixed = Pose::identity();
         let mut joints = 0;
-        let mut bodies = Vec::new();
-        collect(&tree, base, &fixed, joints, &mut bodies)?;
+        let mut shapes = Shapes::of(meshes);
+        shapes.collect(&tree, base, &fixed, joints)?;
         for joint in tree.path(base, tip)? {
             fixed *= origin(&joint.element, tree.has_quaternions)?;
             if kind(&joint)?.is_some() {
@@ -72,7 +70,7 @@ impl<const N: usize> SerialOutline<N> {
                 fixed = Pose::from_parts(Translation3::identity(), turn_of_z(axis(&joint)?).inverse());
                 joints += 1;
             }
-            collect(&tree, joint.child, &fixed, joints, &mut bodies)?;
+            shapes.collect(&tree, joint.child, &fixed, joints)?;
         }
         if joints != robot.segments().len() {
             let count = joints;
@@ -87,10 +85,10 @@ impl<const N: usize> SerialOutline<N> {
                 help,
             });
         }
-        if bodies.is_empty() {
+        if shapes.bodies.is_empty() {
             return Err(UrdfError::NoCollision { base: shown(base), tip: shown(tip) });
         }
-        Ok(Self { robot, shape: Shape::Bodies(bodies) })
+        Ok(Self { robot, shape: Shape::Bodies(shapes.bodies) })
     }
 
     /// The base, the frames of the joints, and the flange.
@@ -105,54 +103,6 @@ impl<const N: usize> SerialOutline<N> {
         });
         (frames, count)
     }
-}
-
-/// Adds the collision shapes of a link that stands at `X_JL` in the frame of the last joint that moves it.
-#[allow(non_snake_case)]
-fn collect(
-    tree: &Tree<'_, '_>,
-    link: &str,
-    X_JL: &Pose,
-    joints: usize,
-    bodies: &mut Vec<Bar>,
-) -> Result<(), UrdfError> {
-    let Some(element) = tree.link(link) else { return Ok(()) };
-    for collision in element.all("collision") {
-        let X_JC = X_JL * origin(&collision, tree.has_quaternions)?;
-        let write = "<geometry><cylinder radius=\"..\" length=\"..\"/></geometry>";
-        for capsule in capsules_of(&collision.required("geometry", write)?)? {
-            bodies.push(Bar { link: shown(link), joints, capsule: capsule.moved(&X_JC) });
-        }
-    }
-    Ok(())
-}
-
-/// The capsules that hold a shape, around its origin.
-fn capsules_of(geometry: &Element<'_, '_>) -> Result<Vec<Capsule>, UrdfError> {
-    let above_zero = |shape: &Element<'_, '_>, attribute: &'static str| {
-        let number =
-            shape.number(attribute)?.ok_or_else(|| shape.missing(attribute, "a length in metres"))?;
-        if number > 0.0 { Ok(number) } else { Err(shape.bad(attribute, "a finite number above 0")) }
-    };
-    if let Some(sphere) = geometry.child("sphere")? {
-        let radius = above_zero(&sphere, "radius")?;
-        return Ok(vec![Capsule::new(Vector3::zeros(), Vector3::zeros(), radius)]);
-    }
-    for name in ["cylinder", "capsule"] {
-        if let Some(bar) = geometry.child(name)? {
-            let radius = above_zero(&bar, "radius")?;
-            let half = 0.5 * above_zero(&bar, "length")?;
-            return Ok(vec![Capsule::new(Vector3::z() * -half, Vector3::z() * half, radius)]);
-        }
-    }
-    if let Some(cuboid) = geometry.child("box")? {
-        let edges = cuboid.numbers::<3>("size")?.ok_or_else(|| cuboid.missing("size", "size=\"x y z\""))?;
-        if edges.iter().any(|edge| *edge <= 0.0) {
-            return Err(cuboid.bad("size", "three numbers above 0"));
-        }
-        return Ok(Capsule::covering_box(Vector3::from(edges), 2));
-    }
-    Err(UrdfError::UnsupportedCollision { line: geometry.line(), element: geometry.called.clone() })
 }
 
 impl<const N: usize> Outline for SerialOutline<N> {

@@ -1,7 +1,7 @@
 //! Whether an arm's own links meet, by the collision shapes of its URDF.
 
 use mrroc_robots::clearance::{Clearance, Stop, Stopping};
-use mrroc_robots::models::SerialOutline;
+use mrroc_robots::models::{Meshes, SerialOutline};
 
 use super::robot::{Described, of_urdf};
 
@@ -27,7 +27,7 @@ impl Described {
         let urdf = self.urdf.as_ref().ok_or("a table of Denavit-Hartenberg parameters has no shapes")?;
         let told = |why: &dyn core::fmt::Display| why.to_string();
         let robot = of_urdf::<N>(&urdf.text, &urdf.base, &urdf.tip).map_err(|why| told(&why))?;
-        let outline = SerialOutline::from_urdf(robot, &urdf.text, &urdf.base, &urdf.tip);
+        let outline = SerialOutline::from_urdf(robot, &urdf.text, &urdf.base, &urdf.tip, &Meshes::refused());
         let outline = outline.map_err(|why| told(&why))?;
         let at_rest = Stopping { reaction: 0.0, stop: Stop::Braking };
         let builder = Clearance::with_margin(0.0).robot("arm", outline).map_err(|why| told(&why))?;
