@@ -15,6 +15,8 @@ use crate::svg::{Look, Svg};
 
 /// Corners of a circle.
 const CORNERS: u32 = 48;
+/// The most dots of a cloud in a view: about 40 bytes each.
+const DOTS: usize = 600;
 /// The least radius of a point's dot \[px\].
 const DOT: f64 = 0.8;
 
@@ -30,6 +32,7 @@ pub(crate) fn points(obstacle: &ObstacleLayout) -> Vec<Vector3<f64>> {
             around([thickness, thickness, length + thickness])
         }
         Solid::Ball { radius } => around([2.0 * radius; 3]),
+        Solid::HalfSpace => Vec::new(),
         Solid::Points { points, .. } => points.iter().map(|point| at(*point)).collect(),
     };
     found.into_iter().filter(|point| point.iter().all(|x| x.is_finite())).collect()
@@ -65,13 +68,11 @@ fn solid(svg: &mut Svg, on: &Projection, pose: &Pose, solid: &Solid) {
         }
         Solid::Cylinder { radius, length } => {
             let circles = along(*length).map(|middle| {
-                circle()
-                    .map(|(cosine, sine)| at(middle + Vector3::new(cosine, sine, 0.0) * *radius))
-                    .collect()
+                let on_rim = |(cosine, sine)| at(middle + Vector3::new(cosine, sine, 0.0) * *radius);
+                circle().map(on_rim).collect::<Vec<_>>()
             });
-            svg.polygon(&hull(circles.iter().flatten().copied().collect::<Vec<_>>()), Look::new());
+            svg.polygon(&hull(circles.concat()), Look::new());
             for circle in &circles {
-                let circle: &Vec<_> = circle;
                 svg.polygon(circle, Look::new());
             }
         }
@@ -80,10 +81,12 @@ fn solid(svg: &mut Svg, on: &Projection, pose: &Pose, solid: &Solid) {
             svg.polygon(&around(ends, *radius * on.scale), Look::new());
         }
         Solid::Ball { radius } => svg.circle(at(Vector3::zeros()), radius * on.scale, Look::new()),
+        Solid::HalfSpace => {}
         Solid::Points { points, radius } => {
             let dot = (radius * on.scale).max(DOT);
             svg.group(Look::filled(GREY).fill_opacity(0.35).width(0.0), |svg| {
-                points.iter().for_each(|point| svg.circle(at(*point), dot, Look::new()));
+                let some = points.iter().step_by(points.len().div_ceil(DOTS).max(1));
+                some.for_each(|point| svg.circle(at(*point), dot, Look::new()));
             });
         }
     }

@@ -15,6 +15,13 @@ const COLOUR: [f64; 3] = [0.55, 0.58, 0.62];
 /// Arms behind an obstacle are still seen.
 const PALE: f64 = 0.5;
 
+/// Whether anything is drawn of an obstacle.
+pub(super) fn is_drawn(obstacle: &ObstacleLayout) -> bool {
+    let place = &obstacle.pose;
+    let is_place = place.translation.vector.iter().chain(place.rotation.coords.iter()).all(|x| x.is_finite());
+    is_place && obstacle.solid != Solid::HalfSpace
+}
+
 /// The picture of these obstacles at a date, in this frame.
 pub(super) fn update(obstacles: &[ObstacleLayout], date: Nanos, frame: &str) -> Value {
     let entity = |obstacle: &ObstacleLayout| {
@@ -36,6 +43,7 @@ fn draw(entity: &mut Entity, X_WO: &Pose, solid: &Solid) {
             entity.capsule([centre - half, centre + half], *radius);
         }
         Solid::Ball { radius } => entity.ball(X_WO, *radius),
+        Solid::HalfSpace => {}
         Solid::Points { points, radius } => {
             for point in points.iter() {
                 entity.ball(&(X_WO * Pose::translation(point.x, point.y, point.z)), *radius);

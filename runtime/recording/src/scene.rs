@@ -105,7 +105,8 @@ impl Scene {
             looks: Looks::Block(body.edges),
             due: 0,
         });
-        Scene { actors: robots.chain(bodies).collect(), obstacles: layout.obstacles.clone() }
+        let obstacles = layout.obstacles.iter().filter(|one| obstacles::is_drawn(one)).cloned().collect();
+        Scene { actors: robots.chain(bodies).collect(), obstacles }
     }
 
     /// What stands in the cell, as a `foxglove.SceneUpdate`; `None` if nothing does.

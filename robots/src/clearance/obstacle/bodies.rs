@@ -75,6 +75,16 @@ impl Bodies {
         })
     }
 
+    /// Whether all of them are farther away from a capsule than `margin` \[m\].
+    pub(super) fn capsule_clear(&self, capsule: &Capsule, margin: f64) -> bool {
+        let reach = capsule.radius + margin;
+        let found = self.tree.nearest(&capsule.ends, reach, &mut |block, least| {
+            let is_near = capsule.gap(&self.capsules[block]).distance <= margin;
+            if is_near { f64::NEG_INFINITY } else { least }
+        });
+        found > f64::NEG_INFINITY
+    }
+
     pub(super) fn ball_clear(&self, centre: &Vector3<f64>, radius: f64) -> bool {
         !self.tree.any(centre, radius, &mut |block| self.capsules[block].distance(centre) <= radius)
     }

@@ -171,6 +171,18 @@ impl Cloud {
         Gap::between(best, [capsule.radius, self.radius])
     }
 
+    /// Whether all of its balls are farther away from a capsule than `margin` \[m\].
+    pub(super) fn capsule_clear(&self, capsule: &Capsule, margin: f64) -> bool {
+        let reach = capsule.radius + margin + self.radius;
+        let core = Capsule { radius: 0.0, ..*capsule };
+        let found = self.tree.nearest(&capsule.ends, reach, &mut |block, least| {
+            let mut points = (0..BLOCK).map(|place| point(&self.blocks[block], place));
+            let is_near = points.any(|point| core.distance(&point) <= reach);
+            if is_near { f64::NEG_INFINITY } else { least }
+        });
+        found > f64::NEG_INFINITY
+    }
+
     pub(super) fn bounds(&self) -> Bounds {
         let points = self.tree.whole();
         Bounds { low: points.low.add_scalar(-self.radius), high: points.high.add_scalar(self.radius) }

@@ -184,6 +184,22 @@ impl HeightField {
         gap_in(&self.place, best.1.unwrap_or([segment[0]; 2]), capsule.radius)
     }
 
+    /// Whether all columns are farther away from a capsule than `margin` \[m\].
+    pub(super) fn capsule_clear(&self, capsule: &Capsule, margin: f64) -> bool {
+        let segment = capsule.ends.map(|end| seen_from(&self.place, &end));
+        let reach = capsule.radius + margin;
+        !self.is_near(self.top(), &segment, reach * reach)
+    }
+
+    /// Whether a column below this cell is within a squared distance \[m²\] of a segment.
+    fn is_near(&self, cell: Cell, segment: &[Vector3<f64>; 2], squared: f64) -> bool {
+        let column = self.column(cell);
+        if column.distance_squared(&column.nearest_of(segment)) > squared {
+            return false;
+        }
+        cell.level == 0 || self.below(cell).any(|cell| self.is_near(cell, segment, squared))
+    }
+
     /// Brings the nearest points of a segment and of the columns below a cell to `best`, if they are nearer.
     fn search(&self, cell: Cell, segment: &[Vector3<f64>; 2], best: &mut (f64, Option<[Vector3<f64>; 2]>)) {
         if cell.level == 0 {

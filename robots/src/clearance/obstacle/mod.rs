@@ -160,6 +160,21 @@ impl Obstacle {
         }
     }
 
+    /// Whether a capsule is farther away from it than `margin` \[m\], finite, >= 0: as [`gap`](Self::gap), but without asking which
+    /// part is nearest, which is many times faster for what has many parts.
+    #[must_use]
+    pub fn capsule_clear(&self, capsule: &Capsule, margin: f64) -> bool {
+        match self {
+            Obstacle::HalfSpace { .. }
+            | Obstacle::Capsule(_)
+            | Obstacle::Box { .. }
+            | Obstacle::Cylinder { .. } => self.gap(capsule).distance > margin,
+            Obstacle::Bodies(bodies) => bodies.capsule_clear(capsule, margin),
+            Obstacle::Cloud(cloud) => cloud.capsule_clear(capsule, margin),
+            Obstacle::HeightField(field) => field.capsule_clear(capsule, margin),
+        }
+    }
+
     /// The corners of a box along the world's axes that holds it \[m\]: the lowest and the highest coordinates. Below a height
     /// field it is infinite; `None` of a half space.
     #[must_use]

@@ -3,6 +3,7 @@
 //! A cell keeps nothing away from it by this: what is drawn and what is avoided are told from the same file, by the crates
 //! that know each.
 
+use core::fmt;
 use std::sync::Arc;
 
 use nalgebra::Vector3;
@@ -47,6 +48,8 @@ pub enum Solid {
         /// Radius \[m\].
         radius: f64,
     },
+    /// All that lies below z = 0: a floor, a wall. It has no end, and is not drawn.
+    HalfSpace,
     /// Balls about points: some of those that a scanner saw, or of the tops of a height field.
     Points {
         /// The points \[m\].
@@ -54,4 +57,19 @@ pub enum Solid {
         /// Radius of each ball \[m\].
         radius: f64,
     },
+}
+
+impl fmt::Display for Solid {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Solid::Box { edges: [x, y, z] } => write!(f, "box, {x} x {y} x {z} m"),
+            Solid::Cylinder { radius, length } => write!(f, "cylinder, radius {radius} m, length {length} m"),
+            Solid::Capsule { radius, length } => write!(f, "capsule, radius {radius} m, length {length} m"),
+            Solid::Ball { radius } => write!(f, "ball, radius {radius} m"),
+            Solid::HalfSpace => f.write_str("half space"),
+            Solid::Points { points, radius } => {
+                write!(f, "points, {} are drawn, radius {radius} m", points.len())
+            }
+        }
+    }
 }

@@ -30,6 +30,9 @@ pub(super) fn parse(_: &Path, text: &str) -> Result<Heights, String> {
                 .push(height.ok_or_else(|| format!("line {number}: `{word}` is not a finite height [m]"))?);
         }
         let found = heights.len() - before;
+        if found == 0 {
+            return Err(format!("line {number} has no heights"));
+        }
         let expected = *columns.get_or_insert(found);
         if found != expected {
             return Err(format!("line {number} has {found} heights, the lines before have {expected}"));
@@ -54,7 +57,7 @@ mod tests {
             ("0 1\n2\n", "line 2 has 1 heights, the lines before have 2"),
             ("0 1\n2 NaN\n", "line 2: `NaN` is not a finite height [m]"),
             ("# nothing\n", "it has no heights"),
-            (",\n", "it has no heights"),
+            (",\n", "line 1 has no heights"),
         ];
         for (text, expected) in cases {
             assert_eq!(read(text), Err(expected.to_owned()), "{text}");

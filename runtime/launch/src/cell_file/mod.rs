@@ -275,8 +275,7 @@ impl CellFile {
         let mut errors = Vec::new();
         for obstacle in &self.obstacles {
             match obstacle.solid() {
-                Ok(Some(solid)) => cell = cell.shows_obstacle(obstacle.name(), obstacle.place(), solid),
-                Ok(None) => {}
+                Ok(solid) => cell = cell.shows_obstacle(obstacle.name(), obstacle.place_of_solid(), solid),
                 Err(error) => errors.push(error),
             }
         }

@@ -91,6 +91,20 @@ impl ObstacleEntry {
         self.place
     }
 
+    /// The frame of its [`solid`](Self::solid) in the world: that of the obstacle, of a half space in its surface.
+    #[must_use]
+    pub fn place_of_solid(&self) -> Pose {
+        match &self.shape.value {
+            ObstacleShape::HalfSpace { height } => self.place * Pose::translation(0.0, 0.0, *height),
+            ObstacleShape::Box { .. }
+            | ObstacleShape::Cylinder { .. }
+            | ObstacleShape::Sphere { .. }
+            | ObstacleShape::Capsule { .. }
+            | ObstacleShape::Cloud { .. }
+            | ObstacleShape::HeightField { .. } => self.place,
+        }
+    }
+
     /// Its shape.
     #[must_use]
     pub const fn shape(&self) -> &ObstacleShape {
@@ -153,24 +167,22 @@ impl ObstacleEntry {
         })
     }
 
-    /// What is drawn of it, at most 2000 points of a file; nothing of a half space, which has no end.
+    /// What is drawn of it: at most 2000 points of a file.
     ///
     /// # Errors
     /// As of [`points`](Self::points) and [`heights`](Self::heights).
-    pub fn solid(&self) -> Result<Option<Solid>, CellError> {
+    pub fn solid(&self) -> Result<Solid, CellError> {
         Ok(match &self.shape.value {
-            ObstacleShape::Box { size } => Some(Solid::Box { edges: *size }),
+            ObstacleShape::Box { size } => Solid::Box { edges: *size },
             ObstacleShape::Cylinder { radius, length } => {
-                Some(Solid::Cylinder { radius: *radius, length: *length })
+                Solid::Cylinder { radius: *radius, length: *length }
             }
-            ObstacleShape::Sphere { radius } => Some(Solid::Ball { radius: *radius }),
-            ObstacleShape::Capsule { radius, length } => {
-                Some(Solid::Capsule { radius: *radius, length: *length })
-            }
-            ObstacleShape::HalfSpace { .. } => None,
+            ObstacleShape::Sphere { radius } => Solid::Ball { radius: *radius },
+            ObstacleShape::Capsule { radius, length } => Solid::Capsule { radius: *radius, length: *length },
+            ObstacleShape::HalfSpace { .. } => Solid::HalfSpace,
             ObstacleShape::Cloud { radius, .. } => {
                 let points = some_of(self.points()?);
-                Some(Solid::Points { points: points.into(), radius: *radius })
+                Solid::Points { points: points.into(), radius: *radius }
             }
             ObstacleShape::HeightField { cell, .. } => {
                 let found = self.heights()?;
@@ -181,7 +193,7 @@ impl ObstacleEntry {
                     };
                     heights.iter().enumerate().map(top).collect()
                 });
-                Some(Solid::Points { points: some_of(tops).into(), radius: 0.5 * cell })
+                Solid::Points { points: some_of(tops).into(), radius: 0.5 * cell }
             }
         })
     }
@@ -224,7 +236,7 @@ mod tests {
         assert!((place.translation.vector - Vector3::new(0.0, 3.0, 0.5)).norm() < 1e-12, "{place}");
         assert!((place.rotation.angle() - FRAC_PI_2).abs() < 1e-12);
         assert_eq!(ball.place(), Pose::identity());
-        assert_eq!(ball.solid(), Ok(Some(Solid::Ball { radius: 0.1 })));
+        assert_eq!(ball.solid(), Ok(Solid::Ball { radius: 0.1 }));
     }
 
     #[test]
@@ -241,7 +253,7 @@ mod tests {
             "cell.toml:4:12: `arm` is a robot already",
             "cell.toml:6:12: obstacle `none` has no shape",
             "obstacle `two` has both",
-            "cell.toml:12:22: 0 m",
+            "cell.toml:12:23: 0 m",
             "write an edge above 0 [m]",
             "cell.toml:13:9: no frame `table`",
             "cell.toml:15:22: -0.1 m",
@@ -277,11 +289,11 @@ mod tests {
         let [scan, ground, bad, none] = file.obstacles() else { panic!("four obstacles") };
         assert_eq!(scan.points().expect("points").len(), 5000);
         // Every third is drawn: 2000 are the most.
-        let Ok(Some(Solid::Points { points, radius })) = scan.solid() else { panic!("points") };
+        let Ok(Solid::Points { points, radius }) = scan.solid() else { panic!("points") };
         assert_eq!((points.len(), radius, points[1]), (1667, 0.01, Vector3::new(3.0, 0.0, 0.0)));
         let heights = ground.heights().expect("heights").expect("a height field");
         assert_eq!(heights, Heights { columns: 2, heights: vec![0.0, 1.0, 2.0, 3.0] });
-        let Ok(Some(Solid::Points { points, radius })) = ground.solid() else { panic!("points") };
+        let Ok(Solid::Points { points, radius }) = ground.solid() else { panic!("points") };
         assert_eq!(
             (points[1], points[2], radius),
             (Vector3::new(0.75, 0.25, 1.0), Vector3::new(0.25, 0.75, 2.0), 0.25)

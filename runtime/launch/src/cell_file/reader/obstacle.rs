@@ -13,8 +13,18 @@ use super::{Entry, Reader, Value};
 
 pub(in super::super) const OBSTACLE_KEYS: [&str; 9] =
     ["box", "cylinder", "sphere", "capsule", "half_space", "cloud", "height_field", "at", "frame"];
-/// Of an obstacle, those that say its shape.
-const SHAPES: usize = 7;
+/// Reads a shape.
+type ReadShape = fn(&mut Reader, &Value<'_>) -> Option<ObstacleShape>;
+/// Of these keys those that say the shape, and what reads it.
+const SHAPES: [(&str, ReadShape); 7] = [
+    ("box", Reader::box_of),
+    ("cylinder", Reader::cylinder),
+    ("sphere", Reader::sphere),
+    ("capsule", Reader::capsule),
+    ("half_space", Reader::half_space),
+    ("cloud", Reader::cloud),
+    ("height_field", Reader::height_field),
+];
 /// The keys of all shapes.
 #[cfg(test)]
 pub(in super::super) const SHAPE_KEYS: [&str; 6] = ["size", "radius", "length", "height", "file", "cell"];
@@ -38,16 +48,19 @@ impl Reader {
         let at = table.get("at").map_or(Some(Pose::identity()), |value| self.pose(value, IN_CELL));
         let frame = table.get("frame").map_or(Some(Pose::identity()), |value| self.frame_of(value, frames));
         let shapes: Vec<_> =
-            OBSTACLE_KEYS[..SHAPES].iter().filter_map(|key| Some((*key, table.get(*key)?))).collect();
+            SHAPES.iter().filter_map(|(key, read)| Some((*key, *read, table.get(*key)?))).collect();
         let shape = match shapes[..] {
-            [(key, value)] => self.shape(key, value).map(|shape| At { value: shape, span: value.span() }),
+            [(_, read, value)] => read(self, value).map(|shape| At { value: shape, span: value.span() }),
             [] => {
                 let what = format!("obstacle `{}` has no shape", name.value);
-                let help = format!("write {BOX}, or one of {}", OBSTACLE_KEYS[1..SHAPES].join(", "));
+                let help = format!(
+                    "write {BOX}, or one of {}",
+                    SHAPES[1..].iter().map(|(key, _)| *key).collect::<Vec<_>>().join(", ")
+                );
                 self.complain(&name.span, what, help);
                 None
             }
-            [(first, _), (second, value), ..] => {
+            [(first, ..), (second, _, value), ..] => {
                 let what = format!("obstacle `{}` has both `{first}` and `{second}`", name.value);
                 self.complain(&value.span(), what, "write a table [obstacles.NAME] for each".to_owned());
                 None
@@ -72,56 +85,62 @@ impl Reader {
         found.map(|(_, pose)| *pose)
     }
 
-    fn shape(&mut self, key: &str, value: &Value<'_>) -> Option<ObstacleShape> {
-        match key {
-            "box" => {
-                let table = self.shape_table(value, BOX, &["size"])?;
-                let size = self.required(table, value, "size", BOX)?;
-                self.edges(size).map(|size| ObstacleShape::Box { size })
-            }
-            "cylinder" | "capsule" => {
-                let form = format!("{key} = {{ radius = 0.05, length = 1.0 }} [m]");
-                let table = self.shape_table(value, &form, &["radius", "length"])?;
-                let radius = self.length(table, value, "radius", &form);
-                let length = self.length(table, value, "length", &form);
-                let (radius, length) = (radius?, length?);
-                Some(match key {
-                    "cylinder" => ObstacleShape::Cylinder { radius, length },
-                    _ => ObstacleShape::Capsule { radius, length },
-                })
-            }
-            "sphere" => {
-                const FORM: &str = "sphere = { radius = 0.1 } [m]";
-                let table = self.shape_table(value, FORM, &["radius"])?;
-                Some(ObstacleShape::Sphere { radius: self.length(table, value, "radius", FORM)? })
-            }
-            "half_space" => {
-                const FORM: &str = "half_space = { height = 0.0 } [m]";
-                let table = self.shape_table(value, FORM, &["height"])?;
-                let height = self.required(table, value, "height", FORM)?;
-                let height = self.number(height, "a height [m]")?;
-                self.ask_about_place([0.0, 0.0, height.value], IN_CELL, &height.span);
-                Some(ObstacleShape::HalfSpace { height: height.value })
-            }
-            "cloud" => {
-                const FORM: &str = "cloud = { file = \"points.xyz\", radius = 0.01 } [m]";
-                let table = self.shape_table(value, FORM, &["file", "radius", "cell"])?;
-                let file = self.shape_file(table, value, FORM);
-                let radius = self.length(table, value, "radius", FORM);
-                let cell = match table.get("cell") {
-                    None => Some(None),
-                    Some(_) => self.length(table, value, "cell", FORM).map(Some),
-                };
-                Some(ObstacleShape::Cloud { file: file?, radius: radius?, cell: cell? })
-            }
-            _ => {
-                const FORM: &str = "height_field = { file = \"ground.txt\", cell = 0.05 } [m]";
-                let table = self.shape_table(value, FORM, &["file", "cell"])?;
-                let file = self.shape_file(table, value, FORM);
-                let cell = self.length(table, value, "cell", FORM);
-                Some(ObstacleShape::HeightField { file: file?, cell: cell? })
-            }
-        }
+    fn box_of(&mut self, value: &Value<'_>) -> Option<ObstacleShape> {
+        let table = self.shape_table(value, BOX, &["size"])?;
+        let size = self.required(table, value, "size", BOX)?;
+        self.edges(size).map(|size| ObstacleShape::Box { size })
+    }
+
+    fn cylinder(&mut self, value: &Value<'_>) -> Option<ObstacleShape> {
+        let (radius, length) = self.rod(value, "cylinder = { radius = 0.05, length = 1.0 } [m]")?;
+        Some(ObstacleShape::Cylinder { radius, length })
+    }
+
+    fn capsule(&mut self, value: &Value<'_>) -> Option<ObstacleShape> {
+        let (radius, length) = self.rod(value, "capsule = { radius = 0.05, length = 1.0 } [m]")?;
+        Some(ObstacleShape::Capsule { radius, length })
+    }
+
+    fn rod(&mut self, value: &Value<'_>, form: &str) -> Option<(f64, f64)> {
+        let table = self.shape_table(value, form, &["radius", "length"])?;
+        let radius = self.length(table, value, "radius", form);
+        let length = self.length(table, value, "length", form);
+        Some((radius?, length?))
+    }
+
+    fn sphere(&mut self, value: &Value<'_>) -> Option<ObstacleShape> {
+        const FORM: &str = "sphere = { radius = 0.1 } [m]";
+        let table = self.shape_table(value, FORM, &["radius"])?;
+        Some(ObstacleShape::Sphere { radius: self.length(table, value, "radius", FORM)? })
+    }
+
+    fn half_space(&mut self, value: &Value<'_>) -> Option<ObstacleShape> {
+        const FORM: &str = "half_space = { height = 0.0 } [m]";
+        let table = self.shape_table(value, FORM, &["height"])?;
+        let height = self.required(table, value, "height", FORM)?;
+        let height = self.number(height, "a height [m]")?;
+        self.ask_about_place([0.0, 0.0, height.value], IN_CELL, &height.span);
+        Some(ObstacleShape::HalfSpace { height: height.value })
+    }
+
+    fn cloud(&mut self, value: &Value<'_>) -> Option<ObstacleShape> {
+        const FORM: &str = "cloud = { file = \"points.xyz\", radius = 0.01 } [m]";
+        let table = self.shape_table(value, FORM, &["file", "radius", "cell"])?;
+        let file = self.shape_file(table, value, FORM);
+        let radius = self.length(table, value, "radius", FORM);
+        let cell = match table.get("cell") {
+            None => Some(None),
+            Some(_) => self.length(table, value, "cell", FORM).map(Some),
+        };
+        Some(ObstacleShape::Cloud { file: file?, radius: radius?, cell: cell? })
+    }
+
+    fn height_field(&mut self, value: &Value<'_>) -> Option<ObstacleShape> {
+        const FORM: &str = "height_field = { file = \"ground.txt\", cell = 0.05 } [m]";
+        let table = self.shape_table(value, FORM, &["file", "cell"])?;
+        let file = self.shape_file(table, value, FORM);
+        let cell = self.length(table, value, "cell", FORM);
+        Some(ObstacleShape::HeightField { file: file?, cell: cell? })
     }
 
     fn shape_table<'t>(
