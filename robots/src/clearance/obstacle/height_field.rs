@@ -177,11 +177,20 @@ impl HeightField {
     /// The gap to a capsule, whose point comes first. If its segment meets a column, the distance is the negative radius.
     #[must_use]
     pub fn gap(&self, capsule: &Capsule) -> Gap {
-        let segment = capsule.ends.map(|end| seen_from(&self.place, &end));
-        let mut best = (f64::INFINITY, None);
-        self.search(self.top(), &segment, &mut best);
         // None is found only for a capsule that is not finite: it counts as meeting the field.
-        gap_in(&self.place, best.1.unwrap_or([segment[0]; 2]), capsule.radius)
+        let meets = || Gap { distance: -capsule.radius, points: [capsule.ends[0]; 2] };
+        self.gap_below(capsule, f64::INFINITY).unwrap_or_else(meets)
+    }
+
+    /// The gap to a capsule, whose point comes first, if its distance is less than `most` \[m\].
+    pub(super) fn gap_below(&self, capsule: &Capsule, most: f64) -> Option<Gap> {
+        let reach = most + capsule.radius;
+        if reach < 0.0 {
+            return None;
+        }
+        let mut best = (reach * reach, None);
+        self.search(self.top(), &capsule.ends.map(|end| seen_from(&self.place, &end)), &mut best);
+        best.1.map(|points| gap_in(&self.place, points, capsule.radius))
     }
 
     /// Whether all columns are farther away from a capsule than `margin` \[m\].

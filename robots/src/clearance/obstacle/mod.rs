@@ -125,6 +125,20 @@ impl Obstacle {
         }
     }
 
+    /// As [`gap`](Self::gap), if its distance is less than `most` \[m\], which makes the search short if it is small.
+    #[must_use]
+    pub fn gap_below(&self, capsule: &Capsule, most: f64) -> Option<Gap> {
+        match self {
+            Obstacle::HalfSpace { .. }
+            | Obstacle::Capsule(_)
+            | Obstacle::Box { .. }
+            | Obstacle::Cylinder { .. } => Some(self.gap(capsule)).filter(|gap| gap.distance < most),
+            Obstacle::Bodies(bodies) => bodies.gap_below(capsule, most),
+            Obstacle::Cloud(cloud) => cloud.gap_below(capsule, most),
+            Obstacle::HeightField(field) => field.gap_below(capsule, most),
+        }
+    }
+
     /// The distance of a point \[m\] from the obstacle's surface, or `most` \[m\] if it is not nearer, which may be infinite
     /// and makes the search short if it is small. Inside it is 0 or less, as [`gap`](Self::gap) says.
     #[must_use]

@@ -202,6 +202,9 @@ proptest! {
             prop_assert!(obstacle.ball_clear(&centre, (distance - 1e-9).max(0.0)));
         }
         let gap_of_own = obstacle.gap(&own).distance;
+        prop_assert_eq!(obstacle.gap_below(&own, gap_of_own - 1e-9), None);
+        let found = obstacle.gap_below(&own, gap_of_own + 1e-9).map(|gap| gap.distance);
+        prop_assert!(found.is_some_and(|found| (found - gap_of_own).abs() < 1e-12), "{found:?} {gap_of_own}");
         prop_assert!(!obstacle.capsule_clear(&own, gap_of_own.max(0.0) + 1e-9));
         if gap_of_own > 0.0 {
             prop_assert!(obstacle.capsule_clear(&own, (gap_of_own - 1e-9).max(0.0)));
