@@ -20,7 +20,7 @@ const CAPACITY: usize = 4000;
 const FIRST_GAP: f64 = 2e-3;
 
 /// The corners of the faces, by the bits of their places along x, y, z.
-const FACES: [[usize; 4]; 6] =
+pub(crate) const FACES: [[usize; 4]; 6] =
     [[0, 1, 3, 2], [4, 5, 7, 6], [0, 1, 5, 4], [2, 3, 7, 6], [0, 2, 6, 4], [1, 3, 7, 5]];
 
 /// A block and its way.

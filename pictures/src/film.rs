@@ -8,6 +8,7 @@ use std::sync::Arc;
 
 use mrroc::cell::RunPicture;
 use mrroc::observe::Observation;
+use mrroc::observe::solid::ObstacleLayout;
 use mrroc::observe::step_observer::SharedStepObserver;
 use mrroc::prelude::*;
 
@@ -38,6 +39,8 @@ pub struct Film {
     /// Where the flanges of the robots are, for those that are mounted on them.
     flanges: Rc<RefCell<Vec<(String, Pose)>>>,
     blocks: Rc<RefCell<Vec<Block>>>,
+    /// What stands in the cell.
+    obstacles: Vec<ObstacleLayout>,
     /// What the MP's program did.
     program: Rc<RefCell<Log>>,
     left_out: Rc<Vec<String>>,
@@ -75,10 +78,10 @@ impl Film {
     pub fn svg(&self) -> String {
         match (self.histories.try_borrow(), self.blocks.try_borrow(), self.program.try_borrow()) {
             (Ok(histories), Ok(blocks), Ok(program)) => {
-                page::svg(&histories, &blocks, &program, &self.seen.sights())
+                page::svg(&histories, &blocks, &self.obstacles, &program, &self.seen.sights())
             }
             // Only while a robot is being observed, that is, inside of an observer of the user's.
-            _ => page::svg(&[], &[], &Log::default(), &Sights::default()),
+            _ => page::svg(&[], &[], &[], &Log::default(), &Sights::default()),
         }
     }
 }
@@ -90,7 +93,9 @@ impl RunPicture for Film {
         let blocks = Rc::clone(&self.blocks);
         let program = Rc::clone(&self.program);
         let left_out = Rc::clone(&self.left_out);
-        self.seen.expect(&cell.layout());
+        let layout = cell.layout();
+        self.seen.expect(&layout);
+        self.obstacles = layout.obstacles;
         let cell = cell.shown_to_picture(Arc::clone(&self.seen) as SharedStepObserver);
         cell.watch(move |observation| {
             let drawn = left_out.iter().all(|name| name != observation.robot);

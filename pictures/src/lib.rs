@@ -45,6 +45,7 @@ mod sample;
 mod scene;
 mod seen;
 mod speed;
+mod standing;
 mod states;
 mod stick;
 pub mod svg;

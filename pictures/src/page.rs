@@ -3,6 +3,7 @@
 //!
 //! In: what is kept of each robot, and what was seen of the rest. Out: the SVG document.
 
+use mrroc::observe::solid::ObstacleLayout;
 use mrroc::robot::JointKind;
 use nalgebra::{Vector2, Vector3};
 
@@ -76,8 +77,14 @@ impl<'a> Robot<'a> {
     }
 }
 
-/// The picture of what some robots did, with the blocks that they handled, and of what the MP's program did.
-pub(crate) fn svg(histories: &[History], blocks: &[Block], mp: &Log, sights: &Sights) -> String {
+/// The picture of what some robots did, with the blocks that they handled and what stood around them, and of what the MP's program did.
+pub(crate) fn svg(
+    histories: &[History],
+    blocks: &[Block],
+    obstacles: &[ObstacleLayout],
+    mp: &Log,
+    sights: &Sights,
+) -> String {
     let observed = histories.iter().filter(|history| !history.samples().is_empty());
     let robots: Vec<Robot<'_>> = observed.map(|history| Robot::of(history, mp, sights)).collect();
     let instruments = instruments::instruments(sights, mp);
@@ -105,7 +112,7 @@ pub(crate) fn svg(histories: &[History], blocks: &[Block], mp: &Log, sights: &Si
     let timeline =
         Timeline { run, playback: playback.as_ref(), most, labels: LABELS, suspensions: mp.suspensions() };
 
-    let scene = Scene { actors: &actors, blocks, playback: playback.as_ref(), fastest };
+    let scene = Scene { actors: &actors, blocks, obstacles, playback: playback.as_ref(), fastest };
     let area = Area { x: MARGIN, y: HEADING, width: WIDTH - 2.0 * MARGIN, height: 0.0 };
     let area = Area { height: scene.height(area.width), ..area };
     let panels: f64 = robots.iter().map(|robot| robot.height() + GAP).sum();
@@ -275,7 +282,7 @@ mod tests {
     #[test]
     fn names_of_any_text_come_back_from_a_parser() {
         let name = "<a href='x'>&amp; \"ż\"</a>";
-        let svg = svg(&[history(name, 500)], &[], &Log::default(), &Sights::default());
+        let svg = svg(&[history(name, 500)], &[], &[], &Log::default(), &Sights::default());
         let document = roxmltree::Document::parse(&svg).unwrap();
         let texts: Vec<&str> = document.descendants().filter_map(|node| node.text()).collect();
         assert!(texts.contains(&name));
@@ -284,14 +291,19 @@ mod tests {
 
     #[test]
     fn a_robot_that_never_ticked_is_left_out() {
-        let svg =
-            svg(&[history("first", 0), history("second", 500)], &[], &Log::default(), &Sights::default());
+        let svg = svg(
+            &[history("first", 0), history("second", 500)],
+            &[],
+            &[],
+            &Log::default(),
+            &Sights::default(),
+        );
         assert!(!svg.contains(">first<") && svg.contains("second moved in 1.00 s"));
     }
 
     #[test]
     fn one_servo_period_is_a_picture_without_motion() {
-        let svg = svg(&[history("one", 1)], &[], &Log::default(), &Sights::default());
+        let svg = svg(&[history("one", 1)], &[], &[], &Log::default(), &Sights::default());
         roxmltree::Document::parse(&svg).unwrap();
         assert!(svg.contains("Nothing moved") && !svg.contains("<animate ") && !svg.contains("NaN"));
     }

@@ -3,6 +3,7 @@
 //! In: the actors, robots with their motions and paths; the clock of the animation. Out: three panels. Poses: the first
 //! pale, the last dark, ghosts between; over them, where animations are shown, the robot on its way.
 
+use mrroc::observe::solid::ObstacleLayout;
 use nalgebra::{Vector2, Vector3};
 
 use crate::block::Block;
@@ -13,6 +14,7 @@ use crate::marks::{dot, ends, ring};
 use crate::panel;
 use crate::playback::{self, Playback};
 use crate::projection::{Extent, Projection, View};
+use crate::standing;
 use crate::stick::Stick;
 use crate::svg::palette::{FLOOR, GREY, GRID, INK, RULE, WHITE};
 use crate::svg::{Area, Look, Range, Svg, TextStyle, Ticks, shortened, step, thinned};
@@ -23,6 +25,7 @@ use crate::tool_path::{LEVELS, level_colour};
 pub(crate) struct Scene<'a> {
     pub actors: &'a [Actor<'a>],
     pub blocks: &'a [Block],
+    pub obstacles: &'a [ObstacleLayout],
     pub playback: Option<&'a Playback>,
     /// The speed of the last colour [m/s], > 0.
     pub fastest: f64,
@@ -65,7 +68,8 @@ impl Scene<'_> {
 
     fn points(&self) -> impl Iterator<Item = Vector3<f64>> + '_ {
         let sticks = self.actors.iter().flat_map(|actor| &actor.motion.sticks).flat_map(Stick::points);
-        sticks.chain(self.blocks.iter().flat_map(Block::points))
+        let standing = self.obstacles.iter().flat_map(standing::points);
+        sticks.chain(self.blocks.iter().flat_map(Block::points)).chain(standing)
     }
 
     fn extent(&self, view: View) -> Extent {
@@ -219,8 +223,9 @@ impl Scene<'_> {
         }
     }
 
-    /// Ghosts, the first and the last pose, the ways; and the robots on their way.
+    /// What stands there; ghosts, the first and the last pose, the ways; and the robots on their way.
     fn poses(&self, svg: &mut Svg, on: &Projection, pen: Pen) {
+        self.obstacles.iter().for_each(|obstacle| standing::draw(svg, on, obstacle));
         for actor in self.actors {
             let found = ghosts(&actor.motion, on.scale, self.actors.len());
             let thin = Pen { link: 0.45 * pen.link, joint: 0.0, ..pen };
@@ -367,7 +372,7 @@ mod tests {
             block.observe(0.0);
             block.observe(1.0);
         }
-        let scene = Scene { actors: &[], blocks: &blocks, playback: None, fastest: 1.0 };
+        let scene = Scene { actors: &[], blocks: &blocks, obstacles: &[], playback: None, fastest: 1.0 };
         let above = scene.extent(View::above());
         let front = scene.extent(View::front());
         assert!((above.low - Vector2::new(1.8, -0.6)).norm() < 1e-12, "{above:?}");

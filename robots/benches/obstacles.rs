@@ -71,9 +71,13 @@ fn measure(what: &str, obstacle: &Obstacle, bytes: usize, build: f64) {
     let gap = best_mean(30, PLACES, |call| {
         black_box(obstacle.gap(black_box(&links[call as usize])));
     });
+    let near_links = best_mean(30, PLACES, |call| {
+        black_box(obstacle.capsule_clear(black_box(&links[call as usize]), 0.02));
+    });
     println!(
         "{what:24} {:8.1} kB, built in {:8.3} ms; ball clear {:6.1} ns, not clear ({:2.0} %) {:6.1} ns, \
-         distance up to 0.1 m {near:7.1} ns, gap of a link {gap:7.1} ns",
+         distance up to 0.1 m {near:7.1} ns, link clear of 20 mm {near_links:7.1} ns, \
+         gap of a link {gap:7.1} ns",
         bytes as f64 / 1e3,
         1e3 * build,
         times[0],

@@ -5,7 +5,7 @@ use mrroc::prelude::*;
 use mrroc::robot::{Driver, MAX_JOINTS, RobotView};
 use mrroc::sensor::EffectorState;
 use mrroc_counting_allocator::count;
-use mrroc_robots::clearance::{Capsule, Clearance, Obstacle, Stopping};
+use mrroc_robots::clearance::{Bodies, Capsule, Clearance, Cloud, HeightField, Obstacle, Stopping};
 use mrroc_robots::grasp::{Body, Grasp, SimulatedWrist, Table, World};
 use mrroc_robots::sensors::WristOrder;
 use mrroc_robots::{
@@ -128,4 +128,31 @@ fn clearance_checks_that_pass_and_that_fail_allocate_nothing() {
         });
         assert_eq!(allocations, 0);
     }
+}
+
+#[test]
+fn queries_of_obstacles_with_many_parts_allocate_nothing() {
+    let at = |k: f64| Vector3::new((1.3 * k).sin(), (2.1 * k).cos(), (0.7 * k).sin());
+    let places: Vec<_> = (0..2000).map(|k| at(f64::from(k))).collect();
+    let capsules: Vec<_> = places.iter().map(|p| Capsule::new(*p, p * 1.1, 0.01)).collect();
+    let heights = places.iter().map(|p| p.z).collect();
+    let obstacles = [
+        Obstacle::Cloud(Cloud::new(&places, 0.01).unwrap().into()),
+        Obstacle::Bodies(Bodies::new(&capsules).unwrap().into()),
+        Obstacle::HeightField(HeightField::new(Pose::identity(), 0.05, 50, heights).unwrap().into()),
+        Obstacle::Cylinder { X_WO: Pose::identity(), radius: 0.1, half_length: 0.2 },
+    ];
+    let (sum, allocations) = count(|| {
+        let mut sum = 0.0;
+        for obstacle in &obstacles {
+            for k in 0..100 {
+                let link = Capsule::new(at(0.3 + f64::from(k)), at(0.6 + f64::from(k)), 0.05);
+                sum += obstacle.gap(&link).distance + obstacle.distance(&link.ends[0], 0.1);
+                sum += f64::from(u8::from(obstacle.ball_clear(&link.ends[0], 0.05)));
+                sum += f64::from(u8::from(obstacle.capsule_clear(&link, 0.02)));
+            }
+        }
+        sum
+    });
+    assert_eq!(allocations, 0, "{sum}");
 }

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
 
 use mrroc::cell::{InputSetup, OutputSetup};
+use mrroc::observe::solid::Solid;
 use mrroc::prelude::*;
 use mrroc::recording::{CutOff, Replay};
 use mrroc::robot::{Channel, Input};
@@ -179,6 +180,8 @@ fn bodies_are_recorded_where_they_are_fifty_times_a_second() {
     };
     let arm = RobotSetup::new("arm", Irp6::nominal(), SimulatedIrp6::new(Irp6::nominal(), &START));
     let cell = Cell::new(STEP).robot(arm).shows_body("brick", [0.1, 0.2, 0.3], brick);
+    let post = Solid::Cylinder { radius: 0.05, length: 1.0 };
+    let cell = cell.shows_obstacle("post", Pose::translation(1.0, 0.0, 0.5), post);
     let cell = cell.program(|mp| {
         let mut arm = mp.robot::<Irp6>("arm")?;
         mp.wait_until((&mut arm,), (), Second(0)).map(drop)
@@ -194,6 +197,11 @@ fn bodies_are_recorded_where_they_are_fifty_times_a_second() {
     let drawn =
         of(&messages, "/scene").into_iter().filter(|message| message.body["entities"][0]["id"] == "brick");
     assert_eq!(drawn.count(), bricks.len());
+    // What never moves is drawn once.
+    let standing = of(&messages, "/obstacles");
+    assert_eq!(standing.len(), 1);
+    let entity = &standing[0].body["entities"][0];
+    assert_eq!((&entity["id"], &entity["cylinders"][0]["size"]["z"]), (&json!("post"), &json!(1.0)));
 }
 
 struct Second(u32);

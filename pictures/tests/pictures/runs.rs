@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 use std::time::Duration;
 
 use mrroc::cell::RunPicture;
+use mrroc::observe::solid::Solid;
 use mrroc::prelude::*;
 use mrroc::robot::{DriveFault, Driver, JointKind, Limits, Measured, NoInverse};
 use mrroc_pictures::Film;
@@ -223,6 +224,44 @@ fn each_view_has_the_first_pose_the_last_pose_and_ghosts_between() {
     // Six joints of two robots: positions and velocities demanded and measured; errors; the tool.
     assert_eq!(with_class(&document, "demanded").count(), 2 * 12);
     assert_eq!(with_class(&document, "measured").count(), 2 * (18 + 1));
+}
+
+#[test]
+fn obstacles_stand_in_every_view_by_their_names() {
+    let at = Pose::translation;
+    let cloud: Vec<_> = (0..500)
+        .map(|k| f64::from(k) * 0.02)
+        .map(|t| Vector3::new(t.sin(), t.cos(), 0.05 * t) * 0.3)
+        .collect();
+    let run = cell()
+        .robot(arm("one", Pose::identity(), 2.0, wave))
+        .shows_obstacle("bench", at(1.3, 0.0, 0.2), Solid::Box { edges: [0.6, 1.2, 0.4] })
+        .shows_obstacle("drum", at(0.2, 1.2, 0.5), Solid::Cylinder { radius: 0.3, length: 1.0 })
+        .shows_obstacle(
+            "rail",
+            at(0.0, -1.0, 0.4) * Pose::rotation(Vector3::y() * 1.2),
+            Solid::Capsule { radius: 0.05, length: 1.5 },
+        )
+        .shows_obstacle("lamp", at(0.6, 0.8, 1.5), Solid::Ball { radius: 0.15 })
+        .shows_obstacle("scan", at(1.3, 0.0, 0.4), Solid::Points { points: cloud.into(), radius: 0.01 })
+        .shows_obstacle("floor", at(0.0, 0.0, 0.0), Solid::HalfSpace);
+    let svg = picture(run);
+    let document = Document::parse(&svg).unwrap();
+    let titles = with_class(&document, "obstacle").map(|group| {
+        let title = group.descendants().find(|node| node.has_tag_name("title"));
+        title.and_then(|title| title.text()).unwrap()
+    });
+    // A half space has no end and is not drawn.
+    let names = ["bench", "drum", "rail", "lamp", "scan"];
+    assert_eq!(titles.collect::<Vec<_>>(), [names; 3].concat());
+    // Six faces of a box, two ends and a shell, one outline.
+    let of = |name: &str| {
+        let group = with_class(&document, "obstacle")
+            .find(|group| group.descendants().any(|node| node.text() == Some(name)));
+        group.unwrap().descendants().filter(|node| node.has_tag_name("polygon")).count()
+    };
+    assert_eq!(["bench", "drum", "rail", "lamp"].map(of), [6, 3, 1, 0]);
+    no_words_overlap(&document);
 }
 
 /// From above, a column that turns from 0 to pi / 2 puts the arm from along x to along y, at the same length.

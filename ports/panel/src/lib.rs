@@ -64,6 +64,8 @@ mod shown_tests;
 #[cfg(all(feature = "server", target_os = "linux"))]
 mod socket;
 #[cfg(all(feature = "server", target_os = "linux"))]
+mod standing;
+#[cfg(all(feature = "server", target_os = "linux"))]
 mod teaching;
 #[cfg(all(test, feature = "server", target_os = "linux"))]
 mod tests;

@@ -4,12 +4,14 @@
 
 use mrroc_core::nalgebra::Vector3;
 use mrroc_core::observe::layout::{BodyLayout, Figure, Layout, RobotLayout};
+use mrroc_core::observe::solid::ObstacleLayout;
 use mrroc_core::pose::Pose;
 use mrroc_core::robot::JointKind;
 use serde_json::{Value, json};
 
 use crate::beside::{self, Beside, CarriedLoad, ReadingNow};
 use crate::meshes::Meshes;
+use crate::standing;
 use crate::values::{finite, is_pose, numbers, rounded};
 
 /// The radius of bars between the frames of a robot without a shape, as a share of its longest link, and its bounds \[m\].
@@ -80,6 +82,7 @@ pub struct RobotNow {
 pub struct Appearance {
     robots: Vec<RobotLayout>,
     bodies: Vec<BodyLayout>,
+    obstacles: Vec<ObstacleLayout>,
     beside: Beside,
     meshes: Meshes,
     step: f64,
@@ -92,6 +95,7 @@ impl Appearance {
         Appearance {
             robots: layout.robots.clone(),
             bodies: layout.bodies.clone(),
+            obstacles: layout.obstacles.clone(),
             beside: Beside::of(layout),
             meshes: Meshes::of(&layout.robots),
             step: layout.step.as_secs_f64(),
@@ -125,6 +129,7 @@ impl Appearance {
             "step": self.step,
             "robots": robots.collect::<Value>(),
             "bodies": bodies.collect::<Value>(),
+            "obstacles": standing::obstacles(&self.obstacles),
         });
         self.beside.layout(&mut layout);
         layout

@@ -26,7 +26,7 @@ enum Purpose {
 
 /// Robots, what they carry and what stands around them; made by a [`ClearanceBuilder`](super::ClearanceBuilder).
 ///
-/// A check takes a few microseconds and allocates nothing.
+/// A check takes a few microseconds, with large clouds some tens of them, and allocates nothing.
 #[derive(Clone)]
 pub struct Clearance {
     pub(super) robots: Vec<Placement>,
@@ -241,11 +241,15 @@ impl Clearance {
         [limb(&pair.limb), other]
     }
 
-    fn gap(&self, pair: &Pair) -> Gap {
+    /// The gap of a pair, if its distance is less than `most` \[m\].
+    fn gap_below(&self, pair: &Pair, most: f64) -> Option<Gap> {
         let own = &self.robots[pair.limb.robot].placed[pair.limb.link].capsule;
         match &pair.other {
-            Other::Limb(limb) => own.gap(&self.robots[limb.robot].placed[limb.link].capsule),
-            Other::Obstacle(o) => self.bodies[*o].gap(own),
+            Other::Limb(limb) => {
+                let gap = own.gap(&self.robots[limb.robot].placed[limb.link].capsule);
+                Some(gap).filter(|gap| gap.distance < most)
+            }
+            Other::Obstacle(o) => self.bodies[*o].gap_below(own, most),
         }
     }
 
@@ -302,8 +306,7 @@ impl Clearance {
             if around - taken >= least {
                 continue;
             }
-            let gap = self.gap(pair);
-            if gap.distance - taken < least {
+            if let Some(gap) = self.gap_below(pair, least + taken) {
                 least = gap.distance - taken;
                 best = Some((travel, if purpose == Purpose::Slack { pair.margin } else { 0.0 }, pair, gap));
             }

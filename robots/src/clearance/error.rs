@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use mrroc::cell::CellError;
 use mrroc::fault::{BadName, Fault, Name};
 use nalgebra::Vector3;
 
@@ -111,6 +112,9 @@ pub enum ClearanceError {
     /// A robot's name that is not a valid name.
     #[error(transparent)]
     Name(#[from] BadName),
+    /// An obstacle of a cell file.
+    #[error(transparent)]
+    File(#[from] CellError),
     /// Two robots of one name.
     #[error("a second robot {robot}: give each its own name")]
     SecondRobot {

@@ -52,6 +52,7 @@ mod builder;
 mod check;
 mod dry_run;
 mod error;
+mod from_cell;
 mod gap;
 mod obstacle;
 mod pairs;

@@ -249,6 +249,7 @@ mod tests {
             frames: Vec::new(),
             tools: Vec::new(),
             bodies: Vec::new(),
+            obstacles: Vec::new(),
         }
     }
 

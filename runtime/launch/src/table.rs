@@ -1,7 +1,7 @@
 //! What `--check` prints: the cell as a table.
 //!
 //! In: the layout of the cell. Out: text: its processes with their periods, priorities and cores; its robots with the
-//! limits of each joint and how long a stop takes, `T_stop = T_detect + T_brake`; its sensors.
+//! limits of each joint and how long a stop takes, `T_stop = T_detect + T_brake`; its obstacles; its sensors.
 
 use core::fmt::{self, Display};
 use std::time::Duration;
@@ -15,6 +15,7 @@ use mrroc_core::observe::Recording;
 use mrroc_core::observe::layout::{
     HardwareLayout, JointLayout, Layout, RobotLayout, SensorLayout, SignalLayout,
 };
+use mrroc_core::observe::solid::ObstacleLayout;
 use mrroc_core::robot::InterpolationSpace;
 use mrroc_core::sensor::VspMode;
 
@@ -217,6 +218,14 @@ impl Display for Table<'_> {
         self.about(f)?;
         self.processes(f)?;
         self.layout.robots.iter().try_for_each(|robot| self.robot(robot, f))?;
+        if !self.layout.obstacles.is_empty() {
+            writeln!(f, "\n{:<26}{:<30}shape", "obstacle", "at [m]")?;
+        }
+        for ObstacleLayout { name, pose, solid } in &self.layout.obstacles {
+            let [x, y, z]: [f64; 3] = pose.translation.vector.into();
+            let at = format!("{x:.4}, {y:.4}, {z:.4}");
+            writeln!(f, "{name:<26}{at:<30}{solid}")?;
+        }
         if self.layout.sensors.is_empty() {
             return Ok(());
         }
@@ -235,4 +244,27 @@ fn ms(time: Duration) -> String {
 
 fn seconds(time: f64) -> String {
     format!("{time:.3} s")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use mrroc_core::observe::solid::Solid;
+    use mrroc_core::pose::Pose;
+
+    #[test]
+    fn obstacles_are_listed_with_their_places_and_shapes() {
+        let cell = Cell::new(Duration::from_millis(2))
+            .shows_obstacle(
+                "bench",
+                Pose::translation(0.4, 0.0, -0.025),
+                Solid::Box { edges: [1.2, 0.8, 0.05] },
+            )
+            .shows_obstacle("floor", Pose::identity(), Solid::HalfSpace);
+        let table = Table::of(&cell, "memory").to_string();
+        let rows = "\nobstacle                  at [m]                        shape\n\
+                    bench                     0.4000, 0.0000, -0.0250       box, 1.2 x 0.8 x 0.05 m\n\
+                    floor                     0.0000, 0.0000, 0.0000        half space\n";
+        assert!(table.contains(rows), "{table}");
+    }
 }

@@ -48,6 +48,8 @@ pub(super) struct McapFile {
     scene: Scene,
     /// The channels of the scene, once there is one: frames, and bodies.
     scene_channels: Option<[u16; 2]>,
+    /// Whether the obstacles were written, if there are any.
+    has_obstacles: bool,
 }
 
 fn io_error(error: McapError) -> io::Error {
@@ -95,7 +97,8 @@ impl McapFile {
             .disable_seeking(true);
         let writer = options.create(NoSeek::new(File::create(path)?)).map_err(io_error)?;
         let (sequences, scene) = (Vec::new(), Scene::of(layout));
-        let mut file = McapFile { writer, sequences, start: None, scene, scene_channels: None };
+        let mut file =
+            McapFile { writer, sequences, start: None, scene, scene_channels: None, has_obstacles: false };
         let about = [
             ("version", VERSION.to_owned()),
             ("step_ns", layout.step.as_nanos().to_string()),
@@ -138,11 +141,22 @@ impl McapFile {
         self.writer.write_to_known_channel(&header, json).map_err(io_error)
     }
 
+    /// Writes what stands in the cell, once.
+    fn write_obstacles(&mut self, date: Nanos) -> io::Result<()> {
+        if core::mem::replace(&mut self.has_obstacles, true) {
+            return Ok(());
+        }
+        let Some(update) = self.scene.obstacles(date) else { return Ok(()) };
+        let channel = self.open("/obstacles", SCENE_UPDATE, &scene_update().to_string())?;
+        self.write_at(channel, date, update.to_string().as_bytes())
+    }
+
     /// Writes what a message says of places, if it says any and the last ones are old enough.
     fn write_scene(&mut self, channel: u16, time: Nanos, date: Nanos, json: &str) -> io::Result<()> {
         if !self.scene.wants(channel, time) {
             return Ok(());
         }
+        self.write_obstacles(date)?;
         let Some(update) = self.scene.update(channel, date, json) else { return Ok(()) };
         let [frames, bodies] = match self.scene_channels {
             Some(channels) => channels,

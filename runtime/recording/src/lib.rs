@@ -18,6 +18,7 @@
 //! | `/bodies/NAME` | poses of bodies that the cell shows | `mrroc.Body` |
 //! | `/commands` | what consoles asked of a cell of processes: who, when it was heard and when it was answered, the answer | `mrroc.Command` |
 //! | `/events` | faults, aborts, what came too late for its step, the end | `mrroc.Event` |
+//! | `/obstacles` | what stands in the cell, once | `foxglove.SceneUpdate` |
 //! | `/tf`, `/scene` | frames of links and tools, shapes of links, bodies (`scene`) | `foxglove.FrameTransforms`, `foxglove.SceneUpdate` |
 //!
 //! Of a lower cell in a cell of cells `/steps`, `/instructions`, `/commands` and `/events` are `/cells/NAME/steps` and so on; its robots and sensors have
@@ -39,11 +40,13 @@
 mod channels;
 mod commands;
 mod compare;
+mod entity;
 mod file;
 mod foxglove;
 mod frames;
 mod json;
 mod messages;
+mod obstacles;
 mod reader;
 mod recorder;
 mod records;

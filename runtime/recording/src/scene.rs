@@ -5,17 +5,20 @@
 //!
 //! The frames are a tree: `world`, then for each robot `NAME/base`, `NAME/link1`, .., `NAME/flange`, `NAME/tool`, each in the
 //! one before it. The base of a robot that is mounted on another one stands in that robot's flange. Bodies are blocks and
-//! have the frame `NAME`.
+//! have the frame `NAME`. Obstacles never move: there is one picture of all of them.
 
 use std::sync::Arc;
 
 use mrroc_core::link::Nanos;
-use mrroc_core::nalgebra::{Quaternion, Translation3, UnitQuaternion, Vector3};
+use mrroc_core::nalgebra::{Quaternion, Translation3, UnitQuaternion};
 use mrroc_core::observe::layout::{Figure, Layout, RobotLayout};
+use mrroc_core::observe::solid::ObstacleLayout;
 use mrroc_core::pose::Pose;
 use serde_json::{Value, json};
 
+use super::entity::{Entity, seconds, shown, update};
 use super::json::as_number;
+use super::obstacles;
 
 /// The time between two pictures of a robot \[ns\]: 50 a second. Viewers draw at most 60 a second, and a picture takes some
 /// times the bytes of a step's joints.
@@ -48,6 +51,7 @@ const BODY_COLOUR: [f64; 3] = [0.6, 0.6, 0.6];
 /// What is drawn of a recording.
 pub(super) struct Scene {
     actors: Vec<Actor>,
+    obstacles: Vec<ObstacleLayout>,
 }
 
 /// A robot or a body.
@@ -101,7 +105,13 @@ impl Scene {
             looks: Looks::Block(body.edges),
             due: 0,
         });
-        Scene { actors: robots.chain(bodies).collect() }
+        let obstacles = layout.obstacles.iter().filter(|one| obstacles::is_drawn(one)).cloned().collect();
+        Scene { actors: robots.chain(bodies).collect(), obstacles }
+    }
+
+    /// What stands in the cell, as a `foxglove.SceneUpdate`; `None` if nothing does.
+    pub fn obstacles(&self, date: Nanos) -> Option<Value> {
+        (!self.obstacles.is_empty()).then(|| obstacles::update(&self.obstacles, date, WORLD))
     }
 
     /// Learns the number of a topic's channel.
@@ -155,15 +165,12 @@ struct Picture<'a> {
     date: Nanos,
     actor: &'a Actor,
     transforms: Vec<Value>,
-    cubes: Vec<Value>,
-    spheres: Vec<Value>,
-    cylinders: Vec<Value>,
+    entity: Entity,
 }
 
 impl<'a> Picture<'a> {
     fn at(date: Nanos, actor: &'a Actor) -> Self {
-        let none = Vec::new;
-        Picture { date, actor, transforms: none(), cubes: none(), spheres: none(), cylinders: none() }
+        Picture { date, actor, transforms: Vec::new(), entity: Entity::of_colour(actor.colour) }
     }
 
     /// The links of a robot, where it stands, and its tool, `X_FE`.
@@ -202,7 +209,7 @@ impl<'a> Picture<'a> {
             capsules.push(([at(&flange), tool], TOOL));
         }
         for (ends, radius) in capsules {
-            self.capsule(ends, radius);
+            self.entity.capsule(ends, radius);
         }
     }
 
@@ -210,9 +217,7 @@ impl<'a> Picture<'a> {
     #[allow(non_snake_case)]
     fn block(&mut self, X_WB: &Pose, edges: [f64; 3]) {
         self.transform(WORLD, &self.actor.name.clone(), X_WB);
-        let cube =
-            json!({"pose": shown(X_WB), "size": vector(&Vector3::from(edges)), "color": self.colour()});
-        self.cubes.push(cube);
+        self.entity.cube(X_WB, edges);
     }
 
     fn transform(&mut self, parent: &str, child: &str, pose: &Pose) {
@@ -226,83 +231,12 @@ impl<'a> Picture<'a> {
         }));
     }
 
-    /// A cylinder with a ball at each end.
-    fn capsule(&mut self, [a, b]: [Vector3<f64>; 2], radius: f64) {
-        let (way, thickness) = (b - a, 2.0 * radius);
-        let along = UnitQuaternion::rotation_between(&Vector3::z(), &way);
-        // Opposite to z there is no one way to turn.
-        let along = along
-            .unwrap_or_else(|| UnitQuaternion::from_axis_angle(&Vector3::x_axis(), core::f64::consts::PI));
-        let place = |at: Vector3<f64>| shown(&Pose::from_parts(at.into(), along));
-        let color = self.colour();
-        if way.norm() > 1e-6 {
-            self.cylinders.push(json!({
-                "pose": place((a + b) * 0.5),
-                "size": vector(&Vector3::new(thickness, thickness, way.norm())),
-                "bottom_scale": 1.0,
-                "top_scale": 1.0,
-                "color": color,
-            }));
-            self.ball(place(a), thickness);
-        }
-        self.ball(place(b), thickness);
-    }
-
-    fn ball(&mut self, pose: Value, thickness: f64) {
-        let size = vector(&Vector3::repeat(thickness));
-        self.spheres.push(json!({"pose": pose, "size": size, "color": self.colour()}));
-    }
-
-    fn colour(&self) -> Value {
-        let [r, g, b] = self.actor.colour;
-        json!({"r": r, "g": g, "b": b, "a": 1.0})
-    }
-
     fn update(self, frame: &str) -> Update {
-        let nothing = || Value::Array(Vec::new());
-        let entity = json!({
-            "timestamp": seconds(self.date),
-            "frame_id": frame,
-            "id": self.actor.name,
-            // It stays until the next one replaces it, and moves with what it stands on.
-            "lifetime": {"sec": 0, "nsec": 0},
-            "frame_locked": true,
-            "metadata": nothing(),
-            "arrows": nothing(),
-            "cubes": self.cubes,
-            "spheres": self.spheres,
-            "cylinders": self.cylinders,
-            "lines": nothing(),
-            "triangles": nothing(),
-            "texts": nothing(),
-            "models": nothing(),
-        });
         Update {
             frames: json!({"transforms": self.transforms}),
-            bodies: json!({"deletions": [], "entities": [entity]}),
+            bodies: update(&[self.entity.json(self.date, frame, &self.actor.name)]),
         }
     }
-}
-
-fn seconds(date: Nanos) -> Value {
-    json!({"sec": date / 1_000_000_000, "nsec": date % 1_000_000_000})
-}
-
-/// A number to a millionth: a micrometre is more than a viewer shows, and short texts make small files.
-fn rounded(x: f64) -> f64 {
-    (x * 1e6).round() / 1e6
-}
-
-fn vector(v: &Vector3<f64>) -> Value {
-    json!({"x": rounded(v.x), "y": rounded(v.y), "z": rounded(v.z)})
-}
-
-fn shown(pose: &Pose) -> Value {
-    let q = pose.rotation.coords.map(rounded);
-    json!({
-        "position": vector(&pose.translation.vector),
-        "orientation": {"x": q.x, "y": q.y, "z": q.z, "w": q.w},
-    })
 }
 
 #[cfg(test)]
@@ -311,6 +245,7 @@ mod tests {
     use core::f64::consts::FRAC_PI_2;
     use core::time::Duration;
     use mrroc::prelude::*;
+    use mrroc_core::nalgebra::Vector3;
     use mrroc_robots::{Gripper, Irp6, One, Simulated, SimulatedIrp6, Six};
 
     const START: Six = Six::new(0.4, -1.57, 0.16, -0.16, 4.71, 0.0);
@@ -390,18 +325,18 @@ mod tests {
         for way in [Vector3::z(), -Vector3::z(), Vector3::x(), Vector3::new(-0.3, 0.2, -0.9)] {
             let mut picture = Picture::at(0, &scene.actors[0]);
             let a = Vector3::new(0.1, 0.2, 0.3);
-            picture.capsule([a, a + way], 0.04);
-            let cylinder = &picture.cylinders[0];
+            picture.entity.capsule([a, a + way], 0.04);
+            let cylinder = &picture.entity.cylinders[0];
             let (placed, length) = (pose(&cylinder["pose"]).expect("a pose"), cylinder["size"]["z"].as_f64());
             assert!((length.expect("a length") - way.norm()).abs() < 1e-6);
             let end = placed * mrroc_core::nalgebra::Point3::new(0.0, 0.0, 0.5 * way.norm());
             assert!((end.coords - (a + way)).norm() < 3e-6, "{way}");
-            assert_eq!(picture.spheres.len(), 2);
+            assert_eq!(picture.entity.spheres.len(), 2);
         }
         // Of one point there is one ball.
         let mut picture = Picture::at(0, &scene.actors[0]);
-        picture.capsule([Vector3::x(); 2], 0.04);
-        assert_eq!((picture.cylinders.len(), picture.spheres.len()), (0, 1));
+        picture.entity.capsule([Vector3::x(); 2], 0.04);
+        assert_eq!((picture.entity.cylinders.len(), picture.entity.spheres.len()), (0, 1));
     }
 
     #[test]

@@ -1,13 +1,14 @@
 // The cell in 3D.
 //
-// In: where links, frames, tools and bodies are, in metres, z up. Out: a picture, drawn when something has changed and not otherwise.
+// In: where links, frames, tools, bodies and obstacles are, in metres, z up. Out: a picture, drawn when something has changed and not otherwise.
 
 import {
-  AmbientLight, AxesHelper, BoxGeometry, BufferAttribute, BufferGeometry, Color, CylinderGeometry, DirectionalLight, DynamicDrawUsage,
+  AmbientLight, AxesHelper, Box3, BoxGeometry, BufferAttribute, BufferGeometry, Color, CylinderGeometry, DirectionalLight, DynamicDrawUsage,
   GridHelper, Group, HemisphereLight, Line, LineBasicMaterial, Mesh, MeshLambertMaterial, PerspectiveCamera, Scene,
   SphereGeometry, Vector3, WebGLRenderer,
 } from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
+import { clear, standing } from './standing.js';
 import { NearestLine, WrenchArrows, nearestLinks, placeMark, pose6, triangles } from './shown.js';
 
 /** Colours of robots in their order; colour-blind people tell them apart, too. */
@@ -100,6 +101,7 @@ export class CellScene {
     this.controls.addEventListener('change', () => this.wake());
     this.robots = new Map();
     this.bodies = [];
+    this.standing = new Group();
     this.wrenches = [];
     this.places = [];
     this.geometries = [];
@@ -119,6 +121,10 @@ export class CellScene {
   build(layout) {
     this.robots.forEach(({ group }) => this.scene.remove(group));
     this.bodies.forEach((body) => this.scene.remove(body));
+    this.scene.remove(this.standing);
+    clear(this.standing);
+    this.standing = standing(layout.obstacles);
+    this.scene.add(this.standing);
     this.robots.clear();
     [...this.wrenches, ...this.places].forEach(({ group, axes }) => this.scene.remove(group ?? axes));
     this.geometries.forEach((geometry) => geometry?.dispose());
@@ -312,8 +318,12 @@ export class CellScene {
     this.robots.forEach(({ links }) => links.forEach(({ parts: [, a, b] }) => {
       [a, b].forEach(({ position, scale }) => take(position.x, position.y, position.z, scale.x));
     }));
-    // Bodies, but for floors and walls that are larger than the cell.
+    // Bodies and obstacles, but for floors and walls that are larger than the cell.
     this.bodies.filter(({ visible, scale }) => visible && scale.length() < 4).forEach(({ position, scale }) => take(position.x, position.y, position.z, 0.5 * scale.length()));
+    this.standing.children.forEach((solid) => {
+      const { min, max } = new Box3().setFromObject(solid);
+      if (min.distanceTo(max) < 4) [min, max].forEach(({ x, y, z }) => take(x, y, z, 0));
+    });
     if (low.x > high.x) return;
     // Arms may reach below the world's origin, as those do that stand on a column of their own.
     this.floor = Math.min(0, low.z);
@@ -383,10 +393,11 @@ export class CellScene {
     return spots.filter(({ n }) => n > 3).map(({ x, y, n }) => [(x / n + 0.5) / ratio, (height - y / n - 0.5) / ratio, n]);
   }
 
-  /** What is drawn, for those who test the page: bodies, arrows, meshes, the nearest pair. */
+  /** What is drawn, for those who test the page: bodies, obstacles, arrows, meshes, the nearest pair. */
   shown() {
     return {
       bodies: this.bodies.map(({ visible, position }) => (visible ? position.toArray() : null)),
+      obstacles: this.standing.children.map(({ name, position }) => ({ name, at: position.toArray() })),
       wrenches: this.wrenches.map(({ name, group, newtons, force: { end, group: at } }) => ({
         name, newtons: group.visible ? newtons : 0, from: at.position.toArray(), to: end?.toArray() ?? null,
       })),
@@ -408,6 +419,7 @@ export class CellScene {
     });
     this.wrenches.forEach(({ group }) => { group.scale.setScalar(shown ? 1 : 0); });
     this.bodies.forEach((body) => { body.material.visible = shown; });
+    this.standing.visible = shown;
     this.nearest.line.material.visible = shown;
   }
 

@@ -55,17 +55,26 @@ impl Bodies {
         *self.tree.whole()
     }
 
-    /// The gap to a capsule, whose point comes first.
-    pub(super) fn gap(&self, capsule: &Capsule) -> Gap {
-        let mut best = capsule.gap(&self.capsules[0]);
-        self.tree.nearest(&capsule.ends, best.distance + capsule.radius, &mut |block, least| {
+    /// The gap to a capsule, whose point comes first, if its distance is less than `most` \[m\].
+    pub(super) fn gap_below(&self, capsule: &Capsule, most: f64) -> Option<Gap> {
+        let mut best = None;
+        self.tree.nearest(&capsule.ends, most + capsule.radius, &mut |block, least| {
             let gap = capsule.gap(&self.capsules[block]);
-            if gap.distance < best.distance {
-                best = gap;
+            let distance = gap.distance + capsule.radius;
+            if distance < least {
+                best = Some(gap);
+                distance
+            } else {
+                least
             }
-            least.min(best.distance + capsule.radius)
         });
         best
+    }
+
+    /// The gap to a capsule, whose point comes first.
+    pub(super) fn gap(&self, capsule: &Capsule) -> Gap {
+        // None is found only for a capsule that is not finite.
+        self.gap_below(capsule, f64::INFINITY).unwrap_or_else(|| capsule.gap(&self.capsules[0]))
     }
 
     /// The distance of a point from the nearest of them, or `most` \[m\] if none is nearer.
@@ -73,6 +82,16 @@ impl Bodies {
         self.tree.nearest(&[*point, *point], most, &mut |block, least| {
             least.min(self.capsules[block].distance(point))
         })
+    }
+
+    /// Whether all of them are farther away from a capsule than `margin` \[m\].
+    pub(super) fn capsule_clear(&self, capsule: &Capsule, margin: f64) -> bool {
+        let reach = capsule.radius + margin;
+        let found = self.tree.nearest(&capsule.ends, reach, &mut |block, least| {
+            let is_near = capsule.gap(&self.capsules[block]).distance <= margin;
+            if is_near { f64::NEG_INFINITY } else { least }
+        });
+        found > f64::NEG_INFINITY
     }
 
     pub(super) fn ball_clear(&self, centre: &Vector3<f64>, radius: f64) -> bool {

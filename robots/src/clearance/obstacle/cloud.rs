@@ -147,28 +147,43 @@ impl Cloud {
     /// The gap to a capsule, whose point comes first.
     #[must_use]
     pub fn gap(&self, capsule: &Capsule) -> Gap {
+        // None is found only for a capsule that is not finite.
+        let any =
+            || Gap::between([capsule.ends[0], point(&self.blocks[0], 0)], [capsule.radius, self.radius]);
+        self.gap_below(capsule, f64::INFINITY).unwrap_or_else(any)
+    }
+
+    /// The gap to a capsule, whose point comes first, if its distance is less than `most` \[m\].
+    pub(super) fn gap_below(&self, capsule: &Capsule, most: f64) -> Option<Gap> {
         let [a, b] = &capsule.ends;
         let d = b - a;
         let length = d.norm_squared();
-        let onto = |p: &Vector3<f64>| {
-            let part = if length > 0.0 { (d.dot(&(p - a)) / length).clamp(0.0, 1.0) } else { 0.0 };
-            a + d * part
-        };
-        let first = point(&self.blocks[0], 0);
-        let mut best = [onto(&first), first];
-        let start = (best[0] - first).norm();
-        self.tree.nearest(&capsule.ends, start, &mut |block, mut least| {
+        let mut best = None;
+        self.tree.nearest(&capsule.ends, most + capsule.radius + self.radius, &mut |block, mut least| {
             for place in 0..BLOCK {
                 let p = point(&self.blocks[block], place);
-                let on = onto(&p);
+                let part = if length > 0.0 { (d.dot(&(p - a)) / length).clamp(0.0, 1.0) } else { 0.0 };
+                let on = a + d * part;
                 let distance = (on - p).norm();
                 if distance < least {
-                    (least, best) = (distance, [on, p]);
+                    (least, best) = (distance, Some([on, p]));
                 }
             }
             least
         });
-        Gap::between(best, [capsule.radius, self.radius])
+        best.map(|points| Gap::between(points, [capsule.radius, self.radius]))
+    }
+
+    /// Whether all of its balls are farther away from a capsule than `margin` \[m\].
+    pub(super) fn capsule_clear(&self, capsule: &Capsule, margin: f64) -> bool {
+        let reach = capsule.radius + margin + self.radius;
+        let core = Capsule { radius: 0.0, ..*capsule };
+        let found = self.tree.nearest(&capsule.ends, reach, &mut |block, least| {
+            let mut points = (0..BLOCK).map(|place| point(&self.blocks[block], place));
+            let is_near = points.any(|point| core.distance(&point) <= reach);
+            if is_near { f64::NEG_INFINITY } else { least }
+        });
+        found > f64::NEG_INFINITY
     }
 
     pub(super) fn bounds(&self) -> Bounds {

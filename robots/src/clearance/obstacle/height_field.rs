@@ -177,11 +177,36 @@ impl HeightField {
     /// The gap to a capsule, whose point comes first. If its segment meets a column, the distance is the negative radius.
     #[must_use]
     pub fn gap(&self, capsule: &Capsule) -> Gap {
-        let segment = capsule.ends.map(|end| seen_from(&self.place, &end));
-        let mut best = (f64::INFINITY, None);
-        self.search(self.top(), &segment, &mut best);
         // None is found only for a capsule that is not finite: it counts as meeting the field.
-        gap_in(&self.place, best.1.unwrap_or([segment[0]; 2]), capsule.radius)
+        let meets = || Gap { distance: -capsule.radius, points: [capsule.ends[0]; 2] };
+        self.gap_below(capsule, f64::INFINITY).unwrap_or_else(meets)
+    }
+
+    /// The gap to a capsule, whose point comes first, if its distance is less than `most` \[m\].
+    pub(super) fn gap_below(&self, capsule: &Capsule, most: f64) -> Option<Gap> {
+        let reach = most + capsule.radius;
+        if reach < 0.0 {
+            return None;
+        }
+        let mut best = (reach * reach, None);
+        self.search(self.top(), &capsule.ends.map(|end| seen_from(&self.place, &end)), &mut best);
+        best.1.map(|points| gap_in(&self.place, points, capsule.radius))
+    }
+
+    /// Whether all columns are farther away from a capsule than `margin` \[m\].
+    pub(super) fn capsule_clear(&self, capsule: &Capsule, margin: f64) -> bool {
+        let segment = capsule.ends.map(|end| seen_from(&self.place, &end));
+        let reach = capsule.radius + margin;
+        !self.is_near(self.top(), &segment, reach * reach)
+    }
+
+    /// Whether a column below this cell is within a squared distance \[m²\] of a segment.
+    fn is_near(&self, cell: Cell, segment: &[Vector3<f64>; 2], squared: f64) -> bool {
+        let column = self.column(cell);
+        if column.distance_squared(&column.nearest_of(segment)) > squared {
+            return false;
+        }
+        cell.level == 0 || self.below(cell).any(|cell| self.is_near(cell, segment, squared))
     }
 
     /// Brings the nearest points of a segment and of the columns below a cell to `best`, if they are nearer.

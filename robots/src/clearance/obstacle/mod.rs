@@ -125,6 +125,20 @@ impl Obstacle {
         }
     }
 
+    /// As [`gap`](Self::gap), if its distance is less than `most` \[m\], which makes the search short if it is small.
+    #[must_use]
+    pub fn gap_below(&self, capsule: &Capsule, most: f64) -> Option<Gap> {
+        match self {
+            Obstacle::HalfSpace { .. }
+            | Obstacle::Capsule(_)
+            | Obstacle::Box { .. }
+            | Obstacle::Cylinder { .. } => Some(self.gap(capsule)).filter(|gap| gap.distance < most),
+            Obstacle::Bodies(bodies) => bodies.gap_below(capsule, most),
+            Obstacle::Cloud(cloud) => cloud.gap_below(capsule, most),
+            Obstacle::HeightField(field) => field.gap_below(capsule, most),
+        }
+    }
+
     /// The distance of a point \[m\] from the obstacle's surface, or `most` \[m\] if it is not nearer, which may be infinite
     /// and makes the search short if it is small. Inside it is 0 or less, as [`gap`](Self::gap) says.
     #[must_use]
@@ -157,6 +171,21 @@ impl Obstacle {
             Obstacle::Bodies(bodies) => bodies.ball_clear(centre, radius),
             Obstacle::Cloud(cloud) => cloud.is_clear(centre, radius),
             Obstacle::HeightField(field) => field.is_clear(centre, radius),
+        }
+    }
+
+    /// Whether a capsule is farther away from it than `margin` \[m\], finite, >= 0: as [`gap`](Self::gap), but without asking which
+    /// part is nearest, which is many times faster for what has many parts.
+    #[must_use]
+    pub fn capsule_clear(&self, capsule: &Capsule, margin: f64) -> bool {
+        match self {
+            Obstacle::HalfSpace { .. }
+            | Obstacle::Capsule(_)
+            | Obstacle::Box { .. }
+            | Obstacle::Cylinder { .. } => self.gap(capsule).distance > margin,
+            Obstacle::Bodies(bodies) => bodies.capsule_clear(capsule, margin),
+            Obstacle::Cloud(cloud) => cloud.capsule_clear(capsule, margin),
+            Obstacle::HeightField(field) => field.capsule_clear(capsule, margin),
         }
     }
 

@@ -189,7 +189,9 @@ proptest! {
     }
 
     #[test]
-    fn all_queries_of_an_obstacle_agree(obstacle in obstacle(), centre in within(2.0), most in 0.0..1.0_f64) {
+    fn all_queries_of_an_obstacle_agree(
+        obstacle in obstacle(), centre in within(2.0), own in capsule(2.0), most in 0.0..1.0_f64,
+    ) {
         prop_assert!(obstacle.is_valid());
         let gap = obstacle.gap(&Capsule::new(centre, centre, 0.1));
         let distance = gap.distance + 0.1;
@@ -198,6 +200,14 @@ proptest! {
         prop_assert_eq!(obstacle.ball_clear(&centre, distance.max(0.0) + 1e-9), false);
         if distance > 0.0 {
             prop_assert!(obstacle.ball_clear(&centre, (distance - 1e-9).max(0.0)));
+        }
+        let gap_of_own = obstacle.gap(&own).distance;
+        prop_assert_eq!(obstacle.gap_below(&own, gap_of_own - 1e-9), None);
+        let found = obstacle.gap_below(&own, gap_of_own + 1e-9).map(|gap| gap.distance);
+        prop_assert!(found.is_some_and(|found| (found - gap_of_own).abs() < 1e-12), "{found:?} {gap_of_own}");
+        prop_assert!(!obstacle.capsule_clear(&own, gap_of_own.max(0.0) + 1e-9));
+        if gap_of_own > 0.0 {
+            prop_assert!(obstacle.capsule_clear(&own, (gap_of_own - 1e-9).max(0.0)));
         }
         if let Some((low, high)) = obstacle.bounds() {
             // The nearest point of the obstacle lies in its bounds, which therefore are no farther away.

@@ -119,7 +119,7 @@ impl Tree {
     }
 
     /// Visits the blocks that may have something nearer to a segment than `least` \[m\], the nearest first. `visit` is given a
-    /// block and the least distance so far, and returns the least one with that block.
+    /// block and the least distance so far, and returns the least one with that block; minus infinity ends the search.
     pub(super) fn nearest(
         &self,
         segment: &[Vector3<f64>; 2],
@@ -139,7 +139,9 @@ impl Tree {
     ) -> f64 {
         let Some(node) = self.nodes.get(node) else { return least };
         // What the segment meets is looked at even where something overlaps it: something else may overlap it more.
-        let is_beyond = |squared: f64, least: f64| squared > 0.0 && squared >= least * least.abs();
+        let is_beyond = |squared: f64, least: f64| {
+            squared > 0.0 && squared >= least * least.abs() || least == f64::NEG_INFINITY
+        };
         let is_ball = segment[0] == segment[1];
         let mut found = [(0.0, NONE); WIDTH];
         let mut count = 0;

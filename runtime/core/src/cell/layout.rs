@@ -27,6 +27,7 @@ impl Cell {
             frames: self.parts.named.frames.clone(),
             tools: self.parts.named.tools.clone(),
             bodies: self.watching.bodies.iter().map(|(layout, _)| layout.clone()).collect(),
+            obstacles: self.watching.obstacles.clone(),
         }
     }
 }

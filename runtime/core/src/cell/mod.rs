@@ -45,6 +45,7 @@ use crate::model::time::Clock;
 use crate::observe::layout::BodyLayout;
 use crate::observe::recording::{Recorder, Recording, RunRecord};
 use crate::observe::servo::Observation;
+use crate::observe::solid::{ObstacleLayout, Solid};
 use crate::observe::step_observer::{SharedStepObserver, StepObserver};
 use crate::observe::subscription::Subscription;
 use crate::operator::Operator;
@@ -195,6 +196,25 @@ impl Cell {
             Ok(known) => {
                 let layout = BodyLayout { name: name.to_owned(), edges };
                 self.watching.bodies.push((layout, Body { name: known, pose: Box::new(pose) }));
+            }
+            Err(bad) => self.parts.errors.push(bad.into()),
+        }
+        self
+    }
+
+    /// Shows pictures, recordings and the panel a solid that stands in the cell, with its frame at `X_WO` \[m\] in the world. The
+    /// obstacles of a cell file are shown already. Robots are kept away from it by a clearance, not by this.
+    #[must_use]
+    #[allow(non_snake_case)]
+    pub fn shows_obstacle(mut self, name: &str, X_WO: Pose, solid: Solid) -> Cell {
+        let is_same = |other: &ObstacleLayout| other.name == name;
+        match Name::new(name) {
+            Ok(_) if self.watching.obstacles.iter().any(is_same) => {
+                self.parts.errors.push(CellError::TwoNamed { what: "obstacle", name: name.to_owned() });
+            }
+            Ok(_) => {
+                let layout = ObstacleLayout { name: name.to_owned(), pose: X_WO, solid };
+                self.watching.obstacles.push(layout);
             }
             Err(bad) => self.parts.errors.push(bad.into()),
         }

@@ -11,6 +11,7 @@ use crate::model::fault::ProcessId;
 use crate::model::time::Clock;
 use crate::observe::layout::{BodyLayout, Layout};
 use crate::observe::recording::{FramesTo, NotRecorded, Recorder, Recording, RunRecord};
+use crate::observe::solid::ObstacleLayout;
 use crate::observe::step_observer::{SharedStepObserver, StepObserver};
 use crate::observe::subscription::Subscription;
 
@@ -24,6 +25,8 @@ pub(super) struct Watching {
     pub of_picture: Vec<SharedStepObserver>,
     /// Bodies that are shown to observers.
     pub bodies: Vec<(BodyLayout, Body)>,
+    /// What stands in the cell, for those who draw it.
+    pub obstacles: Vec<ObstacleLayout>,
     /// What the run is recorded to.
     pub recording: Option<Recording>,
     /// What writes it.

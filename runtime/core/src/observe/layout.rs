@@ -13,6 +13,7 @@ use crate::model::robot::{InterpolationSpace, JointKind, LinkMesh, Robot};
 use crate::model::sensor::VspMode;
 use crate::model::shape::Shape;
 use crate::model::signals::Channel;
+use crate::observe::solid::ObstacleLayout;
 
 /// A cell.
 #[derive(Clone, Debug)]
@@ -42,6 +43,8 @@ pub struct Layout {
     pub tools: Vec<(String, Tool)>,
     /// The bodies that its robots handle, as far as it [shows](crate::cell::Cell::shows_body) them.
     pub bodies: Vec<BodyLayout>,
+    /// What stands in it, as far as it [shows](crate::cell::Cell::shows_obstacle) that.
+    pub obstacles: Vec<ObstacleLayout>,
 }
 
 /// A body that the robots of a cell handle: a block about its frame.

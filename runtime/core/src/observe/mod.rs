@@ -10,6 +10,7 @@ pub mod ring;
 pub mod sample;
 pub mod servo;
 pub mod shown;
+pub mod solid;
 mod step_event;
 pub mod step_observer;
 pub mod subscription;

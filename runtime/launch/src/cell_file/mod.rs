@@ -29,6 +29,11 @@
 //! [frames.table]     # a frame in the world, for programs
 //! position = [0.4, 0.0, 0.1]
 //!
+//! [obstacles.bench]  # what stands in the cell, for clearances, pictures and recordings
+//! box = { size = [1.2, 0.8, 0.05] }   # or cylinder, sphere, capsule, half_space, cloud, height_field [m]
+//! at = { position = [0.0, 0.0, -0.025] }   # its frame; that of the world, or of `frame`, unless it is said
+//! frame = "table"    # the frame in which `at` is; the world unless it is said
+//!
 //! [tools.pen]        # a tool: its frame on the flange, and what the flange carries with it [kg, m, kg m²]
 //! position = [0.0, 0.0, 0.1]
 //! mass = 0.3
@@ -96,11 +101,14 @@
 mod entry;
 mod error;
 mod external;
+mod heights;
 mod kinds;
 mod lower;
+mod obstacle;
 #[cfg(test)]
 mod page;
 mod plant;
+mod points;
 mod reader;
 
 use core::time::Duration;
@@ -121,7 +129,9 @@ use mrroc_core::sensor::VirtualSensor;
 pub use entry::{EntryKey, RobotEntry};
 pub use error::CellFileError;
 pub use external::{Believable, ExternalEntry};
+pub use heights::Heights;
 pub use kinds::{AnySetup, Kinds};
+pub use obstacle::{ObstacleEntry, ObstacleShape};
 pub use plant::PlantEntry;
 
 use crate::files;
@@ -150,6 +160,7 @@ pub struct CellFile {
     cells: Vec<LowerEntry>,
     sensors: Vec<SensorEntry>,
     frames: Vec<(String, Pose)>,
+    obstacles: Vec<ObstacleEntry>,
     tools: Vec<(String, Tool)>,
 }
 
@@ -224,6 +235,12 @@ impl CellFile {
         &self.robots
     }
 
+    /// What stands in the cell, in the order of the file.
+    #[must_use]
+    pub fn obstacles(&self) -> &[ObstacleEntry] {
+        &self.obstacles
+    }
+
     /// The machines of the cell; `None` if it is on one.
     #[must_use]
     pub fn nodes(&self) -> Option<&Nodes> {
@@ -256,6 +273,12 @@ impl CellFile {
         cell = self.frames.iter().fold(cell, |cell, (name, frame)| cell.frame(name, *frame));
         cell = self.tools.iter().fold(cell, |cell, (name, tool)| cell.tool(name, *tool));
         let mut errors = Vec::new();
+        for obstacle in &self.obstacles {
+            match obstacle.solid() {
+                Ok(solid) => cell = cell.shows_obstacle(obstacle.name(), obstacle.place_of_solid(), solid),
+                Err(error) => errors.push(error),
+            }
+        }
         // Of each simulator, its first robot and that one's servo period: it makes its steps with all robots at a time.
         let mut periods = BTreeMap::new();
         for entry in &self.robots {

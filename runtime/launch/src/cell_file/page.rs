@@ -5,6 +5,7 @@ use super::reader::cell::{CELL_KEYS, REALTIME_KEYS, RECORDING_KEYS};
 use super::reader::external::EXTERNAL_KEYS;
 use super::reader::lower::LOWER_KEYS;
 use super::reader::node::NODE_KEYS;
+use super::reader::obstacle::{OBSTACLE_KEYS, SHAPE_KEYS};
 use super::reader::plant::PLANT_KEYS;
 use super::reader::robot::ROBOT_KEYS;
 use super::reader::sensor::SENSOR_KEYS;
@@ -15,7 +16,7 @@ use super::reader::value::POSE_KEYS;
 const PAGE: &str = include_str!("../../../../docs/src/cell.md");
 
 /// The tables, by the names that the page gives them and in its order, with the keys of each table.
-const TABLES: [(&str, &[&str]); 13] = [
+const TABLES: [(&str, &[&str]); 15] = [
     ("## The cell", &CELL_KEYS),
     ("## A robot", &ROBOT_KEYS),
     ("A pose is", &POSE_KEYS),
@@ -23,6 +24,8 @@ const TABLES: [(&str, &[&str]); 13] = [
     ("### Outputs", &OUTPUT_KEYS),
     ("### A simulator that others wrote", &PLANT_KEYS),
     ("## A tool", &TOOL_KEYS),
+    ("## An obstacle", &OBSTACLE_KEYS),
+    ("### Its shape", &SHAPE_KEYS),
     ("## A lower cell", &LOWER_KEYS),
     ("## A virtual sensor", &SENSOR_KEYS),
     ("### Readings that a program of another sends", &EXTERNAL_KEYS),

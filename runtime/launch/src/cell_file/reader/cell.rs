@@ -10,7 +10,7 @@ use toml::de::{DeTable, DeValue};
 
 use super::{Reader, Value};
 
-pub(in super::super) const CELL_KEYS: [&str; 12] = [
+pub(in super::super) const CELL_KEYS: [&str; 13] = [
     "step_ms",
     "stop_ms",
     "after_fault",
@@ -18,6 +18,7 @@ pub(in super::super) const CELL_KEYS: [&str; 12] = [
     "cells",
     "sensors",
     "frames",
+    "obstacles",
     "tools",
     "nodes",
     "realtime",

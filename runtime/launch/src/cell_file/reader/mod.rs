@@ -7,6 +7,7 @@ pub(super) mod cell;
 pub(super) mod external;
 pub(super) mod lower;
 pub(super) mod node;
+pub(super) mod obstacle;
 pub(super) mod plant;
 pub(super) mod robot;
 pub(super) mod sensor;
@@ -66,8 +67,10 @@ pub(super) fn read(name: &str, text: &str) -> Result<CellFile, CellFileError> {
     let names: Vec<_> = robots.iter().map(|entry| entry.name.value.clone()).collect();
     let tools: Vec<_> =
         reader.entries(table, "tools").into_iter().filter_map(|entry| reader.tool(entry)).collect();
-    let frames =
+    let frames: Vec<_> =
         reader.entries(table, "frames").into_iter().filter_map(|entry| reader.frame(entry)).collect();
+    let obstacles = reader.entries(table, "obstacles").into_iter();
+    let obstacles = obstacles.filter_map(|entry| reader.obstacle(entry, &names, &frames)).collect();
     let mut robots: Vec<_> =
         robots.into_iter().filter_map(|entry| reader.robot(entry, &names, &tools)).collect();
     plant::introduce(&mut robots);
@@ -106,6 +109,7 @@ pub(super) fn read(name: &str, text: &str) -> Result<CellFile, CellFileError> {
         cells,
         sensors,
         frames,
+        obstacles,
         tools,
     })
 }
