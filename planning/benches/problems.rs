@@ -9,20 +9,22 @@ use std::io::Write;
 use mrroc::pose::Pose;
 use mrroc_planning::{PlanError, Planner};
 use mrroc_robots::clearance::{Clearance, ClearanceBuilder, Obstacle, Stop, Stopping};
-use mrroc_robots::{Serial, SerialOutline};
-use rustix::time::{ClockId, clock_gettime};
+use mrroc_robots::{Meshes, Serial, SerialOutline};
 use nalgebra::{Quaternion, SVector, Translation3, UnitQuaternion, Vector3};
+use rustix::time::{ClockId, clock_gettime};
 use serde_json::{Value, json};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let words: Vec<String> = std::env::args().skip(1).filter(|word| word != "--bench").collect();
     let is_option = |word: &&String| word.starts_with("--");
-    let files: Vec<&String> = words.iter().filter(|word| !is_option(word) && word.parse::<f64>().is_err()).collect();
+    let files: Vec<&String> =
+        words.iter().filter(|word| !is_option(word) && word.parse::<f64>().is_err()).collect();
     let Some(problems) = files.first() else {
         println!("problems: give the file that tests/peers/planning/problems.py writes");
         return Ok(());
     };
-    let margin = words.iter().position(|word| word == "--margin").and_then(|i| words.get(i + 1)?.parse().ok());
+    let margin =
+        words.iter().position(|word| word == "--margin").and_then(|i| words.get(i + 1)?.parse().ok());
     let key = if words.iter().any(|word| word == "--spheres") { "spheres" } else { "urdf" };
     let text = std::fs::read_to_string(problems)?;
     let mut lines = text.lines();
@@ -48,12 +50,14 @@ fn run<const N: usize>(
     let ends = ["base", "tip"].map(|key| robot[key].as_str().unwrap_or_default());
     let arm = Serial::<N>::from_urdf(urdf, ends[0], ends[1])?.with_acceleration(SVector::repeat(5.0))?;
     let arm = arm.with_positions(vector(&robot["lower"])?, vector(&robot["upper"])?)?;
-    let outline = SerialOutline::from_urdf(arm, urdf, ends[0], ends[1])?;
+    let meshes = Meshes::below(robot["meshes"].as_str().unwrap_or("."));
+    let outline = SerialOutline::from_urdf(arm, urdf, ends[0], ends[1], &meshes)?;
     let (mut first, mut both, mut before, mut after) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     let mut why = std::collections::BTreeMap::<String, u32>::new();
     for problem in problems {
         let builder = Clearance::with_margin(margin).robot("arm", outline.clone())?;
-        let clearance = obstacles(builder, problem)?.build(Stopping { reaction: 0.02, stop: Stop::Braking })?;
+        let clearance =
+            obstacles(builder, problem)?.build(Stopping { reaction: 0.02, stop: Stop::Braking })?;
         let mut planner = Planner::new(clearance)?;
         let start = vector::<N>(&problem["start"])?.as_slice().to_vec();
         let goals = problem["goals"].as_array().ok_or("no goals")?;
@@ -61,7 +65,7 @@ fn run<const N: usize>(
         let goals = goals.collect::<Result<Vec<_>, Box<dyn Error>>>()?;
         let begun = now();
         let found = planner.find_first(&start, &goals);
-        let found_after = (now() - begun);
+        let found_after = now() - begun;
         match found {
             Ok(mut path) => {
                 before.push(length(&path));
@@ -70,13 +74,21 @@ fn run<const N: usize>(
                 first.push(1e6 * found_after);
                 after.push(length(&path));
                 if let Some(out) = &mut out {
-                    writeln!(out, "{}", json!({ "set": problem["set"], "index": problem["index"], "path": path }))?;
+                    writeln!(
+                        out,
+                        "{}",
+                        json!({ "set": problem["set"], "index": problem["index"], "joints": path })
+                    )?;
                 }
             }
             Err(error) => {
                 let kind = match error {
-                    PlanError::StartNotClear(nearest) => format!("start: {} - {}", nearest.sides[0], nearest.sides[1]),
-                    PlanError::GoalNotClear(nearest) => format!("goal: {} - {}", nearest.sides[0], nearest.sides[1]),
+                    PlanError::StartNotClear(nearest) => {
+                        format!("start: {} - {}", nearest.sides[0], nearest.sides[1])
+                    }
+                    PlanError::GoalNotClear(nearest) => {
+                        format!("goal: {} - {}", nearest.sides[0], nearest.sides[1])
+                    }
                     PlanError::NotFound { .. } => format!("not found: {}", problem["set"]),
                     other => other.to_string(),
                 };
@@ -118,7 +130,11 @@ fn numbers(value: &Value) -> Result<Vec<f64>, Box<dyn Error>> {
 
 fn vector<const N: usize>(value: &Value) -> Result<SVector<f64, N>, Box<dyn Error>> {
     let numbers = numbers(value)?;
-    if numbers.len() == N { Ok(SVector::from_column_slice(&numbers)) } else { Err("too many or too few numbers".into()) }
+    if numbers.len() == N {
+        Ok(SVector::from_column_slice(&numbers))
+    } else {
+        Err("too many or too few numbers".into())
+    }
 }
 
 #[allow(non_snake_case)]
@@ -136,7 +152,8 @@ fn obstacles(mut builder: ClearanceBuilder, problem: &Value) -> Result<Clearance
     for body in problem["cylinders"].as_array().into_iter().flatten() {
         let number = |key: &str| body[key].as_f64().ok_or("no number");
         let (radius, half_length) = (number("radius")?, number("half_length")?);
-        builder = builder.obstacle(&name(body), Obstacle::Cylinder { X_WO: place(body)?, radius, half_length })?;
+        builder =
+            builder.obstacle(&name(body), Obstacle::Cylinder { X_WO: place(body)?, radius, half_length })?;
     }
     for body in problem["spheres"].as_array().into_iter().flatten() {
         let radius = body["radius"].as_f64().ok_or("no number")?;

@@ -81,11 +81,14 @@ impl Arm {
         let mut limbs: Vec<Limb> = Vec::new();
         for (i, link) in part.links.iter().enumerate() {
             let last = chain.as_ref().map_or(0, |chain| chain.joints.len());
-            let moved = chain.as_ref().map_or(0, |chain| chain.bodies.get(i).map_or(last, |body| body.joints));
+            let moved =
+                chain.as_ref().map_or(0, |chain| chain.bodies.get(i).map_or(last, |body| body.joints));
             let same = |limb: &&mut Limb| {
                 let other: &Link = &part.links[limb.links[0]];
                 // What is carried is a limb of its own: it comes and goes.
-                (limb.links[0] < own) == (i < own) && other.name == link.name && limb.moved_by == link.moved_by
+                (limb.links[0] < own) == (i < own)
+                    && other.name == link.name
+                    && limb.moved_by == link.moved_by
             };
             match limbs.iter_mut().find(same) {
                 Some(limb) => limb.links.push(i),
@@ -247,7 +250,8 @@ impl Arm {
             let Some(capsules) = self.capsules(&at) else { continue };
             for (limb, placed) in self.limbs.iter().zip(placed.iter_mut()) {
                 let groups = limb.links.iter().map(|&link| (&capsules[link], counts[link]));
-                let balls: Vec<Vec<Ball>> = groups.map(|(capsule, n)| covering(capsule, n).collect()).collect();
+                let balls: Vec<Vec<Ball>> =
+                    groups.map(|(capsule, n)| covering(capsule, n).collect()).collect();
                 place(&limb.tree, &balls, lane, placed);
             }
             roots.clear();

@@ -41,10 +41,27 @@ struct Pairing {
 /// An obstacle in single precision.
 #[derive(Clone)]
 enum Body {
-    HalfSpace { normal: [f32; 3], height: f32 },
-    Capsule { a: [f32; 3], along: [f32; 3], squared: f32, radius: f32 },
-    Box { axes: [[f32; 3]; 3], centre: [f32; 3], half: [f32; 3] },
-    Cylinder { axis: [f32; 3], centre: [f32; 3], radius: f32, half: f32 },
+    HalfSpace {
+        normal: [f32; 3],
+        height: f32,
+    },
+    Capsule {
+        a: [f32; 3],
+        along: [f32; 3],
+        squared: f32,
+        radius: f32,
+    },
+    Box {
+        axes: [[f32; 3]; 3],
+        centre: [f32; 3],
+        half: [f32; 3],
+    },
+    Cylinder {
+        axis: [f32; 3],
+        centre: [f32; 3],
+        radius: f32,
+        half: f32,
+    },
     /// Any other, asked posture by posture.
     Other(Obstacle),
 }
@@ -79,7 +96,9 @@ impl Body {
                 radius: *radius as f32,
                 half: *half_length as f32,
             },
-            Obstacle::Bodies(_) | Obstacle::Cloud(_) | Obstacle::HeightField(_) => Body::Other(obstacle.clone()),
+            Obstacle::Bodies(_) | Obstacle::Cloud(_) | Obstacle::HeightField(_) => {
+                Body::Other(obstacle.clone())
+            }
         }
     }
 

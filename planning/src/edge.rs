@@ -43,9 +43,8 @@ impl Edges {
         self.open.extend((0..LANES).map(|i| (first * (2 * i + 1) as f32, first)));
         while !self.open.is_empty() {
             let taken = self.open.len().min(LANES);
-            let batch: [(f32, f32); LANES] = core::array::from_fn(|lane| {
-                self.open[self.open.len() - 1 - lane.min(taken - 1)]
-            });
+            let batch: [(f32, f32); LANES] =
+                core::array::from_fn(|lane| self.open[self.open.len() - 1 - lane.min(taken - 1)]);
             self.open.truncate(self.open.len() - taken);
             for j in 0..n {
                 let along = to[j] - from[j];

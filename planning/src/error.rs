@@ -1,5 +1,6 @@
 //! Why there is no plan.
 
+use mrroc::fault::Fault;
 use mrroc_generators::timing::TimingError;
 use mrroc_robots::clearance::{CheckError, Nearest};
 use thiserror::Error;
@@ -11,7 +12,9 @@ pub enum PlanError {
     #[error("a planner takes 1 to 4 robots, the clearance has {0}")]
     Robots(usize),
     /// A list of positions is longer or shorter than the robots have joints.
-    #[error("{expected} joint positions are needed, {actual} were given: help: those of all robots, one behind the other")]
+    #[error(
+        "{expected} joint positions are needed, {actual} were given: help: those of all robots, one behind the other"
+    )]
     Joints {
         /// Joints of all robots.
         expected: usize,
@@ -19,7 +22,9 @@ pub enum PlanError {
         actual: usize,
     },
     /// A joint of the start or of a goal is no number, or beyond its limits.
-    #[error("{robot} joint {joint}: position {position} of the {place} is not within its limits {lower} to {upper}")]
+    #[error(
+        "{robot} joint {joint}: position {position} of the {place} is not within its limits {lower} to {upper}"
+    )]
     Limit {
         /// `start` or `goal`.
         place: &'static str,
@@ -52,7 +57,9 @@ pub enum PlanError {
     #[error("no goal: the pose has no solution within the limits of the joints")]
     NoGoal,
     /// The effort was spent.
-    #[error("no path found in {checks} checks: the nearest that was reached is {apart:.3} rad or m from a goal, where {nearest}: help: allow more effort, or see what is in between")]
+    #[error(
+        "no path found in {checks} checks: the nearest that was reached is {apart:.3} rad or m from a goal, where {nearest}: help: allow more effort, or see what is in between"
+    )]
     NotFound {
         /// Checks of eight postures.
         checks: u64,
@@ -62,7 +69,9 @@ pub enum PlanError {
         nearest: Box<Nearest>,
     },
     /// Even at a thousandth of the speed the stops are not proven clear at one place.
-    #[error("no speed is slow enough for the stops at {at:.0} % of the path: help: a smaller margin, or a shorter reaction time")]
+    #[error(
+        "no speed is slow enough for the stops at {at:.0} % of the path: help: a smaller margin, or a shorter reaction time"
+    )]
     StopsNotClear {
         /// Share of the path [%].
         at: f64,
@@ -81,4 +90,11 @@ pub enum PlanError {
         /// The robots of the plan.
         known: String,
     },
+}
+
+impl From<PlanError> for Fault {
+    /// The fault of a program that needs the plan.
+    fn from(error: PlanError) -> Self {
+        Fault::thrown(&error.to_string())
+    }
 }

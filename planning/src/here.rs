@@ -2,8 +2,8 @@
 
 use mrroc::generator::RobotList;
 use mrroc::prelude::*;
-use mrroc::robot::RobotImage;
 use mrroc::robot::JointVector;
+use mrroc::robot::RobotImage;
 
 /// A condition of an ECP that is met at once, and knows where its robot is demanded to be. For the MP there is [`HereAll`].
 ///

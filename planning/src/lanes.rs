@@ -70,7 +70,6 @@ impl Lanes {
     /// The lanes that are above the other's; none that is no number.
     #[inline]
     pub(crate) fn above(self, other: Self) -> Mask {
-        use wide::CmpGt;
         self.0.simd_gt(other.0).to_bitmask() as Mask
     }
 

@@ -18,6 +18,7 @@ mod check;
 mod edge;
 mod error;
 mod follow;
+mod goals;
 mod here;
 mod lanes;
 mod limits;
@@ -31,6 +32,7 @@ mod timing;
 
 pub use error::PlanError;
 pub use follow::FollowPlan;
+pub use goals::goals_at;
 pub use here::{Here, HereAll, Standing};
 pub use plan::{Closest, Plan};
 pub use planner::Planner;

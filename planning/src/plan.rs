@@ -68,7 +68,8 @@ impl Plan {
         for k in 0..=count {
             let time = k as f64 * step;
             let q = self.at(time);
-            let robots: Vec<&[f64]> = self.motion.limits.robots.iter().map(|range| &q[range.clone()]).collect();
+            let robots: Vec<&[f64]> =
+                self.motion.limits.robots.iter().map(|range| &q[range.clone()]).collect();
             let nearest = clearance.nearest_at(&robots)?;
             if closest.as_ref().is_none_or(|closest| nearest.distance < closest.nearest.distance) {
                 closest = Some(Closest { time, nearest });

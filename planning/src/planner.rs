@@ -96,10 +96,8 @@ impl Planner {
         let points = self.find(start, goals)?;
         let ends = [points[0].clone(), points[points.len() - 1].clone()];
         let offset = self.offset(&ends[0]);
-        let inner: Vec<Vec<f64>> = points
-            .iter()
-            .map(|q| q.iter().zip(&offset).map(|(q, offset)| q - offset).collect())
-            .collect();
+        let inner: Vec<Vec<f64>> =
+            points.iter().map(|q| q.iter().zip(&offset).map(|(q, offset)| q - offset).collect()).collect();
         let path = Path::rounded(&mut self.checker, &mut self.edges, &inner);
         self.checker.more = 0.0;
         let speed = timed(&mut self.checker, &path, &self.limits, self.reaction)?;
@@ -140,7 +138,9 @@ impl Planner {
             }
         }
         if clear.is_empty() {
-            return Err(refused.map_or(PlanError::NoGoal, |nearest| PlanError::GoalNotClear(Box::new(nearest))));
+            return Err(
+                refused.map_or(PlanError::NoGoal, |nearest| PlanError::GoalNotClear(Box::new(nearest)))
+            );
         }
         // Where the start itself is no farther than its margin from something, the path is not either.
         self.checker.more = MORE;
@@ -155,7 +155,8 @@ impl Planner {
         let before = self.checker.batches;
         match connect(&mut self.checker, &mut self.edges, &mut samples, &from, &to, self.effort) {
             Ok(path) => {
-                let goal = to.iter().position(|goal| path.last() == Some(goal)).map_or(clear[0], |i| clear[i]);
+                let goal =
+                    to.iter().position(|goal| path.last() == Some(goal)).map_or(clear[0], |i| clear[i]);
                 let middle = path[1..path.len() - 1].iter().map(|q| outer(q, &offset));
                 Ok(core::iter::once(start.to_vec()).chain(middle).chain([goal.clone()]).collect())
             }
@@ -180,7 +181,9 @@ impl Planner {
 
     /// Whole turns by which endless joints are off what they are computed with, so that single precision is enough [rad].
     fn offset(&self, start: &[f64]) -> Vec<f64> {
-        (0..start.len()).map(|j| if self.is_endless(j) { (start[j] / TAU).round() * TAU } else { 0.0 }).collect()
+        (0..start.len())
+            .map(|j| if self.is_endless(j) { (start[j] / TAU).round() * TAU } else { 0.0 })
+            .collect()
     }
 
     fn is_endless(&self, joint: usize) -> bool {
@@ -193,7 +196,8 @@ impl Planner {
         let range = |j: usize| {
             if self.is_endless(j) {
                 let ends = core::iter::once(from[j]).chain(to.iter().map(|goal| goal[j]));
-                let (least, most) = ends.fold((f32::INFINITY, f32::NEG_INFINITY), |(a, b), q| (a.min(q), b.max(q)));
+                let (least, most) =
+                    ends.fold((f32::INFINITY, f32::NEG_INFINITY), |(a, b), q| (a.min(q), b.max(q)));
                 (least - PI as f32, most + PI as f32)
             } else {
                 (self.limits.lower[j] as f32, self.limits.upper[j] as f32)

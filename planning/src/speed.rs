@@ -65,8 +65,13 @@ impl Speed {
         } else {
             let i = self.piece(t);
             let knot = self.knots[i];
-            let h = (t - knot.time).clamp(0.0, self.knots.get(i + 1).map_or(0.0, |next| next.time - knot.time));
-            ProfilePoint { s: knot.at.s + h * (knot.at.v + 0.5 * h * knot.at.a), v: knot.at.v + h * knot.at.a, a: knot.at.a }
+            let h =
+                (t - knot.time).clamp(0.0, self.knots.get(i + 1).map_or(0.0, |next| next.time - knot.time));
+            ProfilePoint {
+                s: knot.at.s + h * (knot.at.v + 0.5 * h * knot.at.a),
+                v: knot.at.v + h * knot.at.a,
+                a: knot.at.a,
+            }
         };
         ProfilePoint { s: point.s, v: point.v / self.stretch, a: point.a / (self.stretch * self.stretch) }
     }

@@ -112,14 +112,18 @@ impl Swept {
                 return false;
             }
             left -= taken;
-            let batch: [Part; LANES] = core::array::from_fn(|lane| open[open.len() - 1 - lane.min(taken - 1)]);
+            let batch: [Part; LANES] =
+                core::array::from_fn(|lane| open[open.len() - 1 - lane.min(taken - 1)]);
             open.truncate(open.len() - taken);
             for (robot, joints) in limits.robots.iter().enumerate().take(robots) {
                 for j in joints.clone() {
-                    q[j] = Lanes::new(batch.map(|part| (self.middle[j] + part.middle[robot] * self.travel[j]) as f32));
+                    q[j] = Lanes::new(
+                        batch.map(|part| (self.middle[j] + part.middle[robot] * self.travel[j]) as f32),
+                    );
                     half[j] = Lanes::new(batch.map(|part| {
                         let most = part.middle[robot] + part.half[robot];
-                        ((self.half[j] + part.half[robot] * self.travel[j].abs() + most * self.off[j]) * (1.0 + 1e-6)) as f32
+                        ((self.half[j] + part.half[robot] * self.travel[j].abs() + most * self.off[j])
+                            * (1.0 + 1e-6)) as f32
                     }));
                 }
             }

@@ -88,7 +88,8 @@ pub(crate) fn timed(
                 continue;
             }
             let ends = [grid[cell], grid[cell + 1]];
-            let mut is_clear = |speed: f64| is_piece_clear(checker, path, ends, speed, limits, reaction, HALVINGS);
+            let mut is_clear =
+                |speed: f64| is_piece_clear(checker, path, ends, speed, limits, reaction, HALVINGS);
             if is_clear(passed) {
                 proven[cell] = passed;
                 continue;

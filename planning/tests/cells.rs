@@ -26,7 +26,10 @@ pub(crate) fn seven_axes(base: Pose) -> SerialOutline<7> {
 
 /// The first and the last link of a file.
 fn ends(urdf: &str) -> (String, String) {
-    let names: Vec<&str> = urdf.lines().filter_map(|line| line.trim().strip_prefix("<link name=\"")?.split('"').next()).collect();
+    let names: Vec<&str> = urdf
+        .lines()
+        .filter_map(|line| line.trim().strip_prefix("<link name=\"")?.split('"').next())
+        .collect();
     (names[0].to_owned(), names[names.len() - 1].to_owned())
 }
 
@@ -36,7 +39,8 @@ pub(crate) fn stopping() -> Stopping {
 
 /// An arm on a table, which reaches along -x where its first joint is at 0, and a box there.
 pub(crate) fn around_a_box() -> ClearanceBuilder {
-    let obstacle = Obstacle::Box { X_WO: Pose::translation(-0.55, -0.1, 0.2), half: Vector3::new(0.1, 0.1, 0.3) };
+    let obstacle =
+        Obstacle::Box { X_WO: Pose::translation(-0.55, -0.1, 0.2), half: Vector3::new(0.1, 0.1, 0.3) };
     Clearance::with_margin(0.02)
         .robot("arm", six_axes(Pose::identity()))
         .expect("an arm")

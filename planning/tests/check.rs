@@ -15,12 +15,16 @@ fn a_path_keeps_its_margin_everywhere() {
         while planned < 25 {
             // The shoulders upwards.
             let mut draw = || -> Vec<f64> {
-                (0..6 * arms).map(|j| if j % 6 == 1 { random.between(-2.5, -0.5) } else { random.within(2.0) }).collect()
+                (0..6 * arms)
+                    .map(|j| if j % 6 == 1 { random.between(-2.5, -0.5) } else { random.within(2.0) })
+                    .collect()
             };
             let (start, goal) = (draw(), draw());
             let points = match planner.find(&start, &[goal.clone()]) {
                 Ok(points) => points,
-                Err(PlanError::StartNotClear(_) | PlanError::GoalNotClear(_) | PlanError::NotFound { .. }) => continue,
+                Err(
+                    PlanError::StartNotClear(_) | PlanError::GoalNotClear(_) | PlanError::NotFound { .. },
+                ) => continue,
                 Err(error) => panic!("{error}"),
             };
             planned += 1;

@@ -67,6 +67,7 @@ const CRATES: &[(&str, &[&str])] = &[
         &["mrroc-core", "mrroc-launch", "mrroc-panel", "mrroc-processes", "mrroc-recording", "mrroc-testing"],
     ),
     ("robots", &["mrroc-core", "mrroc-launch"]),
+    ("planning", &["mrroc-core", "mrroc-generators", "mrroc-robots"]),
     ("robots/drivers/kit", &[]),
     ("robots/drivers/franka", &["mrroc-core", "mrroc-driver-kit", "mrroc-launch", "mrroc-robots"]),
     ("robots/drivers/kuka", &["mrroc-core", "mrroc-driver-kit", "mrroc-launch", "mrroc-robots"]),

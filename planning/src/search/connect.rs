@@ -1,8 +1,8 @@
 //! RRT-Connect: a tree from the start and one from the goals grow towards each other.
 
+use super::Points;
 use super::sampling::Samples;
 use super::tree::Tree;
-use super::Points;
 use crate::check::Checker;
 use crate::edge::Edges;
 

@@ -22,13 +22,7 @@ fn distance(a: &[f32], b: &[f32]) -> f32 {
 }
 
 /// Shortens `path` by at most `effort` checks.
-pub(crate) fn shorten(
-    checker: &mut Checker,
-    edges: &mut Edges,
-    seed: u64,
-    path: &mut Points,
-    effort: u64,
-) {
+pub(crate) fn shorten(checker: &mut Checker, edges: &mut Edges, seed: u64, path: &mut Points, effort: u64) {
     let end = checker.batches + effort;
     skip(checker, edges, path, end);
     let mut random = Random::seeded(seed ^ 0x5ca1_ab1e);
@@ -42,9 +36,8 @@ pub(crate) fn shorten(
             continue;
         }
         let [from, to] = [&a, &b].map(|(leg, share)| between(&path[*leg], &path[*leg + 1], *share));
-        let before = distance(&from, &path[a.0 + 1])
-            + length(&path[a.0 + 1..=b.0]) as f32
-            + distance(&path[b.0], &to);
+        let before =
+            distance(&from, &path[a.0 + 1]) + length(&path[a.0 + 1..=b.0]) as f32 + distance(&path[b.0], &to);
         let gained = before - distance(&from, &to);
         if gained < 1e-3 * whole as f32 || !edges.is_clear(checker, &from, &to) {
             continue;

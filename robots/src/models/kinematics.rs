@@ -66,14 +66,33 @@ pub trait Kinematics<const N: usize>: Robot<Joints = SVector<f64, N>> {
         near: &SVector<f64, N>,
     ) -> Result<Option<SVector<f64, N>>, NoInverse> {
         let mut best: Option<(f64, SVector<f64, N>)> = None;
-        self.solutions(X_WF, near, &mut |q| {
-            let q = turned_into_limits(self, q, near);
+        self.attainable(X_WF, near, &mut |q| {
             let distance = (q - near).norm_squared();
-            if self.is_attainable(&q) && best.is_none_or(|(least, _)| distance < least) {
-                best = Some((distance, q));
+            if best.is_none_or(|(least, _)| distance < least) {
+                best = Some((distance, *q));
             }
         })?;
         Ok(best.map(|(_, q)| q))
+    }
+
+    /// Calls `visit` with every attainable solution, each joint turned by full turns into its limits, as near to `near` as these allow: goals of
+    /// a planner, which may choose any.
+    ///
+    /// # Errors
+    /// As [`Kinematics::solutions`].
+    #[allow(non_snake_case)]
+    fn attainable(
+        &self,
+        X_WF: &Pose,
+        near: &SVector<f64, N>,
+        visit: &mut dyn FnMut(&SVector<f64, N>),
+    ) -> Result<(), NoInverse> {
+        self.solutions(X_WF, near, &mut |q| {
+            let q = turned_into_limits(self, q, near);
+            if self.is_attainable(&q) {
+                visit(&q);
+            }
+        })
     }
 
     /// Manipulability (Yoshikawa 1985) at `q`: the product of the Jacobian's singular values, `sqrt(det(J J^T))` with 6
