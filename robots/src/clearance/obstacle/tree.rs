@@ -11,6 +11,10 @@ use super::bounds::Bounds;
 /// Children of a node.
 const WIDTH: usize = 8;
 
+/// What is nearer than a nanometre counts as meeting: round-off moves the nearest point of a segment out of a box that it
+/// meets \[m²\].
+const TOUCHING: f64 = 1e-18;
+
 /// The child is a block of things, not a node.
 const BLOCK: u32 = 1 << 31;
 /// There is no such child.
@@ -140,7 +144,7 @@ impl Tree {
         let Some(node) = self.nodes.get(node) else { return least };
         // What the segment meets is looked at even where something overlaps it: something else may overlap it more.
         let is_beyond = |squared: f64, least: f64| {
-            squared > 0.0 && squared >= least * least.abs() || least == f64::NEG_INFINITY
+            squared > TOUCHING && squared >= least * least.abs() || least == f64::NEG_INFINITY
         };
         let is_ball = segment[0] == segment[1];
         let mut found = [(0.0, NONE); WIDTH];
