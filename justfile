@@ -79,6 +79,10 @@ sweep-profiles:
 test-inverse:
     cargo test --release -p mrroc-robots --lib -- inverse_returns urdf_inverse urdf_closed --nocapture
 
+# Stops of two arms on plans of many seeds: a million states of the processes' own stops, none nearer than the margin.
+sweep-plans:
+    cargo test --release -p mrroc-planning --lib -- --ignored --nocapture a_million_states
+
 # The memory that a spline of ten million points takes; `cargo test` takes one million.
 test-memory:
     cargo test --release -p mrroc-generators --lib -- memory

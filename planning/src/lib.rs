@@ -34,7 +34,7 @@ pub use error::PlanError;
 pub use follow::FollowPlan;
 pub use goals::goals_at;
 pub use here::{Here, HereAll, Standing};
-pub use plan::{Closest, Plan};
+pub use plan::{Closest, During, Plan};
 pub use planner::Planner;
 
 // The files in `tests/` use this crate by its name, as its users do.

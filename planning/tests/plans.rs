@@ -13,10 +13,62 @@ fn an_arm_goes_around_a_box() {
     let mut clearance = around_a_box().build(stopping()).expect("a clearance");
     let mut planner = Planner::new(clearance.clone()).expect("a planner");
     let plan = planner.plan(&A, &[B.to_vec()]).unwrap_or_else(|error| panic!("{error}"));
-    let closest = plan.closest(&mut clearance, 1e-3).expect("a clearance of its robots");
+    let [motion, stops] = plan.closest(&mut clearance, 2e-3).expect("a clearance of its robots");
     // Straight through the box it would be 1.8 rad.
     assert!(plan.length() > 1.9, "{}", plan.length());
-    println!("{} s, {} rad, {} at {} s", plan.duration(), plan.length(), closest.nearest, closest.time);
-    assert!(closest.nearest.distance >= 0.02, "{}", closest.nearest);
+    assert!(motion.nearest.distance >= 0.02 && stops.nearest.distance >= 0.02, "{motion}; {stops}");
     assert_eq!((plan.at(0.0), plan.at(plan.duration())), (A.to_vec(), B.to_vec()));
+}
+
+#[test]
+fn the_same_question_has_the_same_plan_to_the_bit() {
+    let plan = || {
+        let clearance = around_a_box().build(stopping()).expect("a clearance");
+        let mut planner = Planner::new(clearance).expect("a planner").with_seed(5);
+        // A planner that has planned before answers as a new one.
+        let first = planner.plan(&A, &[B.to_vec()]).expect("a plan");
+        let second = planner.plan(&A, &[B.to_vec()]).expect("a plan");
+        (first, second)
+    };
+    let ((one, two), (three, _)) = (plan(), plan());
+    for k in 0..200 {
+        let at = |plan: &mrroc_planning::Plan| {
+            let q = plan.at(0.01 * f64::from(k));
+            q.into_iter().map(f64::to_bits).collect::<Vec<_>>()
+        };
+        assert_eq!(at(&one), at(&three), "at {k}");
+        assert_eq!(at(&one), at(&two), "at {k}");
+    }
+}
+
+#[test]
+fn what_cannot_be_planned_is_told() {
+    let clearance = around_a_box().build(stopping()).expect("a clearance");
+    let mut planner = Planner::new(clearance).expect("a planner").with_effort(2000);
+    let mut error =
+        |start: &[f64], goal: &[f64]| planner.plan(start, &[goal.to_vec()]).expect_err("none").to_string();
+    let mut through = A;
+    through[0] = 0.2;
+    assert!(
+        error(&through, &B).starts_with("the start is not clear by the margin: arm"),
+        "{}",
+        error(&through, &B)
+    );
+    assert!(error(&A, &through).starts_with("the goal is not clear by the margin: arm"));
+    assert_eq!(
+        error(&A[..5], &B),
+        "6 joint positions are needed, 5 were given: help: those of all robots, one behind the other"
+    );
+    let mut beyond = B;
+    beyond[2] = 3.2;
+    assert_eq!(
+        error(&A, &beyond),
+        "arm joint 3: position 3.2 of the goal is not within its limits -3.1416 to 3.1416"
+    );
+    beyond[2] = f64::NAN;
+    assert!(error(&A, &beyond).contains("joint 3: position NaN of the goal"));
+    assert_eq!(
+        planner.plan(&A, &[]).expect_err("none").to_string(),
+        "no goal: the pose has no solution within the limits of the joints"
+    );
 }
