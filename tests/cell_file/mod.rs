@@ -728,7 +728,7 @@ fn what_is_improbable_in_a_cell_is_asked_about() {
             "{improbable}: {text}"
         );
     }
-    let tool = "\n[tools.pen]\nposition = [0.0, 0.0, 0.1]\nmass = 0.3\ncentre = [0, 0, 40]\n[frames.table]\nposition = [400, 0, 0]\n";
+    let tool = "\n[tools.pen]\nxyz = [0.0, 0.0, 0.1]\nmass = 0.3\ncentre = [0, 0, 40]\n[frames.table]\nxyz = [400, 0, 0]\n";
     let (text, _) = questions(&format!("{GOOD}{tool}"));
     assert!(text.contains("40 m away") && text.contains("400 m away"), "{text}");
     // Without its base one arm stands in the other; a belt may.

@@ -81,7 +81,7 @@ impl Reader {
         let others = &written[1..];
         for (second, ..) in others {
             let (first, second_key) = (first.get_ref(), second.get_ref());
-            let what = format!("`{second_key}` beside `{first}`: both are the orientation");
+            let what = format!("`{second_key}` beside `{first}`: both give the orientation");
             self.complain(&second.span(), what, format!("write `{first}` or `{second_key}`, not both"));
         }
         let rotation = match form {
