@@ -231,8 +231,7 @@ fn fault_180_the_calibration_of_another_arm_is_refused_before_anything_moves() {
 fn fault_181_a_base_that_is_in_no_file_is_refused_before_anything_moves() {
     let folder = std::env::temp_dir().join(format!("mrroc-base-{}", std::process::id()));
     std::fs::create_dir_all(&folder).expect("a folder");
-    let frame =
-        |position: &str| format!("[frames.base]\nposition = {position}\nrotation_vector = [0.0, 0.0, 1.5]\n");
+    let frame = |xyz: &str| format!("[frames.base]\nxyz = {xyz}\nquat_xyzw = [0.0, 0.0, 0.6, 0.8]\n");
     for (name, text) in [
         ("right.toml", frame("[1.0, 2, 3.0]")),
         ("none.toml", "model = \"base\"\n".to_owned()),
@@ -240,6 +239,11 @@ fn fault_181_a_base_that_is_in_no_file_is_refused_before_anything_moves() {
         ("two.toml", frame("[1.0, 2.0]")),
         ("nan.toml", frame("[1.0, nan, 2.0]")),
         ("far.toml", frame("[1e9, 0.0, 0.0]")),
+        ("longer.toml", "[frames.base]\nquat_xyzw = [0.0, 0.0, 0.6, 0.9]\n".to_owned()),
+        (
+            "former.toml",
+            "[frames.base]\nposition = [1.0, 2.0, 3.0]\nrotation_vector = [0.0, 0.0, 1.5]\n".to_owned(),
+        ),
     ] {
         std::fs::write(folder.join(name), text).expect("written");
     }
@@ -253,9 +257,11 @@ fn fault_181_a_base_that_is_in_no_file_is_refused_before_anything_moves() {
     for (file, told) in [
         ("none.toml", "it has no table [frames.base]"),
         ("text.toml", "it is no TOML"),
-        ("two.toml", "`position` of [frames.base] is not three numbers"),
-        ("nan.toml", "`position` of [frames.base] is not three numbers"),
-        ("far.toml", "`position` of [frames.base] is not three numbers"),
+        ("two.toml", "two.toml:2:7: `xyz` has 2 numbers"),
+        ("nan.toml", "nan.toml:2:13: not a finite number"),
+        ("far.toml", "far.toml:2:7: a place 1000000000 m away"),
+        ("longer.toml", "longer.toml:2:13: a quaternion of length 1.08"),
+        ("former.toml", "former.toml:2:1: unknown key `position`"),
         ("nothing.toml", "it cannot be read"),
     ] {
         let why = read(file).expect_err(file).to_string();

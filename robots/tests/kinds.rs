@@ -52,7 +52,7 @@ fn file(kind: &str, start: &[f64]) -> CellFile {
 /// The same with a line more.
 fn file_with(kind: &str, start: &[f64], line: &str) -> CellFile {
     let text = format!(
-        "step_ms = 2\nstop_ms = 5000\n[robots.a]\nkind = \"{kind}\"\nstart = {start:?}\nbase = {{ position = [0.1, -0.2, 0.3], zyz = [0.4, 0.5, 0.6] }}\n{line}\n"
+        "step_ms = 2\nstop_ms = 5000\n[robots.a]\nkind = \"{kind}\"\nstart = {start:?}\nbase = {{ xyz = [0.1, -0.2, 0.3], zyz = [0.4, 0.5, 0.6] }}\n{line}\n"
     );
     CellFile::parse("cell.toml", &text).expect("well-formed")
 }

@@ -17,8 +17,8 @@ file = "three_parallel.urdf"
 tip = "wrist_3"
 acceleration = [10.0, 10.0, 10.0, 10.0, 10.0, 10.0]
 start = [0.0, -1.57, 1.57, -1.57, -1.57, 0.0]
-base = { position = [0.3, 0.1, 0.5] }
-tool = { position = [0.0, 0.0, 0.1] }
+base = { xyz = [0.3, 0.1, 0.5] }
+tool = { xyz = [0.0, 0.0, 0.1] }
 "#;
 
 fn refusal(robot: &str) -> String {

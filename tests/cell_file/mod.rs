@@ -1,5 +1,7 @@
 //! `cell.toml`: the cell that it makes, and all its errors at once, each with its line and what to write instead.
 
+mod poses;
+
 use std::time::Duration;
 
 use mrroc::cell_file::{Kinds, RobotEntry};
@@ -15,12 +17,12 @@ step_ms = 2
 [robots.left]
 kind = "irp6"
 start = [0.0, -1.57, 0.16, -0.16, 4.71, 0.0]
-tool = { position = [0.0, 0.0, 0.1] }
+tool = { xyz = [0.0, 0.0, 0.1] }
 
 [robots.right]
 kind = "irp6"
 start = [0, -1.57, 0.16, -0.16, 4.71, 0]
-base = { position = [0.0, 1.5, 0.0], zyz = [2.5, 0.0, 0.0] }
+base = { xyz = [0.0, 1.5, 0.0], zyz = [2.5, 0.0, 0.0] }
 "#;
 
 fn hold(_: &mut Mp) -> Result<(), Fault> {
@@ -584,7 +586,7 @@ step_ms = 2
 [robots.hand]
 kind = "gripper"
 mounted_on = "arm"
-base = { position = [0.0, 0.0, 0.1] }
+base = { xyz = [0.0, 0.0, 0.1] }
 start = [0.07]
 [robots.arm]
 kind = "irp6"
@@ -644,10 +646,10 @@ spindle = { channel = "digital 1", turns_tool = true, on_stop = false }
 flow = { channel = "analog 0", on_stop = 0 }
 
 [frames.table]
-position = [0.4, 0.0, 0.1]
+xyz = [0.4, 0.0, 0.1]
 
 [tools.pen]
-position = [0.0, 0.0, 0.1]
+xyz = [0.0, 0.0, 0.1]
 mass = 0.3
 centre = [0.0, 0.0, 0.04]
 inertia = [1e-4, 0.0, 0.0, 1e-4, 0.0, 2e-5]
@@ -690,7 +692,7 @@ fn what_is_wrong_with_signals_frames_and_tools_is_told_with_what_to_write() {
         .replace("channel = \"digital 0\", ", "")
         .replace("turns_tool = true", "turns = true")
         .replace("on_stop = 0 ", "on_stop = \"off\" ")
-        .replace("position = [0.4, 0.0, 0.1]", "place = [0.4, 0.0, 0.1]")
+        .replace("xyz = [0.4, 0.0, 0.1]", "place = [0.4, 0.0, 0.1]")
         .replace("2e-5]", "2e-3]");
     insta::assert_snapshot!(complaints(&wrong));
     let wrong = SIGNALS.replace("holds_body = true", "holds_body = true, on_stop = false");
@@ -713,16 +715,12 @@ fn what_is_improbable_in_a_cell_is_asked_about() {
     };
     assert_eq!(questions(GOOD), (String::new(), 0));
     for (probable, improbable, line, asked) in [
-        ("position = [0.0, 0.0, 0.1]", "position = [0.0, 0.0, 100]", 7, "100 m away: are these millimetres?"),
-        ("position = [0.0, 0.0, 0.1]", "position = [0.0, 0.0, 5]", 7, "5 m away: are these millimetres?"),
-        (
-            "position = [0.0, 1.5, 0.0]",
-            "position = [0.0, 600, 0.0]",
-            12,
-            "600 m away: are these millimetres?",
-        ),
+        ("xyz = [0.0, 0.0, 0.1]", "xyz = [0.0, 0.0, 100]", 7, "100 m away: are these millimetres?"),
+        ("xyz = [0.0, 0.0, 0.1]", "xyz = [0.0, 0.0, 5]", 7, "5 m away: are these millimetres?"),
+        ("xyz = [0.0, 1.5, 0.0]", "xyz = [0.0, 600, 0.0]", 12, "600 m away: are these millimetres?"),
         ("zyz = [2.5, 0.0, 0.0]", "zyz = [90, 0.0, 0.0]", 12, "90 rad: are these degrees?"),
         ("zyz = [2.5, 0.0, 0.0]", "zyz = [2.5, -180, 0.0]", 12, "180 rad: are these degrees?"),
+        ("zyz = [2.5, 0.0, 0.0]", "rpy = [0.0, 0.0, 90]", 12, "90 rad: are these degrees?"),
     ] {
         let (text, _) = questions(&GOOD.replace(probable, improbable));
         assert!(
@@ -730,11 +728,11 @@ fn what_is_improbable_in_a_cell_is_asked_about() {
             "{improbable}: {text}"
         );
     }
-    let tool = "\n[tools.pen]\nposition = [0.0, 0.0, 0.1]\nmass = 0.3\ncentre = [0, 0, 40]\n[frames.table]\nposition = [400, 0, 0]\n";
+    let tool = "\n[tools.pen]\nxyz = [0.0, 0.0, 0.1]\nmass = 0.3\ncentre = [0, 0, 40]\n[frames.table]\nxyz = [400, 0, 0]\n";
     let (text, _) = questions(&format!("{GOOD}{tool}"));
     assert!(text.contains("40 m away") && text.contains("400 m away"), "{text}");
     // Without its base one arm stands in the other; a belt may.
-    let in_one_place = GOOD.replace("base = { position = [0.0, 1.5, 0.0], zyz = [2.5, 0.0, 0.0] }", "");
+    let in_one_place = GOOD.replace("base = { xyz = [0.0, 1.5, 0.0], zyz = [2.5, 0.0, 0.0] }", "");
     assert_eq!(questions(&in_one_place).1, 1);
     assert_eq!(questions(&format!("{GOOD}\n[robots.belt]\nkind = \"conveyor\"\nstart = [0]\n")).1, 0);
 }

@@ -19,6 +19,8 @@ const WORDS: &[(&str, usize, &str)] = &[
     ("headroom", 1, "a rate margin"),
     ("patience", 1, "a timeout"),
     ("judg", 5, "a test, a check, a comparison; to evaluate"),
+    ("course", 1, "a path, a trajectory"),
+    ("screw", 1, "a twist"),
 ];
 
 /// Where a word stands for what it means: its beginning, the file or folder, and why.
@@ -33,17 +35,24 @@ const ALLOWED: &[(&str, &str, &str)] = &[
     ("door", "generators-lib/examples/06_conditions.rs", "a door"),
     ("door", "generators-lib/pictures/README.md", "a door"),
     ("door", "generators-lib/tests/pictures/examples.rs", "a door"),
-    ("door", "ports/external/src/gateway/mod.rs", "the word of the command line"),
     ("door", "ports/zenoh/src/certificates.rs", "the name in certificates that are in use"),
     ("door", "ports/zenoh/src/tests.rs", "the name in certificates that are in use"),
     ("door", "robots/drivers/ur-controller/src/", "the door of a guarded cell"),
     ("door", "robots/drivers/ur/", "the door of a guarded cell"),
     ("door", "runtime/core/src/model/robot_stop.rs", "the door of a guarded cell"),
-    ("door", "runtime/launch/src/options.rs", "the word of the command line"),
-    ("door", "runtime/launch/src/telling.rs", "the word of the command line"),
     ("door", "runtime/processes/src/launch/latch_notes.rs", "the name of a guard"),
     ("door", "tests/runtime/signals.rs", "a door, as an input"),
     ("nudg", "runtime/core/src/model/payload.rs", "the text that identifies the order on the wire"),
+    ("screw", "SAFETY.md", "the motion along and about an axis"),
+    ("screw", "docs/src/faults.md", "the motion along and about an axis"),
+    ("screw", "docs/src/glossary.md", "the motion along and about an axis"),
+    ("screw", "docs/src/stops.md", "the motion along and about an axis"),
+    ("screw", "generators-lib/", "the motion along and about an axis"),
+    ("screw", "robots/src/", "a ball screw"),
+    ("screw", "robots/tests/", "a ball screw, and a joint that URDF does not have"),
+    ("screw", "sensing/calibration/", "a ball screw"),
+    ("screw", "tasks/calibration/", "a ball screw"),
+    ("screw", "tasks/engraving/", "the motion along and about an axis"),
     ("", "tests/layers/words.rs", "this list"),
 ];
 

@@ -29,7 +29,7 @@ start = [0.0, -1.57, 0.16, -0.16, 4.71, 0.0]
 [robots.right]
 kind = "irp6"
 start = [0.0, -1.57, 0.16, -0.16, 4.71, 0.0]
-base = { position = [0.0, 1.5, 0.0] }
+base = { xyz = [0.0, 1.5, 0.0] }
 "#;
 
 const OWN: &str = "step_ms = 2\n[robots.arm]\nkind = \"slides\"\nstart = [0.6, 0.0, 0.3]\n";

@@ -24,11 +24,11 @@ step_ms = 2
 [robots.left]
 kind = \"irp6\"
 start = [0.0, -1.57, 0.16, -0.16, 4.71, 0.0]
-base = { position = [0.0, 0.6, 0.0] }
+base = { xyz = [0.0, 0.6, 0.0] }
 [robots.right]
 kind = \"irp6\"
 start = [0.0, -1.57, 0.16, -0.16, 4.71, 0.0]
-base = { position = [0.0, -0.6, 0.0] }
+base = { xyz = [0.0, -0.6, 0.0] }
 ";
 
 pub fn file(text: &str) -> CellFile {

@@ -1,4 +1,4 @@
-//! Sensors, inputs and outputs, and the rate of path time in the picture of a run whose course equations tell.
+//! Sensors, inputs and outputs, and the rate of path time in the picture of a run whose values follow from equations.
 
 use std::f64::consts::TAU;
 use std::time::Duration;

@@ -38,6 +38,17 @@ def quaternion(rpy):
     ]
 
 
+def orientation(pose):
+    """Of a pose in cell.toml: w, x, y, z."""
+    if "quat_xyzw" in pose:
+        x, y, z, w = pose["quat_xyzw"]
+        return np.array([w, x, y, z]) / math.hypot(w, x, y, z)
+    if "zyz" in pose:
+        a, b, c = pose["zyz"]
+        return np.array(product(product(quaternion([0, 0, a]), quaternion([0, b, 0])), quaternion([0, 0, c])))
+    return quaternion(pose.get("rpy", [0.0] * 3))
+
+
 def text(values):
     return " ".join(repr(float(x)) for x in values)
 
@@ -57,10 +68,8 @@ def add_arm(world, sensors, name, entry, folder):
     urdf = ElementTree.parse(folder / entry["file"]).getroot()
     links = {link.get("name"): link for link in urdf.findall("link")}
     base = entry.get("base", {})
-    a, b, c = base.get("zyz", [0.0, 0.0, 0.0])
-    body = ElementTree.SubElement(world, "body", name=name, pos=text(base.get("position", [0.0] * 3)))
-    # Rz(a) Ry(b) Rz(c)
-    body.set("quat", text(np.array(product(product(quaternion([0, 0, a]), quaternion([0, b, 0])), quaternion([0, 0, c])))))
+    body = ElementTree.SubElement(world, "body", name=name, pos=text(base.get("xyz", [0.0] * 3)))
+    body.set("quat", text(orientation(base)))
     joints, moving = chain(urdf, entry["tip"]), []
     for i, joint in enumerate(joints):
         origin = joint.find("origin")

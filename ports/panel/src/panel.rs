@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use mrroc_core::console::refused;
 use mrroc_core::observe::layout::Layout;
-use mrroc_launch::{MemoryRunViewer, Panel};
+use mrroc_launch::{Panel, RunObserver};
 
 use crate::now::Appearance;
 use crate::run::{attend, play};
@@ -29,7 +29,7 @@ impl Panel for InBrowser {
         }
     }
 
-    fn view_memory_run(&self, layout: Layout) -> Rc<dyn MemoryRunViewer> {
+    fn observe_run(&self, layout: Layout) -> Rc<dyn RunObserver> {
         Rc::new(OnMemory::of(layout))
     }
 }

@@ -13,7 +13,7 @@ use std::time::Duration;
 
 use mrroc_core::console::{refused, say};
 use mrroc_core::observe::layout::Layout;
-use mrroc_launch::MemoryRunViewer;
+use mrroc_launch::RunObserver;
 use tokio::net::TcpListener;
 use tokio::sync::watch;
 
@@ -57,7 +57,7 @@ pub fn play(looks: Arc<Appearance>, history: RunHistory) -> ExitCode {
     begin(looks, Source::Over(Box::new(history)), None)
 }
 
-impl MemoryRunViewer for OnMemory {
+impl RunObserver for OnMemory {
     fn show(&self) -> ExitCode {
         let (looks, history) = self.take();
         play(Arc::new(looks), history)

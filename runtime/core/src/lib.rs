@@ -148,7 +148,7 @@ pub mod payload {
 
 /// Poses, their representations, and wrenches.
 pub mod pose {
-    pub use crate::model::pose::{AngleAxis, Pose, Zyz};
+    pub use crate::model::pose::{AngleAxis, Pose, Rpy, Zyz};
     pub use crate::model::wrench::Wrench;
 }
 

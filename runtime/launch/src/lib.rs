@@ -45,7 +45,7 @@ use crate::telling::PartRequest;
 
 pub use crate::options::Operating;
 pub use crate::own::{own_number, own_option};
-pub use crate::parts::{Launch, MemoryRunViewer, Panel, Parts, Processes, Ran, Replays};
+pub use crate::parts::{Launch, Panel, Parts, Processes, Ran, Replays, RunObserver};
 
 /// The main function of a task program: `cell` makes a cell from `cell.toml`, and this function runs it with the
 /// options of the command line.

@@ -152,7 +152,7 @@ pub(super) enum LaunchCommand {
         folder: String,
     },
     /// Run the gateway of a sensor whose program is on another machine: its process starts this.
-    #[command(name = "door", hide = true)]
+    #[command(hide = true)]
     Gateway {
         /// The sensor.
         name: String,

@@ -10,7 +10,7 @@ use std::rc::Rc;
 use std::time::Duration;
 
 use super::outcome::report;
-use super::parts::{MemoryRunViewer, Panel, Parts};
+use super::parts::{Panel, Parts, RunObserver};
 use mrroc_core::cell::Cell;
 use mrroc_core::console::refused;
 use mrroc_core::link::Clock;
@@ -40,12 +40,12 @@ pub(super) fn check(parts: &Parts, clock: Option<Clock>, is_dry: bool) -> Result
     Ok(())
 }
 
-/// Lets the panel view a run on the memory link, if there is one; it shows the run when that is over.
-pub(super) fn view_memory_run(
+/// Lets the panel observe a run in this one process, if there is a panel; it shows the run when that is over.
+pub(super) fn observe_run(
     panel: Option<&'static dyn Panel>,
     cell: Cell,
-) -> (Option<Rc<dyn MemoryRunViewer>>, Cell) {
-    let Some(panel) = panel.map(|panel| panel.view_memory_run(cell.layout())) else { return (None, cell) };
+) -> (Option<Rc<dyn RunObserver>>, Cell) {
+    let Some(panel) = panel.map(|panel| panel.observe_run(cell.layout())) else { return (None, cell) };
     let observer = Rc::clone(&panel) as Rc<dyn StepObserver>;
     (Some(panel), cell.observed_by(observer))
 }

@@ -45,12 +45,12 @@ pub trait Panel: core::fmt::Debug + Sync {
     /// Shows a recording of a cell of this layout, until it is ended by a signal.
     fn play(&self, layout: Layout, recording: &Path) -> ExitCode;
 
-    /// Begins to view a run on the memory link.
-    fn view_memory_run(&self, layout: Layout) -> Rc<dyn MemoryRunViewer>;
+    /// Begins to observe a run in this one process.
+    fn observe_run(&self, layout: Layout) -> Rc<dyn RunObserver>;
 }
 
-/// Who views a run on the memory link, and shows it afterwards.
-pub trait MemoryRunViewer: StepObserver {
+/// An observer of a run in one process, which shows the run when it is over.
+pub trait RunObserver: StepObserver {
     /// The run is over: shows it until this process is ended by a signal.
     fn show(&self) -> ExitCode;
 }

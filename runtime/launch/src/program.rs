@@ -218,7 +218,7 @@ impl Launch {
         }
         match self.clock {
             None => {
-                let (panel, cell) = panel::view_memory_run(self.parts.panel.filter(|_| self.panel), cell);
+                let (panel, cell) = panel::observe_run(self.parts.panel.filter(|_| self.panel), cell);
                 let ran = cell.run().map(Ran::Here);
                 panel.map_or(ran, |panel| Ok(Ran::Part(panel.show())))
             }

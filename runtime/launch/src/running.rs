@@ -42,7 +42,7 @@ pub(super) fn run(
         let notes = LongRunNotes::begin().with_reset(cell.awaits_reset());
         cell = cell.also_on_step(notes.hook());
     }
-    let (panel, cell) = panel::view_memory_run(parts.panel.filter(|_| options.panel), cell);
+    let (panel, cell) = panel::observe_run(parts.panel.filter(|_| options.panel), cell);
     let ran = cell.end_when_stuck(STUCK).run();
     if let (Some(file), Ok(_) | Err(CellError::Fault(_))) = (&options.outcome, &ran)
         && let Err(error) = write_outcome(file, &Outcome::of_memory_link(&ran))

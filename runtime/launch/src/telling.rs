@@ -43,7 +43,7 @@ impl PartRequest {
             "external" => Some(PartRequest::Python),
             "node" => Some(PartRequest::Node),
             "certificates" => Some(PartRequest::Certificates),
-            "door" => Some(PartRequest::Gateway),
+            "gateway" => Some(PartRequest::Gateway),
             "panel" => Some(PartRequest::Panel),
             _ => None,
         }

@@ -9,6 +9,7 @@ use mrroc_robots::{ArmCalibration, ChainCalibration, LocalCorrection};
 use crate::chain::ChainArm;
 use crate::fit::Fit;
 use crate::known::is_unknown;
+use crate::pose_text::pose_text;
 use crate::problem::ArmId;
 use crate::trials::Errors;
 
@@ -62,16 +63,9 @@ pub fn text(calibration: &ArmCalibration, fit: &Fit, arm: ArmId, account: &Accou
         let Errors { count, mean, rms, max } = errors;
         let _ = writeln!(text, "[{name}]\ncount = {count}\nmean = {mean:?}\nrms = {rms:?}\nmax = {max:?}\n");
     }
-    let _ = writeln!(text, "# Frames: position, and a rotation vector.");
+    let _ = writeln!(text, "# Frames, as poses in cell.toml [m].");
     for (name, frame) in frames {
-        let (p, v) = (frame.translation.vector, frame.rotation.scaled_axis());
-        let _ = writeln!(
-            text,
-            "[frames.{}]\nposition = {:?}\nrotation_vector = {:?}\n",
-            quoted(name),
-            [p.x, p.y, p.z],
-            [v.x, v.y, v.z]
-        );
+        let _ = writeln!(text, "[frames.{}]\n{}", quoted(name), pose_text(frame));
     }
     let columns: Vec<usize> = fit.columns_of(arm).into_iter().flatten().collect();
     let found: Vec<_> = fit.found().collect();

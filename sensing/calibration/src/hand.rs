@@ -5,7 +5,7 @@
 
 use core::fmt;
 
-use mrroc::pose::{Pose, Zyz};
+use mrroc::pose::{Pose, Rpy};
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
 use crate::arm::Arm;
@@ -16,6 +16,7 @@ use crate::known::{
 };
 use crate::least_squares::Settings;
 use crate::parameter::{Parameter, Unit};
+use crate::pose_text::pose_text;
 use crate::problem::{ArmId, Freedom, Noise, Problem};
 
 /// An arm of which only poses of its flange are known: its six joint positions are x, y, z \[m\] and a rotation vector \[rad\].
@@ -88,15 +89,10 @@ impl InHand {
     /// A pose in the arm's base, of what stands beside the arm.
     #[must_use]
     pub fn base_text(&self, name: &str, made: &str) -> String {
-        let (p, v) = (self.frame.translation.vector, self.frame.rotation.scaled_axis());
-        let Zyz { alpha, beta, gamma } = Zyz::of(&self.frame.rotation);
         format!(
-            "# The {name} in the arm's base, found on {made}: write this into cell.toml, if the arm's base is the world.\n# m, rad.\n\
-             [frames.{name}]\nposition = {:?}\nzyz = {:?}\n# The same orientation as a rotation vector: {:?}\n\
-             # Standard deviations of x, y, z, and of turns about its own axes.\n# sigma = {:?}\n",
-            [p.x, p.y, p.z],
-            [alpha, beta, gamma],
-            [v.x, v.y, v.z],
+            "# The {name} in the arm's base, found on {made}: write this into cell.toml, if the arm's base is the world.\n# m.\n\
+             [frames.{name}]\n{}# Standard deviations of x, y, z, and of turns about its own axes.\n# sigma = {:?}\n",
+            pose_text(&self.frame),
             self.sigma
         )
     }
@@ -104,13 +100,10 @@ impl InHand {
     /// A pose as `cell.toml` writes it, for a table `[tools.NAME]`.
     #[must_use]
     pub fn text(&self, name: &str, made: &str) -> String {
-        let p = self.frame.translation.vector;
-        let Zyz { alpha, beta, gamma } = Zyz::of(&self.frame.rotation);
         format!(
-            "# The {name} on the flange, found on {made}: write this into a table [tools.NAME] of cell.toml.\n# m, rad.\n\
-             position = {:?}\nzyz = {:?}\n# Standard deviations of x, y, z, and of turns about its own axes if they were found.\n# sigma = {:?}\n",
-            [p.x, p.y, p.z],
-            [alpha, beta, gamma],
+            "# The {name} on the flange, found on {made}: write this into a table [tools.NAME] of cell.toml.\n# m.\n\
+             {}# Standard deviations of x, y, z, and of turns about its own axes if they were found.\n# sigma = {:?}\n",
+            pose_text(&self.frame),
             self.sigma
         )
     }
@@ -118,15 +111,15 @@ impl InHand {
 
 impl fmt::Display for InHand {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (p, v) = (self.frame.translation.vector * 1e3, self.frame.rotation.scaled_axis());
+        let (p, turn) = (self.frame.translation.vector * 1e3, Rpy::of(&self.frame.rotation));
         let told = |f: &mut fmt::Formatter<'_>, name: &str, of: [f64; 3], sigma: &[f64], factor: f64| {
-            write!(f, "{name:21} {:10.4} {:10.4} {:10.4}   known to", of[0], of[1], of[2])?;
+            write!(f, "{name:9} {:10.4} {:10.4} {:10.4}   known to", of[0], of[1], of[2])?;
             sigma.iter().try_for_each(|sigma| write!(f, " {:.4}", sigma * factor))?;
             writeln!(f)
         };
-        told(f, "position [mm]", [p.x, p.y, p.z], &self.sigma[..self.sigma.len().min(3)], 1e3)?;
+        told(f, "xyz [mm]", [p.x, p.y, p.z], &self.sigma[..self.sigma.len().min(3)], 1e3)?;
         if self.sigma.len() > 3 {
-            told(f, "rotation vector [rad]", [v.x, v.y, v.z], &self.sigma[3..], 1.0)?;
+            told(f, "rpy [rad]", [turn.roll, turn.pitch, turn.yaw], &self.sigma[3..], 1.0)?;
         }
         if let Some(pixels) = self.pixels {
             return writeln!(f, "left: {pixels:.3} px rms");

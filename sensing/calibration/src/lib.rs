@@ -45,6 +45,7 @@ mod loss;
 mod parameter;
 pub mod photo;
 mod pixels;
+mod pose_text;
 mod postures;
 mod problem;
 mod quick;

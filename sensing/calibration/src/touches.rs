@@ -7,11 +7,12 @@
 use core::fmt;
 use std::collections::BTreeMap;
 
-use mrroc::pose::Pose;
+use mrroc::pose::{Pose, Rpy};
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 
 use crate::columns::{Columns, WrongLine};
 use crate::known::{BASE, BASE_TURN, TOUCHING, WRONG};
+use crate::pose_text::pose_text;
 
 /// Points nearer to a line than this part of their extent tell no turn about it.
 const FLAT: f64 = 0.05;
@@ -192,21 +193,19 @@ impl TouchedBase {
     /// The file for `base` of a robot in `cell.toml`; `of` and `within` are the arms.
     #[must_use]
     pub fn text(&self, of: &str, within: &str, made: &str) -> String {
-        let (p, v) = (self.base.translation.vector, self.base.rotation.scaled_axis());
         format!(
-            "# The base of `{of}` in that of `{within}`: name this file as its `base` in cell.toml.\n# m, and a rotation vector [rad].\n\
-             model = \"base\"\nrobot = {of:?}\nmade = {made:?}\n\n[frames.base]\nposition = {:?}\nrotation_vector = {:?}\n",
-            [p.x, p.y, p.z],
-            [v.x, v.y, v.z]
+            "# The base of `{of}` in that of `{within}`: name this file as its `base` in cell.toml.\n# m.\n\
+             model = \"base\"\nrobot = {of:?}\nmade = {made:?}\n\n[frames.base]\n{}",
+            pose_text(&self.base)
         )
     }
 }
 
 impl fmt::Display for TouchedBase {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (p, v) = (self.base.translation.vector * 1e3, self.base.rotation.scaled_axis());
-        writeln!(f, "position [mm]         {:12.4} {:12.4} {:12.4}", p.x, p.y, p.z)?;
-        writeln!(f, "rotation vector [rad] {:12.6} {:12.6} {:12.6}", v.x, v.y, v.z)?;
+        let (p, turn) = (self.base.translation.vector * 1e3, Rpy::of(&self.base.rotation));
+        writeln!(f, "xyz [mm]  {:12.4} {:12.4} {:12.4}", p.x, p.y, p.z)?;
+        writeln!(f, "rpy [rad] {:12.6} {:12.6} {:12.6}", turn.roll, turn.pitch, turn.yaw)?;
         writeln!(
             f,
             "known to {:.3} mm in the middle of the points, and to {:.3} mrad (standard deviations)",

@@ -79,11 +79,21 @@ fn a_camera_beside_the_arm_is_a_frame_of_its_cell() {
         let line = text.lines().find_map(|line| line.strip_prefix(&format!("{key} = ["))).expect("a key");
         line.trim_end_matches(']').split(", ").map(|number| number.parse().expect("a number")).collect()
     };
-    let (p, z) = (numbers("position"), numbers("zyz"));
-    let about = |axis: Vector3<f64>, angle: f64| Pose::rotation(axis * angle);
-    let read = Pose::translation(p[0], p[1], p[2])
-        * about(Vector3::z(), z[0])
-        * about(Vector3::y(), z[1])
-        * about(Vector3::z(), z[2]);
+    let (p, q) = (numbers("xyz"), numbers("quat_xyzw"));
+    let turn = |r: [f64; 3]| Pose::rotation(Vector3::from(r));
+    let place = Pose::translation(p[0], p[1], p[2]);
+    let quaternion = nalgebra::Quaternion::new(q[3], q[0], q[1], q[2]);
+    let read = place * nalgebra::UnitQuaternion::from_quaternion(quaternion);
+    assert!((read.to_homogeneous() - frame.to_homogeneous()).amax() < 1e-12);
+    // The same in the comment: turns about the fixed axes x, y and z.
+    let (_, comment) = text.split_once("rpy = [").expect("the angles");
+    let rpy: Vec<f64> = comment
+        .split(']')
+        .next()
+        .into_iter()
+        .flat_map(|list| list.split(", "))
+        .map(|number| number.parse().expect("a number"))
+        .collect();
+    let read = place * turn([0.0, 0.0, rpy[2]]) * turn([0.0, rpy[1], 0.0]) * turn([rpy[0], 0.0, 0.0]);
     assert!((read.to_homogeneous() - frame.to_homogeneous()).amax() < 1e-12);
 }

@@ -21,7 +21,7 @@ pub enum ClientAction {
         until: Duration,
     },
     /// It is done: what was measured, if that was asked for.
-    Done(Result<Option<Measured>, NoReading>),
+    Done(Result<Option<Measured>, GeocomError>),
     /// Nothing was asked for.
     Idle,
 }
@@ -35,9 +35,9 @@ pub struct Measured {
     pub face: Face,
 }
 
-/// Why there is no reading.
+/// Why an exchange with the instrument failed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum NoReading {
+pub enum GeocomError {
     /// No answer came, however often it was asked.
     #[error("no answer came in time: is the instrument on, and the speed of the port its own?")]
     Silent,
@@ -55,7 +55,7 @@ pub enum NoReading {
     Closed,
 }
 
-impl NoReading {
+impl GeocomError {
     /// Whether it may be another time.
     pub(crate) const fn is_passing(self) -> bool {
         match self {

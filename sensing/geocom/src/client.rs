@@ -6,7 +6,7 @@
 
 use core::time::Duration;
 
-use crate::action::{ClientAction, Measured, NoReading};
+use crate::action::{ClientAction, GeocomError, Measured};
 use crate::angles::{Face, from_circles, to_circles};
 use crate::exchange::{Exchange, Progress};
 use crate::framing::Lines;
@@ -33,7 +33,7 @@ impl Default for Timeouts {
 ///
 /// ```
 /// use core::time::Duration;
-/// use mrroc_geocom::{Client, ClientAction, Timeouts, NoReading};
+/// use mrroc_geocom::{Client, ClientAction, Timeouts, GeocomError};
 ///
 /// let mut client = Client::new(Timeouts { times: 1, ..Timeouts::default() });
 /// client.greet();
@@ -43,7 +43,7 @@ impl Default for Timeouts {
 /// assert_eq!(client.outgoing(), b"%R1Q,0,1:\r\n");
 /// client.sent(client.outgoing().len());
 /// assert_eq!(client.poll(second(5), &[]), ClientAction::Receive { until: second(8) });
-/// assert_eq!(client.poll(second(8), &[]), ClientAction::Done(Err(NoReading::Silent)));
+/// assert_eq!(client.poll(second(8), &[]), ClientAction::Done(Err(GeocomError::Silent)));
 /// ```
 #[derive(Debug)]
 pub struct Client {
@@ -90,7 +90,7 @@ struct Target {
 /// What follows an answer.
 enum Then {
     Ask(Question),
-    Done(Result<Option<Measured>, NoReading>),
+    Done(Result<Option<Measured>, GeocomError>),
 }
 
 impl Client {
@@ -174,14 +174,14 @@ impl Client {
     }
 
     /// Whether a question is asked again: after silence, after an answer that cannot be understood, and while the instrument is busy.
-    fn asks_again(&self, work: &Work, answer: &Result<Answer, NoReading>) -> bool {
+    fn asks_again(&self, work: &Work, answer: &Result<Answer, GeocomError>) -> bool {
         work.tried < self.timeout.times.max(1)
             && !work.question.is_asked_once()
             && answer.as_ref().is_err_and(|trouble| trouble.is_passing())
     }
 
     /// What follows the answer to a question.
-    fn after(&self, question: Question, answer: Result<Answer, NoReading>) -> Then {
+    fn after(&self, question: Question, answer: Result<Answer, GeocomError>) -> Then {
         match (question, answer) {
             (Question::TurnOver { .. }, Err(trouble)) if !trouble.is_passing() => Then::Done(Err(trouble)),
             // Its face says what became of it.
@@ -229,19 +229,19 @@ impl Question {
     }
 }
 
-fn measured(answer: &Answer, asked: Option<Face>) -> Result<Measured, NoReading> {
-    let (hz, v) = answer.number(0).zip(answer.number(1)).ok_or(NoReading::Garbled)?;
+fn measured(answer: &Answer, asked: Option<Face>) -> Result<Measured, GeocomError> {
+    let (hz, v) = answer.number(0).zip(answer.number(1)).ok_or(GeocomError::Garbled)?;
     let face = face_of(answer.number(8))?;
     if asked.is_some_and(|asked| asked != face) {
-        return Err(NoReading::OtherFace);
+        return Err(GeocomError::OtherFace);
     }
     Ok(Measured { angles: from_circles([hz, v], face), face })
 }
 
-fn face_of(number: Option<f64>) -> Result<Face, NoReading> {
+fn face_of(number: Option<f64>) -> Result<Face, GeocomError> {
     match number {
         Some(0.0) => Ok(Face::One),
         Some(1.0) => Ok(Face::Two),
-        _ => Err(NoReading::Garbled),
+        _ => Err(GeocomError::Garbled),
     }
 }

@@ -3,7 +3,7 @@
 use std::os::fd::AsFd;
 use std::time::{Duration, Instant};
 
-use crate::action::{ClientAction, Measured, NoReading};
+use crate::action::{ClientAction, GeocomError, Measured};
 use crate::angles::Face;
 use crate::client::{Client, Timeouts};
 use crate::line::Line;
@@ -34,8 +34,8 @@ impl<F: AsFd> Transport<F> {
     /// Does what a client needs before it goes on, or begins to.
     ///
     /// # Errors
-    /// [`NoReading::Closed`].
-    pub fn carry_out(&mut self, next: ClientAction, client: &mut Client) -> Result<(), NoReading> {
+    /// [`GeocomError::Closed`].
+    pub fn carry_out(&mut self, next: ClientAction, client: &mut Client) -> Result<(), GeocomError> {
         let left = |until: Duration| until.saturating_sub(self.since.elapsed()).min(SLICE);
         match next {
             ClientAction::Send { until } => {
@@ -66,8 +66,8 @@ impl<F: AsFd> Connection<F> {
     /// Whether the instrument answers (`COM_NullProc`).
     ///
     /// # Errors
-    /// [`NoReading`].
-    pub fn greet(&mut self) -> Result<(), NoReading> {
+    /// [`GeocomError`].
+    pub fn greet(&mut self) -> Result<(), GeocomError> {
         self.client.greet();
         self.run().map(drop)
     }
@@ -75,19 +75,19 @@ impl<F: AsFd> Connection<F> {
     /// Turns the telescope over if need be, then about to these angles, lets the instrument find the target there, and measures.
     ///
     /// # Errors
-    /// [`NoReading`].
-    pub fn sight(&mut self, about: [f64; 2], face: Face) -> Result<Measured, NoReading> {
+    /// [`GeocomError`].
+    pub fn sight(&mut self, about: [f64; 2], face: Face) -> Result<Measured, GeocomError> {
         self.client.sight(about, face);
-        self.run()?.ok_or(NoReading::Garbled)
+        self.run()?.ok_or(GeocomError::Garbled)
     }
 
     /// Measures where the telescope points, with the compensator (`TMC_GetAngle1`).
     ///
     /// # Errors
-    /// [`NoReading`].
-    pub fn measure(&mut self) -> Result<Measured, NoReading> {
+    /// [`GeocomError`].
+    pub fn measure(&mut self) -> Result<Measured, GeocomError> {
         self.client.measure();
-        self.run()?.ok_or(NoReading::Garbled)
+        self.run()?.ok_or(GeocomError::Garbled)
     }
 
     /// Both parts, of an instrument that goes on in a thread of its own.
@@ -95,7 +95,7 @@ impl<F: AsFd> Connection<F> {
         (self.client, self.transport)
     }
 
-    fn run(&mut self) -> Result<Option<Measured>, NoReading> {
+    fn run(&mut self) -> Result<Option<Measured>, GeocomError> {
         loop {
             let (now, bytes) = self.transport.take();
             match self.client.poll(now, bytes) {

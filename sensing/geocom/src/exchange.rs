@@ -4,7 +4,7 @@
 
 use core::time::Duration;
 
-use crate::action::{ClientAction, NoReading};
+use crate::action::{ClientAction, GeocomError};
 use crate::framing::Lines;
 use crate::protocol::{Answer, Code, Request};
 
@@ -38,7 +38,7 @@ pub enum Progress {
     /// It goes on when this is done.
     On(ClientAction),
     /// It is over.
-    Over(Result<Answer, NoReading>),
+    Over(Result<Answer, GeocomError>),
 }
 
 /// What a line is to a question.
@@ -46,7 +46,7 @@ enum Heard {
     /// The answer to another one.
     Other,
     /// The answer, or what stands in its place.
-    Answer(Result<Answer, NoReading>),
+    Answer(Result<Answer, GeocomError>),
 }
 
 impl Exchange {
@@ -73,7 +73,7 @@ impl Exchange {
                         Ok(Some(_)) => {
                             *passed += 1;
                             if *passed > MOST_BEFORE {
-                                return Progress::Over(Err(NoReading::Garbled));
+                                return Progress::Over(Err(GeocomError::Garbled));
                             }
                             continue;
                         }
@@ -96,14 +96,14 @@ impl Exchange {
                         return Progress::On(ClientAction::Send { until: *until });
                     }
                     outgoing.clear();
-                    return Progress::Over(Err(NoReading::Silent));
+                    return Progress::Over(Err(GeocomError::Silent));
                 }
                 State::Waiting { until, others } => {
                     let line = match lines.next_line() {
                         Err(trouble) => return Progress::Over(Err(trouble)),
                         // What has come by the end of the time is read, however late it is looked at.
                         Ok(None) if is_quiet && now >= *until => {
-                            return Progress::Over(Err(NoReading::Silent));
+                            return Progress::Over(Err(GeocomError::Silent));
                         }
                         Ok(None) => return Progress::On(ClientAction::Receive { until: *until }),
                         Ok(Some(line)) => line,
@@ -113,7 +113,7 @@ impl Exchange {
                         Heard::Other => {
                             (*until, *others) = (now + self.timeout, *others + 1);
                             if *others == MOST_OTHERS {
-                                return Progress::Over(Err(NoReading::Silent));
+                                return Progress::Over(Err(GeocomError::Silent));
                             }
                         }
                     }
@@ -126,7 +126,7 @@ impl Exchange {
 /// What a line is to the question of a transaction. An answer to an earlier question is not taken, nor one without a checksum of an instrument that
 /// knows them.
 fn heard(line: &str, transaction: u32, checks: &mut Option<bool>) -> Heard {
-    let Some(answer) = Answer::parse(line) else { return Heard::Answer(Err(NoReading::Garbled)) };
+    let Some(answer) = Answer::parse(line) else { return Heard::Answer(Err(GeocomError::Garbled)) };
     // What an instrument could not read it may answer without a number.
     if answer.transaction != transaction && (answer.transport == Code::OK || answer.transaction != 0) {
         return Heard::Other;
@@ -135,10 +135,10 @@ fn heard(line: &str, transaction: u32, checks: &mut Option<bool>) -> Heard {
         checks.get_or_insert(answer.checked);
     }
     if *checks == Some(true) && !answer.checked || answer.transport.is_of_lines() {
-        return Heard::Answer(Err(NoReading::Garbled));
+        return Heard::Answer(Err(GeocomError::Garbled));
     }
     Heard::Answer(match (answer.transport, answer.code) {
         (Code::OK, Code::OK) => Ok(answer),
-        (Code::OK, code) | (code, _) => Err(NoReading::Refused(code)),
+        (Code::OK, code) | (code, _) => Err(GeocomError::Refused(code)),
     })
 }

@@ -1,6 +1,6 @@
 //! Bytes of a serial line as lines of text.
 
-use crate::action::NoReading;
+use crate::action::GeocomError;
 use crate::protocol::LONGEST;
 
 /// Lines of text, as their bytes come: in pieces, and several at once.
@@ -26,8 +26,8 @@ impl Lines {
     /// The next line that is not empty, without its end; `None` while it has none.
     ///
     /// # Errors
-    /// [`NoReading::Garbled`] of a line without an end, which is thrown away, and of nothing but ends of lines.
-    pub fn next_line(&mut self) -> Result<Option<String>, NoReading> {
+    /// [`GeocomError::Garbled`] of a line without an end, which is thrown away, and of nothing but ends of lines.
+    pub fn next_line(&mut self) -> Result<Option<String>, GeocomError> {
         while let Some(end) = self.begun.iter().position(|byte| matches!(byte, b'\n' | b'\r')) {
             let line: Vec<u8> = self.begun.drain(..=end).take(end).collect();
             if !line.is_empty() {
@@ -37,12 +37,12 @@ impl Lines {
             self.empty += 1;
             if self.empty > LONGEST {
                 self.empty = 0;
-                return Err(NoReading::Garbled);
+                return Err(GeocomError::Garbled);
             }
         }
         if self.begun.len() > LONGEST {
             self.begun.clear();
-            return Err(NoReading::Garbled);
+            return Err(GeocomError::Garbled);
         }
         Ok(None)
     }
@@ -72,13 +72,13 @@ mod tests {
         lines.push(&[b'x'; LONGEST]);
         assert_eq!(lines.next_line(), Ok(None));
         lines.push(b"x");
-        assert_eq!(lines.next_line(), Err(NoReading::Garbled));
+        assert_eq!(lines.next_line(), Err(GeocomError::Garbled));
         // It is thrown away, so that the next one is read.
         lines.push(b"y\r");
         assert_eq!(lines.next_line(), Ok(Some("y".to_owned())));
         lines.push(&[b'\n'; LONGEST]);
         assert_eq!(lines.next_line(), Ok(None));
         lines.push(b"\n");
-        assert_eq!(lines.next_line(), Err(NoReading::Garbled));
+        assert_eq!(lines.next_line(), Err(GeocomError::Garbled));
     }
 }

@@ -10,7 +10,7 @@ use mrroc::fault::FaultKind;
 use mrroc::prelude::*;
 use mrroc_driver_kit::{Handed, Number};
 
-use crate::action::{ClientAction, Measured, NoReading};
+use crate::action::{ClientAction, GeocomError, Measured};
 use crate::angles::Face;
 use crate::client::Client;
 use crate::protocol::Code;
@@ -73,7 +73,7 @@ impl Orders {
         &mut self,
         shared: &Shared,
         sight: Sight,
-        goes_on: Result<(), NoReading>,
+        goes_on: Result<(), GeocomError>,
     ) -> Result<Angles, Fault> {
         let nothing = Angles { index: sight.index, ..Angles::default() };
         let is_read = shared.done.load(Ordering::Acquire) == self.count;
@@ -143,10 +143,10 @@ impl Worker {
 
     /// The line is closed: so much for the sight that is carried out.
     pub fn close(&mut self, shared: &Shared) {
-        self.tell(shared, Err(NoReading::Closed));
+        self.tell(shared, Err(GeocomError::Closed));
     }
 
-    fn tell(&mut self, shared: &Shared, outcome: Result<Option<Measured>, NoReading>) {
+    fn tell(&mut self, shared: &Shared, outcome: Result<Option<Measured>, GeocomError>) {
         let Some(asked) = self.begun.take() else { return };
         if let Ok(Some(measured)) = outcome {
             for (shared, angle) in shared.read.iter().zip(measured.angles) {
@@ -159,28 +159,28 @@ impl Worker {
 }
 
 /// Troubles as numbers: codes of the instrument as they are, which are below 65536.
-const fn number_of(trouble: NoReading) -> u32 {
+const fn number_of(trouble: GeocomError) -> u32 {
     match trouble {
-        NoReading::Refused(code) => code.0,
-        NoReading::Silent => 1 << 16,
-        NoReading::Garbled => 2 << 16,
-        NoReading::OtherFace => 3 << 16,
-        NoReading::Closed => 4 << 16,
+        GeocomError::Refused(code) => code.0,
+        GeocomError::Silent => 1 << 16,
+        GeocomError::Garbled => 2 << 16,
+        GeocomError::OtherFace => 3 << 16,
+        GeocomError::Closed => 4 << 16,
     }
 }
 
-const fn trouble_of(number: u32) -> Option<NoReading> {
+const fn trouble_of(number: u32) -> Option<GeocomError> {
     Some(match (number >> 16, number) {
         (_, 0) => return None,
-        (0, code) => NoReading::Refused(Code(code)),
-        (1, _) => NoReading::Silent,
-        (2, _) => NoReading::Garbled,
-        (3, _) => NoReading::OtherFace,
-        _ => NoReading::Closed,
+        (0, code) => GeocomError::Refused(Code(code)),
+        (1, _) => GeocomError::Silent,
+        (2, _) => GeocomError::Garbled,
+        (3, _) => GeocomError::OtherFace,
+        _ => GeocomError::Closed,
     })
 }
 
 /// A trouble as a fault of the sensor.
-pub fn fault(trouble: NoReading) -> Fault {
+pub fn fault(trouble: GeocomError) -> Fault {
     Fault::new(FaultKind::SensorFailed).text(&trouble.to_string())
 }

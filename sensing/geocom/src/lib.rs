@@ -3,7 +3,7 @@
 //! | part | in | out |
 //! |---|---|---|
 //! | [`Request`], [`Answer`] | a line | what is asked and answered, and back |
-//! | [`Client`] | where to sight, in which face; the time, and bytes | angles as this workspace counts them, or [`NoReading`]; bytes, and until when to wait |
+//! | [`Client`] | where to sight, in which face; the time, and bytes | angles as this workspace counts them, or [`GeocomError`]; bytes, and until when to wait |
 //! | [`Lines`] | bytes in pieces | lines |
 //! | [`Line`] | a serial port, or anything else with a descriptor | bytes, within a time |
 //! | [`Connection`] | a line, and where to sight | what a client says, by the machine's clock |
@@ -27,7 +27,7 @@ mod simulated;
 #[cfg(test)]
 mod tests;
 
-pub use action::{ClientAction, Measured, NoReading};
+pub use action::{ClientAction, GeocomError, Measured};
 pub use angles::{Face, from_circles, to_circles};
 pub use client::{Client, Timeouts};
 pub use connection::Connection;

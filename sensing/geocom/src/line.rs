@@ -9,7 +9,7 @@ use mrroc_driver_kit::Serial;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::io::Errno;
 
-use crate::action::NoReading;
+use crate::action::GeocomError;
 
 /// A serial port that is open.
 #[derive(Debug)]
@@ -37,42 +37,42 @@ impl<F: AsFd> Line<F> {
     /// Sends some of these bytes, as soon as any can be: how many; none if none could be sent in time.
     ///
     /// # Errors
-    /// [`NoReading::Closed`].
-    pub fn send(&mut self, bytes: &[u8], time: Duration) -> Result<usize, NoReading> {
+    /// [`GeocomError::Closed`].
+    pub fn send(&mut self, bytes: &[u8], time: Duration) -> Result<usize, GeocomError> {
         if !self.is_ready(PollFlags::OUT, time)? {
             return Ok(0);
         }
         match rustix::io::write(&self.port, bytes) {
-            Ok(0) if !bytes.is_empty() => Err(NoReading::Closed),
+            Ok(0) if !bytes.is_empty() => Err(GeocomError::Closed),
             Ok(count) => Ok(count),
             Err(Errno::AGAIN | Errno::INTR) => Ok(0),
-            Err(_) => Err(NoReading::Closed),
+            Err(_) => Err(GeocomError::Closed),
         }
     }
 
     /// Reads what comes, as soon as it does: how many bytes; none if none came in time, or it was woken by a signal.
     ///
     /// # Errors
-    /// [`NoReading::Closed`].
-    pub fn receive(&mut self, bytes: &mut [u8], time: Duration) -> Result<usize, NoReading> {
+    /// [`GeocomError::Closed`].
+    pub fn receive(&mut self, bytes: &mut [u8], time: Duration) -> Result<usize, GeocomError> {
         if !self.is_ready(PollFlags::IN, time)? {
             return Ok(0);
         }
         match rustix::io::read(&self.port, bytes) {
-            Ok(0) | Err(Errno::IO) => Err(NoReading::Closed),
+            Ok(0) | Err(Errno::IO) => Err(GeocomError::Closed),
             Ok(count) => Ok(count),
             Err(Errno::AGAIN | Errno::INTR) => Ok(0),
-            Err(_) => Err(NoReading::Closed),
+            Err(_) => Err(GeocomError::Closed),
         }
     }
 
     /// Waits until it can be read from or written to; `false` if the time is over.
-    fn is_ready(&self, how: PollFlags, time: Duration) -> Result<bool, NoReading> {
-        let Ok(time) = Timespec::try_from(time) else { return Err(NoReading::Closed) };
+    fn is_ready(&self, how: PollFlags, time: Duration) -> Result<bool, GeocomError> {
+        let Ok(time) = Timespec::try_from(time) else { return Err(GeocomError::Closed) };
         match poll(&mut [PollFd::new(&self.port, how)], Some(&time)) {
             Ok(ready) => Ok(ready > 0),
             Err(Errno::INTR) => Ok(false),
-            Err(_) => Err(NoReading::Closed),
+            Err(_) => Err(GeocomError::Closed),
         }
     }
 }

@@ -10,7 +10,7 @@ use mrroc::fault::FaultKind;
 use mrroc::prelude::*;
 use mrroc_driver_kit::{Talk, Watch};
 
-use crate::action::{ClientAction, NoReading};
+use crate::action::{ClientAction, GeocomError};
 use crate::client::Timeouts;
 use crate::connection::Connection;
 use crate::handover::{Angles, Orders, Shared, Sight, Worker, fault};
@@ -35,7 +35,7 @@ pub struct Theodolite {
     port: PathBuf,
     baud: u32,
     timeout: Timeouts,
-    talk: Option<Talk<Shared, NoReading>>,
+    talk: Option<Talk<Shared, GeocomError>>,
     orders: Orders,
 }
 
@@ -49,8 +49,8 @@ impl Theodolite {
     /// Over a line that is open already.
     ///
     /// # Errors
-    /// [`NoReading`]: the instrument does not answer; or this machine starts no more threads.
-    pub fn over<F: AsFd + Send + 'static>(line: Line<F>, timeout: Timeouts) -> Result<Self, NoReading> {
+    /// [`GeocomError`]: the instrument does not answer; or this machine starts no more threads.
+    pub fn over<F: AsFd + Send + 'static>(line: Line<F>, timeout: Timeouts) -> Result<Self, GeocomError> {
         let talk = Some(begin(line, timeout)?);
         Ok(Self { port: PathBuf::new(), baud: 0, timeout, talk, orders: Orders::default() })
     }
@@ -59,7 +59,7 @@ impl Theodolite {
 fn begin<F: AsFd + Send + 'static>(
     line: Line<F>,
     timeout: Timeouts,
-) -> Result<Talk<Shared, NoReading>, NoReading> {
+) -> Result<Talk<Shared, GeocomError>, GeocomError> {
     let mut connection = Connection::new(line, timeout);
     connection.greet()?;
     let (client, mut transport) = connection.into_parts();
@@ -77,14 +77,14 @@ fn begin<F: AsFd + Send + 'static>(
         }
         Ok(())
     };
-    Talk::begin("theodolite", Shared::default(), NoReading::Closed, work).map_err(|_| NoReading::Closed)
+    Talk::begin("theodolite", Shared::default(), GeocomError::Closed, work).map_err(|_| GeocomError::Closed)
 }
 
 impl VirtualSensor for Theodolite {
     type Kind = Sighting;
 
     fn aggregate(&mut self, order: &ReadingOrder<Sight>) -> Result<Angles, Fault> {
-        let Some(talk) = &self.talk else { return Err(fault(NoReading::Closed)) };
+        let Some(talk) = &self.talk else { return Err(fault(GeocomError::Closed)) };
         self.orders.aggregate(talk.handed(), order.configuration, talk.goes_on())
     }
 

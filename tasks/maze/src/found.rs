@@ -5,7 +5,7 @@ use mrroc::prelude::*;
 use nalgebra::{Point3, Translation3, UnitQuaternion, Vector2, Vector3};
 
 use crate::mp::MazeSettings;
-use crate::orders::{Perform, Task, TaskOutcome};
+use crate::orders::{Task, TaskOutcome, TaskRunner};
 use crate::places::{MIDDLE, said};
 
 /// How an arm finds the maze: it touches the left side twice and the lower one once, each from 12 mm beside the frame and for 20 mm at
@@ -13,7 +13,7 @@ use crate::places::{MIDDLE, said};
 ///
 /// # Errors
 /// No side where one is looked for; the first fault of the cell.
-pub fn by_three_touches(have: &mut Perform<'_>, told: &MazeSettings) -> Result<(Pose, TaskOutcome), Fault> {
+pub fn by_three_touches(run: &mut TaskRunner<'_>, told: &MazeSettings) -> Result<(Pose, TaskOutcome), Fault> {
     let [width, height] = told.known.size;
     let corner = said([width, height]).translation;
     let mut sides = [Vector2::zeros(); 3];
@@ -21,8 +21,8 @@ pub fn by_three_touches(have: &mut Perform<'_>, told: &MazeSettings) -> Result<(
     for (side, (x, y)) in sides.iter_mut().zip(places) {
         let from = [corner.x + x, corner.y + y];
         let to = if x < 0.0 { [0.02, 0.0] } else { [0.0, 0.02] };
-        have(Task::Hop { x: from[0], y: from[1] })?;
-        let went = have(Task::Go { x: from[0] + to[0], y: from[1] + to[1] })?;
+        run(Task::Hop { x: from[0], y: from[1] })?;
+        let went = run(Task::Go { x: from[0] + to[0], y: from[1] + to[1] })?;
         *side = went.touched.ok_or_else(|| {
             Fault::thrown("the maze is not where it is said to stand: look for it, and correct its place")
         })?;
@@ -30,7 +30,7 @@ pub fn by_three_touches(have: &mut Perform<'_>, told: &MazeSettings) -> Result<(
     let off = told.known.radius + 0.5 * told.known.thickness;
     let maze = found([sides[0], sides[1]], sides[2], off, MIDDLE[2]);
     let start = maze * Point3::new(told.start.x, told.start.y, 0.0);
-    Ok((maze, have(Task::Hop { x: start.x, y: start.y })?))
+    Ok((maze, run(Task::Hop { x: start.x, y: start.y })?))
 }
 
 /// `X_WM` from where the ball's centre touched the left side twice, below and above, and the lower side once [m, W]; `off` is how far

@@ -11,7 +11,7 @@ use mrroc_map::{Knowledge, Map, Place, Planner, Region};
 use nalgebra::{Point3, Vector2};
 
 use crate::feeling::Feeling;
-use crate::orders::{Perform, Task, TaskOutcome};
+use crate::orders::{Task, TaskOutcome, TaskRunner};
 use crate::places::Sizes;
 
 /// What the coordinator is told of a maze.
@@ -68,13 +68,13 @@ pub fn coordinate<R: Robot, S: Feeling<R>>(
     mp: &mut Mp,
     [robot, sensor]: [&str; 2],
     told: &MazeSettings,
-    find: impl Fn(&mut Perform<'_>, &MazeSettings) -> Result<(Pose, TaskOutcome), Fault>,
+    find: impl Fn(&mut TaskRunner<'_>, &MazeSettings) -> Result<(Pose, TaskOutcome), Fault>,
     map: &Rc<RefCell<Map>>,
 ) -> Result<(), Fault> {
     let (mut robot, mut sensor) = (mp.robot::<R>(robot)?, mp.sensor::<S>(sensor)?);
     let mut touches = 0;
-    let mut have = |task: Task| carried_out(mp, (&mut robot, &mut sensor), &mut touches, task);
-    let (maze, went) = find(&mut have, told)?;
+    let mut run = |task: Task| carried_out(mp, (&mut robot, &mut sensor), &mut touches, task);
+    let (maze, went) = find(&mut run, told)?;
     let there = |place: &Place| (maze * Point3::new(place.x, place.y, 0.0)).coords.xy();
     let back = |at: &Vector2<f64>| maze.inverse_transform_point(&Point3::new(at.x, at.y, 0.0)).coords.xy();
     let mut at = went.at;
@@ -88,7 +88,7 @@ pub fn coordinate<R: Robot, S: Feeling<R>>(
             return Err(Fault::thrown(NO_WAY));
         };
         let leg = there(&way[1]);
-        let went = have(Task::Go { x: leg.x, y: leg.y })?;
+        let went = run(Task::Go { x: leg.x, y: leg.y })?;
         // Where the ball slid, it went from there to there; else straight to where it is, or to short of what it touched.
         let slid = went.seen.iter().flatten().filter(|_| S::TELLS_FACES);
         let mut from = back(&at);

@@ -46,5 +46,5 @@ pub struct TaskOutcome {
     pub seen: Seen,
 }
 
-/// Has the effector carry out a task.
-pub type Perform<'a> = dyn FnMut(Task) -> Result<TaskOutcome, Fault> + 'a;
+/// Runs a task on the effector, and tells what came of it.
+pub type TaskRunner<'a> = dyn FnMut(Task) -> Result<TaskOutcome, Fault> + 'a;

@@ -135,7 +135,7 @@ fn bases_from_touched_points_leave_the_bar_the_force_that_true_ones_leave() {
     let found = Touches::parse(&table).expect("a table").base("polycrank", "rnt").expect("a base");
     std::fs::write(folder.join("polycrank.base.toml"), found.text("polycrank", "rnt", "2026-11-24"))
         .expect("written");
-    let believed = "base = { position = [1.8, -0.3, -0.45], zyz = [3.141592653589793, 0.0, 0.0] }";
+    let believed = "base = { xyz = [1.8, -0.3, -0.45], rpy = [0.0, 0.0, 3.141592653589793] }";
     let text = include_str!("../cell.toml").replace(believed, "base = \"polycrank.base.toml\"");
     assert!(text.contains("polycrank.base.toml"), "cell.toml has another base");
     let name = folder.join("cell.toml").display().to_string();

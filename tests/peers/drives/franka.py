@@ -299,7 +299,7 @@ def cell_that_carries(mass, centre, inertia):
     """The example's cell with a tool of this mass, centre and inertia; its path without the suffix."""
     xx, xy, xz, _, yy, yz, _, _, zz = inertia
     text = (ROOT / EXAMPLES / "cell.toml").read_text().split("[tools.pen]")[0]
-    text += f"[tools.pen]\nposition = [0.0, 0.0, 0.15]\nmass = {mass}\ncentre = {centre}\ninertia = {[xx, xy, xz, yy, yz, zz]}\n"
+    text += f"[tools.pen]\nxyz = [0.0, 0.0, 0.15]\nmass = {mass}\ncentre = {centre}\ninertia = {[xx, xy, xz, yy, yz, zz]}\n"
     file = ROOT / "target/peers/carrying.toml"
     file.write_text(text)
     return str(file.with_suffix(""))

@@ -359,7 +359,7 @@ async function crowd(browser) {
 [robots.standing${i}]
 kind = "irp6"
 start = [0.0, -1.57, 0.16, -0.16, 4.71, 0.0]
-base = { position = [${2.5 * (i % 8) + 5}.0, ${2.5 * Math.floor(i / 8) - 8}.0, 0.0] }
+base = { xyz = [${2.5 * (i % 8) + 5}.0, ${2.5 * Math.floor(i / 8) - 8}.0, 0.0] }
 `.replace(/(\.5)\.0/g, '$1'));
   writeFileSync(many, readFileSync(cell, 'utf8') + standing.join(''));
   const shown = await start(['--cell', many, '--no-picture', '--panel'], ['--turns', '1']);

@@ -5,7 +5,7 @@
 //! the program, and readings to the port. So there is one adapter with one set of rules, no process with steps has a thread of
 //! the network in it, and iceoryx2 lets no second program of this machine write beside the gateway.
 //!
-//! The sensor's process starts the gateway as `PROGRAM door NAME --cell FILE` when it opens, and holds the other end of its standard
+//! The sensor's process starts the gateway as `PROGRAM gateway NAME --cell FILE` when it opens, and holds the other end of its standard
 //! input: the gateway ends with it, however that ends.
 
 mod clock;
@@ -54,7 +54,7 @@ impl GatewayProcess {
     pub fn start(cell: &Path, sensor: &str) -> Result<GatewayProcess, String> {
         let start = || {
             Command::new(std::env::current_exe()?)
-                .args(["door", sensor, "--cell"])
+                .args(["gateway", sensor, "--cell"])
                 .arg(cell)
                 .stdin(Stdio::piped())
                 .stdout(Stdio::piped())

@@ -1,6 +1,6 @@
-//! Poses in space and the orientation coordinates of the field: ZYZ Euler angles and angle-axis vectors.
+//! Poses in space and the orientation coordinates of the field: ZYZ Euler angles, roll, pitch and yaw, and angle-axis vectors.
 //!
-//! A pose is a [`Pose`]; the two other spellings hold the orientation alone. All conversions go through
+//! A pose is a [`Pose`]; the three other types hold the orientation alone. All conversions go through
 //! the half-angle (quaternion) form, so none of them loses digits near its singularity:
 //!
 //! ```text
@@ -8,16 +8,22 @@
 //!                                    z =  cos(beta/2) sin((alpha + gamma)/2)
 //!                                    y =  sin(beta/2) cos((alpha - gamma)/2)
 //!                                    x = -sin(beta/2) sin((alpha - gamma)/2)
+//!
+//! R_z(yaw) R_y(pitch) R_x(roll):     w + y = sqrt(2) cos(pi/4 - pitch/2) cos((yaw - roll)/2)
+//!                                    z - x = sqrt(2) cos(pi/4 - pitch/2) sin((yaw - roll)/2)
+//!                                    w - y = sqrt(2) sin(pi/4 - pitch/2) cos((yaw + roll)/2)
+//!                                    z + x = sqrt(2) sin(pi/4 - pitch/2) sin((yaw + roll)/2)
 //! ```
 
-use core::f64::consts::{PI, TAU};
+use core::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2, PI, TAU};
 
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
 /// A rigid-body transform. `X_AB` is the pose of frame B in frame A; lengths in metres.
 pub type Pose = nalgebra::Isometry3<f64>;
 
-/// Sine or cosine of `beta/2` below which `alpha` and `gamma` are not told apart: a few units of round-off.
+/// Sine or cosine of `beta/2` below which `alpha` and `gamma` are not told apart, and of `pi/4 - pitch/2` below which roll and
+/// yaw are not: a few units of round-off.
 const SINGULAR: f64 = 1e-15;
 
 /// An orientation as ZYZ Euler angles: `R_AB = R_z(alpha) R_y(beta) R_z(gamma)`, turning about the moved axes.
@@ -65,6 +71,48 @@ impl Zyz {
             sine * difference_cosine,
             cosine * sum_sine,
         ))
+    }
+}
+
+/// An orientation as roll, pitch and yaw, the `rpy` of URDF: turns about the fixed axes x, y and z in this order,
+/// `R_AB = R_z(yaw) R_y(pitch) R_x(roll)`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rpy {
+    /// First turn, about x \[rad\]; from a rotation: above -pi, up to pi.
+    pub roll: f64,
+    /// Second turn, about the fixed y \[rad\]; from a rotation: -pi/2 to pi/2.
+    pub pitch: f64,
+    /// Third turn, about the fixed z \[rad\]; from a rotation: above -pi, up to pi.
+    pub yaw: f64,
+}
+
+impl Rpy {
+    /// The angles of a rotation.
+    ///
+    /// At the singularities (`pitch` -pi/2 or pi/2, to round-off) `roll` is 0. Near them only the sum (the difference) of `roll`
+    /// and `yaw` is well determined; the angles still give the rotation back to 1e-14.
+    #[must_use]
+    pub fn of(rotation: &UnitQuaternion<f64>) -> Self {
+        let q = rotation.quaternion();
+        // Both are divided by sqrt(2), after which they are the cosine and the sine of `pi/4 - pitch/2`.
+        let cosine = (q.w + q.j).hypot(q.k - q.i) * FRAC_1_SQRT_2;
+        let sine = (q.w - q.j).hypot(q.k + q.i) * FRAC_1_SQRT_2;
+        let pitch = FRAC_PI_2 - 2.0 * sine.atan2(cosine);
+        let difference = 2.0 * (q.k - q.i).atan2(q.w + q.j);
+        let sum = 2.0 * (q.k + q.i).atan2(q.w - q.j);
+        if sine <= SINGULAR {
+            return Self { roll: 0.0, pitch, yaw: wrapped(difference) };
+        }
+        if cosine <= SINGULAR {
+            return Self { roll: 0.0, pitch, yaw: wrapped(sum) };
+        }
+        Self { roll: wrapped(0.5 * (sum - difference)), pitch, yaw: wrapped(0.5 * (sum + difference)) }
+    }
+
+    /// The rotation of the angles, which may have any finite value.
+    #[must_use]
+    pub fn rotation(&self) -> UnitQuaternion<f64> {
+        UnitQuaternion::from_euler_angles(self.roll, self.pitch, self.yaw)
     }
 }
 
@@ -216,6 +264,67 @@ mod tests {
             assert!((zyz.alpha - r[(1, 2)].atan2(r[(0, 2)])).abs() < 1e-12);
             assert!((zyz.beta - r[(2, 0)].hypot(r[(2, 1)]).atan2(r[(2, 2)])).abs() < 1e-12);
             assert!((zyz.gamma - r[(2, 1)].atan2(-r[(2, 0)])).abs() < 1e-12);
+        }
+    }
+
+    /// Roll, pitch and yaw by URDF's definition: elementary rotations about the fixed axes, multiplied as matrices.
+    fn rpy_by_definition(roll: f64, pitch: f64, yaw: f64) -> Matrix3<f64> {
+        let about = |axis, angle| Rotation3::from_axis_angle(&axis, angle).into_inner();
+        about(Vector3::z_axis(), yaw) * about(Vector3::y_axis(), pitch) * about(Vector3::x_axis(), roll)
+    }
+
+    #[test]
+    fn roll_pitch_and_yaw_mean_turns_about_the_fixed_axes_x_y_and_z() {
+        for roll in [-3.0, -0.4, 0.0, 1.3, 5.0] {
+            for pitch in ANGLES {
+                for yaw in [-7.0, -2.1, 0.0, 0.2, PI] {
+                    let error =
+                        matrix(&Rpy { roll, pitch, yaw }.rotation()) - rpy_by_definition(roll, pitch, yaw);
+                    assert!(error.amax() < 3e-15, "{roll} {pitch} {yaw}: {error}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn roll_pitch_and_yaw_give_the_rotation_back_at_and_near_both_singularities() {
+        for roll in [-PI, -3.0, -0.4, 0.0, 1e-9, 1.3, PI] {
+            for from_the_singularity in ANGLES {
+                for yaw in [-2.1, -1e-9, 0.0, 0.2, PI] {
+                    let pitch = FRAC_PI_2 - from_the_singularity;
+                    let rotation = Rpy { roll, pitch, yaw }.rotation();
+                    for rotation in [rotation, UnitQuaternion::new_unchecked(-rotation.into_inner())] {
+                        let rpy = Rpy::of(&rotation);
+                        let error = matrix(&rpy.rotation()) - matrix(&rotation);
+                        assert!(error.amax() < 1e-14, "{roll} {pitch} {yaw}: {error}");
+                        assert!((rpy.pitch - pitch).abs() < 2e-15, "{} for {pitch}", rpy.pitch);
+                        assert!(rpy.roll > -PI && rpy.roll <= PI && rpy.yaw > -PI && rpy.yaw <= PI);
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn roll_is_zero_at_the_singularities() {
+        // Pitch pi/2: R depends on yaw - roll alone. Pitch -pi/2: on yaw + roll alone.
+        let up = Rpy::of(&Rpy { roll: 0.5, pitch: FRAC_PI_2, yaw: 0.3 }.rotation());
+        assert_eq!(up.roll, 0.0, "{up:?}");
+        assert!((up.yaw + 0.2).abs() < 1e-15 && (up.pitch - FRAC_PI_2).abs() < 1e-15, "{up:?}");
+        let down = Rpy::of(&Rpy { roll: 0.5, pitch: -FRAC_PI_2, yaw: 0.3 }.rotation());
+        assert_eq!(down.roll, 0.0, "{down:?}");
+        assert!((down.yaw - 0.8).abs() < 1e-15 && (down.pitch + FRAC_PI_2).abs() < 1e-15, "{down:?}");
+    }
+
+    /// pitch = asin(-r31), roll = atan2(r32, r33), yaw = atan2(r21, r11).
+    #[test]
+    fn roll_pitch_and_yaw_are_those_of_the_matrix_formulas_where_these_hold() {
+        for (roll, pitch, yaw) in [(0.3, 0.9, -2.0), (-2.9, -1.2, 3.1), (1.0, 1e-2, 1.0)] {
+            let r = rpy_by_definition(roll, pitch, yaw);
+            let rpy = Rpy::of(&UnitQuaternion::from_matrix(&r));
+            assert!((rpy.roll - r[(2, 1)].atan2(r[(2, 2)])).abs() < 1e-12);
+            assert!((rpy.pitch - (-r[(2, 0)]).asin()).abs() < 1e-12);
+            assert!((rpy.yaw - r[(1, 0)].atan2(r[(0, 0)])).abs() < 1e-12);
         }
     }
 

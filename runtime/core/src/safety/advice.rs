@@ -79,7 +79,7 @@ impl Fault {
             }
             K::DemandInvalidFrame => {
                 return Some(
-                    "build the rotation with UnitQuaternion::from_axis_angle, or mrroc::pose::Zyz and mrroc::pose::AngleAxis",
+                    "build the rotation with UnitQuaternion::from_axis_angle, or one of Rpy, Zyz and AngleAxis of mrroc::pose",
                 );
             }
             K::PayloadMismatch => {

@@ -58,6 +58,13 @@ impl CellFileError {
         CellFileError { complaints: vec![Complaint { offset: 0, at, what, excerpt: String::new(), help }] }
     }
 
+    /// Places and causes, in one line: for a sentence in the error of another file.
+    pub(super) fn causes(&self) -> String {
+        let causes: Vec<_> =
+            self.complaints.iter().map(|complaint| format!("{}: {}", complaint.at, complaint.what)).collect();
+        causes.join("; ")
+    }
+
     /// Joins all errors to one, in the order of the file; `Ok` if there are none.
     pub(super) fn all(errors: Vec<CellFileError>) -> Result<(), CellFileError> {
         let mut complaints: Vec<_> = errors.into_iter().flat_map(|error| error.complaints).collect();

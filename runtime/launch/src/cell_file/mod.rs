@@ -14,9 +14,9 @@
 //! kind = "irp6"      # one of the program's kinds
 //! start = [0.0, -1.57, 0.16, -0.16, 4.71, 0.0]   # where a simulated arm starts [rad or m]
 //! homed = false      # its drives must look for their reference marks first; they know where it is unless it is said
-//! base = { position = [0.0, 0.5, 0.0] }           # X_WB; the world's origin unless it is said
-//! tool = { position = [0.0, 0.0, 0.1], zyz = [0.0, 0.0, 0.0] }   # X_FE [m, rad], or the name of a tool; the flange unless
-//!                                                                 # it is said
+//! base = { xyz = [0.0, 0.5, 0.0] }   # X_WB; the world's origin unless it is said
+//! tool = { xyz = [0.0, 0.0, 0.1], rpy = [0.0, 0.0, 1.57] }   # X_FE [m, rad], or the name of a tool; the flange unless it is
+//!                                                             # said. The orientation may be quat_xyzw or zyz instead of rpy
 //!
 //! [robots.arm.inputs]    # of the robot's controller, by names for programs
 //! part_seen = "digital 3"
@@ -27,7 +27,7 @@
 //! spindle = { channel = "digital 1", turns_tool = true, on_stop = false }
 //!
 //! [frames.table]     # a frame in the world, for programs
-//! position = [0.4, 0.0, 0.1]
+//! xyz = [0.4, 0.0, 0.1]
 //!
 //! [obstacles.bench]  # what stands in the cell, for clearances, pictures and recordings
 //! box = { size = [1.2, 0.8, 0.05] }   # or cylinder, sphere, capsule, half_space, cloud, height_field [m]
@@ -35,7 +35,7 @@
 //! frame = "table"    # the frame in which `at` is; the world unless it is said
 //!
 //! [tools.pen]        # a tool: its frame on the flange, and what the flange carries with it [kg, m, kg m²]
-//! position = [0.0, 0.0, 0.1]
+//! xyz = [0.0, 0.0, 0.1]
 //! mass = 0.3
 //! centre = [0.0, 0.0, 0.04]
 //! inertia = [1e-4, 0.0, 0.0, 1e-4, 0.0, 2e-5]   # xx, xy, xz, yy, yz, zz about the centre

@@ -7,11 +7,11 @@ use super::reader::lower::LOWER_KEYS;
 use super::reader::node::NODE_KEYS;
 use super::reader::obstacle::{OBSTACLE_KEYS, SHAPE_KEYS};
 use super::reader::plant::PLANT_KEYS;
+use super::reader::pose::POSE_KEYS;
 use super::reader::robot::ROBOT_KEYS;
 use super::reader::sensor::SENSOR_KEYS;
 use super::reader::signal::{INPUT_KEYS, OUTPUT_KEYS};
 use super::reader::tool::TOOL_KEYS;
-use super::reader::value::POSE_KEYS;
 
 const PAGE: &str = include_str!("../../../../docs/src/cell.md");
 

@@ -6,7 +6,7 @@ use instrument::VirtualLine;
 /// The outcome of a sight, and the line that it went over.
 fn sight<'t>(
     spoil: impl FnMut(usize, String) -> Vec<String> + Send + 't,
-) -> (Result<Measured, NoReading>, VirtualLine<'t>) {
+) -> (Result<Measured, GeocomError>, VirtualLine<'t>) {
     let mut line = line_to(spoil);
     let mut client = Client::new(Timeouts::default());
     client.sight([0.702, -0.301], Face::Two);
@@ -41,7 +41,7 @@ fn the_mean_of_both_faces_is_free_of_the_errors_of_the_axes() {
 
 #[test]
 fn fault_182_what_the_instrument_says_of_itself_is_no_reading_and_says_what_to_do() {
-    let told = |outcome: Result<Option<Measured>, NoReading>| outcome.expect_err("no reading").to_string();
+    let told = |outcome: Result<Option<Measured>, GeocomError>| outcome.expect_err("no reading").to_string();
     let mut line = line_to(|_, answer| vec![answer]);
     line.instrument.simulated.is_level = false;
     let mut client = Client::new(Timeouts::default());
@@ -91,19 +91,19 @@ fn fault_183_silence_garbled_lines_and_a_busy_instrument_are_asked_again_three_t
         let (outcome, line) = sight(|_, answer| spoilt(&answer));
         (outcome, line.instrument.asked)
     };
-    assert_eq!(always(&|_| vec![]), (Err(NoReading::Silent), 3));
-    assert_eq!(always(&|_| vec!["%R1P,0".to_owned()]), (Err(NoReading::Garbled), 3));
-    assert_eq!(always(&|answer| vec![busy(answer)]), (Err(NoReading::Refused(Code(1293))), 3));
+    assert_eq!(always(&|_| vec![]), (Err(GeocomError::Silent), 3));
+    assert_eq!(always(&|_| vec!["%R1P,0".to_owned()]), (Err(GeocomError::Garbled), 3));
+    assert_eq!(always(&|answer| vec![busy(answer)]), (Err(GeocomError::Refused(Code(1293))), 3));
 }
 
 #[test]
 fn fault_183_silence_lasts_three_seconds_for_each_of_three_questions_and_thirty_where_it_turns() {
     let (outcome, line) = sight(|_, _| vec![]);
-    assert_eq!((outcome, line.now), (Err(NoReading::Silent), MS(9000)));
+    assert_eq!((outcome, line.now), (Err(GeocomError::Silent), MS(9000)));
     assert_eq!(line.instrument.times, [MS(0), MS(3000), MS(6000)]);
     // The face, a turn over and the face again are answered 40 ms after they were asked for; the turn to the target is not.
     let (outcome, line) = sight(|asked, answer| if asked < 3 { vec![answer] } else { vec![] });
-    assert_eq!((outcome, line.now), (Err(NoReading::Silent), MS(3 * 40 + 90_000)));
+    assert_eq!((outcome, line.now), (Err(GeocomError::Silent), MS(3 * 40 + 90_000)));
     assert_eq!(line.instrument.times[3..], [MS(120), MS(30_120), MS(60_120)]);
 }
 
@@ -126,7 +126,7 @@ fn fault_183_a_line_that_takes_nothing_is_tried_for_two_seconds_each_time() {
     line.is_taken = false;
     let mut client = Client::new(Timeouts::default());
     client.greet();
-    assert_eq!((line.run(&mut client), line.now), (Err(NoReading::Silent), MS(6000)));
+    assert_eq!((line.run(&mut client), line.now), (Err(GeocomError::Silent), MS(6000)));
     assert!(client.outgoing().is_empty(), "a question of which nobody waits for the answer is not sent");
     line.is_taken = true;
     client.greet();
@@ -180,7 +180,7 @@ fn an_instrument_that_never_stops_talking_is_no_instrument() {
     let mut client = Client::new(Timeouts { times: 1, ..Timeouts::default() });
     client.greet();
     assert_eq!(client.poll(MS(0), line.repeat(64).as_bytes()), ClientAction::Receive { until: MS(0) });
-    assert_eq!(client.poll(MS(0), line.as_bytes()), ClientAction::Done(Err(NoReading::Garbled)));
+    assert_eq!(client.poll(MS(0), line.as_bytes()), ClientAction::Done(Err(GeocomError::Garbled)));
     // Answers to other questions: each of them begins the time anew, and the eighth is the last.
     client.greet();
     assert_eq!(client.poll(MS(0), b""), ClientAction::Receive { until: MS(0) });
@@ -191,5 +191,5 @@ fn an_instrument_that_never_stops_talking_is_no_instrument() {
         let now = MS(2000 * count);
         assert_eq!(client.poll(now, line.as_bytes()), ClientAction::Receive { until: now + MS(3000) });
     }
-    assert_eq!(client.poll(MS(16_000), line.as_bytes()), ClientAction::Done(Err(NoReading::Silent)));
+    assert_eq!(client.poll(MS(16_000), line.as_bytes()), ClientAction::Done(Err(GeocomError::Silent)));
 }

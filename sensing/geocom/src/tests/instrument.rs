@@ -89,7 +89,7 @@ impl VirtualLine<'_> {
     }
 
     /// Does what a client needs before it goes on, or begins to, as [`Connection`] does; time passes as it must.
-    pub fn carry_out(&mut self, next: ClientAction, client: &mut Client) -> Result<(), NoReading> {
+    pub fn carry_out(&mut self, next: ClientAction, client: &mut Client) -> Result<(), GeocomError> {
         match next {
             ClientAction::Send { until } if self.is_taken => {
                 assert!(until > self.now);
@@ -104,7 +104,7 @@ impl VirtualLine<'_> {
                 let (sent, next) = self.instrument.poll(self.now, &[]);
                 let is_over = self.instrument.asked >= self.closes_after && next.is_none();
                 if sent.is_empty() && is_over {
-                    return Err(NoReading::Closed);
+                    return Err(GeocomError::Closed);
                 }
                 if sent.is_empty() {
                     let until = until.max(self.now);
@@ -120,7 +120,7 @@ impl VirtualLine<'_> {
     }
 
     /// Runs a client until it is done.
-    pub fn run(&mut self, client: &mut Client) -> Result<Option<Measured>, NoReading> {
+    pub fn run(&mut self, client: &mut Client) -> Result<Option<Measured>, GeocomError> {
         loop {
             match client.poll(self.now, &self.take()) {
                 ClientAction::Done(outcome) => return outcome,

@@ -66,7 +66,7 @@ fn fault_185_a_line_whose_other_end_is_gone_is_a_fault_and_never_a_reading() {
         serve(there, questions);
         Line::over(here)
     };
-    assert!(matches!(Theodolite::over(serving(0), LONG_TIMEOUTS), Err(NoReading::Closed)));
+    assert!(matches!(Theodolite::over(serving(0), LONG_TIMEOUTS), Err(GeocomError::Closed)));
     let mut sensor = Theodolite::over(serving(3), LONG_TIMEOUTS).expect("a sensor");
     let [hz, v] = DIRECTION;
     let why = ordered(&mut sensor, Sight { index: 1, hz, v, turned: true }).expect_err("closed");

@@ -10,7 +10,7 @@ struct Sensor<'t> {
     shared: Shared,
     orders: Orders,
     worker: Worker,
-    goes_on: Result<(), NoReading>,
+    goes_on: Result<(), GeocomError>,
 }
 
 /// A sensor that has greeted its instrument, over a line that is closed after so many questions.
@@ -131,5 +131,5 @@ fn fault_185_a_line_that_is_closed_is_a_fault_and_never_a_reading() {
     let mut line = VirtualLine { closes_after: 0, ..line_to(|_, answer| vec![answer]) };
     let mut client = Client::new(Timeouts::default());
     client.greet();
-    assert_eq!(line.run(&mut client), Err(NoReading::Closed));
+    assert_eq!(line.run(&mut client), Err(GeocomError::Closed));
 }

@@ -14,7 +14,7 @@ use super::orders::Place;
 use crate::generators::{Close, Part, Pursuit};
 use crate::places::{BELT, HIGH, LOW, tool};
 
-/// Where the tool is in the course of it.
+/// The phases of the motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Phase {
     /// Over the part.

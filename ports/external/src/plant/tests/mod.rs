@@ -28,7 +28,7 @@ pub(super) fn two_arms(plant: &str) -> CellFile {
 pub(super) fn two_arms_of(left: &str, right: &str) -> CellFile {
     let arm = "kind = \"irp6\"\nstart = [0.0, -1.57, 0.16, -0.16, 4.71, 0.0]";
     let text = format!(
-        "step_ms = 2\n[robots.left]\n{arm}\n{left}\n[robots.right]\n{arm}\nbase = {{ position = [0.0, 3.0, 0.0] }}\n{right}"
+        "step_ms = 2\n[robots.left]\n{arm}\n{left}\n[robots.right]\n{arm}\nbase = {{ xyz = [0.0, 3.0, 0.0] }}\n{right}"
     );
     CellFile::parse("cell.toml", &text).expect("nothing is wrong with it")
 }

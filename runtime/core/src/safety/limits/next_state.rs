@@ -10,7 +10,7 @@ use crate::safety::common_twist::Twist;
 use super::Acceptor;
 use super::catching_up::{CatchingUp, Late};
 use super::path::{OffPath, Track};
-use super::rejoining::{Rejoining, StepTwists};
+use super::rejoining::{GapTwists, Rejoining};
 
 /// A state for the end of a step.
 pub(super) struct NextState<J> {
@@ -51,13 +51,13 @@ impl<R: Robot> Acceptor<R> {
             let robot = &self.checks.robot;
             let [from, to, at] =
                 [&self.track.path.position, demand, &self.state.position].map(|joints| robot.forward(joints));
-            let gone = StepTwists {
+            let twists = GapTwists {
                 last: self.track.path_twist(robot, duration),
                 over: Twist::between(&from, &to),
                 bridged: Twist::between(&from, &at),
                 change: self.state.twist(robot, duration),
             };
-            self.beside(demand, Rejoining::after(rejoining, &gone, missed), duration)
+            self.beside(demand, Rejoining::after(rejoining, &twists, missed), duration)
         };
         if all_missed && with_others {
             return rejoin();

@@ -12,8 +12,8 @@ use crate::safety::common_twist::Twist;
 /// that uses nine tenths of a limit leaves as much as that.
 const STEPS: f64 = 50.0;
 
-/// How robots and their path have gone on.
-pub(super) struct StepTwists {
+/// Twists of the path and of the robots over a time without demands.
+pub(super) struct GapTwists {
     /// The path's twist in its last step before the time without demands, and over that time and the step of the late demand.
     pub last: Twist,
     pub over: Twist,
@@ -40,8 +40,8 @@ pub(super) struct Rejoining {
 
 impl Rejoining {
     /// After `missed` steps without demands, from the way back on which the robots were.
-    pub fn after(known: Option<&Rejoining>, gone: &StepTwists, missed: f64) -> Rejoining {
-        let StepTwists { last, over, bridged, change } = *gone;
+    pub fn after(known: Option<&Rejoining>, twists: &GapTwists, missed: f64) -> Rejoining {
+        let GapTwists { last, over, bridged, change } = *twists;
         // Both are twists of the middles of their times: the path's changes by this in each step.
         let bend = (over * (1.0 + missed).recip() - last) * (0.5 * (missed + 2.0)).recip();
         let from = bridged - last * missed - bend * (0.5 * missed * (missed + 1.0));

@@ -9,6 +9,7 @@ pub(super) mod lower;
 pub(super) mod node;
 pub(super) mod obstacle;
 pub(super) mod plant;
+pub(super) mod pose;
 pub(super) mod robot;
 pub(super) mod sensor;
 pub(super) mod signal;
@@ -39,9 +40,7 @@ const TOML: &str = "write key = value, texts in \"quotes\", lists in [1.0, 2.0],
 pub(super) fn read(name: &str, text: &str) -> Result<CellFile, CellFileError> {
     let source = Rc::new(Source { file: name.to_owned(), text: text.to_owned() });
     let (document, syntax) = DeTable::parse_recoverable(text);
-    let source_of_reader = Rc::clone(&source);
-    let mut reader =
-        Reader { source: source_of_reader, errors: Vec::new(), questions: Vec::new(), gateways: Vec::new() };
+    let mut reader = Reader::of(Rc::clone(&source));
     // Other errors are not reported, because they may only follow from the line that is no TOML.
     let place = |error: &toml::de::Error| error.span().unwrap_or(0..0);
     if let Some(error) = syntax.iter().min_by_key(|error| place(error).start) {
@@ -130,6 +129,10 @@ struct Entry<'t> {
 }
 
 impl Reader {
+    fn of(source: Rc<Source>) -> Self {
+        Self { source, errors: Vec::new(), questions: Vec::new(), gateways: Vec::new() }
+    }
+
     fn complain(&mut self, at: &Range<usize>, what: String, help: String) {
         self.errors.push(self.source.complain(at, what, help));
     }

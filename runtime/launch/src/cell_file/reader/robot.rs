@@ -4,17 +4,16 @@ use std::io::Read;
 use std::path::Path;
 use std::rc::Rc;
 
-use mrroc_core::nalgebra::{UnitQuaternion, Vector3};
 use mrroc_core::pose::Pose;
 use mrroc_core::robot::{Load, Tool};
 use mrroc_core::suggestion::suggestion;
-use toml::de::{DeTable, DeValue};
+use toml::de::DeTable;
 
 use crate::files;
 
 use super::super::entry::{Description, RobotEntry};
-use super::super::error::At;
-use super::value::{IN_CELL, ON_FLANGE};
+use super::super::error::{At, CellFileError, Source};
+use super::pose::{IN_CELL, ON_FLANGE};
 use super::{Entry, Reader, Value};
 
 pub(in super::super) const ROBOT_KEYS: [&str; 21] = [
@@ -47,35 +46,22 @@ const MOST: u64 = 1 << 20;
 /// Farther from the world's origin a base is not \[m\].
 const FARTHEST: f64 = 1e3;
 
+/// Reads the table `[frames.base]` of a file that a calibration has written.
 fn read_base(path: &Path) -> Result<Pose, String> {
+    let name = path.display().to_string();
+    let unreadable = |why| format!("the base in {name}: it cannot be read: {why}");
     let mut text = String::new();
-    let file = files::open(path).map_err(|why| format!("it cannot be read: {why}"))?;
-    file.take(MOST).read_to_string(&mut text).map_err(|why| format!("it cannot be read: {why}"))?;
-    let table = DeTable::parse(&text).map_err(|_| "it is no TOML".to_owned())?;
+    let file = files::open(path).map_err(|why| unreadable(why.to_string()))?;
+    file.take(MOST).read_to_string(&mut text).map_err(|why| unreadable(why.to_string()))?;
+    let table = DeTable::parse(&text).map_err(|_| format!("the base in {name}: it is no TOML"))?;
     let frame = table.get_ref().get("frames").and_then(|frames| frames.get_ref().get("base"));
-    let frame = frame.ok_or("it has no table [frames.base]")?;
-    let three = |key: &str| -> Result<Vector3<f64>, String> {
-        let list = frame.get_ref().get(key).and_then(|value| value.get_ref().as_array());
-        let numbers =
-            list.map(|list| list.iter().map(|value| number(value.get_ref())).collect::<Option<Vec<f64>>>());
-        let three = numbers.flatten().filter(|three| three.iter().all(|number| number.abs() <= FARTHEST));
-        match three.as_deref() {
-            Some([x, y, z]) => Ok(Vector3::new(*x, *y, *z)),
-            _ => Err(format!("`{key}` of [frames.base] is not three numbers up to {FARTHEST}")),
-        }
-    };
-    Ok(Pose::from_parts(
-        three("position")?.into(),
-        UnitQuaternion::from_scaled_axis(three("rotation_vector")?),
-    ))
-}
-
-fn number(value: &DeValue<'_>) -> Option<f64> {
-    match value {
-        DeValue::Float(float) => float.as_str().parse().ok(),
-        DeValue::Integer(integer) => integer.as_str().parse().ok(),
-        _ => None,
-    }
+    let frame = frame.ok_or_else(|| format!("the base in {name}: it has no table [frames.base]"))?;
+    let mut reader = Reader::of(Rc::new(Source { file: name.clone(), text: text.clone() }));
+    let base = reader.pose(frame, FARTHEST);
+    // Nobody would answer a question about a number that a program has written.
+    reader.errors.append(&mut reader.questions);
+    CellFileError::all(reader.errors).map_err(|wrong| format!("the base in {}", wrong.causes()))?;
+    base.ok_or_else(|| format!("the base in {name}: [frames.base] is no pose"))
 }
 
 impl Reader {
@@ -128,15 +114,14 @@ impl Reader {
         })
     }
 
-    /// Reads the base from a file that a calibration has written: `position` and `rotation_vector` of its table `[frames.base]`.
+    /// Reads the base from a file that a calibration has written.
     fn calibrated_base(&mut self, value: &Value<'_>, file: &str) -> Option<Pose> {
         let path = Path::new(&self.source.file).parent().unwrap_or(Path::new("")).join(file);
         match read_base(&path) {
             Ok(base) => Some(base),
-            Err(why) => {
-                let what = format!("the base in {}: {why}", path.display());
+            Err(what) => {
                 let help =
-                    "name a file that `calibrate` has written, or write { position = [x, y, z], zyz = [..] }";
+                    "name a file that `calibrate` has written, or write { xyz = [x, y, z], rpy = [..] }";
                 self.complain(&value.span(), what, help.to_owned());
                 None
             }

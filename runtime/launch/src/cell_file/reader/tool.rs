@@ -5,10 +5,11 @@ use mrroc_core::pose::Pose;
 use mrroc_core::robot::{Load, Tool};
 use toml::de::DeTable;
 
-use super::value::{IN_CELL, ON_FLANGE, POSE_KEYS};
+use super::pose::{IN_CELL, ON_FLANGE, POSE_KEYS};
 use super::{Entry, Reader};
 
-pub(in super::super) const TOOL_KEYS: [&str; 5] = ["position", "zyz", "mass", "centre", "inertia"];
+pub(in super::super) const TOOL_KEYS: [&str; 7] =
+    ["xyz", "rpy", "quat_xyzw", "zyz", "mass", "centre", "inertia"];
 
 impl Reader {
     /// Reads a tool: its frame on the flange, and what the flange carries with it.

@@ -1,26 +1,16 @@
 //! Values of one type, range and form, of which any key may have one.
 
-use core::ops::{Range, RangeInclusive};
+use core::ops::RangeInclusive;
 use core::time::Duration;
 
-use mrroc_core::nalgebra::Translation3;
-use mrroc_core::pose::{Pose, Zyz};
 use mrroc_core::suggestion::suggestion;
 use toml::de::{DeTable, DeValue};
 
 use super::super::error::At;
 use super::{Reader, Value};
 
-pub(in super::super) const POSE_KEYS: [&str; 2] = ["position", "zyz"];
-
-/// What is farther away than this in a cell, or from a robot's flange, is asked about \[m\] ..
-pub(super) const IN_CELL: f64 = 30.0;
-pub(super) const ON_FLANGE: f64 = 3.0;
-/// .. and what is turned by more \[rad\].
-const MOST_TURNED: f64 = 6.3;
-
-/// How a pose is written.
-const POSE: &str = "{ position = [x, y, z], zyz = [a, b, c] } [m, rad]";
+/// Keys of former versions, with those that have replaced them.
+const FORMER: [(&str, &str); 2] = [("position", "xyz"), ("rotation_vector", "quat_xyzw")];
 
 impl Reader {
     /// Reports the keys that are not known.
@@ -28,7 +18,12 @@ impl Reader {
         for key in table.keys() {
             if !keys.contains(&key.get_ref().as_ref()) {
                 let what = format!("unknown key `{}`", key.get_ref());
-                self.complain(&key.span(), what, suggestion(key.get_ref(), keys, owner_has));
+                let is_former = |(former, now): &&(&str, &str)| key.get_ref() == former && keys.contains(now);
+                let help = match FORMER.iter().find(is_former) {
+                    Some((_, now)) => format!("write {now}"),
+                    None => suggestion(key.get_ref(), keys, owner_has),
+                };
+                self.complain(&key.span(), what, help);
             }
         }
     }
@@ -135,55 +130,5 @@ impl Reader {
             })
             .collect();
         names.into_iter().collect()
-    }
-
-    /// Reads `{ position = [x, y, z], zyz = [a, b, c] }` [m, rad]; each is zero by default. Asks about what is farther away.
-    pub(super) fn pose(&mut self, value: &Value<'_>, farthest: f64) -> Option<Pose> {
-        let DeValue::Table(table) = value.get_ref() else {
-            self.wrong_type(value, POSE);
-            return None;
-        };
-        self.known(table, &POSE_KEYS, "a pose has");
-        self.pose_of(table, farthest)
-    }
-
-    /// Reads `position` and `zyz` of a table; each is zero by default. Asks about what is farther away.
-    pub(super) fn pose_of(&mut self, table: &DeTable<'_>, farthest: f64) -> Option<Pose> {
-        let mut three = |key: &str| {
-            let Some(value) = table.get(key) else { return Some([0.0; 3]) };
-            let numbers = self.numbers(value, "three numbers")?;
-            if let [x, y, z] = numbers.value.as_slice() {
-                let three = [x.value, y.value, z.value];
-                if key == "zyz" {
-                    self.ask_about_angles(three, &numbers.span);
-                } else {
-                    self.ask_about_place(three, farthest, &numbers.span);
-                }
-                return Some(three);
-            }
-            let what = format!("`{key}` has {} numbers", numbers.value.len());
-            self.complain(&numbers.span, what, format!("write three: {POSE}"));
-            None
-        };
-        let ([x, y, z], [alpha, beta, gamma]) = (three("position")?, three("zyz")?);
-        Some(Pose::from_parts(Translation3::new(x, y, z), Zyz { alpha, beta, gamma }.rotation()))
-    }
-
-    /// Asks about angles that are more than a turn.
-    fn ask_about_angles(&mut self, three: [f64; 3], at: &Range<usize>) {
-        let largest = three.map(f64::abs).into_iter().fold(0.0, f64::max);
-        if largest > MOST_TURNED {
-            let what = format!("an angle of {largest} rad: are these degrees?");
-            self.ask(at, what, "write radians: 90 degrees are 1.570796");
-        }
-    }
-
-    /// Asks about a place that is farther away than is probable.
-    pub(super) fn ask_about_place(&mut self, three: [f64; 3], farthest: f64, at: &Range<usize>) {
-        let largest = three.map(f64::abs).into_iter().fold(0.0, f64::max);
-        if largest > farthest {
-            let what = format!("a place {largest} m away: are these millimetres?");
-            self.ask(at, what, "write metres: 300 mm are 0.3");
-        }
     }
 }
