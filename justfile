@@ -30,7 +30,7 @@ pictures:
 
 # The crates that make demands, and all that reads files, with checks of overflow, which release's code has not.
 test-checked:
-    cargo test --config .ci/checked.toml -p mrroc-core -p mrroc-generators -p mrroc-robots -p mrroc-recording --lib
+    cargo test --config .ci/checked.toml -p mrroc-core -p mrroc-generators -p mrroc-robots -p mrroc-recording --tests
     cargo test --config .ci/checked.toml -p mrroc-tests --test all -- parsers recording allocation safety::sweeps
 
 # All tests but those of `mrroc-new`.
@@ -77,7 +77,7 @@ sweep-profiles:
 
 # Inverse kinematics of all robots in release: 100,000 poses of those in closed form, 10,000 of those from a URDF.
 test-inverse:
-    cargo test --release -p mrroc-robots --lib -- inverse_returns urdf_inverse urdf_closed --nocapture
+    cargo test --release -p mrroc-robots --test all -- inverse_returns urdf_inverse urdf_closed --nocapture
 
 # Stops of two arms on plans of many seeds: a million states of the processes' own stops, none nearer than the margin.
 sweep-plans:

@@ -10,7 +10,6 @@ mod layers;
 mod library;
 mod macros;
 mod newcomer;
-mod outside;
 mod parsers;
 mod programs;
 mod readme;

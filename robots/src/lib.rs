@@ -59,10 +59,3 @@ pub use models::{
 pub use simulation::{
     Plant, Regulator, RegulatorSet, Shaft, Simulated, SimulatedIrp6, Surrounded, Surroundings, Unhomed, grasp,
 };
-
-// The files in `tests/` use this crate by its name, as its users do.
-#[cfg(test)]
-extern crate self as mrroc_robots;
-#[cfg(test)]
-#[path = "../tests/main.rs"]
-mod usage;

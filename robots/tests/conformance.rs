@@ -10,7 +10,7 @@ use mrroc_robots::{
 };
 use nalgebra::Vector3;
 
-use crate::usage::support::engraving;
+use crate::support::engraving;
 
 /// A base that is neither at the origin nor upright.
 fn base() -> Pose {

@@ -4,7 +4,7 @@ use mrroc::prelude::*;
 use mrroc::robot::{CoupledLimit, DriveFault, Driver, Homing, Limits, Measured, NoInverse, Search};
 use mrroc_robots::{Irp6, Jacobian, Kinematics, SimulatedIrp6, Six, Unhomed, conformance};
 
-use crate::usage::support::engraving;
+use crate::support::engraving;
 
 #[derive(Clone, Copy, PartialEq)]
 enum Defect {

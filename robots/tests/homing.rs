@@ -10,7 +10,7 @@ use mrroc_robots::{
 };
 use nalgebra::SVector;
 
-use crate::usage::support::engraving;
+use crate::support::engraving;
 
 fn home<const N: usize, R: Driven<N>>(mut homing: Unhomed<R, N>) -> Result<Simulated<R, N>, DriveFault> {
     loop {

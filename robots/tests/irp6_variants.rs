@@ -6,7 +6,7 @@ use mrroc::robot::NoInverse;
 use mrroc_robots::{Five, Irp6, Irp6FiveDof, Irp6Track, Kinematics, Seven};
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 
-use crate::usage::support::engraving;
+use crate::support::engraving;
 
 const SEED: u64 = 9;
 

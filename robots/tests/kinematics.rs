@@ -8,7 +8,7 @@ use mrroc::robot::NoInverse;
 use mrroc_robots::{Irp6, Kinematics, Six};
 use nalgebra::{Matrix3, Translation3, UnitQuaternion, Vector3};
 
-use crate::usage::support::{engraving, feasible};
+use crate::support::{engraving, feasible};
 
 const SEED: u64 = 20_061_973;
 

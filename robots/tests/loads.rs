@@ -5,7 +5,7 @@ use mrroc_robots::{
 };
 use nalgebra::SVector;
 
-use crate::usage::support::engraving;
+use crate::support::engraving;
 
 /// The work of the loads along a triangle of motor angles around the joints `q`, by Simpson's rule on many pieces.
 fn work_around<const N: usize>(

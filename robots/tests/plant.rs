@@ -5,7 +5,7 @@ use mrroc::robot::{Driver, Measured};
 use mrroc_robots::{Irp6, MotorData, Plant, Regulator, SimulatedIrp6, Six};
 use nalgebra::{Point3, Translation3, Vector3};
 
-use crate::usage::support::engraving;
+use crate::support::engraving;
 
 const PERIOD: f64 = 0.002;
 

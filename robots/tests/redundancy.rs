@@ -6,7 +6,7 @@ use mrroc::robot::NoInverse;
 use mrroc_robots::{Irp6, Irp6Track, Kinematics, Polycrank, Rnt, Seven, Six};
 use nalgebra::{Translation3, Vector3};
 
-use crate::usage::support::engraving;
+use crate::support::engraving;
 
 const SEED: u64 = 17;
 

@@ -9,7 +9,7 @@ use mrroc_robots::{
     Gripper, Irp6, MotorData, Plant, Polycrank, Regulator, RegulatorSet, SimulatedIrp6, Six, simulated,
 };
 
-use crate::usage::support::engraving;
+use crate::support::engraving;
 
 const PERIOD: f64 = 0.002;
 

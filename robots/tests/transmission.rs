@@ -5,7 +5,7 @@ use core::f64::consts::{FRAC_PI_2, PI};
 use mrroc::random::Random;
 use mrroc_robots::{Irp6, Six};
 
-use crate::usage::support::feasible;
+use crate::support::feasible;
 
 const SEED: u64 = 5;
 

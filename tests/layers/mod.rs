@@ -16,6 +16,7 @@ use circles::in_circles;
 const CORE: &[&str] = &[
     "console",
     "files",
+    "macros",
     "random",
     "suggestion",
     "model",

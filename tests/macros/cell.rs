@@ -1,8 +1,8 @@
 //! The robots, sensors and payloads of the macro tests: no kinematics, only types.
 
+use mrroc::nalgebra::SVector;
 use mrroc::prelude::*;
 use mrroc::robot::{Limits, NoInverse};
-use nalgebra::SVector;
 
 macro_rules! robots {
     ($($(#[$doc:meta])* $name:ident, $joints:literal;)*) => {$(

@@ -2,15 +2,16 @@
 //!
 //! Every file of `fail/` is a program. Its head says what the mistake is and, where a text can be demanded,
 //! what the error must say (``says: `(Rnt,)` ``); a program with more errors than one says why (`errors: 2, ..`).
-//! They are modules of one crate, which is checked once for all of them, and again for those whose errors are hidden by errors of an earlier
-//! stage of the compiler. The snapshots contain the place, the code, and the texts of the macros and
+//! They are modules of one crate, which is compiled with the `mrroc` that this executable was linked with, once for all of them, and again for
+//! those whose errors are hidden by errors of an earlier stage of the compiler. The snapshots contain the place, the code, and the texts of the macros and
 //! the runtime. They leave out the compiler's own texts and layout, so that they hold for later versions of it.
 #![allow(missing_docs)]
 
 use std::collections::{BTreeMap, HashSet};
 use std::fmt::Write as _;
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::process::Command;
 
 use serde_json::Value;
 
@@ -58,37 +59,34 @@ fn head<'a>(source: &'a str, key: &'a str) -> impl Iterator<Item = &'a str> {
     source.lines().map_while(|line| line.strip_prefix("//! ")).filter_map(move |line| line.strip_prefix(key))
 }
 
-/// Checks all programs; returns the errors of each.
+/// Compiles all programs; returns the errors of each.
 fn check(here: &Path, cases: &BTreeMap<String, String>) -> BTreeMap<String, Vec<Mistake>> {
     let scratch = Path::new(env!("CARGO_TARGET_TMPDIR")).join("diagnostics");
     let _ = fs::remove_dir_all(&scratch);
-    fs::create_dir_all(scratch.join("examples")).unwrap();
-    fs::create_dir_all(scratch.join("src")).unwrap();
-    let root = here.join("../..").canonicalize().unwrap();
-    let manifest = format!(
-        "[package]\nname = \"mistakes\"\nedition = \"2024\"\n\n[workspace]\n\n[dependencies]\n\
-         mrroc = {{ path = {:?}, default-features = false }}\nnalgebra = {{ version = \"*\", default-features = false, features = [\"std\"] }}\n",
-        root.join("runtime")
-    );
+    fs::create_dir_all(&scratch).unwrap();
+    let built = std::env::current_exe().unwrap().parent().expect("the folder of the executable").to_owned();
+    let mrroc = newest(&built, "libmrroc-", ".rlib");
+
     let library = format!(
         "#[path = {:?}]\nmod cell;\n#[path = {:?}]\nmod program;\npub use cell::*;\npub use program::*;\n",
         here.join("cell.rs"),
         here.join("program.rs")
     );
-    fs::write(scratch.join("Cargo.toml"), manifest).unwrap();
-    fs::copy(root.join("Cargo.lock"), scratch.join("Cargo.lock")).unwrap();
-    fs::write(scratch.join("src/lib.rs"), library).unwrap();
+    fs::write(scratch.join("mistakes.rs"), library).unwrap();
+    let compiled = rustc(&scratch, &built, &mrroc, "mistakes", "lib").output().unwrap();
+    assert!(compiled.status.success(), "{}", String::from_utf8_lossy(&compiled.stderr));
 
     let mut errors = BTreeMap::<String, Vec<Mistake>>::new();
     let mut left: Vec<&String> = cases.keys().collect();
-    // A program that is checked again has had no error yet, so none is counted twice.
+    // A program that is compiled again has had no error yet, so none is counted twice.
     while !left.is_empty() {
         let modules: String = left
             .iter()
             .map(|name| format!("#[path = {:?}]\nmod {name};\n", here.join(format!("fail/{name}.rs"))))
             .collect();
-        fs::write(scratch.join("examples/all.rs"), format!("{modules}\nfn main() {{}}\n")).unwrap();
-        let found = errors_of(&root, &scratch);
+        fs::write(scratch.join("all.rs"), format!("{modules}\nfn main() {{}}\n")).unwrap();
+        let mut programs = rustc(&scratch, &built, &mrroc, "all", "bin");
+        let found = errors_of(programs.arg("--extern").arg("mistakes=libmistakes.rmeta"));
         let before = left.len();
         left.retain(|name| !found.contains_key(*name));
         errors.extend(found);
@@ -99,34 +97,49 @@ fn check(here: &Path, cases: &BTreeMap<String, String>) -> BTreeMap<String, Vec<
     errors
 }
 
-/// The errors of the programs that the crate at `scratch` has as modules.
-fn errors_of(root: &Path, scratch: &Path) -> BTreeMap<String, Vec<Mistake>> {
-    let output = crate::outside::cargo(root, scratch, "check")
-        .args(["--message-format=json", "--example", "all"])
-        .output()
-        .unwrap();
-    let stdout = String::from_utf8(output.stdout).unwrap();
-    let messages: Vec<Value> = stdout.lines().filter_map(|line| serde_json::from_str(line).ok()).collect();
-    let of_programs = || messages.iter().filter(|message| message["target"]["kind"][0] == "example");
-    assert!(
-        of_programs().next().is_some(),
-        "cargo did not come to the programs:\n{}",
-        String::from_utf8_lossy(&output.stderr)
-    );
+/// The compiler, for a crate of a name that lies in `scratch`, with what cargo has compiled into the folder `built`.
+fn rustc(scratch: &Path, built: &Path, mrroc: &Path, name: &str, kind: &str) -> Command {
+    let mut command = Command::new(Path::new(env!("CARGO")).with_file_name("rustc"));
+    command.current_dir(scratch).arg(format!("{name}.rs"));
+    command.args(["--crate-name", name, "--crate-type", kind, "--edition", "2024", "--emit", "metadata"]);
+    command.args(["--error-format", "json", "--out-dir", ".", "-L"]);
+    command.arg(format!("dependency={}", built.display()));
+    command.arg("--extern").arg(format!("mrroc={}", mrroc.display()));
+    command
+}
+
+/// The file of a folder that was written last, of those whose names begin and end so: cargo leaves what it has compiled of older sources.
+fn newest(folder: &Path, start: &str, end: &str) -> PathBuf {
+    let is_meant = |path: &PathBuf| {
+        path.file_name()
+            .and_then(|name| name.to_str())
+            .is_some_and(|name| name.starts_with(start) && name.ends_with(end))
+    };
+    fs::read_dir(folder)
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .filter(is_meant)
+        .max_by_key(|path| path.metadata().and_then(|metadata| metadata.modified()).unwrap())
+        .expect("this executable is linked with it")
+}
+
+/// The errors of the programs that a compiler finds.
+fn errors_of(compiler: &mut Command) -> BTreeMap<String, Vec<Mistake>> {
+    let output = compiler.output().unwrap();
+    let stderr = String::from_utf8(output.stderr).unwrap();
+    let messages = stderr.lines().map(|line| serde_json::from_str::<Value>(line).expect(line));
 
     let mut errors = BTreeMap::<String, Vec<Mistake>>::new();
-    // What cargo prints: it leaves out what it has printed already, word for word.
+    // The compiler says some errors twice, word for word.
     let mut printed = HashSet::new();
-    let is_new =
-        |message: &&Value| printed.insert(message["message"]["rendered"].as_str().map(str::to_owned));
-    for message in of_programs().filter(|message| message["message"]["level"] == "error").filter(is_new) {
-        let error = &message["message"];
+    let is_new = |error: &Value| printed.insert(error["rendered"].as_str().map(str::to_owned));
+    for error in messages.filter(|message| message["level"] == "error").filter(is_new) {
         // What the compiler says of the whole crate has no place.
         if let Some(file) =
             error["spans"].as_array().unwrap().iter().find_map(|span| span["file_name"].as_str())
         {
             let name = Path::new(file).file_stem().unwrap().to_str().unwrap();
-            errors.entry(name.to_owned()).or_default().push(Mistake::of(error, name));
+            errors.entry(name.to_owned()).or_default().push(Mistake::of(&error, name));
         }
     }
     errors

@@ -60,6 +60,7 @@ extern crate self as mrroc;
 // The layers, from the bottom up; a test of the workspace reads the imports and lets none point upwards.
 pub mod console;
 pub mod files;
+mod macros;
 mod model;
 pub mod random;
 mod safety;
@@ -140,10 +141,10 @@ pub mod generator {
 
 /// What an MP orders, and how values become words of a message.
 pub mod payload {
+    pub use crate::macros::Payload;
     pub use crate::model::payload::{Order, Payload, Trigger};
     pub use crate::model::shape::Shape;
     pub use crate::model::wire::{BadWords, WORDS, Wire, layout_hash};
-    pub use mrroc_macros::Payload;
 }
 
 /// Poses, their representations, and wrenches.
@@ -173,7 +174,7 @@ pub mod program {
 
 pub use nalgebra;
 
-pub use mrroc_macros::{condition, generator};
+pub use crate::macros::{condition, generator};
 
 #[cfg(test)]
 mod tests;

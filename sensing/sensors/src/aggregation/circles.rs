@@ -313,25 +313,33 @@ mod tests {
             points.iter().map(|point| turn * point + place).map(|at| at.xy() * (FOCAL / at.z) + centre);
         let truth: Vec<Vector2<f64>> = truth.collect();
         let rim = middle.xy() + Vector2::repeat(2.5 * circles.step);
-        let grey = |at: Vector2<f64>| {
-            let ray = turn.inverse() * ((at - centre) / FOCAL).push(1.0);
-            let own = turn.inverse() * place;
-            let on = (ray * (own.z / ray.z) - own).xy();
-            let is_on = |point: &&Vector3<f64>| (point.xy() - on).norm() < radius;
+        let back = turn.inverse();
+        let own = back * place;
+        // Where the board is that a point of the image shows.
+        let on = |at: Vector2<f64>| {
+            let ray = back * ((at - centre) / FOCAL).push(1.0);
+            (ray * (own.z / ray.z) - own).xy()
+        };
+        let grey = |on: Vector2<f64>, near: &[Vector2<f64>]| {
             let aside = on - middle.xy();
             if aside.x.abs() > rim.x || aside.y.abs() > rim.y {
                 90.0
-            } else if points.iter().find(is_on).is_some() {
+            } else if near.iter().any(|point| (point - on).norm() < radius) {
                 30.0
             } else {
                 220.0
             }
         };
+        let mut near = Vec::new();
         let pixel = |i: usize| {
             let at = Vector2::new((i % SIZE[0]) as f64, (i / SIZE[0]) as f64);
             let part =
                 |k: usize| Vector2::new((k % 8) as f64, (k / 8) as f64) / 8.0 - Vector2::repeat(3.5 / 8.0);
-            ((0..64).map(|k| grey(at + part(k))).sum::<f64>() / 64.0).round() as u8
+            // A pixel shows less than half a step of the board: it has points of no other circle than the nearest ones.
+            let shown = on(at);
+            near.clear();
+            near.extend(points.iter().map(Vector3::xy).filter(|point| (point - shown).norm() < circles.step));
+            ((0..64).map(|k| grey(on(at + part(k)), &near)).sum::<f64>() / 64.0).round() as u8
         };
         ((0..SIZE[0] * SIZE[1]).map(pixel).collect(), truth)
     }

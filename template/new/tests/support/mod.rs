@@ -1,7 +1,6 @@
 //! What the tests of `mrroc-new` share: the program in a folder of its own, the template's combinations, and cargo in
 //! a generated project.
 
-#[path = "../../../../tests/outside.rs"]
 mod outside;
 
 use std::collections::BTreeSet;
