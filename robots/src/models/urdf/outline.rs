@@ -4,9 +4,10 @@ use mrroc::prelude::*;
 use mrroc::robot::JointKind;
 use nalgebra::{SVector, Translation3, Vector3};
 
-use super::chain::{MOST_SEGMENTS, axis, kind, turn_of_z};
+use super::chain::turn_of_z;
 use super::document::{Element, Tree, origin, parsed, shown};
 use super::error::UrdfError;
+use super::places::{MOST_SEGMENTS, Place, axis, places};
 use super::serial::Serial;
 use crate::models::shape::{Capsule, Link, Motion, Outline};
 
@@ -65,9 +66,9 @@ impl<const N: usize> SerialOutline<N> {
         let mut joints = 0;
         let mut bodies = Vec::new();
         collect(&tree, base, &fixed, joints, &mut bodies)?;
-        for joint in tree.path(base, tip)? {
-            fixed *= origin(&joint.element, tree.has_quaternions)?;
-            if kind(&joint)?.is_some() {
+        for Place { joint, X_PJ, moves } in places(&tree, base, tip)? {
+            fixed *= X_PJ;
+            if moves.is_some() {
                 // The frame of a joint that moves has its z along the axis.
                 fixed = Pose::from_parts(Translation3::identity(), turn_of_z(axis(&joint)?).inverse());
                 joints += 1;
