@@ -33,6 +33,8 @@ mod urdf_closed;
 mod urdf_conformance;
 mod urdf_drives;
 mod urdf_errors;
+mod urdf_held;
+mod urdf_inertia;
 mod urdf_inverse;
 mod urdf_outline;
 mod urdf_reference;

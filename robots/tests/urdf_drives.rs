@@ -63,7 +63,7 @@ driver_conformance!(
     SVector::<f64, 4>::from([0.5, 0.1, 0.1, 0.4])
 );
 
-/// Two links in a vertical plane: lengths, masses, centres along x, moments about y.
+/// Two links in a vertical plane, rods along x: lengths, masses, centres along x, moments about y.
 const L1: f64 = 0.4;
 const MASSES: [f64; 2] = [3.0, 2.0];
 const CENTRES: [f64; 2] = [0.15, 0.25];
@@ -72,8 +72,10 @@ const MOMENTS: [f64; 2] = [0.05, 0.03];
 fn planar_text(inertial: bool) -> String {
     let link = |i: usize| {
         let body = format!(
-            "<inertial><origin xyz=\"{} 0 0\"/><mass value=\"{}\"/><inertia ixx=\"0\" ixy=\"0\" ixz=\"0\" iyy=\"{}\" iyz=\"0\" izz=\"0\"/></inertial>",
-            CENTRES[i], MASSES[i], MOMENTS[i]
+            "<inertial><origin xyz=\"{} 0 0\"/><mass value=\"{}\"/><inertia ixx=\"0\" ixy=\"0\" ixz=\"0\" iyy=\"{moment}\" iyz=\"0\" izz=\"{moment}\"/></inertial>",
+            CENTRES[i],
+            MASSES[i],
+            moment = MOMENTS[i]
         );
         if inertial { body } else { String::new() }
     };

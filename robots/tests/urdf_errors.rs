@@ -442,8 +442,8 @@ fn mimicry_that_cannot_be_is_refused() {
     );
     assert_eq!(
         refusal_of_one(&mimicking("<mimic joint=\"turn\" multiplier=\"0\" offset=\"1\"/>")),
-        "line 14: joint \"slide\" keeps its limits for no position of \"turn\" within the limits of that: \
-         widen one of the two"
+        "line 14: joint \"slide\" mimics with multiplier 0, so it stands at its offset 1, outside of its limits 0 to 0.3: \
+         correct the multiplier or the offset"
     );
     assert!(
         refusal_of_one(&mimicking("<mimic joint=\"turn\" offset=\"5\"/>")).contains("widen one of the two")

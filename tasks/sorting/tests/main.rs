@@ -5,6 +5,7 @@ mod camera_faults;
 mod checked;
 mod faults;
 mod lines;
+mod long;
 mod matrix;
 mod matrix_faults;
 mod sorting;

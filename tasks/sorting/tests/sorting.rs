@@ -53,39 +53,6 @@ mod whole {
     }
 }
 
-/// A long run; what came of it.
-fn long(speed: f64, seed: u64, parts: usize) -> sorting::run::Outcome {
-    let settings = Settings { parts, ..Settings::one(speed, seed) };
-    let outcome = settings.run().expect("a cell");
-    let [sorted, wrong, missed] = [Fate::Sorted, Fate::Wrong, Fate::Missed].map(|fate| outcome.count(fate));
-    let (crashes, failed) = (outcome.crashes, outcome.failed);
-    println!(
-        "{speed} m/s, seed {seed}: {sorted} sorted, {wrong} wrong, {missed} missed, {crashes} crashes, {failed} failed picks"
-    );
-    assert!(outcome.report.is_ok(), "seed {seed}: {:?}", outcome.report);
-    assert_eq!(wrong, 0, "{speed} m/s, seed {seed}");
-    // Both fingers may come down on a part whose pick fails, or which is missed for it, and on none after that.
-    assert!(crashes <= 2 * (failed + missed as u32), "{speed} m/s, seed {seed}: {crashes} crashes");
-    assert!(100 * sorted >= 98 * parts, "{speed} m/s, seed {seed}: {sorted} of {parts}");
-    outcome
-}
-
-#[test]
-#[ignore = "takes minutes: `just sorting-long`"]
-fn a_pick_that_fails_is_put_right_and_the_parts_after_it_are_sorted() {
-    // A finger comes down on part 32 and the hand closes on nothing. It stayed closed, and came down on every part after that.
-    let outcome = long(0.05, 7001, 100);
-    assert_eq!(outcome.failed, 1);
-}
-
-#[test]
-#[ignore = "takes minutes: `just sorting-long`"]
-fn ten_thousand_parts_of_twenty_seeds_are_sorted_at_every_speed() {
-    for seed in 0..20_u32 {
-        long(0.02 + 0.13 * f64::from(seed) / 19.0, 7000 + u64::from(seed), 500);
-    }
-}
-
 #[test]
 fn parts_one_after_another_go_to_their_trays() {
     let settings = Settings { parts: 6, ..Settings::one(0.1, 5) };

@@ -171,7 +171,7 @@ impl Protocol for IoProtocol {
             if let Some(until) = self.client.until() {
                 return Ok(until);
             }
-            let next = *self.next.get_or_insert(now);
+            let next = (*self.next.get_or_insert(now)).max(self.client.may_ask_from());
             if now < next {
                 return Ok(next);
             }

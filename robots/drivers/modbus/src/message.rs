@@ -52,10 +52,13 @@ impl NoAnswer {
         }
     }
 
+    /// The exception of a gateway that has given up a question: its answer may still come.
+    pub(crate) const GATEWAY: u8 = 0x0b;
+
     /// Whether the same question may be asked again: the device is busy, or a gateway has not heard it this time.
     #[must_use]
     pub const fn passes(self) -> bool {
-        matches!(self, NoAnswer::Exception(5 | 6 | 0x0b))
+        matches!(self, NoAnswer::Exception(5 | 6 | NoAnswer::GATEWAY))
     }
 }
 
@@ -184,6 +187,36 @@ impl Answer {
     }
 }
 
+/// What stands before the message in a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Header {
+    pub transaction: u16,
+    /// How many bytes the whole frame has.
+    pub frame_len: usize,
+}
+
+impl Header {
+    /// The header of the first frame of what came; `None` while more of it must come.
+    ///
+    /// # Errors
+    /// It begins no frame: [`NoAnswer::Protocol`] or [`NoAnswer::Length`].
+    pub fn of(came: &[u8]) -> Result<Option<Header>, NoAnswer> {
+        let word = |at: usize| Some(u16::from_be_bytes([*came.get(at)?, *came.get(at + 1)?]));
+        let (Some(transaction), Some(protocol), Some(length)) = (word(0), word(2), word(4)) else {
+            return Ok(None);
+        };
+        if protocol != 0 {
+            return Err(NoAnswer::Protocol);
+        }
+        // The unit, a function and a byte are the least.
+        let frame_len = HEADER - 1 + usize::from(length);
+        if length < 3 || frame_len > MAX_FRAME {
+            return Err(NoAnswer::Length);
+        }
+        Ok(Some(Header { transaction, frame_len }))
+    }
+}
+
 impl Question {
     /// The frame to send.
     #[must_use]
@@ -211,16 +244,8 @@ impl Question {
     /// # Errors
     /// It is not the answer, or a refusal.
     pub fn answer(&self, came: &[u8]) -> Result<Option<Answer>, NoAnswer> {
-        let word = |at: usize| Some(u16::from_be_bytes([*came.get(at)?, *came.get(at + 1)?]));
-        let (Some(transaction), Some(protocol), Some(length)) = (word(0), word(2), word(4)) else {
-            return Ok(None);
-        };
-        if protocol != 0 {
-            return Err(NoAnswer::Protocol);
-        }
-        // The unit, a function and a byte are the least.
-        let whole = HEADER - 1 + usize::from(length);
-        if length < 3 || whole > MAX_FRAME || came.len() > whole {
+        let Some(Header { transaction, frame_len: whole }) = Header::of(came)? else { return Ok(None) };
+        if came.len() > whole {
             return Err(NoAnswer::Length);
         }
         if transaction != self.transaction {

@@ -163,8 +163,9 @@ impl Protocol for GripperProtocol {
             if let Some(until) = self.client.until() {
                 return Ok(until);
             }
-            if now < self.next {
-                return Ok(self.next);
+            let next = self.next.max(self.client.may_ask_from());
+            if now < next {
+                return Ok(next);
             }
             self.ask(now, send);
         }

@@ -21,7 +21,8 @@ use mrroc::robot::JointKind;
 use nalgebra::{SVector, Vector3};
 
 use super::body::Body;
-use super::chain::{Chain, MOST_SEGMENTS, Mover, Segment};
+use super::chain::{Chain, Mover, Segment};
+use super::places::MOST_SEGMENTS;
 use crate::models::drives::{GRAVITY, Gains, MotorData, MotorLimits};
 use crate::models::irp6::Irp6;
 

@@ -351,6 +351,53 @@ pub enum UrdfError {
         /// The joint that it follows.
         leader: String,
     },
+    /// A joint that nothing moves, because it mimics with multiplier 0, stands outside of its limits.
+    #[error(
+        "line {line}: joint \"{joint}\" mimics with multiplier 0, so it stands at its offset {offset}, outside of its limits \
+         {lower} to {upper}: correct the multiplier or the offset"
+    )]
+    MimicStands {
+        /// Line, from 1.
+        line: usize,
+        /// The mimic joint.
+        joint: String,
+        /// Where it stands [rad or m].
+        offset: f64,
+        /// Lower limit [rad or m].
+        lower: f64,
+        /// Upper limit [rad or m].
+        upper: f64,
+    },
+    /// A link has a negative moment of inertia about an axis.
+    #[error(
+        "line {line}: link \"{link}\": its <inertia> cannot be: principal moments {} kg m^2, of which none may be negative: \
+         correct the moments and the signs of the products",
+        moments(principal)
+    )]
+    NegativeInertia {
+        /// Line of `<inertia>`, from 1.
+        line: usize,
+        /// The link.
+        link: String,
+        /// Principal moments, in ascending order [kg m²].
+        principal: [f64; 3],
+    },
+    /// A link has a larger moment of inertia than any mass could have, whatever its shape.
+    #[error(
+        "line {line}: link \"{link}\": its <inertia> cannot be: principal moments {} kg m^2, of which the largest is at most \
+         the sum of the others in any body ({:.0} % more are taken for rounding): correct it, or write the moments of a sphere, \
+         0.4 m r^2 each", moments(principal), 100.0 * limit
+    )]
+    ImpossibleInertia {
+        /// Line of `<inertia>`, from 1.
+        line: usize,
+        /// The link.
+        link: String,
+        /// Principal moments, in ascending order [kg m²].
+        principal: [f64; 3],
+        /// By how much the largest may exceed the sum of the others, as a part of that; of all links together that are fixed to this one.
+        limit: f64,
+    },
     /// An acceleration or a jerk that the caller gave.
     #[error("joint \"{joint}\": {what} {value} is not a finite number above 0")]
     BadCallerLimit {
@@ -407,4 +454,9 @@ pub enum UrdfError {
     /// The arm that another one is near has no closed form.
     #[error("the nominal arm has no closed form, with whose solutions others could begin")]
     NoClosedForm,
+}
+
+/// Principal moments as a message says them.
+fn moments(principal: &[f64; 3]) -> String {
+    principal.map(|moment| format!("{moment:.3e}")).join(", ")
 }

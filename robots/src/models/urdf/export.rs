@@ -9,7 +9,7 @@ use mrroc::pose::Pose;
 use mrroc::robot::{JointKind, JointVector, Limits, Tool};
 use nalgebra::Matrix3;
 
-use super::chain::CONTINUOUS;
+use super::places::CONTINUOUS;
 use crate::dynamics::{Segment, Tree};
 use crate::models::drives::Driven;
 

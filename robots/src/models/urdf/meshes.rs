@@ -9,9 +9,10 @@ use mrroc::prelude::*;
 use mrroc::robot::LinkMesh;
 use nalgebra::Translation3;
 
-use super::chain::{axis, kind, turn_of_z};
+use super::chain::turn_of_z;
 use super::document::{Element, Tree, origin, parsed};
 use super::error::UrdfError;
+use super::places::{Place, axis, places};
 use super::serial::Serial;
 
 impl<const N: usize> Serial<N> {
@@ -34,9 +35,9 @@ fn read(text: &str, base: &str, tip: &str, folder: &Path) -> Result<Option<Vec<L
     let tree = Tree::of(&document)?;
     let (mut fixed, mut frame, mut meshes) = (Pose::identity(), 0, Vec::new());
     let mut whole = collect(&tree, base, (&fixed, frame), folder, &mut meshes)?;
-    for joint in tree.path(base, tip)? {
-        fixed *= origin(&joint.element, tree.has_quaternions)?;
-        if kind(&joint)?.is_some() {
+    for Place { joint, X_PJ, moves } in places(&tree, base, tip)? {
+        fixed *= X_PJ;
+        if moves.is_some() {
             // The frame of a joint that moves has its z along the axis.
             fixed = Pose::from_parts(Translation3::identity(), turn_of_z(axis(&joint)?).inverse());
             frame += 1;

@@ -25,6 +25,7 @@ mod meshes;
 mod motion;
 mod newton;
 mod outline;
+mod places;
 mod recognition;
 mod rounded;
 mod serial;

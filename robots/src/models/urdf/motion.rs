@@ -14,7 +14,8 @@ use mrroc::pose::Pose;
 use mrroc::robot::JointKind;
 use nalgebra::{Quaternion, Rotation3, SMatrix, SVector, Translation3, UnitQuaternion, Vector3};
 
-use super::chain::{MOST_SEGMENTS, Segment};
+use super::chain::Segment;
+use super::places::MOST_SEGMENTS;
 use crate::models::kinematics::doubled;
 use crate::models::sines::sin_cos;
 

@@ -4,10 +4,11 @@ use mrroc::prelude::*;
 use mrroc::robot::JointKind;
 use nalgebra::{SVector, Translation3, Vector3};
 
-use super::chain::{MOST_SEGMENTS, Segment, axis, kind, turn_of_z};
+use super::chain::{Segment, turn_of_z};
 use super::collision::{LinkCapsule, Meshes, Shapes};
-use super::document::{Tree, origin, parsed, shown};
+use super::document::{Tree, parsed, shown};
 use super::error::UrdfError;
+use super::places::{MOST_SEGMENTS, Place, axis, places};
 use super::serial::Serial;
 use crate::models::shape::{Capsule, Chain, ChainBody, ChainJoint, Link, Motion, Outline};
 
@@ -63,9 +64,9 @@ impl<const N: usize> SerialOutline<N> {
         let mut joints = 0;
         let mut shapes = Shapes::of(meshes);
         shapes.collect(&tree, base, &fixed, joints)?;
-        for joint in tree.path(base, tip)? {
-            fixed *= origin(&joint.element, tree.has_quaternions)?;
-            if kind(&joint)?.is_some() {
+        for Place { joint, X_PJ, moves } in places(&tree, base, tip)? {
+            fixed *= X_PJ;
+            if moves.is_some() {
                 // The frame of a joint that moves has its z along the axis.
                 fixed = Pose::from_parts(Translation3::identity(), turn_of_z(axis(&joint)?).inverse());
                 joints += 1;

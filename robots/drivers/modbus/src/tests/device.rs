@@ -5,6 +5,27 @@ use core::time::Duration;
 use mrroc_driver_kit::testing;
 use mrroc_driver_kit::testing::Reply;
 
+/// How long after its gateway has given up a device answers all the same.
+pub const LATE: Duration = Duration::from_millis(20);
+
+/// An answer that is to come.
+#[derive(Debug)]
+struct Late {
+    due: Duration,
+    /// The first four bytes of its frame, and its unit.
+    number: [u8; 4],
+    unit: u8,
+    answer: Vec<u8>,
+    is_given_up: bool,
+}
+
+impl Late {
+    fn frame(&self, number: &[u8; 4]) -> Vec<u8> {
+        let length = (self.answer.len() as u16 + 1).to_be_bytes();
+        [&number[..], &length, &[self.unit], &self.answer].concat()
+    }
+}
+
 #[derive(Debug, Default)]
 pub struct Device {
     pub inputs: [bool; 32],
@@ -24,6 +45,14 @@ pub struct Device {
     pub exception: Option<u8>,
     /// Whether it closes the connection in place of the next answer.
     pub closes: bool,
+    /// The function of which the gateway before it gives up the next question (exception 11); the answer then comes after [`LATE`].
+    pub gives_up: Option<u8>,
+    /// Whether that gateway gives what comes late the number of the question that is open then, and drops it where none is.
+    pub renumbers: bool,
+    /// How long the device takes.
+    pub takes: Duration,
+    /// What is on its serial line.
+    line: Vec<Late>,
     /// What has come of the next question.
     came: Vec<u8>,
 }
@@ -72,6 +101,7 @@ impl testing::Device for Device {
     fn connected(&mut self) {
         self.connections += 1;
         self.came.clear();
+        self.line.clear();
     }
 
     fn poll(&mut self, now: Duration, received: &[u8], reply: &mut Reply) -> Duration {
@@ -84,10 +114,24 @@ impl testing::Device for Device {
             if self.is_silent || reply.closes {
                 continue;
             }
-            let answer = self.answer(&question[7..]);
-            let length = (answer.len() as u16 + 1).to_be_bytes();
-            reply.bytes.extend([&question[..4], &length, &question[6..7], &answer].concat());
+            let number = [question[0], question[1], question[2], question[3]];
+            let (unit, answer) = (question[6], self.answer(&question[7..]));
+            let is_given_up = self.gives_up.take_if(|function| *function == question[7]).is_some();
+            if is_given_up {
+                reply.bytes.extend([&number[..], &[0, 3, unit, question[7] | 0x80, 0x0b]].concat());
+            }
+            let due = now + if is_given_up { LATE } else { self.takes };
+            self.line.push(Late { due, number, unit, answer, is_given_up });
         }
-        Duration::MAX
+        while let Some(place) = self.line.iter().position(|late| late.due <= now) {
+            let late = self.line.remove(place);
+            if !(late.is_given_up && self.renumbers) {
+                reply.bytes.extend(late.frame(&late.number));
+            } else if let Some(open) = self.line.iter().position(|other| !other.is_given_up) {
+                let open = self.line.remove(open);
+                reply.bytes.extend(late.frame(&open.number));
+            }
+        }
+        self.line.iter().map(|late| late.due).min().unwrap_or(Duration::MAX)
     }
 }

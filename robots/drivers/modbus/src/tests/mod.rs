@@ -13,7 +13,7 @@ use mrroc_robots::{IoBlock, NoJoints};
 
 use crate::{Layout, ModbusIo, ModbusIoSettings, Scale};
 
-use device::Device;
+use device::{Device, LATE};
 
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
@@ -225,6 +225,37 @@ fn fault_175_a_refusal_is_told_by_its_name_and_one_that_passes_is_asked_again() 
     all.network.advance(ms(5));
     assert!(drives.signals().inputs.is_on(1));
     assert_eq!(all.look(|device| device.connections), 1);
+}
+
+/// A gateway gives up the reading of inputs, one of which goes off at that moment; the answer that says it is on comes late.
+#[test]
+fn fault_175_what_a_gateway_has_given_up_and_passes_on_late_is_no_reading() {
+    for renumbers in [false, true] {
+        let all = Fixture::new();
+        all.look(|device| {
+            device.inputs[10] = true;
+            // The next question would be open when the late answer comes.
+            (device.renumbers, device.takes) = (renumbers, 2 * LATE);
+        });
+        let mut drives = all.opened();
+        assert!(drives.signals().inputs.is_on(0));
+        all.look(|device| device.gives_up = Some(2));
+        let exchanges = all.look(|device| device.exchanges);
+        all.network.until(|| (all.look(|device| device.exchanges) > exchanges).then_some(()));
+        all.look(|device| device.inputs[10] = false);
+        let given_up = all.look(|device| device.asked_at);
+        // 200 ms in which nothing is asked, and four answers.
+        let end = given_up + ms(200) + 8 * LATE;
+        while all.network.now() < end {
+            all.network.advance(ms(1));
+            drives.tick(&NoJoints::zeros()).expect("it goes on");
+            let is_old = all.look(|device| device.exchanges) == exchanges + 1;
+            assert_eq!(is_old, all.network.now() < given_up + ms(200), "{:?}", all.network.now());
+        }
+        all.network.advance(ms(10));
+        assert!(!drives.signals().inputs.is_on(0), "numbered anew: {renumbers}");
+        assert_eq!(all.look(|device| device.connections), 1);
+    }
 }
 
 #[test]
