@@ -83,7 +83,7 @@ mod tests {
     #[test]
     fn what_a_cell_file_describes_is_as_far_away_as_geometry_says() {
         // A quarter of a turn about y (of z, y, z the second angle) takes z to x.
-        let at = "at = { position = [1.0, 0.0, 0.0], zyz = [0.0, 1.5707963267948966, 0.0] }";
+        let at = "at = { xyz = [1.0, 0.0, 0.0], zyz = [0.0, 1.5707963267948966, 0.0] }";
         let shapes = [
             ("half_space = { height = 0.5 }", 1.5),
             ("capsule = { radius = 0.1, length = 0.8 }", 2.5),
@@ -109,9 +109,9 @@ mod tests {
         std::fs::write(folder.join("ground.txt"), "0.5\n").unwrap();
         let text = "step_ms = 2\n[robots.arm]\nkind = \"irp6\"\n\
                     [obstacles.scan]\ncloud = { file = \"scan.xyz\", radius = 0.1, cell = 0.5 }\n\
-                    at = { position = [1.0, 0.0, 0.0] }\n\
+                    at = { xyz = [1.0, 0.0, 0.0] }\n\
                     [obstacles.ground]\nheight_field = { file = \"ground.txt\", cell = 0.5 }\n\
-                    at = { position = [1.0, 0.0, 0.0] }\n";
+                    at = { xyz = [1.0, 0.0, 0.0] }\n";
         std::fs::write(folder.join("cell.toml"), text).unwrap();
         let file = CellFile::read(folder.join("cell.toml")).unwrap();
         let found: Vec<_> = file.obstacles().iter().map(|entry| Obstacle::of(entry).unwrap()).collect();

@@ -224,9 +224,9 @@ mod tests {
     #[test]
     fn an_obstacle_stands_in_the_frame_that_it_names() {
         let file = parsed(
-            "[obstacles.post]\ncylinder = { radius = 0.05, length = 1 }\nat = { position = [1.0, 0.0, 0.5] }\nframe = \"table\"\n\
+            "[obstacles.post]\ncylinder = { radius = 0.05, length = 1 }\nat = { xyz = [1.0, 0.0, 0.5] }\nframe = \"table\"\n\
              [obstacles.ball]\nsphere = { radius = 0.1 }\n\
-             [frames.table]\nposition = [0.0, 2.0, 0.0]\nzyz = [1.5707963267948966, 0.0, 0.0]\n",
+             [frames.table]\nxyz = [0.0, 2.0, 0.0]\nzyz = [1.5707963267948966, 0.0, 0.0]\n",
         );
         let [post, ball] = file.obstacles() else { panic!("two obstacles") };
         assert_eq!((post.name(), ball.name()), ("post", "ball"));
@@ -243,7 +243,7 @@ mod tests {
     fn everything_that_is_wrong_with_obstacles_is_told_at_once_with_its_place() {
         let told = refused(
             "[obstacles.arm]\nbox = { size = [1, 1, 1] }\n\
-             [obstacles.none]\nat = { position = [1.0, 0.0, 0.5] }\n\
+             [obstacles.none]\nat = { xyz = [1.0, 0.0, 0.5] }\n\
              [obstacles.two]\nsphere = { radius = 0.1 }\nbox = { size = [1, 1, 1] }\n\
              [obstacles.flat]\nbox = { size = [1, 1, 0] }\nframe = \"table\"\n\
              [obstacles.long]\ncapsule = { radius = -0.1, lenght = 1 }\n\

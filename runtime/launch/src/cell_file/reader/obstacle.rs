@@ -8,7 +8,7 @@ use toml::de::{DeTable, DeValue};
 
 use super::super::error::At;
 use super::super::obstacle::{ObstacleEntry, ObstacleShape};
-use super::value::IN_CELL;
+use super::pose::IN_CELL;
 use super::{Entry, Reader, Value};
 
 pub(in super::super) const OBSTACLE_KEYS: [&str; 9] =
