@@ -84,6 +84,14 @@ impl Path {
         path
     }
 
+    /// The path of robots that stay at a point.
+    pub(crate) fn point(at: &[f64]) -> Self {
+        Path {
+            knots: vec![0.0; 2],
+            pieces: vec![Piece::Leg { from: at.to_vec(), along: vec![0.0; at.len()] }],
+        }
+    }
+
     fn leg(&mut self, from: &[f64], to: &[f64], direction: &[f64]) {
         let length = distance(from, to);
         if length > 1e-12 {

@@ -14,11 +14,15 @@ use crate::limits::Limits;
 use crate::path::Path;
 use crate::plan::{Motion, Plan};
 use crate::search::{Samples, connect, shorten};
+use crate::speed::Speed;
 use crate::stop::ROBOTS;
 use crate::timing::timed;
 
 /// Ranges longer than this have no ends that matter to a plan: two turns.
 const ENDLESS: f64 = 2.0 * TAU;
+
+/// Points of a path whose joints are nearer than this are one [rad or m].
+const SAME: f64 = 1e-9;
 
 /// How much more than the margins paths keep \[m\]: what is left for stops, which leave them.
 const MORE: f32 = 5e-4;
@@ -96,11 +100,17 @@ impl Planner {
         let points = self.find(start, goals)?;
         let ends = [points[0].clone(), points[points.len() - 1].clone()];
         let offset = self.offset(&ends[0]);
-        let inner: Vec<Vec<f64>> =
+        let mut inner: Vec<Vec<f64>> =
             points.iter().map(|q| q.iter().zip(&offset).map(|(q, offset)| q - offset).collect()).collect();
-        let path = Path::rounded(&mut self.checker, &mut self.edges, &inner);
-        self.checker.more = 0.0;
-        let speed = timed(&mut self.checker, &path, &self.limits, self.reaction)?;
+        inner.dedup_by(|b, a| a.iter().zip(b.iter()).all(|(a, b)| (b - a).abs() < SAME));
+        let (path, speed) = if inner.len() > 1 {
+            let path = Path::rounded(&mut self.checker, &mut self.edges, &inner);
+            self.checker.more = 0.0;
+            let speed = timed(&mut self.checker, &path, &self.limits, self.reaction)?;
+            (path, speed)
+        } else {
+            (Path::point(&inner[0]), Speed::still())
+        };
         let robots = self.checker.arms.iter().map(Arm::name).collect();
         let motion = Motion { path, speed, limits: self.limits.clone(), offset, ends };
         Ok(Plan { robots, motion: Arc::new(motion) })

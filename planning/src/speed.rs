@@ -35,6 +35,11 @@ impl Speed {
         Speed { knots, window, stretch: 1.0 }
     }
 
+    /// Of robots that stay where they are.
+    pub(crate) const fn still() -> Self {
+        Speed { knots: Vec::new(), window: 0.0, stretch: 1.0 }
+    }
+
     /// The same, slower by a factor >= 1.
     pub(crate) fn slower(mut self, factor: f64) -> Self {
         self.stretch *= factor;
@@ -64,7 +69,7 @@ impl Speed {
             ProfilePoint { s: (sum1 - sum0) / w, v: (s1 - s0) / w, a: (v1 - v0) / w }
         } else {
             let i = self.piece(t);
-            let knot = self.knots[i];
+            let knot = self.knots.get(i).copied().unwrap_or_else(|| self.last());
             let h =
                 (t - knot.time).clamp(0.0, self.knots.get(i + 1).map_or(0.0, |next| next.time - knot.time));
             ProfilePoint {

@@ -96,8 +96,21 @@ impl Swept {
         swept
     }
 
-    /// Whether all of it is proven clear.
+    /// Whether all of it is proven clear, and within the limits of the joints.
     pub(crate) fn is_clear(&self, checker: &mut Checker, limits: &Limits) -> bool {
+        self.is_within(limits) && self.is_proven(checker, limits)
+    }
+
+    /// A joint that would stop beyond its limit is refused by its robot before it gets there. The path itself is within the limits.
+    fn is_within(&self, limits: &Limits) -> bool {
+        (0..self.middle.len()).all(|j| {
+            let Swept { middle, half, travel, off } = self;
+            let far = [-1.0, 1.0].map(|side| middle[j] + travel[j] + side * (off[j] - half[j]).max(0.0));
+            limits.lower[j] <= far[0] && far[1] <= limits.upper[j]
+        })
+    }
+
+    fn is_proven(&self, checker: &mut Checker, limits: &Limits) -> bool {
         let n = self.middle.len();
         let robots = limits.robots.len();
         let mut open = vec![Part { middle: [0.5; ROBOTS], half: [0.5; ROBOTS] }];

@@ -1,6 +1,10 @@
 //! Plans: limits, stops, and the robots that follow them.
 
+use mrroc::robot::Robot;
 use mrroc_planning::Planner;
+use mrroc_robots::Irp6;
+use mrroc_robots::clearance::{Capsule, Clearance, Obstacle};
+use nalgebra::Vector3;
 
 use super::cells::{around_a_box, stopping};
 
@@ -71,4 +75,35 @@ fn what_cannot_be_planned_is_told() {
         planner.plan(&A, &[]).expect_err("none").to_string(),
         "no goal: the pose has no solution within the limits of the joints"
     );
+}
+
+#[test]
+fn a_plan_to_where_the_robots_are_lasts_no_time() {
+    let clearance = around_a_box().build(stopping()).expect("a clearance");
+    let plan = Planner::new(clearance).expect("a planner").plan(&A, &[A.to_vec()]).expect("a plan");
+    assert_eq!((plan.duration(), plan.at(0.5)), (0.0, A.to_vec()));
+}
+
+/// An arm whose joints move its links by cranks, and share limits, is no chain: its shape is asked posture by posture.
+#[test]
+fn an_arm_that_is_no_chain_goes_around_a_post() {
+    let robot = Irp6::nominal();
+    let post = |angle: f64| {
+        let at = Vector3::new(angle.cos(), angle.sin(), 0.0) * 0.8;
+        Obstacle::Capsule(Capsule::new(at, at + Vector3::z() * 0.9, 0.05))
+    };
+    let turned = |by: f64| {
+        let mut q = Irp6::READY;
+        q[0] += by;
+        q.as_slice().to_vec()
+    };
+    let ahead = robot.forward(&Irp6::READY).translation.vector;
+    let build = || Clearance::with_margin(0.02).robot("irp6", Irp6::nominal()).expect("an arm");
+    let clearance = build().obstacle("post", post(ahead.y.atan2(ahead.x))).expect("a post").build(stopping());
+    let mut clearance = clearance.expect("a clearance");
+    let mut planner = Planner::new(clearance.clone()).expect("a planner");
+    let plan = planner.plan(&turned(-0.8), &[turned(0.8)]).unwrap_or_else(|error| panic!("{error}"));
+    let [motion, stops] = plan.closest(&mut clearance, 5e-3).expect("a clearance of its robots");
+    assert!(plan.length() > 1.7, "{}", plan.length());
+    assert!(motion.nearest.distance >= 0.02 && stops.nearest.distance >= 0.02, "{motion}; {stops}");
 }
