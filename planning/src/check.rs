@@ -10,7 +10,7 @@
 use mrroc_robots::clearance::{CheckedPair, Clearance, Obstacle, Partner};
 use nalgebra::Vector3;
 
-use crate::arm::{Arm, Standing};
+use crate::arm::{Arm, Around, Standing};
 use crate::lanes::{ALL, LANES, Lanes, Mask, Points};
 
 /// What the rounding of positions in single precision may cost \[m\]: a few units in the last place at some ten metres.
@@ -164,6 +164,9 @@ pub(crate) struct Checker {
     bodies: Vec<Body>,
     pairings: Vec<Pairing>,
     standing: Vec<Standing>,
+    /// The pairs that are checked; those that are not proven clear in the checks since [`narrow`](Self::narrow).
+    listed: Vec<u32>,
+    unproven: Vec<bool>,
     /// How much more than the margins is kept \[m\], >= 0.
     pub(crate) more: f32,
     /// How many batches of eight it has checked.
@@ -173,7 +176,7 @@ pub(crate) struct Checker {
 impl Checker {
     /// The robots, obstacles, pairs and margins of a clearance.
     pub(crate) fn new(clearance: &Clearance) -> Self {
-        let mut arms = Vec::new();
+        let mut arms = Vec::<Arm>::new();
         let mut joints = 0;
         for part in clearance.robot_parts() {
             let arm = Arm::new(part, joints);
@@ -182,23 +185,51 @@ impl Checker {
         }
         let bodies = clearance.obstacle_parts().map(|(_, obstacle)| Body::new(obstacle)).collect();
         let pairings = pairings(&arms, clearance.checked_pairs());
+        for pairing in &pairings {
+            if let Against::Limb(other, limb) = pairing.against {
+                arms[pairing.arm].limbs[pairing.limb].asked |= 1 << pairing.since;
+                arms[other].limbs[limb].asked |= 1 << pairing.since;
+            }
+        }
         let standing = vec![Standing::default(); arms.len()];
-        Checker { arms, bodies, pairings, standing, more: 0.0, batches: 0 }
+        let (listed, unproven) = (Vec::new(), vec![false; pairings.len()]);
+        Checker { arms, bodies, pairings, standing, listed, unproven, more: 0.0, batches: 0 }
     }
 
-    /// Checks eight postures at `q` [rad or m], and all positions that are off by at most `half` [rad or m, >= 0]. Ends as soon as a
-    /// wanted lane is found not to be clear.
-    pub(crate) fn check(&mut self, q: &[Lanes], half: Option<&[Lanes]>, wanted: Mask) -> Verdict {
+    /// Checks eight postures at `q` [rad or m], and all positions `around` them. Ends as soon as a wanted lane is found not to be clear.
+    pub(crate) fn check(&mut self, q: &[Lanes], around: Around<'_>, wanted: Mask) -> Verdict {
+        self.list_all();
+        self.check_listed(q, around, wanted)
+    }
+
+    /// Lists all pairs.
+    pub(crate) fn list_all(&mut self) {
+        self.listed.clear();
+        self.listed.extend(0..self.pairings.len() as u32);
+        self.unproven.fill(false);
+    }
+
+    /// Leaves those on the list that were not proven clear, in any lane, since it was made or narrowed: what was proven for all of some
+    /// intervals needs no proof on parts of them.
+    pub(crate) fn narrow(&mut self) {
+        let Checker { listed, unproven, .. } = self;
+        listed.retain(|&pair| core::mem::take(&mut unproven[pair as usize]));
+    }
+
+    /// [`check`](Self::check) of the pairs on the list alone.
+    pub(crate) fn check_listed(&mut self, q: &[Lanes], around: Around<'_>, wanted: Mask) -> Verdict {
         self.batches += 1;
         for (arm, standing) in self.arms.iter().zip(&mut self.standing) {
-            let own = arm.first..arm.first + arm.joints;
-            arm.stand(&q[own.clone()], half.map(|half| &half[own]), standing);
+            arm.stand(q, around, standing);
         }
+        let moving = !matches!(around, Around::Nothing);
         let mut verdict = Verdict { proven: wanted, clear: wanted };
-        for i in 0..self.pairings.len() {
-            let (unproven, hit) = self.compare(&self.pairings[i], half.is_some(), wanted);
+        for &listed in &self.listed {
+            let i = listed as usize;
+            let (unproven, hit) = self.compare(&self.pairings[i], moving, wanted);
             verdict.proven &= !unproven;
             verdict.clear &= !hit;
+            self.unproven[i] |= unproven != 0;
             if verdict.clear != wanted {
                 // What hits once is likely to hit again: it is asked sooner.
                 if i > 0 {
@@ -242,7 +273,12 @@ impl Checker {
                         }
                         let second = self.arms[arm].limbs[limb].tree.nodes[node as usize].second;
                         if second == 0 {
-                            unproven |= left;
+                            if moving {
+                                let travel = self.arms[arm].travel(standing, limb, centre, radius);
+                                unproven |= left & !body.clear_of(centre, apart + travel);
+                            } else {
+                                unproven |= left;
+                            }
                             hit |= if moving { left & !body.clear_of(centre, apart) } else { left };
                         } else {
                             stack[depth] = (node + 1, left);
@@ -308,7 +344,7 @@ impl Checker {
     /// Whether a posture is clear.
     pub(crate) fn is_clear(&mut self, q: &[f64]) -> bool {
         let lanes: Vec<Lanes> = q.iter().map(|q| Lanes::splat(*q as f32)).collect();
-        self.is_possible(q) && self.check(&lanes, None, ALL).clear == ALL
+        self.is_possible(q) && self.check(&lanes, Around::Nothing, ALL).clear == ALL
     }
 }
 
