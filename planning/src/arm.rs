@@ -98,6 +98,8 @@ pub(crate) struct Arm {
     pub(crate) part: RobotPart,
     /// Its first joint among those of all robots.
     pub(crate) first: usize,
+    /// Its first limb among those of all robots.
+    pub(crate) first_limb: usize,
     /// How many joints it has.
     pub(crate) joints: usize,
     pub(crate) limbs: Vec<Limb>,
@@ -110,6 +112,8 @@ pub(crate) const MOTIONS: usize = 17;
 /// Where an arm stands in each lane.
 #[derive(Clone, Default)]
 pub(crate) struct Standing {
+    /// The limbs whose roots and travel are wanted, and those from the 64th on: bit `i` for the `i`th. Others of a chain stay as they are.
+    pub(crate) wanted: u64,
     /// The world, then the frame of each joint of a chain.
     frames: Vec<Frames>,
     /// The balls of each limb of an arm that is no chain.
@@ -122,9 +126,20 @@ pub(crate) struct Standing {
     pub(crate) sweeps: Vec<Sweep>,
 }
 
+impl Standing {
+    /// Wants a limb.
+    pub(crate) fn want(&mut self, limb: usize) {
+        self.wanted |= 1u64.checked_shl(limb as u32).unwrap_or(0);
+    }
+
+    fn is_wanted(wanted: u64, limb: usize) -> bool {
+        wanted.checked_shr(limb as u32).is_none_or(|rest| rest & 1 == 1)
+    }
+}
+
 impl Arm {
-    /// The robot `part`, whose first joint is the `first` of all.
-    pub(crate) fn new(part: RobotPart, first: usize) -> Self {
+    /// The robot `part`, whose first joint is the `first` of all, and its first limb the `first_limb`.
+    pub(crate) fn new(part: RobotPart, first: usize, first_limb: usize) -> Self {
         let joints = part.shape.kinds().len();
         let chain = part.shape.chain();
         let own = part.links.len() - part.carried.len();
@@ -149,7 +164,8 @@ impl Arm {
                 }
             }
         }
-        let mut arm = Arm { part, first, joints, limbs, kinematics: Kinematics::Outline(Vec::new()) };
+        let mut arm =
+            Arm { part, first, first_limb, joints, limbs, kinematics: Kinematics::Outline(Vec::new()) };
         match chain {
             Some(chain) => arm.take_chain(&chain, own),
             None => arm.take_outline(),
@@ -225,13 +241,14 @@ impl Arm {
         }
     }
 
-    /// Stands in all lanes: `q` and `around` are the positions of all robots' joints, and by how much they may be off.
+    /// Stands in all lanes: `q` and `around` are the positions of all robots' joints, and by how much they may be off. How far limbs may get
+    /// is known after [`sweep`](Self::sweep).
     #[inline]
     pub(crate) fn stand(&self, q: &[Lanes], around: Around<'_>, standing: &mut Standing) {
         let own = self.first..self.first + self.joints;
         let (q, around) = (&q[own.clone()], around.of(own));
         match &self.kinematics {
-            Kinematics::Chain(joints) => self.stand_chain(joints, q, around, standing),
+            Kinematics::Chain(joints) => self.stand_chain(joints, q, standing),
             Kinematics::Outline(counts) => {
                 let sizes = around.half().map(|half| half.iter().map(|half| half.abs()).collect::<Vec<_>>());
                 self.stand_outline(counts, q, sizes.as_deref(), standing);
@@ -239,8 +256,17 @@ impl Arm {
         }
     }
 
+    /// Finds how far limbs may get `around` where it stands.
     #[inline]
-    fn stand_chain(&self, joints: &[Joint], q: &[Lanes], around: Around<'_>, standing: &mut Standing) {
+    pub(crate) fn sweep(&self, around: Around<'_>, standing: &mut Standing) {
+        let around = around.of(self.first..self.first + self.joints);
+        if let (Kinematics::Chain(joints), Some(half)) = (&self.kinematics, around.half()) {
+            self.sweep_chain(joints, half, matches!(around, Around::Line(_)), standing);
+        }
+    }
+
+    #[inline]
+    fn stand_chain(&self, joints: &[Joint], q: &[Lanes], standing: &mut Standing) {
         let frames = &mut standing.frames;
         frames.clear();
         let mut frame = Frames::world();
@@ -261,18 +287,27 @@ impl Arm {
             }
             frames.push(frame);
         }
-        standing.roots.clear();
-        for limb in &self.limbs {
-            let root = &limb.tree.nodes[0];
-            standing.roots.push((frames[limb.joints].place(root.centre), Lanes::splat(root.radius)));
+        let wanted = standing.wanted;
+        standing.roots.resize(self.limbs.len(), Default::default());
+        for (i, (limb, placed)) in self.limbs.iter().zip(&mut standing.roots).enumerate() {
+            if Standing::is_wanted(wanted, i) {
+                let root = &limb.tree.nodes[0];
+                *placed = (frames[limb.joints].place(root.centre), Lanes::splat(root.radius));
+            }
         }
-        standing.sweeps.clear();
-        let Some(half) = around.half() else { return };
-        let together = matches!(around, Around::Line(_));
+    }
+
+    fn sweep_chain(&self, joints: &[Joint], half: &[Lanes], together: bool, standing: &mut Standing) {
+        let wanted = standing.wanted;
+        let frames = &standing.frames;
+        standing.sweeps.resize(if together { self.limbs.len() } else { 0 }, Sweep::default());
         standing.travel.resize(self.limbs.len(), [Lanes::default(); MOTIONS + 1]);
-        for ((limb, travel), (centre, radius)) in
-            self.limbs.iter().zip(&mut standing.travel).zip(&standing.roots)
+        for (i, ((limb, travel), (centre, radius))) in
+            self.limbs.iter().zip(&mut standing.travel).zip(&standing.roots).enumerate()
         {
+            if !Standing::is_wanted(wanted, i) {
+                continue;
+            }
             let mut moved = Lanes::default();
             let mut bend = Lanes::default();
             let mut sweep = Sweep::default();
@@ -304,8 +339,8 @@ impl Arm {
                     travel[j] = moved.min(swept);
                 }
             }
-            if together {
-                standing.sweeps.push(sweep);
+            if let Some(kept) = standing.sweeps.get_mut(i) {
+                *kept = sweep;
             }
         }
     }

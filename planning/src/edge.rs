@@ -48,7 +48,8 @@ impl Edges {
         loop {
             self.unproven.clear();
             for taken in self.open.chunks(LANES) {
-                let batch: [(f32, f32); LANES] = core::array::from_fn(|lane| taken[lane.min(taken.len() - 1)]);
+                let batch: [(f32, f32); LANES] =
+                    core::array::from_fn(|lane| taken[lane.min(taken.len() - 1)]);
                 for j in 0..n {
                     let along = to[j] - from[j];
                     self.q[j] = Lanes::new(batch.map(|(middle, _)| from[j] + along * middle));
