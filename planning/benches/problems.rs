@@ -1,14 +1,18 @@
 //! Plans MotionBenchMaker's problems, and prints as JSON how many are solved, in what time, and how long the paths are.
 //!
-//! Run with `cargo bench -p mrroc-planning --bench problems -- PROBLEMS [OUT] [--spheres] [--margin M]`: a file that
-//! `tests/peers/planning/problems.py` writes, and where the paths go, a line for each problem.
+//! Run with `cargo bench -p mrroc-planning --bench problems -- PROBLEMS [OUT] [--spheres] [--margin M] [--rounds N]`: a file that
+//! `tests/peers/planning/problems.py` writes, and where the paths go, a line for each problem. All problems that are valid are planned once
+//! unmeasured, then in `N` rounds (5); the time of a problem is the median of its rounds. Prints a line for each set, and one for `all`, with
+//! the keys of `tests/peers/planning/vamp_paths.py`, but for the wall clock: times are those of the thread on its processor. To standard
+//! error go the capsules of each link, and what was not solved.
 
+use std::collections::BTreeMap;
 use std::error::Error;
 use std::io::Write;
 
 use mrroc::pose::Pose;
 use mrroc_planning::{PlanError, Planner};
-use mrroc_robots::clearance::{Clearance, ClearanceBuilder, Obstacle, Stop, Stopping};
+use mrroc_robots::clearance::{Clearance, ClearanceBuilder, Obstacle, Outline, Stop, Stopping};
 use mrroc_robots::{Meshes, Serial, SerialOutline};
 use nalgebra::{Quaternion, SVector, Translation3, UnitQuaternion, Vector3};
 use rustix::time::{ClockId, clock_gettime};
@@ -16,6 +20,8 @@ use serde_json::{Value, json};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let words: Vec<String> = std::env::args().skip(1).filter(|word| word != "--bench").collect();
+    let option =
+        |name: &str| words.iter().position(|word| word == name).and_then(|i| words.get(i + 1)?.parse().ok());
     let is_option = |word: &&String| word.starts_with("--");
     let files: Vec<&String> =
         words.iter().filter(|word| !is_option(word) && word.parse::<f64>().is_err()).collect();
@@ -23,21 +29,38 @@ fn main() -> Result<(), Box<dyn Error>> {
         println!("problems: give the file that tests/peers/planning/problems.py writes");
         return Ok(());
     };
-    let margin =
-        words.iter().position(|word| word == "--margin").and_then(|i| words.get(i + 1)?.parse().ok());
+    let (margin, rounds): (f64, f64) = (option("--margin").unwrap_or(0.0), option("--rounds").unwrap_or(5.0));
+    let rounds = rounds as usize;
     let key = if words.iter().any(|word| word == "--spheres") { "spheres" } else { "urdf" };
     let text = std::fs::read_to_string(problems)?;
     let mut lines = text.lines();
     let robot: Value = serde_json::from_str(lines.next().ok_or("an empty file")?)?;
     let problems = lines.map(serde_json::from_str).collect::<Result<Vec<Value>, _>>()?;
     let urdf = std::fs::read_to_string(robot[key].as_str().ok_or("no URDF")?)?;
-    let out = files.get(1).map(|path| std::fs::File::create(path)).transpose()?;
+    // Meshes are files below the folder, and the file of UR5's gripper writes the upper half of a matrix twice.
+    let urdf = urdf.replace("package://", "");
+    let urdf = ["iyx", "izx", "izy"]
+        .iter()
+        .fold(urdf, |urdf, name| urdf.replace(&format!(" {name}=\"0.000000\""), ""));
+    let out = files.get(1).map(std::fs::File::create).transpose()?;
     match robot["joints"].as_array().map_or(0, Vec::len) {
-        6 => run::<6>(&robot, &urdf, &problems, margin.unwrap_or(0.0), out),
-        7 => run::<7>(&robot, &urdf, &problems, margin.unwrap_or(0.0), out),
-        8 => run::<8>(&robot, &urdf, &problems, margin.unwrap_or(0.0), out),
+        6 => run::<6>(&robot, &urdf, &problems, margin, rounds, out),
+        7 => run::<7>(&robot, &urdf, &problems, margin, rounds, out),
+        8 => run::<8>(&robot, &urdf, &problems, margin, rounds, out),
         n => Err(format!("no arm of {n} joints here").into()),
     }
+}
+
+/// A problem that is ready to be planned, and what came of it.
+struct Task<'a> {
+    problem: &'a Value,
+    planner: Planner,
+    start: Vec<f64>,
+    goals: Vec<Vec<f64>>,
+    /// Times of planning and of making shorter [us], of each round.
+    times: Vec<[f64; 2]>,
+    /// Lengths before and after [rad], and the path; why there is none.
+    found: Result<(f64, f64, Vec<Vec<f64>>), String>,
 }
 
 fn run<const N: usize>(
@@ -45,72 +68,110 @@ fn run<const N: usize>(
     urdf: &str,
     problems: &[Value],
     margin: f64,
+    rounds: usize,
     mut out: Option<std::fs::File>,
 ) -> Result<(), Box<dyn Error>> {
     let ends = ["base", "tip"].map(|key| robot[key].as_str().unwrap_or_default());
     let arm = Serial::<N>::from_urdf(urdf, ends[0], ends[1])?.with_acceleration(SVector::repeat(5.0))?;
     let arm = arm.with_positions(vector(&robot["lower"])?, vector(&robot["upper"])?)?;
     let meshes = Meshes::below(robot["meshes"].as_str().unwrap_or("."));
+    let begun = now();
     let outline = SerialOutline::from_urdf(arm, urdf, ends[0], ends[1], &meshes)?;
-    let (mut first, mut both, mut before, mut after) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-    let mut why = std::collections::BTreeMap::<String, u32>::new();
-    for problem in problems {
+    let mut capsules = BTreeMap::<String, u32>::new();
+    for link in outline.links() {
+        *capsules.entry(link.name.to_string()).or_default() += 1;
+    }
+    eprintln!("{}: {} s for the capsules of {capsules:?}", robot["robot"], now() - begun);
+    let mut tasks = Vec::new();
+    for problem in problems.iter().filter(|problem| problem["valid"] != Value::Bool(false)) {
         let builder = Clearance::with_margin(margin).robot("arm", outline.clone())?;
         let clearance =
             obstacles(builder, problem)?.build(Stopping { reaction: 0.02, stop: Stop::Braking })?;
-        let mut planner = Planner::new(clearance)?;
-        let start = vector::<N>(&problem["start"])?.as_slice().to_vec();
         let goals = problem["goals"].as_array().ok_or("no goals")?;
         let goals = goals.iter().map(|goal| Ok(vector::<N>(goal)?.as_slice().to_vec()));
-        let goals = goals.collect::<Result<Vec<_>, Box<dyn Error>>>()?;
-        let begun = now();
-        let found = planner.find_first(&start, &goals);
-        let found_after = now() - begun;
-        match found {
-            Ok(mut path) => {
-                before.push(length(&path));
-                planner.shorten(&mut path);
-                both.push(1e6 * (now() - begun));
-                first.push(1e6 * found_after);
-                after.push(length(&path));
-                if let Some(out) = &mut out {
-                    writeln!(
-                        out,
-                        "{}",
-                        json!({ "set": problem["set"], "index": problem["index"], "joints": path })
-                    )?;
+        tasks.push(Task {
+            problem,
+            planner: Planner::new(clearance)?,
+            start: vector::<N>(&problem["start"])?.as_slice().to_vec(),
+            goals: goals.collect::<Result<_, Box<dyn Error>>>()?,
+            times: Vec::new(),
+            found: Err(String::new()),
+        });
+    }
+    for round in 0..=rounds {
+        for task in &mut tasks {
+            let begun = now();
+            let found = task.planner.find_first(&task.start, &task.goals);
+            let planned = now();
+            task.found = match found {
+                Ok(mut path) => {
+                    let before = length(&path);
+                    let again = now();
+                    task.planner.shorten(&mut path);
+                    if round > 0 {
+                        task.times.push([1e6 * (planned - begun), 1e6 * (now() - again)]);
+                    }
+                    Ok((before, length(&path), path))
                 }
-            }
-            Err(error) => {
-                let kind = match error {
-                    PlanError::StartNotClear(nearest) => {
-                        format!("start: {} - {}", nearest.sides[0], nearest.sides[1])
-                    }
-                    PlanError::GoalNotClear(nearest) => {
-                        format!("goal: {} - {}", nearest.sides[0], nearest.sides[1])
-                    }
-                    PlanError::NotFound { .. } => format!("not found: {}", problem["set"]),
-                    other => other.to_string(),
-                };
-                *why.entry(kind).or_default() += 1;
-            }
+                Err(error) => Err(why(&error, task.problem)),
+            };
         }
     }
-    let of = |values: &mut Vec<f64>| {
-        values.sort_by(f64::total_cmp);
-        let at = |share: f64| values.get((share * values.len() as f64) as usize).copied().unwrap_or(f64::NAN);
-        json!({ "median": at(0.5), "p95": at(0.95), "mean": values.iter().sum::<f64>() / values.len() as f64 })
-    };
-    let solved = first.len();
-    println!(
-        "{}",
-        json!({
-            "robot": robot["robot"], "problems": problems.len(), "solved": solved,
-            "plan_us": of(&mut first), "plan_and_shorten_us": of(&mut both),
-            "length_first": of(&mut before), "length": of(&mut after), "unsolved": why,
-        })
-    );
+    let mut sets = BTreeMap::<&str, Vec<&Task<'_>>>::new();
+    let mut unsolved = BTreeMap::<&str, u32>::new();
+    for task in &tasks {
+        for set in [task.problem["set"].as_str().unwrap_or_default(), "all"] {
+            sets.entry(set).or_default().push(task);
+        }
+        match &task.found {
+            Ok((.., path)) => {
+                let Task { problem, .. } = task;
+                let line = json!({ "set": problem["set"], "index": problem["index"], "joints": path });
+                if let Some(out) = &mut out {
+                    writeln!(out, "{line}")?;
+                }
+            }
+            Err(why) => *unsolved.entry(why).or_default() += 1,
+        }
+    }
+    eprintln!("{}: not solved: {unsolved:?}", robot["robot"]);
+    for (set, tasks) in sets {
+        let median = |of: &dyn Fn(&[f64; 2]) -> f64| {
+            figures(tasks.iter().filter(|task| task.found.is_ok()).map(|task| {
+                let mut times: Vec<f64> = task.times.iter().map(of).collect();
+                times.sort_by(f64::total_cmp);
+                times.get(times.len() / 2).copied().unwrap_or(f64::NAN)
+            }))
+        };
+        let solved = || tasks.iter().filter_map(|task| task.found.as_ref().ok());
+        let line = json!({
+            "planner": "mrroc", "robot": robot["robot"], "set": set, "problems": tasks.len(),
+            "solved": solved().count() as f64 / tasks.len() as f64,
+            "plan_us": median(&|times| times[0]), "simplify_us": median(&|times| times[1]),
+            "total_us": median(&|times| times[0] + times[1]),
+            "cost_before": figures(solved().map(|found| found.0)), "cost_after": figures(solved().map(|found| found.1)),
+        });
+        println!("{line}");
+    }
     Ok(())
+}
+
+/// Median, 95th percentile and mean.
+fn figures(values: impl Iterator<Item = f64>) -> Value {
+    let mut values: Vec<f64> = values.collect();
+    values.sort_by(f64::total_cmp);
+    let at = |share: f64| values.get((share * values.len() as f64) as usize).copied();
+    json!({ "median": at(0.5), "p95": at(0.95), "mean": values.iter().sum::<f64>() / values.len() as f64 })
+}
+
+/// What kind of problem this is, in a few words.
+fn why(error: &PlanError, problem: &Value) -> String {
+    match error {
+        PlanError::StartNotClear(nearest) => format!("start: {} - {}", nearest.sides[0], nearest.sides[1]),
+        PlanError::GoalNotClear(nearest) => format!("goal: {} - {}", nearest.sides[0], nearest.sides[1]),
+        PlanError::NotFound { .. } => format!("not found: {}", problem["set"]),
+        other => other.to_string(),
+    }
 }
 
 /// Time of the processor in this thread \[s\]: other programs do not count.

@@ -3,6 +3,11 @@
 //! In: joint positions, and by how much each may be off, either way. Out: frames of links, and a bound of the distance that any point
 //! of a link is from where it stands: `D_i = D_i+1 + w_i (d_i + D_i+1)` as in [`mrroc_robots::clearance`].
 //!
+//! Where all joints move together on a line, motions that cancel count as such: a point that passes the middle with velocity `v`, times the
+//! time to an end, gets no farther than `|v| + A / 2`. A point `x` behind a joint that turns by `w` has, seen from before the joint, the
+//! acceleration `w z x (w z x x) + 2 w z x x' + x''`, so with distances from the axes as above,
+//! `A_i = A_i+1 + w_i^2 (d_i + D_i+1) + 2 w_i D_i+1`.
+//!
 //! An arm whose outline is a [`Chain`] is computed in all lanes together; others posture by posture.
 
 use mrroc::fault::Name;
@@ -24,6 +29,49 @@ pub(crate) struct Limb {
     pub(crate) moved_by: u32,
     /// Balls in the limb's frame; of an arm that is no chain their number alone matters.
     pub(crate) tree: BallTree,
+    /// The joints from which on its travel is asked for: bit `i` for the `i`th.
+    pub(crate) asked: u32,
+}
+
+/// By how much joints may be off a posture, either way.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Around<'a> {
+    /// Not at all.
+    Nothing,
+    /// Each by so much, alone [rad or m, >= 0].
+    Box(&'a [Lanes]),
+    /// All together by the same share, -1 to 1, of so much [rad or m]: they are on a line.
+    Line(&'a [Lanes]),
+}
+
+impl<'a> Around<'a> {
+    /// Of some of the joints.
+    fn of(self, joints: core::ops::Range<usize>) -> Self {
+        match self {
+            Around::Nothing => Around::Nothing,
+            Around::Box(half) => Around::Box(&half[joints]),
+            Around::Line(half) => Around::Line(&half[joints]),
+        }
+    }
+
+    fn half(self) -> Option<&'a [Lanes]> {
+        match self {
+            Around::Nothing => None,
+            Around::Box(half) | Around::Line(half) => Some(half),
+        }
+    }
+}
+
+/// How a limb moves where all joints move together: times the time to either end of the motion.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Sweep {
+    /// Velocity of the centre of the ball around it \[m\].
+    velocity: Points,
+    /// Angular velocity [rad], and its size.
+    turn: Points,
+    turning: Lanes,
+    /// How far acceleration takes any of its points \[m\].
+    bend: Lanes,
 }
 
 /// A joint of a chain, in single precision.
@@ -50,6 +98,8 @@ pub(crate) struct Arm {
     pub(crate) part: RobotPart,
     /// Its first joint among those of all robots.
     pub(crate) first: usize,
+    /// Its first limb among those of all robots.
+    pub(crate) first_limb: usize,
     /// How many joints it has.
     pub(crate) joints: usize,
     pub(crate) limbs: Vec<Limb>,
@@ -62,6 +112,8 @@ pub(crate) const MOTIONS: usize = 17;
 /// Where an arm stands in each lane.
 #[derive(Clone, Default)]
 pub(crate) struct Standing {
+    /// The limbs whose roots and travel are wanted, and those from the 64th on: bit `i` for the `i`th. Others of a chain stay as they are.
+    pub(crate) wanted: u64,
     /// The world, then the frame of each joint of a chain.
     frames: Vec<Frames>,
     /// The balls of each limb of an arm that is no chain.
@@ -70,11 +122,24 @@ pub(crate) struct Standing {
     pub(crate) roots: Vec<(Points, Lanes)>,
     /// How far a limb may still get by the motions from the `i`th on \[m\].
     pub(crate) travel: Vec<[Lanes; MOTIONS + 1]>,
+    /// How each limb of a chain moves, where all joints move together.
+    pub(crate) sweeps: Vec<Sweep>,
+}
+
+impl Standing {
+    /// Wants a limb.
+    pub(crate) fn want(&mut self, limb: usize) {
+        self.wanted |= 1u64.checked_shl(limb as u32).unwrap_or(0);
+    }
+
+    fn is_wanted(wanted: u64, limb: usize) -> bool {
+        wanted.checked_shr(limb as u32).is_none_or(|rest| rest & 1 == 1)
+    }
 }
 
 impl Arm {
-    /// The robot `part`, whose first joint is the `first` of all.
-    pub(crate) fn new(part: RobotPart, first: usize) -> Self {
+    /// The robot `part`, whose first joint is the `first` of all, and its first limb the `first_limb`.
+    pub(crate) fn new(part: RobotPart, first: usize, first_limb: usize) -> Self {
         let joints = part.shape.kinds().len();
         let chain = part.shape.chain();
         let own = part.links.len() - part.carried.len();
@@ -94,11 +159,13 @@ impl Arm {
                 Some(limb) => limb.links.push(i),
                 None => {
                     let tree = BallTree::default();
-                    limbs.push(Limb { links: vec![i], joints: moved, moved_by: link.moved_by, tree });
+                    let asked = 1;
+                    limbs.push(Limb { links: vec![i], joints: moved, moved_by: link.moved_by, tree, asked });
                 }
             }
         }
-        let mut arm = Arm { part, first, joints, limbs, kinematics: Kinematics::Outline(Vec::new()) };
+        let mut arm =
+            Arm { part, first, first_limb, joints, limbs, kinematics: Kinematics::Outline(Vec::new()) };
         match chain {
             Some(chain) => arm.take_chain(&chain, own),
             None => arm.take_outline(),
@@ -174,17 +241,32 @@ impl Arm {
         }
     }
 
-    /// Stands in all lanes: `q` and `half` are the positions of this arm's joints, and by how much they may be off.
+    /// Stands in all lanes: `q` and `around` are the positions of all robots' joints, and by how much they may be off. How far limbs may get
+    /// is known after [`sweep`](Self::sweep).
     #[inline]
-    pub(crate) fn stand(&self, q: &[Lanes], half: Option<&[Lanes]>, standing: &mut Standing) {
+    pub(crate) fn stand(&self, q: &[Lanes], around: Around<'_>, standing: &mut Standing) {
+        let own = self.first..self.first + self.joints;
+        let (q, around) = (&q[own.clone()], around.of(own));
         match &self.kinematics {
-            Kinematics::Chain(joints) => self.stand_chain(joints, q, half, standing),
-            Kinematics::Outline(counts) => self.stand_outline(counts, q, half, standing),
+            Kinematics::Chain(joints) => self.stand_chain(joints, q, standing),
+            Kinematics::Outline(counts) => {
+                let sizes = around.half().map(|half| half.iter().map(|half| half.abs()).collect::<Vec<_>>());
+                self.stand_outline(counts, q, sizes.as_deref(), standing);
+            }
+        }
+    }
+
+    /// Finds how far limbs may get `around` where it stands.
+    #[inline]
+    pub(crate) fn sweep(&self, around: Around<'_>, standing: &mut Standing) {
+        let around = around.of(self.first..self.first + self.joints);
+        if let (Kinematics::Chain(joints), Some(half)) = (&self.kinematics, around.half()) {
+            self.sweep_chain(joints, half, matches!(around, Around::Line(_)), standing);
         }
     }
 
     #[inline]
-    fn stand_chain(&self, joints: &[Joint], q: &[Lanes], half: Option<&[Lanes]>, standing: &mut Standing) {
+    fn stand_chain(&self, joints: &[Joint], q: &[Lanes], standing: &mut Standing) {
         let frames = &mut standing.frames;
         frames.clear();
         let mut frame = Frames::world();
@@ -205,31 +287,71 @@ impl Arm {
             }
             frames.push(frame);
         }
-        standing.roots.clear();
-        for limb in &self.limbs {
-            let root = &limb.tree.nodes[0];
-            standing.roots.push((frames[limb.joints].place(root.centre), Lanes::splat(root.radius)));
-        }
-        let Some(half) = half else { return };
-        standing.travel.resize(self.limbs.len(), [Lanes::default(); MOTIONS + 1]);
-        for ((limb, travel), (centre, radius)) in
-            self.limbs.iter().zip(&mut standing.travel).zip(&standing.roots)
-        {
-            let mut moved = Lanes::default();
-            travel[limb.joints] = moved;
-            for (j, joint) in joints[..limb.joints].iter().enumerate().rev() {
-                let by = half[joint.leader] * joint.multiplier.abs();
-                moved = match joint.kind {
-                    JointKind::Revolute => {
-                        let from = (*centre - frames[j + 1].origin).cross(frames[j + 1].z);
-                        let arm = from.squared().sqrt() + *radius;
-                        moved + by * (arm + moved)
-                    }
-                    JointKind::Prismatic => moved + by,
-                };
-                travel[j] = moved;
+        let wanted = standing.wanted;
+        standing.roots.resize(self.limbs.len(), Default::default());
+        for (i, (limb, placed)) in self.limbs.iter().zip(&mut standing.roots).enumerate() {
+            if Standing::is_wanted(wanted, i) {
+                let root = &limb.tree.nodes[0];
+                *placed = (frames[limb.joints].place(root.centre), Lanes::splat(root.radius));
             }
         }
+    }
+
+    fn sweep_chain(&self, joints: &[Joint], half: &[Lanes], together: bool, standing: &mut Standing) {
+        let wanted = standing.wanted;
+        let frames = &standing.frames;
+        standing.sweeps.resize(if together { self.limbs.len() } else { 0 }, Sweep::default());
+        standing.travel.resize(self.limbs.len(), [Lanes::default(); MOTIONS + 1]);
+        for (i, ((limb, travel), (centre, radius))) in
+            self.limbs.iter().zip(&mut standing.travel).zip(&standing.roots).enumerate()
+        {
+            if !Standing::is_wanted(wanted, i) {
+                continue;
+            }
+            let mut moved = Lanes::default();
+            let mut bend = Lanes::default();
+            let mut sweep = Sweep::default();
+            travel[limb.joints] = moved;
+            for (j, joint) in joints[..limb.joints].iter().enumerate().rev() {
+                let by = half[joint.leader] * joint.multiplier;
+                let size = by.abs();
+                let axis = frames[j + 1].z;
+                match joint.kind {
+                    JointKind::Revolute => {
+                        let across = axis.cross(*centre - frames[j + 1].origin);
+                        let arm = across.squared().sqrt() + *radius + moved;
+                        bend = bend + size * (size * arm + moved * 2.0);
+                        moved = moved + size * arm;
+                        sweep.velocity = sweep.velocity + across * by;
+                        sweep.turn = sweep.turn + axis * by;
+                    }
+                    JointKind::Prismatic => {
+                        moved = moved + size;
+                        sweep.velocity = sweep.velocity + axis * by;
+                    }
+                }
+                travel[j] = moved;
+                if together && limb.asked >> j & 1 == 1 {
+                    sweep.turning = sweep.turn.squared().sqrt();
+                    // With what rounding may cost where the joints' motions all but cancel.
+                    sweep.bend = bend * 0.5 + moved * 1e-5;
+                    let swept = sweep.velocity.squared().sqrt() + sweep.turning * *radius + sweep.bend;
+                    travel[j] = moved.min(swept);
+                }
+            }
+            if let Some(kept) = standing.sweeps.get_mut(i) {
+                *kept = sweep;
+            }
+        }
+    }
+
+    /// How far a ball of a limb may get by all joints, which is at most that of the ball around it \[m\].
+    #[inline]
+    pub(crate) fn travel(&self, standing: &Standing, limb: usize, centre: Points, radius: Lanes) -> Lanes {
+        let travel = standing.travel[limb][0];
+        let Some(sweep) = standing.sweeps.get(limb) else { return travel };
+        let velocity = sweep.velocity + sweep.turn.cross(centre - standing.roots[limb].0);
+        travel.min(velocity.squared().sqrt() + sweep.turning * radius + sweep.bend)
     }
 
     fn stand_outline(&self, counts: &[usize], q: &[Lanes], half: Option<&[Lanes]>, standing: &mut Standing) {

@@ -10,7 +10,7 @@
 use mrroc_robots::clearance::{CheckedPair, Clearance, Obstacle, Partner};
 use nalgebra::Vector3;
 
-use crate::arm::{Arm, Standing};
+use crate::arm::{Arm, Around, Standing};
 use crate::lanes::{ALL, LANES, Lanes, Mask, Points};
 
 /// What the rounding of positions in single precision may cost \[m\]: a few units in the last place at some ten metres.
@@ -163,7 +163,20 @@ pub(crate) struct Checker {
     pub(crate) arms: Vec<Arm>,
     bodies: Vec<Body>,
     pairings: Vec<Pairing>,
+    /// Their numbers, in the order in which they are checked.
+    order: Vec<u32>,
     standing: Vec<Standing>,
+    /// Boxes around the obstacles, eight at a time: their lower and upper corners.
+    bounds: Vec<[Points; 2]>,
+    /// Which obstacles of each eight a limb may come near, in the last check of all pairs; limb by limb.
+    near: Vec<Mask>,
+    /// The largest margin of all pairs \[m\].
+    margin: f32,
+    /// Whether all pairs are listed.
+    is_all: bool,
+    /// The pairs that are checked; those that are not proven clear in the checks since [`narrow`](Self::narrow).
+    listed: Vec<u32>,
+    unproven: Vec<bool>,
     /// How much more than the margins is kept \[m\], >= 0.
     pub(crate) more: f32,
     /// How many batches of eight it has checked.
@@ -173,41 +186,167 @@ pub(crate) struct Checker {
 impl Checker {
     /// The robots, obstacles, pairs and margins of a clearance.
     pub(crate) fn new(clearance: &Clearance) -> Self {
-        let mut arms = Vec::new();
-        let mut joints = 0;
+        let mut arms = Vec::<Arm>::new();
+        let (mut joints, mut limbs) = (0, 0);
         for part in clearance.robot_parts() {
-            let arm = Arm::new(part, joints);
+            let arm = Arm::new(part, joints, limbs);
             joints += arm.joints;
+            limbs += arm.limbs.len();
             arms.push(arm);
         }
-        let bodies = clearance.obstacle_parts().map(|(_, obstacle)| Body::new(obstacle)).collect();
+        let bodies: Vec<Body> = clearance.obstacle_parts().map(|(_, obstacle)| Body::new(obstacle)).collect();
         let pairings = pairings(&arms, clearance.checked_pairs());
-        let standing = vec![Standing::default(); arms.len()];
-        Checker { arms, bodies, pairings, standing, more: 0.0, batches: 0 }
+        for pairing in &pairings {
+            if let Against::Limb(other, limb) = pairing.against {
+                arms[pairing.arm].limbs[pairing.limb].asked |= 1 << pairing.since;
+                arms[other].limbs[limb].asked |= 1 << pairing.since;
+            }
+        }
+        let bounds = bounds(&bodies);
+        let margin = pairings.iter().map(|pairing| pairing.margin).fold(0.0, f32::max);
+        Checker {
+            standing: vec![Standing::default(); arms.len()],
+            order: (0..pairings.len() as u32).collect(),
+            near: Vec::new(),
+            is_all: false,
+            listed: Vec::new(),
+            unproven: vec![false; pairings.len()],
+            more: 0.0,
+            batches: 0,
+            arms,
+            bodies,
+            pairings,
+            bounds,
+            margin,
+        }
     }
 
-    /// Checks eight postures at `q` [rad or m], and all positions that are off by at most `half` [rad or m, >= 0]. Ends as soon as a
-    /// wanted lane is found not to be clear.
-    pub(crate) fn check(&mut self, q: &[Lanes], half: Option<&[Lanes]>, wanted: Mask) -> Verdict {
+    /// Checks eight postures at `q` [rad or m], and all positions `around` them. Ends as soon as a wanted lane is found not to be clear.
+    pub(crate) fn check(&mut self, q: &[Lanes], around: Around<'_>, wanted: Mask) -> Verdict {
+        self.list_all();
+        self.check_listed(q, around, wanted)
+    }
+
+    /// Lists all pairs.
+    pub(crate) fn list_all(&mut self) {
+        self.is_all = true;
+        self.listed.clear();
+        self.listed.extend(&self.order);
+        for standing in &mut self.standing {
+            standing.wanted = u64::MAX;
+        }
+    }
+
+    /// Leaves those on the list that were not proven clear, in any lane, since it was made or narrowed: what was proven for all of some
+    /// intervals needs no proof on parts of them.
+    pub(crate) fn narrow(&mut self) {
+        self.is_all = false;
+        let Checker { listed, unproven, pairings, standing, .. } = self;
+        for standing in standing.iter_mut() {
+            standing.wanted = 0;
+        }
+        listed.retain(|&pair| {
+            let Pairing { arm, limb, against, .. } = pairings[pair as usize];
+            let is_left = core::mem::take(&mut unproven[pair as usize]);
+            if is_left {
+                standing[arm].want(limb);
+                if let Against::Limb(arm, limb) = against {
+                    standing[arm].want(limb);
+                }
+            }
+            is_left
+        });
+    }
+
+    /// [`check`](Self::check) of the pairs on the list alone.
+    pub(crate) fn check_listed(&mut self, q: &[Lanes], around: Around<'_>, wanted: Mask) -> Verdict {
         self.batches += 1;
         for (arm, standing) in self.arms.iter().zip(&mut self.standing) {
-            let own = arm.first..arm.first + arm.joints;
-            arm.stand(&q[own.clone()], half.map(|half| &half[own]), standing);
+            arm.stand(q, around, standing);
         }
-        let mut verdict = Verdict { proven: wanted, clear: wanted };
-        for i in 0..self.pairings.len() {
-            let (unproven, hit) = self.compare(&self.pairings[i], half.is_some(), wanted);
+        let all = Verdict { proven: wanted, clear: wanted };
+        // Most motions that are not clear hit at once: of all pairs, the postures are checked first, which takes less.
+        if self.is_all {
+            self.look_around(false);
+            let verdict = self.check_pairs(false, all);
+            if verdict.clear != wanted || matches!(around, Around::Nothing) {
+                return verdict;
+            }
+        }
+        for (arm, standing) in self.arms.iter().zip(&mut self.standing) {
+            arm.sweep(around, standing);
+        }
+        if self.is_all {
+            self.look_around(true);
+        }
+        self.check_pairs(true, all)
+    }
+
+    /// Checks the listed pairs where the arms stand, with what may move `around` it or not.
+    #[inline]
+    fn check_pairs(&mut self, moving: bool, mut verdict: Verdict) -> Verdict {
+        let wanted = verdict.clear;
+        for &listed in &self.listed {
+            let i = listed as usize;
+            let pairing = &self.pairings[i];
+            if self.is_all && self.is_far(pairing) {
+                continue;
+            }
+            let (unproven, hit) = self.compare(pairing, moving, wanted);
             verdict.proven &= !unproven;
             verdict.clear &= !hit;
+            self.unproven[i] |= unproven != 0;
             if verdict.clear != wanted {
                 // What hits once is likely to hit again: it is asked sooner.
-                if i > 0 {
-                    self.pairings.swap(i, i / 2);
+                if let Some(place) = self.order.iter().position(|pair| *pair == listed) {
+                    self.order.swap(place, place / 2);
                 }
+                self.unproven.fill(false);
                 break;
             }
         }
         verdict
+    }
+
+    /// Finds which obstacles the limbs may come near, in all lanes together, by boxes around both.
+    fn look_around(&mut self, moving: bool) {
+        self.near.clear();
+        let more = self.margin + self.more + ROUNDING;
+        for (arm, standing) in self.arms.iter().zip(&self.standing) {
+            for limb in 0..arm.limbs.len() {
+                let (centre, radius) = standing.roots[limb];
+                let travel = if moving { standing.travel[limb][0] } else { Lanes::default() };
+                let far = (radius + travel + Lanes::splat(more)).array();
+                let mut lower = [f32::INFINITY; 3];
+                let mut upper = [f32::NEG_INFINITY; 3];
+                let mut is_known = true;
+                for (i, lanes) in centre.0.iter().enumerate() {
+                    for (at, far) in lanes.array().into_iter().zip(far) {
+                        is_known &= (at - far).is_finite() && (at + far).is_finite();
+                        lower[i] = lower[i].min(at - far);
+                        upper[i] = upper[i].max(at + far);
+                    }
+                }
+                let (lower, upper) = (Points::splat(lower), Points::splat(upper));
+                for [from, to] in &self.bounds {
+                    let apart = |i: usize| from.0[i].above(upper.0[i]) | lower.0[i].above(to.0[i]);
+                    let far = if is_known { apart(0) | apart(1) | apart(2) } else { 0 };
+                    self.near.push(!far);
+                }
+            }
+        }
+    }
+
+    /// Whether a limb is far from an obstacle in all lanes.
+    #[inline]
+    fn is_far(&self, pairing: &Pairing) -> bool {
+        match pairing.against {
+            Against::Obstacle(body) => {
+                let first = (self.arms[pairing.arm].first_limb + pairing.limb) * self.bounds.len();
+                self.near[first + body / LANES] >> (body % LANES) & 1 == 0
+            }
+            Against::Limb(..) => false,
+        }
     }
 
     /// The wanted lanes in which a pair is not proven clear, and in which it hits.
@@ -242,7 +381,12 @@ impl Checker {
                         }
                         let second = self.arms[arm].limbs[limb].tree.nodes[node as usize].second;
                         if second == 0 {
-                            unproven |= left;
+                            if moving {
+                                let travel = self.arms[arm].travel(standing, limb, centre, radius);
+                                unproven |= left & !body.clear_of(centre, apart + travel);
+                            } else {
+                                unproven |= left;
+                            }
                             hit |= if moving { left & !body.clear_of(centre, apart) } else { left };
                         } else {
                             stack[depth] = (node + 1, left);
@@ -308,8 +452,41 @@ impl Checker {
     /// Whether a posture is clear.
     pub(crate) fn is_clear(&mut self, q: &[f64]) -> bool {
         let lanes: Vec<Lanes> = q.iter().map(|q| Lanes::splat(*q as f32)).collect();
-        self.is_possible(q) && self.check(&lanes, None, ALL).clear == ALL
+        self.is_possible(q) && self.check(&lanes, Around::Nothing, ALL).clear == ALL
     }
+}
+
+/// Boxes around bodies, eight at a time.
+fn bounds(bodies: &[Body]) -> Vec<[Points; 2]> {
+    let mut bounds = vec![[Points::default(); 2]; bodies.len().div_ceil(LANES)];
+    for (i, body) in bodies.iter().enumerate() {
+        let all = || ([f32::NEG_INFINITY; 3], [f32::INFINITY; 3]);
+        let around = |middle: &[f32; 3], half: [f32; 3]| {
+            let half = half.map(|half| half + ROUNDING);
+            (core::array::from_fn(|k| middle[k] - half[k]), core::array::from_fn(|k| middle[k] + half[k]))
+        };
+        let (lower, upper): ([f32; 3], [f32; 3]) = match body {
+            Body::HalfSpace { .. } | Body::Other(_) => all(),
+            Body::Capsule { a, along, radius, .. } => {
+                let middle = core::array::from_fn(|k| a[k] + 0.5 * along[k]);
+                around(&middle, along.map(|along| 0.5 * along.abs() + radius))
+            }
+            Body::Box { axes, centre, half } => {
+                let reach = |k: usize| axes.iter().zip(half).map(|(axis, half)| axis[k].abs() * half).sum();
+                around(centre, core::array::from_fn(reach))
+            }
+            Body::Cylinder { axis, centre, radius, half } => around(
+                centre,
+                axis.map(|part| part.abs() * half + (1.0 - part * part).max(0.0).sqrt() * radius),
+            ),
+        };
+        for (corner, at) in bounds[i / LANES].iter_mut().zip([lower, upper]) {
+            for (lanes, at) in corner.0.iter_mut().zip(at) {
+                lanes.set(i % LANES, at);
+            }
+        }
+    }
+    bounds
 }
 
 /// How deep a stack of nodes may get: the trees of some ten thousand balls, halved in each node, are far from it.

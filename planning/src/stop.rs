@@ -13,6 +13,7 @@
 //! follows the path until it brakes: its velocity is one of those that it has on the path until then, and the path is off its
 //! tangent by at most half of its second derivative times the square of what is passed.
 
+use crate::arm::Around;
 use crate::check::Checker;
 use crate::lanes::{LANES, Lanes, Mask};
 use crate::limits::Limits;
@@ -141,7 +142,7 @@ impl Swept {
                 }
             }
             let wanted = ((1u16 << taken) - 1) as Mask;
-            let verdict = checker.check(&q, Some(&half), wanted);
+            let verdict = checker.check(&q, Around::Box(&half), wanted);
             if verdict.clear != wanted {
                 return false;
             }

@@ -7,7 +7,7 @@ use crate::check::Checker;
 use crate::edge::Edges;
 
 /// The longest step of a tree: the root of the sum of squares over all joints [rad or m].
-const RANGE: f32 = 2.0;
+const RANGE: f32 = 1.4;
 
 /// A path from `start` to one of the `goals`, all of them clear.
 ///
@@ -37,10 +37,16 @@ pub(crate) fn connect(
         let grows = usize::from(trees[1].len() < trees[0].len());
         samples.next(&mut wanted);
         let (near, squared) = trees[grows].nearest(&wanted);
-        trees[grows].position(near, &mut from);
-        step(&from, &wanted, squared.sqrt(), &mut to);
         checker.batches += 1;
-        if !edges.is_clear(checker, &from, &to) {
+        let distance = squared.sqrt();
+        if distance > trees[grows].domain(near) {
+            continue;
+        }
+        trees[grows].position(near, &mut from);
+        step(&from, &wanted, distance, &mut to);
+        let is_clear = edges.is_clear(checker, &from, &to);
+        trees[grows].tried(near, is_clear);
+        if !is_clear {
             continue;
         }
         let new = trees[grows].add(&to, Some(near));

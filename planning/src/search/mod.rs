@@ -1,7 +1,8 @@
 //! Finds a path of all joints from a start to one of several goals: RRT-Connect, then shortcuts.
 //!
 //! Deterministic: the same world, start, goals and settings give the same path, to the bit. Effort is counted in checks of eight postures,
-//! not in time. Literature: Kuffner and LaValle, *RRT-Connect* (ICRA 2000); samples are a Halton sequence, shifted by the seed.
+//! not in time. Literature: Kuffner and LaValle, *RRT-Connect* (ICRA 2000), and for samples that nodes near what is in the way
+//! are not tried for: Yershova and others, *Dynamic-Domain RRTs* (ICRA 2005); samples are a Halton sequence, shifted by the seed.
 
 mod connect;
 mod sampling;

@@ -7,7 +7,10 @@ use crate::check::Checker;
 use crate::edge::Edges;
 
 /// Ends after so many tries in a row that gained nothing.
-const IN_VAIN: usize = 24;
+const IN_VAIN: usize = 10;
+
+/// What is gained by less than this share of the path is not worth a check.
+const GAIN: f32 = 0.01;
 
 /// Two points of a path that are nearer than this are one [rad or m].
 const SAME: f32 = 1e-4;
@@ -39,7 +42,7 @@ pub(crate) fn shorten(checker: &mut Checker, edges: &mut Edges, seed: u64, path:
         let before =
             distance(&from, &path[a.0 + 1]) + length(&path[a.0 + 1..=b.0]) as f32 + distance(&path[b.0], &to);
         let gained = before - distance(&from, &to);
-        if gained < 1e-3 * whole as f32 || !edges.is_clear(checker, &from, &to) {
+        if gained < GAIN * whole as f32 || !edges.is_clear(checker, &from, &to) {
             continue;
         }
         // What remains of both legs is a part of what was clear.

@@ -9,14 +9,23 @@ pub(crate) struct Tree {
     /// Eight positions at a time, joint by joint; places that are not taken are far away.
     blocks: Vec<Lanes>,
     parents: Vec<u32>,
+    /// How far a sample may be from each node to be tried from there.
+    domains: Vec<f32>,
 }
+
+/// The domain of a node after the first motion from it that was not clear, and the least one [rad or m]. They are those of VAMP.
+const FIRST: f32 = 4.0;
+const LEAST: f32 = 1.0;
+
+/// By which share a domain changes with each motion that is tried.
+const CHANGE: f32 = 1e-4;
 
 /// The parent of a root.
 const NONE: u32 = u32::MAX;
 
 impl Tree {
     pub(crate) fn new(joints: usize) -> Self {
-        Tree { joints, blocks: Vec::new(), parents: Vec::new() }
+        Tree { joints, blocks: Vec::new(), parents: Vec::new(), domains: Vec::new() }
     }
 
     pub(crate) fn len(&self) -> usize {
@@ -35,7 +44,23 @@ impl Tree {
             lanes.set(lane, *q);
         }
         self.parents.push(parent.map_or(NONE, |parent| parent as u32));
+        self.domains.push(f32::INFINITY);
         node
+    }
+
+    /// How far a sample may be from a node to be tried from there [rad or m].
+    pub(crate) fn domain(&self, node: usize) -> f32 {
+        self.domains[node]
+    }
+
+    /// Widens the domain of a node from which a motion was clear, and narrows that of one from which it was not.
+    pub(crate) fn tried(&mut self, node: usize, is_clear: bool) {
+        let domain = &mut self.domains[node];
+        *domain = match (is_clear, domain.is_finite()) {
+            (true, _) => *domain * (1.0 + CHANGE),
+            (false, true) => (*domain * (1.0 - CHANGE)).max(LEAST),
+            (false, false) => FIRST,
+        };
     }
 
     pub(crate) fn position(&self, node: usize, q: &mut [f32]) {
