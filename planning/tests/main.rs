@@ -2,5 +2,6 @@
 
 mod cells;
 mod check;
+mod examples;
 mod plans;
 mod stops;
