@@ -95,6 +95,10 @@ pub enum PlanError {
 impl From<PlanError> for Fault {
     /// The fault of a program that needs the plan.
     fn from(error: PlanError) -> Self {
-        Fault::thrown(&error.to_string())
+        match error {
+            // The text of a fault is short: what blocks the robots comes first.
+            PlanError::NotFound { nearest, .. } => Fault::thrown(&format!("no path found: {nearest} where the search came nearest")),
+            other => Fault::thrown(&other.to_string()),
+        }
     }
 }
