@@ -3,7 +3,7 @@
 //! Run with `cargo bench -p mrroc-planning --bench problems -- PROBLEMS [OUT] [--spheres] [--margin M] [--rounds N]`: a file that
 //! `tests/peers/planning/problems.py` writes, and where the paths go, a line for each problem. All problems that are valid are planned once
 //! unmeasured, then in `N` rounds (5); the time of a problem is the median of its rounds. Prints a line for each set, and one for `all`, with
-//! the keys of `tests/peers/planning/vamp_paths.py`, but for the wall clock: times are those of the thread on its processor. To standard
+//! the keys of `tests/peers/planning/vamp_paths.py`, but for the wall clock. Times are those of the thread on its processor. To standard
 //! error go the capsules of each link, and what was not solved.
 
 use std::collections::BTreeMap;

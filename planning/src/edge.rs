@@ -75,8 +75,8 @@ impl Edges {
             }
             checker.narrow();
             self.open.clear();
-            // One batch lasts as long with few lanes as with all.
-            let parts = (LANES / self.unproven.len()).max(2);
+            // One batch lasts as long with few lanes as with all, and halves of what is not proven are rarely proven either.
+            let parts = (LANES / self.unproven.len()).max(4);
             for interval in &self.unproven {
                 cut(&mut self.open, *interval, parts);
             }
