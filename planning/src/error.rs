@@ -97,7 +97,9 @@ impl From<PlanError> for Fault {
     fn from(error: PlanError) -> Self {
         match error {
             // The text of a fault is short: what blocks the robots comes first.
-            PlanError::NotFound { nearest, .. } => Fault::thrown(&format!("no path found: {nearest} where the search came nearest")),
+            PlanError::NotFound { nearest, .. } => {
+                Fault::thrown(&format!("no path found: {nearest} where the search came nearest"))
+            }
             other => Fault::thrown(&other.to_string()),
         }
     }
