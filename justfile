@@ -79,6 +79,10 @@ sweep-profiles:
 test-inverse:
     cargo test --release -p mrroc-robots --test all -- inverse_returns urdf_inverse urdf_closed --nocapture
 
+# The planner beside VAMP on MotionBenchMaker's problems, and its paths on the robots' meshes by coal: compiles VAMP, takes half an hour.
+compare-planners *ARGS:
+    tests/peers/planning/compare {{ARGS}}
+
 # Stops of two arms on plans of many seeds: a million states of the processes' own stops, none nearer than the margin.
 sweep-plans:
     cargo test --release -p mrroc-planning --lib -- --ignored --nocapture a_million_states
