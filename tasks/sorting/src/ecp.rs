@@ -7,14 +7,14 @@ use mrroc_generators::generators::{JointMove, StraightLine};
 use mrroc_robots::{Irp6, One, TwoFingers};
 use mrroc_sensors::virtual_sensors::{Across, Between, Gate};
 
-use crate::generators::{Chase, Close, Follow, Grasp, Pursuit, Rise, Senses, Wait};
+use crate::generators::{Chase, Close, Follow, Grasp, Part, Pursuit, Rise, Senses, Wait};
 use crate::orders::Task;
 use crate::places::{FINGERS, HIGH, HOME, LATEST, LIMIT, OPEN, OVER_TRAY, limits, over_tray, tool};
 
-/// A part is known that can still be followed.
+/// A part is known that can still be followed: the range finder has told of the same one as the gate.
 fn known(v: &Reading<Senses>) -> bool {
-    let near = v.0.reading().is_some_and(|gate| gate.parts > 0 && gate.place(0.0) < LATEST);
-    near && v.1.reading().is_some_and(|range| range.parts > 0)
+    let (Some(gate), Some(range)) = (v.0.reading(), v.1.reading()) else { return false };
+    gate.parts > 0 && range.parts > 0 && gate.place(0.0) < LATEST && Part::is_one(&gate, &range)
 }
 
 /// Something is between the fingers.

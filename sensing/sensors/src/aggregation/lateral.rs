@@ -37,6 +37,8 @@ impl Laterals {
     const MOST: usize = 256;
     /// A burst is over after so many values of no part; one may be missing in its middle.
     const GAP: u32 = 2;
+    /// A burst is also over where no value was taken for so long: the sensor was not read, and may have seen other parts since \[s\].
+    const UNREAD: f64 = 0.15;
 
     /// Parts are at `nearest` to `farthest` \[m\]; codes below `floor` are invalid.
     #[must_use]
@@ -79,6 +81,9 @@ impl Laterals {
     pub fn take(&mut self, time: f64, code: u32, distance: impl Fn(f64) -> f64) {
         if time <= self.taken {
             return;
+        }
+        if time - self.taken > Self::UNREAD {
+            (self.values, self.gap) = (0, 0);
         }
         self.taken = time;
         let code = f64::from(code);
@@ -150,6 +155,15 @@ mod tests {
         let two = after(&[250, 250, 100, 100, 200]);
         assert_eq!(two.count(), 2);
         assert!((two.newest().expect("a part").distance - 0.05).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_part_that_comes_after_a_time_without_values_is_another_one() {
+        let mut laterals = after(&[250, 250, 250]);
+        laterals.take(5.0, 200, curve);
+        let newest = laterals.newest().expect("a part");
+        assert_eq!((laterals.count(), newest.values), (2, 1));
+        assert!((newest.distance - 0.05).abs() < 1e-12, "none of the first one's values: {newest:?}");
     }
 
     #[test]

@@ -4,10 +4,11 @@ use core::cell::Cell;
 use std::rc::Rc;
 
 use mrroc::prelude::*;
+use mrroc_sensors::physics::Triangulation;
 use mrroc_sensors::virtual_sensors::{AcrossReading, GateReading};
 use nalgebra::Vector3;
 
-use crate::places::{PART, RANGE_FROM, SPACING, tool};
+use crate::places::{PART, RANGE_AT, RANGE_FROM, SPACING, tool};
 
 /// The tool's motion and the part, as all behaviours see them. They are copied, not borrowed, in each step.
 #[derive(Clone, Debug, Default)]
@@ -60,6 +61,22 @@ pub struct Part {
 impl Part {
     /// From the step of a demand to the step's end at which the tool is there \[s\]: the cell's delay.
     pub const DELAY: f64 = 0.009;
+
+    /// The last value of a part is finished within so long of when its trailing edge has left the range finder, some values of 38 ms that
+    /// are no number among them \[s\].
+    const LAST: f64 = 0.15;
+    /// Such a share of a part must have been seen: the second half of a disc has a median 3.4 mm beside its near side.
+    const SEEN: f64 = 0.5;
+
+    /// Whether gate and range finder tell of one part, of which the range finder has seen enough: if it was not read for a while it tells of
+    /// the part before, or of the end of this one, which its only value may have seen for a share of its time.
+    #[must_use]
+    pub fn is_one(gate: &GateReading, range: &AcrossReading) -> bool {
+        // Its trailing edge left the range finder before the second barrier.
+        let left = gate.since - RANGE_AT / gate.speed;
+        let values = gate.length / gate.speed / Triangulation::UPDATE;
+        (range.since - left).abs() < Self::LAST && f64::from(range.values) >= Self::SEEN * values
+    }
 
     /// The part that gate and range finder tell; their readings are so many seconds old.
     #[must_use]
@@ -157,6 +174,30 @@ impl Chase {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_part_that_passed_the_range_finder_while_that_was_not_read_is_not_taken_for_the_one_before() {
+        for speed in [0.016, 0.05, 0.18] {
+            // Half a second ago it left the second barrier, and the range finder 30 mm before that.
+            let length = 0.06;
+            let gate = GateReading { parts: 2, since: 0.5, speed, length, ..GateReading::default() };
+            let told = |since: f64, values: u32| {
+                let range = AcrossReading { parts: 2, since, values, ..AcrossReading::default() };
+                Part::is_one(&gate, &range)
+            };
+            let left = 0.5 + 0.03 / speed;
+            // A value takes 38 ms.
+            let whole = (length / speed / 0.038) as u32;
+            assert!(
+                told(left, whole) && told(left - 0.038, whole) && told(left + 2.0 * 0.038, whole),
+                "{speed}"
+            );
+            // Its end alone.
+            assert!(!told(left, whole / 3), "{speed}");
+            // The one before came 10 s earlier; the next one is there.
+            assert!(!told(left + 10.0, whole) && !told(0.0, whole), "{speed}");
+        }
+    }
 
     #[test]
     fn a_pursuit_gets_onto_a_place_that_moves_within_its_limits_and_stays_on_it() {
