@@ -31,7 +31,7 @@
 //!
 //! [obstacles.bench]  # what stands in the cell, for clearances, pictures and recordings
 //! box = { size = [1.2, 0.8, 0.05] }   # or cylinder, sphere, capsule, half_space, cloud, height_field [m]
-//! at = { position = [0.0, 0.0, -0.025] }   # its frame; that of the world, or of `frame`, unless it is said
+//! at = { xyz = [0.0, 0.0, -0.025] }   # its frame; that of the world, or of `frame`, unless it is said
 //! frame = "table"    # the frame in which `at` is; the world unless it is said
 //!
 //! [tools.pen]        # a tool: its frame on the flange, and what the flange carries with it [kg, m, kg m²]
