@@ -54,6 +54,7 @@ fn layout() -> Layout {
         hardware: mrroc_core::observe::layout::HardwareLayout::Nothing,
     };
     Layout {
+        obstacles: Vec::new(),
         step: Duration::from_millis(2),
         stop_time: Duration::from_millis(600),
         path_stop: Duration::from_secs(1),
