@@ -12,7 +12,7 @@
 //! token concerned and with the form to write. After a mistake the item is kept and the trait is implemented
 //! without a meaning, so that the compiler reports nothing else.
 //!
-//! What users read about them stands in `mrroc-core`, where they are exported: its examples need that crate.
+//! What users read about them is in `docs`: `mrroc-core` runs its examples, as they need that crate.
 
 use proc_macro::TokenStream;
 
@@ -32,19 +32,19 @@ mod signature;
 mod tests;
 mod types;
 
-/// Makes a generator of a step function.
+#[doc = include_str!("docs/generator.md")]
 #[proc_macro_attribute]
 pub fn generator(attribute: TokenStream, item: TokenStream) -> TokenStream {
     generator::expand(attribute.into(), item.into()).into()
 }
 
-/// Makes a condition of a function.
+#[doc = include_str!("docs/condition.md")]
 #[proc_macro_attribute]
 pub fn condition(attribute: TokenStream, item: TokenStream) -> TokenStream {
     condition::expand(attribute.into(), item.into()).into()
 }
 
-/// Makes a payload of a type.
+#[doc = include_str!("docs/payload.md")]
 #[proc_macro_derive(Payload, attributes(payload))]
 pub fn payload(item: TokenStream) -> TokenStream {
     payload::expand(item.into()).into()

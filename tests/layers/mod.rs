@@ -16,7 +16,6 @@ use circles::in_circles;
 const CORE: &[&str] = &[
     "console",
     "files",
-    "macros",
     "random",
     "suggestion",
     "model",

@@ -60,7 +60,6 @@ extern crate self as mrroc;
 // The layers, from the bottom up; a test of the workspace reads the imports and lets none point upwards.
 pub mod console;
 pub mod files;
-mod macros;
 mod model;
 pub mod random;
 mod safety;
@@ -141,10 +140,10 @@ pub mod generator {
 
 /// What an MP orders, and how values become words of a message.
 pub mod payload {
-    pub use crate::macros::Payload;
     pub use crate::model::payload::{Order, Payload, Trigger};
     pub use crate::model::shape::Shape;
     pub use crate::model::wire::{BadWords, WORDS, Wire, layout_hash};
+    pub use mrroc_macros::Payload;
 }
 
 /// Poses, their representations, and wrenches.
@@ -174,7 +173,14 @@ pub mod program {
 
 pub use nalgebra;
 
-pub use crate::macros::{condition, generator};
+pub use mrroc_macros::{condition, generator};
+
+// The examples of the macros: their own crate has no `mrroc` that these could use.
+#[cfg(doctest)]
+#[doc = include_str!("../../../macros/src/docs/generator.md")]
+#[doc = include_str!("../../../macros/src/docs/condition.md")]
+#[doc = include_str!("../../../macros/src/docs/payload.md")]
+mod examples_of_macros {}
 
 #[cfg(test)]
 mod tests;
