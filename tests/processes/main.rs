@@ -1,8 +1,7 @@
 //! A cell as processes of the operating system: the same demands to the bit, and no remains whatever is killed.
 //!
 //! The processes are those of the task programs in `tests/cell/`. Most tests run them in lock-step, where nothing can be late. Those of
-//! `real_time` need the machine's clock; they hold on a machine that is late, too. Both wait more than they compute, so that two of them run at
-//! a time for each processor.
+//! `real_time` need the machine's clock; they hold on a machine that is late, too.
 
 #![cfg(target_os = "linux")]
 
@@ -19,4 +18,3 @@ mod real_time;
 mod rows;
 mod runs;
 mod sound;
-mod threads;
