@@ -4,7 +4,7 @@ use mrroc::pose::Pose;
 use mrroc::random::Random;
 use mrroc::robot::Robot;
 use mrroc_robots::clearance::Outline;
-use mrroc_robots::{Driven, Serial, SerialOutline};
+use mrroc_robots::{Driven, Meshes, Serial, SerialOutline};
 use nalgebra::{Point3, SVector, Vector2, Vector3};
 
 /// Two joints that move, and between them one that is held at 0.4 rad by multiplier 0, and a slide that follows that one: 3 times 0.4
@@ -123,7 +123,7 @@ fn an_arm_with_one_still_has_its_closed_form() {
 
 #[test]
 fn shapes_behind_it_stand_where_it_has_them() {
-    let outline = SerialOutline::from_urdf(held(), HELD, "base", "tip").expect("it has a shape");
+    let outline = SerialOutline::from_urdf(held(), HELD, "base", "tip", &Meshes::refused()).expect("it has a shape");
     let q = Vector2::new(0.3, 0.2);
     let mut capsules = Vec::new();
     outline.capsules(&q, &mut |capsule| capsules.push(capsule));
