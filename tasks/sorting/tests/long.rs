@@ -96,15 +96,15 @@ fn watched(mut ready: Ready) -> (Ready, Events) {
         let off = |part: &usize| {
             world.body_of(*part).map_or(f64::INFINITY, |body| (body.pose.translation.vector - at).norm())
         };
-        let nearest = (0..world.bodies()).min_by(|one, other| off(one).total_cmp(&off(other)));
-        let part = nearest.expect("parts come");
-        if now.1 > before.1 {
+        let (was, crashes) = core::mem::replace(&mut before, now);
+        let here = (0..world.bodies()).filter(|part| off(part).is_finite());
+        let Some(part) = here.min_by(|one, other| off(one).total_cmp(&off(other))) else { return };
+        if now.1 > crashes {
             noted.borrow_mut().push((part, "a finger came down on it".to_owned()));
         }
-        if let Some(why) = now.0.filter(|_| now.0 != before.0) {
+        if let Some(why) = now.0.filter(|_| now.0 != was) {
             noted.borrow_mut().push((part, format!("let pass: {why:?}")));
         }
-        before = now;
     };
     ready.cell = ready.cell.watch(observer);
     (ready, events)
