@@ -123,7 +123,8 @@ fn an_arm_with_one_still_has_its_closed_form() {
 
 #[test]
 fn shapes_behind_it_stand_where_it_has_them() {
-    let outline = SerialOutline::from_urdf(held(), HELD, "base", "tip", &Meshes::refused()).expect("it has a shape");
+    let outline =
+        SerialOutline::from_urdf(held(), HELD, "base", "tip", &Meshes::refused()).expect("it has a shape");
     let q = Vector2::new(0.3, 0.2);
     let mut capsules = Vec::new();
     outline.capsules(&q, &mut |capsule| capsules.push(capsule));
