@@ -179,6 +179,8 @@ pub(crate) struct Checker {
     unproven: Vec<bool>,
     /// How much more than the margins is kept \[m\], >= 0.
     pub(crate) more: f32,
+    /// Whole turns of endless joints that positions in lanes lack, which limits that joints share count \[rad\].
+    pub(crate) offset: Vec<f64>,
     /// How many batches of eight it has checked.
     pub(crate) batches: u64,
 }
@@ -212,6 +214,7 @@ impl Checker {
             listed: Vec::new(),
             unproven: vec![false; pairings.len()],
             more: 0.0,
+            offset: vec![0.0; joints],
             batches: 0,
             arms,
             bodies,

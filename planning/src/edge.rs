@@ -93,7 +93,8 @@ fn cut(open: &mut Vec<(f32, f32)>, (middle, half): (f32, f32), parts: usize) {
 /// Whether joints that share limits allow the first postures.
 fn possible(checker: &Checker, q: &[Lanes], count: usize) -> bool {
     (0..count).all(|lane| {
-        let at: Vec<f64> = q.iter().map(|q| f64::from(q.lane(lane))).collect();
+        let at: Vec<f64> =
+            q.iter().zip(&checker.offset).map(|(q, offset)| f64::from(q.lane(lane)) + offset).collect();
         checker.is_possible(&at)
     })
 }

@@ -158,6 +158,7 @@ impl Planner {
             self.checker.more = 0.0;
         }
         let offset = self.offset(start);
+        self.checker.offset.clone_from(&offset);
         let from = inner(start, &offset);
         let to: Vec<Vec<f32>> = clear.iter().map(|goal| inner(goal, &offset)).collect();
         let [lower, upper] = self.ranges(&from, &to);
@@ -181,6 +182,7 @@ impl Planner {
     pub fn shorten(&mut self, points: &mut Vec<Vec<f64>>) {
         let [Some(start), Some(goal)] = [points.first().cloned(), points.last().cloned()] else { return };
         let offset = self.offset(&start);
+        self.checker.offset.clone_from(&offset);
         let mut path: Vec<Vec<f32>> = points.iter().map(|q| inner(q, &offset)).collect();
         shorten(&mut self.checker, &mut self.edges, self.seed, &mut path, self.effort / 4);
         *points = path.iter().map(|q| outer(q, &offset)).collect();
