@@ -80,8 +80,8 @@ pub enum PlanError {
     #[error("the path has no motion within the limits")]
     Timing(#[from] TimingError),
     /// A posture cannot be checked.
-    #[error("a posture cannot be checked")]
-    Check(#[from] CheckError),
+    #[error("a posture cannot be checked: {0}")]
+    Check(Box<CheckError>),
     /// Another robot is asked about.
     #[error("the plan is not for a robot called {name}: it is for {known}")]
     NoRobot {
@@ -90,6 +90,12 @@ pub enum PlanError {
         /// The robots of the plan.
         known: String,
     },
+}
+
+impl From<CheckError> for PlanError {
+    fn from(error: CheckError) -> Self {
+        PlanError::Check(Box::new(error))
+    }
 }
 
 impl From<PlanError> for Fault {

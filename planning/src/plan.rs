@@ -101,7 +101,7 @@ impl Plan {
         }
         match (motion, stops) {
             (Some(motion), Some(stops)) => Ok([motion, stops]),
-            (None, _) | (_, None) => Err(PlanError::Check(CheckError::NothingToCheck)),
+            (None, _) | (_, None) => Err(CheckError::NothingToCheck.into()),
         }
     }
 

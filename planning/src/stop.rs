@@ -57,13 +57,13 @@ impl Swept {
             values.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], x| [a.min(x), b.max(x)])
         };
         let mut rates = vec![[0.0; 2]; n];
-        for j in 0..n {
+        for (j, rates) in rates.iter_mut().enumerate() {
             let [lower, upper] = range(&mut at.iter().map(|at| at.q[j]));
             let all = || at.iter().chain(&ahead);
             let bend = all().map(|at| at.second[j].abs()).fold(0.0, f64::max);
             swept.middle[j] = 0.5 * (lower + upper);
             swept.half[j] = 0.5 * (upper - lower) + bend * width * width / 8.0;
-            rates[j] = range(&mut all().map(|at| at.first[j] * speed));
+            *rates = range(&mut all().map(|at| at.first[j] * speed));
             swept.off[j] = 0.5 * bend * (passed * passed - (to - from) * (to - from));
         }
         for robot in &limits.robots {

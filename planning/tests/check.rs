@@ -20,7 +20,7 @@ fn a_path_keeps_its_margin_everywhere() {
                     .collect()
             };
             let (start, goal) = (draw(), draw());
-            let points = match planner.find(&start, &[goal.clone()]) {
+            let points = match planner.find(&start, std::slice::from_ref(&goal)) {
                 Ok(points) => points,
                 Err(
                     PlanError::StartNotClear(_) | PlanError::GoalNotClear(_) | PlanError::NotFound { .. },

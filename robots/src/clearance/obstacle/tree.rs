@@ -53,11 +53,11 @@ impl Node {
         let mut sum = [0.0; WIDTH];
         for axis in 0..3 {
             let (low, high) = (from.low[axis], from.high[axis]);
-            for place in 0..WIDTH {
+            for (place, sum) in sum.iter_mut().enumerate() {
                 let before = f64::from(self.low[axis][place]) - high;
                 let behind = low - f64::from(self.high[axis][place]);
                 let apart = before.max(behind).max(0.0);
-                sum[place] += apart * apart;
+                *sum += apart * apart;
             }
         }
         sum
