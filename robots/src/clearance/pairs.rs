@@ -1,6 +1,6 @@
 //! Which bodies are checked against which.
 
-use mrroc::robot::MAX_JOINTS;
+use mrroc::random::halton;
 
 use super::obstacle::Obstacle;
 use super::posture::{Joints, Placed, Placement};
@@ -165,19 +165,7 @@ impl Seen {
 
 /// A posture of the Halton sequence: evenly spread, the same in every run.
 fn spread(placement: &Placement, sample: usize) -> Joints {
-    const PRIMES: [usize; MAX_JOINTS] = [2, 3, 5, 7, 11, 13, 17, 19];
-    placement.shape().between_limits(&|joint| {
-        let prime = PRIMES[joint % MAX_JOINTS];
-        let mut index = sample;
-        let mut part = 0.0;
-        let mut digit = 1.0;
-        while index > 0 {
-            digit /= prime as f64;
-            part += digit * (index % prime) as f64;
-            index /= prime;
-        }
-        part
-    })
+    placement.shape().between_limits(&|joint| halton(sample, joint))
 }
 
 /// A distance \[m\] that two placed bodies keep for certain: that of the balls around them.

@@ -1,4 +1,4 @@
-//! Seeded random numbers, for simulations and tests.
+//! Seeded random numbers, and numbers that are spread evenly: for simulations, tests and searches.
 //!
 //! In: a seed. Out: numbers, which are the same for the same seed on every machine.
 
@@ -48,6 +48,28 @@ impl Random {
     pub fn below(&mut self, end: usize) -> usize {
         (self.bits() % end.max(1) as u64) as usize
     }
+}
+
+/// The bases of a Halton sequence.
+const PRIMES: [usize; 32] = [
+    2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47, 53, 59, 61, 67, 71, 73, 79, 83, 89, 97, 101, 103,
+    107, 109, 113, 127, 131,
+];
+
+/// A coordinate of a point of the Halton sequence, in 0..1: the points fill a cube evenly, the same in every run. From the 33rd on,
+/// coordinates are those of the first ones again.
+///
+/// It has the digits of `index` in the coordinate's prime, in reverse behind the point (Halton 1960).
+#[must_use]
+pub fn halton(index: usize, coordinate: usize) -> f64 {
+    let prime = PRIMES[coordinate % PRIMES.len()];
+    let (mut rest, mut part, mut digit) = (index, 0.0, 1.0);
+    while rest > 0 {
+        digit /= prime as f64;
+        part += digit * (rest % prime) as f64;
+        rest /= prime;
+    }
+    part
 }
 
 /// Noise from such numbers: normally distributed by the transform of Box and Muller (1958), which takes no 0.
@@ -105,6 +127,15 @@ mod tests {
         }
         // 1000 each, within five standard deviations of sqrt(7000 · 6/49) = 29.
         assert!(seen.iter().all(|n| (855..1145).contains(n)), "{seen:?}");
+    }
+
+    #[test]
+    fn coordinates_of_the_halton_sequence_are_digits_in_reverse() {
+        let third = 1.0 / 3.0;
+        // 6 is 110 in base 2, 20 in base 3 and 11 in base 5.
+        assert_eq!((halton(6, 0), halton(0, 4)), (0.375, 0.0));
+        assert!((halton(6, 1) - 2.0 * third * third).abs() < 1e-15 && (halton(6, 2) - 0.24).abs() < 1e-15);
+        assert_eq!(halton(5, 32), halton(5, 0));
     }
 
     #[test]
