@@ -13,6 +13,8 @@
 //! follows the path until it brakes: its velocity is one of those that it has on the path until then, and the path is off its
 //! tangent by at most half of its second derivative times the square of what is passed.
 
+use mrroc_robots::clearance::braking_distance;
+
 use crate::arm::Around;
 use crate::check::Checker;
 use crate::lanes::{LANES, Lanes, Mask};
@@ -74,13 +76,9 @@ impl Swept {
                 let a = limits.acceleration[j];
                 let [lower, upper] = rates[j].map(|rate| match limits.jerk[j] {
                     None => rate * (reaction + 0.5 * time),
+                    Some(_) if rate == 0.0 => 0.0,
                     Some(jerk) => {
-                        // The acceleration first fades, in which the joint may still gain speed; no more than it has left to its limit
-                        // of this plan's share of both.
-                        let fading = a / jerk;
-                        let fastest = rate.abs() + 0.5 * a * fading;
-                        let braking = fastest * fading + 0.5 * fastest * (fastest / a + fading);
-                        (rate.abs() * reaction + if rate == 0.0 { 0.0 } else { braking }).copysign(rate)
+                        (rate.abs() * reaction + braking_distance(rate.abs(), a, jerk)).copysign(rate)
                     }
                 });
                 if limits.jerk[j].is_some() {
@@ -113,10 +111,13 @@ impl Swept {
 
     fn is_proven(&self, checker: &mut Checker, limits: &Limits) -> bool {
         let n = self.middle.len();
-        let robots = limits.robots.len();
         let mut open = vec![Part { middle: [0.5; ROBOTS], half: [0.5; ROBOTS] }];
-        for _ in 0..3 {
-            open = open.into_iter().flat_map(|part| self.divided(limits, part)).collect();
+        // As many as there are lanes.
+        while open.len() < LANES
+            && let Some(parts) =
+                open.iter().map(|part| self.divided(limits, *part)).collect::<Option<Vec<_>>>()
+        {
+            open = parts.into_flattened();
         }
         let (mut q, mut half) = (vec![Lanes::default(); n], vec![Lanes::default(); n]);
         let mut left = MOST;
@@ -129,7 +130,7 @@ impl Swept {
             let batch: [Part; LANES] =
                 core::array::from_fn(|lane| open[open.len() - 1 - lane.min(taken - 1)]);
             open.truncate(open.len() - taken);
-            for (robot, joints) in limits.robots.iter().enumerate().take(robots) {
+            for (robot, joints) in limits.robots.iter().enumerate() {
                 for j in joints.clone() {
                     q[j] = Lanes::new(
                         batch.map(|part| (self.middle[j] + part.middle[robot] * self.travel[j]) as f32),
@@ -148,10 +149,7 @@ impl Swept {
             }
             for (lane, part) in batch.iter().enumerate().take(taken) {
                 if verdict.proven >> lane & 1 == 0 {
-                    let parts = self.divided(limits, *part);
-                    if parts.len() == 1 {
-                        return false;
-                    }
+                    let Some(parts) = self.divided(limits, *part) else { return false };
                     open.extend(parts);
                 }
             }
@@ -159,18 +157,15 @@ impl Swept {
         true
     }
 
-    /// A box in two, across the longest of the robots' lines; itself where they are too short.
-    fn divided(&self, limits: &Limits, part: Part) -> Vec<Part> {
+    /// A box in two, across the longest of the robots' lines; `None` where they are too short.
+    fn divided(&self, limits: &Limits, part: Part) -> Option<[Part; 2]> {
         let length = |robot: usize| {
             limits.robots[robot].clone().map(|j| self.travel[j].abs()).fold(0.0, f64::max) * part.half[robot]
         };
-        let Some(robot) =
-            (0..limits.robots.len()).max_by(|a, b| length(*a).total_cmp(&length(*b)).then(b.cmp(a)))
-        else {
-            return vec![part];
-        };
+        let all = 0..limits.robots.len();
+        let robot = all.max_by(|a, b| length(*a).total_cmp(&length(*b)).then(b.cmp(a)))?;
         if length(robot) < 1e-4 {
-            return vec![part];
+            return None;
         }
         let side = |sign: f64| {
             let mut half = part;
@@ -178,6 +173,6 @@ impl Swept {
             half.middle[robot] += sign * half.half[robot];
             half
         };
-        vec![side(-1.0), side(1.0)]
+        Some([side(-1.0), side(1.0)])
     }
 }

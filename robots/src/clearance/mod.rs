@@ -68,6 +68,6 @@ pub use gap::Gap;
 pub use obstacle::{Bodies, Cloud, HeightField, Obstacle, ObstacleError};
 pub use parts::{CheckedPair, Partner, RobotPart};
 pub use posture::{Joints, Shape};
-pub use stopping::{Pace, Stop, Stopping};
+pub use stopping::{Pace, Stop, Stopping, braking_distance};
 
 pub use crate::models::{Capsule, Chain, ChainBody, ChainJoint, Link, Motion, Outline};

@@ -103,11 +103,7 @@ impl Stopping {
             before
                 + match (self.stop, limits.jerk) {
                     (Stop::Braking, None) => 0.5 * faster * own.slowest,
-                    (Stop::Braking, Some(jerk)) => {
-                        let fading = a / jerk[i];
-                        let fastest = faster + 0.5 * a * fading;
-                        fastest * fading + 0.5 * fastest * (fastest / a + fading)
-                    }
+                    (Stop::Braking, Some(jerk)) => braking_distance(faster, a, jerk[i]),
                     (Stop::OnPath { rate_change, step }, _) => {
                         let even = 0.5 / rate_change + ON_PATH * (cell.slowest + step);
                         faster * (even + cell.jerkiest * (0.5 / FALL_BY_JERK + BEND_BY_JERK))
@@ -115,6 +111,15 @@ impl Stopping {
                 }
         })
     }
+}
+
+/// How far a joint gets at most that brakes by itself from `speed`, >= 0, within limits of acceleration and jerk, each > 0 [rad or m]: its
+/// acceleration first fades, in which it may still gain speed.
+#[must_use]
+pub fn braking_distance(speed: f64, acceleration: f64, jerk: f64) -> f64 {
+    let fading = acceleration / jerk;
+    let fastest = speed + 0.5 * acceleration * fading;
+    fastest * fading + 0.5 * fastest * (fastest / acceleration + fading)
 }
 
 /// What the slowest joint to stop needs.
