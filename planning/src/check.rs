@@ -452,10 +452,10 @@ impl Checker {
         self.arms.iter().all(|arm| !arm.part.shape.is_coupled() || arm.part.shape.is_possible(&arm.own(q)))
     }
 
-    /// Whether a posture is clear.
+    /// Whether a posture that joints which share limits allow is clear.
     pub(crate) fn is_clear(&mut self, q: &[f64]) -> bool {
         let lanes: Vec<Lanes> = q.iter().map(|q| Lanes::splat(*q as f32)).collect();
-        self.is_possible(q) && self.check(&lanes, Around::Nothing, ALL).clear == ALL
+        self.check(&lanes, Around::Nothing, ALL).clear == ALL
     }
 }
 

@@ -46,6 +46,11 @@ impl Limits {
         all
     }
 
+    /// Positions of all joints, robot by robot.
+    pub(crate) fn split<'a>(&self, q: &'a [f64]) -> Vec<&'a [f64]> {
+        self.robots.iter().map(|joints| &q[joints.clone()]).collect()
+    }
+
     /// How many joints there are.
     pub(crate) fn joints(&self) -> usize {
         self.lower.len()

@@ -113,8 +113,7 @@ impl Plan {
         during: During,
         q: &[f64],
     ) -> Result<(), PlanError> {
-        let robots: Vec<&[f64]> = self.motion.limits.robots.iter().map(|range| &q[range.clone()]).collect();
-        let nearest = clearance.nearest_at(&robots)?;
+        let nearest = clearance.nearest_at(&self.motion.limits.split(q))?;
         if closest.as_ref().is_none_or(|closest| nearest.distance < closest.nearest.distance) {
             *closest = Some(Closest { time, during, nearest });
         }

@@ -241,8 +241,7 @@ impl Planner {
 
     /// What is nearest at a position.
     fn nearest(&mut self, q: &[f64]) -> Result<Nearest, PlanError> {
-        let robots: Vec<&[f64]> = self.limits.robots.iter().map(|range| &q[range.clone()]).collect();
-        Ok(self.clearance.nearest_at(&robots)?)
+        Ok(self.clearance.nearest_at(&self.limits.split(q))?)
     }
 }
 

@@ -62,46 +62,33 @@ impl Speed {
     /// The parameter, from 0, its speed and its acceleration at a time \[s\].
     pub(crate) fn at(&self, time: f64) -> ProfilePoint {
         let t = time / self.stretch;
+        let (now, sum) = self.motion(t);
         let point = if self.window > 0.0 {
-            let ([s1, v1], sum1) = self.sums(t);
-            let ([s0, v0], sum0) = self.sums(t - self.window);
             let w = self.window;
-            ProfilePoint { s: (sum1 - sum0) / w, v: (s1 - s0) / w, a: (v1 - v0) / w }
+            let (then, before) = self.motion(t - w);
+            ProfilePoint { s: (sum - before) / w, v: (now.s - then.s) / w, a: (now.v - then.v) / w }
         } else {
-            let i = self.piece(t);
-            let knot = self.knots.get(i).copied().unwrap_or_else(|| self.last());
-            let h =
-                (t - knot.time).clamp(0.0, self.knots.get(i + 1).map_or(0.0, |next| next.time - knot.time));
-            ProfilePoint {
-                s: knot.at.s + h * (knot.at.v + 0.5 * h * knot.at.a),
-                v: knot.at.v + h * knot.at.a,
-                a: knot.at.a,
-            }
+            now
         };
         ProfilePoint { s: point.s, v: point.v / self.stretch, a: point.a / (self.stretch * self.stretch) }
     }
 
-    fn piece(&self, t: f64) -> usize {
-        self.knots.partition_point(|knot| knot.time <= t).max(1) - 1
-    }
-
-    /// Position and speed, and the integral of the position: at rest before the start and behind the end.
-    fn sums(&self, t: f64) -> ([f64; 2], f64) {
-        let last = self.last();
-        if t <= 0.0 {
-            return ([0.0; 2], 0.0);
-        }
-        if t >= last.time {
-            return ([last.at.s, 0.0], last.sum + last.at.s * (t - last.time));
-        }
-        let knot = self.knots[self.piece(t)];
-        let h = t - knot.time;
-        let s = knot.at.s + h * (knot.at.v + 0.5 * h * knot.at.a);
-        ([s, knot.at.v + h * knot.at.a], knot.sum_after(h))
+    /// The motion that is averaged, and the integral of its position; at rest before its start, and behind its end.
+    fn motion(&self, t: f64) -> (ProfilePoint, f64) {
+        let piece = self.knots.partition_point(|knot| knot.time <= t).max(1) - 1;
+        let knot = self.knots.get(piece).copied().unwrap_or_else(|| self.last());
+        let h = (t - knot.time).max(0.0);
+        (knot.at(h), knot.sum_after(h))
     }
 }
 
 impl Knot {
+    /// The motion a time `h` later, >= 0, within its piece.
+    fn at(&self, h: f64) -> ProfilePoint {
+        let ProfilePoint { s, v, a } = self.at;
+        ProfilePoint { s: s + h * (v + 0.5 * h * a), v: v + h * a, a }
+    }
+
     fn sum_after(&self, h: f64) -> f64 {
         self.sum + h * (self.at.s + h * (0.5 * self.at.v + h * self.at.a / 6.0))
     }
