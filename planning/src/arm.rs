@@ -11,6 +11,7 @@
 //! An arm whose outline is a [`Chain`] is computed in all lanes together; others posture by posture.
 
 use mrroc::fault::Name;
+use mrroc::random::halton;
 use mrroc::robot::{JointKind, MAX_JOINTS};
 use mrroc_robots::clearance::{Capsule, Chain, Joints, Link, Motion, RobotPart};
 use nalgebra::Vector3;
@@ -106,6 +107,9 @@ pub(crate) struct Arm {
     kinematics: Kinematics,
 }
 
+/// In how many postures an arm is tried to stand.
+const TRIES: usize = 100;
+
 /// The most motions of an outline.
 pub(crate) const MOTIONS: usize = 17;
 
@@ -200,22 +204,19 @@ impl Arm {
         self.kinematics = Kinematics::Chain(chain.joints.iter().map(joint).collect());
     }
 
-    /// Balls for each capsule, as long as it is in the middle of the joints' ranges: a bar that is stretched is covered by as many.
+    /// As many balls for each capsule as it needs in the middle of the joints' ranges, or where else the arm can stand: one that is
+    /// stretched later is covered by as many larger ones.
     fn take_outline(&mut self) {
-        let q = self.part.shape.between_limits(&|_| 0.5);
-        let capsules = self.capsules(&q).unwrap_or_default();
-        let counts: Vec<usize> =
-            (0..self.part.links.len()).map(|i| capsules.get(i).map_or(8, count)).collect();
+        let part = |sample: usize, joint: usize| if sample == 0 { 0.5 } else { halton(sample, joint) };
+        let stands = (0..TRIES)
+            .find_map(|sample| self.capsules(&self.part.shape.between_limits(&|joint| part(sample, joint))));
+        let some = Capsule::new(Vector3::zeros(), Vector3::x() * 0.3, 0.05);
+        let capsules = stands.unwrap_or_else(|| vec![some; self.part.links.len()]);
         for limb in &mut self.limbs {
-            // The numbers of the nodes are what is needed: balls along a line have the same tree wherever they are.
-            let line = |&link: &usize| {
-                let n = counts[link];
-                let at = |k: usize| Vector3::x() * (link as f64 + k as f64 / n as f64);
-                capsules.get(link).copied().unwrap_or_else(|| Capsule::new(at(0), at(1), 0.05))
-            };
-            limb.tree = BallTree::of(&limb.links.iter().map(line).collect::<Vec<_>>());
+            // What is needed of the tree is which node stands above which.
+            limb.tree = BallTree::of(&limb.links.iter().map(|&link| capsules[link]).collect::<Vec<_>>());
         }
-        self.kinematics = Kinematics::Outline(counts);
+        self.kinematics = Kinematics::Outline(capsules.iter().map(count).collect());
     }
 
     /// All capsules at `q` in the world; `None` where it cannot stand so.

@@ -1,9 +1,13 @@
 //! What is said to be clear is clear.
 
+use mrroc::pose::Pose;
 use mrroc::random::Random;
 use mrroc_planning::{PlanError, Planner};
+use mrroc_robots::clearance::{Capsule, Clearance, Link, Motion, Obstacle, Outline};
+use mrroc_robots::{Serial, SerialOutline, Six};
+use nalgebra::Vector3;
 
-use super::cells::{around_a_box, stopping, two_arms};
+use super::cells::{around_a_box, six_axes, stopping, two_arms};
 
 #[test]
 fn a_path_keeps_its_margin_everywhere() {
@@ -41,4 +45,58 @@ fn a_path_keeps_its_margin_everywhere() {
             }
         }
     }
+}
+
+/// An arm that is no chain to the planner, and that cannot stand where its first joint is in the middle of its range.
+struct Folded(SerialOutline<6>);
+
+impl Outline for Folded {
+    type Robot = Serial<6>;
+
+    fn robot(&self) -> &Serial<6> {
+        self.0.robot()
+    }
+
+    fn links(&self) -> Vec<Link> {
+        self.0.links()
+    }
+
+    fn capsules(&self, q: &Six, visit: &mut dyn FnMut(Capsule)) {
+        if q[0].abs() > 1e-6 {
+            self.0.capsules(q, visit);
+        }
+    }
+
+    fn motions(&self, q: &Six, distances: &Six, visit: &mut dyn FnMut(Motion)) {
+        self.0.motions(q, distances, visit);
+    }
+
+    fn flange_motions(&self) -> u32 {
+        self.0.flange_motions()
+    }
+}
+
+#[test]
+fn an_arm_that_cannot_stand_in_the_middle_of_its_ranges_is_seen_where_it_is() {
+    let ball = Obstacle::ball(Vector3::new(-0.5, 0.1, 0.4), 0.35);
+    let builder = Clearance::with_margin(0.02).robot("arm", Folded(six_axes(Pose::identity())));
+    let builder = builder.expect("an arm").obstacle("ball", ball).expect("a ball").ignore_own("arm");
+    let mut clearance = builder.build(stopping()).expect("a clearance");
+    let mut planner = Planner::new(clearance.clone()).expect("a planner");
+    let mut random = Random::seeded(3);
+    let mut seen = [0; 2];
+    for _ in 0..2000 {
+        let q: Vec<f64> = (0..6).map(|_| random.within(2.5)).collect();
+        let distance = clearance.nearest_at(&[&q]).expect("a posture").distance;
+        let is_clear = planner.find_first(&q, std::slice::from_ref(&q)).is_ok();
+        // Balls stand out of the capsules by less than 3 mm.
+        if distance < 0.02 {
+            assert!(!is_clear, "{q:?}: {distance}");
+            seen[0] += 1;
+        } else if distance > 0.0231 {
+            assert!(is_clear, "{q:?}: {distance}");
+            seen[1] += 1;
+        }
+    }
+    assert!(seen.iter().all(|seen| *seen > 200), "{seen:?}");
 }
