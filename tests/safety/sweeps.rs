@@ -83,7 +83,8 @@ fn faults_of_links_in_a_plant(every: u64) {
 
 #[test]
 fn fault_169_faults_of_links_in_a_plant_break_no_promise() {
-    faults_of_links_in_a_plant(SHARE);
+    // Its runs are the longest.
+    faults_of_links_in_a_plant(3 * SHARE);
 }
 
 #[test]
@@ -125,19 +126,22 @@ fn fault_39_a_link_that_was_cut_and_comes_back_moves_nothing() {
     }
 }
 
-#[test]
-fn fault_15_messages_that_come_twice_late_or_again_change_nothing() {
+fn messages_come_twice_late_or_again(every: u64) {
     for cell in [transparent, cooperating, interpolated, sensing] {
         // Doubled and old messages are ignored: every run ends as the undisturbed one does, to 1e-12 m.
         let sweep = Sweep::new(cell).links(LinkFault::Duplicate, 3).links(LinkFault::Replay, 3);
-        all_go_on(sweep.every(11).end_tolerance(1e-12), 100);
-        clean(&Sweep::new(cell).links(LinkFault::Reorder, 3).every(11).threads(2).run());
+        all_go_on(sweep.every(11 * every).end_tolerance(1e-12), 100 / every);
+        clean(&Sweep::new(cell).links(LinkFault::Reorder, 3).every(11 * every).threads(2).run());
     }
 }
 
-/// Path time that passes again comes with demands of its own for robots that held meanwhile.
 #[test]
-fn fault_22_motions_whose_demands_are_late_after_a_suspension_go_on_late_and_end_where_they_should() {
+fn fault_15_messages_that_come_twice_late_or_again_change_nothing() {
+    messages_come_twice_late_or_again(SHARE);
+}
+
+/// Path time that passes again comes with demands of its own for robots that held meanwhile.
+fn demands_are_late_after_a_suspension(every: u64) {
     for (cell, suspended) in [(transparent as fn() -> Cell, 60), (cooperating, 150), (interpolated, 60)] {
         let suspended_for_a_while = move || {
             let mut pressed = 0;
@@ -155,8 +159,13 @@ fn fault_22_motions_whose_demands_are_late_after_a_suspension_go_on_late_and_end
         let late = (1..=6).fold(Sweep::new(suspended_for_a_while), |sweep, steps| {
             sweep.links(LinkFault::Delay(steps), 8).links(LinkFault::Drop, steps).stalls(steps)
         });
-        all_go_on(late.every(7), 200);
+        all_go_on(late.every(7 * every), 200 / every);
     }
+}
+
+#[test]
+fn fault_22_motions_whose_demands_are_late_after_a_suspension_go_on_late_and_end_where_they_should() {
+    demands_are_late_after_a_suspension(2 * SHARE);
 }
 
 #[test]
@@ -231,6 +240,18 @@ mod whole {
     #[ignore = "takes minutes: `just test-whole`"]
     fn fault_169_faults_of_links_in_a_plant_break_no_promise() {
         super::faults_of_links_in_a_plant(1);
+    }
+
+    #[test]
+    #[ignore = "takes minutes: `just test-whole`"]
+    fn fault_15_messages_that_come_twice_late_or_again_change_nothing() {
+        super::messages_come_twice_late_or_again(1);
+    }
+
+    #[test]
+    #[ignore = "takes minutes: `just test-whole`"]
+    fn fault_22_motions_whose_demands_are_late_after_a_suspension_go_on_late_and_end_where_they_should() {
+        super::demands_are_late_after_a_suspension(1);
     }
 
     #[test]
