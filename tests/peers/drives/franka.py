@@ -117,9 +117,14 @@ class Cell:
         return None if status == 2 else Outcome(self.outcome, said), status, said
 
 
+def stalled(outcome):
+    """Whether the process that answers the robot stood still: what others of the cell wait for costs no answer."""
+    return outcome.of("edp arm")["late"]["max"] > STALL
+
+
 def stood_still(outcome, seen):
     """Whether the robot has stopped by itself when this machine stood still."""
-    return outcome.kind == "RobotStopped" and bool(seen["reflexes"]) and outcome.longest_stall > STALL
+    return outcome.kind == "RobotStopped" and bool(seen["reflexes"]) and stalled(outcome)
 
 
 def ended_well(what, outcome, said, seen):
@@ -139,7 +144,7 @@ def no_reflex(seen, outcome=None):
     """The arm came to a standstill by what it was told. A robot that has lost this machine stops by itself."""
     if outcome is not None and (stood_still(outcome, seen) or outcome.is_late(controller=True) and outcome.kind == "RobotStopped"):
         return
-    if outcome is not None and outcome.longest_stall > STALL and seen["reflexes"]:
+    if outcome is not None and stalled(outcome) and seen["reflexes"]:
         not_tested("franka", f"that the arm stops by what it is told; reflexes {seen['reflexes']}", outcome)
         return
     has(not seen["reflexes"], f"reflexes: {seen['reflexes']}: {outcome}")
@@ -355,7 +360,7 @@ def lost(robot, answers):
     if not outcome.ended_by("RobotStopped", "communication_constraints_violation", controller=True):
         not_tested("franka", "what is told of 20 lost answers", outcome)
         return f"{seen['gaps']} gaps"
-    has(seen["gaps"] > 0 or outcome.longest_stall > STALL, f"a reflex without a gap: {outcome}")
+    has(seen["gaps"] > 0 or stalled(outcome), f"a reflex without a gap: {outcome}")
     has(len(seen["reflexes"]) == 1, f"reflexes: {seen['reflexes']}")
     return "told as communication_constraints_violation"
 

@@ -160,7 +160,7 @@ def franka_sim(options, seen):
             return super().handle_set_load_command(client, header, payload)
 
         def _abort_with_error(self, *arguments, **others):
-            seen.reflexes.append(str(others or arguments[:2]))
+            seen.reflexes.append(f"{others or arguments[:2]} after {seen.told} answers, at {seen.end_speed:.3f} rad/s")
             return super()._abort_with_error(*arguments, **others)
 
     robot = Robot(

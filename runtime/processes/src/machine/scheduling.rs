@@ -73,7 +73,7 @@ pub(crate) fn ask(realtime: &Realtime, me: ProcessId, ecps: &[ProcessId]) -> Lac
     lacks
 }
 
-/// Returns to ordinary priority: the work that is left has no deadline.
+/// Returns this thread to ordinary priority: the work that is left has no deadline.
 pub(crate) fn give_back_priority() {
     // SAFETY: a `sched_param` of zero bytes is valid, because it holds numbers only.
     #[allow(unsafe_code)]

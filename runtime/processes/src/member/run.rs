@@ -107,7 +107,6 @@ pub(crate) fn run(
             if !watched || me.role != Role::Plant {
                 return Ok(None);
             }
-            give_back_priority();
             // In real time the receive thread passes the frame on; there is no frame if the launcher is gone.
             let last = receiver.map_or_else(|| control.receive().ok(), |receiver| receiver.recv().ok());
             Ok(last.and_then(concluded))
@@ -221,6 +220,8 @@ fn take_part(
                 keep_until(origin, &*preparation);
             }
             body(waiter.host());
+            // To let go of a link takes tens of milliseconds, in which robots of other processes may still be braking on this core.
+            give_back_priority();
             gauge.end();
             (waiter.now(), Some(receiver))
         }
