@@ -256,3 +256,123 @@ fn pairs_that_an_srdf_disables_are_not_checked() {
         assert!(refused.to_string().contains(&format!("line {line}")), "{refused}");
     }
 }
+
+/// An arm that turns about z, with a hand behind its tip: a finger that slides along x, one that turns about z, a camera on the upper link, and
+/// a cap that turns without end.
+const HAND: &str = r#"<robot name="r"><link name="base"/>
+    <link name="arm"/>
+    <link name="tool"><collision><geometry><sphere radius="0.02"/></geometry></collision></link>
+    <link name="camera"><collision><geometry><sphere radius="0.03"/></geometry></collision></link>
+    <link name="hand"><collision><geometry><sphere radius="0.04"/></geometry></collision></link>
+    <link name="finger"><collision><origin xyz="0 0 0.05"/><geometry><sphere radius="0.01"/></geometry></collision></link>
+    <link name="thumb"><collision><origin xyz="0.06 0 0"/><geometry><sphere radius="0.01"/></geometry></collision></link>
+    <link name="nail"><collision><origin xyz="0.01 0 0"/><geometry><sphere radius="0.002"/></geometry></collision></link>
+    <joint name="turn" type="revolute"><parent link="base"/><child link="arm"/><origin xyz="0 0 0.3"/>
+        <axis xyz="0 0 1"/><limit lower="-2" upper="2" velocity="2"/></joint>
+    <joint name="mount" type="fixed"><parent link="arm"/><child link="tool"/><origin xyz="0.5 0 0"/></joint>
+    <joint name="eye" type="fixed"><parent link="arm"/><child link="camera"/><origin xyz="0.2 0 0.1"/></joint>
+    <joint name="wrist" type="fixed"><parent link="tool"/><child link="hand"/><origin xyz="0.1 0 0" rpy="0 0 0.5"/></joint>
+    <joint name="slide" type="prismatic"><parent link="hand"/><child link="finger"/><origin xyz="0 0.02 0"/>
+        <axis xyz="1 0 0"/><limit lower="-0.01" upper="0.05" velocity="0.1"/></joint>
+    <joint name="bend" type="revolute"><parent link="hand"/><child link="thumb"/><origin xyz="0 -0.02 0"/>
+        <axis xyz="0 0 1"/><limit lower="-0.3" upper="0.9" velocity="1"/></joint>
+    <joint name="tap" type="continuous"><parent link="thumb"/><child link="nail"/><origin xyz="0.06 0 0"/>
+        <axis xyz="0 1 0"/></joint></robot>"#;
+
+/// The chain to a link of [`HAND`], whatever moves it.
+fn place_of(link: &str, turn: f64, own: [f64; 3]) -> Pose {
+    let [slide, bend, tap] = own;
+    let arm = Pose::translation(0.0, 0.0, 0.3) * Pose::rotation(Vector3::z() * turn);
+    let hand = arm * Pose::translation(0.6, 0.0, 0.0) * Pose::rotation(Vector3::z() * 0.5);
+    let thumb = hand * Pose::translation(0.0, -0.02, 0.0) * Pose::rotation(Vector3::z() * bend);
+    match link {
+        "camera" => arm * Pose::translation(0.2, 0.0, 0.1),
+        "hand" => hand,
+        "finger" => hand * Pose::translation(slide, 0.02, 0.05),
+        "thumb" => thumb * Pose::translation(0.06, 0.0, 0.0),
+        "nail" => {
+            thumb
+                * Pose::translation(0.06, 0.0, 0.0)
+                * Pose::rotation(Vector3::y() * tap)
+                * Pose::translation(0.01, 0.0, 0.0)
+        }
+        other => panic!("{other}"),
+    }
+}
+
+#[test]
+fn what_hangs_on_the_links_is_part_of_the_shape_wherever_its_own_joints_stand() {
+    let outline = SerialOutline::from_urdf(robot(HAND), HAND, "base", "tool", &Meshes::refused()).unwrap();
+    let links = outline.links();
+    let excess = Meshes::refused().excess;
+    let mut random = Random::seeded(3);
+    let mut within = |range: [f64; 2]| random.between(range[0], range[1]);
+    for _ in 0..2000 {
+        let turn = within([-2.0, 2.0]);
+        let own = [within([-0.01, 0.05]), within([-0.3, 0.9]), within([-7.0, 7.0])];
+        let mut capsules = Vec::new();
+        outline.capsules(&[turn].into(), &mut |capsule| capsules.push(capsule));
+        for (link, radius) in
+            [("camera", 0.03), ("hand", 0.04), ("finger", 0.01), ("thumb", 0.01), ("nail", 0.002)]
+        {
+            let centre = place_of(link, turn, own).translation.vector;
+            // The ball of the link is within one capsule.
+            let holds = |(of, capsule): (&mrroc_robots::clearance::Link, &Capsule)| {
+                &*of.name == link && distance_to_axis(capsule, &centre) + radius <= capsule.radius + 1e-12
+            };
+            assert!(links.iter().zip(&capsules).any(holds), "{link} at {own:?}");
+        }
+        // What is fixed has not grown; a slide by the stated excess at most, a turn within a turn by that of both.
+        for (of, capsule) in links.iter().zip(&capsules) {
+            let most = match &*of.name {
+                "camera" => 0.03,
+                "hand" => 0.04,
+                "tool" => 0.02,
+                "finger" | "thumb" => 0.01 + excess,
+                "nail" => 0.002 + 2.0 * excess,
+                other => panic!("{other}"),
+            };
+            assert!(capsule.radius <= most + 1e-12, "{}: {}", of.name, capsule.radius);
+        }
+    }
+}
+
+/// From a point to the line between a capsule's ends.
+fn distance_to_axis(capsule: &Capsule, point: &Vector3<f64>) -> f64 {
+    let along = capsule.ends[1] - capsule.ends[0];
+    let share = ((point - capsule.ends[0]).dot(&along) / along.norm_squared().max(1e-300)).clamp(0.0, 1.0);
+    (point - capsule.ends[0] - along * share).norm()
+}
+
+#[test]
+fn branches_are_left_out_by_their_first_link_and_an_unknown_one_is_named() {
+    let without = Meshes::refused().without("hand");
+    let outline = SerialOutline::from_urdf(robot(HAND), HAND, "base", "tool", &without).unwrap();
+    let links = outline.links();
+    let mut names: Vec<&str> = links.iter().map(|link| &*link.name).collect();
+    names.sort_unstable();
+    assert_eq!(names, ["camera", "tool"]);
+    let unknown = Meshes::refused().without("hant");
+    let error = SerialOutline::from_urdf(robot(HAND), HAND, "base", "tool", &unknown).unwrap_err();
+    assert!(error.to_string().contains("hant") && error.to_string().contains("hand"), "{error}");
+}
+
+#[test]
+fn what_swings_far_off_the_chain_is_covered_by_one_ball_for_each_link() {
+    // A second arm of 2 m on a shoulder that turns without end: pieces of 5 mm would be 1257.
+    let text = HAND.replace(
+        "xyz=\"0.01 0 0\"/><geometry><sphere radius=\"0.002\"",
+        "xyz=\"2 0 0\"/><geometry><sphere radius=\"0.002\"",
+    );
+    let outline = SerialOutline::from_urdf(robot(&text), &text, "base", "tool", &Meshes::refused()).unwrap();
+    let mut capsules = Vec::new();
+    outline.capsules(&[0.0].into(), &mut |capsule| capsules.push(capsule));
+    let nails: Vec<_> = outline
+        .links()
+        .iter()
+        .zip(&capsules)
+        .filter(|(link, _)| &*link.name == "nail")
+        .map(|(_, c)| *c)
+        .collect();
+    assert!(!nails.is_empty() && nails.iter().all(|nail| nail.radius >= 2.002), "{nails:?}");
+}

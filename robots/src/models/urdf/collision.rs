@@ -5,7 +5,6 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use mrroc::prelude::*;
 use nalgebra::Vector3;
 
 use super::document::{Element, Tree, origin, shown};
@@ -24,6 +23,8 @@ pub struct Meshes {
     pub excess: f64,
     /// What a mesh with openings is.
     pub openings: Openings,
+    /// Links off the chain that are left out, with all that hangs on them: what is no part of the arm, or is another robot of the cell.
+    pub without: Vec<String>,
 }
 
 /// What a mesh is that is not closed.
@@ -39,13 +40,20 @@ impl Meshes {
     /// No meshes: a URDF that has some is refused.
     #[must_use]
     pub const fn refused() -> Self {
-        Self { folder: None, excess: 5e-3, openings: Openings::Closed }
+        Self { folder: None, excess: 5e-3, openings: Openings::Closed, without: Vec::new() }
     }
 
     /// Meshes of this folder, covered by capsules that stand out by at most 5 mm, openings closed.
     #[must_use]
     pub fn below(folder: impl AsRef<Path>) -> Self {
         Self { folder: Some(folder.as_ref().to_owned()), ..Self::refused() }
+    }
+
+    /// The same without a link off the chain and all that hangs on it.
+    #[must_use]
+    pub fn without(mut self, link: &str) -> Self {
+        self.without.push(link.to_owned());
+        self
     }
 }
 
@@ -72,25 +80,28 @@ impl<'m> Shapes<'m> {
         Self { meshes, bodies: Vec::new(), covered: BTreeMap::new() }
     }
 
-    /// Adds the collision shapes of a link that stands at `X_JL` in the frame of the last joint that moves it.
+    /// Whether a link off the chain is left out.
+    pub(super) fn is_left_out(&self, link: &str) -> bool {
+        self.meshes.without.iter().any(|without| without == link)
+    }
+
+    /// How far capsules may stand out \[m\].
+    pub(super) const fn excess(&self) -> f64 {
+        self.meshes.excess
+    }
+
+    /// The collision shapes of a link, in its frame.
     #[allow(non_snake_case)]
-    pub(super) fn collect(
-        &mut self,
-        tree: &Tree<'_, '_>,
-        link: &str,
-        X_JL: &Pose,
-        joints: usize,
-    ) -> Result<(), UrdfError> {
-        let Some(element) = tree.link(link) else { return Ok(()) };
+    pub(super) fn of_link(&mut self, tree: &Tree<'_, '_>, link: &str) -> Result<Vec<Capsule>, UrdfError> {
+        let mut capsules = Vec::new();
+        let Some(element) = tree.link(link) else { return Ok(capsules) };
         for collision in element.all("collision") {
-            let X_JC = X_JL * origin(&collision, tree.has_quaternions)?;
+            let X_LC = origin(&collision, tree.has_quaternions)?;
             let write = "<geometry><cylinder radius=\"..\" length=\"..\"/></geometry>";
             let geometry = collision.required("geometry", write)?;
-            for capsule in self.capsules_of(&geometry)? {
-                self.bodies.push(LinkCapsule { link: shown(link), joints, capsule: capsule.moved(&X_JC) });
-            }
+            capsules.extend(self.capsules_of(&geometry)?.iter().map(|capsule| capsule.moved(&X_LC)));
         }
-        Ok(())
+        Ok(capsules)
     }
 
     /// The capsules that hold a shape, in its frame.

@@ -302,6 +302,18 @@ impl<'a, 'i> Tree<'a, 'i> {
         Some(Element { node, called: format!("link \"{}\"", shown(name)) })
     }
 
+    /// The joints whose parent is the link of this name, in the order of the file.
+    pub(super) fn below(&self, link: &str) -> Vec<Joint<'a, 'i>> {
+        let mut below: Vec<_> = self.parents.values().filter(|joint| joint.parent == link).cloned().collect();
+        below.sort_by_key(|joint| joint.element.line());
+        below
+    }
+
+    /// The links whose names look like `name`, for a help.
+    pub(super) fn alternatives(&self, name: &str) -> String {
+        alternatives(name, self.links.keys().copied())
+    }
+
     /// The link that hangs on no other.
     ///
     /// # Errors

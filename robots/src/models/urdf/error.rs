@@ -191,7 +191,7 @@ pub enum UrdfError {
     /// The base or the tip that was asked for is not in the file.
     #[error("the URDF has no link \"{name}\", asked for as {role}: {help}")]
     NoSuchLink {
-        /// `"base"` or `"tip"`.
+        /// `"base"`, `"tip"` or `"link to leave out"`.
         role: &'static str,
         /// The name asked for.
         name: String,
@@ -241,6 +241,16 @@ pub enum UrdfError {
         base: String,
         /// The tip asked for.
         tip: String,
+        /// The most that are served.
+        limit: usize,
+    },
+    /// More links hang on one another than on any robot.
+    #[error(
+        "more than {limit} links hang on one another down to \"{link}\", off the chain: leave them out, `Meshes::without`"
+    )]
+    TooDeep {
+        /// The first link that is too much.
+        link: String,
         /// The most that are served.
         limit: usize,
     },

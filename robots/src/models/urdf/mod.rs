@@ -12,6 +12,7 @@
 //! [`Serial`] says what is read of a URDF and what is not.
 
 mod body;
+mod branches;
 mod chain;
 mod closed;
 mod collision;

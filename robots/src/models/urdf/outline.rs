@@ -4,6 +4,7 @@ use mrroc::prelude::*;
 use mrroc::robot::JointKind;
 use nalgebra::{SVector, Translation3, Vector3};
 
+use super::branches;
 use super::chain::{Segment, turn_of_z};
 use super::collision::{LinkCapsule, Meshes, Shapes};
 use super::document::{Tree, parsed, shown};
@@ -14,7 +15,9 @@ use crate::models::shape::{Capsule, Chain, ChainBody, ChainJoint, Link, Motion, 
 
 /// A [`Serial`] arm as capsules.
 ///
-/// **From `<collision>`** ([`SerialOutline::from_urdf`]): of the links from base to tip. A sphere is a ball, a capsule is
+/// **From `<collision>`** ([`SerialOutline::from_urdf`]): of the links from base to tip, and of all that hangs on them, such as a hand with its
+/// fingers. What has joints of its own there is covered wherever these may stand, unless it is
+/// [left out](Meshes::without). A sphere is a ball, a capsule is
 /// itself, a cylinder is given caps that stand out by its radius, a box is covered by four capsules along its longest edge
 /// ([`Capsule::covering_box`]): all hold what is written. A mesh is [covered](crate::mesh::cover): the capsules hold it, and stand out
 /// by at most [`Meshes::excess`].
@@ -63,15 +66,24 @@ impl<const N: usize> SerialOutline<N> {
         let mut fixed = Pose::identity();
         let mut joints = 0;
         let mut shapes = Shapes::of(meshes);
-        shapes.collect(&tree, base, &fixed, joints)?;
-        for Place { joint, X_PJ, moves } in places(&tree, base, tip)? {
+        let places = places(&tree, base, tip)?;
+        let after = |place: usize| places.get(place).map(|place: &Place<'_, '_>| place.joint.child);
+        if let Some(unknown) = meshes.without.iter().find(|link| tree.link(link).is_none()) {
+            return Err(UrdfError::NoSuchLink {
+                role: "link to leave out",
+                name: shown(unknown),
+                help: tree.alternatives(unknown),
+            });
+        }
+        branches::collect(&mut shapes, &tree, (base, after(0)), &fixed, joints)?;
+        for (i, Place { joint, X_PJ, moves }) in places.iter().enumerate() {
             fixed *= X_PJ;
             if moves.is_some() {
                 // The frame of a joint that moves has its z along the axis.
-                fixed = Pose::from_parts(Translation3::identity(), turn_of_z(axis(&joint)?).inverse());
+                fixed = Pose::from_parts(Translation3::identity(), turn_of_z(axis(joint)?).inverse());
                 joints += 1;
             }
-            shapes.collect(&tree, joint.child, &fixed, joints)?;
+            branches::collect(&mut shapes, &tree, (joint.child, after(i + 1)), &fixed, joints)?;
         }
         if joints != robot.segments().len() {
             let count = joints;

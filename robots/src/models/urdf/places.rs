@@ -100,7 +100,7 @@ pub(super) fn places<'a, 'i>(
 }
 
 /// A displacement along or about an axis.
-fn displaced(kind: JointKind, by: Vector3<f64>) -> Pose {
+pub(super) fn displaced(kind: JointKind, by: Vector3<f64>) -> Pose {
     match kind {
         JointKind::Revolute => Pose::rotation(by),
         JointKind::Prismatic => Pose::translation(by.x, by.y, by.z),
@@ -135,7 +135,7 @@ fn through<'a>(
 }
 
 /// How a joint moves, and which joint it names in `<mimic>`; `None` of a fixed joint.
-fn moves<'a>(joint: &Joint<'a, '_>) -> Result<Option<Moves<'a>>, UrdfError> {
+pub(super) fn moves<'a>(joint: &Joint<'a, '_>) -> Result<Option<Moves<'a>>, UrdfError> {
     let kinds = "type=\"revolute\", \"continuous\", \"prismatic\" or \"fixed\"";
     let (kind, is_limited) = match joint.element.required_text("type", kinds)? {
         "fixed" => return Ok(None),
