@@ -117,18 +117,64 @@ fn too_close_names_both_robots_and_links_the_distance_and_the_margin() {
 fn a_moving_arm_needs_room_to_stop() {
     let mut clearance = two_arms(1.96, AT_ONCE).unwrap();
     let right = state("right", &LEVEL, &[]);
-    // 0.12 m between the wrists, 0.07 m beyond the margin. Column and T at 1 rad/s, 7 rad/s^2: 1/14 rad each.
+    // 0.12 m between the wrists, 0.07 m beyond the margin. Column and T at 2 rad/s, 7 rad/s^2: 2/7 rad each.
     let at_rest = clearance.check(&[state("left", &LEVEL, &[]), right]).unwrap();
     assert!((at_rest.distance - 0.12).abs() < 1e-12 && at_rest.travel == 0.0);
     let error =
-        clearance.check(&[state("left", &LEVEL, &[1.0, 0.0, 0.0, 1.0, 0.0, 0.0]), right]).unwrap_err();
+        clearance.check(&[state("left", &LEVEL, &[2.0, 0.0, 0.0, 2.0, 0.0, 0.0]), right]).unwrap_err();
     let CheckError::TooClose(TooClose(nearest)) = error else { panic!("{error}") };
     // The wrist's end is 0.86 m from the column's axis and 0.19 m from T's, and 0.06 m stout.
-    let wrist = (0.19 + 0.06) / 14.0;
-    assert!((nearest.travel - (wrist + (0.86 + 0.06 + wrist) / 14.0)).abs() < 1e-12, "{nearest:?}");
+    let wrist = (0.19 + 0.06) * 2.0 / 7.0;
+    assert!((nearest.travel - (wrist + (0.86 + 0.06 + wrist) * 2.0 / 7.0)).abs() < 1e-12, "{nearest:?}");
     // Slowly, there is enough: a tenth of the speed needs a hundredth of the way.
-    let slow = clearance.check(&[state("left", &LEVEL, &[0.1, 0.0, 0.0, 0.1, 0.0, 0.0]), right]);
+    let slow = clearance.check(&[state("left", &LEVEL, &[0.2, 0.0, 0.0, 0.2, 0.0, 0.0]), right]);
     assert!(slow.unwrap().travel < 0.011 * nearest.travel);
+    // At half the speed the wrists may come 0.085 m nearer from where they are, but 0.044 m from the middle of the way to a standstill.
+    let passing = clearance.check(&[state("left", &LEVEL, &[1.0, 0.0, 0.0, 1.0, 0.0, 0.0]), right]).unwrap();
+    let wrist = 0.25 / 28.0;
+    assert!((passing.travel - (wrist + (0.92 + wrist) / 28.0)).abs() < 2e-3, "{passing:?}");
+    // For pictures the arm stands where it is.
+    let mut stands = 0.0_f64;
+    clearance.capsules(&mut |robot, link, capsule| {
+        if robot == "left" && &*link.name == "wrist" {
+            stands = stands.max(capsule.ends[1].y.abs());
+        }
+    });
+    assert!(stands < 1e-12, "{stands}");
+}
+
+#[test]
+fn what_passes_keeps_its_margin_until_both_arms_stand() {
+    let mut random = mrroc::random::Random::seeded(11);
+    let (mut passed, mut refused) = (0, 0);
+    for _ in 0..400 {
+        let mut clearance = two_arms(random.between(1.2, 2.2), AT_ONCE).unwrap();
+        let mut drawn = || -> ([f64; 6], [f64; 6]) {
+            (
+                core::array::from_fn(|i| LEVEL[i] + random.between(-0.4, 0.4)),
+                core::array::from_fn(|_| random.between(-1.2, 1.2)),
+            )
+        };
+        let ([one, v], [other, w]) = (drawn().into(), drawn().into());
+        let states = [state("left", &one, &v), state("right", &other, &w)];
+        if clearance.check(&states).is_err() {
+            refused += 1;
+            continue;
+        }
+        passed += 1;
+        // All joints of an arm brake evenly within the time of the slowest: along a straight line. The arms need not do so together.
+        let limits = Irp6::nominal().limits().acceleration;
+        let time = |v: &[f64; 6]| (0..6).map(|i| v[i].abs() / limits[i]).fold(0.0, f64::max);
+        let at = |q: &[f64; 6], v: &[f64; 6], share: f64| -> [f64; 6] {
+            core::array::from_fn(|i| q[i] + 0.5 * v[i] * time(v) * share)
+        };
+        for (a, b) in (0..=10).flat_map(|a| (0..=10).map(move |b| (f64::from(a) * 0.1, f64::from(b) * 0.1))) {
+            let nearest = clearance.nearest_at(&[&at(&one, &v, a), &at(&other, &w, b)]).unwrap();
+            let own = nearest.sides[0].robot == nearest.sides[1].robot;
+            assert!(nearest.distance >= if own { 0.0 } else { 0.05 } - 1e-9, "{nearest:?}");
+        }
+    }
+    assert!(passed > 50 && refused > 50, "{passed} {refused}");
 }
 
 #[test]

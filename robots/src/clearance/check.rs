@@ -47,7 +47,9 @@ impl Clearance {
     /// positions and velocities. Returns the pair that has the least distance beyond its margin.
     ///
     /// `distance - travel >= margin`, with `travel` the sum of how far either body can get (see
-    /// [the module](super)): a bound that is never too small, and usually larger than necessary.
+    /// [the module](super)): a bound that is never too small, and usually larger than necessary. Where it is too large, the middle of what the
+    /// joints may pass until they stand is looked at instead, from which they get half as far: a joint that moves fast does not turn round in a
+    /// stop. What is returned then is of that middle.
     ///
     /// # Errors
     /// [`CheckError`]: too close; a robot without a state; joints that give no posture.
@@ -66,7 +68,43 @@ impl Clearance {
             }
         }
         let nearest = self.search(Purpose::Slack)?;
-        if nearest.slack() < 0.0 { Err(TooClose(nearest).into()) } else { Ok(nearest) }
+        if nearest.slack() >= 0.0 {
+            return Ok(nearest);
+        }
+        let ahead = self.check_ahead(states, &pace)?;
+        self.stand_at(states)?;
+        ahead.ok_or_else(|| TooClose(nearest).into())
+    }
+
+    /// The check from the middle of what the joints may pass until they stand; `None` where it is not passed.
+    fn check_ahead(&mut self, states: &[RobotView], pace: &Pace) -> Result<Option<Nearest>, CheckError> {
+        for (robot, distances) in self.robots.iter_mut().zip(&self.stopping_distances) {
+            let state = &state_of(states, robot)?.demanded;
+            let back = robot.shape().backwards(&self.stopping, &state.velocity, distances, pace);
+            let mut middle = state.joints;
+            let mut half = *distances;
+            for i in 0..middle.len() {
+                middle[i] += 0.5 * (distances[i] - back[i]) * state.velocity[i].signum();
+                half[i] = 0.5 * (distances[i] + back[i]);
+            }
+            // Joints that share limits may not be able to stand there.
+            if !robot.stand(&middle, Some(&half)) {
+                return Ok(None);
+            }
+        }
+        Ok(Some(self.search(Purpose::Slack)?).filter(|nearest| nearest.slack() >= 0.0))
+    }
+
+    /// Stands all robots at the demanded positions.
+    fn stand_at(&mut self, states: &[RobotView]) -> Result<(), CheckError> {
+        for robot in &mut self.robots {
+            let joints = state_of(states, robot)?.demanded.joints;
+            let robot_name = robot.name;
+            if !robot.stand(&joints, None) {
+                return Err(CheckError::NoPosture { robot: robot_name });
+            }
+        }
+        Ok(())
     }
 
     /// The two bodies that are nearest to one another at the demanded positions, whatever the margins and velocities. Links
@@ -75,13 +113,7 @@ impl Clearance {
     /// # Errors
     /// [`CheckError`] except [`CheckError::TooClose`].
     pub fn nearest(&mut self, states: &[RobotView]) -> Result<Nearest, CheckError> {
-        for robot in &mut self.robots {
-            let joints = state_of(states, robot)?.demanded.joints;
-            let robot_name = robot.name;
-            if !robot.stand(&joints, None) {
-                return Err(CheckError::NoPosture { robot: robot_name });
-            }
-        }
+        self.stand_at(states)?;
         self.search(Purpose::Distance)
     }
 

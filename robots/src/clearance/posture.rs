@@ -44,6 +44,8 @@ pub trait Shape: Send + Sync {
     fn pace(&self, stopping: &Stopping, velocity: &Joints) -> Pace;
     /// How far each joint still moves in such a stop [rad or m].
     fn stopping_distances(&self, stopping: &Stopping, velocity: &Joints, cell: &Pace) -> Joints;
+    /// How much of these distances each joint may go against its velocity [rad or m].
+    fn backwards(&self, stopping: &Stopping, velocity: &Joints, distances: &Joints, cell: &Pace) -> Joints;
 }
 
 impl<O: Outline> Shape for O {
@@ -100,6 +102,11 @@ impl<O: Outline> Shape for O {
         let stopping_distances: <O::Robot as Robot>::Joints =
             stopping.stopping_distances(self.robot().limits(), velocity, cell);
         padded(&stopping_distances)
+    }
+
+    fn backwards(&self, stopping: &Stopping, velocity: &Joints, distances: &Joints, cell: &Pace) -> Joints {
+        let distances: <O::Robot as Robot>::Joints = JointVector::from_joints(|i| distances[i]);
+        padded(&stopping.backwards(self.robot().limits(), velocity, &distances, cell))
     }
 
     fn between_limits(&self, part: &dyn Fn(usize) -> f64) -> Joints {

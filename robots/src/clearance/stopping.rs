@@ -23,6 +23,10 @@
 //! `0.04 j / 2.7 a` per second as well, and bends by `0.04 j k / a`: it takes `2 x 24.5 a/j` at most until the fall is as steep as it
 //! may be, and to end it.
 //!
+//! **Backwards**, against its velocity, a joint gets in a stop only after it has turned round: not while it brakes by itself, if it is fast enough
+//! that neither the reaction nor a fading acceleration turn it round (`v >= a reaction + a^2/2j`). On the path, which may turn at any place, it takes
+//! at least `v/a` of path time to turn round; in the path time `P` of reaction and stop it gets back by `a P^2 / 2 - v P` at most.
+//!
 //! This assumes that within the stop the path, at rate 1, is nowhere faster than now. Where it is, the next check finds the
 //! longer distance; a margin covers the difference of one check.
 
@@ -105,11 +109,42 @@ impl Stopping {
                     (Stop::Braking, None) => 0.5 * faster * own.slowest,
                     (Stop::Braking, Some(jerk)) => braking_distance(faster, a, jerk[i]),
                     (Stop::OnPath { rate_change, step }, _) => {
-                        let even = 0.5 / rate_change + ON_PATH * (cell.slowest + step);
-                        faster * (even + cell.jerkiest * (0.5 / FALL_BY_JERK + BEND_BY_JERK))
+                        faster * self.path_time(rate_change, step, cell)
                     }
                 }
         })
+    }
+}
+
+impl Stopping {
+    /// How far against its velocity a joint may get until it stands, of the distance that it may get at all [rad or m], >= 0; the robots of
+    /// the cell have this pace.
+    pub(super) fn backwards<J: JointVector>(
+        &self,
+        limits: &Limits<J>,
+        velocity: &[f64],
+        distances: &J,
+        cell: &Pace,
+    ) -> J {
+        J::from_joints(|i| {
+            let (v, a) = (velocity[i].abs(), limits.acceleration[i]);
+            match self.stop {
+                Stop::Braking => {
+                    let fading = limits.jerk.map_or(0.0, |jerk| 0.5 * a * a / jerk[i]);
+                    if v >= a * self.reaction + fading { 0.0 } else { distances[i] }
+                }
+                Stop::OnPath { rate_change, step } => {
+                    let path = self.reaction + self.path_time(rate_change, step, cell);
+                    (path * (0.5 * a * path - v)).clamp(0.0, distances[i])
+                }
+            }
+        })
+    }
+
+    /// Path time that passes at most in a stop on the path \[s\].
+    fn path_time(&self, rate_change: f64, step: f64, cell: &Pace) -> f64 {
+        let even = 0.5 / rate_change + ON_PATH * (cell.slowest + step);
+        even + cell.jerkiest * (0.5 / FALL_BY_JERK + BEND_BY_JERK)
     }
 }
 
@@ -195,6 +230,49 @@ mod tests {
             let distances = stopping_distances(stopping, &limits(Some(jerk)), [0.0, v])[1];
             assert!(distances >= exact, "{v} {a} {jerk}: {distances} {exact}");
         }
+    }
+
+    #[test]
+    fn on_the_path_a_joint_gets_no_farther_back_than_the_bound() {
+        let mut random = mrroc::random::Random::seeded(5);
+        for _ in 0..2000 {
+            let (reaction, step) = (random.between(0.0, 0.05), 0.002);
+            let stopping = Stopping { reaction, stop: Stop::OnPath { rate_change: 5.0, step } };
+            let limits = limits(None);
+            let v = [random.between(0.0, 3.0), random.between(0.0, 3.0)];
+            let pace = stopping.pace(&limits, &v);
+            let distances: SVector<f64, 2> = stopping.stopping_distances(&limits, &v, &pace);
+            let back: SVector<f64, 2> = stopping.backwards(&limits, &v, &distances, &pace);
+            // The path time that passes at most, by the module's equations; the path turns as sharply as the limits allow, here and there.
+            let gained = (0..2).map(|i| v[i] / limits.acceleration[i]).fold(0.0, f64::max) + reaction;
+            let time = reaction + 0.1 + 1.392 * (gained + step);
+            for i in 0..2 {
+                let (mut q, mut speed, dt) = (0.0_f64, v[i], time / 500.0);
+                let turns = random.between(0.0, 1.0);
+                for k in 0..500 {
+                    let a = if f64::from(k) / 500.0 < turns { -1.0 } else { random.between(-1.0, 1.0) };
+                    let a = a * limits.acceleration[i];
+                    // No faster than the path is now, and the reaction lets it become.
+                    let fastest = v[i] + limits.acceleration[i] * reaction;
+                    let next = (speed + a * dt).clamp(-fastest, fastest);
+                    q += 0.5 * (speed + next) * dt;
+                    speed = next;
+                    assert!(-q <= back[i] + 1e-9, "{v:?} {reaction}: {} {}", -q, back[i]);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_joint_that_brakes_fast_enough_does_not_turn_round() {
+        let stopping = Stopping { reaction: 0.1, stop: Stop::Braking };
+        let back = |v: [f64; 2]| -> SVector<f64, 2> {
+            let (limits, pace) = (limits(None), stopping.pace(&limits(None), &v));
+            stopping.backwards(&limits, &v, &stopping.stopping_distances(&limits, &v, &pace), &pace)
+        };
+        // In 0.1 s at 7 and 2 rad/s^2 the joints may lose 0.7 and 0.2 rad/s.
+        assert_eq!(back([-0.71, 0.21]), SVector::from([0.0, 0.0]));
+        assert!(back([0.69, -0.19]).min() > 0.0);
     }
 
     #[test]
