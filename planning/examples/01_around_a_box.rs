@@ -57,6 +57,13 @@ pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     let straight = world(&robot, step)?.nearest_at(&[((SIDES[0] + SIDES[1]) / 2.0).as_slice()])?;
     assert!(straight.distance < 0.0, "straight from side to side it would meet the box: {straight}");
 
+    // The first of its motions as it is planned: how near it comes, and how near its stops do.
+    let here = SIDES[0].as_slice();
+    let plan = planner.clone().plan(here, &goals_at(&robot, &poses[0], here))?;
+    let closest = plan.closest(&mut world(&robot, step)?, step.as_secs_f64())?;
+    println!("{closest}");
+    assert!(closest.distance() >= 0.02, "{closest}");
+
     let seen = Rc::new(RefCell::new(DryRun::new(world(&robot, step)?)));
     let watched = Rc::clone(&seen);
     let drives = Simulated::new(robot.clone(), &SIDES[0]);

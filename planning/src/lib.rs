@@ -14,7 +14,9 @@
 
 mod arm;
 mod balls;
+mod braking;
 mod check;
+mod closest;
 mod edge;
 mod error;
 mod follow;
@@ -30,11 +32,12 @@ mod speed;
 mod stop;
 mod timing;
 
+pub use closest::{Closest, ClosestTable, During};
 pub use error::PlanError;
 pub use follow::FollowPlan;
 pub use goals::goals_at;
 pub use here::{Here, HereAll, Standing};
-pub use plan::{Closest, During, Plan};
+pub use plan::Plan;
 pub use planner::Planner;
 
 // The files in `tests/` use this crate by its name, as its users do.

@@ -112,7 +112,8 @@ impl Planner {
             (Path::point(&inner[0]), Speed::still())
         };
         let robots = self.checker.arms.iter().map(Arm::name).collect();
-        let motion = Motion { path, speed, limits: self.limits.clone(), offset, ends };
+        let motion =
+            Motion { path, speed, limits: self.limits.clone(), offset, ends, reaction: self.reaction };
         Ok(Plan { robots, motion: Arc::new(motion) })
     }
 

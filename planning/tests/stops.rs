@@ -99,7 +99,7 @@ fn standing(
 
 #[test]
 fn an_arm_that_is_stopped_anywhere_on_its_plan_keeps_its_margin() {
-    let clearance = around_a_box().build(stopping()).expect("a clearance");
+    let mut clearance = around_a_box().build(stopping()).expect("a clearance");
     let start = standing(Cell::new(STEP).robot(setup("arm", &six_axes(Pose::identity()), &A)), |mp| {
         let mut arm = mp.robot::<Serial<6>>("arm")?;
         Ok(mp.wait_until((&mut arm,), (), HereAll::<(Serial<6>,)>::default())?.joints())
@@ -118,7 +118,58 @@ fn an_arm_that_is_stopped_anywhere_on_its_plan_keeps_its_margin() {
         assert!(distance >= 0.02 - 1e-4, "a fault in step {k} of {steps}: {distance}");
         least = least.min(distance);
     }
+    // What the plan says of its stops is no better than what the runtime's own do, but for the samples between which it looks.
+    let closest = plan.closest(&mut clearance, 2e-3).expect("a clearance of its robots");
+    assert!((0.02..least + 1e-4).contains(&closest.distance()), "{closest}, and {least} at runtime");
     println!("{steps} steps, least distance {least}");
+}
+
+#[test]
+fn stops_of_arms_that_do_not_brake_together_keep_the_margin_in_double_precision() {
+    for seed in 1..=3 {
+        let mut clearance = two_arms().build(stopping()).expect("a clearance");
+        let mut planner = Planner::new(clearance.clone()).expect("a planner").with_seed(seed);
+        let mut random = Random::seeded(seed);
+        let plan = loop {
+            let mut draw = || -> Vec<f64> {
+                (0..12)
+                    .map(|j| if j % 6 == 1 { random.between(-2.5, -0.5) } else { random.within(1.5) })
+                    .collect()
+            };
+            if let Ok(plan) = planner.plan(&draw(), &[draw()]) {
+                break plan;
+            }
+        };
+        let closest = plan.closest(&mut clearance, 0.02).expect("a clearance of its robots");
+        assert_eq!(closest.rows().len(), 4);
+        assert!(closest.distance() >= 0.02, "seed {seed}:\n{closest}");
+    }
+}
+
+#[test]
+fn stops_with_limits_of_jerk_keep_the_margin_from_any_acceleration() {
+    let ball = mrroc_robots::clearance::Obstacle::ball(nalgebra::Vector3::new(0.45, 0.0, 0.45), 0.15);
+    let clearance = Clearance::with_margin(0.02)
+        .robot("arm", seven_axes(Pose::identity()))
+        .expect("an arm")
+        .obstacle("ball", ball)
+        .expect("a ball")
+        .ignore_own("arm");
+    let mut clearance = clearance.build(stopping()).expect("a clearance");
+    let mut planned = 0;
+    for seed in 1..=40 {
+        let mut planner = Planner::new(clearance.clone()).expect("a planner").with_seed(seed);
+        let mut random = Random::seeded(seed);
+        let mut draw = |side: f64| -> Vec<f64> {
+            (0..7).map(|j| if j == 0 { side } else { random.within(1.2) }).collect()
+        };
+        let Ok(plan) = planner.plan(&draw(-0.9), &[draw(0.9)]) else { continue };
+        planned += 1;
+        let closest = plan.closest(&mut clearance, 4e-3).expect("a clearance of its robots");
+        assert_eq!(closest.rows().len(), 3);
+        assert!(closest.distance() >= 0.02, "seed {seed}:\n{closest}");
+    }
+    assert!(planned >= 10, "{planned}");
 }
 
 #[test]
