@@ -452,6 +452,17 @@ impl Checker {
         self.arms.iter().all(|arm| !arm.part.shape.is_coupled() || arm.part.shape.is_possible(&arm.own(q)))
     }
 
+    /// Whether positions, as they are computed with, are within the limits of each joint.
+    pub(crate) fn is_within(&self, q: &[f64]) -> bool {
+        self.arms.iter().all(|arm| {
+            let limits = arm.part.shape.limits();
+            (0..arm.joints).all(|j| {
+                let at = q[arm.first + j] + self.offset[arm.first + j];
+                limits.lower[j] <= at && at <= limits.upper[j]
+            })
+        })
+    }
+
     /// Whether a posture that joints which share limits allow is clear.
     pub(crate) fn is_clear(&mut self, q: &[f64]) -> bool {
         let lanes: Vec<Lanes> = q.iter().map(|q| Lanes::splat(*q as f32)).collect();

@@ -84,6 +84,11 @@ impl Edges {
     }
 }
 
+/// Positions in single precision, in which motions are checked.
+pub(crate) fn single(q: &[f64]) -> Vec<f32> {
+    q.iter().map(|q| *q as f32).collect()
+}
+
 /// Cuts an interval into parts.
 fn cut(open: &mut Vec<(f32, f32)>, (middle, half): (f32, f32), parts: usize) {
     let part = half / parts as f32;

@@ -68,6 +68,19 @@ pub enum PlanError {
         /// What is nearest there.
         nearest: Box<Nearest>,
     },
+    /// A motion through positions is given no list of them.
+    #[error("no list of goals: a motion through positions needs at least one list, that of its end")]
+    NoStage,
+    /// A motion through several lists of positions fails at one of them.
+    #[error("no motion to list {stage} of {stages}: {why}")]
+    Stage {
+        /// The list, counted from 1.
+        stage: usize,
+        /// How many lists there are.
+        stages: usize,
+        /// Why.
+        why: Box<PlanError>,
+    },
     /// Even at a thousandth of the speed the stops are not proven clear at one place.
     #[error(
         "no speed is slow enough for the stops at {at:.0} % of the path: help: a smaller margin, or a shorter reaction time"
@@ -106,6 +119,12 @@ impl From<PlanError> for Fault {
             PlanError::NotFound { nearest, .. } => {
                 Fault::thrown(&format!("no path found: {nearest} where the search came nearest"))
             }
+            PlanError::Stage { stage, why, .. } => match *why {
+                PlanError::NotFound { nearest, .. } => Fault::thrown(&format!(
+                    "no path to list {stage}: {nearest} where the search came nearest"
+                )),
+                why => Fault::thrown(&format!("list {stage}: {why}")),
+            },
             other => Fault::thrown(&other.to_string()),
         }
     }

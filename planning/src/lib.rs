@@ -31,6 +31,7 @@ mod search;
 mod speed;
 mod stop;
 mod timing;
+mod via;
 
 pub use closest::{Closest, ClosestTable, During};
 pub use error::PlanError;

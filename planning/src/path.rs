@@ -42,8 +42,34 @@ pub(crate) struct Path {
     pieces: Vec<Piece>,
 }
 
+/// A point of a path.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Point {
+    /// Where all joints are [rad or m].
+    pub(crate) at: Vec<f64>,
+    /// How its corner is rounded.
+    pub(crate) rounding: Rounding,
+}
+
+/// How a corner is rounded.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Rounding {
+    /// As far as is clear.
+    Free,
+    /// From this distance on [rad or m], at most half of both legs, which is known to be clear.
+    By(f64),
+    /// No more than is needed to pass it at all.
+    Least,
+}
+
 fn distance(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (b - a) * (b - a)).sum::<f64>().sqrt()
+}
+
+/// The direction from one point to another, of length 1, and their distance, which is not 0.
+pub(crate) fn direction(a: &[f64], b: &[f64]) -> (Vec<f64>, f64) {
+    let length = distance(a, b);
+    (b.iter().zip(a).map(|(b, a)| (b - a) / length).collect(), length)
 }
 
 /// `a + b x`.
@@ -53,23 +79,23 @@ fn along(a: &[f64], b: &[f64], x: f64) -> Vec<f64> {
 
 impl Path {
     /// Through points, each apart from the next, whose straight legs are clear; corners are rounded as far as is clear as well.
-    pub(crate) fn rounded(checker: &mut Checker, edges: &mut Edges, points: &[Vec<f64>]) -> Self {
-        let directions: Vec<(Vec<f64>, f64)> = points
-            .windows(2)
-            .map(|pair| {
-                let length = distance(&pair[0], &pair[1]);
-                (pair[1].iter().zip(&pair[0]).map(|(b, a)| (b - a) / length).collect(), length)
-            })
-            .collect();
+    pub(crate) fn rounded(checker: &mut Checker, edges: &mut Edges, points: &[Point]) -> Self {
+        let directions: Vec<(Vec<f64>, f64)> =
+            points.windows(2).map(|pair| direction(&pair[0].at, &pair[1].at)).collect();
         let mut path = Path { knots: vec![0.0], pieces: Vec::new() };
-        let mut start = points[0].clone();
+        let mut start = points[0].at.clone();
         for (i, pair) in directions.windows(2).enumerate() {
             let [(e, before), (f, behind)] = pair else { continue };
-            let corner = &points[i + 1];
-            let mut d = LARGEST.min(0.5 * before).min(0.5 * behind);
+            let Point { at: corner, rounding } = &points[i + 1];
+            let (largest, is_known) = match rounding {
+                Rounding::Free => (LARGEST, false),
+                Rounding::By(d) => (*d, true),
+                Rounding::Least => (LEAST, true),
+            };
+            let mut d = largest.min(0.5 * before).min(0.5 * behind);
             let curve = loop {
                 let curve = curve(corner, e, f, d);
-                if d <= LEAST || is_clear(checker, edges, &curve) {
+                if is_known || d <= LEAST || is_clear(checker, edges, &curve) {
                     break curve;
                 }
                 d *= 0.5;
@@ -79,7 +105,7 @@ impl Path {
             start = along(corner, f, d);
         }
         if let (Some((e, _)), Some(end)) = (directions.last(), points.last()) {
-            path.leg(&start, end, e);
+            path.leg(&start, &end.at, e);
         }
         path
     }
@@ -152,7 +178,7 @@ impl Path {
 }
 
 /// The curve around a corner.
-fn curve(corner: &[f64], e: &[f64], f: &[f64], d: f64) -> Vec<[f64; 6]> {
+pub(crate) fn curve(corner: &[f64], e: &[f64], f: &[f64], d: f64) -> Vec<[f64; 6]> {
     let joint = |((c, e), f): ((&f64, &f64), &f64)| {
         [c - d * e, c - 0.6 * d * e, c - 0.2 * d * e, c + 0.2 * d * f, c + 0.6 * d * f, c + d * f]
     };
@@ -178,7 +204,7 @@ fn bezier(points: &[f64; 6], t: f64) -> [f64; 3] {
 }
 
 /// Whether a curve is clear: its chords are, with all that lies as far off them as the curve may.
-fn is_clear(checker: &mut Checker, edges: &mut Edges, curve: &[[f64; 6]]) -> bool {
+pub(crate) fn is_clear(checker: &mut Checker, edges: &mut Edges, curve: &[[f64; 6]]) -> bool {
     // A curve is off its chord by at most an eighth of the square of the width times its second derivative, which is at most the
     // largest of its control points.
     let bend = |points: &[f64; 6]| {

@@ -8,7 +8,7 @@ use mrroc_robots::clearance::{Clearance, Nearest};
 
 use crate::arm::Arm;
 use crate::check::Checker;
-use crate::edge::Edges;
+use crate::edge::{Edges, single};
 use crate::error::PlanError;
 use crate::limits::Limits;
 use crate::path::Path;
@@ -17,12 +17,10 @@ use crate::search::{Samples, connect, shorten};
 use crate::speed::Speed;
 use crate::stop::ROBOTS;
 use crate::timing::timed;
+use crate::via;
 
 /// Ranges longer than this have no ends that matter to a plan: two turns.
 const ENDLESS: f64 = 2.0 * TAU;
-
-/// Points of a path whose joints are nearer than this are one [rad or m].
-const SAME: f64 = 1e-9;
 
 /// How much more than the margins paths keep \[m\]: what is left for stops, which leave them.
 const MORE: f32 = 5e-4;
@@ -70,7 +68,11 @@ impl Planner {
         self
     }
 
-    /// Gives up after so many checks of eight postures; 400,000 unless said otherwise, which is about a second.
+    /// The effort of a plan, in checks of eight postures; 400,000 unless said otherwise, which is about a second. At most four fifths of
+    /// it are for the search of a first path. The rest is for making it shorter, which ends as soon as that gains nothing.
+    ///
+    /// A motion that is being checked when the effort ends is checked to its end. Rounding corners and proving stops are not counted:
+    /// every plan needs them, and they end.
     #[must_use]
     pub fn with_effort(mut self, checks: u64) -> Self {
         self.effort = checks;
@@ -97,19 +99,46 @@ impl Planner {
     /// # Errors
     /// [`PlanError`].
     pub fn plan(&mut self, start: &[f64], goals: &[Vec<f64>]) -> Result<Plan, PlanError> {
-        let points = self.find(start, goals)?;
-        let ends = [points[0].clone(), points[points.len() - 1].clone()];
-        let offset = self.offset(&ends[0]);
-        let mut inner: Vec<Vec<f64>> =
-            points.iter().map(|q| q.iter().zip(&offset).map(|(q, offset)| q - offset).collect()).collect();
-        inner.dedup_by(|b, a| a.iter().zip(b.iter()).all(|(a, b)| (b - a).abs() < SAME));
-        let (path, speed) = if inner.len() > 1 {
-            let path = Path::rounded(&mut self.checker, &mut self.edges, &inner);
+        self.plan_through(start, &[goals])
+    }
+
+    /// One motion from rest to rest that passes one position of each list of `stages` after the other, and ends at one of the last list.
+    /// Of each list it is the position that is reached first.
+    ///
+    /// The motion does not rest on the way: it passes each position there **exactly**, on a curve. Where the path turns back there
+    /// (by more than 168°), or has no room for a curve, it passes within 1e-4 rad or m of it, at hardly any speed.
+    ///
+    /// # Errors
+    /// [`PlanError`]; [`PlanError::Stage`] tells which of several lists failed.
+    pub fn plan_through<G: AsRef<[Vec<f64>]>>(
+        &mut self,
+        start: &[f64],
+        stages: &[G],
+    ) -> Result<Plan, PlanError> {
+        let stages: Vec<&[Vec<f64>]> = stages.iter().map(AsRef::as_ref).collect();
+        let parts = self.find_through(start, &stages)?;
+        let last = parts.last().and_then(|part| part.last()).map_or(start, Vec::as_slice);
+        let ends = [start.to_vec(), last.to_vec()];
+        let offset = self.offset(start);
+        self.checker.offset.clone_from(&offset);
+        let parts: Vec<Vec<Vec<f64>>> =
+            parts.iter().map(|part| part.iter().map(|q| reduced(q, &offset)).collect()).collect();
+        let mut curved = parts.len() > 1;
+        let more = self.checker.more;
+        let (path, speed) = loop {
+            self.checker.more = more;
+            let points = via::passed(&mut self.checker, &mut self.edges, &parts, curved);
+            if points.len() < 2 {
+                break (Path::point(&reduced(start, &offset)), Speed::still());
+            }
+            let path = Path::rounded(&mut self.checker, &mut self.edges, &points);
             self.checker.more = 0.0;
-            let speed = timed(&mut self.checker, &path, &self.limits, self.reaction)?;
-            (path, speed)
-        } else {
-            (Path::point(&inner[0]), Speed::still())
+            match timed(&mut self.checker, &path, &self.limits, self.reaction) {
+                Ok(speed) => break (path, speed),
+                // A sharp turn may leave no speed in the middle of a wide curve, or no room for its stops.
+                Err(PlanError::Timing(_) | PlanError::StopsNotClear { .. }) if curved => curved = false,
+                Err(error) => return Err(error),
+            }
         };
         let robots = self.checker.arms.iter().map(Arm::name).collect();
         let motion =
@@ -117,15 +146,52 @@ impl Planner {
         Ok(Plan { robots, motion: Arc::new(motion) })
     }
 
-    /// Points of a path whose straight legs are clear, without corners rounded and without times: [`find_first`](Self::find_first), then
-    /// [`shorten`](Self::shorten).
+    /// For each of `stages` the points of a path to one of its positions from where the stage before ends, shortened. What is kept
+    /// more than the margins is from then on what all of them keep.
+    fn find_through(
+        &mut self,
+        start: &[f64],
+        stages: &[&[Vec<f64>]],
+    ) -> Result<Vec<Vec<Vec<f64>>>, PlanError> {
+        if stages.is_empty() {
+            return Err(PlanError::NoStage);
+        }
+        let of_stage = |stage: usize, error: PlanError| match stages.len() {
+            1 => error,
+            stages => PlanError::Stage { stage: stage + 1, stages, why: Box::new(error) },
+        };
+        let end = self.checker.batches + self.effort;
+        self.start_is_clear(start)?;
+        // A goal that cannot be reached is told before any search.
+        let goals = stages.iter().enumerate();
+        let goals = goals.map(|(i, goals)| self.clear_goals(goals).map_err(|error| of_stage(i, error)));
+        let goals = goals.collect::<Result<Vec<_>, _>>()?;
+        let mut parts: Vec<Vec<Vec<f64>>> = Vec::new();
+        let mut more = MORE;
+        for (i, goals) in goals.iter().enumerate() {
+            let from = parts.last().and_then(|part| part.last()).map_or(start, Vec::as_slice).to_vec();
+            // What the stages before have left is shared evenly.
+            let left = (stages.len() - i) as u64;
+            let effort = end.saturating_sub(self.checker.batches) * 4 / (5 * left);
+            parts.push(self.search(&from, goals, effort).map_err(|error| of_stage(i, error))?);
+            more = more.min(self.checker.more);
+        }
+        self.checker.more = more;
+        for (i, part) in parts.iter_mut().enumerate() {
+            let effort = end.saturating_sub(self.checker.batches) / (stages.len() - i) as u64;
+            self.shorten_by(part, effort);
+        }
+        Ok(parts)
+    }
+
+    /// Points of a path whose straight legs are clear, without corners rounded and without times: [`find_first`](Self::find_first) by at
+    /// most four fifths of the effort, then [`shorten`](Self::shorten) by what is left.
     ///
     /// # Errors
     /// [`PlanError`].
     pub fn find(&mut self, start: &[f64], goals: &[Vec<f64>]) -> Result<Vec<Vec<f64>>, PlanError> {
-        let mut points = self.find_first(start, goals)?;
-        self.shorten(&mut points);
-        Ok(points)
+        let parts = self.find_through(start, &[goals])?;
+        Ok(parts.into_iter().flatten().collect())
     }
 
     /// The first path that is found, usually a long one: points whose straight legs are clear, from `start` to one of `goals`.
@@ -133,26 +199,43 @@ impl Planner {
     /// # Errors
     /// [`PlanError`].
     pub fn find_first(&mut self, start: &[f64], goals: &[Vec<f64>]) -> Result<Vec<Vec<f64>>, PlanError> {
+        self.start_is_clear(start)?;
+        let clear = self.clear_goals(goals)?;
+        self.search(start, &clear, self.effort)
+    }
+
+    fn start_is_clear(&mut self, start: &[f64]) -> Result<(), PlanError> {
         self.within_limits("start", start)?;
         self.checker.more = 0.0;
-        if !self.checker.is_clear(start) {
-            return Err(PlanError::StartNotClear(Box::new(self.nearest(start)?)));
+        if self.checker.is_clear(start) {
+            Ok(())
+        } else {
+            Err(PlanError::StartNotClear(Box::new(self.nearest(start)?)))
         }
+    }
+
+    /// Those goals that are clear, at least one.
+    fn clear_goals<'a>(&mut self, goals: &'a [Vec<f64>]) -> Result<Vec<&'a [f64]>, PlanError> {
+        self.checker.more = 0.0;
         let mut clear = Vec::new();
         let mut refused = None;
         for goal in goals {
             self.within_limits("goal", goal)?;
             if self.checker.is_clear(goal) {
-                clear.push(goal);
+                clear.push(goal.as_slice());
             } else if refused.is_none() {
                 refused = Some(self.nearest(goal)?);
             }
         }
         if clear.is_empty() {
-            return Err(
-                refused.map_or(PlanError::NoGoal, |nearest| PlanError::GoalNotClear(Box::new(nearest)))
-            );
+            Err(refused.map_or(PlanError::NoGoal, |nearest| PlanError::GoalNotClear(Box::new(nearest))))
+        } else {
+            Ok(clear)
         }
+    }
+
+    /// The first path from a clear start to one of the clear goals, at least one, by so many checks.
+    fn search(&mut self, start: &[f64], clear: &[&[f64]], effort: u64) -> Result<Vec<Vec<f64>>, PlanError> {
         // Where the start itself is no farther than its margin from something, the path is not either.
         self.checker.more = MORE;
         if !self.checker.is_clear(start) || !clear.iter().any(|goal| self.checker.is_clear(goal)) {
@@ -165,12 +248,12 @@ impl Planner {
         let [lower, upper] = self.ranges(&from, &to);
         let mut samples = Samples::new(self.seed, &lower, &upper);
         let before = self.checker.batches;
-        match connect(&mut self.checker, &mut self.edges, &mut samples, &from, &to, self.effort) {
+        match connect(&mut self.checker, &mut self.edges, &mut samples, &from, &to, effort) {
             Ok(path) => {
                 let goal =
                     to.iter().position(|goal| path.last() == Some(goal)).map_or(clear[0], |i| clear[i]);
                 let middle = path[1..path.len() - 1].iter().map(|q| outer(q, &offset));
-                Ok(core::iter::once(start.to_vec()).chain(middle).chain([goal.clone()]).collect())
+                Ok(core::iter::once(start.to_vec()).chain(middle).chain([goal.to_vec()]).collect())
             }
             Err((nearest, apart)) => {
                 let nearest = Box::new(self.nearest(&outer(&nearest, &offset))?);
@@ -181,11 +264,15 @@ impl Planner {
 
     /// Makes a path shorter, as far as a quarter of the effort allows; its ends stay.
     pub fn shorten(&mut self, points: &mut Vec<Vec<f64>>) {
+        self.shorten_by(points, self.effort / 4);
+    }
+
+    fn shorten_by(&mut self, points: &mut Vec<Vec<f64>>, effort: u64) {
         let [Some(start), Some(goal)] = [points.first().cloned(), points.last().cloned()] else { return };
         let offset = self.offset(&start);
         self.checker.offset.clone_from(&offset);
         let mut path: Vec<Vec<f32>> = points.iter().map(|q| inner(q, &offset)).collect();
-        shorten(&mut self.checker, &mut self.edges, self.seed, &mut path, self.effort / 4);
+        shorten(&mut self.checker, &mut self.edges, self.seed, &mut path, effort);
         *points = path.iter().map(|q| outer(q, &offset)).collect();
         let last = points.len() - 1;
         points[0] = start;
@@ -246,9 +333,14 @@ impl Planner {
     }
 }
 
+/// Positions without whole turns.
+fn reduced(q: &[f64], offset: &[f64]) -> Vec<f64> {
+    q.iter().zip(offset).map(|(q, offset)| q - offset).collect()
+}
+
 /// Positions as they are computed with.
 fn inner(q: &[f64], offset: &[f64]) -> Vec<f32> {
-    q.iter().zip(offset).map(|(q, offset)| (q - offset) as f32).collect()
+    single(&reduced(q, offset))
 }
 
 fn outer(q: &[f32], offset: &[f64]) -> Vec<f64> {

@@ -5,3 +5,4 @@ mod check;
 mod examples;
 mod plans;
 mod stops;
+mod via;
