@@ -106,7 +106,7 @@ struct State {
 impl Plan {
     /// The smallest clearance of the motion and of each kind of its stops, looked at every `step` \[s\], > 0: at the instants of the
     /// motion, and at eight instants of each stop after a fault at each of them. Where several robots need not stop together, all choices
-    /// of those that stop later are looked at: such a plan of four robots takes some 40 times as long as one of one robot.
+    /// of those that stop later are looked at: that is 17 postures per instant for one robot, and 241 for four.
     ///
     /// # Errors
     /// [`PlanError::Check`]: the clearance is of other robots.
