@@ -22,9 +22,15 @@ const DOT: f64 = 0.8;
 
 /// The outermost points of a solid \[m\], by which a picture is made large enough: those that are numbers.
 pub(crate) fn points(obstacle: &ObstacleLayout) -> Vec<Vector3<f64>> {
-    let at = |p: Vector3<f64>| (obstacle.pose * Point3::from(p)).coords;
+    let mut found = outermost(&obstacle.pose, &obstacle.solid);
+    found.retain(|point| point.iter().all(|x| x.is_finite()));
+    found
+}
+
+fn outermost(pose: &Pose, solid: &Solid) -> Vec<Vector3<f64>> {
+    let at = |p: Vector3<f64>| (pose * Point3::from(p)).coords;
     let around = |[x, y, z]: [f64; 3]| corners([x, y, z]).map(at).to_vec();
-    let found = match &obstacle.solid {
+    match solid {
         Solid::Box { edges } => around(*edges),
         Solid::Cylinder { radius, length } => around([2.0 * radius, 2.0 * radius, *length]),
         Solid::Capsule { radius, length } => {
@@ -34,8 +40,10 @@ pub(crate) fn points(obstacle: &ObstacleLayout) -> Vec<Vector3<f64>> {
         Solid::Ball { radius } => around([2.0 * radius; 3]),
         Solid::HalfSpace => Vec::new(),
         Solid::Points { points, .. } => points.iter().map(|point| at(*point)).collect(),
-    };
-    found.into_iter().filter(|point| point.iter().all(|x| x.is_finite())).collect()
+        Solid::Several(parts) => {
+            parts.iter().flat_map(|(place, part)| outermost(&(pose * place), part)).collect()
+        }
+    }
 }
 
 /// The corners of a box about the origin, by the bits of their places along x, y, z.
@@ -88,6 +96,9 @@ fn solid(svg: &mut Svg, on: &Projection, pose: &Pose, solid: &Solid) {
                 let some = points.iter().step_by(points.len().div_ceil(DOTS).max(1));
                 some.for_each(|point| svg.circle(at(*point), dot, Look::new()));
             });
+        }
+        Solid::Several(parts) => {
+            parts.iter().for_each(|(place, part)| self::solid(svg, on, &(pose * place), part))
         }
     }
 }
@@ -143,7 +154,10 @@ mod tests {
     fn the_outermost_points_of_a_capsule_hold_its_balls() {
         let pose = Pose::translation(0.0, 0.0, 2.0);
         let capsule = Solid::Capsule { radius: 0.1, length: 0.5 };
-        let found = points(&ObstacleLayout { name: "rail".to_owned(), pose, solid: capsule });
+        let found = points(&ObstacleLayout { name: "rail".to_owned(), pose, solid: capsule.clone() });
+        let parts = Solid::Several([(Pose::translation(0.0, 0.0, 1.0), capsule)].into());
+        let lower = Pose::translation(0.0, 0.0, 1.0);
+        assert_eq!(points(&ObstacleLayout { name: "rail".to_owned(), pose: lower, solid: parts }), found);
         let top = found.iter().map(|point| point.z).fold(f64::NEG_INFINITY, f64::max);
         assert!((top - (2.0 + 0.25 + 0.1)).abs() < 1e-12);
         let nowhere = ObstacleLayout {

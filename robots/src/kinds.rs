@@ -14,6 +14,7 @@ use mrroc_launch::cell_file::{AnySetup, EntryKey, Kinds, RobotEntry};
 use mrroc_launch::files;
 use nalgebra::SVector;
 
+use crate::clearance::drawn_mesh;
 use crate::models::{
     ArmCalibration, Conveyor, Driven, Gripper, IoBlock, Irp6, Irp6FiveDof, Irp6Track, Kinematics,
     NoCalibration, NoJoints, One, Polycrank, Rnt, Serial, TwoFingers, UrdfError, UrdfText,
@@ -54,6 +55,7 @@ const BLOCK: Duration = Duration::from_millis(2);
 pub fn simulated() -> Kinds {
     const ARM: [f64; 6] = Irp6::READY.data.0[0];
     Kinds::new()
+        .meshes(drawn_mesh)
         .with("irp6", |entry| set_up(entry, irp6(entry)?, ARM))
         .with("irp6-calibrated", |entry| set_up(entry, Irp6::calibrated().with_base(entry.base()), ARM))
         .with("irp6-5dof", |entry| {
@@ -119,6 +121,7 @@ pub fn simulated_in_with(
     let names = Rc::<RefCell<Vec<String>>>::default();
     let of_hands = Rc::clone(&names);
     Kinds::new()
+        .meshes(drawn_mesh)
         .with("irp6", move |entry| {
             let robot = irp6(entry)?;
             let drives = Simulated::new(robot.clone(), &entry.start(&robot)?);

@@ -8,14 +8,15 @@ use nalgebra::{Point3, Vector3};
 
 use super::builder::ClearanceBuilder;
 use super::error::ClearanceError;
-use super::obstacle::{Cloud, HeightField, Obstacle, ObstacleError};
+use super::from_mesh::covered;
+use super::obstacle::{Bodies, Cloud, HeightField, Obstacle, ObstacleError};
 use crate::models::Capsule;
 
 impl ClearanceBuilder {
     /// Adds all obstacles of a cell file, each under its name there.
     ///
     /// # Errors
-    /// [`ClearanceError::File`]: a file with points or heights cannot be read or makes no obstacle. Others as of
+    /// [`ClearanceError::File`]: a file with points, heights or a mesh cannot be read or makes no obstacle. Others as of
     /// [`obstacle`](Self::obstacle).
     pub fn obstacles(self, file: &CellFile) -> Result<Self, ClearanceError> {
         file.obstacles()
@@ -25,7 +26,7 @@ impl ClearanceBuilder {
 }
 
 impl Obstacle {
-    /// The obstacle that a cell file describes, in the world. It reads the file with its points or heights, if it has one.
+    /// The obstacle that a cell file describes, in the world. It reads the file with its points, heights or mesh, if it has one.
     ///
     /// # Errors
     /// That file cannot be read, or what it has makes no obstacle.
@@ -62,6 +63,11 @@ impl Obstacle {
                 let (columns, heights) =
                     entry.heights()?.map_or((0, Vec::new()), |found| (found.columns, found.heights));
                 Obstacle::HeightField(HeightField::new(X_WO, *cell, columns, heights).map_err(refuse)?.into())
+            }
+            ObstacleShape::Mesh { file, excess, scale } => {
+                let capsules: Vec<_> =
+                    covered(entry, file, *excess, *scale)?.iter().map(|one| one.moved(&X_WO)).collect();
+                Obstacle::Bodies(Bodies::new(&capsules).map_err(refuse)?.into())
             }
         })
     }

@@ -49,6 +49,7 @@ fn draw(entity: &mut Entity, X_WO: &Pose, solid: &Solid) {
                 entity.ball(&(X_WO * Pose::translation(point.x, point.y, point.z)), *radius);
             }
         }
+        Solid::Several(parts) => parts.iter().for_each(|(X_OP, part)| draw(entity, &(X_WO * X_OP), part)),
     }
 }
 
@@ -94,5 +95,9 @@ mod tests {
         let points = [Vector3::new(0.0, 0.0, 0.5), Vector3::new(0.0, 0.5, 0.0)];
         let cloud = drawn(Solid::Points { points: points.into(), radius: 0.01 });
         assert_eq!(places(&cloud["spheres"]), [[1.5, 2.0, 3.0], [1.0, 2.5, 3.0]]);
+
+        // The same two places, as parts.
+        let parts = points.map(|p| (Pose::translation(p.x, p.y, p.z), Solid::Ball { radius: 0.01 }));
+        assert_eq!(drawn(Solid::Several(parts.into())), cloud);
     }
 }

@@ -57,6 +57,8 @@ pub enum Solid {
         /// Radius of each ball \[m\].
         radius: f64,
     },
+    /// Several solids, each with its frame in this one \[m\]: the capsules that cover a mesh.
+    Several(Arc<[(Pose, Solid)]>),
 }
 
 impl fmt::Display for Solid {
@@ -70,6 +72,7 @@ impl fmt::Display for Solid {
             Solid::Points { points, radius } => {
                 write!(f, "points, {} are drawn, radius {radius} m", points.len())
             }
+            Solid::Several(parts) => write!(f, "{} parts", parts.len()),
         }
     }
 }

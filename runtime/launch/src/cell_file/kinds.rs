@@ -5,11 +5,13 @@ use core::time::Duration;
 use std::rc::Rc;
 
 use mrroc_core::cell::{AnyRobot, CellError, RobotSetup};
+use mrroc_core::observe::solid::Solid;
 #[cfg(doc)]
 use mrroc_core::robot::Driver;
 use mrroc_core::robot::{IdealDrives, Robot, Simulator};
 
 use super::entry::RobotEntry;
+use super::obstacle::ObstacleEntry;
 use super::plant::PlantEntry;
 
 type Make = Rc<dyn Fn(&RobotEntry, Option<&MakeSimulator>) -> Result<Box<dyn AnyRobot>, CellError>>;
@@ -17,11 +19,15 @@ type Make = Rc<dyn Fn(&RobotEntry, Option<&MakeSimulator>) -> Result<Box<dyn Any
 /// Makes the way to the simulator of others in which a robot moves.
 type MakeSimulator = Box<dyn Fn(&PlantEntry) -> Box<dyn Simulator>>;
 
+/// Makes what is drawn of an obstacle that is a mesh.
+type DrawMesh = Box<dyn Fn(&ObstacleEntry) -> Result<Solid, CellError>>;
+
 /// The kinds of robots that a program knows, each with the function that makes a set-up: the model and the drives.
 #[derive(Default)]
 pub struct Kinds {
     makes: Vec<(String, Make)>,
     simulator: Option<MakeSimulator>,
+    mesh: Option<DrawMesh>,
 }
 
 impl Kinds {
@@ -70,6 +76,25 @@ impl Kinds {
     pub fn plants(mut self, simulator: impl Fn(&PlantEntry) -> Box<dyn Simulator> + 'static) -> Kinds {
         self.simulator = Some(Box::new(simulator));
         self
+    }
+
+    /// Lets obstacles be meshes: `draw` reads the file of one, and makes what is drawn of it in the frame of the obstacle. The
+    /// kinds of `mrroc_robots::simulated` do so already.
+    #[must_use]
+    pub fn meshes(mut self, draw: impl Fn(&ObstacleEntry) -> Result<Solid, CellError> + 'static) -> Kinds {
+        self.mesh = Some(Box::new(draw));
+        self
+    }
+
+    /// What is drawn of an obstacle that is a mesh.
+    pub(super) fn mesh(&self, entry: &ObstacleEntry) -> Result<Solid, CellError> {
+        match &self.mesh {
+            Some(draw) => draw(entry),
+            None => Err(entry.refuse(
+                "the kinds of robots of this program read no meshes",
+                "begin with the kinds of `mrroc_robots::simulated()`, or add `.meshes(mrroc_robots::clearance::drawn_mesh)`",
+            )),
+        }
     }
 
     pub(super) fn set_up(&self, entry: &RobotEntry) -> Result<Box<dyn AnyRobot>, CellError> {

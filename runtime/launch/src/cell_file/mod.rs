@@ -30,7 +30,7 @@
 //! xyz = [0.4, 0.0, 0.1]
 //!
 //! [obstacles.bench]  # what stands in the cell, for clearances, pictures and recordings
-//! box = { size = [1.2, 0.8, 0.05] }   # or cylinder, sphere, capsule, half_space, cloud, height_field [m]
+//! box = { size = [1.2, 0.8, 0.05] }   # or cylinder, sphere, capsule, half_space, cloud, height_field, mesh [m]
 //! at = { xyz = [0.0, 0.0, -0.025] }   # its frame; that of the world, or of `frame`, unless it is said
 //! frame = "table"    # the frame in which `at` is; the world unless it is said
 //!
@@ -274,7 +274,7 @@ impl CellFile {
         cell = self.tools.iter().fold(cell, |cell, (name, tool)| cell.tool(name, *tool));
         let mut errors = Vec::new();
         for obstacle in &self.obstacles {
-            match obstacle.solid() {
+            match obstacle.solid(|entry| kinds.mesh(entry)) {
                 Ok(solid) => cell = cell.shows_obstacle(obstacle.name(), obstacle.place_of_solid(), solid),
                 Err(error) => errors.push(error),
             }

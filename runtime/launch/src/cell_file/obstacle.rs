@@ -76,6 +76,20 @@ pub enum ObstacleShape {
         /// The edge of a column \[m\].
         cell: f64,
     },
+    /// `mesh`: the capsules that cover a closed mesh of triangles.
+    Mesh {
+        /// The file as it stands there.
+        file: String,
+        /// How far the capsules may stand out of the mesh \[m\].
+        excess: f64,
+        /// Metres in a unit of the file \[1\].
+        scale: f64,
+    },
+}
+
+impl ObstacleShape {
+    /// How far the capsules of a mesh may stand out, if the file does not say it \[m\].
+    pub const EXCESS: f64 = 5e-3;
 }
 
 impl ObstacleEntry {
@@ -101,7 +115,8 @@ impl ObstacleEntry {
             | ObstacleShape::Sphere { .. }
             | ObstacleShape::Capsule { .. }
             | ObstacleShape::Cloud { .. }
-            | ObstacleShape::HeightField { .. } => self.place,
+            | ObstacleShape::HeightField { .. }
+            | ObstacleShape::Mesh { .. } => self.place,
         }
     }
 
@@ -123,7 +138,8 @@ impl ObstacleEntry {
             | ObstacleShape::Sphere { .. }
             | ObstacleShape::Capsule { .. }
             | ObstacleShape::HalfSpace { .. }
-            | ObstacleShape::HeightField { .. } => Ok(Vec::new()),
+            | ObstacleShape::HeightField { .. }
+            | ObstacleShape::Mesh { .. } => Ok(Vec::new()),
         }
     }
 
@@ -139,7 +155,8 @@ impl ObstacleEntry {
             | ObstacleShape::Sphere { .. }
             | ObstacleShape::Capsule { .. }
             | ObstacleShape::HalfSpace { .. }
-            | ObstacleShape::Cloud { .. } => Ok(None),
+            | ObstacleShape::Cloud { .. }
+            | ObstacleShape::Mesh { .. } => Ok(None),
         }
     }
 
@@ -150,13 +167,19 @@ impl ObstacleEntry {
         self.source.complain(&self.shape.span, what, help.to_owned()).into()
     }
 
+    /// The path of a file that the shape names: it is told from the folder of the cell file.
+    #[must_use]
+    pub fn beside(&self, file: &str) -> PathBuf {
+        Path::new(&self.source.file).parent().unwrap_or(Path::new("")).join(file)
+    }
+
     /// Reads a file beside the cell file.
     fn read<T>(
         &self,
         file: &str,
         parse: impl FnOnce(&Path, &str) -> Result<T, String>,
     ) -> Result<T, CellError> {
-        let path: PathBuf = Path::new(&self.source.file).parent().unwrap_or(Path::new("")).join(file);
+        let path = self.beside(file);
         let text = files::open(&path).and_then(std::io::read_to_string);
         let text = text.map_err(|error| {
             let what = format!("{} cannot be read: {error}", path.display());
@@ -167,11 +190,11 @@ impl ObstacleEntry {
         })
     }
 
-    /// What is drawn of it: at most 2000 points of a file.
+    /// What is drawn of it: at most 2000 points of a file, and of a mesh what `mesh` makes of it.
     ///
     /// # Errors
-    /// As of [`points`](Self::points) and [`heights`](Self::heights).
-    pub fn solid(&self) -> Result<Solid, CellError> {
+    /// As of [`points`](Self::points) and [`heights`](Self::heights), and those of `mesh`.
+    pub fn solid(&self, mesh: impl FnOnce(&Self) -> Result<Solid, CellError>) -> Result<Solid, CellError> {
         Ok(match &self.shape.value {
             ObstacleShape::Box { size } => Solid::Box { edges: *size },
             ObstacleShape::Cylinder { radius, length } => {
@@ -195,6 +218,7 @@ impl ObstacleEntry {
                 });
                 Solid::Points { points: some_of(tops).into(), radius: 0.5 * cell }
             }
+            ObstacleShape::Mesh { .. } => mesh(self)?,
         })
     }
 }
@@ -221,6 +245,10 @@ mod tests {
         CellFile::parse("cell.toml", &format!("{ARM}{text}")).expect_err("something is wrong").to_string()
     }
 
+    fn solid(entry: &ObstacleEntry) -> Result<Solid, CellError> {
+        entry.solid(|_| panic!("it is no mesh"))
+    }
+
     #[test]
     fn an_obstacle_stands_in_the_frame_that_it_names() {
         let file = parsed(
@@ -236,7 +264,7 @@ mod tests {
         assert!((place.translation.vector - Vector3::new(0.0, 3.0, 0.5)).norm() < 1e-12, "{place}");
         assert!((place.rotation.angle() - FRAC_PI_2).abs() < 1e-12);
         assert_eq!(ball.place(), Pose::identity());
-        assert_eq!(ball.solid(), Ok(Solid::Ball { radius: 0.1 }));
+        assert_eq!(solid(ball), Ok(Solid::Ball { radius: 0.1 }));
     }
 
     #[test]
@@ -268,6 +296,48 @@ mod tests {
     }
 
     #[test]
+    fn a_mesh_is_named_by_its_file_and_has_an_excess_and_a_unit() {
+        let file = parsed(
+            "[obstacles.jig]\nmesh = { file = \"jig.stl\" }\n\
+             [obstacles.cast]\nmesh = { file = \"parts/cast.obj\", excess = 0.01, scale = 1e-3 }\n",
+        );
+        let [jig, cast] = file.obstacles() else { panic!("two obstacles") };
+        let of = |file: &str, excess, scale| ObstacleShape::Mesh { file: file.to_owned(), excess, scale };
+        assert_eq!(jig.shape(), &of("jig.stl", 5e-3, 1.0));
+        assert_eq!(cast.shape(), &of("parts/cast.obj", 0.01, 1e-3));
+        let told = refused(
+            "[obstacles.none]\nmesh = { scale = 0 }\n[obstacles.far]\nmesh = { file = \"a.stl\", excess = -1 }\n",
+        );
+        for expected in [
+            "cell.toml:5:8: a shape without `file`",
+            "cell.toml:5:18: 0 is no scale",
+            "write a scale above 0, such as 0.001 for a file in millimetres",
+            "cell.toml:7:35: -1 m",
+        ] {
+            assert!(told.contains(expected), "no `{expected}` in:\n{told}");
+        }
+    }
+
+    #[test]
+    fn a_mesh_is_drawn_by_the_kinds_of_robots_that_can_read_it_and_refused_by_others() {
+        use super::super::Kinds;
+        let file = CellFile::parse(
+            "cells/cell.toml",
+            "step_ms = 2\n[robots.arm]\nkind = \"arm\"\n[obstacles.jig]\nmesh = { file = \"jig.stl\" }\n",
+        )
+        .expect("nothing is wrong");
+        // Each cell is refused, because there is no kind of robots either.
+        let told_by = |kinds: &Kinds| file.cell(kinds).err().map_or(String::new(), |error| error.to_string());
+        let told = told_by(&Kinds::new());
+        assert!(told.contains("cells/cell.toml:5:8: obstacle `jig`: the kinds of robots"), "{told}");
+        let kinds = Kinds::new().meshes(|entry| {
+            assert_eq!(entry.beside("jig.stl"), Path::new("cells/jig.stl"));
+            Ok(Solid::Ball { radius: 0.25 })
+        });
+        assert!(!told_by(&kinds).contains("jig"));
+    }
+
+    #[test]
     fn the_points_and_heights_of_files_are_read_beside_the_cell_file() {
         let folder = std::env::temp_dir().join(format!("mrroc-obstacles-{}", std::process::id()));
         std::fs::create_dir_all(&folder).expect("a folder");
@@ -289,11 +359,11 @@ mod tests {
         let [scan, ground, bad, none] = file.obstacles() else { panic!("four obstacles") };
         assert_eq!(scan.points().expect("points").len(), 5000);
         // Every third is drawn: 2000 are the most.
-        let Ok(Solid::Points { points, radius }) = scan.solid() else { panic!("points") };
+        let Ok(Solid::Points { points, radius }) = solid(scan) else { panic!("points") };
         assert_eq!((points.len(), radius, points[1]), (1667, 0.01, Vector3::new(3.0, 0.0, 0.0)));
         let heights = ground.heights().expect("heights").expect("a height field");
         assert_eq!(heights, Heights { columns: 2, heights: vec![0.0, 1.0, 2.0, 3.0] });
-        let Ok(Solid::Points { points, radius }) = ground.solid() else { panic!("points") };
+        let Ok(Solid::Points { points, radius }) = solid(ground) else { panic!("points") };
         assert_eq!(
             (points[1], points[2], radius),
             (Vector3::new(0.75, 0.25, 1.0), Vector3::new(0.25, 0.75, 2.0), 0.25)

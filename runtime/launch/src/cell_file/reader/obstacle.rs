@@ -11,12 +11,12 @@ use super::super::obstacle::{ObstacleEntry, ObstacleShape};
 use super::pose::IN_CELL;
 use super::{Entry, Reader, Value};
 
-pub(in super::super) const OBSTACLE_KEYS: [&str; 9] =
-    ["box", "cylinder", "sphere", "capsule", "half_space", "cloud", "height_field", "at", "frame"];
+pub(in super::super) const OBSTACLE_KEYS: [&str; 10] =
+    ["box", "cylinder", "sphere", "capsule", "half_space", "cloud", "height_field", "mesh", "at", "frame"];
 /// Reads a shape.
 type ReadShape = fn(&mut Reader, &Value<'_>) -> Option<ObstacleShape>;
 /// Of these keys those that say the shape, and what reads it.
-const SHAPES: [(&str, ReadShape); 7] = [
+const SHAPES: [(&str, ReadShape); 8] = [
     ("box", Reader::box_of),
     ("cylinder", Reader::cylinder),
     ("sphere", Reader::sphere),
@@ -24,10 +24,12 @@ const SHAPES: [(&str, ReadShape); 7] = [
     ("half_space", Reader::half_space),
     ("cloud", Reader::cloud),
     ("height_field", Reader::height_field),
+    ("mesh", Reader::mesh),
 ];
 /// The keys of all shapes.
 #[cfg(test)]
-pub(in super::super) const SHAPE_KEYS: [&str; 6] = ["size", "radius", "length", "height", "file", "cell"];
+pub(in super::super) const SHAPE_KEYS: [&str; 8] =
+    ["size", "radius", "length", "height", "file", "cell", "excess", "scale"];
 
 /// How a shape is written.
 const BOX: &str = "box = { size = [1.2, 0.8, 0.05] } [m]";
@@ -143,6 +145,29 @@ impl Reader {
         Some(ObstacleShape::HeightField { file: file?, cell: cell? })
     }
 
+    fn mesh(&mut self, value: &Value<'_>) -> Option<ObstacleShape> {
+        const FORM: &str = "mesh = { file = \"fixture.stl\", excess = 0.005 } [m]";
+        let table = self.shape_table(value, FORM, &["file", "excess", "scale"])?;
+        let file = self.shape_file(table, value, FORM);
+        let excess = match table.get("excess") {
+            None => Some(ObstacleShape::EXCESS),
+            Some(_) => self.length(table, value, "excess", FORM),
+        };
+        let scale = table.get("scale").map_or(Some(1.0), |scale| self.scale(scale));
+        Some(ObstacleShape::Mesh { file: file?, excess: excess?, scale: scale? })
+    }
+
+    /// How many metres a unit of a file is.
+    fn scale(&mut self, value: &Value<'_>) -> Option<f64> {
+        const EXPECTED: &str = "a scale above 0, such as 0.001 for a file in millimetres";
+        let scale = self.number(value, EXPECTED)?;
+        if scale.value > 0.0 {
+            return Some(scale.value);
+        }
+        self.complain(&scale.span, format!("{} is no scale", scale.value), format!("write {EXPECTED}"));
+        None
+    }
+
     fn shape_table<'t>(
         &mut self,
         value: &'t Value<'_>,
@@ -174,7 +199,8 @@ impl Reader {
 
     /// A length that a shape must have.
     fn length(&mut self, table: &DeTable<'_>, shape: &Value<'_>, key: &str, form: &str) -> Option<f64> {
-        let expected = format!("a {key} above 0 [m]");
+        let article = if key == "excess" { "an" } else { "a" };
+        let expected = format!("{article} {key} above 0 [m]");
         let value = self.required(table, shape, key, form)?;
         let length = self.number(value, &expected)?;
         self.ask_about_place([length.value; 3], IN_CELL, &length.span);
