@@ -18,6 +18,7 @@ mod braking;
 mod check;
 mod closest;
 mod edge;
+mod encoding;
 mod error;
 mod follow;
 mod goals;

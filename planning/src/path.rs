@@ -27,7 +27,7 @@ pub(crate) struct At {
 
 /// A piece of a path, from its parameter to that of the next.
 #[derive(Clone, Debug, PartialEq)]
-enum Piece {
+pub(crate) enum Piece {
     /// From a point along a direction of length 1.
     Leg { from: Vec<f64>, along: Vec<f64> },
     /// Joint by joint the six numbers of a curve of degree 5.
@@ -38,8 +38,8 @@ enum Piece {
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Path {
     /// Where each piece begins, and the end.
-    knots: Vec<f64>,
-    pieces: Vec<Piece>,
+    pub(crate) knots: Vec<f64>,
+    pub(crate) pieces: Vec<Piece>,
 }
 
 /// A point of a path.

@@ -8,20 +8,20 @@ use mrroc_generators::profile::ProfilePoint;
 use mrroc_generators::timing::TimeOptimal;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Knot {
-    time: f64,
-    at: ProfilePoint,
+pub(crate) struct Knot {
+    pub(crate) time: f64,
+    pub(crate) at: ProfilePoint,
     /// The integral of `s` from the start.
-    sum: f64,
+    pub(crate) sum: f64,
 }
 
 /// The parameter of a path over time.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Speed {
-    knots: Vec<Knot>,
-    window: f64,
+    pub(crate) knots: Vec<Knot>,
+    pub(crate) window: f64,
     /// How many times slower it is passed.
-    stretch: f64,
+    pub(crate) stretch: f64,
 }
 
 impl Speed {

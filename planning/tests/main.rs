@@ -4,5 +4,6 @@ mod cells;
 mod check;
 mod examples;
 mod plans;
+mod recorded;
 mod stops;
 mod via;

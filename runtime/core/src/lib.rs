@@ -169,6 +169,7 @@ pub mod replay {
 pub mod program {
     pub use crate::control::ecp::Ecp;
     pub use crate::control::mp::Mp;
+    pub use crate::control::recorded::Recorded;
 }
 
 pub use nalgebra;

@@ -17,7 +17,7 @@
 //! | `/sensors/NAME` | each reading that a process collected, its fields by their names | `mrroc.Reading.NAME` |
 //! | `/bodies/NAME` | poses of bodies that the cell shows | `mrroc.Body` |
 //! | `/commands` | what consoles asked of a cell of processes: who, when it was heard and when it was answered, the answer | `mrroc.Command` |
-//! | `/events` | faults, aborts, what came too late for its step, the end | `mrroc.Event` |
+//! | `/events` | faults, aborts, what came too late for its step, values that programs recorded, the end | `mrroc.Event` |
 //! | `/obstacles` | what stands in the cell, once | `foxglove.SceneUpdate` |
 //! | `/tf`, `/scene` | frames of links and tools, shapes of links, bodies (`scene`) | `foxglove.FrameTransforms`, `foxglove.SceneUpdate` |
 //!

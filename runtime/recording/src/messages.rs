@@ -21,7 +21,10 @@ use mrroc_core::operator::jog::JogNow;
 use mrroc_core::payload::Shape;
 use mrroc_core::replay::readings::RecordedReading;
 use mrroc_core::replay::script::{ScriptedJog, ScriptedStep};
-use mrroc_core::replay::{LateRequest, RecordedImage, RecordedReadings, RecordedRobot, RecordedRun, Script};
+use mrroc_core::replay::{
+    LateRequest, RecordedImage, RecordedReadings, RecordedRobot, RecordedRun, RecordedValue, RecordedValues,
+    Script,
+};
 use mrroc_core::robot::{Channel, MAX_JOINTS, Measured, Signals, Value as Signal};
 
 /// The messages read so far.
@@ -32,6 +35,8 @@ pub(super) struct Messages {
     sensors: Vec<(Name, &'static Shape)>,
     readings: Vec<RecordedReadings>,
     steps: Vec<ScriptedStep>,
+    /// What programs recorded, by their processes, and how many parts of the last value of each are not read yet.
+    values: Vec<(ProcessId, RecordedValues, u32)>,
     jogs: Vec<ScriptedJog>,
     late: BTreeSet<u64>,
     aborts: BTreeSet<u64>,
@@ -86,6 +91,7 @@ impl Messages {
                 signals: Vec::new(),
                 late: Vec::new(),
                 put_off: BTreeSet::new(),
+                values: RecordedValues::default(),
             });
         }
         let mut sensors = Vec::new();
@@ -105,6 +111,7 @@ impl Messages {
             sensors,
             readings,
             steps,
+            values: Vec::new(),
             jogs,
             late,
             aborts,
@@ -181,6 +188,7 @@ impl Messages {
                 let follows = self.jogs.last().is_none_or(|last| last.step < step);
                 self.jogs.extend(follows.then_some(ScriptedJog { step, robot, now }));
             }
+            "value" => self.value(by, text)?,
             "abort" => drop(self.aborts.insert(step)),
             "end" => self.end = Some((!text.is_empty()).then(|| text.to_owned())),
             "found" => {
@@ -189,6 +197,32 @@ impl Messages {
             }
             _ => {}
         }
+        Some(())
+    }
+
+    /// A part of a value that a program recorded: its name, how many parts follow, its words.
+    fn value(&mut self, by: ProcessId, text: &str) -> Option<()> {
+        let mut fields = text.split(' ');
+        let (name, left, hex) = (fields.next()?, fields.next()?.parse::<u32>().ok()?, fields.next()?);
+        let name = Name::new(name).ok()?;
+        let digits = hex.as_bytes().chunks(16).map(|digits| core::str::from_utf8(digits).ok());
+        let words = digits.map(|digits| u64::from_str_radix(digits.filter(|d| d.len() == 16)?, 16).ok());
+        let words: Vec<u64> = words.collect::<Option<_>>()?;
+        let place = self.values.iter().position(|(process, ..)| *process == by).unwrap_or_else(|| {
+            self.values.push((by, RecordedValues::default(), 0));
+            self.values.len() - 1
+        });
+        let (_, of_process, due) = &mut self.values[place];
+        match of_process.values.last_mut() {
+            Some(last) if *due > 0 => {
+                if last.name != name || left.checked_add(1) != Some(*due) {
+                    return None;
+                }
+                last.words.extend(words);
+            }
+            Some(_) | None => of_process.values.push(RecordedValue { name, words }),
+        }
+        *due = left;
         Some(())
     }
 
@@ -297,9 +331,22 @@ impl Messages {
         if let Some(robot) = empty.filter(|_| cut_off == CutOff::Refused) {
             return Err(Wrong::new(format!("has no step of robot `{}`", robot.name), OTHER_CELL));
         }
+        let mut of_mp = RecordedValues::default();
+        for (by, mut values, left) in self.values {
+            // Of a recording that was cut off the last one may lack parts.
+            if left > 0 {
+                values.values.pop();
+            }
+            match (by.role, self.robots.iter_mut().find(|robot| Some(robot.name) == by.name)) {
+                (Role::Mp, _) => of_mp = values,
+                (Role::Ecp, Some(robot)) => robot.values = values,
+                (Role::Ecp | Role::Edp | Role::Vsp | Role::Plant | Role::Node, _) => {}
+            }
+        }
         Ok(RecordedRun {
             robots: self.robots.into_iter().map(Rc::new).collect(),
             readings: self.readings.into_iter().map(Rc::new).collect(),
+            values: Rc::new(of_mp),
             script: Rc::new(Script(self.steps, self.jogs)),
             outside: self.outside,
             end: self.end,

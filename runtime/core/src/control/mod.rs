@@ -18,6 +18,7 @@ pub(crate) mod opening;
 pub(crate) mod overruns;
 pub(crate) mod plant;
 pub(crate) mod plant_sensor;
+pub(crate) mod recorded;
 pub(crate) mod replay;
 pub(crate) mod sensing;
 pub(crate) mod simulated_signals;

@@ -139,6 +139,15 @@ pub enum StepEvent {
         /// What its words say.
         shape: &'static Shape,
     },
+    /// A part of a value that a program has computed and that a replay does not compute again: its words.
+    Value {
+        /// The step.
+        step: u64,
+        /// The name of the value.
+        name: Name,
+        /// How many parts follow.
+        left: u32,
+    },
     /// A process stops for a fault: its words.
     Fault {
         /// The step.
@@ -245,6 +254,7 @@ impl StepEvent {
             | StepEvent::Late { .. }
             | StepEvent::LateRequest { .. }
             | StepEvent::Found { .. }
+            | StepEvent::Value { .. }
             | StepEvent::Fault { .. }
             | StepEvent::End { .. } => of_cell("events", "Event"),
         }
@@ -340,6 +350,10 @@ impl StepEvent {
                 event(step, "late request", &format!("request {nth} in step {due}"));
             }
             StepEvent::Found { step } => event(step, "found", &time.to_string()),
+            StepEvent::Value { step, name, left } => {
+                let hex: String = words.iter().map(|word| format!("{word:016x}")).collect();
+                event(step, "value", &format!("{name} {left} {hex}"));
+            }
             StepEvent::Fault { step } => {
                 let what = if comes_from_outside(words) { "fault from outside" } else { "fault" };
                 event(step, what, &fault_text(words));

@@ -23,6 +23,7 @@ use core::time::Duration;
 use std::rc::Rc;
 
 use crate::control::overruns::Overruns;
+use crate::control::recorded::{Recorded, recorded};
 use crate::control::replay::RecordedRobot;
 use crate::control::sensing::Sensing;
 use crate::link::message::{RequestKind, flag};
@@ -214,6 +215,27 @@ impl<'w, R: Robot> Ecp<'w, R> {
     /// `Config`: the cell names no such tool.
     pub fn tool(&self, name: &str) -> Result<Tool, Fault> {
         self.named.tool(name).map_err(|fault| fault.in_process(self.process))
+    }
+
+    /// A value that a replay does not compute again: `compute` makes it, and it goes to the recording of the run, if there is one. In a
+    /// replay it is what the recording says, or the fault with which `compute` ended then, and `compute` is not called. For
+    /// plans, random choices, and what a file or a network said: all by which demands may differ.
+    ///
+    /// Call it between instructions, never in a step. A process must record the same names in the same order in the replay.
+    ///
+    /// # Errors
+    /// Those of `compute`. `Config`: `name` is no name, the value is too long, or the recording has no such value here.
+    pub fn recorded<T: Recorded>(
+        &mut self,
+        name: &str,
+        compute: impl FnOnce() -> Result<T, Fault>,
+    ) -> Result<T, Fault> {
+        let show = |what: &StepEvent, words: &[u64]| {
+            self.step_observers.show(self.host.waiter.now(), what, words);
+        };
+        let values = self.replayed.as_ref().map(|robot| &robot.values);
+        recorded(name, self.orders.header().step, values, show, compute)
+            .map_err(|fault| fault.in_process(self.process))
     }
 
     /// The handle of a virtual sensor of this robot, in its default configuration.

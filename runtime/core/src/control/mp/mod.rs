@@ -32,7 +32,8 @@ use core::time::Duration;
 use std::rc::Rc;
 
 use crate::control::guard::Guard;
-use crate::control::replay::Script;
+use crate::control::recorded::{Recorded, recorded};
+use crate::control::replay::{RecordedValues, Script};
 use crate::control::sensing::Sensing;
 use crate::link::{Host, News, Sample};
 #[cfg(doc)]
@@ -82,6 +83,8 @@ pub struct Mp<'w> {
     path_stop: u64,
     /// The recorded steps, in a replay.
     script: Option<Rc<Script>>,
+    /// The values that the program recorded, in a replay.
+    values: Option<Rc<RecordedValues>>,
     named: Rc<CellNames>,
     /// The MP above, of a lower cell.
     upper: Option<Upper>,
@@ -121,6 +124,7 @@ impl<'w> Mp<'w> {
             stops: Stops::of(ProcessId::MP),
             path_stop: timing.path_stop,
             script: None,
+            values: None,
             named: Rc::default(),
             upper: None,
         }
@@ -137,6 +141,12 @@ impl<'w> Mp<'w> {
     /// The same with the frames and tools that the cell names.
     pub(crate) fn with_names(mut self, named: Rc<CellNames>) -> Self {
         self.named = named;
+        self
+    }
+
+    /// The same in a replay of a run whose program recorded these values.
+    pub(crate) fn with_values(mut self, values: Option<Rc<RecordedValues>>) -> Self {
+        self.values = values;
         self
     }
 
@@ -203,6 +213,26 @@ impl<'w> Mp<'w> {
     /// `Config`: the cell names no such tool.
     pub fn tool(&self, name: &str) -> Result<Tool, Fault> {
         self.named.tool(name).map_err(|fault| fault.in_process(self.process))
+    }
+
+    /// A value that a replay does not compute again: `compute` makes it, and it goes to the recording of the run, if there is one. In a
+    /// replay it is what the recording says, or the fault with which `compute` ended then, and `compute` is not called. For
+    /// plans, random choices, and what a file or a network said: all by which demands may differ.
+    ///
+    /// Call it between instructions, never in a step. A process must record the same names in the same order in the replay.
+    ///
+    /// # Errors
+    /// Those of `compute`. `Config`: `name` is no name, the value is too long, or the recording has no such value here.
+    pub fn recorded<T: Recorded>(
+        &mut self,
+        name: &str,
+        compute: impl FnOnce() -> Result<T, Fault>,
+    ) -> Result<T, Fault> {
+        let show = |what: &StepEvent, words: &[u64]| {
+            self.step_observers.show(self.host.waiter.now(), what, words);
+        };
+        recorded(name, self.clock.step(), self.values.as_deref(), show, compute)
+            .map_err(|fault| fault.in_process(self.process))
     }
 
     /// Index of the step that has begun, counted since the cell started.

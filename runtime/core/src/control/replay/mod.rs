@@ -1,12 +1,13 @@
 //! A replay: a recording is fed back on the memory link, and the demands are compared with the recorded ones.
 //!
-//! In: a [`RecordedRun`], what a recording holds of what came from outside: the encoders' values, the sensors' readings, the
+//! In: a [`RecordedRun`], what a recording holds of what came from outside: the encoders' values, the sensors' readings, what programs recorded, the
 //! operator's wishes, the steps in which the MP began and those whose demands came too late. Out: the same programs, which
 //! see the same; and the first step, robot and joint whose demand differs, if any does ([`compare`]).
 
 pub mod drives;
 pub mod readings;
 pub mod script;
+pub mod values;
 
 use std::collections::BTreeSet;
 use std::rc::Rc;
@@ -20,6 +21,7 @@ use crate::model::time::Nanos;
 
 pub use readings::RecordedReadings;
 pub use script::Script;
+pub use values::{RecordedValue, RecordedValues};
 
 /// One step of a robot, as its EDP saw it begin.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -60,6 +62,8 @@ pub struct RecordedRobot {
     pub late: Vec<LateRequest>,
     /// Steps in which its ECP found no time to begin a motion.
     pub put_off: BTreeSet<u64>,
+    /// What the program of its ECP recorded.
+    pub values: RecordedValues,
 }
 
 impl RecordedRobot {
@@ -100,6 +104,8 @@ pub struct RecordedRun {
     pub readings: Vec<Rc<RecordedReadings>>,
     /// The MP's steps, and what the operator wanted in them.
     pub script: Rc<Script>,
+    /// What the program of the MP recorded.
+    pub values: Rc<RecordedValues>,
     /// The first fault that did not come from the programs: its step and its text.
     pub outside: Option<(u64, String)>,
     /// How the MP's program ended: nothing, or its fault's text; `None` when the recording does not go so far.
