@@ -19,7 +19,8 @@ pub fn coordinate(mp: &mut Mp, robot: &Arm, clearance: Clearance) -> Result<(), 
     for [x, y, z] in PLACES {
         let place = Pose::new(Vector3::new(x, y, z), Vector3::x() * PI); // with the tool downwards
         let here = mp.wait_until((&mut arm,), (), HereAll::<(Arm,)>::default())?.joints();
-        let plan = planner.plan(&here, &goals_at(robot, &place, &here))?; // to any posture that gets it there
+        let goals = goals_at(robot, &place, &here); // any posture that gets it there
+        let plan = mp.recorded("plan", || Ok(planner.plan(&here, &goals)?))?; // a replay does not plan again
         mp.move_robot(&mut arm, (), plan.motion("arm")?)?;
     }
     Ok(())
