@@ -51,7 +51,7 @@ const ROBOTS: &[(&str, &[&str])] = &[
     ("simulation", &["dynamics", "models", "sensors"]),
     ("clearance", &["models"]),
     ("conformance", &["models"]),
-    ("kinds", &["models", "simulation"]),
+    ("kinds", &["models", "simulation", "clearance"]),
 ];
 
 /// Which crates of the workspace each one may depend on.
