@@ -150,14 +150,13 @@ impl Plan {
     /// The positions of all joints at some instants after a fault at a path time, until all robots stand.
     fn stopping(&self, time: f64, during: During, late: u32, instants: &mut Vec<Vec<f64>>) {
         let Motion { limits, reaction, .. } = &*self.motion;
-        let is_late = |robot: usize| late >> robot & 1 == 1;
         let is_straight = during == During::StraightStop;
-        let mut stops: Vec<(Braking, f64)> = Vec::with_capacity(limits.joints());
-        let now = self.motion.state(time);
-        let then = self.motion.state(time + reaction);
+        let (q, now, then) = (self.at(time), self.motion.state(time), self.motion.state(time + reaction));
+        // Joint by joint: when it brakes, from where, and how.
+        let mut stops: Vec<(f64, f64, Braking)> = Vec::with_capacity(limits.joints());
         for (robot, joints) in limits.robots.iter().enumerate() {
-            let state = if is_late(robot) && !is_straight { &then } else { &now };
-            let delay = if is_late(robot) { *reaction } else { 0.0 };
+            let is_late = late >> robot & 1 == 1;
+            let state = if is_late && !is_straight { &then } else { &now };
             let longest =
                 joints.clone().map(|j| state.velocity[j].abs() / limits.acceleration[j]).fold(0.0, f64::max);
             for j in joints.clone() {
@@ -166,29 +165,28 @@ impl Plan {
                     || Braking::even(velocity, longest),
                     |jerk| Braking::with_jerk(velocity, state.acceleration[j], limits.acceleration[j], jerk),
                 );
-                stops.push((braking, delay));
+                let (delay, from) = match (is_late, is_straight) {
+                    (false, _) => (0.0, q[j]),
+                    (true, true) => (*reaction, q[j] + velocity * reaction),
+                    (true, false) => (*reaction, self.motion.joint_at(time + reaction, j)),
+                };
+                stops.push((delay, from, braking));
             }
         }
-        let lasts = stops.iter().map(|(braking, delay)| delay + braking.duration()).fold(0.0, f64::max);
+        let lasts = stops.iter().map(|(delay, _, braking)| delay + braking.duration()).fold(0.0, f64::max);
         instants.clear();
-        let (q, later) = (self.at(time), self.at(time + reaction));
         for k in 1..=INSTANTS {
             let t = lasts * f64::from(k) / f64::from(INSTANTS);
-            let on_path = self.at(time + t.min(*reaction));
-            let mut at = q.clone();
-            for (robot, joints) in limits.robots.iter().enumerate() {
-                for j in joints.clone() {
-                    let (braking, delay) = &stops[j];
-                    let braked = braking.at((t - delay).max(0.0));
-                    at[j] = match (is_late(robot), is_straight) {
-                        (false, _) => q[j] + braked,
-                        (true, true) => q[j] + now.velocity[j] * t.min(*delay) + braked,
-                        (true, false) if t < *delay => on_path[j],
-                        (true, false) => later[j] + braked,
-                    };
+            let at = stops.iter().enumerate().map(|(j, (delay, from, braking))| {
+                if t >= *delay {
+                    from + braking.at(t - delay)
+                } else if is_straight {
+                    q[j] + now.velocity[j] * t
+                } else {
+                    self.motion.joint_at(time + t, j)
                 }
-            }
-            instants.push(at);
+            });
+            instants.push(at.collect());
         }
     }
 }
