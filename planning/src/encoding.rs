@@ -9,6 +9,7 @@ use core::ops::Range;
 use std::sync::Arc;
 
 use mrroc::fault::Name;
+use mrroc::payload::Wire;
 use mrroc::program::Recorded;
 use mrroc::robot::JointKind;
 use mrroc_generators::profile::ProfilePoint;
@@ -84,15 +85,10 @@ impl Words {
         numbers.iter().for_each(|number| self.float(*number));
     }
 
-    /// The length of a name and its bytes, eight in a word.
     fn name(&mut self, name: &Name) {
-        let bytes = name.as_str().as_bytes();
-        self.0.push(bytes.len() as u64);
-        for part in bytes.chunks(8) {
-            let mut word = [0; 8];
-            word[..part.len()].copy_from_slice(part);
-            self.0.push(u64::from_le_bytes(word));
-        }
+        let mut words = [0; Name::LEN];
+        name.put(&mut words);
+        self.0.extend(words);
     }
 
     fn limits(&mut self, limits: &Limits) {
@@ -166,12 +162,9 @@ impl Reader<'_> {
     }
 
     fn name(&mut self) -> Option<Name> {
-        let length = usize::try_from(self.word()?).ok()?;
-        let (first, rest) = self.0.split_at_checked(length.div_ceil(8))?;
+        let (first, rest) = self.0.split_at_checked(Name::LEN)?;
         self.0 = rest;
-        let mut bytes: Vec<u8> = first.iter().flat_map(|word| word.to_le_bytes()).collect();
-        bytes.truncate(length);
-        Name::new(core::str::from_utf8(&bytes).ok()?).ok()
+        Name::get(first).ok()
     }
 
     fn limits(&mut self, robots: Vec<Range<usize>>, n: usize) -> Option<Limits> {
