@@ -46,18 +46,16 @@ pub(crate) fn passed(
             }
         }
     }
+    let free = |(at, _): &(&[f64], bool)| Point { at: at.to_vec(), rounding: Rounding::Free };
+    let mut points: Vec<Point> = all.iter().map(free).collect();
     let last = all.len().saturating_sub(1);
-    let rounding = |i: usize| {
-        if !all[i].1 || i == 0 || i == last {
-            return Rounding::Free;
-        }
-        let [(e, to), (f, from)] = [i, i + 1].map(|i| direction(all[i - 1].0, all[i].0));
+    for i in (1..last.max(1)).filter(|i| all[*i].1) {
+        let [(e, before), (f, behind)] = legs(&points, i);
         let straight = e.iter().zip(&f).map(|(e, f)| (e + f) * (e + f)).sum::<f64>().sqrt();
-        let d = LARGEST.min(SHARE * to).min(SHARE * from);
-        if !curved || straight < BACK || d < LEAST { Rounding::Least } else { Rounding::By(d) }
-    };
-    let mut points: Vec<Point> =
-        all.iter().enumerate().map(|(i, (at, _))| Point { at: at.to_vec(), rounding: rounding(i) }).collect();
+        let d = LARGEST.min(SHARE * before).min(SHARE * behind);
+        let has_room = curved && straight >= BACK && d >= LEAST;
+        points[i].rounding = if has_room { Rounding::By(d) } else { Rounding::Least };
+    }
     loop {
         for _ in 0..ROUNDS {
             for i in 1..last.max(1) {
@@ -78,11 +76,8 @@ pub(crate) fn passed(
             return points;
         }
         for (i, d) in failing {
-            points[i] = if 0.5 * d < LEAST {
-                Point { at: all[i].0.to_vec(), rounding: Rounding::Least }
-            } else {
-                Point { at: all[i].0.to_vec(), rounding: Rounding::By(0.5 * d) }
-            };
+            let rounding = if 0.5 * d < LEAST { Rounding::Least } else { Rounding::By(0.5 * d) };
+            points[i] = Point { at: all[i].0.to_vec(), rounding };
         }
     }
 }
