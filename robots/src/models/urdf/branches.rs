@@ -61,7 +61,7 @@ fn hanging(
         let mut behind: Vec<Named> =
             of_child.into_iter().map(|capsule| (shown(joint.child), capsule)).collect();
         hanging(shapes, tree, (joint.child, None), &mut behind, depth + 1)?;
-        wherever(&joint, tree, behind, shapes.excess(), found)?;
+        wherever(joint, tree, behind, shapes.excess(), found)?;
     }
     Ok(())
 }
@@ -99,8 +99,7 @@ fn wherever(
     let half = 0.5 * lever * (upper - lower);
     let pieces = (half / excess).ceil().max(1.0);
     if pieces <= MOST_PIECES as f64 && pieces * carried.len() as f64 <= MOST_CAPSULES as f64 {
-        let count = pieces as usize;
-        for k in 0..count {
+        for k in 0..pieces as usize {
             let at = lower + (upper - lower) * (k as f64 + 0.5) / pieces;
             let X_PC = X_PJ * displaced(moves.kind, axis * at);
             found.extend(carried.iter().map(|(link, capsule)| {
@@ -110,24 +109,19 @@ fn wherever(
         }
         return Ok(());
     }
-    // One body for each link: a ball for each end of its capsules would be as many.
+    // One body for each link, however many capsules it has.
     let mut links: Vec<&str> = carried.iter().map(|(link, _)| link.as_str()).collect();
     links.sort_unstable();
     links.dedup();
     for link in links {
         let of_link = carried.iter().filter(|(name, _)| name == link).map(|(_, capsule)| capsule);
-        let capsule = match moves.kind {
-            // About the origin of the joint, which a turn leaves where it is.
-            JointKind::Revolute => {
-                let radius = of_link.map(reach).fold(0.0, f64::max);
-                Capsule::new(Vector3::zeros(), Vector3::zeros(), radius)
-            }
-            JointKind::Prismatic => {
-                let radius = of_link.map(reach).fold(0.0, f64::max);
-                Capsule::new(axis * lower, axis * upper, radius)
-            }
+        let radius = of_link.map(reach).fold(0.0, f64::max);
+        // About the origin of the joint, which a turn leaves where it is.
+        let [from, to] = match moves.kind {
+            JointKind::Revolute => [0.0; 2],
+            JointKind::Prismatic => [lower, upper],
         };
-        found.push((link.to_owned(), capsule.moved(&X_PJ)));
+        found.push((link.to_owned(), Capsule::new(axis * from, axis * to, radius).moved(&X_PJ)));
     }
     Ok(())
 }

@@ -237,6 +237,8 @@ pub(super) struct Tree<'a, 'i> {
     links: HashMap<&'a str, Node<'a, 'i>>,
     /// The joint whose child is the link of this name.
     parents: HashMap<&'a str, Joint<'a, 'i>>,
+    /// The links that hang on the link of this name, in the order of the file.
+    children: HashMap<&'a str, Vec<&'a str>>,
 }
 
 /// A joint and the links that it connects.
@@ -265,6 +267,7 @@ impl<'a, 'i> Tree<'a, 'i> {
         }
         let mut names = HashMap::new();
         let mut parents: HashMap<&str, Joint<'a, 'i>> = HashMap::new();
+        let mut children_of: HashMap<&str, Vec<&str>> = HashMap::new();
         for node in children(robot, "joint") {
             let joint = joint(node)?;
             if let Some(first) = names.insert(joint.name, node) {
@@ -289,11 +292,12 @@ impl<'a, 'i> Tree<'a, 'i> {
                     second: shown(joint.name),
                 });
             }
+            children_of.entry(joint.parent).or_default().push(joint.child);
             parents.insert(joint.child, joint);
         }
         let version = robot.attribute("version").unwrap_or("1.0").trim();
         let has_quaternions = version.parse::<f64>().is_ok_and(|version| version >= 1.1);
-        Ok(Self { has_quaternions, links, parents })
+        Ok(Self { has_quaternions, links, parents, children: children_of })
     }
 
     /// The link of this name.
@@ -303,15 +307,20 @@ impl<'a, 'i> Tree<'a, 'i> {
     }
 
     /// The joints whose parent is the link of this name, in the order of the file.
-    pub(super) fn below(&self, link: &str) -> Vec<Joint<'a, 'i>> {
-        let mut below: Vec<_> = self.parents.values().filter(|joint| joint.parent == link).cloned().collect();
-        below.sort_by_key(|joint| joint.element.line());
-        below
+    pub(super) fn below(&self, link: &str) -> impl Iterator<Item = &Joint<'a, 'i>> {
+        self.children.get(link).into_iter().flatten().filter_map(|child| self.parents.get(child))
     }
 
-    /// The links whose names look like `name`, for a help.
-    pub(super) fn alternatives(&self, name: &str) -> String {
-        alternatives(name, self.links.keys().copied())
+    /// Whether there is a link of this name.
+    ///
+    /// # Errors
+    /// There is none: what it was asked for as, and names that look like it.
+    pub(super) fn has_link(&self, role: &'static str, name: &str) -> Result<(), UrdfError> {
+        if self.links.contains_key(name) {
+            return Ok(());
+        }
+        let help = alternatives(name, self.links.keys().copied());
+        Err(UrdfError::NoSuchLink { role, name: shown(name), help })
     }
 
     /// The link that hangs on no other.
@@ -334,10 +343,7 @@ impl<'a, 'i> Tree<'a, 'i> {
     /// A link that is not there, a tip that does not hang on the base, a loop.
     pub(super) fn path(&self, base: &str, tip: &str) -> Result<Vec<Joint<'a, 'i>>, UrdfError> {
         for (role, name) in [("base", base), ("tip", tip)] {
-            if !self.links.contains_key(name) {
-                let help = alternatives(name, self.links.keys().copied());
-                return Err(UrdfError::NoSuchLink { role, name: shown(name), help });
-            }
+            self.has_link(role, name)?;
         }
         let mut path = self.upwards(tip, base)?;
         let top = path.last().map_or(tip, |joint| joint.parent);

@@ -68,13 +68,7 @@ impl<const N: usize> SerialOutline<N> {
         let mut shapes = Shapes::of(meshes);
         let places = places(&tree, base, tip)?;
         let after = |place: usize| places.get(place).map(|place: &Place<'_, '_>| place.joint.child);
-        if let Some(unknown) = meshes.without.iter().find(|link| tree.link(link).is_none()) {
-            return Err(UrdfError::NoSuchLink {
-                role: "link to leave out",
-                name: shown(unknown),
-                help: tree.alternatives(unknown),
-            });
-        }
+        meshes.without.iter().try_for_each(|link| tree.has_link("link to leave out", link))?;
         branches::collect(&mut shapes, &tree, (base, after(0)), &fixed, joints)?;
         for (i, Place { joint, X_PJ, moves }) in places.iter().enumerate() {
             fixed *= X_PJ;
