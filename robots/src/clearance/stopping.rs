@@ -114,9 +114,7 @@ impl Stopping {
                 }
         })
     }
-}
 
-impl Stopping {
     /// How far against its velocity a joint may get until it stands, of the distance that it may get at all [rad or m], >= 0; the robots of
     /// the cell have this pace.
     pub(super) fn backwards<J: JointVector>(
