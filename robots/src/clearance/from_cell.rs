@@ -64,9 +64,8 @@ impl Obstacle {
                     entry.heights()?.map_or((0, Vec::new()), |found| (found.columns, found.heights));
                 Obstacle::HeightField(HeightField::new(X_WO, *cell, columns, heights).map_err(refuse)?.into())
             }
-            ObstacleShape::Mesh { file, excess, scale } => {
-                let capsules: Vec<_> =
-                    covered(entry, file, *excess, *scale)?.iter().map(|one| one.moved(&X_WO)).collect();
+            ObstacleShape::Mesh(mesh) => {
+                let capsules: Vec<_> = covered(entry, mesh)?.iter().map(|one| one.moved(&X_WO)).collect();
                 Obstacle::Bodies(Bodies::new(&capsules).map_err(refuse)?.into())
             }
         })

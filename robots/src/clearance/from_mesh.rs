@@ -6,7 +6,7 @@
 use mrroc::cell::CellError;
 use mrroc::observe::solid::Solid;
 use mrroc::pose::Pose;
-use mrroc_launch::cell_file::{ObstacleEntry, ObstacleShape};
+use mrroc_launch::cell_file::{ObstacleEntry, ObstacleMesh};
 use mrroc_launch::files;
 use nalgebra::{UnitQuaternion, Vector3};
 
@@ -14,12 +14,8 @@ use crate::models::Capsule;
 use crate::models::mesh::{MeshError, TriangleMesh, cover};
 
 /// The capsules that cover the mesh of an entry, in O.
-pub(super) fn covered(
-    entry: &ObstacleEntry,
-    file: &str,
-    excess: f64,
-    scale: f64,
-) -> Result<Vec<Capsule>, CellError> {
+pub(super) fn covered(entry: &ObstacleEntry, mesh: &ObstacleMesh) -> Result<Vec<Capsule>, CellError> {
+    let ObstacleMesh { file, excess, scale } = mesh;
     let path = entry.beside(file);
     let refuse = |what: &str, help| entry.refuse(&format!("{}: {what}", path.display()), help);
     // So that it is known as a file that is read; `from_file` opens it again and limits its size.
@@ -31,35 +27,23 @@ pub(super) fn covered(
     })?;
     let wrong = |error: MeshError| entry.refuse(&error.to_string(), "correct the file or these numbers");
     let mesh = TriangleMesh::from_file(&path).map_err(wrong)?;
-    let mesh = mesh.scaled([scale; 3]).map_err(|error| wrong(error.of_file(&path)))?;
+    let mesh = mesh.scaled([*scale; 3]).map_err(|error| wrong(error.of_file(&path)))?;
     if !mesh.is_closed() {
         return Err(refuse(
             "the mesh is open: it has edges with an odd number of triangles",
             "close it in the program that made it, so that its inside is known",
         ));
     }
-    cover(&mesh, excess).map(|cover| cover.capsules).map_err(|error| wrong(error.of_file(&path)))
+    cover(&mesh, *excess).map(|cover| cover.capsules).map_err(|error| wrong(error.of_file(&path)))
 }
 
-/// What is drawn of an obstacle that is a mesh, in O: the capsules that cover it. Robots are kept away from the same ones. Of an obstacle of another shape it
-/// is no part.
-///
-/// It is for [`Kinds::meshes`](mrroc_launch::cell_file::Kinds::meshes).
+/// What is drawn of an obstacle that is a mesh, in O: the capsules that cover it. Robots are kept away from the same ones. It is for
+/// [`Kinds::meshes`](mrroc_launch::cell_file::Kinds::meshes).
 ///
 /// # Errors
 /// The file cannot be read, or its mesh is open or cannot be covered.
-pub fn drawn_mesh(entry: &ObstacleEntry) -> Result<Solid, CellError> {
-    let capsules = match entry.shape() {
-        ObstacleShape::Mesh { file, excess, scale } => covered(entry, file, *excess, *scale)?,
-        ObstacleShape::Box { .. }
-        | ObstacleShape::Cylinder { .. }
-        | ObstacleShape::Sphere { .. }
-        | ObstacleShape::Capsule { .. }
-        | ObstacleShape::HalfSpace { .. }
-        | ObstacleShape::Cloud { .. }
-        | ObstacleShape::HeightField { .. } => Vec::new(),
-    };
-    Ok(Solid::Several(capsules.iter().map(part).collect()))
+pub fn drawn_mesh(entry: &ObstacleEntry, mesh: &ObstacleMesh) -> Result<Solid, CellError> {
+    Ok(Solid::Several(covered(entry, mesh)?.iter().map(part).collect()))
 }
 
 /// A capsule as a solid with its frame in O.
@@ -129,7 +113,8 @@ mod tests {
             assert!((expected - 0.01 - 1e-9..=expected + 1e-9).contains(&distance), "{point}: {distance}");
         }
         // What is drawn holds the corners, and no more than the excess: its lowest and highest points along x in O are z in W.
-        let Ok(Solid::Several(parts)) = drawn_mesh(cube) else { panic!("parts") };
+        let drawn = |entry: &ObstacleEntry| entry.solid(drawn_mesh);
+        let Ok(Solid::Several(parts)) = drawn(cube) else { panic!("parts") };
         let Obstacle::Bodies(bodies) = &obstacle else { panic!("bodies") };
         assert_eq!(parts.len(), bodies.capsules().len());
         let held = |corner: Vector3<f64>| {
@@ -163,7 +148,7 @@ mod tests {
         ]) {
             assert!(expected.iter().all(|part| told.contains(part)), "{told}");
         }
-        assert_eq!(drawn_mesh(open).unwrap_err(), Obstacle::of(open).unwrap_err());
+        assert_eq!(drawn(open).unwrap_err(), Obstacle::of(open).unwrap_err());
         std::fs::remove_dir_all(&folder).unwrap();
     }
 

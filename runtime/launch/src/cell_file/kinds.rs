@@ -11,7 +11,7 @@ use mrroc_core::robot::Driver;
 use mrroc_core::robot::{IdealDrives, Robot, Simulator};
 
 use super::entry::RobotEntry;
-use super::obstacle::ObstacleEntry;
+use super::obstacle::{ObstacleEntry, ObstacleMesh};
 use super::plant::PlantEntry;
 
 type Make = Rc<dyn Fn(&RobotEntry, Option<&MakeSimulator>) -> Result<Box<dyn AnyRobot>, CellError>>;
@@ -20,7 +20,7 @@ type Make = Rc<dyn Fn(&RobotEntry, Option<&MakeSimulator>) -> Result<Box<dyn Any
 type MakeSimulator = Box<dyn Fn(&PlantEntry) -> Box<dyn Simulator>>;
 
 /// Makes what is drawn of an obstacle that is a mesh.
-type DrawMesh = Box<dyn Fn(&ObstacleEntry) -> Result<Solid, CellError>>;
+type DrawMesh = Box<dyn Fn(&ObstacleEntry, &ObstacleMesh) -> Result<Solid, CellError>>;
 
 /// The kinds of robots that a program knows, each with the function that makes a set-up: the model and the drives.
 #[derive(Default)]
@@ -81,15 +81,18 @@ impl Kinds {
     /// Lets obstacles be meshes: `draw` reads the file of one, and makes what is drawn of it in the frame of the obstacle. The
     /// kinds of `mrroc_robots::simulated` do so already.
     #[must_use]
-    pub fn meshes(mut self, draw: impl Fn(&ObstacleEntry) -> Result<Solid, CellError> + 'static) -> Kinds {
+    pub fn meshes(
+        mut self,
+        draw: impl Fn(&ObstacleEntry, &ObstacleMesh) -> Result<Solid, CellError> + 'static,
+    ) -> Kinds {
         self.mesh = Some(Box::new(draw));
         self
     }
 
     /// What is drawn of an obstacle that is a mesh.
-    pub(super) fn mesh(&self, entry: &ObstacleEntry) -> Result<Solid, CellError> {
+    pub(super) fn mesh(&self, entry: &ObstacleEntry, mesh: &ObstacleMesh) -> Result<Solid, CellError> {
         match &self.mesh {
-            Some(draw) => draw(entry),
+            Some(draw) => draw(entry, mesh),
             None => Err(entry.refuse(
                 "the kinds of robots of this program read no meshes",
                 "begin with the kinds of `mrroc_robots::simulated()`, or add `.meshes(mrroc_robots::clearance::drawn_mesh)`",

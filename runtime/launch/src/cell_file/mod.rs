@@ -131,7 +131,7 @@ pub use error::CellFileError;
 pub use external::{Believable, ExternalEntry};
 pub use heights::Heights;
 pub use kinds::{AnySetup, Kinds};
-pub use obstacle::{ObstacleEntry, ObstacleShape};
+pub use obstacle::{ObstacleEntry, ObstacleMesh, ObstacleShape};
 pub use plant::PlantEntry;
 
 use crate::files;
@@ -274,7 +274,7 @@ impl CellFile {
         cell = self.tools.iter().fold(cell, |cell, (name, tool)| cell.tool(name, *tool));
         let mut errors = Vec::new();
         for obstacle in &self.obstacles {
-            match obstacle.solid(|entry| kinds.mesh(entry)) {
+            match obstacle.solid(|entry, mesh| kinds.mesh(entry, mesh)) {
                 Ok(solid) => cell = cell.shows_obstacle(obstacle.name(), obstacle.place_of_solid(), solid),
                 Err(error) => errors.push(error),
             }

@@ -77,18 +77,22 @@ pub enum ObstacleShape {
         cell: f64,
     },
     /// `mesh`: the capsules that cover a closed mesh of triangles.
-    Mesh {
-        /// The file as it stands there.
-        file: String,
-        /// How far the capsules may stand out of the mesh \[m\].
-        excess: f64,
-        /// Metres in a unit of the file \[1\].
-        scale: f64,
-    },
+    Mesh(ObstacleMesh),
 }
 
-impl ObstacleShape {
-    /// How far the capsules of a mesh may stand out, if the file does not say it \[m\].
+/// A mesh of triangles that an obstacle is.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ObstacleMesh {
+    /// The file as it stands there.
+    pub file: String,
+    /// How far the capsules may stand out of the mesh \[m\].
+    pub excess: f64,
+    /// Metres in a unit of the file \[1\].
+    pub scale: f64,
+}
+
+impl ObstacleMesh {
+    /// How far the capsules may stand out, if the cell file does not say it \[m\].
     pub const EXCESS: f64 = 5e-3;
 }
 
@@ -116,7 +120,7 @@ impl ObstacleEntry {
             | ObstacleShape::Capsule { .. }
             | ObstacleShape::Cloud { .. }
             | ObstacleShape::HeightField { .. }
-            | ObstacleShape::Mesh { .. } => self.place,
+            | ObstacleShape::Mesh(_) => self.place,
         }
     }
 
@@ -139,7 +143,7 @@ impl ObstacleEntry {
             | ObstacleShape::Capsule { .. }
             | ObstacleShape::HalfSpace { .. }
             | ObstacleShape::HeightField { .. }
-            | ObstacleShape::Mesh { .. } => Ok(Vec::new()),
+            | ObstacleShape::Mesh(_) => Ok(Vec::new()),
         }
     }
 
@@ -156,7 +160,7 @@ impl ObstacleEntry {
             | ObstacleShape::Capsule { .. }
             | ObstacleShape::HalfSpace { .. }
             | ObstacleShape::Cloud { .. }
-            | ObstacleShape::Mesh { .. } => Ok(None),
+            | ObstacleShape::Mesh(_) => Ok(None),
         }
     }
 
@@ -190,11 +194,14 @@ impl ObstacleEntry {
         })
     }
 
-    /// What is drawn of it: at most 2000 points of a file, and of a mesh what `mesh` makes of it.
+    /// What is drawn of it: at most 2000 points of a file, and of a mesh what `draw` makes of it.
     ///
     /// # Errors
-    /// As of [`points`](Self::points) and [`heights`](Self::heights), and those of `mesh`.
-    pub fn solid(&self, mesh: impl FnOnce(&Self) -> Result<Solid, CellError>) -> Result<Solid, CellError> {
+    /// As of [`points`](Self::points) and [`heights`](Self::heights), and those of `draw`.
+    pub fn solid(
+        &self,
+        draw: impl FnOnce(&Self, &ObstacleMesh) -> Result<Solid, CellError>,
+    ) -> Result<Solid, CellError> {
         Ok(match &self.shape.value {
             ObstacleShape::Box { size } => Solid::Box { edges: *size },
             ObstacleShape::Cylinder { radius, length } => {
@@ -218,7 +225,7 @@ impl ObstacleEntry {
                 });
                 Solid::Points { points: some_of(tops).into(), radius: 0.5 * cell }
             }
-            ObstacleShape::Mesh { .. } => mesh(self)?,
+            ObstacleShape::Mesh(mesh) => draw(self, mesh)?,
         })
     }
 }
@@ -246,7 +253,7 @@ mod tests {
     }
 
     fn solid(entry: &ObstacleEntry) -> Result<Solid, CellError> {
-        entry.solid(|_| panic!("it is no mesh"))
+        entry.solid(|_, _| panic!("it is no mesh"))
     }
 
     #[test]
@@ -302,7 +309,9 @@ mod tests {
              [obstacles.cast]\nmesh = { file = \"parts/cast.obj\", excess = 0.01, scale = 1e-3 }\n",
         );
         let [jig, cast] = file.obstacles() else { panic!("two obstacles") };
-        let of = |file: &str, excess, scale| ObstacleShape::Mesh { file: file.to_owned(), excess, scale };
+        let of = |file: &str, excess, scale| {
+            ObstacleShape::Mesh(ObstacleMesh { file: file.to_owned(), excess, scale })
+        };
         assert_eq!(jig.shape(), &of("jig.stl", 5e-3, 1.0));
         assert_eq!(cast.shape(), &of("parts/cast.obj", 0.01, 1e-3));
         let told = refused(
@@ -330,8 +339,8 @@ mod tests {
         let told_by = |kinds: &Kinds| file.cell(kinds).err().map_or(String::new(), |error| error.to_string());
         let told = told_by(&Kinds::new());
         assert!(told.contains("cells/cell.toml:5:8: obstacle `jig`: the kinds of robots"), "{told}");
-        let kinds = Kinds::new().meshes(|entry| {
-            assert_eq!(entry.beside("jig.stl"), Path::new("cells/jig.stl"));
+        let kinds = Kinds::new().meshes(|entry, mesh| {
+            assert_eq!(entry.beside(&mesh.file), Path::new("cells/jig.stl"));
             Ok(Solid::Ball { radius: 0.25 })
         });
         assert!(!told_by(&kinds).contains("jig"));

@@ -7,7 +7,7 @@ use mrroc_core::suggestion::suggestion;
 use toml::de::{DeTable, DeValue};
 
 use super::super::error::At;
-use super::super::obstacle::{ObstacleEntry, ObstacleShape};
+use super::super::obstacle::{ObstacleEntry, ObstacleMesh, ObstacleShape};
 use super::pose::IN_CELL;
 use super::{Entry, Reader, Value};
 
@@ -150,11 +150,11 @@ impl Reader {
         let table = self.shape_table(value, FORM, &["file", "excess", "scale"])?;
         let file = self.shape_file(table, value, FORM);
         let excess = match table.get("excess") {
-            None => Some(ObstacleShape::EXCESS),
+            None => Some(ObstacleMesh::EXCESS),
             Some(_) => self.length(table, value, "excess", FORM),
         };
         let scale = table.get("scale").map_or(Some(1.0), |scale| self.scale(scale));
-        Some(ObstacleShape::Mesh { file: file?, excess: excess?, scale: scale? })
+        Some(ObstacleShape::Mesh(ObstacleMesh { file: file?, excess: excess?, scale: scale? }))
     }
 
     /// How many metres a unit of a file is.
