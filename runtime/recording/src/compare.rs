@@ -87,7 +87,7 @@ impl Comparison {
     pub fn outcome(&self, fault: Option<&Fault>) -> Compared {
         let difference = *self.first.borrow();
         let steps =
-            self.recorded.script.0.iter().filter(|scripted| scripted.step <= self.begun.get()).count();
+            self.recorded.script.steps.iter().filter(|scripted| scripted.step <= self.begun.get()).count();
         // The MP may have left out the last steps of the recording.
         let due = self.recorded.script.last_until(self.last);
         let is_short = difference.is_none() && self.begun.get() < due;

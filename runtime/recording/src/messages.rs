@@ -346,8 +346,7 @@ impl Messages {
         Ok(RecordedRun {
             robots: self.robots.into_iter().map(Rc::new).collect(),
             readings: self.readings.into_iter().map(Rc::new).collect(),
-            values: Rc::new(of_mp),
-            script: Rc::new(Script(self.steps, self.jogs)),
+            script: Rc::new(Script { steps: self.steps, jogs: self.jogs, values: of_mp }),
             outside: self.outside,
             end: self.end,
         })

@@ -179,7 +179,6 @@ impl Cell {
         let timing = MpTiming { period: self.timing.step, grace, rate_change, path_stop };
         let mut program = self.coordination.program;
         let after_fault = self.coordination.after_fault;
-        let values = self.watching.recorded.as_ref().map(|recorded| Rc::clone(&recorded.values));
         let script = self.watching.recorded.map(|recorded| Rc::clone(&recorded.script));
         let steps = Rc::new(core::cell::Cell::new(0));
         let counted = Rc::clone(&steps);
@@ -195,7 +194,7 @@ impl Cell {
                     (self.coordination.operator, self.coordination.hook, self.coordination.activity),
                     &timing,
                 );
-                let mp = mp.with_names(named).with_values(values);
+                let mp = mp.with_names(named);
                 let is_lower = upper.is_some();
                 let mut mp = match upper {
                     Some(upper) => mp.under(upper, me),

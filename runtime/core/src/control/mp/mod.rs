@@ -33,7 +33,7 @@ use std::rc::Rc;
 
 use crate::control::guard::Guard;
 use crate::control::recorded::{Recorded, recorded};
-use crate::control::replay::{RecordedValues, Script};
+use crate::control::replay::Script;
 use crate::control::sensing::Sensing;
 use crate::link::{Host, News, Sample};
 #[cfg(doc)]
@@ -83,8 +83,6 @@ pub struct Mp<'w> {
     path_stop: u64,
     /// The recorded steps, in a replay.
     script: Option<Rc<Script>>,
-    /// The values that the program recorded, in a replay.
-    values: Option<Rc<RecordedValues>>,
     named: Rc<CellNames>,
     /// The MP above, of a lower cell.
     upper: Option<Upper>,
@@ -124,7 +122,6 @@ impl<'w> Mp<'w> {
             stops: Stops::of(ProcessId::MP),
             path_stop: timing.path_stop,
             script: None,
-            values: None,
             named: Rc::default(),
             upper: None,
         }
@@ -141,12 +138,6 @@ impl<'w> Mp<'w> {
     /// The same with the frames and tools that the cell names.
     pub(crate) fn with_names(mut self, named: Rc<CellNames>) -> Self {
         self.named = named;
-        self
-    }
-
-    /// The same in a replay of a run whose program recorded these values.
-    pub(crate) fn with_values(mut self, values: Option<Rc<RecordedValues>>) -> Self {
-        self.values = values;
         self
     }
 
@@ -231,7 +222,8 @@ impl<'w> Mp<'w> {
         let show = |what: &StepEvent, words: &[u64]| {
             self.step_observers.show(self.host.waiter.now(), what, words);
         };
-        recorded(name, self.clock.step(), self.values.as_deref(), show, compute)
+        let values = self.script.as_ref().map(|script| &script.values);
+        recorded(name, self.clock.step(), values, show, compute)
             .map_err(|fault| fault.in_process(self.process))
     }
 

@@ -102,10 +102,8 @@ pub struct RecordedRun {
     pub robots: Vec<Rc<RecordedRobot>>,
     /// What each process collected of each sensor.
     pub readings: Vec<Rc<RecordedReadings>>,
-    /// The MP's steps, and what the operator wanted in them.
+    /// The MP's steps, what the operator wanted in them, and what its program recorded.
     pub script: Rc<Script>,
-    /// What the program of the MP recorded.
-    pub values: Rc<RecordedValues>,
     /// The first fault that did not come from the programs: its step and its text.
     pub outside: Option<(u64, String)>,
     /// How the MP's program ended: nothing, or its fault's text; `None` when the recording does not go so far.

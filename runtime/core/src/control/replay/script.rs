@@ -1,5 +1,6 @@
 //! The steps of a recorded run: in which of them the MP began one, and what the operator wanted then.
 
+use super::values::RecordedValues;
 use crate::model::name::Name;
 use crate::operator::Operator;
 use crate::operator::jog::JogNow;
@@ -39,37 +40,44 @@ pub struct ScriptedJog {
     pub now: JogNow,
 }
 
-/// The steps of a run, in their order; and what was asked of robots that were jogged, in the order of the steps.
+/// What the MP of a run goes by in its replay.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Script(pub Vec<ScriptedStep>, pub Vec<ScriptedJog>);
+pub struct Script {
+    /// Its steps, in their order.
+    pub steps: Vec<ScriptedStep>,
+    /// What was asked of robots that were jogged, in the order of the steps.
+    pub jogs: Vec<ScriptedJog>,
+    /// What its program recorded.
+    pub values: RecordedValues,
+}
 
 impl Script {
     /// What is asked of which robot in a step.
     pub fn jog(&self, step: u64) -> Option<(Name, JogNow)> {
-        let last = self.1.partition_point(|jog| jog.step <= step).checked_sub(1)?;
-        self.1.get(last).filter(|jog| jog.now != JogNow::Nothing).map(|jog| (jog.robot, jog.now))
+        let last = self.jogs.partition_point(|jog| jog.step <= step).checked_sub(1)?;
+        self.jogs.get(last).filter(|jog| jog.now != JogNow::Nothing).map(|jog| (jog.robot, jog.now))
     }
 
     fn at(&self, step: u64) -> Option<&ScriptedStep> {
-        let place = self.0.binary_search_by_key(&step, |scripted| scripted.step).ok()?;
-        self.0.get(place)
+        let place = self.steps.binary_search_by_key(&step, |scripted| scripted.step).ok()?;
+        self.steps.get(place)
     }
 
     /// The next step that the MP began after one; the one after it where none is recorded.
     pub fn after(&self, step: u64) -> u64 {
-        let place = self.0.partition_point(|scripted| scripted.step <= step);
-        self.0.get(place).map_or(step + 1, |scripted| scripted.step)
+        let place = self.steps.partition_point(|scripted| scripted.step <= step);
+        self.steps.get(place).map_or(step + 1, |scripted| scripted.step)
     }
 
     /// The last step up to this one that the MP began; 0 if it began none.
     pub fn last_until(&self, step: u64) -> u64 {
-        let count = self.0.partition_point(|scripted| scripted.step <= step);
-        count.checked_sub(1).and_then(|last| self.0.get(last)).map_or(0, |scripted| scripted.step)
+        let count = self.steps.partition_point(|scripted| scripted.step <= step);
+        count.checked_sub(1).and_then(|last| self.steps.get(last)).map_or(0, |scripted| scripted.step)
     }
 
     /// The last step that is recorded.
     pub fn last(&self) -> u64 {
-        self.0.last().map_or(0, |scripted| scripted.step)
+        self.steps.last().map_or(0, |scripted| scripted.step)
     }
 
     /// Lets the operator want what he wanted when a step began.
@@ -128,8 +136,8 @@ mod tests {
 
     #[test]
     fn steps_that_were_skipped_are_skipped_again() {
-        let script =
-            Script(vec![step(1), step(2), step(5), ScriptedStep { late: true, ..step(6) }], Vec::new());
+        let steps = vec![step(1), step(2), step(5), ScriptedStep { late: true, ..step(6) }];
+        let script = Script { steps, ..Script::default() };
         assert_eq!([0, 1, 2, 3, 5, 6].map(|after| script.after(after)), [1, 2, 5, 5, 6, 7]);
         assert_eq!([0, 2, 4, 5, 9].map(|step| script.last_until(step)), [0, 2, 2, 5, 6]);
         assert_eq!((script.last(), script.was_late(5), script.was_late(6)), (6, false, true));
@@ -140,7 +148,8 @@ mod tests {
         let robot = Name::new("left").expect("a name");
         let jog = |step, now| ScriptedJog { step, robot, now };
         let done = JogNow::Done { press: 7 };
-        let script = Script(Vec::new(), vec![jog(3, done), jog(5, JogNow::Nothing)]);
+        let jogs = vec![jog(3, done), jog(5, JogNow::Nothing)];
+        let script = Script { jogs, ..Script::default() };
         assert_eq!(
             [2, 3, 4, 5, 9].map(|step| script.jog(step).map(|(_, now)| now)),
             [None, Some(done), Some(done), None, None]
@@ -149,14 +158,12 @@ mod tests {
 
     #[test]
     fn the_operator_wants_what_he_wanted() {
-        let script = Script(
-            vec![
-                ScriptedStep { speed: 0.5, suspended: true, ..step(1) },
-                ScriptedStep { speed: 0.5, aborts: true, ..step(2) },
-                ScriptedStep { stopping: true, ..step(3) },
-            ],
-            Vec::new(),
-        );
+        let steps = vec![
+            ScriptedStep { speed: 0.5, suspended: true, ..step(1) },
+            ScriptedStep { speed: 0.5, aborts: true, ..step(2) },
+            ScriptedStep { stopping: true, ..step(3) },
+        ];
+        let script = Script { steps, ..Script::default() };
         let operator = Operator::new();
         operator.begin();
         script.begin(1, &operator);
