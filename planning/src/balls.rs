@@ -3,11 +3,18 @@
 //! In: the capsules of a link. Out: a [`BallTree`], whose leaves cover the capsules, standing out by at most [`EXCESS`]. A node that is
 //! clear of something needs no look at what is below it.
 
+use std::collections::HashMap;
+
 use mrroc_robots::clearance::Capsule;
 use nalgebra::Vector3;
 
 /// By how much the balls of a capsule may stand out of it \[m\].
 pub(crate) const EXCESS: f64 = 0.003;
+
+/// From so many capsules on that stand still together, those balls are left out that lie in others ..
+const MANY: usize = 1000;
+/// .. which may be so much larger for it \[m\].
+const LARGER: f64 = 0.003;
 
 /// The most balls along one capsule: a long thin one is covered less tightly.
 const MOST: usize = 64;
@@ -81,6 +88,32 @@ impl BallTree {
         tree
     }
 
+    /// Of capsules that stand still together, in the world: no [`roots`](Self::roots).
+    pub(crate) fn standing(capsules: &[Capsule]) -> Self {
+        let mut balls: Vec<Ball> =
+            capsules.iter().flat_map(|capsule| covering(capsule, count(capsule))).collect();
+        if capsules.len() >= MANY {
+            balls = thinned(balls);
+        }
+        let mut tree = BallTree::default();
+        tree.spread(&mut balls);
+        tree
+    }
+
+    /// Adds balls that are near one another below one node.
+    fn spread(&mut self, balls: &mut [Ball]) {
+        let node = self.push(balls);
+        if balls.len() > 1 {
+            let centres: Vec<Vector3<f64>> = balls.iter().map(|ball| ball.centre).collect();
+            let axis = longest(&centres);
+            balls.sort_by(|a, b| a.centre[axis].total_cmp(&b.centre[axis]));
+            let (first, second) = balls.split_at_mut(balls.len() / 2);
+            self.spread(first);
+            self.nodes[node].second = self.nodes.len() as u32;
+            self.spread(second);
+        }
+    }
+
     fn push(&mut self, balls: &[Ball]) -> usize {
         let ball = around(balls);
         let centre = [0, 1, 2].map(|i| ball.centre[i] as f32);
@@ -126,6 +159,27 @@ impl BallTree {
     }
 }
 
+/// Fewer balls that hold all of these: the largest first, each [`LARGER`], without those that lie in one that is kept.
+fn thinned(mut balls: Vec<Ball>) -> Vec<Ball> {
+    balls.sort_by(|a, b| b.radius.total_cmp(&a.radius));
+    // Those that are kept, by cells: another one that holds a ball is in its cell or next to it, or not looked for.
+    let cell = |centre: &Vector3<f64>| [0, 1, 2].map(|i| (centre[i] / (2.0 * LARGER)).floor() as i64);
+    let mut kept: HashMap<[i64; 3], Vec<Ball>> = HashMap::new();
+    let mut left = Vec::new();
+    for ball in balls {
+        let at = cell(&ball.centre);
+        let mut around =
+            (0..27).filter_map(|k| kept.get(&[at[0] + k % 3 - 1, at[1] + k / 3 % 3 - 1, at[2] + k / 9 - 1]));
+        let holds = |other: &Ball| (other.centre - ball.centre).norm() + ball.radius <= other.radius;
+        if !around.any(|balls| balls.iter().any(holds)) {
+            let larger = Ball { radius: ball.radius + LARGER, ..ball };
+            kept.entry(at).or_default().push(larger);
+            left.push(larger);
+        }
+    }
+    left
+}
+
 /// The axis along which the points are spread most.
 fn longest(points: &[Vector3<f64>]) -> usize {
     let lower = points.iter().fold(Vector3::repeat(f64::INFINITY), |a, b| a.inf(b));
@@ -159,6 +213,38 @@ mod tests {
                 f64::from(node.radius) > radius + EXCESS + 1e-5
             });
             prop_assert!(!stands_out);
+        }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(24))]
+
+        #[test]
+        fn every_point_of_many_capsules_that_stand_lies_in_a_leaf(
+            places in proptest::collection::vec(proptest::array::uniform3(-0.03..0.03_f64), 1200),
+            which in 0..1200_usize, along in 0.0..1.0_f64, direction in proptest::array::uniform3(-1.0..1.0_f64),
+        ) {
+            let capsules: Vec<Capsule> = places
+                .iter()
+                .enumerate()
+                .map(|(i, place)| {
+                    let a = Vector3::from(*place);
+                    Capsule::new(a, a + Vector3::new(0.01, 0.02, 0.03), 0.02 + 1e-5 * i as f64)
+                })
+                .collect();
+            let direction = Vector3::from(direction);
+            prop_assume!(direction.norm() > 0.1);
+            let [a, b] = capsules[which].ends;
+            let point = a + (b - a) * along + direction.normalize() * capsules[which].radius;
+            let tree = BallTree::standing(&capsules);
+            let inside = |node: &Node| {
+                (point - Vector3::from(node.centre.map(f64::from))).norm() <= f64::from(node.radius)
+            };
+            prop_assert!(inside(&tree.nodes[0]));
+            prop_assert!(tree.nodes.iter().any(|node| node.second == 0 && inside(node)));
+            let all: usize = capsules.iter().map(count).sum();
+            let leaves = tree.nodes.iter().filter(|node| node.second == 0).count();
+            prop_assert!(leaves < all / 2, "{leaves} of {all}");
         }
     }
 }

@@ -7,10 +7,13 @@
 //!
 //! Single precision: what rounding may cost is added to every distance ([`ROUNDING`]).
 
-use mrroc_robots::clearance::{CheckedPair, Clearance, Obstacle, Partner};
+use std::sync::Arc;
+
+use mrroc_robots::clearance::{Capsule, CheckedPair, Clearance, Obstacle, Partner};
 use nalgebra::Vector3;
 
 use crate::arm::{Arm, Around, Standing};
+use crate::balls::BallTree;
 use crate::lanes::{ALL, LANES, Lanes, Mask, Points};
 
 /// What the rounding of positions in single precision may cost \[m\]: a few units in the last place at some ten metres.
@@ -62,6 +65,8 @@ enum Body {
         radius: f32,
         half: f32,
     },
+    /// Balls around many capsules.
+    Balls(Arc<BallTree>),
     /// Any other, asked posture by posture.
     Other(Obstacle),
 }
@@ -73,15 +78,7 @@ impl Body {
             Obstacle::HalfSpace { normal, height } => {
                 Body::HalfSpace { normal: single(normal), height: *height as f32 }
             }
-            Obstacle::Capsule(capsule) => {
-                let along = capsule.ends[1] - capsule.ends[0];
-                Body::Capsule {
-                    a: single(&capsule.ends[0]),
-                    along: single(&along),
-                    squared: along.norm_squared() as f32,
-                    radius: capsule.radius as f32,
-                }
-            }
+            Obstacle::Capsule(capsule) => Body::capsule(capsule),
             Obstacle::Box { X_WO, half } => {
                 let axes = X_WO.rotation.to_rotation_matrix();
                 Body::Box {
@@ -96,9 +93,20 @@ impl Body {
                 radius: *radius as f32,
                 half: *half_length as f32,
             },
-            Obstacle::Bodies(_) | Obstacle::Cloud(_) | Obstacle::HeightField(_) => {
-                Body::Other(obstacle.clone())
-            }
+            Obstacle::Bodies(bodies) if let [capsule] = bodies.capsules() => Body::capsule(capsule),
+            Obstacle::Bodies(bodies) => Body::Balls(Arc::new(BallTree::standing(bodies.capsules()))),
+            Obstacle::Cloud(_) | Obstacle::HeightField(_) => Body::Other(obstacle.clone()),
+        }
+    }
+
+    fn capsule(capsule: &Capsule) -> Self {
+        let single = |v: &Vector3<f64>| [0, 1, 2].map(|i| v[i] as f32);
+        let along = capsule.ends[1] - capsule.ends[0];
+        Body::Capsule {
+            a: single(&capsule.ends[0]),
+            along: single(&along),
+            squared: along.norm_squared() as f32,
+            radius: capsule.radius as f32,
         }
     }
 
@@ -134,6 +142,25 @@ impl Body {
                 let ends = (along.abs() - Lanes::splat(*half)).max(Lanes::default());
                 let side = (across - Lanes::splat(*own)).max(Lanes::default());
                 (ends * ends + side * side).above(radius * radius)
+            }
+            Body::Balls(tree) => {
+                let mut hit: Mask = 0;
+                let mut stack = [0_u32; DEPTH];
+                let mut depth = 1;
+                while depth > 0 && hit != ALL {
+                    depth -= 1;
+                    let at = stack[depth];
+                    let node = &tree.nodes[at as usize];
+                    let apart = radius + Lanes::splat(node.radius);
+                    let near = !(centre - Points::splat(node.centre)).squared().above(apart * apart) & !hit;
+                    if node.second == 0 {
+                        hit |= near;
+                    } else if near != 0 {
+                        [stack[depth], stack[depth + 1]] = [node.second, at + 1];
+                        depth += 2;
+                    }
+                }
+                !hit
             }
             Body::Other(obstacle) => {
                 let mut mask = 0;
@@ -204,7 +231,7 @@ impl Checker {
                 arms[other].limbs[limb].asked |= 1 << pairing.since;
             }
         }
-        let bounds = bounds(&bodies);
+        let bounds = bounds(clearance.obstacle_parts().map(|(_, obstacle)| obstacle));
         let margin = pairings.iter().map(|pairing| pairing.margin).fold(0.0, f32::max);
         Checker {
             standing: vec![Standing::default(); arms.len()],
@@ -470,33 +497,16 @@ impl Checker {
     }
 }
 
-/// Boxes around bodies, eight at a time.
-fn bounds(bodies: &[Body]) -> Vec<[Points; 2]> {
-    let mut bounds = vec![[Points::default(); 2]; bodies.len().div_ceil(LANES)];
-    for (i, body) in bodies.iter().enumerate() {
-        let all = || ([f32::NEG_INFINITY; 3], [f32::INFINITY; 3]);
-        let around = |middle: &[f32; 3], half: [f32; 3]| {
-            let half = half.map(|half| half + ROUNDING);
-            (core::array::from_fn(|k| middle[k] - half[k]), core::array::from_fn(|k| middle[k] + half[k]))
-        };
-        let (lower, upper): ([f32; 3], [f32; 3]) = match body {
-            Body::HalfSpace { .. } | Body::Other(_) => all(),
-            Body::Capsule { a, along, radius, .. } => {
-                let middle = core::array::from_fn(|k| a[k] + 0.5 * along[k]);
-                around(&middle, along.map(|along| 0.5 * along.abs() + radius))
-            }
-            Body::Box { axes, centre, half } => {
-                let reach = |k: usize| axes.iter().zip(half).map(|(axis, half)| axis[k].abs() * half).sum();
-                around(centre, core::array::from_fn(reach))
-            }
-            Body::Cylinder { axis, centre, radius, half } => around(
-                centre,
-                axis.map(|part| part.abs() * half + (1.0 - part * part).max(0.0).sqrt() * radius),
-            ),
-        };
+/// Boxes around obstacles, eight at a time.
+fn bounds<'a>(obstacles: impl ExactSizeIterator<Item = &'a Obstacle>) -> Vec<[Points; 2]> {
+    let mut bounds = vec![[Points::default(); 2]; obstacles.len().div_ceil(LANES)];
+    for (i, obstacle) in obstacles.enumerate() {
+        let endless = Vector3::repeat(f64::INFINITY);
+        let (lower, upper) = obstacle.bounds().unwrap_or((-endless, endless));
+        let [lower, upper] = [lower.map(|at| at as f32 - ROUNDING), upper.map(|at| at as f32 + ROUNDING)];
         for (corner, at) in bounds[i / LANES].iter_mut().zip([lower, upper]) {
-            for (lanes, at) in corner.0.iter_mut().zip(at) {
-                lanes.set(i % LANES, at);
+            for (lanes, at) in corner.0.iter_mut().zip(&at) {
+                lanes.set(i % LANES, *at);
             }
         }
     }

@@ -2,7 +2,7 @@
 
 use mrroc::fault::Fault;
 use mrroc_generators::timing::TimingError;
-use mrroc_robots::clearance::{CheckError, Nearest};
+use mrroc_robots::clearance::{CheckError, ClearanceError, Nearest};
 use thiserror::Error;
 
 /// Why there is no plan.
@@ -42,7 +42,7 @@ pub enum PlanError {
     /// Joints of the start or of a goal share a limit that they do not keep, or have no posture there.
     #[error("{robot}: the joints of the {place} do not go together: a limit that they share is not kept")]
     Coupled {
-        /// `start` or `goal`.
+        /// `start`, `goal`, `stop` or `standing position`.
         place: &'static str,
         /// The robot.
         robot: String,
@@ -96,13 +96,16 @@ pub enum PlanError {
     #[error("a posture cannot be checked: {0}")]
     Check(Box<CheckError>),
     /// Another robot is asked about.
-    #[error("the plan is not for a robot called {name}: it is for {known}")]
+    #[error("no robot is called {name} here: the robots are {known}")]
     NoRobot {
         /// The name.
         name: String,
-        /// The robots of the plan.
+        /// The robots of the plan, or of the planner.
         known: String,
     },
+    /// A clearance that others plan with cannot be made.
+    #[error("no clearance for the other robots: {0}")]
+    Clearance(Box<ClearanceError>),
 }
 
 impl From<CheckError> for PlanError {

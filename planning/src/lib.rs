@@ -14,6 +14,7 @@
 
 mod arm;
 mod balls;
+mod beside;
 mod braking;
 mod check;
 mod closest;

@@ -46,19 +46,24 @@ impl Planner {
     /// [`PlanError::Robots`].
     pub fn new(clearance: Clearance) -> Result<Self, PlanError> {
         let checker = Checker::new(&clearance);
-        if !(1..=ROBOTS).contains(&checker.arms.len()) {
-            return Err(PlanError::Robots(checker.arms.len()));
-        }
         let limits = Limits::of(&checker.arms);
-        Ok(Planner {
-            clearance,
-            checker,
-            edges: Edges::default(),
-            limits,
-            seed: 1,
-            effort: 400_000,
-            reaction: 0.03,
-        })
+        let edges = Edges::default();
+        Planner { clearance, checker, edges, limits, seed: 1, effort: 400_000, reaction: 0.03 }.has_robots()
+    }
+
+    /// Itself, if it has as many robots as it can plan for.
+    pub(crate) fn has_robots(self) -> Result<Self, PlanError> {
+        match self.checker.arms.len() {
+            1..=ROBOTS => Ok(self),
+            robots => Err(PlanError::Robots(robots)),
+        }
+    }
+
+    /// The same with another clearance.
+    pub(crate) fn with_clearance(&self, clearance: Clearance) -> Self {
+        let checker = Checker::new(&clearance);
+        let limits = Limits::of(&checker.arms);
+        Planner { clearance, checker, limits, ..self.clone() }
     }
 
     /// Another seed of its samples: another path, where there are several.

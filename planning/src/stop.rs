@@ -13,6 +13,8 @@
 //! follows the path until it brakes: its velocity is one of those that it has on the path until then, and the path is off its
 //! tangent by at most half of its second derivative times the square of what is passed.
 
+use core::ops::Range;
+
 use mrroc_robots::clearance::braking_distance;
 
 use crate::arm::Around;
@@ -95,6 +97,21 @@ impl Swept {
         swept
     }
 
+    /// The middle of the positions of a joint at a share of the stop, 0 to 1 [rad or m].
+    pub(crate) fn at(&self, j: usize, share: f64) -> f64 {
+        self.middle[j] + share * self.travel[j]
+    }
+
+    /// How far a joint may be off that, at shares within `half` of `middle` [rad or m].
+    pub(crate) fn around(&self, j: usize, middle: f64, half: f64) -> f64 {
+        self.half[j] + half * self.travel[j].abs() + (middle + half) * self.off[j]
+    }
+
+    /// How far the joint of some that goes farthest goes on its line [rad or m].
+    pub(crate) fn longest(&self, joints: Range<usize>) -> f64 {
+        joints.map(|j| self.travel[j].abs()).fold(0.0, f64::max)
+    }
+
     /// Whether all of it is proven clear, and within the limits of the joints.
     pub(crate) fn is_clear(&self, checker: &mut Checker, limits: &Limits) -> bool {
         self.is_within(limits) && self.is_proven(checker, limits)
@@ -132,13 +149,9 @@ impl Swept {
             open.truncate(open.len() - taken);
             for (robot, joints) in limits.robots.iter().enumerate() {
                 for j in joints.clone() {
-                    q[j] = Lanes::new(
-                        batch.map(|part| (self.middle[j] + part.middle[robot] * self.travel[j]) as f32),
-                    );
+                    q[j] = Lanes::new(batch.map(|part| self.at(j, part.middle[robot]) as f32));
                     half[j] = Lanes::new(batch.map(|part| {
-                        let most = part.middle[robot] + part.half[robot];
-                        ((self.half[j] + part.half[robot] * self.travel[j].abs() + most * self.off[j])
-                            * (1.0 + 1e-6)) as f32
+                        (self.around(j, part.middle[robot], part.half[robot]) * (1.0 + 1e-6)) as f32
                     }));
                 }
             }
@@ -159,9 +172,7 @@ impl Swept {
 
     /// A box in two, across the longest of the robots' lines; `None` where they are too short.
     fn divided(&self, limits: &Limits, part: Part) -> Option<[Part; 2]> {
-        let length = |robot: usize| {
-            limits.robots[robot].clone().map(|j| self.travel[j].abs()).fold(0.0, f64::max) * part.half[robot]
-        };
+        let length = |robot: usize| self.longest(limits.robots[robot].clone()) * part.half[robot];
         let all = 0..limits.robots.len();
         let robot = all.max_by(|a, b| length(*a).total_cmp(&length(*b)).then(b.cmp(a)))?;
         if length(robot) < 1e-4 {

@@ -60,8 +60,7 @@ pub(crate) fn timed(
     reaction: f64,
 ) -> Result<Speed, PlanError> {
     let parameter = Parameter { knots: path.knots() };
-    let cells = (path.length() / CELL).max(CELLS);
-    let grid = mrroc_generators::timing::grid(&parameter, cells as usize);
+    let grid = grid(path);
     let count = grid.len() - 1;
     let mut most = vec![f64::INFINITY; count];
     // What was proven clear needs no second proof at a lower speed.
@@ -69,21 +68,10 @@ pub(crate) fn timed(
     let mut at = 0.0;
     for round in 0..ROUNDS {
         let speed = fastest(path, &parameter, &grid, limits, &most)?;
-        let passed = speeds(&speed, &grid);
-        // The last cell that is reached from each one within the reaction time, and the largest speed until then.
-        let ahead: Vec<(usize, f64)> = (0..count)
-            .map(|cell| {
-                let mut most = passed[cell];
-                let mut last = cell;
-                while last + 1 < count && grid[last + 1] < grid[cell + 1] + most * reaction {
-                    last += 1;
-                    most = most.max(passed[last]);
-                }
-                (last, most)
-            })
-            .collect();
+        let passed = Passed::of(&grid, &speed);
         let mut slowed = None;
-        for (cell, &(last, passed)) in ahead.iter().enumerate() {
+        for cell in 0..count {
+            let (last, passed) = passed.ahead(cell, reaction);
             if passed <= proven[cell] {
                 continue;
             }
@@ -196,23 +184,48 @@ fn excess(path: &Path, speed: &Speed, limits: &Limits, samples: usize) -> f64 {
     factor
 }
 
-/// The largest speed in each cell.
-fn speeds(speed: &Speed, grid: &[f64]) -> Vec<f64> {
-    let mut most = vec![0.0_f64; grid.len() - 1];
-    let samples = grid.len() * SAMPLES * 2;
-    let step = speed.duration() / samples as f64;
-    for k in 0..=samples {
-        let at = speed.at(k as f64 * step);
-        // Between two samples the speed changes by at most the acceleration, and the place by at most a step of both.
-        let v = at.v + at.a.abs() * step;
-        let [from, to] = [at.s - v * step, at.s + v * step];
-        let first = grid.partition_point(|u| *u <= from).clamp(1, most.len()) - 1;
-        for (cell, most) in most.iter_mut().enumerate().skip(first) {
-            if grid[cell] > to {
-                break;
+/// The grid of cells over a path, whose ends are its knots among others.
+pub(crate) fn grid(path: &Path) -> Vec<f64> {
+    let cells = (path.length() / CELL).max(CELLS);
+    mrroc_generators::timing::grid(&Parameter { knots: path.knots() }, cells as usize)
+}
+
+/// The largest speed in each cell of a grid.
+pub(crate) struct Passed<'a> {
+    grid: &'a [f64],
+    most: Vec<f64>,
+}
+
+impl<'a> Passed<'a> {
+    /// Of a motion along the path of the grid.
+    pub(crate) fn of(grid: &'a [f64], speed: &Speed) -> Self {
+        let mut most = vec![0.0_f64; grid.len() - 1];
+        let samples = grid.len() * SAMPLES * 2;
+        let step = speed.duration() / samples as f64;
+        for k in 0..=samples {
+            let at = speed.at(k as f64 * step);
+            // Between two samples the speed changes by at most the acceleration, and the place by at most a step of both.
+            let v = at.v + at.a.abs() * step;
+            let [from, to] = [at.s - v * step, at.s + v * step];
+            let first = grid.partition_point(|u| *u <= from).clamp(1, most.len()) - 1;
+            for (cell, most) in most.iter_mut().enumerate().skip(first) {
+                if grid[cell] > to {
+                    break;
+                }
+                *most = most.max(v);
             }
-            *most = most.max(v);
         }
+        Passed { grid, most }
     }
-    most
+
+    /// The last cell that is reached from a cell within the reaction time \[s\], and the largest speed until then.
+    pub(crate) fn ahead(&self, cell: usize, reaction: f64) -> (usize, f64) {
+        let mut most = self.most[cell];
+        let mut last = cell;
+        while last + 1 < self.most.len() && self.grid[last + 1] < self.grid[cell + 1] + most * reaction {
+            last += 1;
+            most = most.max(self.most[last]);
+        }
+        (last, most)
+    }
 }

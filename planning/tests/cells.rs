@@ -51,13 +51,18 @@ pub(crate) fn around_a_box() -> ClearanceBuilder {
         .ignore(("arm", "link 0"), ("table", "table"))
 }
 
+/// The bases of the two arms, which face each other: an arm reaches along the -x of its base.
+pub(crate) fn bases() -> [Pose; 2] {
+    [Pose::new(Vector3::zeros(), Vector3::z() * core::f64::consts::PI), Pose::translation(0.9, 0.0, 0.0)]
+}
+
 /// Two arms that face each other.
 pub(crate) fn two_arms() -> ClearanceBuilder {
-    let turned = Pose::new(Vector3::new(0.9, 0.0, 0.0), Vector3::z() * core::f64::consts::PI);
+    let [left, right] = bases();
     Clearance::with_margin(0.02)
-        .robot("left", six_axes(Pose::identity()))
+        .robot("left", six_axes(left))
         .expect("an arm")
-        .robot("right", six_axes(turned))
+        .robot("right", six_axes(right))
         .expect("an arm")
         .obstacle("table", Obstacle::table(-0.1))
         .expect("a table")

@@ -1,5 +1,6 @@
 //! The planner as its users use it.
 
+mod beside;
 mod cells;
 mod check;
 mod examples;

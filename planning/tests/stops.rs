@@ -13,16 +13,17 @@ use mrroc_planning::{HereAll, Plan, PlanError, Planner};
 use mrroc_robots::clearance::{Clearance, Outline};
 use mrroc_robots::{Serial, Simulated};
 
-use super::cells::{around_a_box, seven_axes, six_axes, stopping, two_arms};
+use super::cells::{around_a_box, bases, seven_axes, six_axes, stopping, two_arms};
 use super::plans::{A, B};
 
-const STEP: Duration = Duration::from_millis(2);
+pub(crate) const STEP: Duration = Duration::from_millis(2);
 
 /// Follows a plan until it throws a fault.
-struct Breaks<R> {
+pub(crate) struct Breaks<R> {
     plan: Plan,
     first: usize,
     time: f64,
+    wait: u32,
     left: u32,
     of: PhantomData<R>,
 }
@@ -36,14 +37,25 @@ fn breaks<R: Robot>(c: &mut Breaks<R>, t: Tick) -> Result<Step<R>, Fault> {
     if c.time >= c.plan.duration() {
         return Ok(Step::Done);
     }
-    c.time += t.dt;
+    if c.wait > 0 {
+        c.wait -= 1;
+    } else {
+        c.time += t.dt;
+    }
     let q = c.plan.at(c.time);
     Ok(Step::Next(Demand::joints(R::Joints::from_joints(|i| q[c.first + i]))))
 }
 
 impl<R> Breaks<R> {
-    fn new(plan: &Plan, first: usize, left: u32) -> Self {
-        Breaks { plan: plan.clone(), first, time: 0.0, left, of: PhantomData }
+    /// Of the robot whose `first` joint in the plan this is; it throws its fault in the step after so many.
+    pub(crate) fn new(plan: &Plan, first: usize, left: u32) -> Self {
+        Breaks { plan: plan.clone(), first, time: 0.0, wait: 0, left, of: PhantomData }
+    }
+
+    /// The same, which begins to move so many steps later.
+    pub(crate) fn after(mut self, steps: u32) -> Self {
+        self.wait = steps;
+        self
     }
 }
 
@@ -53,7 +65,7 @@ fn least_distance(cell: Cell, clearance: Clearance) -> f64 {
 }
 
 /// The same from a time on \[s\], and the number of servo periods that were looked at.
-fn least_distance_after(cell: Cell, clearance: Clearance, after: f64) -> (f64, usize) {
+pub(crate) fn least_distance_after(cell: Cell, clearance: Clearance, after: f64) -> (f64, usize) {
     let seen = Rc::new(RefCell::new(Vec::<(f64, String, Vec<f64>)>::new()));
     let sink = Rc::clone(&seen);
     let cell = cell.watch(move |servo| {
@@ -247,8 +259,6 @@ impl Sweep {
         let mut planner =
             Planner::new(clearance.clone()).expect("a planner").with_seed(seed).with_effort(100_000);
         let mut random = Random::seeded(seed);
-        let turned =
-            Pose::new(nalgebra::Vector3::new(0.9, 0.0, 0.0), nalgebra::Vector3::z() * core::f64::consts::PI);
         let mut draw = || -> Vec<f64> {
             (0..12)
                 .map(|j| match j % 6 {
@@ -261,7 +271,7 @@ impl Sweep {
         };
         let (plan, here) = loop {
             let (start, goal) = (draw(), draw());
-            let here = standing(facing(turned, &start), |mp| {
+            let here = standing(facing(&start), |mp| {
                 let (mut left, mut right) = (mp.robot::<Serial<6>>("left")?, mp.robot::<Serial<6>>("right")?);
                 Ok(mp
                     .wait_until((&mut left, &mut right), (), HereAll::<(Serial<6>, Serial<6>)>::default())?
@@ -281,7 +291,7 @@ impl Sweep {
             // One of them may be told of the fault later than the other.
             let (first, second) = if random.below(2) == 0 { (k, k + 1) } else { (k + 1, k) };
             let plan = plan.clone();
-            let cell = facing(turned, &here).program(move |mp| {
+            let cell = facing(&here).program(move |mp| {
                 let (mut left, mut right) = (mp.robot::<Serial<6>>("left")?, mp.robot::<Serial<6>>("right")?);
                 let (one, two) = (Breaks::new(&plan, 0, first), Breaks::new(&plan, 6, second));
                 mp.move_robots((&mut left, &mut right), (), Each::of((one, two))).map(drop)
@@ -297,10 +307,11 @@ impl Sweep {
 }
 
 /// Two arms that face each other, standing there.
-fn facing(turned: Pose, q: &[f64]) -> Cell {
-    Cell::new(STEP).robot(setup("left", &six_axes(Pose::identity()), &q[..6])).robot(setup(
+pub(crate) fn facing(q: &[f64]) -> Cell {
+    let [left, right] = bases();
+    Cell::new(STEP).robot(setup("left", &six_axes(left), &q[..6])).robot(setup(
         "right",
-        &six_axes(turned),
+        &six_axes(right),
         &q[6..],
     ))
 }

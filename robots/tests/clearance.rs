@@ -436,3 +436,82 @@ fn own_links_are_left_out_on_request() {
     assert_eq!(nothing, Err(CheckError::NothingToCheck));
     assert!(matches!(build().ignore_own("right").build(AT_ONCE), Err(ClearanceError::NoRobot { .. })));
 }
+
+/// Postures of an arm spread over its limits: `sample` of a Halton sequence in the bases 2, 3, 5 ..
+fn spread(sample: usize) -> [f64; 6] {
+    let arm = Irp6::nominal();
+    let (lower, upper) = (&arm.limits().lower, &arm.limits().upper);
+    core::array::from_fn(|j| lower[j] + (upper[j] - lower[j]) * mrroc::random::halton(sample, j))
+}
+
+#[test]
+fn an_arm_that_is_obstacles_is_as_far_away_as_the_arm_that_stands_there() {
+    let build = |margin: f64| {
+        let (left, right) = facing(2.0);
+        Clearance::with_margin(0.05)
+            .robot("left", left)?
+            .robot("right", right)?
+            .tool("left", &rod())?
+            .obstacle("floor", Obstacle::table(-1.0))?
+            .margin_between("left", "right", margin)
+            .ignore(("left", "tool"), ("right", "hand"))
+            .build(AT_ONCE)
+    };
+    let mut both = build(0.3).unwrap();
+    let mut tried = 0;
+    for sample in 1..200 {
+        let (there, here) = (spread(sample), spread(1000 - sample));
+        let shape = both.robot_parts()[0].clone();
+        let padded = core::array::from_fn(|j| there.get(j).copied().unwrap_or_default());
+        let mut capsules = Vec::new();
+        if !shape.around(&padded, &[0.0; 8], &mut |link, capsule, more| {
+            assert_eq!(more, 0.0);
+            capsules.push((link, capsule));
+        }) {
+            continue;
+        }
+        let mut alone = both.with_robot_as_obstacles("left", &capsules).unwrap();
+        let (Ok(one), Ok(other)) = (both.nearest_at(&[&there, &here]), alone.nearest_at(&[&here])) else {
+            continue;
+        };
+        // What is nearest may be what the left arm is near to itself.
+        let of_right = |side: &mrroc_robots::clearance::Side| side.robot == Some(Name::new("right").unwrap());
+        if one.sides.iter().any(of_right) {
+            tried += 1;
+            assert!((one.distance - other.distance).abs() < 1e-12, "{one}, and {other}");
+        }
+    }
+    assert!(tried > 50, "{tried}");
+}
+
+#[test]
+fn an_arm_that_is_obstacles_keeps_its_margins_and_its_names_also_when_a_body_is_grasped() {
+    let (left, right) = facing(2.0);
+    let build = |margin: f64| {
+        let clearance = Clearance::with_margin(0.05).robot("left", left.clone()).unwrap();
+        let clearance = clearance.robot("right", right.clone()).unwrap();
+        clearance.margin_between("right", "left", margin).ignore_own("right").build(AT_ONCE).unwrap()
+    };
+    let both = build(0.4);
+    let mut capsules = Vec::new();
+    let padded = core::array::from_fn(|j| LEVEL.get(j).copied().unwrap_or_default());
+    assert!(
+        both.robot_parts()[0]
+            .around(&padded, &[0.0; 8], &mut |link, capsule, _| capsules.push((link, capsule)))
+    );
+    let mut alone = both.with_robot_as_obstacles("left", &capsules).unwrap();
+    assert_eq!(alone.robot_parts().len(), 1);
+    for _ in 0..2 {
+        assert!(alone.checked_pairs().all(|pair| pair.margin == 0.4), "all pairs are of the two");
+        let links: Vec<String> = alone.obstacle_parts().map(|(name, _)| name.to_string()).collect();
+        assert!(links.iter().all(|name| name.starts_with("left ")), "{links:?}");
+        // Each capsule of the right arm with each obstacle, none of them left out because they overlap.
+        assert_eq!(alone.pairs(), alone.robot_parts()[0].links.len() * links.len());
+        alone.grasp("right", "rod", &rod()).unwrap();
+    }
+    let refused = both.with_robot_as_obstacles("middle", &capsules).err().unwrap().to_string();
+    assert_eq!(refused, "no robot `middle` in this clearance");
+    assert!(both.with_robot_as_obstacles("left", &[]).unwrap().obstacle_parts().len() == 0);
+    let bad = [(0, Capsule::new(Vector3::zeros(), Vector3::x(), f64::NAN))];
+    assert!(both.with_robot_as_obstacles("left", &bad).is_err());
+}

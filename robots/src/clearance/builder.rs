@@ -28,6 +28,7 @@ impl Clearance {
                 robots: Vec::new(),
                 names: Vec::new(),
                 bodies: Vec::new(),
+                from_robots: 0,
                 margin,
                 margins: Vec::new(),
                 ignored: Vec::new(),

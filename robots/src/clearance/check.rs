@@ -32,6 +32,8 @@ pub struct Clearance {
     pub(super) robots: Vec<Placement>,
     pub(super) names: Vec<Arc<str>>,
     pub(super) bodies: Vec<Obstacle>,
+    /// How many of the last bodies were links of robots.
+    pub(super) from_robots: usize,
     pub(super) margin: f64,
     pub(super) margins: Vec<(Arc<str>, Arc<str>, f64)>,
     pub(super) ignored: Vec<[Owned; 2]>,
@@ -247,7 +249,8 @@ impl Clearance {
             let usual = if a == b { 0.0 } else { self.margin };
             pair.margin = special.map_or(usual, |(_, _, margin)| *margin);
         }
-        self.unchecked = without_meaningless(&mut pairs, &mut self.robots, &self.bodies);
+        let fixed = self.bodies.len() - self.from_robots;
+        self.unchecked = without_meaningless(&mut pairs, &mut self.robots, &self.bodies[..fixed]);
         self.pairs = pairs;
     }
 

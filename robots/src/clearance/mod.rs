@@ -59,6 +59,7 @@ mod obstacle;
 mod pairs;
 mod parts;
 mod posture;
+mod standing;
 mod stopping;
 
 pub use builder::ClearanceBuilder;

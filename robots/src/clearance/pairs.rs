@@ -86,7 +86,8 @@ pub(super) fn possible(robots: &[Placement], obstacles: usize) -> Vec<Pair> {
 ///
 /// Those of a robot with itself or with obstacles that overlap in all postures: what is mounted there, or modelled too
 /// stout. And links of one robot that stay 10 mm apart in all of them, such as cranks in planes side by side: the way to
-/// a standstill, which knows no directions, would stop the robot for nothing. Pairs of two robots stay whatever they do.
+/// a standstill, which knows no directions, would stop the robot for nothing. Pairs of two robots stay whatever they do, and so do
+/// those with bodies that are not among the `obstacles`, which were robots.
 pub(super) fn without_meaningless(
     pairs: &mut Vec<Pair>,
     robots: &mut [Placement],
@@ -96,7 +97,9 @@ pub(super) fn without_meaningless(
     for (robot, placement) in robots.iter_mut().enumerate() {
         // A pair that has been both apart and near stays: it needs no further posture.
         let mut open: Vec<usize> = (0..pairs.len()).filter(|i| pairs[*i].limb.robot == robot).collect();
-        open.retain(|i| pairs[*i].is_own() || matches!(pairs[*i].other, Other::Obstacle(_)));
+        open.retain(|i| {
+            pairs[*i].is_own() || matches!(pairs[*i].other, Other::Obstacle(o) if o < obstacles.len())
+        });
         let mut stood = 0;
         for sample in 1..=TRIES {
             if stood == POSTURES || open.is_empty() {

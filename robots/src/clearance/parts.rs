@@ -7,7 +7,7 @@ use mrroc::fault::Name;
 use super::check::Clearance;
 use super::obstacle::Obstacle;
 use super::pairs::Other;
-use super::posture::Shape;
+use super::posture::{Joints, Shape, travel};
 use crate::models::{Capsule, Link};
 
 /// A robot of a clearance.
@@ -21,6 +21,31 @@ pub struct RobotPart {
     pub links: Vec<Link>,
     /// What it carries, in the flange's frame: the capsules of the last links.
     pub carried: Vec<Capsule>,
+}
+
+impl RobotPart {
+    /// Visits, for each link, a capsule that holds all that the link may pass through while each joint is within `half` of `q`
+    /// [rad or m, >= 0], in the world; and by how much its radius is larger than that of the link \[m\]. `false`, with nothing visited,
+    /// where the robot cannot stand at `q`.
+    #[allow(non_snake_case)]
+    pub fn around(&self, q: &Joints, half: &Joints, visit: &mut dyn FnMut(usize, Capsule, f64)) -> bool {
+        let mut capsules = Vec::with_capacity(self.links.len());
+        self.shape.capsules(q, &mut |capsule| capsules.push(capsule));
+        if capsules.len() + self.carried.len() != self.links.len() {
+            return false;
+        }
+        if !self.carried.is_empty() {
+            let X_WF = self.shape.flange(q);
+            capsules.extend(self.carried.iter().map(|capsule| capsule.moved(&X_WF)));
+        }
+        let mut motions = Vec::new();
+        self.shape.motions(q, half, &mut |motion| motions.push(motion));
+        for (i, (link, capsule)) in self.links.iter().zip(capsules).enumerate() {
+            let more = travel(link, &capsule, &motions)[0];
+            visit(i, Capsule { radius: capsule.radius + more, ..capsule }, more);
+        }
+        true
+    }
 }
 
 /// The other side of a pair.

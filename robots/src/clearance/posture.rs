@@ -155,6 +155,18 @@ impl Placed {
     }
 }
 
+/// How far any point of a link's capsule may get \[m\] by the motions from the `i`th on.
+pub(super) fn travel(link: &Link, capsule: &Capsule, motions: &[Motion]) -> [f64; MOTIONS + 1] {
+    let mut travel = [0.0; MOTIONS + 1];
+    // Seen from now, the last joint moves first; those before carry on what it did.
+    for (i, motion) in motions.iter().enumerate().take(MOTIONS).rev() {
+        let moved = travel[i + 1];
+        let is_moved = link.moved_by >> i & 1 == 1;
+        travel[i] = moved + if is_moved { motion.travel(capsule, moved) } else { 0.0 };
+    }
+    travel
+}
+
 /// A robot, what it carries, and where it is.
 #[derive(Clone)]
 pub(super) struct Placement {
@@ -235,13 +247,7 @@ impl Placement {
                 }
             });
             for (link, placed) in links.iter().zip(placed.iter_mut()) {
-                // Seen from now, the last joint moves first; those before carry on what it did.
-                for (i, motion) in motions.iter().enumerate().rev() {
-                    let moved = placed.travel[i + 1];
-                    let is_moved = link.moved_by >> i & 1 == 1;
-                    let more = if is_moved { motion.travel(&placed.capsule, moved) } else { 0.0 };
-                    placed.travel[i] = moved + more;
-                }
+                placed.travel = travel(link, &placed.capsule, motions);
             }
         }
         placed.iter().all(|placed| placed.around.is_finite() && placed.centre.sum().is_finite())
