@@ -15,6 +15,7 @@ use nalgebra::Vector3;
 use crate::arm::{Arm, Around, Standing};
 use crate::balls::BallTree;
 use crate::lanes::{ALL, LANES, Lanes, Mask, Points};
+use crate::upright::Uprights;
 
 /// What the rounding of positions in single precision may cost \[m\]: a few units in the last place at some ten metres.
 const ROUNDING: f32 = 2e-5;
@@ -206,6 +207,8 @@ pub(crate) struct Checker {
     unproven: Vec<bool>,
     /// How much more than the margins is kept \[m\], >= 0.
     pub(crate) more: f32,
+    /// What motions keep upright. Stops do not, so it is no part of a check.
+    pub(crate) uprights: Uprights,
     /// Whole turns of endless joints that positions in lanes lack, which limits that joints share count \[rad\].
     pub(crate) offset: Vec<f64>,
     /// How many batches of eight it has checked.
@@ -241,6 +244,7 @@ impl Checker {
             listed: Vec::new(),
             unproven: vec![false; pairings.len()],
             more: 0.0,
+            uprights: Uprights::default(),
             offset: vec![0.0; joints],
             batches: 0,
             arms,

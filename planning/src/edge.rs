@@ -1,4 +1,4 @@
-//! Whether a straight motion of all joints is clear, between its samples too.
+//! Whether a straight motion of all joints is clear, between its samples too, and keeps upright what must be.
 //!
 //! A motion is cut into intervals; one is clear if everything within half of it, to either side of its middle, is proven clear in
 //! one check. Where that proves nothing although the middle is clear, the interval is cut. All intervals of a motion are checked before
@@ -64,7 +64,11 @@ impl Edges {
                 if verdict.clear != wanted || coupled && !possible(checker, &self.q, taken.len()) {
                     return false;
                 }
-                let is_unproven = |lane: &usize| verdict.proven >> lane & 1 == 0;
+                let Some(upright) = checker.uprights.check(&checker.arms, &self.q, &self.half, taken.len())
+                else {
+                    return false;
+                };
+                let is_unproven = |lane: &usize| (verdict.proven & upright) >> lane & 1 == 0;
                 self.unproven.extend((0..taken.len()).filter(is_unproven).map(|lane| taken[lane]));
             }
             if self.unproven.is_empty() {

@@ -47,6 +47,28 @@ pub enum PlanError {
         /// The robot.
         robot: String,
     },
+    /// An axis that is to be kept upright is not, at the start or at all goals; of several goals it is the first.
+    #[error(
+        "{robot}: the axis that is kept upright is tilted by {tilt:.4} rad at the {place}, {tolerance:.4} rad are allowed"
+    )]
+    NotUpright {
+        /// `start` or `goal`.
+        place: &'static str,
+        /// The robot.
+        robot: String,
+        /// Its angle from the vertical [rad].
+        tilt: f64,
+        /// The largest that is allowed [rad].
+        tolerance: f64,
+    },
+    /// An axis or its tolerance are no direction and angle.
+    #[error(
+        "{robot}: an axis that is kept upright is finite and not zero, its tolerance above 0 and below pi rad"
+    )]
+    BadUpright {
+        /// The robot.
+        robot: String,
+    },
     /// The robots are too near to something at the start.
     #[error("the start is not clear by the margin: {0}")]
     StartNotClear(Box<Nearest>),

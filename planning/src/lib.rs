@@ -33,12 +33,13 @@ mod search;
 mod speed;
 mod stop;
 mod timing;
+mod upright;
 mod via;
 
 pub use closest::{Closest, ClosestTable, During};
 pub use error::PlanError;
 pub use follow::FollowPlan;
-pub use goals::goals_at;
+pub use goals::{goals_at, goals_turned};
 pub use here::{Here, HereAll, Standing};
 pub use plan::Plan;
 pub use planner::Planner;

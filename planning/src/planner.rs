@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use mrroc::robot::JointKind;
 use mrroc_robots::clearance::{Clearance, Nearest};
+use nalgebra::Vector3;
 
 use crate::arm::Arm;
 use crate::check::Checker;
@@ -17,6 +18,7 @@ use crate::search::{Samples, connect, shorten};
 use crate::speed::Speed;
 use crate::stop::ROBOTS;
 use crate::timing::timed;
+use crate::upright::Upright;
 use crate::via;
 
 /// Ranges longer than this have no ends that matter to a plan: two turns.
@@ -61,7 +63,8 @@ impl Planner {
 
     /// The same with another clearance.
     pub(crate) fn with_clearance(&self, clearance: Clearance) -> Self {
-        let checker = Checker::new(&clearance);
+        let mut checker = Checker::new(&clearance);
+        checker.uprights = self.checker.uprights.clone();
         let limits = Limits::of(&checker.arms);
         Planner { clearance, checker, limits, ..self.clone() }
     }
@@ -90,6 +93,41 @@ impl Planner {
     pub fn with_reaction(mut self, reaction: f64) -> Self {
         self.reaction = reaction;
         self
+    }
+
+    /// Keeps an axis of a robot's flange upright on the whole path: its angle from the vertical, the z axis of the world, is at most
+    /// `tolerance` [rad], 0 to pi, between samples too. `axis_F` is in the flange's frame, of any length. A robot may have several.
+    ///
+    /// Start and goals must be upright. Suspensions and other stops on the path stay so; **fault stops do not**.
+    ///
+    /// ```
+    /// # use mrroc_planning::{PlanError, Planner};
+    /// # fn with_a_cup(planner: Planner) -> Result<Planner, PlanError> {
+    /// // The tool points down, so what it holds stands upright while the flange's z axis points down.
+    /// planner.with_upright("arm", -nalgebra::Vector3::z(), 0.1)
+    /// # }
+    /// ```
+    ///
+    /// # Errors
+    /// [`PlanError::NoRobot`], [`PlanError::BadUpright`].
+    #[allow(non_snake_case)]
+    pub fn with_upright(
+        mut self,
+        robot: &str,
+        axis_F: Vector3<f64>,
+        tolerance: f64,
+    ) -> Result<Self, PlanError> {
+        let known = self.checker.arms.iter().map(Arm::name);
+        let Some(name) = known.clone().find(|name| name.as_str() == robot) else {
+            let known = known.map(|name| name.to_string()).collect::<Vec<_>>().join(", ");
+            return Err(PlanError::NoRobot { name: robot.to_owned(), known });
+        };
+        let length = axis_F.norm();
+        if !(length.is_finite() && length > 0.0 && tolerance > 0.0 && tolerance < PI) {
+            return Err(PlanError::BadUpright { robot: robot.to_owned() });
+        }
+        self.checker.uprights.0.push(Upright { robot: name, axis_F: axis_F / length, tolerance });
+        Ok(self)
     }
 
     /// The clearance that it plans with.
@@ -213,7 +251,7 @@ impl Planner {
         self.within_limits("start", start)?;
         self.checker.more = 0.0;
         if self.checker.is_clear(start) {
-            Ok(())
+            self.is_upright("start", start)
         } else {
             Err(PlanError::StartNotClear(Box::new(self.nearest(start)?)))
         }
@@ -226,17 +264,35 @@ impl Planner {
         let mut refused = None;
         for goal in goals {
             self.within_limits("goal", goal)?;
-            if self.checker.is_clear(goal) {
+            let is_clear = self.checker.is_clear(goal);
+            let is_upright = self.is_upright("goal", goal);
+            if is_clear && is_upright.is_ok() {
                 clear.push(goal.as_slice());
             } else if refused.is_none() {
-                refused = Some(self.nearest(goal)?);
+                let nearest = if is_clear { None } else { Some(Box::new(self.nearest(goal)?)) };
+                refused = nearest.map(PlanError::GoalNotClear).or(is_upright.err());
             }
         }
-        if clear.is_empty() {
-            Err(refused.map_or(PlanError::NoGoal, |nearest| PlanError::GoalNotClear(Box::new(nearest))))
-        } else {
-            Ok(clear)
+        if clear.is_empty() { Err(refused.unwrap_or(PlanError::NoGoal)) } else { Ok(clear) }
+    }
+
+    fn is_upright(&self, place: &'static str, q: &[f64]) -> Result<(), PlanError> {
+        for upright in &self.checker.uprights.0 {
+            let Some(arm) = self.checker.arms.iter().find(|arm| arm.name() == upright.robot) else {
+                continue;
+            };
+            let (tilt, tolerance) = (upright.tilt(arm, q), upright.tolerance);
+            // What is no number is not upright.
+            if tilt.is_nan() || tilt > tolerance {
+                return Err(PlanError::NotUpright {
+                    place,
+                    robot: upright.robot.to_string(),
+                    tilt,
+                    tolerance,
+                });
+            }
         }
+        Ok(())
     }
 
     /// The first path from a clear start to one of the clear goals, at least one, by so many checks.

@@ -1,10 +1,11 @@
 //! The planner as its users use it.
 
 mod beside;
-mod cells;
+pub(crate) mod cells;
 mod check;
 mod examples;
 mod plans;
 mod recorded;
 mod stops;
+mod upright;
 mod via;

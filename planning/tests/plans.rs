@@ -1,9 +1,9 @@
 //! Plans: limits, stops, and the robots that follow them.
 
 use mrroc::robot::Robot;
-use mrroc_planning::Planner;
-use mrroc_robots::Irp6;
+use mrroc_planning::{Planner, goals_at, goals_turned};
 use mrroc_robots::clearance::{Capsule, Clearance, Obstacle};
+use mrroc_robots::{Irp6, Six};
 use nalgebra::Vector3;
 
 use super::cells::{around_a_box, stopping};
@@ -106,4 +106,26 @@ fn an_arm_that_is_no_chain_goes_around_a_post() {
     let closest = plan.closest(&mut clearance, 5e-3).expect("a clearance of its robots");
     assert!(plan.length() > 1.7, "{}", plan.length());
     assert!(closest.distance() >= 0.02, "{closest}");
+}
+
+#[test]
+fn goals_of_a_region_are_turned_about_its_axis_alone() {
+    let robot = Irp6::nominal();
+    let (pose, near) = (robot.forward(&Irp6::READY), Irp6::READY.as_slice());
+    let (axis, tolerance) = (Vector3::new(0.0, 0.0, 2.0), 0.5);
+    let goals = goals_turned(&robot, &pose, axis, tolerance, near);
+    let mut turns = Vec::new();
+    for goal in &goals {
+        let at = robot.forward(&Six::from_column_slice(goal));
+        let off = pose.inverse() * at;
+        assert!(off.translation.vector.norm() < 1e-9);
+        let turn = off.rotation.scaled_axis();
+        assert!(turn.x.hypot(turn.y) < 1e-9 && turn.z.abs() <= tolerance + 1e-9, "{turn}");
+        turns.push(turn.z);
+    }
+    for expected in [0.0, 0.25, -0.25, 0.5, -0.5] {
+        assert!(turns.iter().any(|turn| (turn - expected).abs() < 1e-9), "{expected} of {turns:?}");
+    }
+    let untold = goals_turned(&robot, &pose, Vector3::zeros(), tolerance, near);
+    assert_eq!(untold, goals_at(&robot, &pose, near), "no axis, no turn");
 }

@@ -1,8 +1,8 @@
 //! RRT-Connect: a tree from the start and one from the goals grow towards each other.
 
-use super::Points;
 use super::sampling::Samples;
 use super::tree::Tree;
+use super::{Points, UPRIGHT, distance};
 use crate::check::Checker;
 use crate::edge::Edges;
 
@@ -22,6 +22,8 @@ pub(crate) fn connect(
     effort: u64,
 ) -> Result<Points, (Vec<f32>, f64)> {
     let end = checker.batches + effort;
+    let is_free = checker.uprights.is_empty();
+    let range = if is_free { RANGE } else { UPRIGHT };
     if let Some(goal) = goals.iter().find(|goal| edges.is_clear(checker, start, goal)) {
         return Ok(vec![start.to_vec(), goal.clone()]);
     }
@@ -38,13 +40,14 @@ pub(crate) fn connect(
         samples.next(&mut wanted);
         let (near, squared) = trees[grows].nearest(&wanted);
         checker.batches += 1;
-        let distance = squared.sqrt();
-        if distance > trees[grows].domain(near) {
+        let apart = squared.sqrt();
+        if apart > trees[grows].domain(near) {
             continue;
         }
         trees[grows].position(near, &mut from);
-        step(&from, &wanted, distance, &mut to);
-        let is_clear = edges.is_clear(checker, &from, &to);
+        step(&from, &wanted, apart, range, &mut to);
+        let is_clear =
+            checker.uprights.project(&checker.arms, &mut to) && edges.is_clear(checker, &from, &to);
         trees[grows].tried(near, is_clear);
         if !is_clear {
             continue;
@@ -57,7 +60,10 @@ pub(crate) fn connect(
         let mut left = squared.sqrt();
         loop {
             trees[other].position(near, &mut from);
-            let arrives = step(&from, &wanted, left, &mut to);
+            let arrives = step(&from, &wanted, left, range, &mut to);
+            if !arrives && !checker.uprights.project(&checker.arms, &mut to) {
+                break;
+            }
             if !edges.is_clear(checker, &from, &to) {
                 break;
             }
@@ -72,7 +78,12 @@ pub(crate) fn connect(
                 return Ok(path);
             }
             near = trees[other].add(&to, Some(near));
-            left -= RANGE;
+            let before = left;
+            left = if is_free { left - range } else { distance(&to, &wanted) };
+            // A projection may lead back.
+            if left > before - 0.1 * range {
+                break;
+            }
         }
     }
     let reached = goals.iter().map(|goal| trees[0].nearest(goal));
@@ -82,9 +93,9 @@ pub(crate) fn connect(
 }
 
 /// The position at most one step from `from` towards `wanted`, which is `distance` away; whether it is that.
-fn step(from: &[f32], wanted: &[f32], distance: f32, to: &mut [f32]) -> bool {
-    let arrives = distance <= RANGE;
-    let share = if arrives { 1.0 } else { RANGE / distance };
+fn step(from: &[f32], wanted: &[f32], distance: f32, range: f32, to: &mut [f32]) -> bool {
+    let arrives = distance <= range;
+    let share = if arrives { 1.0 } else { range / distance };
     for ((to, from), wanted) in to.iter_mut().zip(from).zip(wanted) {
         *to = if arrives { *wanted } else { from + (wanted - from) * share };
     }

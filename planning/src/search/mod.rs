@@ -15,3 +15,11 @@ pub(crate) use shorten::shorten;
 
 /// Positions of all joints along a path [rad or m].
 pub(crate) type Points = Vec<Vec<f32>>;
+
+/// The longest leg where something is kept upright: straight motions leave that the more, the longer they are [rad or m].
+const UPRIGHT: f32 = 0.4;
+
+/// The root of the sum of squares over all joints [rad or m].
+fn distance(a: &[f32], b: &[f32]) -> f32 {
+    a.iter().zip(b).map(|(a, b)| (b - a) * (b - a)).sum::<f32>().sqrt()
+}

@@ -2,7 +2,7 @@
 
 use mrroc::random::Random;
 
-use super::Points;
+use super::{Points, UPRIGHT, distance};
 use crate::check::Checker;
 use crate::edge::Edges;
 
@@ -18,10 +18,6 @@ const SAME: f32 = 1e-4;
 /// Length of a path: the sum of the roots of the sums of squares over all joints [rad or m].
 fn length(path: &[Vec<f32>]) -> f64 {
     path.windows(2).map(|pair| f64::from(distance(&pair[0], &pair[1]))).sum()
-}
-
-fn distance(a: &[f32], b: &[f32]) -> f32 {
-    a.iter().zip(b).map(|(a, b)| (b - a) * (b - a)).sum::<f32>().sqrt()
 }
 
 /// Shortens `path` by at most `effort` checks.
@@ -42,15 +38,37 @@ pub(crate) fn shorten(checker: &mut Checker, edges: &mut Edges, seed: u64, path:
         let before =
             distance(&from, &path[a.0 + 1]) + length(&path[a.0 + 1..=b.0]) as f32 + distance(&path[b.0], &to);
         let gained = before - distance(&from, &to);
-        if gained < GAIN * whole as f32 || !edges.is_clear(checker, &from, &to) {
+        let least = GAIN * whole as f32;
+        if gained < least {
+            continue;
+        }
+        let mut points = vec![from, to];
+        let is_clear = edges.is_clear(checker, &points[0], &points[1])
+            || bend(checker, edges, &mut points) && before - (length(&points) as f32) >= least;
+        if !is_clear {
             continue;
         }
         // What remains of both legs is a part of what was clear.
-        path.splice(a.0 + 1..=b.0, [from, to]);
+        path.splice(a.0 + 1..=b.0, points);
         path.dedup_by(|b, a| distance(a, b) < SAME);
         in_vain = 0;
     }
     skip(checker, edges, path, end);
+}
+
+/// Puts points between two so that what is to be upright is, if the legs between them are clear; whether they are.
+fn bend(checker: &mut Checker, edges: &mut Edges, points: &mut Points) -> bool {
+    let [from, to] = points.as_slice() else { return false };
+    let legs = (distance(from, to) / UPRIGHT).ceil();
+    if checker.uprights.is_empty() || legs < 2.0 {
+        return false;
+    }
+    let mut middle: Points = (1..legs as usize).map(|k| between(from, to, k as f32 / legs)).collect();
+    if !middle.iter_mut().all(|q| checker.uprights.project(&checker.arms, q)) {
+        return false;
+    }
+    points.splice(1..1, middle);
+    points.windows(2).all(|pair| edges.is_clear(checker, &pair[0], &pair[1]))
 }
 
 /// Leaves out points between two that a straight motion joins: for each one, from the far end on.
