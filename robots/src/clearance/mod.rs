@@ -50,6 +50,7 @@
 
 mod builder;
 mod check;
+mod clusters;
 mod dry_run;
 mod error;
 mod from_cell;

@@ -2,6 +2,7 @@
 
 use mrroc::random::halton;
 
+use super::clusters::{Clusters, Group, Numbered};
 use super::obstacle::Obstacle;
 use super::posture::{Joints, Placed, Placement};
 use crate::models::Link;
@@ -96,13 +97,21 @@ pub(super) fn without_meaningless(
     let mut seen = vec![Seen::default(); pairs.len()];
     for (robot, placement) in robots.iter_mut().enumerate() {
         // A pair that has been both apart and near stays: it needs no further posture.
-        let mut open: Vec<usize> = (0..pairs.len()).filter(|i| pairs[*i].limb.robot == robot).collect();
-        open.retain(|i| {
-            pairs[*i].is_own() || matches!(pairs[*i].other, Other::Obstacle(o) if o < obstacles.len())
-        });
+        let mut open: Vec<usize> = Vec::new();
+        let mut own: Vec<Numbered> = Vec::new();
+        for (i, pair) in pairs.iter().enumerate().filter(|(_, pair)| pair.limb.robot == robot) {
+            match pair.other {
+                Other::Limb(limb) if limb.robot == robot => own.push((i, [pair.limb.link, limb.link])),
+                Other::Obstacle(o) if o < obstacles.len() => open.push(i),
+                Other::Limb(_) | Other::Obstacle(_) => {}
+            }
+        }
+        // Of links that are covered by hundreds of capsules nearly all pairs are far apart, which clusters of them show.
+        let mut groups: Option<(Clusters, Vec<Group>)> = None;
         let mut stood = 0;
         for sample in 1..=TRIES {
-            if stood == POSTURES || open.is_empty() {
+            let is_done = open.is_empty() && groups.as_ref().is_some_and(|(_, groups)| groups.is_empty());
+            if stood == POSTURES || is_done {
                 break;
             }
             let q = spread(placement, sample);
@@ -110,26 +119,39 @@ pub(super) fn without_meaningless(
                 continue;
             }
             stood += 1;
+            let placed = &placement.placed;
             open.retain(|&i| {
-                let (pair, seen) = (&pairs[i], &mut seen[i]);
-                let own = &placement.placed[pair.limb.link];
-                match pair.other {
-                    Other::Limb(limb) => {
-                        let other = &placement.placed[limb.link];
-                        // Most are far apart, which the balls around them show.
-                        if at_least(own, other) > NEVER_NEARER {
-                            seen.apart = true;
-                        } else {
-                            seen.add(own.capsule.gap(&other.capsule).distance);
-                        }
-                    }
-                    Other::Obstacle(o) => {
-                        seen.add(obstacles[o].gap(&own.capsule).distance);
-                        // How near obstacles come does not matter.
-                        seen.near |= seen.apart;
-                    }
+                if let Other::Obstacle(o) = pairs[i].other {
+                    seen[i].add(obstacles[o].gap(&placed[pairs[i].limb.link].capsule).distance);
                 }
-                !(seen.apart && seen.near)
+                // How near obstacles come does not matter.
+                !seen[i].apart
+            });
+            let (clusters, groups) = groups.get_or_insert_with(|| {
+                let clusters = Clusters::new(placement);
+                let groups = clusters.groups(&own);
+                (clusters, groups)
+            });
+            let around = clusters.around(placed);
+            groups.retain_mut(|Group { sides, pairs: left, all_apart }| {
+                let [(a, r), (b, s)] = sides.map(|side| around[side]);
+                if (a - b).norm() - r - s > NEVER_NEARER {
+                    if !core::mem::replace(all_apart, true) {
+                        left.iter().for_each(|(i, _)| seen[*i].apart = true);
+                    }
+                    return true;
+                }
+                left.retain(|&(i, links)| {
+                    let (seen, [one, other]) = (&mut seen[i], links.map(|link| &placed[link]));
+                    // Most are far apart, which the balls around them show.
+                    if at_least(one, other) > NEVER_NEARER {
+                        seen.apart = true;
+                    } else {
+                        seen.add(one.capsule.gap(&other.capsule).distance);
+                    }
+                    !(seen.apart && seen.near)
+                });
+                !left.is_empty()
             });
         }
     }
