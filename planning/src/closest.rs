@@ -97,6 +97,16 @@ impl fmt::Display for ClosestTable {
     }
 }
 
+/// A stop after a fault.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FaultStop {
+    /// Which kind it is.
+    pub during: During,
+    /// The positions of all joints [rad or m] at eight instants, evenly spaced from the fault until all robots stand. The last one is
+    /// where they stand.
+    pub positions: Vec<Vec<f64>>,
+}
+
 /// The state of all joints at a path time.
 struct State {
     velocity: Vec<f64>,
@@ -112,43 +122,48 @@ impl Plan {
     /// [`PlanError::Check`]: the clearance is of other robots.
     pub fn closest(&self, clearance: &mut Clearance, step: f64) -> Result<ClosestTable, PlanError> {
         let count = (self.duration() / step).ceil().max(1.0) as usize;
-        let robots = self.motion.limits.robots.len();
-        let all_robots = (1_u32 << robots) - 1;
         let mut rows: [Option<Closest>; During::ALL.len()] = [const { None }; During::ALL.len()];
-        let mut split = Vec::new();
         for k in 0..=count {
             let time = k as f64 * step;
-            for (row, during) in rows.iter_mut().zip(During::ALL) {
-                let mut keep = |q: &[f64]| -> Result<(), PlanError> {
-                    let nearest = clearance.nearest_at(&self.motion.limits.split(q))?;
-                    if row.as_ref().is_none_or(|row| nearest.distance < row.nearest.distance) {
-                        *row = Some(Closest { time, during, nearest });
-                    }
-                    Ok(())
-                };
-                // The robots that stop later, bit by bit. If all do so on the path, it is a stop of all that begins later.
-                let late = match during {
-                    During::Motion => {
-                        keep(&self.at(time))?;
-                        continue;
-                    }
-                    During::FaultStop => 0..=0,
-                    During::LateStop if robots == 1 => continue,
-                    During::LateStop => 1..=all_robots - 1,
-                    During::StraightStop => 1..=all_robots,
-                };
-                for late in late {
-                    self.stopping(time, during, late, &mut split);
-                    split.iter().try_for_each(|q| keep(q))?;
+            let mut keep = |during: During, q: &[f64]| -> Result<(), PlanError> {
+                let nearest = clearance.nearest_at(&self.motion.limits.split(q))?;
+                let row = &mut rows[during as usize];
+                if row.as_ref().is_none_or(|row| nearest.distance < row.nearest.distance) {
+                    *row = Some(Closest { time, during, nearest });
                 }
+                Ok(())
+            };
+            keep(During::Motion, &self.at(time))?;
+            for stop in self.fault_stops(time) {
+                stop.positions.iter().try_for_each(|q| keep(stop.during, q))?;
             }
         }
         let rows: Vec<Closest> = rows.into_iter().flatten().collect();
         if rows.is_empty() { Err(CheckError::NothingToCheck.into()) } else { Ok(ClosestTable { rows }) }
     }
 
+    /// The stops that robots may make after a fault at a path time \[s\]: of each kind, and of every choice of robots that stop later.
+    #[must_use]
+    pub fn fault_stops(&self, time: f64) -> Vec<FaultStop> {
+        let robots = self.motion.limits.robots.len();
+        let all_robots = (1_u32 << robots) - 1;
+        let mut stops = Vec::new();
+        for during in During::ALL {
+            // The robots that stop later, bit by bit. If all do so on the path, it is a stop of all that begins later.
+            let late = match during {
+                During::Motion => continue,
+                During::FaultStop => 0..=0,
+                During::LateStop if robots == 1 => continue,
+                During::LateStop => 1..=all_robots - 1,
+                During::StraightStop => 1..=all_robots,
+            };
+            stops.extend(late.map(|late| FaultStop { during, positions: self.stopping(time, during, late) }));
+        }
+        stops
+    }
+
     /// The positions of all joints at some instants after a fault at a path time, until all robots stand.
-    fn stopping(&self, time: f64, during: During, late: u32, instants: &mut Vec<Vec<f64>>) {
+    fn stopping(&self, time: f64, during: During, late: u32) -> Vec<Vec<f64>> {
         let Motion { limits, reaction, .. } = &*self.motion;
         let is_straight = during == During::StraightStop;
         let (q, now, then) = (self.at(time), self.motion.state(time), self.motion.state(time + reaction));
@@ -174,20 +189,21 @@ impl Plan {
             }
         }
         let lasts = stops.iter().map(|(delay, _, braking)| delay + braking.duration()).fold(0.0, f64::max);
-        instants.clear();
-        for k in 1..=INSTANTS {
-            let t = lasts * f64::from(k) / f64::from(INSTANTS);
-            let at = stops.iter().enumerate().map(|(j, (delay, from, braking))| {
-                if t >= *delay {
-                    from + braking.at(t - delay)
-                } else if is_straight {
-                    q[j] + now.velocity[j] * t
-                } else {
-                    self.motion.joint_at(time + t, j)
-                }
-            });
-            instants.push(at.collect());
-        }
+        let positions_at = |t: f64| -> Vec<f64> {
+            let joints = stops.iter().enumerate();
+            joints
+                .map(|(j, (delay, from, braking))| {
+                    if t >= *delay {
+                        from + braking.at(t - delay)
+                    } else if is_straight {
+                        q[j] + now.velocity[j] * t
+                    } else {
+                        self.motion.joint_at(time + t, j)
+                    }
+                })
+                .collect()
+        };
+        (1..=INSTANTS).map(|k| positions_at(lasts * f64::from(k) / f64::from(INSTANTS))).collect()
     }
 }
 

@@ -36,7 +36,7 @@ mod timing;
 mod upright;
 mod via;
 
-pub use closest::{Closest, ClosestTable, During};
+pub use closest::{Closest, ClosestTable, During, FaultStop};
 pub use error::PlanError;
 pub use follow::FollowPlan;
 pub use goals::{goals_at, goals_turned};
