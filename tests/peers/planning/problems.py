@@ -3,7 +3,7 @@
 Usage: problems.py RESOURCES FOLDER [ROBOT ..], with the folder `resources` of vamp-planner's source package. Robots: panda, ur5, fetch,
 baxter; without a name panda and ur5. Writes FOLDER/ROBOT.jsonl.
 
-The first line is the robot: its name, its joints in the order of all joint values, their limits [rad, m], the links base and tip, and the
+The first line is the robot: its name, its joints in the order of all joint values, their limits [rad, m], the links base (the root link) and tip, and the
 files: urdf, srdf, spheres (the URDF with VAMP's own spheres), meshes (the folder that `package://` and relative names of meshes
 are relative to). Every further line is a problem:
 
@@ -36,11 +36,11 @@ except ImportError:
 
 Loader = getattr(yaml, "CLoader", yaml.SafeLoader)
 
-# Links base and tip, and the joints in VAMP's order.
+# Links base and tip, and the joints in VAMP's order. The base is the root link, in whose frame the obstacles are.
 ROBOTS = {
     "panda": ("panda_link0", "panda_grasptarget", [f"panda_joint{i}" for i in range(1, 8)]),
     "ur5": (
-        "base_link",
+        "offset_link",
         "robotiq_85_base_link",
         [f"{name}_joint" for name in ("shoulder_pan", "shoulder_lift", "elbow", "wrist_1", "wrist_2", "wrist_3")],
     ),
