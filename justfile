@@ -83,6 +83,10 @@ test-inverse:
 compare-planners *ARGS:
     tests/peers/planning/compare {{ARGS}}
 
+# Plans of arms whose links are meshes, and stops from them, checked by coal on the meshes: a share as CI runs it, or more by --every, --seeds and --stops.
+check-plans *ARGS:
+    tests/peers/planning/run {{ARGS}}
+
 # Stops of two arms on plans of many seeds: a million states of the processes' own stops, none nearer than the margin.
 sweep-plans:
     cargo test --release -p mrroc-planning --lib -- --ignored --nocapture a_million_states

@@ -6,15 +6,16 @@
 //! the keys of `tests/peers/planning/vamp_paths.py`, but for the wall clock. Times are those of the thread on its processor. To standard
 //! error go the capsules of each link, and what was not solved.
 
+#[path = "../examples/plans/problem.rs"]
+mod problem;
+
 use std::collections::BTreeMap;
 use std::error::Error;
 use std::io::Write;
 
-use mrroc::pose::Pose;
 use mrroc_planning::{PlanError, Planner};
-use mrroc_robots::clearance::{Clearance, ClearanceBuilder, Obstacle, Outline, Stop, Stopping};
-use mrroc_robots::{Meshes, Serial, SerialOutline};
-use nalgebra::{Quaternion, SVector, Translation3, UnitQuaternion, Vector3};
+use mrroc_robots::clearance::Outline;
+use problem::Problems;
 use rustix::time::{ClockId, clock_gettime};
 use serde_json::{Value, json};
 
@@ -32,21 +33,12 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (margin, rounds): (f64, f64) = (option("--margin").unwrap_or(0.0), option("--rounds").unwrap_or(5.0));
     let rounds = rounds as usize;
     let key = if words.iter().any(|word| word == "--spheres") { "spheres" } else { "urdf" };
-    let text = std::fs::read_to_string(problems)?;
-    let mut lines = text.lines();
-    let robot: Value = serde_json::from_str(lines.next().ok_or("an empty file")?)?;
-    let problems = lines.map(serde_json::from_str).collect::<Result<Vec<Value>, _>>()?;
-    let urdf = std::fs::read_to_string(robot[key].as_str().ok_or("no URDF")?)?;
-    // Meshes are files below the folder, and the file of UR5's gripper writes the upper half of a matrix twice.
-    let urdf = urdf.replace("package://", "");
-    let urdf = ["iyx", "izx", "izy"]
-        .iter()
-        .fold(urdf, |urdf, name| urdf.replace(&format!(" {name}=\"0.000000\""), ""));
+    let problems = Problems::read(problems, key)?;
     let out = files.get(1).map(std::fs::File::create).transpose()?;
-    match robot["joints"].as_array().map_or(0, Vec::len) {
-        6 => run::<6>(&robot, &urdf, &problems, margin, rounds, out),
-        7 => run::<7>(&robot, &urdf, &problems, margin, rounds, out),
-        8 => run::<8>(&robot, &urdf, &problems, margin, rounds, out),
+    match problems.joints() {
+        6 => run::<6>(&problems, margin, rounds, out),
+        7 => run::<7>(&problems, margin, rounds, out),
+        8 => run::<8>(&problems, margin, rounds, out),
         n => Err(format!("no arm of {n} joints here").into()),
     }
 }
@@ -64,39 +56,25 @@ struct Task<'a> {
 }
 
 fn run<const N: usize>(
-    robot: &Value,
-    urdf: &str,
-    problems: &[Value],
+    problems: &Problems,
     margin: f64,
     rounds: usize,
     mut out: Option<std::fs::File>,
 ) -> Result<(), Box<dyn Error>> {
-    let ends = ["base", "tip"].map(|key| robot[key].as_str().unwrap_or_default());
-    let arm = Serial::<N>::from_urdf(urdf, ends[0], ends[1])?.with_acceleration(SVector::repeat(5.0))?;
-    let arm = arm.with_positions(vector(&robot["lower"])?, vector(&robot["upper"])?)?;
-    let meshes = Meshes::below(robot["meshes"].as_str().unwrap_or("."));
+    let robot = &problems.robot;
+    let arm = problems.arm::<N>(5.0)?;
     let begun = now();
-    let outline = SerialOutline::from_urdf(arm, urdf, ends[0], ends[1], &meshes)?;
+    let outline = problems.outline(arm)?;
     let mut capsules = BTreeMap::<String, u32>::new();
     for link in outline.links() {
         *capsules.entry(link.name.to_string()).or_default() += 1;
     }
     eprintln!("{}: {} s for the capsules of {capsules:?}", robot["robot"], now() - begun);
     let mut tasks = Vec::new();
-    for problem in problems.iter().filter(|problem| problem["valid"] != Value::Bool(false)) {
-        let builder = Clearance::with_margin(margin).robot("arm", outline.clone())?;
-        let clearance =
-            obstacles(builder, problem)?.build(Stopping { reaction: 0.02, stop: Stop::Braking })?;
-        let goals = problem["goals"].as_array().ok_or("no goals")?;
-        let goals = goals.iter().map(|goal| Ok(vector::<N>(goal)?.as_slice().to_vec()));
-        tasks.push(Task {
-            problem,
-            planner: Planner::new(clearance)?,
-            start: vector::<N>(&problem["start"])?.as_slice().to_vec(),
-            goals: goals.collect::<Result<_, Box<dyn Error>>>()?,
-            times: Vec::new(),
-            found: Err(String::new()),
-        });
+    for problem in &problems.problems {
+        let planner = Planner::new(problem::clearance(&outline, problem, margin)?)?;
+        let (start, goals) = problem::ends::<N>(problem)?;
+        tasks.push(Task { problem, planner, start, goals, times: Vec::new(), found: Err(String::new()) });
     }
     for round in 0..=rounds {
         for task in &mut tasks {
@@ -182,43 +160,4 @@ fn now() -> f64 {
 
 fn length(path: &[Vec<f64>]) -> f64 {
     path.windows(2).map(|p| p[0].iter().zip(&p[1]).map(|(a, b)| (b - a).powi(2)).sum::<f64>().sqrt()).sum()
-}
-
-fn numbers(value: &Value) -> Result<Vec<f64>, Box<dyn Error>> {
-    let list = value.as_array().ok_or("no list")?;
-    Ok(list.iter().map(Value::as_f64).collect::<Option<Vec<f64>>>().ok_or("no numbers")?)
-}
-
-fn vector<const N: usize>(value: &Value) -> Result<SVector<f64, N>, Box<dyn Error>> {
-    let numbers = numbers(value)?;
-    if numbers.len() == N {
-        Ok(SVector::from_column_slice(&numbers))
-    } else {
-        Err("too many or too few numbers".into())
-    }
-}
-
-#[allow(non_snake_case)]
-fn obstacles(mut builder: ClearanceBuilder, problem: &Value) -> Result<ClearanceBuilder, Box<dyn Error>> {
-    let place = |body: &Value| -> Result<Pose, Box<dyn Error>> {
-        let q = vector::<4>(&body["quaternion"])?;
-        let turn = UnitQuaternion::from_quaternion(Quaternion::new(q[3], q[0], q[1], q[2]));
-        Ok(Pose::from_parts(Translation3::from(vector::<3>(&body["center"])?), turn))
-    };
-    let name = |body: &Value| body["name"].as_str().unwrap_or("body").to_owned();
-    for body in problem["boxes"].as_array().into_iter().flatten() {
-        let half: Vector3<f64> = vector::<3>(&body["half_extents"])?;
-        builder = builder.obstacle(&name(body), Obstacle::Box { X_WO: place(body)?, half })?;
-    }
-    for body in problem["cylinders"].as_array().into_iter().flatten() {
-        let number = |key: &str| body[key].as_f64().ok_or("no number");
-        let (radius, half_length) = (number("radius")?, number("half_length")?);
-        builder =
-            builder.obstacle(&name(body), Obstacle::Cylinder { X_WO: place(body)?, radius, half_length })?;
-    }
-    for body in problem["spheres"].as_array().into_iter().flatten() {
-        let radius = body["radius"].as_f64().ok_or("no number")?;
-        builder = builder.obstacle(&name(body), Obstacle::ball(vector::<3>(&body["center"])?, radius))?;
-    }
-    Ok(builder)
 }

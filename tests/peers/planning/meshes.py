@@ -1,7 +1,7 @@
 """Checks paths with coal on the original collision meshes of the robot's URDF, against itself and the obstacles.
 
-Usage: meshes.py PROBLEMS PATHS [--jobs N] [--every N] [--distances]; PROBLEMS of problems.py, PATHS with a JSON line for each path: set, index, joints (a
-list of way points [rad, m], dense or not). Between way points a path is straight in joint space.
+Usage: meshes.py PROBLEMS PATHS [--jobs N] [--every N] [--distances] [--ends]; PROBLEMS of problems.py, PATHS with a JSON line for each path: set, index,
+joints (a list of way points [rad, m], dense or not), and, where there are several of a problem, what. Between way points a path is straight in joint space.
 
 Every pair of bodies is looked at alone: links that move to one another and that the SRDF does not disable, and each link with each
 obstacle. A pair at distance d is looked at again before its distance can have changed by more than d, or by 1 mm where d is less: nothing is missed
@@ -13,7 +13,7 @@ is that of the meshes and exact to 1 mm, for which near pairs are looked at more
 Meshes are surfaces: a body that is wholly inside another one is not found, but on its way there it is, unless the path begins inside.
 Cylinders are cylinders. Prints every path in collision with its pairs, then a JSON line: paths, sampled (looks at a pair), collisions (paths),
 at_ends (those of them whose pairs all collide at the start or the goal already, which no planner can help), pairs (paths by name of pair),
-smallest [m] and where. Exits with 1 where a path is in collision other than at its ends.
+smallest [m] and where. Exits with 1 where a path is in collision other than at its ends; with `--ends` wherever one is.
 """
 
 import argparse
@@ -97,15 +97,15 @@ class Bodies:
             joint = self.model.parents[joint]
         return out
 
-    def bound(self, a, b, change):
-        """How much the distance of link a to link b, or to what stands in the world, may change [m] for a change of all joints."""
+    def bound(self, a, b):
+        """How much the distance of link a to link b, or to what stands in the world, may change at most [m] by a change of each joint."""
         if b is None:
-            return float(self.reach[a] @ np.abs(change))
+            return self.reach[a]
         # Joints that carry both bodies move neither to the other. On two branches both motions add.
         mine, other = self.carriers(self.links[a].parentJoint), self.carriers(self.links[b].parentJoint)
         both = mine & other
         on = np.array([i in mine | other and i not in both for i in range(self.model.nv)])
-        return float((self.reach[a] + self.reach[b])[on] @ np.abs(change)[on])
+        return np.where(on, self.reach[a] + self.reach[b], 0.0)
 
     def carriers(self, joint):
         out = set()
@@ -210,20 +210,16 @@ class Check:
 
     def follow(self, pair, points, left):
         """Share of the path at which a pair collides first; None where it does not."""
-        spans = len(points) - 1
-        b = pair[1] if isinstance(pair[1], int) else None
-        budget = self.step(left)
-        for i, (start, end) in enumerate(zip(points, points[1:])):
-            change = end - start
-            bound, t = self.bodies.bound(pair[0], b, change), 0.0
-            while (1 - t) * bound > budget:
-                t += budget / bound
-                self.bodies.place(start + t * change)
-                left = self.distance(pair)
-                if left <= 0:
-                    return (i + t) / spans
-                budget = self.step(left)
-            budget -= (1 - t) * bound
+        bounds = np.abs(np.diff(points, axis=0)) @ self.bodies.bound(pair[0], pair[1] if isinstance(pair[1], int) else None)
+        # By how much the distance may have changed at each way point.
+        changed, now = np.concatenate([[0.0], np.cumsum(bounds)]), 0.0
+        while (now := now + self.step(left)) < changed[-1]:
+            i = int(np.searchsorted(changed, now, side="right")) - 1
+            t = (now - changed[i]) / bounds[i]
+            self.bodies.place((1 - t) * points[i] + t * points[i + 1])
+            left = self.distance(pair)
+            if left <= 0:
+                return (i + t) / len(bounds)
         return None
 
     def step(self, distance):
@@ -232,12 +228,12 @@ class Check:
 
 
 def check(job):
-    """Of a path: its set and index, the pairs in collision, how many looks it took, and the smallest distance."""
+    """Of a path: its name, the pairs in collision, how many looks it took, and the smallest distance."""
     path, exact = job
     problem = WORLDS[path["set"], path["index"]]
     this = Check(BODIES, problem, exact)
     found = this.run(path["joints"])
-    return path["set"], path["index"], found, this.count, this.smallest, this.near
+    return " ".join(str(path[key]) for key in ("set", "index", "what") if key in path), found, this.count, this.smallest, this.near
 
 
 def load(file):
@@ -254,24 +250,25 @@ def main():
     arguments.add_argument("--jobs", type=int, default=1)
     arguments.add_argument("--every", type=int, default=1)
     arguments.add_argument("--distances", action="store_true")
+    arguments.add_argument("--ends", action="store_true")
     given = arguments.parse_args()
     with open(given.paths) as file:
         jobs = [(json.loads(line), given.distances) for line in list(file)[:: given.every]]
     totals = {"paths": 0, "sampled": 0, "collisions": 0, "at_ends": 0}
     pairs, smallest, where = collections.Counter(), np.inf, None
     with multiprocessing.Pool(given.jobs, load, (given.problems,)) as pool:
-        for of, index, found, count, distance, near in pool.imap(check, jobs):
+        for name, found, count, distance, near in pool.imap(check, jobs):
             totals["paths"] += 1
             totals["sampled"] += count
             if found:
                 totals["collisions"] += 1
                 totals["at_ends"] += all(share in (0.0, 1.0) for share in found.values())
                 pairs.update(found.keys())
-                print(f"{of} {index}: " + ", ".join(f"{pair} at {share:.4f}" for pair, share in found.items()))
+                print(f"{name}: " + ", ".join(f"{pair} at {share:.4f}" for pair, share in found.items()))
             elif distance < smallest:
-                smallest, where = float(distance), f"{of} {index}: {near}"
+                smallest, where = float(distance), f"{name}: {near}"
     print(json.dumps(totals | {"pairs": dict(pairs.most_common()), "smallest": smallest, "where": where}))
-    sys.exit(totals["collisions"] > totals["at_ends"])
+    sys.exit(totals["collisions"] > (0 if given.ends else totals["at_ends"]))
 
 
 if __name__ == "__main__":
