@@ -110,8 +110,8 @@ pub(super) fn without_meaningless(
         let mut groups: Option<(Clusters, Vec<Group>)> = None;
         let mut stood = 0;
         for sample in 1..=TRIES {
-            let is_done = open.is_empty() && groups.as_ref().is_some_and(|(_, groups)| groups.is_empty());
-            if stood == POSTURES || is_done {
+            let no_own = groups.as_ref().map_or(own.is_empty(), |(_, groups)| groups.is_empty());
+            if stood == POSTURES || (open.is_empty() && no_own) {
                 break;
             }
             let q = spread(placement, sample);
