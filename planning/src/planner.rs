@@ -13,7 +13,7 @@ use crate::error::PlanError;
 use crate::limits::Limits;
 use crate::path::Path;
 use crate::plan::{Motion, Plan};
-use crate::search::{Samples, connect, shorten};
+use crate::search::{Samples, find, shorten};
 use crate::speed::Speed;
 use crate::stop::ROBOTS;
 use crate::timing::timed;
@@ -248,7 +248,7 @@ impl Planner {
         let [lower, upper] = self.ranges(&from, &to);
         let mut samples = Samples::new(self.seed, &lower, &upper);
         let before = self.checker.batches;
-        match connect(&mut self.checker, &mut self.edges, &mut samples, &from, &to, effort) {
+        match find(&mut self.checker, &mut self.edges, &mut samples, &from, &to, effort) {
             Ok(path) => {
                 let goal =
                     to.iter().position(|goal| path.last() == Some(goal)).map_or(clear[0], |i| clear[i]);

@@ -10,7 +10,7 @@ use mrroc_generators::curve::{Parametric, SplinePoint};
 use mrroc_generators::timing::{LinearLimit, PathLimits, TimeOptimal};
 use nalgebra::SVector;
 
-use crate::check::Checker;
+use crate::check::{Among, Checker};
 use crate::error::PlanError;
 use crate::limits::Limits;
 use crate::path::Path;
@@ -89,7 +89,7 @@ pub(crate) fn timed(
             }
             let ends = [grid[cell], grid[cell + 1]];
             let mut is_clear =
-                |speed: f64| is_piece_clear(checker, path, ends, speed, limits, reaction, HALVINGS);
+                |speed: f64| is_piece_clear(checker, path, ends, speed, limits, reaction);
             if is_clear(passed) {
                 proven[cell] = passed;
                 continue;
@@ -118,8 +118,32 @@ pub(crate) fn timed(
     Err(PlanError::StopsNotClear { at })
 }
 
-/// Whether the stops from everywhere on a piece are clear; it is cut in halves, so often, where it is too long to prove that.
+/// What is proven apart: robots need not begin to brake together, so the pairs of each robot alone are looked at wherever it may stand,
+/// and those of two robots wherever these two may.
+fn groups(robots: usize) -> Vec<Among> {
+    let two = (0..robots).flat_map(|a| (a + 1..robots).map(move |b| Among::Two(a, b)));
+    (0..robots).map(Among::Alone).chain(two).collect()
+}
+
+/// Whether the stops from everywhere on a piece are clear.
 fn is_piece_clear(
+    checker: &mut Checker,
+    path: &Path,
+    ends: [f64; 2],
+    speed: f64,
+    limits: &Limits,
+    reaction: f64,
+) -> bool {
+    let is_clear = groups(limits.robots.len()).into_iter().all(|among| {
+        checker.among = among;
+        is_part_clear(checker, path, ends, speed, limits, reaction, HALVINGS)
+    });
+    checker.among = Among::All;
+    is_clear
+}
+
+/// The same of some pairs; a piece is cut in halves, so often, where it is too long to prove that.
+fn is_part_clear(
     checker: &mut Checker,
     path: &Path,
     [from, to]: [f64; 2],
@@ -128,14 +152,15 @@ fn is_piece_clear(
     reaction: f64,
     halvings: u32,
 ) -> bool {
-    if Swept::new(path, [from, to], speed, limits, reaction).is_clear(checker, limits) {
+    let swept = Swept::new(path, [from, to], speed, limits, reaction);
+    if swept.is_within(limits) && swept.is_clear(checker, limits) {
         return true;
     }
     let middle = 0.5 * (from + to);
     halvings > 0
         && [[from, middle], [middle, to]]
             .into_iter()
-            .all(|ends| is_piece_clear(checker, path, ends, speed, limits, reaction, halvings - 1))
+            .all(|ends| is_part_clear(checker, path, ends, speed, limits, reaction, halvings - 1))
 }
 
 /// The fastest motion within the limits of the joints, and `most` in each cell of the grid.

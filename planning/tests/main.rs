@@ -3,7 +3,10 @@
 mod cells;
 mod check;
 mod examples;
+mod models;
 mod plans;
 mod recorded;
+mod several;
 mod stops;
+mod table;
 mod via;

@@ -6,11 +6,14 @@
 
 mod connect;
 mod sampling;
+mod several;
 mod shorten;
 mod tree;
+mod turns;
 
-pub(crate) use connect::connect;
+use connect::connect;
 pub(crate) use sampling::Samples;
+pub(crate) use several::find;
 pub(crate) use shorten::shorten;
 
 /// Positions of all joints along a path [rad or m].
