@@ -179,14 +179,15 @@ fn fastest(
         let cell = (asked / 4).min(most.len() - 1);
         asked += 1;
         let at = path.at(point.value[0]);
-        let mut square = most[cell] * most[cell];
+        // As `x / square <= 1`, so that rest is allowed by all that is interpolated in a cell.
+        let mut slowest = 1.0 / (most[cell] * most[cell]);
         for j in 0..n {
             let high = SHARES[1] * limits.acceleration[j];
             rows.push(LinearLimit { a: at.first[j], b: at.second[j], low: -high, high });
-            let fastest = SHARES[0] * limits.velocity[j] / at.first[j].abs();
-            square = square.min(fastest * fastest);
+            let share = at.first[j] / (SHARES[0] * limits.velocity[j]);
+            slowest = slowest.max(share * share);
         }
-        rows.push(LinearLimit { a: 0.0, b: 1.0, low: -1.0, high: square.min(1e12) });
+        rows.push(LinearLimit { a: 0.0, b: slowest, low: -1.0, high: 1.0 });
     };
     let plan = TimeOptimal::with_linear_limits(parameter, grid, &own, [0.0; 2], rows)?;
     let windows = (0..n).filter_map(|j| limits.jerk[j].map(|jerk| 2.0 * limits.acceleration[j] / jerk));

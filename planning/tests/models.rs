@@ -34,6 +34,12 @@ pub(crate) fn seven_axes(base: Pose) -> SerialOutline<7> {
     SerialOutline::new(seven_axes_model(base), RADIUS)
 }
 
+/// The same with jerk of the size of a Panda's.
+pub(crate) fn seven_quick_axes(base: Pose) -> SerialOutline<7> {
+    let robot = seven_axes_model(base).with_jerk(SVector::repeat(5000.0)).expect("limits");
+    SerialOutline::new(robot, RADIUS)
+}
+
 pub(crate) fn stopping() -> Stopping {
     Stopping { reaction: 0.02, stop: Stop::Braking }
 }

@@ -1,9 +1,11 @@
 //! Arms around a table with boxes, who reach across each other: random problems by their seed.
 //!
 //! The table is cut into sectors, from the place of one arm to that of the next. At the start the flange of an arm is above the sector to
-//! one of its sides, at the goal above that to the other; so the arms want the same places, and two that face each other change sides.
+//! one of its sides, at the goal above that to the other; so the arms want the same places, and two that face each other change sides. Each
+//! arm could do so if it were alone: where an arm finds no path among the boxes, another goal is drawn.
 
 use core::f64::consts::TAU;
+use core::ops::Range;
 
 use mrroc::pose::Pose;
 use mrroc::random::Random;
@@ -13,7 +15,7 @@ use mrroc_robots::Serial;
 use mrroc_robots::clearance::{Clearance, ClearanceBuilder, Obstacle};
 use nalgebra::{SVector, Vector3};
 
-use super::models::{seven_axes, seven_axes_model, six_axes, six_axes_model, stopping};
+use super::models::{seven_axes_model, seven_quick_axes, six_axes, six_axes_model, stopping};
 
 /// From the middle of the table to the base of an arm \[m\].
 const BASE: f64 = 0.65;
@@ -25,6 +27,10 @@ const HEIGHT: [f64; 2] = [0.1, 0.5];
 const BOXES: usize = 6;
 /// What the arms keep apart \[m\].
 const MARGIN: f64 = 0.02;
+/// What they have more at the start and at the goal, for stops that begin there \[m\].
+const MORE: f64 = 0.005;
+/// The effort by which each arm alone must find a path.
+const ALONE: u64 = 50_000;
 /// The farthest from 0 that joints begin and end [rad].
 const TURN: f64 = 0.5 * TAU;
 
@@ -49,18 +55,21 @@ pub(crate) fn problem(kind: Kind, arms: usize, seed: u64) -> Problem {
     let mut random = Random::seeded(seed);
     let boxes = boxes(arms, &mut random);
     // The first arm alone, the first two, and so on: postures are drawn arm by arm.
-    let mut worlds: Vec<Planner> = (1..=arms)
-        .map(|count| Planner::new(world(kind, arms, count, &boxes)).expect("a planner"))
-        .collect();
+    let planner = |of: Range<usize>| {
+        Planner::new(world(kind, arms, of, &boxes, MARGIN + MORE)).expect("a planner")
+    };
+    let mut worlds: Vec<Planner> = (0..arms).map(|arm| planner(0..arm + 1)).collect();
+    let mut alone: Vec<Planner> = (0..arms).map(|arm| planner(arm..arm + 1).with_effort(ALONE)).collect();
     let turns: Vec<f64> = (0..arms).map(|_| if random.unit() < 0.5 { -1.0 } else { 1.0 }).collect();
-    let mut ends = [-1.0, 1.0].map(|from| {
-        let sides: Vec<f64> = turns.iter().map(|turn| from * turn).collect();
-        posture(kind, &mut worlds, &sides, &mut random)
+    let others: Vec<f64> = turns.iter().map(|turn| -turn).collect();
+    let start = posture(kind, &mut worlds, &turns, &mut random, |_, _| true);
+    let goal = posture(kind, &mut worlds, &others, &mut random, |arm, q| {
+        alone[arm].find_first(&start[arm], &[q.to_vec()]).is_ok()
     });
     Problem {
-        clearance: worlds.pop().expect("at least one arm").clearance().clone(),
-        start: core::mem::take(&mut ends[0]),
-        goal: core::mem::take(&mut ends[1]),
+        clearance: world(kind, arms, 0..arms, &boxes, MARGIN),
+        start: start.concat(),
+        goal: goal.concat(),
     }
 }
 
@@ -88,18 +97,18 @@ fn boxes(arms: usize, random: &mut Random) -> Vec<Obstacle> {
     boxes
 }
 
-/// The first `count` of the arms.
-fn world(kind: Kind, arms: usize, count: usize, boxes: &[Obstacle]) -> Clearance {
+/// Some of the arms.
+fn world(kind: Kind, arms: usize, of: Range<usize>, boxes: &[Obstacle], margin: f64) -> Clearance {
     let mut builder: ClearanceBuilder =
-        Clearance::with_margin(MARGIN).obstacle("table", Obstacle::table(-0.02)).expect("a table");
+        Clearance::with_margin(margin).obstacle("table", Obstacle::table(-0.02)).expect("a table");
     for (i, body) in boxes.iter().enumerate() {
         builder = builder.obstacle(&format!("box {i}"), body.clone()).expect("a box");
     }
-    for arm in 0..count {
+    for arm in of {
         let name = format!("arm{arm}");
         builder = match kind {
             Kind::Six => builder.robot(&name, six_axes(base(arm, arms))),
-            Kind::Seven => builder.robot(&name, seven_axes(base(arm, arms))),
+            Kind::Seven => builder.robot(&name, seven_quick_axes(base(arm, arms))),
         }
         .expect("an arm")
         .ignore((&name, "link 0"), ("table", "table"));
@@ -109,7 +118,13 @@ fn world(kind: Kind, arms: usize, count: usize, boxes: &[Obstacle]) -> Clearance
 
 /// Clear positions of all arms, each above the sector to the side of it that is told: 1.0 is that to the next arm.
 #[allow(non_snake_case)]
-fn posture(kind: Kind, worlds: &mut [Planner], sides: &[f64], random: &mut Random) -> Vec<f64> {
+fn posture(
+    kind: Kind,
+    worlds: &mut [Planner],
+    sides: &[f64],
+    random: &mut Random,
+    mut is_wanted: impl FnMut(usize, &[f64]) -> bool,
+) -> Vec<Vec<f64>> {
     let arms = sides.len();
     let (six, seven) = (six_axes_model(Pose::identity()), seven_axes_model(Pose::identity()));
     loop {
@@ -126,7 +141,7 @@ fn posture(kind: Kind, worlds: &mut [Planner], sides: &[f64], random: &mut Rando
                 let is_clear = is_above(&flange, angle(arm, arms), *side, TAU / arms as f64)
                     && worlds[arm].find_first(&q, std::slice::from_ref(&q)).is_ok();
                 let q = all.pop().expect("just pushed");
-                is_clear.then_some(q)
+                (is_clear && is_wanted(arm, &q)).then_some(q)
             });
             match found {
                 Some(q) => all.push(q),
@@ -135,7 +150,7 @@ fn posture(kind: Kind, worlds: &mut [Planner], sides: &[f64], random: &mut Rando
         }
         // Where the others leave an arm no room, all are drawn again.
         if all.len() == arms {
-            return all.concat();
+            return all;
         }
     }
 }
