@@ -24,8 +24,8 @@ const CELL: f64 = 0.05;
 const CELLS: f64 = 40.0;
 /// How often the motion is planned anew at most.
 const ROUNDS: usize = 24;
-/// How often a cell is cut in halves at most.
-const HALVINGS: u32 = 9;
+/// How often a cell is cut in halves at most, and where no speed is slow enough so.
+const HALVINGS: [u32; 2] = [6, 9];
 /// Shares of the speed below which a place counts as impassable.
 const SLOWEST: f64 = 1e-3;
 /// Samples of a motion in which its limits are measured, at least in a cell.
@@ -89,15 +89,21 @@ pub(crate) fn timed(
             }
             let ends = [grid[cell], grid[cell + 1]];
             let mut is_clear =
-                |speed: f64| is_piece_clear(checker, path, ends, speed, limits, reaction);
-            if is_clear(passed) {
+                |speed: f64, halvings| is_piece_clear(checker, path, ends, speed, limits, reaction, halvings);
+            if is_clear(passed, HALVINGS[0]) {
                 proven[cell] = passed;
                 continue;
             }
-            let (mut slow, mut fast) = (proven[cell], passed);
-            while fast - slow > 0.1 * fast && fast > SLOWEST * passed {
-                let middle = 0.5 * (slow + fast);
-                if is_clear(middle) { slow = middle } else { fast = middle }
+            let mut slow = proven[cell];
+            for halvings in HALVINGS {
+                let mut fast = passed;
+                while fast - slow > 0.1 * fast && fast > SLOWEST * passed {
+                    let middle = 0.5 * (slow + fast);
+                    if is_clear(middle, halvings) { slow = middle } else { fast = middle }
+                }
+                if slow > 0.0 {
+                    break;
+                }
             }
             if slow == 0.0 {
                 return Err(PlanError::StopsNotClear { at: 100.0 * grid[cell] / path.length() });
@@ -125,7 +131,7 @@ fn groups(robots: usize) -> Vec<Among> {
     (0..robots).map(Among::Alone).chain(two).collect()
 }
 
-/// Whether the stops from everywhere on a piece are clear.
+/// Whether the stops from everywhere on a piece are clear; it is cut in halves, so often, where it is too long to prove that.
 fn is_piece_clear(
     checker: &mut Checker,
     path: &Path,
@@ -133,16 +139,17 @@ fn is_piece_clear(
     speed: f64,
     limits: &Limits,
     reaction: f64,
+    halvings: u32,
 ) -> bool {
     let is_clear = groups(limits.robots.len()).into_iter().all(|among| {
         checker.among = among;
-        is_part_clear(checker, path, ends, speed, limits, reaction, HALVINGS)
+        is_part_clear(checker, path, ends, speed, limits, reaction, halvings)
     });
     checker.among = Among::All;
     is_clear
 }
 
-/// The same of some pairs; a piece is cut in halves, so often, where it is too long to prove that.
+/// The same of some pairs.
 fn is_part_clear(
     checker: &mut Checker,
     path: &Path,
