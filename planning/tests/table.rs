@@ -55,9 +55,8 @@ pub(crate) fn problem(kind: Kind, arms: usize, seed: u64) -> Problem {
     let mut random = Random::seeded(seed);
     let boxes = boxes(arms, &mut random);
     // The first arm alone, the first two, and so on: postures are drawn arm by arm.
-    let planner = |of: Range<usize>| {
-        Planner::new(world(kind, arms, of, &boxes, MARGIN + MORE)).expect("a planner")
-    };
+    let planner =
+        |of: Range<usize>| Planner::new(world(kind, arms, of, &boxes, MARGIN + MORE)).expect("a planner");
     let mut worlds: Vec<Planner> = (0..arms).map(|arm| planner(0..arm + 1)).collect();
     let mut alone: Vec<Planner> = (0..arms).map(|arm| planner(arm..arm + 1).with_effort(ALONE)).collect();
     let turns: Vec<f64> = (0..arms).map(|_| if random.unit() < 0.5 { -1.0 } else { 1.0 }).collect();

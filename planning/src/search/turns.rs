@@ -6,8 +6,10 @@
 //! Each robot has places: its start, its goal, and from the second round on places aside, which are drawn at random and keep clear of as
 //! many places of the others as possible. A state tells at which place each robot stands. The states are searched by A*, the cost of a
 //! motion being one, so that few robots move, and those that have nothing to do stay. A motion is looked for only when its state is
-//! reached: among the motions of the robot between the same places that are known, then by [`connect`] in the joints of this robot alone.
+//! reached: first as if the robot were alone; then, where none that is known between the same places is clear of the others, among them. Both by
+//! [`connect`] in the joints of this robot.
 
+use core::ops::Range;
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap};
 
@@ -21,6 +23,8 @@ use crate::stop::ROBOTS;
 
 /// The effort for a motion of one robot in the first round, in checks; in each further round it is twice that.
 const FIRST: u64 = 500;
+/// How many times that is the effort for a motion of a robot as if it were alone, which is looked for but once.
+const ALONE: u64 = 16;
 /// The effort for making a motion of one robot shorter.
 const SHORTENING: u64 = 200;
 /// The most rounds; in each but the first every robot gets a place aside.
@@ -37,7 +41,7 @@ type State = [u8; ROBOTS];
 type Open = (Reverse<u32>, u32, Reverse<u32>, State, Option<(State, usize)>);
 
 /// What is known of the robots' motions.
-pub(crate) struct Turns<'a> {
+struct Turns<'a> {
     checker: &'a mut Checker,
     edges: &'a mut Edges,
     samples: &'a Samples,
@@ -49,6 +53,8 @@ pub(crate) struct Turns<'a> {
     fits: BTreeMap<[(usize, u8); 2], bool>,
     /// Motions of a robot from one place to another, in its joints.
     known: BTreeMap<(usize, u8, u8), Vec<Points>>,
+    /// The effort by which a motion of a robot was not found even alone.
+    stuck: BTreeMap<(usize, u8, u8), u64>,
     /// The effort by which a motion from a state was not found.
     failed: BTreeMap<(State, usize, u8), u64>,
     end: u64,
@@ -71,8 +77,18 @@ pub(crate) fn in_turns(
         places.push(if from == to { vec![from] } else { vec![from, to] });
     }
     let end = checker.batches + effort;
-    let (fits, known, failed) = (BTreeMap::new(), BTreeMap::new(), BTreeMap::new());
-    let mut turns = Turns { checker, edges, samples, places, goals, fits, known, failed, end };
+    let mut turns = Turns {
+        checker,
+        edges,
+        samples,
+        places,
+        goals,
+        fits: BTreeMap::new(),
+        known: BTreeMap::new(),
+        stuck: BTreeMap::new(),
+        failed: BTreeMap::new(),
+        end,
+    };
     let path = turns.find();
     turns.checker.among = Among::All;
     path
@@ -145,7 +161,11 @@ impl Turns<'_> {
 
     /// Positions of all robots.
     fn at(&self, state: &State) -> Vec<f32> {
-        self.places.iter().zip(state).flat_map(|(places, place)| places[usize::from(*place)].clone()).collect()
+        self.places
+            .iter()
+            .zip(state)
+            .flat_map(|(places, place)| places[usize::from(*place)].clone())
+            .collect()
     }
 
     /// Whether a robot is clear of the others where they stand.
@@ -163,6 +183,13 @@ impl Turns<'_> {
         })
     }
 
+    /// Whether joints that share limits allow a posture.
+    fn is_possible(&self, q: &[f32]) -> bool {
+        let q: Vec<f64> =
+            q.iter().zip(&self.checker.offset).map(|(q, offset)| f64::from(*q) + offset).collect();
+        self.checker.is_possible(&q)
+    }
+
     fn is_clear(&mut self, q: &[f32]) -> bool {
         let q: Vec<f64> = q.iter().map(|q| f64::from(*q)).collect();
         self.checker.is_clear(&q)
@@ -171,42 +198,69 @@ impl Turns<'_> {
     /// A motion of one robot to a place, while the others stand; in its joints.
     fn motion(&mut self, state: &State, robot: usize, to: u8, effort: u64) -> Option<Points> {
         let key = (robot, state[robot], to);
-        let start = self.at(state);
-        let joints = {
-            let arm = &self.checker.arms[robot];
-            arm.first..arm.first + arm.joints
-        };
-        let whole = |own: &[f32]| {
-            let mut q = start.clone();
-            q[joints.clone()].copy_from_slice(own);
-            q
-        };
-        self.checker.among = Among::Of(robot);
-        let Turns { checker, edges, known, .. } = self;
-        let known = known.entry(key).or_default();
-        let is_clear = |path: &&Points| {
-            path.windows(2).all(|leg| edges.is_clear(checker, &whole(&leg[0]), &whole(&leg[1])))
-        };
-        if let Some(path) = known.iter().find(is_clear) {
-            return Some(path.clone());
+        if !self.known.contains_key(&key) {
+            // What it cannot do alone it cannot do among the others.
+            if self.stuck.get(&key).is_some_and(|tried| *tried >= effort) {
+                return None;
+            }
+            if self.planned(Among::Alone(robot), state, robot, to, ALONE * effort).is_none() {
+                self.stuck.insert(key, effort);
+                return None;
+            }
         }
-        if self.failed.get(&(*state, robot, to)).is_some_and(|failed| *failed >= effort) {
+        if let Some(path) = self.known_clear(state, key) {
+            return Some(path);
+        }
+        if self.failed.get(&(*state, robot, to)).is_some_and(|tried| *tried >= effort) {
             return None;
         }
-        let goal = [whole(&self.places[robot][usize::from(to)])];
+        let path = self.planned(Among::Of(robot), state, robot, to, effort);
+        if path.is_none() {
+            self.failed.insert((*state, robot, to), effort);
+        }
+        path
+    }
+
+    /// The first known motion that is clear of the others where they stand.
+    fn known_clear(&mut self, state: &State, key: (usize, u8, u8)) -> Option<Points> {
+        let mut at = self.at(state);
+        let mut to = at.clone();
+        let joints = self.joints(key.0);
+        let Turns { checker, edges, known, .. } = self;
+        checker.among = Among::Of(key.0);
+        let is_clear = |path: &&Points| {
+            path.windows(2).all(|leg| {
+                at[joints.clone()].copy_from_slice(&leg[0]);
+                to[joints.clone()].copy_from_slice(&leg[1]);
+                edges.is_clear(checker, &at, &to)
+            })
+        };
+        known.get(&key)?.iter().find(is_clear).cloned()
+    }
+
+    /// Looks for a motion, `among` others or alone, and remembers it in both directions.
+    fn planned(&mut self, among: Among, state: &State, robot: usize, to: u8, effort: u64) -> Option<Points> {
+        let start = self.at(state);
+        let mut end = *state;
+        end[robot] = to;
+        let goal = [self.at(&end)];
+        let joints = self.joints(robot);
         let effort = effort.min(self.end.saturating_sub(self.checker.batches));
         let mut samples = self.samples.of(joints.clone(), &start);
-        let Ok(mut path) = connect(self.checker, self.edges, &mut samples, &start, &goal, effort) else {
-            self.failed.insert((*state, robot, to), effort);
-            return None;
-        };
+        self.checker.among = among;
+        let path = connect(self.checker, self.edges, &mut samples, &start, &goal, effort);
+        let mut path = path.ok()?;
         shorten(self.checker, self.edges, robot as u64, &mut path, SHORTENING);
-        let mut own: Points = path.iter().map(|q| q[joints.clone()].to_vec()).collect();
-        self.known.entry(key).or_default().push(own.clone());
-        own.reverse();
-        self.known.entry((robot, to, state[robot])).or_default().push(own.clone());
-        own.reverse();
+        let own: Points = path.iter().map(|q| q[joints.clone()].to_vec()).collect();
+        let back = own.iter().rev().cloned().collect();
+        self.known.entry((robot, state[robot], to)).or_default().push(own.clone());
+        self.known.entry((robot, to, state[robot])).or_default().push(back);
         Some(own)
+    }
+
+    fn joints(&self, robot: usize) -> Range<usize> {
+        let arm = &self.checker.arms[robot];
+        arm.first..arm.first + arm.joints
     }
 
     /// Adds a place aside, the best of some.
@@ -227,7 +281,7 @@ impl Turns<'_> {
             let mut state = [0; ROBOTS];
             state[robot] = own;
             self.checker.among = Among::Alone(robot);
-            if self.is_clear(&self.at(&state)) {
+            if self.is_clear(&self.at(&state)) && self.is_possible(&self.at(&state)) {
                 let mut fits = 0;
                 for other in (0..self.places.len()).filter(|other| *other != robot) {
                     self.checker.among = Among::Two(robot, other);
