@@ -12,6 +12,8 @@ use mrroc_planning::Planner;
 use rustix::time::{ClockId, clock_gettime};
 use serde_json::{Value, json};
 
+// The tests have more models than are needed here.
+#[allow(dead_code)]
 #[path = "../tests/models.rs"]
 mod models;
 #[path = "../tests/table.rs"]

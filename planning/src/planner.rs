@@ -252,11 +252,11 @@ impl Planner {
             Ok(path) => {
                 let goal =
                     to.iter().position(|goal| path.last() == Some(goal)).map_or(clear[0], |i| clear[i]);
-                let middle = path[1..path.len() - 1].iter().map(|q| outer(q, &offset));
+                let middle = path[1..path.len() - 1].iter().map(|q| outer(q, &offset, start));
                 Ok(core::iter::once(start.to_vec()).chain(middle).chain([goal.to_vec()]).collect())
             }
             Err((nearest, apart)) => {
-                let nearest = Box::new(self.nearest(&outer(&nearest, &offset))?);
+                let nearest = Box::new(self.nearest(&outer(&nearest, &offset, start))?);
                 Err(PlanError::NotFound { checks: self.checker.batches - before, apart, nearest })
             }
         }
@@ -273,7 +273,7 @@ impl Planner {
         self.checker.offset.clone_from(&offset);
         let mut path: Vec<Vec<f32>> = points.iter().map(|q| inner(q, &offset)).collect();
         shorten(&mut self.checker, &mut self.edges, self.seed, &mut path, effort);
-        *points = path.iter().map(|q| outer(q, &offset)).collect();
+        *points = path.iter().map(|q| outer(q, &offset, &start)).collect();
         let last = points.len() - 1;
         points[0] = start;
         points[last] = goal;
@@ -343,6 +343,12 @@ fn inner(q: &[f64], offset: &[f64]) -> Vec<f32> {
     single(&reduced(q, offset))
 }
 
-fn outer(q: &[f32], offset: &[f64]) -> Vec<f64> {
-    q.iter().zip(offset).map(|(q, offset)| f64::from(*q) + offset).collect()
+/// The positions that are computed with as `q`. A joint that is computed to be where it is at the `start` is there exactly: what stays
+/// does not move by a rounding.
+fn outer(q: &[f32], offset: &[f64], start: &[f64]) -> Vec<f64> {
+    let joints = q.iter().zip(offset).zip(start);
+    let place = |((q, offset), start): ((&f32, &f64), &f64)| {
+        if *q == (start - offset) as f32 { *start } else { f64::from(*q) + offset }
+    };
+    joints.map(place).collect()
 }

@@ -26,7 +26,7 @@ const HEIGHT: [f64; 2] = [0.1, 0.5];
 /// How many boxes stand on the table.
 const BOXES: usize = 6;
 /// What the arms keep apart \[m\].
-const MARGIN: f64 = 0.02;
+pub(crate) const MARGIN: f64 = 0.02;
 /// What they have more at the start and at the goal, for stops that begin there \[m\].
 const MORE: f64 = 0.005;
 /// The effort by which each arm alone must find a path.
