@@ -62,10 +62,10 @@ fn a_plan_of_four_arms_across_each_other_keeps_the_margin_in_its_stops_too() {
     assert!(closest.distance() >= MARGIN, "{closest}");
 }
 
-/// By checks, not by time. Searched in all joints at once, one of these 24 problems of four arms is solved by 400,000 checks.
+/// By checks, not by time. Searched in all joints at once, three of these 16 problems are solved by 400,000 checks.
 #[test]
 fn four_arms_find_their_paths_by_few_checks() {
-    for (kind, seed) in [Kind::Six, Kind::Seven].into_iter().flat_map(|kind| (1..=12).map(move |n| (kind, n)))
+    for (kind, seed) in [Kind::Six, Kind::Seven].into_iter().flat_map(|kind| (1..=8).map(move |n| (kind, n)))
     {
         let Problem { clearance, start, goal } = problem(kind, 4, seed);
         let found = planner(&clearance).find_first(&start, &[goal]);
