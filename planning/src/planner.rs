@@ -22,8 +22,9 @@ use crate::via;
 /// Ranges longer than this have no ends that matter to a plan: two turns.
 const ENDLESS: f64 = 2.0 * TAU;
 
-/// How much more than the margins paths keep \[m\]: what is left for stops, which leave them.
-const MORE: f32 = 5e-4;
+/// How much more than the margins paths keep \[m\]: what is left for stops, which leave them. Where no speed is slow enough for these, the
+/// path is searched for anew with the second one.
+const MORE: [f32; 2] = [5e-4, 3e-3];
 
 /// Plans motions for the robots of a [`Clearance`], with its bodies, pairs and margins.
 ///
@@ -34,6 +35,7 @@ pub struct Planner {
     checker: Checker,
     edges: Edges,
     limits: Limits,
+    more: f32,
     seed: u64,
     effort: u64,
     reaction: f64,
@@ -55,6 +57,7 @@ impl Planner {
             checker,
             edges: Edges::default(),
             limits,
+            more: MORE[0],
             seed: 1,
             effort: 400_000,
             reaction: 0.03,
@@ -116,7 +119,19 @@ impl Planner {
         stages: &[G],
     ) -> Result<Plan, PlanError> {
         let stages: Vec<&[Vec<f64>]> = stages.iter().map(AsRef::as_ref).collect();
-        let parts = self.find_through(start, &stages)?;
+        match self.planned_through(start, &stages) {
+            Err(PlanError::StopsNotClear { at }) => {
+                self.more = MORE[1];
+                let plan = self.planned_through(start, &stages);
+                self.more = MORE[0];
+                plan.map_err(|_| PlanError::StopsNotClear { at })
+            }
+            found => found,
+        }
+    }
+
+    fn planned_through(&mut self, start: &[f64], stages: &[&[Vec<f64>]]) -> Result<Plan, PlanError> {
+        let parts = self.find_through(start, stages)?;
         let last = parts.last().and_then(|part| part.last()).map_or(start, Vec::as_slice);
         let ends = [start.to_vec(), last.to_vec()];
         let offset = self.offset(start);
@@ -167,7 +182,7 @@ impl Planner {
         let goals = goals.map(|(i, goals)| self.clear_goals(goals).map_err(|error| of_stage(i, error)));
         let goals = goals.collect::<Result<Vec<_>, _>>()?;
         let mut parts: Vec<Vec<Vec<f64>>> = Vec::new();
-        let mut more = MORE;
+        let mut more = self.more;
         for (i, goals) in goals.iter().enumerate() {
             let from = parts.last().and_then(|part| part.last()).map_or(start, Vec::as_slice).to_vec();
             // What the stages before have left is shared evenly.
@@ -237,9 +252,11 @@ impl Planner {
     /// The first path from a clear start to one of the clear goals, at least one, by so many checks.
     fn search(&mut self, start: &[f64], clear: &[&[f64]], effort: u64) -> Result<Vec<Vec<f64>>, PlanError> {
         // Where the start itself is no farther than its margin from something, the path is not either.
-        self.checker.more = MORE;
-        if !self.checker.is_clear(start) || !clear.iter().any(|goal| self.checker.is_clear(goal)) {
-            self.checker.more = 0.0;
+        for more in [self.more, MORE[0], 0.0] {
+            self.checker.more = more;
+            if self.checker.is_clear(start) && clear.iter().any(|goal| self.checker.is_clear(goal)) {
+                break;
+            }
         }
         let offset = self.offset(start);
         self.checker.offset.clone_from(&offset);
