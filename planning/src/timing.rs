@@ -28,6 +28,8 @@ const ROUNDS: usize = 24;
 const HALVINGS: [u32; 2] = [6, 9];
 /// Shares of the speed below which a place counts as impassable.
 const SLOWEST: f64 = 1e-3;
+/// What the place of a motion may be off the end of a cell by rounding [rad or m].
+const ROUNDING: f64 = 1e-9;
 /// Samples of a motion in which its limits are measured, at least in a cell.
 const SAMPLES: usize = 4;
 
@@ -232,16 +234,16 @@ fn excess(path: &Path, speed: &Speed, limits: &Limits, samples: usize) -> f64 {
 /// The largest speed in each cell.
 fn speeds(speed: &Speed, grid: &[f64]) -> Vec<f64> {
     let mut most = vec![0.0_f64; grid.len() - 1];
-    let samples = grid.len() * SAMPLES * 2;
-    let step = speed.duration() / samples as f64;
-    for k in 0..=samples {
-        let at = speed.at(k as f64 * step);
-        // Between two samples the speed changes by at most the acceleration, and the place by at most a step of both.
-        let v = at.v + at.a.abs() * step;
-        let [from, to] = [at.s - v * step, at.s + v * step];
-        let first = grid.partition_point(|u| *u <= from).clamp(1, most.len()) - 1;
+    let mut first = 0;
+    for pair in speed.breaks().windows(2) {
+        let [from, to] = [speed.at(pair[0]), speed.at(pair[1])];
+        // Between two breaks the acceleration is linear in time: the speed is above the larger of both ends by at most this.
+        let v = from.v.max(to.v) + (to.a - from.a).abs() * (pair[1] - pair[0]) / 8.0;
+        while first + 1 < most.len() && grid[first + 1] <= from.s + ROUNDING {
+            first += 1;
+        }
         for (cell, most) in most.iter_mut().enumerate().skip(first) {
-            if grid[cell] > to {
+            if cell > first && grid[cell] >= to.s - ROUNDING {
                 break;
             }
             *most = most.max(v);
