@@ -51,7 +51,7 @@ impl Speed {
         (self.last().time + self.window) * self.stretch
     }
 
-    /// The times between which its acceleration is linear, from 0 to its end, rising \[s\].
+    /// The times between which its acceleration is constant or, with a window, linear, from 0 to its end, rising \[s\].
     pub(crate) fn breaks(&self) -> Vec<f64> {
         let ends = |after: f64| self.knots.iter().map(move |knot| (knot.time + after) * self.stretch);
         let mut times: Vec<f64> = ends(0.0).collect();
