@@ -21,12 +21,12 @@ impl Samples {
         Samples { seed, index: 0, shift, lower: lower.to_vec(), upper: upper.to_vec() }
     }
 
-    /// Of some of the joints; the others stay where they are `at`.
-    pub(crate) fn of(&self, joints: Range<usize>, at: &[f32]) -> Samples {
+    /// Of some of the joints, other ones for each `number`; the other joints stay where they are `at`.
+    pub(crate) fn of(&self, joints: Range<usize>, at: &[f32], number: u64) -> Samples {
         let [mut lower, mut upper] = [at.to_vec(), at.to_vec()];
         lower[joints.clone()].copy_from_slice(&self.lower[joints.clone()]);
         upper[joints.clone()].copy_from_slice(&self.upper[joints.clone()]);
-        Samples::new(self.seed, &lower, &upper)
+        Samples::new(self.seed ^ number, &lower, &upper)
     }
 
     /// The seed.

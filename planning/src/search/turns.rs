@@ -245,8 +245,9 @@ impl Turns<'_> {
         end[robot] = to;
         let goal = [self.at(&end)];
         let joints = self.joints(robot);
+        // Samples that did not help once are not tried again, but others.
+        let mut samples = self.samples.of(joints.clone(), &start, effort);
         let effort = effort.min(self.end.saturating_sub(self.checker.batches));
-        let mut samples = self.samples.of(joints.clone(), &start);
         self.checker.among = among;
         let path = connect(self.checker, self.edges, &mut samples, &start, &goal, effort);
         let mut path = path.ok()?;
