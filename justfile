@@ -87,6 +87,10 @@ compare-planners *ARGS:
 check-plans *ARGS:
     tests/peers/planning/run {{ARGS}}
 
+# Plans of two and of four arms across each other, so many of each kind: how many are solved within a second, and in what time.
+bench-arms SEEDS="100":
+    cargo bench -p mrroc-planning --bench arms -- {{SEEDS}}
+
 # Stops of two arms on plans of many seeds: a million states of the processes' own stops, none nearer than the margin.
 sweep-plans:
     cargo test --release -p mrroc-planning --lib -- --ignored --nocapture a_million_states

@@ -42,6 +42,49 @@ struct Pairing {
     parts: Vec<(u32, u32)>,
 }
 
+impl Pairing {
+    /// The arm that the other side belongs to; of an obstacle the same.
+    fn other(&self) -> usize {
+        match self.against {
+            Against::Obstacle(_) => self.arm,
+            Against::Limb(arm, _) => arm,
+        }
+    }
+}
+
+/// Which pairs are checked. Only the arms of these pairs are looked at; the others may be anywhere.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Among {
+    /// All.
+    All,
+    /// Those of one arm with obstacles and with itself.
+    Alone(usize),
+    /// Those of one arm, with the other arms as well.
+    Of(usize),
+    /// Those of one arm with another.
+    Two(usize, usize),
+}
+
+impl Among {
+    pub(crate) fn has_arm(self, arm: usize) -> bool {
+        match self {
+            Among::All | Among::Of(_) => true,
+            Among::Alone(one) => arm == one,
+            Among::Two(a, b) => arm == a || arm == b,
+        }
+    }
+
+    fn has(self, pairing: &Pairing) -> bool {
+        let arms = (pairing.arm, pairing.other());
+        match self {
+            Among::All => true,
+            Among::Alone(arm) => arms == (arm, arm),
+            Among::Of(arm) => arms.0 == arm || arms.1 == arm,
+            Among::Two(a, b) => arms == (a, b) || arms == (b, a),
+        }
+    }
+}
+
 /// An obstacle in single precision.
 #[derive(Clone)]
 enum Body {
@@ -200,7 +243,9 @@ pub(crate) struct Checker {
     near: Vec<Mask>,
     /// The largest margin of all pairs \[m\].
     margin: f32,
-    /// Whether all pairs are listed.
+    /// Which pairs are checked at all.
+    pub(crate) among: Among,
+    /// Whether all of these are listed.
     is_all: bool,
     /// The pairs that are checked; those that are not proven clear in the checks since [`narrow`](Self::narrow).
     listed: Vec<u32>,
@@ -240,6 +285,7 @@ impl Checker {
             standing: vec![Standing::default(); arms.len()],
             order: (0..pairings.len() as u32).collect(),
             near: Vec::new(),
+            among: Among::All,
             is_all: false,
             listed: Vec::new(),
             unproven: vec![false; pairings.len()],
@@ -261,11 +307,12 @@ impl Checker {
         self.check_listed(q, around, wanted)
     }
 
-    /// Lists all pairs.
+    /// Lists all pairs that are checked.
     pub(crate) fn list_all(&mut self) {
         self.is_all = true;
         self.listed.clear();
-        self.listed.extend(&self.order);
+        let Checker { listed, order, pairings, among, .. } = self;
+        listed.extend(order.iter().filter(|pair| among.has(&pairings[**pair as usize])));
         for standing in &mut self.standing {
             standing.wanted = u64::MAX;
         }
@@ -295,7 +342,9 @@ impl Checker {
     /// [`check`](Self::check) of the pairs on the list alone.
     pub(crate) fn check_listed(&mut self, q: &[Lanes], around: Around<'_>, wanted: Mask) -> Verdict {
         self.batches += 1;
-        for (arm, standing) in self.arms.iter().zip(&mut self.standing) {
+        let among = self.among;
+        let looked_at = |(i, _): &(usize, (&Arm, &mut Standing))| among.has_arm(*i);
+        for (_, (arm, standing)) in self.arms.iter().zip(&mut self.standing).enumerate().filter(looked_at) {
             arm.stand(q, around, standing);
         }
         let all = Verdict { proven: wanted, clear: wanted };
@@ -307,7 +356,7 @@ impl Checker {
                 return verdict;
             }
         }
-        for (arm, standing) in self.arms.iter().zip(&mut self.standing) {
+        for (_, (arm, standing)) in self.arms.iter().zip(&mut self.standing).enumerate().filter(looked_at) {
             arm.sweep(around, standing);
         }
         if self.is_all {
@@ -346,7 +395,12 @@ impl Checker {
     fn look_around(&mut self, moving: bool) {
         self.near.clear();
         let more = self.margin + self.more + ROUNDING;
-        for (arm, standing) in self.arms.iter().zip(&self.standing) {
+        for (i, (arm, standing)) in self.arms.iter().zip(&self.standing).enumerate() {
+            // Only where it is alone or among all it is compared with obstacles.
+            if matches!(self.among, Among::Two(..)) || !self.among.has_arm(i) {
+                self.near.extend(core::iter::repeat_n(0, arm.limbs.len() * self.bounds.len()));
+                continue;
+            }
             for limb in 0..arm.limbs.len() {
                 let (centre, radius) = standing.roots[limb];
                 let travel = if moving { standing.travel[limb][0] } else { Lanes::default() };

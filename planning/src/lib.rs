@@ -6,7 +6,7 @@
 //! ```text
 //! Clearance --> Checker: eight postures at once, proofs between them
 //!                  |
-//! start, goals --> search: RRT-Connect, shortcuts --> Path: corners rounded --> timing: limits, stops --> Plan --> FollowPlan
+//! start, goals --> search: in turns, RRT-Connect, shortcuts --> Path: corners rounded --> timing: limits, stops --> Plan --> FollowPlan
 //! ```
 //!
 //! Nothing of this runs in a step but [`FollowPlan`], which evaluates the plan. It is no certified safety function.

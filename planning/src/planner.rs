@@ -14,7 +14,7 @@ use crate::error::PlanError;
 use crate::limits::Limits;
 use crate::path::Path;
 use crate::plan::{Motion, Plan};
-use crate::search::{Samples, connect, shorten};
+use crate::search::{Samples, find, shorten};
 use crate::speed::Speed;
 use crate::stop::ROBOTS;
 use crate::timing::timed;
@@ -24,8 +24,9 @@ use crate::via;
 /// Ranges longer than this have no ends that matter to a plan: two turns.
 const ENDLESS: f64 = 2.0 * TAU;
 
-/// How much more than the margins paths keep \[m\]: what is left for stops, which leave them.
-const MORE: f32 = 5e-4;
+/// How much more than the margins paths keep \[m\]: what is left for stops, which leave them. Where no speed is slow enough for these, the
+/// path is searched for anew with the second one.
+const MORE: [f32; 2] = [5e-4, 3e-3];
 
 /// Plans motions for the robots of a [`Clearance`], with its bodies, pairs and margins.
 ///
@@ -36,6 +37,7 @@ pub struct Planner {
     checker: Checker,
     edges: Edges,
     limits: Limits,
+    more: f32,
     seed: u64,
     effort: u64,
     reaction: f64,
@@ -50,7 +52,8 @@ impl Planner {
         let checker = Checker::new(&clearance);
         let limits = Limits::of(&checker.arms);
         let edges = Edges::default();
-        Planner { clearance, checker, edges, limits, seed: 1, effort: 400_000, reaction: 0.03 }.has_robots()
+        let (more, seed, effort, reaction) = (MORE[0], 1, 400_000, 0.03);
+        Planner { clearance, checker, edges, limits, more, seed, effort, reaction }.has_robots()
     }
 
     /// Itself, if it has as many robots as it can plan for.
@@ -159,7 +162,19 @@ impl Planner {
         stages: &[G],
     ) -> Result<Plan, PlanError> {
         let stages: Vec<&[Vec<f64>]> = stages.iter().map(AsRef::as_ref).collect();
-        let parts = self.find_through(start, &stages)?;
+        match self.planned_through(start, &stages) {
+            Err(PlanError::StopsNotClear { at }) => {
+                self.more = MORE[1];
+                let plan = self.planned_through(start, &stages);
+                self.more = MORE[0];
+                plan.map_err(|_| PlanError::StopsNotClear { at })
+            }
+            found => found,
+        }
+    }
+
+    fn planned_through(&mut self, start: &[f64], stages: &[&[Vec<f64>]]) -> Result<Plan, PlanError> {
+        let parts = self.find_through(start, stages)?;
         let last = parts.last().and_then(|part| part.last()).map_or(start, Vec::as_slice);
         let ends = [start.to_vec(), last.to_vec()];
         let offset = self.offset(start);
@@ -210,7 +225,7 @@ impl Planner {
         let goals = goals.map(|(i, goals)| self.clear_goals(goals).map_err(|error| of_stage(i, error)));
         let goals = goals.collect::<Result<Vec<_>, _>>()?;
         let mut parts: Vec<Vec<Vec<f64>>> = Vec::new();
-        let mut more = MORE;
+        let mut more = self.more;
         for (i, goals) in goals.iter().enumerate() {
             let from = parts.last().and_then(|part| part.last()).map_or(start, Vec::as_slice).to_vec();
             // What the stages before have left is shared evenly.
@@ -298,9 +313,11 @@ impl Planner {
     /// The first path from a clear start to one of the clear goals, at least one, by so many checks.
     fn search(&mut self, start: &[f64], clear: &[&[f64]], effort: u64) -> Result<Vec<Vec<f64>>, PlanError> {
         // Where the start itself is no farther than its margin from something, the path is not either.
-        self.checker.more = MORE;
-        if !self.checker.is_clear(start) || !clear.iter().any(|goal| self.checker.is_clear(goal)) {
-            self.checker.more = 0.0;
+        for more in [self.more, MORE[0], 0.0] {
+            self.checker.more = more;
+            if self.checker.is_clear(start) && clear.iter().any(|goal| self.checker.is_clear(goal)) {
+                break;
+            }
         }
         let offset = self.offset(start);
         self.checker.offset.clone_from(&offset);
@@ -309,15 +326,15 @@ impl Planner {
         let [lower, upper] = self.ranges(&from, &to);
         let mut samples = Samples::new(self.seed, &lower, &upper);
         let before = self.checker.batches;
-        match connect(&mut self.checker, &mut self.edges, &mut samples, &from, &to, effort) {
+        match find(&mut self.checker, &mut self.edges, &mut samples, &from, &to, effort) {
             Ok(path) => {
                 let goal =
                     to.iter().position(|goal| path.last() == Some(goal)).map_or(clear[0], |i| clear[i]);
-                let middle = path[1..path.len() - 1].iter().map(|q| outer(q, &offset));
+                let middle = path[1..path.len() - 1].iter().map(|q| outer(q, &offset, start));
                 Ok(core::iter::once(start.to_vec()).chain(middle).chain([goal.to_vec()]).collect())
             }
             Err((nearest, apart)) => {
-                let nearest = Box::new(self.nearest(&outer(&nearest, &offset))?);
+                let nearest = Box::new(self.nearest(&outer(&nearest, &offset, start))?);
                 Err(PlanError::NotFound { checks: self.checker.batches - before, apart, nearest })
             }
         }
@@ -334,7 +351,7 @@ impl Planner {
         self.checker.offset.clone_from(&offset);
         let mut path: Vec<Vec<f32>> = points.iter().map(|q| inner(q, &offset)).collect();
         shorten(&mut self.checker, &mut self.edges, self.seed, &mut path, effort);
-        *points = path.iter().map(|q| outer(q, &offset)).collect();
+        *points = path.iter().map(|q| outer(q, &offset, &start)).collect();
         let last = points.len() - 1;
         points[0] = start;
         points[last] = goal;
@@ -404,6 +421,12 @@ fn inner(q: &[f64], offset: &[f64]) -> Vec<f32> {
     single(&reduced(q, offset))
 }
 
-fn outer(q: &[f32], offset: &[f64]) -> Vec<f64> {
-    q.iter().zip(offset).map(|(q, offset)| f64::from(*q) + offset).collect()
+/// The positions that are computed with as `q`. A joint that is computed to be where it is at the `start` is there exactly: what stays
+/// does not move by a rounding.
+fn outer(q: &[f32], offset: &[f64], start: &[f64]) -> Vec<f64> {
+    let joints = q.iter().zip(offset).zip(start);
+    let place = |((q, offset), start): ((&f32, &f64), &f64)| {
+        if *q == (start - offset) as f32 { *start } else { f64::from(*q) + offset }
+    };
+    joints.map(place).collect()
 }

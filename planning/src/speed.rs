@@ -51,6 +51,17 @@ impl Speed {
         (self.last().time + self.window) * self.stretch
     }
 
+    /// The times between which its acceleration is constant or, with a window, linear, from 0 to its end, rising \[s\].
+    pub(crate) fn breaks(&self) -> Vec<f64> {
+        let ends = |after: f64| self.knots.iter().map(move |knot| (knot.time + after) * self.stretch);
+        let mut times: Vec<f64> = ends(0.0).collect();
+        if self.window > 0.0 {
+            times.extend(ends(self.window));
+            times.sort_by(f64::total_cmp);
+        }
+        times
+    }
+
     fn last(&self) -> Knot {
         self.knots.last().copied().unwrap_or(Knot {
             time: 0.0,

@@ -112,13 +112,8 @@ impl Swept {
         joints.map(|j| self.travel[j].abs()).fold(0.0, f64::max)
     }
 
-    /// Whether all of it is proven clear, and within the limits of the joints.
-    pub(crate) fn is_clear(&self, checker: &mut Checker, limits: &Limits) -> bool {
-        self.is_within(limits) && self.is_proven(checker, limits)
-    }
-
     /// A joint that would stop beyond its limit is refused by its robot before it gets there. The path itself is within the limits.
-    fn is_within(&self, limits: &Limits) -> bool {
+    pub(crate) fn is_within(&self, limits: &Limits) -> bool {
         (0..self.middle.len()).all(|j| {
             let Swept { middle, half, travel, off } = self;
             let far = [-1.0, 1.0].map(|side| middle[j] + travel[j] + side * (off[j] - half[j]).max(0.0));
@@ -126,54 +121,61 @@ impl Swept {
         })
     }
 
-    fn is_proven(&self, checker: &mut Checker, limits: &Limits) -> bool {
+    /// Whether all of it is proven clear, for the pairs that the checker is told to check.
+    ///
+    /// What was proven for all of some boxes needs no proof in parts of them.
+    pub(crate) fn is_clear(&self, checker: &mut Checker, limits: &Limits) -> bool {
+        let robots: Vec<usize> = (0..limits.robots.len()).filter(|&i| checker.among.has_arm(i)).collect();
         let n = self.middle.len();
         let mut open = vec![Part { middle: [0.5; ROBOTS], half: [0.5; ROBOTS] }];
         // As many as there are lanes.
         while open.len() < LANES
             && let Some(parts) =
-                open.iter().map(|part| self.divided(limits, *part)).collect::<Option<Vec<_>>>()
+                open.iter().map(|part| self.divided(limits, &robots, *part)).collect::<Option<Vec<_>>>()
         {
             open = parts.into_flattened();
         }
         let (mut q, mut half) = (vec![Lanes::default(); n], vec![Lanes::default(); n]);
         let mut left = MOST;
-        while !open.is_empty() {
-            let taken = open.len().min(LANES);
-            if left < taken {
+        checker.list_all();
+        loop {
+            if left < open.len() {
                 return false;
             }
-            left -= taken;
-            let batch: [Part; LANES] =
-                core::array::from_fn(|lane| open[open.len() - 1 - lane.min(taken - 1)]);
-            open.truncate(open.len() - taken);
-            for (robot, joints) in limits.robots.iter().enumerate() {
-                for j in joints.clone() {
-                    q[j] = Lanes::new(batch.map(|part| self.at(j, part.middle[robot]) as f32));
-                    half[j] = Lanes::new(batch.map(|part| {
-                        (self.around(j, part.middle[robot], part.half[robot]) * (1.0 + 1e-6)) as f32
-                    }));
+            left -= open.len();
+            let mut unproven = Vec::new();
+            for taken in open.chunks(LANES) {
+                let batch: [Part; LANES] = core::array::from_fn(|lane| taken[lane.min(taken.len() - 1)]);
+                for &robot in &robots {
+                    for j in limits.robots[robot].clone() {
+                        q[j] = Lanes::new(batch.map(|part| self.at(j, part.middle[robot]) as f32));
+                        half[j] = Lanes::new(batch.map(|part| {
+                            (self.around(j, part.middle[robot], part.half[robot]) * (1.0 + 1e-6)) as f32
+                        }));
+                    }
                 }
-            }
-            let wanted = ((1u16 << taken) - 1) as Mask;
-            let verdict = checker.check(&q, Around::Box(&half), wanted);
-            if verdict.clear != wanted {
-                return false;
-            }
-            for (lane, part) in batch.iter().enumerate().take(taken) {
-                if verdict.proven >> lane & 1 == 0 {
-                    let Some(parts) = self.divided(limits, *part) else { return false };
-                    open.extend(parts);
+                let wanted = ((1u16 << taken.len()) - 1) as Mask;
+                let verdict = checker.check_listed(&q, Around::Box(&half), wanted);
+                if verdict.clear != wanted {
+                    return false;
                 }
+                let is_unproven = |(lane, _): &(usize, &Part)| verdict.proven >> lane & 1 == 0;
+                unproven.extend(taken.iter().enumerate().filter(is_unproven).map(|(_, part)| *part));
             }
+            if unproven.is_empty() {
+                return true;
+            }
+            checker.narrow();
+            let parts = unproven.iter().map(|part| self.divided(limits, &robots, *part));
+            let Some(parts) = parts.collect::<Option<Vec<_>>>() else { return false };
+            open = parts.into_flattened();
         }
-        true
     }
 
-    /// A box in two, across the longest of the robots' lines; `None` where they are too short.
-    fn divided(&self, limits: &Limits, part: Part) -> Option<[Part; 2]> {
+    /// A box in two, across the longest of the lines of `robots`; `None` where they are too short.
+    fn divided(&self, limits: &Limits, robots: &[usize], part: Part) -> Option<[Part; 2]> {
         let length = |robot: usize| self.longest(limits.robots[robot].clone()) * part.half[robot];
-        let all = 0..limits.robots.len();
+        let all = robots.iter().copied();
         let robot = all.max_by(|a, b| length(*a).total_cmp(&length(*b)).then(b.cmp(a)))?;
         if length(robot) < 1e-4 {
             return None;

@@ -10,7 +10,7 @@ use mrroc_generators::curve::{Parametric, SplinePoint};
 use mrroc_generators::timing::{LinearLimit, PathLimits, TimeOptimal};
 use nalgebra::SVector;
 
-use crate::check::Checker;
+use crate::check::{Among, Checker};
 use crate::error::PlanError;
 use crate::limits::Limits;
 use crate::path::Path;
@@ -24,10 +24,12 @@ const CELL: f64 = 0.05;
 const CELLS: f64 = 40.0;
 /// How often the motion is planned anew at most.
 const ROUNDS: usize = 24;
-/// How often a cell is cut in halves at most.
-const HALVINGS: u32 = 9;
+/// How often a cell is cut in halves at most, and where no speed is slow enough so.
+const HALVINGS: [u32; 2] = [6, 9];
 /// Shares of the speed below which a place counts as impassable.
 const SLOWEST: f64 = 1e-3;
+/// What the place of a motion may be off the end of a cell by rounding [rad or m].
+const ROUNDING: f64 = 1e-9;
 /// Samples of a motion in which its limits are measured, at least in a cell.
 const SAMPLES: usize = 4;
 
@@ -77,15 +79,21 @@ pub(crate) fn timed(
             }
             let ends = [grid[cell], grid[cell + 1]];
             let mut is_clear =
-                |speed: f64| is_piece_clear(checker, path, ends, speed, limits, reaction, HALVINGS);
-            if is_clear(passed) {
+                |speed: f64, halvings| is_piece_clear(checker, path, ends, speed, limits, reaction, halvings);
+            if is_clear(passed, HALVINGS[0]) {
                 proven[cell] = passed;
                 continue;
             }
-            let (mut slow, mut fast) = (proven[cell], passed);
-            while fast - slow > 0.1 * fast && fast > SLOWEST * passed {
-                let middle = 0.5 * (slow + fast);
-                if is_clear(middle) { slow = middle } else { fast = middle }
+            let mut slow = proven[cell];
+            for halvings in HALVINGS {
+                let mut fast = passed;
+                while fast - slow > 0.1 * fast && fast > SLOWEST * passed {
+                    let middle = 0.5 * (slow + fast);
+                    if is_clear(middle, halvings) { slow = middle } else { fast = middle }
+                }
+                if slow > 0.0 {
+                    break;
+                }
             }
             if slow == 0.0 {
                 return Err(PlanError::StopsNotClear { at: 100.0 * grid[cell] / path.length() });
@@ -106,8 +114,33 @@ pub(crate) fn timed(
     Err(PlanError::StopsNotClear { at })
 }
 
+/// What is proven apart: robots need not begin to brake together, so the pairs of each robot alone are looked at wherever it may stand,
+/// and those of two robots wherever these two may.
+fn groups(robots: usize) -> Vec<Among> {
+    let two = (0..robots).flat_map(|a| (a + 1..robots).map(move |b| Among::Two(a, b)));
+    (0..robots).map(Among::Alone).chain(two).collect()
+}
+
 /// Whether the stops from everywhere on a piece are clear; it is cut in halves, so often, where it is too long to prove that.
 fn is_piece_clear(
+    checker: &mut Checker,
+    path: &Path,
+    ends: [f64; 2],
+    speed: f64,
+    limits: &Limits,
+    reaction: f64,
+    halvings: u32,
+) -> bool {
+    let is_clear = groups(limits.robots.len()).into_iter().all(|among| {
+        checker.among = among;
+        is_part_clear(checker, path, ends, speed, limits, reaction, halvings)
+    });
+    checker.among = Among::All;
+    is_clear
+}
+
+/// The same of some pairs.
+fn is_part_clear(
     checker: &mut Checker,
     path: &Path,
     [from, to]: [f64; 2],
@@ -116,14 +149,15 @@ fn is_piece_clear(
     reaction: f64,
     halvings: u32,
 ) -> bool {
-    if Swept::new(path, [from, to], speed, limits, reaction).is_clear(checker, limits) {
+    let swept = Swept::new(path, [from, to], speed, limits, reaction);
+    if swept.is_within(limits) && swept.is_clear(checker, limits) {
         return true;
     }
     let middle = 0.5 * (from + to);
     halvings > 0
         && [[from, middle], [middle, to]]
             .into_iter()
-            .all(|ends| is_piece_clear(checker, path, ends, speed, limits, reaction, halvings - 1))
+            .all(|ends| is_part_clear(checker, path, ends, speed, limits, reaction, halvings - 1))
 }
 
 /// The fastest motion within the limits of the joints, and `most` in each cell of the grid.
@@ -142,14 +176,15 @@ fn fastest(
         let cell = (asked / 4).min(most.len() - 1);
         asked += 1;
         let at = path.at(point.value[0]);
-        let mut square = most[cell] * most[cell];
+        // As `x / square <= 1`, so that rest is allowed by all that is interpolated in a cell.
+        let mut slowest = 1.0 / (most[cell] * most[cell]);
         for j in 0..n {
             let high = SHARES[1] * limits.acceleration[j];
             rows.push(LinearLimit { a: at.first[j], b: at.second[j], low: -high, high });
-            let fastest = SHARES[0] * limits.velocity[j] / at.first[j].abs();
-            square = square.min(fastest * fastest);
+            let share = at.first[j] / (SHARES[0] * limits.velocity[j]);
+            slowest = slowest.max(share * share);
         }
-        rows.push(LinearLimit { a: 0.0, b: 1.0, low: -1.0, high: square.min(1e12) });
+        rows.push(LinearLimit { a: 0.0, b: slowest, low: -1.0, high: 1.0 });
     };
     let plan = TimeOptimal::with_linear_limits(parameter, grid, &own, [0.0; 2], rows)?;
     let windows = (0..n).filter_map(|j| limits.jerk[j].map(|jerk| 2.0 * limits.acceleration[j] / jerk));
@@ -200,16 +235,19 @@ impl<'a> Passed<'a> {
     /// Of a motion along the path of the grid.
     pub(crate) fn of(grid: &'a [f64], speed: &Speed) -> Self {
         let mut most = vec![0.0_f64; grid.len() - 1];
-        let samples = grid.len() * SAMPLES * 2;
-        let step = speed.duration() / samples as f64;
-        for k in 0..=samples {
-            let at = speed.at(k as f64 * step);
-            // Between two samples the speed changes by at most the acceleration, and the place by at most a step of both.
-            let v = at.v + at.a.abs() * step;
-            let [from, to] = [at.s - v * step, at.s + v * step];
-            let first = grid.partition_point(|u| *u <= from).clamp(1, most.len()) - 1;
+        let mut first = 0;
+        for pair in speed.breaks().windows(2) {
+            let [from, to] = [speed.at(pair[0]), speed.at(pair[1])];
+            // Between two breaks the acceleration is constant, or where jerk is limited linear in time: then the speed is above the larger
+            // of both ends by at most this.
+            let rise =
+                if speed.window > 0.0 { (to.a - from.a).abs() * (pair[1] - pair[0]) / 8.0 } else { 0.0 };
+            let v = from.v.max(to.v) + rise;
+            while first + 1 < most.len() && grid[first + 1] <= from.s + ROUNDING {
+                first += 1;
+            }
             for (cell, most) in most.iter_mut().enumerate().skip(first) {
-                if grid[cell] > to {
+                if cell > first && grid[cell] >= to.s - ROUNDING {
                     break;
                 }
                 *most = most.max(v);

@@ -111,3 +111,23 @@ fn what_is_not_upright_or_no_axis_is_told() {
     assert_eq!(told(planner.plan(&A, &[tilted.to_vec()]).expect_err("tilted")), expected("goal"));
     planner.plan(&A, &[tilted.to_vec(), B.to_vec()]).expect("one of two is upright");
 }
+
+/// They cross each other, so one of them has to step aside or to wait.
+#[test]
+fn two_arms_in_one_plan_keep_both_tools_upright() {
+    let mut clearance = two_arms().build(stopping()).expect("two arms");
+    let planner = Planner::new(clearance.clone()).expect("a planner");
+    let planner = planner.with_upright("left", axis(), 0.1).expect("an axis");
+    let mut planner = planner.with_upright("right", axis(), 0.1).expect("an axis");
+    let at = |turned: [f64; 2]| -> Vec<f64> {
+        let of = |turned: f64| [turned, -0.9, 1.5, -2.1708, -1.5708, 0.0];
+        [of(turned[0]), of(turned[1])].concat()
+    };
+    let plan = planner.plan(&at([0.9, 0.9]), &[at([-0.9, -0.9])]).unwrap_or_else(|error| panic!("{error}"));
+    for first in [0, 6] {
+        let tilt = most_tilted(&plan, |q| six_flange(&q[first..first + 6]), &axis());
+        assert!(tilt <= 0.1, "{tilt}");
+    }
+    let closest = plan.closest(&mut clearance, 0.02).expect("a clearance of its robots");
+    assert!(closest.distance() >= 0.02, "{closest}");
+}

@@ -1,4 +1,5 @@
-//! Finds a path of all joints from a start to one of several goals: RRT-Connect, then shortcuts.
+//! Finds a path of all joints from a start to one of several goals: RRT-Connect, then shortcuts. Several robots first try to move one
+//! after the other.
 //!
 //! Deterministic: the same world, start, goals and settings give the same path, to the bit. Effort is counted in checks of eight postures,
 //! not in time. Literature: Kuffner and LaValle, *RRT-Connect* (ICRA 2000), and for samples that nodes near what is in the way
@@ -6,11 +7,14 @@
 
 mod connect;
 mod sampling;
+mod several;
 mod shorten;
 mod tree;
+mod turns;
 
-pub(crate) use connect::connect;
+use connect::connect;
 pub(crate) use sampling::Samples;
+pub(crate) use several::find;
 pub(crate) use shorten::shorten;
 
 /// Positions of all joints along a path [rad or m].

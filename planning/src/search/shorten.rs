@@ -3,11 +3,11 @@
 use mrroc::random::Random;
 
 use super::{Points, UPRIGHT, distance};
-use crate::check::Checker;
+use crate::check::{Among, Checker};
 use crate::edge::Edges;
 
-/// Ends after so many tries in a row that gained nothing.
-const IN_VAIN: usize = 10;
+/// Ends after so many tries in a row that gained nothing: of one robot, and of several for each of them.
+const IN_VAIN: [usize; 2] = [10, 30];
 
 /// What is gained by less than this share of the path is not worth a check.
 const GAIN: f32 = 0.01;
@@ -26,32 +26,21 @@ pub(crate) fn shorten(checker: &mut Checker, edges: &mut Edges, seed: u64, path:
     skip(checker, edges, path, end);
     let mut random = Random::seeded(seed ^ 0x5ca1_ab1e);
     let mut in_vain = 0;
-    while path.len() > 2 && in_vain < IN_VAIN && checker.batches < end {
-        let whole = length(path);
-        let [a, b] = [random.unit(), random.unit()].map(|share| at(path, share * whole));
-        let (a, b) = if (a.0, a.1) <= (b.0, b.1) { (a, b) } else { (b, a) };
+    // Where one robot moves alone, there is nothing to be gained for the others.
+    let robots = if checker.among == Among::All { checker.arms.len() } else { 1 };
+    let tries = if robots == 1 { IN_VAIN[0] } else { IN_VAIN[1] * robots };
+    while path.len() > 2 && in_vain < tries && checker.batches < end {
         in_vain += 1;
-        if a.0 == b.0 {
-            continue;
+        // Of several robots either all take the straight line, or one of them.
+        let one = if robots == 1 { 1 } else { random.below(2 * robots) };
+        let is_shorter = if one < robots && robots > 1 {
+            cut_of(checker, edges, &mut random, path, one)
+        } else {
+            cut(checker, edges, &mut random, path)
+        };
+        if is_shorter {
+            in_vain = 0;
         }
-        let [from, to] = [&a, &b].map(|(leg, share)| between(&path[*leg], &path[*leg + 1], *share));
-        let before =
-            distance(&from, &path[a.0 + 1]) + length(&path[a.0 + 1..=b.0]) as f32 + distance(&path[b.0], &to);
-        let gained = before - distance(&from, &to);
-        let least = GAIN * whole as f32;
-        if gained < least {
-            continue;
-        }
-        let mut points = vec![from, to];
-        let is_clear = edges.is_clear(checker, &points[0], &points[1])
-            || bend(checker, edges, &mut points) && before - (length(&points) as f32) >= least;
-        if !is_clear {
-            continue;
-        }
-        // What remains of both legs is a part of what was clear.
-        path.splice(a.0 + 1..=b.0, points);
-        path.dedup_by(|b, a| distance(a, b) < SAME);
-        in_vain = 0;
     }
     skip(checker, edges, path, end);
 }
@@ -69,6 +58,77 @@ fn bend(checker: &mut Checker, edges: &mut Edges, points: &mut Points) -> bool {
     }
     points.splice(1..1, middle);
     points.windows(2).all(|pair| edges.is_clear(checker, &pair[0], &pair[1]))
+}
+
+/// A straight motion between two random points, if it is clear and gains enough; whether it was.
+fn cut(checker: &mut Checker, edges: &mut Edges, random: &mut Random, path: &mut Points) -> bool {
+    let whole = length(path);
+    let [a, b] = two_of(random, path, whole);
+    if a.0 == b.0 {
+        return false;
+    }
+    let [from, to] = [&a, &b].map(|(leg, share)| between(&path[*leg], &path[*leg + 1], *share));
+    let before =
+        distance(&from, &path[a.0 + 1]) + length(&path[a.0 + 1..=b.0]) as f32 + distance(&path[b.0], &to);
+    let least = GAIN * whole as f32;
+    if before - distance(&from, &to) < least {
+        return false;
+    }
+    let mut points = vec![from, to];
+    let is_clear = edges.is_clear(checker, &points[0], &points[1])
+        || bend(checker, edges, &mut points) && before - (length(&points) as f32) >= least;
+    if !is_clear {
+        return false;
+    }
+    // What remains of both legs is a part of what was clear.
+    path.splice(a.0 + 1..=b.0, points);
+    path.dedup_by(|b, a| distance(a, b) < SAME);
+    true
+}
+
+/// The same for the joints of one robot: the others pass the points that they have passed.
+fn cut_of(
+    checker: &mut Checker,
+    edges: &mut Edges,
+    random: &mut Random,
+    path: &mut Points,
+    robot: usize,
+) -> bool {
+    let whole = length(path);
+    let [a, b] = two_of(random, path, whole);
+    if a.0 == b.0 {
+        return false;
+    }
+    let [from, to] = [&a, &b].map(|(leg, share)| between(&path[*leg], &path[*leg + 1], *share));
+    let before: Points =
+        [from.clone()].into_iter().chain(path[a.0 + 1..=b.0].iter().cloned()).chain([to.clone()]).collect();
+    let passed = length(&before);
+    let joints = checker.arms[robot].first..checker.arms[robot].first + checker.arms[robot].joints;
+    let mut after = before.clone();
+    for k in 1..after.len() - 1 {
+        let share = (length(&before[..=k]) / passed) as f32;
+        for j in joints.clone() {
+            after[k][j] = from[j] + (to[j] - from[j]) * share;
+        }
+    }
+    if passed - length(&after) < f64::from(GAIN) * whole {
+        return false;
+    }
+    // The others have moved so before.
+    checker.among = Among::Of(robot);
+    let is_clear = after.windows(2).all(|leg| edges.is_clear(checker, &leg[0], &leg[1]));
+    checker.among = Among::All;
+    if is_clear {
+        path.splice(a.0 + 1..=b.0, after);
+        path.dedup_by(|b, a| distance(a, b) < SAME);
+    }
+    is_clear
+}
+
+/// Two random places on a path of this length, one behind the other.
+fn two_of(random: &mut Random, path: &Points, whole: f64) -> [(usize, f32); 2] {
+    let [a, b] = [random.unit(), random.unit()].map(|share| at(path, share * whole));
+    if (a.0, a.1) <= (b.0, b.1) { [a, b] } else { [b, a] }
 }
 
 /// Leaves out points between two that a straight motion joins: for each one, from the far end on.

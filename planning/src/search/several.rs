@@ -1,0 +1,40 @@
+//! The first path of any number of robots: what is simple is tried first.
+//!
+//! All straight; then, of several robots, one after the other ([`in_turns`]); then all joints at once ([`connect`]).
+
+use super::sampling::Samples;
+use super::turns::in_turns;
+use super::{Points, connect};
+use crate::check::Checker;
+use crate::edge::Edges;
+
+/// How many of several goals robots try to reach one after the other.
+const GOALS: usize = 4;
+
+/// A path from `start` to one of the `goals`, all of them clear, by so many checks.
+///
+/// # Errors
+/// As of [`connect`].
+pub(crate) fn find(
+    checker: &mut Checker,
+    edges: &mut Edges,
+    samples: &mut Samples,
+    start: &[f32],
+    goals: &[Vec<f32>],
+    effort: u64,
+) -> Result<Points, (Vec<f32>, f64)> {
+    let end = checker.batches + effort;
+    if checker.arms.len() > 1 {
+        if let Some(goal) = goals.iter().find(|goal| edges.is_clear(checker, start, goal)) {
+            return Ok(vec![start.to_vec(), goal.clone()]);
+        }
+        let goals = &goals[..goals.len().min(GOALS)];
+        let share = effort / (2 * goals.len() as u64);
+        let path = goals.iter().find_map(|goal| in_turns(checker, edges, samples, start, goal, share));
+        if let Some(path) = path {
+            return Ok(path);
+        }
+    }
+    let left = end.saturating_sub(checker.batches);
+    connect(checker, edges, samples, start, goals, left)
+}
