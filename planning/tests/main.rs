@@ -4,6 +4,7 @@ mod beside;
 pub(crate) mod cells;
 mod check;
 mod examples;
+mod guard;
 mod plans;
 mod recorded;
 mod stops;

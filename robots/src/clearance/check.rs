@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use mrroc::robot::{MAX_JOINTS, RobotView};
 
+use super::along::Stretch;
 use super::error::{CheckError, ClearanceError, Nearest, Side, TooClose};
 use super::gap::Gap;
 use super::obstacle::Obstacle;
@@ -39,9 +40,13 @@ pub struct Clearance {
     pub(super) ignored: Vec<[Owned; 2]>,
     pub(super) ignored_own: Vec<Arc<str>>,
     pub(super) stopping: Stopping,
+    /// The pairs that are checked, then those that will be once their obstacle is replaced.
     pub(super) pairs: Vec<Pair>,
+    /// The number of those that are checked.
+    pub(super) checked: usize,
     pub(super) unchecked: Vec<(Pair, Unchecked)>,
     pub(super) stopping_distances: Vec<Joints>,
+    pub(super) stretches: Vec<Stretch>,
 }
 
 impl Clearance {
@@ -170,10 +175,49 @@ impl Clearance {
         Ok(())
     }
 
+    /// Puts another body in the place of an obstacle, of the same name, and gives back the one that stood there. It allocates nothing,
+    /// so a guard may do so in a step. Plans are not made anew by it.
+    ///
+    /// From then on all pairs of this obstacle are checked, but those that were ignored by name: also those that always
+    /// overlapped with it where it stood.
+    ///
+    /// # Errors
+    /// [`ClearanceError::BadBody`], [`ClearanceError::NoLink`] where no obstacle has this name.
+    pub fn replace_obstacle(&mut self, name: &str, obstacle: Obstacle) -> Result<Obstacle, ClearanceError> {
+        let Some(place) = self.place_of_obstacle(name) else {
+            let known = self.names.iter().map(|name| &**name).collect::<Vec<_>>().join(", ");
+            return Err(ClearanceError::NoLink { owner: "the cell".into(), link: name.into(), known });
+        };
+        if !obstacle.is_valid() {
+            return Err(ClearanceError::BadBody { body: name.into() });
+        }
+        let is_own = |pair: &Pair| pair.other == Other::Obstacle(place);
+        for i in self.checked..self.pairs.len() {
+            if is_own(&self.pairs[i]) {
+                self.pairs.swap(i, self.checked);
+                self.checked += 1;
+            }
+        }
+        self.unchecked.retain(|(pair, _)| !is_own(pair));
+        Ok(core::mem::replace(&mut self.bodies[place], obstacle))
+    }
+
+    /// How the robots stop.
+    #[must_use]
+    pub const fn stopping(&self) -> &Stopping {
+        &self.stopping
+    }
+
+    /// The number of an obstacle, in the order in which they were added.
+    #[must_use]
+    pub fn place_of_obstacle(&self, name: &str) -> Option<usize> {
+        self.names.iter().position(|known| &**known == name)
+    }
+
     /// Number of pairs that are checked.
     #[must_use]
     pub fn pairs(&self) -> usize {
-        self.pairs.len()
+        self.checked
     }
 
     /// The pairs that are not checked because they overlap in all postures or, being links of one robot, never meet, in
@@ -237,6 +281,11 @@ impl Clearance {
         Ok(())
     }
 
+    /// The pairs that are checked.
+    pub(super) fn checked(&self) -> &[Pair] {
+        &self.pairs[..self.checked]
+    }
+
     /// Finds the pairs to be checked.
     pub(super) fn pair(&mut self) {
         let mut pairs = possible(&self.robots, self.bodies.len());
@@ -251,6 +300,9 @@ impl Clearance {
         }
         let fixed = self.bodies.len() - self.from_robots;
         self.unchecked = without_meaningless(&mut pairs, &mut self.robots, &self.bodies[..fixed]);
+        self.checked = pairs.len();
+        let of_obstacle = |pair: &Pair| matches!(pair.other, Other::Obstacle(_));
+        pairs.extend(self.unchecked.iter().map(|(pair, _)| *pair).filter(of_obstacle));
         self.pairs = pairs;
     }
 
@@ -300,6 +352,11 @@ impl Clearance {
         [limb(&pair.limb, gap.points[0]), other]
     }
 
+    /// Of the wanted pairs the one with the least slack, if it is less than `least` \[m\].
+    pub(super) fn least_slack(&self, is_wanted: impl Fn(&Pair) -> bool, least: f64) -> Option<Nearest> {
+        self.least(Purpose::Slack, is_wanted, least)
+    }
+
     /// The pair with the least distance, and that distance.
     fn search(&self, purpose: Purpose) -> Result<Nearest, CheckError> {
         let nearest = match purpose {
@@ -322,7 +379,7 @@ impl Clearance {
     fn least(&self, purpose: Purpose, is_wanted: impl Fn(&Pair) -> bool, least: f64) -> Option<Nearest> {
         let mut best: Option<(f64, f64, &Pair, Gap)> = None;
         let mut least = least;
-        for pair in self.pairs.iter().filter(|pair| is_wanted(pair)) {
+        for pair in self.checked().iter().filter(|pair| is_wanted(pair)) {
             let own = &self.robots[pair.limb.robot].placed[pair.limb.link];
             let (around, mut travel) = match &pair.other {
                 Other::Limb(limb) => {

@@ -48,6 +48,7 @@
 // Errors hold both bodies and their points; in a box they would have to be allocated within a step.
 #![allow(clippy::result_large_err)]
 
+mod along;
 mod builder;
 mod check;
 mod clusters;
@@ -63,6 +64,7 @@ mod posture;
 mod standing;
 mod stopping;
 
+pub use along::{Against, KnownPath, Stretch};
 pub use builder::ClearanceBuilder;
 pub use check::Clearance;
 pub use dry_run::{Closest, DryRun, smallest_distance};

@@ -1,0 +1,190 @@
+//! A guard that knows the plans that robots follow.
+//!
+//! In: the plan that a program is about to move the robots along, and in every step the states of all robots. Out: nothing, or
+//! [`GuardError`], for which the cell makes a protective stop on the path.
+//!
+//! A guard that does not know the path must take every path that the robots could be on, and stops most motions near an obstacle. This one
+//! finds where on its plan all robots are ([`Followed`]). From there a stop passes at most the path time
+//!
+//! ```text
+//! P = reaction + path time of a stop on the path    (Stopping::on_path)
+//! ```
+//!
+//! of the plan, and stays on it. All pairs must be proven to keep their margins that far ahead ([`Clearance::prove`]), with all robots at one path
+//! time: they slow down together. What is proven is remembered, so a step looks only at what is new: at what an obstacle that was replaced
+//! may be near. Where the robots are not on the plan, [`Clearance::check`] is asked.
+
+use core::cell::RefCell;
+use std::rc::Rc;
+
+use mrroc::fault::Fault;
+use mrroc::robot::RobotView;
+use mrroc_robots::clearance::{
+    Against, CheckError, Clearance, ClearanceError, Joints, Nearest, Obstacle, TooClose,
+};
+
+use crate::error::PlanError;
+use crate::followed::Followed;
+use crate::plan::Plan;
+
+/// The most stretches of the path that a check looks at: more would be an unbounded time in a step.
+const PARTS: u32 = 256;
+
+/// Where a proof begins before a place [rad or m], so that the place itself is looked at also where robots go no farther.
+const BEFORE: f64 = 1e-9;
+
+/// A guard that knows the plans that robots follow. Clones are the same guard: one goes to the cell, one to the program.
+///
+/// It must be in the process of the program that calls [`follow`](Self::follow): the MP.
+#[derive(Clone)]
+pub struct PlanGuard(Rc<RefCell<Inner>>);
+
+struct Inner {
+    clearance: Clearance,
+    followed: Option<Followed>,
+    /// How far along the plan each obstacle, and at last the links among themselves, are proven clear.
+    proven: Vec<f64>,
+    demanded: Vec<Joints>,
+    velocity: Vec<Joints>,
+}
+
+/// What a check has looked at.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Watched {
+    /// The stop on the plan, from this path time \[s\] on.
+    Plan(f64),
+    /// Any stop on any path: robots are not on a plan. Told is the pair that has the least distance beyond its margin.
+    AnyPath(Nearest),
+}
+
+/// Why a guard stops a cell.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum GuardError {
+    /// A stop on the plan that began now would not keep a margin.
+    #[error("on the plan, at {time:.3} s: {}", TooClose(.nearest.clone()))]
+    Ahead {
+        /// The path time of the plan at which the robots are \[s\].
+        time: f64,
+        /// The pair, where it is too near on the plan or not proven to be apart.
+        nearest: Nearest,
+    },
+    /// Robots that are on no plan might not keep a margin; or there are no states to check.
+    #[error(transparent)]
+    AnyPath(#[from] CheckError),
+}
+
+impl From<GuardError> for Fault {
+    fn from(error: GuardError) -> Self {
+        match error {
+            GuardError::Ahead { nearest, .. } => {
+                let [a, b] = &nearest.sides;
+                let text = format!(
+                    "{a} and {b} too close ahead on the plan: {:.1} mm apart there, {:.1} mm to be left",
+                    1e3 * (nearest.distance - nearest.travel),
+                    1e3 * nearest.margin
+                );
+                Fault::thrown(&text)
+            }
+            GuardError::AnyPath(error) => error.into(),
+        }
+    }
+}
+
+impl PlanGuard {
+    /// With the robots, bodies, pairs and margins of `clearance`, whose stops stay on the path: built with
+    /// [`Stopping::of_guard`](mrroc_robots::clearance::Stopping::of_guard).
+    ///
+    /// # Errors
+    /// [`PlanError::GuardBrakes`].
+    pub fn new(clearance: Clearance) -> Result<Self, PlanError> {
+        if clearance.stopping().on_path(0.0, 0.0).is_none() {
+            return Err(PlanError::GuardBrakes);
+        }
+        let robots = clearance.robot_parts().len();
+        let proven = vec![0.0; clearance.obstacle_parts().len() + 1];
+        let [demanded, velocity] = [(); 2].map(|()| vec![Joints::default(); robots]);
+        Ok(PlanGuard(Rc::new(RefCell::new(Inner { clearance, followed: None, proven, demanded, velocity }))))
+    }
+
+    /// From now on the robots follow `plan`, from its beginning: call it before the Move, between instructions. It proves all of the plan by what the
+    /// guard knows now, which takes milliseconds. What it cannot prove the guard looks at again when the robots come near, and stops them.
+    ///
+    /// # Errors
+    /// [`PlanError::NoRobot`]: a robot of the clearance is none of the plan; [`PlanError::Joints`]: it is another one.
+    pub fn follow(&self, plan: &Plan) -> Result<(), PlanError> {
+        let mut inner = self.0.borrow_mut();
+        let Inner { clearance, followed, proven, .. } = &mut *inner;
+        let parts = clearance.robot_parts();
+        let new =
+            Followed::new(plan, parts.iter().map(|part| (part.name.as_str(), part.shape.kinds().len())))?;
+        let mut all = -BEFORE;
+        // What stands in the way is told in the step in which it is too near.
+        drop(clearance.prove(&new, &mut all, new.end(), Against::Everything, &mut u32::MAX.clone()));
+        proven.fill(all);
+        *followed = Some(new);
+        Ok(())
+    }
+
+    /// Puts another body in the place of an obstacle, as [`Clearance::replace_obstacle`], also in a step.
+    ///
+    /// # Errors
+    /// [`ClearanceError::BadBody`], [`ClearanceError::NoLink`] where no obstacle has this name.
+    pub fn replace_obstacle(&self, name: &str, obstacle: Obstacle) -> Result<Obstacle, ClearanceError> {
+        let mut inner = self.0.borrow_mut();
+        let old = inner.clearance.replace_obstacle(name, obstacle)?;
+        let place = inner.clearance.place_of_obstacle(name);
+        if let Some(proven) = place.and_then(|place| inner.proven.get_mut(place)) {
+            *proven = f64::NEG_INFINITY;
+        }
+        Ok(old)
+    }
+
+    /// Changes what it knows, by [`Clearance::grasp`] or [`Clearance::release`], between instructions. It then knows no plan.
+    pub fn change<T>(&self, change: impl FnOnce(&mut Clearance) -> T) -> T {
+        let mut inner = self.0.borrow_mut();
+        inner.followed = None;
+        change(&mut inner.clearance)
+    }
+
+    /// Checks that a stop of all robots keeps all margins, if it begins now. It allocates nothing, and looks at no more than 256 stretches of the
+    /// path.
+    ///
+    /// # Errors
+    /// [`GuardError`].
+    pub fn check(&self, states: &[RobotView]) -> Result<Watched, GuardError> {
+        self.0.borrow_mut().check(states)
+    }
+}
+
+impl Inner {
+    fn check(&mut self, states: &[RobotView]) -> Result<Watched, GuardError> {
+        let Inner { clearance, followed, proven, demanded, velocity } = self;
+        let on_plan = followed.as_mut().and_then(|followed| {
+            followed.see(states, demanded, velocity)?;
+            let now = followed.locate(demanded, velocity, clearance.stopping().reaction)?;
+            let time = clearance.stopping().on_path(followed.slowest(), followed.jerkiest())?;
+            Some((now, followed.after(now, time), &*followed))
+        });
+        let Some((now, to, followed)) = on_plan else {
+            return Ok(Watched::AnyPath(clearance.check(states)?));
+        };
+        let mut parts = PARTS;
+        let links = proven.len() - 1;
+        for (i, proven) in proven.iter_mut().enumerate() {
+            if *proven < now.u {
+                *proven = now.u - BEFORE;
+            }
+            if *proven >= to.u {
+                continue;
+            }
+            let against = if i == links { Against::Links } else { Against::Obstacle(i) };
+            clearance.prove(followed, proven, to.u, against, &mut parts).map_err(|error| match error {
+                CheckError::TooClose(TooClose(nearest)) => GuardError::Ahead { time: now.time, nearest },
+                CheckError::Missing { .. } | CheckError::NothingToCheck | CheckError::NoPosture { .. } => {
+                    GuardError::AnyPath(error)
+                }
+            })?;
+        }
+        Ok(Watched::Plan(now.time))
+    }
+}

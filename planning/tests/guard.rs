@@ -1,0 +1,426 @@
+//! A guard that is asked in every step of planned motions.
+
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+use std::rc::Rc;
+use std::time::Duration;
+
+use mrroc::fault::Name;
+use mrroc::prelude::*;
+use mrroc::random::Random;
+use mrroc::robot::RobotView;
+use mrroc::sensor::EffectorState;
+use mrroc_planning::{GuardError, HereAll, Plan, PlanError, PlanGuard, Planner, Watched};
+use mrroc_robots::Serial;
+use mrroc_robots::clearance::{Clearance, ClearanceBuilder, Obstacle, Stop, Stopping};
+use nalgebra::Vector3;
+
+use super::cells::{around_a_box, seven_axes, six_axes, stopping, two_arms};
+use super::plans::{A, B};
+use super::stops::{setup, standing};
+
+const STEP: Duration = Duration::from_millis(2);
+
+/// What is planned.
+#[derive(Clone, Copy, Debug)]
+enum Kind {
+    AroundABox,
+    TwoArms,
+    SevenAxes,
+}
+
+impl Kind {
+    fn world(self) -> ClearanceBuilder {
+        match self {
+            Kind::AroundABox => around_a_box(),
+            Kind::TwoArms => two_arms(),
+            Kind::SevenAxes => Clearance::with_margin(0.02)
+                .robot("arm", seven_axes(Pose::identity()))
+                .expect("an arm")
+                .obstacle("ball", Obstacle::ball(Vector3::new(0.45, 0.0, 0.45), 0.15))
+                .expect("a ball")
+                .ignore_own("arm"),
+        }
+    }
+
+    /// The joints of each robot, by name.
+    fn robots(self) -> &'static [(&'static str, usize)] {
+        match self {
+            Kind::AroundABox => &[("arm", 6)],
+            Kind::TwoArms => &[("left", 6), ("right", 6)],
+            Kind::SevenAxes => &[("arm", 7)],
+        }
+    }
+
+    fn draw(self, random: &mut Random, side: f64) -> Vec<f64> {
+        match self {
+            Kind::AroundABox => {
+                let middle = [0.9 * side, -0.3, 0.6, -1.8, -1.57, 0.0];
+                middle.iter().map(|q| q + random.within(0.4)).collect()
+            }
+            Kind::TwoArms => (0..12)
+                .map(|j| match j % 6 {
+                    0 => random.within(0.8),
+                    1 => random.between(-1.4, -0.2),
+                    2 => random.between(0.0, 1.8),
+                    _ => random.within(1.8),
+                })
+                .collect(),
+            Kind::SevenAxes => (0..7).map(|j| if j == 0 { 0.9 * side } else { random.within(1.2) }).collect(),
+        }
+    }
+
+    /// A plan of this seed, if there is one.
+    fn plan(self, seed: u64) -> Option<Plan> {
+        let clearance = self.world().build(stopping()).expect("a clearance");
+        let mut planner = Planner::new(clearance).expect("a planner").with_seed(seed).with_effort(20_000);
+        let mut random = Random::seeded(seed);
+        let (start, goal) = (self.draw(&mut random, -1.0), self.draw(&mut random, 1.0));
+        match planner.plan(&start, &[goal]) {
+            Ok(plan) => Some(plan),
+            Err(
+                PlanError::StartNotClear(_)
+                | PlanError::GoalNotClear(_)
+                | PlanError::NotFound { .. }
+                | PlanError::StopsNotClear { .. },
+            ) => None,
+            Err(error) => panic!("seed {seed}: {error}"),
+        }
+    }
+
+    /// The states of the robots `k` steps after a plan has begun.
+    fn states(self, plan: &Plan, k: u32) -> Vec<RobotView> {
+        let step = STEP.as_secs_f64();
+        let [now, before] = [f64::from(k) * step, (f64::from(k) - 1.0) * step].map(|time| plan.at(time));
+        let mut first = 0;
+        let view = |(name, n): &(&str, usize)| {
+            let own = first..first + n;
+            first += n;
+            let padded = |value: &dyn Fn(usize) -> f64| {
+                let mut all = [0.0; 8];
+                own.clone().zip(&mut all).for_each(|(j, place)| *place = value(j));
+                all
+            };
+            let state = EffectorState {
+                joints: padded(&|j| now[j]),
+                velocity: padded(&|j| (now[j] - before[j]) / step),
+                pose: Pose::identity(),
+                wrench: None,
+            };
+            RobotView { name: Name::new(name).expect("a name"), measured: state, demanded: state }
+        };
+        self.robots().iter().map(view).collect()
+    }
+}
+
+/// A guard that knows its plans, in a world.
+fn guard(world: ClearanceBuilder) -> PlanGuard {
+    PlanGuard::new(world.build(Stopping::of_guard(STEP, 1)).expect("a clearance")).expect("a guard")
+}
+
+/// What guards did on plans of many seeds.
+#[derive(Debug, Default)]
+struct Sweep {
+    plans: u64,
+    steps: u64,
+    /// Plans that were stopped, by what the guard said.
+    stopped: Vec<String>,
+    /// Plans that were stopped where the same obstacle was put in its place again every tenth of a second.
+    replaced: Vec<String>,
+    /// Plans of which the guard was not sure that the robots were on them.
+    lost: u64,
+}
+
+impl Sweep {
+    fn watch(&mut self, kind: Kind, plan: &Plan, seed: u64) {
+        self.plans += 1;
+        let steps = (plan.duration() / STEP.as_secs_f64()).ceil() as u32;
+        let anew = guard(kind.world());
+        let knows = guard(kind.world());
+        knows.follow(plan).expect("a plan of its robots");
+        anew.follow(plan).expect("a plan of its robots");
+        let world = kind.world().build(stopping()).expect("a clearance");
+        let mut seen = [false; 3];
+        for k in 0..=steps + 1 {
+            let states = kind.states(plan, k);
+            self.steps += 1;
+            let said = |guard: &PlanGuard| match guard.check(&states) {
+                Ok(Watched::Plan(_)) => None,
+                Ok(Watched::AnyPath(_)) => Some("not on its plan".to_owned()),
+                Err(error) => Some(error.to_string()),
+            };
+            if k % 50 == 0 {
+                for (name, obstacle) in world.obstacle_parts() {
+                    anew.replace_obstacle(name, obstacle.clone()).expect("an obstacle of this name");
+                }
+            }
+            for (i, (guard, stopped)) in
+                [(&knows, &mut self.stopped), (&anew, &mut self.replaced)].into_iter().enumerate()
+            {
+                if !seen[i]
+                    && let Some(text) = said(guard)
+                {
+                    self.lost += u64::from(text == "not on its plan");
+                    stopped.push(format!("{kind:?} seed {seed} step {k} of {steps}: {text}"));
+                    seen[i] = true;
+                }
+            }
+        }
+    }
+
+    fn of(kinds: &[Kind], plans: u64, first: u64) -> Self {
+        let mut all = Sweep::default();
+        for kind in kinds {
+            let before = all.plans;
+            let mut seed = first;
+            while all.plans - before < plans {
+                if let Some(plan) = kind.plan(seed) {
+                    all.watch(*kind, &plan, seed);
+                }
+                seed += 1;
+            }
+        }
+        all
+    }
+}
+
+#[test]
+fn a_guard_that_knows_the_plan_is_silent_on_it() {
+    let all = Sweep::of(&[Kind::AroundABox, Kind::TwoArms, Kind::SevenAxes], 5, 1);
+    assert!(all.stopped.is_empty() && all.lost == 0, "{all:#?}");
+    assert!(all.steps > 5000, "{all:?}");
+}
+
+/// So many plans of each kind, in release: `just sweep-guard`.
+#[test]
+#[ignore = "takes an hour"]
+fn a_guard_is_silent_on_thousands_of_plans() {
+    let count = std::env::var("MRROC_PLANS").ok().and_then(|n| n.parse().ok()).unwrap_or(3334);
+    let mut stopped = 0;
+    for kind in [Kind::AroundABox, Kind::TwoArms, Kind::SevenAxes] {
+        let all = Sweep::of(&[kind], count, 1000);
+        println!(
+            "{kind:?}: {} plans, {} steps, {} stopped, {} where obstacles were replaced, {} not on their plans",
+            all.plans,
+            all.steps,
+            all.stopped.len(),
+            all.replaced.len(),
+            all.lost
+        );
+        all.stopped.iter().chain(&all.replaced).take(20).for_each(|text| println!("  {text}"));
+        stopped += all.stopped.len();
+    }
+    assert_eq!(stopped, 0);
+}
+
+/// An arm that goes around the box, its world with a ball, and a guard that may replace the ball.
+fn with_a_ball(ball: Obstacle) -> ClearanceBuilder {
+    around_a_box().obstacle("ball", ball).expect("a ball")
+}
+
+#[test]
+fn an_arm_stops_on_its_plan_before_an_obstacle_that_is_moved_into_its_way() {
+    let arm = six_axes(Pose::identity());
+    let robot = mrroc_robots::clearance::Outline::robot(&arm).clone();
+    let start = standing(Cell::new(STEP).robot(setup("arm", &arm, &A)), |mp| {
+        let mut arm = mp.robot::<Serial<6>>("arm")?;
+        Ok(mp.wait_until((&mut arm,), (), HereAll::<(Serial<6>,)>::default())?.joints())
+    });
+    let far = Obstacle::ball(Vector3::new(5.0, 5.0, 0.5), 0.05);
+    let planner = with_a_ball(far.clone()).build(stopping()).expect("a clearance");
+    let plan = Planner::new(planner).expect("a planner").plan(&start, &[B.to_vec()]).expect("a plan");
+    let mut stops = 0;
+    for share in [0.55, 0.8, 1.0] {
+        // Where the flange will be.
+        let q = plan.at(share * plan.duration());
+        let centre = robot.forward(&nalgebra::SVector::from_column_slice(&q)).translation.vector;
+        let ball = Obstacle::ball(centre, 0.05);
+        let mut world = with_a_ball(ball.clone()).build(stopping()).expect("a clearance");
+        let step = STEP.as_secs_f64();
+        let is_near = |k: u32| {
+            let q = plan.at(f64::from(k) * step);
+            world.nearest_at(&[&q]).expect("a posture").distance < 0.02
+        };
+        let last = (0..=(plan.duration() / step) as u32).find({
+            let mut is_near = is_near;
+            move |k| is_near(*k)
+        });
+        let last = last.expect("the ball is in the way");
+        // The path time that a stop takes at most, by docs/src/stops.md, at the largest speed of the joints of this arm.
+        let speeds = (1..last).flat_map(|k| {
+            let [a, b] = [k - 1, k].map(|k| plan.at(f64::from(k) * step));
+            a.into_iter().zip(b).map(move |(a, b)| (b - a).abs() / step)
+        });
+        let longest = 0.006 + 0.1 + 1.392 * (speeds.fold(0.0, f64::max) / 8.0 + step) + 0.02;
+        let until = last.saturating_sub((longest / step) as u32);
+        for when in (5..until).step_by(31) {
+            let guard = guard(with_a_ball(far.clone()));
+            let (watch, ball, mut looks) = (guard.clone(), ball.clone(), 0);
+            let seen = Rc::new(RefCell::new(Vec::new()));
+            let (sink, plan) = (Rc::clone(&seen), plan.clone());
+            let result = Cell::new(STEP)
+                .robot(setup("arm", &arm, &A))
+                .guard(1, move |robots| {
+                    looks += 1;
+                    if looks == when {
+                        watch
+                            .replace_obstacle("ball", ball.clone())
+                            .map_err(|error| Fault::thrown(&error.to_string()))?;
+                    }
+                    watch.check(robots).map(drop).map_err(Fault::from)
+                })
+                .watch(move |servo| sink.borrow_mut().push(servo.demanded.to_vec()))
+                .program(move |mp| {
+                    let mut arm = mp.robot::<Serial<6>>("arm")?;
+                    guard.follow(&plan)?;
+                    mp.move_robot(&mut arm, (), plan.motion("arm")?).map(drop)
+                })
+                .run();
+            let text = result.expect_err("the guard stops it").to_string();
+            assert!(text.contains("and ball too close ahead on the plan"), "moved at step {when}: {text}");
+            let mut world = with_a_ball(ball_of(centre)).build(stopping()).expect("a clearance");
+            let least = seen
+                .borrow()
+                .iter()
+                .map(|q| world.nearest_at(&[q]).expect("a posture").distance)
+                .fold(f64::INFINITY, f64::min);
+            assert!(least >= 0.02 - 1e-9, "moved at step {when}, {least} m: {text}");
+            stops += 1;
+        }
+    }
+    assert!(stops >= 10, "{stops}");
+}
+
+fn ball_of(centre: Vector3<f64>) -> Obstacle {
+    Obstacle::ball(centre, 0.05)
+}
+
+#[test]
+fn a_guard_of_two_arms_is_silent_at_runtime_and_watches_their_plan() {
+    let guard = guard(two_arms());
+    let turned = Pose::new(Vector3::new(0.9, 0.0, 0.0), Vector3::z() * core::f64::consts::PI);
+    let (one, other) = (six_axes(Pose::identity()), six_axes(turned));
+    let left = [-0.6, -1.0, 0.9, 0.3, 0.8, 0.0];
+    let right = [0.5, -1.1, 1.0, 0.2, 0.6, 0.0];
+    let (watch, on_plan) = (guard.clone(), Rc::new(RefCell::new((0, 0))));
+    let counts = Rc::clone(&on_plan);
+    let result = Cell::new(STEP)
+        .robot(setup("left", &one, &left))
+        .robot(setup("right", &other, &right))
+        .guard(1, move |robots| {
+            let watched = watch.check(robots).map_err(Fault::from)?;
+            let mut counts = counts.borrow_mut();
+            match watched {
+                Watched::Plan(_) => counts.0 += 1,
+                Watched::AnyPath(_) => counts.1 += 1,
+            }
+            Ok(())
+        })
+        .program(move |mp| {
+            let (mut left, mut right) = (mp.robot::<Serial<6>>("left")?, mp.robot::<Serial<6>>("right")?);
+            let here = mp
+                .wait_until((&mut left, &mut right), (), HereAll::<(Serial<6>, Serial<6>)>::default())?
+                .joints();
+            let world = two_arms().build(stopping()).expect("a clearance");
+            let (mut planner, mut random) = (Planner::new(world)?.with_effort(20_000), Random::seeded(3));
+            let plan =
+                (0..50).find_map(|_| planner.plan(&here, &[Kind::TwoArms.draw(&mut random, 1.0)]).ok());
+            let plan = plan.ok_or_else(|| Fault::thrown("no plan"))?;
+            guard.follow(&plan)?;
+            let each = mrroc::generator::Each::of((plan.motion("left")?, plan.motion("right")?));
+            mp.move_robots((&mut left, &mut right), (), each).map(drop)
+        })
+        .run();
+    result.unwrap_or_else(|error| panic!("{error}"));
+    let (known, unknown) = *on_plan.borrow();
+    assert!(known > 200 && unknown < 10, "{known} {unknown}");
+}
+
+#[test]
+fn a_guard_that_knows_a_plan_refuses_other_robots_and_other_stops() {
+    let brakes = around_a_box().build(stopping()).expect("a clearance");
+    assert!(matches!(PlanGuard::new(brakes), Err(PlanError::GuardBrakes)));
+    let world = around_a_box().build(stopping()).expect("a clearance");
+    let plan = Planner::new(world).expect("a planner").plan(&A, &[B.to_vec()]).expect("a plan");
+    assert!(matches!(guard(two_arms()).follow(&plan), Err(PlanError::NoRobot { .. })));
+    // Off the plan it is the guard that knows none: 10 mrad beside it, at speed.
+    let knows = guard(around_a_box());
+    knows.follow(&plan).expect("a plan of its robots");
+    let mut states = Kind::AroundABox.states(&plan, 150);
+    states[0].demanded.joints[1] += 0.01;
+    let mut any = around_a_box().build(Stopping::of_guard(STEP, 1)).expect("a clearance");
+    match (knows.check(&states), any.check(&states)) {
+        (Ok(Watched::AnyPath(one)), Ok(other)) => assert_eq!(one, other),
+        (Err(GuardError::AnyPath(one)), Err(other)) => assert_eq!(one, other),
+        (one, other) => panic!("{one:?} {other:?}"),
+    }
+}
+
+impl Kind {
+    /// The limit of acceleration of all joints [rad/s²].
+    const ACCELERATION: f64 = 8.0;
+
+    /// Whether robots that went straight on for the time that passes on the path in a stop would be too near to something: one of the
+    /// motions that a guard which does not know the path cannot exclude.
+    fn is_blocked_straight_on(self, clearance: &mut Clearance, states: &[RobotView]) -> bool {
+        let speeds = states.iter().flat_map(|state| state.demanded.velocity);
+        let slowest = speeds.map(|v| v.abs() / Self::ACCELERATION).fold(0.0, f64::max);
+        let time = 0.1 + 1.392 * (slowest + STEP.as_secs_f64());
+        (1..=20).any(|k| {
+            let time = time * f64::from(k) / 20.0;
+            let at: Vec<[f64; 8]> = states
+                .iter()
+                .map(|state| {
+                    core::array::from_fn(|i| state.demanded.joints[i] + time * state.demanded.velocity[i])
+                })
+                .collect();
+            let at: Vec<&[f64]> = at.iter().map(|joints| &joints[..]).collect();
+            let nearest = clearance.nearest_at(&at).expect("a posture");
+            let own = nearest.sides[0].robot == nearest.sides[1].robot;
+            nearest.distance < if own { 0.0 } else { 0.02 }
+        })
+    }
+}
+
+/// How many plans a guard stops that does not know them.
+#[test]
+#[ignore = "a measurement"]
+fn measure_what_a_guard_stops_that_does_not_know_the_plan() {
+    let count: u64 = std::env::var("MRROC_PLANS").ok().and_then(|n| n.parse().ok()).unwrap_or(100);
+    for kind in [Kind::AroundABox, Kind::TwoArms, Kind::SevenAxes] {
+        let build = |stopping| kind.world().build(stopping).expect("a clearance");
+        let mut on_path = build(Stopping::of_guard(STEP, 1));
+        let mut braking = build(Stopping { reaction: 0.006, stop: Stop::Braking });
+        let (mut plans, mut stopped, mut braked, mut blocked, mut seed) = (0, 0, 0, 0, 0);
+        let mut by: BTreeMap<String, u32> = BTreeMap::new();
+        while plans < count {
+            seed += 1;
+            let Some(plan) = kind.plan(seed) else { continue };
+            plans += 1;
+            let steps = (plan.duration() / STEP.as_secs_f64()).ceil() as u32;
+            let mut seen = [false; 3];
+            for k in 0..=steps {
+                let states = kind.states(&plan, k);
+                if !seen[0]
+                    && let Err(error) = on_path.check(&states)
+                {
+                    let text = error.to_string();
+                    let pair = text.split(" are ").next().unwrap_or_default().to_owned();
+                    *by.entry(pair).or_default() += 1;
+                    seen[0] = true;
+                }
+                seen[1] = seen[1] || braking.check(&states).is_err();
+                seen[2] = seen[2] || kind.is_blocked_straight_on(&mut on_path, &states);
+            }
+            for (count, seen) in [&mut stopped, &mut braked, &mut blocked].into_iter().zip(seen) {
+                *count += u64::from(seen);
+            }
+        }
+        println!(
+            "{kind:?}: of {plans} plans {stopped} stopped on the path, {braked} by a guard that brakes, {blocked} blocked straight on"
+        );
+        let mut by: Vec<_> = by.into_iter().collect();
+        by.sort_by_key(|(_, n)| core::cmp::Reverse(*n));
+        by.iter().take(6).for_each(|(pair, n)| println!("  {n} {pair}"));
+    }
+}
