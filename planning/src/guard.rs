@@ -61,7 +61,10 @@ pub enum Watched {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum GuardError {
     /// A stop on the plan that began now would not keep a margin.
-    #[error("on the plan, at {time:.3} s: {}", TooClose(.nearest.clone()))]
+    #[error(
+        "at {time:.3} s of the plan: {} and {} are {:.4} m apart where a stop may end, and may be {:.4} m nearer there; {:.4} m must be left: plan anew from where the robots come to rest",
+        .nearest.sides[0], .nearest.sides[1], .nearest.distance, .nearest.travel, .nearest.margin
+    )]
     Ahead {
         /// The path time of the plan at which the robots are \[s\].
         time: f64,

@@ -191,26 +191,59 @@ fn a_guard_that_knows_the_plan_is_silent_on_it() {
     assert!(all.steps > 5000, "{all:?}");
 }
 
-/// So many plans of each kind, in release: `just sweep-guard`.
 #[test]
-#[ignore = "takes an hour"]
-fn a_guard_is_silent_on_thousands_of_plans() {
-    let count = std::env::var("MRROC_PLANS").ok().and_then(|n| n.parse().ok()).unwrap_or(3334);
-    let mut stopped = 0;
-    for kind in [Kind::AroundABox, Kind::TwoArms, Kind::SevenAxes] {
-        let all = Sweep::of(&[kind], count, 1000);
-        println!(
-            "{kind:?}: {} plans, {} steps, {} stopped, {} where obstacles were replaced, {} not on their plans",
-            all.plans,
-            all.steps,
-            all.stopped.len(),
-            all.replaced.len(),
-            all.lost
-        );
-        all.stopped.iter().chain(&all.replaced).take(20).for_each(|text| println!("  {text}"));
-        stopped += all.stopped.len();
+fn a_guard_that_knows_the_plan_allocates_nothing_in_a_step_also_where_an_obstacle_is_replaced() {
+    let kind = Kind::AroundABox;
+    let plan = (1..50).find_map(|seed| kind.plan(seed)).expect("a plan");
+    let knows = guard(kind.world());
+    knows.follow(&plan).expect("a plan of its robots");
+    let bodies = kind.world().build(stopping()).expect("a clearance");
+    let (_, body) = bodies.obstacle_parts().last().expect("a box");
+    let steps = (plan.duration() / STEP.as_secs_f64()) as u32;
+    for k in 0..=steps {
+        let (states, body) = (kind.states(&plan, k), body.clone());
+        let allocated = mrroc_counting_allocator::count(|| {
+            if k % 20 == 0 {
+                drop(knows.replace_obstacle("box", body));
+            }
+            assert!(matches!(knows.check(&states), Ok(Watched::Plan(_))));
+        });
+        assert_eq!(allocated.1, 0, "step {k}");
     }
-    assert_eq!(stopped, 0);
+}
+
+/// So many plans of a kind, in release: `just sweep-guard`.
+fn sweep(kind: Kind) {
+    let count = std::env::var("MRROC_PLANS").ok().and_then(|n| n.parse().ok()).unwrap_or(3334);
+    let all = Sweep::of(&[kind], count, 1000);
+    println!(
+        "{kind:?}: {} plans, {} steps, {} stopped, {} where obstacles were replaced, {} not on their plans",
+        all.plans,
+        all.steps,
+        all.stopped.len(),
+        all.replaced.len(),
+        all.lost
+    );
+    all.stopped.iter().chain(&all.replaced).take(20).for_each(|text| println!("  {text}"));
+    assert!(all.stopped.is_empty());
+}
+
+#[test]
+#[ignore = "takes half an hour"]
+fn a_guard_is_silent_on_thousands_of_plans_around_a_box() {
+    sweep(Kind::AroundABox);
+}
+
+#[test]
+#[ignore = "takes hours"]
+fn a_guard_is_silent_on_thousands_of_plans_of_two_arms() {
+    sweep(Kind::TwoArms);
+}
+
+#[test]
+#[ignore = "takes half an hour"]
+fn a_guard_is_silent_on_thousands_of_plans_with_limits_of_jerk() {
+    sweep(Kind::SevenAxes);
 }
 
 /// An arm that goes around the box, its world with a ball, and a guard that may replace the ball.

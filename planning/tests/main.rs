@@ -10,3 +10,8 @@ mod recorded;
 mod stops;
 mod upright;
 mod via;
+
+use mrroc_counting_allocator::Counting;
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;

@@ -10,19 +10,10 @@
 use super::check::Clearance;
 use super::error::{CheckError, Nearest, TooClose};
 use super::pairs::{Other, Pair};
-use super::posture::Joints;
+use super::posture::Stretch;
 
 /// A stretch that is shorter than this share of what is asked for, and not proven, counts as too near.
 const SHORTEST: f64 = 1e-9;
-
-/// Where the joints of a robot are on a stretch of a path.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Stretch {
-    /// Positions in the middle of the stretch [rad or m], which the robot passes.
-    pub middle: Joints,
-    /// By how much each joint is off them at most, either way [rad or m], >= 0.
-    pub half: Joints,
-}
 
 /// A path that the robots of a clearance follow together, by a parameter that rises.
 pub trait KnownPath {

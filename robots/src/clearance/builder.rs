@@ -5,11 +5,10 @@ use std::sync::Arc;
 use mrroc::fault::Name;
 use mrroc::robot::MAX_JOINTS;
 
-use super::along::Stretch;
 use super::check::{Clearance, Owned};
 use super::error::ClearanceError;
 use super::obstacle::Obstacle;
-use super::posture::Placement;
+use super::posture::{Placement, Stretch};
 use super::stopping::{Stop, Stopping};
 use crate::models::{Capsule, DisabledPair, Outline};
 

@@ -4,12 +4,11 @@ use std::sync::Arc;
 
 use mrroc::robot::{MAX_JOINTS, RobotView};
 
-use super::along::Stretch;
 use super::error::{CheckError, ClearanceError, Nearest, Side, TooClose};
 use super::gap::Gap;
 use super::obstacle::Obstacle;
 use super::pairs::{Limb, Other, Pair, Unchecked, at_least, possible, without_meaningless};
-use super::posture::{Joints, Placement};
+use super::posture::{Joints, Placement, Stretch};
 use super::stopping::{Pace, Stopping};
 use crate::models::{Capsule, Link};
 
@@ -175,43 +174,10 @@ impl Clearance {
         Ok(())
     }
 
-    /// Puts another body in the place of an obstacle, of the same name, and gives back the one that stood there. It allocates nothing,
-    /// so a guard may do so in a step. Plans are not made anew by it.
-    ///
-    /// From then on all pairs of this obstacle are checked, but those that were ignored by name: also those that always
-    /// overlapped with it where it stood.
-    ///
-    /// # Errors
-    /// [`ClearanceError::BadBody`], [`ClearanceError::NoLink`] where no obstacle has this name.
-    pub fn replace_obstacle(&mut self, name: &str, obstacle: Obstacle) -> Result<Obstacle, ClearanceError> {
-        let Some(place) = self.place_of_obstacle(name) else {
-            let known = self.names.iter().map(|name| &**name).collect::<Vec<_>>().join(", ");
-            return Err(ClearanceError::NoLink { owner: "the cell".into(), link: name.into(), known });
-        };
-        if !obstacle.is_valid() {
-            return Err(ClearanceError::BadBody { body: name.into() });
-        }
-        let is_own = |pair: &Pair| pair.other == Other::Obstacle(place);
-        for i in self.checked..self.pairs.len() {
-            if is_own(&self.pairs[i]) {
-                self.pairs.swap(i, self.checked);
-                self.checked += 1;
-            }
-        }
-        self.unchecked.retain(|(pair, _)| !is_own(pair));
-        Ok(core::mem::replace(&mut self.bodies[place], obstacle))
-    }
-
     /// How the robots stop.
     #[must_use]
     pub const fn stopping(&self) -> &Stopping {
         &self.stopping
-    }
-
-    /// The number of an obstacle, in the order in which they were added.
-    #[must_use]
-    pub fn place_of_obstacle(&self, name: &str) -> Option<usize> {
-        self.names.iter().position(|known| &**known == name)
     }
 
     /// Number of pairs that are checked.
