@@ -81,9 +81,10 @@ impl From<GuardError> for Fault {
         match error {
             GuardError::Ahead { nearest, .. } => {
                 let [a, b] = &nearest.sides;
+                let what = if nearest.distance < nearest.margin { "too close" } else { "not proven apart" };
                 let text = format!(
-                    "{a} and {b} too close ahead on the plan: {:.1} mm apart there, {:.1} mm to be left",
-                    1e3 * (nearest.distance - nearest.travel),
+                    "{a} and {b} {what} ahead on the plan: {:.1} mm there, {:.1} mm to be left",
+                    1e3 * nearest.distance,
                     1e3 * nearest.margin
                 );
                 Fault::thrown(&text)

@@ -9,7 +9,7 @@
 //! start, goals --> search: RRT-Connect, shortcuts --> Path: corners rounded --> timing: limits, stops --> Plan --> FollowPlan
 //! ```
 //!
-//! Nothing of this runs in a step but [`FollowPlan`], which evaluates the plan. It is no certified safety function.
+//! Nothing of this runs in a step but [`FollowPlan`], which evaluates the plan, and [`PlanGuard`], which watches robots that follow it. It is no certified safety function.
 #![warn(missing_docs)]
 
 mod arm;

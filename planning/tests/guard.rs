@@ -8,12 +8,12 @@ use std::time::Duration;
 use mrroc::fault::Name;
 use mrroc::prelude::*;
 use mrroc::random::Random;
-use mrroc::robot::RobotView;
+use mrroc::robot::{JointVector, Robot, RobotView};
 use mrroc::sensor::EffectorState;
 use mrroc_planning::{GuardError, HereAll, Plan, PlanError, PlanGuard, Planner, Watched};
 use mrroc_robots::Serial;
-use mrroc_robots::clearance::{Clearance, ClearanceBuilder, Obstacle, Stop, Stopping};
-use nalgebra::Vector3;
+use mrroc_robots::clearance::{Clearance, ClearanceBuilder, Obstacle, Outline, Stop, Stopping};
+use nalgebra::{SVector, Vector3};
 
 use super::cells::{around_a_box, seven_axes, six_axes, stopping, two_arms};
 use super::plans::{A, B};
@@ -84,6 +84,10 @@ impl Kind {
                 | PlanError::NotFound { .. }
                 | PlanError::StopsNotClear { .. },
             ) => None,
+            Err(error @ PlanError::Timing(_)) => {
+                println!("{self:?} seed {seed}: {error}");
+                None
+            }
             Err(error) => panic!("seed {seed}: {error}"),
         }
     }
@@ -168,27 +172,42 @@ impl Sweep {
         }
     }
 
-    fn of(kinds: &[Kind], plans: u64, first: u64) -> Self {
+    /// So many plans of a kind, from the seed `first` on; it prints how far it has got.
+    fn of(kind: Kind, plans: u64, first: u64) -> Self {
         let mut all = Sweep::default();
-        for kind in kinds {
-            let before = all.plans;
-            let mut seed = first;
-            while all.plans - before < plans {
-                if let Some(plan) = kind.plan(seed) {
-                    all.watch(*kind, &plan, seed);
+        for seed in first.. {
+            if all.plans == plans {
+                break;
+            }
+            if let Some(plan) = kind.plan(seed) {
+                all.watch(kind, &plan, seed);
+                if all.plans.is_multiple_of(100) {
+                    all.print(kind);
                 }
-                seed += 1;
             }
         }
         all
+    }
+
+    fn print(&self, kind: Kind) {
+        println!(
+            "{kind:?}: {} plans, {} steps, {} stopped, {} where obstacles were replaced, {} not on their plans",
+            self.plans,
+            self.steps,
+            self.stopped.len(),
+            self.replaced.len(),
+            self.lost
+        );
     }
 }
 
 #[test]
 fn a_guard_that_knows_the_plan_is_silent_on_it() {
-    let all = Sweep::of(&[Kind::AroundABox, Kind::TwoArms, Kind::SevenAxes], 5, 1);
-    assert!(all.stopped.is_empty() && all.lost == 0, "{all:#?}");
-    assert!(all.steps > 5000, "{all:?}");
+    for kind in [Kind::AroundABox, Kind::TwoArms, Kind::SevenAxes] {
+        let all = Sweep::of(kind, 4, 1);
+        assert!(all.stopped.is_empty() && all.replaced.is_empty() && all.lost == 0, "{all:#?}");
+        assert!(all.steps > 1000, "{all:?}");
+    }
 }
 
 #[test]
@@ -215,15 +234,9 @@ fn a_guard_that_knows_the_plan_allocates_nothing_in_a_step_also_where_an_obstacl
 /// So many plans of a kind, in release: `just sweep-guard`.
 fn sweep(kind: Kind) {
     let count = std::env::var("MRROC_PLANS").ok().and_then(|n| n.parse().ok()).unwrap_or(3334);
-    let all = Sweep::of(&[kind], count, 1000);
-    println!(
-        "{kind:?}: {} plans, {} steps, {} stopped, {} where obstacles were replaced, {} not on their plans",
-        all.plans,
-        all.steps,
-        all.stopped.len(),
-        all.replaced.len(),
-        all.lost
-    );
+    let first = std::env::var("MRROC_SEED").ok().and_then(|n| n.parse().ok()).unwrap_or(1000);
+    let all = Sweep::of(kind, count, first);
+    all.print(kind);
     all.stopped.iter().chain(&all.replaced).take(20).for_each(|text| println!("  {text}"));
     assert!(all.stopped.is_empty());
 }
@@ -246,86 +259,111 @@ fn a_guard_is_silent_on_thousands_of_plans_with_limits_of_jerk() {
     sweep(Kind::SevenAxes);
 }
 
-/// An arm that goes around the box, its world with a ball, and a guard that may replace the ball.
-fn with_a_ball(ball: Obstacle) -> ClearanceBuilder {
-    around_a_box().obstacle("ball", ball).expect("a ball")
+/// What a guard did where a ball was moved into an arm's way.
+struct Moved {
+    /// How long before the arm, going on, would have come too near to it \[s\].
+    ahead: f64,
+    /// The least distance of everything in the run, with the ball where it was moved \[m\].
+    least: f64,
+    /// With what the cell ended.
+    text: String,
+}
+
+/// An arm follows a plan in a world with a ball, first far away. Its guard moves the ball to where the flange will be at a share of
+/// the plan, at many instants before: one run for each.
+fn moved<const N: usize>(
+    arm: &(impl Outline<Robot = Serial<N>> + Clone),
+    world: fn(Obstacle) -> ClearanceBuilder,
+    ends: [&[f64]; 2],
+    share: f64,
+) -> Vec<Moved>
+where
+    SVector<f64, N>: JointVector,
+    Serial<N>: Robot<Joints = SVector<f64, N>>,
+{
+    let step = STEP.as_secs_f64();
+    let start = standing(Cell::new(STEP).robot(setup("arm", arm, ends[0])), |mp| {
+        let mut arm = mp.robot::<Serial<N>>("arm")?;
+        Ok(mp.wait_until((&mut arm,), (), HereAll::<(Serial<N>,)>::default())?.joints())
+    });
+    let far = Obstacle::ball(Vector3::new(5.0, 5.0, 0.5), 0.05);
+    let clearance = world(far.clone()).build(stopping()).expect("a clearance");
+    let plan = Planner::new(clearance).expect("a planner").plan(&start, &[ends[1].to_vec()]).expect("a plan");
+    let there = plan.at(share * plan.duration());
+    let centre = arm.robot().forward(&SVector::from_column_slice(&there)).translation.vector;
+    let ball = Obstacle::ball(centre, 0.05);
+    let mut with_ball = world(ball.clone()).build(stopping()).expect("a clearance");
+    let mut distance = |q: &[f64]| with_ball.nearest_at(&[q]).expect("a posture").distance;
+    let hit = (0..=(plan.duration() / step) as u32).find(|k| distance(&plan.at(f64::from(*k) * step)) < 0.02);
+    let hit = hit.expect("the ball is in the way");
+    let mut all = Vec::new();
+    for when in (5..hit).step_by(37) {
+        let guard = guard(world(far.clone()));
+        let (watch, ball, mut looks) = (guard.clone(), ball.clone(), 0);
+        let seen = Rc::new(RefCell::new(Vec::new()));
+        let (sink, plan) = (Rc::clone(&seen), plan.clone());
+        let result = Cell::new(STEP)
+            .robot(setup("arm", arm, ends[0]))
+            .guard(1, move |robots| {
+                looks += 1;
+                if looks == when {
+                    let replaced = watch.replace_obstacle("ball", ball.clone());
+                    replaced.map_err(|error| Fault::thrown(&error.to_string()))?;
+                }
+                watch.check(robots).map(drop).map_err(Fault::from)
+            })
+            .watch(move |servo| sink.borrow_mut().push(servo.demanded.to_vec()))
+            .program(move |mp| {
+                let mut arm = mp.robot::<Serial<N>>("arm")?;
+                guard.follow(&plan)?;
+                mp.move_robot(&mut arm, (), plan.motion("arm")?).map(drop)
+            })
+            .run();
+        let text = result.expect_err("the guard stops it").to_string();
+        let least = seen.borrow().iter().map(|q| distance(q)).fold(f64::INFINITY, f64::min);
+        all.push(Moved { ahead: f64::from(hit - when) * step, least, text });
+    }
+    all
 }
 
 #[test]
 fn an_arm_stops_on_its_plan_before_an_obstacle_that_is_moved_into_its_way() {
     let arm = six_axes(Pose::identity());
-    let robot = mrroc_robots::clearance::Outline::robot(&arm).clone();
-    let start = standing(Cell::new(STEP).robot(setup("arm", &arm, &A)), |mp| {
-        let mut arm = mp.robot::<Serial<6>>("arm")?;
-        Ok(mp.wait_until((&mut arm,), (), HereAll::<(Serial<6>,)>::default())?.joints())
-    });
-    let far = Obstacle::ball(Vector3::new(5.0, 5.0, 0.5), 0.05);
-    let planner = with_a_ball(far.clone()).build(stopping()).expect("a clearance");
-    let plan = Planner::new(planner).expect("a planner").plan(&start, &[B.to_vec()]).expect("a plan");
+    let world = |ball| around_a_box().obstacle("ball", ball).expect("a ball");
     let mut stops = 0;
     for share in [0.55, 0.8, 1.0] {
-        // Where the flange will be.
-        let q = plan.at(share * plan.duration());
-        let centre = robot.forward(&nalgebra::SVector::from_column_slice(&q)).translation.vector;
-        let ball = Obstacle::ball(centre, 0.05);
-        let mut world = with_a_ball(ball.clone()).build(stopping()).expect("a clearance");
-        let step = STEP.as_secs_f64();
-        let is_near = |k: u32| {
-            let q = plan.at(f64::from(k) * step);
-            world.nearest_at(&[&q]).expect("a posture").distance < 0.02
-        };
-        let last = (0..=(plan.duration() / step) as u32).find({
-            let mut is_near = is_near;
-            move |k| is_near(*k)
-        });
-        let last = last.expect("the ball is in the way");
-        // The path time that a stop takes at most, by docs/src/stops.md, at the largest speed of the joints of this arm.
-        let speeds = (1..last).flat_map(|k| {
-            let [a, b] = [k - 1, k].map(|k| plan.at(f64::from(k) * step));
-            a.into_iter().zip(b).map(move |(a, b)| (b - a).abs() / step)
-        });
-        let longest = 0.006 + 0.1 + 1.392 * (speeds.fold(0.0, f64::max) / 8.0 + step) + 0.02;
-        let until = last.saturating_sub((longest / step) as u32);
-        for when in (5..until).step_by(31) {
-            let guard = guard(with_a_ball(far.clone()));
-            let (watch, ball, mut looks) = (guard.clone(), ball.clone(), 0);
-            let seen = Rc::new(RefCell::new(Vec::new()));
-            let (sink, plan) = (Rc::clone(&seen), plan.clone());
-            let result = Cell::new(STEP)
-                .robot(setup("arm", &arm, &A))
-                .guard(1, move |robots| {
-                    looks += 1;
-                    if looks == when {
-                        watch
-                            .replace_obstacle("ball", ball.clone())
-                            .map_err(|error| Fault::thrown(&error.to_string()))?;
-                    }
-                    watch.check(robots).map(drop).map_err(Fault::from)
-                })
-                .watch(move |servo| sink.borrow_mut().push(servo.demanded.to_vec()))
-                .program(move |mp| {
-                    let mut arm = mp.robot::<Serial<6>>("arm")?;
-                    guard.follow(&plan)?;
-                    mp.move_robot(&mut arm, (), plan.motion("arm")?).map(drop)
-                })
-                .run();
-            let text = result.expect_err("the guard stops it").to_string();
-            assert!(text.contains("and ball too close ahead on the plan"), "moved at step {when}: {text}");
-            let mut world = with_a_ball(ball_of(centre)).build(stopping()).expect("a clearance");
-            let least = seen
-                .borrow()
-                .iter()
-                .map(|q| world.nearest_at(&[q]).expect("a posture").distance)
-                .fold(f64::INFINITY, f64::min);
-            assert!(least >= 0.02 - 1e-9, "moved at step {when}, {least} m: {text}");
-            stops += 1;
+        for Moved { ahead, least, text } in moved(&arm, world, [&A, &B], share) {
+            assert!(text.contains("and ball too close ahead on the plan"), "{ahead} s ahead: {text}");
+            // The path time that a stop takes at most, by docs/src/stops.md, at the velocity limit of the joints; and two steps more.
+            if ahead >= 0.006 + 0.1 + 1.392 * (core::f64::consts::PI / 8.0 + 0.002) + 0.004 {
+                assert!(least >= 0.02 - 1e-9, "{ahead} s ahead, {least} m: {text}");
+                stops += 1;
+            }
         }
     }
-    assert!(stops >= 10, "{stops}");
+    assert!(stops >= 20, "{stops}");
 }
 
-fn ball_of(centre: Vector3<f64>) -> Obstacle {
-    Obstacle::ball(centre, 0.05)
+#[test]
+fn an_arm_with_limits_of_jerk_stops_before_an_obstacle_that_is_moved_into_its_way() {
+    let arm = seven_axes(Pose::identity());
+    let world = |ball| {
+        Clearance::with_margin(0.02)
+            .robot("arm", seven_axes(Pose::identity()))
+            .expect("an arm")
+            .obstacle("ball", ball)
+            .expect("a ball")
+            .ignore_own("arm")
+    };
+    let ends: [&[f64]; 2] = [&[-1.5, 0.4, 0.0, -1.2, 0.0, 0.9, 0.0], &[1.5, -0.5, 0.4, -1.6, -0.6, 1.1, 0.8]];
+    for Moved { ahead, least, text } in moved(&arm, world, ends, 0.9) {
+        println!("{ahead:.3} s ahead: {:.1} mm: {text}", 1e3 * least);
+        assert!(text.contains("and ball too close ahead on the plan"), "{ahead} s ahead: {text}");
+        // Its stop leaves the path when the stop time is over; that is far from the ball where there is time enough.
+        if ahead >= 0.6 {
+            assert!(least >= 0.02 - 1e-9, "{ahead} s ahead, {least} m: {text}");
+        }
+    }
 }
 
 #[test]
