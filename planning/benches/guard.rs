@@ -3,8 +3,6 @@
 //! Two six-axis arms that face each other, on a plan past one another. Steps in which nothing has changed, and steps in which an obstacle has been replaced, so
 //! that all of the path that a stop may take is proven anew; of each the mean and the most over all steps of the plan.
 
-#![expect(clippy::disallowed_methods, reason = "a benchmark measures")]
-
 use std::error::Error;
 use std::hint::black_box;
 use std::time::{Duration, Instant};

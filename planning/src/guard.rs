@@ -14,6 +14,9 @@
 //! time: they slow down together. What is proven is remembered, so a step looks only at what is new: at what an obstacle that was replaced
 //! may be near. Where the robots are not on the plan, [`Clearance::check`] is asked.
 
+// Errors hold both bodies and their points; in a box they would have to be allocated within a step.
+#![allow(clippy::result_large_err)]
+
 use core::cell::RefCell;
 use std::rc::Rc;
 
