@@ -39,6 +39,36 @@ const BEFORE: f64 = 1e-9;
 /// A guard that knows the plans that robots follow. Clones are the same guard: one goes to the cell, one to the program.
 ///
 /// It must be in the process of the program that calls [`follow`](Self::follow): the MP.
+///
+/// ```
+/// use std::time::Duration;
+/// use mrroc::prelude::*;
+/// use mrroc_planning::{HereAll, PlanGuard, Planner};
+/// use mrroc_robots::clearance::{Clearance, Obstacle, Stopping};
+/// use mrroc_robots::{Irp6, Six};
+/// use nalgebra::Vector3;
+///
+/// # fn cell(goal: Six) -> Result<Cell, Box<dyn std::error::Error>> {
+/// let step = Duration::from_millis(2);
+/// let clearance = Clearance::with_margin(0.03)
+///     .robot("irp6", Irp6::nominal())?
+///     .obstacle("post", Obstacle::ball(Vector3::new(0.9, 0.4, 0.8), 0.1))?
+///     .build(Stopping::of_guard(step, 1))?;
+/// let mut planner = Planner::new(clearance.clone())?;
+/// let guard = PlanGuard::new(clearance)?;
+/// let watch = guard.clone();
+/// let cell = Cell::new(step)
+///     .guard(1, move |robots| watch.check(robots).map(drop).map_err(Fault::from))
+///     .program(move |mp| {
+///         let mut arm = mp.robot::<Irp6>("irp6")?;
+///         let here = mp.wait_until((&mut arm,), (), HereAll::<(Irp6,)>::default())?.joints();
+///         let plan = planner.plan(&here, &[goal.as_slice().to_vec()])?;
+///         guard.follow(&plan)?;
+///         mp.move_robot(&mut arm, (), plan.motion("irp6")?).map(drop)
+///     });
+/// # Ok(cell) }
+/// # cell(Irp6::READY).unwrap();
+/// ```
 #[derive(Clone)]
 pub struct PlanGuard(Rc<RefCell<Inner>>);
 

@@ -456,7 +456,7 @@ impl Kind {
 /// How many plans a guard stops that does not know them.
 #[test]
 #[ignore = "a measurement"]
-fn measure_what_a_guard_stops_that_does_not_know_the_plan() {
+fn what_a_guard_stops_that_does_not_know_the_plan() {
     let count: u64 = std::env::var("MRROC_PLANS").ok().and_then(|n| n.parse().ok()).unwrap_or(100);
     for kind in [Kind::AroundABox, Kind::TwoArms, Kind::SevenAxes] {
         let build = |stopping| kind.world().build(stopping).expect("a clearance");
