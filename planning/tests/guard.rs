@@ -408,6 +408,53 @@ fn a_guard_of_two_arms_is_silent_at_runtime_and_watches_their_plan() {
 }
 
 #[test]
+fn a_guard_finds_robots_on_their_plan_where_it_looks_seldom_and_where_the_path_turns_back() {
+    let kind = Kind::AroundABox;
+    let world = || around_a_box().build(stopping()).expect("a clearance");
+    let plan = Planner::new(world()).expect("a planner").plan(&A, &[B.to_vec()]).expect("a plan");
+    let last = |plan: &Plan| (plan.duration() / STEP.as_secs_f64()).ceil() as u32 + 3;
+    let seldom = around_a_box().build(Stopping::of_guard(STEP, 10)).expect("a clearance");
+    let seldom = PlanGuard::new(seldom).expect("a guard");
+    seldom.follow(&plan).expect("a plan of its robots");
+    for k in (0..last(&plan)).step_by(10) {
+        let watched = seldom.check(&kind.states(&plan, k));
+        let time = (f64::from(k) * STEP.as_secs_f64()).min(plan.duration());
+        // The latest time at which they are there: behind the end it is the end.
+        assert!(matches!(watched, Ok(Watched::Plan(at)) if (at - time).abs() < 2e-3), "{k}: {watched:?}");
+    }
+    // Up and back on one line: joint 2 alone.
+    let mut there = A;
+    there[1] -= 0.6;
+    let mut planner = Planner::new(world()).expect("a planner");
+    let plan = planner.plan_through(&A, &[vec![there.to_vec()], vec![A.to_vec()]]).expect("a plan");
+    let knows = guard(around_a_box());
+    knows.follow(&plan).expect("a plan of its robots");
+    for k in 0..last(&plan) {
+        let watched = knows.check(&kind.states(&plan, k));
+        assert!(matches!(watched, Ok(Watched::Plan(_))), "{k} of {}: {watched:?}", last(&plan));
+    }
+}
+
+#[test]
+fn a_guard_does_not_take_robots_that_go_back_or_jump_for_ones_on_their_plan() {
+    let kind = Kind::AroundABox;
+    let world = around_a_box().build(stopping()).expect("a clearance");
+    let plan = Planner::new(world).expect("a planner").plan(&A, &[B.to_vec()]).expect("a plan");
+    let knows = guard(around_a_box());
+    knows.follow(&plan).expect("a plan of its robots");
+    let is_on_plan = |states: &[RobotView]| matches!(knows.check(states), Ok(Watched::Plan(_)));
+    assert!((0..300).all(|k| is_on_plan(&kind.states(&plan, k))));
+    let mut back = kind.states(&plan, 300);
+    back[0].demanded.velocity.iter_mut().for_each(|v| *v = -*v);
+    assert!(!is_on_plan(&back));
+    assert!(!is_on_plan(&kind.states(&plan, 200)), "it does not go back");
+    // A tenth of a second ahead at once; there they are found when so much time may have passed.
+    let ahead = kind.states(&plan, 350);
+    let looks = (0..100).find(|_| is_on_plan(&ahead));
+    assert!(looks.is_some_and(|looks| looks > 2), "{looks:?}");
+}
+
+#[test]
 fn a_guard_that_knows_a_plan_refuses_other_robots_and_other_stops() {
     let brakes = around_a_box().build(stopping()).expect("a clearance");
     assert!(matches!(PlanGuard::new(brakes), Err(PlanError::GuardBrakes)));
