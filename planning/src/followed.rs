@@ -12,6 +12,7 @@ use mrroc::robot::RobotView;
 use mrroc_robots::clearance::{Joints, KnownPath, Stretch};
 
 use crate::error::PlanError;
+use crate::limits::Limits;
 use crate::plan::Plan;
 
 /// How far a demand may be from the plan [rad or m]: what computing the same position twice may cost.
@@ -41,8 +42,9 @@ pub(crate) struct Followed {
     /// The largest speed by the limit of acceleration, and limit of acceleration by that of jerk, of all joints \[s\].
     slowest: f64,
     jerkiest: f64,
-    /// The largest speed of the parameter \[1/s\].
+    /// The largest speed of the parameter \[1/s\], and that in each of [`INSTANTS`] equal parts of the time.
     fastest: f64,
+    speeds: Vec<f64>,
 }
 
 impl Followed {
@@ -64,10 +66,14 @@ impl Followed {
         let robots = robots.collect::<Result<Vec<_>, _>>()?;
         let (mut slowest, mut fastest) = (0.0_f64, 0.0_f64);
         let step = plan.duration() / INSTANTS as f64;
+        let mut speeds = vec![0.0_f64; INSTANTS];
         for k in 0..=INSTANTS {
             let at = plan.motion.speed.at(k as f64 * step);
             let first = plan.motion.path.at(at.s).first;
-            fastest = fastest.max(at.v + at.a.abs() * step);
+            // Within a part the speed is off that of its ends by no more than the largest acceleration of both allows.
+            let speed = at.v + at.a.abs() * step;
+            fastest = fastest.max(speed);
+            speeds.iter_mut().take(k + 1).skip(k.saturating_sub(1)).for_each(|most| *most = most.max(speed));
             // Between two instants a speed changes by no more than the limit of acceleration allows.
             let speeds = first.iter().zip(&limits.acceleration).map(|(first, a)| (first * at.v).abs() / a);
             slowest = slowest.max(speeds.fold(0.0, f64::max) + 0.5 * step);
@@ -75,7 +81,7 @@ impl Followed {
         let jerks = limits.jerk.iter().zip(&limits.acceleration);
         let jerkiest = jerks.filter_map(|(jerk, a)| jerk.map(|jerk| a / jerk)).fold(0.0, f64::max);
         let plan = plan.clone();
-        Ok(Followed { plan, robots, last: Place::default(), missed: 0.0, slowest, jerkiest, fastest })
+        Ok(Followed { plan, robots, last: Place::default(), missed: 0.0, slowest, jerkiest, fastest, speeds })
     }
 
     /// The parameter at which its path ends.
@@ -89,6 +95,43 @@ impl Followed {
 
     pub(crate) const fn jerkiest(&self) -> f64 {
         self.jerkiest
+    }
+
+    /// The limits of the joints of its plan.
+    pub(crate) fn limits(&self) -> &Limits {
+        &self.plan.motion.limits
+    }
+
+    /// The reaction time for which the plan's fault stops are proven \[s\].
+    pub(crate) fn reaction(&self) -> f64 {
+        self.plan.motion.reaction
+    }
+
+    /// The joints of each robot in the plan.
+    pub(crate) fn joints(&self) -> impl Iterator<Item = Range<usize>> + '_ {
+        self.robots.iter().map(|(_, joints)| joints.clone())
+    }
+
+    /// The largest speed of the parameter from one to another, not before the last place, and until the reaction time is over \[1/s\].
+    pub(crate) fn fastest_between(&self, from: f64, to: f64) -> f64 {
+        let begins = self.time_of(from, 0.0).max(self.last.time) - 1e-6;
+        let ends = self.time_of(to, begins.max(0.0)) + self.reaction();
+        let part = |time: f64| {
+            (time / self.plan.duration() * INSTANTS as f64).clamp(0.0, INSTANTS as f64 - 1.0) as usize
+        };
+        let (first, last) = (part(begins), part(ends));
+        self.speeds[first..=last].iter().copied().fold(0.0, f64::max)
+    }
+
+    /// For each joint of each robot, by their numbers, the least and the largest derivative by the parameter between two, and the largest
+    /// second derivative.
+    pub(crate) fn rates(&self, from: f64, to: f64, mut visit: impl FnMut(usize, usize, [f64; 2], f64)) {
+        self.plan.motion.path.rates(from, to, |joint, rates, bend| {
+            let mut own = self.robots.iter().enumerate();
+            if let Some((robot, (_, joints))) = own.find(|(_, (_, joints))| joints.contains(&joint)) {
+                visit(robot, joint - joints.start, rates, bend);
+            }
+        });
     }
 
     /// Takes what is demanded of its robots out of the states of all; `None` where one is missing.

@@ -12,7 +12,10 @@
 //!
 //! of the plan, and stays on it. All pairs must be proven to keep their margins that far ahead ([`Clearance::prove`]), with all robots at one path
 //! time: they slow down together. What is proven is remembered, so a step looks only at what is new: at what an obstacle that was replaced
-//! may be near. Where the robots are not on the plan, [`Clearance::check`] is asked.
+//! may be near.
+//!
+//! Fault stops leave the path. The planner has proven them for the world that it knew; for an obstacle that was replaced they are proven from everywhere in `P`
+//! as well ([`fault_stops`](crate::fault_stops)). That takes more time: it may last some checks until it is caught up. Where the robots are not on the plan, [`Clearance::check`] is asked.
 
 // Errors hold both bodies and their points; in a box they would have to be allocated within a step.
 #![allow(clippy::result_large_err)]
@@ -27,11 +30,16 @@ use mrroc_robots::clearance::{
 };
 
 use crate::error::PlanError;
+use crate::fault_stops::Proof;
 use crate::followed::Followed;
 use crate::plan::Plan;
 
 /// The most stretches of the path that a check looks at: more would be an unbounded time in a step.
 const PARTS: u32 = 256;
+
+/// The most boxes of fault stops that it looks at beside, and in how many checks in a row it may leave some for the next one.
+const STOP_PARTS: u32 = 256;
+const BEHIND: u32 = 128;
 
 /// Where a proof begins before a place [rad or m], so that the place itself is looked at also where robots go no farther.
 const BEFORE: f64 = 1e-9;
@@ -77,6 +85,10 @@ struct Inner {
     followed: Option<Followed>,
     /// How far along the plan each obstacle, and at last the links among themselves, are proven clear.
     proven: Vec<f64>,
+    /// The same of fault stops, for each obstacle that has been replaced; infinite for those that the planner knows.
+    stops: Vec<Proof>,
+    /// In how many checks in a row there was not enough time for fault stops.
+    behind: u32,
     demanded: Vec<Joints>,
     velocity: Vec<Joints>,
 }
@@ -109,6 +121,17 @@ pub enum GuardError {
     AnyPath(#[from] CheckError),
 }
 
+impl GuardError {
+    fn ahead(time: f64, error: CheckError) -> Self {
+        match error {
+            CheckError::TooClose(TooClose(nearest)) => GuardError::Ahead { time, nearest },
+            CheckError::Missing { .. } | CheckError::NothingToCheck | CheckError::NoPosture { .. } => {
+                GuardError::AnyPath(error)
+            }
+        }
+    }
+}
+
 impl From<GuardError> for Fault {
     fn from(error: GuardError) -> Self {
         match error {
@@ -138,9 +161,18 @@ impl PlanGuard {
             return Err(PlanError::GuardBrakes);
         }
         let robots = clearance.robot_parts().len();
-        let proven = vec![0.0; clearance.obstacle_parts().len() + 1];
+        let obstacles = clearance.obstacle_parts().len();
+        let (proven, stops) = (vec![0.0; obstacles + 1], vec![Proof::NOT_NEEDED; obstacles]);
         let [demanded, velocity] = [(); 2].map(|()| vec![Joints::default(); robots]);
-        Ok(PlanGuard(Rc::new(RefCell::new(Inner { clearance, followed: None, proven, demanded, velocity }))))
+        Ok(PlanGuard(Rc::new(RefCell::new(Inner {
+            clearance,
+            followed: None,
+            proven,
+            stops,
+            behind: 0,
+            demanded,
+            velocity,
+        }))))
     }
 
     /// From now on the robots follow `plan`, from its beginning: call it before the Move, between instructions. It proves all of the plan by what the
@@ -150,7 +182,7 @@ impl PlanGuard {
     /// [`PlanError::NoRobot`]: a robot of the clearance is none of the plan; [`PlanError::Joints`]: it is another one.
     pub fn follow(&self, plan: &Plan) -> Result<(), PlanError> {
         let mut inner = self.0.borrow_mut();
-        let Inner { clearance, followed, proven, .. } = &mut *inner;
+        let Inner { clearance, followed, proven, stops, .. } = &mut *inner;
         let parts = clearance.robot_parts();
         let new =
             Followed::new(plan, parts.iter().map(|part| (part.name.as_str(), part.shape.kinds().len())))?;
@@ -158,6 +190,10 @@ impl PlanGuard {
         // What stands in the way is told in the step in which it is too near.
         drop(clearance.prove(&new, &mut all, new.end(), Against::Everything, &mut u32::MAX.clone()));
         proven.fill(all);
+        for (i, proof) in stops.iter_mut().enumerate().filter(|(_, proof)| proof.proven.is_finite()) {
+            *proof = Proof::NOTHING;
+            drop(proof.extend(clearance, &new, new.end(), Against::Obstacle(i), &mut u32::MAX.clone()));
+        }
         *followed = Some(new);
         Ok(())
     }
@@ -173,6 +209,10 @@ impl PlanGuard {
         if let Some(proven) = place.and_then(|place| inner.proven.get_mut(place)) {
             *proven = f64::NEG_INFINITY;
         }
+        if let Some(proof) = place.and_then(|place| inner.stops.get_mut(place)) {
+            *proof = Proof::NOTHING;
+        }
+        inner.behind = 0;
         Ok(old)
     }
 
@@ -184,7 +224,7 @@ impl PlanGuard {
     }
 
     /// Checks that a stop of all robots keeps all margins, if it begins now. It allocates nothing, and looks at no more than 256 stretches of the
-    /// path.
+    /// path, and after an obstacle has been replaced at 256 boxes of fault stops. If these are not enough it goes on in the next check, 128 times.
     ///
     /// # Errors
     /// [`GuardError`].
@@ -195,7 +235,7 @@ impl PlanGuard {
 
 impl Inner {
     fn check(&mut self, states: &[RobotView]) -> Result<Watched, GuardError> {
-        let Inner { clearance, followed, proven, demanded, velocity } = self;
+        let Inner { clearance, followed, proven, stops, behind, demanded, velocity } = self;
         let on_plan = followed.as_mut().and_then(|followed| {
             followed.see(states, demanded, velocity)?;
             let now = followed.locate(demanded, velocity, clearance.stopping().reaction)?;
@@ -215,12 +255,19 @@ impl Inner {
                 continue;
             }
             let against = if i == links { Against::Links } else { Against::Obstacle(i) };
-            clearance.prove(followed, proven, to.u, against, &mut parts).map_err(|error| match error {
-                CheckError::TooClose(TooClose(nearest)) => GuardError::Ahead { time: now.time, nearest },
-                CheckError::Missing { .. } | CheckError::NothingToCheck | CheckError::NoPosture { .. } => {
-                    GuardError::AnyPath(error)
-                }
-            })?;
+            let result = clearance.prove(followed, proven, to.u, against, &mut parts);
+            result.map_err(|error| GuardError::ahead(now.time, error))?;
+        }
+        let mut parts = STOP_PARTS;
+        let mut left = None;
+        for (i, proof) in stops.iter_mut().enumerate() {
+            proof.proven = proof.proven.max(now.u);
+            let result = proof.extend(clearance, followed, to.u, Against::Obstacle(i), &mut parts);
+            left = result.map_err(|error| GuardError::ahead(now.time, error))?.or(left);
+        }
+        *behind = if left.is_some() { *behind + 1 } else { 0 };
+        if let Some(error) = left.filter(|_| *behind > BEHIND) {
+            return Err(GuardError::ahead(now.time, error));
         }
         Ok(Watched::Plan(now.time))
     }

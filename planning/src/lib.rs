@@ -21,6 +21,7 @@ mod closest;
 mod edge;
 mod encoding;
 mod error;
+mod fault_stops;
 mod follow;
 mod followed;
 mod goals;

@@ -205,6 +205,37 @@ impl Path {
         reached
     }
 
+    /// The least and the largest derivative of each joint by the parameter between two parameters, and the largest second derivative, or more.
+    pub(crate) fn rates(&self, from: f64, to: f64, mut visit: impl FnMut(usize, [f64; 2], f64)) {
+        let joints = match &self.pieces[0] {
+            Piece::Leg { from, .. } => from.len(),
+            Piece::Curve(points) => points.len(),
+        };
+        let place = |u: f64| self.knots.partition_point(|knot| *knot <= u).clamp(1, self.pieces.len()) - 1;
+        let (first, last) = (place(from), place(to));
+        for joint in 0..joints {
+            let (mut rates, mut bend) = ([f64::INFINITY, f64::NEG_INFINITY], 0.0_f64);
+            for piece in first..=last {
+                let (begin, end) = (self.knots[piece], self.knots[piece + 1]);
+                let mut take = |rate: f64| rates = [rates[0].min(rate), rates[1].max(rate)];
+                match &self.pieces[piece] {
+                    Piece::Leg { along, .. } => take(along[joint]),
+                    Piece::Curve(points) => {
+                        let width = end - begin;
+                        let [a, b] = [from, to].map(|u| u.clamp(begin, end) - begin);
+                        let part = part(&points[joint], [a / width, b / width]);
+                        // The derivatives of a part lie between those of its control points.
+                        let part_width = (b - a).max(1e-9 * width);
+                        part.windows(2).for_each(|p| take(5.0 * (p[1] - p[0]) / part_width));
+                        let second = part.windows(3).map(|p| 20.0 * (p[2] - 2.0 * p[1] + p[0]).abs());
+                        bend = bend.max(second.fold(0.0, f64::max) / (part_width * part_width));
+                    }
+                }
+            }
+            visit(joint, rates, bend);
+        }
+    }
+
     /// The derivative of one joint by the parameter.
     pub(crate) fn first_at(&self, u: f64, joint: usize) -> f64 {
         let piece = self.knots.partition_point(|knot| *knot <= u).clamp(1, self.pieces.len()) - 1;
@@ -326,6 +357,18 @@ mod tests {
                 for k in 0..=20 {
                     let q = path.joint_at(from + (end - from) * f64::from(k) / 20.0, joint);
                     assert!((q - middle).abs() <= half + 1e-14, "{from} to {end}, joint {joint}");
+                }
+            }
+            let to = (from + width).min(2.0);
+            let mut derivatives = [([0.0; 2], 0.0); 2];
+            path.rates(from, to, |joint, rates, bend| derivatives[joint] = (rates, bend));
+            for (joint, ([least, most], bend)) in derivatives.into_iter().enumerate() {
+                for k in 0..=20 {
+                    let u = from + (to - from) * f64::from(k) / 20.0;
+                    let at = path.at(u);
+                    assert!((path.first_at(u, joint) - at.first[joint]).abs() < 1e-12);
+                    assert!(at.first[joint] >= least - 1e-9 && at.first[joint] <= most + 1e-9, "at {u}");
+                    assert!(at.second[joint].abs() <= bend + 1e-9, "at {u}");
                 }
             }
             if end >= 2.0 {

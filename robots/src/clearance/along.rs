@@ -60,7 +60,7 @@ impl Clearance {
         parts: &mut u32,
     ) -> Result<(), CheckError> {
         let all = to - *proven;
-        let mut width = all;
+        let (mut width, mut was_proven) = (all, true);
         while *proven < to {
             let asked = if *proven + width >= to { to } else { *proven + width };
             let end = path.stretch(*proven, asked, &mut self.stretches);
@@ -74,10 +74,12 @@ impl Clearance {
             match self.unproven(against) {
                 None => {
                     *proven = end;
-                    width *= 2.0;
+                    // What was halved is two such parts long.
+                    width = if was_proven { 2.0 * width } else { width };
+                    was_proven = !was_proven;
                 }
                 Some(nearest) => {
-                    width = 0.5 * (end - *proven);
+                    (width, was_proven) = (0.5 * (end - *proven), false);
                     if nearest.distance < nearest.margin || *parts == 0 || width < SHORTEST * all {
                         return Err(TooClose(nearest).into());
                     }
