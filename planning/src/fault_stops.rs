@@ -5,6 +5,9 @@
 //! reaction time and brake by their braking law. The pair of a link and an obstacle does not depend on other robots, so one share for all of them
 //! takes all that they do apart. It allocates nothing.
 
+// As in `guard.rs`: errors are told within a step.
+#![allow(clippy::result_large_err)]
+
 use mrroc_robots::clearance::{Against, CheckError, Clearance, Joints, KnownPath, Stretch, braking_distance};
 
 use crate::followed::Followed;
