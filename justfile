@@ -95,6 +95,10 @@ bench-arms SEEDS="100":
 sweep-plans:
     cargo test --release -p mrroc-planning --lib -- --ignored --nocapture a_million_states
 
+# A guard that knows its plan, asked in every step of so many plans of each of three kinds: how many it stops. Hours, most of them for planning two arms.
+sweep-guard PLANS="3334":
+    MRROC_PLANS={{PLANS}} cargo test --release -p mrroc-planning --lib -- --ignored --nocapture a_guard_is_silent_on_thousands
+
 # The memory that a spline of ten million points takes; `cargo test` takes one million.
 test-memory:
     cargo test --release -p mrroc-generators --lib -- memory

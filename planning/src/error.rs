@@ -117,6 +117,11 @@ pub enum PlanError {
     /// A posture cannot be checked.
     #[error("a posture cannot be checked: {0}")]
     Check(Box<CheckError>),
+    /// The clearance of a guard makes fault stops, which leave the path.
+    #[error(
+        "the guard's clearance brakes off the path, but a guard stops robots on it: help: build it with Stopping::of_guard"
+    )]
+    GuardBrakes,
     /// Another robot is asked about.
     #[error("no robot is called {name} here: the robots are {known}")]
     NoRobot {

@@ -9,7 +9,7 @@
 //! start, goals --> search: in turns, RRT-Connect, shortcuts --> Path: corners rounded --> timing: limits, stops --> Plan --> FollowPlan
 //! ```
 //!
-//! Nothing of this runs in a step but [`FollowPlan`], which evaluates the plan. It is no certified safety function.
+//! Nothing of this runs in a step but [`FollowPlan`], which evaluates the plan, and [`PlanGuard`], which watches robots that follow it. It is no certified safety function.
 #![warn(missing_docs)]
 
 mod arm;
@@ -21,8 +21,11 @@ mod closest;
 mod edge;
 mod encoding;
 mod error;
+mod fault_stops;
 mod follow;
+mod followed;
 mod goals;
+mod guard;
 mod here;
 mod lanes;
 mod limits;
@@ -40,6 +43,7 @@ pub use closest::{Closest, ClosestTable, During, FaultStop};
 pub use error::PlanError;
 pub use follow::FollowPlan;
 pub use goals::{goals_at, goals_turned};
+pub use guard::{GuardError, PlanGuard, Watched};
 pub use here::{Here, HereAll, Standing};
 pub use plan::Plan;
 pub use planner::Planner;

@@ -177,6 +177,96 @@ impl Path {
     }
 }
 
+impl Path {
+    /// Where the joints are from the parameter `from` on, in one piece of the path, to `to` at most: gives where the stretch ends, and visits each joint
+    /// with its position in the middle and by how much it is off that at most, either way.
+    pub(crate) fn stretch(&self, from: f64, to: f64, mut visit: impl FnMut(usize, f64, f64)) -> f64 {
+        let piece = self.knots.partition_point(|knot| *knot <= from).clamp(1, self.pieces.len()) - 1;
+        let (begin, end) = (self.knots[piece], self.knots[piece + 1]);
+        let is_last = piece + 1 == self.pieces.len();
+        let reached = if is_last { to } else { to.min(end) };
+        let [a, b] = [from, reached].map(|u| u.clamp(begin, end) - begin);
+        match &self.pieces[piece] {
+            Piece::Leg { from, along } => {
+                for (joint, (from, along)) in from.iter().zip(along).enumerate() {
+                    visit(joint, from + along * (0.5 * (a + b)), (0.5 * along * (b - a)).abs());
+                }
+            }
+            Piece::Curve(points) => {
+                let width = end - begin;
+                for (joint, points) in points.iter().enumerate() {
+                    let middle = bezier(points, 0.5 * (a + b) / width)[0];
+                    // A curve lies between the least and the largest of its control points.
+                    let off = part(points, [a / width, b / width]).map(|point| (point - middle).abs());
+                    visit(joint, middle, off.into_iter().fold(0.0, f64::max));
+                }
+            }
+        }
+        reached
+    }
+
+    /// The least and the largest derivative of each joint by the parameter between two parameters, and the largest second derivative, or more.
+    pub(crate) fn rates(&self, from: f64, to: f64, mut visit: impl FnMut(usize, [f64; 2], f64)) {
+        let joints = match &self.pieces[0] {
+            Piece::Leg { from, .. } => from.len(),
+            Piece::Curve(points) => points.len(),
+        };
+        let place = |u: f64| self.knots.partition_point(|knot| *knot <= u).clamp(1, self.pieces.len()) - 1;
+        let (first, last) = (place(from), place(to));
+        for joint in 0..joints {
+            let (mut rates, mut bend) = ([f64::INFINITY, f64::NEG_INFINITY], 0.0_f64);
+            for piece in first..=last {
+                let (begin, end) = (self.knots[piece], self.knots[piece + 1]);
+                let mut take = |rate: f64| rates = [rates[0].min(rate), rates[1].max(rate)];
+                match &self.pieces[piece] {
+                    Piece::Leg { along, .. } => take(along[joint]),
+                    Piece::Curve(points) => {
+                        let width = end - begin;
+                        let [a, b] = [from, to].map(|u| u.clamp(begin, end) - begin);
+                        let part = part(&points[joint], [a / width, b / width]);
+                        // The derivatives of a part lie between those of its control points.
+                        let part_width = (b - a).max(1e-9 * width);
+                        part.windows(2).for_each(|p| take(5.0 * (p[1] - p[0]) / part_width));
+                        let second = part.windows(3).map(|p| 20.0 * (p[2] - 2.0 * p[1] + p[0]).abs());
+                        bend = bend.max(second.fold(0.0, f64::max) / (part_width * part_width));
+                    }
+                }
+            }
+            visit(joint, rates, bend);
+        }
+    }
+
+    /// The derivative of one joint by the parameter.
+    pub(crate) fn first_at(&self, u: f64, joint: usize) -> f64 {
+        let piece = self.knots.partition_point(|knot| *knot <= u).clamp(1, self.pieces.len()) - 1;
+        let (from, to) = (self.knots[piece], self.knots[piece + 1]);
+        match &self.pieces[piece] {
+            Piece::Leg { along, .. } => along[joint],
+            Piece::Curve(points) => {
+                bezier(&points[joint], (u.clamp(from, to) - from) / (to - from))[1] / (to - from)
+            }
+        }
+    }
+}
+
+/// The control points of a part of a curve of degree 5, from `a` to `b`, each 0 to 1, by de Casteljau's scheme at both.
+fn part(points: &[f64; 6], [a, b]: [f64; 2]) -> [f64; 6] {
+    // What lies before `b`, of that what lies behind `a`.
+    let mut before = *points;
+    for level in 1..6 {
+        for i in (level..6).rev() {
+            before[i] = before[i - 1] + (before[i] - before[i - 1]) * b;
+        }
+    }
+    let share = if b > 0.0 { a / b } else { 0.0 };
+    for level in (1..6).rev() {
+        for i in 0..level {
+            before[i] += (before[i + 1] - before[i]) * share;
+        }
+    }
+    before
+}
+
 /// The curve around a corner.
 pub(crate) fn curve(corner: &[f64], e: &[f64], f: &[f64], d: f64) -> Vec<[f64; 6]> {
     let joint = |((c, e), f): ((&f64, &f64), &f64)| {
@@ -230,6 +320,62 @@ mod tests {
         assert!((value - 0.7_f64.powi(5)).abs() < 1e-15);
         assert!((first - 5.0 * 0.7_f64.powi(4)).abs() < 1e-14);
         assert!((second - 20.0 * 0.7_f64.powi(3)).abs() < 1e-14);
+    }
+
+    #[test]
+    fn a_part_of_a_curve_is_the_curve_between_its_ends() {
+        let points = [0.3, -1.0, 2.0, 0.7, -0.4, 1.1];
+        for (a, b) in [(0.0, 1.0), (0.2, 0.7), (0.0, 0.0), (1.0, 1.0), (0.5, 0.5001)] {
+            let part = part(&points, [a, b]);
+            for k in 0..=10 {
+                let t = f64::from(k) / 10.0;
+                let expected = bezier(&points, a + (b - a) * t)[0];
+                assert!((bezier(&part, t)[0] - expected).abs() < 1e-14, "{a} to {b} at {t}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_stretch_holds_all_of_the_path_between_its_ends_and_passes_its_middle() {
+        let (e, f) = ([0.6, 0.8], [-0.8, 0.6]);
+        let path = Path {
+            knots: vec![0.0, 1.0, 1.5, 2.0],
+            pieces: vec![
+                Piece::Leg { from: vec![0.4 - 0.15, 1.2 - 0.2], along: e.to_vec() },
+                Piece::Curve(curve(&[1.0, 2.0], &e, &f, 0.25)),
+                Piece::Leg { from: vec![0.8, 2.15], along: f.to_vec() },
+            ],
+        };
+        let mut from = 0.0;
+        for width in [0.3, 0.9, 0.1, 0.2, 0.05, 0.4, 0.3].into_iter().cycle() {
+            let mut held = [[0.0; 2]; 2];
+            let end = path
+                .stretch(from, (from + width).min(2.0), |joint, middle, half| held[joint] = [middle, half]);
+            assert!(end > from && end <= from + width);
+            for (joint, [middle, half]) in held.into_iter().enumerate() {
+                assert!((path.joint_at(0.5 * (from + end), joint) - middle).abs() < 1e-14);
+                for k in 0..=20 {
+                    let q = path.joint_at(from + (end - from) * f64::from(k) / 20.0, joint);
+                    assert!((q - middle).abs() <= half + 1e-14, "{from} to {end}, joint {joint}");
+                }
+            }
+            let to = (from + width).min(2.0);
+            let mut derivatives = [([0.0; 2], 0.0); 2];
+            path.rates(from, to, |joint, rates, bend| derivatives[joint] = (rates, bend));
+            for (joint, ([least, most], bend)) in derivatives.into_iter().enumerate() {
+                for k in 0..=20 {
+                    let u = from + (to - from) * f64::from(k) / 20.0;
+                    let at = path.at(u);
+                    assert!((path.first_at(u, joint) - at.first[joint]).abs() < 1e-12);
+                    assert!(at.first[joint] >= least - 1e-9 && at.first[joint] <= most + 1e-9, "at {u}");
+                    assert!(at.second[joint].abs() <= bend + 1e-9, "at {u}");
+                }
+            }
+            if end >= 2.0 {
+                break;
+            }
+            from = end;
+        }
     }
 
     #[test]

@@ -67,7 +67,12 @@ impl Motion {
         } else if time >= self.speed.duration() {
             self.ends[1][joint]
         } else {
-            self.path.joint_at(self.speed.at(time).s, joint) + self.offset[joint]
+            self.place(self.speed.at(time).s, joint)
         }
+    }
+
+    /// The position of a joint at a parameter of the path.
+    pub(crate) fn place(&self, u: f64, joint: usize) -> f64 {
+        self.path.joint_at(u, joint) + self.offset[joint]
     }
 }

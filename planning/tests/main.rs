@@ -4,6 +4,7 @@ mod beside;
 pub(crate) mod cells;
 mod check;
 mod examples;
+mod guard;
 mod models;
 mod plans;
 mod recorded;
@@ -12,3 +13,8 @@ mod stops;
 mod table;
 mod upright;
 mod via;
+
+use mrroc_counting_allocator::Counting;
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;

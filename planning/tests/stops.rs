@@ -84,7 +84,7 @@ pub(crate) fn least_distance_after(cell: Cell, clearance: Clearance, after: f64)
     (closest.nearest.distance, seen.len())
 }
 
-fn setup<const N: usize>(
+pub(crate) fn setup<const N: usize>(
     name: &str,
     outline: &impl Outline<Robot = Serial<N>>,
     q: &[f64],
@@ -95,7 +95,7 @@ fn setup<const N: usize>(
 }
 
 /// Where the simulated drives of arms stand, which know their positions in steps of their encoders, when they are put to `q`.
-fn standing(
+pub(crate) fn standing(
     cell: Cell,
     joints: impl FnOnce(&mut Mp) -> Result<Vec<f64>, Fault> + Clone + 'static,
 ) -> Vec<f64> {

@@ -9,8 +9,8 @@ use mrroc::fault::Name;
 use mrroc::prelude::*;
 use mrroc::robot::RobotView;
 use mrroc_robots::clearance::{
-    Capsule, CheckError, Clearance, ClearanceError, DryRun, Obstacle, Outline, Stop, Stopping, TooClose,
-    smallest_distance,
+    Against, Capsule, CheckError, Clearance, ClearanceError, DryRun, KnownPath, Obstacle, Outline, Stop,
+    Stopping, Stretch, TooClose, smallest_distance,
 };
 use mrroc_robots::{Five, Irp6, Irp6FiveDof, Irp6Track, Kinematics, Polycrank, Rnt, Seven, Simulated, Six};
 use nalgebra::{SVector, Vector3};
@@ -514,4 +514,90 @@ fn an_arm_that_is_obstacles_keeps_its_margins_and_its_names_also_when_a_body_is_
     assert!(both.with_robot_as_obstacles("left", &[]).unwrap().obstacle_parts().len() == 0);
     let bad = [(0, Capsule::new(Vector3::zeros(), Vector3::x(), f64::NAN))];
     assert!(both.with_robot_as_obstacles("left", &bad).is_err());
+}
+
+#[test]
+fn an_obstacle_that_is_replaced_is_seen_where_it_is_now_and_costs_no_allocation() {
+    let ball = |x: f64| Obstacle::ball(Vector3::new(x, 0.0, 1.0), 0.1);
+    let build = Clearance::with_margin(0.05).robot("left", facing(3.0).0).unwrap();
+    let mut clearance = build.obstacle("ball", ball(5.0)).unwrap().build(AT_ONCE).unwrap();
+    let standing = [state("left", &LEVEL, &[0.0; 6])];
+    // Stretched forwards along x at the height of the ball, to 0.86 m, its wrist 0.06 m stout.
+    let far = clearance.check(&standing).unwrap();
+    assert!((far.distance - (5.0 - 0.1 - 0.86 - 0.06)).abs() < 1e-9, "{far}");
+    let (replaced, allocations) =
+        mrroc_counting_allocator::count(|| clearance.replace_obstacle("ball", ball(1.05)));
+    assert_eq!((replaced, allocations), (Ok(ball(5.0)), 0));
+    let Err(CheckError::TooClose(TooClose(near))) = clearance.check(&standing) else { panic!("too close") };
+    assert!((near.distance - (1.05 - 0.1 - 0.86 - 0.06)).abs() < 1e-9, "{near}");
+    let none = clearance.replace_obstacle("post", ball(1.0));
+    assert!(
+        matches!(none, Err(ClearanceError::NoLink { link, known, .. }) if &*link == "post" && known == "ball")
+    );
+    let bad = Obstacle::ball(Vector3::zeros(), f64::NAN);
+    assert!(matches!(clearance.replace_obstacle("ball", bad), Err(ClearanceError::BadBody { .. })));
+}
+
+#[test]
+fn a_link_that_always_overlapped_with_an_obstacle_is_checked_where_the_obstacle_is_replaced() {
+    // The shoulder is 1 m above the floor: within a ball around it the column and the lower arm always are.
+    let shoulder = Obstacle::ball(Vector3::new(0.0, 0.0, 1.0), 0.05);
+    let build = Clearance::with_margin(0.0).robot("left", facing(3.0).0).unwrap().ignore_own("left");
+    let mut clearance = build.obstacle("ball", shoulder).unwrap().build(AT_ONCE).unwrap();
+    let overlapping: Vec<String> = clearance.unchecked().collect();
+    assert!(overlapping.contains(&"left lower arm - ball: always overlap".to_owned()), "{overlapping:?}");
+    let before = clearance.pairs();
+    clearance.replace_obstacle("ball", Obstacle::ball(Vector3::new(0.0, 3.0, 1.0), 0.05)).unwrap();
+    let still: Vec<String> = clearance.unchecked().collect();
+    assert!(still.iter().all(|why| why.contains("postument")), "{still:?}");
+    assert_eq!(clearance.pairs() - before, overlapping.len() - still.len());
+    assert!(clearance.check(&[state("left", &LEVEL, &[0.0; 6])]).is_ok());
+}
+
+/// The column of an arm from 1 rad on at 0.5 rad for each unit of the parameter, the other joints as stretched forwards.
+struct Turn;
+
+impl KnownPath for Turn {
+    fn stretch(&self, from: f64, to: f64, robots: &mut [Stretch]) -> f64 {
+        // No longer than 0.4, to be asked again.
+        let to = to.min(from + 0.4);
+        let mut middle = [0.0; 8];
+        middle[..6].copy_from_slice(&LEVEL);
+        middle[0] = 1.0 - 0.25 * (from + to);
+        let mut half = [0.0; 8];
+        half[0] = 0.25 * (to - from);
+        robots[0] = Stretch { middle, half };
+        to
+    }
+}
+
+#[test]
+fn a_path_is_proven_up_to_where_it_comes_nearer_than_the_margin() {
+    // A post 0.6 m ahead of the shoulder. The arm, 0.09 m stout there at most, passes it at the angle whose sine is the distance of the axes by 0.6 m.
+    let post = Vector3::new(0.6, 0.0, 0.0);
+    let build = Clearance::with_margin(0.05).robot("left", facing(3.0).0).unwrap().ignore_own("left");
+    let post = Obstacle::Capsule(Capsule::new(post, post + Vector3::z() * 2.0, 0.02));
+    let mut clearance = build.obstacle("post", post).unwrap().build(AT_ONCE).unwrap();
+    let (mut proven, mut parts) = (0.0, 10_000);
+    let error = clearance.prove(&Turn, &mut proven, 4.0, Against::Everything, &mut parts).unwrap_err();
+    assert!(
+        matches!(&error, CheckError::TooClose(TooClose(near)) if &*near.sides[1].link == "post"),
+        "{error}"
+    );
+    let mut at = |parameter: f64| {
+        let mut q = LEVEL;
+        q[0] = 1.0 - 0.5 * parameter;
+        clearance.nearest_at(&[&q]).unwrap().distance
+    };
+    // Exact where it ends; and everywhere before it is farther.
+    assert!((at(proven) - 0.05).abs() < 1e-6, "{proven}: {}", at(proven));
+    assert!((0..=1000).all(|k| at(proven * f64::from(k) / 1000.0) >= 0.05 - 1e-12));
+    // With few parts it proves less, and says so.
+    let (mut less, mut few) = (0.0, 3);
+    assert!(clearance.prove(&Turn, &mut less, 4.0, Against::Obstacle(0), &mut few).is_err());
+    assert!(less < proven && few == 0);
+    // The links among themselves are in nobody's way: there is no pair of them.
+    let (mut links, mut parts) = (0.0, 20);
+    assert_eq!(clearance.prove(&Turn, &mut links, 4.0, Against::Links, &mut parts), Ok(()));
+    assert_eq!(links, 4.0);
 }

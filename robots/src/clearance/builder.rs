@@ -8,7 +8,7 @@ use mrroc::robot::MAX_JOINTS;
 use super::check::{Clearance, Owned};
 use super::error::ClearanceError;
 use super::obstacle::Obstacle;
-use super::posture::Placement;
+use super::posture::{Placement, Stretch};
 use super::stopping::{Stop, Stopping};
 use crate::models::{Capsule, DisabledPair, Outline};
 
@@ -35,8 +35,10 @@ impl Clearance {
                 ignored_own: Vec::new(),
                 stopping,
                 pairs: Vec::new(),
+                checked: 0,
                 unchecked: Vec::new(),
                 stopping_distances: Vec::new(),
+                stretches: Vec::new(),
             },
         }
     }
@@ -137,6 +139,7 @@ impl ClearanceBuilder {
         }
         self.clearance.stopping = stopping;
         self.clearance.stopping_distances = vec![[0.0; MAX_JOINTS]; self.clearance.robots.len()];
+        self.clearance.stretches = vec![Stretch::default(); self.clearance.robots.len()];
         self.clearance.pair();
         Ok(self.clearance)
     }

@@ -8,7 +8,7 @@ use super::error::{CheckError, ClearanceError, Nearest, Side, TooClose};
 use super::gap::Gap;
 use super::obstacle::Obstacle;
 use super::pairs::{Limb, Other, Pair, Unchecked, at_least, possible, without_meaningless};
-use super::posture::{Joints, Placement};
+use super::posture::{Joints, Placement, Stretch};
 use super::stopping::{Pace, Stopping};
 use crate::models::{Capsule, Link};
 
@@ -39,9 +39,13 @@ pub struct Clearance {
     pub(super) ignored: Vec<[Owned; 2]>,
     pub(super) ignored_own: Vec<Arc<str>>,
     pub(super) stopping: Stopping,
+    /// The pairs that are checked, then those that will be once their obstacle is replaced.
     pub(super) pairs: Vec<Pair>,
+    /// The number of those that are checked.
+    pub(super) checked: usize,
     pub(super) unchecked: Vec<(Pair, Unchecked)>,
     pub(super) stopping_distances: Vec<Joints>,
+    pub(super) stretches: Vec<Stretch>,
 }
 
 impl Clearance {
@@ -170,10 +174,16 @@ impl Clearance {
         Ok(())
     }
 
+    /// How the robots stop.
+    #[must_use]
+    pub const fn stopping(&self) -> &Stopping {
+        &self.stopping
+    }
+
     /// Number of pairs that are checked.
     #[must_use]
     pub fn pairs(&self) -> usize {
-        self.pairs.len()
+        self.checked
     }
 
     /// The pairs that are not checked because they overlap in all postures or, being links of one robot, never meet, in
@@ -237,6 +247,11 @@ impl Clearance {
         Ok(())
     }
 
+    /// The pairs that are checked.
+    pub(super) fn checked(&self) -> &[Pair] {
+        &self.pairs[..self.checked]
+    }
+
     /// Finds the pairs to be checked.
     pub(super) fn pair(&mut self) {
         let mut pairs = possible(&self.robots, self.bodies.len());
@@ -251,6 +266,9 @@ impl Clearance {
         }
         let fixed = self.bodies.len() - self.from_robots;
         self.unchecked = without_meaningless(&mut pairs, &mut self.robots, &self.bodies[..fixed]);
+        self.checked = pairs.len();
+        let of_obstacle = |pair: &Pair| matches!(pair.other, Other::Obstacle(_));
+        pairs.extend(self.unchecked.iter().map(|(pair, _)| *pair).filter(of_obstacle));
         self.pairs = pairs;
     }
 
@@ -300,6 +318,11 @@ impl Clearance {
         [limb(&pair.limb, gap.points[0]), other]
     }
 
+    /// Of the wanted pairs the one with the least slack, if it is less than `least` \[m\].
+    pub(super) fn least_slack(&self, is_wanted: impl Fn(&Pair) -> bool, least: f64) -> Option<Nearest> {
+        self.least(Purpose::Slack, is_wanted, least)
+    }
+
     /// The pair with the least distance, and that distance.
     fn search(&self, purpose: Purpose) -> Result<Nearest, CheckError> {
         let nearest = match purpose {
@@ -322,7 +345,7 @@ impl Clearance {
     fn least(&self, purpose: Purpose, is_wanted: impl Fn(&Pair) -> bool, least: f64) -> Option<Nearest> {
         let mut best: Option<(f64, f64, &Pair, Gap)> = None;
         let mut least = least;
-        for pair in self.pairs.iter().filter(|pair| is_wanted(pair)) {
+        for pair in self.checked().iter().filter(|pair| is_wanted(pair)) {
             let own = &self.robots[pair.limb.robot].placed[pair.limb.link];
             let (around, mut travel) = match &pair.other {
                 Other::Limb(limb) => {

@@ -41,6 +41,11 @@
 //! moves what may have come nearer or farther by what those behind it did. So `distance - D_1(link) - D_1(other link)` is
 //! never more than what is left, on the way too. Of two links of one robot only the joints between them count.
 //!
+//! **On a known path** a stop on the path goes nowhere else. [`Clearance::prove`] proves that a [`KnownPath`] keeps all margins up to some place, between
+//! samples too, by the same bound from the middle of stretches that are as short as needed.
+//!
+//! **A world that changes.** [`Clearance::replace_obstacle`] puts another body in an obstacle's place, also in a step.
+//!
 //! **What it does not see.** The demanded state is looked at, which the drives follow some way behind; the capsules' radii of
 //! this crate's arms are assumed; cables, people and everything that it was not given are not seen. This is no
 //! certified safety function.
@@ -48,6 +53,7 @@
 // Errors hold both bodies and their points; in a box they would have to be allocated within a step.
 #![allow(clippy::result_large_err)]
 
+mod along;
 mod builder;
 mod check;
 mod clusters;
@@ -60,9 +66,11 @@ mod obstacle;
 mod pairs;
 mod parts;
 mod posture;
+mod replace;
 mod standing;
 mod stopping;
 
+pub use along::{Against, KnownPath};
 pub use builder::ClearanceBuilder;
 pub use check::Clearance;
 pub use dry_run::{Closest, DryRun, smallest_distance};
@@ -71,7 +79,7 @@ pub use from_mesh::drawn_mesh;
 pub use gap::Gap;
 pub use obstacle::{Bodies, Cloud, HeightField, Obstacle, ObstacleError};
 pub use parts::{CheckedPair, Partner, RobotPart};
-pub use posture::{Joints, Shape};
+pub use posture::{Joints, Shape, Stretch};
 pub use stopping::{Pace, Stop, Stopping, braking_distance};
 
 pub use crate::models::{Capsule, Chain, ChainBody, ChainJoint, Link, Motion, Outline};

@@ -92,7 +92,7 @@ impl Clearance {
 
     /// The pairs that are checked.
     pub fn checked_pairs(&self) -> impl ExactSizeIterator<Item = CheckedPair> {
-        self.pairs.iter().map(|pair| CheckedPair {
+        self.checked().iter().map(|pair| CheckedPair {
             robot: pair.limb.robot,
             link: pair.limb.link,
             partner: match pair.other {

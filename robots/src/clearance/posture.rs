@@ -13,6 +13,15 @@ use crate::models::{Capsule, Chain, Link, Motion, Outline};
 /// Joint positions or velocities of a robot of any kind, as the runtime passes them.
 pub type Joints = [f64; MAX_JOINTS];
 
+/// Where the joints of a robot are on a stretch of a path.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Stretch {
+    /// Positions in the middle of the stretch [rad or m], which the robot passes.
+    pub middle: Joints,
+    /// By how much each joint is off them at most, either way [rad or m], >= 0.
+    pub half: Joints,
+}
+
 /// The most motions that a robot's outline may have.
 const MOTIONS: usize = 17;
 

@@ -3,8 +3,6 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use mrroc::robot::MAX_JOINTS;
-
 use super::check::Clearance;
 use super::error::ClearanceError;
 use super::obstacle::{Bodies, Obstacle};
@@ -79,10 +77,15 @@ impl Clearance {
             Other::Obstacle(o) => known.insert((pair.limb.robot, pair.limb.link, o)),
             Other::Limb(_) => true,
         };
-        clearance.pairs = self.pairs.iter().filter_map(moved).filter(|pair| is_new(pair)).collect();
+        let mut pairs: Vec<Pair> =
+            self.checked().iter().filter_map(moved).filter(|pair| is_new(pair)).collect();
+        clearance.checked = pairs.len();
+        pairs.extend(self.pairs[self.checked..].iter().filter_map(moved));
+        clearance.pairs = pairs;
         clearance.unchecked =
             self.unchecked.iter().filter_map(|(pair, why)| Some((moved(pair)?, *why))).collect();
-        clearance.stopping_distances = vec![[0.0; MAX_JOINTS]; clearance.robots.len()];
+        clearance.stopping_distances.remove(gone);
+        clearance.stretches.remove(gone);
         Ok(clearance)
     }
 

@@ -76,6 +76,19 @@ impl Stopping {
         }
     }
 
+    /// The path time that passes at most from the state that is looked at until robots stand that stop on their paths \[s\]; `None` where
+    /// they leave them. `slowest` \[s\], >= 0, is the largest speed of a joint on the path by its limit of acceleration, at rate 1,
+    /// and `jerkiest` \[s\], >= 0, the largest limit of acceleration by that of jerk.
+    #[must_use]
+    pub fn on_path(&self, slowest: f64, jerkiest: f64) -> Option<f64> {
+        match self.stop {
+            Stop::Braking => None,
+            Stop::OnPath { rate_change, step } => {
+                Some(self.reaction + self.path_time(rate_change, step, &Pace { slowest, jerkiest }))
+            }
+        }
+    }
+
     /// Speeds at the beginning of the stop are at most this.
     fn speed(&self, v: f64, a: f64) -> f64 {
         v.abs() + a * self.reaction
