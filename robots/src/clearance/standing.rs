@@ -79,9 +79,16 @@ impl Clearance {
             Other::Obstacle(o) => known.insert((pair.limb.robot, pair.limb.link, o)),
             Other::Limb(_) => true,
         };
-        clearance.pairs = self.pairs.iter().filter_map(moved).filter(|pair| is_new(pair)).collect();
+        let (checked, later) = self.pairs.split_at(self.checked);
+        let mut kept = |pairs: &[Pair]| -> Vec<Pair> {
+            pairs.iter().filter_map(moved).filter(|pair| is_new(pair)).collect()
+        };
+        clearance.pairs = kept(checked);
+        clearance.checked = clearance.pairs.len();
+        clearance.pairs.extend(kept(later));
         clearance.unchecked =
             self.unchecked.iter().filter_map(|(pair, why)| Some((moved(pair)?, *why))).collect();
+        clearance.stretches.truncate(clearance.robots.len());
         clearance.stopping_distances = vec![[0.0; MAX_JOINTS]; clearance.robots.len()];
         Ok(clearance)
     }
