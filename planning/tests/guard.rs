@@ -17,7 +17,7 @@ use nalgebra::{SVector, Vector3};
 
 use super::cells::{around_a_box, seven_axes, six_axes, stopping, two_arms};
 use super::plans::{A, B};
-use super::stops::{setup, standing};
+use super::stops::{facing, setup, standing};
 
 const STEP: Duration = Duration::from_millis(2);
 
@@ -412,15 +412,11 @@ fn a_guard_stops_where_fault_stops_would_not_keep_the_margin_of_an_obstacle_that
 #[test]
 fn a_guard_of_two_arms_is_silent_at_runtime_and_watches_their_plan() {
     let guard = guard(two_arms());
-    let turned = Pose::new(Vector3::new(0.9, 0.0, 0.0), Vector3::z() * core::f64::consts::PI);
-    let (one, other) = (six_axes(Pose::identity()), six_axes(turned));
-    let left = [-0.6, -1.0, 0.9, 0.3, 0.8, 0.0];
-    let right = [0.5, -1.1, 1.0, 0.2, 0.6, 0.0];
+    let left = [1.6, -1.0, 0.9, 0.3, 0.8, 0.0];
+    let right = [1.6, -1.1, 1.0, 0.2, 0.6, 0.0];
     let (watch, on_plan) = (guard.clone(), Rc::new(RefCell::new((0, 0))));
     let counts = Rc::clone(&on_plan);
-    let result = Cell::new(STEP)
-        .robot(setup("left", &one, &left))
-        .robot(setup("right", &other, &right))
+    let result = facing(&[left, right].concat())
         .guard(1, move |robots| {
             let watched = watch.check(robots).map_err(Fault::from)?;
             let mut counts = counts.borrow_mut();

@@ -77,15 +77,17 @@ impl Clearance {
             Other::Obstacle(o) => known.insert((pair.limb.robot, pair.limb.link, o)),
             Other::Limb(_) => true,
         };
-        let mut pairs: Vec<Pair> =
-            self.checked().iter().filter_map(moved).filter(|pair| is_new(pair)).collect();
-        clearance.checked = pairs.len();
-        pairs.extend(self.pairs[self.checked..].iter().filter_map(moved));
-        clearance.pairs = pairs;
+        let (checked, later) = self.pairs.split_at(self.checked);
+        let mut kept = |pairs: &[Pair]| -> Vec<Pair> {
+            pairs.iter().filter_map(moved).filter(|pair| is_new(pair)).collect()
+        };
+        clearance.pairs = kept(checked);
+        clearance.checked = clearance.pairs.len();
+        clearance.pairs.extend(kept(later));
         clearance.unchecked =
             self.unchecked.iter().filter_map(|(pair, why)| Some((moved(pair)?, *why))).collect();
-        clearance.stopping_distances.remove(gone);
         clearance.stretches.remove(gone);
+        clearance.stopping_distances.remove(gone);
         Ok(clearance)
     }
 
