@@ -35,8 +35,8 @@ impl Samples {
     }
 
     /// The ranges of some joints.
-    pub(crate) fn ranges(&self, first: usize, count: usize) -> Vec<[f32; 2]> {
-        (first..first + count).map(|j| [self.lower[j], self.upper[j]]).collect()
+    pub(crate) fn ranges(&self, joints: Range<usize>) -> Vec<[f32; 2]> {
+        joints.map(|j| [self.lower[j], self.upper[j]]).collect()
     }
 
     /// The next one.

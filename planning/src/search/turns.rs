@@ -20,6 +20,7 @@ use super::{Points, connect, shorten};
 use crate::check::{Among, Checker};
 use crate::edge::Edges;
 use crate::stop::ROBOTS;
+use crate::upright::Uprights;
 
 /// The effort for a motion of one robot in the first round, in checks; in each further round it is twice that.
 const FIRST: u64 = 500;
@@ -45,6 +46,8 @@ struct Turns<'a> {
     checker: &'a mut Checker,
     edges: &'a mut Edges,
     samples: &'a Samples,
+    /// What all robots keep upright.
+    uprights: Uprights,
     /// The places of each robot: first its start.
     places: Vec<Points>,
     /// Which of them is its goal.
@@ -77,7 +80,9 @@ pub(crate) fn in_turns(
         places.push(if from == to { vec![from] } else { vec![from, to] });
     }
     let end = checker.batches + effort;
+    let uprights = checker.uprights.clone();
     let mut turns = Turns {
+        uprights,
         checker,
         edges,
         samples,
@@ -91,6 +96,7 @@ pub(crate) fn in_turns(
     };
     let path = turns.find();
     turns.checker.among = Among::All;
+    turns.checker.uprights = turns.uprights;
     path
 }
 
@@ -214,11 +220,11 @@ impl Turns<'_> {
         if self.failed.get(&(*state, robot, to)).is_some_and(|tried| *tried >= effort) {
             return None;
         }
-        let path = self.planned(Among::Of(robot), state, robot, to, effort);
-        if path.is_none() {
+        if self.planned(Among::Of(robot), state, robot, to, effort).is_none() {
             self.failed.insert((*state, robot, to), effort);
+            return None;
         }
-        path
+        self.known_clear(state, key)
     }
 
     /// The first known motion that is clear of the others where they stand.
@@ -226,8 +232,8 @@ impl Turns<'_> {
         let mut at = self.at(state);
         let mut to = at.clone();
         let joints = self.joints(key.0);
+        self.attend(Among::Of(key.0), key.0);
         let Turns { checker, edges, known, .. } = self;
-        checker.among = Among::Of(key.0);
         let is_clear = |path: &&Points| {
             path.windows(2).all(|leg| {
                 at[joints.clone()].copy_from_slice(&leg[0]);
@@ -248,7 +254,7 @@ impl Turns<'_> {
         // Samples that did not help once are not tried again, but others.
         let mut samples = self.samples.of(joints.clone(), &start, effort);
         let effort = effort.min(self.end.saturating_sub(self.checker.batches));
-        self.checker.among = among;
+        self.attend(among, robot);
         let path = connect(self.checker, self.edges, &mut samples, &start, &goal, effort);
         let mut path = path.ok()?;
         shorten(self.checker, self.edges, robot as u64, &mut path, SHORTENING);
@@ -259,57 +265,68 @@ impl Turns<'_> {
         Some(own)
     }
 
+    /// Has the pairs of a robot checked, and kept upright what it holds: those that stand are where they may be.
+    fn attend(&mut self, among: Among, robot: usize) {
+        self.checker.among = among;
+        let name = self.checker.arms[robot].name();
+        let own = self.uprights.0.iter().filter(|upright| upright.robot == name);
+        self.checker.uprights = Uprights(own.cloned().collect());
+    }
+
     fn joints(&self, robot: usize) -> Range<usize> {
         let arm = &self.checker.arms[robot];
         arm.first..arm.first + arm.joints
     }
 
-    /// The position of a robot, or one near it, at which what is to be upright is.
-    fn upright(&self, robot: usize, own: Vec<f32>) -> Option<Vec<f32>> {
-        let joints = self.joints(robot);
-        let mut all = self.at(&[0; ROBOTS]);
-        all[joints.clone()].copy_from_slice(&own);
-        self.checker.uprights.project(&self.checker.arms, &mut all).then(|| all[joints].to_vec())
-    }
-
     /// Adds a place aside, the best of some.
     fn step_aside(&mut self, robot: usize, round: usize) {
         let mut random = Random::seeded(self.samples.seed() ^ (ROBOTS * round + robot) as u64);
-        let joints = self.samples.ranges(self.checker.arms[robot].first, self.checker.arms[robot].joints);
+        let joints = self.joints(robot);
+        let ranges = self.samples.ranges(joints.clone());
         let own = self.places[robot].len() as u8;
-        let mut best: Option<(usize, f64, Vec<f32>)> = None;
+        let mut best: Option<(usize, Vec<f32>)> = None;
         for k in 0..DRAWN {
             let far = ASIDE * (k + 1) as f64 / DRAWN as f64;
-            let near = &self.places[robot][random.below(1 + usize::from(self.goals[robot]))];
-            let q: Vec<f32> = near
-                .iter()
-                .zip(&joints)
-                .map(|(q, [lower, upper])| (q + random.within(far) as f32).clamp(*lower, *upper))
-                .collect();
-            let Some(q) = self.upright(robot, q) else { continue };
-            self.places[robot].push(q);
+            let near = random.below(1 + usize::from(self.goals[robot])) as u8;
             let mut state = [0; ROBOTS];
-            state[robot] = own;
-            self.checker.among = Among::Alone(robot);
-            if self.is_clear(&self.at(&state)) && self.is_possible(&self.at(&state)) {
-                let mut fits = 0;
-                for other in (0..self.places.len()).filter(|other| *other != robot) {
-                    self.checker.among = Among::Two(robot, other);
-                    for place in 0..self.places[other].len() as u8 {
-                        state[other] = place;
-                        fits += usize::from(self.is_clear(&self.at(&state)));
-                    }
-                    state[other] = 0;
-                }
-                if best.as_ref().is_none_or(|(most, ..)| fits > *most) {
-                    best = self.places[robot].last().map(|q| (fits, far, q.clone()));
+            state[robot] = near;
+            let mut q = self.at(&state);
+            for (q, [lower, upper]) in q[joints.clone()].iter_mut().zip(&ranges) {
+                *q = (*q + random.within(far) as f32).clamp(*lower, *upper);
+            }
+            self.attend(Among::Alone(robot), robot);
+            let may_stand = self.checker.uprights.project(&self.checker.arms, &mut q)
+                && self.is_possible(&q)
+                && self.is_clear(&q);
+            if may_stand {
+                self.places[robot].push(q[joints.clone()].to_vec());
+                let fits = self.fits_of(robot, own);
+                let place = self.places[robot].pop();
+                // Those that are drawn first are nearer.
+                if best.as_ref().is_none_or(|(most, _)| fits > *most) {
+                    best = place.map(|place| (fits, place));
                 }
             }
-            self.places[robot].pop();
         }
-        if let Some((.., q)) = best {
-            self.places[robot].push(q);
+        if let Some((_, place)) = best {
+            self.places[robot].push(place);
         }
+    }
+
+    /// Of how many places of others a robot is clear at a place.
+    fn fits_of(&mut self, robot: usize, place: u8) -> usize {
+        let mut state = [0; ROBOTS];
+        state[robot] = place;
+        let mut fits = 0;
+        for other in (0..self.places.len()).filter(|other| *other != robot) {
+            self.checker.among = Among::Two(robot, other);
+            for place in 0..self.places[other].len() as u8 {
+                state[other] = place;
+                fits += usize::from(self.is_clear(&self.at(&state)));
+            }
+            state[other] = 0;
+        }
+        fits
     }
 
     /// The positions of all robots on the path to a state.
