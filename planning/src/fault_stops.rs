@@ -36,12 +36,9 @@ impl FaultStops {
         let end = followed.stretch(from, to, &mut robots);
         let (limits, reaction) = (followed.limits(), followed.reaction());
         let speed = followed.fastest_between(from, end);
-        let passed = end - from + speed * reaction;
         let [mut travel, mut off, mut low, mut high] = [[Joints::default(); ROBOTS]; 4];
-        followed.rates(from, from + passed, |robot, i, rates, bend| {
+        followed.rates(from, end + speed * reaction, |robot, i, rates| {
             (low[robot][i], high[robot][i]) = (rates[0] * speed, rates[1] * speed);
-            let width = end - from;
-            off[robot][i] = 0.5 * bend * (passed * passed - width * width);
         });
         for (robot, joints) in followed.joints().enumerate() {
             let fastest = |i: usize| low[robot][i].abs().max(high[robot][i].abs());
@@ -60,11 +57,10 @@ impl FaultStops {
                 if limits.jerk[j].is_some() {
                     let [lower, upper] = [lower.min(0.0), upper.max(0.0)];
                     middle[i] += 0.5 * (lower + upper);
-                    half[i] += 0.5 * (upper - lower) + off[robot][i];
-                    off[robot][i] = 0.0;
+                    half[i] += 0.5 * (upper - lower);
                 } else {
                     travel[robot][i] = 0.5 * (lower + upper);
-                    off[robot][i] += 0.5 * (upper - lower);
+                    off[robot][i] = 0.5 * (upper - lower);
                 }
             }
         }

@@ -42,9 +42,9 @@ pub(crate) struct Followed {
     /// The largest speed by the limit of acceleration, and limit of acceleration by that of jerk, of all joints \[s\].
     slowest: f64,
     jerkiest: f64,
-    /// The largest speed of the parameter \[1/s\], and that in each of [`INSTANTS`] equal parts of the time.
+    /// The largest speed of the parameter \[1/s\], and the times between which its acceleration has no break \[s\].
     fastest: f64,
-    speeds: Vec<f64>,
+    breaks: Vec<f64>,
 }
 
 impl Followed {
@@ -64,16 +64,13 @@ impl Followed {
             }
         });
         let robots = robots.collect::<Result<Vec<_>, _>>()?;
-        let (mut slowest, mut fastest) = (0.0_f64, 0.0_f64);
+        let mut slowest = 0.0_f64;
+        let breaks = plan.motion.speed.breaks();
+        let fastest = plan.motion.speed.most_between(&breaks, 0.0, plan.duration());
         let step = plan.duration() / INSTANTS as f64;
-        let mut speeds = vec![0.0_f64; INSTANTS];
         for k in 0..=INSTANTS {
             let at = plan.motion.speed.at(k as f64 * step);
             let first = plan.motion.path.at(at.s).first;
-            // Within a part the speed is off that of its ends by no more than the largest acceleration of both allows.
-            let speed = at.v + at.a.abs() * step;
-            fastest = fastest.max(speed);
-            speeds.iter_mut().take(k + 1).skip(k.saturating_sub(1)).for_each(|most| *most = most.max(speed));
             // Between two instants a speed changes by no more than the limit of acceleration allows.
             let speeds = first.iter().zip(&limits.acceleration).map(|(first, a)| (first * at.v).abs() / a);
             slowest = slowest.max(speeds.fold(0.0, f64::max) + 0.5 * step);
@@ -81,7 +78,7 @@ impl Followed {
         let jerks = limits.jerk.iter().zip(&limits.acceleration);
         let jerkiest = jerks.filter_map(|(jerk, a)| jerk.map(|jerk| a / jerk)).fold(0.0, f64::max);
         let plan = plan.clone();
-        Ok(Followed { plan, robots, last: Place::default(), missed: 0.0, slowest, jerkiest, fastest, speeds })
+        Ok(Followed { plan, robots, last: Place::default(), missed: 0.0, slowest, jerkiest, fastest, breaks })
     }
 
     /// The parameter at which its path ends.
@@ -114,22 +111,17 @@ impl Followed {
 
     /// The largest speed of the parameter from one to another, not before the last place, and until the reaction time is over \[1/s\].
     pub(crate) fn fastest_between(&self, from: f64, to: f64) -> f64 {
-        let begins = self.time_of(from, 0.0).max(self.last.time) - 1e-6;
-        let ends = self.time_of(to, begins.max(0.0)) + self.reaction();
-        let part = |time: f64| {
-            (time / self.plan.duration() * INSTANTS as f64).clamp(0.0, INSTANTS as f64 - 1.0) as usize
-        };
-        let (first, last) = (part(begins), part(ends));
-        self.speeds[first..=last].iter().copied().fold(0.0, f64::max)
+        let begins = (self.time_of(from, 0.0).max(self.last.time) - 1e-6).max(0.0);
+        let ends = self.time_of(to, begins) + self.reaction();
+        self.plan.motion.speed.most_between(&self.breaks, begins, ends)
     }
 
-    /// For each joint of each robot, by their numbers, the least and the largest derivative by the parameter between two, and the largest
-    /// second derivative.
-    pub(crate) fn rates(&self, from: f64, to: f64, mut visit: impl FnMut(usize, usize, [f64; 2], f64)) {
-        self.plan.motion.path.rates(from, to, |joint, rates, bend| {
+    /// For each joint of each robot, by their numbers, the least and the largest derivative by the parameter between two.
+    pub(crate) fn rates(&self, from: f64, to: f64, mut visit: impl FnMut(usize, usize, [f64; 2])) {
+        self.plan.motion.path.rates(from, to, |joint, rates| {
             let mut own = self.robots.iter().enumerate();
             if let Some((robot, (_, joints))) = own.find(|(_, (_, joints))| joints.contains(&joint)) {
-                visit(robot, joint - joints.start, rates, bend);
+                visit(robot, joint - joints.start, rates);
             }
         });
     }

@@ -62,6 +62,24 @@ impl Speed {
         times
     }
 
+    /// The largest speed between two times \[s\] that are in one piece between [`breaks`](Self::breaks).
+    pub(crate) fn most_in_piece(&self, from: f64, to: f64) -> f64 {
+        let ends = [self.at(from), self.at(to)];
+        // A linear acceleration lifts the speed above the larger of both ends by at most this.
+        let rise = if self.window > 0.0 { (ends[1].a - ends[0].a).abs() * (to - from) / 8.0 } else { 0.0 };
+        ends[0].v.max(ends[1].v) + rise
+    }
+
+    /// The largest speed between two times \[s\], with the `breaks` of this speed.
+    pub(crate) fn most_between(&self, breaks: &[f64], from: f64, to: f64) -> f64 {
+        let [first, last] = [breaks.partition_point(|t| *t <= from), breaks.partition_point(|t| *t < to)];
+        let inner = breaks.get(first..last).unwrap_or_default().iter().copied();
+        let mut before = from;
+        let pieces =
+            inner.chain([to]).map(|time| self.most_in_piece(core::mem::replace(&mut before, time), time));
+        pieces.fold(0.0, f64::max)
+    }
+
     fn last(&self) -> Knot {
         self.knots.last().copied().unwrap_or(Knot {
             time: 0.0,

@@ -10,8 +10,8 @@
 //! - with them each joint brakes by itself: anywhere between `q_i` and `q_i + w_i`.
 //!
 //! Robots need not begin together, so every `lambda` of one robot goes with every one of the others. One that is still told where to go
-//! follows the path until it brakes: its velocity is one of those that it has on the path until then, and the path is off its
-//! tangent by at most half of its second derivative times the square of what is passed.
+//! follows the path until it brakes: the velocity of each joint is one of those that it has on the path until then, so `q'` is a range
+//! for each joint. Positions and velocities are bounded by the control points of the path, between samples too.
 
 use core::ops::Range;
 
@@ -50,26 +50,23 @@ impl Swept {
     /// From the parameters `from` to `to`, with speeds of at most `speed` \[1/s\] from there until the reaction time \[s\] is over.
     pub(crate) fn new(path: &Path, [from, to]: [f64; 2], speed: f64, limits: &Limits, reaction: f64) -> Self {
         let n = limits.velocity.len();
-        let at = [0.0, 0.5, 1.0].map(|share| path.at(from + (to - from) * share));
-        let ahead = [1.0 / 3.0, 2.0 / 3.0, 1.0].map(|share| path.at(to + speed * reaction * share));
         let mut swept =
             Swept { middle: vec![0.0; n], half: vec![0.0; n], travel: vec![0.0; n], off: vec![0.0; n] };
-        // Between the samples a path may bend by an eighth of the square of their distance times its second derivative.
-        let width = 0.5 * (to - from);
-        let passed = to - from + speed * reaction;
-        let range = |values: &mut dyn Iterator<Item = f64>| {
-            values.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], x| [a.min(x), b.max(x)])
-        };
-        let mut rates = vec![[0.0; 2]; n];
-        for (j, rates) in rates.iter_mut().enumerate() {
-            let [lower, upper] = range(&mut at.iter().map(|at| at.q[j]));
-            let all = || at.iter().chain(&ahead);
-            let bend = all().map(|at| at.second[j].abs()).fold(0.0, f64::max);
-            swept.middle[j] = 0.5 * (lower + upper);
-            swept.half[j] = 0.5 * (upper - lower) + bend * width * width / 8.0;
-            *rates = range(&mut all().map(|at| at.first[j] * speed));
-            swept.off[j] = 0.5 * bend * (passed * passed - (to - from) * (to - from));
+        let mut place = vec![[f64::INFINITY, f64::NEG_INFINITY]; n];
+        let mut begin = from;
+        loop {
+            begin = path.stretch(begin, to, |j, middle, half| {
+                place[j] = [place[j][0].min(middle - half), place[j][1].max(middle + half)];
+            });
+            if begin >= to {
+                break;
+            }
         }
+        for (j, [lower, upper]) in place.into_iter().enumerate() {
+            (swept.middle[j], swept.half[j]) = (0.5 * (lower + upper), 0.5 * (upper - lower));
+        }
+        let mut rates = vec![[0.0; 2]; n];
+        path.rates(from, to + speed * reaction, |j, ends| rates[j] = ends.map(|rate| rate * speed));
         for robot in &limits.robots {
             let joints = robot.clone();
             let fastest = |j: usize| rates[j][0].abs().max(rates[j][1].abs());
@@ -86,11 +83,10 @@ impl Swept {
                 if limits.jerk[j].is_some() {
                     let [lower, upper] = [lower.min(0.0), upper.max(0.0)];
                     swept.middle[j] += 0.5 * (lower + upper);
-                    swept.half[j] += 0.5 * (upper - lower) + swept.off[j];
-                    swept.off[j] = 0.0;
+                    swept.half[j] += 0.5 * (upper - lower);
                 } else {
                     swept.travel[j] = 0.5 * (lower + upper);
-                    swept.off[j] += 0.5 * (upper - lower);
+                    swept.off[j] = 0.5 * (upper - lower);
                 }
             }
         }

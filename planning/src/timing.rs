@@ -238,11 +238,7 @@ impl<'a> Passed<'a> {
         let mut first = 0;
         for pair in speed.breaks().windows(2) {
             let [from, to] = [speed.at(pair[0]), speed.at(pair[1])];
-            // Between two breaks the acceleration is constant, or where jerk is limited linear in time: then the speed is above the larger
-            // of both ends by at most this.
-            let rise =
-                if speed.window > 0.0 { (to.a - from.a).abs() * (pair[1] - pair[0]) / 8.0 } else { 0.0 };
-            let v = from.v.max(to.v) + rise;
+            let v = speed.most_in_piece(pair[0], pair[1]);
             while first + 1 < most.len() && grid[first + 1] <= from.s + ROUNDING {
                 first += 1;
             }
