@@ -197,3 +197,64 @@ fn spread(placement: &Placement, sample: usize) -> Joints {
 pub(super) fn at_least(one: &Placed, other: &Placed) -> f64 {
     (one.centre - other.centre).norm() - one.around - other.around
 }
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use mrroc::fault::Name;
+    use mrroc::random::Random;
+    use nalgebra::Vector3;
+
+    use super::*;
+    use crate::Irp6;
+    use crate::models::Capsule;
+
+    #[test]
+    fn clusters_leave_out_the_pairs_that_each_pair_alone_leaves_out_in_all_postures() {
+        let mut arm = Placement::new(Name::new("arm").expect("a name"), Arc::new(Irp6::nominal()));
+        let rank = arm.links.iter().map(|link| link.rank).max().expect("links") + 1;
+        let mut random = Random::seeded(3);
+        for _ in 0..100 {
+            let mut point = |size: f64| Vector3::from_fn(|_, _| random.within(size));
+            let end = point(0.4);
+            let capsule = Capsule::new(end, end + point(0.05), 0.03);
+            arm.carry(Link { name: "tool".into(), rank, moved_by: arm.shape().flange_motions() }, capsule);
+        }
+        let mut robots = [arm];
+        let mut pairs = possible(&robots, 0);
+        let mut seen = vec![Seen::default(); pairs.len()];
+        let mut stood = 0;
+        for sample in 1.. {
+            let q = spread(&robots[0], sample);
+            if !robots[0].shape().is_possible(&q) || !robots[0].stand(&q, None) {
+                continue;
+            }
+            for (pair, seen) in pairs.iter().zip(&mut seen) {
+                let Other::Limb(other) = pair.other else { panic!("no obstacles here") };
+                let [one, other] = [pair.limb.link, other.link].map(|link| robots[0].placed[link].capsule);
+                seen.add(one.gap(&other).distance);
+            }
+            stood += 1;
+            if stood == POSTURES {
+                break;
+            }
+        }
+        let all = pairs.clone();
+        let removed = without_meaningless(&mut pairs, &mut robots, &[]);
+        let (mut overlap, mut apart) = (0, 0);
+        for (pair, seen) in all.iter().zip(&seen) {
+            let why = removed.iter().find(|(removed, _)| removed == pair).map(|(_, why)| *why);
+            let expected = match seen {
+                Seen { overlapped: true, apart: false, .. } => Some(Unchecked::AlwaysOverlap),
+                Seen { apart: true, near: false, .. } => Some(Unchecked::NeverMeet),
+                _ => None,
+            };
+            assert_eq!(why, expected, "{pair:?}");
+            overlap += usize::from(why == Some(Unchecked::AlwaysOverlap));
+            apart += usize::from(why == Some(Unchecked::NeverMeet));
+        }
+        assert_eq!(pairs.len() + removed.len(), all.len());
+        assert!(apart > 20 && apart + overlap + 20 < all.len(), "{overlap} and {apart} of {}", all.len());
+    }
+}
