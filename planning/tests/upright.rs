@@ -1,5 +1,7 @@
 //! Motions that keep an axis of a flange upright.
 
+use core::f64::consts::FRAC_PI_2;
+
 use mrroc::pose::Pose;
 use mrroc::robot::Robot;
 use mrroc_planning::{Plan, PlanError, Planner, goals_at};
@@ -15,8 +17,8 @@ fn axis() -> Vector3<f64> {
 }
 
 /// Right and left of the box: the joints 2 to 4 add up to -pi/2, and the fifth is at -pi/2.
-const A: [f64; 6] = [-0.9, -0.5, 1.1, -2.1708, -1.5708, 0.0];
-const B: [f64; 6] = [0.9, -0.5, 1.1, -2.1708, -1.5708, 0.0];
+const A: [f64; 6] = [-0.9, -0.5, 1.1, -FRAC_PI_2 - 0.6, -FRAC_PI_2, 0.0];
+const B: [f64; 6] = [0.9, -0.5, 1.1, -FRAC_PI_2 - 0.6, -FRAC_PI_2, 0.0];
 
 /// How far the axis of a robot is from the vertical, in 2,000 instants of its plan, by forward kinematics [rad].
 fn most_tilted(plan: &Plan, flange: impl Fn(&[f64]) -> Pose, axis: &Vector3<f64>) -> f64 {
@@ -56,7 +58,7 @@ fn a_motion_through_a_position_and_beside_another_arm_keeps_its_tool_upright() {
         q[0] = turned;
         q
     };
-    let high = vec![0.2, -1.3, 0.9, -1.1708, -1.5708, 0.0];
+    let high = vec![0.2, -1.3, 0.9, -FRAC_PI_2 + 0.4, -FRAC_PI_2, 0.0];
     let stages = [vec![high], vec![at(-1.2)]];
     let plan = planner.plan_through(&at(1.2), &stages).unwrap_or_else(|error| panic!("{error}"));
     let tilt = most_tilted(&plan, six_flange, &axis());
@@ -120,7 +122,7 @@ fn two_arms_in_one_plan_keep_both_tools_upright() {
     let planner = planner.with_upright("left", axis(), 0.1).expect("an axis");
     let mut planner = planner.with_upright("right", axis(), 0.1).expect("an axis");
     let at = |turned: [f64; 2]| -> Vec<f64> {
-        let of = |turned: f64| [turned, -0.9, 1.5, -2.1708, -1.5708, 0.0];
+        let of = |turned: f64| [turned, -0.9, 1.5, -FRAC_PI_2 - 0.6, -FRAC_PI_2, 0.0];
         [of(turned[0]), of(turned[1])].concat()
     };
     let plan = planner.plan(&at([0.9, 0.9]), &[at([-0.9, -0.9])]).unwrap_or_else(|error| panic!("{error}"));
