@@ -87,6 +87,10 @@ compare-planners *ARGS:
 check-plans *ARGS:
     tests/peers/planning/run {{ARGS}}
 
+# Distances of two arms from meshes beside coal on the same capsules, in one run.
+compare-distances:
+    tests/peers/planning/distances
+
 # Plans of two and of four arms across each other, so many of each kind: how many are solved within a second, and in what time.
 bench-arms SEEDS="100":
     cargo bench -p mrroc-planning --bench arms -- {{SEEDS}}

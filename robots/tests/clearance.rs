@@ -601,3 +601,51 @@ fn a_path_is_proven_up_to_where_it_comes_nearer_than_the_margin() {
     assert_eq!(clearance.prove(&Turn, &mut links, 4.0, Against::Links, &mut parts), Ok(()));
     assert_eq!(links, 4.0);
 }
+
+/// The distance of a ball from a point `p` of the arm changes by `(z x p) . n` when the column turns, `n` from the ball to the point.
+#[test]
+fn distances_change_with_the_joints_as_kinematics_says() {
+    let (left, right) = facing(2.2);
+    let at = Vector3::new(0.9, 0.6, 1.2);
+    let clearance = Clearance::with_margin(0.05).robot("left", left.clone()).unwrap();
+    let clearance =
+        clearance.robot("right", right.clone()).unwrap().obstacle("ball", Obstacle::ball(at, 0.1)).unwrap();
+    let mut clearance = clearance.build(AT_ONCE).unwrap();
+    let (mut with_ball, mut between) = (0, 0);
+    for sample in 1..60 {
+        let q = [spread(sample), spread(500 + sample)];
+        let Ok(found) = clearance.gradients_at(&[&q[0], &q[1]], 0.6) else { continue };
+        assert!(found.windows(2).all(|pair| pair[0].0.distance <= pair[1].0.distance));
+        for (nearest, gradient) in found {
+            assert_eq!(gradient.len(), 12);
+            if nearest.distance < 1e-3 {
+                continue; // bodies that overlap have no direction from one to the other
+            }
+            let [one, other] = &nearest.sides;
+            let n = (one.point - other.point).normalize();
+            // Of each side the robot, where it turns by its column about the vertical through its base.
+            let column = |side: &mrroc_robots::clearance::Side, base: f64| {
+                Vector3::z().cross(&(side.point - Vector3::new(base, 0.0, 0.0)))
+            };
+            let moves = |side: &mrroc_robots::clearance::Side| &*side.link != "postument";
+            let mut expected = [0.0; 2];
+            for (side, n) in [(one, n), (other, -n)] {
+                match side.robot.as_ref().map(Name::as_str) {
+                    Some("left") if moves(side) => expected[0] += column(side, 0.0).dot(&n),
+                    Some("right") if moves(side) => expected[1] += column(side, 2.2).dot(&n),
+                    _ => {}
+                }
+            }
+            assert!((gradient[0] - expected[0]).abs() < 1e-5, "{nearest}: {} {}", gradient[0], expected[0]);
+            assert!((gradient[6] - expected[1]).abs() < 1e-5, "{nearest}: {} {}", gradient[6], expected[1]);
+            with_ball += u32::from(&*other.link == "ball");
+            between += u32::from(one.robot != other.robot && other.robot.is_some());
+        }
+    }
+    assert!(with_ball > 20 && between > 20, "{with_ball} {between}");
+    assert!(
+        clearance
+            .gradients_at(&[&LEVEL, &LEVEL], 0.0)
+            .is_ok_and(|found| found.iter().all(|(n, _)| n.distance < 0.0))
+    );
+}

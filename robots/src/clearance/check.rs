@@ -135,6 +135,15 @@ impl Clearance {
         &mut self,
         joints_of: impl Fn(usize) -> Option<&'a [f64]>,
     ) -> Result<Nearest, CheckError> {
+        self.place_at(joints_of)?;
+        self.search(Purpose::Distance)
+    }
+
+    /// Stands all robots at joint positions [rad or m].
+    pub(super) fn place_at<'a>(
+        &mut self,
+        joints_of: impl Fn(usize) -> Option<&'a [f64]>,
+    ) -> Result<(), CheckError> {
         for (i, robot) in self.robots.iter_mut().enumerate() {
             let mut joints = [0.0; MAX_JOINTS];
             let robot_name = robot.name;
@@ -144,7 +153,7 @@ impl Clearance {
                 return Err(CheckError::NoPosture { robot: robot_name });
             }
         }
-        self.search(Purpose::Distance)
+        Ok(())
     }
 
     /// Fixes a body to a robot's flange: capsules in the flange's frame F. It is checked against everything but what is
@@ -295,7 +304,7 @@ impl Clearance {
     }
 
     /// The gap of a pair, if its distance is less than `most` \[m\].
-    fn gap_below(&self, pair: &Pair, most: f64) -> Option<Gap> {
+    pub(super) fn gap_below(&self, pair: &Pair, most: f64) -> Option<Gap> {
         let own = &self.robots[pair.limb.robot].placed[pair.limb.link].capsule;
         match &pair.other {
             Other::Limb(limb) => {
@@ -306,7 +315,7 @@ impl Clearance {
         }
     }
 
-    fn sides(&self, pair: &Pair, gap: &Gap) -> [Side; 2] {
+    pub(super) fn sides(&self, pair: &Pair, gap: &Gap) -> [Side; 2] {
         let limb = |limb: &Limb, point| {
             let robot = &self.robots[limb.robot];
             Side { robot: Some(robot.name), link: robot.links[limb.link].name.clone(), point }

@@ -62,6 +62,7 @@ mod error;
 mod from_cell;
 mod from_mesh;
 mod gap;
+mod gradient;
 mod obstacle;
 mod pairs;
 mod parts;

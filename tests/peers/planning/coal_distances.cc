@@ -1,4 +1,4 @@
-// coal's distances of two arms, timed without Python. distances.py writes what this reads, compiles and runs it.
+// coal's distances of two arms, timed without Python. coal_distances.py writes what this reads, compiles and runs it.
 //
 // Input, as words: count of links; for each the count of its capsules, and each as ax ay az bx by bz r [m] in the frame of its link (a sphere has
 // a = b); count of posture pairs; for each the poses of the links of both arms, first arm first, as x y z qx qy qz qw in the world.
@@ -48,7 +48,7 @@ auto read() -> double
     double value;
     if (not(std::cin >> value))
     {
-        std::fprintf(stderr, "distances: the input ends too early\n");
+        std::fprintf(stderr, "coal_distances: the input ends too early\n");
         std::exit(1);
     }
     return value;
