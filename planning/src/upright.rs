@@ -23,7 +23,7 @@ const LONGEST: f64 = 0.5;
 /// What is added to the squares of sines in a projection, so that a singular arm takes short steps.
 const DAMPING: f64 = 1e-4;
 /// How far a joint moves to see what it does to the axis [rad or m].
-const NUDGE: f64 = 1e-6;
+const DIFFERENCE: f64 = 1e-6;
 /// An axis is vertical if its horizontal part is no longer.
 const VERTICAL: f64 = 1e-9;
 
@@ -140,9 +140,9 @@ fn step(upright: &Upright, arm: &Arm, q: &mut Joints, axis: &Vector3<f64>, tilt:
     let wanted = across.try_normalize(VERTICAL).unwrap_or(Vector3::x()) * tilt;
     let mut jacobian = Matrix3xX::zeros(arm.joints);
     for j in 0..arm.joints {
-        let mut nudged = *q;
-        nudged[j] += NUDGE;
-        jacobian.set_column(j, &((upright.axis(arm, &nudged) - axis) / NUDGE));
+        let mut moved = *q;
+        moved[j] += DIFFERENCE;
+        jacobian.set_column(j, &((upright.axis(arm, &moved) - axis) / DIFFERENCE));
     }
     let square = &jacobian * jacobian.transpose() + Matrix3::identity() * DAMPING;
     let Some(inverse) = square.try_inverse() else { return };

@@ -10,7 +10,7 @@ use super::gap::Gap;
 use super::pairs::{Other, Pair};
 
 /// How far a joint moves to either side for a difference [rad or m].
-const NUDGE: f64 = 1e-6;
+const DIFFERENCE: f64 = 1e-6;
 
 impl Clearance {
     /// All pairs nearer than `within` \[m\] at joint positions [rad or m] of the robots in the order in which they were added, the nearest first. With each
@@ -49,10 +49,10 @@ impl Clearance {
         let mut found: Vec<(Nearest, Vec<f64>)> = near.iter().map(|pair| (told(pair), Vec::new())).collect();
         for robot in 0..self.robots.len() {
             for joint in 0..self.robots[robot].shape().kinds().len() {
-                let before = self.distances(&near, positions, robot, joint, -NUDGE)?;
-                let after = self.distances(&near, positions, robot, joint, NUDGE)?;
+                let before = self.distances(&near, positions, robot, joint, -DIFFERENCE)?;
+                let after = self.distances(&near, positions, robot, joint, DIFFERENCE)?;
                 for ((_, gradient), (before, after)) in found.iter_mut().zip(before.iter().zip(after)) {
-                    gradient.push((after - before) / (2.0 * NUDGE));
+                    gradient.push((after - before) / (2.0 * DIFFERENCE));
                 }
             }
         }
