@@ -518,7 +518,7 @@ fn an_arm_that_is_obstacles_keeps_its_margins_and_its_names_also_when_a_body_is_
 
 #[test]
 fn an_obstacle_that_is_replaced_is_seen_where_it_is_now_and_costs_no_allocation() {
-    let ball = |x: f64| Obstacle::ball(Vector3::new(x, 0.0, 1.0), 0.1);
+    let ball = |x: f64| Obstacle::ball(Vector3::new(x, 0.0, 1.455), 0.1);
     let build = Clearance::with_margin(0.05).robot("left", facing(3.0).0).unwrap();
     let mut clearance = build.obstacle("ball", ball(5.0)).unwrap().build(AT_ONCE).unwrap();
     let standing = [state("left", &LEVEL, &[0.0; 6])];
@@ -589,9 +589,12 @@ fn a_path_is_proven_up_to_where_it_comes_nearer_than_the_margin() {
         q[0] = 1.0 - 0.5 * parameter;
         clearance.nearest_at(&[&q]).unwrap().distance
     };
-    // Exact where it ends; and everywhere before it is farther.
-    assert!((at(proven) - 0.05).abs() < 1e-6, "{proven}: {}", at(proven));
-    assert!((0..=1000).all(|k| at(proven * f64::from(k) / 1000.0) >= 0.05 - 1e-12));
+    // Everywhere before it is far enough, and within the stretch behind it is not.
+    assert!(
+        proven > 0.5 && (0..=1000).all(|k| at(proven * f64::from(k) / 1000.0) >= 0.05 - 1e-12),
+        "{proven}"
+    );
+    assert!((0..=1000).any(|k| at(proven + 0.4 * f64::from(k) / 1000.0) < 0.05), "{proven}");
     // With few parts it proves less, and says so.
     let (mut less, mut few) = (0.0, 3);
     assert!(clearance.prove(&Turn, &mut less, 4.0, Against::Obstacle(0), &mut few).is_err());
@@ -605,7 +608,7 @@ fn a_path_is_proven_up_to_where_it_comes_nearer_than_the_margin() {
 /// The distance of a ball from a point `p` of the arm changes by `(z x p) . n` when the column turns, `n` from the ball to the point.
 #[test]
 fn distances_change_with_the_joints_as_kinematics_says() {
-    let (left, right) = facing(2.2);
+    let (left, right) = facing(1.7);
     let at = Vector3::new(0.9, 0.6, 1.2);
     let clearance = Clearance::with_margin(0.05).robot("left", left.clone()).unwrap();
     let clearance =
@@ -632,7 +635,7 @@ fn distances_change_with_the_joints_as_kinematics_says() {
             for (side, n) in [(one, n), (other, -n)] {
                 match side.robot.as_ref().map(Name::as_str) {
                     Some("left") if moves(side) => expected[0] += column(side, 0.0).dot(&n),
-                    Some("right") if moves(side) => expected[1] += column(side, 2.2).dot(&n),
+                    Some("right") if moves(side) => expected[1] += column(side, 1.7).dot(&n),
                     _ => {}
                 }
             }
