@@ -608,7 +608,7 @@ fn a_path_is_proven_up_to_where_it_comes_nearer_than_the_margin() {
 /// The distance of a ball from a point `p` of the arm changes by `(z x p) . n` when the column turns, `n` from the ball to the point.
 #[test]
 fn distances_change_with_the_joints_as_kinematics_says() {
-    let (left, right) = facing(1.7);
+    let (left, right) = facing(1.0);
     let at = Vector3::new(0.9, 0.6, 1.2);
     let clearance = Clearance::with_margin(0.05).robot("left", left.clone()).unwrap();
     let clearance =
@@ -635,7 +635,7 @@ fn distances_change_with_the_joints_as_kinematics_says() {
             for (side, n) in [(one, n), (other, -n)] {
                 match side.robot.as_ref().map(Name::as_str) {
                     Some("left") if moves(side) => expected[0] += column(side, 0.0).dot(&n),
-                    Some("right") if moves(side) => expected[1] += column(side, 1.7).dot(&n),
+                    Some("right") if moves(side) => expected[1] += column(side, 1.0).dot(&n),
                     _ => {}
                 }
             }
