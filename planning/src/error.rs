@@ -9,11 +9,14 @@ use thiserror::Error;
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum PlanError {
     /// A planner plans for one to four robots.
-    #[error("a planner takes 1 to 4 robots, the clearance has {0}")]
+    #[error("a planner takes 1 to 4 robots, here are {0}")]
     Robots(usize),
+    /// The reaction time is no time.
+    #[error("a reaction time of {0} s: it must be finite and at least 0")]
+    Reaction(f64),
     /// A list of positions is longer or shorter than the robots have joints.
     #[error(
-        "{expected} joint positions are needed, {actual} were given: help: those of all robots, one behind the other"
+        "{expected} joint positions are needed, {actual} were given: those of all robots, one behind the other"
     )]
     Joints {
         /// Joints of all robots.

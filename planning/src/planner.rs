@@ -91,7 +91,7 @@ impl Planner {
     }
 
     /// The time from a fault until the last robot brakes \[s\], finite and >= 0: 30 ms unless said otherwise, enough for steps of up to
-    /// 2 ms.
+    /// 2 ms. Another number is refused when a plan is asked for.
     #[must_use]
     pub fn with_reaction(mut self, reaction: f64) -> Self {
         self.reaction = reaction;
@@ -99,7 +99,7 @@ impl Planner {
     }
 
     /// Keeps an axis of a robot's flange upright on the whole path: its angle from the vertical, the z axis of the world, is at most
-    /// `tolerance` [rad], 0 to pi, between samples too. `axis_F` is in the flange's frame, of any length. A robot may have several.
+    /// `tolerance` [rad], above 0 and below pi, between samples too. `axis_F` is in the flange's frame, of any length. A robot may have several.
     ///
     /// Start and goals must be upright. Suspensions and other stops on the path stay so; **fault stops do not**.
     ///
@@ -213,6 +213,9 @@ impl Planner {
     ) -> Result<Vec<Vec<Vec<f64>>>, PlanError> {
         if stages.is_empty() {
             return Err(PlanError::NoStage);
+        }
+        if !(self.reaction.is_finite() && self.reaction >= 0.0) {
+            return Err(PlanError::Reaction(self.reaction));
         }
         let of_stage = |stage: usize, error: PlanError| match stages.len() {
             1 => error,

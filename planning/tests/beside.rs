@@ -157,10 +157,7 @@ fn who_cannot_be_planned_beside_is_told() {
         told(planner.beside_standing("left", &nan)).starts_with("left: the joints of the standing position")
     );
     let right = planner.beside_standing("left", &q).expect("one is left");
-    assert_eq!(
-        told(right.beside_standing("right", &q)),
-        "a planner takes 1 to 4 robots, the clearance has 0"
-    );
+    assert_eq!(told(right.beside_standing("right", &q)), "a planner takes 1 to 4 robots, here are 0");
     let blocked = right.clone().plan(&q, &[q.to_vec()]).expect_err("both reach to the middle").to_string();
     assert!(blocked.starts_with("the start is not clear by the margin: right link"), "{blocked}");
     assert!(blocked.contains(" and left "), "{blocked}");

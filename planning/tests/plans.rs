@@ -61,7 +61,7 @@ fn what_cannot_be_planned_is_told() {
     assert!(error(&A, &through).starts_with("the goal is not clear by the margin: arm"));
     assert_eq!(
         error(&A[..5], &B),
-        "6 joint positions are needed, 5 were given: help: those of all robots, one behind the other"
+        "6 joint positions are needed, 5 were given: those of all robots, one behind the other"
     );
     let mut beyond = B;
     beyond[2] = 3.2;
@@ -128,4 +128,14 @@ fn goals_of_a_region_are_turned_about_its_axis_alone() {
     }
     let untold = goals_turned(&robot, &pose, Vector3::zeros(), tolerance, near);
     assert_eq!(untold, goals_at(&robot, &pose, near), "no axis, no turn");
+}
+
+#[test]
+fn a_reaction_time_that_is_none_is_refused() {
+    for reaction in [-0.1, f64::NAN, f64::INFINITY] {
+        let clearance = around_a_box().build(stopping()).expect("a clearance");
+        let mut planner = Planner::new(clearance).expect("a planner").with_reaction(reaction);
+        let error = planner.plan(&A, &[B.to_vec()]).expect_err("refused").to_string();
+        assert_eq!(error, format!("a reaction time of {reaction} s: it must be finite and at least 0"));
+    }
 }

@@ -237,8 +237,10 @@ fn stops_of_some_seeds_keep_the_margin() {
 #[derive(Debug)]
 struct Sweep {
     plans: u32,
-    /// Questions that had no plan within the effort.
+    /// Questions that had no path within the effort.
     unsolved: u32,
+    /// Questions that had no speed slow enough for the stops.
+    refused: u32,
     stops: u32,
     /// Servo periods of both arms in stops.
     states: usize,
@@ -248,7 +250,7 @@ struct Sweep {
 
 impl Default for Sweep {
     fn default() -> Self {
-        Sweep { plans: 0, unsolved: 0, stops: 0, states: 0, least: f64::INFINITY }
+        Sweep { plans: 0, unsolved: 0, refused: 0, stops: 0, states: 0, least: f64::INFINITY }
     }
 }
 
@@ -281,6 +283,7 @@ impl Sweep {
                 Ok(plan) => break (plan, start),
                 Err(PlanError::StartNotClear(_) | PlanError::GoalNotClear(_)) => {}
                 Err(PlanError::NotFound { .. }) => self.unsolved += 1,
+                Err(PlanError::StopsNotClear { .. }) => self.refused += 1,
                 Err(error) => panic!("seed {seed}: {error}"),
             }
         };
