@@ -32,7 +32,7 @@ pub fn goals_at<const N: usize, R: Kinematics<N>>(robot: &R, X_WF: &Pose, near: 
 /// The largest turn from one pose of a region to the next [rad].
 const TURN: f64 = PI / 12.0;
 
-/// As [`goals_at`], of all poses that are turned about an axis of the flange through its origin by up to `tolerance` [rad], 0 to pi, either
+/// As [`goals_at`], of all poses that are turned about an axis of the flange through its origin by up to `tolerance` \[rad\], 0 to pi, either
 /// way: for a tool that may be turned about its own axis. `axis_F` is in the flange's frame, of any length but 0. Poses at most 15° apart are
 /// looked at, the least turned first.
 ///

@@ -99,7 +99,7 @@ impl Planner {
     }
 
     /// Keeps an axis of a robot's flange upright on the whole path: its angle from the vertical, the z axis of the world, is at most
-    /// `tolerance` [rad], above 0 and below pi, between samples too. `axis_F` is in the flange's frame, of any length. A robot may have several.
+    /// `tolerance` \[rad\], above 0 and below pi, between samples too. `axis_F` is in the flange's frame, of any length. A robot may have several.
     ///
     /// Start and goals must be upright. Suspensions and other stops on the path stay so; **fault stops do not**.
     ///
