@@ -59,9 +59,9 @@ pub enum PlanError {
         place: &'static str,
         /// The robot.
         robot: String,
-        /// Its angle from the vertical [rad].
+        /// Its angle from the vertical \[rad\].
         tilt: f64,
-        /// The largest that is allowed [rad].
+        /// The largest that is allowed \[rad\].
         tolerance: f64,
     },
     /// An axis or its tolerance are no direction and angle.
