@@ -208,8 +208,9 @@ impl Arm {
     /// stretched later is covered by as many larger ones.
     fn take_outline(&mut self) {
         let part = |sample: usize, joint: usize| if sample == 0 { 0.5 } else { halton(sample, joint) };
-        let stands = (0..TRIES)
-            .find_map(|sample| self.capsules(&self.part.shape.between_limits(&|joint| part(sample, joint))));
+        let stands = (0..TRIES).find_map(|sample| {
+            self.part.capsules(&self.part.shape.between_limits(&|joint| part(sample, joint)))
+        });
         let some = Capsule::new(Vector3::zeros(), Vector3::x() * 0.3, 0.05);
         let capsules = stands.unwrap_or_else(|| vec![some; self.part.links.len()]);
         for limb in &mut self.limbs {
@@ -217,21 +218,6 @@ impl Arm {
             limb.tree = BallTree::of(&limb.links.iter().map(|&link| capsules[link]).collect::<Vec<_>>());
         }
         self.kinematics = Kinematics::Outline(capsules.iter().map(count).collect());
-    }
-
-    /// All capsules at `q` in the world; `None` where it cannot stand so.
-    pub(crate) fn capsules(&self, q: &Joints) -> Option<Vec<Capsule>> {
-        let own = self.part.links.len() - self.part.carried.len();
-        let mut capsules = Vec::with_capacity(self.part.links.len());
-        self.part.shape.capsules(q, &mut |capsule| capsules.push(capsule));
-        if capsules.len() != own {
-            return None;
-        }
-        if !self.part.carried.is_empty() {
-            let flange = self.part.shape.flange(q);
-            capsules.extend(self.part.carried.iter().map(|capsule| capsule.moved(&flange)));
-        }
-        Some(capsules)
     }
 
     /// The joint from which on one of two limbs moves alone.
@@ -370,7 +356,7 @@ impl Arm {
             let at = of(q);
             // A posture in which it cannot stand keeps balls that are no numbers, which are clear of nothing.
             roots.resize(self.limbs.len(), (Points::default(), Lanes::splat(f32::NAN)));
-            let Some(capsules) = self.capsules(&at) else { continue };
+            let Some(capsules) = self.part.capsules(&at) else { continue };
             for (limb, placed) in self.limbs.iter().zip(placed.iter_mut()) {
                 let groups = limb.links.iter().map(|&link| (&capsules[link], counts[link]));
                 let balls: Vec<Vec<Ball>> =

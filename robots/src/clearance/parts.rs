@@ -24,20 +24,27 @@ pub struct RobotPart {
 }
 
 impl RobotPart {
-    /// Visits, for each link, a capsule that holds all that the link may pass through while each joint is within `half` of `q`
-    /// [rad or m, >= 0], in the world; and by how much its radius is larger than that of the link \[m\]. `false`, with nothing visited,
-    /// where the robot cannot stand at `q`.
+    /// The capsules of all links at `q` [rad or m], in the world; `None` where the robot cannot stand so.
+    #[must_use]
     #[allow(non_snake_case)]
-    pub fn around(&self, q: &Joints, half: &Joints, visit: &mut dyn FnMut(usize, Capsule, f64)) -> bool {
+    pub fn capsules(&self, q: &Joints) -> Option<Vec<Capsule>> {
         let mut capsules = Vec::with_capacity(self.links.len());
         self.shape.capsules(q, &mut |capsule| capsules.push(capsule));
         if capsules.len() + self.carried.len() != self.links.len() {
-            return false;
+            return None;
         }
         if !self.carried.is_empty() {
             let X_WF = self.shape.flange(q);
             capsules.extend(self.carried.iter().map(|capsule| capsule.moved(&X_WF)));
         }
+        Some(capsules)
+    }
+
+    /// Visits, for each link, a capsule that holds all that the link may pass through while each joint is within `half` of `q`
+    /// [rad or m, >= 0], in the world; and by how much its radius is larger than that of the link \[m\]. `false`, with nothing visited,
+    /// where the robot cannot stand at `q`.
+    pub fn around(&self, q: &Joints, half: &Joints, visit: &mut dyn FnMut(usize, Capsule, f64)) -> bool {
+        let Some(capsules) = self.capsules(q) else { return false };
         let mut motions = Vec::new();
         self.shape.motions(q, half, &mut |motion| motions.push(motion));
         for (i, (link, capsule)) in self.links.iter().zip(capsules).enumerate() {
