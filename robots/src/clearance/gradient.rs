@@ -6,8 +6,7 @@
 
 use super::check::Clearance;
 use super::error::{CheckError, Nearest};
-use super::gap::Gap;
-use super::pairs::{Other, Pair};
+use super::pairs::Pair;
 
 /// How far a joint moves to either side for a difference [rad or m].
 const DIFFERENCE: f64 = 1e-6;
@@ -40,13 +39,15 @@ impl Clearance {
         within: f64,
     ) -> Result<Vec<(Nearest, Vec<f64>)>, CheckError> {
         self.place_at(|robot| positions.get(robot).copied())?;
-        let near: Vec<Pair> =
-            self.checked().iter().filter(|pair| self.gap_below(pair, within).is_some()).copied().collect();
-        let told = |pair: &Pair| {
-            let gap = self.gap_of(pair);
-            Nearest { distance: gap.distance, travel: 0.0, margin: 0.0, sides: self.sides(pair, &gap) }
-        };
-        let mut found: Vec<(Nearest, Vec<f64>)> = near.iter().map(|pair| (told(pair), Vec::new())).collect();
+        let (mut near, mut found) = (Vec::new(), Vec::new());
+        for pair in self.checked() {
+            if let Some(gap) = self.gap_below(pair, within) {
+                let sides = self.sides(pair, &gap);
+                let nearest = Nearest { distance: gap.distance, travel: 0.0, margin: 0.0, sides };
+                near.push(*pair);
+                found.push((nearest, Vec::new()));
+            }
+        }
         for robot in 0..self.robots.len() {
             for joint in 0..self.robots[robot].shape().kinds().len() {
                 let before = self.distances(&near, positions, robot, joint, -DIFFERENCE)?;
@@ -74,15 +75,7 @@ impl Clearance {
             *q += off;
         }
         self.place_at(|i| if i == robot { Some(moved.as_slice()) } else { positions.get(i).copied() })?;
-        Ok(pairs.iter().map(|pair| self.gap_of(pair).distance).collect())
-    }
-
-    /// The gap of a pair.
-    fn gap_of(&self, pair: &Pair) -> Gap {
-        let own = &self.robots[pair.limb.robot].placed[pair.limb.link].capsule;
-        match &pair.other {
-            Other::Limb(limb) => own.gap(&self.robots[limb.robot].placed[limb.link].capsule),
-            Other::Obstacle(o) => self.bodies[*o].gap(own),
-        }
+        let distance = |pair| self.gap_below(pair, f64::INFINITY).map_or(f64::INFINITY, |gap| gap.distance);
+        Ok(pairs.iter().map(distance).collect())
     }
 }
