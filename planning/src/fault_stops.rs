@@ -8,10 +8,10 @@
 // As in `guard.rs`: errors are told within a step.
 #![allow(clippy::result_large_err)]
 
-use mrroc_robots::clearance::{Against, CheckError, Clearance, Joints, KnownPath, Stretch, braking_distance};
+use mrroc_robots::clearance::{Against, CheckError, Clearance, Joints, KnownPath, Stretch};
 
 use crate::followed::Followed;
-use crate::stop::ROBOTS;
+use crate::stop::{ROBOTS, reaches};
 
 /// The widest stretch of a path, and the narrowest that is halved [rad or m].
 const WIDEST: f64 = 0.05;
@@ -41,28 +41,14 @@ impl FaultStops {
             (low[robot][i], high[robot][i]) = (rates[0] * speed, rates[1] * speed);
         });
         for (robot, joints) in followed.joints().enumerate() {
-            let fastest = |i: usize| low[robot][i].abs().max(high[robot][i].abs());
-            let times = joints.clone().enumerate().map(|(i, j)| fastest(i) / limits.acceleration[j]);
-            let time = times.fold(0.0, f64::max);
-            for (i, j) in joints.enumerate() {
-                let a = limits.acceleration[j];
-                let [lower, upper] = [low[robot][i], high[robot][i]].map(|rate| match limits.jerk[j] {
-                    None => rate * (reaction + 0.5 * time),
-                    Some(_) if rate == 0.0 => 0.0,
-                    Some(jerk) => {
-                        (rate.abs() * reaction + braking_distance(rate.abs(), a, jerk)).copysign(rate)
-                    }
-                });
-                let Stretch { middle, half } = &mut robots[robot];
-                if limits.jerk[j].is_some() {
-                    let [lower, upper] = [lower.min(0.0), upper.max(0.0)];
-                    middle[i] += 0.5 * (lower + upper);
-                    half[i] += 0.5 * (upper - lower);
-                } else {
-                    travel[robot][i] = 0.5 * (lower + upper);
-                    off[robot][i] = 0.5 * (upper - lower);
-                }
-            }
+            let first = joints.start;
+            let rates = |j: usize| [low[robot][j - first], high[robot][j - first]];
+            reaches(limits, joints, reaction, rates, |j, reach| {
+                let i = j - first;
+                robots[robot].middle[i] += reach.middle;
+                robots[robot].half[i] += reach.half;
+                (travel[robot][i], off[robot][i]) = (reach.travel, reach.off);
+            });
         }
         FaultStops { end, robots, travel, off }
     }

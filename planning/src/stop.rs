@@ -36,6 +36,47 @@ pub(crate) struct Swept {
     off: Vec<f64>,
 }
 
+/// How far a joint gets in a fault stop [rad or m].
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Reach {
+    /// With a limit of jerk, the middle of where it may be, as seen from where it was, and how far it may be off that.
+    pub(crate) middle: f64,
+    pub(crate) half: f64,
+    /// Without one, how far it goes on its line until it stands, and how far it may be off the line then.
+    pub(crate) travel: f64,
+    pub(crate) off: f64,
+}
+
+/// How far the joints of a robot get in a fault stop, from velocities in the range that `rates` has for each [rad/s or m/s].
+pub(crate) fn reaches(
+    limits: &Limits,
+    joints: Range<usize>,
+    reaction: f64,
+    rates: impl Fn(usize) -> [f64; 2],
+    mut visit: impl FnMut(usize, Reach),
+) {
+    let fastest = |j: usize| rates(j)[0].abs().max(rates(j)[1].abs());
+    let time = joints.clone().map(|j| fastest(j) / limits.acceleration[j]).fold(0.0, f64::max);
+    for j in joints {
+        let Some(jerk) = limits.jerk[j] else {
+            let [lower, upper] = rates(j).map(|rate| rate * (reaction + 0.5 * time));
+            let (travel, off) = (0.5 * (lower + upper), 0.5 * (upper - lower));
+            visit(j, Reach { travel, off, ..Reach::default() });
+            continue;
+        };
+        let [lower, upper] = rates(j).map(|rate| {
+            if rate == 0.0 {
+                return 0.0;
+            }
+            (rate.abs() * reaction + braking_distance(rate.abs(), limits.acceleration[j], jerk))
+                .copysign(rate)
+        });
+        let [lower, upper] = [lower.min(0.0), upper.max(0.0)];
+        let (middle, half) = (0.5 * (lower + upper), 0.5 * (upper - lower));
+        visit(j, Reach { middle, half, ..Reach::default() });
+    }
+}
+
 /// A box of states: the part of its line on which each robot is, as middle and half.
 #[derive(Clone, Copy)]
 struct Part {
@@ -68,27 +109,17 @@ impl Swept {
         let mut rates = vec![[0.0; 2]; n];
         path.rates(from, to + speed * reaction, |j, ends| rates[j] = ends.map(|rate| rate * speed));
         for robot in &limits.robots {
-            let joints = robot.clone();
-            let fastest = |j: usize| rates[j][0].abs().max(rates[j][1].abs());
-            let time = joints.clone().map(|j| fastest(j) / limits.acceleration[j]).fold(0.0, f64::max);
-            for j in joints {
-                let a = limits.acceleration[j];
-                let [lower, upper] = rates[j].map(|rate| match limits.jerk[j] {
-                    None => rate * (reaction + 0.5 * time),
-                    Some(_) if rate == 0.0 => 0.0,
-                    Some(jerk) => {
-                        (rate.abs() * reaction + braking_distance(rate.abs(), a, jerk)).copysign(rate)
-                    }
-                });
-                if limits.jerk[j].is_some() {
-                    let [lower, upper] = [lower.min(0.0), upper.max(0.0)];
-                    swept.middle[j] += 0.5 * (lower + upper);
-                    swept.half[j] += 0.5 * (upper - lower);
-                } else {
-                    swept.travel[j] = 0.5 * (lower + upper);
-                    swept.off[j] = 0.5 * (upper - lower);
-                }
-            }
+            reaches(
+                limits,
+                robot.clone(),
+                reaction,
+                |j| rates[j],
+                |j, reach| {
+                    swept.middle[j] += reach.middle;
+                    swept.half[j] += reach.half;
+                    (swept.travel[j], swept.off[j]) = (reach.travel, reach.off);
+                },
+            );
         }
         swept
     }
