@@ -142,9 +142,14 @@ impl Path {
         &self.knots
     }
 
+    /// The number of the piece at a parameter: the first before the path's start, the last behind its end.
+    fn piece_at(&self, u: f64) -> usize {
+        self.knots.partition_point(|knot| *knot <= u).clamp(1, self.pieces.len()) - 1
+    }
+
     /// The path at a parameter; before its start and behind its end it stays there.
     pub(crate) fn at(&self, u: f64) -> At {
-        let piece = self.knots.partition_point(|knot| *knot <= u).clamp(1, self.pieces.len()) - 1;
+        let piece = self.piece_at(u);
         let (from, to) = (self.knots[piece], self.knots[piece + 1]);
         let s = u.clamp(from, to) - from;
         match &self.pieces[piece] {
@@ -169,7 +174,7 @@ impl Path {
 
     /// The position of one joint.
     pub(crate) fn joint_at(&self, u: f64, joint: usize) -> f64 {
-        let piece = self.knots.partition_point(|knot| *knot <= u).clamp(1, self.pieces.len()) - 1;
+        let piece = self.piece_at(u);
         let (from, to) = (self.knots[piece], self.knots[piece + 1]);
         let s = u.clamp(from, to) - from;
         match &self.pieces[piece] {
@@ -177,13 +182,11 @@ impl Path {
             Piece::Curve(points) => bezier(&points[joint], s / (to - from))[0],
         }
     }
-}
 
-impl Path {
     /// Where the joints are from the parameter `from` on, in one piece of the path, to `to` at most: gives where the stretch ends, and visits each joint
     /// with its position in the middle and by how much it is off that at most, either way.
     pub(crate) fn stretch(&self, from: f64, to: f64, mut visit: impl FnMut(usize, f64, f64)) -> f64 {
-        let piece = self.knots.partition_point(|knot| *knot <= from).clamp(1, self.pieces.len()) - 1;
+        let piece = self.piece_at(from);
         let (begin, end) = (self.knots[piece], self.knots[piece + 1]);
         let is_last = piece + 1 == self.pieces.len();
         let reached = if is_last { to } else { to.min(end) };
@@ -213,8 +216,7 @@ impl Path {
             Piece::Leg { from, .. } => from.len(),
             Piece::Curve(points) => points.len(),
         };
-        let place = |u: f64| self.knots.partition_point(|knot| *knot <= u).clamp(1, self.pieces.len()) - 1;
-        let (first, last) = (place(from), place(to));
+        let (first, last) = (self.piece_at(from), self.piece_at(to));
         for joint in 0..joints {
             let mut rates = [f64::INFINITY, f64::NEG_INFINITY];
             for piece in first..=last {
@@ -241,7 +243,7 @@ impl Path {
 
     /// The derivative of one joint by the parameter.
     pub(crate) fn first_at(&self, u: f64, joint: usize) -> f64 {
-        let piece = self.knots.partition_point(|knot| *knot <= u).clamp(1, self.pieces.len()) - 1;
+        let piece = self.piece_at(u);
         let (from, to) = (self.knots[piece], self.knots[piece + 1]);
         match &self.pieces[piece] {
             Piece::Leg { along, .. } => along[joint],
