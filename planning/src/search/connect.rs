@@ -9,7 +9,18 @@ use crate::edge::Edges;
 /// The longest step of a tree: the root of the sum of squares over all joints [rad or m].
 const RANGE: f32 = 1.4;
 
-/// A path from `start` to one of the `goals`, all of them clear.
+/// The straight motion to the first of the `goals` to which it is clear.
+pub(crate) fn straight(
+    checker: &mut Checker,
+    edges: &mut Edges,
+    start: &[f32],
+    goals: &[Vec<f32>],
+) -> Option<Points> {
+    let goal = goals.iter().find(|goal| edges.is_clear(checker, start, goal))?;
+    Some(vec![start.to_vec(), goal.clone()])
+}
+
+/// A path from `start` to one of the `goals`, all of them clear, of which none is straight ahead.
 ///
 /// # Errors
 /// `effort` checks have found none: the nearest position to a goal that was reached from the start, and its distance.
@@ -24,9 +35,6 @@ pub(crate) fn connect(
     let end = checker.batches + effort;
     let is_free = checker.uprights.is_empty();
     let range = if is_free { RANGE } else { UPRIGHT };
-    if let Some(goal) = goals.iter().find(|goal| edges.is_clear(checker, start, goal)) {
-        return Ok(vec![start.to_vec(), goal.clone()]);
-    }
     let n = start.len();
     let mut trees = [Tree::new(n), Tree::new(n)];
     trees[0].add(start, None);

@@ -12,7 +12,7 @@ mod shorten;
 mod tree;
 mod turns;
 
-use connect::connect;
+use connect::{connect, straight};
 pub(crate) use sampling::Samples;
 pub(crate) use several::find;
 pub(crate) use shorten::shorten;

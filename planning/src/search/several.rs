@@ -4,7 +4,7 @@
 
 use super::sampling::Samples;
 use super::turns::in_turns;
-use super::{Points, connect};
+use super::{Points, connect, straight};
 use crate::check::Checker;
 use crate::edge::Edges;
 
@@ -24,10 +24,10 @@ pub(crate) fn find(
     effort: u64,
 ) -> Result<Points, (Vec<f32>, f64)> {
     let end = checker.batches + effort;
+    if let Some(path) = straight(checker, edges, start, goals) {
+        return Ok(path);
+    }
     if checker.arms.len() > 1 {
-        if let Some(goal) = goals.iter().find(|goal| edges.is_clear(checker, start, goal)) {
-            return Ok(vec![start.to_vec(), goal.clone()]);
-        }
         let goals = &goals[..goals.len().min(GOALS)];
         let share = effort / (2 * goals.len() as u64);
         let path = goals.iter().find_map(|goal| in_turns(checker, edges, samples, start, goal, share));

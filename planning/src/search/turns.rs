@@ -16,7 +16,7 @@ use std::collections::{BTreeMap, BinaryHeap};
 use mrroc::random::Random;
 
 use super::sampling::Samples;
-use super::{Points, connect, shorten};
+use super::{Points, connect, shorten, straight};
 use crate::check::{Among, Checker};
 use crate::edge::Edges;
 use crate::stop::ROBOTS;
@@ -253,10 +253,12 @@ impl Turns<'_> {
         let joints = self.joints(robot);
         // Samples that did not help once are not tried again, but others.
         let mut samples = self.samples.of(joints.clone(), &start, effort);
-        let effort = effort.min(self.end.saturating_sub(self.checker.batches));
+        let end = self.end.min(self.checker.batches + effort);
         self.attend(among, robot);
-        let path = connect(self.checker, self.edges, &mut samples, &start, &goal, effort);
-        let mut path = path.ok()?;
+        let path = straight(self.checker, self.edges, &start, &goal);
+        let left = end.saturating_sub(self.checker.batches);
+        let grown = || connect(self.checker, self.edges, &mut samples, &start, &goal, left).ok();
+        let mut path = path.or_else(grown)?;
         shorten(self.checker, self.edges, robot as u64, &mut path, SHORTENING);
         let own: Points = path.iter().map(|q| q[joints.clone()].to_vec()).collect();
         let back = own.iter().rev().cloned().collect();
