@@ -1,6 +1,7 @@
 //! Arms and what stands around them.
 
 use mrroc::pose::Pose;
+use mrroc::random::Random;
 use mrroc_robots::clearance::{Capsule, Clearance, ClearanceBuilder, Obstacle};
 use nalgebra::Vector3;
 
@@ -23,6 +24,17 @@ pub(crate) fn around_a_box() -> ClearanceBuilder {
 /// The bases of the two arms, which face each other: an arm reaches along the -x of its base.
 pub(crate) fn bases() -> [Pose; 2] {
     [Pose::new(Vector3::zeros(), Vector3::z() * core::f64::consts::PI), Pose::translation(0.9, 0.0, 0.0)]
+}
+
+/// Positions of the two arms, which reach for each other.
+pub(crate) fn draw_two(random: &mut Random) -> Vec<f64> {
+    let draw = |j: usize| match j % 6 {
+        0 => random.within(0.8),
+        1 => random.between(-1.4, -0.2),
+        2 => random.between(0.0, 1.8),
+        _ => random.within(1.8),
+    };
+    (0..12).map(draw).collect()
 }
 
 /// Two arms that face each other.

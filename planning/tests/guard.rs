@@ -15,7 +15,7 @@ use mrroc_robots::Serial;
 use mrroc_robots::clearance::{Clearance, ClearanceBuilder, Obstacle, Outline, Stop, Stopping};
 use nalgebra::{SVector, Vector3};
 
-use super::cells::{around_a_box, seven_axes, six_axes, stopping, two_arms};
+use super::cells::{around_a_box, draw_two, seven_axes, six_axes, stopping, two_arms};
 use super::plans::{A, B};
 use super::stops::{facing, setup, standing};
 
@@ -58,14 +58,7 @@ impl Kind {
                 let middle = [0.9 * side, -0.3, 0.6, -1.8, -1.57, 0.0];
                 middle.iter().map(|q| q + random.within(0.4)).collect()
             }
-            Kind::TwoArms => (0..12)
-                .map(|j| match j % 6 {
-                    0 => random.within(0.8),
-                    1 => random.between(-1.4, -0.2),
-                    2 => random.between(0.0, 1.8),
-                    _ => random.within(1.8),
-                })
-                .collect(),
+            Kind::TwoArms => draw_two(random),
             Kind::SevenAxes => (0..7).map(|j| if j == 0 { 0.9 * side } else { random.within(1.2) }).collect(),
         }
     }

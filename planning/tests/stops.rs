@@ -13,7 +13,7 @@ use mrroc_planning::{HereAll, Plan, PlanError, Planner};
 use mrroc_robots::clearance::{Clearance, Outline};
 use mrroc_robots::{Serial, Simulated};
 
-use super::cells::{around_a_box, bases, seven_axes, six_axes, stopping, two_arms};
+use super::cells::{around_a_box, bases, draw_two, seven_axes, six_axes, stopping, two_arms};
 use super::plans::{A, B};
 
 pub(crate) const STEP: Duration = Duration::from_millis(2);
@@ -261,18 +261,8 @@ impl Sweep {
         let mut planner =
             Planner::new(clearance.clone()).expect("a planner").with_seed(seed).with_effort(100_000);
         let mut random = Random::seeded(seed);
-        let mut draw = || -> Vec<f64> {
-            (0..12)
-                .map(|j| match j % 6 {
-                    0 => random.within(0.8),
-                    1 => random.between(-1.4, -0.2),
-                    2 => random.between(0.0, 1.8),
-                    _ => random.within(1.8),
-                })
-                .collect()
-        };
         let (plan, here) = loop {
-            let (start, goal) = (draw(), draw());
+            let (start, goal) = (draw_two(&mut random), draw_two(&mut random));
             let here = standing(facing(&start), |mp| {
                 let (mut left, mut right) = (mp.robot::<Serial<6>>("left")?, mp.robot::<Serial<6>>("right")?);
                 Ok(mp
