@@ -41,8 +41,7 @@ impl Planner {
             let mut excess = EXCESS;
             let capsules = loop {
                 let found = Vec::new();
-                let mut sweep =
-                    Sweep { part: &part, motion: &plan.motion, joints: joints.clone(), excess, found };
+                let mut sweep = Sweep { part, motion: &plan.motion, joints: joints.clone(), excess, found };
                 match sweep.all(from) {
                     Ok(()) => break sweep.found,
                     Err(Refused::TooMany) => excess *= 2.0,
@@ -73,14 +72,13 @@ impl Planner {
     }
 
     /// The robot of this name, which must have so many joints.
-    fn part(&self, robot: &str, joints: usize) -> Result<RobotPart, PlanError> {
-        let mut parts = self.clearance().robot_parts();
-        let known = parts.iter().map(|part| part.name.to_string()).collect::<Vec<_>>().join(", ");
-        let place = parts.iter().position(|part| part.name.as_str() == robot);
-        let place = place.ok_or_else(|| PlanError::NoRobot { name: robot.to_owned(), known })?;
-        let part = parts.swap_remove(place);
-        let expected = part.shape.kinds().len();
-        if expected == joints { Ok(part) } else { Err(PlanError::Joints { expected, actual: joints }) }
+    fn part(&self, robot: &str, joints: usize) -> Result<&RobotPart, PlanError> {
+        let arm = self.arm(robot)?;
+        if arm.joints == joints {
+            Ok(&arm.part)
+        } else {
+            Err(PlanError::Joints { expected: arm.joints, actual: joints })
+        }
     }
 
     /// The same without a robot, which is these capsules now.

@@ -1,6 +1,6 @@
 //! Why there is no plan.
 
-use mrroc::fault::Fault;
+use mrroc::fault::{Fault, Name};
 use mrroc_generators::timing::TimingError;
 use mrroc_robots::clearance::{CheckError, ClearanceError, Nearest};
 use thiserror::Error;
@@ -136,6 +136,14 @@ pub enum PlanError {
     /// A clearance that others plan with cannot be made.
     #[error("no clearance for the other robots: {0}")]
     Clearance(Box<ClearanceError>),
+}
+
+impl PlanError {
+    /// Another robot than the `known` ones is asked about.
+    pub(crate) fn no_robot(name: &str, known: impl Iterator<Item = Name>) -> Self {
+        let known = known.map(|name| name.to_string()).collect::<Vec<_>>().join(", ");
+        PlanError::NoRobot { name: name.to_owned(), known }
+    }
 }
 
 impl From<CheckError> for PlanError {

@@ -52,10 +52,8 @@ impl Plan {
 
     /// The place of a robot among those of the plan.
     pub(crate) fn place_of(&self, robot: &str) -> Result<usize, PlanError> {
-        self.robots.iter().position(|name| name.as_str() == robot).ok_or_else(|| PlanError::NoRobot {
-            name: robot.to_owned(),
-            known: self.robots.iter().map(Name::as_str).collect::<Vec<_>>().join(", "),
-        })
+        let place = self.robots.iter().position(|name| name.as_str() == robot);
+        place.ok_or_else(|| PlanError::no_robot(robot, self.robots.iter().copied()))
     }
 }
 

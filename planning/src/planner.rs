@@ -37,7 +37,6 @@ pub struct Planner {
     checker: Checker,
     edges: Edges,
     limits: Limits,
-    more: f32,
     seed: u64,
     effort: u64,
     reaction: f64,
@@ -52,8 +51,7 @@ impl Planner {
         let checker = Checker::new(&clearance);
         let limits = Limits::of(&checker.arms);
         let edges = Edges::default();
-        let (more, seed, effort, reaction) = (MORE[0], 1, 400_000, 0.03);
-        Planner { clearance, checker, edges, limits, more, seed, effort, reaction }.has_robots()
+        Planner { clearance, checker, edges, limits, seed: 1, effort: 400_000, reaction: 0.03 }.has_robots()
     }
 
     /// Itself, if it has as many robots as it can plan for.
@@ -68,8 +66,16 @@ impl Planner {
     pub(crate) fn with_clearance(&self, clearance: Clearance) -> Self {
         let mut checker = Checker::new(&clearance);
         checker.uprights = self.checker.uprights.clone();
-        let limits = Limits::of(&checker.arms);
-        Planner { clearance, checker, limits, ..self.clone() }
+        let (limits, edges) = (Limits::of(&checker.arms), Edges::default());
+        let Planner { seed, effort, reaction, .. } = *self;
+        Planner { clearance, checker, edges, limits, seed, effort, reaction }
+    }
+
+    /// The robot of this name.
+    pub(crate) fn arm(&self, robot: &str) -> Result<&Arm, PlanError> {
+        let arms = &self.checker.arms;
+        let found = arms.iter().find(|arm| arm.name().as_str() == robot);
+        found.ok_or_else(|| PlanError::no_robot(robot, arms.iter().map(Arm::name)))
     }
 
     /// Another seed of its samples: another path, where there are several.
@@ -120,16 +126,12 @@ impl Planner {
         axis_F: Vector3<f64>,
         tolerance: f64,
     ) -> Result<Self, PlanError> {
-        let known = self.checker.arms.iter().map(Arm::name);
-        let Some(name) = known.clone().find(|name| name.as_str() == robot) else {
-            let known = known.map(|name| name.to_string()).collect::<Vec<_>>().join(", ");
-            return Err(PlanError::NoRobot { name: robot.to_owned(), known });
-        };
+        let robot = self.arm(robot)?.name();
         let length = axis_F.norm();
         if !(length.is_finite() && length > 0.0 && tolerance > 0.0 && tolerance < PI) {
-            return Err(PlanError::BadUpright { robot: robot.to_owned() });
+            return Err(PlanError::BadUpright { robot: robot.to_string() });
         }
-        self.checker.uprights.0.push(Upright { robot: name, axis_F: axis_F / length, tolerance });
+        self.checker.uprights.0.push(Upright { robot, axis_F: axis_F / length, tolerance });
         Ok(self)
     }
 
@@ -162,19 +164,22 @@ impl Planner {
         stages: &[G],
     ) -> Result<Plan, PlanError> {
         let stages: Vec<&[Vec<f64>]> = stages.iter().map(AsRef::as_ref).collect();
-        match self.planned_through(start, &stages) {
-            Err(PlanError::StopsNotClear { at }) => {
-                self.more = MORE[1];
-                let plan = self.planned_through(start, &stages);
-                self.more = MORE[0];
-                plan.map_err(|_| PlanError::StopsNotClear { at })
+        match self.planned_through(start, &stages, MORE[0]) {
+            Err(error @ PlanError::StopsNotClear { .. }) => {
+                self.planned_through(start, &stages, MORE[1]).map_err(|_| error)
             }
             found => found,
         }
     }
 
-    fn planned_through(&mut self, start: &[f64], stages: &[&[Vec<f64>]]) -> Result<Plan, PlanError> {
-        let parts = self.find_through(start, stages)?;
+    /// A motion on a path that keeps so much `more` than the margins \[m\].
+    fn planned_through(
+        &mut self,
+        start: &[f64],
+        stages: &[&[Vec<f64>]],
+        more: f32,
+    ) -> Result<Plan, PlanError> {
+        let parts = self.find_through(start, stages, more)?;
         let last = parts.last().and_then(|part| part.last()).map_or(start, Vec::as_slice);
         let ends = [start.to_vec(), last.to_vec()];
         let offset = self.offset(start);
@@ -210,6 +215,7 @@ impl Planner {
         &mut self,
         start: &[f64],
         stages: &[&[Vec<f64>]],
+        wanted: f32,
     ) -> Result<Vec<Vec<Vec<f64>>>, PlanError> {
         if stages.is_empty() {
             return Err(PlanError::NoStage);
@@ -228,13 +234,13 @@ impl Planner {
         let goals = goals.map(|(i, goals)| self.clear_goals(goals).map_err(|error| of_stage(i, error)));
         let goals = goals.collect::<Result<Vec<_>, _>>()?;
         let mut parts: Vec<Vec<Vec<f64>>> = Vec::new();
-        let mut more = self.more;
+        let mut more = wanted;
         for (i, goals) in goals.iter().enumerate() {
             let from = parts.last().and_then(|part| part.last()).map_or(start, Vec::as_slice).to_vec();
             // What the stages before have left is shared evenly.
             let left = (stages.len() - i) as u64;
             let effort = end.saturating_sub(self.checker.batches) * 4 / (5 * left);
-            parts.push(self.search(&from, goals, effort).map_err(|error| of_stage(i, error))?);
+            parts.push(self.search(&from, goals, effort, wanted).map_err(|error| of_stage(i, error))?);
             more = more.min(self.checker.more);
         }
         self.checker.more = more;
@@ -251,7 +257,7 @@ impl Planner {
     /// # Errors
     /// [`PlanError`].
     pub fn find(&mut self, start: &[f64], goals: &[Vec<f64>]) -> Result<Vec<Vec<f64>>, PlanError> {
-        let parts = self.find_through(start, &[goals])?;
+        let parts = self.find_through(start, &[goals], MORE[0])?;
         Ok(parts.into_iter().flatten().collect())
     }
 
@@ -262,7 +268,7 @@ impl Planner {
     pub fn find_first(&mut self, start: &[f64], goals: &[Vec<f64>]) -> Result<Vec<Vec<f64>>, PlanError> {
         self.start_is_clear(start)?;
         let clear = self.clear_goals(goals)?;
-        self.search(start, &clear, self.effort)
+        self.search(start, &clear, self.effort, MORE[0])
     }
 
     fn start_is_clear(&mut self, start: &[f64]) -> Result<(), PlanError> {
@@ -314,9 +320,15 @@ impl Planner {
     }
 
     /// The first path from a clear start to one of the clear goals, at least one, by so many checks.
-    fn search(&mut self, start: &[f64], clear: &[&[f64]], effort: u64) -> Result<Vec<Vec<f64>>, PlanError> {
+    fn search(
+        &mut self,
+        start: &[f64],
+        clear: &[&[f64]],
+        effort: u64,
+        more: f32,
+    ) -> Result<Vec<Vec<f64>>, PlanError> {
         // Where the start itself is no farther than its margin from something, the path is not either.
-        for more in [self.more, MORE[0], 0.0] {
+        for more in [more, MORE[0], 0.0] {
             self.checker.more = more;
             if self.checker.is_clear(start) && clear.iter().any(|goal| self.checker.is_clear(goal)) {
                 break;

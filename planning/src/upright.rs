@@ -86,12 +86,17 @@ impl Uprights {
         self.0.is_empty()
     }
 
+    /// Each of them, with its arm.
+    pub(crate) fn with_arms<'a>(&'a self, arms: &'a [Arm]) -> impl Iterator<Item = (&'a Upright, &'a Arm)> {
+        let of = |upright: &'a Upright| Some((upright, arms.iter().find(|arm| arm.name() == upright.robot)?));
+        self.0.iter().filter_map(of)
+    }
+
     /// In which of the first `count` lanes they are upright all `around` the positions `q`; `None` if in one of them they are not upright
     /// in the middle.
     pub(crate) fn check(&self, arms: &[Arm], q: &[Lanes], half: &[Lanes], count: usize) -> Option<Mask> {
         let mut proven = Mask::MAX;
-        for upright in &self.0 {
-            let Some(arm) = arms.iter().find(|arm| arm.name() == upright.robot) else { continue };
+        for (upright, arm) in self.with_arms(arms) {
             for lane in 0..count {
                 let of = |values: &[Lanes]| -> Joints {
                     core::array::from_fn(|i| {
@@ -115,8 +120,7 @@ impl Uprights {
     /// Moves joints [rad or m], as they are computed with, until all axes are upright, with room for a motion; whether they are, within the
     /// limits of the joints.
     pub(crate) fn project(&self, arms: &[Arm], q: &mut [f32]) -> bool {
-        self.0.iter().all(|upright| {
-            let Some(arm) = arms.iter().find(|arm| arm.name() == upright.robot) else { return true };
+        self.with_arms(arms).all(|(upright, arm)| {
             let own = &mut q[arm.first..arm.first + arm.joints];
             let mut at: Joints = core::array::from_fn(|j| own.get(j).map_or(0.0, |q| f64::from(*q)));
             for _ in 0..STEPS {
