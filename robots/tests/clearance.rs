@@ -104,8 +104,7 @@ fn too_close_names_both_robots_and_links_the_distance_and_the_margin() {
     assert!((nearest.slack() + 0.01).abs() < 1e-12);
     assert_eq!(
         error.to_string(),
-        "too close: left wrist and right wrist are 0.0400 m apart and may come 0.0000 m nearer until they stand; \
-         0.0500 m must be left"
+        "too close: left wrist and right wrist are 40.0 mm apart, 0.0 mm to stop, 50.0 mm to be left"
     );
     let fault = Fault::from(error);
     assert!(fault.message().contains("left wrist and right wrist"), "{fault}");
@@ -222,6 +221,10 @@ fn what_cannot_be_checked_is_not_built() {
     assert!(matches!(build, Err(ClearanceError::NoRobot { .. })));
     let build = one().margin_between("a", "a", -0.1).build(AT_ONCE);
     assert!(matches!(build, Err(ClearanceError::BadMargin { .. })));
+    let build = one().ignore(("a", "base"), ("a", "wrist")).build(AT_ONCE);
+    let Err(ClearanceError::NoLink { link, known, .. }) = build else { panic!("there is no such link") };
+    assert_eq!((&*link, known.as_str()), ("base", "postument, lower arm, upper arm, wrist"));
+    assert!(one().will_grasp("a", "box").ignore(("a", "box"), ("a", "wrist")).build(AT_ONCE).is_ok());
     let never = Stopping { reaction: 0.0, stop: Stop::OnPath { rate_change: 0.0, step: 0.002 } };
     assert!(matches!(one().build(never), Err(ClearanceError::BadStopping)));
 }
@@ -371,7 +374,7 @@ fn a_guarded_arm_stops_on_its_path_before_the_margin_is_broken() {
     // In front of one another, 0.06 m would be left between the wrists: less than ways to stop and 0.05 m.
     let (ended, column, least) = guarded(1.9);
     let text = ended.unwrap_err();
-    assert!(text.contains("left wrist and right wrist too close"), "{text}");
+    assert!(text.contains("too close: left wrist and right wrist are"), "{text}");
     assert!(column > 0.0, "it stopped before: {column}");
     // The drives follow to 1 mm.
     assert!(least >= 0.05 - 1e-3, "{least}");
@@ -454,6 +457,7 @@ fn an_arm_that_is_obstacles_is_as_far_away_as_the_arm_that_stands_there() {
             .tool("left", &rod())?
             .obstacle("floor", Obstacle::table(-1.0))?
             .margin_between("left", "right", margin)
+            .will_grasp("right", "hand")
             .ignore(("left", "tool"), ("right", "hand"))
             .build(AT_ONCE)
     };

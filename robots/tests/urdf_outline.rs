@@ -3,7 +3,7 @@
 use mrroc::pose::Pose;
 use mrroc::random::Random;
 use mrroc::robot::Robot;
-use mrroc_robots::clearance::{Capsule, Clearance, Obstacle, Outline, Stop, Stopping};
+use mrroc_robots::clearance::{Capsule, Clearance, ClearanceError, Obstacle, Outline, Stop, Stopping};
 use mrroc_robots::{DisabledPair, Meshes, Serial, SerialOutline, UrdfError};
 use nalgebra::{SVector, Vector3};
 
@@ -84,6 +84,8 @@ fn bars_with_a_radius_run_from_joint_to_joint() {
     let (height, nearest) = height_above_floor(SerialOutline::new(robot(&text), 0.07), 0.5);
     assert!((height - (1.0 - 0.8 * 0.5_f64.sin() - 0.07)).abs() < 1e-12);
     assert_eq!(nearest, "arm link 1");
+    let thin = Clearance::with_margin(0.0).robot("arm", SerialOutline::new(robot(&text), 0.0));
+    assert!(matches!(thin.err(), Some(ClearanceError::BadBody { body }) if &*body == "arm link 0"));
 }
 
 /// An arm of `tests/reference/urdf` with a base of its own.

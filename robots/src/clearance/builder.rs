@@ -16,6 +16,10 @@ use crate::models::{Capsule, DisabledPair, Outline};
 #[must_use = "a clearance is made by build"]
 pub struct ClearanceBuilder {
     clearance: Clearance,
+    /// Bodies that are ignored by name, which must be known when it is built.
+    named: Vec<Owned>,
+    /// Bodies that robots will grasp.
+    later: Vec<Owned>,
 }
 
 impl Clearance {
@@ -40,6 +44,8 @@ impl Clearance {
                 stopping_distances: Vec::new(),
                 stretches: Vec::new(),
             },
+            named: Vec::new(),
+            later: Vec::new(),
         }
     }
 }
@@ -48,13 +54,21 @@ impl ClearanceBuilder {
     /// Adds a robot under the name that it has in the cell, its base where it stands.
     ///
     /// # Errors
-    /// [`ClearanceError::Name`], [`ClearanceError::SecondRobot`].
+    /// [`ClearanceError::Name`], [`ClearanceError::SecondRobot`], [`ClearanceError::BadBody`] for a link without a radius above 0.
     pub fn robot(mut self, name: &str, outline: impl Outline) -> Result<Self, ClearanceError> {
         let robot = Name::new(name)?;
         if self.clearance.place_of(name).is_some() {
             return Err(ClearanceError::SecondRobot { robot });
         }
-        self.clearance.robots.push(Placement::new(robot, Arc::new(outline)));
+        let placement = Placement::new(robot, Arc::new(outline));
+        // Radii are the same in all postures.
+        let mut radii = Vec::new();
+        placement.shape().capsules(&[0.0; MAX_JOINTS], &mut |capsule| radii.push(capsule.radius));
+        let thin = radii.iter().zip(&placement.links).find(|(r, _)| !(r.is_finite() && **r > 0.0));
+        if let Some((_, link)) = thin {
+            return Err(ClearanceError::BadBody { body: format!("{robot} {}", link.name).into() });
+        }
+        self.clearance.robots.push(placement);
         Ok(self)
     }
 
@@ -90,16 +104,24 @@ impl ClearanceBuilder {
     /// Two bodies, each a robot and its link, tool or body, that are not checked against one another: who holds the same
     /// body, what lies on the table. An obstacle stands for its own link: `("table", "table")`.
     pub fn ignore(mut self, a: (&str, &str), b: (&str, &str)) -> Self {
-        let owned = |(owner, link): (&str, &str)| -> Owned { (owner.into(), link.into()) };
-        self.clearance.ignored.push([owned(a), owned(b)]);
+        let pair = [owned(a), owned(b)];
+        self.named.extend_from_slice(&pair);
+        self.clearance.ignored.push(pair);
         self
     }
 
-    /// Pairs of links of a robot that an SRDF says not to check. Its links must have the names of the URDF.
-    pub fn ignore_disabled(self, robot: &str, pairs: &[DisabledPair]) -> Self {
-        pairs
-            .iter()
-            .fold(self, |builder, DisabledPair { links: [a, b], .. }| builder.ignore((robot, a), (robot, b)))
+    /// A body that this robot will [grasp](Clearance::grasp), so that [`ignore`](Self::ignore) may name it.
+    pub fn will_grasp(mut self, robot: &str, body: &str) -> Self {
+        self.later.push(owned((robot, body)));
+        self
+    }
+
+    /// Pairs of links of a robot that an SRDF says not to check. Its links must have the names of the URDF; those without a shape are passed over.
+    pub fn ignore_disabled(mut self, robot: &str, pairs: &[DisabledPair]) -> Self {
+        let pairs =
+            pairs.iter().map(|DisabledPair { links: [a, b], .. }| [owned((robot, a)), owned((robot, b))]);
+        self.clearance.ignored.extend(pairs);
+        self
     }
 
     /// The links of a robot, its tool and what it carries are not checked against one another: for an arm whose own limits
@@ -113,7 +135,7 @@ impl ClearanceBuilder {
     ///
     /// # Errors
     /// [`ClearanceError`]: margins, stopping, names in [`margin_between`](Self::margin_between) and in
-    /// [`ignore`](Self::ignore) (of which a link may be a body that is grasped later).
+    /// [`ignore`](Self::ignore).
     pub fn build(mut self, stopping: Stopping) -> Result<Clearance, ClearanceError> {
         let margins = self.clearance.margins.iter().map(|(_, _, margin)| *margin);
         for margin in margins.chain([self.clearance.margin]) {
@@ -137,10 +159,31 @@ impl ClearanceBuilder {
                 return Err(ClearanceError::NoRobot { robot: owner.clone() });
             }
         }
+        for body in self.named.iter().filter(|body| !self.later.contains(body)) {
+            self.known(body)?;
+        }
         self.clearance.stopping = stopping;
         self.clearance.stopping_distances = vec![[0.0; MAX_JOINTS]; self.clearance.robots.len()];
         self.clearance.stretches = vec![Stretch::default(); self.clearance.robots.len()];
         self.clearance.pair();
         Ok(self.clearance)
     }
+
+    /// Whether there is such a link, tool or obstacle.
+    fn known(&self, (owner, link): &Owned) -> Result<(), ClearanceError> {
+        let mut names: Vec<&Arc<str>> = match self.clearance.place_of(owner) {
+            Some(robot) => self.clearance.robots[robot].links.iter().map(|link| &link.name).collect(),
+            None => vec![owner],
+        };
+        if names.contains(&link) {
+            return Ok(());
+        }
+        names.dedup();
+        let known = names.iter().map(|name| &***name).collect::<Vec<_>>().join(", ");
+        Err(ClearanceError::NoLink { owner: owner.clone(), link: link.clone(), known })
+    }
+}
+
+fn owned((owner, link): (&str, &str)) -> Owned {
+    (owner.into(), link.into())
 }

@@ -20,7 +20,12 @@ pub struct Side {
 impl core::fmt::Display for Nearest {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         let [a, b] = &self.sides;
-        write!(f, "{a} and {b} are {:.1} mm apart", 1e3 * self.distance)
+        let distance = 1e3 * self.distance;
+        if distance < 0.0 {
+            write!(f, "{a} and {b} overlap by {:.1} mm", -distance)
+        } else {
+            write!(f, "{a} and {b} are {distance:.1} mm apart")
+        }
     }
 }
 
@@ -57,8 +62,8 @@ impl Nearest {
 /// Two bodies would come too close.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error(
-    "too close: {} and {} are {:.4} m apart and may come {:.4} m nearer until they stand; {:.4} m must be left",
-    .0.sides[0], .0.sides[1], .0.distance, .0.travel, .0.margin
+    "too close: {}, {:.1} mm to stop, {:.1} mm to be left",
+    .0, 1e3 * .0.travel, 1e3 * .0.margin
 )]
 pub struct TooClose(pub Nearest);
 
@@ -86,23 +91,9 @@ pub enum CheckError {
 }
 
 impl From<CheckError> for Fault {
-    /// The fault that a guard returns: its text has the names of the bodies, its figures the distance and the distance needed.
+    /// The fault that a guard returns: its text has the names of the bodies, their distance and the distance needed.
     fn from(error: CheckError) -> Self {
-        match &error {
-            CheckError::TooClose(TooClose(nearest)) => {
-                let [a, b] = &nearest.sides;
-                let text = format!(
-                    "{a} and {b} too close: {:.1} mm apart, {:.1} mm to stop, {:.1} mm to be left",
-                    1e3 * nearest.distance,
-                    1e3 * nearest.travel,
-                    1e3 * nearest.margin
-                );
-                Fault::thrown(&text)
-            }
-            CheckError::Missing { .. } | CheckError::NothingToCheck | CheckError::NoPosture { .. } => {
-                Fault::thrown(&error.to_string())
-            }
-        }
+        Fault::thrown(&error.to_string())
     }
 }
 
