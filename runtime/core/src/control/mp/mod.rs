@@ -227,6 +227,12 @@ impl<'w> Mp<'w> {
             .map_err(|fault| fault.in_process(self.process))
     }
 
+    /// Whether time stands still while the program computes, as under the virtual clock: then what it waits for cannot come too late.
+    #[must_use]
+    pub fn time_stands_still(&self) -> bool {
+        self.host.waiter.stands_still()
+    }
+
     /// Index of the step that has begun, counted since the cell started.
     #[must_use]
     pub const fn step(&self) -> u64 {
