@@ -124,11 +124,11 @@ impl Sweep<'_> {
             return Ok(());
         }
         let links: Vec<usize> = (0..self.part.links.len()).collect();
-        let begin = speed.at(from.max(0.0)).s;
+        let begin = speed.at(from.max(speed.begins)).s;
         let grid = grid(path);
         let passed = Passed::of(&grid, speed);
         for (cell, ends) in grid.windows(2).enumerate().filter(|(_, ends)| begin < ends[1]) {
-            let (_, speed) = passed.ahead(cell, *reaction);
+            let (_, speed) = passed.ahead(cell, grid.len() - 1, *reaction);
             let path = [ends[0].max(begin), ends[1]];
             self.piece(Piece { path, stop: [0.0, 1.0], speed }, &links)?;
         }

@@ -121,10 +121,11 @@ impl Plan {
     /// # Errors
     /// [`PlanError::Check`]: the clearance is of other robots.
     pub fn closest(&self, clearance: &mut Clearance, step: f64) -> Result<ClosestTable, PlanError> {
-        let count = (self.duration() / step).ceil().max(1.0) as usize;
+        let begins = self.motion.speed.begins;
+        let count = ((self.duration() - begins) / step).ceil().max(1.0) as usize;
         let mut rows: [Option<Closest>; During::ALL.len()] = [const { None }; During::ALL.len()];
         for k in 0..=count {
-            let time = k as f64 * step;
+            let time = begins + k as f64 * step;
             let mut keep = |during: During, q: &[f64]| -> Result<(), PlanError> {
                 let nearest = clearance.nearest_at(&self.motion.limits.split(q))?;
                 let row = &mut rows[during as usize];
@@ -211,7 +212,7 @@ impl Motion {
     /// Velocity and acceleration of all joints at a path time \[s\]; at rest before it begins and behind its end.
     fn state(&self, time: f64) -> State {
         let n = self.limits.joints();
-        if time < 0.0 || time >= self.speed.duration() {
+        if time < self.speed.begins || time >= self.speed.duration() {
             return State { velocity: vec![0.0; n], acceleration: vec![0.0; n] };
         }
         let at = self.speed.at(time);

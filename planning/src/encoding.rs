@@ -20,7 +20,7 @@ use crate::plan::{Motion, Plan};
 use crate::speed::{Knot, Speed};
 
 /// The first word: that this is a plan, in this form.
-const PLAN: u64 = u64::from_be_bytes(*b"plan  01");
+const PLAN: u64 = u64::from_be_bytes(*b"plan  02");
 
 const REVOLUTE: u64 = 0;
 const PRISMATIC: u64 = 1;
@@ -30,7 +30,7 @@ const CURVE: u64 = 1;
 impl Recorded for Plan {
     fn to_words(&self) -> Vec<u64> {
         let Plan { robots, motion } = self;
-        let Motion { path, speed, limits, offset, ends: [from, to], reaction } = &**motion;
+        let Motion { path, speed, limits, offset, ends: [from, to], grid, leaves, reaction } = &**motion;
         let mut words = Words(vec![PLAN, robots.len() as u64]);
         for (name, joints) in robots.iter().zip(&limits.robots) {
             words.name(name);
@@ -40,8 +40,10 @@ impl Recorded for Plan {
         words.floats(offset);
         words.floats(from);
         words.floats(to);
-        words.float(*reaction);
+        words.floats(&[*leaves, *reaction]);
         words.path(path);
+        words.0.push(grid.len() as u64);
+        words.floats(grid);
         words.speed(speed);
         words.0
     }
@@ -62,11 +64,13 @@ impl Recorded for Plan {
         let limits = words.limits(joints, n)?;
         let offset = words.floats(n)?;
         let ends = [words.floats(n)?, words.floats(n)?];
-        let [reaction] = words.array()?;
+        let [leaves, reaction] = words.array()?;
         let path = words.path(n)?;
+        let cells = words.count()?;
+        let grid = words.floats(cells)?;
         let speed = words.speed()?;
         words.0.is_empty().then(|| {
-            let motion = Arc::new(Motion { path, speed, limits, offset, ends, reaction });
+            let motion = Arc::new(Motion { path, speed, limits, offset, ends, grid, leaves, reaction });
             Plan { robots, motion }
         })
     }
@@ -126,8 +130,8 @@ impl Words {
     }
 
     fn speed(&mut self, speed: &Speed) {
-        let Speed { knots, window, stretch } = speed;
-        self.floats(&[*window, *stretch]);
+        let Speed { knots, window, stretch, begins } = speed;
+        self.floats(&[*window, *stretch, *begins]);
         self.0.push(knots.len() as u64);
         for Knot { time, at: ProfilePoint { s, v, a }, sum } in knots {
             self.floats(&[*time, *s, *v, *a, *sum]);
@@ -199,12 +203,12 @@ impl Reader<'_> {
     }
 
     fn speed(&mut self) -> Option<Speed> {
-        let [window, stretch] = self.array()?;
+        let [window, stretch, begins] = self.array()?;
         let count = self.count()?;
         let knot = |_| {
             let [time, s, v, a, sum] = self.array()?;
             Some(Knot { time, at: ProfilePoint { s, v, a }, sum })
         };
-        Some(Speed { knots: (0..count).map(knot).collect::<Option<_>>()?, window, stretch })
+        Some(Speed { knots: (0..count).map(knot).collect::<Option<_>>()?, window, stretch, begins })
     }
 }

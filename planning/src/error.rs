@@ -117,6 +117,51 @@ pub enum PlanError {
     /// The path has no motion within the limits.
     #[error("the path has no motion within the limits")]
     Timing(#[from] TimingError),
+    /// A new plan is asked for robots that follow a plan of others.
+    #[error("the plan is of the robots {plan}, the planner plans for {planner}")]
+    OtherRobots {
+        /// The robots of the plan.
+        plan: String,
+        /// Those of the planner.
+        planner: String,
+    },
+    /// A new plan is asked from before the old one begins.
+    #[error("no new plan from {at} s of path time: the plan begins at {begins:.3} s")]
+    PathTime {
+        /// The path time that was asked for \[s\].
+        at: f64,
+        /// That at which the plan begins \[s\].
+        begins: f64,
+    },
+    /// Robots that move cannot leave their path for another one.
+    #[error(
+        "no motion within the limits leads from {at:.3} s of the plan to another path: help: a later path time"
+    )]
+    HandOver {
+        /// The path time \[s\].
+        at: f64,
+    },
+    /// A new plan comes after the robots have passed the instant from which it was asked for.
+    #[error(
+        "the new plan leaves the old one at {at:.3} s, the robots are at {time:.3} s and follow the old one: help: more time for planning"
+    )]
+    TooLate {
+        /// Where the robots are \[s\].
+        time: f64,
+        /// The instant \[s\].
+        at: f64,
+    },
+    /// Robots are to be handed over to a plan that was not made from the one that they follow.
+    #[error("the new plan is not made from the one that the robots follow")]
+    OtherPlan,
+    /// A new plan is needed that is still being looked for.
+    #[error(
+        "there is no new plan yet, the robots follow the old one: help: more time for planning, or less effort"
+    )]
+    NotYet,
+    /// There is no thread that plans.
+    #[error("no thread for planning: {0}")]
+    Thread(String),
     /// A posture cannot be checked.
     #[error("a posture cannot be checked: {0}")]
     Check(Box<CheckError>),

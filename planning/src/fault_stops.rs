@@ -81,7 +81,7 @@ pub(crate) struct Proof {
     /// Up to this parameter of a plan.
     pub(crate) proven: f64,
     /// How wide a stretch is tried next [rad or m].
-    width: f64,
+    pub(crate) width: f64,
 }
 
 impl Proof {

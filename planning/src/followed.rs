@@ -22,6 +22,9 @@ const NEWTON: usize = 8;
 /// At how many instants speeds of a plan are looked at.
 const INSTANTS: usize = 500;
 
+/// How long before an instant that is told the demands may be that a guard sees first \[s\].
+const EARLIER: f64 = 0.02;
+
 /// A place of a plan.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Place {
@@ -66,10 +69,11 @@ impl Followed {
         let robots = robots.collect::<Result<Vec<_>, _>>()?;
         let mut slowest = 0.0_f64;
         let breaks = plan.motion.speed.breaks();
-        let fastest = plan.motion.speed.most_between(&breaks, 0.0, plan.duration());
-        let step = plan.duration() / INSTANTS as f64;
+        let fastest = plan.motion.speed.most_between(&breaks, plan.motion.speed.begins, plan.duration());
+        let begins = plan.motion.speed.begins;
+        let step = (plan.duration() - begins) / INSTANTS as f64;
         for k in 0..=INSTANTS {
-            let at = plan.motion.speed.at(k as f64 * step);
+            let at = plan.motion.speed.at(begins + k as f64 * step);
             let first = plan.motion.path.at(at.s).first;
             // Between two instants a speed changes by no more than the limit of acceleration allows.
             let speeds = first.iter().zip(&limits.acceleration).map(|(first, a)| (first * at.v).abs() / a);
@@ -79,6 +83,15 @@ impl Followed {
         let jerkiest = jerks.filter_map(|(jerk, a)| jerk.map(|jerk| a / jerk)).fold(0.0, f64::max);
         let plan = plan.clone();
         Ok(Followed { plan, robots, last: Place::default(), missed: 0.0, slowest, jerkiest, fastest, breaks })
+    }
+
+    /// Its robots are at a path time \[s\], or were so shortly before; returns the parameter at which they are at least.
+    pub(crate) fn put_at(&mut self, time: f64, reaction: f64) -> f64 {
+        let speed = &self.plan.motion.speed;
+        let time = (time - EARLIER).max(speed.begins);
+        self.last = Place { u: speed.at(time).s, time };
+        self.missed = EARLIER / reaction;
+        self.last.u
     }
 
     /// The parameter at which its path ends.
@@ -111,7 +124,7 @@ impl Followed {
 
     /// The largest speed of the parameter from one to another, not before the last place, and until the reaction time is over \[1/s\].
     pub(crate) fn fastest_between(&self, from: f64, to: f64) -> f64 {
-        let begins = (self.time_of(from, 0.0).max(self.last.time) - 1e-6).max(0.0);
+        let begins = (self.time_of(from, 0.0).max(self.last.time) - 1e-6).max(self.plan.motion.speed.begins);
         let ends = self.time_of(to, begins) + self.reaction();
         self.plan.motion.speed.most_between(&self.breaks, begins, ends)
     }
@@ -154,9 +167,11 @@ impl Followed {
         let found = [0.0, 0.5, 1.0].into_iter().find_map(|share| {
             let u = self.newton(demanded, from + share * (to - from), [from, to])?;
             // On a path that turns back it is there twice: on the way there and on the way back.
-            let along: f64 =
-                self.all(velocity).map(|(joint, v)| v * self.plan.motion.path.first_at(u, joint)).sum();
-            (along >= -SAME).then_some(u)
+            // Where they rest in a corner they have come from before it.
+            let along = |u: f64| -> f64 {
+                self.all(velocity).map(|(joint, v)| v * self.plan.motion.path.first_at(u, joint)).sum()
+            };
+            (along(u) >= -SAME || along(u.next_down()) >= -SAME).then_some(u)
         });
         match found {
             Some(u) => {

@@ -181,17 +181,28 @@ impl PlanGuard {
     /// # Errors
     /// [`PlanError::NoRobot`]: a robot of the clearance is none of the plan; [`PlanError::Joints`]: it is another one.
     pub fn follow(&self, plan: &Plan) -> Result<(), PlanError> {
+        self.follow_from(plan, plan.motion.speed.begins)
+    }
+
+    /// The same where the robots are at a path time \[s\] of the plan already, such as [`Following::time`](crate::Following::time) when they have been
+    /// handed over to it.
+    ///
+    /// # Errors
+    /// As of [`follow`](Self::follow).
+    pub fn follow_from(&self, plan: &Plan, time: f64) -> Result<(), PlanError> {
         let mut inner = self.0.borrow_mut();
         let Inner { clearance, followed, proven, stops, .. } = &mut *inner;
         let parts = clearance.robot_parts();
-        let new =
+        let reaction = clearance.stopping().reaction;
+        let mut new =
             Followed::new(plan, parts.iter().map(|part| (part.name.as_str(), part.shape.kinds().len())))?;
-        let mut all = -BEFORE;
+        let from = new.put_at(time, reaction);
+        let mut all = from - BEFORE;
         // What stands in the way is told in the step in which it is too near.
         drop(clearance.prove(&new, &mut all, new.end(), Against::Everything, &mut u32::MAX.clone()));
         proven.fill(all);
         for (i, proof) in stops.iter_mut().enumerate().filter(|(_, proof)| proof.proven.is_finite()) {
-            *proof = Proof::NOTHING;
+            *proof = Proof { proven: from, ..Proof::NOTHING };
             drop(proof.extend(clearance, &new, new.end(), Against::Obstacle(i), &mut u32::MAX.clone()));
         }
         *followed = Some(new);

@@ -9,6 +9,8 @@
 //! start, goals --> search: in turns, RRT-Connect, shortcuts --> Path: corners rounded --> timing: limits, stops --> Plan --> FollowPlan
 //! ```
 //!
+//! While robots follow a plan, a [`Replanner`] makes another one, on a thread of its own.
+//!
 //! Nothing of this runs in a step but [`FollowPlan`], which evaluates the plan, and [`PlanGuard`], which watches robots that follow it. It is no certified safety function.
 #![warn(missing_docs)]
 
@@ -18,6 +20,7 @@ mod beside;
 mod braking;
 mod check;
 mod closest;
+mod cut;
 mod edge;
 mod encoding;
 mod error;
@@ -29,9 +32,12 @@ mod guard;
 mod here;
 mod lanes;
 mod limits;
+mod onward;
 mod path;
 mod plan;
 mod planner;
+mod replan;
+mod replanner;
 mod search;
 mod speed;
 mod stop;
@@ -41,12 +47,13 @@ mod via;
 
 pub use closest::{Closest, ClosestTable, During, FaultStop};
 pub use error::PlanError;
-pub use follow::FollowPlan;
+pub use follow::{FollowPlan, Following, Reached};
 pub use goals::{goals_at, goals_turned};
 pub use guard::{GuardError, PlanGuard, Watched};
 pub use here::{Here, HereAll, Standing};
 pub use plan::Plan;
 pub use planner::Planner;
+pub use replanner::{Replanned, Replanner};
 
 // The files in `tests/` use this crate by its name, as its users do.
 #[cfg(test)]

@@ -16,6 +16,8 @@ const LARGEST: f64 = 0.6;
 const LEAST: f64 = 1e-4;
 /// The narrowest part of a curve whose derivatives are bounded: a share of it.
 const NARROWEST: f64 = 1e-5;
+/// Stretches that are shorter than this are none [rad or m].
+pub(crate) const ROUNDING: f64 = 1e-12;
 /// Into how many chords a curve is cut for its check.
 const CHORDS: usize = 8;
 
@@ -64,7 +66,8 @@ pub(crate) enum Rounding {
     Least,
 }
 
-fn distance(a: &[f64], b: &[f64]) -> f64 {
+/// The root of the sum of squares over all joints [rad or m].
+pub(crate) fn distance(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (b - a) * (b - a)).sum::<f64>().sqrt()
 }
 
@@ -75,7 +78,7 @@ pub(crate) fn direction(a: &[f64], b: &[f64]) -> (Vec<f64>, f64) {
 }
 
 /// `a + b x`.
-fn along(a: &[f64], b: &[f64], x: f64) -> Vec<f64> {
+pub(crate) fn along(a: &[f64], b: &[f64], x: f64) -> Vec<f64> {
     a.iter().zip(b).map(|(a, b)| a + b * x).collect()
 }
 
@@ -122,12 +125,12 @@ impl Path {
 
     fn leg(&mut self, from: &[f64], to: &[f64], direction: &[f64]) {
         let length = distance(from, to);
-        if length > 1e-12 {
+        if length > ROUNDING {
             self.push(length, Piece::Leg { from: from.to_vec(), along: direction.to_vec() });
         }
     }
 
-    fn push(&mut self, length: f64, piece: Piece) {
+    pub(crate) fn push(&mut self, length: f64, piece: Piece) {
         self.knots.push(self.knots[self.knots.len() - 1] + length);
         self.pieces.push(piece);
     }
@@ -143,7 +146,7 @@ impl Path {
     }
 
     /// The number of the piece at a parameter: the first before the path's start, the last behind its end.
-    fn piece_at(&self, u: f64) -> usize {
+    pub(crate) fn piece_at(&self, u: f64) -> usize {
         self.knots.partition_point(|knot| *knot <= u).clamp(1, self.pieces.len()) - 1
     }
 
@@ -255,7 +258,7 @@ impl Path {
 }
 
 /// The control points of a part of a curve of degree 5, from `a` to `b`, each 0 to 1, by de Casteljau's scheme at both.
-fn part(points: &[f64; 6], [a, b]: [f64; 2]) -> [f64; 6] {
+pub(crate) fn part(points: &[f64; 6], [a, b]: [f64; 2]) -> [f64; 6] {
     // What lies before `b`, of that what lies behind `a`.
     let mut before = *points;
     for level in 1..6 {

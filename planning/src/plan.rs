@@ -26,18 +26,22 @@ pub(crate) struct Motion {
     pub(crate) offset: Vec<f64>,
     /// Where it begins and ends, to the last digit [rad or m].
     pub(crate) ends: [Vec<f64>; 2],
+    /// The cells of its path from each of which stops are proven: where they begin, and the end.
+    pub(crate) grid: Vec<f64>,
+    /// Until this path time \[s\] it is the plan that it was made from, if it was made from one.
+    pub(crate) leaves: f64,
     /// The time from a fault until the last robot brakes, for which its stops are proven \[s\], >= 0.
     pub(crate) reaction: f64,
 }
 
 impl Plan {
-    /// How long the motion lasts at full speed \[s\].
+    /// How long the motion lasts at full speed \[s\]: the path time at which it ends.
     #[must_use]
     pub fn duration(&self) -> f64 {
         self.motion.speed.duration()
     }
 
-    /// The joint positions [rad or m] of all robots, one behind the other, at a path time \[s\]: before 0 where it begins, from the duration
+    /// The joint positions [rad or m] of all robots, one behind the other, at a path time \[s\]: before it begins where it does, from the duration
     /// on where it ends.
     #[must_use]
     pub fn at(&self, time: f64) -> Vec<f64> {
@@ -50,6 +54,28 @@ impl Plan {
         self.motion.path.length()
     }
 
+    /// The same motion from a path time \[s\] on, without what lies before.
+    pub(crate) fn since(&self, time: f64) -> Self {
+        let Motion { path, speed, limits, offset, ends, grid, leaves, reaction } = &*self.motion;
+        if !(time > speed.begins && time < speed.duration()) {
+            return self.clone();
+        }
+        let begin = (0..limits.joints()).map(|joint| self.motion.joint_at(time, joint)).collect();
+        let (path, first) = path.since(speed.at(time).s);
+        let grid = grid.iter().map(|u| u - first).filter(|u| *u > 0.0);
+        let motion = Motion {
+            path,
+            speed: speed.since(time, first),
+            limits: limits.clone(),
+            offset: offset.clone(),
+            ends: [begin, ends[1].clone()],
+            grid: core::iter::once(0.0).chain(grid).collect(),
+            leaves: *leaves,
+            reaction: *reaction,
+        };
+        Plan { robots: self.robots.clone(), motion: Arc::new(motion) }
+    }
+
     /// The place of a robot among those of the plan.
     pub(crate) fn place_of(&self, robot: &str) -> Result<usize, PlanError> {
         let place = self.robots.iter().position(|name| name.as_str() == robot);
@@ -60,7 +86,7 @@ impl Plan {
 impl Motion {
     /// The position of a joint at a path time \[s\].
     pub(crate) fn joint_at(&self, time: f64, joint: usize) -> f64 {
-        if time <= 0.0 {
+        if time <= self.speed.begins {
             self.ends[0][joint]
         } else if time >= self.speed.duration() {
             self.ends[1][joint]

@@ -26,7 +26,7 @@ const ENDLESS: f64 = 2.0 * TAU;
 
 /// How much more than the margins paths keep \[m\]: what is left for stops, which leave them. Where no speed is slow enough for these, the
 /// path is searched for anew with the second one.
-const MORE: [f32; 2] = [5e-4, 3e-3];
+pub(crate) const MORE: [f32; 2] = [5e-4, 3e-3];
 
 /// Plans motions for the robots of a [`Clearance`], with its bodies, pairs and margins.
 ///
@@ -34,12 +34,12 @@ const MORE: [f32; 2] = [5e-4, 3e-3];
 #[derive(Clone)]
 pub struct Planner {
     clearance: Clearance,
-    checker: Checker,
-    edges: Edges,
-    limits: Limits,
+    pub(crate) checker: Checker,
+    pub(crate) edges: Edges,
+    pub(crate) limits: Limits,
     seed: u64,
     effort: u64,
-    reaction: f64,
+    pub(crate) reaction: f64,
 }
 
 impl Planner {
@@ -188,30 +188,30 @@ impl Planner {
             parts.iter().map(|part| part.iter().map(|q| reduced(q, &offset)).collect()).collect();
         let mut curved = parts.len() > 1;
         let more = self.checker.more;
-        let (path, speed) = loop {
+        let (path, (speed, grid)) = loop {
             self.checker.more = more;
             let points = via::passed(&mut self.checker, &mut self.edges, &parts, curved);
             if points.len() < 2 {
-                break (Path::point(&reduced(start, &offset)), Speed::still());
+                break (Path::point(&reduced(start, &offset)), (Speed::still(), vec![0.0]));
             }
             let path = Path::rounded(&mut self.checker, &mut self.edges, &points);
             self.checker.more = 0.0;
             match timed(&mut self.checker, &path, &self.limits, self.reaction) {
-                Ok(speed) => break (path, speed),
+                Ok(timed) => break (path, timed),
                 // A sharp turn may leave no speed in the middle of a wide curve, or no room for its stops.
                 Err(PlanError::Timing(_) | PlanError::StopsNotClear { .. }) if curved => curved = false,
                 Err(error) => return Err(error),
             }
         };
         let robots = self.checker.arms.iter().map(Arm::name).collect();
-        let motion =
-            Motion { path, speed, limits: self.limits.clone(), offset, ends, reaction: self.reaction };
+        let (limits, reaction) = (self.limits.clone(), self.reaction);
+        let motion = Motion { path, speed, limits, offset, ends, grid, leaves: 0.0, reaction };
         Ok(Plan { robots, motion: Arc::new(motion) })
     }
 
     /// For each of `stages` the points of a path to one of its positions from where the stage before ends, shortened. What is kept
     /// more than the margins is from then on what all of them keep.
-    fn find_through(
+    pub(crate) fn find_through(
         &mut self,
         start: &[f64],
         stages: &[&[Vec<f64>]],
@@ -373,7 +373,7 @@ impl Planner {
     }
 
     /// Whole turns by which endless joints are off what they are computed with, so that single precision is enough [rad].
-    fn offset(&self, start: &[f64]) -> Vec<f64> {
+    pub(crate) fn offset(&self, start: &[f64]) -> Vec<f64> {
         (0..start.len())
             .map(|j| if self.is_endless(j) { (start[j] / TAU).round() * TAU } else { 0.0 })
             .collect()
@@ -427,7 +427,7 @@ impl Planner {
 }
 
 /// Positions without whole turns.
-fn reduced(q: &[f64], offset: &[f64]) -> Vec<f64> {
+pub(crate) fn reduced(q: &[f64], offset: &[f64]) -> Vec<f64> {
     q.iter().zip(offset).map(|(q, offset)| q - offset).collect()
 }
 

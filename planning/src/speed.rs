@@ -22,6 +22,8 @@ pub(crate) struct Speed {
     pub(crate) window: f64,
     /// How many times slower it is passed.
     pub(crate) stretch: f64,
+    /// From when on it is known \[s\].
+    pub(crate) begins: f64,
 }
 
 impl Speed {
@@ -32,12 +34,12 @@ impl Speed {
             let sum = knots.last().map_or(0.0, |before| before.sum_after(time - before.time));
             knots.push(Knot { time, at, sum });
         }
-        Speed { knots, window, stretch: 1.0 }
+        Speed { knots, window, stretch: 1.0, begins: 0.0 }
     }
 
     /// Of robots that stay where they are.
     pub(crate) const fn still() -> Self {
-        Speed { knots: Vec::new(), window: 0.0, stretch: 1.0 }
+        Speed { knots: Vec::new(), window: 0.0, stretch: 1.0, begins: 0.0 }
     }
 
     /// The same, slower by a factor >= 1.
@@ -46,18 +48,91 @@ impl Speed {
         self
     }
 
-    /// How long it lasts \[s\].
+    /// The same without a stretch: its knots are slower instead.
+    fn unstretched(&self) -> Self {
+        let k = self.stretch;
+        let slower = |knot: &Knot| {
+            let ProfilePoint { s, v, a } = knot.at;
+            Knot { time: knot.time * k, at: ProfilePoint { s, v: v / k, a: a / (k * k) }, sum: knot.sum * k }
+        };
+        let knots = self.knots.iter().map(slower).collect();
+        Speed { knots, window: self.window * k, stretch: 1.0, begins: self.begins }
+    }
+
+    /// Without the mean: the motion that is averaged, by time \[s\].
+    pub(crate) fn sharp(&self) -> Self {
+        Speed { window: 0.0, ..self.unstretched() }
+    }
+
+    /// How much later the motion that is averaged has its effect \[s\].
+    pub(crate) fn lag(&self) -> f64 {
+        self.window * self.stretch
+    }
+
+    /// The time \[s\], or when what is averaged goes on that rests then; behind its end the duration.
+    pub(crate) fn behind_rest(&self, time: f64) -> f64 {
+        let next = self.knots.partition_point(|knot| knot.time * self.stretch <= time);
+        match (next.checked_sub(1).map(|last| self.knots[last].at), self.knots.get(next)) {
+            (Some(at), Some(next)) if at.v == 0.0 && at.a == 0.0 => next.time * self.stretch,
+            (_, Some(_)) => time,
+            (_, None) => self.duration(),
+        }
+    }
+
+    /// What is left of it from a time \[s\] on, where the parameter `first` is 0 then.
+    pub(crate) fn since(&self, time: f64, first: f64) -> Self {
+        let whole = self.unstretched();
+        let needed = whole.knots.partition_point(|knot| knot.time <= time - whole.window).max(1) - 1;
+        let mut knots: Vec<Knot> = Vec::new();
+        for Knot { time, at, .. } in whole.knots.iter().skip(needed) {
+            let sum = knots.last().map_or(0.0, |before| before.sum_after(time - before.time));
+            knots.push(Knot { time: *time, at: ProfilePoint { s: at.s - first, ..*at }, sum });
+        }
+        Speed { knots, begins: time, ..whole }
+    }
+
+    /// This motion until a time \[s\], and from there on `parts`, one behind the other, between which it rests for at least `rest` \[s\]. The first one
+    /// begins as fast as this motion is then without the mean.
+    pub(crate) fn onward(&self, time: f64, parts: &[TimeOptimal], rest: f64) -> Self {
+        let mut speed = self.unstretched();
+        let (at, sum) = speed.motion(time);
+        speed.knots.retain(|knot| knot.time < time);
+        let mut last = Knot { time, at: ProfilePoint { a: 0.0, ..at }, sum };
+        if at.v == 0.0 {
+            speed.knots.push(last);
+            last = Knot { time: time + rest, sum: last.sum_after(rest), ..last };
+        }
+        for part in parts {
+            let (begins, from) = (last.time, last.at.s);
+            for (after, at) in part.pieces() {
+                let time = begins + after;
+                let sum = last.sum_after(time - last.time);
+                last = Knot { time, at: ProfilePoint { s: from + at.s, ..at }, sum };
+                speed.knots.push(last);
+            }
+            // What is averaged rests until its mean does.
+            let rest = rest + speed.window;
+            last = Knot { time: last.time + rest, sum: last.sum_after(rest), ..last };
+        }
+        speed
+    }
+
+    /// How long it lasts \[s\]: when it ends.
     pub(crate) fn duration(&self) -> f64 {
         (self.last().time + self.window) * self.stretch
     }
 
-    /// The times between which its acceleration is constant or, with a window, linear, from 0 to its end, rising \[s\].
+    /// The times between which its acceleration is constant or, with a window, linear, from where it begins to its end, rising \[s\].
     pub(crate) fn breaks(&self) -> Vec<f64> {
         let ends = |after: f64| self.knots.iter().map(move |knot| (knot.time + after) * self.stretch);
         let mut times: Vec<f64> = ends(0.0).collect();
         if self.window > 0.0 {
             times.extend(ends(self.window));
             times.sort_by(f64::total_cmp);
+        }
+        if self.begins > 0.0 {
+            times.retain(|time| *time > self.begins);
+            times.insert(0, self.begins);
         }
         times
     }
@@ -106,7 +181,10 @@ impl Speed {
     fn motion(&self, t: f64) -> (ProfilePoint, f64) {
         let piece = self.knots.partition_point(|knot| knot.time <= t).max(1) - 1;
         let knot = self.knots.get(piece).copied().unwrap_or_else(|| self.last());
-        let h = (t - knot.time).max(0.0);
+        let h = t - knot.time;
+        if h < 0.0 {
+            return (ProfilePoint { s: knot.at.s, v: 0.0, a: 0.0 }, knot.sum + h * knot.at.s);
+        }
         (knot.at(h), knot.sum_after(h))
     }
 }

@@ -7,18 +7,19 @@
 //! that is, and the motion is planned anew. What is slower anywhere is slower nowhere else, so few rounds are needed.
 
 use mrroc_generators::curve::{Parametric, SplinePoint};
+use mrroc_generators::profile::ProfilePoint;
 use mrroc_generators::timing::{LinearLimit, PathLimits, TimeOptimal};
 use nalgebra::SVector;
 
 use crate::check::{Among, Checker};
 use crate::error::PlanError;
 use crate::limits::Limits;
-use crate::path::Path;
+use crate::path::{At, Path};
 use crate::speed::Speed;
 use crate::stop::Swept;
 
 /// Shares of the limits that a plan uses, of velocity and of acceleration and jerk: the rest is for the operator's speed (decision 5).
-const SHARES: [f64; 2] = [0.98, 0.88];
+pub(crate) const SHARES: [f64; 2] = [0.98, 0.88];
 /// The longest cell of the grid [rad or m], and how many there are at least.
 const CELL: f64 = 0.05;
 const CELLS: f64 = 40.0;
@@ -42,7 +43,7 @@ impl Parametric for Parameter<'_> {
     type Value = SVector<f64, 1>;
 
     fn range(&self) -> (f64, f64) {
-        (0.0, self.knots[self.knots.len() - 1])
+        (self.knots[0], self.knots[self.knots.len() - 1])
     }
 
     fn at(&self, u: f64) -> SplinePoint<SVector<f64, 1>> {
@@ -54,64 +55,134 @@ impl Parametric for Parameter<'_> {
     }
 }
 
-/// The motion along `path`, with stops that begin after a `reaction` time \[s\] at the latest.
+/// The motion along `path` from rest to rest, with stops that begin after a `reaction` time \[s\] at the latest; and the grid of the cells
+/// that are proven.
 pub(crate) fn timed(
     checker: &mut Checker,
     path: &Path,
     limits: &Limits,
     reaction: f64,
-) -> Result<Speed, PlanError> {
-    let parameter = Parameter { knots: path.knots() };
+) -> Result<(Speed, Vec<f64>), PlanError> {
     let grid = grid(path);
-    let count = grid.len() - 1;
-    let mut most = vec![f64::INFINITY; count];
-    // What was proven clear needs no second proof at a lower speed.
-    let mut proven = vec![0.0_f64; count];
-    let mut at = 0.0;
-    for round in 0..ROUNDS {
-        let speed = fastest(path, &parameter, &grid, limits, &most)?;
-        let passed = Passed::of(&grid, &speed);
-        let mut slowed = None;
-        for cell in 0..count {
-            let (last, passed) = passed.ahead(cell, reaction);
-            if passed <= proven[cell] {
-                continue;
-            }
-            let ends = [grid[cell], grid[cell + 1]];
-            let mut is_clear =
-                |speed: f64, halvings| is_piece_clear(checker, path, ends, speed, limits, reaction, halvings);
-            if is_clear(passed, HALVINGS[0]) {
-                proven[cell] = passed;
-                continue;
-            }
-            let mut slow = proven[cell];
-            for halvings in HALVINGS {
-                let mut fast = passed;
-                while fast - slow > 0.1 * fast && fast > SLOWEST * passed {
-                    let middle = 0.5 * (slow + fast);
-                    if is_clear(middle, halvings) { slow = middle } else { fast = middle }
+    let windows = window(limits);
+    let least = vec![0.0; grid.len() - 1];
+    let stops = Stops { path, rest: None, limits, reaction, grid: &grid };
+    let speed = stops.slowed(checker, 0, &least, |most| {
+        let plan = along(path, &grid, limits, [0.0; 2], |cell| Cell { most: most[cell], ..Cell::FREE })?;
+        let speed = Speed::of(&plan, windows);
+        let factor = excess(path, &speed, limits, grid.len() * SAMPLES);
+        Ok(speed.slower(factor))
+    })?;
+    Ok((speed, grid))
+}
+
+/// The window of time over which a motion is averaged, so that the limits of jerk are kept \[s\].
+fn window(limits: &Limits) -> f64 {
+    let jerks = limits.jerk.iter().zip(&limits.acceleration);
+    jerks.filter_map(|(jerk, a)| jerk.map(|jerk| 2.0 * a / jerk)).fold(0.0, f64::max)
+}
+
+/// What the stops of a motion are proven on.
+pub(crate) struct Stops<'a> {
+    pub(crate) path: &'a Path,
+    /// The path up to a cell before which the robots rest for longer than the reaction time, and that cell.
+    pub(crate) rest: Option<(&'a Path, usize)>,
+    pub(crate) limits: &'a Limits,
+    /// The latest begin of a stop \[s\].
+    pub(crate) reaction: f64,
+    pub(crate) grid: &'a [f64],
+}
+
+impl Stops<'_> {
+    /// The motion that is `fastest` with speeds of at most so much in each cell, which are lowered until the stops from all cells are clear from
+    /// the `first` on; but not below the `least` ones.
+    pub(crate) fn slowed(
+        &self,
+        checker: &mut Checker,
+        first: usize,
+        least: &[f64],
+        mut fastest: impl FnMut(&[f64]) -> Result<Speed, PlanError>,
+    ) -> Result<Speed, PlanError> {
+        let grid = self.grid;
+        let count = grid.len() - 1;
+        let mut most = vec![f64::INFINITY; count];
+        // What was proven clear needs no second proof at a lower speed.
+        let mut proven = vec![0.0_f64; count];
+        let not_clear =
+            |cell: usize| PlanError::StopsNotClear { at: 100.0 * grid[cell] / self.path.length() };
+        let mut at = 0;
+        for round in 0..ROUNDS {
+            let speed = fastest(&most)?;
+            let passed = Passed::of(grid, &speed);
+            let mut slowed = None;
+            for cell in first..count {
+                let rest = self.rest.map(|(_, rest)| rest).filter(|rest| cell < *rest);
+                let (last, passed) = passed.ahead(cell, rest.unwrap_or(count), self.reaction);
+                if passed <= proven[cell] {
+                    continue;
                 }
-                if slow > 0.0 {
-                    break;
+                let ends = [grid[cell], grid[cell + 1]];
+                if self.is_piece_clear(checker, ends, passed, HALVINGS[0]) {
+                    proven[cell] = passed;
+                    continue;
                 }
+                let mut slow = proven[cell];
+                for halvings in HALVINGS {
+                    let mut fast = passed;
+                    while fast - slow > 0.1 * fast && fast > SLOWEST * passed {
+                        let middle = 0.5 * (slow + fast);
+                        if self.is_piece_clear(checker, ends, middle, halvings) {
+                            slow = middle;
+                        } else {
+                            fast = middle;
+                        }
+                    }
+                    if slow > 0.0 {
+                        break;
+                    }
+                }
+                if slow == 0.0 {
+                    return Err(not_clear(cell));
+                }
+                proven[cell] = slow;
+                // Less, and the less the more often it was tried: the speed of a place is measured with that of its neighbours.
+                let share = 1.0 - 0.03 * (round + 1) as f64;
+                for (most, least) in most[cell..=last].iter_mut().zip(&least[cell..=last]) {
+                    *most = most.min((share * slow).max(*least));
+                }
+                slowed = Some(cell);
             }
-            if slow == 0.0 {
-                return Err(PlanError::StopsNotClear { at: 100.0 * grid[cell] / path.length() });
+            match slowed {
+                None => return Ok(speed),
+                Some(cell) => at = cell,
             }
-            proven[cell] = slow;
-            // Less, and the less the more often it was tried: the speed of a place is measured with that of its neighbours.
-            let share = 1.0 - 0.03 * (round + 1) as f64;
-            for most in &mut most[cell..=last] {
-                *most = most.min(share * slow);
-            }
-            slowed = Some(cell);
         }
-        match slowed {
-            None => return Ok(speed),
-            Some(cell) => at = 100.0 * grid[cell] / path.length(),
-        }
+        Err(not_clear(at))
     }
-    Err(PlanError::StopsNotClear { at })
+
+    /// Whether the stops from everywhere on a piece are clear; it is cut in halves, so often, where it is too long to prove that.
+    fn is_piece_clear(&self, checker: &mut Checker, ends: [f64; 2], speed: f64, halvings: u32) -> bool {
+        let is_clear = groups(self.limits.robots.len()).into_iter().all(|among| {
+            checker.among = among;
+            self.is_part_clear(checker, ends, speed, halvings)
+        });
+        checker.among = Among::All;
+        is_clear
+    }
+
+    /// The same of some pairs.
+    fn is_part_clear(&self, checker: &mut Checker, [from, to]: [f64; 2], speed: f64, halvings: u32) -> bool {
+        let path = self.rest.filter(|(_, rest)| to <= self.grid[*rest]).map_or(self.path, |(path, _)| path);
+        let swept = Swept::new(path, [from, to], speed, self.limits, self.reaction);
+        if swept.is_within(self.limits) && swept.is_clear(checker, self.limits) {
+            return true;
+        }
+        let middle = 0.5 * (from + to);
+        halvings > 0
+            && [[from, middle], [middle, to]]
+                .into_iter()
+                .all(|ends| self.is_part_clear(checker, ends, speed, halvings - 1))
+    }
 }
 
 /// What is proven apart: robots need not begin to brake together, so the pairs of each robot alone are looked at wherever it may stand,
@@ -121,99 +192,83 @@ fn groups(robots: usize) -> Vec<Among> {
     (0..robots).map(Among::Alone).chain(two).collect()
 }
 
-/// Whether the stops from everywhere on a piece are clear; it is cut in halves, so often, where it is too long to prove that.
-fn is_piece_clear(
-    checker: &mut Checker,
-    path: &Path,
-    ends: [f64; 2],
-    speed: f64,
-    limits: &Limits,
-    reaction: f64,
-    halvings: u32,
-) -> bool {
-    let is_clear = groups(limits.robots.len()).into_iter().all(|among| {
-        checker.among = among;
-        is_part_clear(checker, path, ends, speed, limits, reaction, halvings)
-    });
-    checker.among = Among::All;
-    is_clear
+/// What limits a motion in a cell of its grid.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Cell {
+    /// The largest speed of the parameter \[1/s\].
+    pub(crate) most: f64,
+    /// By what the limits of velocity are divided, and by the square of what those of acceleration are.
+    pub(crate) velocity: f64,
+    pub(crate) acceleration: f64,
 }
 
-/// The same of some pairs.
-fn is_part_clear(
-    checker: &mut Checker,
-    path: &Path,
-    [from, to]: [f64; 2],
-    speed: f64,
-    limits: &Limits,
-    reaction: f64,
-    halvings: u32,
-) -> bool {
-    let swept = Swept::new(path, [from, to], speed, limits, reaction);
-    if swept.is_within(limits) && swept.is_clear(checker, limits) {
-        return true;
-    }
-    let middle = 0.5 * (from + to);
-    halvings > 0
-        && [[from, middle], [middle, to]]
-            .into_iter()
-            .all(|ends| is_part_clear(checker, path, ends, speed, limits, reaction, halvings - 1))
+impl Cell {
+    /// Only the limits of the joints.
+    pub(crate) const FREE: Cell = Cell { most: f64::INFINITY, velocity: 1.0, acceleration: 1.0 };
 }
 
-/// The fastest motion within the limits of the joints, and `most` in each cell of the grid.
-fn fastest(
+/// The fastest motion along the part of a path that a grid is on, with `speeds` at its ends.
+pub(crate) fn along(
     path: &Path,
-    parameter: &Parameter<'_>,
     grid: &[f64],
     limits: &Limits,
-    most: &[f64],
-) -> Result<Speed, PlanError> {
+    speeds: [f64; 2],
+    of_cell: impl Fn(usize) -> Cell,
+) -> Result<TimeOptimal, PlanError> {
     let own = PathLimits { velocity: [1e9].into(), acceleration: [1e12].into(), speed: f64::INFINITY };
     let mut asked = 0;
-    let n = limits.joints();
     let rows = |point: &SplinePoint<SVector<f64, 1>>, rows: &mut Vec<LinearLimit>| {
         // Four places of each cell are asked for, one after the other.
-        let cell = (asked / 4).min(most.len() - 1);
+        let cell = of_cell((asked / 4).min(grid.len() - 2));
         asked += 1;
         let at = path.at(point.value[0]);
         // As `x / square <= 1`, so that rest is allowed by all that is interpolated in a cell.
-        let mut slowest = 1.0 / (most[cell] * most[cell]);
-        for j in 0..n {
-            let high = SHARES[1] * limits.acceleration[j];
+        let mut slowest = 1.0 / (cell.most * cell.most);
+        for j in 0..limits.joints() {
+            let high = SHARES[1] * limits.acceleration[j] / (cell.acceleration * cell.acceleration);
             rows.push(LinearLimit { a: at.first[j], b: at.second[j], low: -high, high });
-            let share = at.first[j] / (SHARES[0] * limits.velocity[j]);
+            let share = at.first[j] * cell.velocity / (SHARES[0] * limits.velocity[j]);
             slowest = slowest.max(share * share);
         }
         rows.push(LinearLimit { a: 0.0, b: slowest, low: -1.0, high: 1.0 });
     };
-    let plan = TimeOptimal::with_linear_limits(parameter, grid, &own, [0.0; 2], rows)?;
-    let windows = (0..n).filter_map(|j| limits.jerk[j].map(|jerk| 2.0 * limits.acceleration[j] / jerk));
-    let speed = Speed::of(&plan, windows.fold(0.0, f64::max));
-    let factor = excess(path, &speed, limits, grid.len() * SAMPLES);
-    Ok(speed.slower(factor))
+    Ok(TimeOptimal::with_linear_limits(&Parameter { knots: grid }, grid, &own, speeds, rows)?)
+}
+
+/// How much faster than the limits allow joints are at a time: the share of velocity, of acceleration and, with the accelerations `before` at a
+/// time so much earlier \[s\], of jerk; and their accelerations.
+pub(crate) fn share_of_limits(
+    at: &At,
+    now: ProfilePoint,
+    limits: &Limits,
+    before: Option<(&[f64], f64)>,
+) -> (f64, Vec<f64>) {
+    let mut factor = 0.0_f64;
+    let mut accelerations = Vec::with_capacity(limits.joints());
+    for j in 0..limits.joints() {
+        let velocity = (at.first[j] * now.v).abs() / (SHARES[0] * limits.velocity[j]);
+        let acceleration = at.first[j] * now.a + at.second[j] * now.v * now.v;
+        let share = acceleration.abs() / (SHARES[1] * limits.acceleration[j]);
+        factor = factor.max(velocity).max(share.sqrt());
+        if let (Some(jerk), Some((before, step))) = (limits.jerk[j], before) {
+            let rise = (acceleration - before[j]).abs() / step;
+            factor = factor.max((rise / (SHARES[1] * jerk)).cbrt());
+        }
+        accelerations.push(acceleration);
+    }
+    (factor, accelerations)
 }
 
 /// How many times slower a motion must be to keep all limits, at least 1.
 fn excess(path: &Path, speed: &Speed, limits: &Limits, samples: usize) -> f64 {
-    let n = limits.joints();
     let step = speed.duration() / samples as f64;
     let mut factor = 1.0_f64;
     let mut before: Option<Vec<f64>> = None;
     for k in 0..=samples {
-        let at_time = speed.at(k as f64 * step);
-        let at = path.at(at_time.s);
-        let mut accelerations = Vec::with_capacity(n);
-        for j in 0..n {
-            let velocity = (at.first[j] * at_time.v).abs() / (SHARES[0] * limits.velocity[j]);
-            let acceleration = at.first[j] * at_time.a + at.second[j] * at_time.v * at_time.v;
-            let share = acceleration.abs() / (SHARES[1] * limits.acceleration[j]);
-            factor = factor.max(velocity).max(share.sqrt());
-            if let (Some(jerk), Some(before)) = (limits.jerk[j], &before) {
-                let rise = (acceleration - before[j]).abs() / step;
-                factor = factor.max((rise / (SHARES[1] * jerk)).cbrt());
-            }
-            accelerations.push(acceleration);
-        }
+        let now = speed.at(k as f64 * step);
+        let before_now = before.as_deref().map(|before| (before, step));
+        let (share, accelerations) = share_of_limits(&path.at(now.s), now, limits, before_now);
+        factor = factor.max(share);
         before = Some(accelerations);
     }
     factor
@@ -252,11 +307,16 @@ impl<'a> Passed<'a> {
         Passed { grid, most }
     }
 
-    /// The last cell that is reached from a cell within the reaction time \[s\], and the largest speed until then.
-    pub(crate) fn ahead(&self, cell: usize, reaction: f64) -> (usize, f64) {
+    /// The largest speed in each cell, of which there are so many.
+    pub(crate) fn most(self) -> Vec<f64> {
+        self.most
+    }
+
+    /// The last cell before `end` that is reached from a cell within the reaction time \[s\], and the largest speed until then.
+    pub(crate) fn ahead(&self, cell: usize, end: usize, reaction: f64) -> (usize, f64) {
         let mut most = self.most[cell];
         let mut last = cell;
-        while last + 1 < self.most.len() && self.grid[last + 1] < self.grid[cell + 1] + most * reaction {
+        while last + 1 < end && self.grid[last + 1] < self.grid[cell + 1] + most * reaction {
             last += 1;
             most = most.max(self.most[last]);
         }

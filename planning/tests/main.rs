@@ -8,6 +8,7 @@ mod guard;
 mod models;
 mod plans;
 mod recorded;
+mod replan;
 mod several;
 mod stops;
 mod table;
