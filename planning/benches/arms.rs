@@ -1,7 +1,8 @@
 //! Plans motions of two and of four arms across each other, and prints as JSON how many are solved, in what time, and how long the paths are.
 //!
-//! Run with `cargo bench -p mrroc-planning --bench arms -- [SEEDS] [FIRST]`: 100 problems of each kind unless said otherwise, from the seed
-//! FIRST (1) on; `tests/table.rs` tells what they are. A line for each kind. Times are those of the thread on its processor \[s\]: of the search
+//! Run with `cargo bench -p mrroc-planning --bench arms -- [SEEDS] [FIRST] [FILE..]`: 100 problems of each kind unless said otherwise, from the seed
+//! FIRST (1) on; `tests/table.rs` tells what they are. The kinds are two arms of the tests, or the robots of files that
+//! `tests/peers/planning/problems.py` writes, whose links are meshes. A line for each kind and number of arms. Times are those of the thread on its processor \[s\]: of the search
 //! of a first path, of making it shorter, of the rest of a plan (corners, times, stops), and of all together. `within_1s` is the share of all
 //! problems that have a plan in at most a second; `stretch` the length of a path by that of the straight line, which may not be clear.
 //! Effort is the default. To standard error goes what was not solved.
@@ -9,6 +10,7 @@
 use std::error::Error;
 
 use mrroc_planning::Planner;
+use nalgebra::SVector;
 use rustix::time::{ClockId, clock_gettime};
 use serde_json::{Value, json};
 
@@ -16,10 +18,18 @@ use serde_json::{Value, json};
 #[allow(dead_code)]
 #[path = "../tests/models.rs"]
 mod models;
+#[path = "../examples/plans/problem.rs"]
+#[allow(dead_code)]
+mod problem;
 #[path = "../tests/table.rs"]
 mod table;
 
-use table::{Kind, Problem, problem};
+use problem::Problems;
+use table::{Kind, Problem, Table};
+
+/// The limits of a Panda, those of acceleration [rad/s²] of a UR5 too, which has none of jerk [rad/s³].
+const ACCELERATION: f64 = 7.5;
+const JERK: f64 = 3750.0;
 
 /// What came of a problem.
 struct Solved {
@@ -32,20 +42,31 @@ struct Solved {
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let numbers: Vec<u64> = std::env::args().filter_map(|word| word.parse().ok()).collect();
+    let words: Vec<String> = std::env::args().skip(1).filter(|word| !word.starts_with("--")).collect();
+    let numbers: Vec<u64> = words.iter().filter_map(|word| word.parse().ok()).collect();
     let (seeds, first) = (numbers.first().copied().unwrap_or(100), numbers.get(1).copied().unwrap_or(1));
-    for (kind, arms) in [(Kind::Six, 2), (Kind::Seven, 2), (Kind::Six, 4), (Kind::Seven, 4)] {
+    let mut kinds: Vec<(String, Box<dyn Fn(usize) -> Table>)> = Vec::new();
+    for file in words.iter().filter(|word| word.parse::<u64>().is_err()) {
+        kinds.push(read(file)?);
+    }
+    if kinds.is_empty() {
+        for kind in [Kind::Six, Kind::Seven] {
+            kinds.push((format!("{kind:?}"), Box::new(move |arms| kind.table(arms))));
+        }
+    }
+    for (arms, (kind, table)) in [2, 4].iter().flat_map(|arms| kinds.iter().map(move |kind| (*arms, kind))) {
+        let table = table(arms);
         let mut all = Vec::new();
         for seed in first..first + seeds {
-            match solve(problem(kind, arms, seed)) {
+            match solve(table.problem(seed)) {
                 Ok(solved) => all.push(solved),
-                Err(error) => eprintln!("{arms} {kind:?}, seed {seed}: {error}"),
+                Err(error) => eprintln!("{arms} {kind}, seed {seed}: {error}"),
             }
         }
         let times = |of: &dyn Fn(&Solved) -> f64| figures(all.iter().map(of));
         let within = all.iter().filter(|solved| solved.times[2] <= 1.0).count();
         let line = json!({
-            "arms": arms, "kind": format!("{kind:?}"), "problems": seeds,
+            "arms": arms, "kind": kind, "problems": seeds,
             "solved": all.len() as f64 / seeds as f64,
             "within_1s": within as f64 / seeds as f64,
             "search_s": times(&|solved| solved.times[0]),
@@ -59,6 +80,25 @@ fn main() -> Result<(), Box<dyn Error>> {
         println!("{line}");
     }
     Ok(())
+}
+
+/// The robot of a file by its name, and a table with so many of them.
+#[allow(clippy::type_complexity)]
+fn read(file: &str) -> Result<(String, Box<dyn Fn(usize) -> Table>), Box<dyn Error>> {
+    let problems = Problems::read(file, "urdf")?;
+    let name = problems.robot["robot"].as_str().unwrap_or("robot").to_owned();
+    Ok(match problems.joints() {
+        6 => {
+            let outline = problems.outline(problems.arm::<6>(ACCELERATION)?)?;
+            (name, Box::new(move |arms| Table::new(&outline, arms)))
+        }
+        7 => {
+            let arm = problems.arm::<7>(ACCELERATION)?.with_jerk(SVector::repeat(JERK))?;
+            let outline = problems.outline(arm)?;
+            (name, Box::new(move |arms| Table::new(&outline, arms)))
+        }
+        n => return Err(format!("no arm of {n} joints here").into()),
+    })
 }
 
 fn solve(problem: Problem) -> Result<Solved, Box<dyn Error>> {

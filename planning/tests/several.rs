@@ -3,7 +3,7 @@
 use mrroc_planning::{PlanError, Planner};
 use mrroc_robots::clearance::Clearance;
 
-use super::table::{Kind, MARGIN, Problem, problem};
+use super::table::{Kind, MARGIN, Problem};
 
 /// What the search for the first path of four arms takes at most, in checks; the default of a plan is 400,000.
 const EFFORT: u64 = 60_000;
@@ -34,9 +34,10 @@ fn is_straight_clear(clearance: &mut Clearance, kind: Kind, from: &[f64], to: &[
 #[test]
 fn two_arms_that_face_each_other_change_sides() {
     let mut in_each_others_way = 0;
-    for (kind, seed) in [Kind::Six, Kind::Seven].into_iter().flat_map(|kind| (1..=6).map(move |n| (kind, n)))
-    {
-        let Problem { mut clearance, start, goal } = problem(kind, 2, seed);
+    let tables = [Kind::Six, Kind::Seven].map(|kind| (kind, kind.table(2)));
+    for ((kind, table), seed) in tables.iter().flat_map(|of| (1..=6).map(move |seed| (of, seed))) {
+        let kind = *kind;
+        let Problem { mut clearance, start, goal } = table.problem(seed);
         let found = planner(&clearance).find(&start, std::slice::from_ref(&goal));
         let points = found.unwrap_or_else(|error| panic!("{kind:?}, seed {seed}: {error}"));
         assert_eq!((&points[0], &points[points.len() - 1]), (&start, &goal));
@@ -50,7 +51,8 @@ fn two_arms_that_face_each_other_change_sides() {
 
 #[test]
 fn a_plan_of_four_arms_across_each_other_keeps_the_margin_in_its_stops_too() {
-    let crossing = (1..=12).map(|seed| problem(Kind::Six, 4, seed)).find_map(|mut problem| {
+    let table = Kind::Six.table(4);
+    let crossing = (1..=12).map(|seed| table.problem(seed)).find_map(|mut problem| {
         let is_clear = is_straight_clear(&mut problem.clearance, Kind::Six, &problem.start, &problem.goal);
         (!is_clear).then_some(problem)
     });
@@ -65,9 +67,9 @@ fn a_plan_of_four_arms_across_each_other_keeps_the_margin_in_its_stops_too() {
 /// By checks, not by time. Searched in all joints at once, three of these 16 problems are solved by 400,000 checks.
 #[test]
 fn four_arms_find_their_paths_by_few_checks() {
-    for (kind, seed) in [Kind::Six, Kind::Seven].into_iter().flat_map(|kind| (1..=8).map(move |n| (kind, n)))
-    {
-        let Problem { clearance, start, goal } = problem(kind, 4, seed);
+    let tables = [Kind::Six, Kind::Seven].map(|kind| (kind, kind.table(4)));
+    for ((kind, table), seed) in tables.iter().flat_map(|of| (1..=8).map(move |seed| (of, seed))) {
+        let Problem { clearance, start, goal } = table.problem(seed);
         let found = planner(&clearance).find_first(&start, &[goal]);
         assert!(found.is_ok(), "{kind:?}, seed {seed}: {found:?}");
     }
@@ -75,9 +77,9 @@ fn four_arms_find_their_paths_by_few_checks() {
 
 #[test]
 fn an_arm_that_is_where_it_shall_be_stays_there() {
-    let mut planned = 0;
+    let (table, mut planned) = (Kind::Six.table(2), 0);
     for seed in 1..=12 {
-        let Problem { clearance, start, mut goal } = problem(Kind::Six, 2, seed);
+        let Problem { clearance, start, mut goal } = table.problem(seed);
         goal[..6].copy_from_slice(&start[..6]);
         match planner(&clearance).find(&start, &[goal]) {
             Ok(points) => {
@@ -94,7 +96,7 @@ fn an_arm_that_is_where_it_shall_be_stays_there() {
 
 #[test]
 fn several_arms_have_the_same_path_to_the_bit() {
-    let Problem { clearance, start, goal } = problem(Kind::Seven, 4, 2);
+    let Problem { clearance, start, goal } = Kind::Seven.table(4).problem(2);
     let bits = |planner: &mut Planner| -> Vec<u64> {
         let points = planner.find(&start, std::slice::from_ref(&goal)).expect("a path");
         points.into_iter().flatten().map(f64::to_bits).collect()

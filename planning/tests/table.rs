@@ -11,11 +11,11 @@ use mrroc::pose::Pose;
 use mrroc::random::Random;
 use mrroc::robot::Robot;
 use mrroc_planning::Planner;
-use mrroc_robots::Serial;
-use mrroc_robots::clearance::{Clearance, ClearanceBuilder, Obstacle};
+use mrroc_robots::SerialOutline;
+use mrroc_robots::clearance::{Clearance, Obstacle, Outline};
 use nalgebra::{SVector, Vector3};
 
-use super::models::{seven_axes_model, seven_quick_axes, six_axes, six_axes_model, stopping};
+use super::models::{seven_quick_axes, six_axes, stopping};
 
 /// From the middle of the table to the base of an arm \[m\].
 const BASE: f64 = 0.65;
@@ -34,13 +34,34 @@ const ALONE: u64 = 50_000;
 /// The farthest from 0 that joints begin and end [rad].
 const TURN: f64 = 0.5 * TAU;
 
-/// The arms that stand around the table.
+/// The arms of tests that stand around the table.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Kind {
     /// Six axes each.
     Six,
     /// Seven axes each.
     Seven,
+}
+
+impl Kind {
+    /// A table with so many of them, at most four.
+    pub(crate) fn table(self, arms: usize) -> Table {
+        match self {
+            Kind::Six => Table::new(&six_axes(Pose::identity()), arms),
+            Kind::Seven => Table::new(&seven_quick_axes(Pose::identity()), arms),
+        }
+    }
+}
+
+/// Arms of one kind around a table.
+pub(crate) struct Table {
+    arms: usize,
+    /// A random position, and where the flange is, seen from the base.
+    drawn: Box<dyn Fn(&mut Random) -> (Vec<f64>, Pose)>,
+    /// The first arm, the first two, and so on; each arm alone; all of them. Their boxes are not where a problem has them.
+    first: Vec<Clearance>,
+    alone: Vec<Clearance>,
+    all: Clearance,
 }
 
 /// Arms, and where they move.
@@ -50,26 +71,105 @@ pub(crate) struct Problem {
     pub(crate) goal: Vec<f64>,
 }
 
-/// The problem of a seed, of so many arms, at most four.
-pub(crate) fn problem(kind: Kind, arms: usize, seed: u64) -> Problem {
-    let mut random = Random::seeded(seed);
-    let boxes = boxes(arms, &mut random);
-    // The first arm alone, the first two, and so on: postures are drawn arm by arm.
-    let planner =
-        |of: Range<usize>| Planner::new(world(kind, arms, of, &boxes, MARGIN + MORE)).expect("a planner");
-    let mut worlds: Vec<Planner> = (0..arms).map(|arm| planner(0..arm + 1)).collect();
-    let mut alone: Vec<Planner> = (0..arms).map(|arm| planner(arm..arm + 1).with_effort(ALONE)).collect();
-    let turns: Vec<f64> = (0..arms).map(|_| if random.unit() < 0.5 { -1.0 } else { 1.0 }).collect();
-    let others: Vec<f64> = turns.iter().map(|turn| -turn).collect();
-    let start = posture(kind, &mut worlds, &turns, &mut random, |_, _| true);
-    let goal = posture(kind, &mut worlds, &others, &mut random, |arm, q| {
-        alone[arm].find_first(&start[arm], &[q.to_vec()]).is_ok()
-    });
-    Problem {
-        clearance: world(kind, arms, 0..arms, &boxes, MARGIN),
-        start: start.concat(),
-        goal: goal.concat(),
+impl Table {
+    /// So many arms, at most four, of a shape whose base is at the origin and whose first link stands on the table.
+    pub(crate) fn new<const N: usize>(outline: &SerialOutline<N>, arms: usize) -> Self {
+        let world = |of: Range<usize>, margin: f64| {
+            let mut builder =
+                Clearance::with_margin(margin).obstacle("table", Obstacle::table(-0.02)).expect("a table");
+            for name in names() {
+                let elsewhere = Pose::translation(0.0, 0.0, 100.0);
+                let body = Obstacle::Box { X_WO: elsewhere, half: Vector3::repeat(0.1) };
+                builder = builder.obstacle(&name, body).expect("a box");
+            }
+            for arm in of {
+                let (name, foot) = (format!("arm{arm}"), outline.links()[0].name.clone());
+                builder = builder.robot(&name, outline.clone().with_base(base(arm, arms))).expect("an arm");
+                builder = builder.ignore((&name, &foot), ("table", "table"));
+            }
+            builder.build(stopping()).expect("a clearance")
+        };
+        let robot = outline.robot().clone();
+        let drawn = move |random: &mut Random| {
+            let limits = robot.limits();
+            let q = SVector::<f64, N>::from_fn(|j, _| {
+                random.between(limits.lower[j].max(-TURN), limits.upper[j].min(TURN))
+            });
+            (q.as_slice().to_vec(), robot.forward(&q))
+        };
+        Table {
+            arms,
+            drawn: Box::new(drawn),
+            first: (0..arms).map(|arm| world(0..arm + 1, MARGIN + MORE)).collect(),
+            alone: (0..arms).map(|arm| world(arm..arm + 1, MARGIN + MORE)).collect(),
+            all: world(0..arms, MARGIN),
+        }
     }
+
+    /// The problem of a seed.
+    pub(crate) fn problem(&self, seed: u64) -> Problem {
+        let arms = self.arms;
+        let mut random = Random::seeded(seed);
+        let boxes = boxes(arms, &mut random);
+        let among = |world: &Clearance| {
+            let mut world = world.clone();
+            for (name, body) in names().zip(&boxes) {
+                world.replace_obstacle(&name, body.clone()).expect("a box");
+            }
+            world
+        };
+        let planner = |world: &Clearance| Planner::new(among(world)).expect("a planner");
+        // Postures are drawn arm by arm.
+        let mut worlds: Vec<Planner> = self.first.iter().map(planner).collect();
+        let mut alone: Vec<Planner> =
+            self.alone.iter().map(|world| planner(world).with_effort(ALONE)).collect();
+        let turns: Vec<f64> = (0..arms).map(|_| if random.unit() < 0.5 { -1.0 } else { 1.0 }).collect();
+        let others: Vec<f64> = turns.iter().map(|turn| -turn).collect();
+        let start = self.posture(&mut worlds, &turns, &mut random, |_, _| true);
+        let goal = self.posture(&mut worlds, &others, &mut random, |arm, q| {
+            alone[arm].find_first(&start[arm], &[q.to_vec()]).is_ok()
+        });
+        Problem { clearance: among(&self.all), start: start.concat(), goal: goal.concat() }
+    }
+
+    /// Clear positions of all arms, each above the sector to the side of it that is told: 1.0 is that to the next arm.
+    #[allow(non_snake_case)]
+    fn posture(
+        &self,
+        worlds: &mut [Planner],
+        sides: &[f64],
+        random: &mut Random,
+        mut is_wanted: impl FnMut(usize, &[f64]) -> bool,
+    ) -> Vec<Vec<f64>> {
+        let arms = self.arms;
+        loop {
+            let mut all: Vec<Vec<f64>> = Vec::new();
+            for (arm, side) in sides.iter().enumerate() {
+                let found = (0..20_000).find_map(|_| {
+                    let (q, X_BF) = (self.drawn)(random);
+                    let flange = (base(arm, arms) * X_BF).translation.vector;
+                    all.push(q);
+                    let q = all.concat();
+                    let is_clear = is_above(&flange, angle(arm, arms), *side, TAU / arms as f64)
+                        && worlds[arm].find_first(&q, std::slice::from_ref(&q)).is_ok();
+                    let q = all.pop().expect("just pushed");
+                    (is_clear && is_wanted(arm, &q)).then_some(q)
+                });
+                match found {
+                    Some(q) => all.push(q),
+                    None => break,
+                }
+            }
+            // Where the others leave an arm no room, all are drawn again.
+            if all.len() == arms {
+                return all;
+            }
+        }
+    }
+}
+
+fn names() -> impl Iterator<Item = String> {
+    (0..BOXES).map(|i| format!("box {i}"))
 }
 
 /// Where an arm stands: at the edge of the table, its x axis to the middle.
@@ -94,73 +194,6 @@ fn boxes(arms: usize, random: &mut Random) -> Vec<Obstacle> {
         }
     }
     boxes
-}
-
-/// Some of the arms.
-fn world(kind: Kind, arms: usize, of: Range<usize>, boxes: &[Obstacle], margin: f64) -> Clearance {
-    let mut builder: ClearanceBuilder =
-        Clearance::with_margin(margin).obstacle("table", Obstacle::table(-0.02)).expect("a table");
-    for (i, body) in boxes.iter().enumerate() {
-        builder = builder.obstacle(&format!("box {i}"), body.clone()).expect("a box");
-    }
-    for arm in of {
-        let name = format!("arm{arm}");
-        builder = match kind {
-            Kind::Six => builder.robot(&name, six_axes(base(arm, arms))),
-            Kind::Seven => builder.robot(&name, seven_quick_axes(base(arm, arms))),
-        }
-        .expect("an arm")
-        .ignore((&name, "link 0"), ("table", "table"));
-    }
-    builder.build(stopping()).expect("a clearance")
-}
-
-/// Clear positions of all arms, each above the sector to the side of it that is told: 1.0 is that to the next arm.
-#[allow(non_snake_case)]
-fn posture(
-    kind: Kind,
-    worlds: &mut [Planner],
-    sides: &[f64],
-    random: &mut Random,
-    mut is_wanted: impl FnMut(usize, &[f64]) -> bool,
-) -> Vec<Vec<f64>> {
-    let arms = sides.len();
-    let (six, seven) = (six_axes_model(Pose::identity()), seven_axes_model(Pose::identity()));
-    loop {
-        let mut all: Vec<Vec<f64>> = Vec::new();
-        for (arm, side) in sides.iter().enumerate() {
-            let found = (0..20_000).find_map(|_| {
-                let (q, X_BF) = match kind {
-                    Kind::Six => drawn(&six, random),
-                    Kind::Seven => drawn(&seven, random),
-                };
-                let flange = (base(arm, arms) * X_BF).translation.vector;
-                all.push(q);
-                let q = all.concat();
-                let is_clear = is_above(&flange, angle(arm, arms), *side, TAU / arms as f64)
-                    && worlds[arm].find_first(&q, std::slice::from_ref(&q)).is_ok();
-                let q = all.pop().expect("just pushed");
-                (is_clear && is_wanted(arm, &q)).then_some(q)
-            });
-            match found {
-                Some(q) => all.push(q),
-                None => break,
-            }
-        }
-        // Where the others leave an arm no room, all are drawn again.
-        if all.len() == arms {
-            return all;
-        }
-    }
-}
-
-/// A random position, and where the flange is, seen from the base.
-fn drawn<const N: usize>(robot: &Serial<N>, random: &mut Random) -> (Vec<f64>, Pose) {
-    let limits = robot.limits();
-    let q = SVector::<f64, N>::from_fn(|j, _| {
-        random.between(limits.lower[j].max(-TURN), limits.upper[j].min(TURN))
-    });
-    (q.as_slice().to_vec(), robot.forward(&q))
 }
 
 /// Whether a flange is above the sector to one side of the place of an arm.

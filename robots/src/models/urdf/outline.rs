@@ -98,6 +98,14 @@ impl<const N: usize> SerialOutline<N> {
         Ok(Self { robot, shape: Shape::Bodies(shapes.bodies) })
     }
 
+    /// The same shape with its base link at `X_WB` in the world. Meshes are not covered anew.
+    #[must_use]
+    #[allow(non_snake_case)]
+    pub fn with_base(mut self, X_WB: Pose) -> Self {
+        self.robot = self.robot.with_base(X_WB);
+        self
+    }
+
     /// The base, the frames of the joints, and the flange.
     fn frames(&self, q: &SVector<f64, N>) -> ([Pose; MOST_SEGMENTS + 2], usize) {
         let mut frames = [Pose::identity(); MOST_SEGMENTS + 2];
