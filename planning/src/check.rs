@@ -463,7 +463,11 @@ impl Checker {
                         let (node, mask) = stack[depth];
                         let (centre, radius) = self.arms[arm].ball(standing, limb, node as usize);
                         let apart = radius + margin;
-                        let left = mask & !body.clear_of(centre, apart + travel);
+                        let mut left = mask & !body.clear_of(centre, apart + travel);
+                        // Of lanes that are not proven only hits are still wanted.
+                        if left & unproven != 0 {
+                            left &= !(unproven & body.clear_of(centre, apart));
+                        }
                         if left == 0 {
                             continue;
                         }
@@ -505,7 +509,10 @@ impl Checker {
                         let squared = (p - q).squared();
                         let apart = r + s + margin;
                         let far = apart + travel;
-                        let left = mask & !squared.above(far * far);
+                        let mut left = mask & !squared.above(far * far);
+                        if left & unproven != 0 {
+                            left &= !(unproven & squared.above(apart * apart));
+                        }
                         if left == 0 {
                             continue;
                         }
