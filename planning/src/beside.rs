@@ -108,6 +108,7 @@ enum Refused {
 #[derive(Clone, Copy)]
 struct Piece {
     path: [f64; 2],
+    /// Shares of the stop.
     stop: [f64; 2],
     /// The largest speed on the piece, and until robots brake [1/s].
     speed: f64,
@@ -139,12 +140,11 @@ impl Sweep<'_> {
     fn piece(&mut self, piece: Piece, links: &[usize]) -> Result<(), Refused> {
         let Motion { path, limits, reaction, offset, .. } = self.motion;
         let swept = Swept::new(path, piece.path, piece.speed, limits, *reaction);
-        let [middle, half] = [0.5, -0.5].map(|sign| 0.5 * piece.stop[1] + sign * piece.stop[0]);
-        let q = self.own(|j| swept.at(j, middle) + offset[j]);
-        let off = self.own(|j| swept.around(j, middle, half));
+        let q = self.own(|j| swept.between(j, piece.stop)[0] + offset[j]);
+        let off = self.own(|j| swept.between(j, piece.stop)[1]);
         // What is gained by cutting the path, and the stops.
         let along_path = 0.5 * (piece.path[1] - piece.path[0]);
-        let along_stop = half * swept.longest(self.joints.clone());
+        let along_stop = 0.5 * (piece.stop[1] - piece.stop[0]) * swept.longest(self.joints.clone());
         let widest = off.iter().copied().fold(0.0, f64::max);
         let is_last = along_path.max(along_stop) < SHORTEST.max(0.1 * widest);
         let mut left = Vec::new();

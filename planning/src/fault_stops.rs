@@ -1,6 +1,6 @@
 //! What fault stops sweep from a stretch of a plan, in a world that has changed since it was planned.
 //!
-//! In: a stretch of a plan that is followed. Out: [`FaultStops`], a [`KnownPath`] of each robot by the share of its line, 0 to 1, so that a guard can
+//! In: a stretch of a plan that is followed. Out: [`FaultStops`], a [`KnownPath`] of each robot by the share of its stop, 0 to 1, so that a guard can
 //! prove it against one obstacle. The set is that of [`Swept`](crate::stop::Swept), which the planner has proven: in it the robots go on for the
 //! reaction time and brake by their braking law. The pair of a link and an obstacle does not depend on other robots, so one share for all of them
 //! takes all that they do apart. It allocates nothing.
@@ -8,15 +8,17 @@
 // As in `guard.rs`: errors are told within a step.
 #![allow(clippy::result_large_err)]
 
+use mrroc::robot::MAX_JOINTS;
 use mrroc_robots::clearance::{Against, CheckError, Clearance, Joints, KnownPath, Stretch};
 
 use crate::followed::Followed;
-use crate::stop::{ROBOTS, reaches};
+use crate::reach::{Reach, reaches};
+use crate::stop::ROBOTS;
 
 /// The widest stretch of a path, and the narrowest that is halved [rad or m].
 const WIDEST: f64 = 0.05;
 const NARROWEST: f64 = 1e-5;
-/// The most parts of their lines that are looked at before the stretch is halved.
+/// The most parts of them that are looked at before the stretch is halved.
 const PARTS: f64 = 400.0;
 
 /// The fault stops from a stretch of a plan.
@@ -24,9 +26,8 @@ pub(crate) struct FaultStops {
     /// Where the stretch ends.
     end: f64,
     robots: [Stretch; ROBOTS],
-    /// How far each joint goes until it stands, and how far it may be off that line then.
-    travel: [Joints; ROBOTS],
-    off: [Joints; ROBOTS],
+    /// Where each joint may be in a stop, as seen from there.
+    reach: [[Reach; MAX_JOINTS]; ROBOTS],
 }
 
 impl FaultStops {
@@ -36,26 +37,22 @@ impl FaultStops {
         let end = followed.stretch(from, to, &mut robots);
         let (limits, reaction) = (followed.limits(), followed.reaction());
         let speed = followed.fastest_between(from, end);
-        let [mut travel, mut off, mut low, mut high] = [[Joints::default(); ROBOTS]; 4];
+        let [mut low, mut high] = [[Joints::default(); ROBOTS]; 2];
+        let mut reach = [[Reach::default(); MAX_JOINTS]; ROBOTS];
         followed.rates(from, end + speed * reaction, |robot, i, rates| {
             (low[robot][i], high[robot][i]) = (rates[0] * speed, rates[1] * speed);
         });
         for (robot, joints) in followed.joints().enumerate() {
             let first = joints.start;
             let rates = |j: usize| [low[robot][j - first], high[robot][j - first]];
-            reaches(limits, joints, reaction, rates, |j, reach| {
-                let i = j - first;
-                robots[robot].middle[i] += reach.middle;
-                robots[robot].half[i] += reach.half;
-                (travel[robot][i], off[robot][i]) = (reach.travel, reach.off);
-            });
+            reaches(limits, joints, reaction, rates, |j, of| reach[robot][j - first] = of);
         }
-        FaultStops { end, robots, travel, off }
+        FaultStops { end, robots, reach }
     }
 
-    /// Into how many parts the lines are cut at most, with those that are cut: in shorter ones, what the stretch itself takes is larger.
+    /// Into how many parts the stops are cut at most, with those that are cut: in shorter ones, what the stretch itself takes is larger.
     fn parts(&self) -> u32 {
-        let longest = self.travel.iter().flatten().fold(0.0_f64, |most, travel| most.max(travel.abs()));
+        let longest = self.reach.iter().flatten().map(|reach| reach.travel().abs()).fold(0.0, f64::max);
         let widest = self.robots.iter().flat_map(|robot| robot.half).fold(NARROWEST, f64::max);
         (4.0 + 2.0 * longest / widest).min(PARTS) as u32
     }
@@ -63,12 +60,12 @@ impl FaultStops {
 
 impl KnownPath for FaultStops {
     fn stretch(&self, from: f64, to: f64, robots: &mut [Stretch]) -> f64 {
-        let lines = self.robots.iter().zip(&self.travel).zip(&self.off);
-        for (stretch, ((own, travel), off)) in robots.iter_mut().zip(lines) {
+        for (stretch, (own, reach)) in robots.iter_mut().zip(self.robots.iter().zip(&self.reach)) {
             *stretch = *own;
-            for i in 0..travel.len() {
-                stretch.middle[i] += 0.5 * (from + to) * travel[i];
-                stretch.half[i] += 0.5 * (to - from) * travel[i].abs() + to * off[i];
+            for (i, reach) in reach.iter().enumerate() {
+                let [lower, upper] = reach.between(from, to);
+                stretch.middle[i] += 0.5 * (lower + upper);
+                stretch.half[i] += 0.5 * (upper - lower);
             }
         }
         to

@@ -36,6 +36,7 @@ mod onward;
 mod path;
 mod plan;
 mod planner;
+mod reach;
 mod replan;
 mod replanner;
 mod search;

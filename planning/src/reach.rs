@@ -1,0 +1,218 @@
+//! How far joints get in a fault stop.
+//!
+//! In: the range of velocities that each joint of a robot may have, and its limits. Out: for each joint a [`Reach`], within which it is at each
+//! share of the stop, 0 to 1. All joints of a robot are at the same share, whatever the path speed was: the operator may have lowered it.
+//!
+//! From the velocities `k r`, `k` between 0 and 1, the robot goes on for a time of at most `T_r`, and then brakes.
+//!
+//! - **Without limits of jerk** all joints stand after `T = max |r_i| / a_i`, on a straight line in joint space: `lambda r_i (T_r + T / 2)`.
+//! - **With them** each joint brakes by itself. Compare it with a joint that has the velocity `k` until the robot brakes, and then brakes for `k T`. That
+//!   one goes at most `G = T_r + T / 2`; the share `lambda` is how much of `G` it has gone. No joint brakes for longer, so one with `r_i > 0` gets no farther
+//!   than `lambda r_i G`. Its velocity falls sooner, so the ratio of both travels falls until both stand: it has gone at least `lambda r_i G T_i / T`,
+//!   `T_i = r_i / a_i`.
+//!
+//!   A limit of jerk `j` makes braking later. The acceleration `a_i` fades first, in which the joint gains up to `c = a_i^2 / 2j`, and then rises against the
+//!   motion: a delay of at most `1.5 a_i / j`, and the travel that `c` adds. An acceleration that is against the motion already makes it shorter,
+//!   but no shorter than braking evenly at once; a joint that is slower than `c` may go back as far as one that begins with `c`. Demands are made in
+//!   steps: what that shifts is within [`LATE`]. In all it gets no farther than [`braking_distance`] after the reaction time.
+
+use core::ops::Range;
+
+use mrroc_robots::clearance::braking_distance;
+
+use crate::limits::Limits;
+
+/// By how much later or sooner than in continuous time a joint may be, for it moves in steps: a least time \[s\], and a share of the reaction time,
+/// which is longer for longer steps.
+const LATE: f64 = 2e-3;
+const LATE_SHARE: f64 = 1.0 / 15.0;
+
+/// One end of where a joint may be, over the share of the stop: a line, cut at both ends, and moved by `more` [rad or m].
+#[derive(Clone, Copy, Debug, Default)]
+struct End {
+    slope: f64,
+    first: f64,
+    least: f64,
+    most: f64,
+    more: f64,
+}
+
+impl End {
+    fn at(&self, share: f64) -> f64 {
+        (self.slope * share + self.first).clamp(self.least, self.most) + self.more
+    }
+
+    /// The same the other way.
+    fn mirrored(self) -> Self {
+        let End { slope, first, least, most, more } = self;
+        End { slope: -slope, first: -first, least: -most, most: -least, more: -more }
+    }
+}
+
+/// Where a joint may be in a fault stop, as seen from where it was [rad or m].
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Reach {
+    lower: End,
+    upper: End,
+}
+
+impl Reach {
+    /// The least and the greatest between two shares.
+    pub(crate) fn between(&self, from: f64, to: f64) -> [f64; 2] {
+        // Both only rise, or only fall.
+        [self.lower.at(from).min(self.lower.at(to)), self.upper.at(from).max(self.upper.at(to))]
+    }
+
+    /// How far it goes until it stands, in the middle of where it may be.
+    pub(crate) fn travel(&self) -> f64 {
+        0.5 * (self.lower.at(1.0) + self.upper.at(1.0))
+    }
+}
+
+/// Those of the joints of a robot, from velocities in the range that `rates` has for each [rad/s or m/s].
+pub(crate) fn reaches(
+    limits: &Limits,
+    joints: Range<usize>,
+    reaction: f64,
+    rates: impl Fn(usize) -> [f64; 2],
+    mut visit: impl FnMut(usize, Reach),
+) {
+    let all = || joints.clone().map(|j| (j, rates(j)));
+    let fastest = |[lower, upper]: [f64; 2]| lower.abs().max(upper.abs());
+    let time = all().map(|(j, rates)| fastest(rates) / limits.acceleration[j]).fold(0.0, f64::max);
+    let late = LATE.max(LATE_SHARE * reaction);
+    for (j, rates) in all() {
+        let Some(jerk) = limits.jerk[j] else {
+            let [lower, upper] = rates.map(|rate| {
+                let slope = rate * (reaction + 0.5 * time);
+                End { slope, first: 0.0, least: f64::NEG_INFINITY, most: f64::INFINITY, more: 0.0 }
+            });
+            visit(j, Reach { lower, upper });
+            continue;
+        };
+        if rates == [0.0; 2] {
+            visit(j, Reach::default());
+            continue;
+        }
+        let alone = Alone { acceleration: limits.acceleration[j], jerk, time, reaction, late };
+        let [lower, upper] = rates;
+        visit(j, Reach { lower: alone.farthest(-lower).mirrored(), upper: alone.farthest(upper) });
+    }
+}
+
+/// A joint that brakes by itself, of a robot whose joints brake for at most `time` \[s\].
+struct Alone {
+    /// Its limits.
+    acceleration: f64,
+    jerk: f64,
+    time: f64,
+    reaction: f64,
+    /// What steps shift \[s\].
+    late: f64,
+}
+
+impl Alone {
+    /// The greatest position from velocities of at most `rate`.
+    fn farthest(&self, rate: f64) -> End {
+        let Alone { acceleration, jerk, time, reaction, late } = *self;
+        let whole = reaction + 0.5 * time;
+        let (fading, gain) = (acceleration / jerk, 0.5 * acceleration * acceleration / jerk);
+        let speed = rate.abs();
+        if rate >= 0.0 {
+            let delay = late + 1.5 * fading;
+            let gained = gain * (reaction + delay + (speed + 0.5 * gain) / acceleration);
+            let most = speed * reaction + braking_distance(speed, acceleration, jerk);
+            let (slope, first) = (speed * whole, speed * delay + gained);
+            return End { slope, first, least: f64::NEG_INFINITY, most, more: 0.0 };
+        }
+        let share = if time > 0.0 { speed / (acceleration * time) } else { 0.0 };
+        let back = gain * (late + 1.5 * fading + 0.5 * gain / acceleration);
+        let (slope, first) = (-share * speed * whole, speed * late);
+        End { slope, first, least: f64::NEG_INFINITY, most: 0.0, more: back }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use mrroc::random::Random;
+    use mrroc::robot::JointKind;
+
+    use super::*;
+    use crate::braking::Braking;
+
+    /// Into how many parts the shares of a stop are cut.
+    const PARTS: u32 = 400;
+
+    fn limits(random: &mut Random, joints: usize) -> Limits {
+        let mut draw = |lower: f64, upper: f64| -> Vec<f64> {
+            (0..joints).map(|_| lower * (upper / lower).powf(random.unit())).collect()
+        };
+        let (acceleration, jerk) = (draw(2.0, 20.0), draw(100.0, 5000.0));
+        Limits {
+            lower: vec![-9.0; joints],
+            upper: vec![9.0; joints],
+            velocity: vec![3.0; joints],
+            acceleration,
+            jerk: jerk.into_iter().map(Some).collect(),
+            robots: vec![0..joints],
+            kinds: vec![JointKind::Revolute; joints],
+        }
+    }
+
+    #[test]
+    fn joints_that_brake_by_themselves_are_within_their_reach_at_one_share_at_any_time() {
+        let (n, reaction) = (4, 0.03);
+        let mut random = Random::seeded(5);
+        let mut halves = [0.0; 2];
+        for _ in 0..300 {
+            let limits = limits(&mut random, n);
+            let rates: Vec<[f64; 2]> = (0..n)
+                .map(|_| {
+                    let (middle, half) = (random.within(2.0), 0.1 * random.unit());
+                    [middle - half, middle + half]
+                })
+                .collect();
+            let mut reach = vec![Reach::default(); n];
+            reaches(&limits, 0..n, reaction, |j| rates[j], |j, of| reach[j] = of);
+            for _ in 0..10 {
+                // Speed and time until the robot brakes, velocities and accelerations then.
+                let (speed, wait) = (random.unit(), reaction * random.unit());
+                let v: Vec<f64> = rates
+                    .iter()
+                    .map(|[lower, upper]| speed * (lower + (upper - lower) * random.unit()))
+                    .collect();
+                let braking: Vec<Braking> = (0..n)
+                    .map(|j| {
+                        let (a, jerk) = (limits.acceleration[j], limits.jerk[j].expect("a limit"));
+                        Braking::with_jerk(v[j], random.within(a), a, jerk)
+                    })
+                    .collect();
+                let longest = braking.iter().map(Braking::duration).fold(0.0, f64::max);
+                for k in 0..=40 {
+                    let time = (wait + longest) * f64::from(k) / 40.0;
+                    let travel: Vec<f64> = (0..n)
+                        .map(|j| v[j] * time.min(wait) + braking[j].at((time - wait).max(0.0)))
+                        .collect();
+                    let holds = |part: &u32| {
+                        let shares = [0, 1].map(|end| f64::from(part + end) / f64::from(PARTS));
+                        (0..n).all(|j| {
+                            let [lower, upper] = reach[j].between(shares[0], shares[1]);
+                            (lower - 1e-9..=upper + 1e-9).contains(&travel[j])
+                        })
+                    };
+                    assert!(
+                        (0..PARTS).any(|part| holds(&part)),
+                        "{limits:?}, {rates:?} at {speed}: {travel:?} after {time}"
+                    );
+                }
+            }
+            // Where it may be is less than all that it sweeps.
+            for of in &reach {
+                let width = |from, to| of.between(from, to)[1] - of.between(from, to)[0];
+                halves[0] += width(0.5, 0.5);
+                halves[1] += width(0.0, 1.0);
+            }
+        }
+        assert!(halves[0] < 0.6 * halves[1], "{halves:?}");
+    }
+}
