@@ -106,8 +106,9 @@ impl Stops<'_> {
         let grid = self.grid;
         let count = grid.len() - 1;
         let mut most = vec![f64::INFINITY; count];
+        let groups = groups(self.limits.robots.len());
         // What was proven clear needs no second proof at a lower speed.
-        let mut proven = vec![0.0_f64; count];
+        let mut proven = vec![vec![0.0_f64; groups.len()]; count];
         let not_clear =
             |cell: usize| PlanError::StopsNotClear { at: 100.0 * grid[cell] / self.path.length() };
         let mut at = 0;
@@ -118,24 +119,30 @@ impl Stops<'_> {
             for cell in first..count {
                 let rest = self.rest.map(|(_, rest)| rest).filter(|rest| cell < *rest);
                 let (last, passed) = passed.ahead(cell, rest.unwrap_or(count), self.reaction);
-                if passed <= proven[cell] {
+                let mut slow = proven[cell].iter().copied().fold(f64::INFINITY, f64::min);
+                if passed <= slow {
                     continue;
                 }
                 let ends = [grid[cell], grid[cell + 1]];
-                if self.is_piece_clear(checker, ends, passed, HALVINGS[0]) {
-                    proven[cell] = passed;
+                let mut is_clear = |speed: f64, halvings: u32| {
+                    let is_clear = groups.iter().zip(&mut proven[cell]).all(|(among, proven)| {
+                        checker.among = *among;
+                        if *proven < speed && self.is_piece_clear(checker, ends, speed, halvings) {
+                            *proven = speed;
+                        }
+                        *proven >= speed
+                    });
+                    checker.among = Among::All;
+                    is_clear
+                };
+                if is_clear(passed, HALVINGS[0]) {
                     continue;
                 }
-                let mut slow = proven[cell];
                 for halvings in HALVINGS {
                     let mut fast = passed;
                     while fast - slow > 0.1 * fast && fast > SLOWEST * passed {
                         let middle = 0.5 * (slow + fast);
-                        if self.is_piece_clear(checker, ends, middle, halvings) {
-                            slow = middle;
-                        } else {
-                            fast = middle;
-                        }
+                        if is_clear(middle, halvings) { slow = middle } else { fast = middle }
                     }
                     if slow > 0.0 {
                         break;
@@ -144,7 +151,6 @@ impl Stops<'_> {
                 if slow == 0.0 {
                     return Err(not_clear(cell));
                 }
-                proven[cell] = slow;
                 // Less, and the less the more often it was tried: the speed of a place is measured with that of its neighbours.
                 let share = 1.0 - 0.03 * (round + 1) as f64;
                 for (most, least) in most[cell..=last].iter_mut().zip(&least[cell..=last]) {
@@ -160,18 +166,9 @@ impl Stops<'_> {
         Err(not_clear(at))
     }
 
-    /// Whether the stops from everywhere on a piece are clear; it is cut in halves, so often, where it is too long to prove that.
-    fn is_piece_clear(&self, checker: &mut Checker, ends: [f64; 2], speed: f64, halvings: u32) -> bool {
-        let is_clear = groups(self.limits.robots.len()).into_iter().all(|among| {
-            checker.among = among;
-            self.is_part_clear(checker, ends, speed, halvings)
-        });
-        checker.among = Among::All;
-        is_clear
-    }
-
-    /// The same of some pairs.
-    fn is_part_clear(&self, checker: &mut Checker, [from, to]: [f64; 2], speed: f64, halvings: u32) -> bool {
+    /// Whether the stops from everywhere on a piece are clear, of the pairs that the checker checks; it is cut in halves, so often, where it is too
+    /// long to prove that.
+    fn is_piece_clear(&self, checker: &mut Checker, [from, to]: [f64; 2], speed: f64, halvings: u32) -> bool {
         let path = self.rest.filter(|(_, rest)| to <= self.grid[*rest]).map_or(self.path, |(path, _)| path);
         let swept = Swept::new(path, [from, to], speed, self.limits, self.reaction);
         if swept.is_within(self.limits) && swept.is_clear(checker, self.limits) {
@@ -181,7 +178,7 @@ impl Stops<'_> {
         halvings > 0
             && [[from, middle], [middle, to]]
                 .into_iter()
-                .all(|ends| self.is_part_clear(checker, ends, speed, halvings - 1))
+                .all(|ends| self.is_piece_clear(checker, ends, speed, halvings - 1))
     }
 }
 
