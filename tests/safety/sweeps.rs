@@ -165,7 +165,7 @@ fn demands_are_late_after_a_suspension(every: u64) {
 
 #[test]
 fn fault_22_motions_whose_demands_are_late_after_a_suspension_go_on_late_and_end_where_they_should() {
-    demands_are_late_after_a_suspension(2 * SHARE);
+    demands_are_late_after_a_suspension(5 * SHARE);
 }
 
 #[test]
