@@ -2,10 +2,11 @@
 
 use mrroc::pose::Pose;
 use mrroc::random::Random;
+use mrroc_robots::SerialOutline;
 use mrroc_robots::clearance::{Capsule, Clearance, ClearanceBuilder, Obstacle};
 use nalgebra::Vector3;
 
-pub(crate) use super::models::{seven_axes, six_axes, stopping};
+pub(crate) use super::models::{seven_axes, six_axes, six_axes_with_jerk, stopping};
 
 /// An arm on a table, which reaches along -x where its first joint is at 0, and a box there.
 pub(crate) fn around_a_box() -> ClearanceBuilder {
@@ -39,11 +40,16 @@ pub(crate) fn draw_two(random: &mut Random) -> Vec<f64> {
 
 /// Two arms that face each other.
 pub(crate) fn two_arms() -> ClearanceBuilder {
+    two_arms_of(six_axes)
+}
+
+/// Two that have this shape at their bases.
+pub(crate) fn two_arms_of(arm: impl Fn(Pose) -> SerialOutline<6>) -> ClearanceBuilder {
     let [left, right] = bases();
     Clearance::with_margin(0.02)
-        .robot("left", six_axes(left))
+        .robot("left", arm(left))
         .expect("an arm")
-        .robot("right", six_axes(right))
+        .robot("right", arm(right))
         .expect("an arm")
         .obstacle("table", Obstacle::table(-0.1))
         .expect("a table")

@@ -22,6 +22,12 @@ pub(crate) fn six_axes(base: Pose) -> SerialOutline<6> {
     SerialOutline::new(six_axes_model(base), RADIUS)
 }
 
+/// The same with a limit of jerk of all joints [rad/s³].
+pub(crate) fn six_axes_with_jerk(base: Pose, jerk: f64) -> SerialOutline<6> {
+    let robot = six_axes_model(base).with_jerk(Six::repeat(jerk)).expect("limits");
+    SerialOutline::new(robot, RADIUS)
+}
+
 /// A seven-axis arm with limits of jerk.
 pub(crate) fn seven_axes_model(base: Pose) -> Serial<7> {
     let robot = Serial::<7>::from_urdf(SEVEN, "world_foot", "flange").expect("a chain");

@@ -11,9 +11,11 @@ use mrroc::random::Random;
 use mrroc::robot::JointVector;
 use mrroc_planning::{HereAll, Plan, PlanError, Planner};
 use mrroc_robots::clearance::{Clearance, Outline};
-use mrroc_robots::{Serial, Simulated};
+use mrroc_robots::{Serial, SerialOutline, Simulated};
 
-use super::cells::{around_a_box, bases, draw_two, seven_axes, six_axes, stopping, two_arms};
+use super::cells::{
+    around_a_box, bases, draw_two, seven_axes, six_axes, six_axes_with_jerk, stopping, two_arms, two_arms_of,
+};
 use super::plans::{A, B};
 
 pub(crate) const STEP: Duration = Duration::from_millis(2);
@@ -213,29 +215,41 @@ fn joints_with_limits_of_jerk_follow_a_plan_within_them() {
     assert!(planned > 0.5 && lasted >= planned && lasted < planned + 0.1, "{lasted} {planned}");
 }
 
+/// Arms without limits of jerk, and with limits [rad/s³] that accelerations of 8 rad/s² take 1.6 ms and 16 ms to reach.
+const JERKS: [Option<f64>; 3] = [None, Some(5000.0), Some(500.0)];
+
 /// 1,000,000 states of stops of two arms on plans of many seeds, in release: `just sweep-plans`.
 #[test]
 #[ignore = "takes minutes"]
 fn a_million_states_of_stops_keep_the_margin() {
-    let mut all = Sweep::default();
-    let mut seed = 100;
-    while all.states < 1_000_000 {
-        seed += 1;
-        all.plan_and_stop(seed, 12);
+    let mut states = 0;
+    for jerk in JERKS {
+        let mut all = Sweep::of(jerk);
+        let mut seed = 100;
+        while all.states < 334_000 {
+            seed += 1;
+            all.plan_and_stop(seed, 12);
+        }
+        println!("{all:?}");
+        states += all.states;
     }
-    println!("{all:?}");
+    assert!(states > 1_000_000, "{states}");
 }
 
 #[test]
 fn stops_of_some_seeds_keep_the_margin() {
-    let mut all = Sweep::default();
-    (1..=4).for_each(|seed| all.plan_and_stop(seed, 4));
-    assert!(all.states > 500, "{all:?}");
+    for jerk in JERKS {
+        let mut all = Sweep::of(jerk);
+        (1..=4).for_each(|seed| all.plan_and_stop(seed, 4));
+        assert!(all.states > 500, "{all:?}");
+    }
 }
 
 /// What a sweep of stops has seen.
 #[derive(Debug)]
 struct Sweep {
+    /// The limit of jerk of all joints [rad/s³].
+    jerk: Option<f64>,
     plans: u32,
     /// Questions that had no path within the effort.
     unsolved: u32,
@@ -248,22 +262,25 @@ struct Sweep {
     least: f64,
 }
 
-impl Default for Sweep {
-    fn default() -> Self {
-        Sweep { plans: 0, unsolved: 0, refused: 0, stops: 0, states: 0, least: f64::INFINITY }
-    }
-}
-
 impl Sweep {
+    fn of(jerk: Option<f64>) -> Self {
+        Sweep { jerk, plans: 0, unsolved: 0, refused: 0, stops: 0, states: 0, least: f64::INFINITY }
+    }
+
     /// Plans from and to random positions of two arms, and stops them so many times: by a fault of either one's motion.
     fn plan_and_stop(&mut self, seed: u64, stops: u32) {
-        let clearance = two_arms().build(stopping()).expect("a clearance");
+        let jerk = self.jerk;
+        let arm = move |base: Pose| match jerk {
+            Some(jerk) => six_axes_with_jerk(base, jerk),
+            None => six_axes(base),
+        };
+        let clearance = two_arms_of(arm).build(stopping()).expect("a clearance");
         let mut planner =
             Planner::new(clearance.clone()).expect("a planner").with_seed(seed).with_effort(100_000);
         let mut random = Random::seeded(seed);
         let (plan, here) = loop {
             let (start, goal) = (draw_two(&mut random), draw_two(&mut random));
-            let here = standing(facing(&start), |mp| {
+            let here = standing(facing_of(arm, &start), |mp| {
                 let (mut left, mut right) = (mp.robot::<Serial<6>>("left")?, mp.robot::<Serial<6>>("right")?);
                 Ok(mp
                     .wait_until((&mut left, &mut right), (), HereAll::<(Serial<6>, Serial<6>)>::default())?
@@ -284,7 +301,7 @@ impl Sweep {
             // One of them may be told of the fault later than the other.
             let (first, second) = if random.below(2) == 0 { (k, k + 1) } else { (k + 1, k) };
             let plan = plan.clone();
-            let cell = facing(&here).program(move |mp| {
+            let cell = facing_of(arm, &here).program(move |mp| {
                 let (mut left, mut right) = (mp.robot::<Serial<6>>("left")?, mp.robot::<Serial<6>>("right")?);
                 let (one, two) = (Breaks::new(&plan, 0, first), Breaks::new(&plan, 6, second));
                 mp.move_robots((&mut left, &mut right), (), Each::of((one, two))).map(drop)
@@ -301,10 +318,11 @@ impl Sweep {
 
 /// Two arms that face each other, standing there.
 pub(crate) fn facing(q: &[f64]) -> Cell {
+    facing_of(six_axes, q)
+}
+
+/// Two that have this shape at their bases.
+fn facing_of(arm: impl Fn(Pose) -> SerialOutline<6>, q: &[f64]) -> Cell {
     let [left, right] = bases();
-    Cell::new(STEP).robot(setup("left", &six_axes(left), &q[..6])).robot(setup(
-        "right",
-        &six_axes(right),
-        &q[6..],
-    ))
+    Cell::new(STEP).robot(setup("left", &arm(left), &q[..6])).robot(setup("right", &arm(right), &q[6..]))
 }
