@@ -3,12 +3,12 @@
 use std::cell::RefCell;
 use std::rc::Rc;
 
-use mrroc::generator::Each;
+use mrroc::generator::{Class, Each, Generator, Motion};
 use mrroc::prelude::*;
 use mrroc::program::Recorded;
 use mrroc::random::Random;
 use mrroc_planning::{
-    Following, HereAll, Plan, PlanError, PlanGuard, Planner, Replanned, Replanner, Watched,
+    FollowPlan, Following, HereAll, Plan, PlanError, PlanGuard, Planner, Replanned, Replanner, Watched,
 };
 use mrroc_recording::{CutOff, Replay};
 use mrroc_robots::Serial;
@@ -500,4 +500,63 @@ fn questions_for_a_new_plan_that_make_no_sense_are_told() {
         let new = planner.replan(&plan, at, &goals).expect("a plan");
         assert_eq!(new.at(new.duration()), ABOVE, "{at}");
     }
+}
+
+/// A motion whose steps are looked at.
+struct Counted {
+    motion: FollowPlan<Serial<6>>,
+    allocated: Rc<RefCell<Vec<usize>>>,
+}
+
+impl Generator for Counted {
+    type Robots = Serial<6>;
+    type Language = Motion;
+    type Sensors = ();
+    type Order = ();
+    const CLASS: Class = <FollowPlan<Serial<6>> as Generator>::CLASS;
+
+    fn first_step(
+        &mut self,
+        order: &Order<()>,
+        e: &State<Serial<6>>,
+        v: &Reading<()>,
+        t: Tick,
+    ) -> Result<Step<Serial<6>>, Fault> {
+        self.motion.first_step(order, e, v, t)
+    }
+
+    fn next_step(
+        &mut self,
+        order: &Order<()>,
+        e: &State<Serial<6>>,
+        v: &Reading<()>,
+        t: Tick,
+    ) -> Result<Step<Serial<6>>, Fault> {
+        let (step, allocated) = mrroc_counting_allocator::count(|| self.motion.next_step(order, e, v, t));
+        self.allocated.borrow_mut().push(allocated);
+        step
+    }
+}
+
+#[test]
+fn steps_of_a_motion_that_is_handed_over_allocate_nothing() {
+    let allocated = Rc::new(RefCell::new(Vec::with_capacity(5000)));
+    let counted = Rc::clone(&allocated);
+    let mut planner =
+        Planner::new(around_a_box().build(stopping()).expect("a clearance")).expect("a planner");
+    let plan = planner.plan(&start(), &[B.to_vec()]).expect("a plan");
+    let new = planner.replan(&plan, 0.4, &[ABOVE.to_vec()]).expect("a plan");
+    let cell = arm().program(move |mp| {
+        let mut arm = mp.robot::<Serial<6>>("arm")?;
+        let following = Following::new(&plan);
+        let motion = Counted { motion: following.motion("arm")?, allocated: Rc::clone(&counted) };
+        mp.start_robot(&mut arm, motion)?;
+        mp.wait_until((), (), following.reached(0.2))?;
+        following.turn(&new)?;
+        mp.wait_until((), (), following.reached(f64::INFINITY))?;
+        mp.end_robot(&mut arm)
+    });
+    keep_limits(&demands(cell));
+    let allocated = allocated.borrow();
+    assert!(allocated.len() > 500 && allocated.iter().all(|count| *count == 0), "{allocated:?}");
 }
