@@ -9,8 +9,9 @@
 
 use super::check::Clearance;
 use super::error::{CheckError, Nearest, TooClose};
-use super::pairs::{Other, Pair};
+use super::pairs::{Group, Partner};
 use super::posture::Stretch;
+use super::search::Purpose;
 
 /// A stretch that is shorter than this share of what is asked for, and not proven, counts as too near.
 const SHORTEST: f64 = 1e-9;
@@ -34,11 +35,11 @@ pub enum Against {
 }
 
 impl Against {
-    fn takes(self, pair: &Pair) -> bool {
-        match (self, pair.other) {
-            (Against::Everything, _) | (Against::Links, Other::Limb(_)) => true,
-            (Against::Obstacle(wanted), Other::Obstacle(obstacle)) => wanted == obstacle,
-            (Against::Obstacle(_), Other::Limb(_)) | (Against::Links, Other::Obstacle(_)) => false,
+    pub(super) fn takes(self, group: &Group) -> bool {
+        match (self, group.other) {
+            (Against::Everything, _) | (Against::Links, Partner::Part(_)) => true,
+            (Against::Obstacle(wanted), Partner::Obstacle(obstacle)) => wanted == obstacle,
+            (Against::Obstacle(_), Partner::Part(_)) | (Against::Links, Partner::Obstacle(_)) => false,
         }
     }
 }
@@ -90,7 +91,7 @@ impl Clearance {
     }
 
     /// The pair of these that is farthest from being proven, if any is not.
-    fn unproven(&self, against: Against) -> Option<Nearest> {
-        self.least_slack(|pair| against.takes(pair), 0.0)
+    fn unproven(&mut self, against: Against) -> Option<Nearest> {
+        self.least(Purpose::Slack, |group| against.takes(group), 0.0)
     }
 }

@@ -8,7 +8,9 @@ use mrroc::robot::MAX_JOINTS;
 use super::check::{Clearance, Owned};
 use super::error::ClearanceError;
 use super::obstacle::Obstacle;
-use super::posture::{Placement, Stretch};
+use super::placement::Placement;
+use super::posture::Stretch;
+use super::search::Search;
 use super::stopping::{Stop, Stopping};
 use crate::models::{Capsule, DisabledPair, Outline};
 
@@ -38,9 +40,9 @@ impl Clearance {
                 ignored: Vec::new(),
                 ignored_own: Vec::new(),
                 stopping,
-                pairs: Vec::new(),
+                groups: Vec::new(),
                 checked: 0,
-                unchecked: Vec::new(),
+                search: Search::default(),
                 stopping_distances: Vec::new(),
                 stretches: Vec::new(),
             },

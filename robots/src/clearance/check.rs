@@ -4,29 +4,22 @@ use std::sync::Arc;
 
 use mrroc::robot::{MAX_JOINTS, RobotView};
 
-use super::error::{CheckError, ClearanceError, Nearest, Side, TooClose};
-use super::gap::Gap;
+use super::error::{CheckError, ClearanceError, Nearest, TooClose};
 use super::obstacle::Obstacle;
-use super::pairs::{Limb, Other, Pair, Unchecked, at_least, possible, without_meaningless};
-use super::posture::{Joints, Placement, Stretch};
+use super::pairs::{Group, Limb, Other, Pair, Unchecked, leave_out_meaningless, possible};
+use super::placement::Placement;
+use super::posture::{Joints, Stretch};
+use super::search::Search;
 use super::stopping::{Pace, Stopping};
 use crate::models::{Capsule, Link};
 
 /// A robot or obstacle, and which of its links.
 pub(super) type Owned = (Arc<str>, Arc<str>);
 
-/// Which distance is computed.
-#[derive(Clone, Copy, PartialEq)]
-enum Purpose {
-    /// The distance as it is.
-    Distance,
-    /// The distance less the stopping distance and the margin.
-    Slack,
-}
-
 /// Robots, what they carry and what stands around them; made by a [`ClearanceBuilder`](super::ClearanceBuilder).
 ///
-/// A check takes a few microseconds, with large clouds some tens of them, and allocates nothing.
+/// A check takes a few microseconds, with large clouds some tens of them, with links of many hundred capsules a tenth of a millisecond, and
+/// allocates nothing.
 #[derive(Clone)]
 pub struct Clearance {
     pub(super) robots: Vec<Placement>,
@@ -39,11 +32,11 @@ pub struct Clearance {
     pub(super) ignored: Vec<[Owned; 2]>,
     pub(super) ignored_own: Vec<Arc<str>>,
     pub(super) stopping: Stopping,
-    /// The pairs that are checked, then those that will be once their obstacle is replaced.
-    pub(super) pairs: Vec<Pair>,
-    /// The number of those that are checked.
+    /// The groups of pairs of which some are checked, then the others.
+    pub(super) groups: Vec<Group>,
+    /// The number of those of which some are checked.
     pub(super) checked: usize,
-    pub(super) unchecked: Vec<(Pair, Unchecked)>,
+    pub(super) search: Search,
     pub(super) stopping_distances: Vec<Joints>,
     pub(super) stretches: Vec<Stretch>,
 }
@@ -73,7 +66,7 @@ impl Clearance {
                 return Err(CheckError::NoPosture { robot: robot_name });
             }
         }
-        let nearest = self.search(Purpose::Slack)?;
+        let nearest = self.least_slack()?;
         if nearest.slack() >= 0.0 {
             return Ok(nearest);
         }
@@ -98,7 +91,7 @@ impl Clearance {
                 return Ok(None);
             }
         }
-        Ok(Some(self.search(Purpose::Slack)?).filter(|nearest| nearest.slack() >= 0.0))
+        Ok(Some(self.least_slack()?).filter(|nearest| nearest.slack() >= 0.0))
     }
 
     /// Stands all robots at the demanded positions.
@@ -120,7 +113,7 @@ impl Clearance {
     /// [`CheckError`] except [`CheckError::TooClose`].
     pub fn nearest(&mut self, states: &[RobotView]) -> Result<Nearest, CheckError> {
         self.stand_at(states)?;
-        self.search(Purpose::Distance)
+        self.least_distance()
     }
 
     /// As [`nearest`](Clearance::nearest), of joint positions [rad or m] of the robots in the order in which they were added.
@@ -136,7 +129,7 @@ impl Clearance {
         joints_of: impl Fn(usize) -> Option<&'a [f64]>,
     ) -> Result<Nearest, CheckError> {
         self.place_at(joints_of)?;
-        self.search(Purpose::Distance)
+        self.least_distance()
     }
 
     /// Stands all robots at joint positions [rad or m].
@@ -192,14 +185,16 @@ impl Clearance {
     /// Number of pairs that are checked.
     #[must_use]
     pub fn pairs(&self) -> usize {
-        self.checked
+        let pairs = self.checked().iter().flat_map(|group| group.pairs(&self.robots));
+        pairs.filter(|(_, is_checked)| *is_checked).count()
     }
 
     /// The pairs that are not checked because they overlap in all postures or, being links of one robot, never meet, in
     /// 2000 postures spread over the joints' ranges. As text: `"irp6 postument - table: always overlap"`.
     pub fn unchecked(&self) -> impl Iterator<Item = String> + '_ {
-        self.unchecked.iter().map(|(pair, why)| {
-            let [(a, link_a), (b, link_b)] = self.owners(pair);
+        let unchecked = self.groups.iter().flat_map(|group| group.unchecked(&self.robots));
+        unchecked.map(|(pair, why)| {
+            let [(a, link_a), (b, link_b)] = self.owners(&pair);
             let why = match why {
                 Unchecked::AlwaysOverlap => "always overlap",
                 Unchecked::NeverMeet => "never meet",
@@ -216,8 +211,10 @@ impl Clearance {
     /// Visits the capsules of all robots, and of what they carry, where they stood in the last check: for pictures.
     pub fn capsules(&self, visit: &mut dyn FnMut(&str, &Link, &Capsule)) {
         for robot in &self.robots {
-            for (link, placed) in robot.links.iter().zip(&robot.placed) {
-                visit(robot.name.as_str(), link, &placed.capsule);
+            for (i, link) in robot.links.iter().enumerate() {
+                if let Some(capsule) = robot.capsule(i) {
+                    visit(robot.name.as_str(), link, &capsule);
+                }
             }
         }
     }
@@ -250,40 +247,42 @@ impl Clearance {
         let found = self.robot_mut(robot)?;
         let rank = found.links[..found.own()].iter().map(|link| link.rank).max().unwrap_or_default() + 1;
         let moved_by = found.shape().flange_motions();
-        for capsule in capsules {
-            found.carry(Link { name: name.clone(), rank, moved_by }, *capsule);
-        }
+        found.carry(&Link { name, rank, moved_by }, capsules);
         Ok(())
     }
 
-    /// The pairs that are checked.
-    pub(super) fn checked(&self) -> &[Pair] {
-        &self.pairs[..self.checked]
+    /// The groups of which pairs are checked.
+    pub(super) fn checked(&self) -> &[Group] {
+        &self.groups[..self.checked]
     }
 
     /// Finds the pairs to be checked.
     pub(super) fn pair(&mut self) {
-        let mut pairs = possible(&self.robots, self.bodies.len());
-        pairs.retain(|pair| !self.is_ignored(pair));
-        for pair in &mut pairs {
-            let [(a, _), (b, _)] = self.owners(pair);
+        let mut groups = possible(&self.robots, self.bodies.len());
+        groups.retain(|group| !self.is_ignored(group));
+        for group in &mut groups {
+            let [(a, _), (b, _)] = self.owners(&group.first(&self.robots));
             let between = |(x, y): (&str, &str)| (x, y) == (&*a, &*b) || (y, x) == (&*a, &*b);
             let special = self.margins.iter().rev().find(|(x, y, _)| between((x, y)));
             // Links of one robot have no margin, unless one was stated for them.
             let usual = if a == b { 0.0 } else { self.margin };
-            pair.margin = special.map_or(usual, |(_, _, margin)| *margin);
+            group.margin = special.map_or(usual, |(_, _, margin)| *margin);
         }
         let fixed = self.bodies.len() - self.from_robots;
-        self.unchecked = without_meaningless(&mut pairs, &mut self.robots, &self.bodies[..fixed]);
-        self.checked = pairs.len();
-        let of_obstacle = |pair: &Pair| matches!(pair.other, Other::Obstacle(_));
-        pairs.extend(self.unchecked.iter().map(|(pair, _)| *pair).filter(of_obstacle));
-        self.pairs = pairs;
+        leave_out_meaningless(&mut groups, &mut self.robots, &self.bodies[..fixed]);
+        self.set_groups(groups);
     }
 
-    fn is_ignored(&self, pair: &Pair) -> bool {
-        let owners = self.owners(pair);
-        let is_own = pair.is_own() && self.ignored_own.contains(&owners[0].0);
+    pub(super) fn set_groups(&mut self, mut groups: Vec<Group>) {
+        groups.sort_by_key(|group| !group.is_checked());
+        self.checked = groups.iter().filter(|group| group.is_checked()).count();
+        self.search = Search::among(&groups);
+        self.groups = groups;
+    }
+
+    fn is_ignored(&self, group: &Group) -> bool {
+        let owners = self.owners(&group.first(&self.robots));
+        let is_own = group.is_own() && self.ignored_own.contains(&owners[0].0);
         let is_pair = |[a, b]: &[Owned; 2]| {
             (*a == owners[0] && *b == owners[1]) || (*a == owners[1] && *b == owners[0])
         };
@@ -301,89 +300,6 @@ impl Clearance {
             Other::Obstacle(o) => (self.names[*o].clone(), self.names[*o].clone()),
         };
         [limb(&pair.limb), other]
-    }
-
-    /// The gap of a pair, if its distance is less than `most` \[m\].
-    pub(super) fn gap_below(&self, pair: &Pair, most: f64) -> Option<Gap> {
-        let own = &self.robots[pair.limb.robot].placed[pair.limb.link].capsule;
-        match &pair.other {
-            Other::Limb(limb) => {
-                let gap = own.gap(&self.robots[limb.robot].placed[limb.link].capsule);
-                Some(gap).filter(|gap| gap.distance < most)
-            }
-            Other::Obstacle(o) => self.bodies[*o].gap_below(own, most),
-        }
-    }
-
-    pub(super) fn sides(&self, pair: &Pair, gap: &Gap) -> [Side; 2] {
-        let limb = |limb: &Limb, point| {
-            let robot = &self.robots[limb.robot];
-            Side { robot: Some(robot.name), link: robot.links[limb.link].name.clone(), point }
-        };
-        let other = match &pair.other {
-            Other::Limb(other) => limb(other, gap.points[1]),
-            Other::Obstacle(o) => Side { robot: None, link: self.names[*o].clone(), point: gap.points[1] },
-        };
-        [limb(&pair.limb, gap.points[0]), other]
-    }
-
-    /// Of the wanted pairs the one with the least slack, if it is less than `least` \[m\].
-    pub(super) fn least_slack(&self, is_wanted: impl Fn(&Pair) -> bool, least: f64) -> Option<Nearest> {
-        self.least(Purpose::Slack, is_wanted, least)
-    }
-
-    /// The pair with the least distance, and that distance.
-    fn search(&self, purpose: Purpose) -> Result<Nearest, CheckError> {
-        let nearest = match purpose {
-            Purpose::Slack => self.least(purpose, |_| true, f64::INFINITY),
-            Purpose::Distance => {
-                let between = self.least(purpose, |pair| !pair.is_own(), f64::INFINITY);
-                let own =
-                    self.least(purpose, Pair::is_own, if between.is_some() { 0.0 } else { f64::INFINITY });
-                match (between, own) {
-                    (Some(between), Some(own)) if between.distance <= own.distance => Some(between),
-                    (between, own) => own.or(between),
-                }
-            }
-        };
-        nearest.ok_or(CheckError::NothingToCheck)
-    }
-
-    /// Of the wanted pairs the one with the least distance, if it is less than `least` \[m\]. Most pairs are excluded by balls
-    /// around the bodies.
-    fn least(&self, purpose: Purpose, is_wanted: impl Fn(&Pair) -> bool, least: f64) -> Option<Nearest> {
-        let mut best: Option<(f64, f64, &Pair, Gap)> = None;
-        let mut least = least;
-        for pair in self.checked().iter().filter(|pair| is_wanted(pair)) {
-            let own = &self.robots[pair.limb.robot].placed[pair.limb.link];
-            let (around, mut travel) = match &pair.other {
-                Other::Limb(limb) => {
-                    let other = &self.robots[limb.robot].placed[limb.link];
-                    (at_least(own, other), own.travel[pair.since] + other.travel[pair.since])
-                }
-                Other::Obstacle(o) => (self.bodies[*o].at_least(&own.centre, own.around), own.travel[0]),
-            };
-            let taken = match purpose {
-                Purpose::Slack => travel + pair.margin,
-                Purpose::Distance => {
-                    travel = 0.0;
-                    0.0
-                }
-            };
-            if around - taken >= least {
-                continue;
-            }
-            if let Some(gap) = self.gap_below(pair, least + taken) {
-                least = gap.distance - taken;
-                best = Some((travel, if purpose == Purpose::Slack { pair.margin } else { 0.0 }, pair, gap));
-            }
-        }
-        best.map(|(travel, margin, pair, gap)| Nearest {
-            distance: gap.distance,
-            travel,
-            margin,
-            sides: self.sides(pair, &gap),
-        })
     }
 }
 

@@ -6,6 +6,7 @@
 
 use super::check::Clearance;
 use super::error::{CheckError, Nearest};
+use super::gap::Gap;
 use super::pairs::Pair;
 
 /// How far a joint moves to either side for a difference [rad or m].
@@ -39,15 +40,14 @@ impl Clearance {
         within: f64,
     ) -> Result<Vec<(Nearest, Vec<f64>)>, CheckError> {
         self.place_at(|robot| positions.get(robot).copied())?;
-        let (mut near, mut found) = (Vec::new(), Vec::new());
-        for pair in self.checked() {
-            if let Some(gap) = self.gap_below(pair, within) {
-                let sides = self.sides(pair, &gap);
-                let nearest = Nearest { distance: gap.distance, travel: 0.0, margin: 0.0, sides };
-                near.push(*pair);
-                found.push((nearest, Vec::new()));
-            }
-        }
+        let near = self.within(within);
+        let mut found: Vec<(Nearest, Vec<f64>)> = near
+            .iter()
+            .map(|(pair, gap)| {
+                let sides = self.sides(pair, gap);
+                (Nearest { distance: gap.distance, travel: 0.0, margin: 0.0, sides }, Vec::new())
+            })
+            .collect();
         for robot in 0..self.robots.len() {
             for joint in 0..self.robots[robot].shape().kinds().len() {
                 let before = self.distances(&near, positions, robot, joint, -DIFFERENCE)?;
@@ -57,14 +57,13 @@ impl Clearance {
                 }
             }
         }
-        found.sort_by(|(a, _), (b, _)| a.distance.total_cmp(&b.distance));
         Ok(found)
     }
 
     /// The distances of pairs where one joint is off its position.
     fn distances(
         &mut self,
-        pairs: &[Pair],
+        pairs: &[(Pair, Gap)],
         positions: &[&[f64]],
         robot: usize,
         joint: usize,
@@ -75,7 +74,7 @@ impl Clearance {
             *q += off;
         }
         self.place_at(|i| if i == robot { Some(moved.as_slice()) } else { positions.get(i).copied() })?;
-        let distance = |pair| self.gap_below(pair, f64::INFINITY).map_or(f64::INFINITY, |gap| gap.distance);
+        let distance = |(pair, _): &(Pair, Gap)| self.gap(pair).map_or(f64::INFINITY, |gap| gap.distance);
         Ok(pairs.iter().map(distance).collect())
     }
 }

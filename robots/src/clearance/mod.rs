@@ -54,20 +54,25 @@
 #![allow(clippy::result_large_err)]
 
 mod along;
+mod bits;
 mod builder;
 mod check;
-mod clusters;
+mod cover;
 mod dry_run;
 mod error;
 mod from_cell;
 mod from_mesh;
 mod gap;
 mod gradient;
+mod near;
+mod nearest;
 mod obstacle;
 mod pairs;
 mod parts;
+mod placement;
 mod posture;
 mod replace;
+mod search;
 mod standing;
 mod stopping;
 

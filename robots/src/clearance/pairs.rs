@@ -1,10 +1,15 @@
 //! Which bodies are checked against which.
 
+use std::cell::Cell;
+use std::sync::Arc;
+
 use mrroc::random::halton;
 
-use super::clusters::{Clusters, Group, Numbered};
+use super::bits::Bits;
+use super::near::{Between, PartOf};
 use super::obstacle::Obstacle;
-use super::posture::{Joints, Placed, Placement};
+use super::placement::Placement;
+use super::posture::Joints;
 use crate::models::Link;
 
 /// Postures of every robot that tell which bodies always overlap and which never meet.
@@ -22,33 +27,134 @@ pub(super) enum Unchecked {
 }
 
 /// A link of a robot, by its numbers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Limb {
     pub(super) robot: usize,
     pub(super) link: usize,
 }
 
 /// The other side of a pair.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Other {
     Limb(Limb),
     Obstacle(usize),
 }
 
-/// Two bodies that are checked against one another.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// Two bodies that are checked against one another. Of those that are equally near the first one counts as the nearest.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Pair {
     pub(super) limb: Limb,
     pub(super) other: Other,
-    /// The first motion that moves one of them alone: those before move both alike.
-    pub(super) since: usize,
-    pub(super) margin: f64,
 }
 
 impl Pair {
-    /// Whether both are links of one robot.
+    /// Of two links, the first one of one robot first; whether they have changed sides.
+    pub(super) fn of(one: Limb, other: Limb) -> (Self, bool) {
+        let turned = one > other;
+        let [limb, other] = if turned { [other, one] } else { [one, other] };
+        (Self { limb, other: Other::Limb(other) }, turned)
+    }
+}
+
+/// The other side of a group.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Partner {
+    Part(PartOf),
+    Obstacle(usize),
+}
+
+/// The pairs of the links of a part with those of another one, or with an obstacle.
+#[derive(Clone, Debug)]
+pub(super) struct Group {
+    pub(super) part: PartOf,
+    pub(super) other: Partner,
+    /// The first motion that moves one of them alone: those before move both alike.
+    pub(super) since: usize,
+    pub(super) margin: f64,
+    /// Which of the pairs are checked; `None`: all.
+    open: Option<Arc<Bits>>,
+    /// All are checked nevertheless: another obstacle stands in the place of the one for which that was found.
+    is_replaced: bool,
+    /// The links of those of one robot that are not checked because they always overlap, in order.
+    overlapping: Arc<[[usize; 2]]>,
+}
+
+impl Group {
+    pub(super) fn new(part: PartOf, other: Partner, since: usize) -> Self {
+        Self { part, other, since, margin: 0.0, open: None, is_replaced: false, overlapping: Arc::new([]) }
+    }
+
+    /// The same pairs, of parts that have other numbers.
+    pub(super) fn between(&self, part: PartOf, other: Partner) -> Self {
+        Self { part, other, ..self.clone() }
+    }
+
+    /// One of its pairs, which has the names and the rank of all.
+    pub(super) fn first(&self, robots: &[Placement]) -> Pair {
+        let limb = |PartOf { robot, part }: PartOf| Limb { robot, link: robots[robot].parts[part].link };
+        match self.other {
+            Partner::Part(other) => Pair::of(limb(self.part), limb(other)).0,
+            Partner::Obstacle(o) => Pair { limb: limb(self.part), other: Other::Obstacle(o) },
+        }
+    }
+
+    /// Whether both are parts of one robot.
     pub(super) fn is_own(&self) -> bool {
-        matches!(self.other, Other::Limb(limb) if limb.robot == self.limb.robot)
+        matches!(self.other, Partner::Part(other) if other.robot == self.part.robot)
+    }
+
+    /// Which of its pairs are checked; `None`: all.
+    pub(super) fn open(&self) -> Option<&Bits> {
+        self.open.as_deref().filter(|_| !self.is_replaced)
+    }
+
+    /// Whether any of its pairs is checked.
+    pub(super) fn is_checked(&self) -> bool {
+        self.open().is_none_or(|open| open.has(0, 0))
+    }
+
+    /// Checks all its pairs from now on.
+    pub(super) fn check_all(&mut self) {
+        self.is_replaced = true;
+    }
+
+    /// All its pairs, each with whether it is checked.
+    pub(super) fn pairs<'a>(&'a self, robots: &'a [Placement]) -> impl Iterator<Item = (Pair, bool)> + 'a {
+        let of = |PartOf { robot, part }: PartOf| {
+            let robot = &robots[robot];
+            let nodes = robot.parts[part].nodes.clone();
+            let first = nodes.start;
+            nodes.filter(|at| robot.nodes[*at].is_leaf()).map(move |at| (at - first, robot.nodes[at].link))
+        };
+        let limb = |robot, link| Limb { robot, link: link as usize };
+        of(self.part).flat_map(move |(at, link)| {
+            let one = limb(self.part.robot, link);
+            let (parts, obstacle) = match self.other {
+                Partner::Part(other) => (Some(other), None),
+                Partner::Obstacle(o) => (None, Some((Pair { limb: one, other: Other::Obstacle(o) }, 0))),
+            };
+            let limbs = parts.into_iter().flat_map(move |other| {
+                of(other).map(move |(at, link)| (Pair::of(one, limb(other.robot, link)).0, at))
+            });
+            limbs
+                .chain(obstacle)
+                .map(move |(pair, other)| (pair, self.open().is_none_or(|open| open.has(at, other))))
+        })
+    }
+
+    /// Its pairs that are not checked because a check would mean nothing.
+    pub(super) fn unchecked<'a>(
+        &'a self,
+        robots: &'a [Placement],
+    ) -> impl Iterator<Item = (Pair, Unchecked)> + 'a {
+        let pairs = self.pairs(robots).filter(|(_, is_checked)| !is_checked);
+        pairs.map(|(pair, _)| {
+            let overlaps = match pair.other {
+                Other::Limb(other) => self.overlapping.binary_search(&[pair.limb.link, other.link]).is_ok(),
+                Other::Obstacle(_) => true,
+            };
+            (pair, if overlaps { Unchecked::AlwaysOverlap } else { Unchecked::NeverMeet })
+        })
     }
 }
 
@@ -59,132 +165,162 @@ fn first_apart(a: &Link, b: &Link) -> Option<usize> {
 }
 
 /// All pairs that can meet: links of different robots, links and obstacles, links of one robot that no joint connects.
-pub(super) fn possible(robots: &[Placement], obstacles: usize) -> Vec<Pair> {
-    let mut pairs = Vec::new();
-    let margin = 0.0;
+pub(super) fn possible(robots: &[Placement], obstacles: usize) -> Vec<Group> {
+    let mut groups = Vec::new();
     for (robot, one) in robots.iter().enumerate() {
-        for (link, outline) in one.links.iter().enumerate() {
-            let limb = Limb { robot, link };
-            for (other, behind) in one.links.iter().enumerate().skip(link + 1) {
-                let connected = outline.rank.abs_diff(behind.rank) < 2;
-                if let Some(since) = first_apart(outline, behind).filter(|_| !connected) {
-                    pairs.push(Pair { limb, other: Other::Limb(Limb { robot, link: other }), since, margin });
+        for (i, part) in one.parts.iter().enumerate() {
+            let (here, link) = (PartOf { robot, part: i }, &one.links[part.link]);
+            for (j, behind) in one.parts.iter().enumerate().skip(i + 1) {
+                let behind = &one.links[behind.link];
+                let connected = link.rank.abs_diff(behind.rank) < 2;
+                if let Some(since) = first_apart(link, behind).filter(|_| !connected) {
+                    groups.push(Group::new(here, Partner::Part(PartOf { robot, part: j }), since));
                 }
             }
-            for (second, another) in robots.iter().enumerate().skip(robot + 1) {
-                for link in 0..another.links.len() {
-                    let other = Other::Limb(Limb { robot: second, link });
-                    pairs.push(Pair { limb, other, since: 0, margin });
-                }
+            for (robot, another) in robots.iter().enumerate().skip(robot + 1) {
+                let parts = (0..another.parts.len()).map(|part| PartOf { robot, part });
+                groups.extend(parts.map(|part| Group::new(here, Partner::Part(part), 0)));
             }
-            pairs.extend((0..obstacles).map(|o| Pair { limb, other: Other::Obstacle(o), since: 0, margin }));
+            groups.extend((0..obstacles).map(|o| Group::new(here, Partner::Obstacle(o), 0)));
         }
     }
-    pairs
+    groups
 }
 
-/// Removes, and gives back, pairs of which a check would mean nothing, as 2000 postures spread over the joints' ranges show.
+/// Leaves out pairs of which a check would mean nothing, as 2000 postures spread over the joints' ranges show.
 ///
 /// Those of a robot with itself or with obstacles that overlap in all postures: what is mounted there, or modelled too
 /// stout. And links of one robot that stay 10 mm apart in all of them, such as cranks in planes side by side: the way to
 /// a standstill, which knows no directions, would stop the robot for nothing. Pairs of two robots stay whatever they do, and so do
 /// those with bodies that are not among the `obstacles`, which were robots.
-pub(super) fn without_meaningless(
-    pairs: &mut Vec<Pair>,
-    robots: &mut [Placement],
-    obstacles: &[Obstacle],
-) -> Vec<(Pair, Unchecked)> {
-    let mut seen = vec![Seen::default(); pairs.len()];
-    for (robot, placement) in robots.iter_mut().enumerate() {
-        // A pair that has been both apart and near stays: it needs no further posture.
-        let mut open: Vec<usize> = Vec::new();
-        let mut own: Vec<Numbered> = Vec::new();
-        for (i, pair) in pairs.iter().enumerate().filter(|(_, pair)| pair.limb.robot == robot) {
-            match pair.other {
-                Other::Limb(limb) if limb.robot == robot => own.push((i, [pair.limb.link, limb.link])),
-                Other::Obstacle(o) if o < obstacles.len() => open.push(i),
-                Other::Limb(_) | Other::Obstacle(_) => {}
+pub(super) fn leave_out_meaningless(groups: &mut [Group], robots: &mut [Placement], obstacles: &[Obstacle]) {
+    for robot in 0..robots.len() {
+        let mut own: Vec<(usize, Seen)> = Vec::new();
+        // What has been apart from an obstacle is checked: it needs no further posture.
+        let mut overlapping: Vec<(usize, Vec<usize>)> = Vec::new();
+        for (g, group) in groups.iter().enumerate().filter(|(_, group)| group.part.robot == robot) {
+            match group.other {
+                Partner::Part(other) if other.robot == robot => own.push((g, Seen::of(group, other, robots))),
+                Partner::Obstacle(o) if o < obstacles.len() => {
+                    let links = group.pairs(robots).map(|(pair, _)| pair.limb.link).collect();
+                    overlapping.push((g, links));
+                }
+                Partner::Part(_) | Partner::Obstacle(_) => {}
             }
         }
-        // Of links that are covered by hundreds of capsules nearly all pairs are far apart, which clusters of them show.
-        let mut groups: Option<(Clusters, Vec<Group>)> = None;
         let mut stood = 0;
         for sample in 1..=TRIES {
-            let no_own = groups.as_ref().map_or(own.is_empty(), |(_, groups)| groups.is_empty());
-            if stood == POSTURES || (open.is_empty() && no_own) {
+            if stood == POSTURES || (own.is_empty() && overlapping.is_empty()) {
                 break;
             }
+            let placement = &mut robots[robot];
             let q = spread(placement, sample);
             if !placement.shape().is_possible(&q) || !placement.stand(&q, None) {
                 continue;
             }
             stood += 1;
-            let placed = &placement.placed;
-            open.retain(|&i| {
-                if let Other::Obstacle(o) = pairs[i].other {
-                    seen[i].add(obstacles[o].gap(&placed[pairs[i].limb.link].capsule).distance);
+            overlapping.retain_mut(|(g, links)| {
+                if let Partner::Obstacle(o) = groups[*g].other {
+                    let overlaps = |link: &usize| {
+                        let capsule = placement.capsule(*link);
+                        capsule.is_none_or(|capsule| obstacles[o].gap(&capsule).distance < 0.0)
+                    };
+                    // How near obstacles come does not matter.
+                    links.retain(overlaps);
                 }
-                // How near obstacles come does not matter.
-                !seen[i].apart
+                !links.is_empty()
             });
-            let (clusters, groups) = groups.get_or_insert_with(|| {
-                let clusters = Clusters::new(placement);
-                let groups = clusters.groups(&own);
-                (clusters, groups)
-            });
-            let around = clusters.around(placed);
-            groups.retain_mut(|Group { sides, pairs: left, all_apart }| {
-                let [(a, r), (b, s)] = sides.map(|side| around[side]);
-                if (a - b).norm() - r - s > NEVER_NEARER {
-                    if !core::mem::replace(all_apart, true) {
-                        left.iter().for_each(|(i, _)| seen[*i].apart = true);
-                    }
-                    return true;
-                }
-                left.retain(|&(i, links)| {
-                    let (seen, [one, other]) = (&mut seen[i], links.map(|link| &placed[link]));
-                    // Most are far apart, which the balls around them show.
-                    if at_least(one, other) > NEVER_NEARER {
-                        seen.apart = true;
-                    } else {
-                        seen.add(one.capsule.gap(&other.capsule).distance);
-                    }
-                    !(seen.apart && seen.near)
-                });
-                !left.is_empty()
-            });
+            for (g, seen) in &mut own {
+                seen.look(&groups[*g], robots);
+            }
+        }
+        if stood == 0 {
+            continue;
+        }
+        for (g, links) in overlapping {
+            let Group { part, open, .. } = &mut groups[g];
+            let placement = &robots[robot];
+            let nodes = &placement.nodes[placement.parts[part.part].nodes.clone()];
+            let is_checked = |link: u32, _| !links.contains(&(link as usize));
+            *open = Some(Arc::new(Bits::of(nodes, &nodes[nodes.len() - 1..], is_checked)));
+        }
+        for (g, seen) in own {
+            seen.leave_out(&mut groups[g], robots, stood);
         }
     }
-    let mut removed = Vec::new();
-    let mut seen = seen.into_iter();
-    pairs.retain(|pair| {
-        let why = match seen.next() {
-            Some(Seen { overlapped: true, apart: false, .. }) => Some(Unchecked::AlwaysOverlap),
-            Some(Seen { apart: true, near: false, .. }) if pair.is_own() => Some(Unchecked::NeverMeet),
-            _ => None,
-        };
-        removed.extend(why.map(|why| (*pair, why)));
-        why.is_none()
-    });
-    removed
 }
 
-/// How near two bodies came in the postures that were tried.
-#[derive(Clone, Copy, Debug, Default)]
+/// How near the links of two parts of a robot came in the postures that were tried.
 struct Seen {
-    /// They overlapped in one.
-    overlapped: bool,
-    /// They did not overlap in one.
-    apart: bool,
-    /// They were nearer than [`NEVER_NEARER`] in one.
-    near: bool,
+    /// The place of the root of each part, and how many nodes the second one has.
+    roots: [usize; 2],
+    width: usize,
+    /// In how many postures each pair overlapped, with [`NEAR`] where it was nearer than [`NEVER_NEARER`] in one; by their leaves.
+    pairs: Vec<u16>,
 }
+
+const NEAR: u16 = 1 << 15;
 
 impl Seen {
-    fn add(&mut self, distance: f64) {
-        self.overlapped |= distance < 0.0;
-        self.apart |= distance >= 0.0;
-        self.near |= distance <= NEVER_NEARER;
+    fn of(group: &Group, other: PartOf, robots: &[Placement]) -> Self {
+        let parts = &robots[group.part.robot].parts;
+        let nodes = [&parts[group.part.part].nodes, &parts[other.part].nodes];
+        let [height, width] = nodes.map(|nodes| nodes.len());
+        Self { roots: nodes.map(|nodes| nodes.start), width, pairs: vec![0; width * height] }
+    }
+
+    /// The number of a pair of links among the pairs.
+    fn at(&self, robot: &Placement, one: usize, other: usize) -> usize {
+        (robot.leaf(one) - self.roots[0]) * self.width + robot.leaf(other) - self.roots[1]
+    }
+
+    /// Looks at the pairs in one more posture.
+    fn look(&mut self, group: &Group, robots: &mut [Placement]) {
+        let Partner::Part(other) = group.other else { return };
+        let mut between = Between::new(robots, [group.part, other], None, None);
+        if between.left(robots, NEVER_NEARER) > NEVER_NEARER {
+            return;
+        }
+        let Self { roots, width, pairs } = self;
+        between.visit(robots, NEVER_NEARER, &mut |one, other, least| {
+            let gap = one.placed.capsule.gap(&other.placed.capsule);
+            if gap.distance <= NEVER_NEARER {
+                let seen = &mut pairs[(one.at - roots[0]) * *width + other.at - roots[1]];
+                *seen = (*seen | NEAR) + u16::from(gap.distance < 0.0);
+            }
+            (gap, least)
+        });
+    }
+
+    fn leave_out(&self, group: &mut Group, robots: &[Placement], postures: usize) {
+        let Partner::Part(other) = group.other else { return };
+        let overlaps = |seen: u16| usize::from(seen & !NEAR) == postures;
+        let is_checked = |seen: u16| seen & NEAR != 0 && !overlaps(seen);
+        let robot = &robots[group.part.robot];
+        let nodes = |part: usize| &robot.nodes[robot.parts[part].nodes.clone()];
+        let of = |a: u32, b: u32| self.pairs[self.at(robot, a as usize, b as usize)];
+        let is_whole = Cell::new(true);
+        let open = Bits::of(nodes(group.part.part), nodes(other.part), |a, b| {
+            let is_checked = is_checked(of(a, b));
+            is_whole.set(is_whole.get() && is_checked);
+            is_checked
+        });
+        if is_whole.get() {
+            return;
+        }
+        let links = group.pairs(robots).filter_map(|(pair, _)| match pair.other {
+            Other::Limb(other) => Some([pair.limb.link, other.link]),
+            Other::Obstacle(_) => None,
+        });
+        // Pairs are in the order of links, which that of the parts need not be.
+        let mut overlapping: Vec<[usize; 2]> = links
+            .filter(|&[a, b]| {
+                let [a, b] = if robot.part_of(a) == group.part.part { [a, b] } else { [b, a] };
+                overlaps(self.pairs[self.at(robot, a, b)])
+            })
+            .collect();
+        overlapping.sort_unstable();
+        (group.open, group.overlapping) = (Some(Arc::new(open)), overlapping.into());
     }
 }
 
@@ -193,68 +329,5 @@ fn spread(placement: &Placement, sample: usize) -> Joints {
     placement.shape().between_limits(&|joint| halton(sample, joint))
 }
 
-/// A distance \[m\] that two placed bodies keep for certain: that of the balls around them.
-pub(super) fn at_least(one: &Placed, other: &Placed) -> f64 {
-    (one.centre - other.centre).norm() - one.around - other.around
-}
-
 #[cfg(test)]
-mod tests {
-    use std::sync::Arc;
-
-    use mrroc::fault::Name;
-    use mrroc::random::Random;
-    use nalgebra::Vector3;
-
-    use super::*;
-    use crate::Irp6;
-    use crate::models::Capsule;
-
-    #[test]
-    fn clusters_leave_out_the_pairs_that_each_pair_alone_leaves_out_in_all_postures() {
-        let mut arm = Placement::new(Name::new("arm").expect("a name"), Arc::new(Irp6::nominal()));
-        let rank = arm.links.iter().map(|link| link.rank).max().expect("links") + 1;
-        let mut random = Random::seeded(3);
-        for _ in 0..100 {
-            let mut point = |size: f64| Vector3::from_fn(|_, _| random.within(size));
-            let end = point(0.4);
-            let capsule = Capsule::new(end, end + point(0.05), 0.03);
-            arm.carry(Link { name: "tool".into(), rank, moved_by: arm.shape().flange_motions() }, capsule);
-        }
-        let mut robots = [arm];
-        let mut pairs = possible(&robots, 0);
-        let mut seen = vec![Seen::default(); pairs.len()];
-        let mut stood = 0;
-        for sample in 1.. {
-            let q = spread(&robots[0], sample);
-            if !robots[0].shape().is_possible(&q) || !robots[0].stand(&q, None) {
-                continue;
-            }
-            for (pair, seen) in pairs.iter().zip(&mut seen) {
-                let Other::Limb(other) = pair.other else { panic!("no obstacles here") };
-                let [one, other] = [pair.limb.link, other.link].map(|link| robots[0].placed[link].capsule);
-                seen.add(one.gap(&other).distance);
-            }
-            stood += 1;
-            if stood == POSTURES {
-                break;
-            }
-        }
-        let all = pairs.clone();
-        let removed = without_meaningless(&mut pairs, &mut robots, &[]);
-        let (mut overlap, mut apart) = (0, 0);
-        for (pair, seen) in all.iter().zip(&seen) {
-            let why = removed.iter().find(|(removed, _)| removed == pair).map(|(_, why)| *why);
-            let expected = match seen {
-                Seen { overlapped: true, apart: false, .. } => Some(Unchecked::AlwaysOverlap),
-                Seen { apart: true, near: false, .. } => Some(Unchecked::NeverMeet),
-                _ => None,
-            };
-            assert_eq!(why, expected, "{pair:?}");
-            overlap += usize::from(why == Some(Unchecked::AlwaysOverlap));
-            apart += usize::from(why == Some(Unchecked::NeverMeet));
-        }
-        assert_eq!(pairs.len() + removed.len(), all.len());
-        assert!(apart > 20 && apart + overlap + 20 < all.len(), "{overlap} and {apart} of {}", all.len());
-    }
-}
+mod tests;

@@ -6,8 +6,9 @@ use mrroc::fault::Name;
 
 use super::check::Clearance;
 use super::obstacle::Obstacle;
-use super::pairs::Other;
-use super::posture::{Joints, Shape, travel};
+use super::pairs::{Group, Other, Pair};
+use super::placement::travel;
+use super::posture::{Joints, Shape};
 use crate::models::{Capsule, Link};
 
 /// A robot of a clearance.
@@ -48,7 +49,7 @@ impl RobotPart {
         let mut motions = Vec::new();
         self.shape.motions(q, half, &mut |motion| motions.push(motion));
         for (i, (link, capsule)) in self.links.iter().zip(capsules).enumerate() {
-            let more = travel(link, &capsule, &motions)[0];
+            let more = travel(link.moved_by, &capsule, &motions)[0];
             visit(i, Capsule { radius: capsule.radius + more, ..capsule }, more);
         }
         true
@@ -98,16 +99,20 @@ impl Clearance {
     }
 
     /// The pairs that are checked.
-    pub fn checked_pairs(&self) -> impl ExactSizeIterator<Item = CheckedPair> {
-        self.checked().iter().map(|pair| CheckedPair {
+    pub fn checked_pairs(&self) -> impl Iterator<Item = CheckedPair> {
+        let of = |group: &Group, pair: Pair| CheckedPair {
             robot: pair.limb.robot,
             link: pair.limb.link,
             partner: match pair.other {
                 Other::Limb(limb) => Partner::Link(limb.robot, limb.link),
                 Other::Obstacle(obstacle) => Partner::Obstacle(obstacle),
             },
-            margin: pair.margin,
-            since: pair.since,
+            margin: group.margin,
+            since: group.since,
+        };
+        self.checked().iter().flat_map(move |group| {
+            let pairs = group.pairs(&self.robots).filter(|(_, is_checked)| *is_checked);
+            pairs.map(move |(pair, _)| of(group, pair))
         })
     }
 }

@@ -1,11 +1,10 @@
-//! A robot of any kind as the clearance sees it: capsules where they are, and how far each may still get.
+//! A robot of any kind as the clearance sees it, without its type.
+//!
+//! In: an [`Outline`]. Out: a [`Shape`], whose joints are the first of eight numbers.
 
-use std::sync::Arc;
-
-use mrroc::fault::Name;
 use mrroc::prelude::*;
 use mrroc::robot::{JointKind, JointVector, Limits, MAX_JOINTS};
-use nalgebra::{SVector, Vector3};
+use nalgebra::SVector;
 
 use super::stopping::{Pace, Stopping};
 use crate::models::{Capsule, Chain, Link, Motion, Outline};
@@ -22,15 +21,16 @@ pub struct Stretch {
     pub half: Joints,
 }
 
-/// The most motions that a robot's outline may have.
-const MOTIONS: usize = 17;
-
 /// An [`Outline`] without its type: joints are the first of eight numbers.
 pub trait Shape: Send + Sync {
     /// As [`Outline::links`].
     fn links(&self) -> Vec<Link>;
     /// As [`Outline::capsules`].
     fn capsules(&self, q: &Joints, visit: &mut dyn FnMut(Capsule));
+    /// As [`Outline::rigid`].
+    fn rigid(&self) -> Option<Vec<(usize, Capsule)>>;
+    /// As [`Outline::link_frames`].
+    fn link_frames(&self, q: &Joints, visit: &mut dyn FnMut(&Pose));
     /// As [`Outline::motions`].
     fn motions(&self, q: &Joints, distances: &Joints, visit: &mut dyn FnMut(Motion));
     /// As [`Outline::flange_motions`].
@@ -64,6 +64,14 @@ impl<O: Outline> Shape for O {
 
     fn capsules(&self, q: &Joints, visit: &mut dyn FnMut(Capsule)) {
         Outline::capsules(self, &JointVector::from_joints(|i| q[i]), visit);
+    }
+
+    fn rigid(&self) -> Option<Vec<(usize, Capsule)>> {
+        Outline::rigid(self)
+    }
+
+    fn link_frames(&self, q: &Joints, visit: &mut dyn FnMut(&Pose)) {
+        Outline::link_frames(self, &JointVector::from_joints(|i| q[i]), visit);
     }
 
     fn motions(&self, q: &Joints, distances: &Joints, visit: &mut dyn FnMut(Motion)) {
@@ -145,214 +153,4 @@ fn padded<J: JointVector>(joints: &J) -> Joints {
         *place = *value;
     }
     all
-}
-
-/// A capsule where it is.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Placed {
-    pub(super) capsule: Capsule,
-    pub(super) centre: Vector3<f64>,
-    pub(super) around: f64,
-    /// How far any of its points may still get \[m\] by the motions from the `i`th on.
-    pub(super) travel: [f64; MOTIONS + 1],
-}
-
-impl Placed {
-    pub(super) fn new(capsule: Capsule) -> Self {
-        let (centre, around) = capsule.ball();
-        Self { capsule, centre, around, travel: [0.0; MOTIONS + 1] }
-    }
-}
-
-/// How far any point of a link's capsule may get \[m\] by the motions from the `i`th on.
-pub(super) fn travel(link: &Link, capsule: &Capsule, motions: &[Motion]) -> [f64; MOTIONS + 1] {
-    let mut travel = [0.0; MOTIONS + 1];
-    // Seen from now, the last joint moves first; those before carry on what it did.
-    for (i, motion) in motions.iter().enumerate().take(MOTIONS).rev() {
-        let moved = travel[i + 1];
-        let is_moved = link.moved_by >> i & 1 == 1;
-        travel[i] = moved + if is_moved { motion.travel(capsule, moved) } else { 0.0 };
-    }
-    travel
-}
-
-/// A robot, what it carries, and where it is.
-#[derive(Clone)]
-pub(super) struct Placement {
-    pub(super) name: Name,
-    shape: Arc<dyn Shape>,
-    /// The robot's own links, then what it carries.
-    pub(super) links: Vec<Link>,
-    own: usize,
-    /// Capsules in the flange's frame.
-    carried: Vec<Capsule>,
-    pub(super) placed: Vec<Placed>,
-    motions: Vec<Motion>,
-}
-
-impl Placement {
-    pub(super) fn new(name: Name, shape: Arc<dyn Shape>) -> Self {
-        let links = shape.links();
-        let own = links.len();
-        let placed = Vec::with_capacity(own);
-        Self { name, shape, links, own, carried: Vec::new(), placed, motions: Vec::with_capacity(MOTIONS) }
-    }
-
-    /// Number of the robot's own links.
-    pub(super) const fn own(&self) -> usize {
-        self.own
-    }
-
-    pub(super) fn shape(&self) -> &Arc<dyn Shape> {
-        &self.shape
-    }
-
-    /// What it carries, in the flange's frame.
-    pub(super) fn carried(&self) -> &[Capsule] {
-        &self.carried
-    }
-
-    /// Fixes a capsule, given in F, to the flange.
-    pub(super) fn carry(&mut self, link: Link, capsule: Capsule) {
-        self.links.push(link);
-        self.carried.push(capsule);
-        self.placed.reserve(self.links.len() - self.placed.len());
-    }
-
-    /// Takes away what is carried under this name; whether there was any.
-    pub(super) fn drop_carried(&mut self, name: &str) -> bool {
-        let before = self.carried.len();
-        for i in (self.own..self.links.len()).rev() {
-            if &*self.links[i].name == name {
-                self.links.remove(i);
-                self.carried.remove(i - self.own);
-            }
-        }
-        self.carried.len() != before
-    }
-
-    /// Stands the robot at `q`, its joints moving by at most `distances` more; whether it can stand there.
-    #[allow(non_snake_case)]
-    pub(super) fn stand(&mut self, q: &Joints, distances: Option<&Joints>) -> bool {
-        let Self { shape, links, own, carried, placed, motions, .. } = self;
-        placed.clear();
-        shape.capsules(q, &mut |capsule| {
-            if placed.len() < *own {
-                placed.push(Placed::new(capsule));
-            }
-        });
-        if placed.len() != *own {
-            return false;
-        }
-        if !carried.is_empty() {
-            let X_WF = shape.flange(q);
-            placed.extend(carried.iter().map(|capsule| Placed::new(capsule.moved(&X_WF))));
-        }
-        if let Some(distances) = distances {
-            motions.clear();
-            shape.motions(q, distances, &mut |motion| {
-                if motions.len() < MOTIONS {
-                    motions.push(motion);
-                }
-            });
-            for (link, placed) in links.iter().zip(placed.iter_mut()) {
-                placed.travel = travel(link, &placed.capsule, motions);
-            }
-        }
-        placed.iter().all(|placed| placed.around.is_finite() && placed.centre.sum().is_finite())
-            && placed.iter().all(|placed| placed.travel[0].is_finite())
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::models::{Irp6, Irp6FiveDof, Irp6Track, Polycrank, Rnt, Serial, SerialOutline};
-    use nalgebra::Point3;
-    use proptest::prelude::*;
-
-    /// An arm read from a file of `tests/reference/urdf`, with stout links.
-    fn read<const N: usize>(text: &str, ends: [&str; 2], base: Pose) -> Arc<dyn Shape> {
-        let builder = Serial::<N>::from_urdf(text, ends[0], ends[1]).unwrap();
-        let robot = builder.with_acceleration(nalgebra::SVector::repeat(0.5)).unwrap();
-        Arc::new(SerialOutline::new(robot.with_base(base), 0.05))
-    }
-
-    fn arms() -> Vec<Placement> {
-        let base = Pose::new(Vector3::new(0.3, -0.2, 0.1), Vector3::new(0.2, 0.4, -1.0));
-        let shapes: [Arc<dyn Shape>; 7] = [
-            Arc::new(Irp6::nominal().with_base(base)),
-            Arc::new(Irp6FiveDof::nominal().with_base(base)),
-            Arc::new(Irp6Track::nominal().with_base(base)),
-            Arc::new(Rnt::new().with_base(base)),
-            Arc::new(Polycrank::new().with_base(base)),
-            read::<4>(include_str!("../../tests/reference/urdf/gantry.urdf"), ["bed", "tool"], base),
-            read::<4>(include_str!("../../tests/reference/urdf/palletiser.urdf"), ["base", "tool"], base),
-        ];
-        shapes.map(|shape| Placement::new(Name::new("arm").unwrap(), shape)).into_iter().collect()
-    }
-
-    proptest! {
-        /// Wherever the joints go within their distances, no end of a capsule gets farther than its travel, and no two links of one
-        /// robot nearer than by the travels of the motions between.
-        #[test]
-        fn no_end_of_a_link_gets_farther_than_its_travel(
-            part in proptest::array::uniform8(0.05..0.95_f64),
-            distances in proptest::array::uniform8(0.0..0.5_f64),
-            to in proptest::array::uniform8(-1.0..1.0_f64),
-        ) {
-            for mut arm in arms() {
-                arm.carry(
-                    Link { name: "tool".into(), rank: 9, moved_by: arm.shape().flange_motions() },
-                    Capsule::new(Vector3::new(0.0, 0.0, 0.1), Vector3::new(0.1, -0.05, 0.25), 0.03),
-                );
-                let q = arm.shape().between_limits(&|i| part[i]);
-                // Lengths of RNT's actuators change by a tenth of what angles do.
-                let is_rnt = &*arm.links[0].name == "column" && arm.own() == 7;
-                let is_short = |i: usize| is_rnt && (i == 1 || i == 2);
-                let distances: Joints = core::array::from_fn(|i| if is_short(i) { 0.1 * distances[i] } else { distances[i] });
-                let moved: Joints = core::array::from_fn(|i| q[i] + distances[i] * to[i]);
-                if !arm.stand(&moved, None) {
-                    continue;
-                }
-                let after: Vec<Capsule> = arm.placed.iter().map(|placed| placed.capsule).collect();
-                if !arm.stand(&q, Some(&distances)) {
-                    continue;
-                }
-                for ((link, placed), after) in arm.links.iter().zip(&arm.placed).zip(&after) {
-                    for (end, there) in placed.capsule.ends.iter().zip(&after.ends) {
-                        prop_assert!((end - there).norm() <= placed.travel[0] + 1e-9, "{}", link.name);
-                    }
-                }
-                // Pairs that are checked.
-                let n = arm.links.len();
-                for (a, b) in (0..n).flat_map(|a| (0..n).map(move |b| (a, b))) {
-                    let apart = arm.links[a].moved_by ^ arm.links[b].moved_by;
-                    if apart == 0 || arm.links[a].rank.abs_diff(arm.links[b].rank) < 2 { continue }
-                    let since = apart.trailing_zeros() as usize;
-                    let (one, other) = (&arm.placed[a], &arm.placed[b]);
-                    let before = one.capsule.gap(&other.capsule).distance;
-                    let now = after[a].gap(&after[b]).distance;
-                    let bound = one.travel[since] + other.travel[since];
-                    prop_assert!(now >= before - bound - 1e-9, "{} {}", arm.links[a].name, arm.links[b].name);
-                }
-            }
-        }
-    }
-
-    #[test]
-    fn what_is_carried_hangs_on_the_flange() {
-        for mut arm in arms() {
-            let q = arm.shape().between_limits(&|i| 0.3 + 0.05 * i as f64);
-            let end = Vector3::new(0.0, 0.1, 0.2);
-            arm.carry(Link::new("tool", 9, 16), Capsule::new(Vector3::zeros(), end, 0.03));
-            assert!(arm.stand(&q, None));
-            let flange = arm.shape().flange(&q);
-            let tool = arm.placed.last().unwrap().capsule;
-            assert!((tool.ends[0] - flange.translation.vector).amax() < 1e-14);
-            assert!((tool.ends[1] - (flange * Point3::from(end)).coords).amax() < 1e-14);
-            assert!(arm.drop_carried("tool"));
-            assert!(!arm.drop_carried("tool"));
-        }
-    }
 }

@@ -6,8 +6,8 @@
 use super::check::Clearance;
 use super::error::ClearanceError;
 use super::obstacle::Obstacle;
-use super::pairs::{Other, Pair};
-use super::posture::Placement;
+use super::pairs::{Group, Partner};
+use super::placement::Placement;
 
 impl Clearance {
     /// Puts another body in the place of an obstacle, of the same name, and gives back the one that stood there. It allocates nothing,
@@ -26,16 +26,18 @@ impl Clearance {
         if !obstacle.is_valid() {
             return Err(ClearanceError::BadBody { body: name.into() });
         }
-        let is_own = |pair: &Pair| pair.other == Other::Obstacle(place);
-        for i in self.checked..self.pairs.len() {
-            let pair = &self.pairs[i];
-            if is_own(pair) && is_moved(&self.robots, pair) {
-                self.pairs.swap(i, self.checked);
+        for i in 0..self.groups.len() {
+            let group = &mut self.groups[i];
+            if group.other != Partner::Obstacle(place) || !is_moved(&self.robots, group) {
+                continue;
+            }
+            group.check_all();
+            if i >= self.checked {
+                self.groups.swap(i, self.checked);
                 self.checked += 1;
+                self.search.forget();
             }
         }
-        let Self { unchecked, robots, .. } = self;
-        unchecked.retain(|(pair, _)| !(is_own(pair) && is_moved(robots, pair)));
         Ok(core::mem::replace(&mut self.bodies[place], obstacle))
     }
 
@@ -46,7 +48,8 @@ impl Clearance {
     }
 }
 
-/// Whether a joint moves the link of a pair.
-fn is_moved(robots: &[Placement], pair: &Pair) -> bool {
-    robots[pair.limb.robot].links[pair.limb.link].moved_by != 0
+/// Whether a joint moves the links of a group.
+fn is_moved(robots: &[Placement], group: &Group) -> bool {
+    let robot = &robots[group.part.robot];
+    robot.links[robot.parts[group.part.part].link].moved_by != 0
 }

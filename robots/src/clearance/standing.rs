@@ -1,12 +1,12 @@
 //! A robot of a clearance as obstacles: where it stands, or all that it may pass through.
 
-use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use super::check::Clearance;
 use super::error::ClearanceError;
+use super::near::PartOf;
 use super::obstacle::{Bodies, Obstacle};
-use super::pairs::{Limb, Other, Pair};
+use super::pairs::{Group, Partner};
 use crate::models::Capsule;
 
 impl Clearance {
@@ -54,38 +54,35 @@ impl Clearance {
             .filter_map(|(link, place)| Some((Arc::clone(&link.name), Arc::clone(&names[(*place)?]))))
             .collect();
         clearance.rename(robot, &new_names);
-        let limb = |limb: Limb| Limb { robot: limb.robot - usize::from(limb.robot > gone), ..limb };
-        let moved = |pair: &Pair| -> Option<Pair> {
-            let (one, other) = match pair.other {
-                Other::Limb(other) if pair.is_own() => {
-                    (pair.limb.robot != gone).then(|| (limb(pair.limb), Other::Limb(limb(other))))?
+        let gone_part = |part: PartOf| places[self.robots[gone].parts[part.part].link];
+        let kept = |part: PartOf| PartOf { robot: part.robot - usize::from(part.robot > gone), ..part };
+        let moved = |group: &Group| -> Option<Group> {
+            let (part, other) = match group.other {
+                Partner::Part(other) if group.is_own() => {
+                    (group.part.robot != gone).then(|| (kept(group.part), Partner::Part(kept(other))))?
                 }
-                Other::Limb(other) if pair.limb.robot == gone => {
-                    (limb(other), Other::Obstacle(places[pair.limb.link]?))
+                Partner::Part(other) if group.part.robot == gone => {
+                    (kept(other), Partner::Obstacle(gone_part(group.part)?))
                 }
-                Other::Limb(other) if other.robot == gone => {
-                    (limb(pair.limb), Other::Obstacle(places[other.link]?))
+                Partner::Part(other) if other.robot == gone => {
+                    (kept(group.part), Partner::Obstacle(gone_part(other)?))
                 }
-                Other::Limb(other) => (limb(pair.limb), Other::Limb(limb(other))),
-                Other::Obstacle(_) => (pair.limb.robot != gone).then(|| (limb(pair.limb), pair.other))?,
+                Partner::Part(other) => (kept(group.part), Partner::Part(kept(other))),
+                Partner::Obstacle(_) => {
+                    (group.part.robot != gone).then(|| (kept(group.part), group.other))?
+                }
             };
-            Some(Pair { limb: one, other, ..*pair })
+            Some(group.between(part, other))
         };
-        // Links that are called alike are one obstacle.
-        let mut known = BTreeSet::new();
-        let mut is_new = |pair: &Pair| match pair.other {
-            Other::Obstacle(o) => known.insert((pair.limb.robot, pair.limb.link, o)),
-            Other::Limb(_) => true,
-        };
-        let (checked, later) = self.pairs.split_at(self.checked);
-        let mut kept = |pairs: &[Pair]| -> Vec<Pair> {
-            pairs.iter().filter_map(moved).filter(|pair| is_new(pair)).collect()
-        };
-        clearance.pairs = kept(checked);
-        clearance.checked = clearance.pairs.len();
-        clearance.pairs.extend(kept(later));
-        clearance.unchecked =
-            self.unchecked.iter().filter_map(|(pair, why)| Some((moved(pair)?, *why))).collect();
+        let mut groups: Vec<Group> = Vec::new();
+        for group in self.groups.iter().filter_map(moved) {
+            // Links that are called alike are one obstacle.
+            let same = |known: &Group| (known.part, known.other) == (group.part, group.other);
+            if !groups.iter().any(same) {
+                groups.push(group);
+            }
+        }
+        clearance.set_groups(groups);
         clearance.stretches.remove(gone);
         clearance.stopping_distances.remove(gone);
         Ok(clearance)

@@ -210,11 +210,6 @@ impl Obstacle {
         };
         Some((bounds.low, bounds.high))
     }
-
-    /// The gap to a ball, or a number below it \[m\].
-    pub(super) fn at_least(&self, centre: &Vector3<f64>, radius: f64) -> f64 {
-        self.distance(centre, f64::INFINITY) - radius
-    }
 }
 
 #[cfg(test)]

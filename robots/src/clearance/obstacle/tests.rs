@@ -195,7 +195,7 @@ proptest! {
         prop_assert!(obstacle.is_valid());
         let gap = obstacle.gap(&Capsule::new(centre, centre, 0.1));
         let distance = gap.distance + 0.1;
-        prop_assert!((obstacle.at_least(&centre, 0.1) - gap.distance).abs() < 1e-12);
+        prop_assert!((obstacle.distance(&centre, f64::INFINITY) - 0.1 - gap.distance).abs() < 1e-12);
         prop_assert!((obstacle.distance(&centre, most) - distance.min(most)).abs() < 1e-12);
         prop_assert_eq!(obstacle.ball_clear(&centre, distance.max(0.0) + 1e-9), false);
         if distance > 0.0 {

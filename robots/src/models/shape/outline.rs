@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use mrroc::pose::Pose;
 use mrroc::robot::Robot;
 use nalgebra::Vector3;
 
@@ -129,6 +130,15 @@ pub trait Outline: Send + Sync + 'static {
 
     /// Visits the capsules at `q` [rad or m], in the world; fewer than there are links where the robot cannot stand so.
     fn capsules(&self, q: &<Self::Robot as Robot>::Joints, visit: &mut dyn FnMut(Capsule));
+
+    /// The same capsules where they are many and stand still in frames that the joints move: each in its frame, the number of which among those
+    /// of [`link_frames`](Outline::link_frames) comes first. Then only those that matter are placed. `None` unless an outline says otherwise.
+    fn rigid(&self) -> Option<Vec<(usize, Capsule)>> {
+        None
+    }
+
+    /// Visits the poses of these frames at `q` [rad or m], in the world; fewer where the robot cannot stand so.
+    fn link_frames(&self, _q: &<Self::Robot as Robot>::Joints, _visit: &mut dyn FnMut(&Pose)) {}
 
     /// Visits the motions that moving every joint from `q` by at most `distances` [rad or m, >= 0] either way consists of, from
     /// base to flange; at most 17.

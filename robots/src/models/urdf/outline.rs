@@ -107,7 +107,7 @@ impl<const N: usize> SerialOutline<N> {
     }
 
     /// The base, the frames of the joints, and the flange.
-    fn frames(&self, q: &SVector<f64, N>) -> ([Pose; MOST_SEGMENTS + 2], usize) {
+    fn all_frames(&self, q: &SVector<f64, N>) -> ([Pose; MOST_SEGMENTS + 2], usize) {
         let mut frames = [Pose::identity(); MOST_SEGMENTS + 2];
         let mut count = 0;
         self.robot.frames(q, &mut |frame| {
@@ -148,7 +148,7 @@ impl<const N: usize> Outline for SerialOutline<N> {
     }
 
     fn capsules(&self, q: &SVector<f64, N>, visit: &mut dyn FnMut(Capsule)) {
-        let (frames, count) = self.frames(q);
+        let (frames, count) = self.all_frames(q);
         match &self.shape {
             Shape::Bars(radius) => {
                 for ends in frames[..count].windows(2) {
@@ -163,8 +163,19 @@ impl<const N: usize> Outline for SerialOutline<N> {
         }
     }
 
+    fn rigid(&self) -> Option<Vec<(usize, Capsule)>> {
+        match &self.shape {
+            Shape::Bars(_) => None,
+            Shape::Bodies(bodies) => Some(bodies.iter().map(|body| (body.joints, body.capsule)).collect()),
+        }
+    }
+
+    fn link_frames(&self, q: &SVector<f64, N>, visit: &mut dyn FnMut(&Pose)) {
+        self.robot.frames(q, visit);
+    }
+
     fn motions(&self, q: &SVector<f64, N>, distances: &SVector<f64, N>, visit: &mut dyn FnMut(Motion)) {
-        let (frames, _) = self.frames(q);
+        let (frames, _) = self.all_frames(q);
         visit(Motion::Slide { bound: 0.0 });
         for (segment, frame) in self.robot.segments().iter().zip(&frames[1..]) {
             let bound = segment.multiplier.abs() * distances[segment.leader];
