@@ -42,8 +42,8 @@ fn pursue(mp: &mut Mp, replanner: &mut Replanner, goals: &[Six]) -> Result<(), F
     for goal in &goals[1..] {
         // Your program waits for a sensor here.
         mp.wait_until((), (), following.reached(following.time() + 0.3))?;
-        match replanner.turn(mp, &following, 0.2, &[goal.as_slice().to_vec()])? {
-            Replanned::Turned(plan) => println!("a new goal, reached at {:.3} s", plan.duration()),
+        match replanner.hand_over(mp, &following, 0.2, &[goal.as_slice().to_vec()])? {
+            Replanned::HandedOver(plan) => println!("a new goal, reached at {:.3} s", plan.duration()),
             Replanned::Kept(why) => println!("no new plan: {}", why.message()),
         }
     }

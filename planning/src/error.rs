@@ -125,6 +125,14 @@ pub enum PlanError {
         /// Those of the planner.
         planner: String,
     },
+    /// There is no time for planning before robots are handed over.
+    #[error("a lead of {lead} s of path time: planning needs at least {least} s")]
+    Lead {
+        /// What was given \[s\].
+        lead: f64,
+        /// The least \[s\].
+        least: f64,
+    },
     /// A new plan is asked from before the old one begins.
     #[error("no new plan from {at} s of path time: the plan begins at {begins:.3} s")]
     PathTime {
@@ -135,7 +143,7 @@ pub enum PlanError {
     },
     /// Robots that move cannot leave their path for another one.
     #[error(
-        "no motion within the limits leads from {at:.3} s of the plan to another path: help: a later path time"
+        "no motion leads from {at:.3} s of the plan to another path: within the limits there is none, or what is common to both is not clear in a changed world: help: a later path time"
     )]
     HandOver {
         /// The path time \[s\].

@@ -79,7 +79,7 @@ impl Following {
     /// # Errors
     /// Then the robots follow the plan that they had. [`PlanError::TooLate`]: they have passed that path time, or have come to their end;
     /// [`PlanError::OtherPlan`]: the new plan was not made from this one.
-    pub fn turn(&self, plan: &Plan) -> Result<(), PlanError> {
+    pub fn hand_over(&self, plan: &Plan) -> Result<(), PlanError> {
         let (now, at) = (self.time(), plan.motion.leaves);
         if now > at || self.is_over() {
             return Err(PlanError::TooLate { time: now, at });

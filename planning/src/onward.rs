@@ -14,7 +14,7 @@ use crate::error::PlanError;
 use crate::limits::Limits;
 use crate::path::Path;
 use crate::speed::Speed;
-use crate::timing::{Cell, Passed, SHARES, Stops, along, share_of_limits};
+use crate::timing::{Cell, Passed, SHARES, Stops, along, share_of_limits, window};
 
 /// By what limits of velocity and acceleration are divided on the common part: there the motion may begin at its limit, computed otherwise.
 const COMMON: Cell = Cell { velocity: 0.998, acceleration: 0.995, ..Cell::FREE };
@@ -97,6 +97,8 @@ impl Onward<'_> {
         let corner = self.path.corner_from(from);
         let from = if corner < begin { place(corner) } else { place(from).saturating_sub(1) };
         let end = grid.len() - 1;
+        // Robots that stand have a mean of nothing so far.
+        let old = self.speed.with_window_if_still(window(self.limits));
         let speed = stops.slowed(checker, from, &least, |most| {
             for _ in 0..ROUNDS {
                 let part = |[from, to]: [usize; 2], v: f64| {
@@ -113,7 +115,7 @@ impl Onward<'_> {
                 if split < end {
                     parts.push(part([split, end], 0.0)?);
                 }
-                let speed = self.speed.onward(self.at, &parts, self.reaction);
+                let speed = old.onward(self.at, &parts, self.reaction);
                 if !self.slow(&speed, &grid, &least, &mut cells) {
                     return Ok(speed);
                 }

@@ -35,7 +35,8 @@ pub(crate) struct Motion {
 }
 
 impl Plan {
-    /// How long the motion lasts at full speed \[s\]: the path time at which it ends.
+    /// The path time at which the motion ends \[s\]: how long it lasts at full speed. A plan that robots are handed over to counts on from the plan
+    /// before it.
     #[must_use]
     pub fn duration(&self) -> f64 {
         self.motion.speed.duration()

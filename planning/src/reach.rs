@@ -3,18 +3,26 @@
 //! In: the range of velocities that each joint of a robot may have, and its limits. Out: for each joint a [`Reach`], within which it is at each
 //! share of the stop, 0 to 1. All joints of a robot are at the same share, whatever the path speed was: the operator may have lowered it.
 //!
-//! From the velocities `k r`, `k` between 0 and 1, the robot goes on for a time of at most `T_r`, and then brakes.
+//! A robot has the joint velocities `k r`, with `k` between 0 and 1. It goes on for a time of at most `T_r`, the reaction time, in which `k` may change, and then
+//! brakes within the limits of acceleration `a_i` and jerk `j_i`. `T = max |r_i| / a_i` is the longest time that a joint brakes at full speed, and `G = T_r + T / 2`.
 //!
-//! - **Without limits of jerk** all joints stand after `T = max |r_i| / a_i`, on a straight line in joint space: `lambda r_i (T_r + T / 2)`.
-//! - **With them** each joint brakes by itself. Compare it with a joint that has the velocity `k` until the robot brakes, and then brakes for `k T`. That
-//!   one goes at most `G = T_r + T / 2`; the share `lambda` is how much of `G` it has gone. No joint brakes for longer, so one with `r_i > 0` gets no farther
-//!   than `lambda r_i G`. Its velocity falls sooner, so the ratio of both travels falls until both stand: it has gone at least `lambda r_i G T_i / T`,
-//!   `T_i = r_i / a_i`.
+//! **Without limits of jerk** all joints of a robot stand at the same time, on a straight line in joint space: at `lambda r_i G`, with the share `lambda`.
 //!
-//!   A limit of jerk `j` makes braking later. The acceleration `a_i` fades first, in which the joint gains up to `c = a_i^2 / 2j`, and then rises against the
-//!   motion: a delay of at most `1.5 a_i / j`, and the travel that `c` adds. An acceleration that is against the motion already makes it shorter,
-//!   but no shorter than braking evenly at once; a joint that is slower than `c` may go back as far as one that begins with `c`. Demands are made in
-//!   steps: what that shifts is within [`LATE`]. In all it gets no farther than [`braking_distance`] after the reaction time.
+//! **With them** each joint brakes by itself. Compare it with a joint of velocity `k` that goes on for as long, and then brakes for `k T`: it goes at most `G`,
+//! and the share `lambda` is the part of `G` that it has gone. For `r_i > 0`, and without what jerk adds:
+//!
+//! - upper bound: `lambda r_i G`, because no joint brakes for longer than the one beside it;
+//! - lower bound: `lambda r_i G T_i / T`, with `T_i = r_i / a_i`. Until the robot brakes both have gone in the ratio `r_i`. After that the velocity of the joint
+//!   falls to a smaller share than that of the other, so the ratio falls until both stand, and then it is at least `r_i T_i / T`;
+//! - in all no more than [`braking_distance`] after the reaction time.
+//!
+//! What jerk adds, with `c = a_i^2 / 2 j_i`, the most velocity that a joint gains while an acceleration fades:
+//!
+//! - above: braking begins up to `1.5 a_i / j_i` later, and from a velocity that is up to `c` larger;
+//! - below: an acceleration may be against the motion when braking begins. The joint then goes no less far than by even braking from that instant. One that is slower
+//!   than `c` is carried back, by no more than one goes that begins with `c`.
+//!
+//! Demands are made in steps: a joint is up to half a step sooner than in continuous time, which [`LATE`] has room for.
 
 use core::ops::Range;
 

@@ -43,7 +43,7 @@ struct Turn {
 
 impl Planner {
     /// A new plan for robots that follow `plan`: it is the same motion until the path time `at` \[s\], and then leads to the first of `goals` that
-    /// is reached. Robots may be handed over to it at any time before ([`Following::turn`](crate::Following::turn)). Path times are those of `plan`;
+    /// is reached. Robots may be handed over to it at any time before ([`Following::hand_over`](crate::Following::hand_over)). Path times are those of `plan`;
     /// behind its end `at` is its end.
     ///
     /// The planner may know another world than the one of `plan`: what the robots pass from `at` on is proven anew.
@@ -118,7 +118,7 @@ impl Planner {
         }
         let goal = parts.last().and_then(|part| part.last()).unwrap_or(&corner).clone();
         let mut error = PlanError::HandOver { at };
-        for from in [turn.from, None] {
+        for from in turn.from.map(Some).into_iter().chain([None]) {
             let mut points = points.clone();
             let (leaves, common, rests) = match from {
                 Some(from) if turns(&path, from, &points) => {
@@ -129,6 +129,10 @@ impl Planner {
                 None => (turn.at, turn.at, true),
             };
             let mut new = path.until(leaves);
+            if points.len() < 2 && new.pieces.is_empty() {
+                // The robots stand at the goal.
+                continue;
+            }
             if points.len() > 1 {
                 self.checker.more = more;
                 new.append(&Path::rounded(&mut self.checker, &mut self.edges, &points));

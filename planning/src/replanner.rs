@@ -21,6 +21,8 @@ use crate::planner::Planner;
 
 /// The path time before the hand-over at which a new plan must be there \[s\]: what the program and its guard need until then.
 const BEFORE: f64 = 0.02;
+/// The least path time from a query to the hand-over \[s\].
+const LEAST: f64 = 0.05;
 
 /// Plans anew while robots follow a plan, on a thread of its own.
 ///
@@ -44,8 +46,8 @@ const BEFORE: f64 = 0.02;
 ///     let following = Following::new(&plan);
 ///     mp.start_robot(arm, following.motion("irp6")?)?;
 ///     // .. the program waits for a sensor, then:
-///     match replanner.turn(mp, &following, 0.2, &[then])? {
-///         Replanned::Turned(plan) => println!("the motion now lasts {:.3} s", plan.duration()),
+///     match replanner.hand_over(mp, &following, 0.2, &[then])? {
+///         Replanned::HandedOver(plan) => println!("reached at {:.3} s of path time", plan.duration()),
 ///         Replanned::Kept(why) => println!("{why}"),
 ///     }
 ///     mp.wait_until((), (), following.reached(f64::INFINITY))
@@ -73,7 +75,7 @@ struct Query {
 #[must_use]
 pub enum Replanned {
     /// The robots follow this plan, which leads to the new goal.
-    Turned(Plan),
+    HandedOver(Plan),
     /// They follow the plan that they had, to its end: there is no new plan, or it came too late.
     Kept(Fault),
 }
@@ -87,7 +89,10 @@ impl Replanner {
         let (queries, asked) = channel::<Query>();
         let (tells, answers) = channel();
         let run = move || {
-            while let Ok(Query { number, mut planner, plan, at, goals }) = asked.recv() {
+            while let Ok(oldest) = asked.recv() {
+                // Nobody waits for the answers to those before.
+                let Query { number, mut planner, plan, at, goals } =
+                    asked.try_iter().last().unwrap_or(oldest);
                 // Without a program that waits for it the answer is nothing.
                 let _ = tells.send((number, planner.replan(&plan, at, &goals)));
             }
@@ -102,9 +107,15 @@ impl Replanner {
         &mut self.planner
     }
 
-    /// Begins to plan for robots that will be at the end of `lead` \[s\], >= 0, of path time from now; returns that instant of path time. An older query
-    /// is forgotten.
-    pub fn ask(&mut self, following: &Following, lead: f64, goals: &[Vec<f64>]) -> f64 {
+    /// Begins to plan for robots that will be at the end of `lead` \[s\], at least 0.05 s, of path time from now; returns that instant of path time. An older
+    /// query is forgotten; if its plan is in the making, that is finished first.
+    ///
+    /// # Errors
+    /// [`PlanError::Lead`].
+    pub fn ask(&mut self, following: &Following, lead: f64, goals: &[Vec<f64>]) -> Result<f64, PlanError> {
+        if !(lead.is_finite() && lead >= LEAST) {
+            return Err(PlanError::Lead { lead, least: LEAST });
+        }
         let (plan, now) = (following.plan(), following.time());
         let at = (now + lead).min(plan.duration());
         self.asked += 1;
@@ -112,7 +123,7 @@ impl Replanner {
         let (number, planner, goals) = (self.asked, self.planner.clone(), goals.to_vec());
         // Where the thread has ended there is no answer, which is told then.
         let _ = self.queries.send(Query { number, planner, plan: plan.since(now), at, goals });
-        at
+        Ok(at)
     }
 
     /// Hands the robots over to the plan that was asked for last, if there is one. Under the virtual clock it waits for it.
@@ -127,18 +138,18 @@ impl Replanner {
             Err(fault) if fault.kind() == FaultKind::Program => return Ok(Replanned::Kept(fault)),
             Err(fault) => return Err(fault),
         };
-        Ok(match following.turn(&plan) {
-            Ok(()) => Replanned::Turned(plan),
+        Ok(match following.hand_over(&plan) {
+            Ok(()) => Replanned::HandedOver(plan),
             Err(error) => Replanned::Kept(error.into()),
         })
     }
 
-    /// Leads the robots to one of `goals` from where they will be after `lead` \[s\], >= 0, of path time: asks, waits until shortly before, and
+    /// Leads the robots to one of `goals` from where they will be after `lead` \[s\], at least 0.05 s, of path time: asks, waits until shortly before, and
     /// hands them over. `lead` is what there is for planning, less 20 ms. If a suspension has led the robots past that place, it asks again.
     ///
     /// # Errors
-    /// The [`Fault`] of the Wait, or as of [`Mp::recorded`].
-    pub fn turn(
+    /// The [`Fault`] of the Wait, as of [`ask`](Self::ask), or as of [`Mp::recorded`].
+    pub fn hand_over(
         &mut self,
         mp: &mut Mp,
         following: &Following,
@@ -146,12 +157,12 @@ impl Replanner {
         goals: &[Vec<f64>],
     ) -> Result<Replanned, Fault> {
         loop {
-            let at = self.ask(following, lead, goals);
+            let at = self.ask(following, lead, goals)?;
             mp.wait_until((), (), following.reached(at - BEFORE))?;
             let was_passed = following.time() > at && !following.is_over();
             let outcome = self.take(mp, following)?;
             // A Wait does not look while robots slow down to a suspension.
-            if !was_passed {
+            if !was_passed || matches!(outcome, Replanned::HandedOver(_)) {
                 return Ok(outcome);
             }
         }

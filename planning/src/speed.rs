@@ -42,6 +42,15 @@ impl Speed {
         Speed { knots: Vec::new(), window: 0.0, stretch: 1.0, begins: 0.0 }
     }
 
+    /// The same; of robots that stay where they are, to be averaged over `window` \[s\], >= 0, with what they do next.
+    pub(crate) fn with_window_if_still(&self, window: f64) -> Self {
+        let mut speed = self.clone();
+        if speed.knots.is_empty() {
+            speed.window = window;
+        }
+        speed
+    }
+
     /// The same, slower by a factor >= 1.
     pub(crate) fn slower(mut self, factor: f64) -> Self {
         self.stretch *= factor;

@@ -19,7 +19,7 @@ use crate::limits::Limits;
 use crate::path::Path;
 use crate::reach::{Reach, reaches};
 
-/// The most boxes into which the states of a stop are divided.
+/// The most boxes into which the states of a stop are divided. With four times as many, motions of four arms were as fast, and took twice as long to plan.
 const MOST: usize = 100;
 
 /// The shortest part of a stop that is divided [rad or m].

@@ -4,7 +4,7 @@
 //! from every instant all stops clear ([`Swept`]).
 //!
 //! First the fastest motion; then, piece by piece, what its stops sweep. Where that is not clear, the speed is limited to the largest
-//! that is, and the motion is planned anew. What is slower anywhere is slower nowhere else, so few rounds are needed.
+//! that is, and the motion is planned anew. A lower limit in one place makes no other place faster, so few rounds are needed.
 
 use mrroc_generators::curve::{Parametric, SplinePoint};
 use mrroc_generators::profile::ProfilePoint;
@@ -77,7 +77,7 @@ pub(crate) fn timed(
 }
 
 /// The window of time over which a motion is averaged, so that the limits of jerk are kept \[s\].
-fn window(limits: &Limits) -> f64 {
+pub(crate) fn window(limits: &Limits) -> f64 {
     let jerks = limits.jerk.iter().zip(&limits.acceleration);
     jerks.filter_map(|(jerk, a)| jerk.map(|jerk| 2.0 * a / jerk)).fold(0.0, f64::max)
 }
@@ -153,8 +153,13 @@ impl Stops<'_> {
                 }
                 // Less, and the less the more often it was tried: the speed of a place is measured with that of its neighbours.
                 let share = 1.0 - 0.03 * (round + 1) as f64;
+                let mut is_least = true;
                 for (most, least) in most[cell..=last].iter_mut().zip(&least[cell..=last]) {
                     *most = most.min((share * slow).max(*least));
+                    is_least &= *most <= *least;
+                }
+                if is_least {
+                    return Err(not_clear(cell));
                 }
                 slowed = Some(cell);
             }

@@ -174,6 +174,23 @@ fn a_new_plan_is_the_old_one_until_its_instant_and_keeps_limits_and_margins_over
     }
 }
 
+#[test]
+fn robots_that_stand_are_given_a_goal_within_their_limits_of_jerk() {
+    let kind = Kind::SevenAxes;
+    let (mut planner, mut random) = (kind.planner(1), Random::seeded(1));
+    let (other, goal) = kind.plan(&mut planner, &mut random);
+    let here = other.at(0.0);
+    let plan = planner.plan(&here, core::slice::from_ref(&here)).expect("a plan that stays");
+    assert_eq!(plan.duration(), 0.0);
+    let new = planner.replan(&plan, 0.0, core::slice::from_ref(&goal)).expect("a plan");
+    assert_eq!((new.at(0.0), new.at(new.duration())), (here.clone(), goal));
+    let mut all = Sweep::default();
+    all.keeps_limits(kind, &new);
+    all.check(kind);
+    // There is nothing to do.
+    assert!(matches!(planner.replan(&plan, 0.0, &[here]), Err(PlanError::HandOver { .. })));
+}
+
 /// As many seeds as `MRROC_PLANS` says, in release.
 #[test]
 #[ignore = "takes minutes"]
@@ -277,8 +294,8 @@ fn pursuing(goals: Vec<Vec<f64>>, lead: f64, told: &Rc<RefCell<Told>>) -> Cell {
         mp.start_robot(&mut arm, following.motion("arm")?)?;
         for goal in &goals {
             mp.wait_until((), (), following.reached(following.time() + 0.1))?;
-            match replanner.turn(mp, &following, lead, core::slice::from_ref(goal))? {
-                Replanned::Turned(_) => told.borrow_mut().plans += 1,
+            match replanner.hand_over(mp, &following, lead, core::slice::from_ref(goal))? {
+                Replanned::HandedOver(_) => told.borrow_mut().plans += 1,
                 Replanned::Kept(why) => told.borrow_mut().kept.push(why.message().to_string()),
             }
         }
@@ -366,7 +383,10 @@ fn a_new_plan_that_comes_too_late_is_refused_and_the_old_one_is_followed() {
         let plan = replanner.planner().plan(&here, &[B.to_vec()])?;
         let following = Following::new(&plan);
         mp.start_robot(&mut arm, following.motion("arm")?)?;
-        let at = replanner.ask(&following, 0.1, &[ABOVE.to_vec()]);
+        for lead in [0.0, f64::NAN, 0.049] {
+            assert!(matches!(replanner.ask(&following, lead, &[]), Err(PlanError::Lead { .. })), "{lead}");
+        }
+        let at = replanner.ask(&following, 0.1, &[ABOVE.to_vec()])?;
         mp.wait_until((), (), following.reached(at + 0.05))?;
         let Replanned::Kept(why) = replanner.take(mp, &following)? else { panic!("it is late") };
         assert!(why.message().to_string().starts_with("the new plan leaves the old one at 0.1"), "{why}");
@@ -375,13 +395,13 @@ fn a_new_plan_that_comes_too_late_is_refused_and_the_old_one_is_followed() {
         // A plan that was made from another one is none for these robots.
         let other = replanner.planner().plan(&here, &[ABOVE.to_vec()])?;
         let other = replanner.planner().replan(&other, 0.7, &[B.to_vec()])?;
-        assert_eq!(following.turn(&other), Err(PlanError::OtherPlan));
+        assert_eq!(following.hand_over(&other), Err(PlanError::OtherPlan));
         mp.wait_until((), (), following.reached(f64::INFINITY))?;
         mp.end_robot(&mut arm)?;
         let end = mp.wait_until((&mut arm,), (), HereAll::<(Serial<6>,)>::default())?.joints();
         assert_eq!(end, B.to_vec());
         let late = replanner.planner().replan(&plan, 9.0, &[ABOVE.to_vec()])?;
-        assert!(matches!(following.turn(&late), Err(PlanError::TooLate { .. })), "it is over");
+        assert!(matches!(following.hand_over(&late), Err(PlanError::TooLate { .. })), "it is over");
         Ok(())
     });
     keep_limits(&demands(cell));
@@ -438,8 +458,8 @@ fn a_guard_that_is_told_of_new_plans_finds_the_arm_on_them() {
             // There and back again, many times: the plan does not grow.
             for k in 0..30 {
                 let goal = if k % 2 == 0 { A } else { B };
-                match replanner.turn(mp, &following, 0.2, &[goal.to_vec()])? {
-                    Replanned::Turned(plan) => {
+                match replanner.hand_over(mp, &following, 0.2, &[goal.to_vec()])? {
+                    Replanned::HandedOver(plan) => {
                         let closest = plan.closest(&mut clearance, 0.05)?;
                         assert!(closest.distance() >= 0.02, "{k}: {closest}");
                         guard.follow_from(&plan, following.time())?;
@@ -552,7 +572,7 @@ fn steps_of_a_motion_that_is_handed_over_allocate_nothing() {
         let motion = Counted { motion: following.motion("arm")?, allocated: Rc::clone(&counted) };
         mp.start_robot(&mut arm, motion)?;
         mp.wait_until((), (), following.reached(0.2))?;
-        following.turn(&new)?;
+        following.hand_over(&new)?;
         mp.wait_until((), (), following.reached(f64::INFINITY))?;
         mp.end_robot(&mut arm)
     });
