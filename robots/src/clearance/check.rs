@@ -274,6 +274,7 @@ impl Clearance {
     }
 
     pub(super) fn set_groups(&mut self, mut groups: Vec<Group>) {
+        groups.iter_mut().for_each(|group| group.find_single(&self.robots));
         groups.sort_by_key(|group| !group.is_checked());
         self.checked = groups.iter().filter(|group| group.is_checked()).count();
         self.search = Search::among(&groups);

@@ -68,9 +68,12 @@ pub(super) enum Partner {
 pub(super) struct Group {
     pub(super) part: PartOf,
     pub(super) other: Partner,
+    is_own: bool,
     /// The first motion that moves one of them alone: those before move both alike.
     pub(super) since: usize,
     pub(super) margin: f64,
+    /// The places of their leaves where there is one pair; of an obstacle twice that of the link.
+    pub(super) single: Option<[usize; 2]>,
     /// Which of the pairs are checked; `None`: all.
     open: Option<Arc<Bits>>,
     /// All are checked nevertheless: another obstacle stands in the place of the one for which that was found.
@@ -81,12 +84,35 @@ pub(super) struct Group {
 
 impl Group {
     pub(super) fn new(part: PartOf, other: Partner, since: usize) -> Self {
-        Self { part, other, since, margin: 0.0, open: None, is_replaced: false, overlapping: Arc::new([]) }
+        let is_own = matches!(other, Partner::Part(other) if other.robot == part.robot);
+        let overlapping = Arc::new([]);
+        Self {
+            part,
+            other,
+            is_own,
+            since,
+            margin: 0.0,
+            single: None,
+            open: None,
+            is_replaced: false,
+            overlapping,
+        }
     }
 
     /// The same pairs, of parts that have other numbers.
     pub(super) fn between(&self, part: PartOf, other: Partner) -> Self {
         Self { part, other, ..self.clone() }
+    }
+
+    /// Whether it has one pair, and of which leaves, from where its parts are among the nodes of the robots.
+    pub(super) fn find_single(&mut self, robots: &[Placement]) {
+        let leaf = |PartOf { robot, part }: PartOf| {
+            let nodes = &robots[robot].parts[part].nodes;
+            (nodes.len() == 1).then_some(nodes.start)
+        };
+        let one = leaf(self.part);
+        let other = if let Partner::Part(other) = self.other { leaf(other) } else { one };
+        self.single = one.zip(other).map(<[usize; 2]>::from);
     }
 
     /// One of its pairs, which has the names and the rank of all.
@@ -99,8 +125,8 @@ impl Group {
     }
 
     /// Whether both are parts of one robot.
-    pub(super) fn is_own(&self) -> bool {
-        matches!(self.other, Partner::Part(other) if other.robot == self.part.robot)
+    pub(super) const fn is_own(&self) -> bool {
+        self.is_own
     }
 
     /// Which of its pairs are checked; `None`: all.

@@ -199,7 +199,8 @@ impl Placement {
     /// Stands the robot at `q`, its joints moving by at most `distances` more; whether it can stand there.
     #[allow(non_snake_case)]
     pub(super) fn stand(&mut self, q: &Joints, distances: Option<&Joints>) -> bool {
-        let Self { shape, own, carried, rigid, frames, turns, placed, motions, leaves, .. } = self;
+        let Self { shape, own, carried, rigid, frames, turns, placed, motions, leaves, parts, nodes, .. } =
+            self;
         self.posture += 1;
         frames.clear();
         frames.push(if carried.is_empty() { Pose::identity() } else { shape.flange(q) });
@@ -207,9 +208,7 @@ impl Placement {
             let mut count = 0;
             shape.capsules(q, &mut |capsule| {
                 if count < *own {
-                    let placed = &mut placed[leaves[count]];
-                    let (centre, around) = capsule.ball();
-                    (placed.capsule, placed.centre, placed.around) = (capsule, centre, around + ROUNDING);
+                    placed[leaves[count]].capsule = capsule;
                 }
                 count += 1;
             });
@@ -220,7 +219,10 @@ impl Placement {
             shape.link_frames(q, &mut |frame| frames.push(*frame));
         }
         turns.clear();
-        turns.extend(frames.iter().map(|frame| *frame.rotation.to_rotation_matrix().matrix()));
+        // They tell how far boxes reach, which parts of one capsule have none of.
+        if nodes.len() > parts.len() {
+            turns.extend(frames.iter().map(|frame| *frame.rotation.to_rotation_matrix().matrix()));
+        }
         self.is_moving = distances.is_some();
         motions.clear();
         if let Some(distances) = distances {
@@ -236,7 +238,8 @@ impl Placement {
             if frame.is_some_and(|frame| frame >= self.frames.len()) {
                 return false;
             }
-            let Placed { centre, around, travel, .. } = self.place(part, root);
+            self.place_anew(part, root);
+            let Placed { centre, around, travel, .. } = &self.placed[root];
             centre.sum().is_finite() && around.is_finite() && travel[0].is_finite()
         })
     }
@@ -250,30 +253,42 @@ impl Placement {
         &self.placed[at]
     }
 
-    #[allow(non_snake_case)]
+    #[inline]
     fn place_anew(&mut self, part: usize, at: usize) {
-        let node = &self.nodes[at];
-        let link = node.link as usize;
-        let frame = self.parts[part].frame.and_then(|frame| self.frames.get(frame));
-        if let Some(X_WA) = frame {
-            let fixed = if node.is_leaf() { self.fixed(link).map(|(_, capsule)| capsule) } else { None };
-            let placed = &mut self.placed[at];
-            if let Some(capsule) = fixed {
-                placed.capsule = capsule.moved(X_WA);
-                placed.centre = 0.5 * (placed.capsule.ends[0] + placed.capsule.ends[1]);
-            } else {
-                placed.centre = X_WA.transform_point(&Point3::from(node.centre)).coords;
-                placed.capsule = Capsule::new(placed.centre, placed.centre, node.radius);
+        match self.parts[part].frame {
+            Some(frame) => self.move_with(frame, at),
+            // The outline has placed its capsule.
+            None => {
+                let placed = &mut self.placed[at];
+                let (centre, around) = placed.capsule.ball();
+                (placed.centre, placed.around) = (centre, around + ROUNDING);
             }
-            placed.around = node.radius;
         }
         let placed = &mut self.placed[at];
         placed.posture = self.posture;
         if self.is_moving {
+            let link = self.nodes[at].link as usize;
             placed.travel = travel(self.links[link].moved_by, &placed.capsule, &self.motions);
         } else if placed.travel[0] != 0.0 {
             placed.travel = [0.0; MOTIONS + 1];
         }
+    }
+
+    /// Puts a node to where its frame is.
+    #[allow(non_snake_case)]
+    fn move_with(&mut self, frame: usize, at: usize) {
+        let Some(X_WA) = self.frames.get(frame) else { return };
+        let node = &self.nodes[at];
+        let fixed = if node.is_leaf() { self.fixed(node.link as usize) } else { None };
+        let placed = &mut self.placed[at];
+        if let Some((_, capsule)) = fixed {
+            placed.capsule = capsule.moved(X_WA);
+            placed.centre = 0.5 * (placed.capsule.ends[0] + placed.capsule.ends[1]);
+        } else {
+            placed.centre = X_WA.transform_point(&Point3::from(node.centre)).coords;
+            placed.capsule = Capsule::new(placed.centre, placed.centre, node.radius);
+        }
+        placed.around = node.radius;
     }
 
     /// The rotation of a part's frame.

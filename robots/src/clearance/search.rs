@@ -10,6 +10,7 @@
 //! may begin: most others are farther away than it is. Parts of robots with many capsules are looked at by their trees, those first that
 //! may be nearest.
 
+use super::cover::ROUNDING;
 use super::gap::Gap;
 use super::near::{Beside, Between, Leaf, PartOf};
 use super::obstacle::Obstacle;
@@ -37,7 +38,7 @@ pub(super) struct World<'a> {
 pub(super) struct Search {
     /// Groups that are left to look at, with how much is left between their bodies at least.
     later: Vec<(f64, usize)>,
-    /// The group and the links of the pair that was nearest.
+    /// The group and the leaves of the pair that was nearest.
     last: Option<(usize, [usize; 2])>,
 }
 
@@ -62,16 +63,22 @@ impl Search {
         let World { robots, bodies, groups } = world;
         let look = |number: usize| Look { number, group: &groups[number], bodies, purpose };
         let mut best = Best { least, found: None };
-        if let Some((group, links)) = self.last.filter(|(group, _)| is_wanted(&groups[*group])) {
-            look(group).look_at(robots, links, &mut best);
+        let last = self.last.filter(|(number, _)| is_wanted(&groups[*number]));
+        if let Some((number, leaves)) = last {
+            look(number).place(robots, leaves);
+            look(number).look_at(robots, leaves, &mut best);
         }
         let mut count = 0;
-        for number in (0..groups.len()).filter(|number| is_wanted(&groups[*number])) {
-            let look = look(number);
-            if look.look_at_single(robots, &mut best) {
+        for (number, group) in groups.iter().enumerate() {
+            if !is_wanted(group) {
                 continue;
             }
-            if let Some(left) = look.at_least(robots, best.least) {
+            if let Some(leaves) = group.single {
+                // Most are excluded by the balls around them.
+                if look(number).is_near(robots, leaves, best.least) && last != Some((number, leaves)) {
+                    look(number).look_at(robots, leaves, &mut best);
+                }
+            } else if let Some(left) = look(number).at_least(robots, best.least) {
                 self.later[count] = (left, number);
                 count += 1;
             }
@@ -85,7 +92,7 @@ impl Search {
             look(*number).look(robots, best.least, &mut |found| best.offer(found));
         }
         if let Some(found) = &best.found {
-            self.last = Some((found.group, found.links));
+            self.last = Some((found.group, found.leaves));
         }
         best.found
     }
@@ -101,7 +108,7 @@ struct Best {
 /// A pair, and what is taken off its distance.
 pub(super) struct Found {
     group: usize,
-    links: [usize; 2],
+    leaves: [usize; 2],
     pub(super) pair: Pair,
     pub(super) gap: Gap,
     pub(super) travel: f64,
@@ -155,32 +162,6 @@ impl Look<'_> {
         }
     }
 
-    /// Looks at its pair, if it has one; whether it has.
-    #[inline]
-    fn look_at_single(&self, robots: &mut [Placement], best: &mut Best) -> bool {
-        let root = |robots: &[Placement], PartOf { robot, part }: PartOf| {
-            let nodes = &robots[robot].parts[part].nodes;
-            (nodes.len() == 1).then_some(nodes.start)
-        };
-        let Some(at) = root(robots, self.group.part) else { return false };
-        let link = robots[self.group.part.robot].nodes[at].link as usize;
-        match self.group.other {
-            Partner::Part(other) => {
-                let Some(beside) = root(robots, other) else { return false };
-                if self.group.open().is_none_or(|open| open.has(0, 0)) {
-                    let beside = robots[other.robot].nodes[beside].link as usize;
-                    self.look_at(robots, [link, beside], best);
-                }
-            }
-            Partner::Obstacle(o) => {
-                if self.beside(o).at_least(robots, at, best.least).is_some() {
-                    self.look_at(robots, [link; 2], best);
-                }
-            }
-        }
-        true
-    }
-
     /// Looks at all its pairs.
     fn look(&self, robots: &mut [Placement], least: f64, offer: &mut impl FnMut(Found) -> f64) {
         let PartOf { robot, part } = self.group.part;
@@ -200,60 +181,66 @@ impl Look<'_> {
         }
     }
 
-    /// Looks at one of its pairs.
-    fn look_at(&self, robots: &mut [Placement], links: [usize; 2], best: &mut Best) {
-        let part = self.group.part;
-        let leaf = |robot: &Placement, link: usize| robot.leaf(link);
-        let at = leaf(&robots[part.robot], links[0]);
-        robots[part.robot].place(part.part, at);
+    /// Places two of its leaves.
+    fn place(&self, robots: &mut [Placement], leaves: [usize; 2]) {
+        let PartOf { robot, part } = self.group.part;
+        robots[robot].place(part, leaves[0]);
+        if let Partner::Part(PartOf { robot, part }) = self.group.other {
+            robots[robot].place(part, leaves[1]);
+        }
+    }
+
+    /// Whether the balls around two leaves that are placed have no more than `least` \[m\] left between them.
+    #[inline(always)]
+    fn is_near(&self, robots: &[Placement], leaves: [usize; 2], least: f64) -> bool {
+        let Group { part, since, margin, .. } = self.group;
+        let is_slack = self.purpose == Purpose::Slack;
+        let one = robots[part.robot].placed(leaves[0]);
         match self.group.other {
             Partner::Part(other) => {
-                let beside = leaf(&robots[other.robot], links[1]);
-                robots[other.robot].place(other.part, beside);
-                let leaves = [Leaf::of(&robots[part.robot], at), Leaf::of(&robots[other.robot], beside)];
-                if self.balls_left(leaves) <= best.least {
-                    best.offer(self.links(other.robot, leaves[0], leaves[1]));
-                }
+                let other = robots[other.robot].placed(leaves[1]);
+                let taken = if is_slack { one.travel[*since] + other.travel[*since] + margin } else { 0.0 };
+                let reach = least + one.around + other.around + taken;
+                reach >= 0.0 && (one.centre - other.centre).norm_squared() <= reach * reach
             }
             Partner::Obstacle(o) => {
-                let leaf = Leaf::of(&robots[part.robot], at);
-                if let Some(found) = self.obstacle(o, leaf, best.least) {
-                    best.offer(found);
-                }
+                let taken = one.around + if is_slack { one.travel[0] + margin } else { 0.0 };
+                self.bodies[o].distance(&one.centre, least + taken + ROUNDING) - taken <= least
             }
         }
     }
 
-    /// How much is left between the balls around two capsules \[m\].
-    #[inline]
-    fn balls_left(&self, [one, other]: [Leaf<'_>; 2]) -> f64 {
-        let Group { since, margin, .. } = self.group;
-        let [a, b] = [one.placed, other.placed];
-        let taken = match self.purpose {
-            Purpose::Slack => a.travel[*since] + b.travel[*since] + margin,
-            Purpose::Distance => 0.0,
+    /// Looks at one of its pairs, by leaves that are placed.
+    fn look_at(&self, robots: &[Placement], leaves: [usize; 2], best: &mut Best) {
+        let one = Leaf::of(&robots[self.group.part.robot], leaves[0]);
+        let found = match self.group.other {
+            Partner::Part(PartOf { robot, .. }) => {
+                Some(self.links(robot, one, Leaf::of(&robots[robot], leaves[1])))
+            }
+            Partner::Obstacle(o) => self.obstacle(o, one, best.least),
         };
-        (a.centre - b.centre).norm() - a.around - b.around - taken
+        if let Some(found) = found {
+            best.offer(found);
+        }
     }
 
     #[inline]
     fn links(&self, robot: usize, one: Leaf<'_>, other: Leaf<'_>) -> Found {
-        let Group { since, margin, part, .. } = self.group;
-        let (links, [one, other]) = ([one.link, other.link], [one.placed, other.placed]);
-        let limbs = [Limb { robot: part.robot, link: links[0] }, Limb { robot, link: links[1] }];
+        let limbs = [Limb { robot: self.group.part.robot, link: one.link }, Limb { robot, link: other.link }];
         let (pair, turned) = Pair::of(limbs[0], limbs[1]);
         let [a, b] = if turned { [other, one] } else { [one, other] };
-        let gap = a.capsule.gap(&b.capsule);
+        let gap = a.placed.capsule.gap(&b.placed.capsule);
+        let Group { since, margin, .. } = self.group;
         let [travel, margin] = match self.purpose {
-            Purpose::Slack => [a.travel[*since] + b.travel[*since], *margin],
+            Purpose::Slack => [a.placed.travel[*since] + b.placed.travel[*since], *margin],
             Purpose::Distance => [0.0; 2],
         };
-        Found { group: self.number, links, pair, gap, travel, margin }
+        Found { group: self.number, leaves: [one.at, other.at], pair, gap, travel, margin }
     }
 
     /// Of a link and the obstacle, if what is left between them is not more than `least` \[m\].
     fn obstacle(&self, obstacle: usize, leaf: Leaf<'_>, least: f64) -> Option<Found> {
-        let Leaf { link, placed, .. } = leaf;
+        let Leaf { at, link, placed } = leaf;
         let [travel, margin] = match self.purpose {
             Purpose::Slack => [placed.travel[0], self.group.margin],
             Purpose::Distance => [0.0; 2],
@@ -263,7 +250,7 @@ impl Look<'_> {
         let gap = self.bodies[obstacle].gap_below(&placed.capsule, most + most.abs() * 1e-12 + 1e-12)?;
         let limb = Limb { robot: self.group.part.robot, link };
         let pair = Pair { limb, other: Other::Obstacle(obstacle) };
-        Some(Found { group: self.number, links: [link; 2], pair, gap, travel, margin })
+        Some(Found { group: self.number, leaves: [at; 2], pair, gap, travel, margin })
     }
 }
 
