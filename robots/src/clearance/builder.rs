@@ -56,16 +56,20 @@ impl ClearanceBuilder {
     /// Adds a robot under the name that it has in the cell, its base where it stands.
     ///
     /// # Errors
-    /// [`ClearanceError::Name`], [`ClearanceError::SecondRobot`], [`ClearanceError::BadBody`] for a link without a radius above 0.
+    /// [`ClearanceError::Name`], [`ClearanceError::SecondRobot`], [`ClearanceError::BadBody`] for a link without a radius above 0, [`ClearanceError::BadOutline`].
     pub fn robot(mut self, name: &str, outline: impl Outline) -> Result<Self, ClearanceError> {
         let robot = Name::new(name)?;
         if self.clearance.place_of(name).is_some() {
             return Err(ClearanceError::SecondRobot { robot });
         }
         let placement = Placement::new(robot, Arc::new(outline));
+        let (shape, links) = (placement.shape(), placement.links.len());
+        if shape.rigid().is_some_and(|rigid| rigid.len() != links) {
+            return Err(ClearanceError::BadOutline { robot, links });
+        }
         // Radii are the same in all postures.
         let mut radii = Vec::new();
-        placement.shape().capsules(&[0.0; MAX_JOINTS], &mut |capsule| radii.push(capsule.radius));
+        shape.capsules(&shape.between_limits(&|_| 0.5), &mut |capsule| radii.push(capsule.radius));
         let thin = radii.iter().zip(&placement.links).find(|(r, _)| !(r.is_finite() && **r > 0.0));
         if let Some((_, link)) = thin {
             return Err(ClearanceError::BadBody { body: format!("{robot} {}", link.name).into() });

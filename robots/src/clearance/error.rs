@@ -118,6 +118,14 @@ pub enum ClearanceError {
         /// The link, tool, body or obstacle.
         body: Arc<str>,
     },
+    /// An outline says of more or fewer capsules than it has links what they are fixed to.
+    #[error("{robot}: its outline has {links} links, and must have as many rigid capsules or none")]
+    BadOutline {
+        /// The robot.
+        robot: Name,
+        /// How many links it has.
+        links: usize,
+    },
     /// A margin below 0 or not finite.
     #[error("a margin of {margin} m: it must be finite and at least 0")]
     BadMargin {

@@ -98,7 +98,7 @@ impl Placement {
     pub(super) fn new(name: Name, shape: Arc<dyn Shape>) -> Self {
         let links = shape.links();
         // The first frame is the flange's.
-        let rigid = shape.rigid().filter(|rigid| rigid.len() == links.len()).unwrap_or_default();
+        let rigid = shape.rigid().unwrap_or_default();
         let rigid = rigid.into_iter().map(|(frame, capsule)| (frame + 1, capsule)).collect();
         let mut placement = Self {
             name,
@@ -192,6 +192,8 @@ impl Placement {
         for (at, node) in self.nodes.iter().enumerate().filter(|(_, node)| node.is_leaf()) {
             self.leaves[node.link as usize] = at;
         }
+        // It has stood nowhere with these.
+        self.posture = 0;
         self.placed = vec![Placed::NOWHERE; self.nodes.len()];
         self.frames.clear();
     }
