@@ -68,11 +68,10 @@ pub(super) enum Partner {
 pub(super) struct Group {
     pub(super) part: PartOf,
     pub(super) other: Partner,
-    is_own: bool,
     /// The first motion that moves one of them alone: those before move both alike.
     pub(super) since: usize,
     pub(super) margin: f64,
-    /// The places of their leaves where there is one pair; of an obstacle twice that of the link.
+    /// Where there is one pair, the places of its leaves among the nodes of their robots; with an obstacle twice that of the link.
     pub(super) single: Option<[usize; 2]>,
     /// Which of the pairs are checked; `None`: all.
     open: Option<Arc<Bits>>,
@@ -84,19 +83,8 @@ pub(super) struct Group {
 
 impl Group {
     pub(super) fn new(part: PartOf, other: Partner, since: usize) -> Self {
-        let is_own = matches!(other, Partner::Part(other) if other.robot == part.robot);
         let overlapping = Arc::new([]);
-        Self {
-            part,
-            other,
-            is_own,
-            since,
-            margin: 0.0,
-            single: None,
-            open: None,
-            is_replaced: false,
-            overlapping,
-        }
+        Self { part, other, since, margin: 0.0, single: None, open: None, is_replaced: false, overlapping }
     }
 
     /// The same pairs, of parts that have other numbers.
@@ -104,7 +92,7 @@ impl Group {
         Self { part, other, ..self.clone() }
     }
 
-    /// Whether it has one pair, and of which leaves, from where its parts are among the nodes of the robots.
+    /// Finds whether it has one pair, and of which leaves.
     pub(super) fn find_single(&mut self, robots: &[Placement]) {
         let leaf = |PartOf { robot, part }: PartOf| {
             let nodes = &robots[robot].parts[part].nodes;
@@ -125,8 +113,8 @@ impl Group {
     }
 
     /// Whether both are parts of one robot.
-    pub(super) const fn is_own(&self) -> bool {
-        self.is_own
+    pub(super) fn is_own(&self) -> bool {
+        matches!(self.other, Partner::Part(other) if other.robot == self.part.robot)
     }
 
     /// Which of its pairs are checked; `None`: all.

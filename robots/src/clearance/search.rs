@@ -7,8 +7,8 @@
 //! ```
 //!
 //! of several with the same the first one by the order of [`Pair`], whatever was looked at first. So the pair that was nearest in the step before
-//! may begin: most others are farther away than it is. Parts of robots with many capsules are looked at by their trees, those first that
-//! may be nearest.
+//! may begin: most others are farther away than it is. Then parts of one capsule each are looked at, in their order, and after them those of many
+//! capsules by their trees, those first that may be nearest.
 
 use super::cover::ROUNDING;
 use super::gap::Gap;
