@@ -50,7 +50,8 @@ const LEAST: f64 = 0.05;
 ///         Replanned::HandedOver(plan) => println!("reached at {:.3} s of path time", plan.duration()),
 ///         Replanned::Kept(why) => println!("{why}"),
 ///     }
-///     mp.wait_until((), (), following.reached(f64::INFINITY))
+///     mp.wait_until((), (), following.reached(f64::INFINITY))?;
+///     mp.end_robot(arm)
 /// }
 /// ```
 pub struct Replanner {
