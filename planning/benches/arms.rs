@@ -31,6 +31,9 @@ use table::{Kind, Problem, Table};
 const ACCELERATION: f64 = 7.5;
 const JERK: f64 = 3750.0;
 
+/// Makes a table with so many arms of a kind.
+type Tables = Box<dyn Fn(usize) -> Table>;
+
 /// What came of a problem.
 struct Solved {
     /// Times of the search, of making shorter, and of a whole plan \[s\].
@@ -45,7 +48,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let words: Vec<String> = std::env::args().skip(1).filter(|word| !word.starts_with("--")).collect();
     let numbers: Vec<u64> = words.iter().filter_map(|word| word.parse().ok()).collect();
     let (seeds, first) = (numbers.first().copied().unwrap_or(100), numbers.get(1).copied().unwrap_or(1));
-    let mut kinds: Vec<(String, Box<dyn Fn(usize) -> Table>)> = Vec::new();
+    let mut kinds: Vec<(String, Tables)> = Vec::new();
     for file in words.iter().filter(|word| word.parse::<u64>().is_err()) {
         kinds.push(read(file)?);
     }
@@ -83,8 +86,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 }
 
 /// The robot of a file by its name, and a table with so many of them.
-#[allow(clippy::type_complexity)]
-fn read(file: &str) -> Result<(String, Box<dyn Fn(usize) -> Table>), Box<dyn Error>> {
+fn read(file: &str) -> Result<(String, Tables), Box<dyn Error>> {
     let problems = Problems::read(file, "urdf")?;
     let name = problems.robot["robot"].as_str().unwrap_or("robot").to_owned();
     Ok(match problems.joints() {

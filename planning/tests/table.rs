@@ -53,11 +53,13 @@ impl Kind {
     }
 }
 
+/// Draws a random position, and tells where the flange is then, seen from the base.
+type Draw = Box<dyn Fn(&mut Random) -> (Vec<f64>, Pose)>;
+
 /// Arms of one kind around a table.
 pub(crate) struct Table {
     arms: usize,
-    /// A random position, and where the flange is, seen from the base.
-    drawn: Box<dyn Fn(&mut Random) -> (Vec<f64>, Pose)>,
+    drawn: Draw,
     /// The first arm, the first two, and so on; each arm alone; all of them. Their boxes are not where a problem has them.
     first: Vec<Clearance>,
     alone: Vec<Clearance>,
