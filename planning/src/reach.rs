@@ -162,7 +162,7 @@ mod tests {
             velocity: vec![3.0; joints],
             acceleration,
             jerk: jerk.into_iter().map(Some).collect(),
-            robots: vec![0..joints],
+            robots: core::iter::once(0..joints).collect(),
             kinds: vec![JointKind::Revolute; joints],
         }
     }
