@@ -38,6 +38,35 @@ pub(crate) fn draw_two(random: &mut Random) -> Vec<f64> {
     (0..12).map(draw).collect()
 }
 
+/// A seven-axis arm, which has limits of jerk, and a ball in front of it.
+pub(crate) fn around_a_ball() -> ClearanceBuilder {
+    Clearance::with_margin(0.02)
+        .robot("arm", seven_axes(Pose::identity()))
+        .expect("an arm")
+        .obstacle("ball", Obstacle::ball(Vector3::new(0.45, 0.0, 0.45), 0.15))
+        .expect("a ball")
+        .ignore_own("arm")
+}
+
+/// What is planned.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Kind {
+    AroundABox,
+    TwoArms,
+    /// With limits of jerk.
+    SevenAxes,
+}
+
+impl Kind {
+    pub(crate) fn world(self) -> ClearanceBuilder {
+        match self {
+            Kind::AroundABox => around_a_box(),
+            Kind::TwoArms => two_arms(),
+            Kind::SevenAxes => around_a_ball(),
+        }
+    }
+}
+
 /// Two arms that face each other.
 pub(crate) fn two_arms() -> ClearanceBuilder {
     two_arms_of(six_axes)

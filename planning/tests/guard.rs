@@ -15,34 +15,13 @@ use mrroc_robots::Serial;
 use mrroc_robots::clearance::{Clearance, ClearanceBuilder, Obstacle, Outline, Stop, Stopping};
 use nalgebra::{SVector, Vector3};
 
-use super::cells::{around_a_box, draw_two, seven_axes, six_axes, stopping, two_arms};
+use super::cells::{Kind, around_a_box, draw_two, seven_axes, six_axes, stopping, two_arms};
 use super::plans::{A, B};
 use super::stops::{facing, setup, standing};
 
 const STEP: Duration = Duration::from_millis(2);
 
-/// What is planned.
-#[derive(Clone, Copy, Debug)]
-enum Kind {
-    AroundABox,
-    TwoArms,
-    SevenAxes,
-}
-
 impl Kind {
-    fn world(self) -> ClearanceBuilder {
-        match self {
-            Kind::AroundABox => around_a_box(),
-            Kind::TwoArms => two_arms(),
-            Kind::SevenAxes => Clearance::with_margin(0.02)
-                .robot("arm", seven_axes(Pose::identity()))
-                .expect("an arm")
-                .obstacle("ball", Obstacle::ball(Vector3::new(0.45, 0.0, 0.45), 0.15))
-                .expect("a ball")
-                .ignore_own("arm"),
-        }
-    }
-
     /// The joints of each robot, by name.
     fn robots(self) -> &'static [(&'static str, usize)] {
         match self {
@@ -52,7 +31,7 @@ impl Kind {
         }
     }
 
-    fn draw(self, random: &mut Random, side: f64) -> Vec<f64> {
+    fn draw_at(self, random: &mut Random, side: f64) -> Vec<f64> {
         match self {
             Kind::AroundABox => {
                 let middle = [0.9 * side, -0.3, 0.6, -1.8, -1.57, 0.0];
@@ -64,11 +43,11 @@ impl Kind {
     }
 
     /// A plan of this seed, if there is one.
-    fn plan(self, seed: u64) -> Option<Plan> {
+    fn planned(self, seed: u64) -> Option<Plan> {
         let clearance = self.world().build(stopping()).expect("a clearance");
         let mut planner = Planner::new(clearance).expect("a planner").with_seed(seed).with_effort(20_000);
         let mut random = Random::seeded(seed);
-        let (start, goal) = (self.draw(&mut random, -1.0), self.draw(&mut random, 1.0));
+        let (start, goal) = (self.draw_at(&mut random, -1.0), self.draw_at(&mut random, 1.0));
         match planner.plan(&start, &[goal]) {
             Ok(plan) => Some(plan),
             Err(
@@ -172,7 +151,7 @@ impl Sweep {
             if all.plans == plans {
                 break;
             }
-            if let Some(plan) = kind.plan(seed) {
+            if let Some(plan) = kind.planned(seed) {
                 all.watch(kind, &plan, seed);
                 if all.plans.is_multiple_of(100) {
                     all.print(kind);
@@ -206,7 +185,7 @@ fn a_guard_that_knows_the_plan_is_silent_on_it() {
 #[test]
 fn a_guard_that_knows_the_plan_allocates_nothing_in_a_step_also_where_an_obstacle_is_replaced() {
     let kind = Kind::AroundABox;
-    let plan = (1..50).find_map(|seed| kind.plan(seed)).expect("a plan");
+    let plan = (1..50).find_map(|seed| kind.planned(seed)).expect("a plan");
     let knows = guard(kind.world());
     knows.follow(&plan).expect("a plan of its robots");
     let bodies = kind.world().build(stopping()).expect("a clearance");
@@ -427,7 +406,7 @@ fn a_guard_of_two_arms_is_silent_at_runtime_and_watches_their_plan() {
             let world = two_arms().build(stopping()).expect("a clearance");
             let (mut planner, mut random) = (Planner::new(world)?.with_effort(20_000), Random::seeded(3));
             let plan =
-                (0..50).find_map(|_| planner.plan(&here, &[Kind::TwoArms.draw(&mut random, 1.0)]).ok());
+                (0..50).find_map(|_| planner.plan(&here, &[Kind::TwoArms.draw_at(&mut random, 1.0)]).ok());
             let plan = plan.ok_or_else(|| Fault::thrown("no plan"))?;
             guard.follow(&plan)?;
             let each = mrroc::generator::Each::of((plan.motion("left")?, plan.motion("right")?));
@@ -545,7 +524,7 @@ fn what_a_guard_stops_that_does_not_know_the_plan() {
         let mut by: BTreeMap<String, u32> = BTreeMap::new();
         while plans < count {
             seed += 1;
-            let Some(plan) = kind.plan(seed) else { continue };
+            let Some(plan) = kind.planned(seed) else { continue };
             plans += 1;
             let steps = (plan.duration() / STEP.as_secs_f64()).ceil() as u32;
             let mut seen = [false; 3];

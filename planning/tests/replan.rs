@@ -12,39 +12,16 @@ use mrroc_planning::{
 };
 use mrroc_recording::{CutOff, Replay};
 use mrroc_robots::Serial;
-use mrroc_robots::clearance::{Clearance, ClearanceBuilder, Obstacle, Outline, Stopping};
-use nalgebra::Vector3;
+use mrroc_robots::clearance::{Obstacle, Outline, Stopping};
 
-use super::cells::{around_a_box, draw_two, seven_axes, six_axes, stopping, two_arms};
+use super::cells::{Kind, around_a_box, draw_two, seven_axes, six_axes, stopping, two_arms};
 use super::plans::{A, B};
 use super::stops::{Breaks, STEP, facing, least_distance_after, setup, standing};
 
 /// Above the box.
 const ABOVE: [f64; 6] = [0.1, -1.6, 0.5, -0.5, -1.57, 0.0];
 
-/// What moves.
-#[derive(Clone, Copy, Debug)]
-enum Kind {
-    AroundABox,
-    TwoArms,
-    /// With limits of jerk.
-    SevenAxes,
-}
-
 impl Kind {
-    fn world(self) -> ClearanceBuilder {
-        match self {
-            Kind::AroundABox => around_a_box(),
-            Kind::TwoArms => two_arms(),
-            Kind::SevenAxes => Clearance::with_margin(0.02)
-                .robot("arm", seven_axes(Pose::identity()))
-                .expect("an arm")
-                .obstacle("ball", Obstacle::ball(Vector3::new(0.45, 0.0, 0.45), 0.15))
-                .expect("a ball")
-                .ignore_own("arm"),
-        }
-    }
-
     fn draw(self, random: &mut Random) -> Vec<f64> {
         match self {
             Kind::AroundABox => {

@@ -14,7 +14,8 @@ use mrroc_robots::clearance::{Clearance, Outline};
 use mrroc_robots::{Serial, SerialOutline, Simulated};
 
 use super::cells::{
-    around_a_box, bases, draw_two, seven_axes, six_axes, six_axes_with_jerk, stopping, two_arms, two_arms_of,
+    around_a_ball, around_a_box, bases, draw_two, seven_axes, six_axes, six_axes_with_jerk, stopping,
+    two_arms, two_arms_of,
 };
 use super::plans::{A, B};
 
@@ -162,14 +163,7 @@ fn stops_of_arms_that_do_not_brake_together_keep_the_margin_in_double_precision(
 
 #[test]
 fn stops_with_limits_of_jerk_keep_the_margin_from_any_acceleration() {
-    let ball = mrroc_robots::clearance::Obstacle::ball(nalgebra::Vector3::new(0.45, 0.0, 0.45), 0.15);
-    let clearance = Clearance::with_margin(0.02)
-        .robot("arm", seven_axes(Pose::identity()))
-        .expect("an arm")
-        .obstacle("ball", ball)
-        .expect("a ball")
-        .ignore_own("arm");
-    let mut clearance = clearance.build(stopping()).expect("a clearance");
+    let mut clearance = around_a_ball().build(stopping()).expect("a clearance");
     let mut planned = 0;
     for seed in 1..=40 {
         let mut planner = Planner::new(clearance.clone()).expect("a planner").with_seed(seed);
