@@ -62,7 +62,7 @@ impl Planner {
     pub fn beside_standing(&self, robot: &str, joints: &[f64]) -> Result<Planner, PlanError> {
         let part = self.part(robot, joints.len())?;
         let mut capsules = Vec::new();
-        let q = padded(|j| joints.get(j).copied().unwrap_or_default());
+        let q: [f64; MAX_JOINTS] = core::array::from_fn(|j| joints.get(j).copied().unwrap_or_default());
         let is_finite = q.iter().all(|q| q.is_finite());
         let mut keep = |link, capsule, _| capsules.push((link, capsule));
         if !(is_finite && part.around(&q, &[0.0; MAX_JOINTS], &mut keep)) {
@@ -140,8 +140,11 @@ impl Sweep<'_> {
     fn piece(&mut self, piece: Piece, links: &[usize]) -> Result<(), Refused> {
         let Motion { path, limits, reaction, offset, .. } = self.motion;
         let swept = Swept::new(path, piece.path, piece.speed, limits, *reaction);
-        let q = self.own(|j| swept.between(j, piece.stop)[0] + offset[j]);
-        let off = self.own(|j| swept.between(j, piece.stop)[1]);
+        let places = self.own(|j| {
+            let [middle, half] = swept.between(j, piece.stop);
+            [middle + offset[j], half]
+        });
+        let [q, off] = [0, 1].map(|i| places.map(|place| place[i]));
         // What is gained by cutting the path, and the stops.
         let along_path = 0.5 * (piece.path[1] - piece.path[0]);
         let along_stop = 0.5 * (piece.stop[1] - piece.stop[0]) * swept.longest(self.joints.clone());
@@ -183,11 +186,7 @@ impl Sweep<'_> {
     }
 
     /// A value for each joint of the robot, of those of the plan.
-    fn own(&self, of: impl Fn(usize) -> f64) -> [f64; MAX_JOINTS] {
-        padded(|j| if j < self.joints.len() { of(self.joints.start + j) } else { 0.0 })
+    fn own<T: Default>(&self, of: impl Fn(usize) -> T) -> [T; MAX_JOINTS] {
+        core::array::from_fn(|j| if j < self.joints.len() { of(self.joints.start + j) } else { T::default() })
     }
-}
-
-fn padded(of: impl Fn(usize) -> f64) -> [f64; MAX_JOINTS] {
-    core::array::from_fn(of)
 }

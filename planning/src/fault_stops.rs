@@ -9,7 +9,7 @@
 #![allow(clippy::result_large_err)]
 
 use mrroc::robot::MAX_JOINTS;
-use mrroc_robots::clearance::{Against, CheckError, Clearance, Joints, KnownPath, Stretch};
+use mrroc_robots::clearance::{Against, CheckError, Clearance, KnownPath, Stretch};
 
 use crate::followed::Followed;
 use crate::reach::{Reach, reaches};
@@ -37,14 +37,14 @@ impl FaultStops {
         let end = followed.stretch(from, to, &mut robots);
         let (limits, reaction) = (followed.limits(), followed.reaction());
         let speed = followed.fastest_between(from, end);
-        let [mut low, mut high] = [[Joints::default(); ROBOTS]; 2];
+        let mut rates = [[[0.0; 2]; MAX_JOINTS]; ROBOTS];
         let mut reach = [[Reach::default(); MAX_JOINTS]; ROBOTS];
-        followed.rates(from, end + speed * reaction, |robot, i, rates| {
-            (low[robot][i], high[robot][i]) = (rates[0] * speed, rates[1] * speed);
+        followed.rates(from, end + speed * reaction, |robot, i, of| {
+            rates[robot][i] = of.map(|rate| rate * speed)
         });
         for (robot, joints) in followed.joints().enumerate() {
             let first = joints.start;
-            let rates = |j: usize| [low[robot][j - first], high[robot][j - first]];
+            let rates = |j: usize| rates[robot][j - first];
             reaches(limits, joints, reaction, rates, |j, of| reach[robot][j - first] = of);
         }
         FaultStops { end, robots, reach }

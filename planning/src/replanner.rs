@@ -8,8 +8,7 @@
 //! computes, the program waits there for the planner; in real time it does not. What became of a query is recorded, so a replay hands over the same plan
 //! at the same instant, or none.
 
-use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
-use std::time::Duration;
+use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
 
 use mrroc::fault::FaultKind;
 use mrroc::prelude::*;
@@ -175,16 +174,16 @@ impl Replanner {
         }
         loop {
             let answer = if waits {
-                self.answers.recv().map_err(|_| RecvTimeoutError::Disconnected)
+                self.answers.recv().map_err(|_| TryRecvError::Disconnected)
             } else {
-                self.answers.recv_timeout(Duration::ZERO)
+                self.answers.try_recv()
             };
             match answer {
                 Ok((number, answer)) if number == self.asked => return answer,
                 // Of a query that is forgotten.
                 Ok(_) => {}
-                Err(RecvTimeoutError::Timeout) => return Err(PlanError::NotYet),
-                Err(RecvTimeoutError::Disconnected) => {
+                Err(TryRecvError::Empty) => return Err(PlanError::NotYet),
+                Err(TryRecvError::Disconnected) => {
                     return Err(PlanError::Thread("it has ended".to_owned()));
                 }
             }

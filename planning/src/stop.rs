@@ -94,7 +94,11 @@ impl Swept {
     ///
     /// What was proven for all of some boxes needs no proof in parts of them.
     pub(crate) fn is_clear(&self, checker: &mut Checker, limits: &Limits) -> bool {
-        let robots: Vec<usize> = (0..limits.robots.len()).filter(|&i| checker.among.has_arm(i)).collect();
+        // With how far they go.
+        let robots: Vec<(usize, f64)> = (0..limits.robots.len())
+            .filter(|&robot| checker.among.has_arm(robot))
+            .map(|robot| (robot, self.longest(limits.robots[robot].clone())))
+            .collect();
         let n = self.middle.len();
         let mut open = vec![Part { shares: [[0.0, 1.0]; ROBOTS] }];
         // As many as there are lanes.
@@ -115,7 +119,7 @@ impl Swept {
             let mut unproven = Vec::new();
             for taken in open.chunks(LANES) {
                 let batch: [Part; LANES] = core::array::from_fn(|lane| taken[lane.min(taken.len() - 1)]);
-                for &robot in &robots {
+                for &(robot, _) in &robots {
                     for j in limits.robots[robot].clone() {
                         let places = batch.map(|part| self.between(j, part.shares[robot]));
                         q[j] = Lanes::new(places.map(|[middle, _]| middle as f32));
@@ -141,18 +145,17 @@ impl Swept {
     }
 
     /// A box in two, across the longest of the stops of `robots`; `None` where that makes none of them much smaller.
-    fn divided(&self, limits: &Limits, robots: &[usize], part: Part) -> Option<[Part; 2]> {
-        let length = |robot: usize| {
+    fn divided(&self, limits: &Limits, robots: &[(usize, f64)], part: Part) -> Option<[Part; 2]> {
+        let lengths = robots.iter().map(|&(robot, longest)| {
             let [from, to] = part.shares[robot];
-            self.longest(limits.robots[robot].clone()) * 0.5 * (to - from)
-        };
-        let all = robots.iter().copied();
-        let robot = all.max_by(|a, b| length(*a).total_cmp(&length(*b)).then(b.cmp(a)))?;
+            (robot, longest * 0.5 * (to - from))
+        });
+        let (robot, length) = lengths.max_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0)))?;
         let [from, to] = part.shares[robot];
         let middle = 0.5 * (from + to);
         let joints = limits.robots[robot].clone();
         let left = joints.map(|j| self.between(j, [middle; 2])[1]).fold(0.0, f64::max);
-        if length(robot) < SHORTEST.max(0.3 * left) {
+        if length < SHORTEST.max(0.3 * left) {
             return None;
         }
         Some([[from, middle], [middle, to]].map(|shares| {
