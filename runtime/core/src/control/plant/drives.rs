@@ -2,10 +2,13 @@
 //!
 //! ```text
 //! command of this period    its position
-//! a newer one               a share of the way to it: simulated time was late, and makes up for it
-//! an older one              on by the way of the period before, as drives bridge what is missing
+//! a newer one               between it and the one before: simulated time was late, and makes up for it
+//! an older one              on at the speed of the commands, as drives bridge what is missing
 //! too old                   no power, brakes applied, for good
 //! ```
+//!
+//! A motion that is bridged is not quite the commanded one. What they differ by fades over as many periods as were bridged: drives
+//! that came back in a single period would be told a speed that no command has.
 //!
 //! The EDP's period `p` begins at `(p + 1/2)` periods; here it happens with its command, or at `p + 1` periods.
 
@@ -46,9 +49,12 @@ pub(super) struct Drives<R: Robot> {
     newest: Option<Command<R::Joints>>,
     /// The period that happens next.
     next: u64,
-    /// The position of the period before, and its way.
+    /// The position of the period before.
     at: R::Joints,
-    way: R::Joints,
+    /// By how much the newest commands change the position in a period.
+    rate: R::Joints,
+    /// Periods until the drives are where they are commanded to be.
+    bridged: u64,
     choice: u64,
     told: DriveSettings,
     /// How often their power was switched.
@@ -90,7 +96,8 @@ impl<R: Robot> Drives<R> {
             newest: None,
             next: 0,
             at: measured.position,
-            way: R::Joints::zeros(),
+            rate: R::Joints::zeros(),
+            bridged: 0,
             choice: 0,
             told: DriveSettings::default(),
             switched: 0,
@@ -120,7 +127,10 @@ impl<R: Robot> Drives<R> {
             // The first command says which period it is.
             None => self.next = command.period,
             Some(newest) if newest.period >= command.period => return,
-            Some(_) => {}
+            Some(newest) => {
+                let periods = (command.period - newest.period) as f64;
+                self.rate = (command.demanded - newest.demanded) * (1.0 / periods);
+            }
         }
         self.newest = Some(command);
     }
@@ -129,7 +139,8 @@ impl<R: Robot> Drives<R> {
     fn switch(&mut self, on: bool) {
         self.newest = None;
         self.off = None;
-        self.way = R::Joints::zeros();
+        self.rate = R::Joints::zeros();
+        self.bridged = 0;
         let switched = guarded(|| match on {
             true => self.driver.switch_on().map_err(|trip| Fault::of_drive(&trip)),
             false => {
@@ -199,20 +210,28 @@ impl<R: Robot> Drives<R> {
         {
             return self.trip(panic);
         }
-        let demanded = if newest.period == self.next {
-            newest.demanded
-        } else if newest.period > self.next {
-            self.at + (newest.demanded - self.at) * (1.0 / (newest.period - self.next + 1) as f64)
-        } else {
-            self.at + self.way
-        };
-        self.way = demanded - self.at;
+        let demanded = self.place(&newest);
         self.at = demanded;
         match guarded(|| self.driver.tick(&demanded)) {
             Ok(Ok(measured)) => self.measured = measured,
             Ok(Err(trip)) => self.trip(Fault::of_drive(&trip)),
             Err(panic) => self.trip(panic),
         }
+    }
+
+    /// Where the drives are to be at the end of the next period.
+    fn place(&mut self, newest: &Command<R::Joints>) -> R::Joints {
+        self.bridged = if newest.period < self.next {
+            (self.bridged + 1).min(self.timeout / self.servo_period)
+        } else {
+            self.bridged.saturating_sub(1)
+        };
+        if self.bridged == 0 && newest.period == self.next {
+            return newest.demanded;
+        }
+        let commanded = newest.demanded + self.rate * (self.next as f64 - newest.period as f64);
+        let apart = self.at - (commanded - self.rate);
+        commanded + apart * (self.bridged as f64 / (self.bridged + 1) as f64)
     }
 
     /// Tells the drives what is new beside where to be.

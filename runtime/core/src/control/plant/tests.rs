@@ -21,6 +21,7 @@ use crate::model::name::Name;
 use crate::model::pose::Pose;
 use crate::model::signals::{Channel, Outputs, Signals, Value, Values};
 use crate::model::time::Nanos;
+use crate::random::Random;
 use crate::tests::slide::{One, Slide};
 
 /// Servo period and step: 1 ms, so `L` is 20.
@@ -193,6 +194,56 @@ fn fault_11_a_command_that_is_late_is_bridged_at_the_speed_before_it_and_never_r
     bench.commands.write(&command(4, 100.0));
     bench.period(6);
     near(&bench.told(), &[6.0]);
+}
+
+#[test]
+fn fault_11_drives_whose_edp_stalls_again_and_again_are_told_no_speed_that_no_command_has() {
+    // The first joint of an IRp-6: it goes to and fro as fast as it may, in between at most at 1.4 rad/s.
+    let (most, acceleration) = (1.4, 7.0);
+    let period_s = SERVO as f64 * 1e-9;
+    // So many periods of stalls as drives bridge take a line off the motion by `a (L Ts)² / 2`; that the line has the mean speed of as
+    // many periods before, by as much again. It fades over as many periods as were bridged.
+    let bound = most + 2.0 * acceleration * L as f64 * period_s;
+    let mut fastest = 0.0_f64;
+    for seed in 0..200 {
+        let (mut random, mut bench) = (Random::seeded(seed), Bench::new(None));
+        let (mut x, mut v, mut to) = (0.0, 0.0, most);
+        let mut awake_at = 0;
+        for period in 0..2000 {
+            if random.unit() < 2e-3 {
+                to = most * (2.0 * random.unit() - 1.0);
+            }
+            let (before, change) = (v, acceleration * period_s);
+            v += f64::clamp(to - v, -change, change);
+            x += 0.5 * (before + v) * period_s;
+            // The EDP sleeps for up to `L` periods, often for a few.
+            if period > awake_at && random.unit() < 0.1 {
+                awake_at = period + 1 + (L as f64 * random.unit().powi(3)) as u64;
+            }
+            if period >= awake_at {
+                bench.commands.write(&command(period, x));
+            }
+            // And the plant.
+            if random.unit() < 0.8 {
+                bench.period(period);
+            }
+        }
+        let told = bench.told();
+        let positions = told.iter().map(|told| match *told {
+            Told::Position(x) => x,
+            other => panic!("{other:?}"),
+        });
+        let positions: Vec<f64> = positions.collect();
+        let speeds = positions.windows(2).map(|pair| (pair[1] - pair[0]).abs() / period_s);
+        fastest = speeds.fold(fastest, f64::max);
+        // They do not go their own way: once commands have come in time for as long as drives bridge, they are where they are told to be.
+        for period in 2000..=2000 + L {
+            bench.commands.write(&command(period, x));
+            bench.period(period);
+        }
+        assert_eq!(bench.told().last(), Some(&Told::Position(x)), "seed {seed}");
+    }
+    assert!(fastest <= bound, "{fastest} rad/s of {bound}");
 }
 
 #[test]
