@@ -14,7 +14,7 @@ real-time N="30":
 
 # Whether rustc drops a comparison that is read, in all crates of the lock file (decision 24): release code, from clean.
 dropped-comparisons:
-    RUSTC_WRAPPER="$PWD/.ci/dropped-comparisons" cargo build --release --workspace --exclude mrroc-zenoh --target-dir target/dropped-comparisons
+    RUSTC_WRAPPER="$PWD/.ci/dropped-comparisons" cargo build --release --workspace --exclude mrroc-zenoh --exclude mrroc-ros2 --target-dir target/dropped-comparisons
 
 # Recordings of release builds replayed by builds with checks and little optimisation, and the other way round, so many of each task.
 recordings N="20":

@@ -182,7 +182,7 @@ use mrroc_launch::cell_file::{CellFile, ExternalEntry};
 use mrroc_launch::network::gateways_by;
 
 pub use plant::plant;
-pub use subscribers::Subscribers;
+pub use subscribers::{Image, State, StepShown, Subscriber, Subscribers};
 
 use gateway::GatewayProcess;
 use message::{Foreign, Message, VERSION};

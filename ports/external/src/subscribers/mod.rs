@@ -5,6 +5,7 @@
 
 mod message;
 mod python;
+mod subscriber;
 #[cfg(test)]
 mod tests;
 
@@ -28,6 +29,7 @@ use mrroc::payload::Wire;
 
 use crate::port::{Ends, channel, folder, monotonic};
 use message::{CellMessage, RobotMessage};
+pub use subscriber::{Image, State, StepShown, Subscriber};
 
 /// Messages that wait for a program that subscribes: those of a quarter of a second at 1 kHz.
 pub(crate) const KEPT: usize = 256;
@@ -153,16 +155,26 @@ struct Show {
 }
 
 impl Show {
+    /// The name of the service for what a robot does.
+    fn images(port: &str, robot: &dyn core::fmt::Display) -> String {
+        format!("{port}/{robot}/images")
+    }
+
+    /// The name of the service for what the coordinator does.
+    fn steps(port: &str) -> String {
+        format!("{port}/steps")
+    }
+
     fn open(folder: &Path, port: &str, robots: &[(Name, usize)], has_mp: bool) -> Result<Show, String> {
         let ends = Ends::open(folder)?;
         let taken = || format!("another cell is shown at port `{port}`; give one of them another name");
         let shown = robots.iter().map(|&(name, joints)| {
-            let service = channel(&ends.node, &format!("{port}/{name}/images"), KEPT)?;
+            let service = channel(&ends.node, &Show::images(port, &name), KEPT)?;
             let images = service.publisher_builder().create().map_err(|_| taken())?;
             Ok(Shown { edp: ProcessId::new(Role::Edp, name), joints, images })
         });
         let shown = shown.collect::<Result<Vec<_>, String>>()?;
-        let cell = has_mp.then(|| channel(&ends.node, &format!("{port}/steps"), KEPT)).transpose()?;
+        let cell = has_mp.then(|| channel(&ends.node, &Show::steps(port), KEPT)).transpose()?;
         let cell =
             cell.map(|service| service.publisher_builder().create().map_err(|_| taken())).transpose()?;
         Ok(Show { ends, robots: shown, cell, newest: CellMessage::BLANK })

@@ -5,21 +5,19 @@ use std::rc::Rc;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use iceoryx2::port::subscriber::Subscriber;
-use iceoryx2::prelude::*;
 use mrroc::cell::Cell;
 use mrroc::fault::{Fault, ProcessId};
 use mrroc::generator::RobotHandle;
-use mrroc::observe::step_observer::{StepEvent, StepObserver, StepRecord};
+use mrroc::observe::step_observer::{STATE_WORDS, StepEvent, StepObserver, StepRecord};
+use mrroc::payload::Wire;
 use mrroc::prelude::*;
+use mrroc::robot::RobotState;
 use mrroc_generators::generators::JointMove;
 use mrroc_launch::cell_file::CellFile;
 use mrroc_robots::{Irp6, Six, simulated};
 
-use super::message::{CellMessage, OVER, RobotMessage, SUSPENDED};
-use super::{KEPT, Subscribers};
+use super::{Image, StepShown, Subscriber, Subscribers};
 use crate::plant::tests::Folder;
-use crate::port::{Ends, channel};
 
 /// A cell of one arm, which is shown at a port of this folder.
 fn cell(folder: &Folder) -> Cell {
@@ -29,29 +27,8 @@ fn cell(folder: &Folder) -> Cell {
     file.cell(&simulated()).expect("a kind that is known").shown_to(subscribers)
 }
 
-/// A program that subscribes.
-struct Program {
-    images: Subscriber<ipc::Service, RobotMessage, ()>,
-    steps: Subscriber<ipc::Service, CellMessage, ()>,
-    _ends: Ends,
-}
-
-impl Program {
-    fn at(folder: &Folder) -> Program {
-        let ends = Ends::open(&folder.0).expect("a folder of ports");
-        let images = channel(&ends.node, "cell/arm/images", KEPT).expect("a service");
-        let steps = channel(&ends.node, "cell/steps", KEPT).expect("a service");
-        let images = images.subscriber_builder().create().expect("there is room");
-        Program { images, steps: steps.subscriber_builder().create().expect("there is room"), _ends: ends }
-    }
-
-    fn images(&self) -> Vec<RobotMessage> {
-        core::iter::from_fn(|| self.images.receive().expect("it is open").map(|sample| *sample)).collect()
-    }
-
-    fn steps(&self) -> Vec<CellMessage> {
-        core::iter::from_fn(|| self.steps.receive().expect("it is open").map(|sample| *sample)).collect()
-    }
+fn subscriber(folder: &Folder) -> Subscriber {
+    Subscriber::below(&folder.0, "cell", &["arm"]).expect("there is room")
 }
 
 /// Keeps the words of all images that are shown in this process.
@@ -80,23 +57,19 @@ fn raise(mp: &mut Mp, arm: &mut RobotHandle<Irp6>, by: f64) -> Result<(), Fault>
 const AWRY: &str = "the work is not where it should be";
 
 /// What a program sees that subscribes until the cell is over, and says when it has seen something.
-fn subscribe(
-    folder: &Folder,
-    has_begun: &AtomicBool,
-    has_seen: &AtomicBool,
-) -> (Vec<RobotMessage>, Vec<CellMessage>) {
-    let subscriber = Program::at(folder);
+fn subscribe(folder: &Folder, has_begun: &AtomicBool, has_seen: &AtomicBool) -> (Vec<Image>, Vec<StepShown>) {
+    let mut subscriber = subscriber(folder);
     has_begun.store(true, Ordering::Release);
     let (mut images, mut steps) = (Vec::new(), Vec::new());
-    while steps.last().is_none_or(|step: &CellMessage| step.flags & OVER == 0) {
-        images.append(&mut subscriber.images());
-        steps.append(&mut subscriber.steps());
+    while steps.last().is_none_or(|step: &StepShown| !step.over) {
+        images.extend(core::iter::from_fn(|| subscriber.image()));
+        steps.extend(core::iter::from_fn(|| subscriber.step()));
         if !images.is_empty() && !steps.is_empty() {
             has_seen.store(true, Ordering::Release);
         }
         std::thread::yield_now();
     }
-    images.append(&mut subscriber.images());
+    images.extend(core::iter::from_fn(|| subscriber.image()));
     (images, steps)
 }
 
@@ -134,20 +107,23 @@ fn subscribers_see_the_images_of_each_step_to_the_bit_and_the_fault_that_ends_it
     for image in &images {
         // Messages that it was too slow for are missing; the others come in their order.
         let (step, time, words) = from.find(|(step, ..)| *step == image.step).expect("it was shown");
-        assert_eq!((image.version, image.joints, image.step, image.time), (1, 6, *step, *time));
-        assert_eq!(image.words[..], words[..]);
+        assert_eq!((image.robot, image.step, image.time), (0, *step, *time));
+        for (state, words) in [&image.demanded, &image.measured].into_iter().zip(words.chunks(STATE_WORDS)) {
+            let shown = RobotState::<Irp6>::get(words).expect("a state");
+            assert_eq!(state.joints, shown.joints.as_slice());
+            assert_eq!((&state.velocity[..], state.X_WE), (shown.velocity.as_slice(), shown.pose));
+        }
     }
-    assert!(steps.windows(2).all(|two| two[0].sent <= two[1].sent && two[0].step <= two[1].step));
-    assert!(steps.iter().all(|step| step.flags & SUSPENDED == 0));
-    let last = steps.last().expect("there was one");
-    let text = String::from_utf8_lossy(&last.fault).into_owned();
-    assert!(text.contains(AWRY), "{}", text.trim_end_matches('\0'));
+    assert!(steps.windows(2).all(|two| two[0].time <= two[1].time && two[0].step <= two[1].step));
+    assert!(steps.iter().all(|step| !step.suspended));
+    let fault = steps.last().and_then(|last| last.fault.as_deref());
+    assert!(fault.is_some_and(|text| text.contains(AWRY)), "{fault:?}");
 }
 
 #[test]
 fn a_second_cell_at_the_same_port_runs_unseen_and_the_first_one_stays_shown() {
     let folder = Folder::new("subscriber-twice");
-    let subscriber = Program::at(&folder);
+    let mut subscriber = subscriber(&folder);
     let shown = cell(&folder).begin_subscriptions(None, mrroc::link::Clock::Virtual);
     assert_eq!(shown.len(), 1);
     // Its thread has opened the port when it has shown something.
@@ -163,17 +139,18 @@ fn a_second_cell_at_the_same_port_runs_unseen_and_the_first_one_stays_shown() {
         resetting: false,
     });
     shown[0].see(14_000_000, ProcessId::MP, &step, &[]);
-    let mut first = subscriber.steps();
-    while first.is_empty() {
+    let first = loop {
+        if let Some(first) = subscriber.step() {
+            break first;
+        }
         std::thread::yield_now();
-        first = subscriber.steps();
-    }
-    assert_eq!((first[0].step, first[0].time, first[0].flags), (7, 14_000_000, SUSPENDED));
+    };
+    assert_eq!((first.step, first.time, first.suspended, first.stopping), (7, 14_000_000, true, false));
     assert!(cell(&folder).program(lift).run().is_err());
-    assert!(subscriber.images().is_empty());
+    assert_eq!(subscriber.image(), None);
     shown[0].see(16_000_000, ProcessId::MP, &step, &[]);
     shown[0].finish();
-    assert_eq!(subscriber.steps().len(), 1);
+    assert!(subscriber.step().is_some() && subscriber.step().is_none());
 }
 
 #[test]

@@ -1,0 +1,50 @@
+//! A cell among the nodes of ROS 2: what its robots do as topics, its operator's console as services.
+//!
+//! In: what a cell shows at a port in each step, and requests of other nodes. Out: messages over DDS, and requests to the cell's console server. The
+//! bridge is a process of its own and one more console: no process that moves robots speaks DDS or waits for one that does, and a cell whose
+//! bridge is killed goes on.
+//!
+//! A project has it as a second program, `src/bin/ros2.rs`, so that the cell itself is built without it:
+//!
+//! ```no_run
+//! # use mrroc_core::cell::{Cell, CellError};
+//! # use mrroc_launch::cell_file::CellFile;
+//! # fn cell(file: &CellFile) -> Result<Cell, CellError> { file.cell(&mrroc_robots::simulated()) }
+//! fn main() -> std::process::ExitCode {
+//!     // The function that makes the cell of `cell.toml`; it says `.shown_to(Subscribers::at("welding"))`.
+//!     mrroc_ros2::run("welding", cell)
+//! }
+//! ```
+//!
+//! The cell runs as processes in one terminal, the bridge in another: `cargo run --bin ros2`. Both may be started first.
+//!
+//! | topic, service or parameter | type | what |
+//! |---|---|---|
+//! | `/ROBOT/joint_states` | `sensor_msgs/JointState` | measured joint positions and velocities of every step, named as in the URDF |
+//! | `/ROBOT/robot_description` | `std_msgs/String` | the URDF that the robot writes of itself; kept for who comes later |
+//! | `/tf`, `/tf_static` | `tf2_msgs/TFMessage` | `world`, the frames of the cell, and the links of each URDF as `ROBOT/LINK`; `/tf` 50 times a second |
+//! | `/NODE/state` | `std_msgs/String` | what the cell does: `idle`, `running`, `suspended` ..; kept for who comes later |
+//! | `/diagnostics` | `diagnostic_msgs/DiagnosticArray` | once a second, the cell and each of its processes |
+//! | `/NODE/suspend`, `resume`, `abort`, `stop`, `acknowledge`, `reset` | `std_srvs/Trigger` | the buttons of the operator's console |
+//! | `speed` of `/NODE` | parameter, double | the speed as a share of the planned one, 0 to 1 |
+//!
+//! `NODE` is `cell` unless `--node` says otherwise. Stamps are the cell's time, beginning at the wall clock when the bridge saw its first step. Everything is
+//! reliable; `--address` names the address of this machine on whose network DDS speaks, 127.0.0.1 by default. There is no access
+//! control on that network: whoever reaches it can press the buttons.
+//!
+//! Tested with rclpy of Jazzy over Fast DDS. Not there yet: trajectories as goals, topics as sensors, wrenches, signals.
+
+#![forbid(unsafe_code)]
+#![cfg(target_os = "linux")]
+#![allow(clippy::disallowed_methods, reason = "a console is no part of control")]
+
+mod buttons;
+mod clock;
+mod description;
+mod diagnostics;
+mod messages;
+mod node;
+mod run;
+mod show;
+
+pub use run::run;

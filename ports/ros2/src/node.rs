@@ -1,0 +1,138 @@
+//! The node: its participant of DDS, and its publishers.
+//!
+//! In: where DDS speaks, and names. Out: publishers of a type and a quality of service.
+
+use std::net::IpAddr;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+use ros2_client::dds::rustdds::DomainParticipantBuilder;
+use ros2_client::qos::{Durability, History, Reliability, WhenFull};
+use ros2_client::{
+    Context, Message, MessageTypeName, Name, Node, NodeName, NodeOptions, ParameterValue, Publisher,
+    QosProfile, Server, ServiceMapping, ServiceTypeName,
+};
+use serde::Serialize;
+
+/// Where DDS speaks, and as which node.
+#[derive(Clone, Debug)]
+pub struct Place {
+    /// The domain, `ROS_DOMAIN_ID`.
+    pub domain: u16,
+    /// The address of this machine on the network where DDS speaks.
+    pub address: IpAddr,
+    /// The name of the node.
+    pub node: String,
+}
+
+/// Messages of a topic that wait for a subscriber that is slow.
+const WAITING: usize = 100;
+/// For how long a publisher waits for a subscriber that takes nothing.
+const LONGEST: Duration = Duration::from_millis(1);
+
+/// Who is there gets every message.
+pub fn now_only() -> QosProfile {
+    QosProfile::publisher_default()
+        .reliability(Reliability::Reliable { when_full: WhenFull::Wait(LONGEST) })
+        .durability(Durability::Volatile)
+        .history(History::KeepLast { depth: WAITING })
+}
+
+/// Who comes later gets the last message, too.
+pub fn kept() -> QosProfile {
+    now_only().durability(Durability::TransientLocal).history(History::KeepLast { depth: 1 })
+}
+
+/// The parameter that is the speed.
+pub const SPEED: &str = "speed";
+
+/// The node.
+pub struct RosNode {
+    node: Node,
+    name: String,
+}
+
+impl RosNode {
+    /// Begins to be one; `set_speed` sets the speed of the cell, or says why not.
+    ///
+    /// # Errors
+    /// Why DDS, or a node of this name, cannot be had.
+    pub fn begin(
+        place: &Place,
+        set_speed: impl Fn(f64) -> Result<(), String> + Send + Sync + 'static,
+    ) -> Result<RosNode, String> {
+        let participant =
+            DomainParticipantBuilder::new(place.domain).with_only_networks([place.address]).build();
+        let participant = participant
+            .map_err(|error| format!("DDS at {}, domain {}: {error}", place.address, place.domain))?;
+        let failed = |error: &dyn core::fmt::Display| format!("node `{}`: {error}", place.node);
+        let context = Context::from_domain_participant(participant).map_err(|error| failed(&error))?;
+        let name = NodeName::new("/", &place.node).map_err(|error| failed(&error))?;
+        // The value that is declared is validated, too, and is none that anybody has set.
+        let begun = Arc::new(AtomicBool::new(false));
+        let has_begun = Arc::clone(&begun);
+        let set = move |name: &str, value: &ParameterValue| match (name, value) {
+            _ if !has_begun.load(Ordering::Acquire) => Ok(()),
+            (SPEED, ParameterValue::Double(speed)) => set_speed(*speed),
+            (SPEED, _) => Err("the speed is a number with a decimal point, from 0.0 to 1.0".to_owned()),
+            _ => Ok(()),
+        };
+        let options = NodeOptions::new()
+            .enable_rosout(false)
+            .declare_parameter(SPEED, ParameterValue::Double(1.0))
+            .parameter_validator(Box::new(set));
+        let mut node = context.new_node(name, options).map_err(|error| failed(&error))?;
+        begun.store(true, Ordering::Release);
+        let spinner = node.spinner().map_err(|error| failed(&error))?;
+        let spin = move || drop(futures::executor::block_on(spinner.spin()));
+        std::thread::Builder::new()
+            .name("parameters".to_owned())
+            .spawn(spin)
+            .map_err(|error| failed(&error))?;
+        Ok(RosNode { node, name: place.node.clone() })
+    }
+
+    /// A publisher of a topic.
+    ///
+    /// # Errors
+    /// Why there is none.
+    pub fn publisher<M: Serialize>(
+        &mut self,
+        topic: &str,
+        (package, name): (&str, &str),
+        qos: QosProfile,
+    ) -> Result<Publisher<M>, String> {
+        let failed = |error: &dyn core::fmt::Display| format!("topic {topic}: {error}");
+        let called = Name::parse(topic).map_err(|error| failed(&error))?;
+        let described = self.node.create_topic(&called, MessageTypeName::new(package, name), &qos);
+        let described = described.map_err(|error| failed(&error))?;
+        self.node.create_publisher(&described, None).map_err(|error| failed(&error))
+    }
+
+    /// The name of a topic of this node itself.
+    pub fn own(&self, topic: &str) -> String {
+        format!("/{}/{topic}", self.name)
+    }
+
+    /// A service of this node itself.
+    ///
+    /// # Errors
+    /// Why there is none.
+    pub fn service<Request, Response>(
+        &mut self,
+        service: &str,
+        (package, name): (&str, &str),
+    ) -> Result<Server<Request, Response>, String>
+    where
+        Request: Message + Clone + 'static,
+        Response: Message + Clone + 'static,
+    {
+        let called = self.own(service);
+        let failed = |error: &dyn core::fmt::Display| format!("service {called}: {error}");
+        let of = Name::parse(&called).map_err(|error| failed(&error))?;
+        let kind = ServiceTypeName::new(package, name);
+        let server = self.node.create_server(ServiceMapping::Enhanced, &of, &kind, now_only(), now_only());
+        server.map_err(|error| failed(&error))
+    }
+}

@@ -1,0 +1,160 @@
+//! What the cell shows, as topics.
+//!
+//! In: images of robots, and pictures of the cell. Out: messages. A subscriber that takes nothing makes nobody wait for longer than a
+//! millisecond, and loses what it does not take.
+
+use mrroc_core::console::complain;
+use mrroc_core::observe::layout::Layout;
+use mrroc_external::Image;
+use mrroc_processes::Picture;
+use ros2_client::Publisher;
+
+use crate::clock::{CellClock, now};
+use crate::description::{Description, WORLD};
+use crate::diagnostics;
+use crate::messages::{DiagnosticArray, Header, JointState, Stamp, Text, TransformStamped, Transforms};
+use crate::node::{RosNode, kept, now_only};
+
+/// Time between two messages of `/tf` for a robot \[ns of the cell\].
+const EVERY: u64 = 20_000_000;
+
+/// A robot, and its topics.
+struct Robot {
+    description: Option<Description>,
+    joints: Vec<String>,
+    states: Publisher<JointState>,
+    /// When its links are shown next \[ns of the cell\].
+    due: u64,
+}
+
+/// The topics of a cell.
+pub struct Topics {
+    robots: Vec<Robot>,
+    transforms: Publisher<Transforms>,
+    state: Publisher<Text>,
+    diagnostics: Publisher<DiagnosticArray>,
+    node: String,
+    clock: CellClock,
+    /// Length of a step \[ns\].
+    step: u64,
+    /// What was published last.
+    said: String,
+    /// They keep for others what was published once.
+    _kept: (Vec<Publisher<Text>>, Publisher<Transforms>),
+}
+
+impl Topics {
+    /// Those of a cell of this layout, whose robots have these URDFs, as far as they write any.
+    ///
+    /// # Errors
+    /// Why a topic cannot be published.
+    pub fn open(node: &mut RosNode, layout: &Layout, urdfs: &[Option<String>]) -> Result<Topics, String> {
+        let (mut robots, mut descriptions) = (Vec::new(), Vec::new());
+        let stamp = Stamp::of(now());
+        let frames = layout.frames.iter();
+        let mut fixed: Vec<_> =
+            frames.map(|(name, pose)| TransformStamped::of(stamp, WORLD, name, pose)).collect();
+        for (robot, urdf) in layout.robots.iter().zip(urdfs) {
+            let name = topic_name(&robot.name);
+            let base = match &robot.mounted_on {
+                Some(carrier) => format!("{carrier}/flange"),
+                None => WORLD.to_owned(),
+            };
+            let read =
+                |urdf: &String| Description::read(urdf.clone(), &robot.name, &base, robot.joints.len());
+            let description = match urdf.as_ref().map(read) {
+                Some(Ok(description)) => Some(description),
+                Some(Err(why)) => {
+                    complain(&format!(
+                        "warning: robot `{}` has no robot_description and no transforms: {why}",
+                        robot.name
+                    ));
+                    None
+                }
+                None => None,
+            };
+            let states =
+                node.publisher(&format!("/{name}/joint_states"), ("sensor_msgs", "JointState"), now_only())?;
+            if let Some(description) = &description {
+                let topic = format!("/{name}/robot_description");
+                let publisher = node.publisher(&topic, ("std_msgs", "String"), kept())?;
+                drop(publisher.publish(Text { data: description.urdf.clone() }));
+                descriptions.push(publisher);
+                let of = |one: &crate::description::Transform| {
+                    TransformStamped::of(stamp, &one.parent, &one.child, &one.pose)
+                };
+                fixed.extend(description.fixed().map(of));
+            }
+            let joints = match &description {
+                Some(description) => description.joints.clone(),
+                None => (1..=robot.joints.len()).map(|joint| format!("joint{joint}")).collect(),
+            };
+            robots.push(Robot { description, joints, states, due: 0 });
+        }
+        let tf = ("tf2_msgs", "TFMessage");
+        let standing = node.publisher("/tf_static", tf, kept())?;
+        drop(standing.publish(Transforms { transforms: fixed }));
+        Ok(Topics {
+            robots,
+            transforms: node.publisher("/tf", tf, now_only())?,
+            state: node.publisher(&node.own("state"), ("std_msgs", "String"), kept())?,
+            diagnostics: node.publisher(
+                "/diagnostics",
+                ("diagnostic_msgs", "DiagnosticArray"),
+                now_only(),
+            )?,
+            node: node.own("")[1..].trim_end_matches('/').to_owned(),
+            clock: CellClock::default(),
+            step: layout.step.as_nanos() as u64,
+            said: String::new(),
+            _kept: (descriptions, standing),
+        })
+    }
+
+    /// Publishes what a robot does in a step. What nobody takes is dropped.
+    pub fn image(&mut self, image: Image) {
+        let time = image.step * self.step;
+        let stamp = self.clock.stamp(time, image.sent);
+        let Some(robot) = self.robots.get_mut(image.robot) else { return };
+        let joints = image.measured.joints;
+        // Another run of the cell begins at zero again.
+        if robot.due > time + EVERY {
+            robot.due = 0;
+        }
+        if let Some(description) = robot.description.as_ref().filter(|_| time >= robot.due) {
+            robot.due = time + EVERY;
+            let of = |one: crate::description::Transform| {
+                TransformStamped::of(stamp, &one.parent, &one.child, &one.pose)
+            };
+            let transforms = description.moving(&joints).map(of).collect();
+            drop(self.transforms.publish(Transforms { transforms }));
+        }
+        drop(robot.states.publish(JointState {
+            header: Header { stamp, frame_id: String::new() },
+            name: robot.joints.clone(),
+            position: joints,
+            velocity: image.measured.velocity,
+            effort: Vec::new(),
+        }));
+    }
+
+    /// Publishes what the cell does, if that has changed.
+    pub fn state(&mut self, said: &str) {
+        if self.said != said {
+            said.clone_into(&mut self.said);
+            drop(self.state.publish(Text { data: said.to_owned() }));
+        }
+    }
+
+    /// Publishes a picture as diagnostics.
+    pub fn picture(&mut self, picture: &Picture) {
+        let header = Header { stamp: Stamp::of(now()), frame_id: String::new() };
+        let status = diagnostics::of(picture, &self.node);
+        drop(self.diagnostics.publish(DiagnosticArray { header, status }));
+    }
+}
+
+/// A robot's name as a part of a topic's: letters, digits and underscores.
+fn topic_name(name: &str) -> String {
+    name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect()
+}

@@ -1,0 +1,268 @@
+"""A cell with a bridge, among nodes of rclpy and Cyclone DDS.
+
+In: the examples `arms` and `bridge`, built. Out: exit status 0 if what the nodes heard is what the cell recorded, and what they asked for was
+done, or refused as it should be. `--seconds N`: for how long topics are looked at.
+"""
+
+import json
+import os
+import signal
+import struct
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from cell_outcome import Outcome, Shortfall  # noqa: E402
+from ending import interruptible  # noqa: E402
+
+DOMAIN = "87"
+os.environ["ROS_DOMAIN_ID"] = DOMAIN
+os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
+# Cyclone DDS speaks on loopback alone, like the others.
+os.environ["CYCLONEDDS_URI"] = (
+    "<CycloneDDS><Domain><General><Interfaces><NetworkInterface name='lo' multicast='true'/></Interfaces>"
+    "</General></Domain></CycloneDDS>"
+)
+
+import numpy as np  # noqa: E402
+import rclpy  # noqa: E402
+from diagnostic_msgs.msg import DiagnosticArray  # noqa: E402
+from mcap.reader import make_reader  # noqa: E402
+from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue  # noqa: E402
+from rcl_interfaces.srv import SetParameters  # noqa: E402
+from rclpy.qos import DurabilityPolicy, QoSProfile  # noqa: E402
+from sensor_msgs.msg import JointState  # noqa: E402
+from std_msgs.msg import String  # noqa: E402
+from std_srvs.srv import Trigger  # noqa: E402
+
+HERE = Path(__file__).resolve().parent
+EXAMPLES = Path("target/debug/examples").resolve()
+CELL = Path("ports/ros2/examples/cell.toml").resolve()
+STEP = 2_000_000  # [ns]
+KEPT = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+
+
+def has(is_so, what):
+    if not is_so:
+        raise Shortfall(what)
+
+
+def bits(numbers):
+    return struct.pack(f"{len(numbers)}d", *numbers)
+
+
+class Nodes:
+    """A node of rclpy that hears everything."""
+
+    def __init__(self):
+        self.node = rclpy.create_node("stranger")
+        self.states = {"left": {}, "right": {}}
+        self.names, self.urdfs, self.said, self.diagnosed = {}, {}, [], []
+        for robot in self.states:
+            hear = lambda message, robot=robot: self.hear(robot, message)  # noqa: E731
+            self.node.create_subscription(JointState, f"/{robot}/joint_states", hear, 2000)
+            keep = lambda message, robot=robot: self.urdfs.update({robot: message.data})  # noqa: E731
+            self.node.create_subscription(String, f"/{robot}/robot_description", keep, KEPT)
+        self.node.create_subscription(String, "/cell/state", lambda message: self.said.append(message.data), KEPT)
+        self.node.create_subscription(DiagnosticArray, "/diagnostics", self.diagnosed.append, 10)
+        self.buttons = {
+            name: self.node.create_client(Trigger, f"/cell/{name}")
+            for name in ("suspend", "resume", "abort", "stop", "acknowledge", "reset")
+        }
+        self.parameters = self.node.create_client(SetParameters, "/cell/set_parameters")
+
+    def hear(self, robot, message):
+        stamp = message.header.stamp.sec * 10**9 + message.header.stamp.nanosec
+        self.names[robot] = list(message.name)
+        self.states[robot][stamp] = (list(message.position), list(message.velocity))
+
+    def spin(self, seconds):
+        until = time.monotonic() + seconds
+        while (left := until - time.monotonic()) > 0:
+            rclpy.spin_once(self.node, timeout_sec=left)
+
+    def spin_until(self, is_so, what, seconds=20):
+        until = time.monotonic() + seconds
+        while not is_so():
+            has(time.monotonic() < until, f"{what} does not come")
+            rclpy.spin_once(self.node, timeout_sec=0.05)
+
+    def ask(self, client, request, what):
+        has(client.wait_for_service(timeout_sec=20), f"{what} is not there")
+        answered = client.call_async(request)
+        self.spin_until(answered.done, f"the answer of {what}")
+        return answered.result()
+
+    def press(self, button):
+        answer = self.ask(self.buttons[button], Trigger.Request(), button)
+        print(f"  {button}: {answer.success}, {answer.message}")
+        return answer
+
+    def set_speed(self, speed):
+        value = ParameterValue(type=ParameterType.PARAMETER_DOUBLE, double_value=speed)
+        request = SetParameters.Request(parameters=[Parameter(name="speed", value=value)])
+        return self.ask(self.parameters, request, "set_parameters").results[0]
+
+    def changes(self, robot, seconds=0.3):
+        """By how much a robot's joints change meanwhile [rad]."""
+        before = dict(self.states[robot])
+        self.spin(seconds)
+        new = [q for stamp, (q, _) in sorted(self.states[robot].items()) if stamp not in before]
+        has(len(new) > 10, f"{robot} is not heard")
+        return float(np.abs(np.array(new[-1]) - np.array(new[0])).max())
+
+
+def recorded(file):
+    """What the cell recorded of its robots, by step: measured joints and velocities, and the pose of the tool."""
+    robots = {"left": {}, "right": {}}
+    with open(file, "rb") as stream:
+        for _, channel, message in make_reader(stream).iter_messages():
+            name = channel.topic.removeprefix("/robots/")
+            if name in robots:
+                said = json.loads(message.data)
+                robots[name][said["step"]] = said["measured"]
+    return robots
+
+
+def in_world(transforms, frame):
+    """The homogeneous matrix of a frame in the world."""
+    matrix = np.eye(4)
+    while frame != "world":
+        parent, numbers = transforms[frame]
+        x, y, z, w = numbers[3:]
+        one = np.eye(4)
+        one[:3, :3] = [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+        ]
+        one[:3, 3] = numbers[:3]
+        matrix, frame = one @ matrix, parent
+    return matrix
+
+
+def compare(nodes, file, links):
+    """What was heard with what was recorded."""
+    record = recorded(file)
+    for robot, heard in nodes.states.items():
+        stamps = sorted(heard)
+        gaps = {b - a for a, b in zip(stamps, stamps[1:])}
+        has(all(gap % STEP == 0 for gap in gaps), f"{robot}: stamps are {sorted(gaps)[:5]} ns apart")
+        steps = record[robot]
+        # The stamps say how far apart steps are; which one the first is, its joints say.
+        first = next(step for step in steps if bits(steps[step]["joints"]) == bits(heard[stamps[0]][0]))
+        of_stamp = {stamp: first + (stamp - stamps[0]) // STEP for stamp in stamps}
+        same = sum(
+            bits(steps[step]["joints"]) == bits(heard[stamp][0]) and bits(steps[step]["velocity"]) == bits(heard[stamp][1])
+            for stamp, step in of_stamp.items()
+            if step in steps
+        )
+        has(same == sum(step in steps for step in of_stamp.values()), f"{robot}: {len(stamps) - same} joint states differ from the recording")
+        last = max(step for step in of_stamp.values() if step in steps)
+        missed = sum(step not in set(of_stamp.values()) for step in steps if first <= step <= last)
+        print(f"  {robot}: {same} joint states are the recorded ones to the bit, {missed} of {last - first + 1} missed")
+        has(missed == 0, f"{robot}: rclpy missed {missed} joint states")
+        check_links(robot, steps, of_stamp, links)
+
+
+def check_links(robot, steps, of_stamp, links):
+    static, moving = {}, {}
+    for is_static, stamp, parent, child, numbers in links:
+        if is_static:
+            static[child] = (parent, numbers)
+        elif child.startswith(f"{robot}/"):
+            moving.setdefault(stamp, {})[child] = (parent, numbers)
+    compared, worst = 0, 0.0
+    for stamp, transforms in moving.items():
+        step = of_stamp.get(stamp)
+        if step not in steps:
+            continue
+        tool = in_world(static | transforms, f"{robot}/tool")
+        pose = steps[step]["pose"]["position"]
+        worst = max(worst, float(np.abs(tool[:3, 3] - [pose[axis] for axis in "xyz"]).max()))
+        compared += 1
+    print(f"  {robot}: {compared} chains of transforms by Cyclone DDS end at the recorded tool, within {worst:.1e} m")
+    has(compared > 50 and worst < 1e-9, f"{robot}: {compared} chains, {worst} m apart")
+
+
+def operate(nodes):
+    """The buttons and the speed."""
+    answer = nodes.press("suspend")
+    has(answer.success, "suspend is refused")
+    nodes.spin_until(lambda: nodes.said[-1] == "suspended", "suspended")
+    nodes.spin(1.0)
+    has(nodes.changes("left") == 0.0, "left moves while it is suspended")
+    has(nodes.press("resume").success, "resume is refused")
+    nodes.spin_until(lambda: nodes.said[-1] == "running", "running")
+    refused = nodes.set_speed(1.5)
+    has(not refused.successful and "0.0 to 1.0" in refused.reason, f"a speed of 1.5: {refused}")
+    has(nodes.set_speed(0.5).successful, "a speed of 0.5 is refused")
+    has(not nodes.press("reset").success, "a reset of a cell that runs is not refused")
+    has(nodes.press("stop").success, "stop is refused")
+    nodes.spin_until(lambda: nodes.said[-1] == "latched", "latched")
+    nodes.diagnosed.clear()
+    nodes.spin_until(lambda: nodes.diagnosed, "a diagnosis")
+    cell = nodes.diagnosed[-1].status[0]
+    has(cell.level == b"\x02" and cell.name == "cell" and cell.message, f"a cell that was stopped: {cell}")
+    print(f"  diagnostics: {cell.message}")
+    has(nodes.press("acknowledge").success and nodes.press("reset").success, "a reset is refused")
+    nodes.spin_until(lambda: nodes.said[-1] == "running", "running after a reset")
+    has(nodes.changes("right", 1.0) > 0.0, "right does not move after a reset")
+
+
+def test(folder, seconds):
+    bridge = subprocess.Popen([EXAMPLES / "bridge", "--cell", CELL], stderr=subprocess.PIPE, text=True, preexec_fn=interruptible)
+    has(f"node /cell: domain {DOMAIN} at 127.0.0.1" in bridge.stderr.readline(), "the bridge does not begin")
+    links = subprocess.Popen(
+        [sys.executable, HERE / "links.py", folder / "links.jsonl", DOMAIN, str(seconds + 4)], stdout=subprocess.PIPE, text=True
+    )
+    has(links.stdout.readline() == "ready\n", "Cyclone DDS does not begin")
+    nodes = Nodes()
+    # Who has found one another misses nothing of what comes then.
+    nodes.spin_until(lambda: len(nodes.urdfs) == 2, "robot_description")
+    nodes.spin(1.0)
+    options = ["--processes", "--no-picture", "--quiet", "--record", folder / "run.mcap", "--outcome", folder / "outcome.json"]
+    cell = subprocess.Popen([EXAMPLES / "arms", "--cell", CELL, *options], preexec_fn=interruptible)
+    try:
+        nodes.spin_until(lambda: all(nodes.states.values()), "a joint state")
+        nodes.spin(seconds)
+        operate(nodes)
+        print("  a killed bridge:")
+        bridge.kill()
+        bridge.wait()
+        time.sleep(0.5)
+        has(cell.poll() is None, "the cell ended with its bridge")
+    finally:
+        cell.send_signal(signal.SIGINT)
+        cell.wait(timeout=30)
+        bridge.kill()
+    outcome = Outcome(folder / "outcome.json")
+    has(outcome.kind == "Aborted", f"the cell ended by {outcome}")
+    print("    the cell goes on, until it is interrupted")
+    links.wait(timeout=30)
+    lines = [json.loads(line) for line in (folder / "links.jsonl").read_text().splitlines()]
+    compare(nodes, folder / "run.mcap", lines)
+    for robot, names in nodes.names.items():
+        has(all(f'<joint name="{name}" type="' in nodes.urdfs[robot] for name in names), f"{robot}: {names}")
+
+
+def main():
+    seconds = float(sys.argv[sys.argv.index("--seconds") + 1]) if "--seconds" in sys.argv else 6.0
+    rclpy.init()
+    with tempfile.TemporaryDirectory() as folder:
+        folder = Path(folder)
+        print("ros2: a cell among nodes of rclpy and Cyclone DDS")
+        try:
+            test(folder, seconds)
+        except Shortfall as shortfall:
+            outcome = folder / "outcome.json"
+            if outcome.exists() and Outcome(outcome).is_late():
+                print(f"not tested, the machine was late: {shortfall}; {Outcome(outcome)}")
+                return
+            sys.exit(f"ros2: {shortfall}")
+
+
+main()
