@@ -3,7 +3,7 @@
 use mrroc::launch::own_number;
 use mrroc::prelude::*;
 use mrroc_external::Subscribers;
-use mrroc_generators::generators::JointMove;
+use mrroc_generators::generators::{JointMove, Tell};
 use mrroc_robots::{Irp6, Six, simulated};
 
 // ANCHOR: cell
@@ -24,7 +24,9 @@ fn to_and_fro(mp: &mut Mp) -> Result<(), Fault> {
         q[3] += 0.3 * arm;
         JointMove::<Irp6>::to(q, Six::repeat(0.4), Six::repeat(0.8))
     };
-    for _ in 0..turns {
+    let gripper = left.output::<bool>("gripper")?;
+    for turn in 0..turns {
+        mp.move_robot(&mut left, (), Tell::output(gripper, turn % 2 == 1))?;
         mp.move_robots((&mut left, &mut right), (), Each::of((to(0.5, 0.3), to(-0.3, 0.2))))?;
         mp.move_robots((&mut left, &mut right), (), Each::of((to(-0.4, -0.1), to(0.4, 0.3))))?;
     }

@@ -22,6 +22,7 @@
 //! |---|---|---|
 //! | `/ROBOT/joint_states` | `sensor_msgs/JointState` | measured joint positions and velocities of every step, named as in the URDF |
 //! | `/ROBOT/robot_description` | `std_msgs/String` | the URDF that the robot writes of itself; kept for who comes later |
+//! | `/ROBOT/inputs/NAME`, `/ROBOT/outputs/NAME` | `std_msgs/Bool` or `Float64` | the robot's named signals, when they change; kept for who comes later |
 //! | `/tf`, `/tf_static` | `tf2_msgs/TFMessage` | `world`, the frames of the cell, and the links of each URDF as `ROBOT/LINK`; `/tf` 50 times a second |
 //! | `/NODE/state` | `std_msgs/String` | what the cell does: `idle`, `running`, `suspended` ..; kept for who comes later |
 //! | `/diagnostics` | `diagnostic_msgs/DiagnosticArray` | once a second, the cell and each of its processes |
@@ -32,7 +33,7 @@
 //! reliable; `--address` names the address of this machine on whose network DDS speaks, 127.0.0.1 by default. There is no access
 //! control on that network: whoever reaches it can press the buttons.
 //!
-//! Tested with rclpy of Jazzy over Fast DDS. Not there yet: trajectories as goals, topics as sensors, wrenches, signals.
+//! Tested with rclpy of Jazzy over Fast DDS. Not there yet: trajectories as goals, topics as sensors, wrenches.
 
 #![forbid(unsafe_code)]
 #![cfg(target_os = "linux")]
@@ -46,5 +47,6 @@ mod messages;
 mod node;
 mod run;
 mod show;
+mod signals;
 
 pub use run::run;

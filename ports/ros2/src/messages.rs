@@ -40,6 +40,20 @@ pub struct Text {
     pub data: String,
 }
 
+/// `std_msgs/Bool`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Flag {
+    /// Whether it is on.
+    pub data: bool,
+}
+
+/// `std_msgs/Float64`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Number {
+    /// The number.
+    pub data: f64,
+}
+
 /// `sensor_msgs/JointState`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct JointState {

@@ -136,3 +136,8 @@ impl RosNode {
         server.map_err(|error| failed(&error))
     }
 }
+
+/// A robot's name as a part of a topic's: letters, digits and underscores.
+pub fn topic_name(name: &str) -> String {
+    name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect()
+}

@@ -119,10 +119,10 @@ fn show_for_ever(
         }
         match pictures.try_iter().last() {
             Some(Some(picture)) => {
-                topics.state(picture.state.word());
+                topics.picture(&picture);
                 if diagnosed.elapsed() >= DIAGNOSED {
                     diagnosed = Instant::now();
-                    topics.picture(&picture);
+                    topics.diagnose(&picture);
                 }
             }
             Some(None) => topics.state("not running"),

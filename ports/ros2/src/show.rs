@@ -13,7 +13,8 @@ use crate::clock::{CellClock, now};
 use crate::description::{Description, WORLD};
 use crate::diagnostics;
 use crate::messages::{DiagnosticArray, Header, JointState, Stamp, Text, TransformStamped, Transforms};
-use crate::node::{RosNode, kept, now_only};
+use crate::node::{RosNode, kept, now_only, topic_name};
+use crate::signals::SignalTopics;
 
 /// Time between two messages of `/tf` for a robot \[ns of the cell\].
 const EVERY: u64 = 20_000_000;
@@ -33,6 +34,7 @@ pub struct Topics {
     transforms: Publisher<Transforms>,
     state: Publisher<Text>,
     diagnostics: Publisher<DiagnosticArray>,
+    signals: SignalTopics,
     node: String,
     clock: CellClock,
     /// Length of a step \[ns\].
@@ -103,6 +105,7 @@ impl Topics {
                 ("diagnostic_msgs", "DiagnosticArray"),
                 now_only(),
             )?,
+            signals: SignalTopics::open(node, layout)?,
             node: node.own("")[1..].trim_end_matches('/').to_owned(),
             clock: CellClock::default(),
             step: layout.step.as_nanos() as u64,
@@ -138,6 +141,12 @@ impl Topics {
         }));
     }
 
+    /// Publishes what has changed in a picture.
+    pub fn picture(&mut self, picture: &Picture) {
+        self.state(picture.state.word());
+        self.signals.picture(picture);
+    }
+
     /// Publishes what the cell does, if that has changed.
     pub fn state(&mut self, said: &str) {
         if self.said != said {
@@ -147,14 +156,9 @@ impl Topics {
     }
 
     /// Publishes a picture as diagnostics.
-    pub fn picture(&mut self, picture: &Picture) {
+    pub fn diagnose(&mut self, picture: &Picture) {
         let header = Header { stamp: Stamp::of(now()), frame_id: String::new() };
         let status = diagnostics::of(picture, &self.node);
         drop(self.diagnostics.publish(DiagnosticArray { header, status }));
     }
-}
-
-/// A robot's name as a part of a topic's: letters, digits and underscores.
-fn topic_name(name: &str) -> String {
-    name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect()
 }

@@ -35,7 +35,7 @@ from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue  # noqa:
 from rcl_interfaces.srv import SetParameters  # noqa: E402
 from rclpy.qos import DurabilityPolicy, QoSProfile  # noqa: E402
 from sensor_msgs.msg import JointState  # noqa: E402
-from std_msgs.msg import String  # noqa: E402
+from std_msgs.msg import Bool, String  # noqa: E402
 from std_srvs.srv import Trigger  # noqa: E402
 
 HERE = Path(__file__).resolve().parent
@@ -60,13 +60,16 @@ class Nodes:
     def __init__(self):
         self.node = rclpy.create_node("stranger")
         self.states = {"left": {}, "right": {}}
-        self.names, self.urdfs, self.said, self.diagnosed = {}, {}, [], []
+        self.names, self.urdfs, self.said, self.diagnosed, self.signals = {}, {}, [], [], {}
         for robot in self.states:
             hear = lambda message, robot=robot: self.hear(robot, message)  # noqa: E731
             self.node.create_subscription(JointState, f"/{robot}/joint_states", hear, 2000)
             keep = lambda message, robot=robot: self.urdfs.update({robot: message.data})  # noqa: E731
             self.node.create_subscription(String, f"/{robot}/robot_description", keep, KEPT)
         self.node.create_subscription(String, "/cell/state", lambda message: self.said.append(message.data), KEPT)
+        for topic in ("inputs/gripped", "outputs/gripper", "outputs/spindle"):
+            keep = lambda message, topic=topic: self.signals.update({topic: message.data})  # noqa: E731
+            self.node.create_subscription(Bool, f"/left/{topic}", keep, KEPT)
         self.node.create_subscription(DiagnosticArray, "/diagnostics", self.diagnosed.append, 10)
         self.buttons = {
             name: self.node.create_client(Trigger, f"/cell/{name}")
@@ -188,13 +191,23 @@ def check_links(robot, steps, of_stamp, links):
     has(compared > 50 and worst < 1e-9, f"{robot}: {compared} chains, {worst} m apart")
 
 
+def check_signals(nodes):
+    """The gripper is switched at every turn, and its input follows."""
+    off = {"inputs/gripped": False, "outputs/gripper": False, "outputs/spindle": False}
+    nodes.spin_until(lambda: nodes.signals == off, "a gripper that is off")
+    nodes.spin_until(lambda: nodes.signals == off | {"inputs/gripped": True, "outputs/gripper": True}, "a gripper that is on")
+    print("  the gripper's output, and the input that follows it, are heard")
+
+
 def operate(nodes):
     """The buttons and the speed."""
     answer = nodes.press("suspend")
     has(answer.success, "suspend is refused")
     nodes.spin_until(lambda: nodes.said[-1] == "suspended", "suspended")
     nodes.spin(1.0)
-    has(nodes.changes("left") == 0.0, "left moves while it is suspended")
+    # An encoder's pulse is 1e-5 rad of a joint.
+    moved = nodes.changes("left")
+    has(moved < 1e-4, f"left moves by {moved} rad while it is suspended")
     has(nodes.press("resume").success, "resume is refused")
     nodes.spin_until(lambda: nodes.said[-1] == "running", "running")
     refused = nodes.set_speed(1.5)
@@ -229,6 +242,7 @@ def test(folder, seconds):
     try:
         nodes.spin_until(lambda: all(nodes.states.values()), "a joint state")
         nodes.spin(seconds)
+        check_signals(nodes)
         operate(nodes)
         print("  a killed bridge:")
         bridge.kill()
