@@ -34,6 +34,7 @@ mod lanes;
 mod limits;
 mod onward;
 mod path;
+mod pieces;
 mod plan;
 mod planner;
 mod reach;

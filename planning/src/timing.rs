@@ -15,6 +15,7 @@ use crate::check::{Among, Checker};
 use crate::error::PlanError;
 use crate::limits::Limits;
 use crate::path::{At, Path};
+use crate::pieces::Pieces;
 use crate::speed::Speed;
 use crate::stop::Swept;
 
@@ -108,7 +109,8 @@ impl Stops<'_> {
         let mut most = vec![f64::INFINITY; count];
         let groups = groups(self.limits.robots.len());
         // What was proven clear needs no second proof at a lower speed.
-        let mut proven = vec![vec![0.0_f64; groups.len()]; count];
+        let whole = |cell: &[f64]| vec![Pieces::new([cell[0], cell[1]]); groups.len()];
+        let mut pieces: Vec<Vec<Pieces>> = grid.windows(2).map(whole).collect();
         let not_clear =
             |cell: usize| PlanError::StopsNotClear { at: 100.0 * grid[cell] / self.path.length() };
         let mut at = 0;
@@ -119,18 +121,14 @@ impl Stops<'_> {
             for cell in first..count {
                 let rest = self.rest.map(|(_, rest)| rest).filter(|rest| cell < *rest);
                 let (last, passed) = passed.ahead(cell, rest.unwrap_or(count), self.reaction);
-                let mut slow = proven[cell].iter().copied().fold(f64::INFINITY, f64::min);
+                let mut slow = pieces[cell].iter().map(Pieces::proven).fold(f64::INFINITY, f64::min);
                 if passed <= slow {
                     continue;
                 }
-                let ends = [grid[cell], grid[cell + 1]];
                 let mut is_clear = |speed: f64, halvings: u32| {
-                    let is_clear = groups.iter().zip(&mut proven[cell]).all(|(among, proven)| {
+                    let is_clear = groups.iter().zip(&mut pieces[cell]).all(|(among, pieces)| {
                         checker.among = *among;
-                        if *proven < speed && self.is_piece_clear(checker, ends, speed, halvings) {
-                            *proven = speed;
-                        }
-                        *proven >= speed
+                        pieces.are_clear(speed, halvings, |ends| self.is_clear_from(checker, ends, speed))
                     });
                     checker.among = Among::All;
                     is_clear
@@ -171,19 +169,11 @@ impl Stops<'_> {
         Err(not_clear(at))
     }
 
-    /// Whether the stops from everywhere on a piece are clear, of the pairs that the checker checks; it is cut in halves, so often, where it is too
-    /// long to prove that.
-    fn is_piece_clear(&self, checker: &mut Checker, [from, to]: [f64; 2], speed: f64, halvings: u32) -> bool {
+    /// Whether the stops from everywhere on a piece are proven clear, of the pairs that the checker checks.
+    fn is_clear_from(&self, checker: &mut Checker, [from, to]: [f64; 2], speed: f64) -> bool {
         let path = self.rest.filter(|(_, rest)| to <= self.grid[*rest]).map_or(self.path, |(path, _)| path);
         let swept = Swept::new(path, [from, to], speed, self.limits, self.reaction);
-        if swept.is_within(self.limits) && swept.is_clear(checker, self.limits) {
-            return true;
-        }
-        let middle = 0.5 * (from + to);
-        halvings > 0
-            && [[from, middle], [middle, to]]
-                .into_iter()
-                .all(|ends| self.is_piece_clear(checker, ends, speed, halvings - 1))
+        swept.is_within(self.limits) && swept.is_clear(checker, self.limits)
     }
 }
 
