@@ -16,6 +16,7 @@ use crate::error::PlanError;
 use crate::limits::Limits;
 use crate::path::{At, Path};
 use crate::pieces::Pieces;
+use crate::proof::Proof;
 use crate::speed::Speed;
 use crate::stop::Swept;
 
@@ -107,9 +108,10 @@ impl Stops<'_> {
         let grid = self.grid;
         let count = grid.len() - 1;
         let mut most = vec![f64::INFINITY; count];
-        let groups = groups(self.limits.robots.len());
+        let groups = groups(self.limits.robots.len()).into_iter();
+        let mut proofs: Vec<Proof> = groups.map(|among| Proof::new(checker, among)).collect();
         // What was proven clear needs no second proof at a lower speed.
-        let whole = |cell: &[f64]| vec![Pieces::new([cell[0], cell[1]]); groups.len()];
+        let whole = |cell: &[f64]| vec![Pieces::new([cell[0], cell[1]]); proofs.len()];
         let mut pieces: Vec<Vec<Pieces>> = grid.windows(2).map(whole).collect();
         let not_clear =
             |cell: usize| PlanError::StopsNotClear { at: 100.0 * grid[cell] / self.path.length() };
@@ -126,12 +128,11 @@ impl Stops<'_> {
                     continue;
                 }
                 let mut is_clear = |speed: f64, halvings: u32| {
-                    let is_clear = groups.iter().zip(&mut pieces[cell]).all(|(among, pieces)| {
-                        checker.among = *among;
-                        pieces.are_clear(speed, halvings, |ends| self.is_clear_from(checker, ends, speed))
-                    });
-                    checker.among = Among::All;
-                    is_clear
+                    proofs.iter_mut().zip(&mut pieces[cell]).all(|(proof, pieces)| {
+                        pieces.are_clear(speed, halvings, |ends| {
+                            self.is_clear_from(checker, proof, ends, speed)
+                        })
+                    })
                 };
                 if is_clear(passed, HALVINGS[0]) {
                     continue;
@@ -169,11 +170,11 @@ impl Stops<'_> {
         Err(not_clear(at))
     }
 
-    /// Whether the stops from everywhere on a piece are proven clear, of the pairs that the checker checks.
-    fn is_clear_from(&self, checker: &mut Checker, [from, to]: [f64; 2], speed: f64) -> bool {
+    /// Whether the stops from everywhere on a piece are proven clear, for the pairs of a proof.
+    fn is_clear_from(&self, checker: &Checker, proof: &mut Proof, [from, to]: [f64; 2], speed: f64) -> bool {
         let path = self.rest.filter(|(_, rest)| to <= self.grid[*rest]).map_or(self.path, |(path, _)| path);
         let swept = Swept::new(path, [from, to], speed, self.limits, self.reaction);
-        swept.is_within(self.limits) && swept.is_clear(checker, self.limits)
+        swept.is_within(self.limits) && swept.is_clear(checker, proof, self.limits)
     }
 }
 

@@ -1,0 +1,319 @@
+//! Which boxes of joint positions are proven clear: many of them at once, down the trees of balls.
+//!
+//! In: boxes, and which pairs are looked at. Out: in which boxes not all of these are proven apart, wherever the joints are. The proof is that of
+//! [`check`](crate::check). Two nodes that are proven apart in a box need no second look in its halves; the others are looked at from there on, not
+//! from the roots of their trees. A box that one pair does not prove is halved anyway, so no other pair is looked at in it.
+
+use crate::arm::{Around, Standing};
+use crate::balls::Node;
+use crate::check::{Among, Checker};
+use crate::lanes::{Frames, LANES, Lanes, Mask, Points};
+use crate::pairing::{Against, Pairing};
+
+/// Which boxes: bit `i` for the `i`th.
+pub(crate) type Boxes = u64;
+
+/// Two nodes of the trees of a pair, and the boxes in which what is below them is not proven apart. Against an obstacle the second one is 0.
+#[derive(Clone, Copy, Debug)]
+struct Open {
+    pair: u32,
+    nodes: [u32; 2],
+    boxes: Boxes,
+}
+
+/// A proof for some pairs.
+pub(crate) struct Proof {
+    pub(crate) among: Among,
+    pairs: Vec<u32>,
+    /// Where the arms stand, eight boxes after the other.
+    standing: Vec<Vec<Standing>>,
+    batches: usize,
+    /// The pair whose first limb is seen from the second one, and for each eight boxes where that is, and how much is taken off the distance.
+    seen: Option<u32>,
+    sights: Vec<(Frames, Lanes)>,
+    open: Vec<Open>,
+    /// What stays open; those that left boxes unproven, and the others.
+    failed: Vec<Open>,
+    kept: Vec<Open>,
+    stack: Vec<([u32; 2], Boxes)>,
+    near: Vec<Mask>,
+    q: Vec<Lanes>,
+    half: Vec<Lanes>,
+}
+
+impl Proof {
+    /// Of the pairs among these.
+    pub(crate) fn new(checker: &Checker, among: Among) -> Self {
+        let pairs = 0..checker.pairings.len() as u32;
+        let joints = checker.offset.len();
+        Proof {
+            among,
+            pairs: pairs.filter(|pair| among.has(&checker.pairings[*pair as usize])).collect(),
+            standing: Vec::new(),
+            batches: 0,
+            seen: None,
+            sights: Vec::new(),
+            open: Vec::new(),
+            failed: Vec::new(),
+            kept: Vec::new(),
+            stack: Vec::new(),
+            near: Vec::new(),
+            q: vec![Lanes::default(); joints],
+            half: vec![Lanes::default(); joints],
+        }
+    }
+
+    /// Begins with `count` boxes; `place` tells the middle of the positions of a joint in a box, and by how much they are off it at
+    /// most [rad or m]. Those that are not proven clear.
+    pub(crate) fn begin(
+        &mut self,
+        checker: &Checker,
+        count: usize,
+        place: impl Fn(usize, usize) -> [f64; 2],
+    ) -> Boxes {
+        self.open.clear();
+        self.stand(checker, count, place, |_, _| true);
+        let boxes = Boxes::MAX >> (Boxes::BITS as usize - count);
+        // Which obstacles the limbs of each arm may come near in any of the boxes.
+        self.near.clear();
+        let mut firsts = vec![0; checker.arms.len()];
+        for (arm, first) in firsts.iter_mut().enumerate().filter(|(arm, _)| self.among == Among::Alone(*arm))
+        {
+            *first = self.near.len();
+            for (k, standing) in self.standing[..self.batches].iter().enumerate() {
+                let from = self.near.len();
+                checker.near_obstacles(arm, &standing[arm], true, &mut self.near);
+                if k > 0 {
+                    for i in from..self.near.len() {
+                        self.near[*first + i - from] |= self.near[i];
+                    }
+                    self.near.truncate(from);
+                }
+            }
+        }
+        for &pair in &self.pairs {
+            let pairing = &checker.pairings[pair as usize];
+            if let Against::Obstacle(body) = pairing.against {
+                let limbs = checker.bounds.len();
+                let mask = self.near[firsts[pairing.arm] + pairing.limb * limbs + body / LANES];
+                if mask >> (body % LANES) & 1 == 0 {
+                    continue;
+                }
+            }
+            self.open.push(Open { pair, nodes: [0, 0], boxes });
+        }
+        self.look(checker)
+    }
+
+    /// Goes on with the two halves of each box that was not proven clear: `place` tells the positions in the first half of the first of them, in its second
+    /// half, in the first half of the second, and so on.
+    pub(crate) fn go_on(
+        &mut self,
+        checker: &Checker,
+        unproven: Boxes,
+        place: impl Fn(usize, usize) -> [f64; 2],
+    ) -> Boxes {
+        self.open.clear();
+        for open in self.failed.drain(..).chain(self.kept.drain(..)) {
+            let boxes = halved(open.boxes, unproven);
+            if boxes != 0 {
+                self.open.push(Open { boxes, ..open });
+            }
+        }
+        let mut wanted = vec![0_u64; checker.arms.len()];
+        for open in &self.open {
+            let pairing = &checker.pairings[open.pair as usize];
+            let bit = |limb: usize| 1_u64.checked_shl(limb as u32).unwrap_or(0);
+            wanted[pairing.arm] |= bit(pairing.limb);
+            if let Against::Limb(arm, limb) = pairing.against {
+                wanted[arm] |= bit(limb);
+            }
+        }
+        self.stand(checker, 2 * unproven.count_ones() as usize, place, |arm, limb| {
+            wanted[arm].checked_shr(limb as u32).is_none_or(|rest| rest & 1 == 1)
+        });
+        self.look(checker)
+    }
+
+    /// Stands the arms in all boxes.
+    fn stand(
+        &mut self,
+        checker: &Checker,
+        count: usize,
+        place: impl Fn(usize, usize) -> [f64; 2],
+        is_wanted: impl Fn(usize, usize) -> bool,
+    ) {
+        let batches = count.div_ceil(LANES);
+        self.batches = batches;
+        self.seen = None;
+        let Proof { standing, q, half, among, .. } = self;
+        if standing.len() < batches {
+            standing.resize(batches, vec![Standing::default(); checker.arms.len()]);
+        }
+        for (k, standing) in standing.iter_mut().enumerate().take(batches) {
+            let looked_at = checker.arms.iter().zip(standing).enumerate();
+            for (i, (arm, standing)) in looked_at.filter(|(i, _)| among.has_arm(*i)) {
+                for j in arm.first..arm.first + arm.joints {
+                    // Lanes that are too many are like the last.
+                    let places = core::array::from_fn(|lane| place((LANES * k + lane).min(count - 1), j));
+                    q[j] = Lanes::new(places.map(|[middle, _]: [f64; 2]| middle as f32));
+                    half[j] = Lanes::new(places.map(|[_, half]| (half * (1.0 + 1e-6)) as f32));
+                }
+                standing.wanted = 0;
+                (0..arm.limbs.len()).filter(|limb| is_wanted(i, *limb)).for_each(|limb| standing.want(limb));
+                arm.stand(q, Around::Box(half), standing);
+                arm.sweep(Around::Box(half), standing);
+            }
+        }
+    }
+
+    /// Looks at all that is open; in which boxes not all is proven apart.
+    fn look(&mut self, checker: &Checker) -> Boxes {
+        let mut unproven = 0;
+        self.failed.clear();
+        self.kept.clear();
+        let open = core::mem::take(&mut self.open);
+        for open in &open {
+            self.look_below(checker, open, &mut unproven);
+        }
+        self.open = open;
+        unproven
+    }
+
+    fn look_below(&mut self, checker: &Checker, open: &Open, unproven: &mut Boxes) {
+        let pairing = &checker.pairings[open.pair as usize];
+        let keep = |nodes, boxes| Open { nodes, boxes, ..*open };
+        let idle = open.boxes & *unproven;
+        if idle != 0 {
+            self.kept.push(keep(open.nodes, idle));
+        }
+        // Most are far apart, which the balls around them show.
+        let left = self.left(checker, pairing, open.nodes, open.boxes & !idle);
+        if left == 0 {
+            return;
+        }
+        let first = &checker.arms[pairing.arm].limbs[pairing.limb].tree.nodes;
+        let second = match pairing.against {
+            Against::Limb(arm, limb) => &checker.arms[arm].limbs[limb].tree.nodes,
+            Against::Obstacle(_) => [].as_slice(),
+        };
+        let is_rigid = self.see(checker, open.pair);
+        self.stack.push((open.nodes, left));
+        while let Some((nodes, boxes)) = self.stack.pop() {
+            let idle = boxes & *unproven;
+            if idle != 0 {
+                self.kept.push(keep(nodes, idle));
+            }
+            let boxes = boxes & !idle;
+            if boxes == 0 {
+                continue;
+            }
+            let [a, b] = nodes;
+            let one = &first[a as usize];
+            let two = second.get(b as usize).filter(|node| node.second != 0);
+            let children = match two {
+                Some(two) if one.second == 0 || one.radius < two.radius => [[a, two.second], [a, b + 1]],
+                _ if one.second != 0 => [[one.second, b], [a + 1, b]],
+                _ => {
+                    *unproven |= boxes;
+                    self.failed.push(keep(nodes, boxes));
+                    continue;
+                }
+            };
+            for nodes in children.into_iter().filter(|nodes| pairing.has(nodes[0], nodes[1])) {
+                let left = if is_rigid {
+                    let [one, two] = [&first[nodes[0] as usize], &second[nodes[1] as usize]];
+                    self.left_seen(one, two, boxes)
+                } else {
+                    self.left(checker, pairing, nodes, boxes)
+                };
+                if left != 0 {
+                    self.stack.push((nodes, left));
+                }
+            }
+        }
+    }
+
+    /// Sees the first limb of a pair from the second one, in all boxes; `false` where these are no limbs with frames.
+    fn see(&mut self, checker: &Checker, pair: u32) -> bool {
+        if self.seen == Some(pair) {
+            return true;
+        }
+        let pairing = &checker.pairings[pair as usize];
+        let Pairing { arm, limb, since, .. } = *pairing;
+        let Against::Limb(other_arm, other_limb) = pairing.against else { return false };
+        let margin = Lanes::splat(checker.kept_apart(pairing));
+        self.sights.clear();
+        for standing in &self.standing[..self.batches] {
+            let [one, other] = [&standing[arm], &standing[other_arm]];
+            let frames =
+                (checker.arms[arm].frame(one, limb), checker.arms[other_arm].frame(other, other_limb));
+            let (Some(frame), Some(beside)) = frames else { return false };
+            let far = margin + one.travel[limb][since] + other.travel[other_limb][since];
+            self.sights.push((frame.seen_from(beside), far));
+        }
+        self.seen = Some(pair);
+        true
+    }
+
+    /// As [`left`](Self::left), of nodes of the limbs that were seen last.
+    #[inline]
+    fn left_seen(&self, one: &Node, two: &Node, boxes: Boxes) -> Boxes {
+        let radius = Lanes::splat(one.radius + two.radius);
+        let centre = Points::splat(two.centre);
+        let mut left = 0;
+        let mut rest = boxes;
+        while rest != 0 {
+            let first = rest.trailing_zeros() as usize / LANES * LANES;
+            let mask = (rest >> first) as Mask;
+            let (frame, far) = &self.sights[first / LANES];
+            let far = radius + *far;
+            let clear = (frame.place(one.centre) - centre).squared().above(far * far);
+            left |= Boxes::from(mask & !clear) << first;
+            rest &= !(Boxes::from(Mask::MAX) << first);
+        }
+        left
+    }
+
+    /// In which of some boxes the balls of two nodes are not proven apart.
+    fn left(&self, checker: &Checker, pairing: &Pairing, [a, b]: [u32; 2], boxes: Boxes) -> Boxes {
+        let Pairing { arm, limb, since, .. } = *pairing;
+        let margin = Lanes::splat(checker.kept_apart(pairing));
+        let mut left = 0;
+        for (k, standing) in self.standing[..self.batches].iter().enumerate() {
+            let mask = (boxes >> (LANES * k)) as Mask;
+            if mask == 0 {
+                continue;
+            }
+            let one = &standing[arm];
+            let (p, r) = checker.arms[arm].ball(one, limb, a as usize);
+            let apart = r + margin + one.travel[limb][since];
+            let clear = match pairing.against {
+                Against::Obstacle(body) => checker.bodies[body].clear_of(p, apart),
+                Against::Limb(other_arm, other_limb) => {
+                    let other = &standing[other_arm];
+                    let (q, s) = checker.arms[other_arm].ball(other, other_limb, b as usize);
+                    let far = apart + s + other.travel[other_limb][since];
+                    (p - q).squared().above(far * far)
+                }
+            };
+            left |= Boxes::from(mask & !clear) << (LANES * k);
+        }
+        left
+    }
+}
+
+/// Those of some boxes that are among `parted`, as their halves: of the `i`th of these the boxes `2 i` and `2 i + 1`.
+fn halved(boxes: Boxes, parted: Boxes) -> Boxes {
+    let mut halves = 0;
+    let mut rest = parted;
+    let mut i = 0;
+    while rest != 0 {
+        if boxes & rest & rest.wrapping_neg() != 0 {
+            halves |= 3 << (2 * i);
+        }
+        rest &= rest - 1;
+        i += 1;
+    }
+    halves
+}
