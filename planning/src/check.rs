@@ -16,6 +16,7 @@ use crate::arm::{Arm, Around, Standing};
 use crate::balls::BallTree;
 use crate::lanes::{ALL, LANES, Lanes, Mask, Points};
 use crate::pairing::{Against, Pairing, pairings};
+use crate::plane::DEPTH;
 use crate::upright::Uprights;
 
 /// What the rounding of positions in single precision may cost \[m\]: a few units in the last place at some ten metres.
@@ -565,6 +566,3 @@ fn bounds<'a>(obstacles: impl ExactSizeIterator<Item = &'a Obstacle>) -> Vec<[Po
     }
     bounds
 }
-
-/// How deep a stack of nodes may get: the trees of some ten thousand balls, halved in each node, are far from it.
-const DEPTH: usize = 48;

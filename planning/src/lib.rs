@@ -37,6 +37,7 @@ mod pairing;
 mod path;
 mod pieces;
 mod plan;
+mod plane;
 mod planner;
 mod proof;
 mod reach;

@@ -9,6 +9,7 @@ use crate::balls::Node;
 use crate::check::{Among, Checker};
 use crate::lanes::{Frames, LANES, Lanes, Mask, Points};
 use crate::pairing::{Against, Pairing};
+use crate::plane::{farthest, find};
 
 /// Which boxes: bit `i` for the `i`th.
 pub(crate) type Boxes = u64;
@@ -31,6 +32,11 @@ pub(crate) struct Proof {
     /// The pair whose first limb is seen from the second one, and for each eight boxes where that is, and how much is taken off the distance.
     seen: Option<u32>,
     sights: Vec<(Frames, Lanes)>,
+    /// Directions of length 1, along which limbs of each pair were last found apart, seen from the second one.
+    directions: Vec<[f32; 3]>,
+    /// For each eight boxes how a direction is seen from the first limb, and what its points must be beyond along it.
+    planes: Vec<(Points, Lanes)>,
+    rising: Vec<(u32, Boxes)>,
     open: Vec<Open>,
     /// What stays open; those that left boxes unproven, and the others.
     failed: Vec<Open>,
@@ -53,6 +59,9 @@ impl Proof {
             batches: 0,
             seen: None,
             sights: Vec::new(),
+            directions: vec![[1.0, 0.0, 0.0]; checker.pairings.len()],
+            planes: Vec::new(),
+            rising: Vec::new(),
             open: Vec::new(),
             failed: Vec::new(),
             kept: Vec::new(),
@@ -198,6 +207,7 @@ impl Proof {
             Against::Obstacle(_) => [].as_slice(),
         };
         let is_rigid = self.see(checker, open.pair);
+        let left = if is_rigid { self.left_beyond(open, [first, second], left) } else { left };
         self.stack.push((open.nodes, left));
         while let Some((nodes, boxes)) = self.stack.pop() {
             let idle = boxes & *unproven;
@@ -254,6 +264,68 @@ impl Proof {
         }
         self.seen = Some(pair);
         true
+    }
+
+    /// As [`left`](Self::left), of all that is below two nodes of the limbs that were seen last: where no plane is found between them, in some boxes.
+    fn left_beyond(&mut self, open: &Open, trees: [&[Node]; 2], boxes: Boxes) -> Boxes {
+        let nodes = open.nodes;
+        if [0, 1].iter().any(|i| trees[*i][nodes[*i] as usize].second == 0) {
+            return boxes;
+        }
+        let last = self.directions[open.pair as usize];
+        let left = self.left_along(trees, nodes, last, boxes);
+        if left == 0 {
+            return 0;
+        }
+        let first = left.trailing_zeros() as usize;
+        let (frame, far) = &self.sights[first / LANES];
+        let lane = first % LANES;
+        match find(trees, nodes, frame, lane, far.lane(lane), last) {
+            Some(direction) => {
+                self.directions[open.pair as usize] = direction;
+                self.left_along(trees, nodes, direction, left)
+            }
+            None => left,
+        }
+    }
+
+    /// The same along a direction of length 1.
+    fn left_along(
+        &mut self,
+        trees: [&[Node]; 2],
+        nodes: [u32; 2],
+        direction: [f32; 3],
+        boxes: Boxes,
+    ) -> Boxes {
+        let Self { planes, sights, rising, .. } = self;
+        let (height, _) = farthest(trees[1], nodes[1], direction);
+        planes.clear();
+        planes.extend(sights.iter().map(|(frame, far)| {
+            let along = Points::splat(direction);
+            let slopes = [frame.x, frame.y, frame.z].map(|axis| axis.dot(along));
+            (Points(slopes), Lanes::splat(height) + *far - frame.origin.dot(along))
+        }));
+        let mut left = 0;
+        rising.push((nodes[0], boxes));
+        while let Some((node, boxes)) = rising.pop() {
+            let Node { centre, radius, second, .. } = trees[0][node as usize];
+            let (centre, radius) = (Points::splat(centre), Lanes::splat(radius));
+            let mut below = 0;
+            let mut rest = boxes & !left;
+            while rest != 0 {
+                let first = rest.trailing_zeros() as usize / LANES * LANES;
+                let mask = (rest >> first) as Mask;
+                let (slopes, least) = &planes[first / LANES];
+                below |= Boxes::from(mask & !slopes.dot(centre).above(*least + radius)) << first;
+                rest &= !(Boxes::from(Mask::MAX) << first);
+            }
+            if second == 0 {
+                left |= below;
+            } else if below != 0 {
+                rising.extend([(second, below), (node + 1, below)]);
+            }
+        }
+        left
     }
 
     /// As [`left`](Self::left), of nodes of the limbs that were seen last.
