@@ -438,39 +438,37 @@ impl Checker {
                     return (0, 0);
                 }
                 let mut stack = [(0u32, 0 as Mask); DEPTH];
-                {
-                    stack[0] = (0, wanted);
-                    let mut depth = 1;
-                    while depth > 0 {
-                        depth -= 1;
-                        let (node, mask) = stack[depth];
-                        if !pairing.has(node, 0) {
-                            continue;
-                        }
-                        let (centre, radius) = self.arms[arm].ball(standing, limb, node as usize);
-                        let apart = radius + margin;
-                        let mut left = mask & !body.clear_of(centre, apart + travel);
-                        // Of lanes that are not proven only hits are still wanted.
-                        if left & unproven != 0 {
-                            left &= !(unproven & body.clear_of(centre, apart));
-                        }
-                        if left == 0 {
-                            continue;
-                        }
-                        let second = self.arms[arm].limbs[limb].tree.nodes[node as usize].second;
-                        if second == 0 {
-                            if moving {
-                                let travel = self.arms[arm].travel(standing, limb, centre, radius);
-                                unproven |= left & !body.clear_of(centre, apart + travel);
-                            } else {
-                                unproven |= left;
-                            }
-                            hit |= if moving { left & !body.clear_of(centre, apart) } else { left };
+                stack[0] = (0, wanted);
+                let mut depth = 1;
+                while depth > 0 {
+                    depth -= 1;
+                    let (node, mask) = stack[depth];
+                    if !pairing.has(node, 0) {
+                        continue;
+                    }
+                    let (centre, radius) = self.arms[arm].ball(standing, limb, node as usize);
+                    let apart = radius + margin;
+                    let mut left = mask & !body.clear_of(centre, apart + travel);
+                    // Of lanes that are not proven only hits are still wanted.
+                    if left & unproven != 0 {
+                        left &= !(unproven & body.clear_of(centre, apart));
+                    }
+                    if left == 0 {
+                        continue;
+                    }
+                    let second = self.arms[arm].limbs[limb].tree.nodes[node as usize].second;
+                    if second == 0 {
+                        if moving {
+                            let travel = self.arms[arm].travel(standing, limb, centre, radius);
+                            unproven |= left & !body.clear_of(centre, apart + travel);
                         } else {
-                            stack[depth] = (node + 1, left);
-                            stack[depth + 1] = (second, left);
-                            depth += 2;
+                            unproven |= left;
                         }
+                        hit |= if moving { left & !body.clear_of(centre, apart) } else { left };
+                    } else {
+                        stack[depth] = (node + 1, left);
+                        stack[depth + 1] = (second, left);
+                        depth += 2;
                     }
                 }
             }
@@ -484,43 +482,41 @@ impl Checker {
                     return (0, 0);
                 }
                 let mut stack = [(0u32, 0u32, 0 as Mask); 2 * DEPTH];
-                {
-                    stack[0] = (0, 0, wanted);
-                    let mut depth = 1;
-                    while depth > 0 {
-                        depth -= 1;
-                        let (a, b, mask) = stack[depth];
-                        if !pairing.has(a, b) {
-                            continue;
-                        }
-                        let (p, r) = self.arms[arm].ball(standing, limb, a as usize);
-                        let (q, s) = self.arms[other_arm].ball(other, other_limb, b as usize);
-                        let squared = (p - q).squared();
-                        let apart = r + s + margin;
-                        let far = apart + travel;
-                        let mut left = mask & !squared.above(far * far);
-                        if left & unproven != 0 {
-                            left &= !(unproven & squared.above(apart * apart));
-                        }
-                        if left == 0 {
-                            continue;
-                        }
-                        let [one, two] = [
-                            self.arms[arm].limbs[limb].tree.nodes[a as usize],
-                            self.arms[other_arm].limbs[other_limb].tree.nodes[b as usize],
-                        ];
-                        if one.second == 0 && two.second == 0 {
-                            unproven |= left;
-                            hit |= if moving { left & !squared.above(apart * apart) } else { left };
-                        } else if two.second == 0 || (one.second != 0 && one.radius >= two.radius) {
-                            stack[depth] = (a + 1, b, left);
-                            stack[depth + 1] = (one.second, b, left);
-                            depth += 2;
-                        } else {
-                            stack[depth] = (a, b + 1, left);
-                            stack[depth + 1] = (a, two.second, left);
-                            depth += 2;
-                        }
+                stack[0] = (0, 0, wanted);
+                let mut depth = 1;
+                while depth > 0 {
+                    depth -= 1;
+                    let (a, b, mask) = stack[depth];
+                    if !pairing.has(a, b) {
+                        continue;
+                    }
+                    let (p, r) = self.arms[arm].ball(standing, limb, a as usize);
+                    let (q, s) = self.arms[other_arm].ball(other, other_limb, b as usize);
+                    let squared = (p - q).squared();
+                    let apart = r + s + margin;
+                    let far = apart + travel;
+                    let mut left = mask & !squared.above(far * far);
+                    if left & unproven != 0 {
+                        left &= !(unproven & squared.above(apart * apart));
+                    }
+                    if left == 0 {
+                        continue;
+                    }
+                    let [one, two] = [
+                        self.arms[arm].limbs[limb].tree.nodes[a as usize],
+                        self.arms[other_arm].limbs[other_limb].tree.nodes[b as usize],
+                    ];
+                    if one.second == 0 && two.second == 0 {
+                        unproven |= left;
+                        hit |= if moving { left & !squared.above(apart * apart) } else { left };
+                    } else if two.second == 0 || (one.second != 0 && one.radius >= two.radius) {
+                        stack[depth] = (a + 1, b, left);
+                        stack[depth + 1] = (one.second, b, left);
+                        depth += 2;
+                    } else {
+                        stack[depth] = (a, b + 1, left);
+                        stack[depth + 1] = (a, two.second, left);
+                        depth += 2;
                     }
                 }
             }

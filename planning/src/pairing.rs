@@ -1,7 +1,7 @@
 //! Pairs of limbs that are kept apart, and of limbs and obstacles.
 //!
 //! In: arms, and the pairs of capsules that a clearance checks. Out: those of the capsules of two limbs as one [`Pairing`]. Where only some of them
-//! are checked, [`Some`](Parts) tells below which nodes of both trees there are any.
+//! are checked, it knows below which nodes of both trees there are any.
 
 use std::sync::Arc;
 
@@ -53,16 +53,15 @@ impl Pairing {
 #[derive(Debug)]
 struct Parts {
     /// The unit of each node of both trees.
-    units: [Vec<u32>; 2],
+    units: [Arc<[u32]>; 2],
     /// Words of a row, which is a unit of the first tree.
     width: usize,
     words: Vec<u64>,
 }
 
 impl Parts {
-    /// None below any nodes of two trees; of an obstacle there is one.
-    fn none(one: &BallTree, other: Option<&BallTree>) -> Self {
-        let units = [one.units(), other.map_or(vec![0], BallTree::units)];
+    /// None below any nodes of two trees with such units.
+    fn none(units: [Arc<[u32]>; 2]) -> Self {
         let [height, width] = units.each_ref().map(|units| units.last().map_or(0, |last| *last as usize + 1));
         let width = width.div_ceil(64);
         Parts { units, width, words: vec![0; height * width] }
@@ -135,6 +134,10 @@ pub(crate) fn pairings(arms: &[Arm], pairs: impl Iterator<Item = CheckedPair>) -
         Against::Obstacle(_) => None,
         Against::Limb(arm, limb) => Some(tree(arm, limb)),
     };
+    let units_of = |arm: &Arm| arm.limbs.iter().map(|limb| limb.tree.units().into()).collect();
+    let units: Vec<Vec<Arc<[u32]>>> = arms.iter().map(units_of).collect();
+    // An obstacle is one.
+    let single: Arc<[u32]> = Arc::new([0]);
     let mut found: Vec<Growing> = Vec::new();
     let mut last = 0;
     for pair in pairs {
@@ -158,7 +161,12 @@ pub(crate) fn pairings(arms: &[Arm], pairs: impl Iterator<Item = CheckedPair>) -
         }
         if last == found.len() {
             let pairing = Pairing { arm, limb, against, margin, since, parts: None };
-            found.push(Growing { pairing, parts: Parts::none(tree(arm, limb), tree_of(against)), count: 0 });
+            let beside = match against {
+                Against::Obstacle(_) => &single,
+                Against::Limb(arm, limb) => &units[arm][limb],
+            };
+            let parts = Parts::none([&units[arm][limb], beside].map(Arc::clone));
+            found.push(Growing { pairing, parts, count: 0 });
         }
         found[last].parts.add(root, other_root);
         found[last].count += 1;
@@ -175,4 +183,48 @@ pub(crate) fn pairings(arms: &[Arm], pairs: impl Iterator<Item = CheckedPair>) -
     // Links far from the base meet something first.
     pairings.sort_by_key(|pairing| core::cmp::Reverse(pairing.limb));
     pairings
+}
+
+#[cfg(test)]
+mod tests {
+    use mrroc_robots::clearance::Capsule;
+    use nalgebra::Vector3;
+
+    use super::*;
+
+    #[test]
+    fn nodes_have_pairs_if_and_only_if_there_are_pairs_of_capsules_below_or_above_them() {
+        let tree = |length: f64, count: usize| {
+            let capsule = |i: usize| {
+                let at = Vector3::new(0.1 * i as f64, 0.02 * (i * i % 7) as f64, 0.0);
+                Capsule::new(at, at + Vector3::z() * length, 0.02)
+            };
+            BallTree::of(&(0..count).map(capsule).collect::<Vec<_>>())
+        };
+        let trees = [tree(0.2, 13), tree(0.0, 6)];
+        let pairs = [(0, 0), (3, 5), (12, 1), (12, 2)];
+        let mut parts = Parts::none(trees.each_ref().map(|tree| tree.units().into()));
+        pairs.iter().for_each(|(a, b)| parts.add(trees[0].roots[*a], trees[1].roots[*b]));
+        parts.rise(&trees[0], Some(&trees[1]));
+        // The nodes from a node on that are below it.
+        let below = |tree: &BallTree, node: usize| {
+            let mut last = node;
+            while tree.nodes[last].second != 0 {
+                last = tree.nodes[last].second as usize;
+            }
+            node..=last
+        };
+        let is_related = |tree: &BallTree, capsule: usize, node: usize| {
+            let root = tree.roots[capsule] as usize;
+            below(tree, node).contains(&root) || below(tree, root).contains(&node)
+        };
+        for a in 0..trees[0].nodes.len() {
+            for b in 0..trees[1].nodes.len() {
+                let expected = pairs.iter().any(|(capsule, other)| {
+                    is_related(&trees[0], *capsule, a) && is_related(&trees[1], *other, b)
+                });
+                assert_eq!(parts.has(a as u32, b as u32), expected, "nodes {a} and {b}");
+            }
+        }
+    }
 }

@@ -89,3 +89,75 @@ pub(crate) fn find(
     }
     None
 }
+
+#[cfg(test)]
+mod tests {
+    use mrroc_robots::clearance::Capsule;
+    use nalgebra::{Rotation3, Vector3};
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::balls::BallTree;
+    use crate::lanes::Points;
+
+    fn leaves(tree: &BallTree) -> impl Iterator<Item = &Node> {
+        tree.nodes.iter().filter(|node| node.second == 0)
+    }
+
+    /// Of capsules from the origin to each of these places.
+    fn tree(places: &[[f64; 3]]) -> BallTree {
+        let capsule = |place: &[f64; 3]| Capsule::new(Vector3::zeros(), Vector3::from(*place), 0.03);
+        BallTree::of(&places.iter().map(capsule).collect::<Vec<_>>())
+    }
+
+    proptest! {
+        #[test]
+        fn all_balls_of_one_limb_are_beyond_those_of_the_other_along_a_direction_that_is_found(
+            one in proptest::collection::vec(proptest::array::uniform3(-0.2..0.2_f64), 2..9),
+            other in proptest::collection::vec(proptest::array::uniform3(-0.2..0.2_f64), 2..9),
+            turn in proptest::array::uniform3(-2.0..2.0_f64), place in proptest::array::uniform3(-0.8..0.8_f64),
+            wanted in 0.0..0.2_f32,
+        ) {
+            let trees = [tree(&one), tree(&other)];
+            let turn = Rotation3::new(Vector3::from(turn));
+            let column = |k: usize| Points::splat([0, 1, 2].map(|i| turn[(i, k)] as f32));
+            let origin = Points::splat(place.map(|x| x as f32));
+            let frame = Frames { x: column(0), y: column(1), z: column(2), origin };
+            let [a, b] = trees.each_ref().map(|tree| tree.nodes.as_slice());
+            let found = find([a, b], [0, 0], &frame, 3, wanted, [1.0, 0.0, 0.0]);
+            let centre = |node: &Node| Vector3::from(node.centre.map(f64::from));
+            let seen = |node: &Node| turn * centre(node) + Vector3::from(place);
+            if let Some(direction) = found {
+                let along = Vector3::from(direction.map(f64::from));
+                prop_assert!((along.norm() - 1.0).abs() < 1e-6);
+                for one in leaves(&trees[0]) {
+                    for other in leaves(&trees[1]) {
+                        let apart = along.dot(&(seen(one) - centre(other)));
+                        let apart = apart - f64::from(one.radius) - f64::from(other.radius);
+                        prop_assert!(apart > f64::from(wanted) - 1e-6);
+                    }
+                }
+            } else {
+                // Along the line between points of balls that are three times their radii apart, these are apart.
+                let [one, other] = [&trees[0].nodes[0], &trees[1].nodes[0]];
+                let apart = (seen(one) - centre(other)).norm();
+                prop_assert!(apart < 3.0 * f64::from(one.radius + other.radius + wanted));
+            }
+        }
+
+        #[test]
+        fn what_reaches_farthest_is_a_ball_that_reaches_no_less_far_than_any_other(
+            places in proptest::collection::vec(proptest::array::uniform3(-0.2..0.2_f64), 1..20),
+            direction in proptest::array::uniform3(-1.0..1.0_f32),
+        ) {
+            let length = dot(direction, direction).sqrt();
+            prop_assume!(length > 0.1);
+            let direction = direction.map(|x| x / length);
+            let tree = tree(&places);
+            let (far, point) = farthest(&tree.nodes, 0, direction);
+            let most = leaves(&tree).map(|node| dot(node.centre, direction) + node.radius);
+            prop_assert_eq!(far, most.fold(f32::NEG_INFINITY, f32::max));
+            prop_assert!((dot(point, direction) - far).abs() < 1e-6);
+        }
+    }
+}

@@ -11,6 +11,9 @@ use crate::lanes::{Frames, LANES, Lanes, Mask, Points};
 use crate::pairing::{Against, Pairing};
 use crate::plane::{farthest, find};
 
+/// Where fewer nodes are below the first child of a node, no plane is looked for: to compare them takes less.
+const FEW: u32 = 16;
+
 /// Which boxes: bit `i` for the `i`th.
 pub(crate) type Boxes = u64;
 
@@ -83,29 +86,21 @@ impl Proof {
         self.open.clear();
         self.stand(checker, count, place, |_, _| true);
         let boxes = Boxes::MAX >> (Boxes::BITS as usize - count);
-        // Which obstacles the limbs of each arm may come near in any of the boxes.
+        // Which obstacles the limbs of the arm may come near in any of the boxes: only one that is alone is compared with them.
         self.near.clear();
-        let mut firsts = vec![0; checker.arms.len()];
-        for (arm, first) in firsts.iter_mut().enumerate().filter(|(arm, _)| self.among == Among::Alone(*arm))
-        {
-            *first = self.near.len();
-            for (k, standing) in self.standing[..self.batches].iter().enumerate() {
-                let from = self.near.len();
-                checker.near_obstacles(arm, &standing[arm], true, &mut self.near);
-                if k > 0 {
-                    for i in from..self.near.len() {
-                        self.near[*first + i - from] |= self.near[i];
-                    }
-                    self.near.truncate(from);
-                }
+        if let Among::Alone(arm) = self.among {
+            for standing in &self.standing[..self.batches] {
+                let mut near = Vec::new();
+                checker.near_obstacles(arm, &standing[arm], true, &mut near);
+                self.near.resize(near.len(), 0);
+                self.near.iter_mut().zip(near).for_each(|(all, near)| *all |= near);
             }
         }
         for &pair in &self.pairs {
             let pairing = &checker.pairings[pair as usize];
-            if let Against::Obstacle(body) = pairing.against {
-                let limbs = checker.bounds.len();
-                let mask = self.near[firsts[pairing.arm] + pairing.limb * limbs + body / LANES];
-                if mask >> (body % LANES) & 1 == 0 {
+            if let (Against::Obstacle(body), Among::Alone(_)) = (pairing.against, self.among) {
+                let near = self.near[pairing.limb * checker.bounds.len() + body / LANES];
+                if near >> (body % LANES) & 1 == 0 {
                     continue;
                 }
             }
@@ -269,7 +264,8 @@ impl Proof {
     /// As [`left`](Self::left), of all that is below two nodes of the limbs that were seen last: where no plane is found between them, in some boxes.
     fn left_beyond(&mut self, open: &Open, trees: [&[Node]; 2], boxes: Boxes) -> Boxes {
         let nodes = open.nodes;
-        if [0, 1].iter().any(|i| trees[*i][nodes[*i] as usize].second == 0) {
+        let is_small = |(tree, node): (&[Node], u32)| tree[node as usize].second < node + FEW;
+        if trees.into_iter().zip(nodes).any(is_small) {
             return boxes;
         }
         let last = self.directions[open.pair as usize];
@@ -388,4 +384,16 @@ fn halved(boxes: Boxes, parted: Boxes) -> Boxes {
         i += 1;
     }
     halves
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn boxes_that_are_parted_have_two_halves_each_in_their_order() {
+        // Boxes 1, 3 and 4 are parted: their halves are 0 and 1, 2 and 3, 4 and 5. Box 2 is not.
+        assert_eq!(halved(0b0_1110, 0b1_1010), 0b00_1111);
+        assert_eq!(halved(0b1_0000, 0b1_1010), 0b11_0000);
+    }
 }

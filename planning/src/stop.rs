@@ -16,11 +16,13 @@ use crate::check::Checker;
 use crate::lanes::LANES;
 use crate::limits::Limits;
 use crate::path::Path;
-use crate::proof::Proof;
+use crate::proof::{Boxes, Proof};
 use crate::reach::{Reach, reaches};
 
 /// The most boxes into which the states of a stop are divided. With four times as many, motions of four arms were as fast, and took twice as long to plan.
 const MOST: usize = 100;
+// At most twice as many as there were before, from at most as many as there are lanes on, so that they fit in a mask.
+const _: () = assert!(MOST + LANES <= 2 * Boxes::BITS as usize);
 
 /// The shortest part of a stop that is divided [rad or m].
 const SHORTEST: f64 = 1e-4;
