@@ -388,7 +388,51 @@ fn halved(boxes: Boxes, parted: Boxes) -> Boxes {
 
 #[cfg(test)]
 mod tests {
+    use mrroc::random::Random;
+    use mrroc_robots::clearance::Capsule;
+    use nalgebra::Vector3;
+
     use super::*;
+    use crate::lanes::ALL;
+    use crate::usage::cells::{stopping, two_arms};
+
+    #[test]
+    fn what_is_proven_of_arms_that_hold_bodies_of_many_capsules_is_what_a_check_proves_pair_by_pair() {
+        let mut clearance = two_arms().build(stopping()).expect("a clearance");
+        let capsule = |i: i32| {
+            let at = Vector3::new(f64::from(i % 5), f64::from(i / 5 % 5), f64::from(i / 25)) * 0.03;
+            Capsule::new(at, at + Vector3::x() * 0.02, 0.015)
+        };
+        let body: Vec<Capsule> = (0..75).map(capsule).collect();
+        for robot in ["left", "right"] {
+            clearance.grasp(robot, "body", &body).expect("a body");
+        }
+        let mut checker = Checker::new(&clearance);
+        let mut proof = Proof::new(&checker, Among::Two(0, 1));
+        let mut random = Random::seeded(7);
+        let [mut proven, mut unproven] = [0, 0];
+        for _ in 0..4000 {
+            let joints: Vec<f64> = (0..12).map(|_| random.within(2.0)).collect();
+            let places: Vec<Vec<[f64; 2]>> = (0..LANES)
+                .map(|_| joints.iter().map(|q| [q + random.within(0.05), 0.05 * random.unit()]).collect())
+                .collect();
+            let lanes = |i: usize, more: f64| -> Vec<Lanes> {
+                let of = |j: usize| places.iter().map(move |place| (place[j][i] * more) as f32);
+                let lanes = |j| Lanes::new(core::array::from_fn(|lane| of(j).nth(lane).unwrap_or_default()));
+                (0..12).map(lanes).collect()
+            };
+            checker.among = Among::Two(0, 1);
+            let (q, half) = (lanes(0, 1.0), lanes(1, 1.0 + 1e-6));
+            let verdict = checker.check(&q, Around::Box(&half), ALL);
+            if verdict.clear != ALL {
+                continue;
+            }
+            let left = proof.begin(&checker, LANES, |part, j| places[part][j]) as Mask;
+            assert_eq!(verdict.proven, !left);
+            [proven, unproven] = [proven + left.count_zeros(), unproven + left.count_ones()];
+        }
+        assert!(proven > 1000 && unproven > 300, "{proven} {unproven}");
+    }
 
     #[test]
     fn boxes_that_are_parted_have_two_halves_each_in_their_order() {
