@@ -384,8 +384,17 @@ impl Arm {
         }
     }
 
-    /// The ball of a node of a limb.
+    /// The frame of a limb; none of an arm that is no chain.
     #[inline]
+    pub(crate) fn frame<'a>(&self, standing: &'a Standing, limb: usize) -> Option<&'a Frames> {
+        match self.kinematics {
+            Kinematics::Chain(_) => standing.frames.get(self.limbs[limb].joints),
+            Kinematics::Outline(_) => None,
+        }
+    }
+
+    /// The ball of a node of a limb.
+    #[inline(always)]
     pub(crate) fn ball(&self, standing: &Standing, limb: usize, node: usize) -> (Points, Lanes) {
         match self.kinematics {
             Kinematics::Chain(_) => {

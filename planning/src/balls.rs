@@ -100,6 +100,40 @@ impl BallTree {
         tree
     }
 
+    /// The number of each node among those that stand above capsules: a node has the number of the one before it where both are of one capsule.
+    pub(crate) fn units(&self) -> Vec<u32> {
+        let mut roots = vec![false; self.nodes.len()];
+        self.roots.iter().for_each(|root| roots[*root as usize] = true);
+        let mut units = Vec::with_capacity(self.nodes.len());
+        // What stands behind a root, up to the next node that is above or at another one, is below it.
+        let mut end = 0;
+        let mut unit = 0;
+        for (i, is_root) in roots.iter().enumerate() {
+            if i >= end {
+                unit += u32::from(i > 0);
+                if *is_root {
+                    end = self.end(i);
+                }
+            }
+            units.push(unit);
+        }
+        units
+    }
+
+    /// The first node that is not below this one.
+    fn end(&self, node: usize) -> usize {
+        match self.nodes[node].second {
+            0 => node + 1,
+            second => self.end(second as usize),
+        }
+    }
+
+    /// Nodes that have others below them, from the last to the first, and their children.
+    pub(crate) fn inner(&self) -> impl Iterator<Item = (usize, [usize; 2])> {
+        let nodes = self.nodes.iter().enumerate().rev().filter(|(_, node)| node.second != 0);
+        nodes.map(|(i, node)| (i, [i + 1, node.second as usize]))
+    }
+
     /// Adds balls that are near one another below one node.
     fn spread(&mut self, balls: &mut [Ball]) {
         let node = self.push(balls);

@@ -9,48 +9,18 @@
 
 use std::sync::Arc;
 
-use mrroc_robots::clearance::{Capsule, CheckedPair, Clearance, Obstacle, Partner};
+use mrroc_robots::clearance::{Capsule, Clearance, Obstacle};
 use nalgebra::Vector3;
 
 use crate::arm::{Arm, Around, Standing};
 use crate::balls::BallTree;
 use crate::lanes::{ALL, LANES, Lanes, Mask, Points};
+use crate::pairing::{Against, Pairing, pairings};
+use crate::plane::DEPTH;
 use crate::upright::Uprights;
 
 /// What the rounding of positions in single precision may cost \[m\]: a few units in the last place at some ten metres.
 const ROUNDING: f32 = 2e-5;
-
-/// What is kept apart from a limb.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) enum Against {
-    /// An obstacle.
-    Obstacle(usize),
-    /// A limb of an arm.
-    Limb(usize, usize),
-}
-
-/// A limb, what is kept apart from it, and by how much.
-#[derive(Clone, Debug)]
-struct Pairing {
-    arm: usize,
-    limb: usize,
-    against: Against,
-    margin: f32,
-    /// From which joint on their travel counts.
-    since: usize,
-    /// The nodes of both trees below which balls are compared; one pair of roots where all are. Against an obstacle the second is 0.
-    parts: Vec<(u32, u32)>,
-}
-
-impl Pairing {
-    /// The arm that the other side belongs to; of an obstacle the same.
-    fn other(&self) -> usize {
-        match self.against {
-            Against::Obstacle(_) => self.arm,
-            Against::Limb(arm, _) => arm,
-        }
-    }
-}
 
 /// Which pairs are checked. Only the arms of these pairs are looked at; the others may be anywhere.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -74,7 +44,7 @@ impl Among {
         }
     }
 
-    fn has(self, pairing: &Pairing) -> bool {
+    pub(crate) fn has(self, pairing: &Pairing) -> bool {
         let arms = (pairing.arm, pairing.other());
         match self {
             Among::All => true,
@@ -87,7 +57,7 @@ impl Among {
 
 /// An obstacle in single precision.
 #[derive(Clone)]
-enum Body {
+pub(crate) enum Body {
     HalfSpace {
         normal: [f32; 3],
         height: f32,
@@ -156,7 +126,7 @@ impl Body {
 
     /// In which lanes a ball of this radius, >= 0, is clear of it.
     #[inline]
-    fn clear_of(&self, centre: Points, radius: Lanes) -> Mask {
+    pub(crate) fn clear_of(&self, centre: Points, radius: Lanes) -> Mask {
         match self {
             Body::HalfSpace { normal, height } => {
                 (centre.dot(Points::splat(*normal)) - Lanes::splat(*height)).above(radius)
@@ -232,13 +202,13 @@ pub(crate) struct Verdict {
 #[derive(Clone)]
 pub(crate) struct Checker {
     pub(crate) arms: Vec<Arm>,
-    bodies: Vec<Body>,
-    pairings: Vec<Pairing>,
+    pub(crate) bodies: Vec<Body>,
+    pub(crate) pairings: Vec<Pairing>,
     /// Their numbers, in the order in which they are checked.
     order: Vec<u32>,
     standing: Vec<Standing>,
     /// Boxes around the obstacles, eight at a time: their lower and upper corners.
-    bounds: Vec<[Points; 2]>,
+    pub(crate) bounds: Vec<[Points; 2]>,
     /// Which obstacles of each eight a limb may come near, in the last check of all pairs; limb by limb.
     near: Vec<Mask>,
     /// The largest margin of all pairs \[m\].
@@ -391,38 +361,51 @@ impl Checker {
         verdict
     }
 
-    /// Finds which obstacles the limbs may come near, in all lanes together, by boxes around both.
+    /// Finds which obstacles the limbs may come near, in all lanes together.
     fn look_around(&mut self, moving: bool) {
-        self.near.clear();
-        let more = self.margin + self.more + ROUNDING;
+        let mut near = core::mem::take(&mut self.near);
+        near.clear();
         for (i, (arm, standing)) in self.arms.iter().zip(&self.standing).enumerate() {
             // Only where it is alone or among all it is compared with obstacles.
             if matches!(self.among, Among::Two(..)) || !self.among.has_arm(i) {
-                self.near.extend(core::iter::repeat_n(0, arm.limbs.len() * self.bounds.len()));
-                continue;
-            }
-            for limb in 0..arm.limbs.len() {
-                let (centre, radius) = standing.roots[limb];
-                let travel = if moving { standing.travel[limb][0] } else { Lanes::default() };
-                let far = (radius + travel + Lanes::splat(more)).array();
-                let mut lower = [f32::INFINITY; 3];
-                let mut upper = [f32::NEG_INFINITY; 3];
-                let mut is_known = true;
-                for (i, lanes) in centre.0.iter().enumerate() {
-                    for (at, far) in lanes.array().into_iter().zip(far) {
-                        is_known &= (at - far).is_finite() && (at + far).is_finite();
-                        lower[i] = lower[i].min(at - far);
-                        upper[i] = upper[i].max(at + far);
-                    }
-                }
-                let (lower, upper) = (Points::splat(lower), Points::splat(upper));
-                for [from, to] in &self.bounds {
-                    let apart = |i: usize| from.0[i].above(upper.0[i]) | lower.0[i].above(to.0[i]);
-                    let far = if is_known { apart(0) | apart(1) | apart(2) } else { 0 };
-                    self.near.push(!far);
-                }
+                near.extend(core::iter::repeat_n(0, arm.limbs.len() * self.bounds.len()));
+            } else {
+                self.near_obstacles(i, standing, moving, &mut near);
             }
         }
+        self.near = near;
+    }
+
+    /// Adds which obstacles of each eight each limb of an arm may come near, in all lanes together, by boxes around both.
+    pub(crate) fn near_obstacles(&self, arm: usize, standing: &Standing, moving: bool, near: &mut Vec<Mask>) {
+        let more = self.margin + self.more + ROUNDING;
+        for limb in 0..self.arms[arm].limbs.len() {
+            let (centre, radius) = standing.roots[limb];
+            let travel = if moving { standing.travel[limb][0] } else { Lanes::default() };
+            let far = (radius + travel + Lanes::splat(more)).array();
+            let mut lower = [f32::INFINITY; 3];
+            let mut upper = [f32::NEG_INFINITY; 3];
+            let mut is_known = true;
+            for (i, lanes) in centre.0.iter().enumerate() {
+                for (at, far) in lanes.array().into_iter().zip(far) {
+                    is_known &= (at - far).is_finite() && (at + far).is_finite();
+                    lower[i] = lower[i].min(at - far);
+                    upper[i] = upper[i].max(at + far);
+                }
+            }
+            let (lower, upper) = (Points::splat(lower), Points::splat(upper));
+            for [from, to] in &self.bounds {
+                let apart = |i: usize| from.0[i].above(upper.0[i]) | lower.0[i].above(to.0[i]);
+                let far = if is_known { apart(0) | apart(1) | apart(2) } else { 0 };
+                near.push(!far);
+            }
+        }
+    }
+
+    /// What the balls of a pair are kept apart \[m\], with what rounding may cost.
+    #[inline]
+    pub(crate) fn kept_apart(&self, pairing: &Pairing) -> f32 {
+        pairing.margin + self.more + ROUNDING
     }
 
     /// Whether a limb is far from an obstacle in all lanes.
@@ -441,7 +424,7 @@ impl Checker {
     #[inline]
     fn compare(&self, pairing: &Pairing, moving: bool, wanted: Mask) -> (Mask, Mask) {
         let Pairing { arm, limb, since, .. } = *pairing;
-        let margin = Lanes::splat(pairing.margin + self.more + ROUNDING);
+        let margin = Lanes::splat(self.kept_apart(pairing));
         let standing = &self.standing[arm];
         let travel = if moving { standing.travel[limb][since] } else { Lanes::default() };
         let (mut unproven, mut hit) = (0, 0);
@@ -455,36 +438,37 @@ impl Checker {
                     return (0, 0);
                 }
                 let mut stack = [(0u32, 0 as Mask); DEPTH];
-                for &(node, _) in &pairing.parts {
-                    stack[0] = (node, wanted);
-                    let mut depth = 1;
-                    while depth > 0 {
-                        depth -= 1;
-                        let (node, mask) = stack[depth];
-                        let (centre, radius) = self.arms[arm].ball(standing, limb, node as usize);
-                        let apart = radius + margin;
-                        let mut left = mask & !body.clear_of(centre, apart + travel);
-                        // Of lanes that are not proven only hits are still wanted.
-                        if left & unproven != 0 {
-                            left &= !(unproven & body.clear_of(centre, apart));
-                        }
-                        if left == 0 {
-                            continue;
-                        }
-                        let second = self.arms[arm].limbs[limb].tree.nodes[node as usize].second;
-                        if second == 0 {
-                            if moving {
-                                let travel = self.arms[arm].travel(standing, limb, centre, radius);
-                                unproven |= left & !body.clear_of(centre, apart + travel);
-                            } else {
-                                unproven |= left;
-                            }
-                            hit |= if moving { left & !body.clear_of(centre, apart) } else { left };
+                stack[0] = (0, wanted);
+                let mut depth = 1;
+                while depth > 0 {
+                    depth -= 1;
+                    let (node, mask) = stack[depth];
+                    if !pairing.has(node, 0) {
+                        continue;
+                    }
+                    let (centre, radius) = self.arms[arm].ball(standing, limb, node as usize);
+                    let apart = radius + margin;
+                    let mut left = mask & !body.clear_of(centre, apart + travel);
+                    // Of lanes that are not proven only hits are still wanted.
+                    if left & unproven != 0 {
+                        left &= !(unproven & body.clear_of(centre, apart));
+                    }
+                    if left == 0 {
+                        continue;
+                    }
+                    let second = self.arms[arm].limbs[limb].tree.nodes[node as usize].second;
+                    if second == 0 {
+                        if moving {
+                            let travel = self.arms[arm].travel(standing, limb, centre, radius);
+                            unproven |= left & !body.clear_of(centre, apart + travel);
                         } else {
-                            stack[depth] = (node + 1, left);
-                            stack[depth + 1] = (second, left);
-                            depth += 2;
+                            unproven |= left;
                         }
+                        hit |= if moving { left & !body.clear_of(centre, apart) } else { left };
+                    } else {
+                        stack[depth] = (node + 1, left);
+                        stack[depth + 1] = (second, left);
+                        depth += 2;
                     }
                 }
             }
@@ -498,40 +482,41 @@ impl Checker {
                     return (0, 0);
                 }
                 let mut stack = [(0u32, 0u32, 0 as Mask); 2 * DEPTH];
-                for &(a, b) in &pairing.parts {
-                    stack[0] = (a, b, wanted);
-                    let mut depth = 1;
-                    while depth > 0 {
-                        depth -= 1;
-                        let (a, b, mask) = stack[depth];
-                        let (p, r) = self.arms[arm].ball(standing, limb, a as usize);
-                        let (q, s) = self.arms[other_arm].ball(other, other_limb, b as usize);
-                        let squared = (p - q).squared();
-                        let apart = r + s + margin;
-                        let far = apart + travel;
-                        let mut left = mask & !squared.above(far * far);
-                        if left & unproven != 0 {
-                            left &= !(unproven & squared.above(apart * apart));
-                        }
-                        if left == 0 {
-                            continue;
-                        }
-                        let [one, two] = [
-                            self.arms[arm].limbs[limb].tree.nodes[a as usize],
-                            self.arms[other_arm].limbs[other_limb].tree.nodes[b as usize],
-                        ];
-                        if one.second == 0 && two.second == 0 {
-                            unproven |= left;
-                            hit |= if moving { left & !squared.above(apart * apart) } else { left };
-                        } else if two.second == 0 || (one.second != 0 && one.radius >= two.radius) {
-                            stack[depth] = (a + 1, b, left);
-                            stack[depth + 1] = (one.second, b, left);
-                            depth += 2;
-                        } else {
-                            stack[depth] = (a, b + 1, left);
-                            stack[depth + 1] = (a, two.second, left);
-                            depth += 2;
-                        }
+                stack[0] = (0, 0, wanted);
+                let mut depth = 1;
+                while depth > 0 {
+                    depth -= 1;
+                    let (a, b, mask) = stack[depth];
+                    if !pairing.has(a, b) {
+                        continue;
+                    }
+                    let (p, r) = self.arms[arm].ball(standing, limb, a as usize);
+                    let (q, s) = self.arms[other_arm].ball(other, other_limb, b as usize);
+                    let squared = (p - q).squared();
+                    let apart = r + s + margin;
+                    let far = apart + travel;
+                    let mut left = mask & !squared.above(far * far);
+                    if left & unproven != 0 {
+                        left &= !(unproven & squared.above(apart * apart));
+                    }
+                    if left == 0 {
+                        continue;
+                    }
+                    let [one, two] = [
+                        self.arms[arm].limbs[limb].tree.nodes[a as usize],
+                        self.arms[other_arm].limbs[other_limb].tree.nodes[b as usize],
+                    ];
+                    if one.second == 0 && two.second == 0 {
+                        unproven |= left;
+                        hit |= if moving { left & !squared.above(apart * apart) } else { left };
+                    } else if two.second == 0 || (one.second != 0 && one.radius >= two.radius) {
+                        stack[depth] = (a + 1, b, left);
+                        stack[depth + 1] = (one.second, b, left);
+                        depth += 2;
+                    } else {
+                        stack[depth] = (a, b + 1, left);
+                        stack[depth + 1] = (a, two.second, left);
+                        depth += 2;
                     }
                 }
             }
@@ -576,54 +561,4 @@ fn bounds<'a>(obstacles: impl ExactSizeIterator<Item = &'a Obstacle>) -> Vec<[Po
         }
     }
     bounds
-}
-
-/// How deep a stack of nodes may get: the trees of some ten thousand balls, halved in each node, are far from it.
-const DEPTH: usize = 48;
-
-/// The pairs of capsules, as pairs of limbs.
-fn pairings(arms: &[Arm], pairs: impl Iterator<Item = CheckedPair>) -> Vec<Pairing> {
-    let limb_of = |arm: usize, link: usize| -> Option<(usize, u32)> {
-        arms[arm].limbs.iter().enumerate().find_map(|(l, limb)| {
-            let place = limb.links.iter().position(|of| *of == link)?;
-            Some((l, limb.tree.roots[place]))
-        })
-    };
-    let mut found: Vec<Pairing> = Vec::new();
-    for pair in pairs {
-        let Some((limb, root)) = limb_of(pair.robot, pair.link) else { continue };
-        let (against, part, since) = match pair.partner {
-            Partner::Obstacle(body) => (Against::Obstacle(body), (root, 0), 0),
-            Partner::Link(arm, link) => {
-                let Some((other, other_root)) = limb_of(arm, link) else { continue };
-                let since = if arm == pair.robot { arms[arm].apart(limb, other, pair.since) } else { 0 };
-                (Against::Limb(arm, other), (root, other_root), since)
-            }
-        };
-        let margin = pair.margin as f32;
-        let same = |of: &&mut Pairing| {
-            (of.arm, of.limb, of.against, of.margin, of.since) == (pair.robot, limb, against, margin, since)
-        };
-        match found.iter_mut().find(same) {
-            Some(of) => of.parts.push(part),
-            None => {
-                let parts = vec![part];
-                found.push(Pairing { arm: pair.robot, limb, against, margin, since, parts });
-            }
-        }
-    }
-    for pairing in &mut found {
-        let count = |arm: usize, limb: usize| arms[arm].limbs[limb].tree.roots.len();
-        let all = count(pairing.arm, pairing.limb)
-            * match pairing.against {
-                Against::Obstacle(_) => 1,
-                Against::Limb(arm, limb) => count(arm, limb),
-            };
-        if pairing.parts.len() == all {
-            pairing.parts = vec![(0, 0)];
-        }
-    }
-    // Links far from the base meet something first.
-    found.sort_by_key(|pairing| core::cmp::Reverse(pairing.limb));
-    found
 }

@@ -199,6 +199,18 @@ impl Frames {
         self.origin + self.direction(p)
     }
 
+    /// This frame as seen from another one.
+    #[inline]
+    pub(crate) fn seen_from(&self, other: &Frames) -> Self {
+        let turned = |v: Points| Points([other.x.dot(v), other.y.dot(v), other.z.dot(v)]);
+        Frames {
+            x: turned(self.x),
+            y: turned(self.y),
+            z: turned(self.z),
+            origin: turned(self.origin - other.origin),
+        }
+    }
+
     #[inline]
     pub(crate) fn direction(&self, v: [f32; 3]) -> Points {
         self.x * Lanes::splat(v[0]) + self.y * Lanes::splat(v[1]) + self.z * Lanes::splat(v[2])

@@ -12,15 +12,17 @@
 
 use core::ops::Range;
 
-use crate::arm::Around;
 use crate::check::Checker;
-use crate::lanes::{LANES, Lanes, Mask};
+use crate::lanes::LANES;
 use crate::limits::Limits;
 use crate::path::Path;
+use crate::proof::{Boxes, Proof};
 use crate::reach::{Reach, reaches};
 
 /// The most boxes into which the states of a stop are divided. With four times as many, motions of four arms were as fast, and took twice as long to plan.
 const MOST: usize = 100;
+// At most twice as many as there were before, from at most as many as there are lanes on, so that they fit in a mask.
+const _: () = assert!(MOST + LANES <= 2 * Boxes::BITS as usize);
 
 /// The shortest part of a stop that is divided [rad or m].
 const SHORTEST: f64 = 1e-4;
@@ -90,16 +92,13 @@ impl Swept {
         })
     }
 
-    /// Whether all of it is proven clear, for the pairs that the checker is told to check.
-    ///
-    /// What was proven for all of some boxes needs no proof in parts of them.
-    pub(crate) fn is_clear(&self, checker: &mut Checker, limits: &Limits) -> bool {
+    /// Whether all of it is proven clear, for the pairs of a proof.
+    pub(crate) fn is_clear(&self, checker: &Checker, proof: &mut Proof, limits: &Limits) -> bool {
         // With how far they go.
         let robots: Vec<(usize, f64)> = (0..limits.robots.len())
-            .filter(|&robot| checker.among.has_arm(robot))
+            .filter(|&robot| proof.among.has_arm(robot))
             .map(|robot| (robot, self.longest(limits.robots[robot].clone())))
             .collect();
-        let n = self.middle.len();
         let mut open = vec![Part { shares: [[0.0, 1.0]; ROBOTS] }];
         // As many as there are lanes.
         while open.len() < LANES
@@ -108,40 +107,23 @@ impl Swept {
         {
             open = parts.into_flattened();
         }
-        let (mut q, mut half) = (vec![Lanes::default(); n], vec![Lanes::default(); n]);
-        let mut left = MOST;
-        checker.list_all();
-        loop {
+        let robot_of: Vec<usize> =
+            limits.robots.iter().enumerate().flat_map(|(i, joints)| joints.clone().map(move |_| i)).collect();
+        let place = |parts: &[Part], part: usize, j: usize| self.between(j, parts[part].shares[robot_of[j]]);
+        let mut left = MOST - open.len();
+        let mut unproven = proof.begin(checker, open.len(), |part, j| place(&open, part, j));
+        while unproven != 0 {
+            let parts = open.iter().enumerate().filter(|(i, _)| unproven >> i & 1 == 1);
+            let parts = parts.map(|(_, part)| self.divided(limits, &robots, *part));
+            let Some(parts) = parts.collect::<Option<Vec<_>>>() else { return false };
+            open = parts.into_flattened();
             if left < open.len() {
                 return false;
             }
             left -= open.len();
-            let mut unproven = Vec::new();
-            for taken in open.chunks(LANES) {
-                let batch: [Part; LANES] = core::array::from_fn(|lane| taken[lane.min(taken.len() - 1)]);
-                for &(robot, _) in &robots {
-                    for j in limits.robots[robot].clone() {
-                        let places = batch.map(|part| self.between(j, part.shares[robot]));
-                        q[j] = Lanes::new(places.map(|[middle, _]| middle as f32));
-                        half[j] = Lanes::new(places.map(|[_, half]| (half * (1.0 + 1e-6)) as f32));
-                    }
-                }
-                let wanted = ((1u16 << taken.len()) - 1) as Mask;
-                let verdict = checker.check_listed(&q, Around::Box(&half), wanted);
-                if verdict.clear != wanted {
-                    return false;
-                }
-                let is_unproven = |(lane, _): &(usize, &Part)| verdict.proven >> lane & 1 == 0;
-                unproven.extend(taken.iter().enumerate().filter(is_unproven).map(|(_, part)| *part));
-            }
-            if unproven.is_empty() {
-                return true;
-            }
-            checker.narrow();
-            let parts = unproven.iter().map(|part| self.divided(limits, &robots, *part));
-            let Some(parts) = parts.collect::<Option<Vec<_>>>() else { return false };
-            open = parts.into_flattened();
+            unproven = proof.go_on(checker, unproven, |part, j| place(&open, part, j));
         }
+        true
     }
 
     /// A box in two, across the longest of the stops of `robots`; `None` where that makes none of them much smaller.

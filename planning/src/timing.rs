@@ -15,6 +15,8 @@ use crate::check::{Among, Checker};
 use crate::error::PlanError;
 use crate::limits::Limits;
 use crate::path::{At, Path};
+use crate::pieces::Pieces;
+use crate::proof::Proof;
 use crate::speed::Speed;
 use crate::stop::Swept;
 
@@ -106,9 +108,11 @@ impl Stops<'_> {
         let grid = self.grid;
         let count = grid.len() - 1;
         let mut most = vec![f64::INFINITY; count];
-        let groups = groups(self.limits.robots.len());
+        let groups = groups(self.limits.robots.len()).into_iter();
+        let mut proofs: Vec<Proof> = groups.map(|among| Proof::new(checker, among)).collect();
         // What was proven clear needs no second proof at a lower speed.
-        let mut proven = vec![vec![0.0_f64; groups.len()]; count];
+        let whole = |cell: &[f64]| vec![Pieces::new([cell[0], cell[1]]); proofs.len()];
+        let mut pieces: Vec<Vec<Pieces>> = grid.windows(2).map(whole).collect();
         let not_clear =
             |cell: usize| PlanError::StopsNotClear { at: 100.0 * grid[cell] / self.path.length() };
         let mut at = 0;
@@ -119,21 +123,16 @@ impl Stops<'_> {
             for cell in first..count {
                 let rest = self.rest.map(|(_, rest)| rest).filter(|rest| cell < *rest);
                 let (last, passed) = passed.ahead(cell, rest.unwrap_or(count), self.reaction);
-                let mut slow = proven[cell].iter().copied().fold(f64::INFINITY, f64::min);
+                let mut slow = pieces[cell].iter().map(Pieces::proven).fold(f64::INFINITY, f64::min);
                 if passed <= slow {
                     continue;
                 }
-                let ends = [grid[cell], grid[cell + 1]];
                 let mut is_clear = |speed: f64, halvings: u32| {
-                    let is_clear = groups.iter().zip(&mut proven[cell]).all(|(among, proven)| {
-                        checker.among = *among;
-                        if *proven < speed && self.is_piece_clear(checker, ends, speed, halvings) {
-                            *proven = speed;
-                        }
-                        *proven >= speed
-                    });
-                    checker.among = Among::All;
-                    is_clear
+                    proofs.iter_mut().zip(&mut pieces[cell]).all(|(proof, pieces)| {
+                        pieces.are_clear(speed, halvings, |ends| {
+                            self.is_clear_from(checker, proof, ends, speed)
+                        })
+                    })
                 };
                 if is_clear(passed, HALVINGS[0]) {
                     continue;
@@ -171,19 +170,11 @@ impl Stops<'_> {
         Err(not_clear(at))
     }
 
-    /// Whether the stops from everywhere on a piece are clear, of the pairs that the checker checks; it is cut in halves, so often, where it is too
-    /// long to prove that.
-    fn is_piece_clear(&self, checker: &mut Checker, [from, to]: [f64; 2], speed: f64, halvings: u32) -> bool {
+    /// Whether the stops from everywhere on a piece are proven clear, for the pairs of a proof.
+    fn is_clear_from(&self, checker: &Checker, proof: &mut Proof, [from, to]: [f64; 2], speed: f64) -> bool {
         let path = self.rest.filter(|(_, rest)| to <= self.grid[*rest]).map_or(self.path, |(path, _)| path);
         let swept = Swept::new(path, [from, to], speed, self.limits, self.reaction);
-        if swept.is_within(self.limits) && swept.is_clear(checker, self.limits) {
-            return true;
-        }
-        let middle = 0.5 * (from + to);
-        halvings > 0
-            && [[from, middle], [middle, to]]
-                .into_iter()
-                .all(|ends| self.is_piece_clear(checker, ends, speed, halvings - 1))
+        swept.is_within(self.limits) && swept.is_clear(checker, proof, self.limits)
     }
 }
 
