@@ -9,6 +9,7 @@ mod models;
 mod plans;
 mod recorded;
 mod replan;
+mod roadmap;
 mod several;
 mod stops;
 mod table;

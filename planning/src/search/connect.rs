@@ -20,7 +20,17 @@ pub(crate) fn straight(
     Some(vec![start.to_vec(), goal.clone()])
 }
 
-/// A path from `start` to one of the `goals`, all of them clear, of which none is straight ahead.
+/// A tree from the start, and one from the goals, that are to grow.
+pub(crate) fn rooted(start: &[f32], goals: &[Vec<f32>]) -> [Tree; 2] {
+    let mut trees = [Tree::new(start.len()), Tree::new(start.len())];
+    trees[0].add(start, None);
+    for goal in goals {
+        trees[1].add(goal, None);
+    }
+    trees
+}
+
+/// A path between two [`rooted`] trees: from their start to one of the `goals`, all of them clear, of which none is straight ahead.
 ///
 /// # Errors
 /// `effort` checks have found none: the nearest position to a goal that was reached from the start, and its distance.
@@ -28,19 +38,14 @@ pub(crate) fn connect(
     checker: &mut Checker,
     edges: &mut Edges,
     samples: &mut Samples,
-    start: &[f32],
+    trees: &mut [Tree; 2],
     goals: &[Vec<f32>],
     effort: u64,
 ) -> Result<Points, (Vec<f32>, f64)> {
     let end = checker.batches + effort;
     let is_free = checker.uprights.is_empty();
     let range = if is_free { RANGE } else { UPRIGHT };
-    let n = start.len();
-    let mut trees = [Tree::new(n), Tree::new(n)];
-    trees[0].add(start, None);
-    for goal in goals {
-        trees[1].add(goal, None);
-    }
+    let n = goals.first().map_or(0, Vec::len);
     let (mut wanted, mut from, mut to) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
     while checker.batches < end {
         // The smaller one grows.

@@ -1,18 +1,20 @@
 //! Finds a path of all joints from a start to one of several goals: RRT-Connect, then shortcuts. Several robots first try to move one
-//! after the other.
+//! after the other. What earlier queries have proven may be remembered, and is tried before any search.
 //!
 //! Deterministic: the same world, start, goals and settings give the same path, to the bit. Effort is counted in checks of eight postures,
 //! not in time. Literature: Kuffner and LaValle, *RRT-Connect* (ICRA 2000), and for samples that nodes near what is in the way
 //! are not tried for: Yershova and others, *Dynamic-Domain RRTs* (ICRA 2005); samples are a Halton sequence, shifted by the seed.
 
 mod connect;
+mod roadmap;
 mod sampling;
 mod several;
 mod shorten;
 mod tree;
 mod turns;
 
-use connect::{connect, straight};
+use connect::{connect, rooted, straight};
+pub(crate) use roadmap::Roadmap;
 pub(crate) use sampling::Samples;
 pub(crate) use several::find;
 pub(crate) use shorten::shorten;

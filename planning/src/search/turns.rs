@@ -16,7 +16,7 @@ use std::collections::{BTreeMap, BinaryHeap};
 use mrroc::random::Random;
 
 use super::sampling::Samples;
-use super::{Points, connect, shorten, straight};
+use super::{Points, connect, rooted, shorten, straight};
 use crate::check::{Among, Checker};
 use crate::edge::Edges;
 use crate::stop::ROBOTS;
@@ -257,7 +257,8 @@ impl Turns<'_> {
         self.attend(among, robot);
         let path = straight(self.checker, self.edges, &start, &goal);
         let left = end.saturating_sub(self.checker.batches);
-        let grown = || connect(self.checker, self.edges, &mut samples, &start, &goal, left).ok();
+        let mut trees = rooted(&start, &goal);
+        let grown = || connect(self.checker, self.edges, &mut samples, &mut trees, &goal, left).ok();
         let mut path = path.or_else(grown)?;
         shorten(self.checker, self.edges, robot as u64, &mut path, SHORTENING);
         let own: Points = path.iter().map(|q| q[joints.clone()].to_vec()).collect();
