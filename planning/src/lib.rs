@@ -18,6 +18,7 @@ mod arm;
 mod balls;
 mod beside;
 mod braking;
+mod carry;
 mod check;
 mod closest;
 mod cut;
@@ -46,6 +47,7 @@ mod timing;
 mod upright;
 mod via;
 
+pub use carry::{Carried, CarriedPath, Holders};
 pub use closest::{Closest, ClosestTable, During, FaultStop};
 pub use error::PlanError;
 pub use follow::{FollowPlan, Following, Reached};

@@ -38,8 +38,8 @@ pub struct Planner {
     pub(crate) checker: Checker,
     pub(crate) edges: Edges,
     pub(crate) limits: Limits,
-    seed: u64,
-    effort: u64,
+    pub(crate) seed: u64,
+    pub(crate) effort: u64,
     pub(crate) reaction: f64,
     roadmap: Roadmap,
 }
@@ -240,15 +240,12 @@ impl Planner {
         if stages.is_empty() {
             return Err(PlanError::NoStage);
         }
-        if !(self.reaction.is_finite() && self.reaction >= 0.0) {
-            return Err(PlanError::Reaction(self.reaction));
-        }
         let of_stage = |stage: usize, error: PlanError| match stages.len() {
             1 => error,
             stages => PlanError::Stage { stage: stage + 1, stages, why: Box::new(error) },
         };
         let end = self.checker.batches + self.effort;
-        self.start_is_clear(start)?;
+        self.may_begin(start)?;
         // A goal that cannot be reached is told before any search.
         let goals = stages.iter().enumerate();
         let goals = goals.map(|(i, goals)| self.clear_goals(goals).map_err(|error| of_stage(i, error)));
@@ -291,6 +288,14 @@ impl Planner {
         self.search(start, &clear, self.effort, MORE[0])
     }
 
+    /// Whether there may be a motion from `start`, with the reaction time that was told.
+    pub(crate) fn may_begin(&mut self, start: &[f64]) -> Result<(), PlanError> {
+        if !(self.reaction.is_finite() && self.reaction >= 0.0) {
+            return Err(PlanError::Reaction(self.reaction));
+        }
+        self.start_is_clear(start)
+    }
+
     fn start_is_clear(&mut self, start: &[f64]) -> Result<(), PlanError> {
         self.within_limits("start", start)?;
         self.checker.more = 0.0;
@@ -302,7 +307,7 @@ impl Planner {
     }
 
     /// Those goals that are clear, at least one.
-    fn clear_goals<'a>(&mut self, goals: &'a [Vec<f64>]) -> Result<Vec<&'a [f64]>, PlanError> {
+    pub(crate) fn clear_goals<'a>(&mut self, goals: &'a [Vec<f64>]) -> Result<Vec<&'a [f64]>, PlanError> {
         self.checker.more = 0.0;
         let mut clear = Vec::new();
         let mut refused = None;
@@ -444,7 +449,7 @@ impl Planner {
     }
 
     /// What is nearest at a position.
-    fn nearest(&mut self, q: &[f64]) -> Result<Nearest, PlanError> {
+    pub(crate) fn nearest(&mut self, q: &[f64]) -> Result<Nearest, PlanError> {
         Ok(self.clearance.nearest_at(&self.limits.split(q))?)
     }
 }

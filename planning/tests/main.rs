@@ -1,6 +1,7 @@
 //! The planner as its users use it.
 
 mod beside;
+mod carry;
 pub(crate) mod cells;
 mod check;
 mod examples;

@@ -10,14 +10,16 @@ mod roadmap;
 mod sampling;
 mod several;
 mod shorten;
+mod space;
 mod tree;
 mod turns;
 
-use connect::{connect, rooted, straight};
+pub(crate) use connect::{connect, rooted, straight};
 pub(crate) use roadmap::Roadmap;
 pub(crate) use sampling::Samples;
 pub(crate) use several::find;
-pub(crate) use shorten::shorten;
+pub(crate) use shorten::{shorten, shorten_any};
+pub(crate) use space::{Joints, Space};
 
 /// Positions of all joints along a path [rad or m].
 pub(crate) type Points = Vec<Vec<f32>>;
@@ -26,6 +28,10 @@ pub(crate) type Points = Vec<Vec<f32>>;
 const UPRIGHT: f32 = 0.4;
 
 /// The root of the sum of squares over all joints [rad or m].
-fn distance(a: &[f32], b: &[f32]) -> f32 {
+pub(crate) fn distance(a: &[f32], b: &[f32]) -> f32 {
     a.iter().zip(b).map(|(a, b)| (b - a) * (b - a)).sum::<f32>().sqrt()
+}
+
+fn between(a: &[f32], b: &[f32], share: f32) -> Vec<f32> {
+    a.iter().zip(b).map(|(a, b)| a + (b - a) * share).collect()
 }

@@ -4,7 +4,7 @@
 
 use super::sampling::Samples;
 use super::turns::in_turns;
-use super::{Points, Roadmap, connect, rooted, straight};
+use super::{Joints, Points, Roadmap, connect, rooted, straight};
 use crate::check::Checker;
 use crate::edge::Edges;
 
@@ -25,7 +25,7 @@ pub(crate) fn find(
     effort: u64,
 ) -> Result<Points, (Vec<f32>, f64)> {
     let end = checker.batches + effort;
-    if let Some(path) = straight(checker, edges, start, goals) {
+    if let Some(path) = straight(&mut Joints { checker, edges }, start, goals) {
         return Ok(path);
     }
     if let Some(path) = roadmap.route(checker, edges, start, goals, effort) {
@@ -42,7 +42,7 @@ pub(crate) fn find(
     }
     let left = end.saturating_sub(checker.batches);
     let mut trees = rooted(start, goals);
-    let found = connect(checker, edges, samples, &mut trees, goals, left);
+    let found = connect(&mut Joints { checker, edges }, samples, &mut trees, goals, left);
     for tree in &trees {
         roadmap.keep_tree(tree, start.len(), checker.more);
     }
