@@ -26,7 +26,8 @@ use crate::plan::{Motion, Plan};
 use crate::planner::{MORE, Planner, reduced};
 use crate::search::{Samples, connect, rooted, shorten_any, straight};
 use crate::speed::Speed;
-use crate::timing::timed;
+use crate::timing::{grid, timed};
+use crate::twist::Twist;
 
 /// How far beyond start and goal the body is looked for \[m\] and [rad].
 const BEYOND: [f64; 2] = [0.6, 1.0];
@@ -129,10 +130,12 @@ impl Planner {
     ///
     /// # Stops
     ///
-    /// **Suspensions and other stops on the path are proven**: they keep the margins, and the arms together. Of fault stops it is proven, as of any plan, that
-    /// each arm that brakes in its own joints keeps clear, with the body in the grasp of the first; then the arms pull at the body. **Fault stops on the common
-    /// twist, on which the arms of a `RigidCarry` brake together, are not proven**: they leave the path along the body's tangent, not along the
-    /// joints'. Leave them room by the margin.
+    /// Suspensions and other stops on the path keep the margins, and the arms together. Fault stops keep the margins where all arms brake together on the
+    /// common twist, as those of a `RigidCarry` do (decision 7), and where each arm brakes in its own joints, with the body in the grasp of the first:
+    /// then the arms pull at the body.
+    ///
+    /// How far the joints are off straight lines on the twist is **taken from samples, and a quarter more: that is no proof**. Of
+    /// robots with limits of jerk only the other stops are looked at. [`Planner::beside`] a plan of these arms does not know the twist.
     ///
     /// # Errors
     /// [`PlanError`]; [`PlanError::OffBranch`] and [`PlanError::Singular`] are those of held bodies alone.
@@ -218,9 +221,26 @@ impl Planner {
                 return Err(PlanError::Singular { at: 100.0 * ends[0] / path.length() });
             }
         }
-        let timed = timed(&mut self.checker, &path, &self.limits, self.reaction)?;
+        let twist = self.twist(&chain, &body, &path);
+        let timed = timed(&mut self.checker, &path, &self.limits, self.reaction, Some(&twist))?;
         let last = along(&path.at(path.length()).q, &offset, 1.0);
         Ok(self.carrying(path, timed, [start, &last], body, [&chain.begins, X_WG]))
+    }
+
+    /// The twists of the body from all cells of the path's grid, from both ends of each and its middle.
+    fn twist(&self, chain: &Chain<'_>, body: &Path, path: &Path) -> Twist {
+        let mut twist = Twist::new(&self.limits);
+        for ends in grid(path).windows(2) {
+            let mut fastest = f64::INFINITY;
+            path.rates(ends[0], ends[1], |j, [lower, upper]| {
+                fastest = fastest.min(self.limits.velocity[j] / lower.abs().max(upper.abs()));
+            });
+            let farthest = fastest * (self.reaction + 0.5 * twist.longest);
+            let places = [ends[0], 0.5 * (ends[0] + ends[1]), ends[1]]
+                .map(|u| (u, along(&path.at(u).q, &self.checker.offset, 1.0)));
+            twist.add(farthest, |far| places.iter().map(|(u, q)| chain.bends(body, *u, q, far)).collect());
+        }
+        twist
     }
 
     fn carrying(

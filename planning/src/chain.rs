@@ -22,6 +22,11 @@ const PIECE: [f64; 2] = [0.04, 5e-4];
 /// From where derivatives are taken, to either side [m or rad], at most; as a share of a piece of the body's path, and of one of the joints'.
 const BESIDE: [f64; 3] = [5e-4, 5e-3, 0.02];
 
+/// The difference of places from which a twist, and what joints do on it, is taken [m or rad].
+const ALONG: f64 = 1e-3;
+/// The longest step on it, from which joints are found on their branch [m or rad].
+const STEP: f64 = 0.02;
+
 type Forward = Arc<dyn Fn(&[f64]) -> Pose + Send + Sync>;
 type Inverse = Arc<dyn Fn(&Pose, &[f64]) -> Option<Vec<f64>> + Send + Sync>;
 
@@ -121,6 +126,27 @@ impl<'a> Chain<'a> {
         Ok(q)
     }
 
+    /// How the joints accelerate by the parameter of the body's path at a distance on the twist that the body has at `u`; the joints there are `q`.
+    pub(crate) fn bends(&self, body: &Path, u: f64, q: &[f64], far: f64) -> Option<Vec<f64>> {
+        let u = u.clamp(ALONG, (body.length() - ALONG).max(ALONG));
+        let [before, here, behind] = [u - ALONG, u, u + ALONG].map(|u| pose(&self.begins, &body.at(u).q));
+        let turn = (behind.rotation * before.rotation.inverse()).scaled_axis() / (2.0 * ALONG);
+        let by = (behind.translation.vector - before.translation.vector) / (2.0 * ALONG);
+        let velocity = by - turn.cross(&here.translation.vector);
+        // The joints at a distance, which they have come to by what is known nearer.
+        let mut q = q.to_vec();
+        let mut at = |s: f64| -> Option<Vec<f64>> {
+            q = self.joints_of(&self.coordinates(&(twisted(velocity, turn, s) * here)), &q).ok()?;
+            Some(q.clone())
+        };
+        let steps = (far / STEP).ceil();
+        for k in 1..=steps as u32 {
+            at(far * f64::from(k) / steps)?;
+        }
+        let [a, b, c] = [at(far - ALONG)?, at(far)?, at(far + ALONG)?];
+        Some((0..b.len()).map(|j| (a[j] - 2.0 * b[j] + c[j]) / (ALONG * ALONG)).collect())
+    }
+
     /// The path of all joints for that of the body, by the same parameter; or how much of it there is, in percent.
     pub(crate) fn path(&self, body: &Path, start: &[f64], offset: &[f64]) -> Result<Path, f64> {
         let mut path = Path { knots: vec![0.0], pieces: Vec::new() };
@@ -204,4 +230,17 @@ impl<'a> Chain<'a> {
         }
         Some([middle, first, second])
     }
+}
+
+/// The displacement after a distance `s` on a twist: `exp(s [turn, velocity])`, both in the world at its origin.
+fn twisted(velocity: Vector3<f64>, turn: Vector3<f64>, s: f64) -> Pose {
+    let (angle, w) = (turn.norm(), turn.cross_matrix());
+    let x = angle * s;
+    let [first, second] = if x.abs() < 1e-4 {
+        [0.5 * s * s, s * s * s / 6.0]
+    } else {
+        [(1.0 - x.cos()) / (angle * angle), (x - x.sin()) / (angle * angle * angle)]
+    };
+    let by = velocity * s + w * velocity * first + w * w * velocity * second;
+    Pose::from_parts(Translation3::from(by), UnitQuaternion::from_scaled_axis(turn * s))
 }

@@ -46,6 +46,7 @@ mod search;
 mod speed;
 mod stop;
 mod timing;
+mod twist;
 mod upright;
 mod via;
 

@@ -216,7 +216,7 @@ impl Planner {
             }
             let path = Path::rounded(&mut self.checker, &mut self.edges, &points);
             self.checker.more = 0.0;
-            match timed(&mut self.checker, &path, &self.limits, self.reaction) {
+            match timed(&mut self.checker, &path, &self.limits, self.reaction, None) {
                 Ok(timed) => break (path, timed),
                 // A sharp turn may leave no speed in the middle of a wide curve, or no room for its stops.
                 Err(PlanError::Timing(_) | PlanError::StopsNotClear { .. }) if curved => curved = false,

@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use mrroc::pose::Pose;
+use mrroc::random::Random;
 use mrroc::robot::Robot;
 use mrroc_generators::cooperation::{BodyFrame, BodyPath};
 use mrroc_planning::{Carried, Holders, PlanError, Planner};
@@ -123,4 +124,50 @@ fn what_cannot_be_carried_is_told() {
     let stranger = Holders::new().and("middle", &cell.arms[0]);
     let error = planner.carry(&stranger, BodyFrame::Centroid, &cell.start, &Pose::identity());
     assert!(matches!(error, Err(PlanError::NoRobot { .. })));
+}
+
+/// As decision 7 has it: all arms go on along the twist of their last step, and brake by 0.8 of the acceleration of the joint that brakes the longest.
+#[test]
+fn arms_that_brake_on_the_common_twist_anywhere_on_the_path_keep_the_margin() {
+    let mut cell = cell();
+    let begin = BodyFrame::Centroid.pose(&flanges(&cell.arms, &cell.start));
+    let grasps = flanges(&cell.arms, &cell.start).map(|flange| begin.inv_mul(&flange));
+    let acceleration = cell.arms[0].limits().acceleration;
+    let mut random = Random::seeded(4);
+    let (mut planned, mut instants) = (0, 0);
+    while planned < 6 {
+        let at = Vector3::new(TO[0], random.within(0.08), random.between(0.3, 0.42));
+        let turn = Vector3::new(random.within(0.1), random.within(0.15), random.within(0.15));
+        let Ok(carried) = carried(&cell, &Pose::new(at, turn)) else { continue };
+        planned += 1;
+        let plan = carried.plan();
+        let (mut time, h) = (0.02, 1e-4);
+        while time < plan.duration() - h {
+            let [before, behind] = [time - h, time + h].map(|time| (plan.at(time), carried.body_at(time)));
+            let braking =
+                |j: usize| (behind.0[j] - before.0[j]).abs() / (2.0 * h) / (0.8 * acceleration[j % 6]);
+            let far = 0.03 + 0.5 * (0..12).map(braking).fold(0.0, f64::max);
+            // The displacement of 2 h is repeated, a part of it for what is left.
+            let step = behind.1 * before.1.inverse();
+            let (mut body, mut q) = (carried.body_at(time), plan.at(time));
+            for k in 0..(far / (2.0 * h)) as usize {
+                body = step * body;
+                if k % 20 != 0 {
+                    continue;
+                }
+                for i in 0..2 {
+                    let own = 6 * i..6 * i + 6;
+                    let near = Six::from_column_slice(&q[own.clone()]);
+                    let found = cell.arms[i].inverse(&(body * grasps[i]), &near).expect("a posture");
+                    q[own].copy_from_slice(found.as_slice());
+                }
+                let nearest = cell.world.nearest_at(&[&q[..6], &q[6..]]).expect("a posture");
+                let is_own = nearest.sides[0].robot == nearest.sides[1].robot;
+                assert!(is_own || nearest.distance >= MARGIN, "plan {planned}, from {time} s: {nearest}");
+            }
+            instants += 1;
+            time += 0.02;
+        }
+    }
+    assert!(instants > 500, "{instants}");
 }
