@@ -1,7 +1,7 @@
 //! Plans many motions in one world, with a roadmap of the queries before and without, and prints as JSON what it gains.
 //!
-//! Run with `cargo bench -p mrroc-planning --bench queries -- [WORLDS] [QUERIES] [FIRST] [POSITIONS] [KIND..]`: 10 worlds of each kind unless said
-//! otherwise, from the seed FIRST (1) on, of 100 queries each, and a roadmap of 10,000 positions. A query begins where the one before ended. A line for
+//! Run with `cargo bench -p mrroc-planning --bench queries -- [WORLDS] [QUERIES] [FIRST] [POSITIONS] [KIND..]`: 3 worlds of each kind unless said
+//! otherwise, from the seed FIRST (1) on, of 60 queries each, and a roadmap of 10,000 positions. A query begins where the one before ended. A line for
 //! each kind of world, of goals and of planner: over all queries the time of the thread on its processor \[ms\] for a path with its
 //! shortcuts, to which stops and times come; over those that both solve the length of the path [rad].
 //!
@@ -62,7 +62,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let numbers: Vec<u64> = words.iter().filter_map(|word| word.parse().ok()).collect();
     let number = |place: usize, unless: u64| numbers.get(place).copied().unwrap_or(unless);
     let (worlds, queries, first, positions) =
-        (number(0, 10), number(1, 100), number(2, 1), number(3, 10_000));
+        (number(0, 3), number(1, 60), number(2, 1), number(3, 10_000));
     let kinds: [Kind; 4] = [
         ("table", |random| boxes(random, 1)),
         ("window", window),
