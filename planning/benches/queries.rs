@@ -61,8 +61,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let words: Vec<String> = std::env::args().skip(1).filter(|word| !word.starts_with("--")).collect();
     let numbers: Vec<u64> = words.iter().filter_map(|word| word.parse().ok()).collect();
     let number = |place: usize, unless: u64| numbers.get(place).copied().unwrap_or(unless);
-    let (worlds, queries, first, positions) =
-        (number(0, 3), number(1, 60), number(2, 1), number(3, 10_000));
+    let (worlds, queries, first, positions) = (number(0, 3), number(1, 60), number(2, 1), number(3, 10_000));
     let kinds: [Kind; 4] = [
         ("table", |random| boxes(random, 1)),
         ("window", window),

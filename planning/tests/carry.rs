@@ -68,9 +68,9 @@ fn two_arms_carry_a_plate_over_a_box_with_all_margins_and_limits_and_do_not_pull
     assert!(body < 1e-9, "{body}");
     let limits = cell.arms[0].limits();
     for three in samples.windows(3) {
-        for j in 0..12 {
-            let velocity = (three[2][j] - three[0][j]) / (2.0 * step);
-            let acceleration = (three[2][j] - 2.0 * three[1][j] + three[0][j]) / (step * step);
+        for (j, before) in three[0].iter().enumerate() {
+            let velocity = (three[2][j] - before) / (2.0 * step);
+            let acceleration = (three[2][j] - 2.0 * three[1][j] + before) / (step * step);
             assert!(velocity.abs() <= limits.velocity[j % 6], "joint {j}: {velocity} rad/s");
             assert!(acceleration.abs() <= limits.acceleration[j % 6], "joint {j}: {acceleration} rad/s^2");
         }
@@ -155,10 +155,10 @@ fn arms_that_brake_on_the_common_twist_anywhere_on_the_path_keep_the_margin() {
                 if k % 20 != 0 {
                     continue;
                 }
-                for i in 0..2 {
+                for (i, grasp) in grasps.iter().enumerate() {
                     let own = 6 * i..6 * i + 6;
                     let near = Six::from_column_slice(&q[own.clone()]);
-                    let found = cell.arms[i].inverse(&(body * grasps[i]), &near).expect("a posture");
+                    let found = cell.arms[i].inverse(&(body * grasp), &near).expect("a posture");
                     q[own].copy_from_slice(found.as_slice());
                 }
                 let nearest = cell.world.nearest_at(&[&q[..6], &q[6..]]).expect("a posture");
