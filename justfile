@@ -95,6 +95,10 @@ compare-distances:
 bench-arms SEEDS="100":
     cargo bench -p mrroc-planning --bench arms -- {{SEEDS}}
 
+# Many queries in one world, with a roadmap of the queries before and without, so many of each kind in so many worlds.
+bench-queries WORLDS="3" QUERIES="60":
+    cargo bench -p mrroc-planning --bench queries -- {{WORLDS}} {{QUERIES}}
+
 # Stops of two arms on plans of many seeds: a million states of the processes' own stops, none nearer than the margin.
 sweep-plans:
     cargo test --release -p mrroc-planning --lib -- --ignored --nocapture a_million_states

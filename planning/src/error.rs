@@ -42,6 +42,22 @@ pub enum PlanError {
         /// Its upper limit [rad or m].
         upper: f64,
     },
+    /// An arm that holds a body cannot hold it at the goal, on the branch of its inverse kinematics that it has at the start.
+    #[error(
+        "{robot} cannot hold the body at the goal: no joint positions within the limits on the branch of the start"
+    )]
+    OffBranch {
+        /// The robot.
+        robot: String,
+    },
+    /// On a path of a body an arm comes to a singular posture or to a limit, or too near to something, behind so much of the path.
+    #[error(
+        "the arms cannot follow the body beyond {at:.0} % of its path: a singular posture, a limit, or something near"
+    )]
+    Singular {
+        /// Behind so much of the path [%].
+        at: f64,
+    },
     /// Joints of the start or of a goal share a limit that they do not keep, or have no posture there.
     #[error("{robot}: the joints of the {place} do not go together: a limit that they share is not kept")]
     Coupled {

@@ -17,7 +17,10 @@
 mod arm;
 mod balls;
 mod beside;
+mod body_space;
 mod braking;
+mod carry;
+mod chain;
 mod check;
 mod closest;
 mod cut;
@@ -47,9 +50,12 @@ mod search;
 mod speed;
 mod stop;
 mod timing;
+mod twist;
 mod upright;
 mod via;
 
+pub use carry::{Carried, CarriedPath};
+pub use chain::Holders;
 pub use closest::{Closest, ClosestTable, During, FaultStop};
 pub use error::PlanError;
 pub use follow::{FollowPlan, Following, Reached};

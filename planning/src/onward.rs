@@ -89,8 +89,14 @@ impl Onward<'_> {
             (0..least.len()).map(|cell| if is_common(cell) { COMMON } else { Cell::FREE }).collect();
         let before = self.rests.then(|| self.path.until(self.common));
         let rest = before.as_ref().map(|path| (path, turn));
-        let stops =
-            Stops { path: self.path, rest, limits: self.limits, reaction: self.reaction, grid: &grid };
+        let stops = Stops {
+            path: self.path,
+            rest,
+            limits: self.limits,
+            reaction: self.reaction,
+            grid: &grid,
+            twist: None,
+        };
         let seen = self.speed.at(self.at);
         let from = seen.s - seen.v.max(v) * self.reaction;
         // Robots that come to rest in a corner do not leave it within the reaction time.

@@ -123,7 +123,7 @@ impl Path {
         }
     }
 
-    fn leg(&mut self, from: &[f64], to: &[f64], direction: &[f64]) {
+    pub(crate) fn leg(&mut self, from: &[f64], to: &[f64], direction: &[f64]) {
         let length = distance(from, to);
         if length > ROUNDING {
             self.push(length, Piece::Leg { from: from.to_vec(), along: direction.to_vec() });
@@ -284,7 +284,7 @@ pub(crate) fn curve(corner: &[f64], e: &[f64], f: &[f64], d: f64) -> Vec<[f64; 6
 }
 
 /// Value, first and second derivative of a curve of degree 5 at `t`, 0 to 1, by de Casteljau's scheme.
-fn bezier(points: &[f64; 6], t: f64) -> [f64; 3] {
+pub(crate) fn bezier(points: &[f64; 6], t: f64) -> [f64; 3] {
     let mut p = *points;
     let (mut first, mut second) = (0.0, 0.0);
     for degree in (1..=5).rev() {

@@ -14,7 +14,7 @@ use crate::error::PlanError;
 use crate::limits::Limits;
 use crate::path::Path;
 use crate::plan::{Motion, Plan};
-use crate::search::{Samples, find, shorten};
+use crate::search::{Roadmap, Samples, find, shorten};
 use crate::speed::Speed;
 use crate::stop::ROBOTS;
 use crate::timing::timed;
@@ -30,16 +30,18 @@ pub(crate) const MORE: [f32; 2] = [5e-4, 3e-3];
 
 /// Plans motions for the robots of a [`Clearance`], with its bodies, pairs and margins.
 ///
-/// Planning is deterministic: the same clearance, start, goals and settings give the same plan, to the bit.
+/// Planning is deterministic: the same clearance, start, goals and settings give the same plan, to the bit; with a
+/// [roadmap](Self::with_roadmap) the same sequence of queries gives the same plans.
 #[derive(Clone)]
 pub struct Planner {
     clearance: Clearance,
     pub(crate) checker: Checker,
     pub(crate) edges: Edges,
     pub(crate) limits: Limits,
-    seed: u64,
-    effort: u64,
+    pub(crate) seed: u64,
+    pub(crate) effort: u64,
     pub(crate) reaction: f64,
+    roadmap: Roadmap,
 }
 
 impl Planner {
@@ -51,7 +53,8 @@ impl Planner {
         let checker = Checker::new(&clearance);
         let limits = Limits::of(&checker.arms);
         let edges = Edges::default();
-        Planner { clearance, checker, edges, limits, seed: 1, effort: 400_000, reaction: 0.03 }.has_robots()
+        let (seed, effort, reaction, roadmap) = (1, 400_000, 0.03, Roadmap::default());
+        Planner { clearance, checker, edges, limits, seed, effort, reaction, roadmap }.has_robots()
     }
 
     /// Itself, if it has as many robots as it can plan for.
@@ -67,8 +70,9 @@ impl Planner {
         let mut checker = Checker::new(&clearance);
         checker.uprights = self.checker.uprights.clone();
         let (limits, edges) = (Limits::of(&checker.arms), Edges::default());
-        let Planner { seed, effort, reaction, .. } = *self;
-        Planner { clearance, checker, edges, limits, seed, effort, reaction }
+        let (Planner { seed, effort, reaction, .. }, roadmap) = (self, self.roadmap.emptied());
+        let (seed, effort, reaction) = (*seed, *effort, *reaction);
+        Planner { clearance, checker, edges, limits, seed, effort, reaction, roadmap }
     }
 
     /// The robot of this name.
@@ -104,6 +108,21 @@ impl Planner {
         self
     }
 
+    /// Remembers what its queries prove, and tries that first in later ones: a roadmap of at most so many positions, of which those that are known the
+    /// longest are forgotten; 0, unless said otherwise, is none. Some thousand are enough for an arm; one has about 150 bytes.
+    ///
+    /// A start and a goal from which a straight motion to one of the nearest of these positions is clear need no search. That gains much where paths are
+    /// hard to find, as through a window, and where the same positions come again; see the book for figures. Where it does not help, the
+    /// planner searches as without it.
+    ///
+    /// A plan then depends on the queries before it: the same ones in the same order give the same plans, to the bit. A clone goes on with what is known when it is
+    /// made. A planner of another world, as of [`beside`](Self::beside), or with something more to keep upright, begins with nothing.
+    #[must_use]
+    pub fn with_roadmap(mut self, positions: usize) -> Self {
+        self.roadmap = Roadmap::new(positions);
+        self
+    }
+
     /// Keeps an axis of a robot's flange upright on the whole path: its angle from the vertical, the z axis of the world, is at most
     /// `tolerance` \[rad\], above 0 and below pi, between samples too. `axis_F` is in the flange's frame, of any length. A robot may have several.
     ///
@@ -132,6 +151,7 @@ impl Planner {
             return Err(PlanError::BadUpright { robot: robot.to_string() });
         }
         self.checker.uprights.0.push(Upright { robot, axis_F: axis_F / length, tolerance });
+        self.roadmap = self.roadmap.emptied();
         Ok(self)
     }
 
@@ -196,7 +216,7 @@ impl Planner {
             }
             let path = Path::rounded(&mut self.checker, &mut self.edges, &points);
             self.checker.more = 0.0;
-            match timed(&mut self.checker, &path, &self.limits, self.reaction) {
+            match timed(&mut self.checker, &path, &self.limits, self.reaction, None) {
                 Ok(timed) => break (path, timed),
                 // A sharp turn may leave no speed in the middle of a wide curve, or no room for its stops.
                 Err(PlanError::Timing(_) | PlanError::StopsNotClear { .. }) if curved => curved = false,
@@ -220,15 +240,12 @@ impl Planner {
         if stages.is_empty() {
             return Err(PlanError::NoStage);
         }
-        if !(self.reaction.is_finite() && self.reaction >= 0.0) {
-            return Err(PlanError::Reaction(self.reaction));
-        }
         let of_stage = |stage: usize, error: PlanError| match stages.len() {
             1 => error,
             stages => PlanError::Stage { stage: stage + 1, stages, why: Box::new(error) },
         };
         let end = self.checker.batches + self.effort;
-        self.start_is_clear(start)?;
+        self.may_begin(start)?;
         // A goal that cannot be reached is told before any search.
         let goals = stages.iter().enumerate();
         let goals = goals.map(|(i, goals)| self.clear_goals(goals).map_err(|error| of_stage(i, error)));
@@ -271,6 +288,14 @@ impl Planner {
         self.search(start, &clear, self.effort, MORE[0])
     }
 
+    /// Whether there may be a motion from `start`, with the reaction time that was told.
+    pub(crate) fn may_begin(&mut self, start: &[f64]) -> Result<(), PlanError> {
+        if !(self.reaction.is_finite() && self.reaction >= 0.0) {
+            return Err(PlanError::Reaction(self.reaction));
+        }
+        self.start_is_clear(start)
+    }
+
     fn start_is_clear(&mut self, start: &[f64]) -> Result<(), PlanError> {
         self.within_limits("start", start)?;
         self.checker.more = 0.0;
@@ -282,7 +307,7 @@ impl Planner {
     }
 
     /// Those goals that are clear, at least one.
-    fn clear_goals<'a>(&mut self, goals: &'a [Vec<f64>]) -> Result<Vec<&'a [f64]>, PlanError> {
+    pub(crate) fn clear_goals<'a>(&mut self, goals: &'a [Vec<f64>]) -> Result<Vec<&'a [f64]>, PlanError> {
         self.checker.more = 0.0;
         let mut clear = Vec::new();
         let mut refused = None;
@@ -341,7 +366,9 @@ impl Planner {
         let [lower, upper] = self.ranges(&from, &to);
         let mut samples = Samples::new(self.seed, &lower, &upper);
         let before = self.checker.batches;
-        match find(&mut self.checker, &mut self.edges, &mut samples, &from, &to, effort) {
+        self.roadmap.turn(&self.checker);
+        let Planner { checker, edges, roadmap, .. } = self;
+        match find(checker, edges, &mut samples, roadmap, &from, &to, effort) {
             Ok(path) => {
                 let goal =
                     to.iter().position(|goal| path.last() == Some(goal)).map_or(clear[0], |i| clear[i]);
@@ -366,6 +393,7 @@ impl Planner {
         self.checker.offset.clone_from(&offset);
         let mut path: Vec<Vec<f32>> = points.iter().map(|q| inner(q, &offset)).collect();
         shorten(&mut self.checker, &mut self.edges, self.seed, &mut path, effort);
+        self.roadmap.keep_path(&path, self.checker.more);
         *points = path.iter().map(|q| outer(q, &offset, &start)).collect();
         let last = points.len() - 1;
         points[0] = start;
@@ -421,7 +449,7 @@ impl Planner {
     }
 
     /// What is nearest at a position.
-    fn nearest(&mut self, q: &[f64]) -> Result<Nearest, PlanError> {
+    pub(crate) fn nearest(&mut self, q: &[f64]) -> Result<Nearest, PlanError> {
         Ok(self.clearance.nearest_at(&self.limits.split(q))?)
     }
 }

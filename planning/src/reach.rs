@@ -46,6 +46,11 @@ struct End {
 }
 
 impl End {
+    /// A line that is not cut.
+    const fn straight(slope: f64) -> Self {
+        End { slope, first: 0.0, least: f64::NEG_INFINITY, most: f64::INFINITY, more: 0.0 }
+    }
+
     fn at(&self, share: f64) -> f64 {
         (self.slope * share + self.first).clamp(self.least, self.most) + self.more
     }
@@ -62,13 +67,23 @@ impl End {
 pub(crate) struct Reach {
     lower: End,
     upper: End,
+    /// How far it may be off both when it stands, which grows with the square of the share [rad or m].
+    bend: f64,
 }
 
 impl Reach {
     /// The least and the greatest between two shares.
     pub(crate) fn between(&self, from: f64, to: f64) -> [f64; 2] {
         // Both only rise, or only fall.
-        [self.lower.at(from).min(self.lower.at(to)), self.upper.at(from).max(self.upper.at(to))]
+        let bend = self.bend * from.max(to).powi(2);
+        [self.lower.at(from).min(self.lower.at(to)) - bend, self.upper.at(from).max(self.upper.at(to)) + bend]
+    }
+
+    /// That of a joint without a limit of jerk that goes on for the reaction time and then brakes for `time`, on a line from which it may be off by
+    /// `bend` when it stands.
+    pub(crate) fn bent(rates: [f64; 2], reaction: f64, time: f64, bend: f64) -> Self {
+        let [lower, upper] = rates.map(|rate| End::straight(rate * (reaction + 0.5 * time)));
+        Reach { lower, upper, bend }
     }
 
     /// How far it goes until it stands, in the middle of where it may be.
@@ -91,11 +106,7 @@ pub(crate) fn reaches(
     let late = LATE.max(LATE_SHARE * reaction);
     for (j, rates) in all() {
         let Some(jerk) = limits.jerk[j] else {
-            let [lower, upper] = rates.map(|rate| {
-                let slope = rate * (reaction + 0.5 * time);
-                End { slope, first: 0.0, least: f64::NEG_INFINITY, most: f64::INFINITY, more: 0.0 }
-            });
-            visit(j, Reach { lower, upper });
+            visit(j, Reach::bent(rates, reaction, time, 0.0));
             continue;
         };
         if rates == [0.0; 2] {
@@ -104,7 +115,8 @@ pub(crate) fn reaches(
         }
         let alone = Alone { acceleration: limits.acceleration[j], jerk, time, reaction, late };
         let [lower, upper] = rates;
-        visit(j, Reach { lower: alone.farthest(-lower).mirrored(), upper: alone.farthest(upper) });
+        let (lower, upper) = (alone.farthest(-lower).mirrored(), alone.farthest(upper));
+        visit(j, Reach { lower, upper, bend: 0.0 });
     }
 }
 

@@ -8,7 +8,8 @@
 //!
 //! Robots need not begin together, so every share of one robot goes with every one of the others. One that is still told where to go
 //! follows the path until it brakes: the velocity of each joint is one of those that it has on the path until then, so `q'` is a range
-//! for each joint. Positions and velocities are bounded by the control points of the path, between samples too.
+//! for each joint. Arms that hold one body may also brake together on a [`Twist`].
+//! Positions and velocities are bounded by the control points of the path, between samples too.
 
 use core::ops::Range;
 
@@ -18,6 +19,7 @@ use crate::limits::Limits;
 use crate::path::Path;
 use crate::proof::{Boxes, Proof};
 use crate::reach::{Reach, reaches};
+use crate::twist::Twist;
 
 /// The most boxes into which the states of a stop are divided. With four times as many, motions of four arms were as fast, and took twice as long to plan.
 const MOST: usize = 100;
@@ -69,6 +71,26 @@ impl Swept {
             reaches(limits, robot.clone(), reaction, |j| rates[j], |j, reach| swept.reach[j] = reach);
         }
         swept
+    }
+
+    /// The same for arms that hold one body, and may also brake together on the `twist` that it has in a cell of the grid; `None` where they have
+    /// no posture on it.
+    pub(crate) fn together(
+        mut self,
+        path: &Path,
+        [from, to]: [f64; 2],
+        speed: f64,
+        limits: &Limits,
+        reaction: f64,
+        (twist, cell): (&Twist, usize),
+    ) -> Option<Self> {
+        let mut rates = vec![[0.0; 2]; limits.joints()];
+        path.rates(from, to + speed * reaction, |j, ends| rates[j] = ends.map(|rate| rate * speed));
+        let (time, far, bends) = twist.stop(cell, limits, &rates, speed, reaction)?;
+        for (j, rates) in rates.into_iter().enumerate().filter(|(j, _)| limits.jerk[*j].is_none()) {
+            self.reach[j] = Reach::bent(rates, reaction, time, 0.5 * bends[j] * far * far);
+        }
+        Some(self)
     }
 
     /// The middle of the positions of a joint between two shares of the stop, and how far it may be off that [rad or m].

@@ -19,6 +19,7 @@ use crate::pieces::Pieces;
 use crate::proof::Proof;
 use crate::speed::Speed;
 use crate::stop::Swept;
+use crate::twist::Twist;
 
 /// Shares of the limits that a plan uses, of velocity and of acceleration and jerk: the rest is for the operator's speed (decision 5).
 pub(crate) const SHARES: [f64; 2] = [0.98, 0.88];
@@ -58,17 +59,18 @@ impl Parametric for Parameter<'_> {
 }
 
 /// The motion along `path` from rest to rest, with stops that begin after a `reaction` time \[s\] at the latest; and the grid of the cells
-/// that are proven.
+/// that are proven. With a `twist` arms that hold one body may also brake on it.
 pub(crate) fn timed(
     checker: &mut Checker,
     path: &Path,
     limits: &Limits,
     reaction: f64,
+    twist: Option<&Twist>,
 ) -> Result<(Speed, Vec<f64>), PlanError> {
     let grid = grid(path);
     let windows = window(limits);
     let least = vec![0.0; grid.len() - 1];
-    let stops = Stops { path, rest: None, limits, reaction, grid: &grid };
+    let stops = Stops { path, rest: None, limits, reaction, grid: &grid, twist };
     let speed = stops.slowed(checker, 0, &least, |most| {
         let plan = along(path, &grid, limits, [0.0; 2], |cell| Cell { most: most[cell], ..Cell::FREE })?;
         let speed = Speed::of(&plan, windows);
@@ -93,6 +95,8 @@ pub(crate) struct Stops<'a> {
     /// The latest begin of a stop \[s\].
     pub(crate) reaction: f64,
     pub(crate) grid: &'a [f64],
+    /// On what arms that hold one body may brake together.
+    pub(crate) twist: Option<&'a Twist>,
 }
 
 impl Stops<'_> {
@@ -173,8 +177,15 @@ impl Stops<'_> {
     /// Whether the stops from everywhere on a piece are proven clear, for the pairs of a proof.
     fn is_clear_from(&self, checker: &Checker, proof: &mut Proof, [from, to]: [f64; 2], speed: f64) -> bool {
         let path = self.rest.filter(|(_, rest)| to <= self.grid[*rest]).map_or(self.path, |(path, _)| path);
-        let swept = Swept::new(path, [from, to], speed, self.limits, self.reaction);
-        swept.is_within(self.limits) && swept.is_clear(checker, proof, self.limits)
+        let ends = [from, to];
+        let mut swept = Some(Swept::new(path, ends, speed, self.limits, self.reaction));
+        if let Some(twist) = self.twist {
+            let cell = self.grid.partition_point(|u| *u <= from).saturating_sub(1);
+            let together =
+                |swept: Swept| swept.together(path, ends, speed, self.limits, self.reaction, (twist, cell));
+            swept = swept.and_then(together);
+        }
+        swept.is_some_and(|swept| swept.is_within(self.limits) && swept.is_clear(checker, proof, self.limits))
     }
 }
 

@@ -1,6 +1,7 @@
 //! The planner as its users use it.
 
 mod beside;
+mod carry;
 pub(crate) mod cells;
 mod check;
 mod examples;
@@ -9,6 +10,7 @@ mod models;
 mod plans;
 mod recorded;
 mod replan;
+mod roadmap;
 mod several;
 mod stops;
 mod table;

@@ -2,60 +2,55 @@
 
 use super::sampling::Samples;
 use super::tree::Tree;
-use super::{Points, UPRIGHT, distance};
-use crate::check::Checker;
-use crate::edge::Edges;
+use super::{Points, Space, distance};
 
 /// The longest step of a tree: the root of the sum of squares over all joints [rad or m].
 const RANGE: f32 = 1.4;
 
 /// The straight motion to the first of the `goals` to which it is clear.
-pub(crate) fn straight(
-    checker: &mut Checker,
-    edges: &mut Edges,
-    start: &[f32],
-    goals: &[Vec<f32>],
-) -> Option<Points> {
-    let goal = goals.iter().find(|goal| edges.is_clear(checker, start, goal))?;
+pub(crate) fn straight(space: &mut impl Space, start: &[f32], goals: &[Vec<f32>]) -> Option<Points> {
+    let goal = goals.iter().find(|goal| space.is_clear(start, goal))?;
     Some(vec![start.to_vec(), goal.clone()])
 }
 
-/// A path from `start` to one of the `goals`, all of them clear, of which none is straight ahead.
-///
-/// # Errors
-/// `effort` checks have found none: the nearest position to a goal that was reached from the start, and its distance.
-pub(crate) fn connect(
-    checker: &mut Checker,
-    edges: &mut Edges,
-    samples: &mut Samples,
-    start: &[f32],
-    goals: &[Vec<f32>],
-    effort: u64,
-) -> Result<Points, (Vec<f32>, f64)> {
-    let end = checker.batches + effort;
-    let is_free = checker.uprights.is_empty();
-    let range = if is_free { RANGE } else { UPRIGHT };
-    let n = start.len();
-    let mut trees = [Tree::new(n), Tree::new(n)];
+/// A tree from the start, and one from the goals, that are to grow.
+pub(crate) fn rooted(start: &[f32], goals: &[Vec<f32>]) -> [Tree; 2] {
+    let mut trees = [Tree::new(start.len()), Tree::new(start.len())];
     trees[0].add(start, None);
     for goal in goals {
         trees[1].add(goal, None);
     }
+    trees
+}
+
+/// A path between two [`rooted`] trees: from their start to one of the `goals`, all of them clear, of which none is straight ahead.
+///
+/// # Errors
+/// `effort` checks have found none: the nearest position to a goal that was reached from the start, and its distance.
+pub(crate) fn connect(
+    space: &mut impl Space,
+    samples: &mut Samples,
+    trees: &mut [Tree; 2],
+    goals: &[Vec<f32>],
+    effort: u64,
+) -> Result<Points, (Vec<f32>, f64)> {
+    let end = *space.spent() + effort;
+    let (is_free, range) = (space.longest_step().is_none(), space.longest_step().unwrap_or(RANGE));
+    let n = goals.first().map_or(0, Vec::len);
     let (mut wanted, mut from, mut to) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
-    while checker.batches < end {
+    while *space.spent() < end {
         // The smaller one grows.
         let grows = usize::from(trees[1].len() < trees[0].len());
         samples.next(&mut wanted);
         let (near, squared) = trees[grows].nearest(&wanted);
-        checker.batches += 1;
+        *space.spent() += 1;
         let apart = squared.sqrt();
         if apart > trees[grows].domain(near) {
             continue;
         }
         trees[grows].position(near, &mut from);
         step(&from, &wanted, apart, range, &mut to);
-        let is_clear =
-            checker.uprights.project(&checker.arms, &mut to) && edges.is_clear(checker, &from, &to);
+        let is_clear = space.project(&mut to) && space.is_clear(&from, &to);
         trees[grows].tried(near, is_clear);
         if !is_clear {
             continue;
@@ -69,10 +64,10 @@ pub(crate) fn connect(
         loop {
             trees[other].position(near, &mut from);
             let arrives = step(&from, &wanted, left, range, &mut to);
-            if !arrives && !checker.uprights.project(&checker.arms, &mut to) {
+            if !arrives && !space.project(&mut to) {
                 break;
             }
-            if !edges.is_clear(checker, &from, &to) {
+            if !space.is_clear(&from, &to) {
                 break;
             }
             if arrives {

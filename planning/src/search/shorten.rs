@@ -2,7 +2,7 @@
 
 use mrroc::random::Random;
 
-use super::{Points, UPRIGHT, distance};
+use super::{Joints, Points, Space, between, distance};
 use crate::check::{Among, Checker};
 use crate::edge::Edges;
 
@@ -23,7 +23,7 @@ fn length(path: &[Vec<f32>]) -> f64 {
 /// Shortens `path` by at most `effort` checks.
 pub(crate) fn shorten(checker: &mut Checker, edges: &mut Edges, seed: u64, path: &mut Points, effort: u64) {
     let end = checker.batches + effort;
-    skip(checker, edges, path, end);
+    skip(&mut Joints { checker, edges }, path, end);
     let mut random = Random::seeded(seed ^ 0x5ca1_ab1e);
     let mut in_vain = 0;
     // Where one robot moves alone, there is nothing to be gained for the others.
@@ -36,32 +36,29 @@ pub(crate) fn shorten(checker: &mut Checker, edges: &mut Edges, seed: u64, path:
         let is_shorter = if one < robots && robots > 1 {
             cut_of(checker, edges, &mut random, path, one)
         } else {
-            cut(checker, edges, &mut random, path)
+            cut(&mut Joints { checker, edges }, &mut random, path)
         };
         if is_shorter {
             in_vain = 0;
         }
     }
-    skip(checker, edges, path, end);
+    skip(&mut Joints { checker, edges }, path, end);
 }
 
-/// Puts points between two so that what is to be upright is, if the legs between them are clear; whether they are.
-fn bend(checker: &mut Checker, edges: &mut Edges, points: &mut Points) -> bool {
-    let [from, to] = points.as_slice() else { return false };
-    let legs = (distance(from, to) / UPRIGHT).ceil();
-    if checker.uprights.is_empty() || legs < 2.0 {
-        return false;
+/// Shortens a path in any space by at most `effort` checks.
+pub(crate) fn shorten_any(space: &mut impl Space, seed: u64, path: &mut Points, effort: u64) {
+    let end = *space.spent() + effort;
+    skip(space, path, end);
+    let mut random = Random::seeded(seed ^ 0x5ca1_ab1e);
+    let mut in_vain = 0;
+    while path.len() > 2 && in_vain < IN_VAIN[0] && *space.spent() < end {
+        in_vain = if cut(space, &mut random, path) { 0 } else { in_vain + 1 };
     }
-    let mut middle: Points = (1..legs as usize).map(|k| between(from, to, k as f32 / legs)).collect();
-    if !middle.iter_mut().all(|q| checker.uprights.project(&checker.arms, q)) {
-        return false;
-    }
-    points.splice(1..1, middle);
-    points.windows(2).all(|pair| edges.is_clear(checker, &pair[0], &pair[1]))
+    skip(space, path, end);
 }
 
 /// A straight motion between two random points, if it is clear and gains enough; whether it was.
-fn cut(checker: &mut Checker, edges: &mut Edges, random: &mut Random, path: &mut Points) -> bool {
+fn cut(space: &mut impl Space, random: &mut Random, path: &mut Points) -> bool {
     let whole = length(path);
     let [a, b] = two_of(random, path, whole);
     if a.0 == b.0 {
@@ -75,8 +72,8 @@ fn cut(checker: &mut Checker, edges: &mut Edges, random: &mut Random, path: &mut
         return false;
     }
     let mut points = vec![from, to];
-    let is_clear = edges.is_clear(checker, &points[0], &points[1])
-        || bend(checker, edges, &mut points) && before - (length(&points) as f32) >= least;
+    let is_clear = space.is_clear(&points[0], &points[1])
+        || space.bend(&mut points) && before - (length(&points) as f32) >= least;
     if !is_clear {
         return false;
     }
@@ -132,12 +129,12 @@ fn two_of(random: &mut Random, path: &Points, whole: f64) -> [(usize, f32); 2] {
 }
 
 /// Leaves out points between two that a straight motion joins: for each one, from the far end on.
-fn skip(checker: &mut Checker, edges: &mut Edges, path: &mut Points, end: u64) {
+fn skip(space: &mut impl Space, path: &mut Points, end: u64) {
     let mut from = 0;
     while from + 2 < path.len() {
         let mut to = path.len() - 1;
-        while to > from + 1 && checker.batches < end {
-            if edges.is_clear(checker, &path[from], &path[to]) {
+        while to > from + 1 && *space.spent() < end {
+            if space.is_clear(&path[from], &path[to]) {
                 path.drain(from + 1..to);
                 break;
             }
@@ -158,8 +155,4 @@ fn at(path: &[Vec<f32>], along: f64) -> (usize, f32) {
         left -= length;
     }
     (path.len() - 2, 1.0)
-}
-
-fn between(a: &[f32], b: &[f32], share: f32) -> Vec<f32> {
-    a.iter().zip(b).map(|(a, b)| a + (b - a) * share).collect()
 }

@@ -88,6 +88,12 @@ impl Tree {
         best
     }
 
+    /// The node that a node was reached from; none of a root.
+    pub(crate) fn parent(&self, node: usize) -> Option<usize> {
+        let parent = self.parents[node];
+        (parent != NONE).then_some(parent as usize)
+    }
+
     /// The positions from a node to its root.
     pub(crate) fn to_root(&self, node: usize) -> Vec<Vec<f32>> {
         let mut path = Vec::new();

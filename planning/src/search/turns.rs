@@ -16,7 +16,7 @@ use std::collections::{BTreeMap, BinaryHeap};
 use mrroc::random::Random;
 
 use super::sampling::Samples;
-use super::{Points, connect, shorten, straight};
+use super::{Joints, Points, connect, rooted, shorten, straight};
 use crate::check::{Among, Checker};
 use crate::edge::Edges;
 use crate::stop::ROBOTS;
@@ -255,9 +255,11 @@ impl Turns<'_> {
         let mut samples = self.samples.of(joints.clone(), &start, effort);
         let end = self.end.min(self.checker.batches + effort);
         self.attend(among, robot);
-        let path = straight(self.checker, self.edges, &start, &goal);
-        let left = end.saturating_sub(self.checker.batches);
-        let grown = || connect(self.checker, self.edges, &mut samples, &start, &goal, left).ok();
+        let space = &mut Joints { checker: self.checker, edges: self.edges };
+        let path = straight(space, &start, &goal);
+        let left = end.saturating_sub(space.checker.batches);
+        let mut trees = rooted(&start, &goal);
+        let grown = || connect(space, &mut samples, &mut trees, &goal, left).ok();
         let mut path = path.or_else(grown)?;
         shorten(self.checker, self.edges, robot as u64, &mut path, SHORTENING);
         let own: Points = path.iter().map(|q| q[joints.clone()].to_vec()).collect();

@@ -1,0 +1,95 @@
+//! What a planner remembers of its queries.
+
+use mrroc::random::Random;
+use mrroc_planning::{PlanError, Planner};
+use mrroc_robots::clearance::Clearance;
+use nalgebra::Vector3;
+
+use super::cells::{around_a_box, stopping};
+use super::plans::{A, B};
+
+/// Too few checks for any search, not for a look at what is known.
+const HARDLY_ANY: u64 = 5;
+
+fn world() -> Clearance {
+    around_a_box().build(stopping()).expect("a clearance")
+}
+
+fn planner(positions: usize) -> Planner {
+    Planner::new(world()).expect("a planner").with_roadmap(positions)
+}
+
+fn is_found(planner: Planner, from: &[f64], to: &[f64]) -> bool {
+    match planner.with_effort(HARDLY_ANY).find(from, &[to.to_vec()]) {
+        Ok(_) => true,
+        Err(PlanError::NotFound { .. }) => false,
+        Err(error) => panic!("{error}"),
+    }
+}
+
+/// Clear positions on both sides of the box.
+fn positions(count: usize) -> Vec<Vec<f64>> {
+    let (mut random, mut planner) = (Random::seeded(3), planner(0));
+    let mut found = Vec::new();
+    while found.len() < count {
+        let near = if found.len() % 2 == 0 { A } else { B };
+        let q = near.map(|q| q + random.within(0.5)).to_vec();
+        if planner.find_first(&q, std::slice::from_ref(&q)).is_ok() {
+            found.push(q);
+        }
+    }
+    found
+}
+
+#[test]
+fn a_question_that_was_answered_needs_no_search_in_either_direction() {
+    let mut planner = planner(1000);
+    assert!(!is_found(planner.clone(), &A, &B), "nothing is known");
+    planner.plan(&A, &[B.to_vec()]).expect("a plan");
+    assert!(is_found(planner.clone(), &A, &B) && is_found(planner.clone(), &B, &A));
+    assert!(!is_found(planner.with_roadmap(0), &A, &B), "nothing is remembered");
+}
+
+#[test]
+fn positions_near_what_is_known_are_joined_to_it_and_the_path_keeps_the_margin() {
+    let (mut planner, mut world) = (planner(1000), world());
+    let all = positions(20);
+    for pair in all.windows(2) {
+        let path = planner.find(&pair[0], &[pair[1].clone()]).unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!((&path[0], &path[path.len() - 1]), (&pair[0], &pair[1]));
+        for (leg, k) in path.windows(2).flat_map(|leg| (0..=50).map(move |k| (leg, k))) {
+            let q: Vec<f64> =
+                leg[0].iter().zip(&leg[1]).map(|(a, b)| a + (b - a) * f64::from(k) / 50.0).collect();
+            let nearest = world.nearest_at(&[&q]).expect("a posture");
+            assert!(nearest.distance >= 0.02, "{nearest}");
+        }
+    }
+    // From each of these positions to each other: all of them have come to hang together.
+    let known = all.iter().filter(|q| is_found(planner.clone(), &all[0], q)).count();
+    assert_eq!(known, 20);
+}
+
+#[test]
+fn the_same_sequence_of_questions_has_the_same_plans_to_the_bit() {
+    let all = positions(12);
+    let answers = |mut planner: Planner| -> Vec<Vec<u64>> {
+        let find = |pair: &[Vec<f64>]| planner.find(&pair[0], &[pair[1].clone()]).expect("a path");
+        all.windows(2).map(find).map(|path| path.into_iter().flatten().map(f64::to_bits).collect()).collect()
+    };
+    // Few positions, so that some are forgotten.
+    let mut first = planner(30);
+    first.find(&A, &[B.to_vec()]).expect("a path");
+    let (clone, mut second) = (first.clone(), planner(30));
+    second.find(&A, &[B.to_vec()]).expect("a path");
+    let expected = answers(first);
+    assert_eq!(expected, answers(clone), "a clone goes on from what was known");
+    assert_eq!(expected, answers(second), "another planner that was asked the same");
+}
+
+#[test]
+fn with_something_to_keep_upright_or_beside_a_robot_nothing_is_known() {
+    let mut planner = planner(1000);
+    planner.find(&A, &[B.to_vec()]).expect("a path");
+    let upright = planner.clone().with_upright("arm", Vector3::z(), 3.1).expect("an axis");
+    assert!(is_found(planner, &A, &B) && !is_found(upright, &A, &B));
+}
