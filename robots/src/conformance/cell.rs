@@ -242,8 +242,8 @@ fn at_rest<R: Robot, D: Driver<R>>(robot: &R, kept: &RefCell<Kept<R, D>>) -> Res
     Ok(*demanded)
 }
 
-/// A motion of which two demands of three are lost is followed to its end all the same; one whose program gives up on the
-/// displacement ends at rest.
+/// A motion of which two demands of three are lost is followed to its end all the same; one whose program gives up in
+/// between ends at rest.
 ///
 /// # Errors
 /// The first [`Violation`].

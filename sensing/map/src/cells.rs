@@ -6,7 +6,7 @@
 //! path      A* (the crate `pathfinding`); panels that are not known count as open
 //! ```
 //!
-//! A surcharge on unknown panels makes the whole path longer, not shorter: what is learned while the robot is far off saves the path
+//! A surcharge on unknown panels makes the whole path longer, not shorter: what is learned while the robot is far off saves going
 //! back to it. So the surcharge is on those that are known.
 
 use pathfinding::prelude::astar;

@@ -53,7 +53,7 @@ impl Table {
         Ok(())
     }
 
-    /// Whether a point at the height `z` \[m\] and that moves by less than `reach` \[m\] may touch.
+    /// Whether a point at the height `z` \[m\] that moves by less than `reach` \[m\] may touch.
     pub(super) fn is_near(&self, z: f64, reach: f64) -> bool {
         z < self.height + reach
     }

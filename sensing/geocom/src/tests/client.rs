@@ -66,7 +66,7 @@ fn fault_183_silence_garbled_lines_and_a_busy_instrument_are_asked_again_three_t
     let questions = line.instrument.asked;
     assert_eq!(questions, 5);
     for question in 0..questions {
-        // Twice in a row any question fails, by any failure.
+        // Twice in a row any question fails, by each kind of failure.
         for failure in 0..4 {
             let spoilt = |asked: usize, answer: String| match failure {
                 _ if !(question..question + 2).contains(&asked) => vec![answer],
