@@ -24,7 +24,7 @@ use nalgebra::{SVector, UnitVector3, Vector3};
 /// Inputs that are gone through in turn.
 const INPUTS: usize = 1000;
 
-/// Step of what is planned anew on the way \[s\].
+/// Step of what is planned anew during the motion \[s\].
 const DT: f64 = 1e-3;
 
 /// Prints the mean time of a call: of each window of inputs in a row the least of all rounds counts.
@@ -134,7 +134,7 @@ fn drifted(target: &Six, drift: f64, i: usize) -> Six {
     Six::from_fn(|k, _| target[k] + drift * (i + 1) as f64 * if k % 2 == 0 { 1.0 } else { -1.0 })
 }
 
-/// A step of six axes on their way, to a target that stays or that moves in every step.
+/// A step of six axes in motion, to a target that stays or that moves in every step.
 fn update(what: &str, drift: f64) {
     let ((start, target), limits) = (plans::<6>(0.0)[3], limits::<6>());
     let begin = || SynchronisedMove::new(&start, &target, &limits).map(MoveCursor::new);

@@ -34,7 +34,7 @@ pub fn plan(minimum: f64) -> Result<SynchronisedMove<Vector3<f64>>, JerkError> {
 pub fn main() -> Result<(), JerkError> {
     let fastest = plan(0.0)?;
     println!("the joints arrive together after {:.3} s", fastest.duration());
-    // Joint 1 has the longest way: T = D / V + V / A + A / J.
+    // Joint 1 has the largest displacement: T = D / V + V / A + A / J.
     let expected = GOAL[0] / VELOCITY + VELOCITY / ACCELERATION + ACCELERATION / JERK;
     assert!((fastest.duration() - expected).abs() < 1e-12);
 

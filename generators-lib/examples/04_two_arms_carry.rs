@@ -1,4 +1,4 @@
-//! Two arms carry one body, which turns on its way: the pose of one tool relative to the other stays what it was.
+//! Two arms carry one body, which turns meanwhile: the pose of one tool relative to the other stays what it was.
 //!
 //! `cargo run -p mrroc-examples --example 04_two_arms_carry`
 
@@ -63,8 +63,8 @@ pub fn main() -> Result<(), CellError> {
     assert!(farthest < 1e-9);
     // The body, midway between the tools, has gone where it was sent.
     let middle = |i: usize| (left[i].translation.vector + right[i].translation.vector) * 0.5;
-    let way = middle(left.len() - 1) - middle(0);
-    assert!((way - Vector3::new(0.0, 0.05, 0.1)).norm() < 1e-9, "{way}");
+    let displacement = middle(left.len() - 1) - middle(0);
+    assert!((displacement - Vector3::new(0.0, 0.05, 0.1)).norm() < 1e-9, "{displacement}");
     let turn = left[left.len() - 1].rotation * left[0].rotation.inverse();
     assert!((turn.scaled_axis() - Vector3::z() * 0.2).norm() < 1e-9);
     Ok(())

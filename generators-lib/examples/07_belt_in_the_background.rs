@@ -14,8 +14,8 @@ use mrroc_robots::{Conveyor, Irp6, One, Simulated, SimulatedIrp6, Six};
 /// Time between two servo periods of the simulated drives \[s\].
 pub const PERIOD: f64 = 0.002;
 
-/// The way of the belt \[m\] and the first joint of the arm [rad] as demanded, in every servo period.
-pub fn ways() -> Result<[Vec<f64>; 2], CellError> {
+/// The position of the belt \[m\] and the first joint of the arm [rad] as demanded, in every servo period.
+pub fn positions() -> Result<[Vec<f64>; 2], CellError> {
     let rest = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
     let seen: [Rc<RefCell<Vec<f64>>>; 2] = Default::default();
     let [of_belt, of_arm] = seen.each_ref().map(Rc::clone);
@@ -39,7 +39,7 @@ pub fn ways() -> Result<[Vec<f64>; 2], CellError> {
             mp.end_robot(&mut belt)
         })
         .run()?;
-    Ok(seen.map(|way| way.take()))
+    Ok(seen.map(|positions| positions.take()))
 }
 
 /// Runs the example.
@@ -47,11 +47,11 @@ pub fn ways() -> Result<[Vec<f64>; 2], CellError> {
 /// # Errors
 /// When the cell stops with a fault.
 pub fn main() -> Result<(), CellError> {
-    let [belt, arm] = ways()?;
+    let [belt, arm] = positions()?;
     let speed = |i: usize| (belt[i + 1] - belt[i]) / PERIOD;
     // Each Move of the arm takes 0.4 / 0.4 + 0.4 / 0.8 = 1.5 s; the belt's velocity changes in 1 s, and in 0.5 s.
-    let ways = belt.iter().zip(&arm).map(|(belt, arm)| (*belt, *arm));
-    let moving: Vec<(f64, f64)> = ways.skip_while(|(belt, _)| *belt == 0.0).collect();
+    let both = belt.iter().zip(&arm).map(|(belt, arm)| (*belt, *arm));
+    let moving: Vec<(f64, f64)> = both.skip_while(|(belt, _)| *belt == 0.0).collect();
     assert!((moving[749].1 - 0.4).abs() < 0.01, "{:?}", moving[749]);
     assert!((moving[749].0 - (0.02 + 0.02)).abs() < 0.001, "{:?}", moving[749]);
     let fastest = (0..belt.len() - 1).map(speed).fold(0.0, f64::max);

@@ -54,7 +54,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_motion_is_braked_over_half_its_way_within_a_deceleration_and_a_jerk() {
+    fn a_motion_is_braked_over_half_its_distance_within_a_deceleration_and_a_jerk() {
         for (within, dt) in [(0.1, 1e-3), (0.06, 4e-3), (0.37, 2e-3), (1.0, 3e-3), (0.05, 7e-3)] {
             let mut braked = Braked::within(within);
             let mut shares = vec![1.0; 2];
@@ -71,9 +71,12 @@ mod tests {
             let bend = shares.windows(3).map(|s| (s[2] - 2.0 * s[1] + s[0]).abs() / dt.powi(2));
             let bend = bend.fold(0.0, f64::max);
             assert!(bend <= 4.5 / within.powi(2) + 1e-6, "{bend} of {within}, {dt}");
-            // The way is half of what the speed makes of the time; a sum over steps is less by half a step.
-            let way: f64 = shares[2..].iter().sum::<f64>() * dt;
-            assert!((way + 0.5 * dt - 0.5 * within).abs() < 0.02 * within.max(dt), "{way} of {within}, {dt}");
+            // The distance is half of what the speed makes of the time; a sum over steps is less by half a step.
+            let distance: f64 = shares[2..].iter().sum::<f64>() * dt;
+            assert!(
+                (distance + 0.5 * dt - 0.5 * within).abs() < 0.02 * within.max(dt),
+                "{distance} of {within}, {dt}"
+            );
         }
     }
 }

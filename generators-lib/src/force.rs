@@ -61,9 +61,9 @@ pub enum Behaviour {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bound {
-    /// The largest velocity either way [m/s or rad/s], finite, > 0: an axis that would be faster goes at this velocity.
+    /// The largest velocity in either direction [m/s or rad/s], finite, > 0: an axis that would be faster goes at this velocity.
     pub speed: f64,
-    /// How far it may be from where it began to keep a load, either way [m or rad], finite, > 0. Farther is a fault.
+    /// How far it may be from where it began to keep a load, in either direction [m or rad], finite, > 0. Farther is a fault.
     pub travel: f64,
 }
 
@@ -338,8 +338,7 @@ mod tests {
     /// Free space with a bound: at `b Fd` it would have 50 mm/s, so it goes at the bound's 10 mm/s from when the lag comes to
     /// that, `1 - r^n = 0.2`, and its travel of 20 mm is used up about 2 s later.
     #[test]
-    fn fault_131_a_load_that_meets_nothing_moves_no_faster_than_its_bound_and_ends_where_its_way_is_used_up()
-    {
+    fn fault_131_a_load_that_meets_nothing_moves_no_faster_than_its_bound_and_ends_at_its_range() {
         let within = Bound { speed: 0.01, travel: 0.02 };
         let mut law = along_z(Behaviour::Contact { load: -10.0, give: Give::FORCE, within });
         let (mut z, mut steps) = (0.0, 0);

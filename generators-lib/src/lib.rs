@@ -11,14 +11,14 @@
 //! - [`feed`]: the speed along such a spline;
 //! - [`timing`]: the fastest motion along a given path of joints;
 //! - [`via`]: straight legs through via points within a stated deviation;
-//! - [`way_points`]: which points of a path count;
-//! - [`jogging`]: ways of a robot that a person jogs, looked at before they are gone;
+//! - [`waypoints`]: which points of a path count;
+//! - [`jogging`]: paths of a robot that a person jogs, checked before the robot goes along them;
 //! - [`teach`]: taught poses and their files, also in the format of MRROC++;
 //! - [`cooperation`]: several arms on one body;
 //! - [`force`]: force control: each axis of a tool moves freely, is guarded, or keeps a load;
-//! - [`spiral`]: the way of a search;
+//! - [`spiral`]: the path of a search;
 //! - [`ahead`]: places that a generator names before it comes to them;
-//! - [`between`]: the way from one pose to another, as velocities of a tool are told;
+//! - [`between`]: the displacement from one pose to another, as velocities of a tool are told;
 //! - [`rehearsal`]: what a generator demands, without a cell;
 //! - [`mod@conformance`]: tests that every generator must pass.
 //!
@@ -50,7 +50,7 @@ pub mod spiral;
 pub mod teach;
 pub mod timing;
 pub mod via;
-pub mod way_points;
+pub mod waypoints;
 
 // The files in `tests/` use this crate by its name, as its users do.
 #[cfg(test)]

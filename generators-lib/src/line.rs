@@ -35,12 +35,10 @@ impl<J: JointVector> JointLine<J> {
     /// # Errors
     /// An end that is not finite or a limit that is not positive.
     pub fn profile(&self, velocity: &J, acceleration: &J) -> Result<Trapezoid, ProfileError> {
-        let way = self.to - self.from;
-        unit_profile(
-            (0..J::LEN).map(|i| {
-                (way[i].abs(), ProfileLimits { velocity: velocity[i], acceleration: acceleration[i] })
-            }),
-        )
+        let displacement = self.to - self.from;
+        unit_profile((0..J::LEN).map(|i| {
+            (displacement[i].abs(), ProfileLimits { velocity: velocity[i], acceleration: acceleration[i] })
+        }))
     }
 }
 
@@ -109,7 +107,7 @@ pub struct ToolPoint {
 }
 
 /// A straight line of the tool frame: its origin moves linearly, its orientation turns at a constant rate about a
-/// constant axis, the short way round (spherical linear interpolation, Shoemake 1985).
+/// constant axis, through the smaller angle (spherical linear interpolation, Shoemake 1985).
 ///
 /// ```text
 /// q(s) = q0 exp(s theta u / 2) = q0 cos(s theta / 2) + (q0 u) sin(s theta / 2)
@@ -139,7 +137,7 @@ impl LinePath {
         Self { from, to, displacement, across, turn: from.rotation * turn, half_angle: 0.5 * turn.norm() }
     }
 
-    /// Length of the origin's way \[m\].
+    /// Length of the origin's path \[m\].
     #[must_use]
     pub fn length(&self) -> f64 {
         self.displacement.norm()
@@ -220,35 +218,35 @@ impl LinePath {
     }
 }
 
-/// The jerk-limited profile of `s` in 0..=1 whose every share `way * s` keeps its limits.
+/// The jerk-limited profile of `s` in 0..=1 whose every share `distance * s` keeps its limits.
 fn smooth_unit_profile(shares: [(f64, JerkLimits); 2]) -> Result<SevenPhase, ProfileError> {
-    let mut distance = 0.0;
+    let mut unit_length = 0.0;
     let mut unit = JerkLimits { velocity: f64::MAX, acceleration: f64::MAX, jerk: f64::MAX };
-    for (way, share) in shares {
-        SevenPhase::new(way, share)?;
-        if way > 0.0 {
-            distance = 1.0;
-            unit.velocity = unit.velocity.min(share.velocity / way);
-            unit.acceleration = unit.acceleration.min(share.acceleration / way);
-            unit.jerk = unit.jerk.min(share.jerk / way);
+    for (distance, share) in shares {
+        SevenPhase::new(distance, share)?;
+        if distance > 0.0 {
+            unit_length = 1.0;
+            unit.velocity = unit.velocity.min(share.velocity / distance);
+            unit.acceleration = unit.acceleration.min(share.acceleration / distance);
+            unit.jerk = unit.jerk.min(share.jerk / distance);
         }
     }
-    SevenPhase::new(distance, if distance > 0.0 { unit } else { shares[0].1 })
+    SevenPhase::new(unit_length, if unit_length > 0.0 { unit } else { shares[0].1 })
 }
 
-/// The profile of `s` in 0..=1 whose every share `way * s` keeps its limits.
+/// The profile of `s` in 0..=1 whose every share `distance * s` keeps its limits.
 fn unit_profile(shares: impl IntoIterator<Item = (f64, ProfileLimits)>) -> Result<Trapezoid, ProfileError> {
-    let mut distance = 0.0;
+    let mut unit_length = 0.0;
     let mut limits = ProfileLimits { velocity: f64::INFINITY, acceleration: f64::MAX };
-    for (way, share) in shares {
-        Trapezoid::new(way, share)?;
-        if way > 0.0 {
-            distance = 1.0;
-            limits.velocity = limits.velocity.min(share.velocity / way);
-            limits.acceleration = limits.acceleration.min(share.acceleration / way);
+    for (distance, share) in shares {
+        Trapezoid::new(distance, share)?;
+        if distance > 0.0 {
+            unit_length = 1.0;
+            limits.velocity = limits.velocity.min(share.velocity / distance);
+            limits.acceleration = limits.acceleration.min(share.acceleration / distance);
         }
     }
-    Trapezoid::new(distance, limits)
+    Trapezoid::new(unit_length, limits)
 }
 
 #[cfg(test)]

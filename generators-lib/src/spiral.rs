@@ -1,4 +1,4 @@
-//! An Archimedean spiral that grows from a point, with a time law: the way of a search.
+//! An Archimedean spiral that grows from a point, with a time law: the path of a search.
 //!
 //! ```text
 //! r = a phi,   a = pitch / 2 pi                                   the distance between two turns is the pitch

@@ -118,8 +118,8 @@ type Trace<T> = Rc<RefCell<Vec<T>>>;
 
 #[test]
 fn a_part_is_taken_from_a_belt_that_goes_on_and_put_into_the_bin() {
-    let (tool, opening, way): (Trace<_>, Trace<_>, Trace<_>) = Default::default();
-    let (of_tool, of_hand, of_belt) = (Rc::clone(&tool), Rc::clone(&opening), Rc::clone(&way));
+    let (tool, opening, positions): (Trace<_>, Trace<_>, Trace<_>) = Default::default();
+    let (of_tool, of_hand, of_belt) = (Rc::clone(&tool), Rc::clone(&opening), Rc::clone(&positions));
     let (arm, hand, belt) = robots();
     let model = Irp6::nominal();
     let arm = arm.observe(move |record: &ServoRecord<Irp6>| {
@@ -132,7 +132,7 @@ fn a_part_is_taken_from_a_belt_that_goes_on_and_put_into_the_bin() {
         of_belt.borrow_mut().push(record.measured.position[0])
     });
     cell(arm, hand, belt).run().expect("within the limits");
-    let (tool, opening, way) = (tool.borrow(), opening.borrow(), way.borrow());
+    let (tool, opening, positions) = (tool.borrow(), opening.borrow(), positions.borrow());
     let start = tool[0];
     // From the first step in which the fingers close to the last one, the tool is at the part, which moves.
     let closes = |i: &usize| opening[*i].0 < 0.075 - 1e-6 && opening[*i].0 > 0.06 + 1e-6;
@@ -140,11 +140,11 @@ fn a_part_is_taken_from_a_belt_that_goes_on_and_put_into_the_bin() {
     let first = *closing.first().expect("they close");
     let closed = (first..opening.len()).find(|&i| opening[i].0 <= 0.06 + 1e-6).expect("they have closed");
     for i in first..closed {
-        let part = nalgebra::Vector3::new(start.x, way[i] - 0.3, start.z - DEPTH);
+        let part = nalgebra::Vector3::new(start.x, positions[i] - 0.3, start.z - DEPTH);
         assert!((tool[i] - part).norm() < 1.5e-3, "{i}: {} {part}", tool[i]);
     }
     assert!(
-        (way[closed] - way[first] - BELT * 2e-3 * (closed - first) as f64).abs() < 1e-3,
+        (positions[closed] - positions[first] - BELT * 2e-3 * (closed - first) as f64).abs() < 1e-3,
         "the belt went on"
     );
     // Closed, the tool goes up by 80 mm while it still goes on with the belt.

@@ -34,7 +34,7 @@ fn struck(force: f64, t: f64) -> f64 {
     force / STIFFNESS * (1.0 - (-decay * t).exp() * ((w * t).cos() + decay / w * (w * t).sin()))
 }
 
-/// Ways along the tool's axes after each step, with springs at 0 along y and z, and none along x; the tool points down.
+/// Displacements along the tool's axes after each step, with springs at 0 along y and z, and none along x; the tool points down.
 fn pressed(dt: f64, steps: u32) -> Vec<Vector3<f64>> {
     let still = Behaviour::Unguarded { velocity: 0.0 };
     let axes = [
@@ -50,9 +50,9 @@ fn pressed(dt: f64, steps: u32) -> Vec<Vector3<f64>> {
     let start = Pose::new(Vector3::new(0.8, 0.1, 0.3), Vector3::x() * std::f64::consts::PI);
     let state = RobotState { joints: Six::zeros(), velocity: Six::zeros(), pose: start };
     let (e, c0) = (State::new(RobotImage::new(state, state)), Order::new(()));
-    let (mut way, mut trace) = (Vector3::<f64>::zeros(), vec![Vector3::zeros()]);
+    let (mut displacement, mut trace) = (Vector3::<f64>::zeros(), vec![Vector3::zeros()]);
     for i in 0..steps {
-        let push = -STIFFNESS * Vector3::new(0.0, way.y.max(0.0), way.z.max(0.0));
+        let push = -STIFFNESS * Vector3::new(0.0, displacement.y.max(0.0), displacement.z.max(0.0));
         let v = Reading::new((SensorImage::<Wrist>::new(Wrench::new(push, Vector3::zeros()), 0),));
         let t = Tick { step: i.into(), dt, duration: dt };
         let step = match i {
@@ -61,8 +61,8 @@ fn pressed(dt: f64, steps: u32) -> Vec<Vector3<f64>> {
         };
         let Ok(Step::Next(demand)) = step else { panic!("{step:?}") };
         let demand: Demand<Irp6> = demand;
-        way = start.inv_mul(&demand.as_pose().expect("a pose")).translation.vector;
-        trace.push(way);
+        displacement = start.inv_mul(&demand.as_pose().expect("a pose")).translation.vector;
+        trace.push(displacement);
     }
     trace
 }
@@ -70,10 +70,10 @@ fn pressed(dt: f64, steps: u32) -> Vec<Vector3<f64>> {
 /// Farthest from the equations over a second, along each axis \[m\].
 fn error(dt: f64) -> Vector3<f64> {
     let steps = (1.0 / dt).round() as u32;
-    let apart = |(i, way): (usize, &Vector3<f64>)| {
+    let apart = |(i, displacement): (usize, &Vector3<f64>)| {
         let t = i as f64 * dt;
         let expected = Vector3::new(SPEED * t, struck(SPEED / GIVE.reciprocal_damping, t), struck(LOAD, t));
-        (way - expected).abs()
+        (displacement - expected).abs()
     };
     pressed(dt, steps).iter().enumerate().map(apart).fold(Vector3::zeros(), |most, x| most.sup(&x))
 }

@@ -5,7 +5,7 @@ use mrroc_generators::bspline::Span;
 use mrroc_generators::curve::*;
 use mrroc_generators::line::SmoothToolLimits;
 use mrroc_generators::profile::{JerkLimits, Profile, SevenPhase};
-use mrroc_generators::way_points::PointsError;
+use mrroc_generators::waypoints::PointsError;
 use nalgebra::{UnitQuaternion, Vector3};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 

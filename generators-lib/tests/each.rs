@@ -43,8 +43,8 @@ fn an_mp_moves_one_robot_by_a_line_that_ecps_use() {
         let limits = ToolLimits { translation: limits, rotation: limits };
         let line = StraightLine::by(Pose::translation(0.0, 0.0, 0.1), limits);
         mp.move_robot(&mut arm, (), line)?;
-        let way = before.inv_mul(&arm.demanded().pose).translation.vector;
-        assert!((way - Vector3::z() * 0.1).norm() < 1e-9, "{way}");
+        let displacement = before.inv_mul(&arm.demanded().pose).translation.vector;
+        assert!((displacement - Vector3::z() * 0.1).norm() < 1e-9, "{displacement}");
         Ok(())
     });
     // D / v + v / a.
@@ -75,23 +75,23 @@ fn two_robots_of_two_kinds_move_at_once_and_the_longer_motion_ends_both() {
 
 #[test]
 fn four_motions_in_a_tuple_and_three_in_an_array_each_move_their_own_robot() {
-    let ways = [0.02, -0.04, 0.06, 0.03];
-    let moved = |handle: &RobotHandle<Irp6>, way: f64| {
-        assert!((handle.demanded().joints - six() - Six::repeat(way)).amax() < 1e-12, "{way}");
+    let distances = [0.02, -0.04, 0.06, 0.03];
+    let moved = |handle: &RobotHandle<Irp6>, distance: f64| {
+        assert!((handle.demanded().joints - six() - Six::repeat(distance)).amax() < 1e-12, "{distance}");
     };
     run_arms(4, move |mp| {
         let [mut a, mut b, mut c, mut d] =
             [mp.robot::<Irp6>("irp6-0")?, mp.robot("irp6-1")?, mp.robot("irp6-2")?, mp.robot("irp6-3")?];
-        let [to_a, to_b, to_c, to_d] = ways.map(joint_move);
+        let [to_a, to_b, to_c, to_d] = distances.map(joint_move);
         mp.move_robots((&mut a, &mut b, &mut c, &mut d), (), Each::of((to_a, to_b, to_c, to_d)))?;
-        for (handle, way) in [&a, &b, &c, &d].into_iter().zip(ways) {
-            moved(handle, way);
+        for (handle, distance) in [&a, &b, &c, &d].into_iter().zip(distances) {
+            moved(handle, distance);
         }
         // Back, and the first one farther; the fourth stays.
         let back = [joint_move(-0.01), joint_move(0.0), joint_move(0.0)];
         mp.move_robots([&mut a, &mut b, &mut c], (), Each::of(back))?;
-        for (handle, way) in [&a, &b, &c, &d].into_iter().zip([-0.01, 0.0, 0.0, 0.03]) {
-            moved(handle, way);
+        for (handle, distance) in [&a, &b, &c, &d].into_iter().zip([-0.01, 0.0, 0.0, 0.03]) {
+            moved(handle, distance);
         }
         Ok(())
     });

@@ -41,7 +41,7 @@ fn rest_to_rest_takes_the_closed_form_time() {
 }
 
 #[test]
-fn all_phases_of_a_long_way_are_those_of_the_book() {
+fn all_phases_of_a_long_motion_are_those_of_the_book() {
     // 2 m at 1 m/s, 4 m/s^2, 40 m/s^3: ramps 0.1, 0.15, 0.1 s, cruise from 0.35 to 2.0 s.
     let profile = rest(2.0, &AxisLimits::symmetric(1.0, 4.0, 40.0)).unwrap().fastest();
     let at = |t: f64| profile.at(t);
@@ -59,7 +59,7 @@ fn all_phases_of_a_long_way_are_those_of_the_book() {
 }
 
 #[test]
-fn from_rest_a_longer_duration_is_the_same_way_slowed() {
+fn from_rest_a_longer_duration_is_the_same_motion_slowed() {
     let plan =
         rest(1.0, &AxisLimits { min_acceleration: -0.5, ..AxisLimits::symmetric(1.0, 2.0, 9.0) }).unwrap();
     let (fast, slow) = (plan.fastest(), plan.lasting(3.0 * plan.least()).unwrap());
@@ -114,7 +114,7 @@ fn joints_from_rest_to_rest_move_along_a_straight_line() {
 
 /// A profile from rest to rest in `k` times the time: velocities shrink by `k`, accelerations by `k^2`, jerks by `k^3`.
 #[test]
-fn joints_take_at_least_the_minimum_duration_and_go_the_same_way() {
+fn joints_take_at_least_the_minimum_duration_and_go_along_the_same_path() {
     let start = JointState::rest(Vector3::new(0.1, 0.0, -0.3));
     let goal = Vector3::new(1.1, -0.4, -0.3);
     let limits = JointLimits {
@@ -129,12 +129,12 @@ fn joints_take_at_least_the_minimum_duration_and_go_the_same_way() {
     let k = 2.5;
     let slow = lasting(k * fastest).unwrap();
     assert_eq!(slow.duration(), k * fastest);
-    for (joint, way) in [(0, 1.0), (1, -0.4)] {
+    for (joint, displacement) in [(0, 1.0), (1, -0.4)] {
         let peaks = slow.peaks(joint).unwrap();
-        let extreme = |(high, low): (f64, f64)| if way > 0.0 { high } else { low };
-        assert!((extreme(peaks.velocity) - 0.8 * way / k).abs() < 1e-12, "{peaks:?}");
-        assert!((extreme(peaks.acceleration) - 3.0 * way / (k * k)).abs() < 1e-12, "{peaks:?}");
-        assert!((extreme(peaks.jerk) - 30.0 * way / (k * k * k)).abs() < 1e-12, "{peaks:?}");
+        let extreme = |(high, low): (f64, f64)| if displacement > 0.0 { high } else { low };
+        assert!((extreme(peaks.velocity) - 0.8 * displacement / k).abs() < 1e-12, "{peaks:?}");
+        assert!((extreme(peaks.acceleration) - 3.0 * displacement / (k * k)).abs() < 1e-12, "{peaks:?}");
+        assert!((extreme(peaks.jerk) - 30.0 * displacement / (k * k * k)).abs() < 1e-12, "{peaks:?}");
     }
     assert_eq!(slow.at(0.5 * slow.duration()).position.z, -0.3);
     assert_eq!(slow.at(slow.duration()).position, goal);

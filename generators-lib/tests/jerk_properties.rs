@@ -58,7 +58,8 @@ impl Inputs {
                 continue;
             }
             let position = self.value(-3.0, 3.0);
-            let way = if self.unit() < 0.3 { self.range(-1e-3, 1e-3) } else { self.value(-4.0, 4.0) };
+            let displacement =
+                if self.unit() < 0.3 { self.range(-1e-3, 1e-3) } else { self.value(-4.0, 4.0) };
             let stops = rests || self.unit() < 0.3;
             let end = if stops { 0.0 } else { self.value(limits.min_velocity, limits.max_velocity) };
             let pushed = !stops && self.unit() < 0.5;
@@ -68,7 +69,8 @@ impl Inputs {
             if before < limits.min_velocity || before > limits.max_velocity {
                 continue;
             }
-            let target = AxisTarget { position: position + way, velocity: end, acceleration: pushed };
+            let target =
+                AxisTarget { position: position + displacement, velocity: end, acceleration: pushed };
             return (AxisState { position, velocity, acceleration }, target, limits);
         }
     }
@@ -157,7 +159,7 @@ fn from_outside(count: u64) {
             assert!((before.position - target.position).abs() < 1e-9 * size, "{before:?} {}", what());
             assert!((before.velocity - target.velocity).abs() < 1e-8, "{before:?} {}", what());
             assert!((before.acceleration - target.acceleration).abs() < 1e-9, "{before:?} {}", what());
-            // Where the way back ends below the other limit's reach, the velocity is not inside yet, but gets nowhere worse.
+            // Where the path back ends below the other limit's reach, the velocity is not inside yet, but gets nowhere worse.
             let at = profile.at(back);
             let (high, low) =
                 (limits.max_velocity.max(at.velocity) + 1e-9, limits.min_velocity.min(at.velocity) - 1e-9);
@@ -191,7 +193,7 @@ fn rests(count: u64) {
         let AxisPoint { position, velocity, acceleration, .. } = fastest.at(t);
         let from = AxisState { position, velocity, acceleration };
         let expected = fastest.duration() - t;
-        // On the way to a target with an acceleration there are states that, but for the target, must leave the limits.
+        // During a motion to a target with an acceleration there are states that, but for the target, must leave the limits.
         if AxisPlan::new(&from, &target, &limits).is_ok_and(|plan| plan.recovery_time() > 0.0) {
             continue;
         }

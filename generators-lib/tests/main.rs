@@ -31,7 +31,7 @@ mod spline_reference;
 mod timing;
 mod timing_reference;
 mod via;
-mod way_points;
+mod waypoints;
 
 #[global_allocator]
 static ALLOCATOR: mrroc_counting_allocator::Counting = mrroc_counting_allocator::Counting;

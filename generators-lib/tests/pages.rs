@@ -96,10 +96,10 @@ fn a_gripper_closes_and_opens() {
 fn follow_the_belt(mp: &mut Mp) -> Result<(), Fault> {
     let (mut arm, mut belt) = (mp.robot::<Irp6>("irp6")?, mp.robot::<Conveyor>("belt")?);
     // The belt runs by 0.1 m: it speeds up for a second, runs at 0.04 m/s, and slows down for a second.
-    let (way, limits) = (0.1, ProfileLimits { velocity: 0.04, acceleration: 0.04 }); // of 0.2 m/s and 0.05 m/s²
-    let run = JointMove::to(One::new(way), One::new(limits.velocity), One::new(limits.acceleration));
+    let (distance, limits) = (0.1, ProfileLimits { velocity: 0.04, acceleration: 0.04 }); // of 0.2 m/s and 0.05 m/s²
+    let run = JointMove::to(One::new(distance), One::new(limits.velocity), One::new(limits.acceleration));
     // The part lies below the tool at the start, and moves with the belt along y.
-    let belts = Trapezoid::new(way, limits).map_err(|bad| Fault::thrown(&bad.to_string()))?;
+    let belts = Trapezoid::new(distance, limits).map_err(|bad| Fault::thrown(&bad.to_string()))?;
     let above = arm.demanded().pose;
     let part = Functional::new(move |age| Pose::translation(0.0, belts.at(age).s, 0.0) * above);
     // The tool is above the part after 2 s, and goes on with it until the belt stands.
@@ -128,9 +128,9 @@ fn a_tool_goes_on_with_a_belt() {
     cell.run().expect("within the limits");
     let (belt, arm) = (seen.borrow(), of_arm.borrow());
     // Between 2.1 s and 2.4 s the tool moves as the belt does.
-    let way = |of: &[f64]| of[1200] - of[1050];
-    assert!((way(&belt) - 0.04 * 0.3).abs() < 1e-5, "{}", way(&belt));
-    assert!((way(&arm) - way(&belt)).abs() < 1e-5, "{} {}", way(&arm), way(&belt));
+    let moved = |of: &[f64]| of[1200] - of[1050];
+    assert!((moved(&belt) - 0.04 * 0.3).abs() < 1e-5, "{}", moved(&belt));
+    assert!((moved(&arm) - moved(&belt)).abs() < 1e-5, "{} {}", moved(&arm), moved(&belt));
 }
 
 // ANCHOR: background
@@ -160,8 +160,8 @@ fn a_belt_runs_beside_an_arm() {
     let cell = Cell::new(Duration::from_millis(2)).robot(arm).robot(belt);
     cell.program(beside_a_running_belt).run().expect("within the limits");
     // Two Moves of 0.4 / 0.4 + 0.4 / 0.8 = 1.5 s: 1 s to 0.04 m/s, 0.5 s at it, 0.5 s to 0.02 m/s, 1 s at it, and braking.
-    let way = 0.02 + 0.02 + 0.015 + 0.02;
-    let end = seen.borrow().last().copied().unwrap_or_default() - way;
+    let distance = 0.02 + 0.02 + 0.015 + 0.02;
+    let end = seen.borrow().last().copied().unwrap_or_default() - distance;
     assert!((0.0..0.02 * 0.02 / (2.0 * 0.05) + 1e-3).contains(&end), "{end}");
 }
 
@@ -286,9 +286,9 @@ fn what_was_jogged_is_replayed_from_its_file() {
     // 0.1 m/s for a second, and half of that back, along the x axis of the tool; the simulated arm sags by some µm at first.
     let irp6 = Irp6::nominal();
     let from = irp6.forward(&start());
-    for (pose, way) in taught.poses.iter().zip([0.1, 0.05]) {
+    for (pose, distance) in taught.poses.iter().zip([0.1, 0.05]) {
         let at = from.inv_mul(&pose.pose(taught.space).expect("a pose")).translation.vector;
-        assert!((at - Vector3::x() * way).norm() < 1e-5, "{at}");
+        assert!((at - Vector3::x() * distance).norm() < 1e-5, "{at}");
     }
     // The simulated arm follows within 0.2 mm.
     let at = from.inv_mul(&end.borrow()).translation.vector;
@@ -331,9 +331,9 @@ fn poses_that_were_taught_before_a_fault_are_in_their_file_and_more_can_be_added
         // 0.1 m/s, less what it lacks of the first 0.2 s; from the same start in each run.
         for (i, pose) in taught.poses.iter().enumerate() {
             let at = from.inv_mul(&pose.pose(taught.space).expect("a pose")).translation.vector;
-            let way = 0.1 * (1.0 + (i % 2) as f64) - 0.1 * 0.1 / (2.0 * 0.5);
+            let distance = 0.1 * (1.0 + (i % 2) as f64) - 0.1 * 0.1 / (2.0 * 0.5);
             // In steps of 2 ms the ramp is longer by up to half of one.
-            assert!((at - Vector3::x() * way).norm() < 2e-4, "{at} {way}");
+            assert!((at - Vector3::x() * distance).norm() < 2e-4, "{at} {distance}");
             assert_eq!(pose.velocity, if i < 2 { 0.5 } else { 0.25 });
         }
     }

@@ -99,8 +99,8 @@ impl Seen {
         let poses: Vec<_> = self.joints.borrow().iter().map(|q| arm.forward(q) * tool).collect();
         let between = |two: &[Pose]| {
             let (a, b) = (two[0], two[1]);
-            let way = (b.translation.vector - a.translation.vector).norm();
-            (way / STEP.as_secs_f64(), a.rotation.angle_to(&b.rotation) / STEP.as_secs_f64())
+            let distance = (b.translation.vector - a.translation.vector).norm();
+            (distance / STEP.as_secs_f64(), a.rotation.angle_to(&b.rotation) / STEP.as_secs_f64())
         };
         poses.windows(2).map(between).collect()
     }
@@ -448,8 +448,9 @@ fn an_mp_lets_one_of_its_arms_be_jogged_as_an_ecp_does() {
     });
     cell.run().expect_err("aborted");
     let (joints, arm) = (seen.joints.borrow(), Irp6::nominal());
-    let way = arm.forward(&joints[1550]).translation.vector - arm.forward(&joints[90]).translation.vector;
-    assert!((way - nalgebra::Vector3::x() * 0.1).norm() < 1e-9, "{way}");
+    let displacement =
+        arm.forward(&joints[1550]).translation.vector - arm.forward(&joints[90]).translation.vector;
+    assert!((displacement - nalgebra::Vector3::x() * 0.1).norm() < 1e-9, "{displacement}");
 }
 
 #[test]

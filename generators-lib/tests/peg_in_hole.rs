@@ -19,7 +19,7 @@ use mrroc_robots::sensors::WristForce;
 use mrroc_robots::{Irp6, SimulatedIrp6};
 use nalgebra::Vector3;
 
-/// How the tool gives way along an axis and about one: see "Gains".
+/// How the tool yields along an axis and about one: see "Gains".
 const ALONG: Give = Give { reciprocal_damping: 1e-3, inertia: 10.0 };
 const ABOUT: Give = Give { reciprocal_damping: 0.1, inertia: 0.1 };
 /// No axis is faster, or goes farther for its load [m/s, m].
@@ -27,9 +27,9 @@ const WITHIN: Bound = Bound { speed: 0.02, travel: 0.03 };
 /// The peg has to go in so far [m].
 const DEEP: f64 = 0.015;
 
-/// Presses along z with `load` [N]. The other axes stand, or give way to what they feel.
-fn pressing(load: f64, gives_way: bool) -> Result<ForceControl, Fault> {
-    let beside = |give| match gives_way {
+/// Presses along z with `load` [N]. The other axes stand, or yield to what they feel.
+fn pressing(load: f64, yields: bool) -> Result<ForceControl, Fault> {
+    let beside = |give| match yields {
         true => Behaviour::Guarded { velocity: 0.0, give },
         false => Behaviour::Unguarded { velocity: 0.0 },
     };
@@ -95,7 +95,7 @@ fn simulated(
     let top = Pose::translation(end.translation.x, end.translation.y, end.translation.z - 5e-3);
     let world = World::new(&Body::peg(mass, 0.01, length).at(middle))?
         .with_plate(Plate::at(top * off).with_hole(hole))?;
-    // Fingers that give way about the peg's end, as a remote centre compliance: by 1 mm for 20 N and 1 degree for 3.5 N m.
+    // Fingers that yield about the peg's end, as a remote centre compliance: by 1 mm for 20 N and 1 degree for 3.5 N m.
     let grasp = Grasp::new(2e4, 200.0).with_damping(100.0, 0.4).with_tool(peg_in_hand());
     let arm = world.arm(SimulatedIrp6::new(irp6, &Irp6::READY), grasp)?;
     arm.hand().close()?;

@@ -54,7 +54,7 @@ fn durations_equal_the_closed_forms() {
     let close = |x: f64, y: f64| assert!((x - y).abs() < 1e-12, "{x} {y}");
     close(Rectangular::new(1.4, 0.7).unwrap().duration(), 2.0);
     close(Trapezoid::triangular(3.0, 1.0).unwrap().duration(), 12.0_f64.sqrt());
-    // A short way is limited by the acceleration (quintic: by the jerk), a long one by the velocity.
+    // A short distance is limited by the acceleration (quintic: by the jerk), a long one by the velocity.
     close(Cubic::new(0.01, PLAIN).unwrap().duration(), (0.06_f64 / 2.3).sqrt());
     close(Cubic::new(7.0, PLAIN).unwrap().duration(), 15.0);
     close(Quintic::new(0.001, LIMITS).unwrap().duration(), (0.06_f64 / 19.0).cbrt());

@@ -66,7 +66,7 @@ fn the_interpolating_method_equals_the_chain_of_scipy() {
     }
 }
 
-/// Basis of the non-uniform cubic B-spline by the recursion of Cox and de Boor: another way than the code's.
+/// Basis of the non-uniform cubic B-spline by the recursion of Cox and de Boor: another method than the code's.
 fn de_boor(t: &[f64], c: &[Point], span: usize, at: f64) -> Point {
     // Control c[k] belongs to the knots t[k]..t[k+4]; the span is t[span+3]..t[span+4].
     let mut d: Vec<Point> = c[span..span + 4].to_vec();

@@ -9,8 +9,9 @@ use nalgebra::{Translation3, Vector1, Vector2, Vector3};
 use proptest::prelude::*;
 use std::f64::consts::TAU;
 
-fn line(way: f64) -> CubicSpline<Vector1<f64>> {
-    CubicSpline::new(vec![0.0, 1.0], vec![Vector1::zeros(), Vector1::new(way)], SplineEnds::Natural).unwrap()
+fn line(length: f64) -> CubicSpline<Vector1<f64>> {
+    CubicSpline::new(vec![0.0, 1.0], vec![Vector1::zeros(), Vector1::new(length)], SplineEnds::Natural)
+        .unwrap()
 }
 
 fn limits<const N: usize>(velocity: f64, acceleration: f64) -> PathLimits<nalgebra::SVector<f64, N>> {
@@ -24,10 +25,10 @@ fn limits<const N: usize>(velocity: f64, acceleration: f64) -> PathLimits<nalgeb
 #[test]
 fn a_straight_line_takes_the_time_of_the_trapezoid() {
     // A grid on which the trapezoid's corners lie: D = 8, V = 2, A = 1 and D = 10: 2 m up, 2 m down.
-    for (way, duration, cells) in [(8.0, 6.0, 4), (10.0, 7.0, 5), (1.0, 2.0, 10)] {
-        let path = line(way);
+    for (length, duration, cells) in [(8.0, 6.0, 4), (10.0, 7.0, 5), (1.0, 2.0, 10)] {
+        let path = line(length);
         let plan = TimeOptimal::plan(&path, &grid(&path, cells), &limits::<1>(2.0, 1.0), [0.0; 2]).unwrap();
-        assert!((plan.duration() - duration).abs() < 1e-12, "{way}: {}", plan.duration());
+        assert!((plan.duration() - duration).abs() < 1e-12, "{length}: {}", plan.duration());
         assert_eq!(plan.at(plan.duration()).s, 1.0);
         assert_eq!(plan.at(-1.0).s, 0.0);
     }
@@ -143,8 +144,8 @@ fn the_path_of_a_tool_is_followed_by_the_joints_and_its_slopes_are_the_jacobians
         let off = robot.forward(&at.value).translation.vector - pose(s).translation.vector;
         assert!(off.norm() < 3e-6, "{}", off.norm());
         // The tool's velocity by the joints' is the tangent.
-        let way = |h: f64| robot.forward(&(at.value + at.first * h)).translation.vector;
-        let tangent = (way(h) - way(-h)) / (2.0 * h);
+        let tool = |h: f64| robot.forward(&(at.value + at.first * h)).translation.vector;
+        let tangent = (tool(h) - tool(-h)) / (2.0 * h);
         assert!((tangent - helix.at(s).tangent).norm() < 1e-3, "{tangent} {}", helix.at(s).tangent);
     }
     let far = |s: f64| Translation3::new(0.0, 0.0, 10.0 * s) * start;

@@ -5,7 +5,7 @@ use mrroc_generators::jerk::JointLimits;
 use mrroc_generators::line::SmoothToolLimits;
 use mrroc_generators::profile::JerkLimits;
 use mrroc_generators::via::*;
-use mrroc_generators::way_points::PointsError;
+use mrroc_generators::waypoints::PointsError;
 use nalgebra::{Vector2, Vector3};
 use proptest::prelude::*;
 

@@ -10,7 +10,7 @@ use mrroc_pictures::Film;
 use mrroc_robots::{Irp6, SimulatedIrp6, Six};
 use nalgebra::{Translation3, Vector3};
 
-/// Both turn their columns, opposite ways, and nod.
+/// Both turn their columns, in opposite directions, and nod.
 struct Greet {
     from: [Six; 2],
     t: f64,

@@ -23,7 +23,7 @@ const FIRST_GAP: f64 = 2e-3;
 pub(crate) const FACES: [[usize; 4]; 6] =
     [[0, 1, 3, 2], [4, 5, 7, 6], [0, 1, 5, 4], [2, 3, 7, 6], [0, 2, 6, 4], [1, 3, 7, 5]];
 
-/// A block and its way.
+/// A block and its path.
 pub(crate) struct Block {
     /// Along x, y, z of its frame, which lies in its middle \[m\].
     edges: [f64; 3],

@@ -27,11 +27,11 @@ pub(crate) struct Actor<'a> {
 pub(crate) struct Pen {
     pub link: f64,
     pub joint: f64,
-    pub way: f64,
+    pub path: f64,
     pub arrow: f64,
-    /// The most arrows of a way.
+    /// The most arrows of a path.
     pub arrows: u32,
-    /// Points of a way.
+    /// Points of a path.
     pub most: usize,
 }
 
@@ -39,9 +39,9 @@ impl Pen {
     /// Thinner, down to a half, for robots of `length` \[px\] that are smaller than `usual`.
     pub fn fitting(self, length: f64, usual: f64) -> Pen {
         let share = (length / usual).clamp(0.5, 1.0);
-        let [link, joint, way, arrow] =
-            [self.link, self.joint, self.way, self.arrow].map(|size| share * size);
-        Pen { link, joint, way, arrow, ..self }
+        let [link, joint, path, arrow] =
+            [self.link, self.joint, self.path, self.arrow].map(|size| share * size);
+        Pen { link, joint, path, arrow, ..self }
     }
 }
 
@@ -60,7 +60,7 @@ pub(crate) fn still(svg: &mut Svg, on: &Projection, stick: &Stick, colour: Colou
     });
 }
 
-/// A robot on its way.
+/// A robot in motion.
 pub(crate) fn moving(svg: &mut Svg, on: &Projection, actor: &Actor<'_>, playback: &Playback, pen: Pen) {
     let sticks: Vec<Stick> = playback.times().filter_map(|time| actor.motion.at(time)).collect();
     let Some(first) = sticks.first() else { return };

@@ -1,4 +1,4 @@
-//! The way of one tool alone, as large as it fits, in the plane where it spans most.
+//! The path of one tool alone, as large as it fits, in the plane where it spans most.
 //!
 //! In: an actor. Out: a drawing to scale, with a scale bar; or words when the tool stayed where it was.
 
@@ -14,7 +14,7 @@ use crate::wording::metres;
 /// What spans less is a standstill \[m\].
 const STILL: f64 = 2e-4;
 
-/// Draws the way into an area, in about `most` points.
+/// Draws the path into an area, in about `most` points.
 pub(crate) fn draw(svg: &mut Svg, area: Area, actor: &Actor<'_>, most: usize) {
     let tool = &actor.motion.tool;
     let style = TextStyle::new(11.5, INK).middle();
@@ -59,7 +59,7 @@ pub(crate) fn draw(svg: &mut Svg, area: Area, actor: &Actor<'_>, most: usize) {
     svg.text(0.5 * (left + right) - Vector2::new(0.0, 6.0), style, &metres(length));
 }
 
-/// A plane that a way is drawn in.
+/// A plane that a path is drawn in.
 struct Plane {
     view: View,
     /// Names of what is to the right and of what is up.
@@ -86,7 +86,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_way_is_seen_where_it_spans_most() {
+    fn a_path_is_seen_where_it_spans_most() {
         let line = |x, y, z| plane(&[Vector3::zeros(), Vector3::new(x, y, z)]).axes;
         assert_eq!(line(1.0, 1.0, 0.1), ["x", "y"]);
         assert_eq!(line(1.0, 0.1, 1.0), ["x", "z"]);

@@ -1,4 +1,4 @@
-//! Which poses are drawn pale between the first and the last: evenly along the way, not over time.
+//! Which poses are drawn pale between the first and the last: evenly along the path, not over time.
 //!
 //! In: a motion. Out: indices of its samples, none of a robot that stands still.
 
@@ -14,7 +14,7 @@ const GAP: f64 = 14.0;
 /// Indices of the ghosts of one of `robots` motions that are drawn at this scale [px/m], without the first and the last
 /// sample.
 pub(crate) fn ghosts(motion: &Motion, scale: f64, robots: usize) -> Vec<usize> {
-    let mut way = Vec::with_capacity(motion.sticks.len());
+    let mut travelled = Vec::with_capacity(motion.sticks.len());
     let mut length = 0.0;
     for (i, stick) in motion.sticks.iter().enumerate() {
         if let Some(before) = i.checked_sub(1).and_then(|i| motion.sticks.get(i)) {
@@ -22,18 +22,18 @@ pub(crate) fn ghosts(motion: &Motion, scale: f64, robots: usize) -> Vec<usize> {
             let step = stick.distance(before);
             length += if step > 1e-6 { step } else { 0.0 };
         }
-        way.push(length);
+        travelled.push(length);
     }
     let count =
         ((length * scale / GAP) as usize).saturating_sub(1).min(MOST).min(MOST_TOGETHER / robots.max(1));
     let mut found: Vec<usize> = Vec::with_capacity(count);
     let places = (1..=count)
-        .map(|k| way.partition_point(|s| *s < length * k as f64 / (count + 1) as f64))
-        .filter(|i| *i > 0 && i + 1 < way.len());
+        .map(|k| travelled.partition_point(|s| *s < length * k as f64 / (count + 1) as f64))
+        .filter(|i| *i > 0 && i + 1 < travelled.len());
     for i in places {
         // There and back is one ghost.
         let near = |j: &usize| motion.sticks[i].distance(&motion.sticks[*j]) * scale < 0.5 * GAP;
-        if ![0, way.len() - 1].iter().chain(&found).any(near) {
+        if ![0, travelled.len() - 1].iter().chain(&found).any(near) {
             found.push(i);
         }
     }
@@ -57,7 +57,7 @@ mod tests {
     }
 
     #[test]
-    fn ghosts_are_evenly_spaced_along_the_way_however_the_speed_changes() {
+    fn ghosts_are_evenly_spaced_along_the_path_however_the_speed_changes() {
         let motion = motion(|t| t.powi(4));
         let found = ghosts(&motion, 500.0, 1);
         assert_eq!(found.len(), MOST);

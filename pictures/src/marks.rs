@@ -1,4 +1,4 @@
-//! Marks: arrows of axes, where a way begins and where it ends.
+//! Marks: arrows of axes, where a path begins and where it ends.
 //!
 //! In: places on the page \[px\]. Out: a ring for the beginning, a dot for the end; the ring is around the dot where both
 //! are in one place.
@@ -18,7 +18,7 @@ pub(crate) fn arrow(svg: &mut Svg, from: Vector2<f64>, to: Vector2<f64>) {
     }
 }
 
-/// The marks of a way's beginning and end.
+/// The marks of a path's beginning and end.
 pub(crate) fn ends(svg: &mut Svg, first: Vector2<f64>, last: Vector2<f64>, radius: f64) {
     dot(svg, last, radius);
     ring(svg, first, if (first - last).norm() < radius { 1.9 * radius } else { radius });

@@ -37,8 +37,8 @@ const GAP: f64 = 16.0;
 /// Points of all curves together: about 10 bytes each.
 const MOST_POINTS: usize = 24_000;
 
-/// Points of all enlarged ways together.
-const MOST_WAY: usize = 6000;
+/// Points of all enlarged paths together.
+const MOST_PATH: usize = 6000;
 
 const STYLE: &str = "text{font-variant-numeric:tabular-nums}\
     @media (prefers-reduced-motion:reduce){.moving{display:none!important}.end{opacity:1!important}.start{opacity:.42!important}}";
@@ -126,7 +126,7 @@ pub(crate) fn svg(
         let mut y = HEADING + area.height + GAP;
         for (robot, actor) in robots.iter().zip(&actors) {
             let area = Area { x: MARGIN, y, width: WIDTH - 2.0 * MARGIN, height: robot.height() };
-            draw_robot(svg, area, robot, actor, (MOST_WAY / robots.len()).min(2500));
+            draw_robot(svg, area, robot, actor, (MOST_PATH / robots.len()).min(2500));
             timeline.draw(
                 svg,
                 area.inset(COLUMN + 40.0, ROBOT_HEADING - 20.0, 8.0, 0.0),

@@ -68,7 +68,7 @@ impl Extent {
         spanned.unwrap_or(Extent { low: Vector2::zeros(), high: Vector2::zeros() })
     }
 
-    /// Widened about its middle to at least `least` \[m\] each way.
+    /// Widened about its middle to at least `least` \[m\] in each direction.
     pub fn at_least(self, least: f64) -> Extent {
         let middle = 0.5 * (self.low + self.high);
         let half = (0.5 * (self.high - self.low)).sup(&Vector2::repeat(0.5 * least));

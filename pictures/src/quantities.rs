@@ -215,7 +215,7 @@ fn with(path: &[String], name: &str) -> Vec<String> {
     path.iter().cloned().chain([name.replace('_', " ")]).collect()
 }
 
-/// The names on the way to a quantity, the first letter a capital.
+/// The names on the path to a quantity, the first letter a capital.
 fn heading(path: &[String], unnamed: &str) -> String {
     let named = if path.is_empty() { unnamed.to_owned() } else { path.join(", ") };
     let mut letters = named.chars();

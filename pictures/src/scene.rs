@@ -1,7 +1,7 @@
 //! The robots in space: one large view with a floor, one from the front, one from above, all moving.
 //!
 //! In: the actors, robots with their motions and paths; the clock of the animation. Out: three panels. Poses: the first
-//! pale, the last dark, ghosts between; over them, where animations are shown, the robot on its way.
+//! pale, the last dark, ghosts between; over them, where animations are shown, the robot in motion.
 
 use mrroc::observe::solid::ObstacleLayout;
 use nalgebra::{Vector2, Vector3};
@@ -31,8 +31,8 @@ pub(crate) struct Scene<'a> {
     pub fastest: f64,
 }
 
-const LARGE: Pen = Pen { link: 7.0, joint: 4.6, way: 2.6, arrow: 5.5, arrows: 10, most: 2200 };
-const SMALL: Pen = Pen { link: 4.0, joint: 2.8, way: 1.8, arrow: 4.0, arrows: 5, most: 900 };
+const LARGE: Pen = Pen { link: 7.0, joint: 4.6, path: 2.6, arrow: 5.5, arrows: 10, most: 2200 };
+const SMALL: Pen = Pen { link: 4.0, joint: 2.8, path: 1.8, arrow: 4.0, arrows: 5, most: 900 };
 
 /// The share of the width that the view in space takes, and the room that it leaves left, above, right, below \[px\].
 const LARGE_SHARE: f64 = 0.625;
@@ -182,7 +182,7 @@ impl Scene<'_> {
         self.poses(svg, on, SMALL.fitting(self.reach() * on.scale, 80.0));
     }
 
-    /// The last pose and the way, straight below on the floor.
+    /// The last pose and the path, straight below on the floor.
     fn shadows(&self, svg: &mut Svg, on: &Projection, floor: f64) {
         let below = |point: &Vector3<f64>| on.at(Vector3::new(point.x, point.y, floor));
         svg.group(Look::new().no_fill().stroke(INK).stroke_opacity(0.09).round(), |svg| {
@@ -191,8 +191,8 @@ impl Scene<'_> {
                     let line: Vec<_> = last.links.iter().map(below).collect();
                     svg.polyline(&line, Look::new().width(8.0));
                 }
-                let way: Vec<_> = actor.motion.tool.iter().map(below).collect();
-                svg.polyline(&thinned(&way, 0.5), Look::new().width(1.5));
+                let path: Vec<_> = actor.motion.tool.iter().map(below).collect();
+                svg.polyline(&thinned(&path, 0.5), Look::new().width(1.5));
             }
         });
     }
@@ -223,7 +223,7 @@ impl Scene<'_> {
         }
     }
 
-    /// What stands there; ghosts, the first and the last pose, the ways; and the robots on their way.
+    /// What stands there; ghosts, the first and the last pose, the paths; and the robots in motion.
     fn poses(&self, svg: &mut Svg, on: &Projection, pen: Pen) {
         self.obstacles.iter().for_each(|obstacle| standing::draw(svg, on, obstacle));
         for actor in self.actors {
@@ -263,7 +263,7 @@ impl Scene<'_> {
             }
         }
         for actor in self.actors {
-            actor.path.draw(svg, &actor.motion, on, pen.way, pen.most / self.actors.len().max(1));
+            actor.path.draw(svg, &actor.motion, on, pen.path, pen.most / self.actors.len().max(1));
         }
         for actor in self.actors {
             actor.path.arrows(

@@ -44,7 +44,7 @@ impl Stick {
         self.links.iter().chain(&self.gripper).copied()
     }
 
-    /// On the way to another pose, `share` 0 to 1.
+    /// Between this and another pose, `share` 0 to 1.
     fn towards(&self, other: &Stick, share: f64) -> Stick {
         let mixed = |a: &Vector3<f64>, b: &Vector3<f64>| a + (b - a) * share;
         if self.links.len() != other.links.len() {

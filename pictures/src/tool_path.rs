@@ -1,4 +1,4 @@
-//! The way of a tool, coloured by its speed, with arrows in its direction.
+//! The path of a tool, coloured by its speed, with arrows in its direction.
 //!
 //! In: a motion's tool positions and speeds, a projection. Out: lines of one colour each, as few points as look the same.
 
@@ -24,9 +24,9 @@ pub(crate) fn level_colour(level: usize) -> Colour {
 pub(crate) struct ToolPath {
     /// Speeds of the tool at each sample [m/s], at least 0.
     speeds: Vec<f64>,
-    /// Length of the way in all servo periods \[m\].
+    /// Length of the path in all servo periods \[m\].
     pub length: f64,
-    /// Speed level of the way from each sample to the next.
+    /// Speed level of the path from each sample to the next.
     levels: Vec<usize>,
 }
 
@@ -52,7 +52,7 @@ impl ToolPath {
         self
     }
 
-    /// Draws the way, `width` \[px\] wide, in about `most` points.
+    /// Draws the path, `width` \[px\] wide, in about `most` points.
     pub fn draw(&self, svg: &mut Svg, motion: &Motion, on: &Projection, width: f64, most: usize) {
         let points: Vec<Vector2<f64>> = motion.tool.iter().map(|point| on.at(*point)).collect();
         if points.len() < 2 {
@@ -73,7 +73,7 @@ impl ToolPath {
             }
             tolerance *= 2.0;
         };
-        svg.group(Look::new().class("way").no_fill().width(width).round(), |svg| {
+        svg.group(Look::new().class("path").no_fill().width(width).round(), |svg| {
             for level in 0..LEVELS {
                 let same: Vec<_> = lines.iter().filter(|(l, _)| **l == level).map(|(_, line)| line).collect();
                 svg.path(&same, Look::new().stroke(level_colour(level)));
@@ -81,8 +81,8 @@ impl ToolPath {
         });
     }
 
-    /// Draws arrows beside the way, at the right hand of who goes along it, so that there and back are told apart: at most
-    /// `most`, and one at least on a way that is seen.
+    /// Draws arrows beside the path, at the right hand of who goes along it, so that there and back are told apart: at most
+    /// `most`, and one at least on a path that is seen.
     pub fn arrows(&self, svg: &mut Svg, motion: &Motion, on: &Projection, size: f64, most: u32) {
         let points: Vec<Vector2<f64>> = motion.tool.iter().map(|point| on.at(*point)).collect();
         let length: f64 = points.windows(2).map(|w| (w[1] - w[0]).norm()).sum();
@@ -94,10 +94,10 @@ impl ToolPath {
         let room = (0.25 * extent / size).clamp(1.0, f64::from(most));
         let count = (length / (14.0 * size)).round().clamp(1.0, room.floor());
         let mut next = 0.5 * length / count;
-        let mut way = 0.0;
+        let mut travelled = 0.0;
         for i in 1..points.len() {
-            way += (points[i] - points[i - 1]).norm();
-            if way < next {
+            travelled += (points[i] - points[i - 1]).norm();
+            if travelled < next {
                 continue;
             }
             next += length / count;
@@ -125,9 +125,9 @@ mod tests {
     use mrroc::robot::{JointKind, Robot};
     use mrroc_robots::{Irp6, Six};
 
-    /// An arm whose column turns at a steady 1 rad/s: the way is an arc about the column, by the forward kinematics.
+    /// An arm whose column turns at a steady 1 rad/s: the path is an arc about the column, by the forward kinematics.
     #[test]
-    fn a_way_runs_from_the_first_to_the_last_pose_and_is_as_long_as_its_arc() {
+    fn a_path_runs_from_the_first_to_the_last_pose_and_is_as_long_as_its_arc() {
         let arm = Irp6::nominal();
         let at = |angle: f64| Six::new(angle, -1.57, 0.16, -0.16, 4.71, 0.0);
         let mut history = History::new("arm", "irp6", &[JointKind::Revolute; 6]);

@@ -307,7 +307,7 @@ fn keep_limits(demands: &[Vec<f64>]) {
 }
 
 #[test]
-fn an_arm_that_is_given_new_goals_on_the_way_reaches_the_last_one_without_a_rest() {
+fn an_arm_that_is_given_new_goals_during_its_motion_reaches_the_last_one_without_a_rest() {
     let mut aside = A;
     aside[0] -= 0.4;
     let goals = vec![ABOVE.to_vec(), B.to_vec(), ABOVE.to_vec(), aside.to_vec()];

@@ -33,7 +33,7 @@ fn is_straight_clear(clearance: &mut Clearance, kind: Kind, from: &[f64], to: &[
 
 #[test]
 fn two_arms_that_face_each_other_change_sides() {
-    let mut in_each_others_way = 0;
+    let mut blocked = 0;
     let tables = [Kind::Six, Kind::Seven].map(|kind| (kind, kind.table(2)));
     for ((kind, table), seed) in tables.iter().flat_map(|of| (1..=6).map(move |seed| (of, seed))) {
         let kind = *kind;
@@ -44,9 +44,9 @@ fn two_arms_that_face_each_other_change_sides() {
         for leg in points.windows(2) {
             assert!(is_straight_clear(&mut clearance, kind, &leg[0], &leg[1]), "{kind:?}, seed {seed}");
         }
-        in_each_others_way += u32::from(!is_straight_clear(&mut clearance, kind, &start, &goal));
+        blocked += u32::from(!is_straight_clear(&mut clearance, kind, &start, &goal));
     }
-    assert!(in_each_others_way >= 4, "{in_each_others_way} of 12 cannot go straight");
+    assert!(blocked >= 4, "{blocked} of 12 cannot go straight");
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! Motions through positions on the way.
+//! Motions through positions in between.
 
 use mrroc::random::Random;
 use mrroc_planning::{Plan, PlanError, Planner};
@@ -40,7 +40,7 @@ fn passes(plan: &Plan, via: &[f64]) -> (f64, f64, f64) {
 }
 
 #[test]
-fn a_motion_passes_the_position_on_the_way_exactly_and_does_not_rest_there() {
+fn a_motion_passes_the_position_in_between_exactly_and_does_not_rest_there() {
     let mut planner = planner();
     // Nothing is near there.
     let (from, via, to) = (
@@ -59,7 +59,7 @@ fn a_motion_passes_the_position_on_the_way_exactly_and_does_not_rest_there() {
 }
 
 #[test]
-fn a_motion_between_obstacles_passes_the_position_on_the_way_too() {
+fn a_motion_between_obstacles_passes_the_position_in_between_too() {
     let plan = planner().plan_through(&A, &[[ABOVE.to_vec()], [B.to_vec()]]).expect("a plan");
     let (time, apart, speed) = passes(&plan, &ABOVE);
     assert!(apart < 1e-9 && speed > 0.05, "{apart} rad from it at {speed} rad/s at {time} s");
@@ -164,7 +164,7 @@ fn the_same_motion_through_positions_is_the_same_to_the_bit() {
 }
 
 #[test]
-fn what_fails_on_the_way_is_told_with_its_list() {
+fn what_fails_in_between_is_told_with_its_list() {
     let mut planner = planner();
     let none: [Vec<Vec<f64>>; 0] = [];
     assert_eq!(

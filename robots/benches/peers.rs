@@ -22,7 +22,7 @@ const WINDOW: usize = 100;
 /// Rounds through all positions; of each window the least time counts.
 const ROUNDS: usize = 200;
 
-/// How far seeds lie from the solution, either way [rad or m].
+/// How far seeds lie from the solution, in either direction [rad or m].
 const NEAR: f64 = 0.01;
 
 /// Prints the mean time of a call.

@@ -28,8 +28,8 @@ fn lift(c: &mut Lift, v: &Reading<(WristForce,)>, t: Tick) -> Step<(Polycrank, P
         println!("{:4.1} s: the second wrist feels ({x:6.2}, {y:6.2}, {z:6.2}) N", c.t);
     }
     let height = 0.025 * (1.0 - (0.25 * std::f64::consts::PI * c.t).cos());
-    let way = Pose::from_parts((c.up * height).into(), UnitQuaternion::identity());
-    Step::Next((Demand::displacement(way), Demand::displacement(way)))
+    let displacement = Pose::from_parts((c.up * height).into(), UnitQuaternion::identity());
+    Step::Next((Demand::displacement(displacement), Demand::displacement(displacement)))
 }
 
 /// Runs the example.

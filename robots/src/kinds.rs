@@ -112,7 +112,7 @@ pub fn simulated_in_with(
     belt: Belt,
     arms: impl Fn(&str, &Simulated<Irp6, 6>) + 'static,
 ) -> Kinds {
-    /// What an arm holds gives way by this [N/m, N m/rad].
+    /// What an arm holds yields by this [N/m, N m/rad].
     const GRASP: [f64; 2] = [2e4, 20.0];
     /// How wide a pad is, and how far it reaches beyond the origin of the tool frame \[m\].
     const PADS: [f64; 2] = [0.024, 0.008];

@@ -8,7 +8,7 @@ use nalgebra::{Translation3, Vector3};
 
 const DURATION: f64 = 2.0;
 
-/// Carries three flanges along one way, as one body would ask for.
+/// Carries three flanges along one path, as one body would ask for.
 struct Carry {
     from: Option<[Pose; 3]>,
     t: f64,
@@ -18,8 +18,8 @@ impl Carry {
     /// 8 cm there and back, each robot in its own world; the speed begins and ends with zero.
     fn at(&self, t: f64) -> [Pose; 3] {
         let part = 0.5 * (1.0 - (std::f64::consts::TAU * t / DURATION).cos());
-        let way = Translation3::from(Vector3::new(0.03, -0.05, 0.02) * part);
-        self.from.map_or([Pose::identity(); 3], |from| from.map(|pose| way * pose))
+        let displacement = Translation3::from(Vector3::new(0.03, -0.05, 0.02) * part);
+        self.from.map_or([Pose::identity(); 3], |from| from.map(|pose| displacement * pose))
     }
 }
 
@@ -47,7 +47,7 @@ fn grasp(
 }
 
 #[test]
-fn rnt_polycrank_and_the_arm_on_the_track_carry_along_one_way() {
+fn rnt_polycrank_and_the_arm_on_the_track_carry_along_one_path() {
     let rnt = Six::new(0.1, 0.5, 0.55, 0.2, 1.3, 0.3);
     let polycrank = Seven::from([0.3, 1.2, -0.4, 0.5, 1.1, -0.3, 0.2]);
     let irp6 = Seven::from([0.5, 0.1, -1.55, 0.1, -0.1, 4.6, 0.2]);

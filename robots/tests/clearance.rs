@@ -125,10 +125,10 @@ fn a_moving_arm_needs_room_to_stop() {
     // The wrist's end is 0.86 m from the column's axis and 0.19 m from T's, and 0.06 m stout.
     let wrist = (0.19 + 0.06) * 2.0 / 7.0;
     assert!((nearest.travel - (wrist + (0.86 + 0.06 + wrist) * 2.0 / 7.0)).abs() < 1e-12, "{nearest:?}");
-    // Slowly, there is enough: a tenth of the speed needs a hundredth of the way.
+    // Slowly, there is enough: a tenth of the speed needs a hundredth of the distance.
     let slow = clearance.check(&[state("left", &LEVEL, &[0.2, 0.0, 0.0, 0.2, 0.0, 0.0]), right]);
     assert!(slow.unwrap().travel < 0.011 * nearest.travel);
-    // At half the speed the wrists may come 0.085 m nearer from where they are, but 0.044 m from the middle of the way to a standstill.
+    // At half the speed the wrists may come 0.085 m nearer from where they are, but 0.044 m from the middle of the braking.
     let passing = clearance.check(&[state("left", &LEVEL, &[1.0, 0.0, 0.0, 1.0, 0.0, 0.0]), right]).unwrap();
     let wrist = 0.25 / 28.0;
     assert!((passing.travel - (wrist + (0.92 + wrist) / 28.0)).abs() < 2e-3, "{passing:?}");
@@ -371,7 +371,7 @@ fn guarded(apart: f64) -> (Result<(), String>, f64, f64) {
 
 #[test]
 fn a_guarded_arm_stops_on_its_path_before_the_margin_is_broken() {
-    // In front of one another, 0.06 m would be left between the wrists: less than ways to stop and 0.05 m.
+    // In front of one another, 0.06 m would be left between the wrists: less than distances to stop and 0.05 m.
     let (ended, column, least) = guarded(1.9);
     let text = ended.unwrap_err();
     assert!(text.contains("too close: left wrist and right wrist are"), "{text}");

@@ -90,7 +90,7 @@ fn pause(c: &mut Pause) -> bool {
     c.0 == 0
 }
 
-/// Carries both flanges along one way, 8 cm there and half of it back.
+/// Carries both flanges along one path, 8 cm there and half of it back.
 struct Carry {
     from: [Pose; 2],
     t: f64,
@@ -103,8 +103,8 @@ fn carry(c: &mut Carry, t: Tick) -> Step<(Polycrank, Polycrank)> {
     }
     c.t = (c.t + t.dt).min(DURATION);
     let part = 0.5 * (1.0 - (0.5 * TAU * c.t / DURATION).cos());
-    let way = Translation3::from(Vector3::new(0.03, -0.05, 0.02) * part);
-    Step::Next((Demand::pose(way * c.from[0]), Demand::pose(way * c.from[1])))
+    let displacement = Translation3::from(Vector3::new(0.03, -0.05, 0.02) * part);
+    Step::Next((Demand::pose(displacement * c.from[0]), Demand::pose(displacement * c.from[1])))
 }
 
 /// One observation: the tools' true poses and the wrench of the body on each gripper.
@@ -210,8 +210,9 @@ fn arms_whose_bases_are_off_squeeze_the_body_as_statics_says() {
             // Where the true base puts them, but for the drives: encoders of 2e-5 rad and friction leave 0.1 mm.
             let truly = arms()[1].forward(&start());
             let base = Pose::translation(0.6, 0.0, 0.0);
-            let way = Translation3::from(Vector3::new(0.03, -0.05, 0.02) * if i == 0 { 0.0 } else { 1.0 });
-            let there = base * error * base.inverse() * way * truly;
+            let displacement =
+                Translation3::from(Vector3::new(0.03, -0.05, 0.02) * if i == 0 { 0.0 } else { 1.0 });
+            let there = base * error * base.inverse() * displacement * truly;
             assert!((there.translation.vector - moment.tools[1].translation.vector).norm() < 1.5e-4);
         }
         println!("internal force {:.2} N, then {:.2} N", moments[0].internal, moments[1].internal);
@@ -366,7 +367,7 @@ fn a_held_body_loads_the_motors_by_its_weight() {
     assert!(expected > 0.1 && difference > 0.0);
 }
 
-/// Holds 2 kg beside the tool for three seconds; returns how far the tool gave way \[m\].
+/// Holds 2 kg beside the tool for three seconds; returns how far the tool yielded \[m\].
 fn holds<const N: usize, R: Driven<N> + Kinematics<N>>(robot: R, q: SVector<f64, N>) -> f64 {
     let flange = robot.forward(&q);
     let body = Body::block(MASS, [0.2, 0.1, 0.1]).at(Translation3::new(0.1, 0.0, 0.0) * flange);
@@ -389,7 +390,7 @@ fn holds<const N: usize, R: Driven<N> + Kinematics<N>>(robot: R, q: SVector<f64,
 #[test]
 fn every_arm_carries_a_body_without_swinging_up() {
     let arm = Six::new(0.1, -1.55, 0.1, -0.1, 4.6, 0.2);
-    let gave_way = [
+    let yielded = [
         holds(Irp6::nominal(), arm),
         holds(Irp6FiveDof::nominal(), Five::new(0.3, -1.6, 0.1, 0.2, 1.0)),
         holds(Irp6Track::nominal(), Seven::from([0.5, arm[0], arm[1], arm[2], arm[3], arm[4], arm[5]])),
@@ -397,7 +398,7 @@ fn every_arm_carries_a_body_without_swinging_up() {
         holds(Polycrank::new(), start()),
     ];
     // The regulators hold each motor to some pulses of its encoder.
-    assert!(gave_way.iter().all(|way| *way < 2e-4), "{gave_way:?} m");
+    assert!(yielded.iter().all(|distance| *distance < 2e-4), "{yielded:?} m");
 }
 
 #[path = "../examples/01_two_arms_one_body.rs"]

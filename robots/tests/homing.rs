@@ -174,8 +174,8 @@ fn a_switch_that_never_closes_ends_the_search_at_the_motors_range() {
         homing.cut_switch(joint);
         let fault = home(homing).expect_err("there is no switch");
         let range = (Irp6::MOTOR_UPPER - Irp6::MOTOR_LOWER)[joint];
-        assert_eq!((fault.joint(), fault.what()), (Some(joint), "way to the synchronisation switch"));
-        let Excess { actual, limit, .. } = fault.excess().expect("a way and its limit");
+        assert_eq!((fault.joint(), fault.what()), (Some(joint), "distance to the synchronisation switch"));
+        let Excess { actual, limit, .. } = fault.excess().expect("a distance and its limit");
         assert!(limit == range && actual > range && actual < range + 0.1, "{fault}");
     }
 }

@@ -19,11 +19,11 @@ fn work_around<const N: usize>(
     let mut work = 0.0;
     for side in 0..3 {
         let (from, to) = (place(&corners[side]), place(&corners[(side + 1) % 3]));
-        let way = (to - from) / PIECES as f64;
+        let step = (to - from) / PIECES as f64;
         for piece in 0..PIECES {
-            let at = from + way * piece as f64;
-            let mean = (load(&at) + load(&(at + way * 0.5)) * 4.0 + load(&(at + way))) / 6.0;
-            work += mean.dot(&way);
+            let at = from + step * piece as f64;
+            let mean = (load(&at) + load(&(at + step * 0.5)) * 4.0 + load(&(at + step))) / 6.0;
+            work += mean.dot(&step);
         }
     }
     work
@@ -34,12 +34,12 @@ fn conserves<const N: usize>(robot: &impl Driven<N>, q: SVector<f64, N>, size: f
     let work = work_around(robot, &q, [corner(0.0), corner(2.0), corner(4.5)]);
     let there = robot.motors(&(q + corner(0.0)));
     let scale = robot.shafts(&there, &SVector::zeros()).loads.amax() * (there - robot.motors(&q)).norm();
-    println!("{}: {work:.1e} J around, {scale:.1e} J on the way", std::any::type_name_of_val(robot));
+    println!("{}: {work:.1e} J around, {scale:.1e} J in between", std::any::type_name_of_val(robot));
     assert!(work.abs() <= 1e-9 * (1.0 + scale), "{work} J");
 }
 
 #[test]
-fn no_way_around_gains_energy_from_the_weight() {
+fn no_closed_path_gains_energy_from_the_weight() {
     let arm = engraving();
     let tracked = Seven::from_fn(|i, _| if i == 0 { 0.5 } else { arm[i - 1] });
     conserves(&Irp6::nominal(), arm, 0.1);

@@ -59,11 +59,11 @@ fn a_straight_line_is_continuous_and_its_joint_steps_shrink_with_the_line_s() {
     println!("largest step {coarse:.2e}, ten times finer {fine:.2e}, its largest change {bend:.1e} rad");
     assert!(fine < 0.12 * coarse, "{fine} {coarse}");
     assert!(bend < 0.02 * fine, "{bend} {fine}: the speeds are continuous, too");
-    assert!((end - fine_end).amax() < 1e-2, "{end}{fine_end}: the way hardly depends on the step");
+    assert!((end - fine_end).amax() < 1e-2, "{end}{fine_end}: the path hardly depends on the step");
 }
 
 /// With its stretch of 0.128 m the arm with level axes would be straight after 5 cm (v from 0.223 to 0.273 m): the stretch
-/// gives way before, and the speeds stay continuous while it begins to.
+/// yields before, and the speeds stay continuous while it begins to.
 #[test]
 fn a_line_that_the_kept_stretch_does_not_reach_goes_on_with_another() {
     let start = Polycrank::new().forward(&bent());

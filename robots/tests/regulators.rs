@@ -94,7 +94,7 @@ fn a_lasting_load_displaces_no_motor_that_integrates() {
 
 /// The loop gain is half, so the first answer to a sudden load is twice as far away, more or less by the damping.
 #[test]
-fn a_soft_motor_gives_way_about_twice_as_far() {
+fn a_soft_motor_yields_about_twice_as_far() {
     for data in frictionless() {
         let load = 0.4 * data.torque_constant * data.current_limit;
         let farthest = |set| {
@@ -137,7 +137,7 @@ fn no_change_of_sets_makes_the_pulse_width_jump() {
 
 /// Springy under a load, then usual again: the displacement is not forgotten.
 #[test]
-fn what_integrates_takes_back_what_the_spring_gave_way() {
+fn what_integrates_takes_back_what_the_spring_yielded() {
     for data in frictionless() {
         let load = 0.3 * data.torque_constant * data.current_limit;
         let mut one = Loop::new(&data, RegulatorSet::Springy);
@@ -150,7 +150,7 @@ fn what_integrates_takes_back_what_the_spring_gave_way() {
 }
 
 #[test]
-fn a_pushed_arm_gives_way_where_its_joint_is_springy() {
+fn a_pushed_arm_yields_where_its_joint_is_springy() {
     let q = engraving();
     let push = 0.4;
     let pushed = |sets: Regulators| {
@@ -166,7 +166,7 @@ fn a_pushed_arm_gives_way_where_its_joint_is_springy() {
     };
     let data = Irp6::MOTORS[0];
     let expected = -push / stiffness(&data);
-    // Friction holds part of it, either way.
+    // Friction holds part of it, in either direction.
     let band = data.coulomb / stiffness(&data) + 1.5 * data.encoder.pulse();
     assert!((pushed(Regulators::uniform(0).with(0, 2)) - expected).abs() <= band);
     for sets in [Regulators::default(), Regulators::uniform(1), Regulators::uniform(2).with(0, 0)] {

@@ -13,19 +13,19 @@ const SEED: u64 = 3;
 /// Step of a line \[m\].
 const STEP: f64 = 5e-4;
 
-/// Walks from `start` along `way`; returns how far the robot went and why it stopped, if it did. Fails on a jump.
+/// Walks from `start` along `path`; returns how far the robot went and why it stopped, if it did. Fails on a jump.
 fn walk<const N: usize, R: Kinematics<N>>(
     robot: &R,
     start: SVector<f64, N>,
-    way: Vector3<f64>,
+    path: Vector3<f64>,
 ) -> (f64, Option<String>) {
     let from = robot.forward(&start);
-    let steps = (way.norm() / STEP) as u32;
+    let steps = (path.norm() / STEP) as u32;
     let mut near = start;
     for k in 1..=steps {
         let part = f64::from(k) / f64::from(steps);
-        let pose = Pose::from_parts(Translation3::from(from.translation.vector + way * part), from.rotation);
-        let gone = part * way.norm();
+        let pose = Pose::from_parts(Translation3::from(from.translation.vector + path * part), from.rotation);
+        let gone = part * path.norm();
         let q = match robot.inverse(&pose, &near) {
             Ok(q) => q,
             Err(why) => return (gone, Some(why.to_string())),
@@ -43,7 +43,7 @@ fn walk<const N: usize, R: Kinematics<N>>(
         assert!(step < 0.05, "{}: a jump of {step} rad after {gone} m from {near} to {q}", R::KIND);
         near = q;
     }
-    (way.norm(), None)
+    (path.norm(), None)
 }
 
 /// An arm read from a URDF of the reference data.
@@ -199,12 +199,12 @@ fn no_jumps<const N: usize, R: Kinematics<N>>(
         };
         let from = robot.forward(&start);
         let mut draw = |size: f64| Vector3::from_fn(|_, _| random.between(-size, size));
-        let (way, turn) = (draw(0.2), draw(0.3));
+        let (shift, turn) = (draw(0.2), draw(0.3));
         let mut near = start;
         for k in 1..=1000 {
             let part = f64::from(k) / 1000.0;
             let rotation = UnitQuaternion::from_scaled_axis(turn * part) * from.rotation;
-            let pose = Pose::from_parts(Translation3::from(from.translation.vector + way * part), rotation);
+            let pose = Pose::from_parts(Translation3::from(from.translation.vector + shift * part), rotation);
             // Its cause is told, or it is a limit's.
             let reached = robot.inverse(&pose, &near).ok().filter(|q| robot.is_attainable(q));
             let Some(q) = reached else {

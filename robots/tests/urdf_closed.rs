@@ -181,18 +181,20 @@ fn seven_axes_leave_the_upright_posture() {
         error_between(&robot.forward(&found), &up) < 1e-12 && (found - Seven::repeat(0.02)).amax() < 0.1,
         "{found}"
     );
-    for way in [Vector3::x(), -Vector3::x(), Vector3::y(), -Vector3::z(), Vector3::new(-0.3, 0.7, -0.6)] {
+    for direction in [Vector3::x(), -Vector3::x(), Vector3::y(), -Vector3::z(), Vector3::new(-0.3, 0.7, -0.6)]
+    {
         let mut q = Seven::zeros();
         for k in 1..=1000 {
             let pose = Pose::from_parts(
                 Translation3::from(
-                    up.translation.vector - Vector3::z() * 1e-4 * f64::from(k) + way * 2e-4 * f64::from(k),
+                    up.translation.vector - Vector3::z() * 1e-4 * f64::from(k)
+                        + direction * 2e-4 * f64::from(k),
                 ),
                 up.rotation * UnitQuaternion::from_axis_angle(&Vector3::y_axis(), 5e-4 * f64::from(k)),
             );
             match robot.inverse(&pose, &q) {
                 Ok(next) => {
-                    assert!(error_between(&robot.forward(&next), &pose) < 1e-9, "{way}: {next}");
+                    assert!(error_between(&robot.forward(&next), &pose) < 1e-9, "{direction}: {next}");
                     q = next;
                 }
                 Err(NoInverse::OutOfReach { distance, max, .. }) => assert!(distance > max),

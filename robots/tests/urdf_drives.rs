@@ -124,7 +124,7 @@ fn the_weight_of_a_planar_arm_is_that_of_the_textbook() {
         assert!((loads[0] * GEARS[0] - upper).abs() < 1e-12, "{loads}");
         assert!((loads[1] * GEARS[1] - fore).abs() < 1e-12, "{loads}");
     }
-    // Lying on its side, nothing pulls; upside down, it pulls the other way.
+    // Lying on its side, nothing pulls; upside down, it pulls in the other direction.
     let q = Vector2::new(0.3, -0.2);
     let upright = robot.shafts(&robot.motors(&q), &Vector2::zeros()).loads;
     let turned = |angle: f64| {
@@ -168,19 +168,19 @@ fn effort_and_dynamics_are_in_the_motors() {
 }
 
 #[test]
-fn no_way_around_gains_energy_from_the_weight_of_six_links() {
+fn no_closed_path_gains_energy_from_the_weight_of_six_links() {
     let robot = weighted().with_base(Pose::new(Vector3::zeros(), Vector3::new(0.4, -0.2, 1.0)));
     let corner = |phase: f64| SVector::<f64, 6>::from_fn(|i, _| 0.5 * (1.7 * i as f64 + phase).sin());
     let corners = [0.0, 2.0, 4.5].map(|phase| robot.motors(&(six() + corner(phase))));
     let load = |m: &SVector<f64, 6>| robot.shafts(m, &SVector::zeros()).loads;
     let (mut work, mut passed) = (0.0, 0.0);
     for side in 0..3 {
-        let way = (corners[(side + 1) % 3] - corners[side]) / 200.0;
+        let step = (corners[(side + 1) % 3] - corners[side]) / 200.0;
         for piece in 0..200 {
-            let at = corners[side] + way * f64::from(piece);
-            let mean = (load(&at) + load(&(at + way * 0.5)) * 4.0 + load(&(at + way))) / 6.0;
-            work += mean.dot(&way);
-            passed += mean.dot(&way).abs();
+            let at = corners[side] + step * f64::from(piece);
+            let mean = (load(&at) + load(&(at + step * 0.5)) * 4.0 + load(&(at + step))) / 6.0;
+            work += mean.dot(&step);
+            passed += mean.dot(&step).abs();
         }
     }
     assert!(passed > 100.0 && f64::abs(work) < 1e-7 * passed, "{work} J of {passed} J");

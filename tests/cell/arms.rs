@@ -248,7 +248,7 @@ struct Swing {
     /// How long it takes \[s\].
     duration: f64,
     /// How far it goes \[rad\].
-    way: f64,
+    angle: f64,
 }
 
 impl Swing {
@@ -256,7 +256,7 @@ impl Swing {
         let farther = own_option(FARTHER).and_then(|times| times.parse().ok()).unwrap_or(1.0);
         // Where calls are counted there are enough of them even if a late machine leaves out half of its steps.
         let duration = if Calls::are_counted() { 2.0 } else { 1.0 };
-        Swing { t: 0.0, duration, way: 0.002 * farther }
+        Swing { t: 0.0, duration, angle: 0.002 * farther }
     }
 }
 
@@ -268,7 +268,7 @@ fn swing(c: &mut Swing, v: &Reading<(Count, Count)>, t: Tick) -> Step<(Irp6, Irp
     c.t = (c.t + t.dt).min(c.duration);
     let column = |seen: Option<Counted>| seen.map_or(0.0, |reading| 1e-9 * reading.column);
     let seen = column(v.0.reading()) + column(v.1.reading());
-    let by = (c.way + seen) * smooth((2.0 * c.t / c.duration).min(2.0 - 2.0 * c.t / c.duration));
+    let by = (c.angle + seen) * smooth((2.0 * c.t / c.duration).min(2.0 - 2.0 * c.t / c.duration));
     Step::Next((Turned { by }, Turned { by: -by }))
 }
 

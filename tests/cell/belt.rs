@@ -1,5 +1,5 @@
 //! A belt in the background of an arm's Moves: started, changed, waited for, taken over by a Move, started again. The arm
-//! switches a vacuum on the way, and waits for its switch.
+//! switches a vacuum meanwhile, and waits for its switch.
 
 use std::time::Duration;
 

@@ -574,8 +574,11 @@ fn turn(c: &mut Turn, e: &State<(Irp6, Irp6)>) -> Step<(Irp6, Irp6)> {
         return Step::Done;
     }
     let angle = |k: u32| 0.025 * (1.0 - (std::f64::consts::TAU * f64::from(k) / 500.0).cos());
-    let way = Six::new(angle(c.0) - angle(c.0 - 1), 0.0, 0.0, 0.0, 0.0, 0.0);
-    Step::Next((Demand::joints(e.0.demanded().joints + way), Demand::joints(e.1.demanded().joints + way)))
+    let displacement = Six::new(angle(c.0) - angle(c.0 - 1), 0.0, 0.0, 0.0, 0.0, 0.0);
+    Step::Next((
+        Demand::joints(e.0.demanded().joints + displacement),
+        Demand::joints(e.1.demanded().joints + displacement),
+    ))
 }
 
 /// The hand stands on the arm's flange, 0.1 m ahead; in its own world its finger is half of its opening aside.

@@ -1,6 +1,7 @@
 //! Names use the terms of the field: words that once stood for them do not come back.
 //!
 //! Looked at are the `.rs`, `.md` and `.toml` files of the repository, without the decisions and the changelog, which tell of the past.
+//! `way` may stand in a text, as "on the way" or "the other way round", and in a test's name, but is no name of the code.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -56,6 +57,13 @@ const ALLOWED: &[(&str, &str, &str)] = &[
     ("", "tests/layers/words.rs", "this list"),
 ];
 
+/// Words that are no name of the code, nor a part of one, and what is said instead.
+const NAMES: (&[&str], &str) =
+    (&["way", "ways"], "a displacement, a distance, a path, a motion, a direction, a method");
+
+/// A name of more words is a sentence.
+const SENTENCE: usize = 4;
+
 /// What tells of the past.
 const PAST: &[&str] = &["docs/decisions", "CHANGELOG.md"];
 
@@ -104,6 +112,32 @@ fn words(line: &str) -> Vec<String> {
     words
 }
 
+/// The names in a line of code, outside of its comments and texts; `in_text` says whether it begins in a text, and then whether
+/// the next one does.
+fn names(line: &str, in_text: &mut bool) -> Vec<String> {
+    let line = line.replace(r"\\", "").replace(r#"\""#, "").replace(r#"'"'"#, "");
+    let mut names = Vec::new();
+    for (i, part) in line.split('"').enumerate() {
+        *in_text ^= i > 0;
+        if *in_text {
+            continue;
+        }
+        let code = part.split("//").next().unwrap_or_default();
+        let all = code.split(|letter: char| !letter.is_alphanumeric() && letter != '_');
+        names.extend(all.filter(|name| !name.is_empty()).map(str::to_owned));
+        if code.len() < part.len() {
+            break;
+        }
+    }
+    names
+}
+
+/// Whether a name is, or has, a word that is no name of the code.
+fn is_no_name(name: &str) -> bool {
+    let words = words(name);
+    words.len() <= SENTENCE && words.iter().any(|word| NAMES.0.contains(&&**word))
+}
+
 /// Which of the words that may not stand there this is.
 fn forbidden(word: &str) -> Option<&'static (&'static str, usize, &'static str)> {
     let is = |(begins, more, _): &&(&str, usize, &str)| {
@@ -128,7 +162,13 @@ fn words_that_terms_of_the_field_have_replaced_do_not_come_back() {
     assert!(files.len() > 1000, "{} files", files.len());
     for (file, path) in files {
         let text = fs::read_to_string(Path::new(&path)).expect("a text");
+        let mut in_text = false;
         for (number, line) in text.lines().enumerate() {
+            let is_code = file.ends_with(".rs") && exception("way", &file).is_none();
+            let names = if is_code { names(line, &mut in_text) } else { Vec::new() };
+            for name in names.iter().filter(|name| is_no_name(name)) {
+                wrong.push(format!("{file}:{}: `{name}`: say {}", number + 1, NAMES.1));
+            }
             for word in words(line) {
                 let Some((begins, _, instead)) = forbidden(&word) else { continue };
                 match exception(begins, &file) {
@@ -154,4 +194,20 @@ fn names_are_taken_apart() {
     for other in ["desktop", "patient", "indoor", "serve"] {
         assert!(forbidden(other).is_none(), "{other}");
     }
+}
+
+#[test]
+fn names_of_the_code_are_told_from_texts_comments_and_sentences() {
+    let (mut in_text, mut found) = (false, Vec::new());
+    for line in [
+        r#"let way_points = "by the way"; // on the way"#,
+        r#"const TEXT: &str = "say \" on the"#,
+        "way back, and",
+        r#"    the rest"; if letter == '"' { LEAST_WAY } else { Ways::No }"#,
+        r#"/// "All the way"#,
+        "fn a_robot_on_its_way_to_rest() { always(away); }",
+    ] {
+        found.extend(names(line, &mut in_text).into_iter().filter(|name| is_no_name(name)));
+    }
+    assert_eq!(found, ["way_points", "LEAST_WAY", "Ways"]);
 }

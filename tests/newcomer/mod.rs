@@ -133,7 +133,7 @@ mistakes! {
     a_motion_that_begins_elsewhere: moved(|_, _| mrroc::generator::Demand::joints(nalgebra::zero()));
     a_motion_that_begins_at_the_base: moved(|_, _| mrroc::generator::Demand::pose(mrroc::pose::Pose::identity()));
     too_fast: moved(motions::turn(|t| t * t));
-    too_much_acceleration_on_the_way: moved(motions::turn(|t| 10.0 * t * t * t));
+    too_much_acceleration_in_between: moved(motions::turn(|t| 10.0 * t * t * t));
     too_fast_at_the_start: moved(motions::turn(|t| 0.1 * t));
     beyond_a_joint_limit: moved(motions::turn(|t| 0.3 * t * t * t / (1.0 + t * t)));
     too_high: moved(motions::lift(|t| 0.1 * t * t * t / (0.3 + t * t)));

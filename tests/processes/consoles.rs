@@ -46,8 +46,8 @@ impl Line {
     }
 }
 
-/// The ways to the console server of a launch: its socket, and its name.
-fn ways(place: &Place, launch: &Launch) -> [SocketAddr; 2] {
+/// The addresses of the console server of a launch: its socket, and its name.
+fn addresses(place: &Place, launch: &Launch) -> [SocketAddr; 2] {
     let is_its = |address: &SocketAddr| {
         let peer = UnixStream::connect_addr(address).and_then(|stream| Ok(socket_peercred(&stream)?));
         peer.is_ok_and(|peer| peer.pid.as_raw_nonzero().get() == launch.pid())
@@ -60,23 +60,23 @@ fn ways(place: &Place, launch: &Launch) -> [SocketAddr; 2] {
     [SocketAddr::from_pathname(socket(place)).expect("a path"), named]
 }
 
-/// Does some work while a thread connects again and again in each of these ways, and keeps up to so many connections.
-fn while_others_connect<T>(ways: &[SocketAddr], kept: usize, work: impl FnOnce() -> T) -> T {
+/// Does some work while a thread connects again and again to each of these addresses, and keeps up to so many connections.
+fn while_others_connect<T>(addresses: &[SocketAddr], kept: usize, work: impl FnOnce() -> T) -> T {
     let over = AtomicBool::new(false);
-    let connect = |way: &SocketAddr| {
+    let connect = |address: &SocketAddr| {
         let mut all = Vec::new();
         while !over.load(Ordering::Acquire) {
             if all.len() >= kept {
                 all.clear();
             }
-            if let Ok(stream) = UnixStream::connect_addr(way) {
+            if let Ok(stream) = UnixStream::connect_addr(address) {
                 all.push(stream);
             }
         }
     };
     std::thread::scope(|scope| {
-        for way in ways {
-            scope.spawn(|| connect(way));
+        for address in addresses {
+            scope.spawn(|| connect(address));
         }
         let ended = std::panic::catch_unwind(std::panic::AssertUnwindSafe(work));
         over.store(true, Ordering::Release);
@@ -88,16 +88,16 @@ fn while_others_connect<T>(ways: &[SocketAddr], kept: usize, work: impl FnOnce()
 fn fault_63_orders_are_carried_out_while_consoles_connect_without_end() {
     let place = Place::new(63);
     let operator = |launch: &mut Launch| {
-        let ways = ways(&place, launch);
+        let addresses = addresses(&place, launch);
         done(&place, &["suspend"], "suspended: step ");
-        while_others_connect(&ways, 0, || {
+        while_others_connect(&addresses, 0, || {
             for percent in 1..12 {
                 let percent = format!("{percent}%");
                 done(&place, &["speed", &percent], &format!("speed {percent}: step "));
             }
         });
         // These never say anything, and never go: there may be no place for other orders, which is said, but for stop.
-        while_others_connect(&ways, 300, || {
+        while_others_connect(&addresses, 300, || {
             for _ in 0..5 {
                 let (status, said) = ask(&place, &["status"]);
                 let refused = status == Some(1) && said.starts_with("refused: there are too many consoles");

@@ -114,7 +114,7 @@ fn assert_ends_where_it_would_have(place: &Place, launch: &Launch, variables: &[
     }
 }
 
-/// Whether both arms have stood for a while on their way.
+/// Whether both arms have stood for a while on their paths.
 fn stand(launch: &Launch) -> bool {
     ARMS.iter().all(|arm| periods_at_rest(&launch.record(arm)) >= 50)
 }

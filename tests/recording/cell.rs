@@ -17,7 +17,7 @@ pub const START: Six = Irp6::READY;
 #[derive(Clone, Copy, PartialEq)]
 pub enum Change {
     Nothing,
-    /// From this path time of the swing on the right column turns by 1e-9 of the way more.
+    /// From this path time of the swing on the right column turns by 1e-9 of the angle more.
     Swing(f64),
     /// The program ends before the swing.
     NoSwing,
@@ -129,8 +129,8 @@ fn swing(c: &mut Swing, v: &Reading<(Count, Count)>, t: Tick) -> Step<(Irp6, Irp
     }
     c.t = (c.t + t.dt).min(1.0);
     let seen = |reading: Option<Counted>| reading.map_or(0.0, |reading| 1e-3 * reading.column);
-    let way = smooth((2.0 * c.t).min(2.0 - 2.0 * c.t));
-    let by = (0.002 + seen(v.0.reading()) + seen(v.1.reading())) * way;
+    let share = smooth((2.0 * c.t).min(2.0 - 2.0 * c.t));
+    let by = (0.002 + seen(v.0.reading()) + seen(v.1.reading())) * share;
     let more = if c.t >= c.more { 1.0 + 1e-9 } else { 1.0 };
     Step::Next((Turned { by }, Turned { by: -by * more }))
 }

@@ -40,7 +40,7 @@ fn a_changed_program_is_found_in_the_step_and_joint_where_it_differs() {
     let found = compared.difference.expect("the swing is another one");
     assert_eq!((found.robot.as_str(), found.joint), ("right", 0));
     assert!(!compared.is_identical());
-    // A billionth of the way of 2 mrad.
+    // A billionth of the displacement of 2 mrad.
     let by = (found.replayed - found.recorded).abs();
     assert!(by > 0.0 && by < 3e-12, "{found}");
     // A later change is found so much later.

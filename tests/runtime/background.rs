@@ -47,12 +47,12 @@ fn found(c: &mut Run, e: &State<Gantry>, t: Tick) -> Step<Gantry> {
 }
 
 /// Where it is after so many steps from rest: n (n + 1) / 2 steps of 2e-6 m up to the speed, then 0.2 mm each.
-fn way(steps: u64) -> f64 {
+fn distance(steps: u64) -> f64 {
     let up = steps.min(100) as f64;
     up * (up + 1.0) / 2.0 * ACCELERATION * 1e-6 + (steps.saturating_sub(100)) as f64 * SPEED * 1e-3
 }
 
-/// The way of braking from a speed by the EDP's law, which falls to zero by 10 m/s² at most.
+/// The distance of braking from a speed by the EDP's law, which falls to zero by 10 m/s² at most.
 const BRAKED: f64 = 0.01;
 
 type Handles = (RobotHandle<Gantry>, RobotHandle<Gantry>);
@@ -104,7 +104,11 @@ fn a_belt_runs_on_through_moves_and_waits_of_others_without_losing_a_step() {
     let belt = moved(&belts);
     let running = belt.iter().position(|x| *x > 0.25).expect("it gets there");
     for (i, x) in belt[..=running].iter().enumerate() {
-        assert!((x - way(i as u64 + 1)).abs() < 1e-9, "step {i}: {x} instead of {}", way(i as u64 + 1));
+        assert!(
+            (x - distance(i as u64 + 1)).abs() < 1e-9,
+            "step {i}: {x} instead of {}",
+            distance(i as u64 + 1)
+        );
     }
     let end = belt[belt.len() - 1];
     assert!((0.25..0.25 + BRAKED).contains(&end), "stops at {end}");
@@ -177,7 +181,7 @@ fn a_generator_that_is_done_leaves_its_robot_at_rest_and_the_program_goes_on() {
     assert!((arms.borrow().last().expect("recorded")[0] - 0.2).abs() < 1e-12);
     let belts = belts.borrow();
     let farthest = belts.iter().fold(0.0_f64, |most, q| most.max(q[0]));
-    assert!((way(150)..way(150) + BRAKED).contains(&farthest), "{farthest}");
+    assert!((distance(150)..distance(150) + BRAKED).contains(&farthest), "{farthest}");
     assert!(belts[belts.len() - 1][0].abs() < 1e-12, "moved again after it was done");
 }
 
@@ -193,7 +197,7 @@ fn at_the_end_of_the_program_it_brakes() {
     result.expect("within the limits");
     let belt = moved(&belts);
     let end = belt[belt.len() - 1];
-    assert!((way(299)..way(301) + BRAKED).contains(&end), "{end}");
+    assert!((distance(299)..distance(301) + BRAKED).contains(&end), "{end}");
     keeps_to_its_limits(&belts.borrow());
 }
 
@@ -303,7 +307,7 @@ fn a_protective_stop_and_a_fault_of_another_robot_stop_it() {
     assert_eq!(fault.robot().map(|name| name.to_string()).as_deref(), Some("arm"), "{fault}");
     keeps_to_its_limits(&belts.borrow());
     let end = belts.borrow().last().expect("recorded")[0];
-    assert!((way(215)..way(235) + BRAKED).contains(&end), "{end}");
+    assert!((distance(215)..distance(235) + BRAKED).contains(&end), "{end}");
 }
 
 struct Jump(u32);

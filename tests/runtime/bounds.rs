@@ -91,7 +91,7 @@ fn fault_21_a_stop_keeps_the_jerk_limit_in_every_step_of_a_motion() {
     }
 }
 
-/// Joints first, then a displacement of the same way from the start of the instruction.
+/// Joints first, then a displacement by the same distance from the start of the instruction.
 struct Mixed {
     t: f64,
     tool_at: Option<u64>,
@@ -104,11 +104,11 @@ fn mixed(c: &mut Mixed, t: Tick) -> Step<Gantry> {
     }
     c.t = (c.t + t.dt).min(0.4);
     let u = c.t / 0.4;
-    let way = 0.1 * u * u * (3.0 - 2.0 * u);
+    let distance = 0.1 * u * u * (3.0 - 2.0 * u);
     let demand = if t.step < 100 {
-        Demand::joints(Vector3::new(0.2 + way, 0.0, 0.0))
+        Demand::joints(Vector3::new(0.2 + distance, 0.0, 0.0))
     } else {
-        Demand::displacement(Pose::translation(way, 0.0, 0.0))
+        Demand::displacement(Pose::translation(distance, 0.0, 0.0))
     };
     Step::Next(match c.tool_at {
         Some(step) if t.step == step => demand.with_tool(Pose::translation(0.0, 0.0, 0.3)),

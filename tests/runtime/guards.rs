@@ -51,7 +51,7 @@ fn a_guard_stops_both_robots_on_their_path_within_the_limits_and_latches() {
     let (_, acceleration) = peaks(&left, 1e-3);
     assert!(acceleration <= 10.0 + 1e-6, "{acceleration} m/s²");
     let end = left[left.len() - 1][0];
-    // Within ten steps of the fence at 0.5 m/s at most, and the way of braking with less than the limit.
+    // Within ten steps of the fence at 0.5 m/s at most, and the distance of braking with less than the limit.
     assert!((0.1..0.2).contains(&end), "stopped at {end}");
     assert_eq!(left[left.len() - 2][0], end, "not at a standstill");
 }
@@ -87,8 +87,11 @@ fn a_guard_looks_at_all_robots_in_the_steps_that_it_asked_for() {
     let expected: Vec<_> = std::iter::once(1).chain((25..=report.steps).step_by(25)).collect();
     assert_eq!(steps, expected);
     assert!(looks.iter().all(|(_, names, _)| names == &["left", "right"]));
-    let ways: Vec<_> = looks.iter().map(|(.., x)| *x).collect();
-    assert!(ways.windows(2).all(|w| w[1] >= w[0]) && ways[ways.len() - 1] > 0.29, "{ways:?}");
+    let positions: Vec<_> = looks.iter().map(|(.., x)| *x).collect();
+    assert!(
+        positions.windows(2).all(|w| w[1] >= w[0]) && positions[positions.len() - 1] > 0.29,
+        "{positions:?}"
+    );
 }
 
 /// One gantry along x, in the MP.

@@ -60,7 +60,7 @@ fn holding(c: &mut Holding) -> Step<(Gantry,)> {
     Step::Next((mrroc::generator::Demand::hold(),))
 }
 
-/// 0.5 m/s at 10 m/s²: v² / 2a beyond the way up, 1e-5 (1 + 2 + .. + 50).
+/// 0.5 m/s at 10 m/s²: v² / 2a beyond the distance of speeding up, 1e-5 (1 + 2 + .. + 50).
 const BRAKED_END: f64 = 1e-5 * 1275.0 + 0.5 * 0.5 / 20.0;
 
 fn brakes_at_once(trace: &[Q<3>]) {

@@ -8,15 +8,15 @@ use mrroc_tests::{MS, Q, fault, gantry};
 
 use crate::runtime::kit::Smooth;
 
-/// Positions along x in each step of a motion of `way` \[m\] in a second of path time, and how it ended; `operate` is called at the
+/// Positions along x in each step of a motion of `distance` \[m\] in a second of path time, and how it ended; `operate` is called at the
 /// beginning of each step.
 fn run(
-    way: f64,
+    distance: f64,
     mut operate: impl FnMut(u64, &Operator) + 'static,
 ) -> (Vec<f64>, Result<RunReport, CellError>) {
     let (setup, trace) = gantry("g");
     let cell = Cell::new(MS)
-        .robot(setup.program(move |ecp| ecp.move_robot((), Smooth::to(way, 1.0)).map(drop)))
+        .robot(setup.program(move |ecp| ecp.move_robot((), Smooth::to(distance, 1.0)).map(drop)))
         .on_step(move |step, operator| {
             assert!(step < 20_000, "for ever");
             operate(step, operator);
@@ -60,10 +60,15 @@ fn fault_05_at_reduced_speed_robots_move_only_while_a_person_holds() {
     outcome.expect("it goes on when it is resumed");
     assert!(x[..500].iter().all(|at| *at == 0.0), "before anybody holds");
     assert!(x[1000] > 0.01, "{}", x[1000]);
-    // The rate falls from the third step on after the lapse: the way of a step is never greater than before.
+    // The rate falls from the third step on after the lapse: the displacement of a step is never greater than before.
     let lapse = 800 + LAPSE.as_millis() as usize;
-    let ways: Vec<_> = x.windows(2).map(|two| two[1] - two[0]).collect();
-    assert!(ways[lapse + 5] < ways[lapse], "{} {}", ways[lapse], ways[lapse + 5]);
+    let displacements: Vec<_> = x.windows(2).map(|two| two[1] - two[0]).collect();
+    assert!(
+        displacements[lapse + 5] < displacements[lapse],
+        "{} {}",
+        displacements[lapse],
+        displacements[lapse + 5]
+    );
     let stands = stands_from(&x, lapse);
     assert!(stands < lapse + 400, "{stands}");
     assert!(x[stands..1999].iter().all(|at| *at == x[stands]), "a hold that has ended stays so");

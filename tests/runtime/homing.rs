@@ -36,9 +36,11 @@ impl Homing<Gantry> for Blind {
         self.ticks.set(self.ticks.get() + 1);
         self.left -= 1;
         match self.left {
-            0 if self.trips => {
-                Err(DriveFault::exceeded(1, "way to the synchronisation switch", Excess::new(0.7, 0.5, "m")))
-            }
+            0 if self.trips => Err(DriveFault::exceeded(
+                1,
+                "distance to the synchronisation switch",
+                Excess::new(0.7, 0.5, "m"),
+            )),
             0 => Ok(Search::Found(ExactDrive::new(Q::<3>::new(0.1, 0.0, 0.0), MS))),
             _ => Ok(Search::Searching(self)),
         }

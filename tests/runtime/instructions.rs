@@ -106,7 +106,7 @@ fn the_instructions_of_transparent_ecps_are_those_of_the_mp() {
     assert_eq!(moves.map(|(_, by, _)| by).collect::<Vec<_>>(), ["Smooth", "Smooth"]);
 }
 
-/// Too fast on its way: its speed rises to 1.35 m/s, of 1 m/s.
+/// Too fast in between: its speed rises to 1.35 m/s, of 1 m/s.
 fn too_fast() -> Smooth {
     Smooth::to(0.9, 1.0)
 }

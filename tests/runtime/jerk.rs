@@ -20,7 +20,7 @@ fn quintic(c: &mut Quintic, t: Tick) -> Step<Gantry> {
 #[test]
 fn fault_37_a_robot_with_a_jerk_limit_may_be_suspended_in_every_step() {
     for at in (1..600).step_by(7) {
-        // Resumed on the way to a standstill and at it.
+        // Resumed while it brakes and at it.
         for later in [10, 150, 1500] {
             let drive = ExactDrive::at_origin();
             let (robot, trace) = traced(RobotSetup::new("g", Gantry::with_jerk(1000.0), drive));

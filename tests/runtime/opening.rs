@@ -138,8 +138,8 @@ fn remote() -> (Remote, Calls) {
 fn fault_83_simulated_drives_stand_in_for_hardware_which_is_not_opened() {
     let start = Q::<3>::new(0.3, 0.0, 0.0);
     let ideal = || IdealDrives::new(&Gantry::default(), start, MS);
-    type Way = fn(RobotSetup<Gantry>, IdealDrives<Gantry>) -> RobotSetup<Gantry>;
-    let ways: [Way; 2] = [
+    type StandIn = fn(RobotSetup<Gantry>, IdealDrives<Gantry>) -> RobotSetup<Gantry>;
+    let stand_ins: [StandIn; 2] = [
         |setup, ideal| setup.stand_in(ideal),
         |setup, ideal| {
             setup.stand_in_of(move |gantry, period| {
@@ -148,9 +148,9 @@ fn fault_83_simulated_drives_stand_in_for_hardware_which_is_not_opened() {
             })
         },
     ];
-    for way in ways {
+    for stand_in in stand_ins {
         let (drives, calls) = remote();
-        let (setup, trace) = traced(way(moving(drives), ideal()));
+        let (setup, trace) = traced(stand_in(moving(drives), ideal()));
         let cell = Cell::new(MS).robot(setup);
         assert_eq!(cell.layout().robots[0].drives, HardwareLayout::Real("udp 10.0.0.7:30004".to_owned()));
         let cell = cell.simulated().expect("they stand in");

@@ -132,7 +132,7 @@ fn cruise(c: &mut Cruise, t: Tick) -> Step<(Gantry, Gantry)> {
 
 /// Two robots in one motion of so many seconds, on clocks that are 200 ppm apart and have 0.2 ms of jitter.
 fn two_robots_go_together_for(seconds: f64) {
-    // Gantries have a way of a metre.
+    // Gantries have a range of a metre.
     let speed = 0.9 / seconds;
     let (left, left_told) = Controller::new(1, 1e-4, 0.2e-3);
     let (right, right_told) = Controller::new(2, -1e-4, 0.2e-3);
@@ -161,7 +161,7 @@ fn two_robots_go_together_for(seconds: f64) {
             sum += to[0] / speed - began;
         }
         // Each period gets its own position: as far on as a period is long, to a hundredth.
-        assert!(worst < 0.01, "a period's way differs by {worst}");
+        assert!(worst < 0.01, "a period's displacement differs by {worst}");
         sum / (steady.len() - 1) as f64 - nominal
     });
     // Both are as far behind their demands at the ends of their periods: at equal times they are at equal places.

@@ -136,7 +136,7 @@ fn of_faults_in_one_step_the_more_severe_is_the_first_cause_and_of_equals_the_fi
     assert_eq!(who(first_cause([Some(50), None, Some(50)], [None; 3], [2, 1, 0])), "c");
 }
 
-/// Every robot of an array along x by its own way.
+/// Every robot of an array along x by its own distance.
 struct Fan {
     t: f64,
 }

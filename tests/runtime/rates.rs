@@ -100,7 +100,7 @@ fn devices_of_1000_500_and_250_hz_are_at_one_place_at_one_time_and_no_period_is_
 #[test]
 fn the_reply_to_a_demand_leaves_before_the_drives_begin_it() {
     // Step 20 ms, servo period 2 ms: the state that the second step is computed from is that of the moment when its order
-    // came, one servo period into the first demand's way at most, and not that of its end.
+    // came, one servo period into the first demand's displacement at most, and not that of its end.
     let seen = Rc::new(RefCell::new(Vec::new()));
     let see = Rc::clone(&seen);
     let drive = ExactDrive::new(Q::zeros(), MS * 2);
@@ -121,7 +121,7 @@ fn the_reply_to_a_demand_leaves_before_the_drives_begin_it() {
     assert!((trace.borrow().last().expect("recorded")[0] - x(12)).abs() < 1e-12);
 }
 
-/// The way of step `k` \[m\]: up with 0.5 m/s², and a standstill.
+/// The displacement of step `k` \[m\]: up with 0.5 m/s², and a standstill.
 fn x(k: i32) -> f64 {
     let t = 0.02 * f64::from(k.clamp(0, 6));
     let back = 0.02 * f64::from((k - 6).clamp(0, 6));

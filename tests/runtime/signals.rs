@@ -167,7 +167,7 @@ fn once(c: &mut Once) -> Step<IoBlock> {
 }
 
 #[test]
-fn the_program_of_an_ecp_has_the_same_names_and_a_demand_on_the_way_switches() {
+fn the_program_of_an_ecp_has_the_same_names_and_a_demand_of_a_motion_switches() {
     struct Along(u32, Output<bool>);
 
     #[generator(ecp)]

@@ -110,7 +110,7 @@ fn suspended_at_every_step(path: Trapezoid) {
             if step == at || step == at + 700 {
                 operator.suspend();
             }
-            // Once at standstill, once on the way to it.
+            // Once at standstill, once while it brakes.
             if step == at + 600 || step == at + 750 {
                 operator.resume();
             }

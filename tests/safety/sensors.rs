@@ -1,4 +1,4 @@
-//! Sensors that fail in every way, in all three modes, with and without bounds on what they may read.
+//! Sensors that fail in every manner, in all three modes, with and without bounds on what they may read.
 
 use core::time::Duration;
 

@@ -38,7 +38,7 @@ struct Go {
     limits: JointLimits<Q<3>>,
     /// The state on the path of the motion before, from which it goes on.
     from: Option<JointState<Q<3>>>,
-    /// Whether the next motion takes over on the way, and how much path time this one has gone \[s\].
+    /// Whether the next motion takes over before the end, and how much path time this one has gone \[s\].
     goes_on: bool,
     time: f64,
     cursor: Option<MoveCursor<Q<3>>>,

@@ -12,7 +12,7 @@ use mrroc_tests::{Gantry, MS};
 
 use super::cells::{Phase, Smooth, gantry, posed, triggered};
 
-/// Wires of 0 to 15 ms to and fro, half of it each way: always the same, or each message by itself.
+/// Wires of 0 to 15 ms to and fro, half of it in each direction: always the same, or each message by itself.
 fn wires(lost_per_mille: u32) -> impl Iterator<Item = Wire> {
     (0..=15_u32).flat_map(move |ms| {
         let most = 500 * ms;
@@ -117,7 +117,7 @@ fn fault_154_a_tight_move_bears_a_delay_of_less_than_its_bridged_steps_and_beyon
 
 /// The table of nodes.md of a network of 0.3 ms there and back: which steps it carries, with each message late by itself as well.
 fn a_network_carries_steps(every: u64) {
-    println!("step [ms]  each way [ms]  loose  tight");
+    println!("step [ms]  one way [ms]  loose  tight");
     for step_ms in [1, 2, 4] {
         for takes_us in [[150, 150], [50, 250], [150, 450]] {
             let wire = Wire { takes_us, lost_per_mille: 0 };

@@ -1,4 +1,4 @@
-//! Any generator of poses, whose tool also presses and gives way by a force law.
+//! Any generator of poses, whose tool also presses and yields by a force law.
 
 use core::marker::PhantomData;
 
@@ -19,7 +19,7 @@ use crate::force::{Felt, ForceControl, fresh};
 /// d <- d + R_WE p_EE',   Q <- Q R_EE'     X_EE': what the law does in a step, in the tool's axes
 /// ```
 ///
-/// The generator goes on as if there were no law: an axis that the path is to lead must not give way to its loads, so
+/// The generator goes on as if there were no law: an axis that the path is to lead must not yield to its loads, so
 /// [`Unguarded`](crate::force::Behaviour::Unguarded) by 0. Turns of the path leave the tip where it is.
 ///
 /// Ends with the generator, or where a condition holds on what is felt: see [`until`](Self::until). Without a reading nothing
@@ -87,7 +87,7 @@ struct Until {
 }
 
 impl<G: Generator<Language = Motion>, S: Sensor<Reading = Wrench>> Compliant<G, S> {
-    /// `generator`, while the tool presses and gives way by `law`; readings may be `oldest` steps old.
+    /// `generator`, while the tool presses and yields by `law`; readings may be `oldest` steps old.
     #[must_use]
     pub fn by(generator: G, law: ForceControl, oldest: u32) -> Self {
         Compliant {
@@ -137,7 +137,7 @@ impl<G: Generator<Language = Motion>, S: Sensor<Reading = Wrench>> Compliant<G, 
     #[allow(non_snake_case)]
     fn moved<R: Robot>(&mut self, step: Step<R>, load: Option<Wrench>, t: Tick) -> Result<Step<R>, Fault> {
         let Step::Next(demand) = step else { return Ok(Step::Done) };
-        let refused = || Fault::thrown("a tool on a path of joint positions cannot give way: demand poses");
+        let refused = || Fault::thrown("a tool on a path of joint positions cannot yield: demand poses");
         let R_WG = demand.as_pose().or(demand.as_displacement()).ok_or_else(refused)?.rotation;
         self.start.get_or_insert(R_WG);
         if let Some(load) = load {
@@ -272,7 +272,7 @@ mod tests {
         let slope = -0.02;
         let travel = pressed(Compliant::by(line(Vector3::x() * 0.1), law(), 1), |x, _| slope * x);
         let (speed, give) = (0.02, Give::FORCE);
-        // The middle of the way, long after the oscillation of the first contact.
+        // The middle of the path, long after the oscillation of the first contact.
         let at = travel[travel.len() * 4 / 5].translation;
         let load = STIFFNESS * (at.z - slope * at.x);
         let expected = LOAD - speed * slope / give.reciprocal_damping;
@@ -306,7 +306,7 @@ mod tests {
         let hole = |x: f64, y: f64| if (x + 1.2e-3).hypot(y - 1.6e-3) < 0.5e-3 { 0.05 } else { 0.0 };
         let found = pressed(search(), hole);
         let end = found[found.len() - 1].translation;
-        // Beside the hole by what it goes on: what 0.05 s at 0.01 m/s leave, and the way in which it sinks by 1.5 mm.
+        // Beside the hole by what it goes on: what 0.05 s at 0.01 m/s leave, and the distance in which it sinks by 1.5 mm.
         assert!((end.x + 1.2e-3).hypot(end.y - 1.6e-3) < 2e-3 && end.z > 6.5e-3, "{end}");
         let all = pressed(search(), |_, _| 0.0);
         let end = all[all.len() - 1].translation;

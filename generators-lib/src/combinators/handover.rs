@@ -2,7 +2,7 @@
 
 use mrroc::generator::{Class, Generator, Motion};
 use mrroc::prelude::*;
-use mrroc_generators::between::way;
+use mrroc_generators::between::displacement;
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 
 /// Runs `A` to its end, then `B`, which begins at rest, and lets the velocity that `A` ends with fade on top of what `B`
@@ -97,7 +97,7 @@ fn velocity_between<R: Robot>(from: &Demand<R>, to: &Demand<R>, dt: f64) -> Opti
     if let (Some(p), Some(q)) = (from.as_joints(), to.as_joints()) {
         return Some(Velocity::Joints((q - p) * (1.0 / dt)));
     }
-    let [along, about] = way(&from.as_pose()?, &to.as_pose()?);
+    let [along, about] = displacement(&from.as_pose()?, &to.as_pose()?);
     Some(Velocity::Tool(along / dt, about / dt))
 }
 

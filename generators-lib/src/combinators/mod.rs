@@ -6,7 +6,7 @@
 //! | [`Handover`] | one after the other on the move, without a step of velocity between them |
 //! | [`Each`](mrroc::generator::Each) | the motions of several robots at once, as one motion of the MP |
 //! | [`Corrected`] | any generator of poses, displaced by a sensor at a limited rate |
-//! | [`Compliant`] | any generator of poses, whose tool also presses and gives way by a force law |
+//! | [`Compliant`] | any generator of poses, whose tool also presses and yields by a force law |
 //! | [`Override`] | brakes one on its path when a condition holds, then another takes over |
 //! | [`Arbitrate`] | of a list by priority, the first that the readings call for, handed over at rest |
 //! | [`Superpose`] | two at once: their velocities, weighted by the readings and added, within limits |

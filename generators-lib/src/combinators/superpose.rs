@@ -2,7 +2,7 @@
 
 use mrroc::generator::{Class, Generator, Motion, Uses};
 use mrroc::prelude::*;
-use mrroc_generators::between::{moved, way};
+use mrroc_generators::between::{displacement, moved};
 use mrroc_generators::line::ToolLimits;
 use nalgebra::Vector3;
 
@@ -21,7 +21,7 @@ use nalgebra::Vector3;
 ///
 /// **Where it leads.** A behaviour that does not read `e` goes on along its own motion as if it were alone, so the tool comes to its end plus what
 /// the other one has added. A behaviour that has had weight 1 beside 0 from the beginning, and met no limit, passes its demands unchanged. One that
-/// begins anew from `e` on its way, such as the next of a [`Sequence`](super::Sequence), begins where the sum is: that jump of its own demands is taken
+/// begins anew from `e` during its motion, such as the next of a [`Sequence`](super::Sequence), begins where the sum is: that jump of its own demands is taken
 /// for a velocity, within the limits.
 ///
 /// **End.** A behaviour that is done adds nothing more. When all are done that can be, the tool is braked within the limits, and the motion is done.
@@ -163,8 +163,8 @@ where
         if !weights.iter().all(|weight| weight.is_finite()) {
             return Err(Fault::thrown("the weights of superposed behaviours must be finite"));
         }
-        let ways = [(to_first, self.first.at), (to_second, self.second.at)]
-            .map(|(to, from)| to.map_or([Vector3::zeros(); 2], |to| way(&from, &to)));
+        let moved_by = [(to_first, self.first.at), (to_second, self.second.at)]
+            .map(|(to, from)| to.map_or([Vector3::zeros(); 2], |to| displacement(&from, &to)));
         let before = [self.first.at, self.second.at];
         self.first.at = to_first.unwrap_or(self.first.at);
         self.second.at = to_second.unwrap_or(self.second.at);
@@ -181,7 +181,7 @@ where
         let mut limited = false;
         let mut velocity = self.velocity;
         for (axis, limit) in limits.into_iter().enumerate() {
-            let sum = (ways[0][axis] * weights[0] + ways[1][axis] * weights[1]) / t.dt;
+            let sum = (moved_by[0][axis] * weights[0] + moved_by[1][axis] * weights[1]) / t.dt;
             let wanted = if done { Vector3::zeros() } else { sum.cap_magnitude(limit.velocity) };
             let change = wanted - velocity[axis];
             // A velocity found by differences of places has rounding in it, which is no acceleration.

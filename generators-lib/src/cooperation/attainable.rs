@@ -13,7 +13,7 @@
 //! Least changes of `q` and `x` (Gauss-Newton, lengths in metres and angles in radians alike), so that redundant arms are
 //! resolved as well; `J` is the Jacobian of the tool, from central differences of the direct kinematics. The direction in
 //! which an arm fails is the one that `J` gives least: the eigenvector of the smallest eigenvalue of `J J^T` (Yoshikawa 1985),
-//! with a turn of 1 rad counted like a way of 0.1 m, about the size of a gripper: what is asked of a grasp is first its place.
+//! with a turn of 1 rad counted like a distance of 0.1 m, about the size of a gripper: what is asked of a grasp is first its place.
 
 use core::fmt;
 
@@ -29,7 +29,7 @@ use super::{BodyFrame, BodyPath};
 const DIFFERENCE: f64 = 1e-5;
 /// What remains of an error of the pose when it is solved [m, rad].
 const SOLVED: f64 = 1e-11;
-/// The way that counts like a turn of 1 rad \[m\].
+/// The distance that counts like a turn of 1 rad \[m\].
 const GRIPPER: f64 = 0.1;
 /// Iterations, from the step before: two or three are needed.
 const ITERATIONS: usize = 30;

@@ -23,7 +23,7 @@ pub trait BodyPath {
     /// `X_WB` after `dt` \[s\], >= 0, more of path time; the exact end once, then `None`.
     ///
     /// # Errors
-    /// A path that turns out to be faulty on the way.
+    /// A path that turns out to be faulty during the motion.
     fn advance(&mut self, dt: f64) -> Result<Option<Pose>, Fault>;
 }
 
@@ -36,7 +36,7 @@ enum Goal {
     Displacement(Pose),
 }
 
-/// Along a straight line while the body turns the short way, by one trapezoidal profile.
+/// Along a straight line while the body turns through the smaller angle, by one trapezoidal profile.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StraightBody {
     goal: Goal,

@@ -169,7 +169,7 @@ mod tests {
         DVector::from_iterator(6 * wrenches.len(), numbers)
     }
 
-    /// The internal part by another way: the external one is the `x` of least elastic energy `x^T K^-1 x / 2` with `G x` the
+    /// The internal part by another method: the external one is the `x` of least elastic energy `x^T K^-1 x / 2` with `G x` the
     /// load, from the equations of Lagrange's multipliers.
     fn reference(X_BE: &[Pose], F: &[Wrench]) -> DVector<f64> {
         let n = X_BE.len();

@@ -13,7 +13,7 @@
 use mrroc::pose::Pose;
 use nalgebra::Vector3;
 
-use crate::between::{moved, way};
+use crate::between::{displacement, moved};
 
 /// How a frame is followed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,10 +59,10 @@ impl TrackedFrame {
         let to = moved(&pose, self.between.map(|u| u * (self.clock - at)));
         let Tracking { rate: k, acceleration, turning } = self.how;
         if dt > 0.0 {
-            let ways = way(&self.pose, &to);
+            let gap = displacement(&self.pose, &to);
             for (i, most) in [acceleration, turning].into_iter().enumerate() {
                 // Implicit in v: stable whatever the step.
-                let wanted = (self.velocity[i] + (ways[i] * (k * k) + self.between[i] * (2.0 * k)) * dt)
+                let wanted = (self.velocity[i] + (gap[i] * (k * k) + self.between[i] * (2.0 * k)) * dt)
                     / (1.0 + 2.0 * k * dt + k * k * dt * dt);
                 let change = wanted - self.velocity[i];
                 let share = most * dt / change.norm();
@@ -86,8 +86,8 @@ impl TrackedFrame {
         }
         // Over the time constant of the tracking.
         let share = between / (between + 1.0 / self.how.rate);
-        for (u, way) in self.between.iter_mut().zip(way(&before, &pose)) {
-            *u += (way / between - *u) * share;
+        for (u, moved_by) in self.between.iter_mut().zip(displacement(&before, &pose)) {
+            *u += (moved_by / between - *u) * share;
         }
         self.read = Some((pose, at));
     }
@@ -116,10 +116,10 @@ mod tests {
     #[test]
     fn a_steady_motion_is_followed_without_lag_however_late_its_readings_are() {
         let trace = followed(belt, 1000);
-        let off = way(trace.last().expect("seen"), &belt(2.0));
+        let off = displacement(trace.last().expect("seen"), &belt(2.0));
         assert!(off[0].norm() < 1e-9 && off[1].norm() < 1e-9, "{} {}", off[0], off[1]);
         // Within 0.5 s to a tenth of a millimetre, as 6 / k says.
-        let off = way(&trace[250 - 3], &belt(0.5));
+        let off = displacement(&trace[250 - 3], &belt(0.5));
         assert!(off[0].norm() < 1e-3, "{}", off[0]);
     }
 
@@ -131,14 +131,14 @@ mod tests {
         };
         let trace = followed(stops, 1000);
         for w in trace.windows(3) {
-            let a = way(&w[0], &w[1]);
-            let b = way(&w[1], &w[2]);
+            let a = displacement(&w[0], &w[1]);
+            let b = displacement(&w[1], &w[2]);
             assert!(
                 (b[0] - a[0]).norm() <= 2.0 * DT * DT + 1e-15
                     && (b[1] - a[1]).norm() <= 10.0 * DT * DT + 1e-12
             );
         }
-        let end = way(trace.last().expect("seen"), &belt(1.0));
+        let end = displacement(trace.last().expect("seen"), &belt(1.0));
         assert!(end[0].norm() < 3e-4, "{}", end[0]);
     }
 
@@ -160,7 +160,7 @@ mod tests {
         for i in 1..=4000 {
             here = frame.follow(Some((belt(f64::from(i) * DT), 0.0)), DT, r * DT);
         }
-        let lag = way(&here.expect("seen"), &belt(4000.0 * DT))[0].x;
+        let lag = displacement(&here.expect("seen"), &belt(4000.0 * DT))[0].x;
         assert!((lag - 2.0 * 0.1 * (1.0 / r - 1.0) / k).abs() < 0.02 * lag, "{lag}");
     }
 }

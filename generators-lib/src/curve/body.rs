@@ -40,8 +40,8 @@ impl<C: Curve, P: Profile> BodyPath for CurveBody<C, P> {
 
     fn advance(&mut self, dt: f64) -> Result<Option<Pose>, Fault> {
         Ok(self.cursor.advance(dt).map(|point| {
-            let way = self.curve.at(point.s).position - self.origin;
-            Translation3::from(way) * self.start
+            let displacement = self.curve.at(point.s).position - self.origin;
+            Translation3::from(displacement) * self.start
         }))
     }
 }

@@ -73,16 +73,16 @@ impl<P: Parametric<Value = Vector3<f64>>> ByLength<P> {
     pub fn parameter(&self, s: f64) -> f64 {
         let i = self.cells.partition_point(|cell| cell.1 <= s).clamp(1, self.cells.len() - 1);
         let ((from, before), (to, after)) = (self.cells[i - 1], self.cells[i]);
-        let way = (s - before).clamp(0.0, after - before);
-        if way == 0.0 || s >= after {
-            return if way == 0.0 { from } else { to };
+        let within = (s - before).clamp(0.0, after - before);
+        if within == 0.0 || s >= after {
+            return if within == 0.0 { from } else { to };
         }
         let mut low = from;
         let mut high = to;
-        let mut u = from + (to - from) * way / (after - before);
+        let mut u = from + (to - from) * within / (after - before);
         // Newton doubles the digits; where it leaves the bracket, bisection gains one bit.
         for _ in 0..60 {
-            let residual = measure(&self.path, from, u) - way;
+            let residual = measure(&self.path, from, u) - within;
             if residual > 0.0 {
                 high = u
             } else {

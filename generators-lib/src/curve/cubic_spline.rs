@@ -7,7 +7,7 @@
 use mrroc::robot::JointVector;
 
 use super::CurveError;
-use crate::way_points;
+use crate::waypoints;
 
 /// What holds at the ends of a spline.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -79,13 +79,13 @@ impl<V: JointVector> CubicSpline<V> {
         Ok(CubicSpline { knots, points, slopes })
     }
 
-    /// The natural spline through `points` [rad or m] that count by the rule of [`way_points`], at knots by their distances.
+    /// The natural spline through `points` [rad or m] that count by the rule of [`waypoints`], at knots by their distances.
     ///
     /// # Errors
     /// [`CurveError::Points`]: a number that is not finite, or no two points that are apart.
     pub fn by_chords(points: &[V]) -> Result<Self, CurveError> {
-        let points = way_points::joints(points)?;
-        CubicSpline::new(way_points::knots(&points, way_points::chord), points, SplineEnds::Natural)
+        let points = waypoints::joints(points)?;
+        CubicSpline::new(waypoints::knots(&points, waypoints::chord), points, SplineEnds::Natural)
     }
 
     /// The knots.

@@ -1,7 +1,7 @@
 //! An ellipse, or a part of one.
 //!
 //! `p = c + a cos u + b sin u`; its length has no closed form: Gauss-Legendre with 7 nodes on each of 64 panels, and
-//! Newton's iteration for the way back.
+//! Newton's iteration for the inverse.
 
 use super::{Curve, CurveError, CurvePoint, finite};
 use nalgebra::Vector3;

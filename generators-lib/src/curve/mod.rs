@@ -55,7 +55,7 @@ pub use turned::TurnedCurve;
 use nalgebra::Vector3;
 use thiserror::Error;
 
-use crate::way_points::PointsError;
+use crate::waypoints::PointsError;
 
 /// A curve at one length.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -101,7 +101,7 @@ pub enum CurveError {
     /// A weight of a spline, or its smoothing, is negative or none, or their number does not match the points.
     #[error("a spline's weights must be greater than 0, one per point, its smoothing 0 or more, all finite")]
     Weights,
-    /// Orientations so far apart that no smooth way between them is found.
+    /// Orientations so far apart that no smooth path between them is found.
     #[error("the orientations turn too far from knot to knot for a smooth path: help: put more between them")]
     Turn,
     /// The deviation allowed at corners is not positive.

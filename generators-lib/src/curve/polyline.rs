@@ -5,14 +5,14 @@
 
 use super::{CurveError, SpanCurve};
 use crate::bspline::Span;
-use crate::way_points;
+use crate::waypoints;
 use nalgebra::Vector3;
 
 /// Share of a leg that the blends at either of its ends may take.
 const HALF: f64 = 0.5;
 
 /// The polyline through `points` \[m\] with its corners blended by parabolas that pass them at `deviation` \[m\], > 0, or
-/// nearer where legs are short. Points count by the rule of [`way_points`].
+/// nearer where legs are short. Points count by the rule of [`waypoints`].
 ///
 /// Its tangent is continuous, its curvature is not. A corner that turns straight back is not blended: nothing passes
 /// there without stopping.
@@ -20,7 +20,7 @@ const HALF: f64 = 0.5;
 /// # Errors
 /// Fewer than two points that differ, a number that is not finite, a deviation that is not positive.
 pub fn blended(points: &[Vector3<f64>], deviation: f64) -> Result<SpanCurve, CurveError> {
-    let corners = way_points::places(points)?;
+    let corners = waypoints::places(points)?;
     if !(deviation.is_finite() && deviation > 0.0) {
         return Err(CurveError::Deviation(deviation));
     }

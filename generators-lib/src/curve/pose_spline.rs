@@ -4,7 +4,7 @@ use mrroc::pose::Pose;
 use nalgebra::{Translation3, Vector3};
 
 use super::{CubicSpline, CurveError, RotationSpline, SplineEnds};
-use crate::way_points;
+use crate::waypoints;
 
 /// A natural cubic spline of the origin and a [`RotationSpline`], by one parameter: velocity and acceleration, linear and
 /// angular, do not jump.
@@ -35,18 +35,18 @@ impl PoseSpline {
         Ok(PoseSpline { origin, orientation })
     }
 
-    /// Through `poses` \[m\] that count by the rule of [`way_points`], at knots by their distances: a radian counts as `turn`
+    /// Through `poses` \[m\] that count by the rule of [`waypoints`], at knots by their distances: a radian counts as `turn`
     /// metres.
     ///
     /// # Errors
     /// [`CurveError::Points`]: a number that is not finite, or no two poses that are apart; as [`RotationSpline::new`].
     pub fn by_chords(poses: &[Pose], turn: f64) -> Result<Self, CurveError> {
-        let poses = way_points::poses(poses)?;
+        let poses = waypoints::poses(poses)?;
         let chord = |from: &Pose, to: &Pose| {
             let by = from.inv_mul(to);
             by.translation.vector.norm().hypot(turn * by.rotation.angle())
         };
-        PoseSpline::new(way_points::knots(&poses, chord), &poses)
+        PoseSpline::new(waypoints::knots(&poses, chord), &poses)
     }
 
     /// The first and the last knot.

@@ -67,7 +67,7 @@ fn rest(f: &Vector3<f64>, slope: &Vector3<f64>) -> Vector3<f64> {
 }
 
 impl RotationSpline {
-    /// Through `orientations` at rising `knots`, two or more, each time the short way round.
+    /// Through `orientations` at rising `knots`, two or more, each time through the smaller angle.
     ///
     /// # Errors
     /// Knots that do not rise or do not match; numbers that are not finite; turns so large that the angular velocities

@@ -12,7 +12,7 @@ pub struct Screw {
     from: Pose,
     to: Pose,
     /// Velocity of the origin and angular velocity by `s`, in the axes of the moving frame.
-    way: Vector3<f64>,
+    linear: Vector3<f64>,
     turn: Vector3<f64>,
 }
 
@@ -31,15 +31,15 @@ fn coefficients(x: f64) -> (f64, f64) {
     }
 }
 
-/// The origin's displacement by a constant twist (left Jacobian of SO(3) applied to the way).
-fn displacement(way: &Vector3<f64>, turn: &Vector3<f64>) -> Vector3<f64> {
+/// The origin's displacement by a constant twist (left Jacobian of SO(3) applied to its linear part).
+fn displacement(linear: &Vector3<f64>, turn: &Vector3<f64>) -> Vector3<f64> {
     let (b, c) = coefficients(turn.norm());
-    let cross = turn.cross(way);
-    way + cross * b + turn.cross(&cross) * c
+    let cross = turn.cross(linear);
+    linear + cross * b + turn.cross(&cross) * c
 }
 
 impl Screw {
-    /// Between two poses in one common frame \[m\], turning the short way; half a turn goes about the axis that the
+    /// Between two poses in one common frame \[m\], turning through the smaller angle; half a turn goes about the axis that the
     /// relative quaternion names.
     #[must_use]
     pub fn new(from: Pose, to: Pose) -> Self {
@@ -56,14 +56,14 @@ impl Screw {
             (1.0 - 0.5 * (1.0 - x * x * c) / b) / (x * x)
         };
         let cross = turn.cross(&p);
-        let way = p - cross * 0.5 + turn.cross(&cross) * e;
-        Screw { from, to, way, turn }
+        let linear = p - cross * 0.5 + turn.cross(&cross) * e;
+        Screw { from, to, linear, turn }
     }
 
-    /// Length of the origin's way \[m\].
+    /// Length of the linear part of the twist \[m\].
     #[must_use]
     pub fn length(&self) -> f64 {
-        self.way.norm()
+        self.linear.norm()
     }
 
     /// Angle of the turn \[rad\], 0..=pi.
@@ -81,9 +81,9 @@ impl Screw {
         if s >= 1.0 {
             return self.to;
         }
-        let way = self.way * s;
+        let linear = self.linear * s;
         let turn = self.turn * s;
-        let moved = Translation3::from(displacement(&way, &turn));
+        let moved = Translation3::from(displacement(&linear, &turn));
         self.from * Pose::from_parts(moved, UnitQuaternion::from_scaled_axis(turn))
     }
 

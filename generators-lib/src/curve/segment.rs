@@ -19,12 +19,12 @@ impl Segment {
     /// Points that coincide or are not finite.
     pub fn new(from: Vector3<f64>, to: Vector3<f64>) -> Result<Self, CurveError> {
         finite([&from, &to])?;
-        let way = to - from;
+        let displacement = to - from;
         let length = (to - from).norm();
         if !(length > 0.0 && length.is_finite()) {
             return Err(CurveError::Coincident);
         }
-        Ok(Segment { from, to, tangent: way / length, length })
+        Ok(Segment { from, to, tangent: displacement / length, length })
     }
 }
 

@@ -7,7 +7,7 @@ use super::{Curve, CurveError};
 use crate::line::{LinePath, ToolPoint};
 use crate::profile::ProfilePoint;
 
-/// Leads a tool's origin along a curve, while its orientation turns the short way at a constant rate per length.
+/// Leads a tool's origin along a curve, while its orientation turns through the smaller angle at a constant rate per length.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TurnedCurve<C> {
     curve: C,

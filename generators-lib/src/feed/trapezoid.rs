@@ -39,7 +39,9 @@ impl CellTrapezoid {
         let entry = entry2.sqrt();
         let exit = exit2.sqrt();
         let [meeting, leaving] = squares.map(|square| square.max(0.0).sqrt());
-        let time = |way: f64, from: f64, to: f64| if way > 0.0 { 2.0 * way / (from + to) } else { 0.0 };
+        let time = |distance: f64, from: f64, to: f64| {
+            if distance > 0.0 { 2.0 * distance / (from + to) } else { 0.0 }
+        };
         let up = time(first, entry, meeting);
         let kept = time(second - first, meeting, leaving);
         let down = time(length - second, leaving, exit);

@@ -10,7 +10,7 @@ use mrroc_generators::curve::{Arc, Curve, TurnedCurve};
 use mrroc_generators::line::SmoothToolLimits;
 use mrroc_generators::profile::{JerkLimits, ProfileCursor, SevenPhase};
 
-/// Moves the tool along a circle, through a point, to a pose. Meanwhile the tool turns the short way. One jerk-limited
+/// Moves the tool along a circle, through a point, to a pose. Meanwhile the tool turns through the smaller angle. One jerk-limited
 /// profile leads both.
 ///
 /// Starts from the pose demanded last, at rest. The limits hold along the circle; the acceleration across it is

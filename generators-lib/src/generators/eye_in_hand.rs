@@ -17,7 +17,7 @@ pub struct Servoing {
     pub turning: f64,
     /// Time from rest to the largest speed \[s\], > 0.
     pub ramp: f64,
-    /// Share of the remaining way that is covered in a second [1/s], > 0. Its product with the delay of the image must
+    /// Share of the remaining displacement that is covered in a second [1/s], > 0. Its product with the delay of the image must
     /// be well below 1.
     pub gain: f64,
     /// Distance at which the tool has arrived \[m\], > 0.
@@ -146,7 +146,7 @@ mod tests {
     }
 
     #[test]
-    fn the_tool_comes_to_its_place_beside_an_object_that_is_moved_on_the_way() {
+    fn the_tool_comes_to_its_place_beside_an_object_that_is_moved_during_the_motion() {
         let camera = Pose::translation(0.0, 0.05, -0.1);
         let beside = Pose::translation(0.0, 0.0, -0.02);
         let how = Servoing {
@@ -171,10 +171,10 @@ mod tests {
             let pose = (at * camera).inverse() * object;
             let v = Reading::new((SensorImage::new(Seen { pose }, 0),));
             let step = if *i == 0 { generator.first_step(&e, &v, t) } else { generator.next_step(&e, &v, t) };
-            let way = at.inv_mul(&generator.pose);
+            let displacement = at.inv_mul(&generator.pose);
             assert!(
-                way.translation.vector.norm() <= 0.2 * t.dt * (1.0 + 1e-9)
-                    && way.rotation.angle() <= 1.0 * t.dt + 1e-9
+                displacement.translation.vector.norm() <= 0.2 * t.dt * (1.0 + 1e-9)
+                    && displacement.rotation.angle() <= 1.0 * t.dt + 1e-9
             );
             at = generator.pose;
             step.expect("seen") == Step::Done

@@ -143,7 +143,7 @@ mod tests {
     /// How far the belt has gone \[m\].
     #[derive(Clone, Copy, Payload)]
     struct Gone {
-        way: f64,
+        distance: f64,
     }
 
     impl Sensor for Encoder {
@@ -160,7 +160,7 @@ mod tests {
         let how = Tracking { rate: 15.0, acceleration: 1.0, turning: 5.0 };
         let start = Pose::translation(0.4, -0.2, 0.5);
         let place = Pose::translation(0.3, 0.1, 0.2);
-        let see = |gone: &Gone| Some(Pose::translation(gone.way, 0.0, 0.0));
+        let see = |gone: &Gone| Some(Pose::translation(gone.distance, 0.0, 0.0));
         let mut generator = FollowedFrame::<Irp6, Encoder>::to(see, place, how, 1.0, 4.0, 8);
         let state = RobotState { joints: Six::zeros(), velocity: Six::zeros(), pose: start };
         let e = State::new(RobotImage::new(state, state));
@@ -172,7 +172,7 @@ mod tests {
             i += 1;
             let of = (i.saturating_sub(2) / 5) * 5;
             let counts = (gone(f64::from(of) * DT) * 1e4).round() * 1e-4;
-            let v = Reading::new((SensorImage::new(Gone { way: counts }, i - of),));
+            let v = Reading::new((SensorImage::new(Gone { distance: counts }, i - of),));
             step = if i == 1 { generator.first_step(&e, &v, t) } else { generator.next_step(&v, t) };
             let Ok(Step::Next(demand)) = &step else { break };
             let here = demand.as_pose().expect("a pose").translation.vector;
@@ -185,7 +185,7 @@ mod tests {
         }
         assert_eq!((step, i), (Ok(Step::Done), 2001));
         for w in trace.windows(3) {
-            // 5.78 of the way within a second, twice 1.875 of the belt's speed, and what the tracking takes.
+            // 5.78 of the distance within a second, twice 1.875 of the belt's speed, and what the tracking takes.
             let a = (w[2] - w[1] * 2.0 + w[0]).norm() / (DT * DT);
             assert!(a < 5.78 * 0.55 + 3.75 * 0.1 + 1.0, "{a}");
         }

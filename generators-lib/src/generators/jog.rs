@@ -28,9 +28,9 @@ use mrroc_generators::teach::{Jogging, Kept, Reference, Space, Taught, TaughtFil
 /// let irp6 = Irp6::nominal();
 /// let demands = rehearse(Jog::by(panel, 0.5, 1.0, 0), &irp6, Irp6::READY, 0.002)?;
 /// let end = demands.last().and_then(Demand::as_pose);
-/// let way = end.map(|end| irp6.forward(&Irp6::READY).inv_mul(&end).translation.vector.norm());
+/// let distance = end.map(|end| irp6.forward(&Irp6::READY).inv_mul(&end).translation.vector.norm());
 /// // The ramps at 0.5 m/s² cost at the start what they give at the end.
-/// assert!(way.is_some_and(|way| (way - 0.1).abs() < 1e-9), "{way:?}");
+/// assert!(distance.is_some_and(|distance| (distance - 0.1).abs() < 1e-9), "{distance:?}");
 /// # Ok::<(), Fault>(())
 /// ```
 pub struct Jog<R, F> {
@@ -150,9 +150,9 @@ mod tests {
         assert_eq!(step, Ok(Step::Done));
         // Ten steps up to 0.1 m/s, by 0.01 m/s each: dt sum(v) = 0.01 (0.01 .. 0.1) = 5.5 mm, then 1 mm a step; ten down.
         let taught = jog.taught(0.2, 0.1).expect("shares");
-        let ways: Vec<_> = jog.recorded.iter().map(|pose| start.inv_mul(pose).translation.z).collect();
-        assert_eq!(ways.len(), 2);
-        assert!((ways[0] - 1e-4).abs() < 1e-12 && (ways[1] - 0.0955).abs() < 1e-12, "{ways:?}");
+        let heights: Vec<_> = jog.recorded.iter().map(|pose| start.inv_mul(pose).translation.z).collect();
+        assert_eq!(heights.len(), 2);
+        assert!((heights[0] - 1e-4).abs() < 1e-12 && (heights[1] - 0.0955).abs() < 1e-12, "{heights:?}");
         let end = start.inv_mul(&jog.pose).translation.z;
         assert!((end - 0.1155 - 0.0045).abs() < 1e-12, "{end}");
         let again: Taught = taught.to_string().parse().expect("in order");

@@ -5,7 +5,7 @@ use mrroc::robot::JointVector;
 
 use mrroc_generators::curve::{CubicSpline, CurveError};
 use mrroc_generators::profile::{JerkLimits, ProfileCursor, SevenPhase};
-use mrroc_generators::way_points::PointsError;
+use mrroc_generators::waypoints::PointsError;
 
 /// Moves the joints from where they are through all points without a stop, on the natural cubic spline.
 ///

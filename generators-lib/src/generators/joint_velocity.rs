@@ -115,7 +115,7 @@ mod tests {
     }
 
     #[test]
-    fn a_belt_changes_its_velocity_on_the_way_as_the_closed_form_says_at_any_speed_of_the_operator() {
+    fn a_belt_changes_its_velocity_while_it_runs_as_the_closed_form_says_at_any_speed_of_the_operator() {
         const A: f64 = 0.02;
         for speed in [1.0, 0.5] {
             let belt = demanded(speed, |mp| {

@@ -4,7 +4,7 @@ use mrroc::prelude::*;
 
 use mrroc_generators::jerk::JointLimits;
 use mrroc_generators::via::{ViaError, ViaJoints};
-use mrroc_generators::way_points::PointsError;
+use mrroc_generators::waypoints::PointsError;
 
 /// Moves the joints from where they are along straight legs past all points, to rest at the last one.
 ///

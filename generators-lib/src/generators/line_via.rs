@@ -6,7 +6,7 @@ use mrroc::prelude::*;
 
 use mrroc_generators::line::SmoothToolLimits;
 use mrroc_generators::via::{PoseDeviation, ViaError, ViaPoses};
-use mrroc_generators::way_points::PointsError;
+use mrroc_generators::waypoints::PointsError;
 
 /// Moves the tool from where it is on straight lines from pose to pose, to rest at the last one: with limited jerk or,
 /// if the limit is infinite, with parabolic blends.

@@ -122,11 +122,11 @@ mod tests {
         }
         assert_eq!(step, Ok(Step::Done));
         assert_eq!(p.len(), 2 + 1000);
-        // b'' is at most 5.7735, b' 1.875 over the way of a second: |a| <= 5.7735 |way| + 2 * 1.875 * SPEED.
-        let way = (above.translation.vector - start.translation.vector).norm() + SPEED;
+        // b'' is at most 5.7735, b' 1.875 over the distance of a second: |a| <= 5.7735 |distance| + 2 * 1.875 * SPEED.
+        let distance = (above.translation.vector - start.translation.vector).norm() + SPEED;
         let end = p.len() - 1;
         for w in p.windows(3) {
-            assert!(((w[2] - w[1]) - (w[1] - w[0])).norm() / (dt * dt) < 5.78 * way + 3.75 * SPEED);
+            assert!(((w[2] - w[1]) - (w[1] - w[0])).norm() / (dt * dt) < 5.78 * distance + 3.75 * SPEED);
         }
         assert!(((p[end] - p[end - 1]) / dt - Vector3::new(SPEED, 0.0, 0.0)).norm() < 1e-9);
     }

@@ -47,8 +47,8 @@ pub struct Pressing {
 /// let t = Tick { step: 0, dt: 0.002, duration: 0.002 };
 /// let Step::Next(demand) = press.first_step(&order, &State::new(arm), &v, t)? else { unreachable!() };
 /// // Without inertia v = b F, which makes 0.005 * 10 * 0.002 m = 0.1 mm in a step.
-/// let way = demand.as_pose().map(|pose| arm.demanded().pose.inv_mul(&pose).translation.z);
-/// assert!(way.is_some_and(|way| (way - 1e-4).abs() < 1e-9), "{way:?}");
+/// let depth = demand.as_pose().map(|pose| arm.demanded().pose.inv_mul(&pose).translation.z);
+/// assert!(depth.is_some_and(|depth| (depth - 1e-4).abs() < 1e-9), "{depth:?}");
 /// # Ok::<(), Fault>(())
 /// ```
 pub struct OrderedForce<R, S> {
@@ -61,7 +61,7 @@ pub struct OrderedForce<R, S> {
 }
 
 impl<R: Robot, S: Sensor<Reading = Wrench>> OrderedForce<R, S> {
-    /// With a tool of this weight \[N\], whose centre of gravity matters for torques alone, a way to yield along z, and how fast
+    /// With a tool of this weight \[N\], whose centre of gravity matters for torques alone, a compliance along z, and how fast
     /// and how far it may go along z for its load.
     #[must_use]
     pub fn with_tool(weight: f64, give: Give, within: Bound) -> Self {

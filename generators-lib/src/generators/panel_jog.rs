@@ -9,7 +9,7 @@ use mrroc_generators::jogging::{Ahead, JogLimits, JogPath, Run};
 /// that the cell names, single joints, or all joints to positions; as long as a button is held, or by increments. While the robot
 /// stands, its outputs are switched as the person asks.
 ///
-/// It looks at the way ahead of the robot: before a joint comes to its limit, before the arm is stretched out or near a
+/// It checks the path ahead of the robot: before a joint comes to its limit, before the arm is stretched out or near a
 /// singularity, the robot comes to rest without a fault, and the panel is told why. The motion ends when the person says that
 /// jogging is done.
 ///
@@ -78,7 +78,7 @@ impl<R: Robot> PanelJog<R> {
             None => return Some(JogStop::There),
         };
         let Some(ahead) = Ahead::of(&path, self.panel.model(), self.joints, &self.limits) else {
-            return Some(JogStop::Way);
+            return Some(JogStop::Kinematics);
         };
         self.jog = Some(Jogged { press, order, path, ahead, run: Run::default() });
         None
@@ -106,7 +106,7 @@ impl<R: Robot> PanelJog<R> {
             let share = asked.filter(|(press, order)| {
                 *press == jog.press
                     && order.motion == jog.order.motion
-                    && order.way == jog.order.way
+                    && order.distance == jog.order.distance
                     && order.speed.signum() == jog.order.speed.signum()
             });
             let model = self.panel.model();
@@ -114,7 +114,7 @@ impl<R: Robot> PanelJog<R> {
             jog.run.go(&jog.ahead, share.map(|(_, order)| order.speed.abs()), dt)?;
             let joints = jog.path.joints(model, jog.run.at(), &self.joints);
             self.joints =
-                joints.ok_or_else(|| Fault::thrown("the arm cannot follow a way that was clear"))?;
+                joints.ok_or_else(|| Fault::thrown("the arm cannot follow a path that was clear"))?;
             let rests = jog.run.rests();
             let stop = if rests { jog.ahead.bound().unwrap_or_default() } else { JogStop::None };
             self.panel.tell(if share.is_some() { stop } else { JogStop::None });

@@ -7,9 +7,9 @@ use mrroc::prelude::*;
 use mrroc_generators::curve::{CurveError, PoseSpline};
 use mrroc_generators::line::SmoothToolLimits;
 use mrroc_generators::profile::{JerkLimits, ProfileCursor, SevenPhase};
-use mrroc_generators::way_points::PointsError;
+use mrroc_generators::waypoints::PointsError;
 
-/// Way of the tool that counts like a turn of 1 rad \[m\].
+/// Displacement of the tool that counts like a turn of 1 rad \[m\].
 const TURN: f64 = 0.1;
 
 /// Moves the tool from where it is exactly through all poses, on a spline without jumps of linear or angular

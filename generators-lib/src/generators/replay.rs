@@ -59,7 +59,7 @@ impl<R: Robot> Replay<R> {
         Replay { taught, velocity, acceleration, limits, from, next: 0, leg: None, goals: Vec::new() }
     }
 
-    /// The way to a pose from the end of the way before it.
+    /// The path to a pose from the end of the path before it.
     fn begin(&mut self, pose: &TaughtPose) -> Result<Leg<R::Joints>, Fault> {
         let relative = self.taught.reference == Reference::Relative;
         let refused = |error: &dyn core::fmt::Display| Fault::thrown(&error.to_string());

@@ -37,7 +37,7 @@ use mrroc_generators::cooperation::{BodyFrame, BodyPath, Displacement, Grasps, P
 /// let demands = rehearse_all(carry, 0.002, |_| {
 ///     Ok(Given { order: Order::new(()), e: State::new(arms), v: Reading::new(()) })
 /// })?;
-/// // The tools keep their distance on the way, and the body takes D / V + V / A = 1.2 s.
+/// // The tools keep their distance during the motion, and the body takes D / V + V / A = 1.2 s.
 /// let poses = demands.iter().map(|told| told.map(|demand| demand.as_pose().unwrap_or_default()));
 /// let far = |[a, b]: [Pose; 2]| (b.translation.vector - a.translation.vector).norm();
 /// assert!(poses.into_iter().all(|both| (far(both) - 0.5).abs() < 1e-12));

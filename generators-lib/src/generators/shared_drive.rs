@@ -79,14 +79,14 @@ where
         let X_WEs = self.starts;
         let loops = self.loops.as_mut();
         if !self.engaged {
-            let mut under_way = false;
+            let mut moving = false;
             let X_WE = L::array(|i| {
                 let approach = self.approaches.as_mut()[i].as_mut();
                 let X_WE = approach.and_then(|(line, cursor)| Some(line.pose(cursor.advance(t.dt)?.s)));
-                under_way |= X_WE.is_some();
+                moving |= X_WE.is_some();
                 X_WE.unwrap_or_else(|| loops[i].tool(&self.drive, 0.0))
             });
-            if under_way {
+            if moving {
                 let placed = |i| Placed { X_WEs: X_WEs.as_ref()[i], X_WE: X_WE.as_ref()[i] };
                 return Ok(Step::Next(L::each(placed)));
             }

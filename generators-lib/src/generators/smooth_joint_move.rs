@@ -19,7 +19,7 @@ use mrroc_generators::jerk::{JointLimits, JointState, JointTarget, MoveCursor, S
 /// let limits = JointLimits { velocity: Six::repeat(0.5), acceleration: Six::repeat(1.0), jerk: Six::repeat(10.0) };
 /// let goal = Irp6::READY + Six::new(0.5, 0.1, 0.0, 0.0, 0.0, 0.0);
 /// let demands = rehearse(SmoothJointMove::to(goal, limits), &Irp6::nominal(), Irp6::READY, 0.002)?;
-/// // The first joint has the longest way: D / V + V / A + A / J = 1.6 s.
+/// // The first joint has the largest displacement: D / V + V / A + A / J = 1.6 s.
 /// assert_eq!((demands.len(), demands[799].as_joints()), (800, Some(goal)));
 /// # Ok::<(), Fault>(())
 /// ```

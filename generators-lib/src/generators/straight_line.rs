@@ -7,7 +7,7 @@ use mrroc::prelude::*;
 use mrroc_generators::line::{LinePath, MotionLimits, ToolLimits};
 use mrroc_generators::profile::ProfileCursor;
 
-/// Moves the tool straight to a pose. Meanwhile the tool turns the short way. One profile leads both; the type of the
+/// Moves the tool straight to a pose. Meanwhile the tool turns through the smaller angle. One profile leads both; the type of the
 /// limits decides which: `ToolLimits` give a trapezoidal profile, `SmoothToolLimits` limit its jerk, too.
 ///
 /// Starts from the pose demanded last, at rest. It uses no joint coordinates, so it serves every robot.
@@ -113,13 +113,13 @@ mod tests {
         let report = Cell::new(Duration::from_millis(2)).robot(robot).run().expect("within the limits");
         // Seen from the tool of the start, it goes along z: to 10 um, as the encoders count the start.
         for q in trace.borrow().iter() {
-            let way = irp6.forward(&start).inv_mul(&irp6.forward(q));
-            let aside = way.translation.vector.xy().norm();
-            assert!(aside < 1e-5 && way.rotation.angle() < 1e-4, "{way}");
+            let deviation = irp6.forward(&start).inv_mul(&irp6.forward(q));
+            let aside = deviation.translation.vector.xy().norm();
+            assert!(aside < 1e-5 && deviation.rotation.angle() < 1e-4, "{deviation}");
         }
         let end = irp6.forward(trace.borrow().last().expect("recorded"));
-        let way = irp6.forward(&start).inv_mul(&end).translation.vector;
-        assert!((way.z - 0.05).abs() < 1e-5, "{way}");
+        let displacement = irp6.forward(&start).inv_mul(&end).translation.vector;
+        assert!((displacement.z - 0.05).abs() < 1e-5, "{displacement}");
         report.time.as_secs_f64()
     }
 
@@ -133,7 +133,7 @@ mod tests {
     }
 
     #[test]
-    fn with_limited_jerk_it_goes_the_same_way_in_the_closed_form_time() {
+    fn with_limited_jerk_it_goes_along_the_same_path_in_the_closed_form_time() {
         let translation = JerkLimits { velocity: 0.1, acceleration: 0.5, jerk: 5.0 };
         let rotation = JerkLimits { velocity: 0.5, acceleration: 2.0, jerk: 20.0 };
         let duration = straight_down(SmoothToolLimits { translation, rotation });

@@ -6,7 +6,7 @@ use mrroc::robot::{Level, Output, Tool, Value};
 /// Holds the robot for one step, and tells it values for its outputs, its tool, or both. The Move is over when the outputs have
 /// been switched; what they make happen, such as a gripper that closes, takes longer: wait for its switch.
 ///
-/// A demand of any other generator can say the same on the way:
+/// A demand of any other generator can say the same during its motion:
 /// [`Demand::with_output`](mrroc::generator::Demand::with_output).
 ///
 /// ```

@@ -6,7 +6,7 @@ use mrroc::robot::JointVector;
 use mrroc_generators::curve::{CubicSpline, CurveError};
 use mrroc_generators::profile::ProfileCursor;
 use mrroc_generators::timing::{PathLimits, TimeOptimal, grid};
-use mrroc_generators::way_points::PointsError;
+use mrroc_generators::waypoints::PointsError;
 
 /// Moves the joints from where they are through all points without a stop, on the natural cubic spline, as fast as the
 /// velocity and acceleration limits of all joints allow at every place: one of them is always reached. Jerk is not
@@ -54,7 +54,7 @@ impl<R: Robot> TimeOptimalJoints<R> {
         TimeOptimalJoints { points: Vec::new(), limits, path: Some((path, ProfileCursor::new(plan))), goals }
     }
 
-    /// Plans the way from `start` through the points.
+    /// Plans the motion from `start` through the points.
     fn plan(&mut self, start: R::Joints) -> Result<(), Fault> {
         self.goals.clone_from(&self.points);
         self.points.insert(0, start);

@@ -81,8 +81,8 @@ mod tests {
             ecp.move_robot((), ToolOffset::by(Pose::translation(0.01, 0.02, 0.05), limits)).map(drop)
         });
         Cell::new(Duration::from_millis(2)).robot(robot).run().expect("within the limits");
-        let way = irp6.forward(&start).inv_mul(&irp6.forward(&shaft.state().position));
-        let off = way.translation.vector - Vector3::new(0.01, 0.02, 0.05);
-        assert!(off.norm() < 1e-3 && way.rotation.angle() < 1e-3, "{way}");
+        let displacement = irp6.forward(&start).inv_mul(&irp6.forward(&shaft.state().position));
+        let off = displacement.translation.vector - Vector3::new(0.01, 0.02, 0.05);
+        assert!(off.norm() < 1e-3 && displacement.rotation.angle() < 1e-3, "{displacement}");
     }
 }

@@ -1,4 +1,4 @@
-//! A synchronised motion followed in increments of path time, which may change its target on the way.
+//! A synchronised motion followed in increments of path time, which may change its target during the motion.
 
 use mrroc::robot::JointVector;
 

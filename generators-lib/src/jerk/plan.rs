@@ -8,7 +8,7 @@
 //! ```
 //!
 //! All durations from the shortest on are possible, except in a few open intervals: they are too long to go straight to the
-//! target and too short to turn round on the way. For a duration longer than the shortest, `D` lies between the ends of
+//! target and too short to turn round before it. For a duration longer than the shortest, `D` lies between the ends of
 //! the two extremal motions in some ratio; the mixture of both motions in that ratio ends at `D` and is within the limits.
 
 use super::extremal::Extremal;
@@ -84,21 +84,21 @@ impl AxisPlan {
             blocked: [(0.0, 0.0); BLOCKED],
             blocked_count: 0,
         };
-        let way = target.position - start.position;
+        let displacement = target.position - start.position;
         if plan.rests() {
             // Nothing is impossible from rest to rest.
-            if way != 0.0 {
-                let side = if way > 0.0 { Side::Forwards } else { Side::Backwards };
-                plan.fastest = rest_to_rest(way.abs(), side.sign(), limits).unwrap_or_else(|| {
+            if displacement != 0.0 {
+                let side = if displacement > 0.0 { Side::Forwards } else { Side::Backwards };
+                plan.fastest = rest_to_rest(displacement.abs(), side.sign(), limits).unwrap_or_else(|| {
                     let extreme = side.extreme(start, target, limits);
-                    let place =
-                        extreme.gaps(way.abs(), false).items[0].map_or(extreme.beginning(), |gap| gap.1);
+                    let place = extreme.gaps(displacement.abs(), false).items[0]
+                        .map_or(extreme.beginning(), |gap| gap.1);
                     extreme.phases(&place, side.sign())
                 });
                 plan.least = plan.fastest.iter().map(|phase| phase.duration).sum();
             }
         } else {
-            plan.plan_moving(way);
+            plan.plan_moving(displacement);
         }
         check_end(start, target, &End::of(start, &plan.fastest))?;
         if !plan.delay.is_finite() {
@@ -113,23 +113,23 @@ impl AxisPlan {
     }
 
     /// The fastest motion and the gaps behind it, of an axis that moves at its start or at its target.
-    fn plan_moving(&mut self, way: f64) {
+    fn plan_moving(&mut self, displacement: f64) {
         let AxisPlan { start, target, limits, .. } = self;
         let sides = [Side::Forwards, Side::Backwards];
         let forwards = Side::Forwards.extreme(start, target, limits);
         let backwards = Side::Backwards.extreme(start, target, limits);
         let extremes = [&forwards, &backwards];
-        let least_way = extremes[0].least_way();
+        let least_displacement = extremes[0].least_displacement();
         // On the fastest change of velocity: to the rounding of what it was computed from.
         let beginning = extremes[0].beginning();
         let a0 = start.acceleration;
         let a1 = target.acceleration;
         let speed = start.velocity.abs() + target.velocity.abs() + (a0 * a0 + a1 * a1) / limits.jerk;
-        let rounding = 1e-11 * (way.abs() + least_way.abs())
+        let rounding = 1e-11 * (displacement.abs() + least_displacement.abs())
             + 64.0 * f64::EPSILON * speed * beginning.duration
             + 8.0 * f64::EPSILON * (start.position.abs() + target.position.abs());
-        let there = (way - least_way).abs() <= rounding;
-        let all = [0, 1].map(|i| extremes[i].gaps(way * sides[i].sign(), there));
+        let there = (displacement - least_displacement).abs() <= rounding;
+        let all = [0, 1].map(|i| extremes[i].gaps(displacement * sides[i].sign(), there));
         let gaps = || {
             all.iter().enumerate().flat_map(|(i, gaps)| gaps.items.iter().flatten().map(move |gap| (i, gap)))
         };

@@ -110,7 +110,7 @@ impl End {
         self.fastest = self.fastest.max(self.point.velocity.abs());
     }
 
-    /// A length of the order of the ways on this motion \[m\].
+    /// A length of the order of this motion's displacements \[m\].
     pub fn size(&self) -> f64 {
         self.fastest * self.time
     }
@@ -183,7 +183,7 @@ impl JerkProfile {
         end
     }
 
-    /// Becomes the way of `other`, `scale` times as far and from `start`.
+    /// Becomes the motion of `other`, `scale` times as far and from `start`.
     #[inline]
     pub(super) fn set_scaled(&mut self, other: &JerkProfile, start: f64, scale: f64) {
         let origin = other.knots[0].point.position;
@@ -234,7 +234,7 @@ impl JerkProfile {
         knot.point.after((t - knot.time).max(0.0))
     }
 
-    /// The extreme values on the way, exact: at the ends of phases, and where the acceleration passes zero.
+    /// The extreme values during the motion, exact: at the ends of phases, and where the acceleration passes zero.
     #[must_use]
     pub fn peaks(&self) -> Peaks {
         let first = self.knots[0].point;

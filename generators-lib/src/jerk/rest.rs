@@ -10,8 +10,8 @@
 use super::AxisLimits;
 use super::profile::{Phase, Phases};
 
-/// The fastest motion from rest by `way` \[m\] > 0 in the `direction` 1 or -1, if both accelerations are the same.
-pub(super) fn rest_to_rest(way: f64, direction: f64, limits: &AxisLimits) -> Option<Phases> {
+/// The fastest motion from rest over the `distance` \[m\] > 0 in the `direction` 1 or -1, if both accelerations are the same.
+pub(super) fn rest_to_rest(distance: f64, direction: f64, limits: &AxisLimits) -> Option<Phases> {
     let a = limits.max_acceleration;
     let j = limits.jerk;
     if a != -limits.min_acceleration {
@@ -20,14 +20,14 @@ pub(super) fn rest_to_rest(way: f64, direction: f64, limits: &AxisLimits) -> Opt
     let v_max = if direction > 0.0 { limits.max_velocity } else { -limits.min_velocity };
     let bend = a * a / j;
     let ramp = if v_max >= bend { v_max / a + a / j } else { 2.0 * (v_max / j).sqrt() };
-    let cruise = way - v_max * ramp;
+    let cruise = distance - v_max * ramp;
     let v = if cruise >= 0.0 {
         v_max
-    } else if way * j >= 2.0 * a * bend {
+    } else if distance * j >= 2.0 * a * bend {
         // The root without cancellation.
-        2.0 * a * way / ((bend * bend + 4.0 * a * way).sqrt() + bend)
+        2.0 * a * distance / ((bend * bend + 4.0 * a * distance).sqrt() + bend)
     } else {
-        (0.25 * j * way * way).cbrt()
+        (0.25 * j * distance * distance).cbrt()
     };
     let x = if v >= bend { a } else { (j * v).sqrt() };
     let t = x / j;

@@ -2,7 +2,7 @@
 //!
 //! The duration is the shortest that is possible for every axis. Where all axes are to move in proportion (states and
 //! targets along one line, as from rest to rest), and the slowest axis' motion in that proportion is within the limits
-//! of the others, they do so: the way is straight.
+//! of the others, they do so: the path is straight.
 
 use mrroc::robot::{JointVector, MAX_JOINTS};
 

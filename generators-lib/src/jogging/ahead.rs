@@ -58,7 +58,7 @@ impl<R: Robot> Ahead<R> {
     /// Of a path that begins at the joints `q` [rad or m]; `None` where the arm cannot even begin it.
     #[must_use]
     pub fn of(path: &JogPath<R>, model: &R, q: R::Joints, limits: &JogLimits) -> Option<Self> {
-        // Short against what bends ways, long against the rounding of inverse kinematics.
+        // Short against what bends paths, long against the rounding of inverse kinematics.
         let first = 1e-3_f64.min(path.length());
         let change = change(path, model, first, &q, &path.joints(model, first, &q)?, first)?;
         let of_arm = model.limits();
@@ -168,7 +168,7 @@ impl<R: Robot> Ahead<R> {
         s: f64,
         limits: &JogLimits,
     ) -> Result<(R::Joints, f64), JogStop> {
-        let joints = path.joints(model, s, &self.joints).ok_or(JogStop::Way)?;
+        let joints = path.joints(model, s, &self.joints).ok_or(JogStop::Kinematics)?;
         let of_arm = model.limits();
         for i in 0..R::Joints::LEN {
             let beyond = |q: f64| {
@@ -179,13 +179,14 @@ impl<R: Robot> Ahead<R> {
                 return Err(JogStop::Joint(i as u8));
             }
         }
-        let change = change(path, model, s, &self.joints, &joints, s - self.clear).ok_or(JogStop::Way)?;
+        let change =
+            change(path, model, s, &self.joints, &joints, s - self.clear).ok_or(JogStop::Kinematics)?;
         let twice = |i: usize| 2.0 * limits.joints * of_arm.acceleration[i];
         let bears = (0..R::Joints::LEN)
             .all(|i| change.joints[i].abs() * self.acceleration <= twice(i).max(f64::MIN_POSITIVE));
         let speed = speed::<R>(&change, model, limits);
         if !(bears && speed >= SLOWEST * self.full) {
-            return Err(JogStop::Way);
+            return Err(JogStop::Kinematics);
         }
         // Limits that joints share are kept away from as those of single joints.
         let step = joints - self.joints;

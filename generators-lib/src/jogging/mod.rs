@@ -1,4 +1,4 @@
-//! A robot that a person jogs: ways that are looked at before they are gone, and a motion along them that can stop at any time.
+//! A robot that a person jogs: paths that are checked before the robot goes along them, and a motion along them that can stop at any time.
 //!
 //! In: what a person asks for, the robot's model. Out: joint positions, step by step. A [`JogPath`] says where the joints are after some
 //! of it; [`Ahead`] finds out how much of it can be gone, and how fast; [`Run`] goes along it, within limits of velocity,

@@ -46,7 +46,7 @@ impl<R: Robot> JogPath<R> {
             JogMotion::Joint { joint } => {
                 let joint = usize::from(*joint);
                 let of = |i: usize| if i == joint { sign } else { 0.0 };
-                ((joint < R::Joints::LEN).then(|| Kind::Joints(R::Joints::from_joints(of)))?, order.way)
+                ((joint < R::Joints::LEN).then(|| Kind::Joints(R::Joints::from_joints(of)))?, order.distance)
             }
             JogMotion::Output { .. } => return None,
             JogMotion::To { joints } => (Kind::Joints(joints.of::<R::Joints>()? - q), Some(1.0)),
@@ -54,10 +54,10 @@ impl<R: Robot> JogPath<R> {
                 let mut unit = Vector3::zeros();
                 unit[axis.index()] = sign;
                 let in_world = panel.frame(*frame, &start)?.rotation * unit;
-                (if axis.turns() { Kind::About(in_world) } else { Kind::Along(in_world) }, order.way)
+                (if axis.turns() { Kind::About(in_world) } else { Kind::Along(in_world) }, order.distance)
             }
         };
-        let is_nothing = matches!(kind, Kind::Joints(way) if way.as_slice().iter().all(|q| *q == 0.0));
+        let is_nothing = matches!(kind, Kind::Joints(by) if by.as_slice().iter().all(|q| *q == 0.0));
         (!is_nothing).then(|| JogPath { kind, from: q, start, flange: X_FE.inverse(), length })
     }
 
@@ -71,9 +71,9 @@ impl<R: Robot> JogPath<R> {
     #[must_use]
     pub fn joints(&self, model: &R, s: f64, near: &R::Joints) -> Option<R::Joints> {
         let pose = match &self.kind {
-            Kind::Joints(way) => return Some(self.from + *way * s),
-            Kind::Along(way) => {
-                let at = self.start.translation.vector + way * s;
+            Kind::Joints(by) => return Some(self.from + *by * s),
+            Kind::Along(unit) => {
+                let at = self.start.translation.vector + unit * s;
                 Pose::from_parts(Translation3::from(at), self.start.rotation)
             }
             Kind::About(axis) => {

@@ -82,7 +82,7 @@ mod tests {
     proptest! {
         /// Against the motion itself, in small steps: jerk down to the peak, held, and back.
         #[test]
-        fn the_way_to_rest_is_that_of_the_motion_that_stops(v in 0.0..1.0_f64, share in -0.9..1.0_f64, most in 0.2..2.0_f64, jerk in 1.0..20.0_f64) {
+        fn the_distance_to_rest_is_that_of_the_motion_that_stops(v in 0.0..1.0_f64, share in -0.9..1.0_f64, most in 0.2..2.0_f64, jerk in 1.0..20.0_f64) {
             // No acceleration that would turn it round before it eases off.
             let most_back = (2.0 * jerk * v).sqrt().min(most);
             let a = if share < 0.0 { share * most_back } else { share * most };

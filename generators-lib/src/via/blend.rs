@@ -35,7 +35,7 @@ impl Blend {
         if self.ramp > 0.0 { self.ramp / 8.0 + self.soft * self.soft / (24.0 * self.ramp) } else { 0.0 }
     }
 
-    /// The share of the new velocity's way, of the velocity and of the acceleration at `x` \[s\] from the middle: the
+    /// The distance per unit of the new velocity \[s\], the share, of the velocity and of the acceleration at `x` \[s\] from the middle: the
     /// integral of the smoothed step, the step, its derivative.
     #[must_use]
     pub fn at(&self, x: f64) -> (f64, f64, f64) {
@@ -43,8 +43,8 @@ impl Blend {
         let half = 0.5 * (ramp + soft);
         let flat = 0.5 * (ramp - soft);
         if x > 0.0 {
-            let (way, share, rise) = self.at(-x);
-            return (x + way, 1.0 - share, rise);
+            let (advance, share, rise) = self.at(-x);
+            return (x + advance, 1.0 - share, rise);
         }
         if x <= -half || ramp == 0.0 {
             return (0.0, 0.0, 0.0);

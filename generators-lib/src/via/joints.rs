@@ -7,7 +7,7 @@ use super::legs::{Group, plan};
 use super::times::Times;
 use crate::jerk::JointLimits;
 use crate::profile::JerkLimits;
-use crate::way_points;
+use crate::waypoints;
 
 /// Straight legs in joint space through via points, from rest to rest, over path time; immutable.
 #[derive(Clone, Debug, PartialEq)]
@@ -18,13 +18,13 @@ pub struct ViaJoints<J> {
 
 impl<J: JointVector> ViaJoints<J> {
     /// Through `points` [rad or m], which every joint passes within its `deviation` [rad or m], > 0, and within `limits`, of
-    /// which jerk may be infinite. Points count by the rule of [`way_points`].
+    /// which jerk may be infinite. Points count by the rule of [`waypoints`].
     ///
     /// # Errors
     /// No two points that differ; numbers out of range.
     pub fn new(points: &[J], limits: &JointLimits<J>, deviation: &J) -> Result<Self, ViaError> {
-        let points = way_points::joints(points)?;
-        let ways: Vec<_> = points
+        let points = waypoints::joints(points)?;
+        let displacements: Vec<_> = points
             .windows(2)
             .map(|p| core::array::from_fn(|i| if i < J::LEN { p[1][i] - p[0][i] } else { 0.0 }))
             .collect();
@@ -38,7 +38,7 @@ impl<J: JointVector> ViaJoints<J> {
             deviation: deviation[i],
             turns: false,
         };
-        let times = plan(&ways, &(0..J::LEN).map(group).collect::<Vec<_>>())?;
+        let times = plan(&displacements, &(0..J::LEN).map(group).collect::<Vec<_>>())?;
         Ok(ViaJoints { points, times })
     }
 

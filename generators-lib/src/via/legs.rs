@@ -36,7 +36,7 @@ struct Leg {
 }
 
 struct Problem<'a> {
-    ways: &'a [LegVector],
+    displacements: &'a [LegVector],
     groups: &'a [Group],
     /// Largest rate of each leg by the velocity limits [1/s].
     most: Vec<f64>,
@@ -44,12 +44,12 @@ struct Problem<'a> {
     shares: Vec<f64>,
 }
 
-/// The rates of `ways` that are not zero.
-pub(super) fn plan(ways: &[LegVector], groups: &[Group]) -> Result<Times, ViaError> {
-    let mut problem = Problem::new(ways, groups)?;
+/// The rates of `displacements` that are not zero.
+pub(super) fn plan(displacements: &[LegVector], groups: &[Group]) -> Result<Times, ViaError> {
+    let mut problem = Problem::new(displacements, groups)?;
     problem.slow_down()?;
-    let legs: Vec<_> = (0..ways.len()).map_while(|k| problem.leg(k)).collect();
-    if legs.len() < ways.len() {
+    let legs: Vec<_> = (0..displacements.len()).map_while(|k| problem.leg(k)).collect();
+    if legs.len() < displacements.len() {
         return Err(ViaError::Precision);
     }
     problem.times(legs.into_iter())
@@ -88,8 +88,8 @@ fn largest(most: f64, good: impl Fn(f64) -> bool) -> f64 {
 }
 
 impl Group {
-    fn norm(&self, way: &LegVector) -> f64 {
-        way[self.axes.clone()].iter().fold(0.0_f64, |norm, x| norm.hypot(*x))
+    fn norm(&self, displacement: &LegVector) -> f64 {
+        displacement[self.axes.clone()].iter().fold(0.0_f64, |norm, x| norm.hypot(*x))
     }
 
     fn acceleration(&self) -> f64 {
@@ -99,17 +99,20 @@ impl Group {
 
 impl<'a> Problem<'a> {
     /// Each corner as fast as it may be passed by itself.
-    fn new(ways: &'a [LegVector], groups: &'a [Group]) -> Result<Problem<'a>, ViaError> {
+    fn new(displacements: &'a [LegVector], groups: &'a [Group]) -> Result<Problem<'a>, ViaError> {
         check(groups)?;
-        let rate = |way: &LegVector| {
-            groups.iter().map(|group| group.limits.velocity / group.norm(way)).fold(f64::INFINITY, f64::min)
+        let rate = |displacement: &LegVector| {
+            groups
+                .iter()
+                .map(|group| group.limits.velocity / group.norm(displacement))
+                .fold(f64::INFINITY, f64::min)
         };
-        let most: Vec<f64> = ways.iter().map(rate).collect();
+        let most: Vec<f64> = displacements.iter().map(rate).collect();
         if !most.iter().all(|rate| *rate > 0.0 && rate.is_finite()) {
             return Err(ViaError::Precision);
         }
-        let mut problem = Problem { ways, groups, most, shares: vec![1.0; ways.len() + 1] };
-        for corner in 1..ways.len() {
+        let mut problem = Problem { displacements, groups, most, shares: vec![1.0; displacements.len() + 1] };
+        for corner in 1..displacements.len() {
             problem.shares[corner] = largest(1.0, |share| problem.passes(corner, share));
         }
         Ok(problem)
@@ -126,8 +129,8 @@ impl<'a> Problem<'a> {
 
     /// The change of velocity round a corner that is passed with a share of the largest rates.
     fn change(&self, corner: usize, share: f64) -> LegVector {
-        let before = &self.ways[corner - 1];
-        let after = &self.ways[corner];
+        let before = &self.displacements[corner - 1];
+        let after = &self.displacements[corner];
         let rates = (share * self.most[corner - 1], share * self.most[corner]);
         core::array::from_fn(|i| after[i] * rates.1 - before[i] * rates.0)
     }
@@ -140,7 +143,8 @@ impl<'a> Problem<'a> {
             let near = group.norm(&change) * blend.deviation() <= group.deviation;
             // Angular acceleration less the rotation vector's second derivative, at an angle `x` from the corner: at most
             // `w^2 (x / 6 + x^2 / 12 + x^3 / 60)`, from the derivative of the left Jacobian of SO(3).
-            let [v, w] = [corner - 1, corner].map(|leg| share * self.most[leg] * group.norm(&self.ways[leg]));
+            let [v, w] =
+                [corner - 1, corner].map(|leg| share * self.most[leg] * group.norm(&self.displacements[leg]));
             let w = v.max(w);
             let x = 0.5 * w * blend.duration();
             let excess = w * w * x * (1.0 / 6.0 + x * (1.0 / 12.0 + x / 60.0));
@@ -150,8 +154,8 @@ impl<'a> Problem<'a> {
 
     /// The blend at a corner; at the ends, from and to rest.
     fn corner(&self, corner: usize, rate: f64) -> Blend {
-        if corner == 0 || corner == self.ways.len() {
-            self.blend(&self.ways[corner.min(self.ways.len() - 1)].map(|x| x * rate))
+        if corner == 0 || corner == self.displacements.len() {
+            self.blend(&self.displacements[corner.min(self.displacements.len() - 1)].map(|x| x * rate))
         } else {
             self.blend(&self.change(corner, self.shares[corner]))
         }
@@ -160,7 +164,7 @@ impl<'a> Problem<'a> {
     /// Slows down the corners of each leg until it has room for their blends.
     fn slow_down(&mut self) -> Result<(), ViaError> {
         let mut k = 0;
-        while k < self.ways.len() {
+        while k < self.displacements.len() {
             let least = self.least(k);
             if least == 0.0 || self.leg_at(k, least).is_some() {
                 k += 1;
@@ -180,7 +184,7 @@ impl<'a> Problem<'a> {
 
     /// The rate of leg `k` below which it is not to fall between its corners \[1/s\].
     fn least(&self, k: usize) -> f64 {
-        let last = self.ways.len() - 1;
+        let last = self.displacements.len() - 1;
         let low = |corner| if corner == 0 || corner > last { 0.0 } else { self.rate(corner, k) };
         low(k).max(low(k + 1))
     }
@@ -196,10 +200,11 @@ impl<'a> Problem<'a> {
     }
 
     fn leg_at(&self, k: usize, rate: f64) -> Option<Leg> {
-        let last = self.ways.len() - 1;
+        let last = self.displacements.len() - 1;
         let entry = if k == 0 { rate } else { self.rate(k, k) };
         let exit = if k == last { rate } else { self.rate(k + 1, k) };
-        let faster = |from: f64| (rate > from).then(|| self.blend(&self.ways[k].map(|x| x * (rate - from))));
+        let faster =
+            |from: f64| (rate > from).then(|| self.blend(&self.displacements[k].map(|x| x * (rate - from))));
         let blends = [faster(entry), faster(exit)];
         let corners = [self.corner(k, rate), self.corner(k + 1, rate)];
         // From the middle of the corner's blend to the middle of the other one.
@@ -211,7 +216,7 @@ impl<'a> Problem<'a> {
     }
 
     fn times(&self, legs: impl Iterator<Item = Leg>) -> Result<Times, ViaError> {
-        let mut knots = Vec::with_capacity(3 * self.ways.len() + 1);
+        let mut knots = Vec::with_capacity(3 * self.displacements.len() + 1);
         let mut time = 0.0;
         let mut before = (0, 0.0);
         for (k, Leg { rates, blends, times }) in legs.enumerate() {
@@ -220,21 +225,27 @@ impl<'a> Problem<'a> {
                 time = 0.5 * blend.duration();
             }
             knots.push(Knot { time, place: (k, 0.0), before, after: (k, rates[0]), blend });
-            let mut way = 0.0;
+            let mut share = 0.0;
             for i in 0..2 {
-                way += rates[i] * times[i];
+                share += rates[i] * times[i];
                 time += times[i];
                 if let Some(blend) = blends[i] {
                     let before = (k, rates[i]);
                     let after = (k, rates[i + 1]);
-                    knots.push(Knot { time, place: (k, way), before, after, blend });
+                    knots.push(Knot { time, place: (k, share), before, after, blend });
                 }
             }
             time += times[2];
             before = (k, rates[2]);
         }
-        let blend = self.corner(self.ways.len(), before.1);
-        knots.push(Knot { time, place: (self.ways.len(), 0.0), before, after: (before.0, 0.0), blend });
+        let blend = self.corner(self.displacements.len(), before.1);
+        knots.push(Knot {
+            time,
+            place: (self.displacements.len(), 0.0),
+            before,
+            after: (before.0, 0.0),
+            blend,
+        });
         let times = Times { knots };
         if times.duration().is_finite() { Ok(times) } else { Err(ViaError::Precision) }
     }
@@ -269,10 +280,10 @@ mod tests {
     }
 
     /// All legs anew whenever corners are slowed down, from the first leg that has no room; and how often that was.
-    fn dense(ways: &[LegVector], groups: &[Group]) -> Result<(Times, usize), ViaError> {
-        let mut problem = Problem::new(ways, groups)?;
+    fn dense(displacements: &[LegVector], groups: &[Group]) -> Result<(Times, usize), ViaError> {
+        let mut problem = Problem::new(displacements, groups)?;
         for tries in 0..2000 {
-            let legs: Vec<_> = (0..ways.len()).map(|k| problem.leg(k)).collect();
+            let legs: Vec<_> = (0..displacements.len()).map(|k| problem.leg(k)).collect();
             let Some(tight) = legs.iter().position(Option::is_none) else {
                 return Ok((problem.times(legs.into_iter().flatten())?, tries));
             };
@@ -287,10 +298,10 @@ mod tests {
     fn a_plan_is_the_one_of_all_legs_anew_to_the_bit() {
         let mut slowed = 0;
         for seed in 0..40 {
-            let ways = zigzag(2 + seed as usize, seed);
+            let displacements = zigzag(2 + seed as usize, seed);
             for jerk in [10.0, f64::INFINITY] {
-                let (times, tries) = dense(&ways, &groups(jerk)).expect("a motion");
-                assert_eq!(plan(&ways, &groups(jerk)), Ok(times), "seed {seed}, jerk {jerk}");
+                let (times, tries) = dense(&displacements, &groups(jerk)).expect("a motion");
+                assert_eq!(plan(&displacements, &groups(jerk)), Ok(times), "seed {seed}, jerk {jerk}");
                 slowed += tries;
             }
         }
@@ -300,8 +311,8 @@ mod tests {
     #[test]
     fn fault_75_twenty_thousand_legs_take_time_that_grows_with_their_number() {
         // By all legs anew these were billions of legs, and were refused after some thousand corners.
-        let ways = zigzag(20_000, 1);
-        let times = plan(&ways, &groups(10.0)).expect("a motion");
-        assert!(times.knots.len() > ways.len() && times.duration().is_finite());
+        let displacements = zigzag(20_000, 1);
+        let times = plan(&displacements, &groups(10.0)).expect("a motion");
+        assert!(times.knots.len() > displacements.len() && times.duration().is_finite());
     }
 }

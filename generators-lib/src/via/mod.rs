@@ -28,7 +28,7 @@ pub use poses::{PoseDeviation, ViaPoses};
 
 use thiserror::Error;
 
-use crate::way_points::PointsError;
+use crate::waypoints::PointsError;
 
 /// Why there is no motion through the points.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]

@@ -8,7 +8,7 @@ use super::ViaError;
 use super::legs::{Group, LegVector, plan};
 use super::times::Times;
 use crate::line::SmoothToolLimits;
-use crate::way_points;
+use crate::waypoints;
 
 /// How far from a via pose the tool may pass.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,29 +21,29 @@ pub struct PoseDeviation {
 
 /// Straight lines of the tool through via poses, from rest to rest, over path time; immutable.
 ///
-/// On each leg the origin moves straight and the orientation turns about a constant axis, the short way round. Round a
+/// On each leg the origin moves straight and the orientation turns about a constant axis, through the smaller angle. Round a
 /// via pose both change as the via point's own rotation vector does: the angular velocity is continuous.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ViaPoses {
     poses: Vec<Pose>,
-    /// Way of the origin in the common frame, and turn in the axes of the moving frame, of each leg.
-    ways: Vec<(Vector3<f64>, Vector3<f64>)>,
+    /// Displacement of the origin in the common frame, and turn in the axes of the moving frame, of each leg.
+    displacements: Vec<(Vector3<f64>, Vector3<f64>)>,
     times: Times,
 }
 
 impl ViaPoses {
     /// Through `poses` in one common frame \[m\], each passed within `deviation`, and within `limits`, of which jerk may be
-    /// infinite. The limit of angular jerk is that of the rotation vector. Poses count by the rule of [`way_points`].
+    /// infinite. The limit of angular jerk is that of the rotation vector. Poses count by the rule of [`waypoints`].
     ///
     /// # Errors
     /// No two poses that differ; numbers out of range.
     pub fn new(poses: &[Pose], limits: SmoothToolLimits, deviation: PoseDeviation) -> Result<Self, ViaError> {
-        let poses = way_points::poses(poses)?;
+        let poses = waypoints::poses(poses)?;
         let leg = |leg: &[Pose]| {
-            let way = leg[1].translation.vector - leg[0].translation.vector;
-            (way, (leg[0].rotation.inverse() * leg[1].rotation).scaled_axis())
+            let displacement = leg[1].translation.vector - leg[0].translation.vector;
+            (displacement, (leg[0].rotation.inverse() * leg[1].rotation).scaled_axis())
         };
-        let ways: Vec<_> = poses.windows(2).map(leg).collect();
+        let displacements: Vec<_> = poses.windows(2).map(leg).collect();
         let group = |first: usize, limits, deviation, turns| Group {
             axes: first..first + 3,
             limits,
@@ -54,17 +54,17 @@ impl ViaPoses {
             group(0, limits.translation, deviation.distance, false),
             group(3, limits.rotation, deviation.angle, true),
         ];
-        let coordinates: Vec<LegVector> = ways
+        let coordinates: Vec<LegVector> = displacements
             .iter()
-            .map(|(way, turn)| {
+            .map(|(displacement, turn)| {
                 let mut all = [0.0; MAX_JOINTS];
-                all[..3].copy_from_slice(way.as_slice());
+                all[..3].copy_from_slice(displacement.as_slice());
                 all[3..6].copy_from_slice(turn.as_slice());
                 all
             })
             .collect();
         let times = plan(&coordinates, &groups)?;
-        Ok(ViaPoses { poses, ways, times })
+        Ok(ViaPoses { poses, displacements, times })
     }
 
     /// Duration \[s\].
@@ -82,8 +82,8 @@ impl ViaPoses {
         }
         let at = self.times.at(t);
         let leg = |(k, share): (usize, f64)| {
-            let (way, turn) = self.ways[k.min(last - 1)];
-            (way * share, turn * share)
+            let (displacement, turn) = self.displacements[k.min(last - 1)];
+            (displacement * share, turn * share)
         };
         let (k, share) = at.place;
         let from = self.poses[k];
@@ -91,9 +91,9 @@ impl ViaPoses {
         let on_leg = leg((k, share));
         let before = leg(at.before);
         let after = leg(at.after);
-        let way = on_leg.0 + before.0 + after.0;
+        let displacement = on_leg.0 + before.0 + after.0;
         let turn =
             UnitQuaternion::from_scaled_axis(on_leg.1) * UnitQuaternion::from_scaled_axis(before.1 + after.1);
-        Pose::from_parts(Translation3::from(from.translation.vector + way), from.rotation * turn)
+        Pose::from_parts(Translation3::from(from.translation.vector + displacement), from.rotation * turn)
     }
 }

@@ -40,13 +40,13 @@ impl Times {
         let begun = self.knots.partition_point(|knot| knot.time - 0.5 * knot.blend.duration() <= t);
         let knot = &self.knots[begun.max(1) - 1];
         let x = (t - knot.time).max(-0.5 * knot.blend.duration());
-        let (way, _, _) = knot.blend.at(x);
+        let (advance, _, _) = knot.blend.at(x);
         let before = knot.before;
         let after = knot.after;
         ViaPoint {
             place: knot.place,
-            before: (before.0, before.1 * (x - way)),
-            after: (after.0, after.1 * way),
+            before: (before.0, before.1 * (x - advance)),
+            after: (after.0, after.1 * advance),
         }
     }
 }

@@ -319,7 +319,7 @@ pub fn overridden(braking: f64) -> Override<GuardedApproach<Irp6, Wrist>, ForceL
     Override::of(approach, touched, braking, press)
 }
 
-/// An approach that gives way to pressing.
+/// An approach that yields to pressing.
 pub type Arbitrated = Arbitrate<
     ForceLaw<Irp6, Wrist>,
     GuardedApproach<Irp6, Wrist>,

@@ -29,7 +29,7 @@ fn a_slave_follows_the_measured_master_at_the_stated_distance_and_arrives() {
     assert!((least..most).contains(&behind), "{behind} m, not {least} to {most} m");
     let last = led.len() - 1;
     let end = apart(&led[last].inv_mul(&following[last]), &relation);
-    // What is left is e^-10 of the way behind, and what the master's drives are off at rest.
+    // What is left is e^-10 of the distance behind, and what the master's drives are off at rest.
     assert!(end.0 < 1e-4 && end.1 < 2e-4, "{end:?}");
 }
 

@@ -209,8 +209,8 @@ fn arms_that_yield_keep_the_body_but_for_the_free_turn() {
                 let turn: UnitQuaternion<f64> = trace[0].rotation.inverse() * tool.rotation;
                 assert!(turn.j.abs().max(turn.k.abs()) <= 1e-9, "{turn}");
             }
-            let way = trace[trace.len() - 1].translation.vector - trace[0].translation.vector;
-            assert!((way - Vector3::new(0.0, 0.06, 0.0)).norm() <= 1e-9, "{way}");
+            let displacement = trace[trace.len() - 1].translation.vector - trace[0].translation.vector;
+            assert!((displacement - Vector3::new(0.0, 0.06, 0.0)).norm() <= 1e-9, "{displacement}");
         }
     }
 }

@@ -20,7 +20,7 @@ type Two = [Polycrank; 2];
 /// How the second gripper closes; the first closes where it finds the bar.
 #[derive(Clone, Copy)]
 enum Closing {
-    /// Where it finds the bar: stress comes with the way.
+    /// Where it finds the bar: stress comes with the displacement.
     WhereItIs,
     /// Tightened over two seconds, where the program believes the bar to be: it pulls the whole misplacement into the bar.
     WhereItIsSaidToBe,

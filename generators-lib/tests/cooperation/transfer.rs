@@ -52,11 +52,11 @@ fn check(left: &Trace, right: &Trace, what: &str) -> Pose {
     let start = BodyFrame::Centroid.pose(&[rnt, polycrank]);
     let line = LinePath::new(start, start * by());
     let held = start.inv_mul(&rnt);
-    let way = (start * by()).translation.vector - start.translation.vector;
+    let displacement = (start * by()).translation.vector - start.translation.vector;
     let body = |tool: &Pose| tool * held.inverse();
     for tool in left.iter() {
         let moved = body(tool).translation.vector - start.translation.vector;
-        let error = apart(&body(tool), &line.pose(moved.dot(&way) / way.norm_squared()));
+        let error = apart(&body(tool), &line.pose(moved.dot(&displacement) / displacement.norm_squared()));
         assert!(error.0 <= 1e-9 && error.1 <= 1e-8, "{what}: off the line by {error:?}");
     }
     body(left.last().expect("recorded"))
@@ -82,7 +82,7 @@ fn two_arms_of_different_kinds_keep_their_relative_pose_in_a_suspension_at_every
             if step == at || step == at + 300 {
                 operator.suspend();
             }
-            // Once at standstill, once on the way to it.
+            // Once at standstill, once while it brakes.
             if step == at + 250 || step == at + 320 {
                 operator.resume();
             }
@@ -94,7 +94,7 @@ fn two_arms_of_different_kinds_keep_their_relative_pose_in_a_suspension_at_every
 }
 
 #[test]
-fn one_transfer_is_suspended_and_resumed_all_the_way() {
+fn one_transfer_is_suspended_and_resumed_at_every_stage() {
     let act = |step, operator: &Operator| match step % 11 {
         3 => operator.suspend(),
         8 => operator.resume(),
@@ -179,8 +179,8 @@ fn four_arms_hold_one_body_without_a_change() {
         let starts = traces.each_ref().map(|trace| trace.demanded.borrow()[0]);
         let ends = traces.each_ref().map(|trace| *trace.demanded.borrow().last().expect("recorded"));
         let (start, end) = (BodyFrame::Centroid.pose(&starts), BodyFrame::Centroid.pose(&ends));
-        let way = end.translation.vector - start.translation.vector - by().translation.vector;
-        assert!(way.norm() <= 1e-9, "suspended at {at}: {way}");
+        let error = end.translation.vector - start.translation.vector - by().translation.vector;
+        assert!(error.norm() <= 1e-9, "suspended at {at}: {error}");
     }
 }
 
@@ -252,7 +252,7 @@ fn a_body_follows_a_spline_and_any_function_of_path_time() {
     let error = relative_error(&left, &right, &left[0].inv_mul(&right[0]));
     assert!(error.0 <= 1e-9 && error.1 <= 1e-9, "{error:?}");
     let body = |i: usize| BodyFrame::Centroid.pose(&[left[i], right[i]]);
-    let way = body(left.len() - 1).translation.vector - body(0).translation.vector;
-    assert!((way - end - Vector3::z() * 0.02).norm() < 1e-9, "{way}");
+    let displacement = body(left.len() - 1).translation.vector - body(0).translation.vector;
+    assert!((displacement - end - Vector3::z() * 0.02).norm() < 1e-9, "{displacement}");
     assert!((left[0].rotation.angle_to(&left[left.len() - 1].rotation) - 0.1).abs() < 1e-9);
 }

@@ -68,7 +68,7 @@ fn plan() -> Result<Sheet, Box<dyn Error>> {
             ),
         ],
         paths: Some(Paths {
-            ways: vec![position],
+            traces: vec![position],
             axes: ["joint 1", "joint 2", "joint 3"],
             unit: "rad",
             ..Paths::default()
@@ -97,24 +97,26 @@ fn carry() -> Result<Sheet, Box<dyn Error>> {
     let both = [part(&left), part(&right)];
     let mut sheet = Sheet::of_tools("Two arms carry one body", &both, EVERY as f64 * two_arms_carry::PERIOD);
     let middle = (both[0][0] + both[1][0]) * 0.5;
-    let ways = both.map(|way| way.iter().map(|p| p - middle).collect::<Trace>());
-    let last = ways[0].len() - 1;
-    let bars = [0, last / 2, last].map(|i| [ways[0][i], ways[1][i]]).to_vec();
+    let traces = both.map(|trace| trace.iter().map(|p| p - middle).collect::<Trace>());
+    let last = traces[0].len() - 1;
+    let bars = [0, last / 2, last].map(|i| [traces[0][i], traces[1][i]]).to_vec();
     if let Some(paths) = &mut sheet.paths {
-        paths.ways = ways.to_vec();
+        paths.traces = traces.to_vec();
         paths.bars = bars;
         paths.legend = "; grey: the body";
     }
     Ok(sheet)
 }
 
-/// The way down to the table, and the force on it.
+/// The distance down to the table, and the force on it.
 fn press() -> Result<Sheet, Box<dyn Error>> {
     let depths = force::depths()?;
-    let ways: Trace = depths.iter().step_by(EVERY).map(|depth| Vector3::new(*depth, 0.0, 0.0)).collect();
-    let forces = ways.iter().map(|way| Vector3::x() * force::STIFFNESS * (way.x - force::GAP).max(0.0));
+    let depths_drawn: Trace =
+        depths.iter().step_by(EVERY).map(|depth| Vector3::new(*depth, 0.0, 0.0)).collect();
+    let forces =
+        depths_drawn.iter().map(|depth| Vector3::x() * force::STIFFNESS * (depth.x - force::GAP).max(0.0));
     let forces: Trace = forces.collect();
-    let duration = EVERY as f64 * force::PERIOD * (ways.len() - 1) as f64;
+    let duration = EVERY as f64 * force::PERIOD * (depths_drawn.len() - 1) as f64;
     let chart = |heading: &str, values: Trace, line: f64| Chart {
         heading: heading.to_owned(),
         values: vec![values],
@@ -122,7 +124,7 @@ fn press() -> Result<Sheet, Box<dyn Error>> {
         lines: vec![line],
     };
     let charts = vec![
-        chart("way down [m]; dotted: the surface of the table", ways, force::GAP),
+        chart("distance down [m]; dotted: the surface of the table", depths_drawn, force::GAP),
         chart("force on the table [N]; dotted: what is asked for", forces, force::LOAD),
     ];
     let title = "A tool finds a table and presses on it".to_owned();
@@ -168,22 +170,23 @@ fn logic() -> Result<Sheet, Box<dyn Error>> {
 /// The velocities of a belt, and of the first joint of an arm beside it.
 fn background() -> Result<Sheet, Box<dyn Error>> {
     const PERIOD: f64 = belt_in_the_background::PERIOD;
-    let ways = belt_in_the_background::ways()?;
-    let steps = ways.iter().map(Vec::len).min().unwrap_or(0);
-    let chart = |heading: &str, way: &[f64]| {
-        let speeds = way[..steps].windows(2).map(|pair| (pair[1] - pair[0]) / PERIOD);
+    let positions = belt_in_the_background::positions()?;
+    let steps = positions.iter().map(Vec::len).min().unwrap_or(0);
+    let chart = |heading: &str, positions: &[f64]| {
+        let speeds = positions[..steps].windows(2).map(|pair| (pair[1] - pair[0]) / PERIOD);
         let values = speeds.step_by(EVERY).map(|speed| Vector3::x() * speed).collect();
         Chart { heading: heading.to_owned(), values: vec![values], rounding: 1e-9, lines: Vec::new() }
     };
-    let way = |heading: &str, way: &[f64]| {
-        let values = way[..steps].iter().step_by(EVERY).map(|way| Vector3::x() * *way).collect();
+    let position = |heading: &str, positions: &[f64]| {
+        let values =
+            positions[..steps].iter().step_by(EVERY).map(|position| Vector3::x() * *position).collect();
         Chart { heading: heading.to_owned(), values: vec![values], rounding: 1e-9, lines: Vec::new() }
     };
     let charts = vec![
-        way("way of the belt [m]", &ways[0]),
-        way("the arm's first joint [rad]", &ways[1]),
-        chart("velocity of the belt [m/s]", &ways[0]),
-        chart("velocity of the arm's first joint [rad/s]", &ways[1]),
+        position("position of the belt [m]", &positions[0]),
+        position("the arm's first joint [rad]", &positions[1]),
+        chart("velocity of the belt [m/s]", &positions[0]),
+        chart("velocity of the arm's first joint [rad/s]", &positions[1]),
     ];
     let duration = PERIOD * (steps.saturating_sub(2)) as f64;
     let title = "A belt runs in the background".to_owned();

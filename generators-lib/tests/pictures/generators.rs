@@ -1,4 +1,4 @@
-//! What every generator demands, one sheet each: way, velocity, acceleration, jerk over time, and the path in space.
+//! What every generator demands, one sheet each: displacement, velocity, acceleration, jerk over time, and the path in space.
 
 use std::error::Error;
 use std::f64::consts::TAU;
@@ -340,8 +340,8 @@ fn pairs() -> Sheets {
     // A body of 2 N/mm between the tools' origins, as long as at the start.
     let between = |_: u64, at: &[Image; 2]| {
         let poses = [0, 1].map(|i| at[i].demanded().pose);
-        let way = poses[1].translation.vector - poses[0].translation.vector;
-        let push = way.normalize() * (2000.0 * (0.5 - way.norm()));
+        let displacement = poses[1].translation.vector - poses[0].translation.vector;
+        let push = displacement.normalize() * (2000.0 * (0.5 - displacement.norm()));
         let felt = |i: usize, force: Vector3<f64>| {
             let force = poses[i].rotation.inverse_transform_vector(&force);
             SensorImage::<Wrist>::new(Wrench::new(force, Vector3::zeros()), 0)

@@ -28,7 +28,7 @@ const CURVE: f64 = 1.5;
 const BAR: f64 = 3.0;
 /// How far a path may be from what is drawn: nobody sees it \[px\].
 const UNSEEN: f64 = 0.1;
-/// Values as small as rounding makes them are drawn as none: way, velocity, acceleration, jerk in SI.
+/// Values as small as rounding makes them are drawn as none: displacement, velocity, acceleration, jerk in SI.
 const ROUNDING: [f64; 4] = [1e-9, 1e-7, 1e-5, 1e-3];
 
 /// Coordinates over time, such as the positions of a tool \[m\].
@@ -47,7 +47,7 @@ pub struct Chart {
 /// Paths in space, to one scale, in the coordinates that the drawing's middle is the origin of.
 #[derive(Default)]
 pub struct Paths {
-    pub ways: Vec<Trace>,
+    pub traces: Vec<Trace>,
     /// Points that are to be passed.
     pub marks: Vec<Vector3<f64>>,
     /// Straight lines between two points, such as a body between two tools.
@@ -99,16 +99,17 @@ fn derivatives(name: &str, unit: &str, values: Vec<Trace>, dt: f64) -> Vec<Chart
 }
 
 impl Sheet {
-    /// The motion of one tool or of two, whose positions \[m\] are `dt` \[s\] apart: each one's way from its start.
+    /// The motion of one tool or of two, whose positions \[m\] are `dt` \[s\] apart: each one's displacement from its start.
     pub fn of_tools(title: &str, tools: &[Trace], dt: f64) -> Self {
-        let ways: Vec<Trace> = tools.iter().map(|tool| tool.iter().map(|p| p - tool[0]).collect()).collect();
+        let traces: Vec<Trace> =
+            tools.iter().map(|tool| tool.iter().map(|p| p - tool[0]).collect()).collect();
         Sheet {
             title: title.to_owned(),
             axes: vec!["x", "y", "z"],
             dashed: if tools.len() > 1 { "dashed: the second arm" } else { "" },
-            duration: dt * (ways[0].len() - 1) as f64,
-            charts: derivatives("way from the start", "m", ways.clone(), dt),
-            paths: Some(Paths { ways, axes: ["x", "y", "z"], unit: "m", ..Paths::default() }),
+            duration: dt * (traces[0].len() - 1) as f64,
+            charts: derivatives("displacement from the start", "m", traces.clone(), dt),
+            paths: Some(Paths { traces, axes: ["x", "y", "z"], unit: "m", ..Paths::default() }),
         }
     }
 
@@ -122,7 +123,7 @@ impl Sheet {
 
     /// How many values each curve and each path has.
     pub fn lengths(&self) -> impl Iterator<Item = usize> + '_ {
-        let paths = self.paths.iter().flat_map(|paths| &paths.ways);
+        let paths = self.paths.iter().flat_map(|paths| &paths.traces);
         self.charts.iter().flat_map(|chart| &chart.values).chain(paths).map(Vec::len)
     }
 
@@ -206,7 +207,7 @@ impl Chart {
 impl Paths {
     /// All points that are drawn.
     fn points(&self) -> impl Iterator<Item = &Vector3<f64>> {
-        self.ways.iter().flatten().chain(&self.marks).chain(self.bars.iter().flatten())
+        self.traces.iter().flatten().chain(&self.marks).chain(self.bars.iter().flatten())
     }
 
     /// From two sides, and below what the signs are.
@@ -231,15 +232,15 @@ impl Paths {
         for [from, to] in &self.bars {
             svg.line(place(from), place(to), Look::line(RULE, BAR));
         }
-        for (thing, way) in self.ways.iter().enumerate() {
-            let points: Vec<_> = way.iter().map(place).collect();
+        for (thing, trace) in self.traces.iter().enumerate() {
+            let points: Vec<_> = trace.iter().map(place).collect();
             svg.polyline(&thinned(&points, UNSEEN), dashed(Look::line(INK, CURVE), thing));
         }
         for mark in &self.marks {
             svg.circle(place(mark), 4.0, Look::line(joint(1), 1.0));
         }
-        for way in &self.ways {
-            svg.circle(way.first().map_or(middle, place), 3.0, Look::filled(INK));
+        for trace in &self.traces {
+            svg.circle(trace.first().map_or(middle, place), 3.0, Look::filled(INK));
         }
     }
 }

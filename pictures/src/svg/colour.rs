@@ -17,7 +17,7 @@ impl Colour {
         Colour { channels: [red, green, blue] }
     }
 
-    /// On the straight way from this colour to another one, `share` 0 to 1.
+    /// On the straight line from this colour to another one, `share` 0 to 1.
     #[must_use]
     pub fn towards(self, other: Colour, share: f64) -> Colour {
         let share = share.clamp(0.0, 1.0);

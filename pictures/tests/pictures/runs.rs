@@ -115,7 +115,7 @@ impl Robot for Flange {
 
 /// Joint positions over path time, for any robot.
 struct Along<R: Robot> {
-    way: fn(f64, R::Joints) -> R::Joints,
+    motion: fn(f64, R::Joints) -> R::Joints,
     from: Option<R::Joints>,
     t: f64,
     duration: f64,
@@ -132,7 +132,7 @@ impl<R: Robot> Along<R> {
         match self.from {
             Some(from) if self.t < self.duration => {
                 self.t = (self.t + t.dt).min(self.duration);
-                Step::Next(Demand::joints((self.way)(self.t, from)))
+                Step::Next(Demand::joints((self.motion)(self.t, from)))
             }
             Some(_) | None => Step::Done,
         }
@@ -141,11 +141,11 @@ impl<R: Robot> Along<R> {
 
 const START: Six = Irp6::READY;
 
-fn arm(name: &str, base: Pose, duration: f64, way: fn(f64, Six) -> Six) -> RobotSetup<Irp6> {
+fn arm(name: &str, base: Pose, duration: f64, motion: fn(f64, Six) -> Six) -> RobotSetup<Irp6> {
     let robot = Irp6::nominal().with_base(base);
     let drives = SimulatedIrp6::new(robot.clone(), &START);
     RobotSetup::new(name, robot, drives).program(move |ecp| {
-        ecp.move_robot((), Along { way, from: None, t: 0.0, duration })?;
+        ecp.move_robot((), Along { motion, from: None, t: 0.0, duration })?;
         Ok(())
     })
 }
@@ -160,13 +160,13 @@ fn still(_: f64, from: Six) -> Six {
 }
 
 fn gantry(name: &str, x: f64, y: f64, duration: f64) -> RobotSetup<Gantry> {
-    let way = |t: f64, from: Eight| {
+    let motion = |t: f64, from: Eight| {
         from + Eight::from_fn(|i, _| {
             0.05 * (1.0 + 0.4 * i as f64) * (1.0 - (t * (1.0 + 0.2 * i as f64)).cos())
         })
     };
     RobotSetup::new(name, Gantry::at(x, y), Lagging(Eight::zeros())).program(move |ecp| {
-        ecp.move_robot((), Along { way, from: None, t: 0.0, duration })?;
+        ecp.move_robot((), Along { motion, from: None, t: 0.0, duration })?;
         Ok(())
     })
 }
@@ -363,16 +363,16 @@ fn after_a_fault_the_picture_is_saved() {
 }
 
 #[test]
-fn a_robot_that_shows_its_flange_alone_has_a_gripper_and_a_way() {
-    let way = |t: f64, from: Eight| from + Eight::repeat(0.1 * (1.0 - t.cos()));
+fn a_robot_that_shows_its_flange_alone_has_a_gripper_and_a_path() {
+    let motion = |t: f64, from: Eight| from + Eight::repeat(0.1 * (1.0 - t.cos()));
     let robot = RobotSetup::new("flange", Flange(Gantry::at(0.0, 0.0)), Lagging(Eight::zeros()));
     let svg = picture(cell().robot(robot.program(move |ecp| {
-        ecp.move_robot((), Along { way, from: None, t: 0.0, duration: 2.0 })?;
+        ecp.move_robot((), Along { motion, from: None, t: 0.0, duration: 2.0 })?;
         Ok(())
     })));
     let document = Document::parse(&svg).unwrap();
     // Three views and the path alone.
-    assert_eq!(with_class(&document, "way").count(), 4);
+    assert_eq!(with_class(&document, "path").count(), 4);
     assert!(document.descendants().filter(|node| node.has_tag_name("animate")).count() >= 4);
     no_words_overlap(&document);
 }
@@ -445,9 +445,9 @@ fn moves_waits_and_suspensions_are_marked_below_the_time_axes() {
     let own = RobotSetup::new("own", robot, drives).program(|ecp| {
         for _ in 0..2 {
             ecp.serve(|ecp, _: Go| {
-                ecp.move_robot((), Along { way: wave, from: None, t: 0.0, duration: 2.0 })?;
+                ecp.move_robot((), Along { motion: wave, from: None, t: 0.0, duration: 2.0 })?;
                 ecp.wait_until((), Dwell(500))?;
-                ecp.move_robot((), Along { way: wave, from: None, t: 0.0, duration: 2.0 }).map(drop)
+                ecp.move_robot((), Along { motion: wave, from: None, t: 0.0, duration: 2.0 }).map(drop)
             })?;
         }
         Ok(())
@@ -492,7 +492,7 @@ fn moves_waits_and_suspensions_are_marked_below_the_time_axes() {
     };
     let suspended = at("suspended");
     assert!((suspended.0 - 1.0).abs() < 0.01 && (suspended.1 - 3.0).abs() < 0.01, "{suspended:?}");
-    // 2 s of path time, and 2 s of suspension; the feed comes down and up again on the way.
+    // 2 s of path time, and 2 s of suspension; the feed comes down and up again meanwhile.
     let along = at("Move Along");
     assert!(along.0 < 0.05 && along.1 > 3.9 && along.1 < 5.0, "{along:?}");
     let dwell = at("Wait Dwell");

@@ -223,7 +223,7 @@ fn fault_121_a_second_program_and_a_second_sensor_are_refused_and_the_first_stay
 }
 
 #[test]
-fn fault_121_a_port_that_others_made_in_another_way_is_refused() {
+fn fault_121_a_port_that_others_made_differently_is_refused() {
     let folder = Folder::new("foreign");
     // Make the folder, and nothing that stays in it.
     drop(folder.sensor(""));

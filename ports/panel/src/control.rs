@@ -12,7 +12,7 @@ use mrroc_core::operator::{Renewal, Request};
 use crate::rules::authority::{Authority, LAPSE, NoAuthority, Page};
 
 /// How long a hold lasts here after its last renewal: shorter than at the cell, so that the cell hears of its end in time however long
-/// the renewal was on its way.
+/// the renewal was in transit.
 const HELD: Duration = Duration::from_millis(LAPSE.as_millis() as u64 - 10);
 
 /// Authority, and the hold of the page that has it.

@@ -250,13 +250,13 @@ impl Appearance {
         self.robots.iter().map(|robot| robot.name.as_str())
     }
 
-    /// The way of a robot's tool in the world, straight in joint space from where it is demanded to be to other joints [rad or m]:
+    /// The path of a robot's tool in the world, straight in joint space from where it is demanded to be to other joints [rad or m]:
     /// so many places \[m\].
     ///
     /// # Errors
     /// The robot is not known, its joints are others, or one of them would be beyond its limits.
     #[allow(non_snake_case)]
-    pub fn way(
+    pub fn tool_path(
         &self,
         robots: &[RobotNow],
         name: &str,

@@ -106,7 +106,7 @@ impl Pages {
                 self.control.check(page, now).map_err(|why| why.to_string())?;
                 self.use_files(key, by, number, asked)?;
             }
-            PageRequest::Way(..) => self.use_files(key, by, number, asked)?,
+            PageRequest::ToolPath(..) => self.use_files(key, by, number, asked)?,
             PageRequest::Token(_) | PageRequest::Frame(..) => {
                 return Err("this is a cell that runs, and the page is let in already".to_owned());
             }

@@ -320,8 +320,9 @@ impl Pages {
                 self.note(&format!("page {page}: {told}"));
                 self.answer(key, number, &Answer::Done(told))
             }
-            Ok(WorkOutcome::Way(way)) => {
-                let said = json!({"kind": "answer", "n": number, "outcome": "done", "text": "", "way": way});
+            Ok(WorkOutcome::ToolPath(path)) => {
+                let said =
+                    json!({"kind": "answer", "n": number, "outcome": "done", "text": "", "path": path});
                 self.tell(key, said.to_string().into())
             }
             Err(why) => self.answer(key, number, &Answer::Refused(why)),

@@ -48,7 +48,7 @@ pub async fn serve(socket: WebSocket, place: Place) {
     }
 }
 
-/// A frame on its way.
+/// A frame that is being sent.
 enum Sending {
     /// It waits until the connection takes it.
     Waits(Frame),
@@ -81,7 +81,7 @@ impl Sending {
     }
 }
 
-/// Sends what is on its way, if anything is.
+/// Sends on what is begun, if anything is.
 async fn send(sending: &mut Option<Sending>, sends: &mut SplitSink<WebSocket, Frame>) -> Result<(), Error> {
     std::future::poll_fn(|context| match sending {
         Some(sending) => sending.poll(sends, context),

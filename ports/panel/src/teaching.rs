@@ -1,6 +1,6 @@
 //! What pages ask of taught poses.
 //!
-//! In: requests to teach, rename, forget, or to see the way to a pose. Out: changed files, and answers. Files may take their time: a
+//! In: requests to teach, rename, forget, or to see the path to a pose. Out: changed files, and answers. Files may take their time: a
 //! thread that is no page's waits for them, so that stops and holds of all pages go on meanwhile.
 
 use axum::extract::ws::Utf8Bytes;
@@ -12,7 +12,7 @@ use crate::now::Appearance;
 use crate::poses::{Pose, Poses};
 use crate::rules::request::PageRequest;
 
-/// Places on the way to a pose that a page is shown.
+/// Places on the path to a pose that a page is shown.
 const PLACES: usize = 60;
 
 /// What has become of a request.
@@ -20,8 +20,8 @@ const PLACES: usize = 60;
 pub enum WorkOutcome {
     /// In words, for all pages.
     Changed(String),
-    /// The way of a robot's tool \[m\].
-    Way(Vec<[f64; 3]>),
+    /// The path of a robot's tool \[m\].
+    ToolPath(Vec<[f64; 3]>),
 }
 
 /// Which poses the robots of a cell were taught, as the files say, which may take their time.
@@ -50,7 +50,7 @@ pub fn carry_out(
     (outcome, has_changed.then(|| taught(poses, looks)))
 }
 
-/// Teaches a robot that stands its pose, changes what it was taught, or finds the way to it.
+/// Teaches a robot that stands its pose, changes what it was taught, or finds the path to it.
 fn work(
     poses: &Poses,
     looks: &Appearance,
@@ -81,11 +81,11 @@ fn work(
             poses.forget(robot.as_str(), *name)?;
             Ok(WorkOutcome::Changed(format!("{robot}: `{name}` is forgotten")))
         }
-        PageRequest::Way(robot, name) => {
+        PageRequest::ToolPath(robot, name) => {
             let poses = poses.of_robot(robot.as_str())?;
             let pose = poses.iter().find(|pose| pose.name == *name);
             let pose = pose.ok_or_else(|| format!("there is no pose `{name}`"))?;
-            looks.way(&shown.robots, robot.as_str(), &pose.joints, PLACES).map(WorkOutcome::Way)
+            looks.tool_path(&shown.robots, robot.as_str(), &pose.joints, PLACES).map(WorkOutcome::ToolPath)
         }
         _ => Err("that is no teaching".to_owned()),
     }

@@ -70,8 +70,8 @@ fn loosely(mp: &mut Mp, times: u32) -> Result<(), Fault> {
 fn to_and_fro<R: Robot>(ecp: &mut Ecp<R>, start: &R::Joints) -> Result<(), Fault> {
     let each = |value: f64| R::Joints::from_joints(|_| value);
     ecp.serve_all(|ecp, phase: Phase| {
-        let way = phase.choose([(Phase::Approach, 0.1), (Phase::Withdraw, 0.0)])?;
-        let goal = R::Joints::from_joints(|i| start[i] + if i == 0 { way } else { 0.0 });
+        let distance = phase.choose([(Phase::Approach, 0.1), (Phase::Withdraw, 0.0)])?;
+        let goal = R::Joints::from_joints(|i| start[i] + if i == 0 { distance } else { 0.0 });
         ecp.move_robot((), JointMove::to(goal, each(0.05), each(0.04))).map(drop)
     })
 }

@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use crate::certificates::program;
 
 /// The key of what `from` sends to `to`.
-pub(crate) fn way(from: &str, to: &str) -> String {
+pub(crate) fn sent(from: &str, to: &str) -> String {
     format!("mrroc/{from}/{to}")
 }
 
@@ -87,9 +87,9 @@ pub(crate) fn control<'a>(me: &str, others: impl Iterator<Item = &'a str> + Clon
                 "key_exprs": keys,
             })
         };
-        rules.push(rule("words", json!(["put"]), json!([way(other, me)])));
+        rules.push(rule("words", json!(["put"]), json!([sent(other, me)])));
         rules.push(rule("liveliness", json!(["liveliness_token"]), json!([alive(other)])));
-        rules.push(rule("subscriptions", json!(["declare_subscriber"]), json!([way(me, other)])));
+        rules.push(rule("subscriptions", json!(["declare_subscriber"]), json!([sent(me, other)])));
         rules.push(rule(
             "presence",
             json!(["declare_liveliness_subscriber", "liveliness_query", "reply"]),

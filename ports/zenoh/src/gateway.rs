@@ -26,7 +26,7 @@ struct Endpoints {
 impl GatewayPort for Open {
     fn send(&self, bytes: &[u8]) {
         // What cannot be sent is lost, as it would be in a cable.
-        let _ = self.0.parts().map(|ways| ways.orders.put(bytes).wait());
+        let _ = self.0.parts().map(|endpoints| endpoints.orders.put(bytes).wait());
     }
 }
 

@@ -20,7 +20,7 @@ use zenoh::qos::{CongestionControl, Priority};
 use zenoh::sample::SampleKind;
 use zenoh::{Config, Session, Wait};
 
-use crate::access::{alive, control, way};
+use crate::access::{alive, control, sent};
 use crate::certificates::Files;
 
 /// What nodes and gateways speak below zenoh: QUIC, which is encrypted by TLS 1.3 over UDP. zenoh's other transport with certificates, TLS
@@ -43,7 +43,7 @@ const CALL_MOST_MS: u64 = 1000;
 /// word that waits for a peer that takes none: the end of the process says the same.
 const FAREWELL: Duration = Duration::from_secs(1);
 
-/// The ways to the other nodes, as long as it lives.
+/// The connections to the other nodes, as long as it lives.
 pub(crate) struct Zenoh(ClosingInBackground<Endpoints>);
 
 /// What is closed in a thread of its own, which is waited for no longer than [`FAREWELL`].
@@ -89,7 +89,7 @@ struct Endpoints {
 
 impl Wires for Zenoh {
     fn send(&self, to: usize, bytes: &[u8]) {
-        let publisher = self.0.parts().and_then(|ways| ways.publishers.get(to)?.as_ref());
+        let publisher = self.0.parts().and_then(|endpoints| endpoints.publishers.get(to)?.as_ref());
         if let Some(publisher) = publisher {
             // What cannot be sent is lost, as it would be in a cable.
             let _ = publisher.put(bytes).wait();
@@ -121,14 +121,14 @@ pub(crate) fn join(joining: &JoinOptions<'_>, hears: Arc<dyn NodeListener>) -> R
         }
         let other = other.name.as_str();
         let publisher = session
-            .declare_publisher(way(name, other))
+            .declare_publisher(sent(name, other))
             .congestion_control(CongestionControl::Block)
             .priority(Priority::RealTime)
             .express(true);
         publishers.push(Some(publisher.wait().map_err(failed)?));
         let heard = Arc::clone(&hears);
         let listens = session
-            .declare_subscriber(way(other, name))
+            .declare_subscriber(sent(other, name))
             .callback(move |sample| heard.came(place, &sample.payload().to_bytes()));
         subscribers.push(listens.wait().map_err(failed)?);
         let heard = Arc::clone(&hears);

@@ -64,14 +64,14 @@ fn run<const N: usize, R: Driven<N>>(
     Ok(run)
 }
 
-/// The way of a trapezoid of the speed, `travel` long, at most `velocity` fast, with `acceleration` up and down; and its
+/// The distance by a trapezoid of the speed, `travel` long, at most `velocity` fast, with `acceleration` up and down; and its
 /// duration \[s\].
 fn trapezoid(travel: f64, velocity: f64, acceleration: f64) -> (f64, impl Fn(f64) -> f64) {
     let (length, sign) = (travel.abs(), travel.signum());
     let speed = velocity.min((acceleration * length).sqrt());
     let ramp = speed / acceleration;
     let duration = length / speed + ramp;
-    let way = move |t: f64| {
+    let distance = move |t: f64| {
         if t >= duration {
             length
         } else if t < ramp {
@@ -82,10 +82,10 @@ fn trapezoid(travel: f64, velocity: f64, acceleration: f64) -> (f64, impl Fn(f64
             length - 0.5 * acceleration * (duration - t).powi(2)
         }
     };
-    (duration, move |t| sign * way(t))
+    (duration, move |t| sign * distance(t))
 }
 
-/// The longest way of a joint from `start`, up to `most`, that keeps all limits; negative downwards.
+/// The longest displacement of a joint from `start`, up to `most`, that keeps all limits; negative downwards.
 fn room<const N: usize, R: Kinematics<N>>(
     robot: &R,
     start: &SVector<f64, N>,
@@ -141,8 +141,8 @@ fn charts<const N: usize, R: Kinematics<N> + Driven<N>>(
     let limits = robot.limits();
     let (velocity, acceleration) = (0.5 * limits.velocity[joint], 0.5 * limits.acceleration[joint]);
     let most = velocity * (velocity / acceleration + STEADY);
-    let (duration, way) = trapezoid(0.9 * room(robot, start, joint, most), velocity, acceleration);
-    let moved = run(robot, start, joint, duration + REST, way)?;
+    let (duration, position) = trapezoid(0.9 * room(robot, start, joint, most), velocity, acceleration);
+    let moved = run(robot, start, joint, duration + REST, position)?;
     let error: Vec<f64> = moved.demanded.iter().zip(&moved.true_shaft).map(|(a, b)| a - b).collect();
     let largest = error.iter().fold(0.0_f64, |most, e| most.max(e.abs()));
     let speeds = moved.demanded.windows(2).map(|w| ((w[1] - w[0]) / PERIOD).abs());

@@ -18,7 +18,7 @@ const THICKNESS: f64 = 0.08;
 const GRID: f64 = 0.5;
 /// Length of the axes of a frame \[m\].
 const AXIS: f64 = 0.1;
-/// Largest coordinate that is drawn, either way \[m\].
+/// Largest coordinate that is drawn, in either direction \[m\].
 const FARTHEST: f64 = 2.5;
 /// Joint positions tried for the workspace.
 const SAMPLES: usize = 3_000_000;

@@ -161,11 +161,11 @@ impl VirtualSensor for Slow {
     }
 }
 
-/// Moves all joints at once, from rest to rest; gives up on the way when told to.
+/// Moves all joints at once, from rest to rest; gives up in between when told to.
 #[derive(Clone)]
 struct Sway<R: Robot> {
     start: R::Joints,
-    way: R::Joints,
+    displacement: R::Joints,
     t: f64,
     until: f64,
 }
@@ -174,14 +174,14 @@ impl<R: Robot> Sway<R> {
     /// By up to an eighth of the limits of speed, a sixteenth of those of acceleration, and a tenth of the range.
     fn from(robot: &R, start: &R::Joints, until: f64) -> Self {
         let limits = robot.limits();
-        let way = R::Joints::from_joints(|i| {
+        let displacement = R::Joints::from_joints(|i| {
             let up = limits.upper[i] - start[i];
             let down = start[i] - limits.lower[i];
             let most = (limits.velocity[i] * DURATION / 16.0)
                 .min(limits.acceleration[i] * DURATION * DURATION / (16.0 * TAU));
             if up > down { most.min(0.1 * up) } else { -most.min(0.1 * down) }
         });
-        Sway { start: *start, way, t: 0.0, until }
+        Sway { start: *start, displacement, t: 0.0, until }
     }
 }
 
@@ -191,11 +191,11 @@ fn sway<R: Robot>(c: &mut Sway<R>, _v: &Reading<(Slow,)>, t: Tick) -> Result<Ste
         return Ok(Step::Done);
     }
     if c.t >= c.until {
-        return Err(Fault::thrown("the program gives up on the way"));
+        return Err(Fault::thrown("the program gives up in the middle"));
     }
     c.t = (c.t + t.dt).min(DURATION);
     let u = c.t / DURATION;
-    Ok(Step::Next(Demand::joints(c.start + c.way * (u - (TAU * u).sin() / TAU))))
+    Ok(Step::Next(Demand::joints(c.start + c.displacement * (u - (TAU * u).sin() / TAU))))
 }
 
 fn sway_first<R: Robot>(
@@ -242,8 +242,8 @@ fn at_rest<R: Robot, D: Driver<R>>(robot: &R, kept: &RefCell<Kept<R, D>>) -> Res
     Ok(*demanded)
 }
 
-/// A motion of which two demands of three are lost is followed to its end all the same; one whose program gives up on the
-/// way ends at rest.
+/// A motion of which two demands of three are lost is followed to its end all the same; one whose program gives up in
+/// between ends at rest.
 ///
 /// # Errors
 /// The first [`Violation`].
@@ -259,13 +259,13 @@ pub fn bears_lost_demands<R: Robot, D: Driver<R> + 'static>(
     let sway = Sway::from(robot, start, f64::INFINITY);
     for i in 0..R::Joints::LEN {
         // It began where the encoders were.
-        let off = (end[i] - start[i] - sway.way[i]).abs() / limits.velocity[i];
+        let off = (end[i] - start[i] - sway.displacement[i]).abs() / limits.velocity[i];
         ensure(off < 2e-3, || format!("joint {i} ends {off} s of its top speed from its goal"))?;
     }
     let (cell, kept) = late_cell(robot, make(), start, 0.5 * DURATION);
     let outcome = cell.run();
     ensure(outcome.is_err(), || "a program that gives up ends well".into())?;
     let end = at_rest(robot, &kept)?;
-    let moved = (0..R::Joints::LEN).any(|i| (end[i] - start[i]).abs() > 0.3 * sway.way[i].abs());
+    let moved = (0..R::Joints::LEN).any(|i| (end[i] - start[i]).abs() > 0.3 * sway.displacement[i].abs());
     ensure(moved, || "it gave up before it moved".into())
 }

@@ -1,7 +1,7 @@
 //! The conveyor: a belt, one joint without an end.
 //!
 //! ```text
-//!      B--> x_B ------ F ------->   way x of the belt, F: a mark on it, axes as B
+//!      B--> x_B ------ F ------->   position x of the belt, F: a mark on it, axes as B
 //!    (o========================o)
 //! ```
 //!
@@ -19,7 +19,7 @@ use nalgebra::{Translation3, Vector3};
 use crate::dynamics::{Segment, Tree};
 use crate::models::base::Base;
 use crate::models::drives::{Driven, MotorData, MotorLimits, Shafts, check_motors, motor_limits_in_words};
-use crate::models::kinematics::{Jacobian, Kinematics, column, way_along_x};
+use crate::models::kinematics::{Jacobian, Kinematics, column, position_along_x};
 use crate::models::urdf::export::exported;
 use crate::models::vectors::One;
 
@@ -33,7 +33,7 @@ pub struct Conveyor {
 impl Conveyor {
     /// Largest distance of a demanded pose from the nearest one on the belt \[m or rad\].
     pub const OFF: f64 = 1e-6;
-    /// Motor angle per way of the belt [rad/m] (MRROC++).
+    /// Motor angle per distance of the belt [rad/m] (MRROC++).
     pub const GEAR: f64 = 2250.0;
     /// Mass of the belt, its drums counted with it \[kg\] (assumed).
     pub const BELT: f64 = 10.0;
@@ -112,7 +112,7 @@ impl Robot for Conveyor {
 
     #[allow(non_snake_case)]
     fn inverse(&self, X_WF: &Pose, _near: &One) -> Result<One, NoInverse> {
-        way_along_x(&(self.base.X_BW * X_WF), Self::OFF).map(One::new)
+        position_along_x(&(self.base.X_BW * X_WF), Self::OFF).map(One::new)
     }
 
     fn urdf(&self, name: &str, tool: &Tool) -> Option<String> {

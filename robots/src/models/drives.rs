@@ -202,17 +202,17 @@ pub(crate) fn check_motors<const N: usize>(
     to: &SVector<f64, N>,
     duration: f64,
 ) -> Result<(), CoupledLimit> {
-    check_motors_on_ways(robot, from, [(to, duration)])
+    check_motors_on_moves(robot, from, [(to, duration)])
 }
 
-/// The same on one way after another, in the time of each \[s\].
-pub(crate) fn check_motors_on_ways<const N: usize, const WAYS: usize>(
+/// The same on one move after another, in the time of each \[s\].
+pub(crate) fn check_motors_on_moves<const N: usize, const MOVES: usize>(
     robot: &impl Driven<N>,
     from: &SVector<f64, N>,
-    ways: [(&SVector<f64, N>, f64); WAYS],
+    moves: [(&SVector<f64, N>, f64); MOVES],
 ) -> Result<(), CoupledLimit> {
     let mut before = robot.motors(from);
-    for (to, duration) in ways {
+    for (to, duration) in moves {
         let after = robot.motors(to);
         check_turn(robot.motor_limits(), &before, &after, duration)?;
         before = after;

@@ -142,7 +142,7 @@ pub(crate) fn column(linear: &Vector3<f64>, angular: &Vector3<f64>) -> SVector<f
 /// # Errors
 /// [`NoInverse::NotAttainable`] with the distance from the x axis, or the turn, that exceeds `off`.
 #[allow(non_snake_case)]
-pub(crate) fn way_along_x(X_BF: &Pose, off: f64) -> Result<f64, NoInverse> {
+pub(crate) fn position_along_x(X_BF: &Pose, off: f64) -> Result<f64, NoInverse> {
     let p = X_BF.translation.vector;
     let aside = p.y.hypot(p.z);
     let turn = X_BF.rotation.angle();

@@ -29,7 +29,7 @@
 //!
 //! The rod is longer than the upper arm: the four-bar is no parallelogram, so the forearm turns when the upper arm alone is
 //! driven. Of each loop's two assemblies the drawn one is built; the other lies beyond a dead centre, from which
-//! [`Rnt::TRANSMISSION`] keeps away: a way nearer to one is refused as a limit that joints share. The wrist is singular at
+//! [`Rnt::TRANSMISSION`] keeps away: a motion nearer to one is refused as a limit that joints share. The wrist is singular at
 //! `q5 = 0` (forearm's and flange's axes in line).
 
 mod export;

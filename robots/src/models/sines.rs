@@ -85,7 +85,7 @@ pub(crate) fn sin_cos<const L: usize>(angles: [f64; L]) -> [(f64, f64); L] {
     if small { reduced(angles) } else { angles.map(by_platform) }
 }
 
-/// By value, not as an array: an array that is handed on would be written to memory on the common way, too.
+/// By value, not as an array: an array that is handed on would be written to memory in the common case, too.
 #[cold]
 #[inline(never)]
 fn by_platform(angle: f64) -> (f64, f64) {

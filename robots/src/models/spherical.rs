@@ -354,7 +354,7 @@ fn any_across(v: &Vector3<f64>) -> Vector3<f64> {
 
 /// The angles of `R_z R_y R_z` whose columns these are, with the middle sine >= 0; where it is 0, the first is `at`.
 ///
-/// The arm as a whole is not singular there, because its elbow can give way: also beside it, where round-off makes the first
+/// The arm as a whole is not singular there, because its elbow can yield: also beside it, where round-off makes the first
 /// angle uncertain, it is `at` if it may be.
 #[inline(always)]
 fn turned([x, y, z]: [Vector3<f64>; 3], at: Direction) -> Turned {

@@ -24,7 +24,7 @@ use crate::dynamics::{Segment, Tree};
 use crate::models::base::Base;
 use crate::models::drives::{Driven, MotorData, MotorLimits, Shafts, check_motors, motor_limits_in_words};
 use crate::models::gripper::Gripper;
-use crate::models::kinematics::{Jacobian, Kinematics, column, way_along_x};
+use crate::models::kinematics::{Jacobian, Kinematics, column, position_along_x};
 use crate::models::urdf::export::exported;
 use crate::models::vectors::One;
 
@@ -118,7 +118,7 @@ impl Robot for TwoFingers {
 
     #[allow(non_snake_case)]
     fn inverse(&self, X_WF: &Pose, _near: &One) -> Result<One, NoInverse> {
-        way_along_x(&(self.base.X_BW * X_WF), Self::OFF).map(|way| One::new(2.0 * way))
+        position_along_x(&(self.base.X_BW * X_WF), Self::OFF).map(|position| One::new(2.0 * position))
     }
 
     fn urdf(&self, name: &str, tool: &Tool) -> Option<String> {

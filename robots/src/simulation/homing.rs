@@ -76,9 +76,9 @@ pub struct Unhomed<R, const N: usize> {
     /// The motor that searches, and how far it has come.
     motor: usize,
     stage: Stage,
-    /// Its demanded speed [rad/s], and its way in this stage \[rad\].
+    /// Its demanded speed [rad/s], and how far it has turned in this stage \[rad\].
     speed: f64,
-    way: f64,
+    travelled: f64,
 }
 
 /// What the searching motor does.
@@ -121,7 +121,7 @@ impl<const N: usize, R: Driven<N>> Unhomed<R, N> {
             motor: 0,
             stage: Stage::Up,
             speed: 0.0,
-            way: 0.0,
+            travelled: 0.0,
         }
     }
 
@@ -149,7 +149,7 @@ impl<const N: usize, R: Driven<N>> Unhomed<R, N> {
         !self.cut[self.motor] && self.drives.true_angle(self.motor) >= switch
     }
 
-    /// The stage that follows. Where the index line was passed on the way up from the true angle `before`, the encoder
+    /// The stage that follows. Where the index line was passed upwards from the true angle `before`, the encoder
     /// learns its angle.
     fn after(&mut self, before: f64) -> Stage {
         let above = self.is_above();
@@ -178,12 +178,12 @@ impl<const N: usize, R: Driven<N>> Unhomed<R, N> {
         let limits = self.drives.motor_limits();
         let range = limits.upper[self.motor] - limits.lower[self.motor];
         let (what, limit) = match self.stage {
-            Stage::Up | Stage::Down | Stage::ToSwitch => ("way to the synchronisation switch", range),
-            Stage::ToIndex => ("way to the encoder's index line", TO_INDEX),
+            Stage::Up | Stage::Down | Stage::ToSwitch => ("distance to the synchronisation switch", range),
+            Stage::ToIndex => ("distance to the encoder's index line", TO_INDEX),
             Stage::Resting(_) => return None,
         };
-        let fault = DriveFault::exceeded(self.motor, what, Excess::new(self.way, limit, "rad"));
-        (self.way > limit).then_some(fault)
+        let fault = DriveFault::exceeded(self.motor, what, Excess::new(self.travelled, limit, "rad"));
+        (self.travelled > limit).then_some(fault)
     }
 }
 
@@ -208,7 +208,7 @@ impl<const N: usize, R: Driven<N>> Homing<R> for Unhomed<R, N> {
             Stage::Resting(_) => 0.0,
         };
         self.speed += (wanted - self.speed).clamp(-step, step);
-        self.way += self.speed.abs() * PERIOD;
+        self.travelled += self.speed.abs() * PERIOD;
         self.demanded[self.motor] += self.speed * PERIOD;
         let before = self.drives.true_angle(self.motor);
         self.drives.follow(&self.demanded)?;
@@ -218,13 +218,13 @@ impl<const N: usize, R: Driven<N>> Homing<R> for Unhomed<R, N> {
         }
         let stage = self.after(before);
         if core::mem::discriminant(&stage) != core::mem::discriminant(&self.stage) {
-            self.way = 0.0;
+            self.travelled = 0.0;
         }
         self.stage = stage;
         if self.stage == Stage::Resting(REST) {
             self.motor += 1;
             self.stage = Stage::Up;
-            self.way = 0.0;
+            self.travelled = 0.0;
         }
         Ok(Search::Searching(self))
     }

@@ -63,7 +63,7 @@ pub struct Regulator {
 }
 
 impl Regulator {
-    /// Largest pulse width either way \[pwm\], which is the full supply voltage (assumed: 8 bits and a sign).
+    /// Largest pulse width in either direction \[pwm\], which is the full supply voltage (assumed: 8 bits and a sign).
     pub const PWM: f64 = 255.0;
 
     /// Weight of the newest deviation in `eps` where it integrates.

@@ -29,7 +29,7 @@ pub trait Surroundings<R: Driven<N>, const N: usize>: Debug {
 /// use mrroc::robot::Driver;
 /// use mrroc_robots::{Conveyor, One, Simulated, Surrounded, Surroundings};
 ///
-/// /// A box that lies at 0.2 mm on the way, and is pushed along from there.
+/// /// A box that lies at 0.2 mm on the path, and is pushed along from there.
 /// #[derive(Debug)]
 /// struct Box(f64);
 ///

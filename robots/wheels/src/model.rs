@@ -9,7 +9,7 @@
 //!                                     theta = r (q_R - q_L) / b  how far it has turned [rad]
 //! ```
 //!
-//! **Forward.** Where a base stands is no function of its wheels' angles: it depends on the way on which they came about. Two
+//! **Forward.** Where a base stands is no function of its wheels' angles: it depends on the path on which they came about. Two
 //! numbers are functions of them as long as no wheel slips, how far it has rolled and how far it has turned. So [`DiffDrive::forward`]
 //! is the axle's frame on the *unrolled* path: `s` along x, turned by `theta` about z. Displacements of the tool mean what one
 //! expects: 0.1 m along x is 0.1 m ahead on the present path, a turn about z is a turn on the spot. Where the base stands is a
@@ -58,7 +58,7 @@ impl DiffDrive {
         (0.5 * Self::WHEEL * (q[0] + q[1]), Self::WHEEL / Self::TRACK * (q[1] - q[0]))
     }
 
-    /// The angles of the wheels for a way \[m\] and a turn \[rad\]; speeds for speeds, too.
+    /// The angles of the wheels for a distance \[m\] and a turn \[rad\]; speeds for speeds, too.
     ///
     /// ```
     /// use mrroc_wheels::DiffDrive;

@@ -23,8 +23,8 @@ pub enum PathError {
     #[error("a path needs two places or more")]
     TooFew,
     /// Two places that follow each other are the same, or not finite.
-    #[error("place {0}, counted from 1, is no way from the one before")]
-    NoWay(usize),
+    #[error("place {0}, counted from 1, is at no distance from the one before")]
+    NoDistance(usize),
     /// The path turns back so sharply that no bend leads around.
     #[error(
         "at place {at}, counted from 1, it turns by {turn:.2} rad, and a bend can by {most:.2}: stop there, and turn on the spot"
@@ -46,7 +46,7 @@ struct Piece {
     from: f64,
     /// The base there.
     pose: Planar,
-    /// Turn by way at its beginning [rad/m], and how that changes [rad/m²].
+    /// Turn by distance at its beginning [rad/m], and how that changes [rad/m²].
     bend: f64,
     rate: f64,
 }
@@ -67,9 +67,9 @@ pub struct Path {
 pub struct PathPoint {
     /// The base there.
     pub pose: Planar,
-    /// Turn by way [rad/m].
+    /// Turn by distance [rad/m].
     pub bend: f64,
-    /// How that changes by way [rad/m²].
+    /// How that changes by distance [rad/m²].
     pub rate: f64,
 }
 
@@ -99,12 +99,12 @@ impl Path {
         for (i, leg) in places.windows(2).enumerate() {
             let length = (leg[1] - leg[0]).norm();
             if !(length > 1e-9 && length.is_finite()) {
-                return Err(PathError::NoWay(i + 2));
+                return Err(PathError::NoDistance(i + 2));
             }
         }
         let heading = |i: usize| {
-            let way = places[i + 1] - places[i];
-            way.y.atan2(way.x)
+            let leg = places[i + 1] - places[i];
+            leg.y.atan2(leg.x)
         };
         let start = Planar { x: places[0].x, y: places[0].y, heading: heading(0) };
         let mut path = Self::starting(1.0);
@@ -300,7 +300,7 @@ mod tests {
     fn places_that_make_no_path_are_told() {
         let places = |all: &[[f64; 2]]| all.iter().map(|at| Vector2::from(*at)).collect::<Vec<_>>();
         assert_eq!(Path::through(&places(&[[0.0, 0.0]]), 0.1), Err(PathError::TooFew));
-        assert_eq!(Path::through(&places(&[[0.0, 0.0], [0.0, 0.0]]), 0.1), Err(PathError::NoWay(2)));
+        assert_eq!(Path::through(&places(&[[0.0, 0.0], [0.0, 0.0]]), 0.1), Err(PathError::NoDistance(2)));
         let back = Path::through(&places(&[[0.0, 0.0], [1.0, 0.0], [0.0, 0.1]]), 0.1);
         assert!(matches!(back, Err(PathError::Sharp { at: 2, .. })), "{back:?}");
     }

@@ -85,7 +85,7 @@ pub fn run(
     Cell::new(Duration::from_millis(2)).robot(robot).sensor(sensor).run().map(drop)
 }
 
-/// Where a base truly was that followed a path on this ground by its wheels and its gyro, with what is known of the way.
+/// Where a base truly was that followed a path on this ground by its wheels and its gyro, with what is known of the distance.
 pub fn followed(path: Path, ground: Ground, scale: f64, seed: u64) -> Vec<Planar> {
     let floor = Floor::new(ground, Planar::default());
     let trace = Trace::default();

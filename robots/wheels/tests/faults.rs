@@ -22,7 +22,7 @@ fn hall() -> Walls {
     Walls::of(&Layout::open(10, 10, (0, 0), goal), 0.18, 0.012)
 }
 
-/// What happens to the base on its way.
+/// What happens to the base on its path.
 type Event = Box<dyn FnMut(f64, &Floor, &mut LookingOut)>;
 
 /// The sensor, and what happens.
@@ -121,7 +121,7 @@ fn fault_178_a_wall_that_is_touched_stops_the_wheels_with_a_named_fault() {
     assert!(fault.to_string().contains("bumper"), "{fault}");
     assert!(is_at_rest(&floor), "{:?}", floor.motion());
     assert!(floor.touched().times >= 1);
-    // It stood in front of the wall, which gave way by no more than its stiffness allows at 0.3 m/s.
+    // It stood in front of the wall, which yielded by no more than its stiffness allows at 0.3 m/s.
     assert!(floor.motion().pose.x < 1.794 - DiffDrive::BODY + 2e-3, "{:?}", floor.motion());
 }
 
@@ -177,8 +177,8 @@ fn fault_237_a_path_is_not_followed_by_a_place_that_is_older_than_it_may_be() {
         let (mut base, mut before, mut step) = (Planar::default(), Two::zeros(), 0_u32);
         rehearse_with(follow, &DiffDrive::new(), Two::zeros(), 0.004, |image| {
             let q = image.demanded().joints;
-            let (way, turn) = DiffDrive::rolled(&(q - core::mem::replace(&mut before, q)));
-            base = base.moved(way, turn);
+            let (distance, turn) = DiffDrive::rolled(&(q - core::mem::replace(&mut before, q)));
+            base = base.moved(distance, turn);
             step += 1;
             let sight = Sight { pose: base, ..Sight::default() };
             (Order::new(()), Reading::new((SensorImage::new(sight, step.saturating_sub(5)),)))
@@ -199,8 +199,8 @@ fn a_path_that_is_over_before_its_end_is_braked_on() {
     let (mut base, mut before) = (Planar::default(), Two::zeros());
     rehearse_with(follow, &DiffDrive::new(), Two::zeros(), 0.004, |image| {
         let q = image.demanded().joints;
-        let (way, turn) = DiffDrive::rolled(&(q - core::mem::replace(&mut before, q)));
-        base = base.moved(way, turn);
+        let (distance, turn) = DiffDrive::rolled(&(q - core::mem::replace(&mut before, q)));
+        base = base.moved(distance, turn);
         let sight = Sight { pose: base, is_blocked: base.x > 0.1, ..Sight::default() };
         (Order::new(()), Reading::new((SensorImage::new(sight, 0),)))
     })

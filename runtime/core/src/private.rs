@@ -1,5 +1,5 @@
 //! What the expansion of the macros names and nobody else should: versioned with the macros, so that a
-//! mismatch of the two crates fails at the first use and not in a subtle way.
+//! mismatch of the two crates fails at the first use and not in a subtle manner.
 
 use crate::model::image::Sensor;
 use crate::model::list::{

@@ -29,7 +29,7 @@ pub fn network() -> Option<&'static dyn Network> {
     NETWORK.get().copied()
 }
 
-/// What runs a gateway: the way of programs on other machines to the sensors of this one.
+/// What runs a gateway: the connection of programs on other machines to the sensors of this one.
 pub type GatewayRunner = fn(&ExternalEntry, &'static dyn Network) -> Result<(), String>;
 
 static GATEWAY_RUNNER: OnceLock<GatewayRunner> = OnceLock::new();
@@ -157,13 +157,13 @@ pub trait GatewayListener: Send + Sync {
     fn is_lost(&self, program: u64);
 }
 
-/// The way through a gateway to the programs at it.
+/// The connection through a gateway to the programs at it.
 pub trait GatewayPort: Send + Sync {
     /// Sends this to all of them; what is sent to none is lost.
     fn send(&self, bytes: &[u8]);
 }
 
-/// The way to the other nodes.
+/// The connection to the other nodes.
 pub trait Wires: Send + Sync {
     /// Sends this to a node. What is sent to one node comes in the order in which it was sent, as long as the node is there;
     /// what is sent to one that is not there is lost. It may wait while the network does not take more.

@@ -54,14 +54,14 @@ impl Entity {
 
     /// A cylinder with a ball at each end.
     pub fn capsule(&mut self, [a, b]: [Vector3<f64>; 2], radius: f64) {
-        let way = b - a;
-        let along = UnitQuaternion::rotation_between(&Vector3::z(), &way);
-        // Opposite to z there is no one way to turn.
+        let axis = b - a;
+        let along = UnitQuaternion::rotation_between(&Vector3::z(), &axis);
+        // Opposite to z there is no single axis to turn about.
         let along = along
             .unwrap_or_else(|| UnitQuaternion::from_axis_angle(&Vector3::x_axis(), core::f64::consts::PI));
         let place = |at: Vector3<f64>| Pose::from_parts(at.into(), along);
-        if way.norm() > 1e-6 {
-            self.cylinder(&place((a + b) * 0.5), radius, way.norm());
+        if axis.norm() > 1e-6 {
+            self.cylinder(&place((a + b) * 0.5), radius, axis.norm());
             self.ball(&place(a), radius);
         }
         self.ball(&place(b), radius);

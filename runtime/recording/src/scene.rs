@@ -196,10 +196,10 @@ impl<'a> Picture<'a> {
         figure.capsules(joints, &mut |ends, radius| capsules.push((ends, radius)));
         let at = |frame: &Pose| frame.translation.vector;
         if capsules.is_empty() {
-            let ways = || frames.windows(2).map(|pair| [at(&pair[0]), at(&pair[1])]);
-            let longest = ways().map(|[a, b]| (b - a).norm()).fold(0.0, f64::max);
+            let links = || frames.windows(2).map(|pair| [at(&pair[0]), at(&pair[1])]);
+            let longest = links().map(|[a, b]| (b - a).norm()).fold(0.0, f64::max);
             let radius = (BAR * longest).clamp(BARS[0], BARS[1]);
-            capsules.extend(ways().map(|ends| (ends, radius)));
+            capsules.extend(links().map(|ends| (ends, radius)));
             if frames.len() == 1 {
                 capsules.push(([at(&flange); 2], radius));
             }
@@ -320,17 +320,17 @@ mod tests {
     }
 
     #[test]
-    fn the_ends_of_a_capsule_are_where_they_were_whichever_way_it_points() {
+    fn the_ends_of_a_capsule_are_where_they_were_whatever_direction_it_points_in() {
         let scene = scene();
-        for way in [Vector3::z(), -Vector3::z(), Vector3::x(), Vector3::new(-0.3, 0.2, -0.9)] {
+        for along in [Vector3::z(), -Vector3::z(), Vector3::x(), Vector3::new(-0.3, 0.2, -0.9)] {
             let mut picture = Picture::at(0, &scene.actors[0]);
             let a = Vector3::new(0.1, 0.2, 0.3);
-            picture.entity.capsule([a, a + way], 0.04);
+            picture.entity.capsule([a, a + along], 0.04);
             let cylinder = &picture.entity.cylinders[0];
             let (placed, length) = (pose(&cylinder["pose"]).expect("a pose"), cylinder["size"]["z"].as_f64());
-            assert!((length.expect("a length") - way.norm()).abs() < 1e-6);
-            let end = placed * mrroc_core::nalgebra::Point3::new(0.0, 0.0, 0.5 * way.norm());
-            assert!((end.coords - (a + way)).norm() < 3e-6, "{way}");
+            assert!((length.expect("a length") - along.norm()).abs() < 1e-6);
+            let end = placed * mrroc_core::nalgebra::Point3::new(0.0, 0.0, 0.5 * along.norm());
+            assert!((end.coords - (a + along)).norm() < 3e-6, "{along}");
             assert_eq!(picture.entity.spheres.len(), 2);
         }
         // Of one point there is one ball.

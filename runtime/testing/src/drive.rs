@@ -1,6 +1,6 @@
 //! Drives that fail: a blocked or stiff joint, a drive that trips, an encoder with wrong values.
 //!
-//! In: drives, and how one of them fails from which servo period on. Out: drives that fail in this way.
+//! In: drives, and how one of them fails from which servo period on. Out: drives that fail like this.
 
 use core::time::Duration;
 

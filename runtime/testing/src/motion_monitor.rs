@@ -280,7 +280,7 @@ mod tests {
             let wrong = seen(demands).wrong.expect(says);
             assert!(wrong.contains(says), "{wrong}");
         }
-        // 10 m/s², which is exactly the limit, and 2000 m/s³ on the way to it.
+        // 10 m/s², which is exactly the limit, and 2000 m/s³ until then.
         let (mut q, mut v) = (0.0, 0.0);
         let mut demands = vec![0.0; 4];
         for step in 1..50 {

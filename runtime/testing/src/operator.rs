@@ -123,7 +123,7 @@ pub struct OperatorReport {
     periods: u64,
     presses: u64,
     stops: u64,
-    /// Of each way to stand, the one that used the largest share of its bound \[steps\].
+    /// Of each kind of stop, the one that used the largest share of its bound \[steps\].
     worst: [(u64, u64); Pressed::NAMES.len()],
     false_stops: Vec<String>,
     failures: Vec<String>,
@@ -200,7 +200,7 @@ impl ByHand {
             let speed = (0.1 + 0.9 * random.below(1 << 20) as f64 / f64::from(1 << 20))
                 * if random.below(2) == 0 { 1.0 } else { -1.0 };
             let joint = random.below(3) as u8;
-            let order = JogOrder { motion: JogMotion::Joint { joint }, speed, way: None };
+            let order = JogOrder { motion: JogMotion::Joint { joint }, speed, distance: None };
             self.held = Some((Renewal::first(step), self.jogged.get(of).map(|name| (*name, order))));
             return Some(false);
         };

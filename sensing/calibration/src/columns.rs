@@ -184,7 +184,7 @@ impl<'t> Columns<'t> {
             let three = three(["a", "b", "c"], &ANGLES)?;
             let order = angles.ok_or_else(|| {
                 let help = "say how by --angles zyx (A, B, C of KUKA), xyz or zyz, each about the axes as turned before";
-                wrong(self.line, "three angles may make an orientation in many ways".to_owned(), help)
+                wrong(self.line, "three angles may make an orientation by many conventions".to_owned(), help)
             })?;
             (numbers(three), order.0)
         } else {

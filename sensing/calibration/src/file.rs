@@ -93,7 +93,7 @@ pub fn text(calibration: &ArmCalibration, fit: &Fit, arm: ArmId, account: &Accou
     text
 }
 
-/// A text as TOML quotes it. Rust's own quotes escape characters in a way that TOML does not know.
+/// A text as TOML quotes it. Rust's own quotes escape characters in forms that TOML does not know.
 pub(crate) fn quoted(text: &str) -> String {
     let mut quoted = String::from("\"");
     for letter in text.chars() {

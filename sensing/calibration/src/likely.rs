@@ -343,9 +343,9 @@ impl Asked {
                     .to_owned()
             }
             Mistake::Late(by, up) => {
-                let way = if up { "below" } else { "above" };
+                let side = if up { "below" } else { "above" };
                 let rows = if by == 1 { "one row".to_owned() } else { format!("{by} rows") };
-                format!("each board is written {rows} {way} the pose of the flange that it belongs to")
+                format!("each board is written {rows} {side} the pose of the flange that it belongs to")
             }
             Mistake::Scale => scaled(scale),
         }
@@ -362,9 +362,9 @@ fn scaled(scale: f64) -> String {
         );
     }
     let percent = 100.0 * (scale.recip() - 1.0);
-    let (percent, way) = (percent.abs(), if percent > 0.0 { "long" } else { "short" });
+    let (percent, sense) = (percent.abs(), if percent > 0.0 { "long" } else { "short" });
     format!(
-        "lengths of the board are {percent:.2} % too {way}: the squares that it was measured with are {scale:.4} times as large as was said; measure them with a calliper"
+        "lengths of the board are {percent:.2} % too {sense}: the squares that it was measured with are {scale:.4} times as large as was said; measure them with a calliper"
     )
 }
 
@@ -404,7 +404,7 @@ fn score(left: &[(Left, Vector3<f64>)], of: &[usize]) -> f64 {
     if score.is_finite() { score } else { f64::INFINITY }
 }
 
-/// Other ways in which the same numbers may write orientations.
+/// Other conventions in which the same numbers may write orientations.
 fn spellings(own: Spelling) -> Vec<Spelling> {
     let others = match own {
         Spelling::Wxyz => vec![Spelling::Xyzw],

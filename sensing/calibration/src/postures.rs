@@ -34,7 +34,7 @@ pub struct Wanted {
     pub detail: Option<Detail>,
     /// Joints that go up and down, the flange and its points stay above this height in the base \[m\].
     pub floor: Option<f64>,
-    /// Which way a point's face looks in its own frame, and how far that may be turned from the line of sight \[rad\].
+    /// In which direction a point's face looks in its own frame, and how far that may be turned from the line of sight \[rad\].
     pub facing: Option<(nalgebra::Unit<nalgebra::Vector3<f64>>, f64)>,
     /// How near and how far a point may be from the instrument \[m\].
     pub range: Option<[f64; 2]>,
@@ -85,7 +85,7 @@ pub enum NoPostures {
     Place(String),
     /// Nothing is in sight.
     #[error(
-        "`{name}` sees no point in any of {tried} postures that are clear\n help: see its position, and which way points face; or widen --facing or --range"
+        "`{name}` sees no point in any of {tried} postures that are clear\n help: see its position, and in which direction points face; or widen --facing or --range"
     )]
     Blind {
         /// The instrument.
@@ -294,9 +294,9 @@ fn is_above(plan: &Plan, q: &[f64], lifted: &[bool], floor: Option<f64>) -> bool
 fn is_in_sight(plan: &Plan, sight: usize, q: &[f64], wanted: &Wanted) -> bool {
     let Some(flange) = plan.frames(q).pop() else { return false };
     let (point, own) = plan.both(&plan.sights()[sight], &flange);
-    let way = own.translation.vector - point.translation.vector;
-    let is_near = wanted.range.is_none_or(|[near, far]| (near..=far).contains(&way.norm()));
-    let faces = wanted.facing.is_none_or(|(face, most)| (point.rotation * face).angle(&way) <= most);
+    let sight = own.translation.vector - point.translation.vector;
+    let is_near = wanted.range.is_none_or(|[near, far]| (near..=far).contains(&sight.norm()));
+    let faces = wanted.facing.is_none_or(|(face, most)| (point.rotation * face).angle(&sight) <= most);
     is_near && faces
 }
 

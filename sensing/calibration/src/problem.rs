@@ -83,7 +83,7 @@ pub(crate) struct ArmPart {
     pub(crate) base: FrameId,
     /// By joint the standard deviation of what it is off by, anew in each posture; empty: by nothing.
     pub(crate) scatter: Vec<f64>,
-    /// Joints that give way under torque, as parameters behind those of the model.
+    /// Joints that yield under torque, as parameters behind those of the model.
     pub(crate) soft: Vec<(usize, Parameter)>,
 }
 
@@ -108,7 +108,7 @@ impl ArmPart {
     }
 }
 
-/// A joint that gives way to a torque.
+/// A joint that yields to a torque.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Compliance {
     /// Which joint, from 0.
@@ -241,7 +241,7 @@ impl Problem {
         self.arms[arm.0].scatter = sigma.to_owned();
     }
 
-    /// Says that joints of an arm give way, each to a torque of its own that [`Problem::loaded_posture`] tells. A joint may be named more than once, such as under
+    /// Says that joints of an arm yield, each to a torque of its own that [`Problem::loaded_posture`] tells. A joint may be named more than once, such as under
     /// what it carries, and under a weight of its own that is not known well.
     pub fn compliant(&mut self, arm: ArmId, compliances: &[Compliance]) {
         let soft = |one: &Compliance| {
@@ -316,7 +316,7 @@ impl Problem {
         });
     }
 
-    /// The same read in another way, such as by a camera that sees the whole pose of a board and single points: `device` has the constants of
+    /// The same read by other means, such as by a camera that sees the whole pose of a board and single points: `device` has the constants of
     /// the instrument's own, and its residuals are the first ones of that.
     pub fn measure_by(
         &mut self,

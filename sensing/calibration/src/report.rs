@@ -165,11 +165,11 @@ impl Report<'_> {
             match scale.sigma {
                 None => writeln!(out, "scale of {name}: cannot be told from the other unknowns: {TELLS}")?,
                 Some(sigma) if scale.is_wrong() => {
-                    let way = if scale.value > 0.0 { "long" } else { "short" };
+                    let sense = if scale.value > 0.0 { "long" } else { "short" };
                     let percent = 100.0 * scale.value.abs();
                     writeln!(
                         out,
-                        "warning: lengths of {name} are {percent:.3} % too {way} (+- {:.3} %), or all of the arm's are wrong the other way: measure \
+                        "warning: lengths of {name} are {percent:.3} % too {sense} (+- {:.3} %), or all of the arm's are wrong the other way: measure \
                          its board or its scale, or write scale = \"free\" in its [[measures]]",
                         100.0 * sigma
                     )?;

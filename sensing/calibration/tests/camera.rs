@@ -48,7 +48,7 @@ fn intrinsics_from_opencvs_corners_of_real_photos_are_opencvs() {
         // OpenCV divides by numbers less parameters, this crate the same.
         assert!((found.sigma[i] / sigmas[i] - 1.0).abs() < 0.02, "{i}: {} {}", found.sigma[i], sigmas[i]);
     }
-    // Photos of one name from two folders, and names with characters that TOML and Rust quote in different ways.
+    // Photos of one name from two folders, and names with characters that TOML and Rust quote differently.
     let names = ["a.png", "a.png", "zero\u{200b}width.png", "tab\t \"quoted\" \\.png"].map(String::from);
     let text = found.text(&names, &BOARD, "2026-11-24");
     assert_eq!(camera_of(&text), Ok(found.camera));
@@ -148,7 +148,7 @@ fn photo(plane: &Plane, board: &Board, in_camera: &Pose, seed: u64) -> Vec<u8> {
     image
 }
 
-fn held_in_many_ways() -> Vec<Pose> {
+fn held_in_many_poses() -> Vec<Pose> {
     vec![
         held([0.0, 0.0, 0.36], [0.0, 0.0, 0.0]),
         held([0.02, 0.01, 0.34], [0.5, 0.0, 0.1]),
@@ -164,7 +164,7 @@ fn a_camera_is_found_from_its_own_noisy_images() {
     let plane = Plane::new(CAMERA, over_the_belt());
     let mut seen = Vec::new();
     let (mut squares, mut count) = (0.0, 0.0);
-    for (i, pose) in held_in_many_ways().iter().enumerate() {
+    for (i, pose) in held_in_many_poses().iter().enumerate() {
         let image = photo(&plane, &BOARD, pose, 7 + i as u64);
         let corners = BOARD.seen(&Grey::new(640, 480, &image).expect("an image"));
         let corners = corners.unwrap_or_else(|why| panic!("photo {i}: {why}"));
@@ -303,7 +303,7 @@ fn photos_that_hardly_tell_the_focal_length_are_told_by_what_they_leave_unknown(
 /// A camera on a hand, and one beside the arm that looks at a board on the hand.
 #[test]
 fn a_camera_on_the_hand_or_beside_the_arm_is_found_from_pixels() {
-    let in_camera = held_in_many_ways();
+    let in_camera = held_in_many_poses();
     let eye_pose = Pose::new(Vector3::new(0.06, -0.02, 0.05), Vector3::new(0.1, 0.0, 1.5));
     let board_pose = Pose::new(Vector3::new(0.5, 0.1, 0.02), Vector3::new(0.0, 0.1, 2.0));
     let pixels = |pose: &Pose| -> Vec<Vector2<f64>> {

@@ -145,10 +145,10 @@ fn floor_range_and_face_are_kept_by_every_row() {
         q[1] = -q[1];
         let flange = Arm::flange(&model, &q, &[]);
         let ball = flange * Point3::from(*at);
-        let way = Vector3::new(1.5, 0.3, 0.4) - ball.coords;
+        let sight = Vector3::new(1.5, 0.3, 0.4) - ball.coords;
         assert!(flange.translation.z > floor - 1e-6 && ball.z > floor - 1e-6, "{line}");
-        assert!(range[0] - 1e-6 < way.norm() && way.norm() < range[1] + 1e-6, "{line}");
-        assert!((flange.rotation * Vector3::z()).angle(&way) < most + 1e-6, "{line}");
+        assert!(range[0] - 1e-6 < sight.norm() && sight.norm() < range[1] + 1e-6, "{line}");
+        assert!((flange.rotation * Vector3::z()).angle(&sight) < most + 1e-6, "{line}");
         rows += 1;
     }
     assert!(rows >= 12);

@@ -8,7 +8,7 @@ use crate::protocol::{Answer, Code, Request};
 /// What a telescope finds.
 pub trait Scope {
     /// What its circles read of the target that is seen near `about` (horizontal angle from x to y, elevation \[rad\]) in this face, with all its errors, in the
-    /// same way of counting; `None` if there is no target.
+    /// same count; `None` if there is no target.
     fn find(&mut self, about: [f64; 2], face: Face) -> Option<[f64; 2]>;
 }
 

@@ -3,10 +3,10 @@
 //! ```text
 //! nodes     the rooms between posts, each with the direction in which it is entered
 //! cost      1 for each panel; a corner is cut, so a turn saves `TURN`; a panel that was passed costs `PASSED` more
-//! way       A* (the crate `pathfinding`); panels that are not known count as open
+//! path      A* (the crate `pathfinding`); panels that are not known count as open
 //! ```
 //!
-//! A surcharge on unknown panels makes the whole way longer, not shorter: what is learned while the robot is far off saves the way
+//! A surcharge on unknown panels makes the whole path longer, not shorter: what is learned while the robot is far off saves going
 //! back to it. So the surcharge is on those that are known.
 
 use pathfinding::prelude::astar;
@@ -36,7 +36,7 @@ fn side(panels: &Panels, (x, y): (usize, usize), direction: usize) -> (Which, Op
     }
 }
 
-/// The panels on the way from a place to a region, and the rooms between; `None` where no panel is left to try.
+/// The panels on the path from a place to a region, and the rooms between; `None` where no panel is left to try.
 pub fn panels_to(panels: &Panels, from: &Place, goal: &Region) -> Option<Vec<(Which, (usize, usize))>> {
     let s = panels.spacing;
     let whole = |cost: f64| (1e4 * cost) as u32;

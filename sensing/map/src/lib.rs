@@ -2,8 +2,8 @@
 //!
 //! ```text
 //! text  -> Layout -> Walls -> Inflated -> the shortest path of a ball, to compare with
-//! seen boxes -> Walls, a way from Inflated -> Taut, the same way as a taut string of lines and arcs, to move along
-//! touches, passed ways -> Map -> Planner -> a way through what is not known to be wall
+//! seen boxes -> Walls, a path from Inflated -> Taut, the same path as a taut string of lines and arcs, to move along
+//! touches, moves -> Map -> Planner -> a path through what is not known to be wall
 //! ```
 //!
 //! It knows no robot, and nothing of the runtime but its random numbers. [`Layout`] reads and writes the text format of micromouse contests, and draws mazes by chance.
@@ -15,15 +15,15 @@
 //! let walls = Walls::of(&maze, 0.025, 0.002);
 //! let start = Place::new(0.0125, 0.0375);
 //! let goal = Region { lower: Place::new(0.029, 0.029), upper: Place::new(0.046, 0.046) };
-//! let (shortest, _) = Inflated::by(&walls, 0.002).shortest(&start, &goal).expect("a way");
+//! let (shortest, _) = Inflated::by(&walls, 0.002).shortest(&start, &goal).expect("a path");
 //!
-//! // Nothing is known: straight through the wall between. Its touch shows a way around.
+//! // Nothing is known: straight through the wall between. Its touch shows a path around.
 //! let known = Knowledge { size: [0.05, 0.05], radius: 0.002, thickness: 0.002, passage: 0.015, wall: 0.025 };
 //! let mut map = Map::new(known);
-//! let way = Planner::of(&known, 0.0012).way(&map, &start, &goal).expect("all may be free");
-//! assert!(way.last().is_some_and(|end| goal.distance(end) == 0.0));
+//! let path = Planner::of(&known, 0.0012).path(&map, &start, &goal).expect("all may be free");
+//! assert!(path.last().is_some_and(|end| goal.distance(end) == 0.0));
 //! map.touch(&Place::new(0.022, 0.0375), &Place::new(1.0, 0.0));
-//! let around = Planner::of(&known, 0.0012).way(&map, &Place::new(0.0205, 0.0375), &goal).expect("a way");
+//! let around = Planner::of(&known, 0.0012).path(&map, &Place::new(0.0205, 0.0375), &goal).expect("a path");
 //! assert!(around.len() > 2 && shortest < 0.05);
 //! # Ok::<(), mrroc_map::LayoutError>(())
 //! ```

@@ -1,7 +1,7 @@
 //! A map that grows by contact: where the ball has been is free, what it touched is wall, and all else is unknown.
 //!
 //! ```text
-//! touched      a point and the way in which the wall lies: blocked within `SURE`, and between two touches of one wall
+//! touched      a point and the direction in which the wall lies: blocked within `SURE`, and between two touches of one wall
 //! believed     on along the wall, less and less surely: a price, no obstacle
 //! passed       free: no wall is where the ball has been, so what is believed ends there
 //! unknown      free, optimistically: planning through it is how it becomes known
@@ -33,7 +33,7 @@ pub struct Map {
     columns: usize,
     rows: usize,
     contacts: Vec<Contact>,
-    ways: Vec<[Place; 2]>,
+    moves: Vec<[Place; 2]>,
     spacing: Option<f64>,
 }
 
@@ -49,7 +49,7 @@ impl Map {
             columns,
             rows,
             contacts: Vec::new(),
-            ways: Vec::new(),
+            moves: Vec::new(),
             spacing: None,
         }
     }
@@ -72,10 +72,10 @@ impl Map {
         self.spacing
     }
 
-    /// All straight ways of the ball, in their order.
+    /// All straight moves of the ball, in their order.
     #[must_use]
-    pub fn ways(&self) -> &[[Place; 2]] {
-        &self.ways
+    pub fn moves(&self) -> &[[Place; 2]] {
+        &self.moves
     }
 
     fn index(&self, at: &Place) -> Option<usize> {
@@ -93,13 +93,13 @@ impl Map {
 
     /// The ball has gone straight from one place to another: nothing is there.
     pub fn pass(&mut self, from: &Place, to: &Place) {
-        self.ways.push([*from, *to]);
-        let (way, square) = (to - from, self.known.square());
-        let steps = (way.norm() / (0.5 * square)).ceil().max(1.0);
+        self.moves.push([*from, *to]);
+        let (leg, square) = (to - from, self.known.square());
+        let steps = (leg.norm() / (0.5 * square)).ceil().max(1.0);
         // What the ball's middle half has swept: a place at the rim may be beside a wall that it slid along.
         let reach = (0.5 * self.known.radius / square).floor() as i32;
         for step in 0..=steps as u32 {
-            let at = from + way * (f64::from(step) / steps);
+            let at = from + leg * (f64::from(step) / steps);
             for dx in -reach..=reach {
                 for dy in -reach..=reach {
                     let beside = at + Place::new(f64::from(dx), f64::from(dy)) * square;
@@ -111,7 +111,7 @@ impl Map {
         }
     }
 
-    /// The ball, its centre at `ball`, touches something while it moves along `moving`: which way does the wall lie?
+    /// The ball, its centre at `ball`, touches something while it moves along `moving`: in which direction does the wall lie?
     ///
     /// The wall is level or upright, and can only be ahead. Of the two, a wall that would lie where the ball has passed is none; of what
     /// remains the one that is met more squarely is believed.
@@ -196,11 +196,11 @@ impl Map {
     /// A face of a wall was seen from one place to another, level or upright; `into` leads into it. It counts as touches, no farther apart
     /// than a passage is wide, where nothing of it was known.
     pub fn see(&mut self, from: &Place, to: &Place, into: &Vector2<f64>) {
-        let way = to - from;
+        let along = to - from;
         let before = self.contacts.len();
-        let pieces = (way.norm() / (0.6 * self.known.passage)).ceil().max(1.0);
+        let pieces = (along.norm() / (0.6 * self.known.passage)).ceil().max(1.0);
         for piece in 0..=pieces as u32 {
-            let at = from + way * (f64::from(piece) / pieces);
+            let at = from + along * (f64::from(piece) / pieces);
             let ball = at - into * self.known.radius;
             let contact = Contact { at, into: *into, moving: Vector2::zeros(), ball };
             let is_known = self.contacts.iter().any(|one| {
@@ -218,7 +218,7 @@ impl Map {
     }
 
     /// The ball slid along a wall, its centre from one place to another; `into` leads into the wall, level or upright. All between counts
-    /// as touched. Unlike of a [`touch`](Self::touch), it is known which way the wall lies: by the force that the ball felt.
+    /// as touched. Unlike of a [`touch`](Self::touch), it is known in which direction the wall lies: by the force that the ball felt.
     ///
     /// ```
     /// use mrroc_map::{Knowledge, Map, Place};
@@ -230,10 +230,10 @@ impl Map {
     /// assert!(map.contacts().windows(2).all(|two| (two[1].at - two[0].at).norm() < known.passage));
     /// ```
     pub fn slide(&mut self, from: &Place, to: &Place, into: &Vector2<f64>) {
-        let (face, way) = (into * self.known.radius, to - from);
-        let pieces = (way.norm() / (0.4 * self.known.passage)).ceil().max(1.0);
+        let (face, along) = (into * self.known.radius, to - from);
+        let pieces = (along.norm() / (0.4 * self.known.passage)).ceil().max(1.0);
         for piece in 0..=pieces as u32 {
-            let ball = from + way * (f64::from(piece) / pieces);
+            let ball = from + along * (f64::from(piece) / pieces);
             let at = ball + face;
             let is_known =
                 |one: &Contact| one.into == *into && (one.at - at).norm() < 0.1 * self.known.passage;

@@ -1,6 +1,6 @@
 //! What is known of the panels between posts, once the spacing of the posts is learned.
 //!
-//! In: touches and ways of the ball. Out: for each panel whether it is wall, open or not known.
+//! In: touches and moves of the ball. Out: for each panel whether it is wall, open or not known.
 
 use crate::map::Map;
 use crate::walls::Place;
@@ -19,7 +19,7 @@ pub enum Panel {
     Open,
 }
 
-/// So many touches of a panel as of a wall outweigh one way that went through it: an effector that is off by some millimetres may
+/// So many touches of a panel as of a wall outweigh one move that went through it: an effector that is off by some millimetres may
 /// have passed beside it.
 const OUTWEIGH: u32 = 3;
 
@@ -124,7 +124,7 @@ impl Panels {
 
     fn passed(&mut self, map: &Map) {
         let mut passes = self.touches.clone().map(|of| vec![0; of.len()]);
-        for [from, to] in map.ways() {
+        for [from, to] in map.moves() {
             for (upright, line, cell) in self.crossings(from, to) {
                 let index = self.index(upright, line, cell);
                 let passes = &mut passes[usize::from(upright)][index];
@@ -140,7 +140,7 @@ impl Panels {
         if upright { cell * (self.columns + 1) + line } else { line * self.columns + cell }
     }
 
-    /// The panels that a straight way crosses.
+    /// The panels that a straight line crosses.
     pub fn crossings(&self, from: &Place, to: &Place) -> Vec<Which> {
         let s = self.spacing;
         let mut all = vec![];

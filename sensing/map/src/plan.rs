@@ -1,9 +1,9 @@
-//! Optimistic planning: the cheapest way to the goal through what is not known to be wall.
+//! Optimistic planning: the cheapest path to the goal through what is not known to be wall.
 //!
 //! ```text
 //! nodes      a lattice, eight neighbours; not within the ball's radius and a margin of a sure wall
 //! price      length, and for a believed wall its thickness of `price * P(wall)`
-//! way        A* (the crate `pathfinding`), then pulled straight where that crosses no more belief
+//! path       A* (the crate `pathfinding`), then pulled straight where that crosses no more belief
 //! ```
 
 use nalgebra::Vector2;
@@ -17,7 +17,7 @@ use crate::portals::Portals;
 use crate::shortest::Region;
 use crate::walls::Place;
 
-/// How ways are chosen.
+/// How paths are chosen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Planner {
     /// How far the ball's surface keeps from a sure wall \[m\].
@@ -37,7 +37,7 @@ struct Lattice<'m> {
     rows: i32,
     apart: f64,
     blocked: Vec<bool>,
-    /// Price per length of way through the node.
+    /// Price per length of path through the node.
     belief: Vec<f32>,
 }
 
@@ -54,16 +54,16 @@ impl Planner {
         Self { margin, price: 0.48 * known.wall, lattice: 0.1 * known.wall, sure }
     }
 
-    /// The way from a place to a region, first and last place included; `None` where the touches leave none.
+    /// The path from a place to a region, first and last place included; `None` where the touches leave none.
     #[must_use]
-    pub fn way(&self, map: &Map, from: &Place, goal: &Region) -> Option<Vec<Place>> {
+    pub fn path(&self, map: &Map, from: &Place, goal: &Region) -> Option<Vec<Place>> {
         let known = map.knowledge();
         let half = 0.5 * known.thickness;
         if let Some(spacing) = map.spacing() {
             let panels = Panels::of(map, spacing);
             let keep = known.radius + half + self.margin;
             if let Some(through) = panels_to(&panels, from, goal) {
-                return Some(Portals { panels: &panels, keep, half }.way(from, &through, goal));
+                return Some(Portals { panels: &panels, keep, half }.path(from, &through, goal));
             }
         }
         let lattice = self.lattice(map);
@@ -244,25 +244,25 @@ impl Lattice<'_> {
         })
     }
 
-    /// What a straight way costs beyond its length; `None` where it is blocked.
+    /// What a straight line costs beyond its length; `None` where it is blocked.
     fn price(&self, from: &Place, to: &Place) -> Option<f64> {
-        let way = to - from;
-        let steps = (way.norm() / (0.4 * self.apart)).ceil().max(1.0);
+        let leg = to - from;
+        let steps = (leg.norm() / (0.4 * self.apart)).ceil().max(1.0);
         let mut price = 0.0;
         for i in 1..=steps as u32 {
-            let at = from + way * (f64::from(i) / steps);
+            let at = from + leg * (f64::from(i) / steps);
             let index = self.index(self.node(&at))?;
             if self.blocked[index] {
                 return None;
             }
-            price += f64::from(self.belief[index]) * way.norm() / steps;
+            price += f64::from(self.belief[index]) * leg.norm() / steps;
         }
         Some(price)
     }
 
     /// Leaves out places where straight on is no dearer.
     fn pulled(&self, places: &[Place]) -> Vec<Place> {
-        let mut way = vec![places[0]];
+        let mut path = vec![places[0]];
         let mut at = 0;
         while at + 1 < places.len() {
             let mut next = at + 1;
@@ -278,17 +278,17 @@ impl Lattice<'_> {
                     None => {}
                 }
             }
-            way.push(places[next]);
+            path.push(places[next]);
             at = next;
         }
-        way
+        path
     }
 }
 
 /// How far a place is from a straight piece \[m\].
 fn distance(a: &Place, b: &Place, at: &Place) -> f64 {
-    let way = b - a;
-    let length = way.norm_squared();
-    let s = if length > 0.0 { ((at - a).dot(&way) / length).clamp(0.0, 1.0) } else { 0.0 };
-    (at - a - way * s).norm()
+    let piece = b - a;
+    let length = piece.norm_squared();
+    let s = if length > 0.0 { ((at - a).dot(&piece) / length).clamp(0.0, 1.0) } else { 0.0 };
+    (at - a - piece * s).norm()
 }

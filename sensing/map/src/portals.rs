@@ -1,9 +1,9 @@
-//! The shortest way through given panels: through portals, which are places in the openings between posts.
+//! The shortest path through given panels: through portals, which are places in the openings between posts.
 //!
 //! ```text
 //! portals    so many places in each panel, clear of its posts
 //! legs       straight within a room between posts, clear of them
-//! way        the shortest over all choices of portals (dynamic programming), then pulled straight where that is clear
+//! path       the shortest over all choices of portals (dynamic programming), then pulled straight where that is clear
 //! ```
 
 use crate::panels::Which;
@@ -13,10 +13,10 @@ use crate::walls::{Place, Wall};
 
 /// Places in a panel.
 const PLACES: usize = 7;
-/// So many panels ahead the way is planned out.
+/// So many panels ahead the path is planned out.
 const AHEAD: usize = 12;
 
-/// What ways are planned by.
+/// What paths are planned by.
 #[derive(Debug)]
 pub struct Portals<'p> {
     /// What is known.
@@ -28,9 +28,9 @@ pub struct Portals<'p> {
 }
 
 impl Portals<'_> {
-    /// The way from a place through panels, and the room behind each, to a region; first and last place included.
+    /// The path from a place through panels, and the room behind each, to a region; first and last place included.
     #[must_use]
-    pub fn way(&self, from: &Place, through: &[(Which, (usize, usize))], goal: &Region) -> Vec<Place> {
+    pub fn path(&self, from: &Place, through: &[(Which, (usize, usize))], goal: &Region) -> Vec<Place> {
         // For each portal of the last panel the length to it, and for all panels where each came from.
         let mut lengths = vec![0.0];
         let mut places = vec![*from];
@@ -47,7 +47,7 @@ impl Portals<'_> {
             room = *next;
         }
         let mut number = (0..places.len()).min_by(|a, b| lengths[*a].total_cmp(&lengths[*b])).unwrap_or(0);
-        let mut way = vec![];
+        let mut path = vec![];
         if through.len() <= AHEAD {
             // A little within: what is reached to rounding errors counts.
             let half = (goal.upper - goal.lower) * 0.5;
@@ -56,38 +56,38 @@ impl Portals<'_> {
             let ends: Vec<Place> = places.iter().map(|place| within.nearest(place)).collect();
             let whole = |number: usize| lengths[number] + (ends[number] - places[number]).norm();
             number = (0..places.len()).min_by(|a, b| whole(*a).total_cmp(&whole(*b))).unwrap_or(0);
-            way.push(ends[number]);
+            path.push(ends[number]);
         }
         if !came.is_empty() {
-            way.push(places[number]);
+            path.push(places[number]);
         }
         for step in came.iter().rev() {
             let (before, place) = step[number];
-            way.push(place);
+            path.push(place);
             number = before;
         }
         if came.is_empty() {
-            way.push(*from);
+            path.push(*from);
         }
-        way.reverse();
-        let fixed = self.squarely(&mut way, through, &rooms);
+        path.reverse();
+        let fixed = self.squarely(&mut path, through, &rooms);
         // It may stand in a portal.
-        let mut way = self.pulled(&way, &fixed);
-        way.dedup_by(|next, at| (*next - *at).norm() < 1e-6);
-        way
+        let mut path = self.pulled(&path, &fixed);
+        path.dedup_by(|next, at| (*next - *at).norm() < 1e-6);
+        path
     }
 
     /// Where a body met a post as it tried a panel: through the middle of that panel, from the middle of
-    /// the room before it to that of the room behind. Returns which places of the way must stay.
+    /// the room before it to that of the room behind. Returns which places of the path must stay.
     fn squarely(
         &self,
-        way: &mut Vec<Place>,
+        path: &mut Vec<Place>,
         through: &[(Which, (usize, usize))],
         rooms: &[(usize, usize)],
     ) -> Vec<bool> {
         let s = self.panels.spacing;
         let middle = |(x, y): (usize, usize)| Place::new(x as f64 + 0.5, y as f64 + 0.5) * s;
-        let mut fixed = vec![false; way.len()];
+        let mut fixed = vec![false; path.len()];
         for (number, before) in rooms.iter().enumerate().rev() {
             let (which, behind) = through[number];
             if !self.panels.is_beside_a_post(which) {
@@ -96,11 +96,11 @@ impl Portals<'_> {
             let (before, behind) = (middle(*before), middle(behind));
             // It may stand there already, or between.
             let aside =
-                (way[0] - before).dot(&Place::new(behind.y - before.y, before.x - behind.x)).abs() / s;
+                (path[0] - before).dot(&Place::new(behind.y - before.y, before.x - behind.x)).abs() / s;
             let middles = if number == 0 && aside < 0.05 * s { vec![behind] } else { vec![before, behind] };
-            // The place in the panel stands after those in the panels before it, and that where the way begins.
+            // The place in the panel stands after those in the panels before it, and that where the path begins.
             fixed.splice(number + 1..number + 2, vec![true; middles.len()]);
-            way.splice(number + 1..number + 2, middles);
+            path.splice(number + 1..number + 2, middles);
         }
         fixed
     }
@@ -131,25 +131,25 @@ impl Portals<'_> {
         if upright { Place::new(across, along) } else { Place::new(along, across) }
     }
 
-    /// Whether a straight way within a room is clear of its posts.
+    /// Whether a straight line within a room is clear of its posts.
     fn is_clear(&self, from: &Place, to: &Place, (x, y): (usize, usize)) -> bool {
         [(x, y), (x + 1, y), (x, y + 1), (x + 1, y + 1)].into_iter().all(|post| self.passes(post, from, to))
     }
 
-    /// Whether a straight way keeps away from a post; one that begins near it may lead away.
+    /// Whether a straight line keeps away from a post; one that begins near it may lead away.
     fn passes(&self, (x, y): (usize, usize), from: &Place, to: &Place) -> bool {
         let middle = Place::new(x as f64, y as f64) * self.panels.spacing;
         let half = Place::new(self.half, self.half);
         let post = Wall { lower: middle - half, upper: middle + half };
-        // The post is so small that the place of the way nearest to its middle is near enough.
-        let way = to - from;
-        let length = way.norm_squared();
-        let share = if length > 0.0 { ((middle - from).dot(&way) / length).clamp(0.0, 1.0) } else { 0.0 };
+        // The post is so small that the place of the line nearest to its middle is near enough.
+        let leg = to - from;
+        let length = leg.norm_squared();
+        let share = if length > 0.0 { ((middle - from).dot(&leg) / length).clamp(0.0, 1.0) } else { 0.0 };
         let need = (self.keep - self.half).min(post.distance(from));
-        post.distance(&(from + way * share)) >= need - 1e-9
+        post.distance(&(from + leg * share)) >= need - 1e-9
     }
 
-    /// Whether a straight way is clear of posts and known walls, and how many panels it tries of which nothing is known.
+    /// Whether a straight line is clear of posts and known walls, and how many panels it tries of which nothing is known.
     fn straight(&self, from: &Place, to: &Place) -> Option<usize> {
         let s = self.panels.spacing;
         let mut tried = 0;
@@ -169,7 +169,7 @@ impl Portals<'_> {
 
     /// Leaves out places that are not fixed, where straight on is clear, and tries no more panels.
     fn pulled(&self, places: &[Place], fixed: &[bool]) -> Vec<Place> {
-        let mut way = vec![places[0]];
+        let mut path = vec![places[0]];
         let mut at = 0;
         while at + 1 < places.len() {
             let mut next = at + 1;
@@ -183,10 +183,10 @@ impl Portals<'_> {
                     next = last;
                 }
             }
-            way.push(places[next]);
+            path.push(places[next]);
             at = next;
         }
-        way
+        path
     }
 }
 
@@ -197,25 +197,25 @@ mod tests {
     use crate::map::Map;
 
     #[test]
-    fn where_a_post_was_touched_the_way_leads_squarely_through_the_middle_of_the_panel_beside_it() {
+    fn where_a_post_was_touched_the_path_leads_squarely_through_the_middle_of_the_panel_beside_it() {
         let known =
             Knowledge { size: [0.36, 0.18], radius: 0.045, thickness: 0.012, passage: 0.15, wall: 0.18 };
         let mut map = Map::new(known);
-        // Two rooms side by side; the way from one to the other is straight, and beside their middles.
+        // Two rooms side by side; the path from one to the other is straight, and beside their middles.
         let (from, goal) =
             (Place::new(0.12, 0.07), Region { lower: Place::new(0.26, 0.1), upper: Place::new(0.3, 0.12) });
-        let way = |map: &Map| {
+        let path = |map: &Map| {
             let panels = Panels::of(map, 0.18);
             let through = crate::cells::panels_to(&panels, &from, &goal).expect("it may be open");
-            Portals { panels: &panels, keep: 0.063, half: 0.006 }.way(&from, &through, &goal)
+            Portals { panels: &panels, keep: 0.063, half: 0.006 }.path(&from, &through, &goal)
         };
-        let straight = way(&map);
+        let straight = path(&map);
         assert_eq!(straight.len(), 2, "{straight:?}");
-        // On its way it comes upon the post at (0.18, 0.18), of which only the corner is before it.
+        // On this path it comes upon the post at (0.18, 0.18), of which only the corner is before it.
         let corner = Place::new(0.174, 0.174);
         let ball = corner - Place::new(0.7, 0.7).normalize() * 0.045;
         map.meet(&ball, &corner, &(straight[1] - straight[0]));
-        let after = way(&map);
+        let after = path(&map);
         let middles = [Place::new(0.09, 0.09), Place::new(0.27, 0.09)];
         assert!((after[1] - middles[0]).norm() < 1e-9 && (after[2] - middles[1]).norm() < 1e-9, "{after:?}");
     }

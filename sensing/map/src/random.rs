@@ -37,17 +37,17 @@ impl Layout {
         }
         let mut seen = vec![false; size * size];
         let index = |(x, y): (usize, usize)| y * size + x;
-        let mut way = vec![(0, 0)];
+        let mut path = vec![(0, 0)];
         seen[0] = true;
         let mut entered = false;
-        while let Some(&cell) = way.last() {
+        while let Some(&cell) = path.last() {
             let is_open = |side: &Side| {
                 maze.beyond(cell, *side).is_some_and(|next| !seen[index(next)])
                     && (cell != (0, 0) || *side == Side::Up)
             };
             let sides: Vec<Side> = Side::ALL.into_iter().filter(is_open).collect();
             if sides.is_empty() {
-                way.pop();
+                path.pop();
                 continue;
             }
             let side = sides[chance.below(sides.len())];
@@ -67,7 +67,7 @@ impl Layout {
                 }
             } else {
                 seen[index(next)] = true;
-                way.push(next);
+                path.push(next);
             }
         }
         for cell in cells() {
@@ -89,15 +89,15 @@ impl Layout {
         maze
     }
 
-    /// How many cells one passes from the start to the goal at least; `None` where there is no way.
+    /// How many cells one passes from the start to the goal at least; `None` where there is no path.
     #[must_use]
     pub fn cells_to_goal(&self) -> Option<usize> {
         let successors = |cell: &(usize, usize)| {
             let cell = *cell;
             Side::ALL.into_iter().filter_map(move |side| self.next(cell, side)).collect::<Vec<_>>()
         };
-        let way = pathfinding::prelude::bfs(&self.start(), successors, |cell| self.goal().contains(*cell))?;
-        Some(way.len() - 1)
+        let path = pathfinding::prelude::bfs(&self.start(), successors, |cell| self.goal().contains(*cell))?;
+        Some(path.len() - 1)
     }
 
     /// How many cells the left-hand rule passes from the start to the goal: without a map, always on along the wall to its left.

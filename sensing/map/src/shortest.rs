@@ -54,9 +54,9 @@ fn cross(a: Place, b: Place) -> f64 {
 /// How near to an edge still counts as on it \[m\].
 const EPS: f64 = 1e-9;
 
-/// Whether a straight way runs through the inside of a polygon.
+/// Whether a straight line runs through the inside of a polygon.
 fn crosses(polygon: &Polygon, from: &Place, to: &Place) -> bool {
-    let way = to - from;
+    let displacement = to - from;
     let (mut first, mut last) = (0.0_f64, 1.0_f64);
     for i in 0..VERTICES {
         let (a, b) = (polygon[i], polygon[(i + 1) % VERTICES]);
@@ -67,7 +67,7 @@ fn crosses(polygon: &Polygon, from: &Place, to: &Place) -> bool {
         }
         // How far it is inside of this edge, at the beginning and by how much more at the end.
         let inside = cross(edge, from - a) / length - EPS;
-        let more = cross(edge, way) / length;
+        let more = cross(edge, displacement) / length;
         if more.abs() < 1e-15 {
             if inside <= 0.0 {
                 return false;
@@ -112,20 +112,21 @@ impl<'w> Inflated<'w> {
         Self { walls, polygons, vertices }
     }
 
-    /// Whether the way from one place straight to another is free.
+    /// Whether the straight line from one place to another is free.
     #[must_use]
     pub fn sees(&self, from: &Place, to: &Place) -> bool {
         let ((fx, fy), (tx, ty)) = (self.walls.cell(from), self.walls.cell(to));
         let (x0, x1) = (fx.min(tx), fx.max(tx));
-        // Column by column, only the cells that the way passes.
+        // Column by column, only the cells that the line passes.
         let order: Box<dyn Iterator<Item = usize>> =
             if fx <= tx { Box::new(x0..=x1) } else { Box::new((x0..=x1).rev()) };
-        let way = to - from;
+        let displacement = to - from;
         let pitch = self.walls.pitch();
         for x in order {
             let (left, right) = ((x as f64 - 1.0) * pitch, x as f64 * pitch);
-            let at = |border: f64| from.y + way.y * ((border - from.x) / way.x).clamp(0.0, 1.0);
-            let (a, b) = if way.x.abs() > 1e-12 { (at(left), at(right)) } else { (from.y, to.y) };
+            let at =
+                |border: f64| from.y + displacement.y * ((border - from.x) / displacement.x).clamp(0.0, 1.0);
+            let (a, b) = if displacement.x.abs() > 1e-12 { (at(left), at(right)) } else { (from.y, to.y) };
             let (low, high) = (
                 self.walls.cell(&Place::new(0.0, a.min(b))).1,
                 self.walls.cell(&Place::new(0.0, a.max(b))).1,
@@ -144,7 +145,7 @@ impl<'w> Inflated<'w> {
         true
     }
 
-    /// The shortest way from a place to a region, and its length \[m\]; `None` where there is none.
+    /// The shortest path from a place to a region, and its length \[m\]; `None` where there is none.
     #[must_use]
     pub fn shortest(&self, start: &Place, goal: &Region) -> Option<(f64, Vec<Place>)> {
         /// Orders non-negative numbers.
@@ -154,9 +155,9 @@ impl<'w> Inflated<'w> {
         // Number 0 is the start, 1 the goal, then the vertices.
         let count = self.vertices.len() + 2;
         let place = |number: usize| if number == 0 { *start } else { self.vertices[number - 2][1] };
-        let supports = |number: usize, way: &Place| {
+        let supports = |number: usize, direction: &Place| {
             let [before, at, after] = self.vertices[number - 2];
-            let (a, b) = (cross(*way, before - at), cross(*way, after - at));
+            let (a, b) = (cross(*direction, before - at), cross(*direction, after - at));
             a >= -1e-15 && b >= -1e-15 || a <= 1e-15 && b <= 1e-15
         };
         let left = |at: &Place| goal.distance(at);
@@ -170,16 +171,16 @@ impl<'w> Inflated<'w> {
                 continue;
             }
             if number == 1 {
-                let mut way = vec![];
+                let mut path = vec![];
                 let mut number = from[1];
-                way.push(goal.nearest(&place(number)));
+                path.push(goal.nearest(&place(number)));
                 while number != 0 {
-                    way.push(place(number));
+                    path.push(place(number));
                     number = from[number];
                 }
-                way.push(*start);
-                way.reverse();
-                return Some((best[1], way));
+                path.push(*start);
+                path.reverse();
+                return Some((best[1], path));
             }
             let at = place(number);
             let mut offer = |next: usize, to: Place, rest: f64| {
@@ -193,8 +194,8 @@ impl<'w> Inflated<'w> {
             offer(1, goal.nearest(&at), 0.0);
             for (next, vertex) in (2..count).zip(&self.vertices) {
                 let to = vertex[1];
-                let way = to - at;
-                if !done[next] && supports(next, &way) && (number == 0 || supports(number, &way)) {
+                let leg = to - at;
+                if !done[next] && supports(next, &leg) && (number == 0 || supports(number, &leg)) {
                     offer(next, to, left(&to));
                 }
             }
@@ -218,11 +219,11 @@ mod tests {
     }
 
     #[test]
-    fn the_way_around_one_wall_has_the_length_of_its_closed_form() {
+    fn the_path_around_one_wall_has_the_length_of_its_closed_form() {
         let maze: Layout = "o---o---o\n| S | G |\no   o   o\n|       |\no---o---o".parse().expect("a maze");
         let walls = Walls::of(&maze, 0.025, 0.002);
         let (start, goal) = (Place::new(0.0125, 0.0375), region(&maze, 0.025, 0.0125));
-        let (length, way) = Inflated::by(&walls, 0.002).shortest(&start, &goal).expect("a way");
+        let (length, path) = Inflated::by(&walls, 0.002).shortest(&start, &goal).expect("a path");
         // Around the end of the wall, which is at y = 24 mm: tangent to a circle of 2 mm about a corner, over the end, and up again.
         let corner = Place::new(0.024, 0.024);
         let away = (start - corner).norm();
@@ -231,11 +232,11 @@ mod tests {
         // From the tangent's direction to level it turns by 90 degrees less that direction's slope.
         let turn = core::f64::consts::FRAC_PI_2 - (angle - (2e-3 / away).asin());
         let exact = 2.0 * (tangent + 2e-3 * turn) + 2e-3;
-        assert!(length <= exact + 1e-12 && length > exact * 0.995, "{length} {exact} {way:?}");
+        assert!(length <= exact + 1e-12 && length > exact * 0.995, "{length} {exact} {path:?}");
     }
 
     #[test]
-    fn a_maze_without_a_way_has_none() {
+    fn a_maze_without_a_path_has_none() {
         let maze: Layout = "o---o---o\n| S | G |\no---o---o".parse().expect("a maze");
         let walls = Walls::of(&maze, 0.025, 0.002);
         let inflated = Inflated::by(&walls, 0.002);
@@ -243,19 +244,19 @@ mod tests {
     }
 
     #[test]
-    fn no_part_of_a_shortest_way_is_nearer_to_a_wall_than_the_ball_allows() {
+    fn no_part_of_a_shortest_path_is_nearer_to_a_wall_than_the_ball_allows() {
         for seed in 0..3 {
             let maze = Layout::random(16, seed);
             let walls = Walls::of(&maze, 0.025, 0.002);
             let goal = region(&maze, 0.025, 0.003);
-            let (length, way) =
-                Inflated::by(&walls, 0.002).shortest(&Place::new(0.0125, 0.0125), &goal).expect("a way");
-            let sum: f64 = way.windows(2).map(|leg| (leg[1] - leg[0]).norm()).sum();
+            let (length, path) =
+                Inflated::by(&walls, 0.002).shortest(&Place::new(0.0125, 0.0125), &goal).expect("a path");
+            let sum: f64 = path.windows(2).map(|leg| (leg[1] - leg[0]).norm()).sum();
             assert!((sum - length).abs() < 1e-12);
             // Never longer than through the middles of cells.
-            let cells = maze.cells_to_goal().expect("a way") as f64 * 0.025;
+            let cells = maze.cells_to_goal().expect("a path") as f64 * 0.025;
             assert!(length < cells, "{length} {cells}");
-            for leg in way.windows(2) {
+            for leg in path.windows(2) {
                 for i in 0..=50 {
                     let at = leg[0] + (leg[1] - leg[0]) * (f64::from(i) / 50.0);
                     // Chords cut 8 % of the radius off at the most: 1 - cos(22.5 degrees).

@@ -1,19 +1,19 @@
-//! A way between walls as a taut string: straight lines and arcs, at a distance from all walls.
+//! A path between walls as a taut string: straight lines and arcs, at a distance from all walls.
 //!
-//! In: walls, a distance from them, a way by way of corners ([`Inflated::shortest`](crate::Inflated::shortest)). Out: the shortest way of the
-//! same kind that keeps the distance: it touches discs about corners of walls, on the side on which the way passes them.
+//! In: walls, a distance from them, a path over corners ([`Inflated::shortest`](crate::Inflated::shortest)). Out: the shortest path of the
+//! same kind that keeps the distance: it touches discs about corners of walls, on the side on which the path passes them.
 //!
 //! ```text
-//! c, r, s     centre and radius of a disc, s = +1 if it lies on the left of the way, -1 if on the right; r = 0 at the ends
-//! p = c + s r n(u)     where the way leaves a disc in the direction u; n(u) is to the right of u
+//! c, r, s     centre and radius of a disc, s = +1 if it lies on the left of the path, -1 if on the right; r = 0 at the ends
+//! p = c + s r n(u)     where the path leaves a disc in the direction u; n(u) is to the right of u
 //! d = L u - q n(u),    d = c2 - c1, q = s2 r2 - s1 r1, L^2 = d^2 - q^2        from one disc to the next
 //! ```
 //!
-//! A disc that the way does not lean on is dropped, one that a line cuts is added, until neither is left.
+//! A disc that the path does not lean on is dropped, one that a line cuts is added, until neither is left.
 
 use crate::walls::{Place, Wall, Walls};
 
-/// A part of a way.
+/// A part of a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Piece {
     /// Straight \[m\].
@@ -36,11 +36,11 @@ pub enum Piece {
     },
 }
 
-/// A way of lines and arcs without bends.
+/// A path of lines and arcs without bends.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Taut(Vec<Piece>);
 
-/// A disc that the way passes; an end of the way is one without radius.
+/// A disc that the path passes; an end of the path is one without radius.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Disc {
     centre: Place,
@@ -66,7 +66,7 @@ fn corners(wall: &Wall) -> [Place; 4] {
     [l, Place::new(u.x, l.y), u, Place::new(l.x, u.y)]
 }
 
-/// Direction of the way from one disc to the next, and where it begins and ends. `None` where they overlap.
+/// Direction of the path from one disc to the next, and where it begins and ends. `None` where they overlap.
 fn tangent(one: &Disc, other: &Disc) -> Option<(Place, [Place; 2])> {
     let d = other.centre - one.centre;
     let q = other.signed - one.signed;
@@ -80,13 +80,13 @@ fn tangent(one: &Disc, other: &Disc) -> Option<(Place, [Place; 2])> {
 }
 
 fn to_segment(at: &Place, [from, to]: &[Place; 2]) -> f64 {
-    let way = to - from;
-    let share = ((at - from).dot(&way) / way.norm_squared().max(1e-30)).clamp(0.0, 1.0);
-    (from + way * share - at).norm()
+    let segment = to - from;
+    let share = ((at - from).dot(&segment) / segment.norm_squared().max(1e-30)).clamp(0.0, 1.0);
+    (from + segment * share - at).norm()
 }
 
 impl Taut {
-    /// The way that keeps `radius` \[m\], > 0, from all walls, and passes them as `way` does: a start, corners of walls inflated by about that
+    /// The path that keeps `radius` \[m\], > 0, from all walls, and passes them as `path` does: a start, corners of walls inflated by about that
     /// radius, and an end. `None` where there is none.
     ///
     /// ```
@@ -97,18 +97,18 @@ impl Taut {
     /// let (start, goal) = (Place::new(0.0125, 0.0375), Place::new(0.0375, 0.0375));
     /// // Polygons that hold the arcs: a corner is inflated by chords of 45 degrees.
     /// let inflated = Inflated::by(&walls, 0.002 / 22.5_f64.to_radians().cos());
-    /// let (length, way) = inflated.shortest(&start, &Region { lower: goal, upper: goal }).expect("a way");
-    /// let taut = Taut::along(&walls, 0.002, &way).expect("the same way");
+    /// let (length, path) = inflated.shortest(&start, &Region { lower: goal, upper: goal }).expect("a path");
+    /// let taut = Taut::along(&walls, 0.002, &path).expect("the same path");
     /// // A line, an arc, a line over the end of the wall, an arc, a line.
     /// assert!(taut.pieces().len() == 5 && taut.length() < length);
     /// # Ok::<(), mrroc_map::LayoutError>(())
     /// ```
     #[must_use]
-    pub fn along(walls: &Walls, radius: f64, way: &[Place]) -> Option<Self> {
+    pub fn along(walls: &Walls, radius: f64, path: &[Place]) -> Option<Self> {
         let all: Vec<Place> = walls.boxes().iter().flat_map(corners).collect();
         let end = |centre: &Place| Disc { centre: *centre, signed: 0.0 };
-        let mut discs = vec![end(way.first()?)];
-        for at in way.windows(3) {
+        let mut discs = vec![end(path.first()?)];
+        for at in path.windows(3) {
             let distance = |corner: &Place| (corner - at[1]).norm_squared();
             let near = all.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
             let side = cross(at[2] - at[0], near - at[1]);
@@ -117,7 +117,7 @@ impl Taut {
                 discs.push(disc);
             }
         }
-        discs.push(end(way.last()?));
+        discs.push(end(path.last()?));
         for _ in 0..PULLS {
             let lines: Vec<_> =
                 discs.windows(2).map(|pair| tangent(&pair[0], &pair[1])).collect::<Option<_>>()?;
@@ -248,8 +248,8 @@ mod tests {
         let walls = Walls::of(&maze, 0.025, 0.002);
         let (start, goal) = (Place::new(0.0125, 0.0375), Place::new(0.0375, 0.0375));
         let region = Region { lower: goal, upper: goal };
-        let (_, way) = Inflated::by(&walls, 0.002 * AROUND).shortest(&start, &region).expect("a way");
-        let taut = Taut::along(&walls, 0.002, &way).expect("a way");
+        let (_, path) = Inflated::by(&walls, 0.002 * AROUND).shortest(&start, &region).expect("a path");
+        let taut = Taut::along(&walls, 0.002, &path).expect("a path");
         // Tangent to a circle of 2 mm about a corner, over the end of the wall, and up again.
         let corner = Place::new(0.024, 0.024);
         let away = (start - corner).norm();
@@ -267,9 +267,10 @@ mod tests {
             let walls = Walls::of(&maze, 0.025, 0.002);
             let start = Place::new(0.0125, 0.0125);
             let goal = Region { lower: Place::new(0.18, 0.18), upper: Place::new(0.22, 0.22) };
-            let (inner, _) = Inflated::by(&walls, 0.0023).shortest(&start, &goal).expect("a way");
-            let (outer, way) = Inflated::by(&walls, 0.0023 * AROUND).shortest(&start, &goal).expect("a way");
-            let taut = Taut::along(&walls, 0.0023, &way).expect("a way");
+            let (inner, _) = Inflated::by(&walls, 0.0023).shortest(&start, &goal).expect("a path");
+            let (outer, path) =
+                Inflated::by(&walls, 0.0023 * AROUND).shortest(&start, &goal).expect("a path");
+            let taut = Taut::along(&walls, 0.0023, &path).expect("a path");
             assert!(inner <= taut.length() + 1e-9 && taut.length() <= outer + 1e-9, "seed {seed}");
             for at in taut.points(1e-4, 1e-4) {
                 assert!(walls.clearance(&at) > 0.0023 - 1e-8, "seed {seed}: {}", walls.clearance(&at));

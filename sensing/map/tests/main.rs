@@ -1,4 +1,4 @@
-//! Shortest ways, and mazes by touches, as users of this crate have them.
+//! Shortest paths, and mazes by touches, as users of this crate have them.
 
 mod shortest;
 mod touch;

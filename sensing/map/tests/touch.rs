@@ -22,15 +22,19 @@ enum Then {
     Slide,
 }
 
-/// Which way the wall lies that the ball touches: level or upright; `None` at a corner.
+/// In which direction the wall lies that the ball touches: level or upright; `None` at a corner.
 fn into(walls: &Walls, ball: &Place, radius: f64) -> Option<Place> {
     let wall = walls.near(ball).min_by(|a, b| a.distance(ball).total_cmp(&b.distance(ball)))?;
-    let way = wall.nearest(ball) - ball;
-    let (across, along) = (way.x.abs(), way.y.abs());
+    let towards = wall.nearest(ball) - ball;
+    let (across, along) = (towards.x.abs(), towards.y.abs());
     if wall.distance(ball) > radius + 1e-4 || across.min(along) > 0.3 * across.max(along) {
         return None;
     }
-    Some(if across > along { Place::new(way.x.signum(), 0.0) } else { Place::new(0.0, way.y.signum()) })
+    Some(if across > along {
+        Place::new(towards.x.signum(), 0.0)
+    } else {
+        Place::new(0.0, towards.y.signum())
+    })
 }
 
 /// Along the wall that lies `into`, by `most` at most: where the ball comes to, and whether another wall is in the way.
@@ -39,9 +43,8 @@ fn slid(walls: &Walls, from: Place, into: Place, along: Place, most: f64, radius
     while gone < most {
         let next = at + along * 5e-5;
         let lies = |wall: &Wall, side: Place| (wall.nearest(&next) - next).dot(&side);
-        let in_the_way =
-            |wall: &Wall| wall.distance(&next) < radius - 2e-5 && lies(wall, along) > 0.7 * radius;
-        if walls.near(&next).any(in_the_way) {
+        let blocks = |wall: &Wall| wall.distance(&next) < radius - 2e-5 && lies(wall, along) > 0.7 * radius;
+        if walls.near(&next).any(blocks) {
             return (at, true);
         }
         let beside = |wall: &Wall| wall.distance(&next) < radius + 1e-4 && lies(wall, into) > 0.9 * radius;
@@ -53,7 +56,7 @@ fn slid(walls: &Walls, from: Place, into: Place, along: Place, most: f64, radius
     (at, false)
 }
 
-/// A ball that touches to 0.2 mm; `None` where no way is found.
+/// A ball that touches to 0.2 mm; `None` where no path is found.
 fn run(maze: &Layout, pitch: f64, seed: u64, then: Then) -> Option<Run> {
     let known = Knowledge {
         size: [maze.columns() as f64 * pitch, maze.rows() as f64 * pitch],
@@ -69,9 +72,9 @@ fn run(maze: &Layout, pitch: f64, seed: u64, then: Then) -> Option<Run> {
     let (shortest, _) = Inflated::by(&walls, known.radius).shortest(&ball, &goal)?;
     let (mut map, planner) = (Map::new(known), Planner::of(&known, 0.048 * pitch));
     let mut chance = Random::seeded(seed);
-    let (mut way, mut touches) = (0.0, 0);
+    let (mut travelled, mut touches) = (0.0, 0);
     while goal.distance(&ball) > 0.0 {
-        let leg = planner.way(&map, &ball, &goal).filter(|_| touches < 2000)?[1] - ball;
+        let leg = planner.path(&map, &ball, &goal).filter(|_| touches < 2000)?[1] - ball;
         let along = leg.normalize();
         let clearance = |s: f64| walls.clearance(&(ball + along * s)) - known.radius;
         // As far as there is room: never further than the nearest wall is.
@@ -96,7 +99,7 @@ fn run(maze: &Layout, pitch: f64, seed: u64, then: Then) -> Option<Run> {
             map.pass(&ball, &end);
             map.slide(&end, &to.0, &into);
             map.pass(&end, &to.0);
-            way += s + (to.0 - end).norm() + 0.06 * pitch;
+            travelled += s + (to.0 - end).norm() + 0.06 * pitch;
             ball = to.0 - into * (0.06 * pitch);
             if to.1 {
                 touches += 1;
@@ -107,7 +110,7 @@ fn run(maze: &Layout, pitch: f64, seed: u64, then: Then) -> Option<Run> {
             continue;
         }
         let next = end - along * back;
-        way += s + back;
+        travelled += s + back;
         map.pass(&ball, &next);
         if touched {
             touches += 1;
@@ -115,7 +118,7 @@ fn run(maze: &Layout, pitch: f64, seed: u64, then: Then) -> Option<Run> {
         }
         ball = next;
     }
-    Some(Run { ratio: way / shortest, touches, spacing: map.spacing() })
+    Some(Run { ratio: travelled / shortest, touches, spacing: map.spacing() })
 }
 
 fn mazes(folder: &Path) -> Vec<(String, Layout)> {
@@ -134,13 +137,14 @@ fn by_chance() -> Vec<(String, Layout)> {
     (0..8).map(|seed| (format!("seed {seed}"), Layout::random(16, seed))).collect()
 }
 
-/// All these mazes: the medians of touches and of the way through the shortest one.
+/// All these mazes: the medians of touches and of the distance through the shortest one.
 fn runs(mazes: &[(String, Layout)], then: Then) -> (f64, f64) {
     let (mut ratios, mut touches, mut learned) = (vec![], vec![], 0);
     for (number, (name, maze)) in mazes.iter().enumerate() {
         let pitch = if maze.columns().max(maze.rows()) <= 16 { 0.025 } else { 0.0125 };
-        let run = run(maze, pitch, number as u64, then).unwrap_or_else(|| panic!("{name}: no way was found"));
-        // The exact way is a bound, less the 0.3 % by which it is too short.
+        let run =
+            run(maze, pitch, number as u64, then).unwrap_or_else(|| panic!("{name}: no path was found"));
+        // The exact path is a bound, less the 0.3 % by which it is too short.
         assert!(run.ratio > 0.999, "{name}: {}", run.ratio);
         // Never another spacing than the true one by the end, in mazes with some touches.
         if let Some(spacing) = run.spacing {
@@ -154,7 +158,7 @@ fn runs(mazes: &[(String, Layout)], then: Then) -> (f64, f64) {
     touches.sort_by(f64::total_cmp);
     let (middle, p95) = (ratios.len() / 2, ratios.len() * 95 / 100);
     println!(
-        "{} mazes, {then:?}: way, times the shortest: median {:.2}, p95 {:.2}; touches: median {}; spacing learned in {learned}",
+        "{} mazes, {then:?}: distance, times the shortest: median {:.2}, p95 {:.2}; touches: median {}; spacing learned in {learned}",
         ratios.len(),
         ratios[middle],
         ratios[p95],
@@ -170,8 +174,8 @@ fn the_exit_is_found_by_touch_and_the_spacing_of_walls_is_learned() {
 }
 
 fn sliding_needs_fewer_touches(mazes: &[(String, Layout)]) {
-    let [(back, _), (slide, way)] = [Then::Back, Then::Slide].map(|then| runs(mazes, then));
-    assert!(slide < back, "{slide} touches instead of {back}, {way} times the shortest way");
+    let [(back, _), (slide, distance)] = [Then::Back, Then::Slide].map(|then| runs(mazes, then));
+    assert!(slide < back, "{slide} touches instead of {back}, {distance} times the shortest path");
 }
 
 #[test]

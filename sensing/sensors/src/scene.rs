@@ -76,7 +76,7 @@ impl Solid<'_> {
         for (i, a) in self.hull.iter().enumerate() {
             for (j, b) in self.hull.iter().enumerate().take(i) {
                 for c in self.hull.iter().take(j) {
-                    let met = through(&at(a), &at(b), &at(c)).filter(|way| *way >= 0.0);
+                    let met = through(&at(a), &at(b), &at(c)).filter(|distance| *distance >= 0.0);
                     nearest = [nearest, met].into_iter().flatten().reduce(f64::min);
                 }
             }
@@ -89,9 +89,9 @@ impl Solid<'_> {
 fn sector(a: &Vector2<f64>, b: &Vector2<f64>, radius: f64) -> f64 {
     let square = radius * radius;
     let turn = |a: &Vector2<f64>, b: &Vector2<f64>| a.perp(b).atan2(a.dot(b));
-    let way = b - a;
-    // |a + t way|^2 = radius^2.
-    let (p, q, r) = (way.norm_squared(), a.dot(&way), a.norm_squared() - square);
+    let edge = b - a;
+    // |a + t edge|^2 = radius^2.
+    let (p, q, r) = (edge.norm_squared(), a.dot(&edge), a.norm_squared() - square);
     let discriminant = q * q - p * r;
     if p == 0.0 || discriminant <= 0.0 {
         return 0.5 * square * turn(a, b);
@@ -101,7 +101,7 @@ fn sector(a: &Vector2<f64>, b: &Vector2<f64>, radius: f64) -> f64 {
     if leave <= 0.0 || enter >= 1.0 {
         return 0.5 * square * turn(a, b);
     }
-    let (from, to) = (a + way * enter.max(0.0), a + way * leave.min(1.0));
+    let (from, to) = (a + edge * enter.max(0.0), a + edge * leave.min(1.0));
     let before = if enter > 0.0 { turn(a, &from) } else { 0.0 };
     let after = if leave < 1.0 { turn(&to, b) } else { 0.0 };
     0.5 * (square * (before + after) + from.perp(&to))

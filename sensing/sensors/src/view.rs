@@ -31,7 +31,7 @@ impl Seen<'_> {
     }
 }
 
-/// A scene that a camera looks at. Frame F: z = 0 is the surface of the belt, x the way that it runs, z up.
+/// A scene that a camera looks at. Frame F: z = 0 is the surface of the belt, x the direction in which it runs, z up.
 pub trait View: Scene {
     /// Visits every thing over the belt: parts, and what else is in the way.
     fn each_form(&self, visit: &mut dyn FnMut(&Seen<'_>));

@@ -93,14 +93,14 @@ fn edges_appear_where_the_model_projects_them_to_a_fraction_of_a_pixel() {
 }
 
 #[test]
-fn what_moves_is_seen_where_it_was_and_blurred_by_its_way_during_the_exposure() {
+fn what_moves_is_seen_where_it_was_and_blurred_by_its_motion_during_the_exposure() {
     let plane = plane();
     let still = image(Imager::over(plane.clone(), 3), &plate(0.0), 1.0);
     // 10 ms ago, at 0.2 m/s: 2 mm behind, which are 1871.2 / 850 pixels each.
     let moved = image(Imager::over(plane.clone(), 3), &plate(0.2), 0.99);
     let shift = edges(&still, 287)[0] - edges(&moved, 287)[0];
     assert!((shift - 2.0 * 1871.2 / 850.0).abs() < 0.3, "{shift} pixels");
-    // A ramp as long as the way during 40 ms.
+    // A ramp as long as the displacement during 40 ms.
     let long = Imager::over(plane, 3).with_exposure(0.04);
     let blurred = image(long, &plate(0.2), 1.0);
     let row = &blurred[287 * 768..288 * 768];

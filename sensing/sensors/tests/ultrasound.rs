@@ -6,7 +6,7 @@ use mrroc_sensors::ultrasound::{Air, Piston, Transducer, Waveform, Window};
 
 const AIR: Air = Air { celsius: 20.0 };
 
-/// One that hears nearly every way alike, so that closed forms without a beam hold.
+/// One that hears nearly every direction alike, so that closed forms without a beam hold.
 fn wide(gate: [f64; 2]) -> Transducer {
     Transducer::new(Piston { radius: 1e-4, frequency: 40e3 }, AIR, gate, 1e-6)
 }
@@ -34,7 +34,7 @@ fn about(size: f64) -> Window {
 
 #[test]
 fn a_plane_echoes_as_its_mirror_image() {
-    // The image of a source of 1 at 1 m is twice as far: 1 / 2 h, times what is left after the way.
+    // The image of a source of 1 at 1 m is twice as far: 1 / 2 h, times what is left after the distance.
     for h in [0.2, 0.25, 0.4] {
         let transducer = small([h - 0.05, h + 0.2]);
         let mut wave = transducer.silence();
@@ -132,8 +132,8 @@ fn a_slanted_sheet_is_silent() {
     let transducer = small([0.15, 0.4]);
     let slope = 30_f64.to_radians().tan();
     let sheet = |u: f64, _: f64| {
-        let way = 0.25 / (1.0 + slope * u);
-        ((way * u).abs() < 0.06).then_some(way)
+        let depth = 0.25 / (1.0 + slope * u);
+        ((depth * u).abs() < 0.06).then_some(depth)
     };
     let flat = |u: f64, _: f64| ((0.25 * u).abs() < 0.06).then_some(0.25);
     let [slanted, facing] =

@@ -62,7 +62,7 @@ impl Driver<Irp6> for Believed {
         let scene = self.shared.scene.borrow();
         let pulled = scene.joints(self.arm, &turned);
         // A joint stays where it is until the gear is wound up by what its friction takes, and then goes with it (Prandtl's element): at rest it is
-        // behind the way that it came.
+        // behind its motion.
         let most = scene.windup();
         self.behind = (self.behind + pulled - self.before).map(|behind| behind.clamp(-most, most));
         self.before = pulled;

@@ -26,7 +26,7 @@ const CENTRING: f64 = 2e-5;
 /// How level the compensator keeps the instrument \[rad\].
 pub const LEVEL: f64 = 0.3 * SECOND;
 
-/// Which way round the telescope is.
+/// On which face the telescope is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Face {
     /// As usual.

@@ -1,7 +1,7 @@
 //! How far executed points lie from the drawing: a cursor that moves along the exact stroke.
 //!
 //! Distances are those of the tool's tip in space, its depth included. Each stroke is flattened to 0.2 µm, so that a distance is exact to less than 0.5 µm. The cursor advances along the
-//! stroke about as far as the tool moved: at a cusp it goes on to the way back, instead of turning back itself, and
+//! stroke about as far as the tool moved: at a cusp it goes on to the stroke back, instead of turning back itself, and
 //! where two parts of a stroke come close it stays on its own. If it ends far away, it searches wider, and then the
 //! whole stroke. It also searches the whole stroke before a new maximum counts: no point is called far from the drawing
 //! because the cursor went on along another part.
@@ -12,7 +12,7 @@ use crate::sampling::Sampling;
 /// Flattening of the strokes \[mm\].
 const FLATTENING: f64 = 2e-4;
 
-/// Beyond this distance the search goes [`WIDE`] both ways \[mm\].
+/// Beyond this distance the search goes [`WIDE`] in both directions \[mm\].
 const FAR: f64 = 0.05;
 
 /// Half the width of the wider search along the stroke \[mm\].
@@ -282,7 +282,7 @@ mod tests {
     }
 
     #[test]
-    fn a_lost_cursor_finds_its_way() {
+    fn a_lost_cursor_finds_its_place() {
         let mut deviation = Deviation::new(&circle(), &Sampling::default(), Corners::Counted);
         assert!(deviation.observe(Vec3::new(-10.0, 0.0, 0.0)) < 5e-4);
         assert!((deviation.observe(Vec3::new(0.0, 10.3, 0.0)) - 0.3).abs() < 5e-4);
@@ -306,8 +306,8 @@ mod tests {
     #[test]
     fn a_stroke_that_goes_back_over_itself_and_off_sideways_is_not_far_away() {
         let line = |a: [f64; 2], b: [f64; 2]| Piece::Line { from: a.into(), to: b.into() };
-        let way = [[0.0, 0.0], [9.0, 0.0], [2.0, 0.0], [2.0, 5.0]];
-        let stroke = Stroke::new(way.windows(2).map(|w| line(w[0], w[1])).collect()).unwrap();
+        let corners = [[0.0, 0.0], [9.0, 0.0], [2.0, 0.0], [2.0, 5.0]];
+        let stroke = Stroke::new(corners.windows(2).map(|w| line(w[0], w[1])).collect()).unwrap();
         let mut deviation =
             Deviation::new(&Drawing { strokes: vec![stroke] }, &Sampling::default(), Corners::Counted);
         // The tool turns back 0.1 mm before the tip, as a tool that lags behind does.
@@ -341,7 +341,7 @@ mod tests {
             Height::Linear { from: 0.0, to: -3.0 },
         )];
         let helix = Stroke::with_heights(pieces, Manner::default()).unwrap();
-        // The way along a helix: turns times the hypotenuse of circumference and pitch.
+        // The length of a helix: turns times the hypotenuse of circumference and pitch.
         let length = 3.0 * (20.0 * std::f64::consts::PI).hypot(1.0);
         assert!((helix.length() - length).abs() < 1e-6);
         let mut deviation =

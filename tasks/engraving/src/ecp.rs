@@ -76,7 +76,7 @@ const STROKE_ACCELERATION: f64 = 0.25;
 /// The feed may leave a chord of a step this far from the curve \[m\].
 const CHORD_ERROR: f64 = 1e-6;
 
-/// Limits of a straight way of the tool [m/s, m/s²].
+/// Limits of a straight motion of the tool [m/s, m/s²].
 fn straight(velocity: f64, acceleration: f64) -> ToolLimits {
     ToolLimits {
         translation: ProfileLimits { velocity, acceleration },
@@ -111,8 +111,8 @@ impl Job {
         ecp.wait_at_most((&mut probe,), Open::for_steps(50), 500)?;
         for (speed, back) in [(0.010, 0.001), (0.001, TRAVEL_HEIGHT)] {
             let down = -Vector3::z_axis();
-            let way = PROBE_HEIGHT + PROBE_DEPTH;
-            let touch = GuardedApproach::along(down, speed, 0.2, way, |touch: &Touch| touch.contact);
+            let distance = PROBE_HEIGHT + PROBE_DEPTH;
+            let touch = GuardedApproach::along(down, speed, 0.2, distance, |touch: &Touch| touch.contact);
             ecp.move_robot((&mut probe,), touch)?;
             // The tool's z points down, into the plate.
             ecp.move_robot((), StraightLine::by(Pose::translation(0.0, 0.0, -back), straight(0.02, 0.2)))?;
@@ -165,7 +165,7 @@ impl Job {
         Ok(())
     }
 
-    /// Goes to the start of a stroke from wherever the tool travels: slowly on the last way, into the material.
+    /// Goes to the start of a stroke from wherever the tool travels: slowly on the last piece, into the material.
     fn approach(&self, ecp: &mut Ecp<Irp6>, stroke: &Stroke) -> Result<(), Fault> {
         let height = travel_height(stroke.manner());
         if height > TRAVEL_HEIGHT {

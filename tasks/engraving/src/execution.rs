@@ -37,9 +37,9 @@ pub struct Execution {
     pub velocity: Six,
     /// Largest joint acceleration demanded [rad/s²].
     pub acceleration: Six,
-    /// Length of the tip's way in the material \[mm\].
+    /// Length of the tip's path in the material \[mm\].
     pub cut_length: f64,
-    /// Length of the tip's way above it \[mm\].
+    /// Length of the tip's path above it \[mm\].
     pub travel_length: f64,
     arm: Irp6,
     shaft: Shaft,
@@ -109,8 +109,8 @@ impl Execution {
         }
         self.stroke = stroke;
         if let Some(last) = self.tip {
-            let way = (executed - last).norm();
-            if executed.z < 0.0 { self.cut_length += way } else { self.travel_length += way }
+            let distance = (executed - last).norm();
+            if executed.z < 0.0 { self.cut_length += distance } else { self.travel_length += distance }
         }
         self.tip = Some(executed);
         self.surface.move_to(executed);

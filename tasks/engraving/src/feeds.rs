@@ -6,7 +6,7 @@ use crate::drawing::{Stroke, Vec3};
 use crate::ecp::travel_height;
 use crate::layout::{Layout, OutOfReach};
 
-/// The way of the tip is looked at this often \[mm\].
+/// The path of the tip is looked at this often \[mm\].
 const STEP: f64 = 2.0;
 /// The share of a joint's greatest speed that a feed may take: the rest is for what lies between two looks.
 const SHARE: f64 = 0.8;
@@ -32,11 +32,11 @@ pub fn greatest_feed(layout: &Layout, stroke: &Stroke) -> Result<f64, OutOfReach
         for part in 1..=parts as u32 {
             let next = from + (tip - from) * (f64::from(part) / parts);
             let after = joints(next)?;
-            let way = (next - here).norm();
+            let distance = (next - here).norm();
             for i in 0..6 {
                 let turned = (after[i] - before[i]).abs();
                 if turned > 1e-12 {
-                    greatest = greatest.min(SHARE * limits.velocity[i] * way / turned);
+                    greatest = greatest.min(SHARE * limits.velocity[i] * distance / turned);
                 }
             }
             (here, before) = (next, after);

@@ -1,4 +1,4 @@
-//! The order of strokes: always the nearest next one, either way round, so that the tool travels less.
+//! The order of strokes: always the nearest next one, in either direction, so that the tool travels less.
 //!
 //! Greedy nearest neighbour over a grid of stroke ends; the same drawing gives the same order.
 

@@ -141,7 +141,7 @@ impl HeightMap {
         let rows = range(a.y.min(b.y), a.y.max(b.y), self.rows);
         let along = b - a;
         let squared = along.x * along.x + along.y * along.y;
-        // Straight down or up the lower end cuts most, wherever the nearest place of the way is: that is a matter of
+        // Straight down or up the lower end cuts most, wherever the nearest place of the path is: that is a matter of
         // micrometres.
         let steep = along.z * along.z > 100.0 * squared;
         let inverse = if squared > 0.0 && !steep { 1.0 / squared } else { 0.0 };

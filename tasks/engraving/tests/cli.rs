@@ -120,7 +120,7 @@ fn a_program_is_engraved_as_deep_and_as_fast_as_it_says() {
     }
     let from_file = figures(&folder);
     assert_eq!(from_file["depth_mm"]["by"], "file");
-    // Down 2, along 20, two turns that rise by 1, up 1 and out. The true tip's way is a little longer: the arm shakes,
+    // Down 2, along 20, two turns that rise by 1, up 1 and out. The true tip's path is a little longer: the arm shakes,
     // and its probe goes into the plate where it touches it.
     let length = 2.0 + 20.0 + (2.0 * 10.0 * std::f64::consts::PI).hypot(1.0) + 1.0;
     let cut = number(&from_file, "/cut_length_mm");
@@ -211,7 +211,7 @@ fn fault_70_a_drawing_is_not_overwritten_by_its_own_results() {
         assert!(errors.contains("which this run reads: it is not overwritten"), "{errors}");
         assert_eq!(std::fs::read_to_string(out.join("paths.svg")).expect("it is there"), drawing);
     }
-    // A recording is refused in the same way.
+    // A recording is refused alike.
     let output =
         engraving(&folder, &["engraving/paths.svg", "--out", "other", "--record", "engraving/paths.svg"]);
     assert_eq!(output.status.code(), Some(2), "{}", String::from_utf8_lossy(&output.stderr));

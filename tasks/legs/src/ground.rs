@@ -172,7 +172,7 @@ mod tests {
     }
 
     #[test]
-    fn a_ball_touches_the_tread_the_riser_and_the_edge_along_the_way_to_its_middle() {
+    fn a_ball_touches_the_tread_the_riser_and_the_edge_along_the_path_to_its_middle() {
         let ground = step();
         let touch = |x, z| ground.touch(&Vector3::new(x, 0.2, z), 0.02);
         assert_eq!(touch(0.5, 0.0201), None);

@@ -80,7 +80,7 @@ pub struct Step {
     pub landed: f64,
     /// The least margin from one lift of any leg to this one \[m\].
     pub margin: f64,
-    /// How far the foot had slid on the ground while it bore, from its landing before to this lift: the length of its way \[m\].
+    /// How far the foot had slid on the ground while it bore, from its landing before to this lift: the length of its path \[m\].
     pub slip: f64,
     /// How far its middle was from where it had landed when it bore last \[m\].
     pub moved: f64,

@@ -46,7 +46,7 @@ fn fault_209_a_footstep_to_a_place_that_would_tip_the_machine_over_is_refused_by
     let gait = Gait::default();
     let legs = [0, 1, 2, 3].map(|i| Leg::at(hip(i)));
     // The trunk has set off, and is so far to the left over its feet.
-    let ahead = gait.way(0.0) - gait.way(-gait.ramp);
+    let ahead = gait.advance(0.0) - gait.advance(-gait.ramp);
     let plan = |left: f64| {
         let feet = stance(&gait).map(|foot| foot - Vector3::new(ahead, left, 0.0));
         let q = core::array::from_fn(|i| legs[i].reach_for(&feet[i], &start()[i]).expect("in reach"));

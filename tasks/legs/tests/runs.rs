@@ -55,8 +55,8 @@ fn the_ground_is_felt_with_the_trunk_level_to_a_degree() {
     outcome.report.expect("no fault");
     let last = outcome.seen.film.last().expect("a film");
     // It ends where its gait ends, over its feet.
-    let way = gait.way(gait.ends()) - gait.way(-gait.ramp);
-    assert!((last.X_WT.translation.x - way).abs() < 2e-3, "{} {way}", last.X_WT.translation.x);
+    let distance = gait.advance(gait.ends()) - gait.advance(-gait.ramp);
+    assert!((last.X_WT.translation.x - distance).abs() < 2e-3, "{} {distance}", last.X_WT.translation.x);
     assert!(outcome.seen.lean < 1.0_f64.to_radians(), "{}", outcome.seen.lean);
     let weight = 28.4 * legs::leg::GRAVITY;
     let up: f64 = last.forces.iter().map(|force| force.z).sum();

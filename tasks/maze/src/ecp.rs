@@ -37,10 +37,10 @@ pub(crate) fn go(
     if !leg.has_touched() {
         return Ok(());
     }
-    // Back along the way that it came, from where it touched.
+    // Back along the path by which it came, from where it touched.
     let touch = probe.reading().unwrap_or_default();
-    let way = tool(x, y, LOW).translation.vector - from.translation.vector;
-    let back = way.normalize() * sizes.back;
+    let leg = tool(x, y, LOW).translation.vector - from.translation.vector;
+    let back = leg.normalize() * sizes.back;
     let clear = tool(touch.x - back.x, touch.y - back.y, LOW);
     ecp.move_robot((), StraightLine::to(clear, sizes.careful())).map(drop)
 }

@@ -6,7 +6,7 @@ use nalgebra::Vector2;
 
 /// A kind of sensor that feels walls, carried by the robot `R`.
 pub trait Feeling<R: Robot>: Sensor<Configuration: Default> {
-    /// Whether it feels which way a wall lies: then each touch is one of the stretches that it has [`seen`](Self::seen), and nothing must
+    /// Whether it feels in which direction a wall lies: then each touch is one of the stretches that it has [`seen`](Self::seen), and nothing must
     /// be guessed.
     const TELLS_FACES: bool = false;
 
@@ -33,7 +33,7 @@ pub type Seen = [Option<Stretch>; 10];
 /// A stretch of a wall's face that was seen without a touch, or that the ball slid along.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stretch {
-    /// Its ends [m, W]: on the face; where the ball slid, those of the way of its middle.
+    /// Its ends [m, W]: on the face; where the ball slid, those of the path of its middle.
     pub ends: [Vector2<f64>; 2],
     /// From the effector into it \[W\].
     pub into: Vector2<f64>,

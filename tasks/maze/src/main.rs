@@ -72,7 +72,7 @@ fn mazes(options: &Options) -> Result<Vec<Seeded>, String> {
         for file in &files {
             match read(file, seed) {
                 Ok(Seeded { name, layout, .. }) if layout.cells_to_goal().is_none() => {
-                    complain(&format!("{name}: left out: it has no way to its goal"));
+                    complain(&format!("{name}: left out: it has no path to its goal"));
                 }
                 Ok(read) => mazes.push(read),
                 Err(message) => {

@@ -1,4 +1,4 @@
-//! The coordinator's program: a way out of a maze, by a map that grows with each touch. It is the same for all effectors and sensors.
+//! The coordinator's program: a path out of a maze, by a map that grows with each touch. It is the same for all effectors and sensors.
 
 use core::marker::PhantomData;
 use std::cell::RefCell;
@@ -21,7 +21,7 @@ pub struct MazeSettings {
     pub start: Place,
     /// Where it is to go [m, M].
     pub goal: Region,
-    /// How many touches are too many: the maze has no way that can be found.
+    /// How many touches are too many: the maze has no path that can be found.
     pub most: usize,
     /// What is known of all mazes of this kind.
     pub known: Knowledge,
@@ -29,7 +29,8 @@ pub struct MazeSettings {
     pub sizes: Sizes,
 }
 
-const NO_WAY: &str = "no way to the exit is left by what was touched: look at the maze, or tell another exit";
+const NO_PATH: &str =
+    "no path to the exit is left by what was touched: look at the maze, or tell another exit";
 
 /// The sensor touches nothing.
 struct Free<R, S>(PhantomData<(R, S)>);
@@ -63,7 +64,7 @@ pub fn carried_out<R: Robot, S: Feeling<R>>(
 /// this effector learns where the maze stands, and comes to the start.
 ///
 /// # Errors
-/// The first fault of the cell; no way is left.
+/// The first fault of the cell; no path is left.
 pub fn coordinate<R: Robot, S: Feeling<R>>(
     mp: &mut Mp,
     [robot, sensor]: [&str; 2],
@@ -81,13 +82,13 @@ pub fn coordinate<R: Robot, S: Feeling<R>>(
     while told.goal.distance(&back(&at)) > 0.0 {
         // Where walls are not known well enough for the whole margin, with less of it, or less than the effector needs: it feels them anyway.
         let keeping = |share: f64| {
-            Planner::of(&told.known, share * told.sizes.margin).way(&map.borrow(), &back(&at), &told.goal)
+            Planner::of(&told.known, share * told.sizes.margin).path(&map.borrow(), &back(&at), &told.goal)
         };
-        let way = [1.0, 0.3, -0.5].into_iter().find_map(keeping);
-        let Some(way) = way.filter(|_| map.borrow().contacts().len() < told.most) else {
-            return Err(Fault::thrown(NO_WAY));
+        let path = [1.0, 0.3, -0.5].into_iter().find_map(keeping);
+        let Some(path) = path.filter(|_| map.borrow().contacts().len() < told.most) else {
+            return Err(Fault::thrown(NO_PATH));
         };
-        let leg = there(&way[1]);
+        let leg = there(&path[1]);
         let went = run(Task::Go { x: leg.x, y: leg.y })?;
         // Where the ball slid, it went from there to there; else straight to where it is, or to short of what it touched.
         let slid = went.seen.iter().flatten().filter(|_| S::TELLS_FACES);

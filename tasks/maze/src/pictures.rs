@@ -1,4 +1,4 @@
-//! A film of the map growing: walls as they are, pale; start, exit and a scale; what was touched, as it was; the ball and its way.
+//! A film of the map growing: walls as they are, pale; start, exit and a scale; what was touched, as it was; the ball and its path.
 
 use std::fmt::Write as _;
 
@@ -42,7 +42,7 @@ pub fn film(outcome: &Outcome, walls: &Walls, told: &MazeSettings) -> String {
          <circle cx=\"{:.1}\" cy=\"{:.1}\" r=\"3\" fill=\"none\" stroke=\"#3a8a3a\" stroke-width=\"1\"/>",
         exit[0].x, exit[0].y, exit[1].x, exit[1].y, start.x, start.y
     );
-    // How far along the way each touch is, as a share.
+    // How far along the path each touch is, as a share.
     let mut lengths = vec![0.0];
     for leg in outcome.trace.windows(2) {
         lengths.push(lengths[lengths.len() - 1] + (leg[1] - leg[0]).norm());
@@ -79,7 +79,7 @@ pub fn film(outcome: &Outcome, walls: &Walls, told: &MazeSettings) -> String {
         svg,
         "</g>\n<text x=\"0\" y=\"{:.1}\">{} {} (red), from the ring to the green exit</text>\n\
          <path d=\"M0 {:.1}v3h{:.1}v-3\" fill=\"none\" stroke=\"black\" stroke-width=\"0.6\"/>\n\
-         <text x=\"{:.1}\" y=\"{:.1}\">{:.0} mm; way {:.2} x the shortest</text>\n</svg>",
+         <text x=\"{:.1}\" y=\"{:.1}\">{:.0} mm; distance {:.2} x the shortest</text>\n</svg>",
         height + 12.0,
         outcome.touches,
         if outcome.travel == 0.0 { "places of walls that were seen" } else { "touches" },
@@ -93,7 +93,7 @@ pub fn film(outcome: &Outcome, walls: &Walls, told: &MazeSettings) -> String {
     svg
 }
 
-/// Where on the trace the ball touched, not before `from`: the index, and the share of the way.
+/// Where on the trace the ball touched, not before `from`: the index, and the share of the path.
 fn when(outcome: &Outcome, lengths: &[f64], whole: f64, from: usize, contact: &Contact) -> (usize, f64) {
     let ball = contact.at - contact.into * outcome.sizes.radius;
     let near = |i: &usize| (outcome.trace[*i] - ball).norm() < 0.7 * outcome.sizes.back;

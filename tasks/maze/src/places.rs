@@ -20,7 +20,7 @@ pub struct Sizes {
     pub thickness: f64,
     /// Radius of the stylus's ball, or of a robot \[m\].
     pub radius: f64,
-    /// How far planned ways keep from walls that are known \[m\].
+    /// How far planned paths keep from walls that are known \[m\].
     pub margin: f64,
     /// How far it goes back from a wall that it touched \[m\].
     pub back: f64,

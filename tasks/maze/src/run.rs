@@ -24,9 +24,9 @@ pub struct Outcome {
     pub report: Result<RunReport, CellError>,
     /// How long it took.
     pub wall: Duration,
-    /// The ball's way from the start on, and the shortest one \[m\]; 0 if there is none.
-    pub way: f64,
-    /// See `way`.
+    /// The distance that the ball has gone from the start on, and the shortest one \[m\]; 0 if there is none.
+    pub distance: f64,
+    /// See `distance`.
     pub shortest: f64,
     /// How many touches there were between the walls, or how many places of walls were seen.
     pub touches: usize,
@@ -154,7 +154,7 @@ impl Ready {
         Outcome {
             report,
             wall,
-            way: world.stylus.way,
+            distance: world.stylus.distance,
             shortest: self.shortest,
             // Three were of the frame.
             touches: match self.felt {
@@ -183,9 +183,9 @@ pub fn solve(means: Means, maze: &Layout, seed: u64) -> Result<Outcome, CellErro
 }
 
 impl Outcome {
-    /// How many times the shortest way its way is.
+    /// How many times the shortest distance its distance is.
     #[must_use]
     pub fn ratio(&self) -> f64 {
-        self.way / self.shortest
+        self.distance / self.shortest
     }
 }

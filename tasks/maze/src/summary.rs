@@ -16,7 +16,7 @@ use crate::run::{Outcome, solve};
 pub struct Row {
     /// Which maze.
     pub name: String,
-    /// The ball's way through the shortest one.
+    /// The ball's distance through the shortest one.
     pub ratio: f64,
     /// How many touches.
     pub touches: usize,
@@ -122,7 +122,7 @@ impl fmt::Display for Summary {
             writeln!(
                 f,
                 "{:<24} {:>9} {:>8} {:>10} {:>9} {:>10}",
-                "maze", "way", "touches", "travel", "time", "left hand"
+                "maze", "distance", "touches", "travel", "time", "left hand"
             )?;
             for row in &self.0 {
                 if row.fault.is_some() {
@@ -157,7 +157,7 @@ impl fmt::Display for Summary {
         )?;
         writeln!(
             f,
-            "way, times the shortest: median {:.2}, p95 {:.2}, worst {:.2}",
+            "distance, times the shortest: median {:.2}, p95 {:.2}, worst {:.2}",
             of(0.5, |row| row.ratio),
             of(0.95, |row| row.ratio),
             of(1.0, |row| row.ratio)

@@ -1,4 +1,4 @@
-//! Known layout: one image, the way that it shows, and faults on it.
+//! Known layout: one image, the path that it shows, and faults on it.
 //!
 //! A few mazes; `just maze-whole` takes thirty more by chance.
 
@@ -25,7 +25,7 @@ use crate::usage::{islands, with_shipped};
 pub const START: [f64; 6] = [-0.394791, -2.046687, 0.407842, 0.068049, 4.712389, 1.176005];
 
 /// The shipped mazes and so many by chance.
-fn shortest_ways_are_gone(count: u64) {
+fn shortest_paths_are_gone(count: u64) {
     for Seeded { name, layout, seed } in with_shipped(count) {
         let outcome = Ready::new(&layout, seed).expect("a cell").run();
         assert!(outcome.report.is_ok(), "{name}: {:?}", outcome.report);
@@ -49,42 +49,42 @@ fn shortest_ways_are_gone(count: u64) {
         }
         let rms = (squares / bars.boxes.len() as f64).sqrt();
         assert!(rms < 5e-5, "{name}: walls are off by {rms} m rms");
-        // The way that was planned is no shorter than for the ball alone, and no longer than for one that is larger by the clearance, what
+        // The path that was planned is no shorter than for the ball alone, and no longer than for one that is larger by the clearance, what
         // walls are off by, and what arcs are less than polygons around them.
-        let planned = outcome.planned.way.as_ref().expect("planned").length();
+        let planned = outcome.planned.path.as_ref().expect("planned").length();
         let sizes = Sizes::within_reach(&layout);
         let told = told(&layout, &sizes);
         let larger = (sizes.radius + CLEARANCE + 1.5e-4) * 1.0824;
         let (most, _) =
-            Inflated::by(&outcome.walls, larger).shortest(&told.start, &told.goal).expect("a way");
+            Inflated::by(&outcome.walls, larger).shortest(&told.start, &told.goal).expect("a path");
         assert!(outcome.shortest < planned && planned < most, "{} {planned} {most}", outcome.shortest);
-        // The ball goes that way, and at its ends less than a millimetre more.
-        assert!((outcome.way - planned).abs() < 1e-3, "{name}: {} {planned}", outcome.way);
+        // The ball goes along that path, and at its ends less than a millimetre more.
+        assert!((outcome.distance - planned).abs() < 1e-3, "{name}: {} {planned}", outcome.distance);
     }
 }
 
 #[test]
-fn the_shortest_way_of_an_image_is_gone_without_a_contact() {
-    shortest_ways_are_gone(1);
+fn the_shortest_path_of_an_image_is_gone_without_a_contact() {
+    shortest_paths_are_gone(1);
 }
 
 mod whole {
     #[test]
     #[ignore = "takes minutes: `just maze-whole`"]
-    fn the_shortest_way_of_an_image_is_gone_without_a_contact() {
-        super::shortest_ways_are_gone(30);
+    fn the_shortest_path_of_an_image_is_gone_without_a_contact() {
+        super::shortest_paths_are_gone(30);
     }
 }
 
 #[test]
-fn a_sweep_says_how_long_ways_are_and_what_failed() {
+fn a_sweep_says_how_long_paths_are_and_what_failed() {
     let closed = "o---o---o\n|   | G |\no   o---o\n| S     |\no---o---o";
     let closed = Seeded::read("closed", closed, 1).expect("a maze");
     let [islands, _] = Seeded::shipped(0).expect("mazes");
     let summary = Summary::sweep(&[islands, closed]);
     let text = summary.to_string();
     assert_eq!(summary.faults(), 1, "{text}");
-    assert!(text.contains("closed: ") && text.contains("no way to the exit"), "{text}");
+    assert!(text.contains("closed: ") && text.contains("no path to the exit"), "{text}");
     assert!(text.contains("1 of 2 mazes") && text.contains("contacts in 0"), "{text}");
 }
 
@@ -95,7 +95,7 @@ fn fault_188_a_camera_that_sees_no_maze_is_a_named_fault_before_the_arm_moves() 
         let outcome = ready.run();
         let fault = outcome.report.expect_err("blind").to_string();
         assert!(fault.contains("the camera over the maze") && fault.contains("dark"), "{fault}");
-        assert!(outcome.trace.is_empty() && outcome.planned.way.is_none());
+        assert!(outcome.trace.is_empty() && outcome.planned.path.is_none());
     }
 }
 
@@ -133,7 +133,7 @@ fn fault_188_an_arm_in_front_of_the_camera_hides_the_frame_and_at_its_start_it_i
 }
 
 #[test]
-fn fault_189_a_contact_on_the_way_that_an_image_shows_stops_the_arm_and_is_named() {
+fn fault_189_a_contact_on_the_path_that_an_image_shows_stops_the_arm_and_is_named() {
     // By more than the clearance: the camera was moved after its calibration.
     for by in [Vector3::new(2e-3, 1e-3, 0.0), Vector3::new(-1e-3, 2.5e-3, 0.0)] {
         let ready = Ready::seen_by(&islands(), 0, |camera| camera.moved(by)).expect("a cell");

@@ -53,11 +53,11 @@ fn fault_221_a_probe_that_is_lost_in_mid_leg_is_a_named_fault_and_the_arm_stops(
 }
 
 #[test]
-fn fault_222_a_maze_without_a_way_ends_with_a_fault_that_says_so() {
+fn fault_222_a_maze_without_a_path_ends_with_a_fault_that_says_so() {
     let closed: Layout = "o---o---o\n|   | G |\no   o---o\n| S     |\no---o---o".parse().expect("a maze");
     let outcome = Ready::new(&closed, 2).expect("a cell").run();
-    let fault = outcome.report.expect_err("no way").to_string();
-    assert!(fault.contains("no way to the exit"), "{fault}");
+    let fault = outcome.report.expect_err("no path").to_string();
+    assert!(fault.contains("no path to the exit"), "{fault}");
     assert!(outcome.travel < 4e-3 && outcome.contacts.len() < 160, "{} touches", outcome.contacts.len());
 }
 

@@ -56,7 +56,7 @@ fn the_ball_slides_along_walls_and_the_map_has_them_where_they_are() {
     assert!(outcome.contacts.len() > 2 * outcome.touches, "{}", outcome.touches);
 }
 
-/// A sensor of which every seventh reading points the other way, as a light force does now and then.
+/// A sensor of which every seventh reading points in the other direction, as a light force does now and then.
 struct Turning(Wrist);
 
 impl VirtualSensor for Turning {

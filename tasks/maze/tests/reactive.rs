@@ -54,7 +54,7 @@ const SIDE: f64 = 0.4;
 const ENDS: [[f64; 2]; 2] = [[0.03, 0.05], [0.37, 0.33]];
 
 /// So many of the worlds.
-fn ways_are_within_the_bound_of_bug2(count: usize) {
+fn distances_are_within_the_bound_of_bug2(count: usize) {
     let sizes = Sizes::CLASSIC;
     let (h, side) = (0.5 * sizes.thickness, SIDE);
     let frame = [
@@ -84,16 +84,24 @@ fn ways_are_within_the_bound_of_bug2(count: usize) {
         let walls = Walls::of_boxes(frame.into_iter().chain(world.boxes).collect(), sizes.pitch, [SIDE; 2]);
         let outcome = Ready::among(walls, told, seed as u64).expect("a cell").run();
         assert!(outcome.report.is_ok(), "world {seed}: {:?}", outcome.report);
-        assert!(outcome.travel < TRAVEL && outcome.way >= 0.999 * (outcome.shortest - 5e-3), "world {seed}");
-        shares.push(outcome.way / world.bound);
-        within += usize::from(outcome.way <= world.bound);
+        assert!(
+            outcome.travel < TRAVEL && outcome.distance >= 0.999 * (outcome.shortest - 5e-3),
+            "world {seed}"
+        );
+        shares.push(outcome.distance / world.bound);
+        within += usize::from(outcome.distance <= world.bound);
         // The bound is of a point that keeps to a wall. The ball goes along it in curves from touch to touch, and back after each: arcs of a
         // quarter of a circle, which are 1.11 times their chord, and 2 times 0.8 mm for a chord of 10 mm.
-        assert!(outcome.way <= 1.3 * world.bound, "world {seed}: {} m of {} m", outcome.way, world.bound);
+        assert!(
+            outcome.distance <= 1.3 * world.bound,
+            "world {seed}: {} m of {} m",
+            outcome.distance,
+            world.bound
+        );
     }
     shares.sort_by(f64::total_cmp);
     println!(
-        "{} worlds, {within} within the bound of Bug2; way through the bound: median {:.2}, worst {:.2}",
+        "{} worlds, {within} within the bound of Bug2; distance through the bound: median {:.2}, worst {:.2}",
         shares.len(),
         shares[shares.len() / 2],
         shares[shares.len() - 1]
@@ -101,8 +109,8 @@ fn ways_are_within_the_bound_of_bug2(count: usize) {
 }
 
 #[test]
-fn among_obstacles_its_way_is_within_1_3_times_the_bound_of_bug2() {
-    ways_are_within_the_bound_of_bug2(4);
+fn among_obstacles_its_distance_is_within_1_3_times_the_bound_of_bug2() {
+    distances_are_within_the_bound_of_bug2(4);
 }
 
 mod whole {
@@ -114,17 +122,17 @@ mod whole {
 
     #[test]
     #[ignore = "takes minutes: `just maze-whole`"]
-    fn among_obstacles_its_way_is_within_1_3_times_the_bound_of_bug2() {
-        super::ways_are_within_the_bound_of_bug2(usize::MAX);
+    fn among_obstacles_its_distance_is_within_1_3_times_the_bound_of_bug2() {
+        super::distances_are_within_the_bound_of_bug2(usize::MAX);
     }
 }
 
 #[test]
-fn fault_235_a_reactive_arm_that_comes_round_without_a_way_ends_with_a_fault_that_says_so() {
+fn fault_235_a_reactive_arm_that_comes_round_without_a_path_ends_with_a_fault_that_says_so() {
     let closed: Layout = "o---o---o---o\n|           |\no   o---o   o\n|   | G |   |\no   o---o   o\n| S         |\no---o---o---o".parse().expect("a maze");
     let outcome = Ready::new(&closed, 1).expect("a cell").run();
-    let fault = outcome.report.expect_err("no way").to_string();
-    assert!(fault.contains("no way leads to the exit"), "{fault}");
+    let fault = outcome.report.expect_err("no path").to_string();
+    assert!(fault.contains("no path leads to the exit"), "{fault}");
     // Once round the room in the middle: some 0.2 m, in curves.
-    assert!(outcome.travel < TRAVEL && outcome.way < 0.6, "{} m", outcome.way);
+    assert!(outcome.travel < TRAVEL && outcome.distance < 0.6, "{} m", outcome.distance);
 }

@@ -21,7 +21,7 @@ fn exits_are_found(count: u64) {
     assert_eq!(summary.faults(), 0, "{summary}");
     for row in &summary.0 {
         assert!(row.travel < TRAVEL, "{summary}");
-        // No way of a ball is shorter than the shortest one, which is 0.3 % too short at most.
+        // No path of a ball is shorter than the shortest one, which is 0.3 % too short at most.
         assert!(row.ratio > 0.999, "{summary}");
     }
 }
@@ -49,7 +49,11 @@ fn the_left_hand_rule_goes_round_an_island_where_the_map_finds_the_exit() {
 fn the_same_seed_gives_the_same_run_to_the_bit() {
     let [_, comb] = Seeded::shipped(4).expect("mazes");
     let [one, two] = [(), ()].map(|()| Ready::new(&comb.layout, comb.seed).expect("a cell").run());
-    assert!(one.way.to_bits() == two.way.to_bits() && one.trace == two.trace && one.contacts == two.contacts);
+    assert!(
+        one.distance.to_bits() == two.distance.to_bits()
+            && one.trace == two.trace
+            && one.contacts == two.contacts
+    );
 }
 
 #[test]

@@ -12,7 +12,7 @@ const ARM: &[&str] = &[
     "tasks/maze/src/plant",
 ];
 const WHEELS: &[&str] = &["tasks/maze/src/wheels"];
-/// What neither of them uses on its way by feeling and a map: that by a camera, and that without a map.
+/// What neither of them uses by feeling and a map: that by a camera, and that without a map.
 const OTHERS: &[&str] = &["tasks/maze/src/camera", "tasks/maze/src/reactive", "sensing/map/src/taut.rs"];
 /// All of the task, and the map and planner that it uses.
 const ALL: &[&str] = &["tasks/maze/src", "sensing/map/src"];

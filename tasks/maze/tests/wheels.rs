@@ -65,7 +65,7 @@ fn the_base_knows_where_it_stands_to_a_few_millimetres_at_the_end_of_the_maze() 
     });
     let outcome = ready.expect("a cell").run();
     outcome.report.expect("no fault");
-    println!("after {:.1} m it is wrong by {:.1} mm", outcome.way, 1e3 * wrong.get());
+    println!("after {:.1} m it is wrong by {:.1} mm", outcome.distance, 1e3 * wrong.get());
     // Put down 4 mm beside where it is said to stand at the worst; put right by walls since then.
     assert!(wrong.get() < 0.006, "{}", wrong.get());
 }

@@ -60,8 +60,8 @@ impl Plant {
 
     /// The same with a belt that is so much longer \[m\].
     #[must_use]
-    pub fn with_belt_longer_by(mut self, way: f64) -> Self {
-        self.surface[1] += way;
+    pub fn with_belt_longer_by(mut self, length: f64) -> Self {
+        self.surface[1] += length;
         self
     }
 

@@ -30,7 +30,7 @@ fn parts_are_acquired_at_all_speeds_within_the_bounds() {
 fn most_parts_are_missed_by_the_first_edge(seeds: u64) {
     let summary = Summary::sweep(seeds, Sensing::FirstEdge).expect("a cell");
     println!("{summary}");
-    // Its speed is up to 20 % off on a way of 0.4 m, and a part is 0.05 to 0.1 m long: a third is within reach at best.
+    // Its speed is up to 20 % off over a distance of 0.4 m, and a part is 0.05 to 0.1 m long: a third is within reach at best.
     assert!(summary.all().share() < 0.6, "{summary}");
 }
 

@@ -10,7 +10,7 @@
 //!
 //! Hands work at the table and are not held off it; a bar that is carried is no body of the clearance.
 //!
-//! [`Clearance::check`] needs no such knowledge of the path; its bound allows every joint to turn on in the worst way, which
+//! [`Clearance::check`] needs no such knowledge of the path; its bound allows every joint to turn on in the worst direction, which
 //! is too large for arms of up to seven joints that work so near to one another: 1.6 m where these are 0.3 m apart.
 
 use mrroc::prelude::*;
@@ -38,7 +38,7 @@ pub struct Margins {
 /// The largest speed of a link of RNT and of Polycrank [m/s]: 0.105 m/s and 0.180 m/s in the runs, and some to spare.
 pub const FASTEST: [f64; 2] = [0.11, 0.185];
 
-/// The largest speed at which a link comes down [m/s]: that of straight ways down, `limits()`, and some to spare.
+/// The largest speed at which a link comes down [m/s]: that of straight motions down, `limits()`, and some to spare.
 pub const SINKING: f64 = 0.102;
 
 /// The largest `v/a` of a joint of the arms \[s\]: what it needs to brake.
@@ -109,10 +109,10 @@ pub fn guard(
     })
 }
 
-/// Refuses what is nearer than `way` \[m\], by which it may still come nearer until the cell stands.
-fn keep(nearest: Nearest, way: f64) -> Result<(), Fault> {
-    if nearest.distance < way {
-        return Err(CheckError::from(TooClose(Nearest { travel: way, margin: 0.0, ..nearest })).into());
+/// Refuses what is nearer than `travel` \[m\], by which it may still come nearer until the cell stands.
+fn keep(nearest: Nearest, travel: f64) -> Result<(), Fault> {
+    if nearest.distance < travel {
+        return Err(CheckError::from(TooClose(Nearest { travel, margin: 0.0, ..nearest })).into());
     }
     Ok(())
 }

@@ -15,22 +15,25 @@ pub struct Soft {
 
 impl Soft {
     /// The fastest from one pose to another within `limits`: the largest velocity is `15/8 d/T`, the largest acceleration
-    /// `10/sqrt(3) d/T²` of a way `d` in the time `T`.
+    /// `10/sqrt(3) d/T²` of a distance `d` in the time `T`.
     ///
     /// # Errors
     /// A limit that is not finite and above 0, or poses that give no duration.
     pub fn between(from: Pose, to: Pose, limits: ToolLimits) -> Result<Soft, Fault> {
         let line = LinePath::new(from, to);
-        let ways = [(line.length(), limits.translation), (line.angle(), limits.rotation)];
+        let distances = [(line.length(), limits.translation), (line.angle(), limits.rotation)];
         let mut duration = 0.0_f64;
-        for (way, ProfileLimits { velocity, acceleration }) in ways {
+        for (distance, ProfileLimits { velocity, acceleration }) in distances {
             if ![velocity, acceleration].iter().all(|limit| limit.is_finite() && *limit > 0.0) {
                 let text = format!("limits {velocity} /s, {acceleration} /s^2: write finite ones above 0");
                 return Err(Fault::thrown(&text));
             }
-            let least = [15.0 / 8.0 * way / velocity, (10.0 / 3_f64.sqrt() * way / acceleration).sqrt()];
+            let least =
+                [15.0 / 8.0 * distance / velocity, (10.0 / 3_f64.sqrt() * distance / acceleration).sqrt()];
             if !least.iter().all(|time| time.is_finite()) {
-                return Err(Fault::thrown(&format!("a way of {way} m or rad takes no finite time")));
+                return Err(Fault::thrown(&format!(
+                    "a distance of {distance} m or rad takes no finite time"
+                )));
             }
             duration = least.into_iter().fold(duration, f64::max);
         }
@@ -57,8 +60,8 @@ impl Soft {
 /// As [`Soft::between`].
 #[allow(non_snake_case)]
 pub fn soft(X_BsB: Pose, limits: ToolLimits) -> Result<TimedBody<impl FnMut(f64) -> Pose>, Fault> {
-    let way = Soft::between(Pose::identity(), X_BsB, limits)?;
-    Ok(TimedBody::new(way.duration(), move |t| way.pose(t)))
+    let motion = Soft::between(Pose::identity(), X_BsB, limits)?;
+    Ok(TimedBody::new(motion.duration(), move |t| motion.pose(t)))
 }
 
 #[cfg(test)]
@@ -67,16 +70,16 @@ mod tests {
     use nalgebra::Vector3;
 
     #[test]
-    fn a_soft_way_reaches_its_end_and_the_limit_that_binds_and_none_else() {
+    fn a_soft_motion_reaches_its_end_and_the_limit_that_binds_and_none_else() {
         let limit = |velocity, acceleration| ProfileLimits { velocity, acceleration };
         let end = Pose::new(Vector3::new(0.3, 0.0, 0.4), Vector3::z() * 0.2);
-        // A way of 0.5 m: bound by velocity, and by acceleration.
+        // A distance of 0.5 m: bound by velocity, and by acceleration.
         for (translation, v, a) in [(limit(0.1, 1.0), 0.1, 0.0), (limit(10.0, 0.5), 0.0, 0.5)] {
-            let way =
+            let motion =
                 Soft::between(Pose::identity(), end, ToolLimits { translation, rotation: limit(1.0, 10.0) });
-            let way = way.expect("in order");
-            let (h, mut fastest, mut hardest) = (way.duration() * 1e-4, 0.0_f64, 0.0_f64);
-            let at = |i: i32| way.pose(f64::from(i) * h).translation.vector;
+            let motion = motion.expect("in order");
+            let (h, mut fastest, mut hardest) = (motion.duration() * 1e-4, 0.0_f64, 0.0_f64);
+            let at = |i: i32| motion.pose(f64::from(i) * h).translation.vector;
             for i in 1..10_000 {
                 fastest = fastest.max((at(i + 1) - at(i - 1)).norm() / (2.0 * h));
                 hardest = hardest.max((at(i + 1) - at(i) * 2.0 + at(i - 1)).norm() / (h * h));
@@ -87,7 +90,7 @@ mod tests {
                 fastest <= translation.velocity * (1.0 + 1e-5)
                     && hardest <= translation.acceleration * 1.0001
             );
-            assert_eq!((way.pose(0.0), way.pose(way.duration())), (Pose::identity(), end));
+            assert_eq!((motion.pose(0.0), motion.pose(motion.duration())), (Pose::identity(), end));
         }
         let nowhere =
             Soft::between(end, end, ToolLimits { translation: limit(1.0, 1.0), rotation: limit(1.0, 1.0) })
@@ -96,12 +99,12 @@ mod tests {
     }
 
     #[test]
-    fn limits_that_are_none_are_refused_and_so_are_ways_that_never_end() {
+    fn limits_that_are_none_are_refused_and_so_are_motions_that_never_end() {
         let good = ProfileLimits { velocity: 0.1, acceleration: 0.2 };
         let end = Pose::new(Vector3::new(0.3, 0.0, 0.4), Vector3::z() * 0.2);
         let between = |translation, rotation| {
             Soft::between(Pose::identity(), end, ToolLimits { translation, rotation })
-                .map(|way| way.duration())
+                .map(|motion| motion.duration())
         };
         assert!(between(good, good).is_ok());
         for bad in [0.0, -0.1, f64::NAN, f64::INFINITY] {

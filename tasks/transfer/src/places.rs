@@ -3,7 +3,7 @@
 //! Frames: W world, with z up; B body, in the middle of the bar, x along it; E the tool of an arm, between its fingertips,
 //! z ahead, fingers along x.
 //!
-//! The numbers come from a search over places of the bar and of Polycrank's base for the way of both tools that stays
+//! The numbers come from a search over places of the bar and of Polycrank's base for the paths of both tools that stays
 //! farthest from singularities: Polycrank's is at least 0.09 away from one (of 0.11 at best; it has one where the tool is
 //! vertical), RNT's 0.16 (it has one where tool and forearm are in line); lengths counted in the arm's reach.
 
@@ -78,7 +78,7 @@ pub fn back() -> Pose {
     Pose::translation(0.0, 0.0, -0.15)
 }
 
-/// The bar's way, leg by leg: `X_BsB` from the start of each. Up, over, where it is turned by 20 degrees, and down.
+/// The bar's path, leg by leg: `X_BsB` from the start of each. Up, over, where it is turned by 20 degrees, and down.
 #[must_use]
 pub fn legs() -> [Pose; 3] {
     let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), 20_f64.to_radians());

@@ -35,9 +35,9 @@ pub fn hand(drive: impl mrroc::robot::Driver<Gripper> + 'static) -> RobotSetup<G
 /// what moves a tool in front of it most.
 #[must_use]
 pub fn calibration_error() -> Pose {
-    let way = Vector3::repeat(1e-3 / 3.0_f64.sqrt());
+    let offset = Vector3::repeat(1e-3 / 3.0_f64.sqrt());
     let turn = Vector3::z() * 0.1_f64.to_radians();
-    Pose::from_parts(Translation3::from(way), UnitQuaternion::from_scaled_axis(turn))
+    Pose::from_parts(Translation3::from(offset), UnitQuaternion::from_scaled_axis(turn))
 }
 
 /// The bar, the table and the arms' hands; all copies are the same.

@@ -38,7 +38,7 @@ pub fn law() -> Result<SqueezeLaw, Fault> {
     SqueezeLaw::new(gains, bounds, DELAY).map_err(|bad| Fault::thrown(&bad.to_string()))
 }
 
-/// Carries the body at `X_WB` along `path`, and gives way to stress: the library's generator.
+/// Carries the body at `X_WB` along `path`, and yields to stress: the library's generator.
 #[allow(non_snake_case)]
 fn squeezed<P: BodyPath>(X_WB: Pose, path: P) -> Result<SqueezedCarry<Arms, Wrists, P, Displacement>, Fault> {
     Ok(SqueezedCarry::along(BodyFrame::InWorld(X_WB), path, law()?, 0.0, OLDEST))

@@ -114,7 +114,7 @@ impl Summary {
 }
 
 impl Row {
-    /// Whether the arms keep their relative pose, and give no way to forces.
+    /// Whether the arms keep their relative pose, and do not yield to forces.
     fn is_rigid(&self) -> bool {
         !matches!(self.variant, Variant::Bar { sensors: Sensors::Used, .. })
     }

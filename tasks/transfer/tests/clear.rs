@@ -46,9 +46,9 @@ fn arms_that_come_too_near_are_stopped_with_the_names_of_what_was_near() {
         let Err(CellError::Fault(fault)) = cell.run() else { panic!("they come nearer than {margins:?}") };
         assert_eq!(fault.kind(), FaultKind::ProtectiveStop, "{fault}");
         assert!(fault.to_string().contains(near), "{fault}");
-        // What is compared is the way until the cell stands; beyond it nothing must be left.
-        let way = if margins.table == MARGINS.table { margins.arms } else { margins.table };
-        let text = format!("{:.1} mm to stop, 0.0 mm to be left", 1e3 * way);
+        // What is compared is the distance until the cell stands; beyond it nothing must be left.
+        let distance = if margins.table == MARGINS.table { margins.arms } else { margins.table };
+        let text = format!("{:.1} mm to stop, 0.0 mm to be left", 1e3 * distance);
         assert!(fault.to_string().contains(&text), "{fault}");
     }
 }
@@ -63,8 +63,8 @@ fn ends(clearance: &Clearance) -> Ends {
     ends
 }
 
-/// The largest way of a link of each arm [m]: no point of a straight axis goes farther than one of its ends.
-fn ways(from: &Ends, to: &Ends) -> [f64; 2] {
+/// The largest displacement of a link of each arm [m]: no point of a straight axis goes farther than one of its ends.
+fn displacements(from: &Ends, to: &Ends) -> [f64; 2] {
     [0, 1].map(|arm| {
         let both = from[arm].iter().zip(&to[arm]);
         both.map(|(from, to)| (to - from).norm()).fold(0.0, f64::max)
@@ -91,7 +91,7 @@ impl Fast {
         clearance.nearest(robots)?;
         let now = ends(clearance);
         if let Some(last) = self.last.take() {
-            let links = ways(&last, &now).map(|way| way / STEP);
+            let links = displacements(&last, &now).map(|distance| distance / STEP);
             if links[1] > self.links[1] {
                 self.step = self.looks;
             }
@@ -173,10 +173,10 @@ fn stopped_where_links_are_fastest_the_arms_stand_apart_and_within_the_margin() 
     let mut clearance = clearance(&file, Around::Nothing).expect("in order");
     let joints = joints.borrow();
     let stand = clearance.nearest_at(&[&joints[0][..6], &joints[1]]).expect("a posture").distance;
-    let ways = ways(&from, &ends(&clearance));
-    println!("{distance:.3} m apart, {stand:.3} m at standstill, links have gone {ways:.3?} m");
+    let distances = displacements(&from, &ends(&clearance));
+    println!("{distance:.3} m apart, {stand:.3} m at standstill, links have gone {distances:.3?} m");
     assert!(stand > 0.0 && stand >= distance - MARGINS.arms, "{stand}");
-    assert!(ways[0] <= FASTEST[0] * STOP && ways[1] <= FASTEST[1] * STOP, "{ways:?}");
+    assert!(distances[0] <= FASTEST[0] * STOP && distances[1] <= FASTEST[1] * STOP, "{distances:?}");
     // It was on its way: 40 ms alone are a fifteenth of the time.
-    assert!(ways[1] > 0.04 * 0.9 * FASTEST[1], "{ways:?}");
+    assert!(distances[1] > 0.04 * 0.9 * FASTEST[1], "{distances:?}");
 }

@@ -41,7 +41,7 @@ fn force_sensors_take_at_least_four_fifths_of_the_stress_that_a_base_out_of_plac
     let (with, end) = run(Bases::Off, Sensors::Used);
     stands(&end);
     assert!(without.is_held() && with.is_held());
-    // Without sensors the body takes what the base's error makes of its way: two springs in a row, k d / 2.
+    // Without sensors the body takes what the base's error makes of its path: two springs in a row, k d / 2.
     let expected = 0.5 * K * without.strain.distance;
     assert!((without.internal - expected).abs() < 0.15 * expected, "{} {expected}", without.internal);
     assert!(without.internal > 15.0, "{}", without.internal);

@@ -112,8 +112,8 @@ fn run(mut program: impl FnMut(&mut Mp, Handles<'_>) -> Result<(), Fault> + 'sta
     seen.0
 }
 
-/// The plate's way: up and aside, turned by 6 degrees.
-fn way() -> Pose {
+/// The plate's displacement: up and aside, turned by 6 degrees.
+fn displacement() -> Pose {
     let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), 6_f64.to_radians());
     Pose::from_parts(Vector3::new(0.0, 0.05, 0.1).into(), turn)
 }
@@ -121,7 +121,7 @@ fn way() -> Pose {
 #[test]
 fn four_arms_of_two_kinds_carry_one_body() {
     let rigid = run(|mp, robots| {
-        let carry = RigidCarry::along(BodyFrame::InWorld(bar()), soft(way(), limits())?);
+        let carry = RigidCarry::along(BodyFrame::InWorld(bar()), soft(displacement(), limits())?);
         mp.move_robots(robots, (), carry).map(drop)
     });
     assert!(rigid.apart <= 1e-9, "{rigid:?}");
@@ -130,7 +130,8 @@ fn four_arms_of_two_kinds_carry_one_body() {
         let (mut a, mut b, mut c, mut d) =
             (wrist("a-wrist")?, wrist("b-wrist")?, wrist("c-wrist")?, wrist("d-wrist")?);
         let body = BodyFrame::InWorld(bar());
-        let carry = SqueezedCarry::<Four, Wrists, _>::along(body, soft(way(), limits())?, law()?, 0.0, 1);
+        let carry =
+            SqueezedCarry::<Four, Wrists, _>::along(body, soft(displacement(), limits())?, law()?, 0.0, 1);
         mp.move_robots(robots, (&mut a, &mut b, &mut c, &mut d), carry).map(drop)
     });
     println!("internal force: {:.2} N, with sensors {:.2} N", rigid.internal, squeezed.internal);

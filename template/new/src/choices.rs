@@ -133,7 +133,7 @@ mod tests {
             type = "bool"
             prompt = "Tight?"
             default = false
-            [conditional.'sensors.contains("probe") && tight'.placeholders.way]
+            [conditional.'sensors.contains("probe") && tight'.placeholders.distance]
             prompt = "How far?"
             "#,
         )
@@ -150,9 +150,9 @@ mod tests {
     fn choices_are_asked_for_when_others_say_so() {
         assert_eq!(settled(&[]).as_deref(), Ok("arms=one sensors= period=2"));
         assert_eq!(
-            settled(&[("arms", "two"), ("tight", "yes"), ("sensors", "probe,force"), ("way", "a b")])
+            settled(&[("arms", "two"), ("tight", "yes"), ("sensors", "probe,force"), ("distance", "a b")])
                 .as_deref(),
-            Ok("arms=two sensors=probe,force period=2 tight=true way=a b")
+            Ok("arms=two sensors=probe,force period=2 tight=true distance=a b")
         );
     }
 
@@ -174,7 +174,7 @@ mod tests {
         }
         let error =
             settled(&[("arms", "two"), ("tight", "true"), ("sensors", "probe")]).expect_err("no default");
-        assert!(error.contains("give it by `--define way=..`"), "{error}");
+        assert!(error.contains("give it by `--define distance=..`"), "{error}");
     }
 
     #[test]

@@ -119,7 +119,7 @@ fn start(joint: Node<'_, '_>, bent: f64) -> (f64, f64) {
     let start = if joint.attribute("type") == Some("prismatic") || lower >= upper {
         middle
     } else {
-        // A joint that cannot bend this way bends as far the other, or stands in its middle.
+        // A joint that cannot bend in this direction bends as far in the other, or stands in its middle.
         [bent, -bent].into_iter().find(|q| (lower..=upper).contains(q)).unwrap_or(middle)
     };
     let acceleration = number("acceleration").unwrap_or_else(|| number("velocity").unwrap_or(1.0) / BRAKING);

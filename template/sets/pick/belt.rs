@@ -60,7 +60,7 @@ pub fn camera(line: OverBelt) -> CameraSensor<OverBelt> {
     // FILL IN: where your camera is in the belt's frame; here 0.42 m before its origin and 0.85 m above.
     let down = Pose::translation(-0.42, 0.0, 0.85) * Pose::rotation(Vector3::x() * PI);
     let plane = Plane::new(Camera::MRROCPP, down);
-    // FILL IN: your parts. With more than one class `Sole` gives way to a network: see README.md.
+    // FILL IN: your parts. With more than one class `Sole` is replaced by a network: see README.md.
     let block = PartClass { name: "block", form: Workpiece::block(PART, 0.2).form, turns: 2 };
     let vision = Vision::new(plane.clone(), vec![block], Box::new(Sole));
     CameraSensor::new(line, Imager::over(plane, 1), vision, Trigger::Travel(0.05), LATCH)

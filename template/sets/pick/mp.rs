@@ -36,7 +36,7 @@ struct Comes {
 fn comes(c: &mut Comes, v: &Reading<(PartSensor,)>) -> bool {
     let Some(seen) = v.0.reading() else { return false };
     // In the belt's own frame: there a part does not move, however long an image takes. The first that has come; the newest is told first.
-    let come = |part: &&OnBelt| part.number > 0 && part.along + seen.way > FROM;
+    let come = |part: &&OnBelt| part.number > 0 && part.along + seen.travel > FROM;
     let Some(part) = seen.newest.iter().rev().find(come) else { return false };
     c.part = *part;
     true

@@ -30,9 +30,9 @@ fn arm(ecp: &mut Ecp<Arm>) -> Result<(), Fault> {
 
 /// FILL IN: the usual behaviour: straight to the goal, more slowly near it. `None`: it is there.
 fn head(goal: &Vector2<f64>, at: &Vector2<f64>) -> Option<Vector2<f64>> {
-    let way = goal - at;
-    let far = way.norm();
-    (far > 5e-4).then(|| way / far * SPEED.min(2.0 * far))
+    let towards = goal - at;
+    let far = towards.norm();
+    (far > 5e-4).then(|| towards / far * SPEED.min(2.0 * far))
 }
 
 /// FILL IN: the preferred one: along what is near, on the side of the goal, and a little away from it.

@@ -20,7 +20,7 @@ impl Sensor for Touch {
 pub struct Near {
     /// How far the tool is from it [m].
     pub gap: f64,
-    /// The way from it to the tool, of length 1 [world].
+    /// The direction from it to the tool, of length 1 [world].
     pub away: [f64; 2],
 }
 
@@ -47,7 +47,7 @@ impl VirtualSensor for Post {
         let robot = order.robot.ok_or_else(|| {
             Fault::thrown("the sensor belongs to no robot: write `of` in its table of cell.toml")
         })?;
-        let way = robot.pose.translation.vector.xy() - Vector2::new(POST[0], POST[1]);
-        Ok(Near { gap: way.norm() - POST[2], away: way.normalize().into() })
+        let offset = robot.pose.translation.vector.xy() - Vector2::new(POST[0], POST[1]);
+        Ok(Near { gap: offset.norm() - POST[2], away: offset.normalize().into() })
     }
 }

@@ -202,7 +202,7 @@ async function jogged(browser, drawingBrowser, folder) {
 
     // Back to the first one: its way is shown, then held.
     for (let trial = 0; await one.locator('[data-pose="a"]').isDisabled(); trial++) {
-      pressedAgain(trial, 12, 'the way to a is shown');
+      pressedAgain(trial, 12, 'the path to a is shown');
       await take(one);
       await button(one, 'Way: a').click({ timeout: 3000 }).catch(() => {});
       await one.waitForTimeout(500);

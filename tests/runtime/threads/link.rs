@@ -54,7 +54,7 @@ impl Turn {
     }
 }
 
-/// What a process does, on its way to its thread.
+/// What a process does, until its thread has it.
 struct Carried(Body);
 
 // SAFETY: bodies share reference counts. Only the thread whose turn it is touches them, and the lock of the turn orders what the threads

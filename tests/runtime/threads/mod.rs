@@ -17,7 +17,7 @@ use link::Threads;
 /// What a robot's program saw of its sensor: each count, with its age in steps.
 type Seen = Rc<RefCell<Vec<Option<(u64, u32)>>>>;
 
-/// Two robots by programs of their own, of which one watches a sensor of this mode and latency \[µs\] on its way; with an operator who suspends
+/// Two robots by programs of their own, of which one watches a sensor of this mode and latency \[µs\] meanwhile; with an operator who suspends
 /// the cell, resumes it and stops it, or without.
 fn cell(mode: VspMode, latency: u64, operated: bool) -> (Cell, [Trace<3>; 2], Seen) {
     let ((one, first), (two, second)) = (gantry("one"), gantry("two"));

@@ -7,7 +7,7 @@ use mrroc::prelude::*;
 use mrroc_generators::line::{LinePath, MotionLimits, ToolLimits};
 use mrroc_generators::profile::ProfileCursor;
 
-/// Moves the tool straight to a pose. Meanwhile the tool turns the short way. One profile leads both; the type of the
+/// Moves the tool straight to a pose. Meanwhile the tool turns through the smaller angle. One profile leads both; the type of the
 /// limits decides which: `ToolLimits` give a trapezoidal profile, `SmoothToolLimits` limit its jerk, too.
 ///
 /// Starts from the pose demanded last, at rest. It uses no joint coordinates, so it serves every robot.

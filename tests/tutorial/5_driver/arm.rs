@@ -26,7 +26,7 @@ fn counts(joints: &Six) -> [i64; 6] {
     std::array::from_fn(|i| (joints[i] / COUNT).round() as i64)
 }
 
-/// FILL IN: the way to the hardware. Until then its drives go where they are told, to the nearest count.
+/// FILL IN: the link to the hardware. Until then its drives go where they are told, to the nearest count.
 pub struct Bus {
     pub counts: [i64; 6],
     pub connected: bool,

@@ -63,7 +63,7 @@ fn told(v: &Reading<(Knob,)>) -> [f64; 2] {
 fn velocities(demands: &[Demand<Irp6>]) -> Vec<[Vector3<f64>; 2]> {
     let places = demands.iter().map(|demand| demand.as_displacement().expect("a displacement"));
     let all: Vec<_> = core::iter::once(Pose::identity()).chain(places).collect();
-    all.windows(2).map(|pair| way(&pair[0], &pair[1]).map(|way| way / DT)).collect()
+    all.windows(2).map(|pair| displacement(&pair[0], &pair[1]).map(|by| by / DT)).collect()
 }
 
 /// Pseudo-random numbers in 0..1 (Numerical Recipes' linear congruence).

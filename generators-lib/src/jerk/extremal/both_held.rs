@@ -10,8 +10,8 @@ pub(super) fn value(v: f64, bases: [f64; 2], held: [f64; 2], per_j: f64) -> Valu
         let per_a = 1.0 / a;
         let t = (v - base) * per_a + a * per_j;
         sum.time += t;
-        sum.way += 0.5 * (v + base) * t;
-        sum.way_slope += 0.5 * (t + (v + base) * per_a);
+        sum.displacement += 0.5 * (v + base) * t;
+        sum.slope += 0.5 * (t + (v + base) * per_a);
     }
     sum
 }

@@ -21,7 +21,7 @@ pub(super) fn value(w: f64, base: f64, k: f64, per_j: f64) -> Value {
     let i = per_j;
     let x = smaller(w, k);
     let sum = 2.0 * base + x * x * i;
-    Value { time: 2.0 * w * i, way: (sum * w - k * i * (w - x)) * i, way_slope: (sum + x * w * i) * i }
+    Value { time: 2.0 * w * i, displacement: (sum * w - k * i * (w - x)) * i, slope: (sum + x * w * i) * i }
 }
 
 #[inline]

@@ -33,7 +33,7 @@ use super::{AxisLimits, AxisState, AxisTarget};
 use piece::{Held, Piece, Ramps};
 use value::Value;
 
-/// Most intervals of durations in which a way is not reached.
+/// Most intervals of durations in which a displacement is not reached.
 const GAPS: usize = 4;
 
 /// Places for pieces: with one acceleration, none, none again, one, the other, both, the cruise; the first two may be
@@ -66,7 +66,7 @@ pub(super) struct Extremal {
     cruises: f64,
     /// Where the acceleration of the other ramp is; below 0 if it is throughout.
     bend: f64,
-    /// From where on the way rises.
+    /// From where on the displacement rises.
     rises: f64,
     /// The first piece, and its beginning.
     first: (usize, Piece, Value),
@@ -112,7 +112,7 @@ impl Extremal {
         let from_base = |b: f64, a: f64| (b + a * a * per_j * (1.0 / 6.0)) * a * per_j;
         let ahead = [(a0 - a1) * per_j, from_base(b0, a0) - from_base(b1, a1)];
         // A difference of squares as small as the rounding of the squares counts as 0: its root would not be small.
-        // A start on the way to `b1` may bring the rounding of higher velocities along.
+        // A start on the ramp to `b1` may bring the rounding of higher velocities along.
         let brought = (v_max - limits.min_velocity).min(1e3 * b1.abs());
         let rounding = 8.0 * f64::EPSILON * (a0 * a0 + a1 * a1 + j * (b0.abs() + b1.abs() + brought));
         let above = |square: f64| if square > rounding { square } else { 0.0 };
@@ -215,7 +215,7 @@ impl Extremal {
         exists.then_some(Piece { held: kind, from, to: to.max(from) })
     }
 
-    /// Whether the way rises from the beginning of this piece, which exists, to the end of the curve.
+    /// Whether the displacement rises from the beginning of this piece, which exists, to the end of the curve.
     #[inline]
     fn rises(&self, stage: usize) -> bool {
         let x = match stage {
@@ -229,10 +229,10 @@ impl Extremal {
         x >= self.rises
     }
 
-    /// The way \[m\] in the shortest duration to the velocity alone.
+    /// The displacement \[m\] in the shortest duration to the velocity alone.
     #[inline]
-    pub fn least_way(&self) -> f64 {
-        self.first.2.way - self.ahead[1]
+    pub fn least_displacement(&self) -> f64 {
+        self.first.2.displacement - self.ahead[1]
     }
 
     /// How long a motion whose ramps take `time` lasts.
@@ -253,15 +253,15 @@ impl Extremal {
         self.place(piece.held, piece.from, value.time)
     }
 
-    /// The durations in which the farthest motion gets less far than `way` \[m\]; where the beginning is known to get
+    /// The durations in which the farthest motion gets less far than `displacement` \[m\]; where the beginning is known to get
     /// `there`, not the shortest one.
     #[inline]
-    pub fn gaps(&self, way: f64, there: bool) -> Gaps {
+    pub fn gaps(&self, displacement: f64, there: bool) -> Gaps {
         let (first, beginning, mut here) = self.first;
-        let target = way + self.ahead[1];
-        let target = if there { target.min(here.way) } else { target };
+        let target = displacement + self.ahead[1];
+        let target = if there { target.min(here.displacement) } else { target };
         let mut gaps = Gaps::default();
-        let mut below = (here.way < target).then_some(f64::NEG_INFINITY);
+        let mut below = (here.displacement < target).then_some(f64::NEG_INFINITY);
         let mut known = Some(beginning);
         let mut in_last_part = first >= LAST_PART;
         for stage in first..STAGES {
@@ -275,14 +275,14 @@ impl Extremal {
                 let from = below.unwrap_or_else(|| self.duration(here.time));
                 here = self.ramps.value(piece.held, piece.from);
                 below = Some(from);
-                if here.way >= target {
+                if here.displacement >= target {
                     gaps.push(from, self.place(piece.held, piece.from, here.time));
                     below = None;
                 }
             }
             if piece.held == Held::Velocity {
                 if let Some(from) = below {
-                    let z = ((target - here.way) / self.ramps.fastest).max(0.0);
+                    let z = ((target - here.displacement) / self.ramps.fastest).max(0.0);
                     gaps.push(from, self.place(Held::Velocity, z, here.time + z));
                 }
                 break;
@@ -295,7 +295,7 @@ impl Extremal {
                 }
                 let part = Piece { held: piece.held, from, to: cut };
                 let end = self.ramps.value(piece.held, cut);
-                if (end.way < target) != below.is_some() {
+                if (end.displacement < target) != below.is_some() {
                     let z = self.ramps.crossing(&part, [&here, &end], target);
                     let crossing = self.place(piece.held, z, self.ramps.time(piece.held, z));
                     below = match below {

@@ -12,8 +12,8 @@ pub(super) fn value(x: f64, base: f64, other: f64, held: f64, per_j: f64) -> Val
     let slope = 2.0 * x * i;
     Value {
         time: slope + t,
-        way: (base + v) * x * i + 0.5 * (v + other) * t,
-        way_slope: (slope * x + base + v) * i + 0.5 * slope * (t + (v + other) * per_held),
+        displacement: (base + v) * x * i + 0.5 * (v + other) * t,
+        slope: (slope * x + base + v) * i + 0.5 * slope * (t + (v + other) * per_held),
     }
 }
 

@@ -54,7 +54,7 @@ impl Ramps {
             Held::Lower => one_held::value(z, higher, lower, held_lower, per_j),
             Held::Higher => one_held::value(z, lower, higher, held_higher, per_j),
             Held::Both => both_held::value(z, [higher, lower], [held_higher, held_lower], per_j),
-            Held::Velocity => Value { time: z, way: fastest * z, way_slope: fastest },
+            Held::Velocity => Value { time: z, displacement: fastest * z, slope: fastest },
         }
     }
 
@@ -104,7 +104,7 @@ impl Ramps {
         }
     }
 
-    /// Where the way may turn, in order; places outside the piece do not count.
+    /// Where the displacement may turn, in order; places outside the piece do not count.
     pub fn turns(&self, held: Held) -> [f64; 2] {
         let Ramps { higher, lower, k, held_higher, held_lower, j, .. } = *self;
         match held {
@@ -116,21 +116,21 @@ impl Ramps {
         }
     }
 
-    /// Where the way, which rises or falls throughout from one value to the other, passes `target`: Newton's iteration, kept
+    /// Where the displacement, which rises or falls throughout from one value to the other, passes `target`: Newton's iteration, kept
     /// in a bracket.
     #[inline]
     pub fn crossing(&self, piece: &Piece, ends: [&Value; 2], target: f64) -> f64 {
-        let [first, last] = ends.map(|value| value.way);
+        let [first, last] = ends.map(|value| value.displacement);
         let rising = last >= first;
         let mut low = piece.from;
         let mut high = piece.to;
         let range = last - first;
         let share = ((target - first) / range).clamp(0.0, 1.0);
-        // The way grows with a power between 1 and 3 of the variable.
+        // The displacement grows with a power between 1 and 3 of the variable.
         let mut z = if range == 0.0 { low } else { low + (high - low) * share.sqrt() };
         for _ in 0..100 {
             let value = self.value(piece.held, z);
-            let residual = value.way - target;
+            let residual = value.displacement - target;
             if residual == 0.0 {
                 return z;
             }
@@ -139,7 +139,7 @@ impl Ramps {
             } else {
                 low = z;
             }
-            let newton = z - residual / value.way_slope;
+            let newton = z - residual / value.slope;
             if !(newton >= low && newton <= high) {
                 z = 0.5 * (low + high);
                 if z <= low || z >= high {

@@ -3,7 +3,7 @@
 //! In: times at which something was sent here, and came there. Out: a time of there as one of here, and never one that is
 //! later than it was: what was sent here at `s` and came there at `r` says that `r` there was `s` here or later, so
 //! `s - r` is a lower bound of the difference of the clocks. The largest of the last seconds is used: the one that was
-//! on its way for the shortest time. So a reading counts as older than it is by that time, and no clock need agree with another.
+//! in transit for the shortest time. So a reading counts as older than it is by that time, and no clock need agree with another.
 
 /// How long a bound is used at most twice \[ns\]: clocks drift by 0.2 ms in a second at the very most, and mostly by a hundredth of that.
 const WINDOW: u64 = 5_000_000_000;
@@ -44,17 +44,16 @@ mod tests {
     const MS: u64 = 1_000_000;
 
     #[test]
-    fn fault_212_a_time_of_another_machine_is_never_later_than_it_was_and_earlier_by_the_shortest_way_there()
-    {
-        // There it is 7 s later, or 7 s earlier; ways take 1 to 9 ms.
+    fn fault_212_a_time_of_another_machine_is_never_later_than_it_was_and_earlier_by_the_shortest_transit() {
+        // There it is 7 s later, or 7 s earlier; messages take 1 to 9 ms.
         for offset in [7_000 * MS, 0, (-7_000_i64 * MS as i64).cast_unsigned()] {
             let there = |here: u64| here.wrapping_add(offset);
             let mut clock = Clock::default();
             assert_eq!(clock.here(5), None);
             for i in 0..1000 {
                 let sent = 60_000 * MS + i * 4 * MS;
-                let on_its_way = (1 + (i * 5) % 9) * MS;
-                clock.heard(sent, there(sent + on_its_way), sent + 2 * on_its_way);
+                let transit = (1 + (i * 5) % 9) * MS;
+                clock.heard(sent, there(sent + transit), sent + 2 * transit);
                 let measured = sent + 3 * MS;
                 let told = clock.here(there(measured)).expect("something was heard");
                 assert!(told <= measured, "a reading of the future");

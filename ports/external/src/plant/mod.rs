@@ -27,7 +27,7 @@ use mrroc_launch::cell_file::PlantEntry;
 use crate::port::{Ends, channel, folder, monotonic};
 use message::{LAYOUT, PlantOrder, PlantRequest, PlantState, Says, Untrue, VERSION, name_of};
 
-/// The way to the simulator in which a robot of `cell.toml` moves, for
+/// The connection to the simulator in which a robot of `cell.toml` moves, for
 /// [`Kinds::plants`](mrroc_launch::cell_file::Kinds::plants):
 ///
 /// ```

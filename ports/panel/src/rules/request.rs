@@ -37,8 +37,8 @@ pub enum PageRequest {
     Rename(Name, Name, Name),
     /// A pose of a robot is forgotten.
     Forget(Name, Name),
-    /// To see the way of a robot's tool to a pose.
-    Way(Name, Name),
+    /// To see the path of a robot's tool to a pose.
+    ToolPath(Name, Name),
     /// What a recording shows at a time \[s\], and whether with what plots show of the minute before.
     Frame(f64, bool),
 }
@@ -141,7 +141,7 @@ impl Message {
             "teach" => PageRequest::Teach(name(&json, "robot")?, name(&json, "name")?, Stamp::of(&json)?),
             "rename" => PageRequest::Rename(name(&json, "robot")?, name(&json, "name")?, name(&json, "to")?),
             "forget" => PageRequest::Forget(name(&json, "robot")?, name(&json, "name")?),
-            "way" => PageRequest::Way(name(&json, "robot")?, name(&json, "name")?),
+            "path" => PageRequest::ToolPath(name(&json, "robot")?, name(&json, "name")?),
             "frame" => {
                 let at = json["at"].as_f64().filter(|at| at.is_finite());
                 let minute = json["minute"].as_bool().unwrap_or(false);
@@ -209,7 +209,7 @@ mod tests {
                 PageRequest::Rename(left, pick, left),
             ),
             (r#"{"do":"forget","robot":"left","name":"pick"}"#, PageRequest::Forget(left, pick)),
-            (r#"{"do":"way","robot":"left","name":"pick"}"#, PageRequest::Way(left, pick)),
+            (r#"{"do":"path","robot":"left","name":"pick"}"#, PageRequest::ToolPath(left, pick)),
             (r#"{"do":"frame","at":1.5}"#, PageRequest::Frame(1.5, false)),
             (r#"{"do":"frame","at":1.5,"minute":true}"#, PageRequest::Frame(1.5, true)),
         ] {

@@ -154,7 +154,7 @@ fn a_page_over_loopback_is_shown_the_cell_and_operates_it_until_it_goes() {
     assert_eq!(served.request(), Request::Take);
     assert_eq!(page.answer(1).expect("answered")["outcome"], "done");
     drop(page);
-    // It is gone, or was silent for too long: its control goes either way.
+    // It is gone, or was silent for too long: its control goes in both cases.
     assert_eq!(served.request(), Request::Release);
     let mut next = served.known();
     next.say(&json!({"n": 1, "do": "stop"}));
@@ -198,7 +198,7 @@ fn fault_240_while_a_file_does_not_answer_a_stop_is_taken() {
     let made = std::process::Command::new("mkfifo").arg(&file).status().expect("mkfifo");
     assert!(made.success());
     for n in 2..30 {
-        page.say(&json!({"n": n, "do": "way", "robot": "arm", "name": "pick"}));
+        page.say(&json!({"n": n, "do": "path", "robot": "arm", "name": "pick"}));
     }
     let refused = page.answer(20).expect("answered");
     assert!(refused["text"].as_str().is_some_and(|why| why.contains("do not answer")), "{refused}");

@@ -17,7 +17,7 @@ fn fault_240_while_the_file_of_the_poses_does_not_answer_a_stop_and_holds_are_ta
     fixture.say(page, &json!({"n": 1, "do": "take"}));
     assert_eq!(fixture.request(), Some(Request::Take));
     for n in 2..30 {
-        fixture.say(page, &json!({"n": n, "do": "way", "robot": "arm", "name": "pick"}));
+        fixture.say(page, &json!({"n": n, "do": "path", "robot": "arm", "name": "pick"}));
     }
     // Sixteen wait for the files; those that are too many are refused.
     assert_eq!(fixture.work.len(), 16);
@@ -29,21 +29,21 @@ fn fault_240_while_the_file_of_the_poses_does_not_answer_a_stop_and_holds_are_ta
     assert_eq!(fixture.request(), Some(Request::Press(Button::Stop)));
     // They answer: the first one that waited is told, and another one may ask.
     let (to, ..) = fixture.work.pop_front().expect("it waits");
-    fixture.pages.worked(to, Ok(WorkOutcome::Way(vec![[1.0, 2.0, 3.0]])), None);
+    fixture.pages.worked(to, Ok(WorkOutcome::ToolPath(vec![[1.0, 2.0, 3.0]])), None);
     fixture.settle();
-    let way = fixture.answer(page, 2);
+    let path = fixture.answer(page, 2);
     assert_eq!(
-        way,
-        json!({"kind": "answer", "n": 2, "outcome": "done", "text": "", "way": [[1.0, 2.0, 3.0]]})
+        path,
+        json!({"kind": "answer", "n": 2, "outcome": "done", "text": "", "path": [[1.0, 2.0, 3.0]]})
     );
     for n in 50..52 {
-        fixture.say(page, &json!({"n": n, "do": "way", "robot": "arm", "name": "pick"}));
+        fixture.say(page, &json!({"n": n, "do": "path", "robot": "arm", "name": "pick"}));
     }
     assert_eq!(fixture.work.len(), 16);
 }
 
 #[test]
-fn a_page_teaches_a_robot_that_stands_and_is_shown_the_way_to_what_it_taught() {
+fn a_page_teaches_a_robot_that_stands_and_is_shown_the_path_to_what_it_taught() {
     let folder = std::env::temp_dir().join(format!("mrroc-panel-poses-{}", std::process::id()));
     std::fs::create_dir_all(&folder).expect("a folder");
     let (home, there) =
@@ -76,8 +76,8 @@ fn a_page_teaches_a_robot_that_stands_and_is_shown_the_way_to_what_it_taught() {
     assert_eq!(ask(&mut fixture, 3, &teach)["outcome"], "done");
     show(&mut fixture, home, false);
     // Straight in joint space: as the generator goes.
-    let way = ask(&mut fixture, 4, &json!({"do": "way", "robot": "arm", "name": "pick"}));
-    let places = way["way"].as_array().expect("places");
+    let path = ask(&mut fixture, 4, &json!({"do": "path", "robot": "arm", "name": "pick"}));
+    let places = path["path"].as_array().expect("places");
     for (i, place) in places.iter().enumerate() {
         let share = i as f64 / (places.len() - 1) as f64;
         let tool = Irp6::nominal().forward(&(home + (there - home) * share)).translation.vector;
@@ -89,7 +89,7 @@ fn a_page_teaches_a_robot_that_stands_and_is_shown_the_way_to_what_it_taught() {
         "done"
     );
     assert_eq!(
-        ask(&mut fixture, 6, &json!({"do": "way", "robot": "arm", "name": "pick"}))["outcome"],
+        ask(&mut fixture, 6, &json!({"do": "path", "robot": "arm", "name": "pick"}))["outcome"],
         "refused"
     );
     let taught = mrroc_generators::teach::Taught::read(&folder.join("poses/arm.txt")).expect("in order");

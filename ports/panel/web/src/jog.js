@@ -13,15 +13,15 @@ const NAMES = { x: 'X', y: 'Y', z: 'Z', rx: 'turn X', ry: 'turn Y', rz: 'turn Z'
 /** Increments: [m] of a tool or a joint that slides, [degrees] of what turns. */
 const STEPS = [['while held', null, null], ['1 mm · 0.1°', 0.001, 0.1], ['5 mm · 1°', 0.005, 1], ['20 mm · 5°', 0.02, 5]];
 const RAD = Math.PI / 180;
-/** A robot that stands because it has gone all the way. */
+/** A robot that stands because it has gone the whole distance. */
 const THERE = 'it is there';
 
 export class Jogging {
-  /** `operating` holds; `draw` shows the way to a pose, or none. */
+  /** `operating` holds; `draw` shows the path to a pose, or none. */
   constructor(operating, link, draw) {
     this.operating = operating;
     this.link = link;
-    this.drawWay = draw;
+    this.drawPath = draw;
     this.layout = null;
     this.state = null;
     this.taught = {};
@@ -52,10 +52,10 @@ export class Jogging {
     return this.state?.robots.find(({ name }) => name === this.robot);
   }
 
-  /** No way is shown any more, so that none may be gone. */
-  forgetWay() {
+  /** No path is shown any more, so that none may be gone. */
+  forgetPath() {
     this.seen = null;
-    this.drawWay(null);
+    this.drawPath(null);
   }
 
   /** Another cell. */
@@ -121,10 +121,10 @@ export class Jogging {
   /** What a button asks for. */
   order(what, sign, turns) {
     const [, metres, degrees] = STEPS[by('jog-step').value];
-    const way = turns ? degrees && degrees * RAD : metres;
-    // From elsewhere the way to a pose is another one.
-    this.forgetWay();
-    return { robot: this.robot, order: `${what} ${sign * by('jog-speed').value}%${way ? ` by ${way}` : ''}` };
+    const distance = turns ? degrees && degrees * RAD : metres;
+    // From elsewhere the path to a pose is another one.
+    this.forgetPath();
+    return { robot: this.robot, order: `${what} ${sign * by('jog-speed').value}%${distance ? ` by ${distance}` : ''}` };
   }
 
   /** The poses that robots were taught. */
@@ -144,7 +144,7 @@ export class Jogging {
   list() {
     // Its buttons are made anew: one that is held is let go.
     if (by('poses').contains(this.operating.held?.button)) this.operating.letGo();
-    this.forgetWay();
+    this.forgetPath();
     const { poses = [], why } = this.taught[this.robot] ?? {};
     by('poses-why').textContent = why ?? '';
     by('poses').replaceChildren(...poses.map(({ name, joints }) => {
@@ -169,13 +169,13 @@ export class Jogging {
     }));
   }
 
-  /** Shows the way to a pose: then it may be gone. */
+  /** Shows the path to a pose: then the robot may go along it. */
   async look(name, button) {
-    const answer = await this.link.ask({ do: 'way', robot: this.robot, name });
-    this.operating.tell(answer.outcome, answer.text || `this is the way to ${name}: hold Go to move`);
+    const answer = await this.link.ask({ do: 'path', robot: this.robot, name });
+    this.operating.tell(answer.outcome, answer.text || `this is the path to ${name}: hold Go to move`);
     button.blur();
     if (answer.outcome !== 'done') return;
-    this.drawWay(answer.way);
+    this.drawPath(answer.path);
     this.seen = name;
     this.draw();
     by('poses').querySelector(`[data-pose="${name}"]`)?.focus();
@@ -184,8 +184,8 @@ export class Jogging {
   show(state) {
     this.state = state;
     const jogs = this.now?.jogs;
-    // Its program goes on: nobody goes the way that is shown.
-    if (this.jogs && !jogs) this.forgetWay();
+    // Its program goes on: nobody goes along the path that is shown.
+    if (this.jogs && !jogs) this.forgetPath();
     this.jogs = jogs;
     this.draw();
   }

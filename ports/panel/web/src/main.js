@@ -54,7 +54,7 @@ const link = new Link(hear, (what, why) => {
 });
 const operating = new Operating(link);
 const player = new Player(link);
-const jogging = new Jogging(operating, link, (way) => scene.showWay(way));
+const jogging = new Jogging(operating, link, (path) => scene.showPath(path));
 
 function hear(message) {
   switch (message.kind) {
@@ -172,8 +172,8 @@ function speed(name, state) {
   if (!tool) return null;
   const since = robot.time - (last?.time ?? robot.time);
   if (last && since <= 0) return last.speed;
-  const way = last ? Math.hypot(...[0, 1, 2].map((i) => tool[i] - last.tool[i])) : 0;
-  const fast = since > 0 ? (1000 * way) / since : 0;
+  const distance = last ? Math.hypot(...[0, 1, 2].map((i) => tool[i] - last.tool[i])) : 0;
+  const fast = since > 0 ? (1000 * distance) / since : 0;
   before.set(name, { tool, time: robot.time, speed: fast });
   return fast;
 }

@@ -29,15 +29,15 @@ class Capsule {
 
   place([ax, ay, az, bx, by, bz, radius]) {
     const [rod, a, b] = this.parts;
-    const from = new Vector3(ax, ay, az), way = new Vector3(bx - ax, by - ay, bz - az), length = way.length();
+    const from = new Vector3(ax, ay, az), direction = new Vector3(bx - ax, by - ay, bz - az), length = direction.length();
     a.position.copy(from);
     b.position.set(bx, by, bz);
     a.scale.setScalar(radius);
     b.scale.setScalar(radius);
     rod.visible = length > 1e-6;
     if (rod.visible) {
-      rod.position.copy(from).addScaledVector(way, 0.5);
-      rod.quaternion.setFromUnitVectors(UP, way.divideScalar(length));
+      rod.position.copy(from).addScaledVector(direction, 0.5);
+      rod.quaternion.setFromUnitVectors(UP, direction.divideScalar(length));
       rod.scale.set(radius, length, radius);
     }
   }
@@ -284,26 +284,26 @@ export class CellScene {
     });
   }
 
-  /** Shows a way of a tool before it is gone; `null`: none. */
-  showWay(points) {
-    if (this.way) {
-      this.scene.remove(this.way);
-      this.way.children.forEach(({ geometry }) => geometry !== BALL && geometry.dispose());
-      this.way = null;
+  /** Shows the path of a tool before the robot goes along it; `null`: none. */
+  showPath(points) {
+    if (this.path) {
+      this.scene.remove(this.path);
+      this.path.children.forEach(({ geometry }) => geometry !== BALL && geometry.dispose());
+      this.path = null;
     }
     if (points) {
-      this.way = new Group();
+      this.path = new Group();
       const line = new BufferGeometry().setFromPoints(points.map(([x, y, z]) => new Vector3(x, y, z)));
       const colour = getComputedStyle(document.documentElement).getPropertyValue('--accent').trim();
-      this.way.add(new Line(line, new LineBasicMaterial({ color: colour })));
+      this.path.add(new Line(line, new LineBasicMaterial({ color: colour })));
       // A line is one pixel wide: balls show it from afar, and a greater one where it ends.
       points.forEach(([x, y, z], i) => {
         const ball = new Mesh(BALL, new MeshLambertMaterial({ color: colour }));
         ball.position.set(x, y, z);
         ball.scale.setScalar(i === points.length - 1 ? 0.02 : 0.005);
-        if (i % 3 === 0 || i === points.length - 1) this.way.add(ball);
+        if (i % 3 === 0 || i === points.length - 1) this.path.add(ball);
       });
-      this.scene.add(this.way);
+      this.scene.add(this.path);
     }
     this.wake();
   }
@@ -329,16 +329,16 @@ export class CellScene {
     this.floor = Math.min(0, low.z);
     this.grid.position.z = this.floor;
     const middle = low.clone().add(high).multiplyScalar(0.5);
-    const way = new Vector3(...{ front: [0, -1, 0.02], side: [1, 0, 0.02], top: [0, -0.001, 1], fit: [0.75, -1, 0.55] }[from]).normalize();
+    const direction = new Vector3(...{ front: [0, -1, 0.02], side: [1, 0, 0.02], top: [0, -0.001, 1], fit: [0.75, -1, 0.55] }[from]).normalize();
     // As near as all corners of the box around the links can be seen.
-    const right = new Vector3(0, 0, 1).cross(way).normalize(), up = way.clone().cross(right);
+    const right = new Vector3(0, 0, 1).cross(direction).normalize(), up = direction.clone().cross(right);
     const tall = Math.tan((this.camera.fov * Math.PI) / 360), wide = tall * this.camera.aspect;
     let distance = 0.5;
     for (let corner = 0; corner < 8; corner++) {
       const at = new Vector3(...['x', 'y', 'z'].map((axis, bit) => (corner & (1 << bit) ? high : low)[axis])).sub(middle);
-      distance = Math.max(distance, at.dot(way) + 1.1 * Math.max(Math.abs(at.dot(right)) / wide, Math.abs(at.dot(up)) / tall));
+      distance = Math.max(distance, at.dot(direction) + 1.1 * Math.max(Math.abs(at.dot(right)) / wide, Math.abs(at.dot(up)) / tall));
     }
-    this.camera.position.copy(middle).addScaledVector(way, distance);
+    this.camera.position.copy(middle).addScaledVector(direction, distance);
     this.controls.target.copy(middle);
     this.controls.update();
     this.fitted = true;
@@ -500,7 +500,7 @@ export class NoScene {
 
   forget() {}
 
-  showWay() {}
+  showPath() {}
 
   look() {}
 

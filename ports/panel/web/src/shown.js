@@ -49,14 +49,14 @@ class Arrow {
     this.group.visible = size >= this.least;
     if (!this.group.visible) return 0;
     const length = Math.min(this.most, this.each * size), [shaft, tip] = this.parts, head = Math.min(0.05, 0.5 * length);
-    const way = new Vector3(...vector).divideScalar(size).applyQuaternion(turn.set(...pose.slice(3)));
+    const direction = new Vector3(...vector).divideScalar(size).applyQuaternion(turn.set(...pose.slice(3)));
     this.group.position.set(...pose.slice(0, 3));
-    this.group.quaternion.setFromUnitVectors(UP, way);
+    this.group.quaternion.setFromUnitVectors(UP, direction);
     shaft.scale.set(0.007, length - head, 0.007);
     shaft.position.set(0, 0.5 * (length - head), 0);
     tip.scale.set(0.02, head, 0.02);
     tip.position.set(0, length - 0.5 * head, 0);
-    this.end = way.multiplyScalar(length).add(this.group.position);
+    this.end = direction.multiplyScalar(length).add(this.group.position);
     return size;
   }
 }
@@ -146,10 +146,10 @@ export class NearestLine {
     this.line.visible = Boolean(nearest) && nearest.free > 0;
     this.at = null;
     if (!this.line.visible) return;
-    const [a, b] = nearest.points.map((point) => new Vector3(...point)), way = b.clone().sub(a).normalize();
+    const [a, b] = nearest.points.map((point) => new Vector3(...point)), direction = b.clone().sub(a).normalize();
     // From surface to surface.
-    a.addScaledVector(way, nearest.radii[0]);
-    b.addScaledVector(way, -nearest.radii[1]);
+    a.addScaledVector(direction, nearest.radii[0]);
+    b.addScaledVector(direction, -nearest.radii[1]);
     const places = this.geometry.getAttribute('position');
     places.setXYZ(0, ...a.toArray());
     places.setXYZ(1, ...b.toArray());

@@ -10,7 +10,7 @@ use crate::limits::{self, POSITIONS};
 use crate::message::JOINTS;
 use crate::rejoining::Joints;
 
-/// Greatest acceleration that is demanded of a joint [rad/s²]: half of what the robot takes. The rest is for the way back
+/// Greatest acceleration that is demanded of a joint [rad/s²]: half of what the robot takes. The rest is for the return
 /// after lost answers, and for a clock of the cell that is faster than the robot's.
 const ACCELERATION: f64 = 5.0;
 

@@ -50,7 +50,7 @@ impl Fci {
 }
 
 impl<N: Network> Fci<N> {
-    /// Drives that reach their robot in another way, with its clock: a model of one in the same process.
+    /// Drives that reach their robot by other means, with its clock: a model of one in the same process.
     #[must_use]
     pub fn over(network: N, settings: FciSettings) -> Fci<N> {
         Fci { settings, network, sets: Regulators::default(), load: None, link: None }

@@ -51,7 +51,7 @@ const DEMANDED: f64 = 0.9;
 pub fn velocities(joint: usize, q: f64) -> (f64, f64) {
     let (least, greatest) = POSITIONS[joint];
     let (speed, kept, deceleration) = SPEEDS[joint];
-    let towards = |way: f64| speed.min((2.0 * deceleration * way.max(0.0)).sqrt() - kept).max(0.0);
+    let towards = |distance: f64| speed.min((2.0 * deceleration * distance.max(0.0)).sqrt() - kept).max(0.0);
     (-towards(q - least), towards(greatest - q))
 }
 

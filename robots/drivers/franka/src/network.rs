@@ -90,7 +90,7 @@ impl Network for Sockets {
             Ok(stream)
         };
         let stream = call().map_err(|_| ABSENT)?;
-        // This machine's address on the way to the robot.
+        // This machine's address in the connection to the robot.
         let own = stream.local_addr().map_err(|_| CUT_OFF)?.ip();
         let guest = Guest::expect(SocketAddr::new(own, 0), self.robot.ip())
             .map_err(|_| DriveFault::Other("this machine has no port for the robot's states"))?;

@@ -10,7 +10,7 @@
 //! ```
 //!
 //! with the path p and its jerk `j_p` from the differences of the demands, as the robot takes them from what it is told:
-//! `ddq_k = ddq_(k-1) + j T`, `dq_k = dq_(k-1) + ddq_k T`, `q_k = q_(k-1) + dq_k T`. All three roots of the way back are at `-w`,
+//! `ddq_k = ddq_(k-1) + j T`, `dq_k = dq_(k-1) + ddq_k T`, `q_k = q_(k-1) + dq_k T`. All three roots of the return are at `-w`,
 //! so it does not swing. w is the largest one, up to [`FASTEST`], that keeps [`JERK`] and [`BACK_ACCELERATION`]; it is one for
 //! all joints, so the robot comes back along one line.
 //!
@@ -38,10 +38,10 @@ pub const PATH_JERK: f64 = 500.0;
 /// Largest acceleration in all [rad/s²]: of the 10 rad/s² that an FR3 takes, less `2 JERK T`.
 pub const ACCELERATION: f64 = 7.5;
 
-/// Largest acceleration of the way back [rad/s²].
+/// Largest acceleration of the return [rad/s²].
 pub const BACK_ACCELERATION: f64 = 3.5;
 
-/// How fast the way back is at most [1/s].
+/// How fast the return is at most [1/s].
 pub const FASTEST: f64 = 150.0;
 
 /// A path whose jerk is larger jumps [rad/s³]: 20 µrad in a period. An acceleration that goes from one end of its limits to the
@@ -138,7 +138,7 @@ impl Rejoining {
         let jerk = jerk.map(|jerk| jerk.clamp(-PATH_JERK, PATH_JERK));
         let w = fastest(off.map(|off| off.amax()), JERK - jerk.amax());
         let jerk = jerk - off[0] * (w * w * w) - off[1] * (3.0 * w * w) - off[2] * (3.0 * w);
-        // Where both add up to more acceleration than there is, the way back takes longer.
+        // Where both add up to more acceleration than there is, the return takes longer.
         let most = robot.ddq.map(|ddq| (ACCELERATION - ddq) / PERIOD);
         let least = robot.ddq.map(|ddq| (-ACCELERATION - ddq) / PERIOD);
         let next = robot.after(&jerk.inf(&most).sup(&least));
@@ -160,7 +160,7 @@ impl Rejoining {
     }
 }
 
-/// The largest w at which the way back from a distance [rad], a velocity [rad/s] and an acceleration [rad/s²] keeps this jerk
+/// The largest w at which the return from a distance [rad], a velocity [rad/s] and an acceleration [rad/s²] keeps this jerk
 /// [rad/s³] and [`BACK_ACCELERATION`]. From rest a distance d asks for an acceleration of `0.231 w² d`, and a velocity v for
 /// `0.80 w v`; each has half of it.
 fn fastest([q, dq, ddq]: [f64; 3], jerk: f64) -> f64 {
@@ -258,7 +258,7 @@ mod tests {
     }
 
     #[test]
-    fn the_way_back_from_a_distance_is_that_of_three_equal_roots() {
+    fn the_return_from_a_distance_is_that_of_three_equal_roots() {
         let (distance, mut rejoining) = (1e-4, Rejoining::new());
         let mut robot = Setpoint::at_rest(all(distance));
         for count in 0..60 {
@@ -313,7 +313,7 @@ mod tests {
                 count += 1;
             }
             // Constant acceleration for n periods leaves the path's acceleration by n j T, its velocity by n (n + 1) j T² / 2 and
-            // the path by n (n + 1) (n + 2) j T³ / 6. From the first two the way back goes farther, by 0.27 / w² and 0.84 / w of
+            // the path by n (n + 1) (n + 2) j T³ / 6. From the first two the return goes farther, by 0.27 / w² and 0.84 / w of
             // them. The steps are coarse.
             let n = lost as f64;
             let (ddq, dq) = (n * steepest * PERIOD, 0.5 * n * (n + 1.0) * steepest * PERIOD * PERIOD);
@@ -333,7 +333,7 @@ mod tests {
     fn fault_95_a_late_answer_that_the_robot_has_taken_after_all_asks_for_no_more_than_it_takes() {
         let mut rejoining = Rejoining::new();
         let mut robot = Setpoint::at_rest(all(0.0));
-        // A jump of the path: the robot is on its way back, with the largest jerk.
+        // A jump of the path: the robot is on its return, with the largest jerk.
         let path = |count: u64| swing(0.3, 3.0, count) + all(if count > 700 { 0.004 } else { 0.0 });
         for count in 0..900 {
             let (next, _) = rejoining.next(count, &robot, &path(count));

@@ -134,7 +134,7 @@ impl Line {
         self.waiting.pop().ok()
     }
 
-    /// This machine's address on the way to the robot.
+    /// This machine's address in the connection to the robot.
     ///
     /// # Errors
     /// The line is closed.

@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
-/// The most bytes that a datagram of a robot may have: more would be split on the way.
+/// The most bytes that a datagram of a robot may have: more would be split by the network.
 pub const MAX_DATAGRAM: usize = 1472;
 
 /// Datagrams that wait to be read. A driver reads in every period; what comes while it does not is old.

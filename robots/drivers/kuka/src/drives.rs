@@ -55,7 +55,7 @@ impl Rsi {
 }
 
 impl<N: Network> Rsi<N> {
-    /// Drives that reach their controller in another way, with its clock: a model of one in the same process.
+    /// Drives that reach their controller by other means, with its clock: a model of one in the same process.
     #[must_use]
     pub fn over(network: N, settings: RsiSettings) -> Rsi<N> {
         Rsi { settings, network, words: Words::default(), is_loaded: false, session: None }

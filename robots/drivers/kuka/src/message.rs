@@ -1,4 +1,4 @@
-//! Messages of the Robot Sensor Interface: short texts in XML, one each way in every period.
+//! Messages of the Robot Sensor Interface: short texts in XML, one in each direction in every period.
 //!
 //! In: what the controller says. Out: its axes and its clock; the answer with corrections. Nothing is allocated, and what the
 //! controller says besides is left alone.

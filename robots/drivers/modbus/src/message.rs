@@ -73,7 +73,7 @@ const fn exception(code: u8) -> &'static str {
         6 => "exception 6: the device is busy",
         7 => "exception 7: the device cannot do it",
         8 => "exception 8: the device's memory is damaged",
-        0x0a => "exception 10: the gateway has no way to the device",
+        0x0a => "exception 10: the gateway has no path to the device",
         0x0b => "exception 11: the device does not answer its gateway",
         _ => "an exception with a code of the maker's own",
     }

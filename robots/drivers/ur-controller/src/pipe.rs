@@ -14,7 +14,7 @@ const MOST: usize = 256 * 1024;
 /// A clock that is set.
 pub(crate) type Clock = Rc<core::cell::Cell<Duration>>;
 
-/// What goes one way.
+/// What goes in one direction.
 #[derive(Debug, Default)]
 struct Direction {
     /// Each with when it came.
@@ -59,7 +59,7 @@ impl Pipe {
         self.clock.get()
     }
 
-    /// Closes both ways.
+    /// Closes both directions.
     pub(crate) fn close(&self) {
         self.comes.borrow_mut().is_closed = true;
         self.goes.borrow_mut().is_closed = true;
@@ -72,8 +72,8 @@ impl Pipe {
 
     /// Takes so many bytes of that, which are not none, and says when the last of them came.
     pub(crate) fn take_front(&self, len: usize) -> (Vec<u8>, Duration) {
-        let mut way = self.comes.borrow_mut();
-        let taken: Vec<_> = way.bytes.drain(..len).collect();
+        let mut direction = self.comes.borrow_mut();
+        let taken: Vec<_> = direction.bytes.drain(..len).collect();
         let came = taken.last().map_or(Duration::ZERO, |(came, _)| *came);
         (taken.into_iter().map(|(_, byte)| byte).collect(), came)
     }
@@ -97,12 +97,12 @@ impl Drop for Pipe {
 
 impl Read for Pipe {
     fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
-        let mut way = self.comes.borrow_mut();
-        if way.bytes.is_empty() && !way.is_closed {
+        let mut direction = self.comes.borrow_mut();
+        if direction.bytes.is_empty() && !direction.is_closed {
             return Err(ErrorKind::WouldBlock.into());
         }
-        let len = into.len().min(way.bytes.len());
-        for (place, (_, byte)) in into.iter_mut().zip(way.bytes.drain(..len)) {
+        let len = into.len().min(direction.bytes.len());
+        for (place, (_, byte)) in into.iter_mut().zip(direction.bytes.drain(..len)) {
             *place = byte;
         }
         Ok(len)
@@ -111,16 +111,16 @@ impl Read for Pipe {
 
 impl Write for Pipe {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        let mut way = self.goes.borrow_mut();
-        if way.is_closed {
+        let mut direction = self.goes.borrow_mut();
+        if direction.is_closed {
             return Err(ErrorKind::BrokenPipe.into());
         }
-        let len = bytes.len().min(MOST - way.bytes.len());
+        let len = bytes.len().min(MOST - direction.bytes.len());
         if len == 0 && !bytes.is_empty() {
             return Err(ErrorKind::WouldBlock.into());
         }
         let now = self.clock.get();
-        way.bytes.extend(bytes[..len].iter().map(|byte| (now, *byte)));
+        direction.bytes.extend(bytes[..len].iter().map(|byte| (now, *byte)));
         Ok(len)
     }
 

@@ -31,13 +31,13 @@ impl Target {
         let most = model.accelerations() * QUICK;
         let before = self.goal.replace(*goal).unwrap_or(goal - self.speed * T);
         for i in 0..JOINTS {
-            let way = goal[i] - self.position[i];
-            if way.abs() > limits[i] * lookahead {
+            let distance = goal[i] - self.position[i];
+            if distance.abs() > limits[i] * lookahead {
                 return false;
             }
             let limit = limits[i] * fraction;
             let of_goal = ((goal[i] - before[i]) / T).clamp(-limits[i], limits[i]);
-            let off = way - of_goal * T;
+            let off = distance - of_goal * T;
             let made_up = (off.abs() / T).min((most[i] * off.abs()).sqrt()).copysign(off);
             let change = (of_goal + made_up - self.speed[i]).clamp(-most[i] * T, most[i] * T);
             self.speed[i] = (self.speed[i] + change).clamp(-limit, limit);

@@ -111,7 +111,7 @@ impl Calibration {
         let table = DeTable::parse(text).map_err(|_| no("it is no TOML"))?;
         let table = table.get_ref();
         let kind = table.get("model").and_then(|model| model.get_ref().as_str()).unwrap_or_default();
-        // What `calibrate` makes of measurements begins in the same way.
+        // What `calibrate` makes of measurements begins alike.
         if ["chain", "irp6"].contains(&kind) {
             return Err(no(
                 "it was measured from outside (`calibrate`), and is not what the controller of this robot tells",

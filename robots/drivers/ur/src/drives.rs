@@ -149,7 +149,7 @@ impl Ur<Sockets> {
 }
 
 impl<W: Wire> Ur<W> {
-    /// Drives that reach their controller in another way: one in the same process.
+    /// Drives that reach their controller by other means: one in the same process.
     #[must_use]
     pub fn over(wire: W, settings: UrSettings) -> Ur<W> {
         let (model, base) = (settings.model, Pose::identity());

@@ -21,7 +21,7 @@ const RISE: f64 = 0.35;
 ///
 /// Denavit-Hartenberg parameters \[m\] of UR's published table (nominal: every arm has a calibration of its own, which differs by
 /// up to some millimetres), in `R_z(q) T_z(d) T_x(a) R_x(alpha)` with alpha = 90°, 0, 0, 90°, -90°, 0. All joints turn by
-/// 360° either way. Velocity limits are those of UR's manuals. The accelerations are a choice: every joint comes to its
+/// 360° in either direction. Velocity limits are those of UR's manuals. The accelerations are a choice: every joint comes to its
 /// velocity limit in 0.35 s.
 ///
 /// | model | d1 | a2 | a3 | d4 | d5 | d6 | velocities [°/s] |

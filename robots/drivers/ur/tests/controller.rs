@@ -468,8 +468,8 @@ fn the_slider_slows_the_path_of_the_whole_cell_and_the_path_is_kept() {
     let controller = controller();
     let other = MODEL.arm(Pose::translation(0.0, 2.0, 0.0)).expect("an arm");
     let simulated = Simulated::new(other.clone(), &start());
-    // Each joint of both arms goes the same share of its way at the same time: to there and back, at 1 rad/s of joint 1.
-    let way = there() - start();
+    // Each joint of both arms goes the same share of its displacement at the same time: to there and back, at 1 rad/s of joint 1.
+    let displacement = there() - start();
     let seen = Rc::new(RefCell::new(Vec::new()));
     let (sees, watched) = (Rc::clone(&seen), Rc::clone(&controller));
     cell(Inside::new(Rc::clone(&controller)), 0)
@@ -485,7 +485,7 @@ fn the_slider_slows_the_path_of_the_whole_cell_and_the_path_is_kept() {
         .on_step(move |step, _| {
             let mut controller = watched.borrow_mut();
             match step {
-                // On a way, as all are.
+                // On a path, as all are.
                 1000 => controller.set_speed_fraction(0.5),
                 2000 => controller.set_speed_fraction(1.0),
                 _ => {}
@@ -497,8 +497,8 @@ fn the_slider_slows_the_path_of_the_whole_cell_and_the_path_is_kept() {
     let seen = seen.borrow();
     let mut fastest = [0.0_f64; 3];
     for (step, target, speed) in seen.iter() {
-        let share = (target[0] - start()[0]) / way[0];
-        let off = (target - (start() + way * share)).amax();
+        let share = (target[0] - start()[0]) / displacement[0];
+        let off = (target - (start() + displacement * share)).amax();
         assert!(off < 3e-6, "{off} rad off the path in step {step}");
         // A second for the rate to change.
         match step {

@@ -55,7 +55,7 @@ use super::wrist::{Side, Wrist};
 use crate::dynamics::Tree;
 use crate::models::base::Base;
 use crate::models::drives::{Driven, Encoder, GRAVITY, Gains, MotorData, MotorLimits, Shafts};
-use crate::models::drives::{check_motors, check_motors_on_ways, motor_limits_in_words};
+use crate::models::drives::{check_motors, check_motors_on_moves, motor_limits_in_words};
 use crate::models::kinematics::{Jacobian, Kinematics};
 use crate::models::shape::Outline;
 use crate::models::urdf::export::exported;
@@ -247,7 +247,7 @@ impl Robot for Irp6 {
         (to, duration): (&Six, f64),
         (stop, time): (&Six, f64),
     ) -> Result<(), CoupledLimit> {
-        check_motors_on_ways(self, from, [(to, duration), (stop, time)])
+        check_motors_on_moves(self, from, [(to, duration), (stop, time)])
     }
 
     fn forward(&self, q: &Six) -> Pose {
@@ -277,7 +277,7 @@ impl Robot for Irp6 {
     }
 }
 
-/// All eight solutions: shoulder in front or behind, elbow up or down, wrist either way. The linkages allow the shoulder
+/// All eight solutions: shoulder in front or behind, elbow up or down, wrist turned or not. The linkages allow the shoulder
 /// in front and the elbow up alone, which is what [`Robot::inverse`] gives.
 impl Kinematics<6> for Irp6 {
     fn reach(&self) -> f64 {

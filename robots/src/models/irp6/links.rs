@@ -25,12 +25,12 @@ pub(crate) struct Geometry {
     pub(crate) d5: f64,
 }
 
-/// Which way the elbow bends.
+/// In which direction the elbow bends.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Elbow {
-    /// `sin(theta3 - theta2) > 0`: the only way that the linkages allow.
+    /// `sin(theta3 - theta2) > 0`: the only direction that the linkages allow.
     Up,
-    /// The other way.
+    /// The other direction.
     Down,
 }
 

@@ -52,7 +52,7 @@ pub struct Irp6Track {
 }
 
 impl Irp6Track {
-    /// Motor angle per way of the carriage [rad/m] (MRROC++: ball screw of 8 mm lead, belt 2).
+    /// Motor angle per distance of the carriage [rad/m] (MRROC++: ball screw of 8 mm lead, belt 2).
     pub const TRACK_GEAR: f64 = 500.0 * core::f64::consts::PI;
     /// Drive of the track, before those of the arm ([`Irp6::MOTORS`]): 25 A and its gains from MRROC++, the rest assumed.
     pub const TRACK_MOTOR: MotorData = MotorData {
@@ -181,8 +181,8 @@ impl Irp6Track {
         }
         let mut found = None;
         for k in 1..=steps.min(1e6) as u32 {
-            let way = f64::from(k) * Self::SEARCH_STEP;
-            let ends = [(from - way).max(lower), (from + way).min(upper)];
+            let distance = f64::from(k) * Self::SEARCH_STEP;
+            let ends = [(from - distance).max(lower), (from + distance).min(upper)];
             found = ends.into_iter().find(|end| reaches(*end));
             if found.is_some() {
                 break;
@@ -212,11 +212,11 @@ fn joined(track: f64, arm: &Six) -> Seven {
     Seven::from([track, arm[0], arm[1], arm[2], arm[3], arm[4], arm[5]])
 }
 
-/// A pose moved by `way` along the track \[m\].
+/// A pose moved by `shift` along the track \[m\].
 #[allow(non_snake_case)]
-fn shifted(X_BF: &Pose, way: f64) -> Pose {
+fn shifted(X_BF: &Pose, shift: f64) -> Pose {
     let p = X_BF.translation.vector;
-    Pose::from_parts(Translation3::new(p.x, p.y + way, p.z), X_BF.rotation)
+    Pose::from_parts(Translation3::new(p.x, p.y + shift, p.z), X_BF.rotation)
 }
 
 impl Robot for Irp6Track {

@@ -262,7 +262,7 @@ impl Heading {
                 if !step.is_finite() || step * step * curvature < SETTLED * SETTLED {
                     break;
                 }
-                // Half way to an end at most, and shorter until the distance falls.
+                // Half the distance to an end at most, and shorter until the distance falls.
                 let room = if step > 0.0 { *upper - u } else { *lower - u };
                 let mut step = if step.abs() > 0.5 * room.abs() { 0.5 * room } else { step };
                 let mut moved = None;

@@ -116,7 +116,7 @@ impl Linkage {
         if across.is_nan() || across < 0.0 {
             let length = square.sqrt();
             let actual = (length - ROD - ROCKER).max(ROD - ROCKER - length);
-            let what = "way beyond the linkage's dead centre";
+            let what = "distance beyond the linkage's dead centre";
             return Err(NoInverse::NotAttainable { what, actual, tolerance: 0.0, unit: "m" });
         }
         let rocker = (tail * along + left(&tail) * across.sqrt()) * (1.0 / ROCKER);

@@ -38,10 +38,10 @@ fn fixed_at(foot: Foot) -> Vector3<f64> {
 }
 
 /// Largest turns of upper arm, forearm (against the upper arm) and rocker \[rad\], when the actuators' lengths change by at
-/// most `way2`, `way3` \[m\].
-fn turns(linkage: &Linkage, q2: f64, q3: f64, way2: f64, way3: f64) -> [f64; 3] {
-    let w2 = by_length(FOOT2.distance, CRANK, q2, way2);
-    let w3 = by_length(FOOT3.distance, ROCKER, q3, way3);
+/// most `change2`, `change3` \[m\].
+fn turns(linkage: &Linkage, q2: f64, q3: f64, change2: f64, change3: f64) -> [f64; 3] {
+    let w2 = by_length(FOOT2.distance, CRANK, q2, change2);
+    let w3 = by_length(FOOT3.distance, ROCKER, q3, change3);
     let delta = linkage.rocker.perp(&linkage.upper).atan2(linkage.rocker.dot(&linkage.upper));
     let bends = [0.0, -w2 - w3, w2 + w3].map(|change| bend(delta + change));
     let forearm = match bends {

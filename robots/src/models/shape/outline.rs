@@ -44,12 +44,12 @@ pub enum Motion {
         point: Vector3<f64>,
         /// The axis, of length 1; `None` where only the point is known.
         axis: Option<Vector3<f64>>,
-        /// Largest angle, either way \[rad\], >= 0.
+        /// Largest angle, in either direction \[rad\], >= 0.
         bound: f64,
     },
     /// A shift along a line.
     Slide {
-        /// Largest shift, either way \[m\], >= 0.
+        /// Largest shift, in either direction \[m\], >= 0.
         bound: f64,
     },
 }
@@ -140,7 +140,7 @@ pub trait Outline: Send + Sync + 'static {
     /// Visits the poses of these frames at `q` [rad or m], in the world; fewer where the robot cannot stand so.
     fn link_frames(&self, _q: &<Self::Robot as Robot>::Joints, _visit: &mut dyn FnMut(&Pose)) {}
 
-    /// Visits the motions that moving every joint from `q` by at most `distances` [rad or m, >= 0] either way consists of, from
+    /// Visits the motions that moving every joint from `q` by at most `distances` [rad or m, >= 0] in either direction consists of, from
     /// base to flange; at most 17.
     fn motions(
         &self,

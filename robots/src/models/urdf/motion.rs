@@ -4,7 +4,7 @@
 //! turns is then all that follows, seen in A:
 //!
 //! ```text
-//! R_i = R_i-1 exp(axis_i angle_i),   p_i+1 = p_i + R_i d_i      (of a slide: p_i + R_i-1 axis_i way_i + ..)
+//! R_i = R_i-1 exp(axis_i angle_i),   p_i+1 = p_i + R_i d_i      (of a slide: p_i + R_i-1 axis_i shift_i + ..)
 //! ```
 //!
 //! A lies along the axes: of nearly all machines the axes then are x, y and z, and a turn about one of these mixes two

@@ -9,7 +9,7 @@
 //! ```
 //!
 //! Joints that a step would push through a limit are stopped there, and the others take the step without them. What
-//! comes out is the solution that lies downhill from the seed. Where that way ends above 0 (at a singularity that the
+//! comes out is the solution that lies downhill from the seed. Where that descent ends above 0 (at a singularity that the
 //! seed lies beyond, or at a limit), it is tried again from [`TRIES`] places around the seed, ever farther from it, and
 //! always the same ones.
 
@@ -61,14 +61,14 @@ struct Point<const N: usize> {
 impl<const N: usize> Point<N> {
     fn at(q: SVector<f64, N>, linkage: &Linkage, wanted: &Pose, reach: f64) -> Self {
         let (pose, mut jacobian) = linkage.jacobian(&q);
-        let way = (wanted.translation.vector - pose.translation.vector) / reach;
+        let offset = (wanted.translation.vector - pose.translation.vector) / reach;
         let turn = logarithm(wanted, &pose);
         for mut column in jacobian.column_iter_mut() {
             for i in 0..3 {
                 column[i] /= reach;
             }
         }
-        let error = SVector::<f64, 6>::new(way.x, way.y, way.z, turn.x, turn.y, turn.z);
+        let error = SVector::<f64, 6>::new(offset.x, offset.y, offset.z, turn.x, turn.y, turn.z);
         Self { q, error, jacobian }
     }
 }

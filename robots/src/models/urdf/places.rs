@@ -18,7 +18,7 @@ use super::error::UrdfError;
 /// The most joints that move in a chain, dependent ones included.
 pub(super) const MOST_SEGMENTS: usize = 16;
 
-/// Position limits of a continuous joint, either way \[rad\]: a thousand turns, where an angle still has twelve digits.
+/// Position limits of a continuous joint, in either direction \[rad\]: a thousand turns, where an angle still has twelve digits.
 pub(super) const CONTINUOUS: f64 = 2000.0 * core::f64::consts::PI;
 
 /// Length of an axis below which it has no direction.

@@ -25,7 +25,7 @@ use super::motion::Linkage;
 /// angles of four decimals are off by at most 5e-5.
 pub(super) const ROUNDED: f64 = 1e-4;
 
-/// Error that a solution may have [m, rad]. Round-off of both ways through the chain is some 1e-15.
+/// Error that a solution may have [m, rad]. Round-off of the chain's forward and inverse kinematics is some 1e-15.
 const GOOD: f64 = 1e-12;
 
 /// Most corrections: beside a singularity each of them leaves more of the error.
@@ -49,7 +49,7 @@ pub(super) struct Rounded {
 }
 
 impl Rounded {
-    /// That of a chain which is near one; `None` if solutions are not found that way.
+    /// That of a chain which is near one; `None` if solutions are not found in that form.
     #[allow(non_snake_case)]
     pub(super) fn of<const N: usize>(segments: &[Segment], X_tip: &Pose, linkage: &Linkage) -> Option<Self> {
         let nearest = Closed::within(ROUNDED, segments, X_tip)?;

@@ -46,7 +46,7 @@ use crate::models::local::{Local, NoCalibration};
 /// follow, whose limits are narrowed so that theirs are kept too.
 ///
 /// **Limits** come from `<limit lower upper velocity>`. None of them has a default. A continuous joint has no
-/// position limits; the runtime's must be finite, so it is given a thousand turns either way (2000 pi rad) and is
+/// position limits; the runtime's must be finite, so it is given a thousand turns in either direction (2000 pi rad) and is
 /// never wrapped: inverse kinematics stays on the turn of the seed. [`Serial::with_positions`] narrows the limits. URDF
 /// before 1.2 knows no acceleration limits: [`SerialBuilder::with_acceleration`] demands them.
 ///

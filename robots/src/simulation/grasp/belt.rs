@@ -90,10 +90,10 @@ impl BeltState {
         self.X_WB.rotation * Vector3::x()
     }
 
-    /// Whether a point is over the belt or within `way` \[m\] of it, and less than `way` above it.
-    pub fn is_near(&self, point: &Vector3<f64>, way: f64) -> bool {
+    /// Whether a point is over the belt or within `reach` \[m\] of it, and less than `reach` above it.
+    pub fn is_near(&self, point: &Vector3<f64>, reach: f64) -> bool {
         let at = self.X_WB.rotation.inverse_transform_vector(&(point - self.X_WB.translation.vector));
-        at.z < way
+        at.z < reach
             && at.z > -Belt::DEEPEST
             && at.x >= self.belt.from
             && at.x <= self.belt.to

@@ -3,7 +3,7 @@
 //! ```text
 //! delta = height - z > 0:   n = max(0, k delta - c dz/dt)                  never pulls
 //!                           s = how far the point has crept since it touched, at most mu n / k long
-//!                           t = -k s - beta c v_t,   |t| <= mu n           beta in 0..1: damping gives way to friction
+//!                           t = -k s - beta c v_t,   |t| <= mu n           beta in 0..1: damping yields to friction
 //! ```
 //!
 //! The stretch `s` is the static friction: a body at rest stays at rest under any force within the friction cone, and slides when
@@ -53,9 +53,9 @@ impl Table {
         Ok(())
     }
 
-    /// Whether a point at the height `z` \[m\] and less than `way` \[m\] on its way may touch.
-    pub(super) fn is_near(&self, z: f64, way: f64) -> bool {
-        z < self.height + way
+    /// Whether a point at the height `z` \[m\] that moves by less than `reach` \[m\] may touch.
+    pub(super) fn is_near(&self, z: f64, reach: f64) -> bool {
+        z < self.height + reach
     }
 
     /// Its coefficient of friction.

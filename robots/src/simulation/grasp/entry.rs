@@ -114,8 +114,8 @@ impl Entry {
         let fall = 0.5 * gravity * duration * duration;
         for point in &mut self.points {
             let lever = body.rotation * point.at;
-            let way = 2.0 * ((velocity + omega.cross(&lever)).norm() * duration + fall);
-            let on = belts.iter().position(|belt| belt.is_near(&(body.position + lever), way));
+            let reach = 2.0 * ((velocity + omega.cross(&lever)).norm() * duration + fall);
+            let on = belts.iter().position(|belt| belt.is_near(&(body.position + lever), reach));
             if on != point.on {
                 (point.stretch, point.force) = Default::default();
             }

@@ -111,14 +111,14 @@ impl Motion {
         self.turning = Vector3::zeros();
         if let Some(to) = self.knots.get(1) {
             let rate = seconds(to.time - from.time).recip();
-            let way = Deflection::between(
+            let change = Deflection::between(
                 &self.position,
                 &self.rotation,
                 &to.X_WE.translation.vector,
                 &to.X_WE.rotation,
             );
-            self.velocity = way.displacement * rate;
-            self.turning = way.turn * rate;
+            self.velocity = change.displacement * rate;
+            self.turning = change.turn * rate;
             if now > from.time {
                 self.drift(seconds(now - from.time));
             }

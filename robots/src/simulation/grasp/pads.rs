@@ -136,13 +136,13 @@ impl Jaw {
     #[allow(non_snake_case)]
     pub fn may_touch(&self, E: &Motion, body: &Moving, points: &[Vector3<f64>], radius: f64) -> bool {
         const MARGIN: f64 = 0.004;
-        let way = body.position - E.position;
-        if way.norm() > radius + 0.5 * self.opening + self.pads.half_width + MARGIN {
+        let offset = body.position - E.position;
+        if offset.norm() > radius + 0.5 * self.opening + self.pads.half_width + MARGIN {
             return false;
         }
         // The body's extent in E: between the pads with room to spare, or beside them, or behind their tips?
         let R_EB = E.rotation.inverse() * body.rotation;
-        let centre = E.rotation.inverse_transform_vector(&way);
+        let centre = E.rotation.inverse_transform_vector(&offset);
         let (mut least, mut most) = (Vector3::repeat(f64::INFINITY), Vector3::repeat(f64::NEG_INFINITY));
         for point in points {
             let at = centre + R_EB * point;
@@ -221,14 +221,14 @@ impl Jaw {
 /// How far a point at `lever` \[m\] from the body's centre is from the body's surface along `outwards`; `None` outside.
 fn depth(lever: &Vector3<f64>, outwards: &Vector3<f64>, body: &Moving, faces: &[Face]) -> Option<f64> {
     let at = body.rotation.inverse_transform_vector(lever);
-    let way = body.rotation.inverse_transform_vector(outwards);
+    let direction = body.rotation.inverse_transform_vector(outwards);
     let mut depth = f64::INFINITY;
     for face in faces {
         let room = face.offset - face.normal.dot(&at);
         if room <= 0.0 {
             return None;
         }
-        let rate = face.normal.dot(&way);
+        let rate = face.normal.dot(&direction);
         if rate > 1e-9 {
             depth = depth.min(room / rate);
         }

@@ -170,8 +170,8 @@ impl Plate {
         for scrape in scrapes {
             let (depth, _, at) = self.touch(&scrape.of, &pose, barrel);
             let lever = self.X_WP.rotation * (at - pose.translation.vector);
-            let way = 2.0 * ((velocity + omega.cross(&lever)).norm() * duration + fall);
-            scrape.near = depth > -way;
+            let reach = 2.0 * ((velocity + omega.cross(&lever)).norm() * duration + fall);
+            scrape.near = depth > -reach;
             if scrape.near {
                 count += 1;
             } else {

@@ -30,8 +30,8 @@ use crate::sensing::Planar;
 /// let (mut base, mut before) = (Planar { y: 0.005, ..Planar::default() }, Two::zeros());
 /// rehearse_with(follow, &DiffDrive::new(), Two::zeros(), 0.002, |image| {
 ///     let q = image.demanded().joints;
-///     let (way, turn) = DiffDrive::rolled(&(q - before));
-///     (base, before) = (base.moved(way, turn), q);
+///     let (distance, turn) = DiffDrive::rolled(&(q - before));
+///     (base, before) = (base.moved(distance, turn), q);
 ///     let standing = Standing { pose: base, stands: false };
 ///     (Order::new(()), Reading::new((SensorImage::new(standing, 0),)))
 /// })?;

@@ -178,10 +178,10 @@ impl Follower {
         }
         let spot = self.path.is_turn();
         let speed = if spot { 0.0 } else { speed };
-        let way = if spot { 0.0 } else { -ALONG * off.x };
+        let ahead = if spot { 0.0 } else { -ALONG * off.x };
         let turn = -speed * off.y / (BACK * BACK) - (2.0 * speed / BACK).max(TURNED) * heading;
         let limits = *DiffDrive::new().limits();
-        let (wanted, most) = (DiffDrive::wheels(way, turn), self.slope() * dt);
+        let (wanted, most) = (DiffDrive::wheels(ahead, turn), self.slope() * dt);
         for i in 0..2 {
             let top = RESERVE * limits.velocity[i];
             let wanted = wanted[i].clamp(-top, top);

@@ -6,7 +6,7 @@
 //! told apart                             d := d exp(-dt / 0.5 s) + (gyro - bias dt) - r (dq_R - dq_L) / b
 //! ```
 //!
-//! Wheels slip when the base turns, a gyro drifts: so the heading is the gyro's, its bias what it says in standstills, and the way that
+//! Wheels slip when the base turns, a gyro drifts: so the heading is the gyro's, its bias what it says in standstills, and the distance that
 //! of the wheels (Borenstein and Feng, *Gyrodometry*, 1996). What both say of a turn is compared: they disagree by the tyres' slip, a few
 //! hundredths of the turn. Disagreeing by more than [`DeadReckoning::MOST`] within about half a second, one of both cannot be
 //! believed, and with it the heading. A wheel that slips straight ahead is not seen by this.
@@ -63,7 +63,7 @@ impl DeadReckoning {
         Self { pose, wheels: None, bias: None, rest: None, still: 0.0, drifted: 0.0, apart: 0.0, scale: 1.0 }
     }
 
-    /// The same with a calibrated way, as a share of what the wheels turn, > 0.
+    /// The same with a calibrated distance, as a share of what the wheels turn, > 0.
     #[must_use]
     pub const fn with_scale(self, scale: f64) -> Self {
         Self { scale, ..self }

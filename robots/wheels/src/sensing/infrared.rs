@@ -8,7 +8,7 @@
 //!
 //! A sensor takes a new sample every 16.5 ms, and says it until the next one; sensors are not in step with each other. Each sees along a line.
 //! Seven look ahead side by side, 11 mm apart, and four more at each side a little outwards: walls are 12 mm thick, so that no end of a wall in
-//! the way of the body stays unseen.
+//! the body's path stays unseen.
 
 use mrroc::random::Random;
 use mrroc_map::{Place, Wall, Walls};
@@ -22,7 +22,7 @@ pub const FRONT: usize = 15;
 /// How many there are.
 pub const SENSORS: usize = 21;
 
-/// Where a sensor is on the base, and which way it looks \[rad\].
+/// Where a sensor is on the base, and in which direction it looks \[rad\].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mounted {
     /// [m, base].

@@ -25,8 +25,8 @@ impl Sensor for Lookout {
 /// What a program goes for, so that the sensor knows what is in its way: `c_j`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Payload)]
 pub struct Watch {
-    /// Which way this is, counted by the program from 1; 0: it goes nowhere.
-    pub way: u32,
+    /// Which path this is, counted by the program from 1; 0: it goes nowhere.
+    pub path: u32,
     /// Where it leads to, straight on [m, floor].
     pub x: f64,
     /// See `x`.
@@ -42,9 +42,9 @@ pub struct Sight {
     pub stands: bool,
     /// How far it can go straight on before it touches something \[m\]; [`Sight::FAR`] where nothing is seen.
     pub ahead: f64,
-    /// Whether the way that is gone now is blocked.
+    /// Whether the path that it follows now is blocked.
     pub is_blocked: bool,
-    /// How many ways were found blocked, and what the last one was blocked by: a place on a wall [m, floor].
+    /// How many paths were found blocked, and what the last one was blocked by: a place on a wall [m, floor].
     pub blocked: u32,
     /// See `blocked`.
     pub x: f64,
@@ -59,7 +59,7 @@ pub struct Sight {
 impl Sight {
     /// Nothing is seen ahead \[m\].
     pub const FAR: f64 = 0.2;
-    /// A way is blocked by what would be touched after so much more of it \[m\]: a base of 0.3 m/s stops before.
+    /// A path is blocked by what would be touched after so much more of it \[m\]: a base of 0.3 m/s stops before.
     pub const NEAR: f64 = 0.045;
 }
 
@@ -72,7 +72,7 @@ pub struct LookingOut {
     memory: WallMemory,
     /// What each sensor said last: where that was, and whether it is as new as the last sample ahead.
     met: [Option<Vector2<f64>>; SENSORS],
-    /// The last way that was blocked, how many were, and by what.
+    /// The last path that was blocked, how many were, and by what.
     blocked: (u32, u32, Vector2<f64>),
     gone: f64,
     time: f64,
@@ -81,7 +81,7 @@ pub struct LookingOut {
 impl LookingOut {
     /// Turning faster, it only looks at what is ahead [rad/s].
     const DIZZY: f64 = 0.6;
-    /// The way is as wide as if the body had this radius \[m\]: where it stands is known to a few millimetres.
+    /// The path is as wide as if the body had this radius \[m\]: where it stands is known to a few millimetres.
     const KEPT: f64 = DiffDrive::BODY + 0.005;
     /// It looks at walls again when it has gone so far \[m\]: what is wrong with a sensor does not add up where it stands.
     const AGAIN: f64 = 5e-3;
@@ -168,16 +168,16 @@ impl VirtualSensor for LookingOut {
         }
         self.located.correct(pose);
         let (ahead, what) = self.ahead(&pose);
-        let Watch { way, x, y } = order.configuration;
+        let Watch { path, x, y } = order.configuration;
         let left = pose.seen(&Vector2::new(x, y)).x;
-        if way != 0 && way != self.blocked.0 && ahead < Sight::NEAR && ahead < left {
-            self.blocked = (way, self.blocked.1 + 1, what);
+        if path != 0 && path != self.blocked.0 && ahead < Sight::NEAR && ahead < left {
+            self.blocked = (path, self.blocked.1 + 1, what);
         }
         let mut sight = Sight {
             pose,
             stands: reckoned.stands,
             ahead,
-            is_blocked: way != 0 && way == self.blocked.0,
+            is_blocked: path != 0 && path == self.blocked.0,
             blocked: self.blocked.1,
             x: self.blocked.2.x,
             y: self.blocked.2.y,

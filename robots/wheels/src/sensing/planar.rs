@@ -83,7 +83,7 @@ mod tests {
                 parts = parts.moved(distance * 1e-4, turn * 1e-4);
             }
             assert!((whole.at() - parts.at()).norm() < 1e-10, "{distance} {turn}");
-            // The centre of the circle: a way over a turn to the left.
+            // The centre of the circle: a distance over a turn to the left.
             if turn.abs() > 0.1 {
                 let centre = start.place(&Vector2::new(0.0, distance / turn));
                 assert!((whole.place(&Vector2::new(0.0, distance / turn)) - centre).norm() < 1e-12);

@@ -39,7 +39,7 @@ pub const TOLD: usize = 10;
 /// A face of a wall, as it was seen.
 #[derive(Clone, Copy, Debug, Default, PartialEq, mrroc::payload::Payload)]
 pub struct Face {
-    /// Which way one looks at it: 0 along +x, 1 along +y, 2 along -x, 3 along -y.
+    /// In which direction one looks at it: 0 along +x, 1 along +y, 2 along -x, 3 along -y.
     pub into: u8,
     /// Where it is along that axis \[m\].
     pub line: f64,

@@ -55,7 +55,7 @@ impl Chassis {
     const SLIP: f64 = 0.05;
     /// .. which counts as so much at least [m/s].
     const SLOW: f64 = 0.25;
-    /// A wall gives way by this stiffness [N/m], and damps by so much [N s/m].
+    /// A wall yields by this stiffness [N/m], and damps by so much [N s/m].
     const WALL: (f64, f64) = (1.5e4, 25.0);
     /// Friction of the body along a wall.
     const RUBBING: f64 = 0.3;
@@ -84,7 +84,7 @@ impl Chassis {
             torque += side * arm * push.x;
             pushes[i] = push.x;
         }
-        // The castor rubs against its way, and what drags does so at the axle.
+        // The castor rubs against its motion, and what drags does so at the axle.
         let (share, behind, rubs) = Self::CASTOR;
         let castor = rubbing(&Vector2::new(ahead, left - behind * turning), rubs * share * weight);
         force += castor + rubbing(&Vector2::new(ahead, left), ground.drag);
@@ -99,9 +99,9 @@ impl Chassis {
         motion.left += h * (force.y / Self::MASS - ahead * turning);
         motion.turning += h * torque / Self::INERTIA;
         let heading = pose.heading + 0.5 * h * motion.turning;
-        let way = Rotation2::new(heading) * Vector2::new(motion.ahead, motion.left) * h;
+        let moved = Rotation2::new(heading) * Vector2::new(motion.ahead, motion.left) * h;
         motion.pose =
-            Planar { x: pose.x + way.x, y: pose.y + way.y, heading: pose.heading + h * motion.turning };
+            Planar { x: pose.x + moved.x, y: pose.y + moved.y, heading: pose.heading + h * motion.turning };
         pushes
     }
 

@@ -303,7 +303,7 @@ impl Cell {
 
     /// Ends a cell that is stuck. On the memory link the executable ends, with status 1 and the name of the process,
     /// when a process of the cell computes for longer than `timeout` at a stretch: all processes share one thread
-    /// there, so an endless loop in a step function cannot be ended in any other way. When the processes are those of
+    /// there, so an endless loop in a step function cannot be ended by any other means. When the processes are those of
     /// the operating system, in real time, the cell is ended when its MP begins no step for `timeout`, 60 s by
     /// default; a message says so after a sixth of it.
     #[must_use]

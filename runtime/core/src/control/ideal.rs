@@ -70,9 +70,9 @@ impl<R: Robot> Driver<R> for IdealDrives<R> {
         let Measured { position: before, .. } = self.measured;
         let seconds = self.period.as_secs_f64();
         let position = R::Joints::from_joints(|i| {
-            let way = demanded[i] - before[i];
+            let displacement = demanded[i] - before[i];
             let most = self.limits.velocity[i] * seconds * (1.0 + ROUND_OFF);
-            if way.abs() <= most { demanded[i] } else { before[i] + most.copysign(way) }
+            if displacement.abs() <= most { demanded[i] } else { before[i] + most.copysign(displacement) }
         });
         self.measured = Measured { position, velocity: (position - before) * seconds.recip() };
         Ok(self.measured)

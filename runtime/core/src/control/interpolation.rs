@@ -122,10 +122,10 @@ impl<J: JointVector> Interpolation<J> {
         let blend = |before: Vector3<f64>, after: Vector3<f64>| {
             (after - before) * (0.5 * u) + (after + before) * (0.5 * u * u + 0.125)
         };
-        let way = |to: &Pose| to.translation.vector - middle.translation.vector;
+        let offset = |to: &Pose| to.translation.vector - middle.translation.vector;
         let turn = |to: &Pose| (middle.rotation.inverse() * to.rotation).scaled_axis();
         Pose::from_parts(
-            Translation3::from(middle.translation.vector + blend(way(&before), way(&after))),
+            Translation3::from(middle.translation.vector + blend(offset(&before), offset(&after))),
             middle.rotation * UnitQuaternion::from_scaled_axis(blend(turn(&before), turn(&after))),
         )
     }

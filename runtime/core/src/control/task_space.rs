@@ -1,7 +1,7 @@
 //! What interpolation in the task space adds to the joint spline, servo period by servo period.
 //!
 //! In: the spline's joints, and the joints of the pose between the demands. Out: the joints for the drives,
-//! `q + s(share) (q_pose - q)`. The difference is of second order in the way of a step, so the sum keeps what the spline
+//! `q + s(share) (q_pose - q)`. The difference is of second order in the displacement of a step, so the sum keeps what the spline
 //! keeps but for little. Where demands are not of poses, or a pose between them has no joints, the share goes to 0 within
 //! [`FADING`], not at once: no jump.
 

@@ -51,7 +51,7 @@ impl<V: VirtualSensor> Vsp<'_, V> {
     pub fn run(mut self) {
         let mut request = Message::new(Kind::Read);
         let mut reply = Message::empty();
-        // Closing is the only way out.
+        // Only closing ends that.
         let Err(Closed) = self.serve(&mut request, &mut reply);
     }
 

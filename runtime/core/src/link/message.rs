@@ -115,7 +115,7 @@ pub mod flag {
     /// In a reply: the program of the ECP lets the robot be jogged now.
     pub const JOGS: u32 = 1 << 17;
     /// In a reply: the program of the ECP moves the robot, and no jog panel says how.
-    pub const OWN_WAY: u32 = 1 << 18;
+    pub const OWN_MOTION: u32 = 1 << 18;
     /// The robot still recovers, or its EDP has not answered whether it does.
     pub const RECOVERS: u32 = 1 << 12;
 }

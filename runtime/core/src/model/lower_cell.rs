@@ -109,7 +109,7 @@ impl RobotImage<LowerCell> {
         self.signals().inputs.digital() & SUSPENDED != 0
     }
 
-    /// The rate of its path time, 0 to 1: the product of what this cell's rate is and its own operator's speed, on the way there.
+    /// The rate of its path time, 0 to 1: the product of what this cell's rate is and its own operator's speed, while it changes to that.
     #[must_use]
     pub const fn rate(&self) -> f64 {
         self.signals().inputs.analog(0)

@@ -37,8 +37,8 @@ impl From<Duration> for ServoPeriod {
 /// The beginning of a servo period that the robot has told.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Pulse {
-    /// The robot's own count of its periods: it goes on by one from period to period. Periods in between were lost on
-    /// the way, or told while nobody asked.
+    /// The robot's own count of its periods: it goes on by one from period to period. Periods in between were lost in
+    /// transit, or told while nobody asked.
     pub count: u64,
     /// How long the message had been here when it was asked for. It is best measured where the message comes in, by the
     /// kernel or a thread that only receives: the less it depends on when the cell asks, the smoother the robot moves.

@@ -51,10 +51,10 @@ pub trait Robot: Clone + Send + Sync + 'static {
     fn limits(&self) -> &Limits<Self::Joints>;
 
     /// Checks limits that cannot be expressed joint by joint, such as those of motors that several joints share, on the
-    /// way from `from` to `to` \[rad or m\] in `duration` \[s\]. By default there are no such limits.
+    /// displacement from `from` to `to` \[rad or m\] in `duration` \[s\]. By default there are no such limits.
     ///
     /// # Errors
-    /// The first [`CoupledLimit`] that the way breaks.
+    /// The first [`CoupledLimit`] that the displacement breaks.
     fn check_coupled(
         &self,
         _from: &Self::Joints,
@@ -64,11 +64,11 @@ pub trait Robot: Clone + Send + Sync + 'static {
         Ok(())
     }
 
-    /// The same on the way from `from` and on the way from its end to a standstill, each with its time \[s\], > 0: for robots
+    /// The same on the displacement from `from` and on that from its end to a standstill, each with its time \[s\], > 0: for robots
     /// that compute something of each of the three positions.
     ///
     /// # Errors
-    /// The first [`CoupledLimit`] that a way breaks.
+    /// The first [`CoupledLimit`] that a displacement breaks.
     fn check_coupled_to_stop(
         &self,
         from: &Self::Joints,
@@ -252,6 +252,6 @@ pub enum InterpolationSpace {
     /// In poses of the flange, where the demands are poses or displacements: a straight line of the flange stays
     /// straight between demands that are far apart, at the price of one inverse kinematics in each servo period. For
     /// robots whose joints are determined by the pose, in cells whose step has several servo periods. It is a fault if
-    /// a pose between two demands has no joint positions, or if a joint would exceed its velocity limit on the way.
+    /// a pose between two demands has no joint positions, or if a joint would exceed its velocity limit in between.
     Task,
 }

@@ -2,7 +2,7 @@
 //! been told where to be.
 //!
 //! In: the position for the end of each servo period, with the number of the period. Out: what the simulated encoders read, and the
-//! wrench at the flange. [`Simulator`] is the way to the program, for a robot of any kind; [`SteppedDrives`] are the drives that a
+//! wrench at the flange. [`Simulator`] is the link to the program, for a robot of any kind; [`SteppedDrives`] are the drives that a
 //! cell knows.
 
 use core::time::Duration;

@@ -75,7 +75,7 @@ pub trait Sink {
     fn finish(&mut self, dropped: u64) -> io::Result<()>;
 }
 
-/// What went wrong on the way from the step to the sink.
+/// What went wrong between the step and the sink.
 #[derive(Debug)]
 pub enum RingError {
     /// The thread is slower than the steps: records are being dropped.

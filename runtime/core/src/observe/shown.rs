@@ -25,7 +25,7 @@ struct Inner<T> {
     value: Cell<T>,
     /// Whether it is set in this process.
     own: Cell<bool>,
-    /// The way from one process to the other.
+    /// The board by which the value gets from one process to the other.
     board: OnceCell<Rc<dyn Board>>,
 }
 

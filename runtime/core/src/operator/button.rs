@@ -328,7 +328,7 @@ mod tests {
 
     fn all() -> [Button; Button::KINDS] {
         let left = Name::new("left").expect("a name");
-        let jog = JogOrder { motion: JogMotion::Joint { joint: 2 }, speed: -0.25, way: Some(0.1) };
+        let jog = JogOrder { motion: JogMotion::Joint { joint: 2 }, speed: -0.25, distance: Some(0.1) };
         [
             Button::Stop,
             Button::Abort,

@@ -43,7 +43,7 @@ impl BrakingLaw {
 /// space, which leaves less where it takes more.
 pub(crate) const SHARE: f64 = 0.8;
 
-/// A robot's way to a standstill.
+/// A robot's braking to a standstill.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Braking<J> {
     /// Without a jerk limit.
@@ -117,10 +117,10 @@ impl<J: JointVector> EvenBraking<J> {
     fn advance(&mut self, dt: f64) -> (J, J) {
         self.elapsed += dt;
         let t = self.elapsed.min(self.duration);
-        let way = J::from_joints(|i| t * (self.velocity[i] + t * (0.5 * self.acceleration[i])));
+        let displacement = J::from_joints(|i| t * (self.velocity[i] + t * (0.5 * self.acceleration[i])));
         let stands = self.elapsed >= self.duration;
         let velocity = if stands { J::zeros() } else { self.velocity + self.acceleration * t };
-        (self.start + way, velocity)
+        (self.start + displacement, velocity)
     }
 }
 
@@ -141,7 +141,7 @@ impl<J: JointVector> JerkBraking<J> {
     }
 }
 
-/// How a joint moves while its acceleration goes to 0, by the jerk limit in every step. No other way within that limit
+/// How a joint moves while its acceleration goes to 0, by the jerk limit in every step. No other motion within that limit
 /// changes its velocity by less.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Release {
@@ -164,7 +164,7 @@ impl Release {
     }
 }
 
-/// The acceleration of the next step on the fastest way to a standstill, from velocity `v` and acceleration `a` of the
+/// The acceleration of the next step of the fastest motion to a standstill, from velocity `v` and acceleration `a` of the
 /// last step. It is the hardest deceleration that can still go to 0 before the joint reverses.
 fn braking_acceleration(v: f64, a: f64, limit: f64, jerk: f64, dt: f64) -> f64 {
     let change = jerk * dt;
@@ -189,13 +189,13 @@ pub(crate) fn stopping_distance(v: f64, a: f64, limit: f64, jerk: f64, duration:
     } else {
         0.0
     };
-    let mut way = 0.0;
+    let mut distance = 0.0;
     let mut speed = v;
     for (time, a, jerk) in [((a + peak) / jerk, a, -jerk), (hold, -peak, 0.0), (peak / jerk, -peak, jerk)] {
-        way += time * (speed + time * (0.5 * a + time * jerk / 6.0));
+        distance += time * (speed + time * (0.5 * a + time * jerk / 6.0));
         speed += time * (a + 0.5 * time * jerk);
     }
-    way
+    distance
 }
 
 #[cfg(test)]

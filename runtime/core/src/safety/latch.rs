@@ -32,7 +32,7 @@ pub enum Latch {
     /// No fault is latched: programs run, or are over.
     #[default]
     Clear,
-    /// Robots are on their way to a standstill.
+    /// Robots are braking to a standstill.
     Stopping,
     /// They stand, or the time in which they should have is over. The first cause waits for an acknowledgement.
     Latched,

@@ -6,8 +6,8 @@
 //! stand if its demands were lost now).
 //!
 //! An [`Acceptor`] is put together from the robot with its limits ([`checks`]), the state demanded last ([`state`]), the path
-//! and the way back to it ([`path`]), the motion that is under way ([`motion`]) and its pace ([`rates`]). What it does in a
-//! step is here for a demand, in [`missing`] where there is none, in [`out_of_step`] for one of another step, in [`resting`] on the way to a standstill; [`next_state`] finds
+//! and the return to it ([`path`]), the motion that is under way ([`motion`]) and its pace ([`rates`]). What it does in a
+//! step is here for a demand, in [`missing`] where there is none, in [`out_of_step`] for one of another step, in [`resting`] while it brakes to a standstill; [`next_state`] finds
 //! the state at the end of a step for all of them.
 
 use core::marker::PhantomData;
@@ -78,7 +78,7 @@ impl<R: Robot> AcceptedDemand<R> {
     }
 }
 
-/// The state demanded last and the checks on the way to the next one.
+/// The state demanded last and the checks of the step to the next one.
 pub(crate) struct Acceptor<R: Robot> {
     checks: Checks<R>,
     state: JointState<R::Joints>,
@@ -128,7 +128,7 @@ impl<R: Robot> Acceptor<R> {
         (self.state.position, self.state.velocity)
     }
 
-    /// The state demanded last: where the path is, for a robot that is still on its way back to it.
+    /// The state demanded last: where the path is, for a robot that is still on its return to it.
     pub fn demanded(&self) -> (R::Joints, R::Joints) {
         self.track.demanded(&self.state)
     }
@@ -154,7 +154,7 @@ impl<R: Robot> Acceptor<R> {
         poses::flange_joints(&self.checks.robot, pose, near)
     }
 
-    /// Whether the joints may go this way [rad or m] in `duration` \[s\].
+    /// Whether the joints may be displaced by this [rad or m] in `duration` \[s\].
     ///
     /// # Errors
     /// The velocity limit that they would break.
@@ -272,7 +272,7 @@ impl<R: Robot> Acceptor<R> {
             .unwrap_or_else(|| poses::beside_singularity(robot, demand, &self.state.position, fault))
     }
 
-    /// Where the robot moves at reduced speed, the velocity of its tool on the way to `position` \[rad or m\] in
+    /// Where the robot moves at reduced speed, the velocity of its tool in the step to `position` \[rad or m\] in
     /// `duration` \[s\].
     ///
     /// # Errors

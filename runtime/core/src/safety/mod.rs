@@ -1,6 +1,6 @@
 //! What keeps robots within their limits and brings them to a standstill.
 //!
-//! In: demands, limits, causes of stops. Out: accepted demands, ways to a standstill, the latch. Pure functions of states;
+//! In: demands, limits, causes of stops. Out: accepted demands, motions to a standstill, the latch. Pure functions of states;
 //! nothing here knows a process.
 
 pub(crate) mod advice;

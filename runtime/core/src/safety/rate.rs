@@ -28,7 +28,7 @@ pub struct RateMargin {
 pub struct FullRate {
     /// Largest rise there \[1/s\].
     pub rise: f64,
-    /// Largest change of the rise on the way there \[1/s²\]; infinite where jerk has no limit.
+    /// Largest change of the rise meanwhile \[1/s²\]; infinite where jerk has no limit.
     pub bend: f64,
 }
 
@@ -113,7 +113,7 @@ impl Feed {
         self.margin = self.margin.and(margin);
     }
 
-    /// The rate of the next step, of `duration` \[s\], on the way to `wanted`.
+    /// The rate of the next step, of `duration` \[s\], in the change to `wanted`.
     pub fn advance(&mut self, wanted: f64, duration: f64) -> f64 {
         if duration <= 0.0 {
             return self.rate;

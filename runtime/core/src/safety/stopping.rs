@@ -37,7 +37,7 @@ pub fn together_budget(step: Duration) -> u32 {
 /// How far an arm that misses its orders alone may come off the others, where its path jumps by [`JUMP`] \[m\].
 const APART: f64 = 50e-6;
 
-/// The largest jump of the acceleration of a path that arms go together [m/s²]: from 1 m/s² to as much the other way.
+/// The largest jump of the acceleration of a path that arms go together [m/s²]: from 1 m/s² to as much in the other direction.
 const JUMP: f64 = 2.0;
 
 /// Time between a lost peer and the start of braking \[s\].

@@ -16,7 +16,7 @@ use super::plant::PlantEntry;
 
 type Make = Rc<dyn Fn(&RobotEntry, Option<&MakeSimulator>) -> Result<Box<dyn AnyRobot>, CellError>>;
 
-/// Makes the way to the simulator of others in which a robot moves.
+/// Makes the connection to the simulator of others in which a robot moves.
 type MakeSimulator = Box<dyn Fn(&PlantEntry) -> Box<dyn Simulator>>;
 
 /// Makes what is drawn of an obstacle that is a mesh.
@@ -70,7 +70,7 @@ impl Kinds {
         self
     }
 
-    /// Lets robots whose entries say `plant` move in simulators that others wrote: `simulator` makes the way to that of an entry,
+    /// Lets robots whose entries say `plant` move in simulators that others wrote: `simulator` makes the connection to that of an entry,
     /// such as `mrroc_external::plant`. Their own simulated drives stand in for it in a dry run and with `--simulated`.
     #[must_use]
     pub fn plants(mut self, simulator: impl Fn(&PlantEntry) -> Box<dyn Simulator> + 'static) -> Kinds {

@@ -330,13 +330,13 @@ mod tests {
         };
         state.answers[Button::Speed(0.0).kind()] = answer;
         state.answers[10] = Pressed { done: false, why: Some(JogRefusal::OthersMove), ..answer };
-        (state.jogs, state.jogged) = ([5, 1 << 63], Some((2, JogStop::Way)));
+        (state.jogs, state.jogged) = ([5, 1 << 63], Some((2, JogStop::Kinematics)));
         let read = MpPanel::read(&of_mp(&state));
         assert_eq!((read.step, read.period, read.epoch), (1, 2, 4));
         assert_eq!((read.instructions, read.doing, read.by.as_str()), (6, InstructionKind::Wait, "Dwell"));
         assert_eq!((read.rate, read.speed, read.state), (0.25, 0.5, CellState::Suspended));
         assert_eq!(read.answers, state.answers);
-        assert_eq!((read.jogs, read.jogged), ([5, 1 << 63], Some((2, JogStop::Way))));
+        assert_eq!((read.jogs, read.jogged), ([5, 1 << 63], Some((2, JogStop::Kinematics))));
         assert_eq!((read.fault, read.persisting), (Some(fault), Some(persisting)));
     }
 

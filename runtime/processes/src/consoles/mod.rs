@@ -6,7 +6,7 @@
 //!
 //! [`Request`](mrroc_core::operator::Request) is what a console asks for, [`protocol`] what it hears, [`picture`] and [`beside`] the state of the
 //! cell that is shown, with some values [`as_words`]. On the launcher's side [`service`] is the server's thread, [`handle`] the launcher's
-//! handle of it, [`console`] one connection, [`mp_session`] what is asked of one MP, and [`presses`] the way of presses to the MP and
+//! handle of it, [`console`] one connection, [`mp_session`] what is asked of one MP, and [`presses`] how presses get to the MP and
 //! back. [`caller`] is the console's side; [`operating`] is the console of the command line, and [`holding`] lets a key of its terminal
 //! hold a cell.
 

@@ -102,7 +102,7 @@ pub(crate) fn launch(cell: Cell, plan: &Plan) -> Result<Launched, LaunchError> {
     let mut fabric = Fabric::new(ProcessId::MP, plan.clock);
     cell.put_on(&mut fabric)?;
     let lock = CellLock::take(&plan.cell, &hardware)?;
-    capacity::check(fabric.places().len() + fabric.ways(), CONNECTIONS)?;
+    capacity::check(fabric.places().len() + fabric.connections(), CONNECTIONS)?;
     let signals = Signals::hear(plan.clock)?;
     let mut epoch = 1;
     loop {

@@ -74,7 +74,7 @@ pub(crate) enum NoStart {
     /// Ctrl-C came while the process started: while it opened its robot, perhaps, whose controller does not answer.
     #[error("interrupted while {0} started")]
     Interrupted(ProcessId),
-    /// The process ended by itself, and another start would end in the same way.
+    /// The process ended by itself, and another start would end alike.
     #[error("{0} ended while it started: {1}")]
     Ended(ProcessId, String),
     /// The process refused to take part, for this reason.

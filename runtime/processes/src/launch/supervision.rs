@@ -339,7 +339,7 @@ impl<'a> Supervision<'a> {
         })
     }
 
-    /// On the way to a launcher that stops: suspends the cell, and stops when the cell stands.
+    /// Before the launcher stops: suspends the cell, and stops when the cell stands.
     fn suspend(&mut self) {
         let Some(until) = self.suspending else { return };
         if self.closing.is_some() || self.aborting.is_some() {

@@ -102,7 +102,7 @@ impl Fabric {
     }
 
     /// Number of ports and boards that connect the processes.
-    pub const fn ways(&self) -> usize {
+    pub const fn connections(&self) -> usize {
         self.planned.len()
     }
 
@@ -196,7 +196,7 @@ impl Fabric {
                 let wake_futex = WakeFutex::open(prefix, place);
                 wake_futex
                     .map(Waker::WakeFutex)
-                    .map_err(LinkError::of("the way to another process's wake_futex"))
+                    .map_err(LinkError::of("the wake-up futex of another process"))
             }
         }
     }

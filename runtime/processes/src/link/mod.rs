@@ -1,6 +1,6 @@
 //! The iceoryx2 link: every process is a process of the operating system, and messages lie in shared memory.
 //!
-//! In: a cell, put together in every process in the same way, as on any other link. Out: the part of the cell that runs
+//! In: a cell, put together in every process alike, as on any other link. Out: the part of the cell that runs
 //! in this process. A board is a blackboard, a port is two blackboards, and each process sleeps on one [`wake_futex`].
 //! [`fabric`] puts the cell together, [`ports`] holds the ends of ports and boards in this process, and [`waiter`] lets a
 //! process wait: in real time, or in lock-step under the launcher's virtual clock.

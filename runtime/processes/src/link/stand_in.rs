@@ -61,17 +61,17 @@ pub(crate) struct StandIn {
     seals: Seals,
     /// A machine, and the futex of its processes here.
     futexes: Vec<(usize, WakeFutex)>,
-    /// Number of a way, where it comes from, what it writes, and the place that it wakes.
+    /// Number of a slot, where it comes from, what it writes, and the place that it wakes.
     incoming: Vec<(u16, usize, Writes, Option<usize>)>,
-    /// Number of a way, where it goes to, the board that it reads, and whether its writer wakes nobody.
+    /// Number of a slot, where it goes to, the board that it reads, and whether its writer wakes nobody.
     outgoing: Vec<(u16, usize, String, bool)>,
     /// Boards that nobody writes.
     empty: Vec<Writes>,
 }
 
-/// Numbers of the two ways of a port, or of a board.
-fn ways(i: usize) -> [u16; 2] {
-    // A cell has 192 processes at most, and far fewer ways than 32768.
+/// Numbers of the two slots of a port, or of a board.
+fn slots(i: usize) -> [u16; 2] {
+    // A cell has 192 processes at most, and far fewer slots than 32768.
     [u16::try_from(2 * i).unwrap_or(u16::MAX), u16::try_from(2 * i + 1).unwrap_or(u16::MAX)]
 }
 
@@ -101,7 +101,7 @@ impl StandIn {
         let is_plant =
             |place: usize| fabric.places().get(place).is_some_and(|id: &ProcessId| id.role == Role::Plant);
         for (i, planned) in fabric.planned().iter().enumerate() {
-            let [first, second] = ways(i);
+            let [first, second] = slots(i);
             match *planned {
                 Planned::Port { client, server, .. } => {
                     let (request, answer) = (format!("request {i}"), format!("answer {i}"));
@@ -152,13 +152,13 @@ impl StandIn {
 
     fn make_incoming(
         &mut self,
-        way: u16,
+        slot: u16,
         from: usize,
         name: &str,
         wakes: Option<usize>,
     ) -> Result<(), LinkError> {
         let writes = make(&self.node, name)?;
-        self.incoming.push((way, from, writes, wakes));
+        self.incoming.push((slot, from, writes, wakes));
         Ok(())
     }
 
@@ -173,10 +173,10 @@ impl StandIn {
     /// [`LinkError`]: what could not be opened.
     pub fn open(self) -> Result<(Incoming, Vec<Outgoing>), LinkError> {
         let mut incoming = Vec::new();
-        for (way, from, writes, wakes) in self.incoming {
+        for (slot, from, writes, wakes) in self.incoming {
             let wakes = wakes.map(|place| WakeFutex::open(&self.prefix, place)).transpose();
-            let wakes = wakes.map_err(LinkError::of("the way to a process's wake-up futex"))?;
-            incoming.push(Comes { way, from, writes: Mutex::new((writes, (0, 0))), wakes });
+            let wakes = wakes.map_err(LinkError::of("the wake-up futex of a process"))?;
+            incoming.push(Comes { slot, from, writes: Mutex::new((writes, (0, 0))), wakes });
         }
         let mut outgoing: Vec<_> = self
             .futexes
@@ -189,10 +189,10 @@ impl StandIn {
                 next: 0,
             })
             .collect();
-        for (way, to, name, is_board) in self.outgoing {
+        for (slot, to, name, is_board) in self.outgoing {
             let reads: Reads = open(&self.node, &name)?;
             if let Some(outgoing) = outgoing.iter_mut().find(|outgoing| outgoing.to == to) {
-                outgoing.goes.push(Goes { way, reads, sent: None, is_board });
+                outgoing.goes.push(Goes { slot, reads, sent: None, is_board });
             }
         }
         Ok((Incoming { comes: incoming, seals: self.seals, _node: self.node, _empty: self.empty }, outgoing))
@@ -201,7 +201,7 @@ impl StandIn {
 
 /// A board that another machine writes.
 struct Comes {
-    way: u16,
+    slot: u16,
     from: usize,
     /// What writes it, and the number and attempt of the newest envelope.
     writes: Mutex<(Writes, (u64, u64))>,
@@ -217,10 +217,10 @@ pub(crate) struct Incoming {
 }
 
 impl Incoming {
-    /// Writes what has come from a node for a way, and wakes its reader; returns whether that was this node's to say, and of this
+    /// Writes what has come from a node for a slot, and wakes its reader; returns whether that was this node's to say, and of this
     /// run, and newer than what stands there.
-    pub fn came(&self, from: usize, way: u16, envelope: &Envelope) -> bool {
-        let Some(comes) = self.comes.iter().find(|comes| comes.way == way && comes.from == from) else {
+    pub fn came(&self, from: usize, slot: u16, envelope: &Envelope) -> bool {
+        let Some(comes) = self.comes.iter().find(|comes| comes.slot == slot && comes.from == from) else {
             return false;
         };
         let Some(moved) = envelope.moved(self.seals.between, self.seals.here) else { return false };
@@ -243,7 +243,7 @@ impl Incoming {
 
 /// A board that another machine reads.
 struct Goes {
-    way: u16,
+    slot: u16,
     reads: Reads,
     /// What stood there when it was sent last.
     sent: Option<BlackboardValue<Packet>>,
@@ -287,7 +287,7 @@ impl Outgoing {
             // An answer that is given again looks like the first one, and is sent again.
             let shown = goes.sent.insert(goes.reads.get());
             if let Some(moved) = shown.0.moved(self.seals.here, self.seals.between) {
-                return Some((goes.way, moved));
+                return Some((goes.slot, moved));
             }
         }
         None

@@ -1,6 +1,6 @@
 //! Whether a machine has enough shared memory and open files for a cell's processes (fault 35 in docs/safety).
 //!
-//! In: the number of processes and of ways between them. Out: nothing if there is enough, or what is too little and
+//! In: the number of processes and of connections between them. Out: nothing if there is enough, or what is too little and
 //! what to change. The check comes before the processes start, because later errors are hard to understand: a process
 //! that first writes to shared memory when it is full is killed, and one that cannot open a file fails without naming
 //! the cause.
@@ -14,11 +14,11 @@ use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
 /// The folder of the segments of shared memory.
 pub(crate) const SHARED_MEMORY: &str = "/dev/shm";
 
-/// Shared memory of a process, or of a way between two processes \[bytes\]. The cell of the tests takes 30 kB for each.
+/// Shared memory of a process, or of a connection between two processes \[bytes\]. The cell of the tests takes 30 kB for each.
 const SHARED_EACH: u64 = 128 << 10;
 
-/// Files that a process has open by itself, and those that each process and each way of the cell adds. In the cell of
-/// the tests, with 10 processes and 15 ways, the process with the most has 67.
+/// Files that a process has open by itself, and those that each process and each connection of the cell adds. In the cell of
+/// the tests, with 10 processes and 15 connections, the process with the most has 67.
 const FILES: u64 = 40;
 const FILES_EACH: u64 = 4;
 
@@ -71,14 +71,14 @@ pub(crate) fn free_shared_memory() -> io::Result<u64> {
     Ok(shm.f_bavail * shm.f_frsize)
 }
 
-/// Checks that there is room for so many processes and ways between them. If so many files are allowed, so many consoles may
+/// Checks that there is room for so many processes and connections between them. If so many files are allowed, so many consoles may
 /// connect to the cell. Raises the limit of open files of this
 /// process, and so of the processes that it starts, to what they need, as far as the system allows it.
 ///
 /// # Errors
 /// [`NoRoom`]
-pub(crate) fn check(processes_and_ways: usize, consoles: usize) -> Result<(), NoRoom> {
-    let count = processes_and_ways as u64;
+pub(crate) fn check(processes_and_connections: usize, consoles: usize) -> Result<(), NoRoom> {
+    let count = processes_and_connections as u64;
     let needed = FILES + FILES_EACH * count;
     let Rlimit { current, maximum } = getrlimit(Resource::Nofile);
     if maximum.is_some_and(|maximum| maximum < needed) {

@@ -86,12 +86,12 @@ impl NodeListener for Hub {
     fn came(&self, from: usize, bytes: &[u8]) {
         let now = monotonic();
         match NodeMessage::read(bytes) {
-            Some((session, NodeMessage::Way(way, envelope))) => {
+            Some((session, NodeMessage::Slot(slot, envelope))) => {
                 let incoming = self.incoming.read().unwrap_or_else(PoisonError::into_inner);
                 if let Some((own, incoming)) = &*incoming
                     && *own == session
                 {
-                    incoming.came(from, way, &envelope);
+                    incoming.came(from, slot, &envelope);
                 }
             }
             Some((session, NodeMessage::Ping(sent))) => {
@@ -155,7 +155,8 @@ impl Agent {
         let lock = CellLock::take(&file, &hardware).map_err(|error| text(&error))?;
         // A node may wait for its cell for days, and what a killed one has left takes shared memory until then.
         lock.remove_remains().map_err(|error| text(&error))?;
-        capacity::check(fabric.places().len() + fabric.ways(), CONNECTIONS).map_err(|error| text(&error))?;
+        capacity::check(fabric.places().len() + fabric.connections(), CONNECTIONS)
+            .map_err(|error| text(&error))?;
         let own = Identity::here(nodes.file()).map_err(|error| text(&error))?;
         let (tells, events) = channel();
         let hub = Arc::new(Hub {

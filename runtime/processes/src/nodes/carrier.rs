@@ -71,9 +71,9 @@ impl Hub {
 impl NodeListener for Hub {
     fn came(&self, from: usize, bytes: &[u8]) {
         match NodeMessage::read(bytes) {
-            Some((session, NodeMessage::Way(way, envelope))) if session == self.session => {
+            Some((session, NodeMessage::Slot(slot, envelope))) if session == self.session => {
                 if let Some(incoming) = self.incoming.get() {
-                    incoming.came(from, way, &envelope);
+                    incoming.came(from, slot, &envelope);
                 }
             }
             Some((session, NodeMessage::Ping(sent))) => {

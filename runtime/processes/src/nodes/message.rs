@@ -22,8 +22,8 @@ pub(super) enum NodeMessage {
     Frame(u16, Frame),
     /// From an agent: the process at a place has ended like this.
     Gone(u16, String),
-    /// What stands on one of the cell's boards.
-    Way(u16, Envelope),
+    /// What stands in one of the cell's slots.
+    Slot(u16, Envelope),
     /// From an agent, at a time of its clock \[ns\].
     Ping(Nanos),
     /// The answer: when the agent asked, and when it was answered, each by its own clock \[ns\].
@@ -36,7 +36,7 @@ impl NodeMessage {
     const REFUSED: u8 = 3;
     const FRAME: u8 = 4;
     const GONE: u8 = 5;
-    const WAY: u8 = 6;
+    const SLOT: u8 = 6;
     const PING: u8 = 7;
     const PONG: u8 = 8;
 
@@ -69,9 +69,9 @@ impl NodeMessage {
                 bytes.extend(place.to_le_bytes());
                 bytes.extend(how.as_bytes());
             }
-            NodeMessage::Way(way, envelope) => {
-                begin(NodeMessage::WAY);
-                bytes.extend(way.to_le_bytes());
+            NodeMessage::Slot(slot, envelope) => {
+                begin(NodeMessage::SLOT);
+                bytes.extend(slot.to_le_bytes());
                 envelope.put_bytes(bytes);
             }
             NodeMessage::Ping(sent) => {
@@ -118,9 +118,9 @@ impl NodeMessage {
                 let (place, rest) = place(rest)?;
                 NodeMessage::Gone(place, text(rest))
             }
-            NodeMessage::WAY => {
-                let (way, rest) = place(rest)?;
-                NodeMessage::Way(way, Envelope::from_bytes(rest).ok()?)
+            NodeMessage::SLOT => {
+                let (slot, rest) = place(rest)?;
+                NodeMessage::Slot(slot, Envelope::from_bytes(rest).ok()?)
             }
             NodeMessage::PING => NodeMessage::Ping(word(rest)?.0),
             NodeMessage::PONG => {
@@ -162,7 +162,7 @@ mod tests {
             NodeMessage::Refused("größer".to_owned()),
             NodeMessage::Frame(190, Frame::Go { origin: 5 }),
             NodeMessage::Gone(3, "it was killed by signal 9".to_owned()),
-            NodeMessage::Way(400, Envelope::seal(&Message::new(Kind::Reply), seal, 6)),
+            NodeMessage::Slot(400, Envelope::seal(&Message::new(Kind::Reply), seal, 6)),
             NodeMessage::Ping(1),
             NodeMessage::Pong(2, u64::MAX),
         ];

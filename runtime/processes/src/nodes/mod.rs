@@ -9,7 +9,7 @@
 //! On each machine processes speak over shared memory as in a cell on one. What belongs to a process of another machine, its
 //! boards and its futex, a stand-in has here ([`StandIn`](crate::link::StandIn)), and a carrier takes what is written there
 //! to the other machine, and writes what comes from there. So no process of a cell knows of a network, no thread of a
-//! network is in a process that has steps, and what is late or lost on the way is as late or lost as anywhere else.
+//! network is in a process that has steps, and what is late or lost there is as late or lost as anywhere else.
 //!
 //! In: the cell's [`Nodes`](mrroc_core::cell::Nodes) and a network. On the launcher's machine the [`carrier`] is a process of
 //! the cell. On each other machine an [`agent`] waits for a cell, compares what both have, starts the processes of its

@@ -5,7 +5,7 @@
 //!
 //! What counts for a robot is when orders arrive, not what a clock says. So a node's time is the time at which the other
 //! machine's words of that time have arrived here, nine out of ten of them, and [`allowance`] later: clocks of both machines may
-//! differ, and the way between them may take long. The newest arrivals count, and the node's time follows them slowly enough for
+//! differ, and messages between them may take long. The newest arrivals count, and the node's time follows them slowly enough for
 //! drives not to notice.
 
 use core::time::Duration;
@@ -34,7 +34,7 @@ pub(super) fn allowance(step: Duration) -> i64 {
 /// What an ECP and the MP do for a step besides waiting \[ns\]: some tenths of a millisecond each.
 pub(super) const WORK: Nanos = 500_000;
 
-/// What is known of the way between two machines, and of their clocks.
+/// What is known of the time between two machines, and of their clocks.
 #[derive(Debug)]
 pub(super) struct Phase {
     /// Time here at an arrival, less the time there when it was sent \[ns\]; the newest ones, in a ring.
@@ -67,7 +67,7 @@ pub(super) struct Figures {
 }
 
 impl Phase {
-    /// Of the way to a node whose time is this much behind the arrival of words \[ns\].
+    /// Of the time to a node whose time is this much behind the arrival of words \[ns\].
     pub fn new(allowance: i64) -> Phase {
         let histogram = || Histogram::new_with_bounds(1, 60_000_000_000, 2).ok();
         Phase {
@@ -156,7 +156,7 @@ mod tests {
     const SECOND: u64 = 1_000_000_000;
     const ALLOWED: i64 = 400_000;
 
-    /// Clocks that differ by an hour, and one of which goes faster by so many billionths; a way that takes 300 us, and every twentieth
+    /// Clocks that differ by an hour, and one of which goes faster by so many billionths; messages that take 300 us, and every twentieth
     /// time 5 ms more.
     fn run(billionths: u64, seconds: u64) -> (Phase, Nanos, i64) {
         let here = |there: Nanos| {

@@ -313,7 +313,7 @@ impl<'a> Run<'a> {
     }
 }
 
-/// What is told of the way between two machines.
+/// What is told of the network between two machines.
 fn tell(name: &str, figures: &Figures) -> String {
     let ms = |nanos: u64| nanos as f64 * 1e-6;
     let [half, most, nearly_all] = figures.round_trip.map(ms);

@@ -92,7 +92,7 @@ impl Sending {
     ) -> std::io::Result<Sending> {
         let ends = Arc::<AtomicBool>::default();
         let mut threads = Vec::new();
-        for mut way in outgoing {
+        for mut node in outgoing {
             let (wires, ends) = (Arc::clone(wires), Arc::clone(&ends));
             let run = move || {
                 if let Some(priority) = priority {
@@ -100,14 +100,14 @@ impl Sending {
                     set_priority(priority);
                 }
                 let mut bytes = Vec::with_capacity(1024);
-                let often = if way.has_boards() { often.min(LOOK) } else { LOOK };
+                let often = if node.has_boards() { often.min(LOOK) } else { LOOK };
                 while !ends.load(Ordering::Acquire) {
-                    let wakes = way.wake_futex().wakes();
-                    while let Some((number, envelope)) = way.next() {
-                        NodeMessage::Way(number, envelope).put(session, &mut bytes);
-                        wires.send(way.to(), &bytes);
+                    let wakes = node.wake_futex().wakes();
+                    while let Some((number, envelope)) = node.next() {
+                        NodeMessage::Slot(number, envelope).put(session, &mut bytes);
+                        wires.send(node.to(), &bytes);
                     }
-                    way.wake_futex().sleep(wakes, Some(monotonic() + often));
+                    node.wake_futex().sleep(wakes, Some(monotonic() + often));
                 }
             };
             threads.push(std::thread::Builder::new().name("sends".to_owned()).spawn(run)?);

@@ -286,7 +286,7 @@ fn measure(section: &Section<'_>) -> Option<Measure> {
         if spelling.is_none() {
             section.source.complain(
                 &text.span,
-                format!("no way to write orientations is `{}`", text.value),
+                format!("no convention for orientations is `{}`", text.value),
                 rotation::HELP,
             );
         }

@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3};
 
-/// A way to write an orientation in columns.
+/// A convention to write an orientation in columns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Spelling {
     /// Quaternion, scalar first or last.

@@ -66,9 +66,9 @@ fn fault_183_silence_garbled_lines_and_a_busy_instrument_are_asked_again_three_t
     let questions = line.instrument.asked;
     assert_eq!(questions, 5);
     for question in 0..questions {
-        // Twice in a row any question fails, in any way.
-        for way in 0..4 {
-            let spoilt = |asked: usize, answer: String| match way {
+        // Twice in a row any question fails, by each kind of failure.
+        for failure in 0..4 {
+            let spoilt = |asked: usize, answer: String| match failure {
                 _ if !(question..question + 2).contains(&asked) => vec![answer],
                 0 => vec![],
                 1 => vec![answer.replace("%R1P", "%R!P")],
@@ -78,12 +78,12 @@ fn fault_183_silence_garbled_lines_and_a_busy_instrument_are_asked_again_three_t
             let (read, line) = sight(spoilt);
             let (read, undisturbed) = (read.expect("a sight"), undisturbed.expect("a sight"));
             assert_eq!(read.face, undisturbed.face);
-            assert!((read.angles[0] - undisturbed.angles[0]).abs() < 1e-12, "{question} {way}");
+            assert!((read.angles[0] - undisturbed.angles[0]).abs() < 1e-12, "{question} {failure}");
             // A turn over of which no answer came is asked for no more where the face says that it is done.
             let asked = line.instrument.asked;
             assert!(
                 asked == questions + 2 || question < 2 && asked == questions + 1,
-                "{question} {way}: {asked}"
+                "{question} {failure}: {asked}"
             );
         }
     }

@@ -1,4 +1,4 @@
-//! The driver against the simulated instrument, over lines that fail in every way: under a virtual clock, and a little of it over real lines.
+//! The driver against the simulated instrument, over lines that fail in every manner: under a virtual clock, and a little of it over real lines.
 
 mod client;
 mod instrument;

@@ -244,7 +244,7 @@ fn crossing(profile: impl Fn(i64) -> f64, side: Option<f64>) -> f64 {
         .unwrap_or(0.5)
 }
 
-/// Which way bars lie: along an axis of M, 0 or 1.
+/// In which direction bars lie: along an axis of M, 0 or 1.
 type Axis = usize;
 
 /// Squares straight on, and from where they are seen.

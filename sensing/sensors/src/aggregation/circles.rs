@@ -119,7 +119,7 @@ impl Circles {
         Err(NoBoard::Circles { found: largest, wanted })
     }
 
-    /// The grid on a lattice that has it and nothing else; of several ways the one whose first circle is nearest to that of the image.
+    /// The grid on a lattice that has it and nothing else; of several fits the one whose first circle is nearest to that of the image.
     fn on(&self, lattice: &BTreeMap<[i64; 2], usize>, middles: &[Vector2<f64>]) -> Option<Vec<usize>> {
         let cells: Vec<[i64; 2]> = self
             .cells()
@@ -200,36 +200,37 @@ struct Ellipse {
 fn lattice(middles: &[Vector2<f64>], first: usize) -> BTreeMap<[i64; 2], usize> {
     let mut lattice = BTreeMap::from([([0, 0], first)]);
     let mut near: Vec<(f64, Vector2<f64>)> =
-        middles.iter().map(|at| at - middles[first]).map(|way| (way.norm(), way)).collect();
+        middles.iter().map(|at| at - middles[first]).map(|offset| (offset.norm(), offset)).collect();
     near.sort_by(|a, b| a.0.total_cmp(&b.0));
     let Some((_, right)) = near.get(1).copied() else { return lattice };
     // The nearest one that lies in another direction, counted as down from it.
-    let aside = |way: &Vector2<f64>| right.perp(way) / (right.norm() * way.norm());
-    let Some((_, down)) = near.iter().skip(2).take(7).find(|(_, way)| aside(way).abs() > 0.5).copied() else {
+    let aside = |offset: &Vector2<f64>| right.perp(offset) / (right.norm() * offset.norm());
+    let Some((_, down)) = near.iter().skip(2).take(7).find(|(_, offset)| aside(offset).abs() > 0.5).copied()
+    else {
         return lattice;
     };
     let down = if aside(&down) < 0.0 { -down } else { down };
     let mut used = vec![false; middles.len()];
     used[first] = true;
     let mut open = VecDeque::from([([0, 0], Matrix2::from_columns(&[right, down]))]);
-    while let Some((place, ways)) = open.pop_front() {
+    while let Some((place, axes)) = open.pop_front() {
         let Some(at) = lattice.get(&place).map(|i: &usize| middles[*i]) else { continue };
-        for step in [[1, 0], [-1, 0], [0, 1], [0, -1]] {
-            let next = [place[0] + step[0], place[1] + step[1]];
+        for by in [[1, 0], [-1, 0], [0, 1], [0, -1]] {
+            let next = [place[0] + by[0], place[1] + by[1]];
             if lattice.contains_key(&next) {
                 continue;
             }
-            let way = ways * Vector2::new(step[0] as f64, step[1] as f64);
+            let step = axes * Vector2::new(by[0] as f64, by[1] as f64);
             let free = middles.iter().enumerate().filter(|(i, _)| !used[*i]);
-            let far = |one: &Vector2<f64>| (one - at - way).norm();
+            let far = |one: &Vector2<f64>| (one - at - step).norm();
             let nearest = free.map(|(i, one)| (far(one), i)).min_by(|a, b| a.0.total_cmp(&b.0));
-            let Some((_, i)) = nearest.filter(|(far, _)| *far < NEAR * way.norm()) else { continue };
+            let Some((_, i)) = nearest.filter(|(far, _)| *far < NEAR * step.norm()) else { continue };
             used[i] = true;
             lattice.insert(next, i);
-            // The way changes from circle to circle where the board is seen askew.
-            let own = (middles[i] - at) * (step[0] + step[1]) as f64;
-            let mut there = ways;
-            there.column_mut(usize::from(step[0] == 0)).copy_from(&own);
+            // The step changes from circle to circle where the board is seen askew.
+            let own = (middles[i] - at) * (by[0] + by[1]) as f64;
+            let mut there = axes;
+            there.column_mut(usize::from(by[0] == 0)).copy_from(&own);
             open.push_back((next, there));
         }
     }
@@ -264,7 +265,7 @@ fn ellipse(image: &Grey<'_>, pixels: &[usize]) -> Option<Ellipse> {
     let reach = 2.0 * long + 5.0;
     let grown = |off: &Vector2<f64>, by: f64| {
         let distance = (shape * off).dot(off).sqrt();
-        // Along this way the edge is where the distance is 2.
+        // Along this direction the edge is where the distance is 2.
         distance <= 2.0 * (1.0 + by * distance / (2.0 * off.norm().max(1e-9)))
     };
     let (mut inner, mut ring, mut dark) = (Vec::new(), (0.0, 0.0), (0.0, 0.0));

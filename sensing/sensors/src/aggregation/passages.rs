@@ -132,7 +132,7 @@ mod tests {
         let mut passages = Passages::new(D);
         take(&mut passages, &edges(|t| 0.1 * t * (1.0 + 0.0025 * t), 0.08));
         let passage = passages.last().expect("passed");
-        // On the way of its trailing edge, 0.08 to 0.23 m, x' = 0.1 (1 + 0.005 t) with t about 1.55.
+        // Where its trailing edge goes, 0.08 to 0.23 m, x' = 0.1 (1 + 0.005 t) with t about 1.55.
         assert!((passage.speed / 0.1 - 1.0 - 0.005 * 1.54).abs() < 3e-4, "{passage:?}");
         assert!((passage.length - 0.08).abs() < 4e-4, "{passage:?}");
         assert_eq!((passages.count(), passages.dropped()), (1, 0));

@@ -38,7 +38,7 @@ pub struct Relief {
 pub enum Deaf {
     /// A transducer hears neither belt nor parts.
     #[error(
-        "ultrasonic transducer {number} of {of} heard no echo in {count} pings over {way_mm:.0} mm of belt: dead, loose or covered?"
+        "ultrasonic transducer {number} of {of} heard no echo in {count} pings over {travel_mm:.0} mm of belt: dead, loose or covered?"
     )]
     Transducer {
         /// Which one, from 1 on.
@@ -48,7 +48,7 @@ pub enum Deaf {
         /// So many pings.
         count: u32,
         /// And so much belt \[mm\].
-        way_mm: f64,
+        travel_mm: f64,
     },
     /// What is to be learned as the bare belt is not level.
     #[error(
@@ -249,8 +249,8 @@ impl Reliefs {
         bare.unheard += 1;
         let run = (travel - bare.from).abs();
         if bare.unheard >= Self::DEAF.0 && (run >= Self::DEAF.1 || bare.count < Self::ENOUGH) {
-            let (count, way_mm) = (bare.unheard, 1e3 * run);
-            return Err(Deaf::Transducer { number: number + 1, of, count, way_mm });
+            let (count, travel_mm) = (bare.unheard, 1e3 * run);
+            return Err(Deaf::Transducer { number: number + 1, of, count, travel_mm });
         }
         Ok(())
     }

@@ -104,12 +104,12 @@ impl Sounders {
             }
         });
         for (this, (form, X_FP)) in near.iter().enumerate() {
-            let hides = |ray: &Vector3<f64>, way: f64| {
+            let hides = |ray: &Vector3<f64>, distance: f64| {
                 near.iter().enumerate().any(|(other, (form, X_FP))| {
                     let X_PF = X_FP.inverse();
                     let eye = (X_PF * Point3::from(*place)).coords;
                     other != this
-                        && form.hit(&eye, &(X_PF.rotation * ray)).is_some_and(|hit| hit.distance < way)
+                        && form.hit(&eye, &(X_PF.rotation * ray)).is_some_and(|hit| hit.distance < distance)
                 })
             };
             array.add(transducer, wave, place, (form, X_FP), Array::FINE, hides);

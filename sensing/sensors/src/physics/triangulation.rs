@@ -97,10 +97,10 @@ impl Triangulation {
             // Most solids are far from the ray.
             let near = off.coords.xy().norm_squared()
                 < solid.hull.iter().map(|p| p.norm_squared()).fold(0.0, f64::max) + 1e-4;
-            if let Some(way) = near.then(|| solid.meets(X_WL, before)).flatten()
-                && way < nearest.0
+            if let Some(distance) = near.then(|| solid.meets(X_WL, before)).flatten()
+                && distance < nearest.0
             {
-                nearest = (way, solid.reflectance);
+                nearest = (distance, solid.reflectance);
             }
         });
         code_of(nearest.0) * (1.0 + Self::BLACK * (1.0 - nearest.1))

@@ -8,7 +8,7 @@ pub struct Air {
 }
 
 impl Air {
-    /// Loss of sound of 40 kHz on its way [dB/m].
+    /// Loss of sound of 40 kHz over distance [dB/m].
     pub const LOSS: f64 = 1.3;
 
     /// Speed of sound [m/s]: 331.3 at 0 °C, and as the root of the absolute temperature.
@@ -17,7 +17,7 @@ impl Air {
         331.3 * (1.0 + self.celsius / 273.15).sqrt()
     }
 
-    /// The share of a pressure that is left after a way there and back \[m\].
+    /// The share of a pressure that is left after a distance there and back \[m\].
     #[must_use]
     pub fn left(range: f64) -> f64 {
         10.0_f64.powf(-Self::LOSS * 2.0 * range / 20.0)

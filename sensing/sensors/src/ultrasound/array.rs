@@ -85,7 +85,7 @@ impl Array {
     }
 
     /// Adds what comes back from a form at `X_FP`, and takes off what comes from the belt that it hides. `others` says whether something else is
-    /// before it, from the place in a direction, within a way.
+    /// before it, from the place in a direction, within a distance.
     #[allow(non_snake_case)]
     pub fn add(
         &self,

@@ -8,7 +8,7 @@
 //! of a surface sends back cos(theta) dA / r^2 = d Omega: spreading and slope are in the solid angle, and what is hidden sends nothing.
 //! That a sheet echoes as its mirror image does, that an edge gives half of it, and that slanted faces are silent, comes of itself.
 //!
-//! Not in it: sound that meets two surfaces on its way, and what is soft.
+//! Not in it: sound that meets two surfaces before it comes back, and what is soft.
 
 mod air;
 mod array;

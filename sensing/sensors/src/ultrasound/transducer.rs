@@ -129,8 +129,8 @@ impl Transducer {
                 let (low, share) = (at as usize, at.fract());
                 let beam = self.beam[low] + share * (self.beam[low + 1] - self.beam[low]);
                 let amplitude = pressure * beam / (square * length);
-                let mut put = |way: f64, amplitude: f64| {
-                    let range = way * length;
+                let mut put = |depth: f64, amplitude: f64| {
+                    let range = depth * length;
                     let at = (range - self.gate[0]) / Waveform::BIN;
                     if at < 0.0 || at as usize + 1 >= wave.points.len() {
                         return;
@@ -143,11 +143,11 @@ impl Transducer {
                         *im += amplitude * share * sin;
                     }
                 };
-                if let Some(way) = hit {
-                    put(way, amplitude);
+                if let Some(depth) = hit {
+                    put(depth, amplitude);
                 }
-                if let Some(way) = behind {
-                    put(way, -amplitude);
+                if let Some(depth) = behind {
+                    put(depth, -amplitude);
                 }
             }
         }

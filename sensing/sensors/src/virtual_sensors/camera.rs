@@ -143,7 +143,7 @@ impl<S: View + 'static> VirtualSensor for CameraSensor<S> {
                 }
             }
         }
-        (self.sighting.reading.way, self.sighting.reading.speed) = (travel(now), belt.velocity[0]);
+        (self.sighting.reading.travel, self.sighting.reading.speed) = (travel(now), belt.velocity[0]);
         if let Some(time) = self.next.filter(|time| now >= time + 0.5 * exposure) {
             self.next = None;
             self.last_travel = travel(time);

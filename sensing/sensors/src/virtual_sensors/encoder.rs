@@ -16,7 +16,7 @@ impl Sensor for Encoder {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Payload)]
 pub struct Run {
     /// \[m\].
-    pub way: f64,
+    pub travel: f64,
     /// [m/s].
     pub speed: f64,
 }
@@ -28,6 +28,6 @@ impl VirtualSensor for Encoder {
         let belt = order.robot.ok_or_else(|| {
             Fault::thrown("an encoder is that of a robot: write of = \"BELT\" in its table of cell.toml")
         })?;
-        Ok(Run { way: belt.joints[0], speed: belt.velocity[0] })
+        Ok(Run { travel: belt.joints[0], speed: belt.velocity[0] })
     }
 }

@@ -1,7 +1,7 @@
 //! An ultrasonic matrix over a belt: which parts pass below it, and where they are in the belt's own frame.
 //!
 //! ```text
-//! ping every 5 ms -> echo, and the way of the belt by its encoder -> relief -- strip of bare belt behind it, 60 ms --> in the readings
+//! ping every 5 ms -> echo, and the travel of the belt by its encoder -> relief -- strip of bare belt behind it, 60 ms --> in the readings
 //! ```
 //!
 //! Each ping has a place on the belt of its own, so that a belt that runs unevenly, or stops below the matrix, makes the relief neither longer nor
@@ -132,7 +132,7 @@ impl<S: View + 'static> VirtualSensor for MatrixSensor<S> {
         while let Some(relief) = self.reliefs.passed(run) {
             self.evaluate(&relief, now);
         }
-        (self.reading.way, self.reading.speed) = (run, speed);
+        (self.reading.travel, self.reading.speed) = (run, speed);
         self.processed.tell(now, &mut self.reading);
         Ok(self.reading)
     }

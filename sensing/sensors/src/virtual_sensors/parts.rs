@@ -41,7 +41,7 @@ pub struct Spotted {
     /// Parts that have been found.
     pub parts: u32,
     /// How far the belt has run at the step of the reading \[m\].
-    pub way: f64,
+    pub travel: f64,
     /// How fast it is [m/s].
     pub speed: f64,
     /// The newest parts, the latest first; number 0 where there are fewer.

@@ -110,7 +110,7 @@ impl<T: PhotoSource> VirtualSensor for PhotoSensor<T> {
             }
             self.sighting.evaluate(&grey, travel - speed * (age - self.latch), 0.0)?;
         }
-        (self.sighting.reading.way, self.sighting.reading.speed) = (travel, speed);
+        (self.sighting.reading.travel, self.sighting.reading.speed) = (travel, speed);
         Ok(self.sighting.tell(0.0))
     }
 

@@ -76,7 +76,7 @@ impl RationalBezier {
         }
     }
 
-    /// The same curve travelled the other way.
+    /// The same curve travelled in the other direction.
     #[must_use]
     pub fn reversed(&self) -> Self {
         Self { controls: self.controls.iter().rev().copied().collect() }

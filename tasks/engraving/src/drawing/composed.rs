@@ -389,7 +389,7 @@ mod tests {
             let (composed, base) = (box_of(composed), box_of(base));
             assert!(composed.min.y < base.min.y - 0.1 && (composed.max.y - base.max.y).abs() < 1e-9);
         }
-        // The dot of an i makes way.
+        // The dot of an i is left out.
         let count = |text: &str| font.line(text).unwrap().len();
         assert_eq!(count("í"), count("i"));
         assert_eq!(count("ï"), count("i") + 1);

@@ -115,7 +115,7 @@ impl EllipticalArc {
         )
     }
 
-    /// The same arc travelled the other way.
+    /// The same arc travelled in the other direction.
     #[must_use]
     pub fn reversed(&self) -> Self {
         Self { start_angle: self.start_angle + self.sweep, sweep: -self.sweep, ..*self }

@@ -15,7 +15,7 @@ impl Piece {
         self.flatten_at(&Height::level(0.0), tolerance, each);
     }
 
-    /// As [`flatten`](Self::flatten), and no chord is further from the tip's way at these heights.
+    /// As [`flatten`](Self::flatten), and no chord is further from the tip's path at these heights.
     fn flatten_at(&self, height: &Height, tolerance: f64, each: &mut impl FnMut(f64, Vec2)) {
         let bend = height.second_derivative_bound();
         let bound = match self {
@@ -94,7 +94,7 @@ impl Stroke {
         points
     }
 
-    /// The tip's way as a polyline \[mm\] no further than `tolerance` \[mm\] from it, its start included.
+    /// The tip's path as a polyline \[mm\] no further than `tolerance` \[mm\] from it, its start included.
     #[must_use]
     pub fn flattened_tips(&self, tolerance: f64) -> Vec<Vec3> {
         let mut points = vec![self.tip(0.0)];

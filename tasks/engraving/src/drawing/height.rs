@@ -69,7 +69,7 @@ impl Height {
         heights.fold((f64::MAX, f64::MIN), |(low, high), z| (low.min(z), high.max(z)))
     }
 
-    /// The same heights travelled the other way.
+    /// The same heights travelled in the other direction.
     #[must_use]
     pub fn reversed(&self) -> Self {
         match *self {

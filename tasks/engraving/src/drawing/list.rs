@@ -20,7 +20,7 @@ pub struct Import {
     pub order: Order,
 }
 
-/// The order of strokes, and which way round they go.
+/// The order of strokes, and in which direction they go.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Order {
     /// Any that saves travel.

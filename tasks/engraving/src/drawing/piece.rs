@@ -103,7 +103,7 @@ impl Piece {
         self.point(1.0)
     }
 
-    /// The same piece travelled the other way.
+    /// The same piece travelled in the other direction.
     #[must_use]
     pub fn reversed(&self) -> Self {
         match self {
@@ -134,7 +134,7 @@ impl Piece {
         }
     }
 
-    /// The length of the tip's way along the piece at these heights \[mm\].
+    /// The length of the tip's path along the piece at these heights \[mm\].
     #[must_use]
     pub fn length_at(&self, height: &Height) -> f64 {
         match (self, height) {

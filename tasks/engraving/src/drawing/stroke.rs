@@ -149,7 +149,7 @@ impl Stroke {
         (with_height(d, rise), with_height(dd, bend))
     }
 
-    /// The unit tangent of the tip's way on a piece; where the derivative vanishes, its limit from inside.
+    /// The unit tangent of the tip's path on a piece; where the derivative vanishes, its limit from inside.
     #[must_use]
     pub fn tip_tangent(&self, k: usize, t: f64) -> Vec3 {
         let tip = |t: f64| with_height(self.pieces[k].point(t), self.height(k).at(t));
@@ -182,7 +182,7 @@ impl Stroke {
         self.tip(self.pieces.len() as f64)
     }
 
-    /// The length of the tip's way \[mm\].
+    /// The length of the tip's path \[mm\].
     #[must_use]
     pub fn length(&self) -> f64 {
         let one = |(k, piece): (usize, &Piece)| match self.heights.get(k) {
@@ -202,7 +202,7 @@ impl Stroke {
         bounds
     }
 
-    /// The same stroke travelled the other way.
+    /// The same stroke travelled in the other direction.
     #[must_use]
     pub fn reversed(&self) -> Self {
         Self {

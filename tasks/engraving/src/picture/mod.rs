@@ -41,7 +41,7 @@ const CAPTION: f64 = 11.0;
 pub fn render(map: &HeightMap, plate: &Plate, material: Material, caption: &str) -> Picture {
     let across = plate.width + 2.0 * BENCH;
     let down = plate.height + 2.0 * BENCH + CAPTION;
-    // At most as fine as the cells: two cells a pixel and way smooth the edges.
+    // At most as fine as the cells: two cells a pixel in each direction smooth the edges.
     let per_mm = (WIDEST / across).min(1.0 / map.cell()).min(3000.0 / down);
     let width = (across * per_mm).round().max(1.0) as usize;
     let height = (down * per_mm).round().max(1.0) as usize;

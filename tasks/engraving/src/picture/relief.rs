@@ -55,7 +55,7 @@ struct Relief<'a> {
     colours: Colours,
     /// Depth of the deepest cell \[mm\].
     deepest: f32,
-    /// Samples a pixel and way, so that no cell is missed.
+    /// Samples a pixel in each direction, so that no cell is missed.
     fine: usize,
 }
 

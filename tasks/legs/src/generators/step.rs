@@ -2,7 +2,7 @@
 //!
 //! The swinging leg is part of the same Move as those that stand, and no loose order: while it comes down the trunk goes on, so its foot must
 //! move in the trunk as the standing ones do, in the same steps, or it would be dragged over the ground from its touch until the next order.
-//! All four follow from one way of the trunk.
+//! All four follow from one motion of the trunk.
 
 use std::rc::Rc;
 

@@ -5,7 +5,7 @@
 //!
 //! N = max(0, k delta - c v.n)                          never pulls
 //! s = how far the foot has crept from where it stuck,  at most mu N / k_t long; what is cut off it has slid
-//! F = N n - k_t s - beta c_t v_t,   |tangential| <= mu N   beta in 0..1: damping gives way to friction
+//! F = N n - k_t s - beta c_t v_t,   |tangential| <= mu N   beta in 0..1: damping yields to friction
 //! ```
 
 use nalgebra::Vector3;

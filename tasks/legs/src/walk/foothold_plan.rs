@@ -79,7 +79,7 @@ impl FootholdPlan {
 #[must_use]
 pub fn regular(gait: &Gait, number: usize) -> Vector2<f64> {
     let place = below(Gait::leg(number), 0.0);
-    Vector2::new(place.x + gait.way(gait.begins(number) + gait.swing) + gait.ahead(), place.y)
+    Vector2::new(place.x + gait.advance(gait.begins(number) + gait.swing) + gait.ahead(), place.y)
 }
 
 impl Search<'_> {
@@ -135,7 +135,7 @@ impl Search<'_> {
         let standing: [Vector2<f64>; 3] = core::array::from_fn(|i| feet[i + usize::from(i >= leg)]);
         let look = |look: u32| {
             let t = begins + self.gait.swing * f64::from(look) / f64::from(LOOKS);
-            let trunk = Vector2::new(self.gait.way(t), self.gait.aside(t));
+            let trunk = Vector2::new(self.gait.advance(t), self.gait.aside(t));
             margin(&standing, &(trunk + self.centre(&trunk, feet)))
         };
         (0..=LOOKS).map(look).fold(f64::INFINITY, f64::min)

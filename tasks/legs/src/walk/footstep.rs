@@ -4,12 +4,12 @@
 //! footstep must not be made.
 //!
 //! ```text
-//! L: the level at the footstep's begin, in the trunk's origin      X_LT(t): the trunk's way, to the level at its end
+//! L: the level at the footstep's begin, in the trunk's origin      X_LT(t): the trunk's motion, to the level at its end
 //!
 //! p_TF_i(t) = X_LT(t)^-1 p_LF_i      p_LF_i: constant for a foot that stands, a swing for the other
 //! ```
 //!
-//! So the ground is a rigid body that the standing legs carry under the trunk, against its way: two arms with a bar, upside down. The trunk
+//! So the ground is a rigid body that the standing legs carry under the trunk, against its motion: two arms with a bar, upside down. The trunk
 //! follows the ground: it comes to its height over the mean of the four feet, where the new one is expected.
 
 use mrroc::pose::Pose;
@@ -126,13 +126,13 @@ impl Footstep {
             margin: f64::INFINITY,
         };
         let Some((leg, hold)) = hold else { return still.rising(None).checked(legs, stance) };
-        let at = hold - Vector2::new(gait.way(begins), gait.aside(begins));
+        let at = hold - Vector2::new(gait.advance(begins), gait.aside(begins));
         still.stepping(leg, &at, ground).checked(legs, stance)
     }
 
     /// With this leg stepping there [m, along L].
     fn stepping(self, leg: usize, at: &Vector2<f64>, ground: &Ground) -> Self {
-        let x = self.gait.way(self.begins);
+        let x = self.gait.advance(self.begins);
         let left = self.gait.aside(self.begins);
         let lane = |foot: &Vector2<f64>| ground.lane(foot.y + left);
         // How high the ground's zero is, by the feet that stand on it.
@@ -182,7 +182,11 @@ impl Footstep {
         }
         if least < LEAST {
             let x = self.swing.as_ref().map_or(0.0, |(_, swing)| swing.to().x);
-            return Err(Refused::Unstable { leg: name, x: self.gait.way(self.begins) + x, margin: least });
+            return Err(Refused::Unstable {
+                leg: name,
+                x: self.gait.advance(self.begins) + x,
+                margin: least,
+            });
         }
         Ok(Self { margin: least, ..self })
     }
@@ -228,10 +232,10 @@ impl Footstep {
     #[must_use]
     pub fn trunk(&self, t: f64) -> Pose {
         let s = soft(t / self.lasts);
-        let at = |t: f64| Vector2::new(self.gait.way(self.begins + t), self.gait.aside(self.begins + t));
-        let way = at(t) - at(0.0);
+        let at = |t: f64| Vector2::new(self.gait.advance(self.begins + t), self.gait.aside(self.begins + t));
+        let moved = at(t) - at(0.0);
         let turn = UnitQuaternion::from_scaled_axis(self.turn * (1.0 - s));
-        Pose::from_parts(Vector3::new(way.x, way.y, self.rise * s).into(), turn)
+        Pose::from_parts(Vector3::new(moved.x, moved.y, self.rise * s).into(), turn)
     }
 
     /// Where the feet are in the trunk at a time from its begin [m, T].

@@ -25,7 +25,7 @@ pub struct Gait {
     pub lead: f64,
     /// The trunk's origin over the middle of its feet \[m\].
     pub height: f64,
-    /// How far a foot is lifted over the highest ground on its way \[m\].
+    /// How far a foot is lifted over the highest ground on its path \[m\].
     pub clearance: f64,
     /// How long it takes to come to the speed, and to a halt \[s\].
     pub ramp: f64,
@@ -141,7 +141,7 @@ impl Gait {
 
     /// How far the trunk is ahead of its start at a time, < 0 while it sets off \[m, s\].
     #[must_use]
-    pub fn way(&self, time: f64) -> f64 {
+    pub fn advance(&self, time: f64) -> f64 {
         // The velocity rises by 3 u² - 2 u³ of the ramp.
         let risen = |t: f64| {
             let u = (t / self.ramp).clamp(0.0, 1.0);
@@ -181,15 +181,15 @@ mod tests {
     }
 
     #[test]
-    fn the_trunk_has_its_speed_between_the_ramps_and_no_corner_on_its_way() {
+    fn the_trunk_has_its_speed_between_the_ramps_and_no_corner_on_its_path() {
         let gait = Gait { footsteps: 8, ..Gait::default() };
         let h = 1e-4;
-        let speed = |t: f64| (gait.way(t + h) - gait.way(t - h)) / (2.0 * h);
+        let speed = |t: f64| (gait.advance(t + h) - gait.advance(t - h)) / (2.0 * h);
         assert!(
             (speed(3.0) - 0.1).abs() < 1e-9 && speed(-1.1) == 0.0 && speed(gait.ends() + 1.0).abs() < 1e-9
         );
         // Two cycles at 0.1 m/s, and half of that speed in the ramps.
-        assert!((gait.way(gait.ends()) - 0.812).abs() < 1e-12);
+        assert!((gait.advance(gait.ends()) - 0.812).abs() < 1e-12);
         for i in 0..(gait.ends() / h) as i32 {
             let t = f64::from(i) * h;
             let accelerated = (gait.aside(t + h) - 2.0 * gait.aside(t) + gait.aside(t - h)) / (h * h);

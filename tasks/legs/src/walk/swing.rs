@@ -1,4 +1,4 @@
-//! The way of a foot through the air: up, over, down, and down slowly until it touches.
+//! The path of a foot through the air: up, over, down, and down slowly until it touches.
 //!
 //! In: from where to where, and how high, over the ground. Out: where the foot is, over the ground: its velocity along the ground is zero
 //! where it leaves it and where it comes down, whatever the trunk does meanwhile.
@@ -45,7 +45,7 @@ struct Touched {
 }
 
 impl Swing {
-    /// From one place to another \[m\], at least as high as `top` on the way, in `lasts` \[s\].
+    /// From one place to another \[m\], at least as high as `top` in between, in `lasts` \[s\].
     #[must_use]
     pub const fn new(from: Vector3<f64>, to: Vector3<f64>, top: f64, lasts: f64) -> Self {
         Self { from, to, top, lasts, touched: None }
@@ -145,7 +145,7 @@ mod tests {
             let acceleration =
                 |t: f64| (swing.at(t + h) - 2.0 * swing.at(t) + swing.at(t - h)).norm() / (h * h);
             assert!(acceleration(t + 0.5 * stop) < 1.001 * HARDEST, "{share}");
-            // The way of a body that is stopped evenly.
+            // The distance of a body that is stopped evenly.
             assert!((swing.at(t + 1.0) - swing.at(t) - 0.5 * stop * velocity).norm() < 1e-6, "{share}");
         }
     }

@@ -1,4 +1,4 @@
-//! The arm's program: over the walls to where the way begins, and then along it, step by step. A touch is a fault.
+//! The arm's program: over the walls to where the path begins, and then along it, step by step. A touch is a fault.
 
 use mrroc::prelude::*;
 use mrroc_generators::generators::StraightLine;
@@ -13,7 +13,7 @@ use crate::plant::TouchProbe;
 fn follow(order: &Order<Along>, v: &Reading<(TouchProbe,)>) -> Result<Step<Irp6>, Fault> {
     if v.0.reading().is_some_and(|touch| touch.touching) {
         return Err(Fault::thrown(
-            "the ball touches a wall on a way that the camera said is free: look whether the camera or the maze was moved",
+            "the ball touches a wall on a path that the camera said is free: look whether the camera or the maze was moved",
         ));
     }
     let Along { x, y } = order.value();

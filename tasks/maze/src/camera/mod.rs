@@ -1,7 +1,7 @@
-//! Known layout: a camera looks down at the maze once, and the arm goes the shortest way that the image shows; contact is failure.
+//! Known layout: a camera looks down at the maze once, and the arm goes the shortest path that the image shows; contact is failure.
 //!
 //! ```text
-//! world -> image -> walls (VSP) -> readings, page by page -> walls, shortest way, motion (MP) -> places, step by step (ECP) -> arm
+//! world -> image -> walls (VSP) -> readings, page by page -> walls, shortest path, motion (MP) -> places, step by step (ECP) -> arm
 //! ```
 //!
 //! [`eye`] says where the camera is, [`scene`] what it sees, [`sensor`] is its virtual sensor, [`mp`], [`ecp`], [`orders`] and [`trace`]

@@ -1,4 +1,4 @@
-//! The coordinator's program: the walls from one image, the shortest way between them, and along it.
+//! The coordinator's program: the walls from one image, the shortest path between them, and along it.
 
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -15,7 +15,7 @@ use super::sensor::{From, MazeCamera};
 use super::trace::Trace;
 use crate::mp::MazeSettings;
 
-/// How far the planned way keeps from walls that were seen, beyond the ball's radius \[m\].
+/// How far the planned path keeps from walls that were seen, beyond the ball's radius \[m\].
 pub const CLEARANCE: f64 = 3e-4;
 /// Polygons inflated by so much more hold the arcs about corners: a corner is inflated by chords of 45 degrees.
 const AROUND: f64 = 1.0824;
@@ -23,8 +23,8 @@ const AROUND: f64 = 1.0824;
 /// What the coordinator planned, to be drawn and measured.
 #[derive(Clone, Debug, Default)]
 pub struct Planned {
-    /// The way.
-    pub way: Option<Taut>,
+    /// The path.
+    pub path: Option<Taut>,
     /// How long planning took.
     pub took: Duration,
 }
@@ -37,17 +37,17 @@ fn seen(c: &mut Seen, v: &Reading<(MazeCamera,)>) -> bool {
     v.0.reading().is_some_and(|page| page.count > 0 && page.first == c.0.first)
 }
 
-/// The shortest way between these walls that keeps clear of them.
+/// The shortest path between these walls that keeps clear of them.
 fn shortest(walls: &Walls, told: &MazeSettings) -> Option<Taut> {
     let radius = told.sizes.radius + CLEARANCE;
-    let (_, way) = Inflated::by(walls, AROUND * radius).shortest(&told.start, &told.goal)?;
-    Taut::along(walls, radius, &way)
+    let (_, path) = Inflated::by(walls, AROUND * radius).shortest(&told.start, &told.goal)?;
+    Taut::along(walls, radius, &path)
 }
 
-/// Looks at the maze, plans the shortest way to the exit, and has the arm go it.
+/// Looks at the maze, plans the shortest path to the exit, and has the arm go it.
 ///
 /// # Errors
-/// The first fault of the cell; no way is seen; a wall is touched.
+/// The first fault of the cell; no path is seen; a wall is touched.
 pub fn coordinate(mp: &mut Mp, told: &MazeSettings, planned: &Rc<RefCell<Planned>>) -> Result<(), Fault> {
     let (mut arm, mut camera) = (mp.robot::<Irp6>("arm")?, mp.sensor::<MazeCamera>("camera")?);
     let mut boxes = Vec::new();
@@ -63,11 +63,11 @@ pub fn coordinate(mp: &mut Mp, told: &MazeSettings, planned: &Rc<RefCell<Planned
     };
     let began = Instant::now();
     let walls = Walls::of_boxes(boxes, told.sizes.pitch, told.known.size);
-    let way = shortest(&walls, told).ok_or_else(|| {
-        Fault::thrown("the camera sees no way to the exit: look at the maze, or tell another exit")
+    let path = shortest(&walls, told).ok_or_else(|| {
+        Fault::thrown("the camera sees no path to the exit: look at the maze, or tell another exit")
     })?;
-    let trace = Trace::along(&way, &maze).map_err(|error| Fault::thrown(&error.to_string()))?;
-    *planned.borrow_mut() = Planned { way: Some(way), took: began.elapsed() };
+    let trace = Trace::along(&path, &maze).map_err(|error| Fault::thrown(&error.to_string()))?;
+    *planned.borrow_mut() = Planned { path: Some(path), took: began.elapsed() };
     let start = maze.transform_point(&Point3::new(told.start.x, told.start.y, 0.0));
     let hop = Errand::Hop { x: start.x, y: start.y };
     mp.move_robots((&mut arm,), (), ConstantOrder::<(Irp6,), Errand>::to_all(hop))?;

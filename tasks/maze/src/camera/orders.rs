@@ -1,4 +1,4 @@
-//! What the coordinator tells the arm: a place to begin at, loosely; then places on the way, in every step.
+//! What the coordinator tells the arm: a place to begin at, loosely; then places on the path, in every step.
 
 use mrroc::prelude::*;
 

@@ -1,4 +1,4 @@
-//! The image as the camera saw it, with the walls that were found in it and the way between them.
+//! The image as the camera saw it, with the walls that were found in it and the path between them.
 
 use std::io;
 
@@ -11,8 +11,8 @@ use crate::places::{HEIGHT, LOW};
 
 /// Walls that were found ..
 const WALL: [u8; 3] = [255, 140, 0];
-/// .. and the way.
-const WAY: [u8; 3] = [0, 200, 255];
+/// .. and the path.
+const PATH: [u8; 3] = [0, 200, 255];
 
 /// A picture in colour.
 struct Picture {
@@ -63,10 +63,10 @@ pub fn png(outcome: &Outcome, camera: &Plane) -> io::Result<Vec<u8>> {
                 picture.line(corners[i], corners[(i + 1) % 4], WALL);
             }
         }
-        if let Some(way) = &outcome.planned.way {
-            for leg in way.points(1e-3, 5e-3).windows(2) {
+        if let Some(path) = &outcome.planned.path {
+            for leg in path.points(1e-3, 5e-3).windows(2) {
                 for off in [Vector2::zeros(), Vector2::x(), Vector2::y()] {
-                    picture.line(pixel(leg[0], LOW) + off, pixel(leg[1], LOW) + off, WAY);
+                    picture.line(pixel(leg[0], LOW) + off, pixel(leg[1], LOW) + off, PATH);
                 }
             }
         }

@@ -36,9 +36,9 @@ pub struct Outcome {
     pub report: Result<RunReport, CellError>,
     /// How long it took.
     pub wall: Duration,
-    /// The ball's way, and the shortest one \[m\]; 0 if there is none.
-    pub way: f64,
-    /// See `way`.
+    /// The distance that the ball has gone, and the shortest one \[m\]; 0 if there is none.
+    pub distance: f64,
+    /// See `distance`.
     pub shortest: f64,
     /// The largest deflection of the stylus \[m\].
     pub travel: f64,
@@ -46,7 +46,7 @@ pub struct Outcome {
     pub clearance: f64,
     /// The image and its walls.
     pub taken: Taken,
-    /// The way that was planned.
+    /// The path that was planned.
     pub planned: Planned,
     /// The ball's places [m, M].
     pub trace: Vec<Place>,
@@ -108,7 +108,7 @@ impl Ready {
         Outcome {
             report,
             wall,
-            way: world.stylus.way,
+            distance: world.stylus.distance,
             shortest: self.shortest,
             travel: world.stylus.most,
             clearance: world.trace.iter().map(near).fold(f64::INFINITY, f64::min),
@@ -121,13 +121,13 @@ impl Ready {
 }
 
 impl Outcome {
-    /// How many times the shortest way its way is.
+    /// How many times the shortest distance its distance is.
     #[must_use]
     pub fn ratio(&self) -> f64 {
-        self.way / self.shortest
+        self.distance / self.shortest
     }
 
-    /// From the image to the motion along the way.
+    /// From the image to the motion along the path.
     #[must_use]
     pub const fn image_to_path(&self) -> Duration {
         self.taken.took.saturating_add(self.planned.took)

@@ -11,9 +11,9 @@ use crate::summary::quantile;
 pub struct Row {
     /// Which maze.
     pub name: String,
-    /// The ball's way through the shortest one.
+    /// The ball's distance through the shortest one.
     pub ratio: f64,
-    /// The planned way through the shortest one.
+    /// The planned distance through the shortest one.
     pub planned: f64,
     /// How near the ball came to a wall, and how far a wall bent the stylus \[m\].
     pub clearance: f64,
@@ -37,7 +37,7 @@ impl Row {
     /// Of this run.
     #[must_use]
     pub fn of(name: &str, outcome: &Outcome) -> Self {
-        let planned = outcome.planned.way.as_ref().map_or(0.0, mrroc_map::Taut::length);
+        let planned = outcome.planned.path.as_ref().map_or(0.0, mrroc_map::Taut::length);
         Self {
             name: name.to_owned(),
             ratio: outcome.ratio(),
@@ -81,7 +81,7 @@ impl fmt::Display for Summary {
             writeln!(
                 f,
                 "{:<24} {:>10} {:>10} {:>12} {:>13} {:>8}",
-                "maze", "way", "planned", "clearance", "image to path", "time"
+                "maze", "distance", "planned", "clearance", "image to path", "time"
             )?;
             for row in &self.0 {
                 if row.fault.is_some() {
@@ -115,7 +115,7 @@ impl fmt::Display for Summary {
             self.faults()
         )?;
         for (name, figure) in
-            [("way", (|row| row.ratio) as fn(&Row) -> f64), ("planned", |row: &Row| row.planned)]
+            [("distance", (|row| row.ratio) as fn(&Row) -> f64), ("planned", |row: &Row| row.planned)]
         {
             writeln!(
                 f,

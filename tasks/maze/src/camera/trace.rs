@@ -1,7 +1,7 @@
-//! The motion along a way between walls, as the coordinator orders it.
+//! The motion along a path between walls, as the coordinator orders it.
 //!
 //! ```text
-//! taut way -> places, close on arcs -> cubic spline by length, in W -> the fastest motion within limits of the ball's two axes
+//! taut path -> places, close on arcs -> cubic spline by length, in W -> the fastest motion within limits of the ball's two axes
 //! ```
 
 use mrroc::prelude::*;
@@ -20,11 +20,11 @@ const FINE: f64 = 4e-4;
 /// See [`FINE`].
 const COARSE: f64 = 8e-3;
 /// Velocity [m/s] and acceleration [m/s²] of the ball along each axis of the world: drives that follow with little lag keep it within 0.1 mm
-/// of its way.
+/// of its path.
 const LIMITS: PathLimits<Vector2<f64>> =
     PathLimits { velocity: Vector2::new(0.05, 0.05), acceleration: Vector2::new(0.2, 0.2), speed: 0.05 };
 
-/// Orders the places of a way, from rest to rest.
+/// Orders the places of a path, from rest to rest.
 pub struct Trace {
     path: CubicSpline<Vector2<f64>>,
     cursor: ProfileCursor<TimeOptimal>,
@@ -33,7 +33,7 @@ pub struct Trace {
 /// Why there is no motion.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 pub enum NoTrace {
-    /// The way is no curve.
+    /// The path is no curve.
     #[error(transparent)]
     Curve(#[from] CurveError),
     /// There is no motion along it.
@@ -42,14 +42,14 @@ pub enum NoTrace {
 }
 
 impl Trace {
-    /// Along a way in a maze that stands at `X_WM`.
+    /// Along a path in a maze that stands at `X_WM`.
     ///
     /// # Errors
-    /// A way without length.
+    /// A path without length.
     #[allow(non_snake_case)]
-    pub fn along(way: &Taut, X_WM: &Pose) -> Result<Self, NoTrace> {
+    pub fn along(path: &Taut, X_WM: &Pose) -> Result<Self, NoTrace> {
         let there = |place: &Place| X_WM.transform_point(&Point3::new(place.x, place.y, 0.0)).coords.xy();
-        let points: Vec<_> = way.points(FINE, COARSE).iter().map(there).collect();
+        let points: Vec<_> = path.points(FINE, COARSE).iter().map(there).collect();
         let mut knots = vec![0.0];
         for leg in points.windows(2) {
             knots.push(knots[knots.len() - 1] + (leg[1] - leg[0]).norm());

@@ -47,7 +47,7 @@ pub fn arm(ecp: &mut Ecp<Irp6>, sizes: &Sizes) -> Result<(), Fault> {
             ecp.move_robot((&mut wrist,), slide)?;
             ecp.wait_until((&mut wrist,), is_zeroed {})?;
         }
-        // Off what it still touches, the way in which that pushes; once more where that was another wall's way.
+        // Off what it still touches, in the direction in which that pushes; once more where that was towards another wall.
         for _ in 0..RETREATS {
             let felt = wrist.reading().unwrap_or_default();
             if felt.force().norm() < 0.5 * THRESHOLD {

@@ -1,4 +1,4 @@
-//! A force sensor at the wrist instead of the probe's switch: it feels which way a wall lies, and so the ball can slide along it.
+//! A force sensor at the wrist instead of the probe's switch: it feels in which direction a wall lies, and so the ball can slide along it.
 //!
 //! ```text
 //! forces of walls -> wrist (noise, bias) -> force, the ball's middle, stretches of walls (VSP) -> leg, slide (ECP) -> map, next leg (MP)

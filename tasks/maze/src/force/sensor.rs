@@ -58,7 +58,7 @@ pub struct Felt {
 /// So many stretches are told of a leg.
 pub const MOST: usize = 4;
 
-/// A way of the ball along a wall; of no length where it only touched.
+/// A slide of the ball along a wall; of no length where it only touched.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Payload)]
 pub struct Slid {
     /// Of the ball's middle [m, W].

@@ -43,7 +43,7 @@ pub struct Slide {
 }
 
 impl Slide {
-    /// Along the wall that is felt, as far as the way to `goal` [m, W] goes along it, and on; `None` where that is across the wall, or
+    /// Along the wall that is felt, as far as the line to `goal` [m, W] goes along it, and on; `None` where that is across the wall, or
     /// where a corner is touched, or nothing.
     ///
     /// # Errors
@@ -60,7 +60,7 @@ impl Slide {
             return Ok(None);
         }
         let along = beside.normalize();
-        let tool = |way: Vector2<f64>| [way.x, -way.y];
+        let tool = |direction: Vector2<f64>| [direction.x, -direction.y];
         let (press, go) = (tool(into), tool(along));
         let mut axes = [Behaviour::Unguarded { velocity: 0.0 }; 6];
         for i in 0..2 {

@@ -1,4 +1,4 @@
-//! A straight way until something is touched.
+//! A straight motion until something is touched.
 
 use core::marker::PhantomData;
 

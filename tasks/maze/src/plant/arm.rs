@@ -55,8 +55,8 @@ impl World {
             self.last = self.time;
         }
         if p.x < 0.0 || p.y < 0.0 {
-            // Beside the maze, which is looked for: its way begins within.
-            self.stylus.way = 0.0;
+            // Beside the maze, which is looked for: its distance counts from within.
+            self.stylus.distance = 0.0;
             return;
         }
         if let Some(ball) = self.stylus.ball()

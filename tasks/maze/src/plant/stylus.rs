@@ -39,9 +39,9 @@ pub struct Stylus {
     chance: Random,
     /// Whether the switch is broken: it no longer closes.
     pub stuck: bool,
-    /// The ball's way since it was counted from 0, and the largest deflection \[m\].
-    pub way: f64,
-    /// See `way`.
+    /// The distance that the ball has gone since it was counted from 0, and the largest deflection \[m\].
+    pub distance: f64,
+    /// See `distance`.
     pub most: f64,
 }
 
@@ -57,7 +57,7 @@ impl Stylus {
             bouncing: 0.0,
             chance: Random::seeded(seed),
             stuck: false,
-            way: 0.0,
+            distance: 0.0,
             most: 0.0,
         }
     }
@@ -127,7 +127,7 @@ impl Stylus {
                 ball = lagging;
             }
         }
-        self.way += (ball - before).norm();
+        self.distance += (ball - before).norm();
         self.ball = Some(ball);
         self.deflection = p - ball;
         let bent = self.deflection.norm();
@@ -146,28 +146,28 @@ impl Stylus {
     }
 }
 
-/// The place next to the face of a wall through which the straight way to `to` enters it, where it does: beside `to`, just outside.
+/// The place next to the face of a wall through which the straight line to `to` enters it, where it does: beside `to`, just outside.
 fn beside(wall: &Wall, from: &Place, to: &Place) -> Option<Place> {
-    let way = to - from;
+    let leg = to - from;
     let (mut enter, mut leave, mut axis) = (f64::NEG_INFINITY, f64::INFINITY, 0);
     for i in 0..2 {
         let (lower, upper) = (wall.lower[i] - from[i], wall.upper[i] - from[i]);
-        if way[i].abs() < 1e-15 {
+        if leg[i].abs() < 1e-15 {
             if lower > 0.0 || upper < 0.0 {
                 return None;
             }
             continue;
         }
-        let (near, far) = if way[i] > 0.0 { (lower, upper) } else { (upper, lower) };
-        if near / way[i] > enter {
-            (enter, axis) = (near / way[i], i);
+        let (near, far) = if leg[i] > 0.0 { (lower, upper) } else { (upper, lower) };
+        if near / leg[i] > enter {
+            (enter, axis) = (near / leg[i], i);
         }
-        leave = leave.min(far / way[i]);
+        leave = leave.min(far / leg[i]);
     }
     (enter <= leave && (0.0..=1.0).contains(&enter)).then(|| {
         let mut at = *to;
-        let face = if way[axis] > 0.0 { wall.lower[axis] } else { wall.upper[axis] };
-        at[axis] = face - 1e-6 * way[axis].signum();
+        let face = if leg[axis] > 0.0 { wall.lower[axis] } else { wall.upper[axis] };
+        at[axis] = face - 1e-6 * leg[axis].signum();
         at
     })
 }

@@ -14,7 +14,7 @@ use nalgebra::Vector2;
 use super::sensor::{Seeking, Sought};
 use crate::places::{LOW, Sizes, tool};
 
-/// After so many touches it is going in circles: the most that a way out of a contest's maze has needed is 2,300.
+/// After so many touches it is going in circles: the most that a path out of a contest's maze has needed is 2,300.
 pub const MOST: u32 = 4000;
 
 /// In which direction the ball goes on \[rad, W\], known to both behaviours.
@@ -29,13 +29,13 @@ fn felt(v: &Reading<(Seeking,)>) -> Result<Sought, Fault> {
     v.0.reading().ok_or_else(|| Fault::thrown("the probe has no reading"))
 }
 
-/// Back from what was touched, by a little; there it stands, and is turned to the right. Where it still touches then, it tries other ways
+/// Back from what was touched, by a little; there it stands, and is turned to the right. Where it still touches then, it tries other directions
 /// off the same place in turn: the wall that it follows is at the left, so those to the right first.
 pub struct Retreat {
     heading: Heading,
     sizes: Sizes,
     path: Option<(LinePath, ProfileCursor)>,
-    /// Where it touched [m, W], in which direction it went \[W\], and which way off is tried.
+    /// Where it touched [m, W], in which direction it went \[W\], and which direction off is tried.
     from: Vector2<f64>,
     moving: Vector2<f64>,
     tried: usize,
@@ -46,8 +46,8 @@ pub struct Retreat {
 impl Retreat {
     /// By about half of what a robot with a map goes back: it comes again at once.
     const SHARE: f64 = 0.55;
-    /// The ways off: so far along the direction in which it went, and to the right of it.
-    const WAYS: [[f64; 2]; 5] = [[-1.0, 0.0], [-0.7, 0.7], [0.0, 1.0], [-0.7, -0.7], [0.0, -1.0]];
+    /// The directions off: so far along the direction in which it went, and to the right of it.
+    const DIRECTIONS: [[f64; 2]; 5] = [[-1.0, 0.0], [-0.7, 0.7], [0.0, 1.0], [-0.7, -0.7], [0.0, -1.0]];
     /// What is touched still after so long does not end by itself \[s\].
     const LASTING_CONTACT: f64 = 0.1;
 
@@ -60,10 +60,10 @@ impl Retreat {
     }
 
     fn go(&mut self, e: &State<Irp6>) -> Result<(), Fault> {
-        let [along, right] = Self::WAYS[self.tried % Self::WAYS.len()];
+        let [along, right] = Self::DIRECTIONS[self.tried % Self::DIRECTIONS.len()];
         // It has been turned to the right already.
-        let way = self.moving * along + direction(&self.heading) * right;
-        let clear = self.from + way * (Self::SHARE * self.sizes.back);
+        let off = self.moving * along + direction(&self.heading) * right;
+        let clear = self.from + off * (Self::SHARE * self.sizes.back);
         let line = LinePath::new(e.demanded().pose, tool(clear.x, clear.y, LOW));
         let profile =
             line.profile(self.sizes.careful()).map_err(|error| Fault::thrown(&error.to_string()))?;
@@ -131,7 +131,7 @@ impl Follow {
     fn next_step(&mut self, v: &Reading<(Seeking,)>, t: Tick) -> Result<Step<Irp6>, Fault> {
         let sought = felt(v)?;
         if sought.is_round {
-            let text = "the ball came round a wall to where it touched that: no way leads to the exit";
+            let text = "the ball came round a wall to where it touched that: no path leads to the exit";
             return Err(Fault::thrown(text));
         }
         if sought.is_there {
@@ -144,12 +144,12 @@ impl Follow {
             return Err(Fault::thrown(&text));
         }
         self.speed = (self.speed + self.sizes.acceleration * t.dt).min(self.sizes.velocity);
-        let way = self.speed * t.dt;
+        let distance = self.speed * t.dt;
         let wider = (self.turned / TAU).max(1.0);
-        let turn = way / (wider * Self::RADIUS * self.sizes.pitch);
+        let turn = distance / (wider * Self::RADIUS * self.sizes.pitch);
         self.turned += turn;
         self.heading.set(self.heading.get() + turn);
-        self.at += direction(&self.heading) * way;
+        self.at += direction(&self.heading) * distance;
         Ok(Step::Next(Demand::pose(tool(self.at.x, self.at.y, LOW))))
     }
 }
@@ -195,25 +195,25 @@ mod tests {
     }
 
     #[test]
-    fn fault_244_a_ball_that_still_touches_after_it_went_back_tries_other_ways_off() {
+    fn fault_244_a_ball_that_still_touches_after_it_went_back_tries_other_directions_off() {
         let at = Vector2::new(0.8, 0.1);
         let touch = Touch { touching: true, touches: 5, x: at.x, y: at.y, since: 1.0 };
         let sought = Sought { touch, moving: [1.0, 0.0], ..Sought::default() };
         let retreat = || Retreat::of(&Heading::default(), &Sizes::CLASSIC);
-        let places = demanded(retreat(), tool(0.8003, 0.1, LOW), 500, sought).expect("ways");
+        let places = demanded(retreat(), tool(0.8003, 0.1, LOW), 500, sought).expect("a path");
         // Those at which it stands: twice the same.
         let mut stands: Vec<_> =
             places.windows(2).filter(|two| two[0] == two[1]).map(|two| (two[0] - at) / 0.825e-3).collect();
         stands.dedup_by(|one, other| (*one - *other).norm() < 1e-9);
         // It goes along x, so the right is -y.
-        let ways = [[-1.0, 0.0], [-0.7, -0.7], [0.0, -1.0], [-0.7, 0.7], [0.0, 1.0], [-1.0, 0.0]];
-        assert!(stands.len() >= ways.len(), "{stands:?}");
-        for (stand, way) in stands.iter().zip(ways) {
-            assert!((stand - Vector2::from(way)).norm() < 1e-6, "{stands:?}");
+        let directions = [[-1.0, 0.0], [-0.7, -0.7], [0.0, -1.0], [-0.7, 0.7], [0.0, 1.0], [-1.0, 0.0]];
+        assert!(stands.len() >= directions.len(), "{stands:?}");
+        for (stand, direction) in stands.iter().zip(directions) {
+            assert!((stand - Vector2::from(direction)).norm() < 1e-6, "{stands:?}");
         }
         // What no longer touches is left alone.
         let free = Sought { touch: Touch { touching: false, ..touch }, ..sought };
-        let places = demanded(retreat(), tool(0.8003, 0.1, LOW), 500, free).expect("a way");
+        let places = demanded(retreat(), tool(0.8003, 0.1, LOW), 500, free).expect("a path");
         assert!((places[499] - at - Vector2::new(-0.825e-3, 0.0)).norm() < 1e-9, "{}", places[499]);
     }
 

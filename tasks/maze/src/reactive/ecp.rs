@@ -29,29 +29,29 @@ fn sought(v: &Reading<(Seeking,)>) -> Sought {
 /// The arm: out of the maze by itself. Where the maze stands, it is led to find, as any arm.
 ///
 /// # Errors
-/// The first fault of the cell; no way leads to the exit.
+/// The first fault of the cell; no path leads to the exit.
 pub fn arm(ecp: &mut Ecp<Irp6>, sizes: &Sizes) -> Result<(), Fault> {
     let mut probe = ecp.sensor::<TouchProbe>("probe")?;
-    let mut way = ecp.sensor::<Seeking>("way")?;
+    let mut seeker = ecp.sensor::<Seeking>("way")?;
     ecp.serve_all(|ecp, task| match task {
         Task::Go { x, y } => go(ecp, &mut probe, [x, y], sizes),
         Task::Hop { x, y } => hop(ecp, [x, y], sizes),
         Task::Leave { x, y, near } => {
             let from = ecp.image().demanded().pose.translation.vector.xy();
-            way.configure(Line { from: from.into(), to: [x, y], near });
+            seeker.configure(Line { from: from.into(), to: [x, y], near });
             let heading = Heading::default();
             let sizes = Sizes { velocity: SHARE * sizes.velocity, ..*sizes };
             let of_follow = Rc::clone(&heading);
             let retreat = move || Retreat::of(&heading, &sizes);
             let follow = move || Follow::along(&of_follow, &sizes);
             let head = move || Blind::new(StraightLine::to(tool(x, y, LOW), sizes.careful()));
-            let is_astray = |v: &Reading<(Seeking,)>| !sought(v).is_on_way;
-            let is_on_way = |v: &Reading<(Seeking,)>| sought(v).is_on_way;
-            let usual = move || Arbitrate::of(follow.clone(), is_astray, is_on_way, BRAKING, head);
+            let is_astray = |v: &Reading<(Seeking,)>| !sought(v).is_on_line;
+            let is_on_line = |v: &Reading<(Seeking,)>| sought(v).is_on_line;
+            let usual = move || Arbitrate::of(follow.clone(), is_astray, is_on_line, BRAKING, head);
             let touches = |v: &Reading<(Seeking,)>| sought(v).touch.touching;
             let is_clear = |v: &Reading<(Seeking,)>| !sought(v).touch.touching && sought(v).touch.since > OFF;
             let motion = Arbitrate::of(retreat, touches, is_clear, BRAKING, usual);
-            ecp.move_robot((&mut way,), motion).map(drop)
+            ecp.move_robot((&mut seeker,), motion).map(drop)
         }
     })
 }

@@ -69,7 +69,7 @@ impl Ready {
         Outcome {
             report,
             wall,
-            way: world.stylus.way,
+            distance: world.stylus.distance,
             shortest: self.shortest,
             touches: contacts.len(),
             contacts,

@@ -1,9 +1,9 @@
-//! The virtual sensor of an arm that looks for the exit: what the probe touches, and whether the ball is on its way.
+//! The virtual sensor of an arm that looks for the exit: what the probe touches, and whether the ball is on its line.
 //!
 //! ```text
-//! on its way    from the beginning until a touch; again where the ball crosses the straight line nearer to the exit than that touch was.
-//!               A touch within `GRACE` of way from there is of the wall that it still leaves, and changes nothing
-//! round         back where it touched, without that: no way leads to the exit
+//!  on its line   from the beginning until a touch; again where the ball crosses the straight line nearer to the exit than that touch was.
+//!               A touch within a distance of `GRACE` from there is of the wall that it still leaves, and changes nothing
+//! round         back where it touched, without that: no path leads to the exit
 //! ```
 
 use std::cell::RefCell;
@@ -21,7 +21,7 @@ use crate::plant::{Probe, World};
 pub struct Seeking;
 
 impl Sensor for Seeking {
-    const KIND: &'static str = "way to the exit";
+    const KIND: &'static str = "path to the exit";
     type Reading = Sought;
     type Configuration = Line;
 }
@@ -37,54 +37,54 @@ pub struct Line {
     pub near: f64,
 }
 
-/// What is known on the way.
+/// What is known of the search for the exit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Payload)]
 pub struct Sought {
     /// What the probe touches.
     pub touch: Touch,
     /// In which direction the ball went when it touched last \[W\], of length 1.
     pub moving: [f64; 2],
-    /// Whether the ball is on its way, and not beside a wall that was in it.
-    pub is_on_way: bool,
+    /// Whether the ball is on its straight line to the exit, and not beside a wall across that.
+    pub is_on_line: bool,
     /// Whether it is at the exit.
     pub is_there: bool,
     /// Whether it has come round a wall to where it touched that.
     pub is_round: bool,
 }
 
-/// What is remembered of the touch that was in the way.
+/// What is remembered of the last touch on the line.
 #[derive(Clone, Copy, Debug)]
 struct Hit {
     at: Vector2<f64>,
     /// How far from the exit it was on the straight line \[m\].
     left: f64,
-    /// The way of the ball since \[m\].
+    /// The distance that the ball has gone since \[m\].
     gone: f64,
 }
 
 /// As a share of a wall's length.
 const GRACE: f64 = 0.2;
 
-/// Makes readings of the way.
+/// Makes the readings.
 #[derive(Debug)]
 pub struct Seeker {
     world: Rc<RefCell<World>>,
     probe: Probe,
     /// Nearer to the place of a touch than this \[m\] is there again; the other side of a wall is farther ..
     same: f64,
-    /// .. and it is looked at after so much way \[m\].
+    /// .. and it is looked at after so much distance \[m\].
     least: f64,
     touches: u32,
     moving: Vector2<f64>,
-    /// Where the seat was half a millimetre of way or more ago [m, W].
+    /// Where the seat was half a millimetre or more before [m, W].
     behind: Option<Vector2<f64>>,
     trail: Vector2<f64>,
     /// Where the seat was at the reading before [m, W].
     before: Option<Vector2<f64>>,
     hit: Option<Hit>,
-    /// How far from the exit it came to be on its way again, and the way of the ball since \[m\].
+    /// How far from the exit it came to be on its line again, and the distance that the ball has gone since \[m\].
     met: Option<(f64, f64)>,
-    /// So short a way is that by which a wall is left \[m\].
+    /// So short a distance is that by which a wall is left \[m\].
     grace: f64,
     touched: Rc<RefCell<Vec<Contact>>>,
 }
@@ -120,8 +120,8 @@ impl Seeker {
     fn note(&self, touch: Vector2<f64>, moving: Vector2<f64>) {
         let world = self.world.borrow();
         let at = world.X_WM.inverse_transform_point(&Point3::new(touch.x, touch.y, 0.0)).coords.xy();
-        let way = (world.X_WM.rotation.inverse() * moving.push(0.0)).xy();
-        let into = way.try_normalize(1e-12).unwrap_or_default();
+        let direction = (world.X_WM.rotation.inverse() * moving.push(0.0)).xy();
+        let into = direction.try_normalize(1e-12).unwrap_or_default();
         let contact = Contact { at: at + into * world.stylus.radius(), into, moving: into, ball: at };
         self.touched.borrow_mut().push(contact);
     }
@@ -133,14 +133,14 @@ impl VirtualSensor for Seeker {
     fn aggregate(&mut self, order: &ReadingOrder<Line>) -> Result<Sought, Fault> {
         let arm = order
             .robot
-            .ok_or_else(|| Fault::thrown("the way to the exit needs the state of an arm: write `of`"))?;
+            .ok_or_else(|| Fault::thrown("the path to the exit needs the state of an arm: write `of`"))?;
         let touch = self.probe.touch(&arm.pose.translation.vector)?;
         let (from, to) = (Vector2::from(order.configuration.from), Vector2::from(order.configuration.to));
         let now = arm.pose.translation.vector.xy();
         let before = self.before.replace(now).unwrap_or(now);
         if from == to {
             (self.touches, self.behind, self.trail) = (touch.touches, Some(now), now);
-            return Ok(Sought { touch, is_on_way: true, ..Sought::default() });
+            return Ok(Sought { touch, is_on_line: true, ..Sought::default() });
         }
         let left = |at: &Vector2<f64>| (to - at).norm();
         let gone = (now - before).norm();
@@ -174,7 +174,7 @@ impl VirtualSensor for Seeker {
         let is_round = !touch.touching
             && self.hit.is_some_and(|hit| hit.gone > self.least && (now - hit.at).norm() < self.same);
         let is_there = left(&now) < order.configuration.near;
-        Ok(Sought { touch, moving: self.moving.into(), is_on_way: self.hit.is_none(), is_there, is_round })
+        Ok(Sought { touch, moving: self.moving.into(), is_on_line: self.hit.is_none(), is_there, is_round })
     }
 
     fn is_simulated(&self) -> bool {

@@ -12,7 +12,7 @@ use crate::places::Sizes;
 
 /// It goes no farther at a time \[m\]: the coordinator looks at what was seen.
 const FARTHEST: f64 = 0.72;
-/// It is turned towards its way by no less \[rad\], and goes no shorter way \[m\].
+/// It is turned towards its path by no less \[rad\], and goes no shorter distance \[m\].
 const LEAST: (f64, f64) = (0.008, 5e-4);
 
 /// What is measured is so many steps behind what is demanded ..
@@ -39,7 +39,7 @@ fn leg(path: Path, sizes: &Sizes) -> FollowPath<Lookout> {
 /// The first fault of the cell.
 pub fn base(ecp: &mut Ecp<DiffDrive>, sizes: &Sizes) -> Result<(), Fault> {
     let mut lookout = ecp.sensor::<Lookout>("lookout")?;
-    let mut ways = 0;
+    let mut paths = 0;
     ecp.serve_all(|ecp, task| {
         let Task::Go { x, y } = task else {
             return Err(Fault::thrown("a base with wheels cannot hop over walls"));
@@ -47,19 +47,19 @@ pub fn base(ecp: &mut Ecp<DiffDrive>, sizes: &Sizes) -> Result<(), Fault> {
         lookout.configure(Watch::default());
         ecp.wait_until((&mut lookout,), stands {})?;
         let sight = lookout.reading().unwrap_or_default();
-        let way = Vector2::new(x, y) - sight.pose.at();
-        if way.norm() < LEAST.1 {
+        let towards = Vector2::new(x, y) - sight.pose.at();
+        if towards.norm() < LEAST.1 {
             return Ok(());
         }
-        let turn = angle(way.y.atan2(way.x) - sight.pose.heading);
+        let turn = angle(towards.y.atan2(towards.x) - sight.pose.heading);
         if turn.abs() > LEAST.0 {
             ecp.move_robot((&mut lookout,), leg(Path::turn(sight.pose, turn), sizes))?;
         }
-        ways += 1;
-        lookout.configure(Watch { way: ways, x, y });
+        paths += 1;
+        lookout.configure(Watch { path: paths, x, y });
         let from = lookout.reading().unwrap_or_default().pose.at();
-        let way = Vector2::new(x, y) - from;
-        let path = Path::through(&[from, from + way.cap_magnitude(FARTHEST)], 0.01);
+        let towards = Vector2::new(x, y) - from;
+        let path = Path::through(&[from, from + towards.cap_magnitude(FARTHEST)], 0.01);
         let path = path.map_err(|error| Fault::thrown(&error.to_string()))?;
         ecp.move_robot((&mut lookout,), leg(path, sizes)).map(drop)
     })

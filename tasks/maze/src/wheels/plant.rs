@@ -78,7 +78,7 @@ impl Plant {
     }
 }
 
-/// The sensor, which also leaves a trace of the base's true way, to be drawn.
+/// The sensor, which also leaves a trace of the base's true path, to be drawn.
 #[derive(Debug)]
 pub struct Traced {
     inner: LookingOut,

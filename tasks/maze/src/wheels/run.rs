@@ -77,7 +77,7 @@ impl Ready {
         Outcome {
             report,
             wall: began.elapsed(),
-            way: self.plant.floor.travel(),
+            distance: self.plant.floor.travel(),
             shortest: self.shortest,
             touches: self.map.borrow().contacts().len(),
             contacts: self.map.borrow().contacts().to_vec(),

@@ -9,7 +9,7 @@ use crate::feeling::{Feeling, Seen, Stretch, Touch};
 
 impl Feeling<DiffDrive> for Lookout {
     fn touch(sight: &Sight) -> Touch {
-        // Where the body's middle would be if it went on until it touched: what it would touch may be beside its way.
+        // Where the body's middle would be if it went on until it touched: what it would touch may be beside its path.
         let met = Vector2::new(sight.x, sight.y);
         let seen = sight.pose.seen(&met);
         let reach = (DiffDrive::BODY * DiffDrive::BODY - seen.y * seen.y).max(0.0).sqrt();
@@ -42,14 +42,14 @@ mod tests {
     use mrroc_wheels::Planar;
 
     #[test]
-    fn a_wall_that_lies_beside_the_way_is_told_as_the_one_that_it_is() {
+    fn a_wall_that_lies_beside_the_path_is_told_as_the_one_that_it_is() {
         // Up and to the left, more to the left, below a level wall: what it would touch is above it.
         let pose = Planar { x: 1.979, y: 0.279, heading: 2.531 };
         let sight = Sight { pose, x: 1.947, y: 0.354, blocked: 1, ..Sight::default() };
         let touch = <Lookout as Feeling<DiffDrive>>::touch(&sight);
         let ball = Vector2::new(touch.x, touch.y);
         let met = <Lookout as Feeling<DiffDrive>>::met(&sight).expect("it knows the place");
-        // It touches there: a radius away, and its middle is on its way.
+        // It touches there: a radius away, and its middle is on its path.
         assert!(((met - ball).norm() - DiffDrive::BODY).abs() < 1e-12);
         assert!(pose.seen(&ball).y.abs() < 1e-12 && pose.seen(&ball).x > 0.0, "{ball}");
         let known = Knowledge {

@@ -83,11 +83,12 @@ impl Acquire {
 
     /// Turns towards the angle of the part, as fast as the wrist can beside the arm's own motion.
     fn turn(&mut self, dt: f64) {
-        let way = self.place.yaw - self.yaw;
+        let remaining = self.place.yaw - self.yaw;
         // q6 turns with the column's q1, and against the tool's angle.
         let (x, y) = (BELT[0] + self.tool.at.y, BELT[1] + self.tool.at.x);
         let column = (x * self.tool.velocity.x - y * self.tool.velocity.y) / x.hypot(y).powi(2);
-        let speed = (1.2 * Self::TURNING * way.abs()).sqrt().min(8.0 * way.abs()).copysign(way);
+        let speed =
+            (1.2 * Self::TURNING * remaining.abs()).sqrt().min(8.0 * remaining.abs()).copysign(remaining);
         let speed = speed.clamp(column - Self::WRIST, column + Self::WRIST);
         let change = Self::TURNING * dt;
         self.turning += (speed - self.turning).clamp(-change, change);
@@ -134,10 +135,10 @@ impl Acquire {
         let (Some(belt), Some(fingers)) = (v.0.reading(), v.1.reading()) else {
             return Err(Fault::thrown("a part is taken only once encoder and finger barrier have been read"));
         };
-        self.count.take(belt.way, belt.speed, t.duration)?;
+        self.count.take(belt.travel, belt.speed, t.duration)?;
         // Where the part is when the demand of this step is attained.
         let later = f64::from(v.0.age()) * t.duration + Self::LATCH + Part::DELAY;
-        let s = self.place.along + belt.way + belt.speed * later;
+        let s = self.place.along + belt.travel + belt.speed * later;
         if fingers.covered && self.phase == Phase::Above && self.tool.at.z > 0.5 * HIGH {
             return Err(Fault::thrown(
                 "the barrier between the fingers is covered where nothing can be: clean it, or mend it",
@@ -150,7 +151,7 @@ impl Acquire {
             (place.x, moving) = (FIRST, 0.0);
         }
         if self.phase == Phase::Above && self.tool.at.y < Self::BESIDE {
-            // From a tray rather towards the belt than along it: the straight way leads too near to the arm's column.
+            // From a tray rather towards the belt than along it: the straight line leads too near to the arm's column.
             place.x = self.tool.at.x + 0.3 * (place.x - self.tool.at.x);
         }
         let off = (self.tool.at - place).xy().norm();

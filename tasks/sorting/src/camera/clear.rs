@@ -3,7 +3,7 @@
 //! The guard stops the cell where the arms, with their hands, are nearer than they can come until the cell stands: the largest speed at which
 //! they close in on each other in this task, [`CLOSING`], times the path time of a stop, [`STOP`]. `tests/two_arms.rs` measures the first.
 //!
-//! `Clearance::check` needs no such knowledge; its bound lets every joint of both arms go on in the worst way, which was 1.2 m where
+//! `Clearance::check` needs no such knowledge; its bound lets every joint of both arms go on in the worst direction, which was 1.2 m where
 //! the hands were 1.1 m apart.
 
 use std::cell::Cell as Shown;

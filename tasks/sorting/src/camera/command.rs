@@ -174,10 +174,10 @@ pub fn sort(options: &Options) -> Said {
         profile: options.lasting_profile(),
         ..Settings::of(options.belt, parts, every, seed).below(overhead(options)).by(options.arms as usize)
     };
-    let way = parts as f64 * every * options.belt * 1.2;
-    if way > LONGEST {
+    let travel = parts as f64 * every * options.belt * 1.2;
+    if travel > LONGEST {
         return Err(format!(
-            "the belt would run {way:.0} m, at most {LONGEST} m: let fewer parts come, or sooner"
+            "the belt would run {travel:.0} m, at most {LONGEST} m: let fewer parts come, or sooner"
         )
         .into());
     }

@@ -72,7 +72,7 @@ impl Queue {
     pub(super) fn take(&mut self, image: &SensorImage<PartSensor>, dt: f64) -> Result<(), Fault> {
         let seen = &image.reading().unwrap_or_default();
         if image.reading().is_some() {
-            self.count.take(seen.way, seen.speed, dt)?;
+            self.count.take(seen.travel, seen.speed, dt)?;
         }
         self.quiet += dt;
         for part in seen.newest.iter().rev().filter(|part| part.number > self.newest) {
@@ -83,7 +83,7 @@ impl Queue {
         self.seen = *seen;
         // Belts may carry parts past each other only as fast as they run: none.
         let last = self.last - Self::REACHING * seen.speed.max(0.0);
-        while let Some(part) = self.waiting.front().filter(|part| part.along + seen.way > last) {
+        while let Some(part) = self.waiting.front().filter(|part| part.along + seen.travel > last) {
             self.late.push(part.number);
             self.waiting.pop_front();
         }
@@ -93,7 +93,7 @@ impl Queue {
     /// Whether a part is to be taken now, or no more come.
     fn is_ready(&self) -> bool {
         let ahead = FIRST - Self::AHEAD * self.seen.speed.max(0.0);
-        let near = self.waiting.front().is_some_and(|part| part.along + self.seen.way > ahead);
+        let near = self.waiting.front().is_some_and(|part| part.along + self.seen.travel > ahead);
         near || self.is_over()
     }
 

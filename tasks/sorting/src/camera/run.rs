@@ -299,14 +299,14 @@ fn compare(
     looks: Rc<RefCell<Looks>>,
 ) -> impl FnMut(&[u8], &[DetectedObject], f64, f64) {
     let turns: Vec<u32> = kinds().iter().map(|kind| kind.class.turns).collect();
-    move |image, found, _, way| {
+    move |image, found, _, travel| {
         let looks = &mut *looks.borrow_mut();
         if looks.images.len() < looks.keep {
             looks.images.push((image.to_vec(), found.to_vec()));
         }
         let run = sight.surface(0.0);
         for thing in found {
-            let place = [thing.place.x - way, thing.place.y];
+            let place = [thing.place.x - travel, thing.place.y];
             looks.all.extend(nearest(&world, &parts, &turns, run, thing.class, place, thing.angle));
         }
     }

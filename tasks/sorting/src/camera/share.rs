@@ -136,7 +136,7 @@ impl Shared {
         let (seen, vain) = (self.queue.seen, &self.vain);
         let speed = seen.speed.max(0.0);
         let waiting = |part: &OnBelt| Waiting {
-            at: part.along + seen.way,
+            at: part.along + seen.travel,
             tried: core::array::from_fn(|arm| vain.contains(&(part.number, arm))),
         };
         let parts: Vec<_> = self.queue.waiting.iter().map(waiting).collect();

@@ -132,10 +132,10 @@ impl Pursuit {
     /// that velocity decays, both within the limit. Once it goes with the place it is where that will be a step later.
     #[must_use]
     pub fn after(self, place: &Vector3<f64>, moving: &Vector3<f64>, dt: f64) -> Self {
-        let way = place - self.at;
-        let distance = way.norm();
+        let offset = place - self.at;
+        let distance = offset.norm();
         let speed = (Self::RATE * distance).min(Self::SPEED).min((Self::ACCELERATION * distance).sqrt());
-        let wanted = if distance > 0.0 { moving + way * (speed / distance) } else { *moving };
+        let wanted = if distance > 0.0 { moving + offset * (speed / distance) } else { *moving };
         let pull = (wanted - self.velocity) * Self::DAMPING;
         let excess = (pull.norm() / Self::ACCELERATION).max(1.0);
         let velocity = self.velocity + pull / excess * dt;

@@ -36,13 +36,13 @@ impl Grasp {
 
     fn next_step(&mut self, v: &Reading<(Between,)>, t: Tick) -> Step<TwoFingers> {
         self.lost |= !v.0.reading().is_some_and(|fingers| fingers.covered);
-        let way = if self.lost { OPEN } else { CLOSED } - self.x;
-        if way.abs() < Self::NEAR {
+        let remaining = if self.lost { OPEN } else { CLOSED } - self.x;
+        if remaining.abs() < Self::NEAR {
             return Step::Done;
         }
         // Where the fingers can still brake, with a reserve.
         let [speed, acceleration] = FINGERS;
-        let wanted = speed.min((1.4 * acceleration * way.abs()).sqrt()).copysign(way);
+        let wanted = speed.min((1.4 * acceleration * remaining.abs()).sqrt()).copysign(remaining);
         let change = acceleration * t.dt;
         self.rate += (wanted - self.rate).clamp(-change, change);
         self.x += self.rate * t.dt;

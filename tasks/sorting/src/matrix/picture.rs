@@ -55,8 +55,8 @@ pub fn reliefs(all: &[(Relief, HeardObject)]) -> String {
                 match sample.heard {
                     Some([z, _]) => svg.circle(dot, 4.2, Look::filled(shade(z)).stroke(REGION)),
                     None => {
-                        for way in [1.0, -1.0] {
-                            let arm = Vector2::new(3.0, 3.0 * way);
+                        for slope in [1.0, -1.0] {
+                            let arm = Vector2::new(3.0, 3.0 * slope);
                             svg.line(dot - arm, dot + arm, Look::line(GREY, 1.0));
                         }
                     }
@@ -105,8 +105,8 @@ pub fn echoes(traces: &[Trace]) -> String {
                 let crossed = axes.at(1e3 * range(echo.time), height);
                 svg.circle(crossed, 2.4, Look::filled(HIGHLIGHT));
                 let middle = axes.at(1e3 * range(transducer.middle(echo)), line as f64);
-                for way in [1.0, -1.0] {
-                    let arm = Vector2::new(3.5, 3.5 * way);
+                for slope in [1.0, -1.0] {
+                    let arm = Vector2::new(3.5, 3.5 * slope);
                     svg.line(middle - arm, middle + arm, Look::line(INK, 1.2));
                 }
             }

@@ -12,7 +12,7 @@ pub struct Approach<R> {
     goal: Goal,
     limits: ToolLimits,
     t: f64,
-    way: Option<Soft>,
+    motion: Option<Soft>,
     of: PhantomData<R>,
 }
 
@@ -28,13 +28,13 @@ impl<R: Robot> Approach<R> {
     /// To `X_WE`, within `limits`.
     #[must_use]
     pub fn to(X_WE: Pose, limits: ToolLimits) -> Self {
-        Approach { goal: Goal::Pose(X_WE), limits, t: 0.0, way: None, of: PhantomData }
+        Approach { goal: Goal::Pose(X_WE), limits, t: 0.0, motion: None, of: PhantomData }
     }
 
     /// By `X_EsE`, in the tool's own axes, within `limits`.
     #[must_use]
     pub fn by(X_EsE: Pose, limits: ToolLimits) -> Self {
-        Approach { goal: Goal::Displacement(X_EsE), limits, t: 0.0, way: None, of: PhantomData }
+        Approach { goal: Goal::Displacement(X_EsE), limits, t: 0.0, motion: None, of: PhantomData }
     }
 }
 
@@ -45,14 +45,14 @@ fn begin<R: Robot>(c: &mut Approach<R>, e: &State<R>, t: Tick) -> Result<Step<R>
         Goal::Pose(pose) => pose,
         Goal::Displacement(displacement) => start * displacement,
     };
-    c.way = Some(Soft::between(start, end, c.limits)?);
+    c.motion = Some(Soft::between(start, end, c.limits)?);
     approach(c, t)
 }
 
 /// The next pose on the line.
 #[generator(ecp, first = begin)]
 fn approach<R: Robot>(c: &mut Approach<R>, t: Tick) -> Result<Step<R>, Fault> {
-    let Some(way) = c.way.filter(|way| c.t < way.duration()) else { return Ok(Step::Done) };
+    let Some(motion) = c.motion.filter(|motion| c.t < motion.duration()) else { return Ok(Step::Done) };
     c.t += t.dt;
-    Ok(Step::Next(Demand::pose(way.pose(c.t))))
+    Ok(Step::Next(Demand::pose(motion.pose(c.t))))
 }

@@ -69,9 +69,9 @@ impl Demands {
                 let q = Seven::from_column_slice(robot.demanded);
                 self.tools[1] = arms.polycrank.forward(&q) * arms.tool;
                 self.note_singularity(1, || arms.polycrank.singularity_distance(&q));
-                let way =
+                let moved =
                     |i: usize| (self.tools[i].translation.vector - self.last[i].translation.vector).norm();
-                self.moved = way(0).max(way(1));
+                self.moved = moved(0).max(moved(1));
                 self.last = self.tools;
             }
             "rnt-hand" if (robot.demanded[0] - CLOSED).abs() < 1e-12 => self.carrying.push(self.tools),
@@ -131,11 +131,11 @@ fn off_legs(X_WB: &Pose) -> f64 {
     let mut least = f64::INFINITY;
     for X_BsB in legs() {
         let end = start * X_BsB;
-        let way = end.translation.vector - start.translation.vector;
-        // The share of the way, by the nearest point of the line; the turn must be the same share of the leg's.
-        let along = way.dot(&(X_WB.translation.vector - start.translation.vector)) / way.norm_squared();
+        let leg = end.translation.vector - start.translation.vector;
+        // The share of the leg, by the nearest point of the line; the turn must be the same share of the leg's.
+        let along = leg.dot(&(X_WB.translation.vector - start.translation.vector)) / leg.norm_squared();
         let share = along.clamp(0.0, 1.0);
-        let there = start.translation.vector + way * share;
+        let there = start.translation.vector + leg * share;
         let turned = start.rotation * X_BsB.rotation.powf(share);
         let angle = (turned.inverse() * X_WB.rotation).scaled_axis().norm();
         least = least.min((X_WB.translation.vector - there).norm().max(angle));

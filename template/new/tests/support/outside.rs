@@ -24,7 +24,7 @@ pub fn cargo(root: &Path, project: &Path, subcommand: &str) -> Command {
     command
 }
 
-/// The profiles of a manifest. Those that a project has of its own give way to them, and the workspace's crates are
+/// The profiles of a manifest. Those that a project has of its own are replaced by them, and the workspace's crates are
 /// dependencies there, which are not optimised: that is compiled soonest, and what the projects simulate is short.
 fn profiles(manifest: &str) -> String {
     let sections = manifest.split("\n[").filter(|section| section.starts_with("profile."));

@@ -47,7 +47,7 @@ fn take(c: &mut Take, v: &Reading<(Encoder,)>, t: Tick) -> Step<Irp6> {
         return Step::Done;
     }
     // Where the belt's frame has gone, filtered, so that its velocity has no steps.
-    let seen = v.0.reading().map(|belt| c.frame * Pose::translation(belt.way, 0.0, 0.0));
+    let seen = v.0.reading().map(|belt| c.frame * Pose::translation(belt.travel, 0.0, 0.0));
     let late = f64::from(v.0.age()) * t.duration + LATE;
     c.age += t.dt; // with the hand's own time, whatever the encoder says
     let Some(belt) = c.belt.follow(seen.map(|seen| (seen, late)), t.duration, t.dt) else {

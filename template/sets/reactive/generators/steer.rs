@@ -36,9 +36,9 @@ impl<F: FnMut(Vector2<f64>, &Near) -> Option<Vector2<f64>> + 'static> Steer<F> {
         let Some(near) = v.0.reading() else { return Step::Next(Demand::pose(self.pose)) };
         let Some(wanted) = (self.wanted)(self.pose.translation.vector.xy(), &near) else { return Step::Done };
         self.velocity += (wanted - self.velocity).cap_magnitude(ACCELERATION * t.dt);
-        let way = self.velocity * t.dt;
-        self.pose.translation.x += way.x;
-        self.pose.translation.y += way.y;
+        let step = self.velocity * t.dt;
+        self.pose.translation.x += step.x;
+        self.pose.translation.y += step.y;
         Step::Next(Demand::pose(self.pose))
     }
 }

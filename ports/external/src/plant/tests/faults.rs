@@ -159,7 +159,7 @@ fn fault_122_after_a_lie_the_other_robot_brakes_in_the_simulator_and_a_reset_beg
     assert!(ordered.windows(2).all(|two| two[1] == two[0] + 1), "and orders every period all the same");
     let last = |robot: &str| ends.borrow().iter().rev().find(|(name, _)| name == robot).map(|(_, q)| *q);
     let (left, right) = (last("left").expect("seen"), last("right").expect("seen"));
-    // Each turned a part of its way before the fault, and 0.2 rad after the reset.
+    // Each turned a part of its displacement before the fault, and 0.2 rad after the reset.
     assert!(left > 0.2 && left < 0.4 && right < -0.2 && right > -0.4, "{left} {right}");
 }
 

@@ -1,4 +1,4 @@
-//! A simulator of others, for tests: each joint goes a share of the way to where it is to be in each period, and the arms push
+//! A simulator of others, for tests: each joint goes a share of the displacement to where it is to be in each period, and the arms push
 //! each other.
 
 use std::collections::BTreeMap;
@@ -16,7 +16,7 @@ use crate::plant::ORDERS;
 use crate::plant::message::{LAYOUT, PlantOrder, PlantRequest, PlantState, Says, VERSION};
 use crate::port::{Ends, channel, monotonic};
 
-/// The share of its way that a joint goes in a period.
+/// The share of its displacement that a joint goes in a period.
 pub const SHARE: f64 = 0.5;
 
 /// A robot of the simulator: where it is, and its ends of the port.

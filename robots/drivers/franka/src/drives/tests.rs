@@ -18,7 +18,7 @@ use crate::stops::{ENDED, OTHER_VERSION, REFUSED, TOO_FAR, stop};
 const START: [f64; JOINTS] = [0.0, 0.25, 0.0, -1.5, 0.0, 1.5, 0.5];
 
 /// The robot has begun to go at 0.1 rad/s, by its own word.
-fn on_its_way(state: &mut State) {
+fn begins(state: &mut State) {
     state.q_d = state.q_d.map(|q| q + 1e-4);
     state.dq_d = [0.1; JOINTS];
 }
@@ -63,9 +63,9 @@ fn a_state_is_answered_for_700_us_and_then_counts_as_lost() {
     fixture.drives().tick(&aside()).expect("too late is no fault");
     assert_eq!(fixture.told(), None);
     fixture.says(|_| {}).expect("it goes on by itself");
-    // The robot stands as good as still, so its way is the same with an answer and without.
+    // The robot stands as good as still, so its motion is the same with an answer and without.
     assert_eq!(fixture.answers().lost, 0);
-    // By its own way, which is another one.
+    // By its own motion, which is another one.
     fixture.pass(IN_TIME);
     fixture.drives().tick(&aside()).expect("too late is no fault");
     fixture.says(|state| state.q_d[0] += 1e-3).expect("it goes on by itself");
@@ -168,7 +168,7 @@ fn a_motion_that_the_robot_ends_by_itself_is_told_with_its_reason_or_5_states_la
 #[test]
 fn drives_that_are_closed_bring_the_robot_to_rest_and_end_its_motion_first() {
     let mut fixture = Fixture::moving();
-    fixture.says(on_its_way).expect("it goes on");
+    fixture.says(begins).expect("it goes on");
     fixture.simulation.borrow_mut().play();
     fixture.drives().close();
     let simulation = fixture.simulation.borrow();
@@ -233,7 +233,7 @@ fn fault_97_stops_at_the_robot_are_told_and_who_may_clear_them() {
 fn fault_98_where_nobody_demands_anything_the_robot_is_brought_to_rest_and_held_and_its_motion_ends() {
     let mut fixture = Fixture::moving();
     fixture.drives().switch_off();
-    fixture.says(on_its_way).expect("it goes on");
+    fixture.says(begins).expect("it goes on");
     let (mut last, mut states) = (Joints::from(START) + Joints::repeat(1e-4), 1);
     loop {
         let (position, is_last) = fixture.told().expect("every state is answered, from the first on");
@@ -249,7 +249,7 @@ fn fault_98_where_nobody_demands_anything_the_robot_is_brought_to_rest_and_held_
     }
     assert!(
         last.iter().zip(START).all(|(last, start)| *last > start + 2e-4),
-        "it has braked on its way: {last}"
+        "it has braked on its path: {last}"
     );
     // 0.1 rad/s at 7.5 rad/s² take 14 states at least; by the drives' law of critical damping it takes longer.
     assert!((14..1000).contains(&states), "{states}");

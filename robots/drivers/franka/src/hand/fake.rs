@@ -139,10 +139,11 @@ impl Fingers {
     /// So much time \[s\] passes. What has ended, as in `ask`.
     fn go_on(&mut self, time: f64) -> Option<(u16, u32, u16)> {
         let motion = self.motion.filter(|_| !self.is_stuck)?;
-        let way = (motion.to - self.width).clamp(-motion.speed * time, motion.speed * time);
-        let held =
-            self.object.filter(|&object| way < 0.0 && object <= self.width && self.width + way < object);
-        self.width = held.unwrap_or(self.width + way);
+        let change = (motion.to - self.width).clamp(-motion.speed * time, motion.speed * time);
+        let held = self
+            .object
+            .filter(|&object| change < 0.0 && object <= self.width && self.width + change < object);
+        self.width = held.unwrap_or(self.width + change);
         let status = match (motion.request, held) {
             (GRASP, _) if held.is_some() || self.width <= motion.to => {
                 self.is_grasped = motion.band.0 < self.width && self.width < motion.band.1;

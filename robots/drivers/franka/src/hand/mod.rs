@@ -5,7 +5,7 @@
 //!
 //! The hand takes whole motions, not positions for its periods: move to an opening, or grasp, one at a time, and it answers when
 //! the fingers stand. So a session of its own exchanges messages with it, and tells it a position when demands have stood there for 20 ms: the
-//! fingers begin when a motion of the program is over, also where a stop or a suspension has ended it on its way. What is demanded
+//! fingers begin when a motion of the program is over, also where a stop or a suspension has ended it early. What is demanded
 //! while they move ends that motion first. The servo periods of the EDP hand over the newest position and take the newest state;
 //! they never wait.
 //!

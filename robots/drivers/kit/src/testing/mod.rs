@@ -1,7 +1,7 @@
 //! Models of devices at the other end of a connection, for tests of drivers.
 //!
 //! In: a [`Device`], which is given the time and what it was sent, as a [protocol](crate::Protocol) is. Out: a [`VirtualNetwork`] on which
-//! sessions meet it under a virtual clock, deterministically and with faults on the way; or a [`Server`] on which they meet it in real
+//! sessions meet it under a virtual clock, deterministically and with faults of the network; or a [`Server`] on which they meet it in real
 //! time.
 
 mod device;

@@ -1,4 +1,4 @@
-//! What the virtual network does on the way, seen by a protocol that notes when it is polled with what.
+//! What the virtual network does to messages, seen by a protocol that notes when it is polled with what.
 
 use core::time::Duration;
 use std::sync::{Arc, Mutex, MutexGuard};

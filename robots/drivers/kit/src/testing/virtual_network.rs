@@ -19,10 +19,10 @@ const POLLS: usize = 100_000;
 /// A port for datagrams, as a session has one.
 const PORT: u16 = 50_000;
 
-/// What happens on the way between the two ends.
+/// What happens to messages between the two ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Faults {
-    /// How long everything takes on its way, in either direction.
+    /// How long everything takes to arrive, in either direction.
     pub latency: Duration,
     /// How many bytes arrive together at most. By default all that have come by then, however many times they were sent at.
     pub piece: usize,
@@ -45,7 +45,7 @@ impl Faults {
     };
 }
 
-/// Bytes on their way, each with the time of its arrival.
+/// Bytes in transit, each with the time of its arrival.
 #[derive(Debug, Default)]
 struct Stream(VecDeque<(Duration, u8)>);
 
@@ -234,7 +234,7 @@ impl VirtualNetwork {
         self.world().advance(time);
     }
 
-    /// Changes what happens on the way, from now on.
+    /// Changes what happens to messages, from now on.
     pub fn change(&self, change: impl FnOnce(&mut Faults)) {
         change(&mut self.world().faults);
     }

@@ -199,7 +199,7 @@ fn relative_corrections_say_what_is_new_and_what_was_lost() {
     // The answer before came too late: it is in this one.
     assert_eq!(said(3, 1, 10.75), 0.75);
     assert_eq!(said(4, 1, 10.75), 0.0);
-    // A message was lost on the way here, so its answer is missing, and the one before it was taken.
+    // A message was lost before it came, so its answer is missing, and the one before it was taken.
     assert_eq!(said(6, 2, 11.0), 0.25);
     // The same, and the one before it was late, too.
     assert_eq!(said(8, 4, 11.0), 0.25);
@@ -215,7 +215,7 @@ fn a_controller_that_counts_a_message_later_is_found_out() {
     assert_eq!(said(3, 0, 11.0), 0.25);
     // Not that one was lost, but the one before.
     assert_eq!(said(4, 1, 11.0), 0.75);
-    // A message was lost on the way here: what is counted is that nobody answered it.
+    // A message was lost before it came: what is counted is that nobody answered it.
     assert_eq!(said(6, 1, 11.5), 0.5);
     assert_eq!(said(7, 2, 11.5), 0.0);
 }
@@ -310,7 +310,7 @@ fn fault_119_a_load_is_refused_in_words_when_the_arm_stands() {
     fixture.pulse(said(4004, 10.0)).expect("it goes on");
     fixture.drives.tick(&at(10.0)).expect("sent");
     fixture.drives.carry(&Load::point(2.0, [0.0, 0.0, 0.1].into()));
-    // On its way it is led to where it stands.
+    // While it moves it is led to where it stands.
     fixture.pulse(said(4008, 10.0)).expect("it goes on");
     fixture.drives.tick(&at(10.001)).expect("it moves");
     fixture.pulse(said(4012, 10.0)).expect("it goes on");

@@ -94,9 +94,9 @@ impl Gripper {
             (self.is_active, self.position) = (self.activation == 0, 3);
         }
         if self.is_active && self.goes {
-            let way = i16::from(self.told) - i16::from(self.position);
-            let next = i16::from(self.position) + way.clamp(-8, 8);
-            self.held = way > 0 && next > i16::from(self.object);
+            let remaining = i16::from(self.told) - i16::from(self.position);
+            let next = i16::from(self.position) + remaining.clamp(-8, 8);
+            self.held = remaining > 0 && next > i16::from(self.object);
             self.position = if self.held { self.object } else { next as u8 };
         }
         let fingers = match self.told == self.position && !self.is_restless {

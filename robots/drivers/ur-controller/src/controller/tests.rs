@@ -17,7 +17,7 @@ fn start() -> Six {
     Six::new(0.0, -1.5, 1.5, -1.5, -1.5, 0.0)
 }
 
-/// A way of all joints at once [rad/s].
+/// A motion of all joints at once [rad/s].
 fn speed() -> Six {
     Six::new(1.0, -0.5, 0.5, 0.0, 0.25, 0.1)
 }
@@ -26,14 +26,14 @@ fn speed() -> Six {
 const RISE: u32 = 100;
 
 /// Where the arm is told to be in a step, from rest on.
-fn way(step: u32) -> Six {
+fn goal(step: u32) -> Six {
     let steps = f64::from(step);
     let rise = f64::from(RISE);
     let travelled = if step < RISE { steps * steps / (2.0 * rise) } else { steps - rise / 2.0 };
     start() + speed() * (T * travelled)
 }
 
-/// A controller whose script was told to go this [`way`] for so many steps.
+/// A controller whose script was told to go to this [`goal`] for so many steps.
 fn moving(steps: u32, deceleration: f64) -> Controller {
     let mut controller = Controller::new(UrModel::Ur5e, &start()).expect("an arm");
     let script = Script::new("127.0.0.1:50001".parse().expect("an address"), deceleration);
@@ -41,7 +41,7 @@ fn moving(steps: u32, deceleration: f64) -> Controller {
     assert_eq!(controller.calls(), Some(script.reverse));
     controller.connected(true);
     for k in 1..=steps {
-        tell(&mut controller, &way(k));
+        tell(&mut controller, &goal(k));
         controller.step();
     }
     controller
@@ -55,12 +55,12 @@ fn tell(controller: &mut Controller, q: &Six) {
 fn steps_without_a_set_point_go_on_at_the_same_speed() {
     let mut controller = moving(200, 9.0);
     (0..9).for_each(|_| controller.step());
-    let expected = way(209);
+    let expected = goal(209);
     // The speed is that of two set-points, each rounded to a µrad.
     assert!((controller.target() - expected).amax() <= ROUNDED + 9.0 * 2.0 * ROUNDED);
     assert_eq!((controller.longest_gap(), controller.says()), (9, None));
     // The next one is where it would have been.
-    tell(&mut controller, &way(210));
+    tell(&mut controller, &goal(210));
     controller.step();
     assert_eq!(controller.dashboard("safetymode"), "Safetymode: NORMAL");
     assert!(controller.runs());
@@ -82,7 +82,7 @@ fn after_the_read_timeout_the_script_says_so_brakes_all_joints_together_and_is_g
         controller.step();
         steps += 1;
     }
-    // v / a = 0.2 s for the fastest joint, and v² / 2a for its way; one step more or less.
+    // v / a = 0.2 s for the fastest joint, and v² / 2a for its distance; one step more or less.
     let fastest = at.amax();
     assert!((f64::from(steps) * T - fastest / deceleration).abs() <= 1.5 * T, "{steps} steps");
     let gone = controller.target() - from;
@@ -118,12 +118,12 @@ fn a_slider_lowers_the_speed_that_joints_may_use() {
     // 0.1 of pi rad/s: joint 1 is told to go at 1 rad/s, and is behind by 2 mrad more in each step.
     controller.set_speed_fraction(0.1);
     for k in 201..=220 {
-        tell(&mut controller, &way(k));
+        tell(&mut controller, &goal(k));
         controller.step();
     }
     let limit = 0.1 * core::f64::consts::PI;
     assert!((controller.target_speed()[0] - limit).abs() < 1e-9, "{}", controller.target_speed());
-    assert!(way(220)[0] - controller.target()[0] > 20.0 * T * (1.0 - limit) / 2.0);
+    assert!(goal(220)[0] - controller.target()[0] > 20.0 * T * (1.0 - limit) / 2.0);
     assert_eq!(controller.output("speed_scaling"), Some(mrroc_ur::rtde::Value::Double(0.1)));
 }
 
@@ -187,10 +187,10 @@ fn urs_own_script_follows_set_points_brakes_as_it_says_and_ends_without_a_word()
     assert_eq!(controller.calls(), Some(address(50001)));
     controller.connected(true);
     for k in 1..=200 {
-        tell(&mut controller, &way(k));
+        tell(&mut controller, &goal(k));
         controller.step();
     }
-    assert!((controller.target() - way(200)).amax() <= ROUNDED);
+    assert!((controller.target() - goal(200)).amax() <= ROUNDED);
     // Eleven periods until it notices; then 1 rad/s at 4 rad/s².
     let mut steps = 0;
     while controller.target_speed() != Six::zeros() {

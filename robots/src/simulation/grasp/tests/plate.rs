@@ -148,7 +148,7 @@ fn a_tilted_peg_goes_in_as_deep_as_its_diameter_lets_it() {
     let corner = pose * nalgebra::Point3::new(0.5 * DIAMETER, 0.0, -0.5 * LENGTH);
     let force = bench.world.plate_force();
     assert!((0.2..0.6).contains(&force.z), "{force}");
-    // The edge bears the push by the sine of theta, and the wall bears the edge: both give way, and the grasp turns.
+    // The edge bears the push by the sine of theta, and the wall bears the edge: both yield, and the grasp turns.
     let press = force.z / theta.sin();
     let turned = press * expected / 200.0;
     let give = 2.0 * press / stiffness / theta + turned / theta * expected;

@@ -140,7 +140,7 @@ fn a_grasp_that_turns_far_stores_the_energy_of_its_angle() {
 
 #[test]
 fn a_grasp_that_closes_slowly_pulls_without_a_jerk() {
-    // 1 mm off at one end: with k(t) alike at both, 25 N at the end in either way; suddenly, nearly twice as much first.
+    // 1 mm off at one end: with k(t) alike at both, 25 N at the end in either case; suddenly, nearly twice as much first.
     let peak = |closing: f64| {
         let (left, right) = (at(-0.3, 0.0, 0.0), at(0.3, 0.0, 0.0));
         let grasp = Grasp::new(5e4, 500.0).closing_over(closing);

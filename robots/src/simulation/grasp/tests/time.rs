@@ -10,7 +10,7 @@ use crate::simulation::grasp::{Body, BodyState, Grasp, World};
 const SWAY: f64 = 0.05;
 
 /// Where a hand is at a time \[s\]: sways along y and z.
-fn way(x: f64, time: f64) -> Pose {
+fn hand(x: f64, time: f64) -> Pose {
     at(x, SWAY * (1.0 - (2.0 * time).cos()), SWAY * (3.0 * time).sin().powi(2))
 }
 
@@ -20,7 +20,7 @@ fn carried(periods: &[u64], reversed: bool) -> Vec<(f64, BodyState)> {
     let mut bench = Bench::new(World::new(&Body::block(2.0, [0.6, 0.1, 0.1])).expect("a body"));
     for (i, period) in periods.iter().enumerate() {
         let x = if i == 0 { -0.3 } else { 0.3 };
-        bench = bench.with_hand_every(*period, Grasp::new(5e4, 500.0), way(x, 0.0));
+        bench = bench.with_hand_every(*period, Grasp::new(5e4, 500.0), hand(x, 0.0));
     }
     bench.close();
     let mut seen = Vec::new();
@@ -34,7 +34,7 @@ fn carried(periods: &[u64], reversed: bool) -> Vec<(f64, BodyState)> {
             if half % periods[i] == 0 && (half / periods[i]) % 2 == 1 {
                 let end = (half + periods[i]) as f64 * 0.5e-3;
                 bench.hands[i].0.begin();
-                bench.hands[i].0.end(way(if i == 0 { -0.3 } else { 0.3 }, end));
+                bench.hands[i].0.end(hand(if i == 0 { -0.3 } else { 0.3 }, end));
             }
         }
         seen.push((bench.world.time(), bench.world.body()));
@@ -54,17 +54,17 @@ fn the_order_of_ticks_of_one_moment_changes_nothing() {
 }
 
 #[test]
-fn hands_of_several_periods_carry_the_body_along_one_way() {
+fn hands_of_several_periods_carry_the_body_along_one_path() {
     let reference = carried(&[1, 1], false);
     for periods in [[1, 2], [4, 1], [2, 4], [8, 1]] {
         let seen = carried(&periods, false);
         let (time, body) = seen.last().expect("a second");
-        // The slowest hand's way is known up to the period that it is in.
+        // The slowest hand's path is known up to the period that it is in.
         let slowest = *periods.iter().max().expect("two") as f64 * 1e-3;
         assert!(*time >= 1.0 - 2.0 * slowest, "{periods:?}: {time}");
         let (_, same) = reference.iter().find(|(t, _)| (t - time).abs() < 1e-9).expect("a millisecond");
         let off = (body.pose.translation.vector - same.pose.translation.vector).norm();
-        // A way of acceleration a that is followed evenly for T is cut by a T^2 / 8 at most.
+        // A path of acceleration a that is followed evenly for T is cut by a T^2 / 8 at most.
         let cut = SWAY * 18.0 * slowest * slowest;
         assert!(off < cut, "{periods:?}: {off} m, {cut} m");
     }

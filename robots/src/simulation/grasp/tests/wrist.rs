@@ -43,7 +43,7 @@ fn an_unloaded_wrist_reads_nothing_to_its_resolution_however_it_hangs() {
     for _ in 0..200 {
         let turn =
             |noise: &mut Noise| Pose::from_parts(Default::default(), AngleAxis(random(noise)).rotation());
-        // The bias is measured hanging in one way, the reading taken in another.
+        // The bias is measured hanging in one orientation, the reading taken in another.
         let (first, second) = (turn(&mut noise), turn(&mut noise));
         let bench = bench(first);
         let mut sensor = SimulatedWrist::new(bench.hands[0].0.clone())

@@ -172,8 +172,8 @@ fn arms_are_cut_off_before_an_answer(every: u64) {
     for millis in [1, 2, 4] {
         let (step, steps) = steps_of(millis, every);
         // The path's largest speed in a step, 15/8 of the mean one, and that of a flange is less than √3 times as much.
-        let way = 3.0_f64.sqrt() * 15.0 / 8.0 * 0.55 * step.as_secs_f64() / DURATION;
-        let bound = way + third_differences(step, together_budget(step));
+        let displacement = 3.0_f64.sqrt() * 15.0 / 8.0 * 0.55 * step.as_secs_f64() / DURATION;
+        let bound = displacement + third_differences(step, together_budget(step));
         let mut worst = 0.0_f64;
         for at in steps {
             let (traces, fault) = run(step, Cut { orders: at + 1, replies: at, ..WHOLE });
@@ -186,7 +186,8 @@ fn arms_are_cut_off_before_an_answer(every: u64) {
 }
 
 #[test]
-fn fault_155_arms_of_which_one_is_cut_off_between_an_order_and_its_answer_come_apart_by_the_way_of_a_step() {
+fn fault_155_arms_of_which_one_is_cut_off_between_an_order_and_its_answer_come_apart_by_the_displacement_of_a_step()
+ {
     arms_are_cut_off_before_an_answer(SHARE);
 }
 
@@ -224,7 +225,7 @@ mod whole {
 
     #[test]
     #[ignore = "takes minutes: `just wires-whole`"]
-    fn fault_155_arms_of_which_one_is_cut_off_between_an_order_and_its_answer_come_apart_by_the_way_of_a_step()
+    fn fault_155_arms_of_which_one_is_cut_off_between_an_order_and_its_answer_come_apart_by_the_displacement_of_a_step()
      {
         arms_are_cut_off_before_an_answer(1);
     }

@@ -28,7 +28,7 @@ pub(super) type Six = SVector<f64, 6>;
 const STEP: Duration = Duration::from_millis(1);
 const NANOS: Nanos = 1_000_000;
 
-/// Three slides and a wrist, on a base, with the flange 0.4 m from the wrist: its joints' ways are curved when it turns.
+/// Three slides and a wrist, on a base, with the flange 0.4 m from the wrist: its joints' paths are curved when it turns.
 #[derive(Clone)]
 pub(super) struct Arm {
     base: Pose,
@@ -260,8 +260,8 @@ fn fault_03_arms_whose_mp_dies_begin_to_brake_when_they_have_gone_on_for_the_bri
         let calm = run(Upset::Dies(u64::MAX));
         let traces = run(Upset::Dies(k));
         for (trace, calm) in traces.iter().zip(&calm) {
-            let way = |step: usize| apart(&trace[step - 1], &trace[step]);
-            let bend = |step: usize| way(step + 1) - way(step);
+            let moved = |step: usize| apart(&trace[step - 1], &trace[step]);
+            let bend = |step: usize| moved(step + 1) - moved(step);
             let first = (1..trace.len()).find(|&i| trace[i] != calm[i]).expect("the path ends");
             assert!((k as usize - 3..k as usize + 3).contains(&first), "dies in step {k}: {first}");
             // The path changes its speed by another amount in each step; without demands that is the last one, for so many steps.
@@ -272,7 +272,7 @@ fn fault_03_arms_whose_mp_dies_begin_to_brake_when_they_have_gone_on_for_the_bri
             }
             // The slowest joint brakes with 8 m/s² or 16 rad/s²: by 8e-6 m in a step, whatever the path does.
             assert!(
-                way(first + n) < way(first + n - 1) - 1e-6,
+                moved(first + n) < moved(first + n - 1) - 1e-6,
                 "dies in step {k}: no braking after {n} bridged steps"
             );
         }
@@ -310,7 +310,7 @@ fn fault_06_arms_whose_mp_is_late_keep_their_relative_pose_and_come_back_onto_th
     let (mut worst, mut farthest) = (0.0_f64, 0.0_f64);
     // A START that is late puts all off.
     for step in 2..=499 {
-        // Once, and again on the way back: in its first steps, in its midst, and after it.
+        // Once, and again on the return: in its first steps, in its midst, and after it.
         let again = [0, 2, 3, 20, 70][step as usize % 5];
         // It leaves a step out; or it does not, and the arms miss the demand of that step all the same.
         let by = if step % 2 == 0 { NANOS + NANOS / 10 } else { NANOS * 9 / 10 };

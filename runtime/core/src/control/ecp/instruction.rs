@@ -140,8 +140,8 @@ impl<R: Robot> Ecp<'_, R> {
         }
     }
 
-    /// What the next order, or the one that is still open, asks for. A question about the robot's state is answered on the
-    /// way, in any phase.
+    /// What the next order, or the one that is still open, asks for. A question about the robot's state is answered here,
+    /// in any phase.
     pub(super) fn next_duty(&mut self) -> Result<Duty, Fault> {
         loop {
             let Ok(order) = self.orders.receive(self.host.waiter) else {

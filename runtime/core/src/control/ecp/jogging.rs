@@ -80,7 +80,7 @@ impl<R: Robot> Ecp<'_, R> {
     pub(super) const fn jog_flags(&self) -> u32 {
         match self.at_work.doing {
             InstructionKind::Move if self.jogging.asks => flag::JOGS,
-            InstructionKind::Move => flag::OWN_WAY,
+            InstructionKind::Move => flag::OWN_MOTION,
             InstructionKind::Nothing | InstructionKind::Homing | InstructionKind::Wait => 0,
         }
     }

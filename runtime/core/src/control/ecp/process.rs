@@ -33,7 +33,7 @@ impl<R: Robot> Ecp<'_, R> {
                 Ok(Served::Reset) => return true,
                 // The cell closed before its EDP had answered: the order stays open, and nobody waits for its answer.
                 Err(fault) if fault.kind() == FaultKind::CellClosed => return false,
-                // A fault on the way is latched, and the answer to the next order.
+                // A fault in between is latched, and the answer to the next order.
                 Ok(Served::Answered) | Err(_) => {}
             }
         }

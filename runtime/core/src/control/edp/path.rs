@@ -23,7 +23,7 @@ pub(super) enum Mode<J> {
     Holding,
     /// A demand is due in every step; those of so many steps are missing.
     Moving { missed: u32 },
-    /// On the way to a standstill.
+    /// Braking to a standstill.
     Braking(Braking<J>),
     /// The same on the twist of robots that move together.
     OnTwist(TwistBraking),
@@ -355,7 +355,7 @@ impl<R: Robot> DemandedPath<R> {
         self.acceptor.go_on_along_path(period).unwrap_or_else(|| self.acceptor.extrapolate(period))
     }
 
-    /// The next state on the way to a standstill on the twist, displaced by `D` in the world.
+    /// The next state of the braking to a standstill on the twist, displaced by `D` in the world.
     #[allow(non_snake_case)]
     fn slow_down(&mut self, D: &Pose, period: f64) -> AcceptedDemand<R> {
         if let Ok(Ok(accepted)) = guarded(|| self.acceptor.slow_down(D, period)) {
@@ -384,7 +384,7 @@ impl<R: Robot> DemandedPath<R> {
             Mode::Moving { .. } if self.acceptor.can_hold(self.seconds) => {
                 self.mode = Mode::Holding;
             }
-            Mode::Moving { .. } => self.mode = self.way_to_rest(),
+            Mode::Moving { .. } => self.mode = self.braking_to_rest(),
             Mode::Holding | Mode::Braking(_) | Mode::OnTwist(_) | Mode::Off => {}
         }
     }
@@ -393,8 +393,8 @@ impl<R: Robot> DemandedPath<R> {
     pub fn brake(&mut self) {
         self.take_back();
         match self.mode {
-            Mode::Moving { .. } => self.mode = self.way_to_rest(),
-            Mode::Holding if !self.acceptor.is_at_its_end() => self.mode = self.way_to_rest(),
+            Mode::Moving { .. } => self.mode = self.braking_to_rest(),
+            Mode::Holding if !self.acceptor.is_at_its_end() => self.mode = self.braking_to_rest(),
             Mode::Holding | Mode::Braking(_) | Mode::OnTwist(_) | Mode::Off => {}
         }
     }
@@ -418,8 +418,8 @@ impl<R: Robot> DemandedPath<R> {
         self.brake();
     }
 
-    /// The way to a standstill from the state demanded last.
-    fn way_to_rest(&mut self) -> Mode<R::Joints> {
+    /// The braking to a standstill from the state demanded last.
+    fn braking_to_rest(&mut self) -> Mode<R::Joints> {
         let period = self.seconds;
         // Where the law lets all robots stand in the next step, none goes on for the others' sake.
         if let Some(law) = self.together
@@ -447,7 +447,7 @@ impl<R: Robot> DemandedPath<R> {
     /// Looks at how much of the limits the twist takes on which the robot moves together with others.
     pub fn look_along_twist(&mut self) {
         if self.is_together() {
-            // A kinematics that panics on the way ahead does so again where the robot is to go there.
+            // A kinematics that panics on the path ahead does so again where the robot is to go there.
             let _ = guarded(|| self.acceptor.look_along_twist(self.seconds));
         } else {
             self.acceptor.leave_twist();

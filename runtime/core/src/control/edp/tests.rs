@@ -291,9 +291,9 @@ fn fault_11_a_request_of_a_later_step_comes_after_what_was_due_before_it_whateve
             robot.edp.serve();
             let (demanded, _) = robot.edp.path.acceptor.demanded();
             // It moves at 0.1 m/s: step 20 was bridged, so its demand is one step further than that of step 19.
-            let way: f64 = (1..=20).map(|k| 1e-5 * f64::from(k.min(10))).sum();
+            let distance: f64 = (1..=20).map(|k| 1e-5 * f64::from(k.min(10))).sum();
             assert_eq!(robot.edp.clock.due, 21, "{kind:?}");
-            assert!((demanded[0] - way).abs() < 1e-12, "{kind:?}: {}, {way}", demanded[0]);
+            assert!((demanded[0] - distance).abs() < 1e-12, "{kind:?}: {}, {distance}", demanded[0]);
             (21..60).for_each(|step| robot.rest_of(waiter, step, 62_500));
         }
         let told = |robot: &Moving<'_>| robot.told.borrow().last().copied();

@@ -183,7 +183,7 @@ impl StepClock {
         Ok(true)
     }
 
-    /// The step's path time, on the way to the rate that the operator wants.
+    /// The step's path time, while it changes to the rate that the operator wants.
     pub fn advance(&mut self, wanted_rate: f64, suspended: bool) {
         self.suspended = suspended;
         self.dt = self.feed.advance(wanted_rate, self.duration) * self.duration;

@@ -157,7 +157,7 @@ impl Mp<'_> {
         // What the robots of a lower cell do is that cell's to say.
         let by_mp = self.jogging.moved.has(index) && !self.jogging.seat(index).is_some_and(|own| own.asks);
         by_mp
-            || robot.reply.is(flag::OWN_WAY)
+            || robot.reply.is(flag::OWN_MOTION)
             || robot.lower.is_some() && robot.is_in(self.robots.ordinal)
             || self.background.has(index)
     }

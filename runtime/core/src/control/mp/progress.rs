@@ -10,7 +10,7 @@ use crate::model::step::{Step, Tick};
 /// What a generator says for a step; nothing if it was not asked.
 type Said<G> = Option<Step<<G as Generator>::Robots, <G as Generator>::Language>>;
 
-/// A generator on its way.
+/// A generator in progress.
 pub(super) struct Progress<G: Generator> {
     pub generator: G,
     /// What it is shown.

@@ -15,7 +15,7 @@ pub(super) struct Stops {
     process: ProcessId,
     /// The first cause of a stop that is over, until a reset.
     pub latched: Option<Fault>,
-    /// What a guard, the operator or a sensor stops the cell for, on the way to a standstill.
+    /// What a guard, the operator or a sensor stops the cell for, until it stands still.
     pub protective: Option<Fault>,
     /// What looks at all robots.
     pub guard: Option<Guard>,

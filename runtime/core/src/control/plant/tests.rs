@@ -236,7 +236,7 @@ fn fault_11_drives_whose_edp_stalls_again_and_again_are_told_no_speed_that_no_co
         let positions: Vec<f64> = positions.collect();
         let speeds = positions.windows(2).map(|pair| (pair[1] - pair[0]).abs() / period_s);
         fastest = speeds.fold(fastest, f64::max);
-        // They do not go their own way: once commands have come in time for as long as drives bridge, they are where they are told to be.
+        // They do not stay apart from the commands: once commands have come in time for as long as drives bridge, they are where they are told to be.
         for period in 2000..=2000 + L {
             bench.commands.write(&command(period, x));
             bench.period(period);

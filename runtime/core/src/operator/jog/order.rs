@@ -24,11 +24,11 @@ use crate::operator::no_request::NoRequest;
 pub struct JogOrder {
     /// What is moved.
     pub motion: JogMotion,
-    /// How fast, as a share of the largest jogging speed, -1 to 1 and not 0; the sign says which way. Above 0 of a motion to joint
+    /// How fast, as a share of the largest jogging speed, -1 to 1 and not 0; the sign says in which direction. Above 0 of a motion to joint
     /// positions, 1 of an output.
     pub speed: f64,
     /// By how much in one hold [m or rad], > 0; `None`: as long as it is held.
-    pub way: Option<f64>,
+    pub distance: Option<f64>,
 }
 
 /// What a jog moves.
@@ -172,15 +172,16 @@ impl JogOrder {
 
     /// The same, if it can be carried out.
     fn checked(self) -> Option<JogOrder> {
-        let (slowest, has_way, is_known) = match self.motion {
+        let (slowest, has_distance, is_known) = match self.motion {
             JogMotion::Tool { .. } => (-1.0, true, true),
             JogMotion::Joint { joint } => (-1.0, true, usize::from(joint) < MAX_JOINTS),
             JogMotion::To { .. } => (f64::MIN_POSITIVE, false, true),
             JogMotion::Output { to, .. } => (1.0, false, !matches!(to, Value::Analog(to) if !to.is_finite())),
         };
         let speed = (slowest..=1.0).contains(&self.speed) && self.speed != 0.0;
-        let way = self.way.is_none_or(|way| way.is_finite() && way > 0.0 && has_way);
-        (speed && way && is_known).then_some(self)
+        let distance =
+            self.distance.is_none_or(|distance| distance.is_finite() && distance > 0.0 && has_distance);
+        (speed && distance && is_known).then_some(self)
     }
 
     /// Reads one from the words of a text, all that are left.
@@ -207,7 +208,7 @@ impl JogOrder {
                 let speed = share(words.next()?)?;
                 let positions = words.map(|word| word.parse().ok()).collect::<Option<Vec<f64>>>()?;
                 let joints = JogJoints::new(&positions)?;
-                return Some(JogOrder { motion: JogMotion::To { joints }, speed, way: None });
+                return Some(JogOrder { motion: JogMotion::To { joints }, speed, distance: None });
             }
             "output" => {
                 let output = Name::new(words.next()?).ok()?;
@@ -217,7 +218,7 @@ impl JogOrder {
                     value => Value::Analog(value.parse().ok()?),
                 };
                 let motion = JogMotion::Output { output, to };
-                return words.next().is_none().then_some(JogOrder { motion, speed: 1.0, way: None });
+                return words.next().is_none().then_some(JogOrder { motion, speed: 1.0, distance: None });
             }
             _ => return None,
         };
@@ -226,15 +227,15 @@ impl JogOrder {
         JogOrder::by(JogMotion::Tool { frame, axis }, words)
     }
 
-    /// The rest of a text: the speed, and the way if there is one.
+    /// The rest of a text: the speed, and the distance if there is one.
     fn by(motion: JogMotion, words: &mut SplitWhitespace<'_>) -> Option<JogOrder> {
         let speed = share(words.next()?)?;
-        let way = match words.next() {
+        let distance = match words.next() {
             None => None,
             Some("by") => Some(words.next()?.parse().ok()?),
             Some(_) => return None,
         };
-        words.next().is_none().then_some(JogOrder { motion, speed, way })
+        words.next().is_none().then_some(JogOrder { motion, speed, distance })
     }
 
     /// Writes it into [`WORDS`](Self::WORDS) words.
@@ -270,7 +271,7 @@ impl JogOrder {
         };
         words[0] = tag | frame << 8 | number << 16;
         words[1] = self.speed.to_bits();
-        words[2] = self.way.unwrap_or(0.0).to_bits();
+        words[2] = self.distance.unwrap_or(0.0).to_bits();
     }
 
     /// Reads it from [`WORDS`](Self::WORDS) words.
@@ -308,9 +309,9 @@ impl JogOrder {
             }
             _ => return Err(BadWords),
         };
-        let way = f64::from_bits(words[2]);
-        let way = (way != 0.0).then_some(way);
-        JogOrder { motion, speed: f64::from_bits(words[1]), way }.checked().ok_or(BadWords)
+        let distance = f64::from_bits(words[2]);
+        let distance = (distance != 0.0).then_some(distance);
+        JogOrder { motion, speed: f64::from_bits(words[1]), distance }.checked().ok_or(BadWords)
     }
 }
 
@@ -336,7 +337,7 @@ impl fmt::Display for JogOrder {
                 return write!(f, "output {output} {to}");
             }
         }
-        self.way.map_or(Ok(()), |way| write!(f, " by {way:?}"))
+        self.distance.map_or(Ok(()), |distance| write!(f, " by {distance:?}"))
     }
 }
 
@@ -368,12 +369,12 @@ mod tests {
     proptest! {
         #[test]
         fn every_order_is_read_as_it_is_written_and_sent_as_it_is(
-            motion in motions(), percent in 1_i32..=100, back in any::<bool>(), way in prop::option::of(1e-6..10.0_f64)
+            motion in motions(), percent in 1_i32..=100, back in any::<bool>(), distance in prop::option::of(1e-6..10.0_f64)
         ) {
             let is_to = matches!(motion, JogMotion::To { .. } | JogMotion::Output { .. });
             let share = f64::from(if back && !is_to { -percent } else { percent }) / 100.0;
             let speed = if matches!(motion, JogMotion::Output { .. }) { 1.0 } else { share };
-            let order = JogOrder { motion, speed, way: way.filter(|_| !is_to) };
+            let order = JogOrder { motion, speed, distance: distance.filter(|_| !is_to) };
             prop_assert_eq!(read(&order.to_string()), Ok(order));
             let mut words = [0; JogOrder::WORDS];
             order.put(&mut words);

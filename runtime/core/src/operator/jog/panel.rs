@@ -100,8 +100,8 @@ pub enum JogStop {
     None,
     /// This joint, from 0, is as near to its limit as a jog goes.
     Joint(u8),
-    /// The arm cannot follow its tool this way: it is out of reach, or near a singularity.
-    Way,
+    /// The arm cannot follow its tool in this direction: it is out of reach, or near a singularity.
+    Kinematics,
     /// It has gone as far as was asked for.
     There,
 }
@@ -113,7 +113,7 @@ impl JogStop {
         match self {
             JogStop::None => 0,
             JogStop::Joint(joint) => 1 | (joint as u64) << 8,
-            JogStop::Way => 2,
+            JogStop::Kinematics => 2,
             JogStop::There => 3,
         }
     }
@@ -123,7 +123,7 @@ impl JogStop {
     pub const fn from_word(word: u64) -> JogStop {
         match word & 0xff {
             1 => JogStop::Joint((word >> 8) as u8),
-            2 => JogStop::Way,
+            2 => JogStop::Kinematics,
             3 => JogStop::There,
             _ => JogStop::None,
         }
@@ -135,8 +135,8 @@ impl JogStop {
         match self {
             JogStop::None => String::new(),
             JogStop::Joint(joint) => format!("joint {} is at its limit", u32::from(joint) + 1),
-            JogStop::Way => {
-                "the arm cannot go on this way: its reach ends, or a singularity is near".to_owned()
+            JogStop::Kinematics => {
+                "the arm cannot go on in this direction: its reach ends, or a singularity is near".to_owned()
             }
             JogStop::There => "it is there".to_owned(),
         }
@@ -306,7 +306,7 @@ mod tests {
     #[test]
     fn what_is_asked_for_and_why_a_robot_stands_survive_their_words() {
         let motion = JogMotion::Tool { frame: JogFrame::World, axis: JogAxis::Ry };
-        let order = JogOrder { motion, speed: -0.5, way: Some(0.01) };
+        let order = JogOrder { motion, speed: -0.5, distance: Some(0.01) };
         for now in [JogNow::Nothing, JogNow::Order { press: 7, order }, JogNow::Done { press: 8 }] {
             let mut words = [0; JogNow::WORDS];
             now.put(&mut words);
@@ -315,7 +315,7 @@ mod tests {
         }
         assert_eq!(JogNow::get(&[3; JogNow::WORDS]), Err(BadWords));
         assert_eq!(JogNow::get(&[0; 2]), Err(BadWords));
-        for stop in [JogStop::None, JogStop::Joint(7), JogStop::Way, JogStop::There] {
+        for stop in [JogStop::None, JogStop::Joint(7), JogStop::Kinematics, JogStop::There] {
             assert_eq!(JogStop::from_word(stop.to_word()), stop);
             assert_eq!(stop.text().is_empty(), stop == JogStop::None);
         }

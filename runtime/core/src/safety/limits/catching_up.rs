@@ -1,7 +1,7 @@
 //! How a robot comes back onto its path after demands were late.
 //!
 //! In: a demand that is off where bridging has brought the robot. Out: where it is at the end of the step, within the
-//! limits, on the fastest way back that the path's own acceleration leaves. A demand after n bridged steps is up to
+//! limits, on the fastest return that the path's own acceleration leaves. A demand after n bridged steps is up to
 //! (n + 1)(n + 2)/2 times the path's acceleration away: no limit takes that in one step, and none has to.
 
 use crate::model::joints::JointVector;
@@ -18,7 +18,7 @@ pub(super) const FARTHEST: f64 = 8.0;
 pub(super) struct CatchingUp<J> {
     /// The path's velocity at the end of its last step.
     pub velocity: J,
-    /// The path's acceleration on the way there.
+    /// The path's acceleration meanwhile.
     pub acceleration: J,
     /// The longest time between two demands since the robot left the path \[s\].
     pub gap: f64,
@@ -31,7 +31,7 @@ pub(super) struct Late<'a, J> {
     /// Demanded now, and before the time without demands.
     pub demand: &'a J,
     pub before: &'a J,
-    /// The path's mean velocity and acceleration on the way here.
+    /// The path's mean velocity and acceleration until here.
     pub path_velocity: &'a J,
     pub path_acceleration: &'a J,
     /// The time between the two demands \[s\], of which the last `duration` is the step.

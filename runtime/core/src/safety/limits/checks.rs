@@ -15,7 +15,7 @@ use super::state::JointState;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Standstill<J> {
     pub position: J,
-    /// A time for the way there in which no joint is faster than at its beginning \[s\].
+    /// A time for the displacement in which no joint is faster than at its beginning \[s\].
     pub time: f64,
 }
 
@@ -70,7 +70,7 @@ impl<R: Robot> Checks<R> {
         Ok(velocity)
     }
 
-    /// Limits that joints share, on the way to a position and from there to the standstill.
+    /// Limits that joints share, on the displacement to a position and from there to the standstill.
     fn check_coupled(
         &self,
         position: &R::Joints,

@@ -40,7 +40,7 @@ impl<R: Robot> Acceptor<R> {
             return;
         }
         self.curvature.left = HOLDS;
-        // One that is on its way back to its path is elsewhere on its twist; what was seen before holds.
+        // One that is on its return to its path is elsewhere on its twist; what was seen before holds.
         if !self.track.is_followed() {
             return;
         }

@@ -38,7 +38,7 @@ pub(super) fn check<R: Robot>(
     let (pose, frame) = match goal {
         Goal::Joints(q) => return check_joints(robot, q),
         Goal::Pose(pose) => (*pose, "tool"),
-        Goal::Displacement(way) => (setting.start * setting.tool * way, "tool"),
+        Goal::Displacement(displacement) => (setting.start * setting.tool * displacement, "tool"),
     };
     if !pose.translation.vector.iter().chain(pose.rotation.coords.iter()).all(|x| x.is_finite()) {
         return Err(Fault::new(FaultKind::DemandNotFinite).text(GOAL));

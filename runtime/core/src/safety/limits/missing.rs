@@ -22,7 +22,7 @@ impl<R: Robot> Acceptor<R> {
                 let a = state.acceleration[i];
                 a - a.signum() * a.abs().min(jerk[i] * duration)
             }),
-            // On its way back to the path, a robot is not as fast as that.
+            // On its return to the path, a robot is not as fast as that.
             None if !self.track.is_followed() && state.position != self.track.path.position => {
                 R::Joints::zeros()
             }
@@ -55,7 +55,7 @@ impl<R: Robot> Acceptor<R> {
         Ok(AcceptedDemand::new(displaced.position))
     }
 
-    /// The same on the way to a standstill: no demand is to come.
+    /// The same while it brakes to a standstill: no demand is to come.
     ///
     /// # Errors
     /// As of [`go_on`](Acceptor::go_on).

@@ -1,4 +1,4 @@
-//! Where a robot is at the end of a step: at its demand, or on its way back to the path.
+//! Where a robot is at the end of a step: at its demand, or on its return to the path.
 //!
 //! In: the joints of a demand, or a displacement in place of one. Out: a state whose limits have been checked.
 
@@ -27,7 +27,7 @@ pub(super) struct Displaced<J> {
 
 impl<R: Robot> Acceptor<R> {
     /// The state at the end of a step in which the path goes to `demand`: at the demand; or, when demands were late and the
-    /// limits do not allow the robot to be there yet, on the way back to the path.
+    /// limits do not allow the robot to be there yet, on the return to the path.
     pub(super) fn next(
         &self,
         demand: &R::Joints,
@@ -100,7 +100,7 @@ impl<R: Robot> Acceptor<R> {
         Ok(NextState { position: *demand, velocity, track: Track { path, off_path: None } })
     }
 
-    /// A state on the way back to the path; `None` if the path is too far away.
+    /// A state on the return to the path; `None` if the path is too far away.
     fn back(&self, demand: &R::Joints, duration: f64) -> Result<Option<NextState<R::Joints>>, Fault> {
         let path = self.track.path_to(demand, duration);
         // Both velocities are those of the middles of their times.

@@ -43,7 +43,7 @@ pub(super) enum OffPath<J> {
     Together(Rejoining),
 }
 
-/// A robot's path, and its way back to it if it is elsewhere.
+/// A robot's path, and its return to it if it is elsewhere.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Track<J> {
     pub path: Path<J>,
@@ -136,10 +136,10 @@ impl<J: JointVector> Track<J> {
         Bridging::after(twist, bend)
     }
 
-    /// The displacement of the last step in the world: the path's, and that of the way back to it.
+    /// The displacement of the last step in the world: the path's, and that of the return to it.
     fn twist<R: Robot<Joints = J>>(&self, robot: &R, duration: f64) -> Twist {
         match &self.off_path {
-            Some(OffPath::Together(way)) => self.path_twist(robot, duration) + way.change(),
+            Some(OffPath::Together(rejoining)) => self.path_twist(robot, duration) + rejoining.change(),
             Some(OffPath::Joints(_)) | None => self.path_twist(robot, duration),
         }
     }
@@ -149,7 +149,7 @@ impl<J: JointVector> Track<J> {
         let before = self.path.position - self.path.velocity * duration;
         let of_joints = || Twist::between(&robot.forward(&before), &robot.forward(&self.path.position));
         match &self.off_path {
-            Some(OffPath::Together(way)) => way.path_twist().unwrap_or_else(of_joints),
+            Some(OffPath::Together(rejoining)) => rejoining.path_twist().unwrap_or_else(of_joints),
             Some(OffPath::Joints(_)) | None => of_joints(),
         }
     }

@@ -18,7 +18,7 @@ pub const PATH_SHARE: f64 = 0.9;
 /// The share of an acceleration limit that a path and the change of its rate use together.
 const USABLE_SHARE: f64 = 0.98;
 
-/// By how much the curvature of a twist may grow while a robot brakes on it: the posture changes on the way.
+/// By how much the curvature of a twist may grow while a robot brakes on it: the posture changes meanwhile.
 const GROWN: f64 = 1.25;
 
 /// How fast the path is gone along.

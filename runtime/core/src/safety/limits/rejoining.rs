@@ -8,7 +8,7 @@ use crate::model::pose::Pose;
 use crate::safety::common_twist::Twist;
 
 /// How many steps robots take to come back, for each multiple of the path's change of velocity in a step by which they are too
-/// fast. The first acceleration on the way back is `4/50` of the path's, and a little more for the displacement itself: a path
+/// fast. The first acceleration of the return is `4/50` of the path's, and a little more for the displacement itself: a path
 /// that uses nine tenths of a limit leaves as much as that.
 const STEPS: f64 = 50.0;
 
@@ -22,7 +22,7 @@ pub(super) struct GapTwists {
     pub change: Twist,
 }
 
-/// A way back to the path: the displacement from the path is a cubic polynomial in time. It begins with the displacement, and
+/// A return to the path: the displacement from the path is a cubic polynomial in time. It begins with the displacement, and
 /// its change, that bridging left, and ends at rest without a displacement.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Rejoining {
@@ -39,7 +39,7 @@ pub(super) struct Rejoining {
 }
 
 impl Rejoining {
-    /// After `missed` steps without demands, from the way back on which the robots were.
+    /// After `missed` steps without demands, from the return on which the robots were.
     pub fn after(known: Option<&Rejoining>, twists: &GapTwists, missed: f64) -> Rejoining {
         let GapTwists { last, over, bridged, change } = *twists;
         // Both are twists of the middles of their times: the path's changes by this in each step.

@@ -1,6 +1,6 @@
 //! How a robot comes to rest: by holding, at the end of its path or where it is, or by braking.
 //!
-//! In: the state demanded last. Out: the next one on the way to a standstill.
+//! In: the state demanded last. Out: the next one of the braking to a standstill.
 
 use crate::model::fault::Fault;
 use crate::model::joints::JointVector;
@@ -60,7 +60,7 @@ impl<R: Robot> Acceptor<R> {
     /// may have been late.
     ///
     /// # Errors
-    /// The limit that the way back would break; nothing is changed then.
+    /// The limit that the return to the path would break; nothing is changed then.
     pub fn hold(&mut self, duration: f64) -> Result<AcceptedDemand<R>, Fault> {
         if let Some(end) = self.end_of_path() {
             let next = self.next(&end, duration, false)?;
@@ -72,14 +72,14 @@ impl<R: Robot> Acceptor<R> {
         Ok(AcceptedDemand::new(self.state.position))
     }
 
-    /// The way to a standstill from here.
+    /// The braking to a standstill from here.
     pub fn braking(&self) -> Braking<R::Joints> {
         let limits = self.checks.robot.limits();
         let state = &self.state;
         Braking::new(state.position, state.velocity, state.acceleration, limits)
     }
 
-    /// The next state on that way.
+    /// The next state of that braking.
     pub fn brake(&mut self, braking: &mut Braking<R::Joints>, duration: f64) -> AcceptedDemand<R> {
         let (position, velocity) = braking.advance(duration);
         self.state.go_to(position, velocity, duration);

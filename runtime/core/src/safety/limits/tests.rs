@@ -68,7 +68,7 @@ impl Robot for Turntable {
     }
 
     fn check_coupled(&self, _: &Two, to: &Two, duration: f64) -> Result<(), CoupledLimit> {
-        assert!(duration > 0.0, "a way of no time");
+        assert!(duration > 0.0, "a displacement in no time");
         let sum = to[0] + to[1];
         if sum > self.sum {
             return Err(CoupledLimit { joint: 1, what: "sum", excess: Excess::new(sum, self.sum, "") });
@@ -301,8 +301,8 @@ fn a_twist_is_that_of_the_last_step_in_the_world_and_is_gone_on_along() {
 
     // 0.305 m/s and 0.39 rad/s from 0.3 m/s and 0.4 rad/s; the turn is about z of the world.
     let turn = 0.39e-3_f64;
-    let way = 0.2 + 0.305e-3 - 0.2 * turn.cos();
-    let by = Pose::new(Vector3::new(way, 0.0, 0.0), Vector3::new(0.0, 0.0, turn));
+    let distance = 0.2 + 0.305e-3 - 0.2 * turn.cos();
+    let by = Pose::new(Vector3::new(distance, 0.0, 0.0), Vector3::new(0.0, 0.0, turn));
     acceptor.go_on(&by, T).expect("within the limits");
     both(&acceptor.state.position, [0.200305, 0.10039]);
     assert!((acceptor.state.velocity - Two::new(0.305, 0.39)).amax() < 1e-9);

@@ -116,7 +116,7 @@ pub const MEMORY: u64 = 4 * WORDS as u64;
 
 /// One direction of a line: where the message lies, and which futex counts it.
 #[derive(Clone, Copy)]
-struct Way {
+struct Direction {
     slot: usize,
     wake_futex: usize,
     ordinal: u32,
@@ -126,30 +126,30 @@ struct Way {
 pub struct Bare {
     words: &'static [AtomicU32; WORDS],
     /// The outgoing and the incoming direction of each line.
-    lines: Vec<(Way, Way)>,
+    lines: Vec<(Direction, Direction)>,
     wake_futex: usize,
     heard: u32,
 }
 
 impl Topology for Bare {
     fn send(&mut self, line: usize) {
-        let way = &mut self.lines[line].0;
-        way.ordinal = way.ordinal.wrapping_add(1);
-        let body = way.slot + 1..=way.slot + BODY;
-        self.words[body].iter().for_each(|word| word.store(way.ordinal, Ordering::Relaxed));
-        self.words[way.slot].store(way.ordinal, Ordering::Release);
-        self.words[way.wake_futex].fetch_add(1, Ordering::Release);
-        futex::wake(&self.words[way.wake_futex], futex::Flags::empty(), 1).expect("woken");
+        let direction = &mut self.lines[line].0;
+        direction.ordinal = direction.ordinal.wrapping_add(1);
+        let body = direction.slot + 1..=direction.slot + BODY;
+        self.words[body].iter().for_each(|word| word.store(direction.ordinal, Ordering::Relaxed));
+        self.words[direction.slot].store(direction.ordinal, Ordering::Release);
+        self.words[direction.wake_futex].fetch_add(1, Ordering::Release);
+        futex::wake(&self.words[direction.wake_futex], futex::Flags::empty(), 1).expect("woken");
     }
 
     fn take(&mut self, line: usize) -> bool {
-        let way = &mut self.lines[line].1;
-        let came = self.words[way.slot].load(Ordering::Acquire);
-        if came == way.ordinal {
+        let direction = &mut self.lines[line].1;
+        let came = self.words[direction.slot].load(Ordering::Acquire);
+        if came == direction.ordinal {
             return false;
         }
-        way.ordinal = came;
-        let body = way.slot + 1..=way.slot + BODY;
+        direction.ordinal = came;
+        let body = direction.slot + 1..=direction.slot + BODY;
         self.words[body].iter().all(|word| word.load(Ordering::Relaxed) == came)
     }
 
@@ -174,10 +174,11 @@ pub fn bare(place: usize, robots: usize, shared: &OwnedFd) -> Box<dyn Topology> 
     // SAFETY: it is aligned to a page, consists of atomics, for which every value is valid, and is never unmapped.
     #[allow(unsafe_code)]
     let words = unsafe { &*memory.cast::<[AtomicU32; WORDS]>() };
-    let way = |i: usize, to: usize| Way { slot: SLOTS + i * SLOT, wake_futex: FUTEX * to, ordinal: 0 };
+    let direction =
+        |i: usize, to: usize| Direction { slot: SLOTS + i * SLOT, wake_futex: FUTEX * to, ordinal: 0 };
     let mut mine = Vec::new();
     for (i, (asks, answers)) in lines(robots).enumerate() {
-        let (order, reply) = (way(2 * i, answers), way(2 * i + 1, asks));
+        let (order, reply) = (direction(2 * i, answers), direction(2 * i + 1, asks));
         if asks == place {
             mine.push((order, reply));
         } else if answers == place {

@@ -87,8 +87,8 @@ fn an_order_and_its_answer_cross_as_if_both_were_on_one_machine() {
         right.board.write(&numbered(100 * step));
         let answers = sent(&mut right);
         assert_eq!(answers.len(), 2, "the answer, and the board");
-        for (way, envelope) in &answers {
-            assert!(left.incoming.came(1, *way, envelope));
+        for (slot, envelope) in &answers {
+            assert!(left.incoming.came(1, *slot, envelope));
         }
         assert!(left.port.0.receive(&mut seen) && seen.header.step == 10 * step);
         assert!(left.board.read(&mut seen) && seen.header.step == 100 * step);
@@ -98,7 +98,7 @@ fn an_order_and_its_answer_cross_as_if_both_were_on_one_machine() {
 }
 
 #[test]
-fn what_was_lost_on_the_way_is_asked_for_and_answered_again() {
+fn what_was_lost_between_machines_is_asked_for_and_answered_again() {
     let (mut left, mut right) = (machine("lost", 0), machine("lost", 1));
     let mut seen = Message::empty();
     left.port.0.send(&numbered(1));
@@ -124,12 +124,12 @@ fn fault_143_what_a_node_says_for_a_process_of_another_node_is_not_taken() {
     let (mut left, right) = (machine("143", 0), machine("143", 1));
     left.port.0.send(&numbered(1));
     let orders = sent(&mut left);
-    let (way, order) = &orders[0];
-    // Its own words, said by another node; and a way that only goes out.
-    assert!(!right.incoming.came(1, *way, order) && !right.incoming.came(2, *way, order));
-    assert!(!left.incoming.came(1, *way, order));
+    let (slot, order) = &orders[0];
+    // Its own words, said by another node; and a slot that only goes out.
+    assert!(!right.incoming.came(1, *slot, order) && !right.incoming.came(2, *slot, order));
+    assert!(!left.incoming.came(1, *slot, order));
     assert!(!right.port.1.receive(&mut Message::empty()));
-    assert!(right.incoming.came(0, *way, order));
+    assert!(right.incoming.came(0, *slot, order));
 }
 
 #[test]
@@ -140,14 +140,14 @@ fn fault_145_what_is_of_another_run_or_older_than_what_stands_there_is_not_taken
         left.port.0.send(&numbered(step));
         orders.extend(sent(&mut left));
     }
-    let [(way, first), (_, second)] = orders.as_slice() else { panic!("two orders") };
+    let [(slot, first), (_, second)] = orders.as_slice() else { panic!("two orders") };
     for seal in [Seal { session: 98, ..BETWEEN }, Seal { epoch: 2, ..BETWEEN }] {
         let other = second.moved(BETWEEN, seal).expect("whole");
-        assert!(!right.incoming.came(0, *way, &other));
+        assert!(!right.incoming.came(0, *slot, &other));
     }
-    assert!(!right.incoming.came(0, *way, &second.damaged(12, 1)));
-    assert!(right.incoming.came(0, *way, second));
-    assert!(!right.incoming.came(0, *way, first), "it was overtaken");
+    assert!(!right.incoming.came(0, *slot, &second.damaged(12, 1)));
+    assert!(right.incoming.came(0, *slot, second));
+    assert!(!right.incoming.came(0, *slot, first), "it was overtaken");
     let mut seen = Message::empty();
     assert!(right.port.1.receive(&mut seen) && seen.header.step == 2);
 }

@@ -38,7 +38,7 @@ const NEAREST: usize = 4;
 /// A marker that is farther from where the others foretell it than this share of its side is none of the board.
 const BESIDE: f64 = 0.3;
 
-/// Corners are refined in a window that reaches so far to the next marker, as a share of the way, and at most so many pixels.
+/// Corners are refined in a window that reaches so far to the next marker, as a share of the distance, and at most so many pixels.
 const REACH: f64 = 0.7;
 const WINDOW: f64 = 11.0;
 
@@ -60,8 +60,8 @@ impl Charuco {
     /// [`NoBoard`].
     pub fn seen(&self, image: &Grey<'_>) -> Result<Vec<Vector2<f64>>, NoBoard> {
         let markers = seen_markers(image, &self.dictionary);
-        let ways = [false, true].map(|is_old| self.on_board(&markers, is_old));
-        let fit = ways.into_iter().max_by_key(Vec::len).unwrap_or_default();
+        let fits = [false, true].map(|is_old| self.on_board(&markers, is_old));
+        let fit = fits.into_iter().max_by_key(Vec::len).unwrap_or_default();
         let wanted = self.places(false).count();
         let is_enough = fit.len() >= 3 && fit.len() as f64 >= SEEN * wanted as f64;
         if !is_enough {

@@ -17,8 +17,8 @@ const SEEDS: usize = 200;
 
 /// A place in a grid.
 type Cell = [i32; 2];
-/// Ways from a cell to its neighbours: along the first edge, along the second, and back.
-const WAYS: [Cell; 4] = [[1, 0], [0, 1], [-1, 0], [0, -1]];
+/// Steps from a cell to its neighbours: along the first edge, along the second, and back.
+const STEPS: [Cell; 4] = [[1, 0], [0, 1], [-1, 0], [0, -1]];
 
 /// The corners of a board \[pixel\], in its order.
 pub(super) fn seen(board: &Board, image: &Smooth) -> Result<Vec<Vector2<f64>>, NoBoard> {
@@ -54,17 +54,20 @@ impl Grid {
         let mut grid = Self(BTreeMap::from([([0, 0], seed)]));
         let mut rim = vec![[0, 0]];
         while let Some(cell) = rim.pop() {
-            for way in WAYS {
-                let next = step(cell, way);
+            for towards in STEPS {
+                let next = step(cell, towards);
                 if grid.0.contains_key(&next) {
                     continue;
                 }
-                if let Some(index) = grid.neighbour(saddles, seed, cell, way) {
+                if let Some(index) = grid.neighbour(saddles, seed, cell, towards) {
                     grid.0.insert(next, index);
                     rim.insert(0, next);
                     // Others that had no neighbour may have one now.
                     rim.extend(
-                        WAYS.map(|way| step(next, way)).into_iter().filter(|at| grid.0.contains_key(at)),
+                        STEPS
+                            .map(|towards| step(next, towards))
+                            .into_iter()
+                            .filter(|at| grid.0.contains_key(at)),
                     );
                 }
             }
@@ -72,37 +75,37 @@ impl Grid {
         grid
     }
 
-    /// The saddle beyond a corner, one way on.
-    fn neighbour(&self, saddles: &[Saddle], seed: usize, cell: Cell, way: Cell) -> Option<usize> {
+    /// The saddle beyond a corner, one step on.
+    fn neighbour(&self, saddles: &[Saddle], seed: usize, cell: Cell, towards: Cell) -> Option<usize> {
         let here = &saddles[self.0[&cell]];
         let at = |cell: Cell| self.0.get(&cell).map(|index| saddles[*index].at);
         let step_from = |from: Cell, to: Cell| Some(at(to)? - at(from)?);
         // As far as on the other side, or as beside here.
-        let across = [[way[1], way[0]], [-way[1], -way[0]]];
+        let across = [[towards[1], towards[0]], [-towards[1], -towards[0]]];
         let beside = across.iter().find_map(|by| {
             let side = step(cell, *by);
-            step_from(side, step(side, way))
+            step_from(side, step(side, towards))
         });
-        let back = step_from(step(cell, [-way[0], -way[1]]), cell);
+        let back = step_from(step(cell, [-towards[0], -towards[1]]), cell);
         let foretold = match (back, beside) {
             (Some(back), Some(beside)) => Some(0.5 * (back + beside)),
             (back, beside) => back.or(beside),
         };
         // Along which kind of edge it goes there: the kinds alternate from corner to corner.
-        let along = usize::from(way[0] == 0);
+        let along = usize::from(towards[0] == 0);
         let odd = (cell[0] + cell[1]).rem_euclid(2) as usize;
         let [own, other] = [along ^ odd, along ^ odd ^ 1];
         let fits = |next: &Saddle| {
-            let way = (next.at - here.at).y.atan2((next.at - here.at).x);
-            apart(here.edges[own], way).abs() < TURN
-                && apart(next.edges[other], way).abs() < TURN
+            let angle = (next.at - here.at).y.atan2((next.at - here.at).x);
+            apart(here.edges[own], angle).abs() < TURN
+                && apart(next.edges[other], angle).abs() < TURN
                 && apart(next.edges[own], here.edges[other]).abs() < TURN
         };
         let direction = || {
-            // The seed's edges say which way is which.
+            // The seed's edges say which direction is which.
             let edge = saddles[seed].edges[along];
             let mut ahead = Vector2::new(edge.cos(), edge.sin());
-            if way[0] + way[1] < 0 {
+            if towards[0] + towards[1] < 0 {
                 ahead = -ahead;
             }
             ahead
@@ -167,7 +170,7 @@ impl Grid {
                 (saddles[self.0[&cell(i, j)]], at(i, j))
             };
             let ((saddle, here), (_, right), (_, below)) = (of(0, 0), of(1, 0), of(0, 1));
-            // In the quarter between the ways back, its first side in turn is that opposite to `right`.
+            // In the quarter between the directions back, its first side in turn is that opposite to `right`.
             let back = here - right;
             let to_first = apart(saddle.edges[0], back.y.atan2(back.x)).abs();
             let down = here - below;

@@ -83,14 +83,14 @@ fn single(entity: &Entity<'_>, font: &Font, file: &str) -> Result<Written, Drawi
     let mut wide = entity.number(41, file)?.filter(|factor| *factor > 0.0).unwrap_or(1.0);
     let mut turn = entity.number(50, file)?.unwrap_or(0.0).to_radians();
     let slant = entity.number(51, file)?.unwrap_or(0.0).to_radians();
-    let way = second - first;
+    let offset = second - first;
     // Aligned and fitted texts reach from the first point to the second.
-    if matches!(across, 3 | 5) && way.norm() > 1e-9 && natural > 0.0 {
-        turn = way.y.atan2(way.x);
+    if matches!(across, 3 | 5) && offset.norm() > 1e-9 && natural > 0.0 {
+        turn = offset.y.atan2(offset.x);
         if across == 3 {
-            height = way.norm() / (natural * wide);
+            height = offset.norm() / (natural * wide);
         } else {
-            wide = way.norm() / (natural * height);
+            wide = offset.norm() / (natural * height);
         }
     }
     let back = match across {

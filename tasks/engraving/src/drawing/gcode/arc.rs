@@ -11,7 +11,7 @@ use crate::drawing::{EllipticalArc, Height, Piece, Vec2, Vec3, cross};
 pub enum Circle {
     /// Centre \[mm\].
     Centre(Vec2),
-    /// Radius \[mm\], negative for the longer way round.
+    /// Radius \[mm\], negative for the longer arc.
     Radius(f64),
 }
 

@@ -76,15 +76,15 @@ impl Machine<'_> {
         Ok(())
     }
 
-    /// G28, G30: away, by way of the place of the line; home is the machine's zero unless G28.1 or G30.1 stored one. How
+    /// G28, G30: away, through the place of the line; home is the machine's zero unless G28.1 or G30.1 stored one. How
     /// high it is, the program does not say: the tool is lifted there.
     fn go_home(&mut self, which: usize, block: &Block) -> Result<(), Stop> {
         let axes: Vec<usize> = (0..3).filter(|axis| block.has(["x", "y", "z"][*axis])).collect();
-        let by_way = self.target(block, false)?;
+        let through = self.target(block, false)?;
         let (name, home) = (["G28", "G30"][which], self.homes[which]);
         self.warn_once(name, &format!("{name}: the tool lifts and goes home; what is cut next begins there"));
         self.push_away()?;
-        let mut to = by_way;
+        let mut to = through;
         for axis in 0..2 {
             if axes.is_empty() || axes.contains(&axis) {
                 to[axis] = home[axis];

@@ -185,7 +185,7 @@ pub enum Request {
     Dwell,
     /// G10.
     SetData,
-    /// G28 or G30, from 0: by way of the place that the line says.
+    /// G28 or G30, from 0: through the place that the line says.
     Home(usize),
     /// G28.1 or G30.1.
     StoreHome(usize),

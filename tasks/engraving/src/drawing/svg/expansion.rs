@@ -47,7 +47,7 @@ struct Size {
     uses: usize,
     /// Levels of elements.
     height: usize,
-    /// Most attributes on a way from the element down to the end.
+    /// Most attributes on a path from the element down to the end.
     attributes: usize,
 }
 

@@ -10,7 +10,7 @@ use crate::error::DrawingError;
 use roxmltree::Node;
 use std::rc::Rc;
 
-/// How letters look, inherited on the way down.
+/// How letters look, inherited from outer elements.
 #[derive(Clone, Copy, Debug)]
 struct Lettering {
     /// Font size [px].

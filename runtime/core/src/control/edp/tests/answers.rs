@@ -284,14 +284,14 @@ fn the_task_space_comes_in_within_fifty_milliseconds_of_servo_periods() {
 #[test]
 fn a_servo_period_in_the_task_space_is_no_jump() {
     // 1 m/s is 0.25 mm in 0.25 ms.
-    for (way, goes) in [(0.24e-3, true), (0.26e-3, false)] {
+    for (distance, goes) in [(0.24e-3, true), (0.26e-3, false)] {
         let (mut edp, _) = edp(Duration::from_micros(250));
         edp.servo.space = InterpolationSpace::Task;
         edp.servo.task_space.accept(true, true);
-        edp.servo.commanded = One::new(-way);
+        edp.servo.commanded = One::new(-distance);
         edp.tick_at(0);
         let kind = edp.answers.fault.as_ref().map(Fault::kind);
-        assert_eq!(kind, (!goes).then_some(FaultKind::DemandedVelocity), "{way}");
+        assert_eq!(kind, (!goes).then_some(FaultKind::DemandedVelocity), "{distance}");
     }
 }
 

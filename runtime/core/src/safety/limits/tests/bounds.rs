@@ -48,7 +48,7 @@ fn fault_22_only_the_first_demand_of_a_robot_at_rest_is_a_wrong_start() {
     let fault = acceptor.accept(&joints(0.0, 0.5), T, T).expect_err("a jump");
     assert_eq!((fault.kind(), fault.joint()), (FaultKind::StartPoseMismatch, Some(1)));
     // 0.5 rad where 1 rad/s allows 1e-3 rad in 1 ms.
-    let excess = fault.excess().expect("a jump and a way");
+    let excess = fault.excess().expect("a jump and its limit");
     near(excess.actual, 0.5);
     near(excess.limit, 1e-3);
     assert_eq!(excess.unit, "rad");
@@ -105,12 +105,12 @@ fn fault_20_a_position_is_taken_up_to_the_limit_and_round_off() {
         assert_eq!(at(sign * bound, 0.0), Ok(()));
         assert_eq!(at(sign * (bound - 0.0125), sign * 0.5), Ok(()));
         assert_eq!(at(sign * (bound - 0.0124), sign * 0.5), Err(FaultKind::DemandOutOfRange));
-        // On the way back it stops anywhere.
+        // On the return it stops anywhere.
         assert_eq!(at(sign * bound, -sign * 0.5), Ok(()));
         // Also where its path has come to rest.
         let (q, v) = (Two::new(sign * bound, 0.0), Two::new(-sign * 0.5, 0.0));
         acceptor(robot()).check(&q, &v, &ZERO, &ZERO, T).expect("away from the limit");
-        // Out of range is out of range, on the way back as well.
+        // Out of range is out of range, on the return as well.
         assert_eq!(at(sign * 0.51, -sign * 0.5), Err(FaultKind::DemandOutOfRange));
     }
 }
@@ -168,7 +168,7 @@ fn fault_20_a_joint_with_a_jerk_limit_stops_before_its_limit_when_its_demands_ar
     }
     // It reaches 10 m/s² only if v > a²/j = 0.1 m/s: at 0.05 m/s it takes 2 sqrt(v/j), v sqrt(v/j) far.
     near(stop(0.05, 0.0).position[0], 0.05 * (0.05_f64 / 1000.0).sqrt() + 0.05 * REACTION);
-    // -2 mm/s at 4 m/s² turn into 4 mm/s the other way.
+    // -2 mm/s at 4 m/s² turn into 4 mm/s in the other direction.
     near(stop(-0.002, 4.0).position[0], 0.004 * (0.004_f64 / 1000.0).sqrt() + 0.004 * REACTION);
 }
 
@@ -229,8 +229,8 @@ fn fault_20_no_joint_leaves_its_range_whatever_it_does_when_its_demands_are_lost
             // With a jerk limit the acceleration matters, without one the path's own velocity.
             let (held, a) =
                 if jerk.is_some() { (v, w.signum() * 10.0 * (w / 0.3).abs().sqrt()) } else { (w, 0.0) };
-            for way in [0.0, 1e-5, 1e-4, 2e-4, 3e-4, 1e-3, 0.006, 0.012, 0.02] {
-                for q in [1.0 - way, way - 1.0] {
+            for inwards in [0.0, 1e-5, 1e-4, 2e-4, 3e-4, 1e-3, 0.006, 0.012, 0.02] {
+                for q in [1.0 - inwards, inwards - 1.0] {
                     let mut acceptor = Acceptor::new(robot.clone(), Pose::identity(), ZERO, REACTION);
                     let [q, v, held, a] = [q, v, held, a].map(|x| Two::new(x, 0.0));
                     acceptor.state.acceleration = a;
@@ -267,7 +267,7 @@ fn limits_that_joints_share_are_checked_at_the_demand_and_where_the_robot_would_
     let excess = fault.excess().expect("a sum");
     near(excess.actual, 0.2005 + 0.0125 + 0.5 * REACTION + 0.28);
     assert_eq!((fault.kind(), fault.message(), excess.limit), (FaultKind::DemandOutOfRange, "sum", 0.5));
-    // One that stands needs no way to stop, and is checked all the same.
+    // One that stands needs no distance to stop, and is checked all the same.
     let mut acceptor = self::acceptor(Turntable { sum: 0.5, ..Turntable::new() });
     (acceptor.state.position, acceptor.track.path.position) = (Two::new(0.25, 0.25), Two::new(0.25, 0.25));
     acceptor.accept(&joints(0.25, 0.25), T, T).expect("at the limit");
@@ -301,18 +301,18 @@ fn fault_19_a_frame_is_taken_normalised_up_to_the_tolerance() {
 }
 
 #[test]
-fn a_way_between_two_demands_is_as_fast_as_a_joint_may_be() {
+fn a_displacement_between_two_demands_is_as_fast_as_a_joint_may_be() {
     let acceptor = acceptor(Turntable::with(|l| l.velocity = Two::new(1.0, 100.0)));
-    let way = |first: f64, second: f64| acceptor.check_displacement(&Two::new(first * T, second * T), T);
+    let check = |first: f64, second: f64| acceptor.check_displacement(&Two::new(first * T, second * T), T);
     // 1e-9 of 100 rad/s; at 1 m/s as much again for the round-off of 1e-12 m in 1 ms.
     for sign in [1.0, -1.0] {
-        way(sign * (1.0 + 1.9e-9), sign * (100.0 + 0.9e-7)).expect("as fast as it may be");
-        assert_eq!(way(sign * (1.0 + 2.1e-9), 0.0).expect_err("too fast").joint(), Some(0));
-        let fault = way(0.0, sign * (100.0 + 1.1e-7)).expect_err("too fast");
+        check(sign * (1.0 + 1.9e-9), sign * (100.0 + 0.9e-7)).expect("as fast as it may be");
+        assert_eq!(check(sign * (1.0 + 2.1e-9), 0.0).expect_err("too fast").joint(), Some(0));
+        let fault = check(0.0, sign * (100.0 + 1.1e-7)).expect_err("too fast");
         assert_eq!((fault.kind(), fault.joint()), (FaultKind::DemandedVelocity, Some(1)));
         assert!(fault.excess().is_some_and(|excess| excess.limit == 100.0 && excess.unit == "rad/s"));
     }
-    way(f64::NAN, 0.0).expect_err("no number");
+    check(f64::NAN, 0.0).expect_err("no number");
 }
 
 #[test]
@@ -345,6 +345,6 @@ fn a_state_that_is_well_within_all_limits_is_found_sound_by_a_closer_look_and_st
         assert!((stop.time - closer.time).abs() <= 1e-15 * stop.time, "{} and {}", stop.time, closer.time);
     }
     assert!(counts.0 > 4_000, "{counts:?}");
-    // Where only one of the two velocities is bounded, or the farther way is the other one's, it takes a closer look.
+    // Where only one of the two velocities is bounded, or the longer distance is the other one's, it takes a closer look.
     assert!(counts.1 > 100, "{counts:?}");
 }

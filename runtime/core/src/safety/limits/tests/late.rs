@@ -277,7 +277,7 @@ fn a_jump_is_refused_while_a_robot_is_off_its_path() {
 }
 
 #[test]
-fn demands_that_are_lost_on_the_way_back_are_bridged_at_the_robots_own_velocity() {
+fn demands_that_are_lost_on_the_return_are_bridged_at_the_robots_own_velocity() {
     let mut acceptor = acceptor(Turntable::new());
     let path = |t: f64| 0.3 * t - 4.5 * t * t;
     // The mean of the path's last step.
@@ -301,7 +301,7 @@ fn demands_that_are_lost_on_the_way_back_are_bridged_at_the_robots_own_velocity(
 }
 
 #[test]
-fn fault_18_joints_of_an_inverse_that_are_no_numbers_are_refused_on_the_common_way_back() {
+fn fault_18_joints_of_an_inverse_that_are_no_numbers_are_refused_on_the_common_return() {
     let mut acceptor = acceptor(Turntable::new());
     (acceptor.state.velocity[0], acceptor.track.path.velocity[0], acceptor.track.path.span) = (0.3, 0.3, T);
     acceptor.go_on(&Pose::translation(0.3 * T, 0.0, 0.0), T).expect("on the twist");
@@ -361,7 +361,7 @@ fn an_arm_that_missed_a_demand_alone_goes_straight_to_the_next_and_arms_that_all
     unknown.accept(&joints(2e-6, 0.0), T, T).expect("slow");
     let twist = unknown.bridging(T).twist;
     unknown.go_on(&twist.part(1.0), T).expect("within the limits");
-    unknown.accept(&joints(18e-6, 0.0), 2.0 * T, T).expect("on the way back");
+    unknown.accept(&joints(18e-6, 0.0), 2.0 * T, T).expect("on the return");
     assert!(matches!(unknown.track.off_path, Some(OffPath::Together(_))));
     // One that was bridged by its joints since is beside the others anyway, and comes back by itself.
     together.extrapolate(T);
@@ -395,6 +395,6 @@ fn a_stop_ends_the_path_where_the_robot_is_if_one_step_can_take_its_velocity_awa
     let mut off = acceptor(Turntable::new());
     (off.state.velocity[0], off.track.path.velocity[0], off.track.path.span) = (5e-3, 5e-3, T);
     off.extrapolate(T);
-    off.accept(&joints(24e-6, 0.0), T, T).expect("on the way back");
+    off.accept(&joints(24e-6, 0.0), T, T).expect("on the return");
     assert!(!off.is_on_path() && !off.stop_at_once(T));
 }

@@ -199,7 +199,7 @@ fn a_robot_slows_down_on_a_bent_twist_by_what_that_leaves_of_its_acceleration() 
         acceptor.see_curvature(curvature.into());
         acceptor.braking_law(2e-3).fall
     };
-    // 0.3 m/s that become less by 4 m/s², a quarter more on the way, leave 5 of 10 m/s²; those that become more, or less by
+    // 0.3 m/s that become less by 4 m/s², a quarter more meanwhile, leave 5 of 10 m/s²; those that become more, or less by
     // 1.5 m/s², leave 8.
     near(fall([-4.0, 0.0]), 5.0 / faster);
     near(fall([4.0, 0.0]), 8.0 / faster);

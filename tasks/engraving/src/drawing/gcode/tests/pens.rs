@@ -50,13 +50,13 @@ fn a_pen_that_the_word_for_tones_lifts_is_found_and_its_rests_are_told_once() {
 
 #[test]
 fn what_the_program_does_tells_which_value_is_down() {
-    // Rapid moves are made with the pen up, although the first way is drawn.
+    // Rapid moves are made with the pen up, although the first stroke is drawn.
     let text = "G21\nM280 P0 S90\nG1 X5 F900\nM280 P0 S20\nG0 X10\nM280 P0 S90\nG1 X15\nM280 P0 S20\nG0 X0";
     assert_eq!(lines(&import(text)), [[0.0, 0.0, 5.0, 0.0], [10.0, 0.0, 15.0, 0.0]]);
-    // The first way is made with the pen up: S120 is down.
+    // The first stroke is made with the pen up: S120 is down.
     let text = "G21\nM280 S40\nG1 X5 F900\nM280 S120\nG1 X10\nM280 S40\nG1 X15";
     assert_eq!(lines(&import(text)), [[5.0, 0.0, 10.0, 0.0]]);
-    // Nothing was said before the first way.
+    // Nothing was said before the first stroke.
     let text = "G21\nG1 X5 F900\nM280 S120\nG1 X10\nM280 S40\nG1 X15";
     assert_eq!(lines(&import(text)), [[5.0, 0.0, 10.0, 0.0]]);
     // It begins to draw where it is: the first move is drawn, but the program begins and ends by lifting.

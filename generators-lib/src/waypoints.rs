@@ -29,7 +29,7 @@ pub enum PointsError {
 /// The points of joints that count.
 ///
 /// ```
-/// use mrroc_generators::way_points::{PointsError, joints};
+/// use mrroc_generators::waypoints::{PointsError, joints};
 /// use nalgebra::Vector2;
 ///
 /// let (a, b) = (Vector2::new(0.1, 0.2), Vector2::new(0.3, 0.2));
