@@ -96,9 +96,10 @@ impl State {
             let duration = seconds(end - now);
             self.interval(now, duration);
             self.time = end;
+            // Before belts enter the next interval: beyond what is known of them they stand.
+            self.look_after_bodies(duration);
             self.enter(end);
             self.belts.iter_mut().for_each(|belt| belt.pass(duration));
-            self.look_after_bodies(duration);
         }
     }
 

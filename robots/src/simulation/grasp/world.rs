@@ -102,6 +102,12 @@ impl World {
         self
     }
 
+    /// How many bodies rest on belts.
+    #[cfg(test)]
+    pub(super) fn rests(&self) -> usize {
+        self.state().entries.iter().filter(|entry| entry.resting.is_some()).count()
+    }
+
     /// The same world with this table.
     ///
     /// # Errors

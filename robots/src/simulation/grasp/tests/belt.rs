@@ -93,8 +93,10 @@ fn bodies_that_rest_on_a_belt_are_where_integrated_ones_are() {
     let [with, without] = [World::empty().with_rest(), World::empty()].map(|world| {
         let mut led = on_belt(world, FRICTION);
         led.run(6.0, x);
-        led.world.body()
+        led
     });
+    assert_eq!([&with, &without].map(|led| led.world.rests()), [1, 0]);
+    let [with, without] = [with, without].map(|led| led.world.body());
     let apart = (with.pose.translation.vector - without.pose.translation.vector).norm();
     assert!(apart < 2e-5, "{apart} m");
     assert!(with.pose.rotation.angle_to(&without.pose.rotation) < 1e-4);
