@@ -13,19 +13,22 @@ const SEED: u64 = 3;
 /// Step of a line \[m\].
 const STEP: f64 = 5e-4;
 
-/// Walks from `start` along `path`; returns how far the robot went and why it stopped, if it did. Fails on a jump.
+/// Walks from `start` along `displacement`; returns how far the robot went and why it stopped, if it did. Fails on a jump.
 fn walk<const N: usize, R: Kinematics<N>>(
     robot: &R,
     start: SVector<f64, N>,
-    path: Vector3<f64>,
+    displacement: Vector3<f64>,
 ) -> (f64, Option<String>) {
     let from = robot.forward(&start);
-    let steps = (path.norm() / STEP) as u32;
+    let steps = (displacement.norm() / STEP) as u32;
     let mut near = start;
     for k in 1..=steps {
         let part = f64::from(k) / f64::from(steps);
-        let pose = Pose::from_parts(Translation3::from(from.translation.vector + path * part), from.rotation);
-        let gone = part * path.norm();
+        let pose = Pose::from_parts(
+            Translation3::from(from.translation.vector + displacement * part),
+            from.rotation,
+        );
+        let gone = part * displacement.norm();
         let q = match robot.inverse(&pose, &near) {
             Ok(q) => q,
             Err(why) => return (gone, Some(why.to_string())),
@@ -43,7 +46,7 @@ fn walk<const N: usize, R: Kinematics<N>>(
         assert!(step < 0.05, "{}: a jump of {step} rad after {gone} m from {near} to {q}", R::KIND);
         near = q;
     }
-    (path.norm(), None)
+    (displacement.norm(), None)
 }
 
 /// An arm read from a URDF of the reference data.

@@ -183,7 +183,7 @@ pub fn solve(means: Means, maze: &Layout, seed: u64) -> Result<Outcome, CellErro
 }
 
 impl Outcome {
-    /// How many times the shortest distance its distance is.
+    /// Its distance divided by the shortest one.
     #[must_use]
     pub fn ratio(&self) -> f64 {
         self.distance / self.shortest

@@ -121,7 +121,7 @@ impl Ready {
 }
 
 impl Outcome {
-    /// How many times the shortest distance its distance is.
+    /// Its distance divided by the shortest one.
     #[must_use]
     pub fn ratio(&self) -> f64 {
         self.distance / self.shortest

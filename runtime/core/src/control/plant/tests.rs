@@ -197,7 +197,7 @@ fn fault_11_a_command_that_is_late_is_bridged_at_the_speed_before_it_and_never_r
 }
 
 #[test]
-fn fault_11_drives_whose_edp_stalls_again_and_again_are_told_no_speed_that_no_command_has() {
+fn fault_11_drives_whose_edp_stalls_again_and_again_are_told_no_speed_far_from_that_of_commands() {
     // The first joint of an IRp-6: it goes to and fro as fast as it may, in between at most at 1.4 rad/s.
     let (most, acceleration) = (1.4, 7.0);
     let period_s = SERVO as f64 * 1e-9;

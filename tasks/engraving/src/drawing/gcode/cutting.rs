@@ -201,7 +201,7 @@ fn nothing(steps: &[Step]) -> Option<String> {
     (all && count > 0).then(|| format!("all {count} feed moves are above the plate, at Z{low:.3} or higher"))
 }
 
-/// A rapid move in the material is an error of the program, or an unusual method to put a pen down.
+/// A rapid move in the material is an error of the program, or an unusual way to put a pen down.
 fn check_rapid(one: &Move, notes: &mut Notes) -> Result<(), Stop> {
     for (piece, height) in &one.pieces {
         let (from, to) = (height.at(0.0), height.at(1.0));
