@@ -2,8 +2,6 @@
 
 mod cell;
 
-// ANCHOR: main
 fn main() -> std::process::ExitCode {
     mrroc_ros2::run("arms", cell::cell)
 }
-// ANCHOR_END: main

@@ -4,7 +4,7 @@
 //! own, so that no other request holds up a stop.
 
 use std::path::Path;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use mrroc_core::operator::button::Button;
 use mrroc_core::operator::{Answer, Request};
@@ -24,8 +24,12 @@ const BUTTONS: [(&str, Button); 6] = [
     ("reset", Button::Reset),
 ];
 
-/// How often a service looks for requests.
-const LOOK: Duration = Duration::from_millis(2);
+/// How often services that bring robots to rest look for requests, and how often the others do.
+const SOON: Duration = Duration::from_millis(2);
+const LOOK: Duration = Duration::from_millis(20);
+
+/// A request that has waited for so long behind another one is not carried out: who asked may have given up.
+const STALE: Duration = Duration::from_secs(2);
 
 /// Presses a button of the cell whose file is at `cell`; what became of it.
 ///
@@ -58,14 +62,28 @@ pub fn offer(node: &mut RosNode, cell: &Path) -> Result<(), String> {
 }
 
 fn serve(server: &Server<TriggerRequest, TriggerResponse>, cell: &Path, button: Button) {
+    let is_urgent = matches!(button, Button::Stop | Button::Abort);
+    let answer = |asked, pressed: Result<String, String>| {
+        let success = pressed.is_ok();
+        let message = pressed.unwrap_or_else(|why| why);
+        drop(server.send_response(asked, TriggerResponse { success, message }));
+    };
     loop {
         // A request that cannot be read is another node's fault, and is not answered.
         while let Ok(Some((asked, _))) = server.receive_request() {
-            let pressed = press(cell, button);
-            let success = pressed.is_ok();
-            let message = pressed.unwrap_or_else(|why| why);
-            drop(server.send_response(asked, TriggerResponse { success, message }));
+            let since = Instant::now();
+            answer(asked, press(cell, button));
+            if since.elapsed() < STALE || is_urgent {
+                continue;
+            }
+            while let Ok(Some((asked, _))) = server.receive_request() {
+                answer(
+                    asked,
+                    Err("it waited for another request, to which the cell did not answer: ask again"
+                        .to_owned()),
+                );
+            }
         }
-        std::thread::sleep(LOOK);
+        std::thread::sleep(if is_urgent { SOON } else { LOOK });
     }
 }

@@ -8,31 +8,31 @@ use crate::messages::Stamp;
 
 /// When the cell's time was zero, by the wall clock.
 ///
-/// It is found once: a wall clock that is set while the cell runs changes no stamp, so stamps of one run are as far apart as its steps.
+/// It is found once in a run: a wall clock that is set while the cell runs changes no stamp, so stamps of one run are as far apart as its steps.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct CellClock {
-    zero: Option<u64>,
-    last: u64,
+    /// By the wall clock, and by the machine's monotonic clock \[ns\].
+    zero: Option<[u64; 2]>,
 }
 
 impl CellClock {
     /// The stamp of a time of the cell \[ns\] that was told at `sent` by the machine's monotonic clock \[ns\].
     pub fn stamp(&mut self, time: u64, sent: u64) -> Stamp {
-        // Another run of the cell begins at zero again.
-        if time + JUMP < self.last {
-            *self = CellClock::default();
-        }
-        self.last = self.last.max(time);
-        let zero = *self.zero.get_or_insert_with(|| {
-            let age = monotonic().saturating_sub(sent);
-            now().saturating_sub(age).saturating_sub(time)
-        });
+        let began = sent.saturating_sub(time);
+        let [zero, _] = match self.zero.filter(|[_, known]| began.abs_diff(*known) < ANOTHER) {
+            Some(known) => known,
+            None => {
+                let age = monotonic().saturating_sub(sent);
+                *self.zero.insert([now().saturating_sub(age).saturating_sub(time), began])
+            }
+        };
         Stamp::of(zero + time)
     }
 }
 
-/// Messages of several robots come by so much out of order at most \[ns\].
-const JUMP: u64 = 1_000_000_000;
+/// A time that was zero so much earlier or later is that of another run \[ns\]: within a run that is how late a message may be told, and how late steps
+/// may have become.
+const ANOTHER: u64 = 1_000_000_000;
 
 /// Now, by the wall clock \[ns since 1970\].
 pub fn now() -> u64 {
@@ -49,11 +49,14 @@ fn monotonic() -> u64 {
 mod tests {
     use super::*;
 
+    fn nanos(stamp: Stamp) -> i64 {
+        i64::from(stamp.sec) * 1_000_000_000 + i64::from(stamp.nanosec)
+    }
+
     #[test]
     fn stamps_are_as_far_apart_as_the_times_of_the_cell_whenever_they_are_told() {
         let mut clock = CellClock::default();
         let sent = monotonic();
-        let nanos = |stamp: Stamp| i64::from(stamp.sec) * 1_000_000_000 + i64::from(stamp.nanosec);
         let first = nanos(clock.stamp(5_000_000, sent));
         // Told late, and out of order by another robot.
         let second = nanos(clock.stamp(7_000_000, sent + 900_000_000));
@@ -62,10 +65,13 @@ mod tests {
     }
 
     #[test]
-    fn another_run_of_the_cell_begins_at_the_wall_clock_again() {
+    fn another_run_of_the_cell_begins_at_the_wall_clock_again_however_short_the_one_before_was() {
         let mut clock = CellClock::default();
-        let before = clock.stamp(3_600_000_000_000, monotonic());
-        let after = clock.stamp(0, monotonic());
-        assert!(after >= before && after.sec - before.sec < 60, "{before:?}, {after:?}");
+        let sent = monotonic();
+        // The run before began ten minutes ago, and ended within its first second.
+        let before = nanos(clock.stamp(800_000_000, sent - 600_000_000_000));
+        let after = nanos(clock.stamp(0, sent));
+        let apart = after - before;
+        assert!((599_000_000_000..601_000_000_000).contains(&apart), "{apart} ns");
     }
 }

@@ -7,7 +7,7 @@ use mrroc_core::pose::Pose;
 use nalgebra::{Translation3, Unit, UnitQuaternion, Vector3};
 use roxmltree::{Document, Node};
 
-/// The link of every URDF in which the robot stands.
+/// The link of every URDF in which the robot stands: the world, or the flange of the robot that carries it.
 pub const WORLD: &str = "world";
 
 /// A robot's URDF.
@@ -70,14 +70,14 @@ pub enum NoDescription {
 }
 
 impl Description {
-    /// Of a robot of this name with so many joints, which stands in the frame `base`.
+    /// Of a robot of this name with so many joints.
     ///
     /// # Errors
     /// [`NoDescription`]
-    pub fn read(urdf: String, name: &str, base: &str, joints: usize) -> Result<Description, NoDescription> {
+    pub fn read(urdf: String, name: &str, joints: usize) -> Result<Description, NoDescription> {
         let text = urdf.clone();
         let document = Document::parse(&text).map_err(|error| NoDescription::Xml(error.to_string()))?;
-        let frame = |link: &str| if link == WORLD { base.to_owned() } else { format!("{name}/{link}") };
+        let frame = |link: &str| format!("{name}/{link}");
         let (mut names, mut moving, mut fixed) = (Vec::new(), Vec::new(), Vec::new());
         let mut mimics = Vec::new();
         for joint in document.root_element().children().filter(|node| node.has_tag_name("joint")) {
@@ -187,7 +187,7 @@ mod tests {
         let parents: BTreeMap<_, _> = transforms.iter().map(|one| (one.child.as_str(), one)).collect();
         let mut pose = Pose::identity();
         let mut at = frame;
-        while at != WORLD {
+        while at != "arm/world" {
             let one = parents[at];
             pose = one.pose * pose;
             at = &one.parent;
@@ -198,7 +198,7 @@ mod tests {
     fn agrees<R: Robot>(robot: &R, tool: &str) {
         let hand = Tool { frame: Pose::translation(0.01, -0.02, 0.15), load: mrroc::robot::Load::NONE };
         let urdf = robot.urdf("arm", &hand).expect("it writes one");
-        let read = Description::read(urdf, "arm", WORLD, R::Joints::LEN).expect("a description");
+        let read = Description::read(urdf, "arm", R::Joints::LEN).expect("a description");
         for place in 0..100 {
             let share = |joint: usize| (0.37 * place as f64 + 0.61 * joint as f64).fract();
             let limits = robot.limits();
@@ -234,14 +234,14 @@ mod tests {
         let hand = Tool { frame: Pose::identity(), load: mrroc::robot::Load::NONE };
         let urdf = Rnt::new().urdf("arm", &hand).expect("it writes one");
         // Two linear actuators and their rods, besides the shoulder and the elbow that they turn.
-        let refused = Description::read(urdf, "arm", WORLD, 6).expect_err("a URDF has no loops");
+        let refused = Description::read(urdf, "arm", 6).expect_err("a URDF has no loops");
         assert_eq!(refused, NoDescription::Count { found: 8, expected: 6 });
     }
 
     #[test]
     fn what_is_no_urdf_of_the_robot_is_refused_by_what_it_lacks() {
         let refused = |urdf: &str, joints| {
-            Description::read(urdf.to_owned(), "arm", WORLD, joints).expect_err("refused").to_string()
+            Description::read(urdf.to_owned(), "arm", joints).expect_err("refused").to_string()
         };
         assert!(refused("<robot", 1).contains("no XML"));
         let joint =

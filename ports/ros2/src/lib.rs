@@ -16,24 +16,25 @@
 //! }
 //! ```
 //!
-//! The cell runs as processes in one terminal, the bridge in another: `cargo run --bin ros2`. Both may be started first.
+//! The cell runs as processes in one terminal, the bridge in another: `cargo run --features ros2 --bin ros2`. Either may be started first.
 //!
 //! | topic, service or parameter | type | what |
 //! |---|---|---|
 //! | `/ROBOT/joint_states` | `sensor_msgs/JointState` | measured joint positions and velocities of every step, named as in the URDF |
 //! | `/ROBOT/robot_description` | `std_msgs/String` | the URDF that the robot writes of itself; kept for who comes later |
 //! | `/ROBOT/inputs/NAME`, `/ROBOT/outputs/NAME` | `std_msgs/Bool` or `Float64` | the robot's named signals, when they change; kept for who comes later |
-//! | `/tf`, `/tf_static` | `tf2_msgs/TFMessage` | `world`, the frames of the cell, and the links of each URDF as `ROBOT/LINK`; `/tf` 50 times a second |
+//! | `/tf`, `/tf_static` | `tf2_msgs/TFMessage` | `world`, the frames of the cell, and the links of each URDF as `ROBOT/LINK`, whose link `world` is the world or the flange of the robot that carries it; `/tf` 50 times a second |
 //! | `/NODE/state` | `std_msgs/String` | what the cell does: `idle`, `running`, `suspended` ..; kept for who comes later |
-//! | `/diagnostics` | `diagnostic_msgs/DiagnosticArray` | once a second, the cell and each of its processes |
-//! | `/NODE/suspend`, `resume`, `abort`, `stop`, `acknowledge`, `reset` | `std_srvs/Trigger` | the buttons of the operator's console |
-//! | `speed` of `/NODE` | parameter, double | the speed as a share of the planned one, 0 to 1 |
+//! | `/diagnostics` | `diagnostic_msgs/DiagnosticArray` | once a second, and when the state or the fault changes: the cell and each of its processes |
+//! | with `--buttons`: `/NODE/suspend`, `resume`, `abort`, `stop`, `acknowledge`, `reset` | `std_srvs/Trigger` | the buttons of the operator's console |
+//! | with `--buttons`: `speed` of `/NODE` | parameter, double | the speed as a share of the planned one, 0 to 1 |
 //!
 //! `NODE` is `cell` unless `--node` says otherwise. Stamps are the cell's time, beginning at the wall clock when the bridge saw its first step. Everything is
-//! reliable; `--address` names the address of this machine on whose network DDS speaks, 127.0.0.1 by default. There is no access
-//! control on that network: whoever reaches it can press the buttons.
+//! reliable. **DDS has no access control, and its sockets hear all networks of the machine**, whatever address `--address` tells others: whoever reaches the machine
+//! sees the cell, and with `--buttons` presses its buttons. A firewall is what keeps others out.
 //!
-//! Tested with rclpy of Jazzy over Fast DDS. Not there yet: trajectories as goals, topics as sensors, wrenches.
+//! Tested with rclpy of Jazzy over Fast DDS, and topics with Cyclone DDS. Services and parameters are in the form of Fast DDS alone. Not there yet: trajectories as goals, topics as
+//! sensors, wrenches, robots of lower cells.
 
 #![forbid(unsafe_code)]
 #![cfg(target_os = "linux")]

@@ -1,4 +1,4 @@
-//! Messages of ROS 2, as they are on the wire: CDR of the fields in this order.
+//! Messages of ROS 2, as they are sent: the fields in this order, in CDR.
 //!
 //! Names and fields are those of `common_interfaces`, `geometry2` and `rcl_interfaces` of Jazzy.
 

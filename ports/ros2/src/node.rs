@@ -5,7 +5,6 @@
 use std::net::IpAddr;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Duration;
 
 use ros2_client::dds::rustdds::DomainParticipantBuilder;
 use ros2_client::qos::{Durability, History, Reliability, WhenFull};
@@ -26,15 +25,14 @@ pub struct Place {
     pub node: String,
 }
 
-/// Messages of a topic that wait for a subscriber that is slow.
+/// Messages of a topic that wait for a subscriber that is slow. Where more wait, as for a program that stands still, new ones are dropped for all:
+/// a bridge waits for nobody.
 const WAITING: usize = 100;
-/// For how long a publisher waits for a subscriber that takes nothing.
-const LONGEST: Duration = Duration::from_millis(1);
 
 /// Who is there gets every message.
 pub fn now_only() -> QosProfile {
     QosProfile::publisher_default()
-        .reliability(Reliability::Reliable { when_full: WhenFull::Wait(LONGEST) })
+        .reliability(Reliability::Reliable { when_full: WhenFull::Fail })
         .durability(Durability::Volatile)
         .history(History::KeepLast { depth: WAITING })
 }
@@ -54,12 +52,13 @@ pub struct RosNode {
 }
 
 impl RosNode {
-    /// Begins to be one; `set_speed` sets the speed of the cell, or says why not.
+    /// Begins to be one. `check_speed` says why a speed cannot be that of the cell, `set_speed` sets it, or says why not.
     ///
     /// # Errors
     /// Why DDS, or a node of this name, cannot be had.
     pub fn begin(
         place: &Place,
+        check_speed: impl Fn(f64) -> Result<(), String> + Send + Sync + 'static,
         set_speed: impl Fn(f64) -> Result<(), String> + Send + Sync + 'static,
     ) -> Result<RosNode, String> {
         let participant =
@@ -69,19 +68,25 @@ impl RosNode {
         let failed = |error: &dyn core::fmt::Display| format!("node `{}`: {error}", place.node);
         let context = Context::from_domain_participant(participant).map_err(|error| failed(&error))?;
         let name = NodeName::new("/", &place.node).map_err(|error| failed(&error))?;
-        // The value that is declared is validated, too, and is none that anybody has set.
+        let number = |name: &str, value: &ParameterValue| match (name, value) {
+            (SPEED, ParameterValue::Double(speed)) => Ok(Some(*speed)),
+            (SPEED, _) => Err("the speed is a number with a decimal point, from 0.0 to 1.0".to_owned()),
+            _ => Ok(None),
+        };
+        // The value that is declared is set, too, and is none that anybody has asked for.
         let begun = Arc::new(AtomicBool::new(false));
         let has_begun = Arc::clone(&begun);
-        let set = move |name: &str, value: &ParameterValue| match (name, value) {
-            _ if !has_begun.load(Ordering::Acquire) => Ok(()),
-            (SPEED, ParameterValue::Double(speed)) => set_speed(*speed),
-            (SPEED, _) => Err("the speed is a number with a decimal point, from 0.0 to 1.0".to_owned()),
-            _ => Ok(()),
+        let check =
+            move |name: &str, value: &ParameterValue| number(name, value)?.map_or(Ok(()), &check_speed);
+        let set = move |name: &str, value: &ParameterValue| match number(name, value)? {
+            Some(speed) if has_begun.load(Ordering::Acquire) => set_speed(speed),
+            Some(_) | None => Ok(()),
         };
         let options = NodeOptions::new()
             .enable_rosout(false)
             .declare_parameter(SPEED, ParameterValue::Double(1.0))
-            .parameter_validator(Box::new(set));
+            .parameter_validator(Box::new(check))
+            .parameter_set_action(Box::new(set));
         let mut node = context.new_node(name, options).map_err(|error| failed(&error))?;
         begun.store(true, Ordering::Release);
         let spinner = node.spinner().map_err(|error| failed(&error))?;
@@ -137,7 +142,37 @@ impl RosNode {
     }
 }
 
-/// A robot's name as a part of a topic's: letters, digits and underscores.
+/// A robot's or a signal's name as a part of a topic's: letters, digits and single underscores, a letter first.
 pub fn topic_name(name: &str) -> String {
-    name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect()
+    let mut made = String::new();
+    for c in name.chars() {
+        match c {
+            _ if c.is_ascii_alphanumeric() => made.push(c),
+            _ if made.is_empty() || made.ends_with('_') => {}
+            _ => made.push('_'),
+        }
+    }
+    let made = made.trim_end_matches('_');
+    if made.starts_with(|c: char| c.is_ascii_alphabetic()) { made.to_owned() } else { format!("n{made}") }
+}
+
+/// Two of these names that would be the same part of a topic's, if there are any.
+pub fn same_topic<'a>(names: impl Iterator<Item = &'a str> + Clone) -> Option<[&'a str; 2]> {
+    names.clone().enumerate().find_map(|(place, one)| {
+        let is_same = |other: &&str| topic_name(other) == topic_name(one);
+        names.clone().take(place).find(is_same).map(|other| [other, one])
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_of_robots_are_made_names_of_topics_and_two_that_become_one_are_found() {
+        let made = ["left", "left-arm", "press.arm", "2nd", "a--b", "-x-"].map(topic_name);
+        assert_eq!(made, ["left", "left_arm", "press_arm", "n2nd", "a_b", "x"]);
+        assert_eq!(same_topic(["left", "left-arm", "left_arm"].into_iter()), Some(["left-arm", "left_arm"]));
+        assert_eq!(same_topic(["left", "right"].into_iter()), None);
+    }
 }

@@ -1,6 +1,6 @@
 //! The program: its command line, and its life beside the cell.
 
-use std::net::{IpAddr, Ipv4Addr};
+use std::net::{IpAddr, Ipv4Addr, UdpSocket};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -9,8 +9,8 @@ use std::time::{Duration, Instant};
 use clap::Parser;
 use mrroc_core::cell::{Cell, CellError};
 use mrroc_core::console::{complain, refused};
-use mrroc_core::operator::Request;
 use mrroc_core::operator::button::Button;
+use mrroc_core::operator::{CellState, Request};
 use mrroc_external::Subscriber;
 use mrroc_launch::cell_file::CellFile;
 use mrroc_processes::{Caller, ConsoleMessage, Picture};
@@ -21,7 +21,9 @@ use crate::show::Topics;
 
 /// How often it is looked whether the cell has shown anything.
 const LOOK: Duration = Duration::from_millis(1);
-/// The time between two diagnostics.
+/// Images that are taken before pictures are looked at.
+const MOST: usize = 1000;
+/// The time between two diagnostics in which nothing new is told.
 const DIAGNOSED: Duration = Duration::from_secs(1);
 /// How long it is waited before a cell that is not there is looked for again.
 const AGAIN: Duration = Duration::from_millis(200);
@@ -33,15 +35,21 @@ struct Options {
     /// The file of the cell.
     #[arg(long, value_name = "FILE", default_value = "cell.toml")]
     cell: PathBuf,
-    /// The domain of DDS; without it `ROS_DOMAIN_ID`, or 0.
-    #[arg(long, value_name = "NUMBER")]
+    /// The domain of DDS, 0 to 232; without it `ROS_DOMAIN_ID`, or 0.
+    #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u16).range(0..=232))]
     domain: Option<u16>,
-    /// The address of this machine on the network where DDS speaks; whoever reaches it can press the buttons.
+    /// The address of this machine that other participants of DDS are told, and on whose network they are looked for.
     #[arg(long, value_name = "ADDRESS", default_value_t = IpAddr::V4(Ipv4Addr::LOCALHOST))]
     address: IpAddr,
     /// The name of the node.
     #[arg(long, value_name = "NAME", default_value = "cell")]
     node: String,
+    /// Let other nodes press the buttons of the console, and set the speed: all that reach this machine.
+    #[arg(long)]
+    buttons: bool,
+    /// Options of the cell's own program.
+    #[arg(last = true, value_name = "OPTIONS")]
+    _own: Vec<std::ffi::OsString>,
 }
 
 /// The main function of a project's bridge: shows the cell that `cell` makes of `cell.toml`, and that runs as processes
@@ -70,30 +78,36 @@ pub fn run(port: &str, cell: impl FnOnce(&CellFile) -> Result<Cell, CellError>) 
 
 /// The domain that the user of this machine has set for all programs of ROS 2.
 fn users_domain() -> Result<u16, String> {
-    let Some(domain) = std::env::var_os("ROS_DOMAIN_ID") else { return Ok(0) };
-    let read = domain.to_str().and_then(|domain| domain.parse().ok());
+    let domain = std::env::var_os("ROS_DOMAIN_ID").filter(|domain| !domain.is_empty());
+    let Some(domain) = domain else { return Ok(0) };
+    let read = domain.to_str().and_then(|domain| domain.parse().ok()).filter(|domain| *domain <= 232);
     read.ok_or_else(|| format!("ROS_DOMAIN_ID is `{}`\n help: it is a number, 0 to 232", domain.display()))
 }
 
 fn attend(port: &str, mut cell: Cell, options: &Options) -> Result<core::convert::Infallible, String> {
     let domain = options.domain.map_or_else(users_domain, Ok)?;
+    UdpSocket::bind((options.address, 0))
+        .map_err(|error| format!("{} is no address of this machine: {error}", options.address))?;
     let place = Place { domain, address: options.address, node: options.node.clone() };
     let (layout, file) = (cell.layout(), options.cell.clone());
-    let urdfs: Vec<_> = cell.robots_mut().map(|robot| robot.urdf()).collect();
-    let names: Vec<_> = layout.robots.iter().map(|robot| robot.name.as_str()).collect();
+    let urdfs: Vec<_> = cell.robots_mut().map(|robot| (robot.name().to_owned(), robot.urdf())).collect();
+    if urdfs.len() < layout.robots.len() {
+        complain("warning: robots of lower cells are not shown");
+    }
+    let names: Vec<_> = urdfs.iter().map(|(name, _)| name.as_str()).collect();
     let mut subscriber = Subscriber::at(port, &names)?;
-    let set_speed = {
-        let file = file.clone();
-        move |speed: f64| {
-            if !(0.0..=1.0).contains(&speed) {
-                return Err(format!("the speed is {speed}\n help: it is a share, from 0.0 to 1.0"));
-            }
-            buttons::press(&file, Button::Speed(speed)).map(drop)
-        }
+    let (of, may_press) = (file.clone(), options.buttons);
+    let check_speed = move |speed: f64| match (0.0..=1.0).contains(&speed) {
+        true if may_press => Ok(()),
+        true => Err("the bridge shows the cell only\n help: start it with --buttons".to_owned()),
+        false => Err(format!("the speed is {speed}\n help: it is a share, from 0.0 to 1.0")),
     };
-    let mut node = RosNode::begin(&place, set_speed)?;
+    let set_speed = move |speed: f64| buttons::press(&of, Button::Speed(speed)).map(drop);
+    let mut node = RosNode::begin(&place, check_speed, set_speed)?;
     let mut topics = Topics::open(&mut node, &layout, &urdfs)?;
-    buttons::offer(&mut node, &file)?;
+    if options.buttons {
+        buttons::offer(&mut node, &file)?;
+    }
     let (show, pictures) = channel();
     let watches = move || loop {
         drop(watch(&file, &show));
@@ -103,7 +117,8 @@ fn attend(port: &str, mut cell: Cell, options: &Options) -> Result<core::convert
         .name("watches".to_owned())
         .spawn(watches)
         .map_err(|error| format!("no thread for pictures: {error}"))?;
-    complain(&format!("node /{}: domain {domain} at {}", place.node, place.address));
+    let buttons = if options.buttons { "with buttons" } else { "without buttons" };
+    complain(&format!("node /{}: domain {domain} at {}, {buttons}", place.node, place.address));
     show_for_ever(&mut subscriber, &mut topics, &pictures)
 }
 
@@ -113,20 +128,25 @@ fn show_for_ever(
     pictures: &Receiver<Option<Box<Picture>>>,
 ) -> Result<core::convert::Infallible, String> {
     let mut diagnosed = Instant::now();
+    let mut told = (CellState::Idle, None);
     loop {
-        while let Some(image) = subscriber.image() {
+        // However much it shows, the rest has its turn.
+        for _ in 0..MOST {
+            let Some(image) = subscriber.image() else { break };
             topics.image(image);
         }
-        match pictures.try_iter().last() {
-            Some(Some(picture)) => {
-                topics.picture(&picture);
-                if diagnosed.elapsed() >= DIAGNOSED {
-                    diagnosed = Instant::now();
-                    topics.diagnose(&picture);
-                }
+        // Each picture: what it alone shows is not to be lost.
+        for picture in pictures.try_iter() {
+            let Some(picture) = picture else {
+                topics.state("not reachable");
+                continue;
+            };
+            topics.picture(&picture);
+            let says = (picture.state, picture.fault.clone());
+            if says != told || diagnosed.elapsed() >= DIAGNOSED {
+                (diagnosed, told) = (Instant::now(), says);
+                topics.diagnose(&picture);
             }
-            Some(None) => topics.state("not running"),
-            None => {}
         }
         std::thread::sleep(LOOK);
     }

@@ -1,10 +1,10 @@
 //! What the cell shows, as topics.
 //!
-//! In: images of robots, and pictures of the cell. Out: messages. A subscriber that takes nothing makes nobody wait for longer than a
-//! millisecond, and loses what it does not take.
+//! In: images of robots, and pictures of the cell. Out: messages. The bridge waits for no subscriber.
 
 use mrroc_core::console::complain;
 use mrroc_core::observe::layout::Layout;
+use mrroc_core::pose::Pose;
 use mrroc_external::Image;
 use mrroc_processes::Picture;
 use ros2_client::Publisher;
@@ -13,7 +13,7 @@ use crate::clock::{CellClock, now};
 use crate::description::{Description, WORLD};
 use crate::diagnostics;
 use crate::messages::{DiagnosticArray, Header, JointState, Stamp, Text, TransformStamped, Transforms};
-use crate::node::{RosNode, kept, now_only, topic_name};
+use crate::node::{RosNode, kept, now_only, same_topic, topic_name};
 use crate::signals::SignalTopics;
 
 /// Time between two messages of `/tf` for a robot \[ns of the cell\].
@@ -46,24 +46,30 @@ pub struct Topics {
 }
 
 impl Topics {
-    /// Those of a cell of this layout, whose robots have these URDFs, as far as they write any.
+    /// Those of a cell of this layout, which has these robots with their URDFs, as far as they write any.
     ///
     /// # Errors
-    /// Why a topic cannot be published.
-    pub fn open(node: &mut RosNode, layout: &Layout, urdfs: &[Option<String>]) -> Result<Topics, String> {
+    /// Why a topic cannot be published, or which robots would have the same ones.
+    pub fn open(
+        node: &mut RosNode,
+        layout: &Layout,
+        urdfs: &[(String, Option<String>)],
+    ) -> Result<Topics, String> {
         let (mut robots, mut descriptions) = (Vec::new(), Vec::new());
         let stamp = Stamp::of(now());
         let frames = layout.frames.iter();
         let mut fixed: Vec<_> =
             frames.map(|(name, pose)| TransformStamped::of(stamp, WORLD, name, pose)).collect();
-        for (robot, urdf) in layout.robots.iter().zip(urdfs) {
+        if let Some([one, other]) = same_topic(layout.robots.iter().map(|robot| robot.name.as_str())) {
+            return Err(format!(
+                "robots `{one}` and `{other}` would have the same topics /{}/..\n help: rename one of them",
+                topic_name(one)
+            ));
+        }
+        for (name, urdf) in urdfs {
+            let Some(robot) = layout.robots.iter().find(|robot| robot.name == *name) else { continue };
             let name = topic_name(&robot.name);
-            let base = match &robot.mounted_on {
-                Some(carrier) => format!("{carrier}/flange"),
-                None => WORLD.to_owned(),
-            };
-            let read =
-                |urdf: &String| Description::read(urdf.clone(), &robot.name, &base, robot.joints.len());
+            let read = |urdf: &String| Description::read(urdf.clone(), &name, robot.joints.len());
             let description = match urdf.as_ref().map(read) {
                 Some(Ok(description)) => Some(description),
                 Some(Err(why)) => {
@@ -78,6 +84,13 @@ impl Topics {
             let states =
                 node.publisher(&format!("/{name}/joint_states"), ("sensor_msgs", "JointState"), now_only())?;
             if let Some(description) = &description {
+                let stands_in = match &robot.mounted_on {
+                    Some(carrier) => format!("{}/flange", topic_name(carrier)),
+                    None => WORLD.to_owned(),
+                };
+                let place =
+                    TransformStamped::of(stamp, &stands_in, &format!("{name}/{WORLD}"), &Pose::identity());
+                fixed.push(place);
                 let topic = format!("/{name}/robot_description");
                 let publisher = node.publisher(&topic, ("std_msgs", "String"), kept())?;
                 drop(publisher.publish(Text { data: description.urdf.clone() }));

@@ -199,6 +199,20 @@ def check_signals(nodes):
     print("  the gripper's output, and the input that follows it, are heard")
 
 
+def check_kept(nodes):
+    """Who comes later hears the last state alone, though it would take ten."""
+    heard = []
+    later = QoSProfile(depth=10, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+    node = rclpy.create_node("later")
+    node.create_subscription(String, "/cell/state", lambda message: heard.append(message.data), later)
+    until = time.monotonic() + 3
+    while time.monotonic() < until:
+        rclpy.spin_once(node, timeout_sec=0.1)
+    node.destroy_node()
+    print(f"  a node that comes later hears {heard}, after {len(nodes.said)} states")
+    has(heard[-1:] == nodes.said[-1:], f"a node that comes later hears {heard}")
+
+
 def operate(nodes):
     """The buttons and the speed."""
     answer = nodes.press("suspend")
@@ -227,8 +241,8 @@ def operate(nodes):
 
 
 def test(folder, seconds):
-    bridge = subprocess.Popen([EXAMPLES / "bridge", "--cell", CELL], stderr=subprocess.PIPE, text=True, preexec_fn=interruptible)
-    has(f"node /cell: domain {DOMAIN} at 127.0.0.1" in bridge.stderr.readline(), "the bridge does not begin")
+    bridge = subprocess.Popen([EXAMPLES / "bridge", "--cell", CELL, "--buttons"], stderr=subprocess.PIPE, text=True, preexec_fn=interruptible)
+    has(f"node /cell: domain {DOMAIN} at 127.0.0.1, with buttons" in bridge.stderr.readline(), "the bridge does not begin")
     links = subprocess.Popen(
         [sys.executable, HERE / "links.py", folder / "links.jsonl", DOMAIN, str(seconds + 4)], stdout=subprocess.PIPE, text=True
     )
@@ -244,6 +258,7 @@ def test(folder, seconds):
         nodes.spin(seconds)
         check_signals(nodes)
         operate(nodes)
+        check_kept(nodes)
         print("  a killed bridge:")
         bridge.kill()
         bridge.wait()
