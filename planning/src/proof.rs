@@ -248,6 +248,7 @@ impl Proof {
         let Pairing { arm, limb, since, .. } = *pairing;
         let Against::Limb(other_arm, other_limb) = pairing.against else { return false };
         let margin = Lanes::splat(checker.kept_apart(pairing));
+        self.seen = None;
         self.sights.clear();
         for standing in &self.standing[..self.batches] {
             let [one, other] = [&standing[arm], &standing[other_arm]];
