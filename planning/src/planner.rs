@@ -372,7 +372,9 @@ impl Planner {
             Ok(path) => {
                 let goal =
                     to.iter().position(|goal| path.last() == Some(goal)).map_or(clear[0], |i| clear[i]);
-                let middle = path[1..path.len() - 1].iter().map(|q| outer(q, &offset, start));
+                // Where the start is a goal, the path may be one point.
+                let middle = path.get(1..path.len() - 1).unwrap_or_default();
+                let middle = middle.iter().map(|q| outer(q, &offset, start));
                 Ok(core::iter::once(start.to_vec()).chain(middle).chain([goal.to_vec()]).collect())
             }
             Err((nearest, apart)) => {
