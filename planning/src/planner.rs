@@ -113,7 +113,7 @@ impl Planner {
     ///
     /// A start and a goal from which a straight motion to one of the nearest of these positions is clear need no search. That gains much where paths are
     /// hard to find, as through a window, and where the same positions come again; see the book for figures. Where it does not help, the
-    /// planner searches as without it.
+    /// planner searches as without it, after a few checks more.
     ///
     /// A plan then depends on the queries before it: the same ones in the same order give the same plans, to the bit. A clone goes on with what is known when it is
     /// made. A planner of another world, as of [`beside`](Self::beside), or with something more to keep upright, begins with nothing.
@@ -384,7 +384,8 @@ impl Planner {
         }
     }
 
-    /// Makes a path shorter, as far as a quarter of the effort allows; its ends stay.
+    /// Makes a path shorter, as far as a quarter of the effort allows; its ends stay. What replaces a part of it is clear; the rest stays as it is,
+    /// clear or not.
     pub fn shorten(&mut self, points: &mut Vec<Vec<f64>>) {
         self.shorten_by(points, self.effort / 4);
     }
@@ -395,7 +396,8 @@ impl Planner {
         self.checker.offset.clone_from(&offset);
         let mut path: Vec<Vec<f32>> = points.iter().map(|q| inner(q, &offset)).collect();
         shorten(&mut self.checker, &mut self.edges, self.seed, &mut path, effort);
-        self.roadmap.keep_path(&path, self.checker.more);
+        self.roadmap.turn(&self.checker);
+        self.roadmap.keep_clear(&mut self.checker, &mut self.edges, &path);
         *points = path.iter().map(|q| outer(q, &offset, &start)).collect();
         let last = points.len() - 1;
         points[0] = start;

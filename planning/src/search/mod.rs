@@ -1,7 +1,8 @@
 //! Finds a path of all joints from a start to one of several goals: RRT-Connect, then shortcuts. Several robots first try to move one
 //! after the other. What earlier queries have proven may be remembered, and is tried before any search.
 //!
-//! Deterministic: the same world, start, goals and settings give the same path, to the bit. Effort is counted in checks of eight postures,
+//! Deterministic: the same world, start, goals and settings give the same path, to the bit; with a roadmap the same sequence of queries gives the same
+//! paths. Effort is counted in checks of eight postures,
 //! not in time. Literature: Kuffner and LaValle, *RRT-Connect* (ICRA 2000), and for samples that nodes near what is in the way
 //! are not tried for: Yershova and others, *Dynamic-Domain RRTs* (ICRA 2005); samples are a Halton sequence, shifted by the seed.
 

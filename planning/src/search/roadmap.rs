@@ -1,7 +1,8 @@
 //! What earlier queries have proven, for later ones in the same world.
 //!
-//! In: paths that were found, and the trees of searches, whose legs are all proven clear. Out: a path from a start to a goal, both of which
-//! straight motions to the nearest positions that are known join to the rest. It is the shortest path along legs that are known.
+//! In: the trees of searches and the paths that these found, whose legs are proven clear, and paths that were made shorter, of which legs are kept that
+//! a check proves clear. Out: a path from a start to a goal, both of which straight motions to some of the nearest positions that are known join to the
+//! rest. It is the shortest path along legs that are known.
 //!
 //! A leg is known with how much more than the margins it keeps. It holds for one world, and for what is kept upright there. Of more positions
 //! than the roadmap may have it forgets those that it has known the longest. Literature: Kavraki and others, *Probabilistic roadmaps*
@@ -101,6 +102,18 @@ impl Roadmap {
         self.forget(path.len());
         let nodes: Vec<usize> = path.iter().map(|q| self.place(q)).collect();
         nodes.windows(2).for_each(|leg| self.link(leg[0], leg[1], more));
+    }
+
+    /// Remembers those legs of a path that are clear with what is kept now: they need not have been checked before.
+    pub(crate) fn keep_clear(&mut self, checker: &mut Checker, edges: &mut Edges, path: &[Vec<f32>]) {
+        if path.len() > self.most {
+            return;
+        }
+        for leg in path.windows(2) {
+            if edges.is_clear(checker, &leg[0], &leg[1]) {
+                self.keep_path(leg, checker.more);
+            }
+        }
     }
 
     /// Remembers a tree, of a large one what was reached first.

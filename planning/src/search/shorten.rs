@@ -12,7 +12,7 @@ const IN_VAIN: [usize; 2] = [10, 30];
 /// What is gained by less than this share of the path is not worth a check.
 const GAIN: f32 = 0.01;
 
-/// Two points of a path that are nearer than this are one [rad or m].
+/// A shortcut that would begin or end nearer than this to a point of the path does so at that point [rad or m].
 const SAME: f32 = 1e-4;
 
 /// Length of a path: the sum of the roots of the sums of squares over all joints [rad or m].
@@ -64,7 +64,7 @@ fn cut(space: &mut impl Space, random: &mut Random, path: &mut Points) -> bool {
     if a.0 == b.0 {
         return false;
     }
-    let [from, to] = [&a, &b].map(|(leg, share)| between(&path[*leg], &path[*leg + 1], *share));
+    let [from, to] = [a, b].map(|place| place_on(path, place));
     let before =
         distance(&from, &path[a.0 + 1]) + length(&path[a.0 + 1..=b.0]) as f32 + distance(&path[b.0], &to);
     let least = GAIN * whole as f32;
@@ -79,7 +79,7 @@ fn cut(space: &mut impl Space, random: &mut Random, path: &mut Points) -> bool {
     }
     // What remains of both legs is a part of what was clear.
     path.splice(a.0 + 1..=b.0, points);
-    path.dedup_by(|b, a| distance(a, b) < SAME);
+    path.dedup();
     true
 }
 
@@ -96,10 +96,13 @@ fn cut_of(
     if a.0 == b.0 {
         return false;
     }
-    let [from, to] = [&a, &b].map(|(leg, share)| between(&path[*leg], &path[*leg + 1], *share));
+    let [from, to] = [a, b].map(|place| place_on(path, place));
     let before: Points =
         [from.clone()].into_iter().chain(path[a.0 + 1..=b.0].iter().cloned()).chain([to.clone()]).collect();
     let passed = length(&before);
+    if passed <= 0.0 {
+        return false;
+    }
     let joints = checker.arms[robot].first..checker.arms[robot].first + checker.arms[robot].joints;
     let mut after = before.clone();
     for k in 1..after.len() - 1 {
@@ -117,7 +120,7 @@ fn cut_of(
     checker.among = Among::All;
     if is_clear {
         path.splice(a.0 + 1..=b.0, after);
-        path.dedup_by(|b, a| distance(a, b) < SAME);
+        path.dedup();
     }
     is_clear
 }
@@ -126,6 +129,14 @@ fn cut_of(
 fn two_of(random: &mut Random, path: &Points, whole: f64) -> [(usize, f32); 2] {
     let [a, b] = [random.unit(), random.unit()].map(|share| at(path, share * whole));
     if (a.0, a.1) <= (b.0, b.1) { [a, b] } else { [b, a] }
+}
+
+/// The point at a share of a leg; an end of the leg that is all but there. So no points remain that are nearly one: to leave one of them out would
+/// make a leg that was never checked.
+fn place_on(path: &Points, (leg, share): (usize, f32)) -> Vec<f32> {
+    let place = between(&path[leg], &path[leg + 1], share);
+    let near = path[leg..=leg + 1].iter().find(|end| distance(end, &place) < SAME);
+    near.cloned().unwrap_or(place)
 }
 
 /// Leaves out points between two that a straight motion joins: for each one, from the far end on.
