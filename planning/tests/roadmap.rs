@@ -1,11 +1,14 @@
 //! What a planner remembers of its queries.
 
+use mrroc::pose::Pose;
 use mrroc::random::Random;
+use mrroc::robot::Robot;
 use mrroc_planning::{PlanError, Planner};
-use mrroc_robots::clearance::Clearance;
+use mrroc_robots::Six;
+use mrroc_robots::clearance::{Clearance, Outline};
 use nalgebra::Vector3;
 
-use super::cells::{around_a_box, stopping};
+use super::cells::{around_a_box, six_axes, stopping};
 use super::plans::{A, B};
 
 /// Too few checks for any search, not for a look at what is known.
@@ -88,8 +91,43 @@ fn the_same_sequence_of_questions_has_the_same_plans_to_the_bit() {
 
 #[test]
 fn with_something_to_keep_upright_or_beside_a_robot_nothing_is_known() {
-    let mut planner = planner(1000);
-    planner.find(&A, &[B.to_vec()]).expect("a path");
+    let elsewhere = six_axes(Pose::translation(5.0, 0.0, 0.0));
+    let world = around_a_box().robot("other", elsewhere).expect("an arm");
+    let world = world.ignore(("other", "link 0"), ("table", "table")).build(stopping()).expect("a clearance");
+    let stands = [0.0, -1.2, 1.8, -1.8, -1.57, 0.0];
+    let [from, to] = [A, B].map(|q| [q, stands].concat());
+    let mut planner = Planner::new(world).expect("a planner").with_roadmap(1000);
+    planner.find(&from, std::slice::from_ref(&to)).expect("a path");
     let upright = planner.clone().with_upright("arm", Vector3::z(), 3.1).expect("an axis");
-    assert!(is_found(planner, &A, &B) && !is_found(upright, &A, &B));
+    let mut beside = planner.beside_standing("other", &stands).expect("the arm");
+    assert!(is_found(planner, &from, &to) && !is_found(upright, &from, &to));
+    assert!(!is_found(beside.clone(), &A, &B), "nothing is known");
+    beside.find(&A, &[B.to_vec()]).expect("a path");
+    assert!(is_found(beside, &A, &B), "it remembers as many positions");
+}
+
+#[test]
+fn a_path_that_is_made_shorter_is_known_only_where_it_is_clear() {
+    let mut planner = planner(1000);
+    // Straight through the box.
+    let mut path = vec![A.to_vec(), B.to_vec()];
+    planner.shorten(&mut path);
+    assert_eq!(path, [A.to_vec(), B.to_vec()]);
+    assert!(!is_found(planner, &A, &B));
+}
+
+#[test]
+fn a_start_that_is_a_goal_at_the_tolerance_of_an_axis_is_found_beside_what_is_known() {
+    let flange = |q: &[f64]| six_axes(Pose::identity()).robot().forward(&Six::from_column_slice(q)).rotation;
+    let upright = flange(&A).inverse() * Vector3::z();
+    let mut tilted = A;
+    tilted[3] -= 0.3;
+    let tolerance = (flange(&tilted) * upright).angle(&Vector3::z()) + 1e-9;
+    let mut planner = planner(1000).with_upright("arm", upright, tolerance).expect("an axis");
+    let mut turned = A;
+    turned[0] -= 0.5;
+    planner.find(&A, &[turned.to_vec()]).expect("a path");
+    planner.find(&A, &[B.to_vec()]).expect("a path");
+    let path = planner.find(&tilted, &[tilted.to_vec()]).expect("it is there");
+    assert_eq!(path, [tilted.to_vec(), tilted.to_vec()]);
 }
