@@ -266,3 +266,4 @@ impl Planner {
         Carried { plan: Plan { robots, motion: Arc::new(motion) }, body: Arc::new(body) }
     }
 }
+            carries: true,

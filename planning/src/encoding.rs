@@ -20,7 +20,7 @@ use crate::plan::{Motion, Plan};
 use crate::speed::{Knot, Speed};
 
 /// The first word: that this is a plan, in this form.
-const PLAN: u64 = u64::from_be_bytes(*b"plan  02");
+const PLAN: u64 = u64::from_be_bytes(*b"plan  03");
 
 const REVOLUTE: u64 = 0;
 const PRISMATIC: u64 = 1;
@@ -30,7 +30,8 @@ const CURVE: u64 = 1;
 impl Recorded for Plan {
     fn to_words(&self) -> Vec<u64> {
         let Plan { robots, motion } = self;
-        let Motion { path, speed, limits, offset, ends: [from, to], grid, leaves, reaction } = &**motion;
+        let Motion { path, speed, limits, offset, ends: [from, to], grid, leaves, reaction, carries } =
+            &**motion;
         let mut words = Words(vec![PLAN, robots.len() as u64]);
         for (name, joints) in robots.iter().zip(&limits.robots) {
             words.name(name);
@@ -41,6 +42,7 @@ impl Recorded for Plan {
         words.floats(from);
         words.floats(to);
         words.floats(&[*leaves, *reaction]);
+        words.0.push(u64::from(*carries));
         words.path(path);
         words.0.push(grid.len() as u64);
         words.floats(grid);
@@ -65,12 +67,18 @@ impl Recorded for Plan {
         let offset = words.floats(n)?;
         let ends = [words.floats(n)?, words.floats(n)?];
         let [leaves, reaction] = words.array()?;
+        let carries = match words.word()? {
+            0 => false,
+            1 => true,
+            _ => return None,
+        };
         let path = words.path(n)?;
         let cells = words.count()?;
         let grid = words.floats(cells)?;
         let speed = words.speed()?;
         words.0.is_empty().then(|| {
-            let motion = Arc::new(Motion { path, speed, limits, offset, ends, grid, leaves, reaction });
+            let motion =
+                Arc::new(Motion { path, speed, limits, offset, ends, grid, leaves, reaction, carries });
             Plan { robots, motion }
         })
     }

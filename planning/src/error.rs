@@ -14,22 +14,22 @@ pub enum PlanError {
     /// The reaction time is no time.
     #[error("a reaction time of {0} s: it must be finite and at least 0")]
     Reaction(f64),
-    /// A list of positions is longer or shorter than the robots have joints.
+    /// A list of positions is longer or shorter than the robots have joints, or a robot has another number of joints than it is told to have.
     #[error(
         "{expected} joint positions are needed, {actual} were given: those of all robots, one behind the other"
     )]
     Joints {
-        /// Joints of all robots.
+        /// Joints of all robots, or of the one.
         expected: usize,
-        /// Positions given.
+        /// Positions given, or joints of the kinematics that were told.
         actual: usize,
     },
-    /// A joint of the start or of a goal is no number, or beyond its limits.
+    /// A joint of the start or of a goal is no number, or beyond its limits; or one of arms that carry a body may be on its path.
     #[error(
         "{robot} joint {joint}: position {position} of the {place} is not within its limits {lower} to {upper}"
     )]
     Limit {
-        /// `start` or `goal`.
+        /// `start`, `goal` or `path`.
         place: &'static str,
         /// The robot.
         robot: String,
@@ -50,14 +50,48 @@ pub enum PlanError {
         /// The robot.
         robot: String,
     },
-    /// On a path of a body an arm comes to a singular posture or to a limit, or too near to something, behind so much of the path.
-    #[error(
-        "the arms cannot follow the body beyond {at:.0} % of its path: a singular posture, a limit, or something near"
-    )]
+    /// On a path of a body an arm comes to a singular posture or to a limit, behind so much of the path.
+    #[error("the arms cannot follow the body beyond {at:.0} % of its path: a singular posture or a limit")]
     Singular {
         /// Behind so much of the path [%].
         at: f64,
     },
+    /// The motion of the arms along a path of a body is not proven clear by the margin, behind so much of the path.
+    #[error(
+        "the arms are not proven clear by the margin behind {at:.0} % of the body's path: help: another seed, or a smaller margin"
+    )]
+    CarryNotClear {
+        /// Behind so much of the path [%].
+        at: f64,
+    },
+    /// No arm is told to hold the body.
+    #[error("no robot holds the body: help: tell `Holders::and` those that do")]
+    NoHolder,
+    /// The kinematics of a robot that holds a body are not those of the clearance.
+    #[error(
+        "{robot}: its flange is {apart:.2e} m from where the clearance has it at the start, at most {limit:.0e} m are allowed: help: tell `Holders::and` the kinematics with the base that the clearance has"
+    )]
+    OtherFlange {
+        /// The robot.
+        robot: String,
+        /// From one flange to the other \[m\].
+        apart: f64,
+        /// The most that is allowed \[m\].
+        limit: f64,
+    },
+    /// In the clearance no holder has grasped the body, so nothing would keep it clear.
+    #[error(
+        "none of the robots that hold the body ({robots}) has grasped it in the clearance, so it would not be checked: help: call `Clearance::grasp` for one of them, and make the planner of that clearance"
+    )]
+    NotGrasped {
+        /// The robots that hold it.
+        robots: String,
+    },
+    /// A new plan is asked for arms that carry a body by a plan.
+    #[error(
+        "no new plan of joints for robots that carry a body together: they would pull at it: help: let them come to rest, then ask `Planner::carry`"
+    )]
+    CarriesBody,
     /// Joints of the start or of a goal share a limit that they do not keep, or have no posture there.
     #[error("{robot}: the joints of the {place} do not go together: a limit that they share is not kept")]
     Coupled {

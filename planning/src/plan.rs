@@ -32,6 +32,8 @@ pub(crate) struct Motion {
     pub(crate) leaves: f64,
     /// The time from a fault until the last robot brakes, for which its stops are proven \[s\], >= 0.
     pub(crate) reaction: f64,
+    /// Whether its robots hold one body together, so that no other motion of their joints may follow.
+    pub(crate) carries: bool,
 }
 
 impl Plan {
@@ -57,7 +59,7 @@ impl Plan {
 
     /// The same motion from a path time \[s\] on, without what lies before.
     pub(crate) fn since(&self, time: f64) -> Self {
-        let Motion { path, speed, limits, offset, ends, grid, leaves, reaction } = &*self.motion;
+        let Motion { path, speed, limits, offset, ends, grid, leaves, reaction, carries } = &*self.motion;
         if !(time > speed.begins && time < speed.duration()) {
             return self.clone();
         }
@@ -73,6 +75,7 @@ impl Plan {
             grid: core::iter::once(0.0).chain(grid).collect(),
             leaves: *leaves,
             reaction: *reaction,
+            carries: *carries,
         };
         Plan { robots: self.robots.clone(), motion: Arc::new(motion) }
     }

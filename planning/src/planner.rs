@@ -113,7 +113,7 @@ impl Planner {
     ///
     /// A start and a goal from which a straight motion to one of the nearest of these positions is clear need no search. That gains much where paths are
     /// hard to find, as through a window, and where the same positions come again; see the book for figures. Where it does not help, the
-    /// planner searches as without it, after a few checks more.
+    /// planner searches as without it, by what its few checks have left of the effort.
     ///
     /// A plan then depends on the queries before it: the same ones in the same order give the same plans, to the bit. A clone goes on with what is known when it is
     /// made. A planner of another world, as of [`beside`](Self::beside), or with something more to keep upright, begins with nothing.
@@ -225,7 +225,8 @@ impl Planner {
         };
         let robots = self.checker.arms.iter().map(Arm::name).collect();
         let (limits, reaction) = (self.limits.clone(), self.reaction);
-        let motion = Motion { path, speed, limits, offset, ends, grid, leaves: 0.0, reaction };
+        let (leaves, carries) = (0.0, false);
+        let motion = Motion { path, speed, limits, offset, ends, grid, leaves, reaction, carries };
         Ok(Plan { robots, motion: Arc::new(motion) })
     }
 

@@ -58,7 +58,10 @@ impl Planner {
             };
             return Err(PlanError::OtherRobots { plan: names(&plan.robots), planner: names(&robots) });
         }
-        let Motion { path, speed, .. } = &*plan.motion;
+        let Motion { path, speed, carries, .. } = &*plan.motion;
+        if *carries {
+            return Err(PlanError::CarriesBody);
+        }
         if at.is_nan() || at < speed.begins {
             return Err(PlanError::PathTime { at, begins: speed.begins });
         }
@@ -150,9 +153,10 @@ impl Planner {
             match onward.timed(&mut self.checker, &old.grid) {
                 Ok((speed, grid)) => {
                     let ends = [old.ends[0].clone(), goal];
-                    let (limits, reaction) = (self.limits.clone(), self.reaction);
+                    let (path, limits, reaction) = (new, self.limits.clone(), self.reaction);
+                    let (leaves, carries) = (at, false);
                     let motion =
-                        Motion { path: new, speed, limits, offset, ends, grid, leaves: at, reaction };
+                        Motion { path, speed, limits, offset, ends, grid, leaves, reaction, carries };
                     return Ok(Plan { robots: plan.robots.clone(), motion: Arc::new(motion) });
                 }
                 Err(why) => error = why,
