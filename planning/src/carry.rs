@@ -120,7 +120,7 @@ impl Planner {
     /// A motion of a body that `holders` hold rigidly, from rest to rest: from where it is when all robots are at `start` [rad or m], to `X_WG` in the world. Its
     /// frame at the start is `body`. Robots that do not hold it stay where they are.
     ///
-    /// The body and what its holders do on the way keep the margins, between samples too, and all joints their limits. In the clearance the first
+    /// The body and what its holders do on the way keep the margins, between samples too, and all joints their limits. In the clearance one
     /// holder has grasped the body ([`grasp`](mrroc_robots::clearance::Clearance::grasp)), and the pairs of the body with the links of the others that
     /// hold it are ignored. Each arm stays on the branch of its inverse kinematics that it has at the start; the body is looked for up to 0.6 m and 1 rad beyond
     /// start and goal. There is no motion through singular postures.
@@ -131,7 +131,7 @@ impl Planner {
     /// # Stops
     ///
     /// Suspensions and other stops on the path keep the margins, and the arms together. Fault stops keep the margins where all arms brake together on the
-    /// common twist, as those of a `RigidCarry` do (decision 7), and where each arm brakes in its own joints, with the body in the grasp of the first:
+    /// common twist, as those of a `RigidCarry` do (decision 7), and where each arm brakes in its own joints, with the body in the grasp of that holder:
     /// then the arms pull at the body.
     ///
     /// How far the joints are off straight lines on the twist is **taken from samples, and a quarter more: that is no proof**. Of

@@ -17,10 +17,16 @@ use crate::path::{Path, Piece, along, bezier};
 
 /// How far a piece of the path misses the joints between its ends at most [rad or m].
 const MISS: f64 = 2e-11;
-/// The longest and the shortest such piece [m or rad].
+/// How long such a piece is as a rule, up to half as much again, and where it may be halved no more [m or rad].
 const PIECE: [f64; 2] = [0.04, 5e-4];
 /// From where derivatives are taken, to either side [m or rad], at most; as a share of a piece of the body's path, and of one of the joints'.
 const BESIDE: [f64; 3] = [5e-4, 5e-3, 0.02];
+
+/// How far a holder's flange may be from where the clearance has it \[m\].
+const APART: f64 = 1e-6;
+
+/// What a clearance calls the tools that robots carry.
+const TOOL: &str = "tool";
 
 /// The difference of places from which a twist, and what joints do on it, is taken [m or rad].
 const ALONG: f64 = 1e-3;
@@ -37,6 +43,7 @@ pub struct Holders(Vec<Holder>);
 #[derive(Clone)]
 struct Holder {
     robot: String,
+    joints: usize,
     forward: Forward,
     inverse: Inverse,
 }
@@ -48,7 +55,7 @@ impl Holders {
         Self::default()
     }
 
-    /// And the robot of this name, whose kinematics, with its base, is that of `robot`.
+    /// And the robot of this name, whose kinematics, with its base, is that of `robot`: its flange is where the clearance has it.
     #[must_use]
     pub fn and<const N: usize, R>(mut self, name: &str, robot: &R) -> Self
     where
@@ -61,7 +68,7 @@ impl Holders {
             let found = two.inverse(pose, &near(q)).ok()?;
             two.is_attainable(&found).then(|| found.as_slice().to_vec())
         });
-        self.0.push(Holder { robot: name.to_owned(), forward, inverse });
+        self.0.push(Holder { robot: name.to_owned(), joints: N, forward, inverse });
         self
     }
 }
@@ -92,15 +99,31 @@ impl<'a> Chain<'a> {
         start: &[f64],
     ) -> Result<Self, PlanError> {
         if holders.is_empty() {
-            return Err(PlanError::Robots(0));
+            return Err(PlanError::NoHolder);
         }
         let mut joints = Vec::new();
         let mut tools = Vec::new();
-        for Holder { robot, forward, .. } in holders {
+        let mut is_grasped = false;
+        for Holder { robot, joints: actual, forward, .. } in holders {
             let arm = arms.iter().find(|arm| arm.name().as_str() == robot);
             let arm = arm.ok_or_else(|| PlanError::no_robot(robot, arms.iter().map(Arm::name)))?;
+            if *actual != arm.joints {
+                return Err(PlanError::Joints { expected: arm.joints, actual: *actual });
+            }
+            let tool = forward(&start[arm.first..arm.first + arm.joints]);
+            let known = arm.part.shape.flange(&arm.own(start));
+            let apart = (tool.translation.vector - known.translation.vector).norm();
+            // What is no number is not there.
+            if apart.is_nan() || apart > APART {
+                return Err(PlanError::OtherFlange { robot: robot.clone(), apart, limit: APART });
+            }
+            is_grasped |= has_grasped(arm);
             joints.push([arm.first, arm.joints]);
-            tools.push(forward(&start[arm.first..arm.first + arm.joints]));
+            tools.push(tool);
+        }
+        if !is_grasped {
+            let robots = holders.iter().map(|holder| holder.robot.as_str()).collect::<Vec<_>>().join(", ");
+            return Err(PlanError::NotGrasped { robots });
         }
         let begins = body.pose(&tools);
         let grasps = tools.iter().map(|tool| begins.inv_mul(tool)).collect();
@@ -230,6 +253,12 @@ impl<'a> Chain<'a> {
         }
         Some([middle, first, second])
     }
+}
+
+/// Whether an arm carries a body, and not only a tool.
+fn has_grasped(arm: &Arm) -> bool {
+    let own = arm.part.links.len() - arm.part.carried.len();
+    arm.part.links[own..].iter().any(|link| &*link.name != TOOL)
 }
 
 /// The displacement after a distance `s` on a twist: `exp(s [turn, velocity])`, both in the world at its origin.
