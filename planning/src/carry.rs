@@ -171,7 +171,13 @@ impl Planner {
         let goal = chain.coordinates(X_WG);
         let last = chain.joints_of(&goal, start).map_err(|robot| PlanError::OffBranch { robot })?;
         self.clear_goals(core::slice::from_ref(&last))?;
-        self.checker.more = more;
+        // Where start or goal are no farther than their margin from something, the path is not either.
+        for more in [more, MORE[0], 0.0] {
+            self.checker.more = more;
+            if self.checker.is_clear(start) && self.checker.is_clear(&last) {
+                break;
+            }
+        }
         let mut space = Bodies::new(&mut self.checker, &mut self.edges, &chain, &offset);
         let to: Vec<Vec<f32>> = vec![single(&goal)];
         space.know(&[0.0; 6], start.to_vec());
