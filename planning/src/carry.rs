@@ -21,7 +21,7 @@ use crate::body_space::Bodies;
 use crate::chain::{Chain, Holders, pose};
 use crate::edge::single;
 use crate::error::PlanError;
-use crate::path::{Path, along, distance};
+use crate::path::{Path, Piece, along, distance};
 use crate::plan::{Motion, Plan};
 use crate::planner::{MORE, Planner, reduced};
 use crate::search::{Samples, connect, rooted, shorten_any, straight};
@@ -33,6 +33,8 @@ use crate::twist::Twist;
 const BEYOND: [f64; 2] = [0.6, 1.0];
 /// How far the body may be from where a motion begins [m or rad].
 const SAME: f64 = 1e-6;
+/// How far joints may be beyond a limit by rounding [rad or m].
+const ROUNDING: f64 = 1e-9;
 /// A shorter motion is none [m or rad].
 const REST: f64 = 1e-9;
 
@@ -137,8 +139,14 @@ impl Planner {
     /// How far the joints are off straight lines on the twist is **taken from samples, and a quarter more: that is no proof**. Of
     /// robots with limits of jerk only the other stops are looked at. [`Planner::beside`] a plan of these arms does not know the twist.
     ///
+    /// While demands are missing, a `RigidCarry` goes on with the last **change** of its twist before it brakes. The planner takes the twist as it is at the
+    /// fault: what its change adds in these steps is not looked at.
+    ///
+    /// [`Planner::replan`] refuses the plan: another motion of the joints would pull at the body.
+    ///
     /// # Errors
-    /// [`PlanError`]; [`PlanError::OffBranch`] and [`PlanError::Singular`] are those of held bodies alone.
+    /// [`PlanError`]; [`PlanError::NoHolder`], [`PlanError::OtherFlange`], [`PlanError::NotGrasped`], [`PlanError::OffBranch`], [`PlanError::Singular`] and
+    /// [`PlanError::CarryNotClear`] are those of held bodies alone.
     #[allow(non_snake_case)]
     pub fn carry(
         &mut self,
@@ -222,15 +230,44 @@ impl Planner {
         let body = space.rounded(&points);
         let path = chain.path(&body, start, &offset).map_err(|at| PlanError::Singular { at })?;
         self.checker.more = 0.0;
+        self.keeps_limits(&path)?;
         for ends in path.knots().windows(2) {
             if !path.is_clear(&mut self.checker, &mut self.edges, [ends[0], ends[1]]) {
-                return Err(PlanError::Singular { at: 100.0 * ends[0] / path.length() });
+                return Err(PlanError::CarryNotClear { at: 100.0 * ends[0] / path.length() });
             }
         }
         let twist = self.twist(&chain, &body, &path);
         let timed = timed(&mut self.checker, &path, &self.limits, self.reaction, Some(&twist))?;
         let last = along(&path.at(path.length()).q, &offset, 1.0);
         Ok(self.carrying(path, timed, [start, &last], body, [&chain.begins, X_WG]))
+    }
+
+    /// Refuses a path on which a joint may be beyond its limits: a curve lies between the least and the largest of its control points.
+    fn keeps_limits(&self, path: &Path) -> Result<(), PlanError> {
+        let limits = &self.limits;
+        let mut beyond = None;
+        for (piece, ends) in path.pieces.iter().zip(path.knots().windows(2)) {
+            let mut look = |j: usize, point: f64| {
+                let at = point + self.checker.offset[j];
+                if at < limits.lower[j] - ROUNDING || at > limits.upper[j] + ROUNDING {
+                    beyond = beyond.or(Some((j, at)));
+                }
+            };
+            for j in 0..limits.joints() {
+                match piece {
+                    Piece::Curve(points) => points[j].into_iter().for_each(|point| look(j, point)),
+                    Piece::Leg { from, along } => {
+                        [0.0, ends[1] - ends[0]].into_iter().for_each(|s| look(j, from[j] + along[j] * s));
+                    }
+                }
+            }
+        }
+        let Some((j, position)) = beyond else { return Ok(()) };
+        let (lower, upper) = (limits.lower[j], limits.upper[j]);
+        let arm = self.checker.arms.iter().rfind(|arm| arm.first <= j);
+        let (robot, joint) =
+            arm.map_or((String::new(), j + 1), |arm| (arm.name().to_string(), j - arm.first + 1));
+        Err(PlanError::Limit { place: "path", robot, joint, position, lower, upper })
     }
 
     /// The twists of the body from all cells of the path's grid, from both ends of each and its middle.
@@ -266,10 +303,34 @@ impl Planner {
             grid,
             leaves: 0.0,
             reaction: self.reaction,
+            carries: true,
         };
         let robots = self.checker.arms.iter().map(Arm::name).collect();
         let body = Body { path: body, begins: *begins, ends: *ends_at };
         Carried { plan: Plan { robots, motion: Arc::new(motion) }, body: Arc::new(body) }
     }
 }
-            carries: true,
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::usage::cells::{around_a_box, stopping};
+
+    #[test]
+    fn a_piece_that_goes_beyond_a_limit_between_its_ends_is_refused() {
+        let planner =
+            Planner::new(around_a_box().build(stopping()).expect("a clearance")).expect("a planner");
+        let upper = planner.limits.upper[2];
+        let path = |middle: f64| {
+            let mut curve = vec![[0.0; 6]; 6];
+            curve[2] = [-0.1, -0.1, middle, middle, -0.1, -0.1].map(|off| upper + off);
+            Path { knots: vec![0.0, 0.04], pieces: vec![Piece::Curve(curve)] }
+        };
+        assert_eq!(planner.keeps_limits(&path(0.0)), Ok(()));
+        // In its middle, where both points have a weight of 10 of 32.
+        let bulging = path(0.2);
+        assert!(bulging.at(0.02).q[2] > upper && bulging.at(0.04).q[2] < upper);
+        let error = planner.keeps_limits(&bulging).expect_err("refused");
+        assert!(matches!(error, PlanError::Limit { place: "path", joint: 3, .. }), "{error}");
+    }
+}

@@ -1,17 +1,20 @@
 //! A plate that two arms carry over a box.
 
+use core::f64::consts::FRAC_PI_2;
 use std::time::Duration;
 
 use mrroc::pose::Pose;
+use mrroc::program::Recorded;
 use mrroc::random::Random;
 use mrroc::robot::Robot;
 use mrroc_generators::cooperation::{BodyFrame, BodyPath};
-use mrroc_planning::{Carried, Holders, PlanError, Planner};
-use mrroc_robots::clearance::Clearance;
+use mrroc_planning::{Carried, Holders, Plan, PlanError, Planner};
+use mrroc_robots::clearance::{Clearance, Obstacle};
 use mrroc_robots::{Serial, Six};
 use nalgebra::Vector3;
 
 use super::examples::carry_a_plate::{FROM, TO, arms, world};
+use super::models::seven_axes_model;
 
 const MARGIN: f64 = 0.02;
 
@@ -71,6 +74,8 @@ fn two_arms_carry_a_plate_over_a_box_with_all_margins_and_limits_and_do_not_pull
         for (j, before) in three[0].iter().enumerate() {
             let velocity = (three[2][j] - before) / (2.0 * step);
             let acceleration = (three[2][j] - 2.0 * three[1][j] + before) / (step * step);
+            let (lower, upper) = (limits.lower[j % 6], limits.upper[j % 6]);
+            assert!((lower..=upper).contains(&three[1][j]), "joint {j}: {} rad", three[1][j]);
             assert!(velocity.abs() <= limits.velocity[j % 6], "joint {j}: {velocity} rad/s");
             assert!(acceleration.abs() <= limits.acceleration[j % 6], "joint {j}: {acceleration} rad/s^2");
         }
@@ -120,10 +125,60 @@ fn what_cannot_be_carried_is_told() {
     );
     let low = carried(&cell, &Pose::translation(TO[0] + 0.15, 0.0, 0.3)).err().expect("in the box");
     assert!(low.to_string().starts_with("the goal is not clear by the margin"), "{low}");
-    let mut planner = Planner::new(cell.world.clone()).expect("a planner");
+    let refused = |world: &Clearance, holders: &Holders| {
+        let mut planner = Planner::new(world.clone()).expect("a planner");
+        let goal = Pose::translation(TO[0], TO[1], TO[2]);
+        planner.carry(holders, BodyFrame::Centroid, &cell.start, &goal).err().expect("refused")
+    };
     let stranger = Holders::new().and("middle", &cell.arms[0]);
-    let error = planner.carry(&stranger, BodyFrame::Centroid, &cell.start, &Pose::identity());
-    assert!(matches!(error, Err(PlanError::NoRobot { .. })));
+    assert!(matches!(refused(&cell.world, &stranger), PlanError::NoRobot { .. }));
+    assert_eq!(refused(&cell.world, &Holders::new()), PlanError::NoHolder);
+    let longer = Holders::new().and("left", &seven_axes_model(Pose::identity()));
+    assert_eq!(refused(&cell.world, &longer), PlanError::Joints { expected: 6, actual: 7 });
+    // The base of the left arm is 0.35 m from the origin.
+    let forgotten = Holders::new().and("left", &cell.arms[0].clone().with_base(Pose::identity()));
+    let text = refused(&cell.world, &forgotten).to_string();
+    assert!(text.starts_with("left: its flange is 3.50e-1 m from where the clearance has it"), "{text}");
+    let mut world = cell.world.clone();
+    world.release("left", "plate").expect("it has grasped the plate");
+    let text = refused(&world, &cell.holders).to_string();
+    assert!(text.contains("(left, right)") && text.contains("`Clearance::grasp`"), "{text}");
+}
+
+#[test]
+fn a_body_is_carried_where_another_arm_stands_hardly_farther_than_its_margin_from_something() {
+    let mut cell = cell();
+    let holders = Holders::new().and("left", &cell.arms[0]);
+    // The right arm points up, 0.35 m beside the plate's middle.
+    cell.start[6..].copy_from_slice(&[0.0, -FRAC_PI_2, 0.0, -FRAC_PI_2, 0.0, 0.0]);
+    let goal = Pose::translation(FROM[0] - 0.1, -0.25, FROM[2] + 0.05);
+    let half = Vector3::new(0.05, 0.1, 0.2);
+    let mut carried_beside = |x: f64| {
+        let at = Pose::translation(x + half.x, 0.35, 0.5);
+        cell.world.replace_obstacle("box", Obstacle::Box { X_WO: at, half }).expect("a box");
+        let mut planner = Planner::new(cell.world.clone()).expect("a planner");
+        planner.carry(&holders, BodyFrame::Centroid, &cell.start, &goal)
+    };
+    let is_too_near = |found: &Result<Carried, PlanError>| matches!(found, Err(PlanError::StartNotClear(_)));
+    assert!(is_too_near(&carried_beside(0.05)));
+    // At the first place that is far enough the box is clear by less than 0.1 mm more than the margin.
+    let first =
+        (0..1000).map(|k| carried_beside(0.05 + 1e-4 * f64::from(k))).find(|found| !is_too_near(found));
+    let carried = first.expect("a place").unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(carried.body_at(carried.plan().duration()), goal);
+}
+
+#[test]
+fn robots_that_carry_a_body_get_no_other_plan_of_their_joints() {
+    let cell = cell();
+    let goal = Pose::translation(FROM[0], 0.05, FROM[2] + 0.1);
+    let carried = carried(&cell, &goal).unwrap_or_else(|error| panic!("{error}"));
+    let mut planner = Planner::new(cell.world.clone()).expect("a planner");
+    let recorded = Plan::from_words(&carried.plan().to_words()).expect("the words of a plan");
+    for plan in [carried.plan(), &recorded] {
+        let error = planner.replan(plan, 0.1, std::slice::from_ref(&cell.start)).expect_err("refused");
+        assert_eq!(error, PlanError::CarriesBody);
+    }
 }
 
 /// As decision 7 has it: all arms go on along the twist of their last step, and brake by 0.8 of the acceleration of the joint that brakes the longest.
