@@ -201,7 +201,7 @@ impl Frames {
 
     /// This frame as seen from another one.
     #[inline]
-    pub(crate) fn seen_from(&self, other: &Frames) -> Self {
+    pub(crate) fn relative_to(&self, other: &Frames) -> Self {
         let turned = |v: Points| Points([other.x.dot(v), other.y.dot(v), other.z.dot(v)]);
         Frames {
             x: turned(self.x),

@@ -32,12 +32,12 @@ pub(crate) struct Proof {
     /// Where the arms stand, eight boxes after the other.
     standing: Vec<Vec<Standing>>,
     batches: usize,
-    /// The pair whose first limb is seen from the second one, and for each eight boxes where that is, and how much is taken off the distance.
-    seen: Option<u32>,
-    sights: Vec<(Frames, Lanes)>,
-    /// Directions of length 1, along which limbs of each pair were last found apart, seen from the second one.
+    /// The pair whose first limb is taken relative to the second one; for each eight boxes its frames so, and how much is taken off the distance.
+    relative_of: Option<u32>,
+    relative: Vec<(Frames, Lanes)>,
+    /// Directions of length 1, along which limbs of each pair were last found apart, relative to the second one.
     directions: Vec<[f32; 3]>,
-    /// For each eight boxes how a direction is seen from the first limb, and what its points must be beyond along it.
+    /// For each eight boxes what a direction is relative to the first limb, and what its points must be beyond along it.
     planes: Vec<(Points, Lanes)>,
     rising: Vec<(u32, Boxes)>,
     open: Vec<Open>,
@@ -60,8 +60,8 @@ impl Proof {
             pairs: pairs.filter(|pair| among.has(&checker.pairings[*pair as usize])).collect(),
             standing: Vec::new(),
             batches: 0,
-            seen: None,
-            sights: Vec::new(),
+            relative_of: None,
+            relative: Vec::new(),
             directions: vec![[1.0, 0.0, 0.0]; checker.pairings.len()],
             planes: Vec::new(),
             rising: Vec::new(),
@@ -149,7 +149,7 @@ impl Proof {
     ) {
         let batches = count.div_ceil(LANES);
         self.batches = batches;
-        self.seen = None;
+        self.relative_of = None;
         let Proof { standing, q, half, among, .. } = self;
         if standing.len() < batches {
             standing.resize(batches, vec![Standing::default(); checker.arms.len()]);
@@ -192,8 +192,8 @@ impl Proof {
             self.kept.push(keep(open.nodes, idle));
         }
         // Most are far apart, which the balls around them show.
-        let left = self.left(checker, pairing, open.nodes, open.boxes & !idle);
-        if left == 0 {
+        let near = self.unproven_by_balls(checker, pairing, open.nodes, open.boxes & !idle);
+        if near == 0 {
             return;
         }
         let first = &checker.arms[pairing.arm].limbs[pairing.limb].tree.nodes;
@@ -201,9 +201,9 @@ impl Proof {
             Against::Limb(arm, limb) => &checker.arms[arm].limbs[limb].tree.nodes,
             Against::Obstacle(_) => [].as_slice(),
         };
-        let is_rigid = self.see(checker, open.pair);
-        let left = if is_rigid { self.left_beyond(open, [first, second], left) } else { left };
-        self.stack.push((open.nodes, left));
+        let is_rigid = self.relate(checker, open.pair);
+        let near = if is_rigid { self.unproven_by_planes(open, [first, second], near) } else { near };
+        self.stack.push((open.nodes, near));
         while let Some((nodes, boxes)) = self.stack.pop() {
             let idle = boxes & *unproven;
             if idle != 0 {
@@ -226,89 +226,90 @@ impl Proof {
                 }
             };
             for nodes in children.into_iter().filter(|nodes| pairing.has(nodes[0], nodes[1])) {
-                let left = if is_rigid {
+                let near = if is_rigid {
                     let [one, two] = [&first[nodes[0] as usize], &second[nodes[1] as usize]];
-                    self.left_seen(one, two, boxes)
+                    self.unproven_relative(one, two, boxes)
                 } else {
-                    self.left(checker, pairing, nodes, boxes)
+                    self.unproven_by_balls(checker, pairing, nodes, boxes)
                 };
-                if left != 0 {
-                    self.stack.push((nodes, left));
+                if near != 0 {
+                    self.stack.push((nodes, near));
                 }
             }
         }
     }
 
-    /// Sees the first limb of a pair from the second one, in all boxes; `false` where these are no limbs with frames.
-    fn see(&mut self, checker: &Checker, pair: u32) -> bool {
-        if self.seen == Some(pair) {
+    /// Takes the first limb of a pair relative to the second one, in all boxes; `false` where these are no limbs with frames.
+    fn relate(&mut self, checker: &Checker, pair: u32) -> bool {
+        if self.relative_of == Some(pair) {
             return true;
         }
         let pairing = &checker.pairings[pair as usize];
         let Pairing { arm, limb, since, .. } = *pairing;
         let Against::Limb(other_arm, other_limb) = pairing.against else { return false };
         let margin = Lanes::splat(checker.kept_apart(pairing));
-        self.seen = None;
-        self.sights.clear();
+        self.relative_of = None;
+        self.relative.clear();
         for standing in &self.standing[..self.batches] {
             let [one, other] = [&standing[arm], &standing[other_arm]];
             let frames =
                 (checker.arms[arm].frame(one, limb), checker.arms[other_arm].frame(other, other_limb));
             let (Some(frame), Some(beside)) = frames else { return false };
             let far = margin + one.travel[limb][since] + other.travel[other_limb][since];
-            self.sights.push((frame.seen_from(beside), far));
+            self.relative.push((frame.relative_to(beside), far));
         }
-        self.seen = Some(pair);
+        self.relative_of = Some(pair);
         true
     }
 
-    /// As [`left`](Self::left), of all that is below two nodes of the limbs that were seen last: where no plane is found between them, in some boxes.
-    fn left_beyond(&mut self, open: &Open, trees: [&[Node]; 2], boxes: Boxes) -> Boxes {
+    /// As [`unproven_by_balls`](Self::unproven_by_balls), of all that is below two nodes of limbs that are [related](Self::relate): where no plane is found
+    /// between them, in some boxes.
+    fn unproven_by_planes(&mut self, open: &Open, trees: [&[Node]; 2], boxes: Boxes) -> Boxes {
         let nodes = open.nodes;
         let is_small = |(tree, node): (&[Node], u32)| tree[node as usize].second < node + FEW;
         if trees.into_iter().zip(nodes).any(is_small) {
             return boxes;
         }
         let last = self.directions[open.pair as usize];
-        let left = self.left_along(trees, nodes, last, boxes);
-        if left == 0 {
+        let unproven = self.unproven_along(trees, nodes, last, boxes);
+        if unproven == 0 {
             return 0;
         }
-        let first = left.trailing_zeros() as usize;
-        let (frame, far) = &self.sights[first / LANES];
+        let first = unproven.trailing_zeros() as usize;
+        let (frame, far) = &self.relative[first / LANES];
         let lane = first % LANES;
         match find(trees, nodes, frame, lane, far.lane(lane), last) {
             Some(direction) => {
                 self.directions[open.pair as usize] = direction;
-                self.left_along(trees, nodes, direction, left)
+                self.unproven_along(trees, nodes, direction, unproven)
             }
-            None => left,
+            None => unproven,
         }
     }
 
     /// The same along a direction of length 1.
-    fn left_along(
+    fn unproven_along(
         &mut self,
         trees: [&[Node]; 2],
         nodes: [u32; 2],
         direction: [f32; 3],
         boxes: Boxes,
     ) -> Boxes {
-        let Self { planes, sights, rising, .. } = self;
+        let Self { planes, relative, rising, .. } = self;
         let (height, _) = farthest(trees[1], nodes[1], direction);
         planes.clear();
-        planes.extend(sights.iter().map(|(frame, far)| {
+        planes.extend(relative.iter().map(|(frame, far)| {
             let along = Points::splat(direction);
             let slopes = [frame.x, frame.y, frame.z].map(|axis| axis.dot(along));
             (Points(slopes), Lanes::splat(height) + *far - frame.origin.dot(along))
         }));
-        let mut left = 0;
+        let mut unproven = 0;
         rising.push((nodes[0], boxes));
         while let Some((node, boxes)) = rising.pop() {
             let Node { centre, radius, second, .. } = trees[0][node as usize];
             let (centre, radius) = (Points::splat(centre), Lanes::splat(radius));
             let mut below = 0;
-            let mut rest = boxes & !left;
+            let mut rest = boxes & !unproven;
             while rest != 0 {
                 let first = rest.trailing_zeros() as usize / LANES * LANES;
                 let mask = (rest >> first) as Mask;
@@ -317,38 +318,44 @@ impl Proof {
                 rest &= !(Boxes::from(Mask::MAX) << first);
             }
             if second == 0 {
-                left |= below;
+                unproven |= below;
             } else if below != 0 {
                 rising.extend([(second, below), (node + 1, below)]);
             }
         }
-        left
+        unproven
     }
 
-    /// As [`left`](Self::left), of nodes of the limbs that were seen last.
+    /// As [`unproven_by_balls`](Self::unproven_by_balls), of nodes of limbs that are [related](Self::relate).
     #[inline]
-    fn left_seen(&self, one: &Node, two: &Node, boxes: Boxes) -> Boxes {
+    fn unproven_relative(&self, one: &Node, two: &Node, boxes: Boxes) -> Boxes {
         let radius = Lanes::splat(one.radius + two.radius);
         let centre = Points::splat(two.centre);
-        let mut left = 0;
+        let mut unproven = 0;
         let mut rest = boxes;
         while rest != 0 {
             let first = rest.trailing_zeros() as usize / LANES * LANES;
             let mask = (rest >> first) as Mask;
-            let (frame, far) = &self.sights[first / LANES];
+            let (frame, far) = &self.relative[first / LANES];
             let far = radius + *far;
             let clear = (frame.place(one.centre) - centre).squared().above(far * far);
-            left |= Boxes::from(mask & !clear) << first;
+            unproven |= Boxes::from(mask & !clear) << first;
             rest &= !(Boxes::from(Mask::MAX) << first);
         }
-        left
+        unproven
     }
 
     /// In which of some boxes the balls of two nodes are not proven apart.
-    fn left(&self, checker: &Checker, pairing: &Pairing, [a, b]: [u32; 2], boxes: Boxes) -> Boxes {
+    fn unproven_by_balls(
+        &self,
+        checker: &Checker,
+        pairing: &Pairing,
+        [a, b]: [u32; 2],
+        boxes: Boxes,
+    ) -> Boxes {
         let Pairing { arm, limb, since, .. } = *pairing;
         let margin = Lanes::splat(checker.kept_apart(pairing));
-        let mut left = 0;
+        let mut unproven = 0;
         for (k, standing) in self.standing[..self.batches].iter().enumerate() {
             let mask = (boxes >> (LANES * k)) as Mask;
             if mask == 0 {
@@ -366,9 +373,9 @@ impl Proof {
                     (p - q).squared().above(far * far)
                 }
             };
-            left |= Boxes::from(mask & !clear) << (LANES * k);
+            unproven |= Boxes::from(mask & !clear) << (LANES * k);
         }
-        left
+        unproven
     }
 }
 

@@ -167,3 +167,18 @@ fn at(path: &[Vec<f32>], along: f64) -> (usize, f32) {
     }
     (path.len() - 2, 1.0)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_shortcut_begins_at_a_point_of_the_path_that_is_all_but_there() {
+        let path: Points = [0.0, 1.0, 3.0].map(|q| vec![q]).to_vec();
+        for (place, expected) in
+            [((0, 0.5), 0.5), ((0, 5e-5), 0.0), ((0, 1.0 - 5e-5), 1.0), ((1, 1e-3), 1.002)]
+        {
+            assert_eq!(place_on(&path, place), [expected], "{place:?}");
+        }
+    }
+}
