@@ -109,6 +109,9 @@ fn with_something_to_keep_upright_or_beside_a_robot_nothing_is_known() {
 #[test]
 fn a_path_that_is_made_shorter_is_known_only_where_it_is_clear() {
     let mut planner = planner(1000);
+    let mut turned = A;
+    turned[0] -= 0.1;
+    planner.find(&A, &[turned.to_vec()]).expect("a path");
     // Straight through the box.
     let mut path = vec![A.to_vec(), B.to_vec()];
     planner.shorten(&mut path);
@@ -120,14 +123,16 @@ fn a_path_that_is_made_shorter_is_known_only_where_it_is_clear() {
 fn a_start_that_is_a_goal_at_the_tolerance_of_an_axis_is_found_beside_what_is_known() {
     let flange = |q: &[f64]| six_axes(Pose::identity()).robot().forward(&Six::from_column_slice(q)).rotation;
     let upright = flange(&A).inverse() * Vector3::z();
-    let mut tilted = A;
-    tilted[3] -= 0.3;
-    let tolerance = (flange(&tilted) * upright).angle(&Vector3::z()) + 1e-9;
-    let mut planner = planner(1000).with_upright("arm", upright, tolerance).expect("an axis");
     let mut turned = A;
-    turned[0] -= 0.5;
-    planner.find(&A, &[turned.to_vec()]).expect("a path");
-    planner.find(&A, &[B.to_vec()]).expect("a path");
-    let path = planner.find(&tilted, &[tilted.to_vec()]).expect("it is there");
-    assert_eq!(path, [tilted.to_vec(), tilted.to_vec()]);
+    turned[0] -= 0.1;
+    // In single precision about half of them are tilted a little more than is allowed, so that no motion to where they are is clear.
+    for k in 0..10 {
+        let mut tilted = A;
+        tilted[3] -= 0.3 + 0.01 * f64::from(k);
+        let tolerance = (flange(&tilted) * upright).angle(&Vector3::z()) + 1e-12;
+        let mut planner = planner(1000).with_upright("arm", upright, tolerance).expect("an axis");
+        planner.find(&A, &[turned.to_vec()]).expect("a path");
+        let path = planner.find(&tilted, &[tilted.to_vec()]).expect("it is there");
+        assert_eq!(path, [tilted.to_vec(), tilted.to_vec()]);
+    }
 }
