@@ -36,11 +36,15 @@ fn bring(mp: &mut Mp, arms: &[Serial<6>; 2], mut planner: Planner, to: &Pose) ->
 
 /// Half of the distance between the arms' bases, and between the flanges \[m\].
 const HALF: [f64; 2] = [0.35, 0.25];
-/// Where the middle of the plate begins and ends: behind the box and before it, 80 mm above the plate.
+/// Where the middle of the plate begins, behind the box \[m\].
 pub const FROM: [f64; 3] = [-0.3, 0.0, 0.3];
+/// Where it ends, before the box \[m\].
 pub const TO: [f64; 3] = [-0.6, 0.0, 0.3];
 
 /// The arms, side by side, and where they hold the plate at the start [rad].
+///
+/// # Errors
+/// What is wrong with the URDF, or a place out of reach.
 pub fn arms() -> Result<([Serial<6>; 2], Vec<f64>), Box<dyn Error>> {
     let urdf = include_str!("../../template/sets/ur5e/ur5e.urdf");
     let arm = Serial::<6>::from_urdf(urdf, "base", "tool0")?.with_acceleration(Six::repeat(8.0))?;
