@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use crate::chain::Chain;
 use crate::check::Checker;
 use crate::edge::{Edges, single};
-use crate::path::{Path, Piece, along, bezier, curve, direction};
+use crate::path::{Path, bezier};
 use crate::planner::reduced;
 use crate::search::{Space, distance};
 
@@ -95,29 +95,9 @@ impl<'a> Bodies<'a> {
 
     /// The path through points, with its corners rounded as far as is clear.
     pub(crate) fn rounded(&mut self, points: &[Vec<f64>]) -> Path {
-        let legs: Vec<(Vec<f64>, f64)> =
-            points.windows(2).map(|pair| direction(&pair[0], &pair[1])).collect();
-        let mut path = Path { knots: vec![0.0], pieces: Vec::new() };
-        let mut begin = points[0].clone();
-        for (i, pair) in legs.windows(2).enumerate() {
-            let [(e, before), (f, behind)] = pair else { continue };
-            let corner = &points[i + 1];
-            let mut d = ROUNDED[0].min(0.5 * before).min(0.5 * behind);
-            let points = loop {
-                let points = curve(corner, e, f, d);
-                if d <= ROUNDED[1] || self.is_curve_clear(corner, &points, d) {
-                    break points;
-                }
-                d *= 0.5;
-            };
-            path.leg(&begin, &along(corner, e, -d), e);
-            path.push(2.0 * d, Piece::Curve(points));
-            begin = along(corner, f, d);
-        }
-        if let (Some((e, _)), Some(end)) = (legs.last(), points.last()) {
-            path.leg(&begin, end, e);
-        }
-        path
+        let places: Vec<&[f64]> = points.iter().map(|point| &**point).collect();
+        let [largest, least] = ROUNDED;
+        Path::through(&places, |_| largest, least, |i, curve, d| self.is_curve_clear(&points[i], curve, d))
     }
 
     fn is_curve_clear(&mut self, corner: &[f64], points: &[[f64; 6]], d: f64) -> bool {

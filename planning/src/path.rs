@@ -85,32 +85,45 @@ pub(crate) fn along(a: &[f64], b: &[f64], x: f64) -> Vec<f64> {
 impl Path {
     /// Through points, each apart from the next, whose straight legs are clear; corners are rounded as far as is clear as well.
     pub(crate) fn rounded(checker: &mut Checker, edges: &mut Edges, points: &[Point]) -> Self {
-        let directions: Vec<(Vec<f64>, f64)> =
-            points.windows(2).map(|pair| direction(&pair[0].at, &pair[1].at)).collect();
+        let places: Vec<&[f64]> = points.iter().map(|point| &*point.at).collect();
+        let largest = |i: usize| match points[i].rounding {
+            Rounding::Free => LARGEST,
+            Rounding::By(d) => d,
+            Rounding::Least => LEAST,
+        };
+        Path::through(&places, largest, LEAST, |i, curve, _| {
+            matches!(points[i].rounding, Rounding::By(_)) || is_clear(checker, edges, curve)
+        })
+    }
+
+    /// Through points, each apart from the next. The corner at point `i` is rounded from `largest(i)` on, at most from half of both legs, halved until the
+    /// curve `is_clear`, which is told the point, the curve and that distance, or the distance is not above `least`.
+    pub(crate) fn through(
+        points: &[&[f64]],
+        largest: impl Fn(usize) -> f64,
+        least: f64,
+        mut is_clear: impl FnMut(usize, &[[f64; 6]], f64) -> bool,
+    ) -> Self {
+        let legs: Vec<(Vec<f64>, f64)> = points.windows(2).map(|pair| direction(pair[0], pair[1])).collect();
         let mut path = Path { knots: vec![0.0], pieces: Vec::new() };
-        let mut start = points[0].at.clone();
-        for (i, pair) in directions.windows(2).enumerate() {
+        let mut begin = points[0].to_vec();
+        for (i, pair) in legs.windows(2).enumerate() {
             let [(e, before), (f, behind)] = pair else { continue };
-            let Point { at: corner, rounding } = &points[i + 1];
-            let (largest, is_known) = match rounding {
-                Rounding::Free => (LARGEST, false),
-                Rounding::By(d) => (*d, true),
-                Rounding::Least => (LEAST, true),
-            };
-            let mut d = largest.min(0.5 * before).min(0.5 * behind);
+            let corner = points[i + 1];
+            let mut d = largest(i + 1).min(0.5 * before).min(0.5 * behind);
             let curve = loop {
                 let curve = curve(corner, e, f, d);
-                if is_known || d <= LEAST || is_clear(checker, edges, &curve) {
+                if d <= least || is_clear(i + 1, &curve, d) {
                     break curve;
                 }
                 d *= 0.5;
             };
-            path.leg(&start, &along(corner, e, -d), e);
+            path.leg(&begin, &along(corner, e, -d), e);
             path.push(2.0 * d, Piece::Curve(curve));
-            start = along(corner, f, d);
+            begin = along(corner, f, d);
         }
-        if let (Some((e, _)), Some(end)) = (directions.last(), points.last()) {
-            path.leg(&start, &end.at, e);
+        if let (Some((e, _)), Some(end)) = (legs.last(), points.last()) {
+            path.leg(&begin, end, e);
         }
         path
     }
@@ -123,7 +136,7 @@ impl Path {
         }
     }
 
-    pub(crate) fn leg(&mut self, from: &[f64], to: &[f64], direction: &[f64]) {
+    fn leg(&mut self, from: &[f64], to: &[f64], direction: &[f64]) {
         let length = distance(from, to);
         if length > ROUNDING {
             self.push(length, Piece::Leg { from: from.to_vec(), along: direction.to_vec() });
