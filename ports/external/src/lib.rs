@@ -182,12 +182,13 @@ use mrroc_launch::cell_file::{CellFile, ExternalEntry};
 use mrroc_launch::network::gateways_by;
 
 pub use plant::plant;
+pub use port::monotonic;
 pub use subscribers::{Image, State, StepShown, Subscriber, Subscribers};
 
 use gateway::GatewayProcess;
 use message::{Foreign, Message, VERSION};
 use numbers::Numbers;
-use port::{Port, monotonic};
+use port::Port;
 
 /// Words of an order that say the configuration.
 const CONFIGURATION_WORDS: usize = 16;

@@ -43,7 +43,8 @@ pub(crate) struct Port {
 }
 
 /// Now, by the clock that all programs of this machine share: `CLOCK_MONOTONIC` \[ns\].
-pub(crate) fn monotonic() -> u64 {
+#[must_use]
+pub fn monotonic() -> u64 {
     let now = clock_gettime(ClockId::Monotonic);
     (now.tv_sec * 1_000_000_000 + now.tv_nsec).cast_unsigned()
 }

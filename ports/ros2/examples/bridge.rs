@@ -1,4 +1,4 @@
-//! The bridge of the example `arms`: `cargo run --release -p mrroc-ros2 --example bridge -- --cell ports/ros2/examples/cell.toml`.
+//! The bridge of the example `arms`: `cargo run --release -p mrroc-ros2 --example bridge -- --cell ports/panel/examples/cell.toml`.
 
 mod cell;
 

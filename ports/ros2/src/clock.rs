@@ -2,7 +2,7 @@
 
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use rustix::time::{ClockId, clock_gettime};
+use mrroc_external::monotonic;
 
 use crate::messages::Stamp;
 
@@ -38,11 +38,6 @@ const ANOTHER: u64 = 1_000_000_000;
 pub fn now() -> u64 {
     let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
     since.as_nanos() as u64
-}
-
-fn monotonic() -> u64 {
-    let now = clock_gettime(ClockId::Monotonic);
-    (now.tv_sec * 1_000_000_000 + now.tv_nsec).cast_unsigned()
 }
 
 #[cfg(test)]

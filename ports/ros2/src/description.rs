@@ -7,6 +7,8 @@ use mrroc_core::pose::Pose;
 use nalgebra::{Translation3, Unit, UnitQuaternion, Vector3};
 use roxmltree::{Document, Node};
 
+use crate::messages::{Stamp, TransformStamped};
+
 /// The link of every URDF in which the robot stands: the world, or the flange of the robot that carries it.
 pub const WORLD: &str = "world";
 
@@ -30,6 +32,13 @@ pub struct Transform {
     pub child: String,
     /// The pose of the link in its parent \[m\].
     pub pose: Pose,
+}
+
+impl Transform {
+    /// As a message of this stamp.
+    pub fn stamped(&self, stamp: Stamp) -> TransformStamped {
+        TransformStamped::of(stamp, &self.parent, &self.child, &self.pose)
+    }
 }
 
 /// A joint that moves.

@@ -115,6 +115,11 @@ impl RosNode {
         self.node.create_publisher(&described, None).map_err(|error| failed(&error))
     }
 
+    /// Its name.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
     /// The name of a topic of this node itself.
     pub fn own(&self, topic: &str) -> String {
         format!("/{}/{topic}", self.name)

@@ -111,6 +111,8 @@ fn attend(port: &str, mut cell: Cell, options: &Options) -> Result<core::convert
     let (show, pictures) = channel();
     let watches = move || loop {
         drop(watch(&file, &show));
+        // There is none any more.
+        drop(show.send(None));
         std::thread::sleep(AGAIN);
     };
     std::thread::Builder::new()
@@ -154,21 +156,11 @@ fn show_for_ever(
 
 /// Takes the pictures of a running cell, until it ends.
 fn watch(cell: &Path, show: &Sender<Option<Box<Picture>>>) -> std::io::Result<()> {
-    let _over = Over(show);
     let mut caller = Caller::to(cell)?;
     caller.asks.ask(&Request::Watch, None)?;
     loop {
         if let ConsoleMessage::Picture(picture) = caller.hears.hear()? {
             drop(show.send(Some(picture)));
         }
-    }
-}
-
-/// Tells that there is no cell any more.
-struct Over<'a>(&'a Sender<Option<Box<Picture>>>);
-
-impl Drop for Over<'_> {
-    fn drop(&mut self) {
-        drop(self.0.send(None));
     }
 }

@@ -95,10 +95,7 @@ impl Topics {
                 let publisher = node.publisher(&topic, ("std_msgs", "String"), kept())?;
                 drop(publisher.publish(Text { data: description.urdf.clone() }));
                 descriptions.push(publisher);
-                let of = |one: &crate::description::Transform| {
-                    TransformStamped::of(stamp, &one.parent, &one.child, &one.pose)
-                };
-                fixed.extend(description.fixed().map(of));
+                fixed.extend(description.fixed().map(|one| one.stamped(stamp)));
             }
             let joints = match &description {
                 Some(description) => description.joints.clone(),
@@ -119,7 +116,7 @@ impl Topics {
                 now_only(),
             )?,
             signals: SignalTopics::open(node, layout)?,
-            node: node.own("")[1..].trim_end_matches('/').to_owned(),
+            node: node.name().to_owned(),
             clock: CellClock::default(),
             step: layout.step.as_nanos() as u64,
             said: String::new(),
@@ -139,10 +136,7 @@ impl Topics {
         }
         if let Some(description) = robot.description.as_ref().filter(|_| time >= robot.due) {
             robot.due = time + EVERY;
-            let of = |one: crate::description::Transform| {
-                TransformStamped::of(stamp, &one.parent, &one.child, &one.pose)
-            };
-            let transforms = description.moving(&joints).map(of).collect();
+            let transforms = description.moving(&joints).map(|one| one.stamped(stamp)).collect();
             drop(self.transforms.publish(Transforms { transforms }));
         }
         drop(robot.states.publish(JointState {

@@ -40,7 +40,7 @@ from std_srvs.srv import Trigger  # noqa: E402
 
 HERE = Path(__file__).resolve().parent
 EXAMPLES = Path("target/debug/examples").resolve()
-CELL = Path("ports/ros2/examples/cell.toml").resolve()
+CELL = Path("ports/panel/examples/cell.toml").resolve()
 STEP = 2_000_000  # [ns]
 KEPT = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
