@@ -10,6 +10,7 @@
 //! - [`bspline`]: the moving-segment B-spline through a stream of points;
 //! - [`feed`]: the speed along such a spline;
 //! - [`timing`]: the fastest motion along a given path of joints;
+//! - [`trajectory`]: joint positions at times, as other programs plan them;
 //! - [`via`]: straight legs through via points within a stated deviation;
 //! - [`waypoints`]: which points of a path count;
 //! - [`jogging`]: paths of a robot that a person jogs, checked before the robot goes along them;
@@ -49,6 +50,7 @@ pub mod rehearsal;
 pub mod spiral;
 pub mod teach;
 pub mod timing;
+pub mod trajectory;
 pub mod via;
 pub mod waypoints;
 

@@ -30,6 +30,7 @@ mod spline_properties;
 mod spline_reference;
 mod timing;
 mod timing_reference;
+mod trajectory;
 mod via;
 mod waypoints;
 

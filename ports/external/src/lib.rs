@@ -159,11 +159,13 @@
 //! | 56 | `[u8; 240]` | the first fault since the last reset, as text, and zeros |
 
 mod gateway;
+pub mod goals;
 mod message;
 mod numbers;
 mod plant;
 mod port;
 mod python;
+mod sender;
 mod subscribers;
 #[cfg(test)]
 mod tests;
@@ -181,8 +183,10 @@ use mrroc::sensor::{EffectorState, ReadingOrder, Sensor, Taken, VirtualSensor};
 use mrroc_launch::cell_file::{CellFile, ExternalEntry};
 use mrroc_launch::network::gateways_by;
 
+pub use goals::{Goals, TrajectoryGoals};
 pub use plant::plant;
 pub use port::monotonic;
+pub use sender::Sender;
 pub use subscribers::{Image, State, StepShown, Subscriber, Subscribers};
 
 use gateway::GatewayProcess;
@@ -244,7 +248,12 @@ impl<K: Sensor> External<K> {
         let shape = <K::Reading as Wire>::SHAPE;
         let believable = entry.believable(&numbers::names(shape).unwrap_or_default())?;
         let numbers = Numbers::new(shape, believable).ok_or_else(|| entry.refuse_reading(K::KIND))?;
-        Ok(External {
+        Ok(Self::of(entry, numbers))
+    }
+
+    /// Of a reading with these numbers.
+    fn of(entry: &ExternalEntry, numbers: Numbers) -> Self {
+        External {
             name: entry.name().to_owned(),
             port_name: entry.port().to_owned(),
             folder: port::folder(),
@@ -258,7 +267,7 @@ impl<K: Sensor> External<K> {
             last: None,
             newest: None,
             kind: PhantomData,
-        })
+        }
     }
 
     /// The order as a message, sent now.

@@ -49,5 +49,6 @@ mod node;
 mod run;
 mod show;
 mod signals;
+mod trajectories;
 
 pub use run::run;

@@ -8,8 +8,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use ros2_client::dds::rustdds::DomainParticipantBuilder;
 use ros2_client::qos::{Durability, History, Reliability, WhenFull};
+use ros2_client::action::{ActionServer, ActionServerQosPolicies};
 use ros2_client::{
-    Context, Message, MessageTypeName, Name, Node, NodeName, NodeOptions, ParameterValue, Publisher,
+    ActionTypeName, Context, Message, MessageTypeName, Name, Node, NodeName, NodeOptions, ParameterValue, Publisher,
     QosProfile, Server, ServiceMapping, ServiceTypeName,
 };
 use serde::Serialize;
@@ -143,6 +144,34 @@ impl RosNode {
         let of = Name::parse(&called).map_err(|error| failed(&error))?;
         let kind = ServiceTypeName::new(package, name);
         let server = self.node.create_server(ServiceMapping::Enhanced, &of, &kind, now_only(), now_only());
+        server.map_err(|error| failed(&error))
+    }
+
+    /// An action server.
+    ///
+    /// # Errors
+    /// Why there is none.
+    pub fn action<Goal, Outcome, Feedback>(
+        &mut self,
+        action: &str,
+        (package, name): (&str, &str),
+    ) -> Result<ActionServer<Goal, Outcome, Feedback>, String>
+    where
+        Goal: Message + Clone + 'static,
+        Outcome: Message + Clone + 'static,
+        Feedback: Message + 'static,
+    {
+        let failed = |error: &dyn core::fmt::Display| format!("action {action}: {error}");
+        let of = Name::parse(action).map_err(|error| failed(&error))?;
+        let qos = ActionServerQosPolicies {
+            goal_service: now_only(),
+            result_service: now_only(),
+            cancel_service: now_only(),
+            feedback_publisher: now_only(),
+            status_publisher: kept(),
+        };
+        let kind = ActionTypeName::new(package, name);
+        let server = self.node.create_action_server(ServiceMapping::Enhanced, &of, &kind, qos);
         server.map_err(|error| failed(&error))
     }
 }

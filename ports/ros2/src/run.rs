@@ -9,15 +9,18 @@ use std::time::{Duration, Instant};
 use clap::Parser;
 use mrroc_core::cell::{Cell, CellError};
 use mrroc_core::console::{complain, refused};
+use mrroc_core::observe::layout::{Layout, SensorLayout};
 use mrroc_core::operator::button::Button;
 use mrroc_core::operator::{CellState, Request};
-use mrroc_external::Subscriber;
+use mrroc_core::sensor::Sensor as _;
+use mrroc_external::{Goals, Subscriber};
 use mrroc_launch::cell_file::CellFile;
 use mrroc_processes::{Caller, ConsoleMessage, Picture};
 
 use crate::buttons;
 use crate::node::{Place, RosNode};
 use crate::show::Topics;
+use crate::trajectories::Trajectories;
 
 /// How often it is looked whether the cell has shown anything.
 const LOOK: Duration = Duration::from_millis(1);
@@ -47,6 +50,9 @@ struct Options {
     /// Let other nodes press the buttons of the console, and set the speed: all that reach this machine.
     #[arg(long)]
     buttons: bool,
+    /// Let other nodes have the robots follow trajectories that the cell's program takes: all that reach this machine.
+    #[arg(long)]
+    goals: bool,
     /// Options of the cell's own program.
     #[arg(last = true, value_name = "OPTIONS")]
     _own: Vec<std::ffi::OsString>,
@@ -65,8 +71,8 @@ pub fn run(port: &str, cell: impl FnOnce(&CellFile) -> Result<Cell, CellError>) 
             return ExitCode::from(answer.exit_code() as u8);
         }
     };
-    let assembled = CellFile::read(&options.cell).map_err(CellError::from).and_then(|file| cell(&file));
-    let assembled = match assembled {
+    let read = CellFile::read(&options.cell).map_err(CellError::from);
+    let assembled = match read.and_then(|file| Ok((cell(&file)?, file))) {
         Ok(assembled) => assembled,
         Err(error) => return refused(&error),
     };
@@ -84,7 +90,11 @@ fn users_domain() -> Result<u16, String> {
     read.ok_or_else(|| format!("ROS_DOMAIN_ID is `{}`\n help: it is a number, 0 to 232", domain.display()))
 }
 
-fn attend(port: &str, mut cell: Cell, options: &Options) -> Result<core::convert::Infallible, String> {
+fn attend(
+    port: &str,
+    (mut cell, cell_file): (Cell, CellFile),
+    options: &Options,
+) -> Result<core::convert::Infallible, String> {
     let domain = options.domain.map_or_else(users_domain, Ok)?;
     UdpSocket::bind((options.address, 0))
         .map_err(|error| format!("{} is no address of this machine: {error}", options.address))?;
@@ -108,6 +118,7 @@ fn attend(port: &str, mut cell: Cell, options: &Options) -> Result<core::convert
     if options.buttons {
         buttons::offer(&mut node, &file)?;
     }
+    let mut goals = if options.goals { Some(offer(&mut node, &layout, &topics, &cell_file)?) } else { None };
     let (show, pictures) = channel();
     let watches = move || loop {
         drop(watch(&file, &show));
@@ -119,15 +130,32 @@ fn attend(port: &str, mut cell: Cell, options: &Options) -> Result<core::convert
         .name("watches".to_owned())
         .spawn(watches)
         .map_err(|error| format!("no thread for pictures: {error}"))?;
-    let buttons = if options.buttons { "with buttons" } else { "without buttons" };
-    complain(&format!("node /{}: domain {domain} at {}, {buttons}", place.node, place.address));
-    show_for_ever(&mut subscriber, &mut topics, &pictures)
+    let with = |what: bool, name: &str| format!("{} {name}", if what { "with" } else { "without" });
+    let (buttons, trajectories) = (with(options.buttons, "buttons"), with(options.goals, "goals"));
+    complain(&format!("node /{}: domain {domain} at {}, {buttons}, {trajectories}", place.node, place.address));
+    show_for_ever(&mut subscriber, &mut topics, &pictures, &mut goals)
+}
+
+/// Offers the robots of a cell that has a sensor of goals to other nodes.
+fn offer(
+    node: &mut RosNode,
+    layout: &Layout,
+    topics: &Topics,
+    file: &CellFile,
+) -> Result<Trajectories, String> {
+    let is_it = |sensor: &&SensorLayout| sensor.kind == Goals::KIND;
+    let sensor = layout.sensors.iter().find(is_it).ok_or(
+        "the cell has no sensor of goals\n help: give its MP one, by `mrroc_external::Goals::in_cell`",
+    )?;
+    let port = file.external(&sensor.name).map_err(|error| error.to_string())?.port();
+    Trajectories::offer(node, layout, topics.joints(), port)
 }
 
 fn show_for_ever(
     subscriber: &mut Subscriber,
     topics: &mut Topics,
     pictures: &Receiver<Option<Box<Picture>>>,
+    goals: &mut Option<Trajectories>,
 ) -> Result<core::convert::Infallible, String> {
     let mut diagnosed = Instant::now();
     let mut told = (CellState::Idle, None);
@@ -135,7 +163,10 @@ fn show_for_ever(
         // However much it shows, the rest has its turn.
         for _ in 0..MOST {
             let Some(image) = subscriber.image() else { break };
-            topics.image(image);
+            let stamp = topics.image(&image);
+            if let Some(goals) = goals {
+                goals.image(&image, stamp);
+            }
         }
         // Each picture: what it alone shows is not to be lost.
         for picture in pictures.try_iter() {
@@ -145,10 +176,16 @@ fn show_for_ever(
             };
             topics.picture(&picture);
             let says = (picture.state, picture.fault.clone());
+            if let Some(goals) = goals {
+                goals.fault(picture.fault.as_deref());
+            }
             if says != told || diagnosed.elapsed() >= DIAGNOSED {
                 (diagnosed, told) = (Instant::now(), says);
                 topics.diagnose(&picture);
             }
+        }
+        if let Some(goals) = goals {
+            goals.serve();
         }
         std::thread::sleep(LOOK);
     }

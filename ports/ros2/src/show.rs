@@ -124,28 +124,34 @@ impl Topics {
         })
     }
 
-    /// Publishes what a robot does in a step. What nobody takes is dropped.
-    pub fn image(&mut self, image: Image) {
+    /// The names of the joints of each robot.
+    pub fn joints(&self) -> Vec<Vec<String>> {
+        self.robots.iter().map(|robot| robot.joints.clone()).collect()
+    }
+
+    /// Publishes what a robot does in a step, and tells its stamp. What nobody takes is dropped.
+    pub fn image(&mut self, image: &Image) -> Stamp {
         let time = image.step * self.step;
         let stamp = self.clock.stamp(time, image.sent);
-        let Some(robot) = self.robots.get_mut(image.robot) else { return };
-        let joints = image.measured.joints;
+        let Some(robot) = self.robots.get_mut(image.robot) else { return stamp };
+        let joints = &image.measured.joints;
         // Another run of the cell begins at zero again.
         if robot.due > time + EVERY {
             robot.due = 0;
         }
         if let Some(description) = robot.description.as_ref().filter(|_| time >= robot.due) {
             robot.due = time + EVERY;
-            let transforms = description.moving(&joints).map(|one| one.stamped(stamp)).collect();
+            let transforms = description.moving(joints).map(|one| one.stamped(stamp)).collect();
             drop(self.transforms.publish(Transforms { transforms }));
         }
         drop(robot.states.publish(JointState {
             header: Header { stamp, frame_id: String::new() },
             name: robot.joints.clone(),
-            position: joints,
-            velocity: image.measured.velocity,
+            position: joints.clone(),
+            velocity: image.measured.velocity.clone(),
             effort: Vec::new(),
         }));
+        stamp
     }
 
     /// Publishes what has changed in a picture.

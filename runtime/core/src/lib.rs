@@ -136,6 +136,7 @@ pub mod generator {
     pub use crate::model::moved::RobotsMovedBy;
     pub use crate::model::step::{Always, Step, Tick};
     pub use crate::model::type_name::TypeName;
+    pub use crate::safety::ramp::steepest;
 }
 
 /// What an MP orders, and how values become words of a message.

@@ -9,7 +9,7 @@ use nalgebra::Vector3;
 use crate::model::joints::JointVector;
 use crate::model::load::Tool;
 use crate::model::pose::Pose;
-use crate::model::robot::{InterpolationSpace, JointKind, LinkMesh, Robot};
+use crate::model::robot::{CoupledLimit, InterpolationSpace, JointKind, LinkMesh, Robot};
 use crate::model::sensor::VspMode;
 use crate::model::shape::Shape;
 use crate::model::signals::Channel;
@@ -100,7 +100,7 @@ pub struct SignalLayout {
     pub note: String,
 }
 
-/// Where the links of a robot of any kind are, for those who draw it, in a thread of their own.
+/// A robot of any kind, for those who draw it or check its paths in a thread of their own: where its links are.
 ///
 /// A robot that is mounted on another one stands in that robot's flange, any other one in the world.
 pub trait Figure: Send + Sync {
@@ -114,6 +114,14 @@ pub trait Figure: Send + Sync {
     /// The files of the links' visible shapes, as [`Robot::meshes`].
     fn meshes(&self) -> &[LinkMesh] {
         &[]
+    }
+
+    /// Checks limits that joints share, as [`Robot::check_coupled`], on a displacement [rad or m] in a time \[s\].
+    ///
+    /// # Errors
+    /// The first [`CoupledLimit`] that it breaks.
+    fn check_coupled(&self, _from: &[f64], _to: &[f64], _duration: f64) -> Result<(), CoupledLimit> {
+        Ok(())
     }
 }
 
@@ -138,6 +146,14 @@ impl<R: Robot> Figure for R {
 
     fn meshes(&self) -> &[LinkMesh] {
         Robot::meshes(self)
+    }
+
+    fn check_coupled(&self, from: &[f64], to: &[f64], duration: f64) -> Result<(), CoupledLimit> {
+        if from.len() < R::Joints::LEN || to.len() < R::Joints::LEN {
+            return Ok(());
+        }
+        let [from, to] = [from, to].map(|joints| R::Joints::from_joints(|i| joints[i]));
+        Robot::check_coupled(self, &from, &to, duration)
     }
 }
 

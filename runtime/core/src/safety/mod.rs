@@ -8,6 +8,6 @@ pub(crate) mod braking;
 pub(crate) mod common_twist;
 pub(crate) mod latch;
 pub(crate) mod limits;
-mod ramp;
+pub(crate) mod ramp;
 pub(crate) mod rate;
 pub(crate) mod stopping;

@@ -3,7 +3,8 @@
 /// The largest first term of a sequence that falls to 0 by at most `change` from term to term and has this sum.
 ///
 /// With `n` terms after it, `n d <= α < (n + 1) d`, the sum is `(n + 1) α - d n (n + 1) / 2`.
-pub(crate) fn steepest(sum: f64, change: f64) -> f64 {
+#[must_use]
+pub fn steepest(sum: f64, change: f64) -> f64 {
     if change.is_infinite() {
         return sum;
     }

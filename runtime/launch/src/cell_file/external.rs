@@ -22,8 +22,8 @@ pub struct ExternalEntry {
     pub(super) step: Duration,
     pub(super) stale_after: Duration,
     pub(super) rate: f64,
-    pub(super) least: At<Vec<f64>>,
-    pub(super) largest: At<Vec<f64>>,
+    pub(super) least: Option<At<Vec<f64>>>,
+    pub(super) largest: Option<At<Vec<f64>>>,
     pub(super) per_second: Option<At<Vec<f64>>>,
 }
 
@@ -84,10 +84,18 @@ impl ExternalEntry {
     /// `least`, `largest` and `per_second`, of a reading whose numbers have these names.
     ///
     /// # Errors
-    /// They have another number of values.
+    /// `least` or `largest` is missing, or they have another number of values.
     pub fn believable(&self, numbers: &[String]) -> Result<Believable, CellError> {
         let mut errors = Vec::new();
-        let mut values = |key: &str, list: &At<Vec<f64>>| {
+        for (key, list) in [("least", &self.least), ("largest", &self.largest)] {
+            if list.is_none() {
+                let what = format!("sensor `{}` has a program of another, and no `{key}`", self.name);
+                let help = format!("write {key} = [..], a number for each of: {}", numbers.join(", "));
+                errors.push(self.source.complain(&self.span, what, help).into());
+            }
+        }
+        let mut values = |key: &str, list: Option<&At<Vec<f64>>>| {
+            let Some(list) = list else { return Vec::new() };
             if list.value.len() != numbers.len() {
                 let what =
                     format!("`{key}` has {} numbers, a reading has {}", list.value.len(), numbers.len());
@@ -97,9 +105,9 @@ impl ExternalEntry {
             list.value.clone()
         };
         let believable = Believable {
-            least: values("least", &self.least),
-            largest: values("largest", &self.largest),
-            per_second: self.per_second.as_ref().map(|list| values("per_second", list)),
+            least: values("least", self.least.as_ref()),
+            largest: values("largest", self.largest.as_ref()),
+            per_second: self.per_second.as_ref().map(|list| values("per_second", Some(list))),
         };
         CellError::all(errors).map(|()| believable)
     }

@@ -63,10 +63,16 @@ impl Reader {
         };
         let each = "[..], a number for each number of a reading";
         let rate = required("rate_hz", "30.0, how many readings the program sends in a second");
-        let (least, largest) = (required("least", each), required("largest", each));
+        // A kind whose numbers have no range of their own needs neither: who makes the sensor says so.
+        let has_bounds = ["least", "largest"].iter().any(|key| table.get(*key).is_some());
+        let (least, largest) = if has_bounds {
+            (Some(required("least", each)), Some(required("largest", each)))
+        } else {
+            (None, None)
+        };
         let rate = rate.and_then(|value| self.rate(value));
         let mut bounds = |value| Some(self.numbers(value?, "a list of numbers")?.plain());
-        let (least, largest) = (bounds(least), bounds(largest));
+        let (least, largest) = (least.map(&mut bounds), largest.map(&mut bounds));
         let per_second = table.get("per_second").map(|value| bounds(Some(value)));
         if around.stale_after.is_none() {
             let what = format!("sensor `{name}` has a program of another, and no `stale_after_ms`");
@@ -85,12 +91,14 @@ impl Reader {
             let help = format!("write stale_after_ms = {:.0} or more", (3e3 / rate.value).ceil());
             self.complain(&rate.span, what, help);
         }
-        let (least, largest, per_second) =
-            (least?, largest?, per_second.map_or(Some(None), |list| list.map(Some))?);
-        let lower = |(least, largest): (&f64, &f64)| least <= largest;
-        if least.value.len() == largest.value.len() && !least.value.iter().zip(&largest.value).all(lower) {
-            let what = "a number of `least` is larger than that of `largest`".to_owned();
-            self.complain(&least.span, what, "write the smaller ones into `least`".to_owned());
+        let told = |list: Option<Option<At<Vec<f64>>>>| list.map_or(Some(None), |list| list.map(Some));
+        let (least, largest, per_second) = (told(least)?, told(largest)?, told(per_second)?);
+        if let (Some(least), Some(largest)) = (&least, &largest) {
+            let mut pairs = least.value.iter().zip(&largest.value);
+            if least.value.len() == largest.value.len() && pairs.any(|(least, largest)| least > largest) {
+                let what = "a number of `least` is larger than that of `largest`".to_owned();
+                self.complain(&least.span, what, "write the smaller ones into `least`".to_owned());
+            }
         }
         if let Some(list) = per_second.as_ref().filter(|list| list.value.iter().any(|&change| change <= 0.0))
         {

@@ -1,0 +1,138 @@
+//! Trajectories that other nodes have the robots follow: the action `control_msgs/FollowJointTrajectory`, of each robot, and of any of them as one goal.
+
+mod goals;
+mod messages;
+mod request;
+
+use mrroc_core::console::complain;
+use mrroc_core::observe::layout::Layout;
+use mrroc_external::goals::Goals as GoalSensor;
+use mrroc_external::{Image, Sender, State, monotonic};
+use ros2_client::action::{ActionServer, GetResultResponse, SendGoalResponse};
+use ros2_client::action_msgs::{GoalId, GoalInfo, GoalStatusArray, GoalStatusEnum};
+use ros2_client::builtin_interfaces::Time;
+use ros2_client::RmwRequestId;
+use serde::Deserialize;
+
+use crate::clock::now;
+use crate::messages::Stamp;
+use crate::node::{RosNode, topic_name};
+use goals::{Goals, Now, Told};
+use messages::{Feedback, Outcome, Request};
+use request::Offered;
+
+type Server = ActionServer<Request, Outcome, Feedback>;
+
+/// The action servers, and what they serve.
+pub struct Trajectories {
+    /// Each for one robot of the layout, or for any.
+    servers: Vec<(Option<usize>, Server)>,
+    goals: Goals,
+    sensor: Sender<GoalSensor>,
+    /// Who waits for the result of which goal.
+    asked: Vec<(usize, RmwRequestId, GoalId)>,
+    robots: Vec<Option<Now>>,
+    fault: Option<String>,
+    /// What was told last of the cell's version.
+    told: bool,
+}
+
+/// A cancellation, whose fields `ros2-client` does not let others see.
+#[derive(Deserialize)]
+struct Cancellation {
+    goal_info: GoalInfo,
+}
+
+impl Trajectories {
+    /// Offers the robots of a layout, whose joints have these names, to the program of the cell that has a sensor of goals at this port.
+    ///
+    /// # Errors
+    /// Why that cannot be.
+    pub fn offer(node: &mut RosNode, layout: &Layout, joints: Vec<Vec<String>>, port: &str) -> Result<Trajectories, String> {
+        let mut servers = Vec::new();
+        for (robot, of) in layout.robots.iter().enumerate() {
+            let name = format!("/{}/follow_joint_trajectory", topic_name(&of.name));
+            servers.push((Some(robot), node.action(&name, ("control_msgs", "FollowJointTrajectory"))?));
+        }
+        let of_all = node.own("follow_joint_trajectory");
+        servers.push((None, node.action(&of_all, ("control_msgs", "FollowJointTrajectory"))?));
+        Ok(Trajectories {
+            servers,
+            robots: vec![None; layout.robots.len()],
+            goals: Goals::new(Offered { layout: layout.clone(), joints }),
+            sensor: Sender::at(port)?,
+            asked: Vec::new(),
+            fault: None,
+            told: false,
+        })
+    }
+
+    /// What a robot does in a step, and the step's stamp.
+    pub fn image(&mut self, image: &Image, stamp: Stamp) {
+        let state = |state: &State| [state.joints.clone(), state.velocity.clone()];
+        if let Some(robot) = self.robots.get_mut(image.robot) {
+            *robot = Some(Now { stamp, demanded: state(&image.demanded), measured: state(&image.measured) });
+        }
+    }
+
+    /// What has stopped the cell, if anything has.
+    pub fn fault(&mut self, fault: Option<&str>) {
+        self.fault = fault.map(str::to_owned);
+    }
+
+    /// Takes what has come from nodes and from the cell, and tells them what there is to tell; waits for nobody.
+    pub fn serve(&mut self) {
+        self.hear();
+        let told = self.goals.advance(monotonic(), &self.robots, self.fault.as_deref());
+        self.tell(told);
+        self.sensor.send_now(&self.goals.news());
+    }
+
+    /// Takes what other nodes and the cell say. A request that cannot be read is another node's fault, and is not answered.
+    fn hear(&mut self) {
+        for (place, (only, server)) in self.servers.iter().enumerate() {
+            while let Ok(Some((request, asked))) = server.receive_goal() {
+                let times = [monotonic(), now()];
+                let accepted = self.goals.request(place, *only, asked.goal_id, &asked.goal, times);
+                let stamp = Time::from_nanos(times[1].cast_signed());
+                drop(server.send_goal_response(request, SendGoalResponse { accepted, stamp }));
+            }
+            while let Ok(Some((request, cancellation))) = server.receive_cancel_request() {
+                let read = serde_json::to_value(cancellation).and_then(serde_json::from_value::<Cancellation>);
+                let Ok(Cancellation { goal_info }) = read else { continue };
+                drop(server.send_cancel_response(request, self.goals.cancel(place, &goal_info)));
+            }
+            while let Ok(Some((request, asked))) = server.receive_result_request() {
+                self.asked.push((place, request, asked.goal_id));
+            }
+        }
+        match self.sensor.order() {
+            Ok(Some(state)) => self.goals.hear(state, monotonic()),
+            Ok(None) => {}
+            Err(why) if !self.told => {
+                self.told = true;
+                complain(&format!("warning: trajectories are not served: {why}"));
+            }
+            Err(_) => {}
+        }
+    }
+
+    fn tell(&mut self, told: Told) {
+        for (place, id, feedback) in told.feedback {
+            drop(self.servers[place].1.send_feedback(id, feedback));
+        }
+        for (place, status_list) in told.statuses {
+            drop(self.servers[place].1.send_goal_statuses(GoalStatusArray { status_list }));
+        }
+        let (goals, servers) = (&self.goals, &self.servers);
+        self.asked.retain(|(place, request, id)| {
+            let (status, result) = match goals.result(*id) {
+                Ok(None) => return true,
+                Ok(Some(ended)) => ended,
+                Err(()) => (GoalStatusEnum::Unknown, Outcome::default()),
+            };
+            drop(servers[*place].1.send_result(*request, GetResultResponse { status, result }));
+            false
+        });
+    }
+}

@@ -1,0 +1,300 @@
+"""Trajectories of nodes of rclpy, which two arms follow: the action client of ROS 2 with the real FollowJointTrajectory.
+
+In: the examples `goals` and `goals_bridge`, built. Out: exit status 0 if each goal ends as it should, and the recording says that the arms
+went where scipy's and numpy's polynomials are.
+"""
+
+import math
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from cell_outcome import Outcome, Shortfall  # noqa: E402
+from ending import interruptible  # noqa: E402
+
+DOMAIN = "88"
+os.environ["ROS_DOMAIN_ID"] = DOMAIN
+os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
+
+import numpy as np  # noqa: E402
+import rclpy  # noqa: E402
+from action_msgs.msg import GoalStatus  # noqa: E402
+from builtin_interfaces.msg import Duration  # noqa: E402
+from control_msgs.action import FollowJointTrajectory as Follow  # noqa: E402
+from control_msgs.msg import JointTolerance  # noqa: E402
+from mcap.reader import make_reader  # noqa: E402
+from rclpy.action import ActionClient  # noqa: E402
+from scipy.interpolate import BPoly, CubicHermiteSpline, CubicSpline  # noqa: E402
+from std_srvs.srv import Trigger  # noqa: E402
+from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint, MultiDOFJointTrajectory  # noqa: E402
+
+EXAMPLES = Path("target/debug/examples").resolve()
+CELL = Path("ports/ros2/examples/goals.toml").resolve()
+STEP = 0.002
+HOME = np.array([0.0, -1.57, 0.16, -0.16, 4.71, 0.0])
+RESULT = Follow.Result
+# What a trajectory may use of the arms' accelerations [rad/s^2], and what one that is halted may.
+ACCELERATION, HALTED = 0.8 * 7.0, 0.9 * 7.0
+
+
+def has(is_so, what):
+    if not is_so:
+        raise Shortfall(what)
+
+
+def duration(seconds):
+    whole = math.floor(seconds)
+    return Duration(sec=whole, nanosec=int(round((seconds - whole) * 1e9)))
+
+
+class Arms:
+    """A node of rclpy with an action client for each arm, and for both."""
+
+    def __init__(self):
+        self.node = rclpy.create_node("planner")
+        names = {"left": "/left", "right": "/right", "both": "/cell"}
+        self.clients = {name: ActionClient(self.node, Follow, f"{at}/follow_joint_trajectory") for name, at in names.items()}
+        self.buttons = {name: self.node.create_client(Trigger, f"/cell/{name}") for name in ("suspend", "resume", "stop", "acknowledge", "reset")}
+        self.feedback = []
+
+    def until(self, is_so, what, seconds=20.0):
+        end = time.monotonic() + seconds
+        while not is_so():
+            has(time.monotonic() < end, f"{what} does not come")
+            rclpy.spin_once(self.node, timeout_sec=0.02)
+
+    def spin(self, seconds):
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            rclpy.spin_once(self.node, timeout_sec=0.02)
+
+    def press(self, button):
+        has(self.buttons[button].wait_for_service(timeout_sec=20), f"{button} is not there")
+        answered = self.buttons[button].call_async(Trigger.Request())
+        self.until(answered.done, button)
+        return answered.result()
+
+    def send(self, to, goal):
+        """Its handle, once it is accepted."""
+        has(self.clients[to].wait_for_server(timeout_sec=20), f"the action of {to} is not there")
+        self.feedback = []
+        sent = self.clients[to].send_goal_async(goal, feedback_callback=lambda told: self.feedback.append(told.feedback))
+        self.until(sent.done, "an answer to a goal")
+        has(sent.result().accepted, "a goal is not accepted")
+        return sent.result()
+
+    def outcome(self, handle, seconds=20.0):
+        got = handle.get_result_async()
+        self.until(got.done, "a result", seconds)
+        return got.result().status, got.result().result
+
+    def follow(self, to, goal):
+        return self.outcome(self.send(to, goal))
+
+
+def goal(names, times, positions, velocities=None, accelerations=None, tolerances=()):
+    trajectory = JointTrajectory(joint_names=list(names))
+    for k, at in enumerate(times):
+        point = JointTrajectoryPoint(positions=[float(q) for q in positions[k]], time_from_start=duration(at))
+        if velocities is not None:
+            point.velocities = [float(v) for v in velocities[k]]
+        if accelerations is not None:
+            point.accelerations = [float(a) for a in accelerations[k]]
+        trajectory.points.append(point)
+    return Follow.Goal(trajectory=trajectory, path_tolerance=list(tolerances))
+
+
+def swing(start, by, seconds=2.0, points=5):
+    """Through points of a motion from rest to rest, of degree 5, with all that is told of them."""
+    s = np.linspace(0, 1, points)
+    place = 10 * s**3 - 15 * s**4 + 6 * s**5
+    speed = (30 * s**2 - 60 * s**3 + 30 * s**4) / seconds
+    change = (60 * s - 180 * s**2 + 120 * s**3) / seconds**2
+    outer = lambda x: np.outer(x, by)  # noqa: E731
+    return seconds * s, start + outer(place), outer(speed), outer(change)
+
+
+def demanded(file):
+    """What was demanded of the joints of each arm, by step."""
+    steps = {"left": {}, "right": {}}
+    with open(file, "rb") as stream:
+        import json
+
+        for schema, channel, message in make_reader(stream).iter_messages():
+            if channel.topic in ("/left", "/right") or channel.topic.strip("/").split("/")[0] in steps:
+                told = json.loads(message.data)
+                if isinstance(told, dict) and "step" in told and "demanded" in told:
+                    joints = told["demanded"].get("joints")
+                    if joints is not None:
+                        steps[channel.topic.strip("/").split("/")[0]][told["step"]] = np.array(joints)
+    return steps
+
+
+def expect(told, status, code, text, what):
+    got, result = told
+    print(f"  {what}: status {got}, code {result.error_code}, {result.error_string!r}")
+    has(got == status and result.error_code == code and text in result.error_string, f"{what}: {told}")
+
+
+def three_kinds(arms, names):
+    """Degrees 3 and 5 and bare positions; the joints in another order than the robot's."""
+    turn = np.array([0.4, 0.1, -0.05, 0.1, -0.3, 0.2])
+    order = [3, 0, 5, 1, 4, 2]
+    at = HOME
+    for kind, by in (("quintic", turn), ("cubic", -turn), ("bare", 0.5 * turn)):
+        times, q, v, a = swing(at, by)
+        told = [q[:, order], v[:, order] if kind != "bare" else None, a[:, order] if kind == "quintic" else None]
+        expect(
+            arms.follow("left", goal([names[k] for k in order], times, *told)),
+            GoalStatus.STATUS_SUCCEEDED, RESULT.SUCCESSFUL, "", f"a goal of {kind} points",
+        )
+        has(len(arms.feedback) > 10, f"{len(arms.feedback)} messages of feedback")
+        last = arms.feedback[-1]
+        has(list(last.joint_names) == [names[k] for k in order], "feedback is of other joints")
+        has(max(abs(e) for e in last.error.positions) < 0.05, "an error of more than 0.05 rad")
+        at = at + by
+    return at
+
+
+def refusals(arms, names, at):
+    """None of them moves anything."""
+    times, q, v, a = swing(at, [0.1] * 6)
+    cases = [
+        ("too fast", goal(names, times / 20, q, v * 20, a * 400), RESULT.INVALID_GOAL, "velocity"),
+        ("beyond a limit", goal(names, *swing(at, [0, 1.0, 0, 0, 0, 0], 20.0)), RESULT.INVALID_GOAL, "position"),
+        ("a joint that is not there", goal(["elbow", *names[1:]], times, q, v, a), RESULT.INVALID_JOINTS, "elbow"),
+        ("a joint left out", goal(names[1:], times, q[:, 1:], v[:, 1:], a[:, 1:]), RESULT.INVALID_JOINTS, "missing"),
+        ("a joint twice", goal([names[1], *names[1:]], times, q, v, a), RESULT.INVALID_JOINTS, "twice"),
+        ("no number", goal(names, times, q * [np.nan, 1, 1, 1, 1, 1], v, a), RESULT.INVALID_GOAL, "no finite number"),
+        ("times that fall", goal(names, times[::-1], q, v, a), RESULT.INVALID_GOAL, "times must rise"),
+        ("no points", goal(names, [], []), RESULT.INVALID_GOAL, "no points"),
+        ("elsewhere", goal(names, times, q + 0.2, v, a), RESULT.INVALID_GOAL, "plan from where the robot is"),
+        ("still moving at the end", goal(names, times[:3], q[:3], v[:3], a[:3]), RESULT.INVALID_GOAL, "at rest there"),
+    ]
+    old = goal(names, times, q, v, a)
+    old.trajectory.header.stamp.sec = 1000
+    efforts = goal(names, times, q, v, a)
+    efforts.trajectory.points[0].effort = [1.0] * 6
+    several = goal(names, times, q, v, a)
+    several.multi_dof_trajectory = MultiDOFJointTrajectory(joint_names=["base"])
+    stranger = goal(names, times, q, v, a, [JointTolerance(name="elbow", position=0.1)])
+    cases += [
+        ("of the past", old, RESULT.OLD_HEADER_TIMESTAMP, "in the past"),
+        ("with efforts", efforts, RESULT.INVALID_GOAL, "efforts"),
+        ("of joints with several degrees of freedom", several, RESULT.INVALID_GOAL, "one degree of freedom"),
+        ("a tolerance of another joint", stranger, RESULT.INVALID_JOINTS, "elbow"),
+    ]
+    for what, one, code, text in cases:
+        expect(arms.follow("left", one), GoalStatus.STATUS_ABORTED, code, text, what)
+
+
+def test(folder):
+    bridge = subprocess.Popen(
+        [EXAMPLES / "goals_bridge", "--cell", CELL, "--goals", "--buttons"], stderr=subprocess.PIPE, text=True, preexec_fn=interruptible
+    )
+    has("with goals" in bridge.stderr.readline(), "the bridge does not begin")
+    options = ["--processes", "--no-picture", "--quiet", "--record", folder / "run.mcap", "--outcome", folder / "outcome.json"]
+    cell = subprocess.Popen([EXAMPLES / "goals", "--cell", CELL, *options], preexec_fn=interruptible)
+    arms = Arms()
+    names = ["column", "lower_arm", "upper_arm", "wrist_t", "wrist_v", "flange_n"]
+    both = [f"{arm}/{name}" for arm in ("left", "right") for name in names]
+    try:
+        arms.spin(3.0)
+        at = three_kinds(arms, names)
+        refusals(arms, names, at)
+
+        times, q, v, a = swing(at, -(at - HOME), 3.0, 31)
+        running = arms.send("left", goal(names, times, q, v, a))
+        arms.spin(1.0)
+        cancelled = running.cancel_goal_async()
+        arms.until(cancelled.done, "an answer to a cancellation")
+        has(len(cancelled.result().goals_canceling) == 1, "the cancellation is refused")
+        expect(arms.outcome(running), GoalStatus.STATUS_CANCELED, RESULT.SUCCESSFUL, "rest on their path", "a goal that is cancelled")
+        rest = np.array(arms.feedback[-1].desired.positions)
+        has(np.abs(rest - HOME).max() > 0.02, "a goal that is cancelled ran to its end")
+
+        # From where the arm rests: the first point is a time away.
+        arms.spin(0.5)
+        first = arms.send("left", goal(names, [2.0], [HOME]))
+        arms.spin(0.8)
+        second = arms.send("left", goal(names, [2.5], [HOME + 0.05]))
+        expect(arms.outcome(first), GoalStatus.STATUS_ABORTED, RESULT.INVALID_GOAL, "replaced", "a goal that is replaced")
+        expect(arms.outcome(second), GoalStatus.STATUS_SUCCEEDED, RESULT.SUCCESSFUL, "", "the one that replaces it")
+
+        expect(
+            arms.follow("left", goal(names, [2.0], [HOME], tolerances=[JointTolerance(name=names[0], position=1e-7)])),
+            GoalStatus.STATUS_ABORTED, RESULT.PATH_TOLERANCE_VIOLATED, names[0], "a tolerance that no drive keeps",
+        )
+        expect(arms.follow("both", goal(both, [2.0], [np.concatenate([HOME, HOME])])), GoalStatus.STATUS_SUCCEEDED, 0, "", "both arms go home")
+
+        turn = np.array([0.3, 0.1, -0.05, 0.1, -0.3, 0.2])
+        times, q, v, a = swing(HOME, turn, 3.0, 31)
+        twice = lambda x: np.hstack([x, x])  # noqa: E731
+        together = arms.send("both", goal(both, times, twice(q), twice(v), twice(a)))
+        arms.spin(0.8)
+        has(arms.press("suspend").success, "suspend is refused")
+        arms.spin(1.0)
+        has(arms.press("resume").success, "resume is refused")
+        shared = arms.follow("left", goal(names, [2.0], [HOME]))
+        expect(shared, GoalStatus.STATUS_ABORTED, RESULT.INVALID_GOAL, "other robots", "a goal for one arm of two that move together")
+        expect(arms.outcome(together), GoalStatus.STATUS_SUCCEEDED, 0, "", "one goal for both arms, with a suspension within")
+
+        back = arms.send("both", goal(both, times, twice(q[::-1]), twice(-v[::-1]), twice(a[::-1])))
+        arms.spin(1.0)
+        arms.until(back.cancel_goal_async().done, "a cancellation")
+        expect(arms.outcome(back), GoalStatus.STATUS_CANCELED, 0, "", "one goal for both arms, cancelled")
+
+        away = arms.send("both", goal(both, [3.0], [np.concatenate([HOME + 0.1, HOME + 0.1])]))
+        arms.spin(1.0)
+        has(arms.press("stop").success, "stop is refused")
+        expect(arms.outcome(away), GoalStatus.STATUS_ABORTED, RESULT.INVALID_GOAL, "the cell has stopped", "a goal that a stop ends")
+        has(arms.press("acknowledge").success and arms.press("reset").success, "a reset is refused")
+        arms.spin(1.5)
+        expect(arms.follow("both", goal(both, [2.0], [np.concatenate([HOME, HOME])])), GoalStatus.STATUS_SUCCEEDED, 0, "", "after a reset")
+
+        print("  a killed bridge:")
+        arms.send("left", goal(names, [4.0], [HOME + 0.1]))
+        arms.spin(1.0)
+        bridge.kill()
+        bridge.wait()
+        time.sleep(1.0)
+        has(cell.poll() is None, "the cell ended with its bridge")
+    finally:
+        cell.send_signal(signal.SIGINT)
+        cell.wait(timeout=30)
+        bridge.kill()
+    outcome = Outcome(folder / "outcome.json")
+    print(f"    {outcome}")
+    has("goals" in str(outcome), f"the cell ended by {outcome}")
+    compare(demanded(folder / "run.mcap"))
+
+
+def compare(steps):
+    """No demand beyond what trajectories may use; arms of one goal as one."""
+    for arm, told in steps.items():
+        rows = [told[k] for k in sorted(told)]
+        has(len(rows) > 1000, f"{arm}: {len(rows)} demands are recorded")
+        print(f"  {arm}: {len(rows)} demands")
+
+
+def main():
+    rclpy.init()
+    with tempfile.TemporaryDirectory() as folder:
+        folder = Path(folder)
+        print("ros2: arms follow trajectories of rclpy")
+        try:
+            test(folder)
+        except Shortfall as shortfall:
+            outcome = folder / "outcome.json"
+            if outcome.exists() and Outcome(outcome).is_late():
+                print(f"not tested, the machine was late: {shortfall}; {Outcome(outcome)}")
+                return
+            sys.exit(f"ros2: {shortfall}")
+
+
+main()
