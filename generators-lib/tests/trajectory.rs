@@ -71,8 +71,11 @@ fn points_that_are_no_trajectory_are_refused_by_what_is_wrong_with_them() {
         let told = refused(times.map(|time| point(time, &[0.0; 2])).to_vec());
         assert!(told.contains("times must rise from point to point"), "{told}");
     }
-    let fast = |time, velocity: f64| TrajectoryPoint { velocities: vec![0.0, velocity], ..point(time, &[0.0; 2]) };
-    assert!(refused(vec![point(0.0, &[0.0; 2]), fast(1.0, 0.0)]).contains("all points have velocities, or none"));
+    let fast =
+        |time, velocity: f64| TrajectoryPoint { velocities: vec![0.0, velocity], ..point(time, &[0.0; 2]) };
+    assert!(
+        refused(vec![point(0.0, &[0.0; 2]), fast(1.0, 0.0)]).contains("all points have velocities, or none")
+    );
     let alone = TrajectoryPoint { accelerations: vec![0.0; 2], ..point(1.0, &[0.0; 2]) };
     assert!(refused(vec![alone]).contains("accelerations, which need velocities"));
     assert!(refused(vec![fast(1.0, 0.2)]).contains("the robots must be at rest there"));
@@ -114,10 +117,16 @@ fn a_path_beyond_a_limit_or_from_elsewhere_is_refused_and_one_at_its_share_is_no
     for (which, name) in ["velocity", "acceleration", "jerk"].into_iter().enumerate() {
         made(1.0 + 1e-6, which, 0.0).expect("at the limit");
         let told = made(1.0 - 1e-3, which, 0.0).expect_err("beyond it").to_string();
-        assert!(told.starts_with(&format!("joint 1: {name} ")) && told.contains("on the way to point 2"), "{told}");
+        assert!(
+            told.starts_with(&format!("joint 1: {name} ")) && told.contains("on the way to point 2"),
+            "{told}"
+        );
     }
     let told = made(2.0, 0, 0.02).expect_err("it is elsewhere").to_string();
-    assert_eq!(told, "joint 1 is at 0.02, the trajectory begins at 0: plan from where the robot is");
+    assert_eq!(
+        told,
+        "joint 1 is at 0.020000, the trajectory begins at 0.000000: plan from where the robot is"
+    );
     // A little beside it, it comes to the same end.
     let path = made(2.0, 0, 0.002).expect("near enough");
     assert_eq!(path.at(0.0, 0), [0.002, 0.0, 0.0]);
@@ -131,7 +140,8 @@ fn a_path_beyond_a_limit_or_from_elsewhere_is_refused_and_one_at_its_share_is_no
     assert!(told.starts_with("joint 1: position -0.1"), "{told}");
     // Degree 3 has steps of the acceleration, which a joint with a limit of jerk cannot take.
     let limits = JointLimits { acceleration: 10.0, jerk: 1e3, ..FREE };
-    let cubic = [(0.0, 0.0), (1.0, 0.1)].map(|(at, q)| TrajectoryPoint { velocities: vec![0.0], ..point(at, &[q]) });
+    let cubic =
+        [(0.0, 0.0), (1.0, 0.1)].map(|(at, q)| TrajectoryPoint { velocities: vec![0.0], ..point(at, &[q]) });
     let cubic = JointTrajectory::new(vec![limits], cubic.to_vec()).expect("sound");
     let told = TimedPath::from(&cubic, &[JointState::resting(0.0)]).expect_err("a step").to_string();
     assert!(told.starts_with("joint 1: step of the acceleration 0.6"), "{told}");
@@ -330,7 +340,10 @@ fn another_trajectory_replaces_one_at_any_time_without_a_step_of_velocity_or_acc
                     demands.push(rig.both());
                 }
                 let next = random(&rig.both(), limits, seed + 10_000 * (round + 1));
-                let slower = next.points().iter().map(|told| TrajectoryPoint { time: 1.6 * told.time, ..told.clone() });
+                let slower = next
+                    .points()
+                    .iter()
+                    .map(|told| TrajectoryPoint { time: 1.6 * told.time, ..told.clone() });
                 let next = JointTrajectory::new(next.limits().to_vec(), slower.collect()).expect("sound");
                 if round == 2 {
                     rig.group.halt("left").expect("it is there");
@@ -359,10 +372,14 @@ fn another_trajectory_replaces_one_at_any_time_without_a_step_of_velocity_or_acc
 fn robots_of_one_trajectory_are_one_and_others_go_their_own_ways() {
     let mut rig = Rig::new();
     let of = |robots: usize, seed| random(&vec![0.0; 6 * robots], limits(f64::INFINITY), seed);
-    let from = |rig: &Rig, robot: usize, seed| random(rig.joints[robot].as_slice(), limits(f64::INFINITY), seed);
+    let from =
+        |rig: &Rig, robot: usize, seed| random(rig.joints[robot].as_slice(), limits(f64::INFINITY), seed);
     rig.group.begin(&["left"], &from(&rig, 0, 1)).expect("free");
     rig.group.begin(&["right"], &from(&rig, 1, 2)).expect("free");
-    assert_eq!(rig.group.begin(&["left"], &of(2, 1)), Err(TrajectoryError::Joints { expected: 12, actual: 6 }));
+    assert_eq!(
+        rig.group.begin(&["left"], &of(2, 1)),
+        Err(TrajectoryError::Joints { expected: 12, actual: 6 })
+    );
     let nobody = TrajectoryError::Robot("nobody".to_owned());
     assert_eq!(rig.group.begin(&["nobody"], &of(1, 1)), Err(nobody.clone()));
     assert_eq!(rig.group.halt("nobody"), Err(nobody));
@@ -382,7 +399,10 @@ fn robots_of_one_trajectory_are_one_and_others_go_their_own_ways() {
     assert_eq!(rig.group.outcome("left"), Ok(Some(Outcome::Halted)));
     rig.group.begin(&NAMES, &both).expect("slow enough");
     assert_eq!(rig.group.following(), 2);
-    assert_eq!(rig.group.begin(&["right"], &from(&rig, 1, 4)), Err(TrajectoryError::Shared("right".to_owned())));
+    assert_eq!(
+        rig.group.begin(&["right"], &from(&rig, 1, 4)),
+        Err(TrajectoryError::Shared("right".to_owned()))
+    );
     rig.group.finish();
     while rig.go(DT) {}
     for name in NAMES {
@@ -420,7 +440,9 @@ fn what_has_passed_is_left_out_and_what_is_to_begin_later_is_waited_for() {
     }
     assert_eq!(moved, 101);
     // What waits is halted at once.
-    rig.group.begin_after(&["right"], &random(Irp6::READY.as_slice(), limits(f64::INFINITY), 6), 1.0).expect("at rest");
+    rig.group
+        .begin_after(&["right"], &random(Irp6::READY.as_slice(), limits(f64::INFINITY), 6), 1.0)
+        .expect("at rest");
     rig.group.halt("right").expect("it is there");
     rig.go(DT);
     assert_eq!(rig.group.outcome("right"), Ok(Some(Outcome::Halted)));

@@ -35,7 +35,9 @@ impl fmt::Display for Quantity {
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum TrajectoryError {
     /// There are limits of 1 to [`MOST_JOINTS`](super::MOST_JOINTS) joints, all above 0.
-    #[error("limits of {joints} joints: there must be 1 to 32, each with a lower limit below its upper one, and all others above 0")]
+    #[error(
+        "limits of {joints} joints: there must be 1 to 32, each with a lower limit below its upper one, and all others above 0"
+    )]
     Limits {
         /// Limits given.
         joints: usize,
@@ -62,7 +64,9 @@ pub enum TrajectoryError {
         joint: usize,
     },
     /// Some points have velocities or accelerations and others have not, or there are accelerations without velocities.
-    #[error("point {point}: either all points have velocities, or none; and so accelerations, which need velocities")]
+    #[error(
+        "point {point}: either all points have velocities, or none; and so accelerations, which need velocities"
+    )]
     Mixed {
         /// Which point.
         point: usize,
@@ -76,7 +80,9 @@ pub enum TrajectoryError {
         time: f64,
     },
     /// The robots would still move at the last point.
-    #[error("joint {joint} has a velocity of {velocity} at the last point: the robots must be at rest there")]
+    #[error(
+        "joint {joint} has a velocity of {velocity:.6} at the last point: the robots must be at rest there"
+    )]
     MovingEnd {
         /// Which joint.
         joint: usize,
@@ -92,7 +98,9 @@ pub enum TrajectoryError {
         passed: f64,
     },
     /// The robots are not where the trajectory begins.
-    #[error("joint {joint} is at {position}, the trajectory begins at {start}: plan from where the robot is")]
+    #[error(
+        "joint {joint} is at {position:.6}, the trajectory begins at {start:.6}: plan from where the robot is"
+    )]
     Start {
         /// Which joint.
         joint: usize,
@@ -130,6 +138,8 @@ pub enum TrajectoryError {
     #[error("`{0}` does not follow trajectories now")]
     NotFollowing(String),
     /// A robot moves by a trajectory that it shares with others.
-    #[error("`{0}` moves by a trajectory of other robots, too: cancel that one, or replace it for all of them")]
+    #[error(
+        "`{0}` moves by a trajectory of other robots, too: cancel that one, or replace it for all of them"
+    )]
     Shared(String),
 }

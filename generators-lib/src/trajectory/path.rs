@@ -170,10 +170,7 @@ struct Knots {
 
 impl Knots {
     /// Those of a trajectory that robots begin in these states; and which point the second of them is.
-    fn of(
-        trajectory: &JointTrajectory,
-        states: &[JointState],
-    ) -> Result<(Knots, usize), TrajectoryError> {
+    fn of(trajectory: &JointTrajectory, states: &[JointState]) -> Result<(Knots, usize), TrajectoryError> {
         let points = &trajectory.points;
         let passed = trajectory.passed;
         let past = points.partition_point(|point| point.time <= passed);
@@ -215,7 +212,9 @@ impl Knots {
                 // What the joint is off by goes to 0 on a path of its own.
                 let off = [off, state.velocity - start[1], state.acceleration - start[2]];
                 let settle = Piece::quintic(off, [0.0; 3], settles);
-                for (time, knot) in times.iter().zip(&mut of_joint).skip(1).filter(|(time, _)| **time < settles) {
+                for (time, knot) in
+                    times.iter().zip(&mut of_joint).skip(1).filter(|(time, _)| **time < settles)
+                {
                     let off = settle.at(*time);
                     *knot = [knot[0] + off[0], knot[1] + off[1], knot[2] + off[2]];
                 }

@@ -134,14 +134,19 @@ mod tests {
             let cubic = Piece::cubic([from[0], from[1]], [to[0], to[1]], time);
             for (at, expected) in [(0.0, from), (time, to)] {
                 let [position, velocity, _] = cubic.at(at);
-                assert!((position - expected[0]).abs() < 1e-12 && (velocity - expected[1]).abs() < 1e-11 / time);
+                assert!(
+                    (position - expected[0]).abs() < 1e-12 && (velocity - expected[1]).abs() < 1e-11 / time
+                );
             }
             let at = 0.4 * time;
             for piece in [piece, cubic] {
                 let difference = (piece.at(at + 1e-6)[0] - piece.at(at - 1e-6)[0]) / 2e-6;
                 let slope = piece.derivative().at(at)[0];
                 assert!((slope - piece.at(at)[1]).abs() < 1e-9 * (1.0 + slope.abs()));
-                assert!((slope - difference).abs() < 1e-4 * (1.0 + slope.abs() / time), "{slope} {difference}");
+                assert!(
+                    (slope - difference).abs() < 1e-4 * (1.0 + slope.abs() / time),
+                    "{slope} {difference}"
+                );
             }
         }
     }
@@ -154,7 +159,8 @@ mod tests {
             let piece = Piece([number(), number(), number(), number(), number(), number()]);
             let time = 2.0 * number().abs();
             let values = (0..=4000).map(|k| piece.at(time * f64::from(k) / 4000.0)[0]);
-            let (least, most) = values.fold((f64::MAX, f64::MIN), |(least, most), x| (least.min(x), most.max(x)));
+            let (least, most) =
+                values.fold((f64::MAX, f64::MIN), |(least, most), x| (least.min(x), most.max(x)));
             let room = 1e-5 * (1.0 + most - least);
             assert_eq!(piece.beyond(time, least - room, most + room), None, "{piece:?} {time}");
             for (lower, upper) in [(least + room, most + room), (least - room, most - room)] {

@@ -48,6 +48,8 @@ impl<K: Sensor> Sender<K> {
         self.step = order.step;
         let is_it = order.version == VERSION && order.layout == <K::Configuration as Wire>::LAYOUT;
         let configuration = is_it.then(|| K::Configuration::get(&order.words).ok()).flatten();
-        configuration.map(Some).ok_or_else(|| "the cell was made with another version of this sensor".to_owned())
+        configuration
+            .map(Some)
+            .ok_or_else(|| "the cell was made with another version of this sensor".to_owned())
     }
 }

@@ -6,12 +6,12 @@ use std::net::IpAddr;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use ros2_client::action::{ActionServer, ActionServerQosPolicies};
 use ros2_client::dds::rustdds::DomainParticipantBuilder;
 use ros2_client::qos::{Durability, History, Reliability, WhenFull};
-use ros2_client::action::{ActionServer, ActionServerQosPolicies};
 use ros2_client::{
-    ActionTypeName, Context, Message, MessageTypeName, Name, Node, NodeName, NodeOptions, ParameterValue, Publisher,
-    QosProfile, Server, ServiceMapping, ServiceTypeName,
+    ActionTypeName, Context, Message, MessageTypeName, Name, Node, NodeName, NodeOptions, ParameterValue,
+    Publisher, QosProfile, Server, ServiceMapping, ServiceTypeName,
 };
 use serde::Serialize;
 

@@ -132,7 +132,10 @@ fn attend(
         .map_err(|error| format!("no thread for pictures: {error}"))?;
     let with = |what: bool, name: &str| format!("{} {name}", if what { "with" } else { "without" });
     let (buttons, trajectories) = (with(options.buttons, "buttons"), with(options.goals, "goals"));
-    complain(&format!("node /{}: domain {domain} at {}, {buttons}, {trajectories}", place.node, place.address));
+    complain(&format!(
+        "node /{}: domain {domain} at {}, {buttons}, {trajectories}",
+        place.node, place.address
+    ));
     show_for_ever(&mut subscriber, &mut topics, &pictures, &mut goals)
 }
 
@@ -177,7 +180,10 @@ fn show_for_ever(
             topics.picture(&picture);
             let says = (picture.state, picture.fault.clone());
             if let Some(goals) = goals {
-                goals.fault(picture.fault.as_deref());
+                // A fault is told until another one comes: what counts is whether the cell stands by it.
+                let stands =
+                    !matches!(picture.state, CellState::Idle | CellState::Running | CellState::Suspended);
+                goals.fault(picture.fault.as_deref().filter(|_| stands));
             }
             if says != told || diagnosed.elapsed() >= DIAGNOSED {
                 (diagnosed, told) = (Instant::now(), says);

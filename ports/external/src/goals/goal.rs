@@ -61,8 +61,7 @@ impl Recorded for Goal {
             return None;
         }
         let robots = words.count()?;
-        let robots: Option<Vec<_>> =
-            (0..robots).map(|_| Name::get(words.some(Name::LEN)?).ok()).collect();
+        let robots: Option<Vec<_>> = (0..robots).map(|_| Name::get(words.some(Name::LEN)?).ok()).collect();
         let [delay, tolerance, passed] = words.numbers(3)?[..] else { return None };
         let joints = words.count()?;
         let limits = |words: &mut Words<'_>| {

@@ -10,11 +10,14 @@
 //! ```
 
 use mrroc_external::goals::{GoalFile, GoalNews, GoalState, MOST_ROBOTS, refusal};
-use ros2_client::action_msgs::{CancelGoalResponse, CancelGoalResponseEnum, GoalId, GoalInfo, GoalStatus, GoalStatusEnum};
+use ros2_client::action_msgs::{
+    CancelGoalResponse, CancelGoalResponseEnum, GoalId, GoalInfo, GoalStatus, GoalStatusEnum,
+};
 use ros2_client::builtin_interfaces::Time;
 
 use super::messages::{
-    Feedback, GOAL_TOLERANCE_VIOLATED, INVALID_GOAL, Outcome, PATH_TOLERANCE_VIOLATED, Point, Request, SUCCESSFUL,
+    Feedback, GOAL_TOLERANCE_VIOLATED, INVALID_GOAL, Outcome, PATH_TOLERANCE_VIOLATED, Point, Request,
+    SUCCESSFUL,
 };
 use super::request::{Asked, Bounds, Offered};
 use crate::messages::{Header, Stamp};
@@ -99,7 +102,14 @@ impl Goals {
     }
 
     /// A request to a server, whose robot is `only` or any; whether it is looked at. What is wrong with it is its result.
-    pub fn request(&mut self, server: usize, only: Option<usize>, id: GoalId, request: &Request, [now, since_1970]: [u64; 2]) -> bool {
+    pub fn request(
+        &mut self,
+        server: usize,
+        only: Option<usize>,
+        id: GoalId,
+        request: &Request,
+        [now, since_1970]: [u64; 2],
+    ) -> bool {
         let is_known = self.entries.iter().any(|entry| entry.info.goal_id == id);
         if is_known || self.entries.len() >= MOST {
             return false;
@@ -290,7 +300,13 @@ impl Goals {
         self.entries[place].end(GoalStatusEnum::Aborted, why, now);
     }
 
-    fn watch(&mut self, place: usize, now: u64, state: &GoalState, robots: &[Option<Now>]) -> Option<(usize, GoalId, Feedback)> {
+    fn watch(
+        &mut self,
+        place: usize,
+        now: u64,
+        state: &GoalState,
+        robots: &[Option<Now>],
+    ) -> Option<(usize, GoalId, Feedback)> {
         let entry = &mut self.entries[place];
         if state.taken < entry.number || state.refusal == refusal::OLD {
             let why = outcome(INVALID_GOAL, "the cell's program has begun anew");
@@ -318,10 +334,18 @@ impl Goals {
                     (Some(why), _) => entry.end(GoalStatusEnum::Aborted, why, now),
                     (None, true) => entry.phase = Phase::Settling(now),
                     (None, false) if replaced => {
-                        entry.end(GoalStatusEnum::Aborted, outcome(INVALID_GOAL, "replaced by a newer goal"), now);
+                        entry.end(
+                            GoalStatusEnum::Aborted,
+                            outcome(INVALID_GOAL, "replaced by a newer goal"),
+                            now,
+                        );
                     }
                     (None, false) if entry.status == GoalStatusEnum::Canceling => {
-                        entry.end(GoalStatusEnum::Canceled, outcome(SUCCESSFUL, "cancelled: the robots rest on their path"), now);
+                        entry.end(
+                            GoalStatusEnum::Canceled,
+                            outcome(SUCCESSFUL, "cancelled: the robots rest on their path"),
+                            now,
+                        );
                     }
                     (None, false) => entry.end(
                         GoalStatusEnum::Aborted,
@@ -370,8 +394,12 @@ struct Joints {
 
 impl Joints {
     fn of(asked: &Asked, robots: &[Option<Now>]) -> Option<Joints> {
-        let mut joints =
-            Joints { stamp: Stamp::default(), demanded: Default::default(), measured: Default::default(), names: Vec::new() };
+        let mut joints = Joints {
+            stamp: Stamp::default(),
+            demanded: Default::default(),
+            measured: Default::default(),
+            names: Vec::new(),
+        };
         for &robot in &asked.robots {
             let now = robots.get(robot)?.as_ref()?;
             joints.stamp = joints.stamp.max(now.stamp);
@@ -395,7 +423,9 @@ impl Joints {
                 let off = self.demanded[k][joint] - self.measured[k][joint];
                 if off.abs() > bound {
                     let name = &self.names[joint];
-                    return Some(format!("joint `{name}`: {what} off by {off:.6}, its tolerance is {bound:.6}"));
+                    return Some(format!(
+                        "joint `{name}`: {what} off by {off:.6}, its tolerance is {bound:.6}"
+                    ));
                 }
             }
         }

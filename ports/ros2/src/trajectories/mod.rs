@@ -8,10 +8,10 @@ use mrroc_core::console::complain;
 use mrroc_core::observe::layout::Layout;
 use mrroc_external::goals::Goals as GoalSensor;
 use mrroc_external::{Image, Sender, State, monotonic};
+use ros2_client::RmwRequestId;
 use ros2_client::action::{ActionServer, GetResultResponse, SendGoalResponse};
 use ros2_client::action_msgs::{GoalId, GoalInfo, GoalStatusArray, GoalStatusEnum};
 use ros2_client::builtin_interfaces::Time;
-use ros2_client::RmwRequestId;
 use serde::Deserialize;
 
 use crate::clock::now;
@@ -48,7 +48,12 @@ impl Trajectories {
     ///
     /// # Errors
     /// Why that cannot be.
-    pub fn offer(node: &mut RosNode, layout: &Layout, joints: Vec<Vec<String>>, port: &str) -> Result<Trajectories, String> {
+    pub fn offer(
+        node: &mut RosNode,
+        layout: &Layout,
+        joints: Vec<Vec<String>>,
+        port: &str,
+    ) -> Result<Trajectories, String> {
         let mut servers = Vec::new();
         for (robot, of) in layout.robots.iter().enumerate() {
             let name = format!("/{}/follow_joint_trajectory", topic_name(&of.name));
@@ -98,7 +103,8 @@ impl Trajectories {
                 drop(server.send_goal_response(request, SendGoalResponse { accepted, stamp }));
             }
             while let Ok(Some((request, cancellation))) = server.receive_cancel_request() {
-                let read = serde_json::to_value(cancellation).and_then(serde_json::from_value::<Cancellation>);
+                let read =
+                    serde_json::to_value(cancellation).and_then(serde_json::from_value::<Cancellation>);
                 let Ok(Cancellation { goal_info }) = read else { continue };
                 drop(server.send_cancel_response(request, self.goals.cancel(place, &goal_info)));
             }

@@ -6,9 +6,13 @@
 use mrroc_core::fault::{Excess, Name};
 use mrroc_core::observe::layout::Layout;
 use mrroc_external::goals::{Goal, GoalState, refusal};
-use mrroc_generators::trajectory::{JointLimits, JointState, JointTrajectory, TimedPath, TrajectoryError, TrajectoryPoint};
+use mrroc_generators::trajectory::{
+    JointLimits, JointState, JointTrajectory, TimedPath, TrajectoryError, TrajectoryPoint,
+};
 
-use super::messages::{INVALID_GOAL, INVALID_JOINTS, OLD_HEADER_TIMESTAMP, Outcome, Point, Request, Tolerance};
+use super::messages::{
+    INVALID_GOAL, INVALID_JOINTS, OLD_HEADER_TIMESTAMP, Outcome, Point, Request, Tolerance,
+};
 use crate::node::topic_name;
 
 /// Robots that can be asked for, and the names of their joints.
@@ -63,8 +67,10 @@ impl Offered {
             return Err(refused(INVALID_GOAL, "efforts cannot be asked for"));
         }
         let (robots, places) = self.places(&trajectory.joint_names, only)?;
-        let limits: Vec<JointLimits> =
-            robots.iter().flat_map(|&robot| self.layout.robots[robot].joints.iter().map(JointLimits::from)).collect();
+        let limits: Vec<JointLimits> = robots
+            .iter()
+            .flat_map(|&robot| self.layout.robots[robot].joints.iter().map(JointLimits::from))
+            .collect();
         let points: Result<Vec<_>, String> = trajectory
             .points
             .iter()
@@ -83,7 +89,8 @@ impl Offered {
             robots.iter().map(|&robot| Name::new(&self.layout.robots[robot].name)).collect();
         let names = names.map_err(|bad| refused(INVALID_JOINTS, bad.to_string()))?;
         let joints = places.len();
-        let bounds = |tolerances: &[Tolerance]| self.bounds(tolerances, &trajectory.joint_names, &places, joints);
+        let bounds =
+            |tolerances: &[Tolerance]| self.bounds(tolerances, &trajectory.joint_names, &places, joints);
         let time = request.goal_time_tolerance.seconds();
         Ok(Asked {
             goal: Goal { robots: names, trajectory: made.passed(passed), delay },
@@ -115,7 +122,9 @@ impl Offered {
                 let Some(place) = found.iter().position(|&named| named == (robot, joint)) else {
                     let missing = &self.joints[robot][joint];
                     let of = &self.layout.robots[robot].name;
-                    let why = format!("joint `{missing}` of robot `{of}` is missing: a goal is for all joints of a robot");
+                    let why = format!(
+                        "joint `{missing}` of robot `{of}` is missing: a goal is for all joints of a robot"
+                    );
                     return Err(refused(INVALID_JOINTS, why));
                 };
                 places[place] = before + joint;
@@ -140,7 +149,9 @@ impl Offered {
         match found[..] {
             [one] => Ok(one),
             [] => Err(format!("no joint is called `{name}`")),
-            [..] => Err(format!("several robots have a joint `{name}`: put the robot's name and a `/` before it")),
+            [..] => {
+                Err(format!("several robots have a joint `{name}`: put the robot's name and a `/` before it"))
+            }
         }
     }
 
@@ -156,7 +167,10 @@ impl Offered {
         let mut bounds = vec![none; joints];
         for tolerance in tolerances {
             let place = names.iter().position(|name| *name == tolerance.name).ok_or_else(|| {
-                refused(INVALID_JOINTS, format!("a tolerance is of joint `{}`, which the trajectory has not", tolerance.name))
+                refused(
+                    INVALID_JOINTS,
+                    format!("a tolerance is of joint `{}`, which the trajectory has not", tolerance.name),
+                )
             })?;
             // 0 is nothing said, -1 is no bound.
             let of = |value: f64| if value > 0.0 { value } else { f64::INFINITY };
@@ -166,9 +180,13 @@ impl Offered {
                 return Err(refused(INVALID_GOAL, why));
             }
             if tolerance.acceleration > 0.0 {
-                return Err(refused(INVALID_GOAL, "accelerations are not measured: they can have no tolerance"));
+                return Err(refused(
+                    INVALID_GOAL,
+                    "accelerations are not measured: they can have no tolerance",
+                ));
             }
-            bounds[places[place]] = Bounds { position: of(tolerance.position), velocity: of(tolerance.velocity) };
+            bounds[places[place]] =
+                Bounds { position: of(tolerance.position), velocity: of(tolerance.velocity) };
         }
         Ok(bounds)
     }
@@ -191,13 +209,17 @@ impl Offered {
             if of.coupled_limits.is_empty() {
                 continue;
             }
-            let positions = |k: usize| joints.clone().map(|joint| path.at(k as f64 * step, joint)[0]).collect::<Vec<_>>();
+            let positions =
+                |k: usize| joints.clone().map(|joint| path.at(k as f64 * step, joint)[0]).collect::<Vec<_>>();
             let mut from = positions(0);
             for k in 1..=steps {
                 let to = positions(k);
                 if let Err(limit) = of.figure.check_coupled(&from, &to, step) {
                     let (at, Excess { actual, limit: most, unit }) = (k as f64 * step, limit.excess);
-                    let why = format!("robot `{}`, {at:.3} s: {} {actual:.4} {unit}, at most {most:.4}", of.name, limit.what);
+                    let why = format!(
+                        "robot `{}`, {at:.3} s: {} {actual:.4} {unit}, at most {most:.4}",
+                        of.name, limit.what
+                    );
                     return Err(refused(INVALID_GOAL, why));
                 }
                 from = to;
@@ -234,12 +256,18 @@ impl Offered {
     pub fn refusal(&self, state: &GoalState, robots: &[usize]) -> String {
         let [joint, point, value, limit] = state.about;
         let joint = self.joint_name(joint as usize, robots);
-        let beyond = |what: &str| format!("joint `{joint}`: {what} {value:.4} on the way to point {point}, at most {limit:.4}");
+        let beyond = |what: &str| {
+            format!("joint `{joint}`: {what} {value:.4} on the way to point {point}, at most {limit:.4}")
+        };
         match state.refusal {
             refusal::NOT_OFFERED => "the cell's program does not offer all these robots now".to_owned(),
-            refusal::SHARED => "a robot moves by a goal of other robots, too: cancel that one first".to_owned(),
+            refusal::SHARED => {
+                "a robot moves by a goal of other robots, too: cancel that one first".to_owned()
+            }
             refusal::START => {
-                format!("joint `{joint}` is at {value:.4}, the trajectory begins at {limit:.4}: plan from where the robot is")
+                format!(
+                    "joint `{joint}` is at {value:.4}, the trajectory begins at {limit:.4}: plan from where the robot is"
+                )
             }
             refusal::POSITION => beyond("position"),
             refusal::VELOCITY => beyond("velocity"),
