@@ -281,15 +281,17 @@ def compare(steps, stopped):
     # The right arm goes home from where its encoders say that it is, by some microradians, and that is no motion.
     moves = lambda of, k: np.abs(of[k] - of[k - 1]).max() > 1e-6  # noqa: E731
     known = left.keys() & right.keys()
-    together = [k for k in known if k - 1 in known and k < stopped + 500 and moves(left, k) and moves(right, k)]
+    # When they rest after the stop, they are demanded to be where they are: one step, and no motion either.
+    at_work = [k for k in known if {k - 1, k - 2} <= known and k < stopped + 500]
+    together = [k for k in at_work if all(moves(of, k) and moves(of, k - 1) for of in (left, right))]
     apart = max(np.abs(left[k] - right[k]).max() for k in together)
     beside = max(off_line(left[k] - HOME, TURN) for k in together)
     print(f"  {len(together)} steps in which both arms move: {apart:.1e} rad apart, {beside:.1e} rad beside the line")
     has(len(together) > 2000 and apart < 1e-12 and beside < 1e-9, "arms of one goal are not one")
     for arm, told in steps.items():
-        thrice = [k for k in told if k - 1 in told and k - 2 in told]
+        thrice = [k for k in told if k <= stopped and k - 1 in told and k - 2 in told]
         most = max(np.abs(told[k] - 2 * told[k - 1] + told[k - 2]).max() for k in thrice) / STEP**2
-        print(f"  {arm}: at most {most:.3f} rad/s^2 in {len(told)} demands")
+        print(f"  {arm}: at most {most:.3f} rad/s^2 in {len(thrice)} demands, of 7")
         has(most < 7.0 * (1 + 1e-6), f"{arm}: {most} rad/s^2")
 
 
