@@ -2,6 +2,7 @@
 #![allow(non_snake_case)]
 
 mod drive;
+mod follow;
 mod free;
 mod kit;
 mod physics;

@@ -29,6 +29,8 @@
 
 mod goal;
 mod served;
+#[cfg(test)]
+mod tests;
 
 use mrroc::cell::{CellError, SensorSetup};
 use mrroc::fault::Fault;

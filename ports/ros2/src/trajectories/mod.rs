@@ -3,6 +3,8 @@
 mod goals;
 mod messages;
 mod request;
+#[cfg(test)]
+mod tests;
 
 use mrroc_core::console::complain;
 use mrroc_core::observe::layout::Layout;
