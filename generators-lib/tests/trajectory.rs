@@ -15,7 +15,7 @@ use crate::usage::reference::rows;
 const DT: f64 = 0.002;
 
 /// A joint that nothing limits.
-const FREE: JointLimits = JointLimits {
+const FREE: JointBounds = JointBounds {
     lower: f64::NEG_INFINITY,
     upper: f64::INFINITY,
     velocity: f64::INFINITY,
@@ -79,7 +79,7 @@ fn points_that_are_no_trajectory_are_refused_by_what_is_wrong_with_them() {
     let alone = TrajectoryPoint { accelerations: vec![0.0; 2], ..point(1.0, &[0.0; 2]) };
     assert!(refused(vec![alone]).contains("accelerations, which need velocities"));
     assert!(refused(vec![fast(1.0, 0.2)]).contains("the robots must be at rest there"));
-    let wrong = JointLimits { velocity: -1.0, ..FREE };
+    let wrong = JointBounds { velocity: -1.0, ..FREE };
     for limits in [vec![], vec![wrong], vec![FREE; MOST_JOINTS + 1]] {
         let told = JointTrajectory::new(limits, vec![point(1.0, &[0.0])]);
         assert!(matches!(told, Err(TrajectoryError::Limits { .. })), "{told:?}");
@@ -97,7 +97,7 @@ fn a_path_beyond_a_limit_or_from_elsewhere_is_refused_and_one_at_its_share_is_no
     ];
     let made = |share: f64, which: usize, at: f64| {
         let limit = |k: usize| if k == which { most[k] * share } else { 2.0 * most[k] };
-        let limits = JointLimits {
+        let limits = JointBounds {
             lower: -0.1,
             upper: distance + 0.1,
             velocity: limit(0),
@@ -134,12 +134,12 @@ fn a_path_beyond_a_limit_or_from_elsewhere_is_refused_and_one_at_its_share_is_no
     // Below its lower limit in between: velocities that make it swing back.
     let swings = [(0.0, 0.0), (0.5, -2.0), (1.0, 0.0)];
     let swings = swings.map(|(at, v)| TrajectoryPoint { velocities: vec![v], ..point(at, &[0.0]) });
-    let limits = JointLimits { lower: -0.1, upper: 1.0, ..FREE };
+    let limits = JointBounds { lower: -0.1, upper: 1.0, ..FREE };
     let swings = JointTrajectory::new(vec![limits], swings.to_vec()).expect("sound");
     let told = TimedPath::from(&swings, &[JointState::resting(0.0)]).expect_err("it swings").to_string();
     assert!(told.starts_with("joint 1: position -0.1"), "{told}");
     // Degree 3 has steps of the acceleration, which a joint with a limit of jerk cannot take.
-    let limits = JointLimits { acceleration: 10.0, jerk: 1e3, ..FREE };
+    let limits = JointBounds { acceleration: 10.0, jerk: 1e3, ..FREE };
     let cubic =
         [(0.0, 0.0), (1.0, 0.1)].map(|(at, q)| TrajectoryPoint { velocities: vec![0.0], ..point(at, &[q]) });
     let cubic = JointTrajectory::new(vec![limits], cubic.to_vec()).expect("sound");
@@ -196,12 +196,12 @@ impl Rig {
 }
 
 /// Limits of joints that make nothing of the IRp-6's own.
-fn limits(jerk: f64) -> JointLimits {
-    JointLimits { lower: -10.0, upper: 10.0, velocity: 1.5, acceleration: 4.0, jerk }
+fn limits(jerk: f64) -> JointBounds {
+    JointBounds { lower: -10.0, upper: 10.0, velocity: 1.5, acceleration: 4.0, jerk }
 }
 
 /// A trajectory of `joints` joints that begins `wait` after now and goes through a few random points, as fast as the limits allow, about.
-fn random(from: &[f64], limits: JointLimits, seed: u64) -> JointTrajectory {
+fn random(from: &[f64], limits: JointBounds, seed: u64) -> JointTrajectory {
     let mut random = Random::seeded(seed);
     let count = 1 + random.below(4);
     let mut points = Vec::new();
@@ -242,7 +242,7 @@ fn largest(demands: &[Vec<f64>]) -> [f64; 3] {
 }
 
 /// Brings both robots to rest on one trajectory, at an instant of it.
-fn halted(limits: JointLimits, seed: u64, share: f64) -> (Vec<Vec<f64>>, TimedPath, usize) {
+fn halted(limits: JointBounds, seed: u64, share: f64) -> (Vec<Vec<f64>>, TimedPath, usize) {
     let mut rig = Rig::new();
     let from = rig.both();
     let trajectory = random(&from, limits, seed);

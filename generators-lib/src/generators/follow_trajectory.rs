@@ -17,7 +17,7 @@ use mrroc_generators::trajectory::{JointTrajectory, TrajectoryGroup};
 /// use mrroc::prelude::*;
 /// use mrroc_generators::generators::FollowTrajectory;
 /// use mrroc_generators::rehearsal::rehearse;
-/// use mrroc_generators::trajectory::{JointLimits, JointTrajectory, TrajectoryPoint};
+/// use mrroc_generators::trajectory::{JointBounds, JointTrajectory, TrajectoryPoint};
 /// use mrroc_robots::Irp6;
 ///
 /// let irp6 = Irp6::nominal();
@@ -28,7 +28,7 @@ use mrroc_generators::trajectory::{JointTrajectory, TrajectoryGroup};
 ///     ..TrajectoryPoint::default()
 /// };
 /// let points = vec![point(0.0, 0.0), point(1.0, 0.12), point(2.0, 0.2)];
-/// let trajectory = JointTrajectory::new(JointLimits::of(irp6.limits()), points)?;
+/// let trajectory = JointTrajectory::new(JointBounds::of(irp6.limits()), points)?;
 /// let demands = rehearse(FollowTrajectory::along(&trajectory), &irp6, Irp6::READY, 0.002)?;
 /// assert_eq!(demands.len(), 1000);
 /// let turned = |step: usize| demands[step - 1].as_joints().map(|q| q[0] - Irp6::READY[0]);

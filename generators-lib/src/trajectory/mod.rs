@@ -38,7 +38,7 @@ pub const MOST_JOINTS: usize = 32;
 
 /// The limits of one joint.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct JointLimits {
+pub struct JointBounds {
     /// Lower position limit [rad or m].
     pub lower: f64,
     /// Upper position limit [rad or m].
@@ -51,11 +51,11 @@ pub struct JointLimits {
     pub jerk: f64,
 }
 
-impl JointLimits {
+impl JointBounds {
     /// Those of the joints of a robot.
     #[must_use]
-    pub fn of<J: JointVector>(limits: &Limits<J>) -> Vec<JointLimits> {
-        let of = |i: usize| JointLimits {
+    pub fn of<J: JointVector>(limits: &Limits<J>) -> Vec<JointBounds> {
+        let of = |i: usize| JointBounds {
             lower: limits.lower[i],
             upper: limits.upper[i],
             velocity: limits.velocity[i],
@@ -72,9 +72,9 @@ impl JointLimits {
     }
 }
 
-impl From<&JointLayout> for JointLimits {
-    fn from(joint: &JointLayout) -> JointLimits {
-        JointLimits {
+impl From<&JointLayout> for JointBounds {
+    fn from(joint: &JointLayout) -> JointBounds {
+        JointBounds {
             lower: joint.lower,
             upper: joint.upper,
             velocity: joint.velocity,
@@ -100,9 +100,9 @@ pub struct TrajectoryPoint {
 /// Points of all joints of one robot or of several, one behind the other.
 ///
 /// ```
-/// use mrroc_generators::trajectory::{JointLimits, JointState, JointTrajectory, TimedPath, TrajectoryPoint};
+/// use mrroc_generators::trajectory::{JointBounds, JointState, JointTrajectory, TimedPath, TrajectoryPoint};
 ///
-/// let slide = JointLimits { lower: -1.0, upper: 1.0, velocity: 0.5, acceleration: 2.0, jerk: f64::INFINITY };
+/// let slide = JointBounds { lower: -1.0, upper: 1.0, velocity: 0.5, acceleration: 2.0, jerk: f64::INFINITY };
 /// let point = |time, position: f64| TrajectoryPoint {
 ///     time,
 ///     positions: vec![position],
@@ -123,7 +123,7 @@ pub struct TrajectoryPoint {
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct JointTrajectory {
-    limits: Vec<JointLimits>,
+    limits: Vec<JointBounds>,
     points: Vec<TrajectoryPoint>,
     /// How far a joint may be from the first point where that is at time 0 [rad or m].
     tolerance: f64,
@@ -136,9 +136,9 @@ impl JointTrajectory {
     ///
     /// # Errors
     /// What is wrong with the points by themselves: [`TrajectoryError::Empty`] and those up to [`TrajectoryError::MovingEnd`].
-    pub fn new(limits: Vec<JointLimits>, points: Vec<TrajectoryPoint>) -> Result<Self, TrajectoryError> {
+    pub fn new(limits: Vec<JointBounds>, points: Vec<TrajectoryPoint>) -> Result<Self, TrajectoryError> {
         let joints = limits.len();
-        if joints == 0 || joints > MOST_JOINTS || !limits.iter().all(JointLimits::are_sound) {
+        if joints == 0 || joints > MOST_JOINTS || !limits.iter().all(JointBounds::are_sound) {
             return Err(TrajectoryError::Limits { joints });
         }
         let last = points.last().ok_or(TrajectoryError::Empty)?;
@@ -205,7 +205,7 @@ impl JointTrajectory {
 
     /// The limits of its joints.
     #[must_use]
-    pub fn limits(&self) -> &[JointLimits] {
+    pub fn limits(&self) -> &[JointBounds] {
         &self.limits
     }
 

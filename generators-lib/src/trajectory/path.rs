@@ -2,7 +2,7 @@
 
 use super::error::{Quantity, TrajectoryError};
 use super::piece::Piece;
-use super::{JERK_SHARE, JointLimits, JointTrajectory, SHARE, TrajectoryPoint};
+use super::{JERK_SHARE, JointBounds, JointTrajectory, SHARE, TrajectoryPoint};
 
 /// How long joints take that are not quite at the first point to come to the trajectory, at most \[s\].
 const SETTLES: f64 = 0.5;
@@ -36,7 +36,7 @@ impl JointState {
 /// A path in time through the points of a [`JointTrajectory`], from where the robots are to rest.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TimedPath {
-    limits: Vec<JointLimits>,
+    limits: Vec<JointBounds>,
     /// When each segment ends \[s\].
     ends: Vec<f64>,
     /// The joints' pieces of each segment, segment by segment.
@@ -78,7 +78,7 @@ impl TimedPath {
 
     /// The limits of its joints.
     #[must_use]
-    pub fn limits(&self) -> &[JointLimits] {
+    pub fn limits(&self) -> &[JointBounds] {
         &self.limits
     }
 
@@ -238,7 +238,7 @@ impl Knots {
         Self::of(&JointTrajectory { points, ..trajectory.clone() }, states)
     }
 
-    fn path(self, limits: Vec<JointLimits>, first: usize) -> TimedPath {
+    fn path(self, limits: Vec<JointBounds>, first: usize) -> TimedPath {
         let segments = self.times.len() - 1;
         let mut pieces = Vec::with_capacity(segments * limits.len());
         for segment in 0..segments {

@@ -83,7 +83,8 @@ impl Piece {
 
 fn beyond(points: [f64; 6], lower: f64, upper: f64, halvings: u32) -> Option<f64> {
     let [first, .., last] = points;
-    let outside = |value: f64| value < lower || value > upper;
+    // What is no number is beyond any bound.
+    let outside = |value: f64| !(lower..=upper).contains(&value);
     if let Some(value) = [first, last].into_iter().find(|&value| outside(value)) {
         return Some(value);
     }

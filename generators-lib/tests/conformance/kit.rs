@@ -25,6 +25,7 @@ use mrroc_generators::line::{SmoothToolLimits, ToolLimits};
 use mrroc_generators::profile::{JerkLimits, ProfileLimits};
 use mrroc_generators::teach::{Reference, Space, Taught, TaughtPose};
 use mrroc_generators::timing::PathLimits;
+use mrroc_generators::trajectory::{JointBounds, JointTrajectory, TrajectoryPoint};
 use mrroc_generators::via::PoseDeviation;
 use mrroc_robots::{Five, Irp6, Irp6FiveDof, Six};
 use nalgebra::{UnitQuaternion, Vector3};
@@ -153,6 +154,15 @@ pub fn odd_limits(x: f64) -> [[f64; 3]; 5] {
 /// A helix beside the tool: radius and pitch \[m\], angle \[rad\].
 pub fn helix(radius: f64, pitch: f64, angle: f64) -> Result<Helix, CurveError> {
     Helix::about(Vector3::zeros(), Vector3::new(radius, 0.0, 0.0), Vector3::z_axis(), angle, pitch)
+}
+
+/// Of an arm, past points at these times \[s\], each a turn of all joints farther \[rad\]; `None` where that is no trajectory.
+pub fn trajectory(from: Six, times: &[f64], by: f64) -> Option<JointTrajectory> {
+    let points = times.iter().zip(1..).map(|(&time, k)| {
+        let positions = (from + Six::repeat(by * f64::from(k))).as_slice().to_vec();
+        TrajectoryPoint { time, positions, ..TrajectoryPoint::default() }
+    });
+    JointTrajectory::new(JointBounds::of(Irp6::nominal().limits()), points.collect()).ok()
 }
 
 /// Jogged down, by a panel on which a button is held all the time.

@@ -19,6 +19,7 @@ use mrroc_generators::line::{SmoothToolLimits, ToolLimits};
 use mrroc_generators::profile::{JerkLimits, ProfileLimits};
 use mrroc_generators::teach::{Jogging, Reference, Space, Taught, TaughtPose};
 use mrroc_generators::timing::PathLimits;
+use mrroc_generators::trajectory::{JointBounds, JointTrajectory, TrajectoryPoint};
 use mrroc_generators::via::PoseDeviation;
 use mrroc_robots::{Irp6, Six};
 use nalgebra::{UnitQuaternion, Vector3};
@@ -90,7 +91,14 @@ fn plain() -> Sheets {
         Jogging { along: turned * 0.1, done: step > 400, ..Jogging::default() }
     };
     let sixth = Six::repeat(1.0);
+    let planned = through.iter().zip([0.8, 1.6, 2.6]).map(|(joints, time)| TrajectoryPoint {
+        time,
+        positions: joints.as_slice().to_vec(),
+        ..TrajectoryPoint::default()
+    });
+    let planned = JointTrajectory::new(JointBounds::of(Irp6::nominal().limits()), planned.collect())?;
     Ok(vec![
+        ("follow_trajectory", alone(FollowTrajectory::<Irp6>::along(&planned))),
         ("joint_move", alone(JointMove::<Irp6>::to(goal(), sixth * 0.4, sixth * 1.6))),
         ("smooth_joint_move", alone(SmoothJointMove::<Irp6>::to(goal(), joint_limits()))),
         ("joint_spline", alone(JointSpline::<Irp6>::through(through.clone(), sixth * 0.4, sixth * 1.6, 0.1))),

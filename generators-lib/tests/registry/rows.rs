@@ -502,8 +502,19 @@ registry! {
             odd: |_| vec![YieldingTransmit::by(Irp6FiveDof::nominal(), FreeDirection::Turn(Vector3::x_axis()))],
         }
     }
-    // What a person jogs by is used as it is: its bounds are of the whole system, and no template.
+    // What a person jogs by, and what follows trajectories of others, is used as it is: its bounds are of the whole system, and no template.
     used: {
+        follow_trajectory: FollowTrajectory<Irp6> {
+            class: "ECP f*0(c), first step f*2(c, e)",
+            make: FollowTrajectory::along(&trajectory(arm(), &[0.5, 1.0], 0.1).expect("sound")),
+            given: alone,
+            odd: |x| {
+                let all = [(arm(), [0.5, 1.0], x), (arm(), [x, 1.0], 0.1), (arm(), [0.5, x], 0.1), (Six::repeat(x), [0.5, 1.0], 0.1)];
+                let made = all.into_iter().filter_map(|(from, times, by)| trajectory(from, &times, by));
+                made.map(|trajectory| FollowTrajectory::along(&trajectory)).collect()
+            },
+            allocates: true,
+        }
         panel_jog: PanelJog<Irp6> {
             class: "ECP f*0(c), first step f*2(c, e)",
             make: jogged(JogLimits::default()),

@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use mrroc::fault::{Fault, Name};
 use mrroc::payload::Wire;
 use mrroc::program::Recorded;
-use mrroc_generators::trajectory::{JointLimits, JointTrajectory, TrajectoryPoint};
+use mrroc_generators::trajectory::{JointBounds, JointTrajectory, TrajectoryPoint};
 use rustix::fs::OFlags;
 
 use crate::port::{folder, monotonic};
@@ -42,7 +42,7 @@ impl Recorded for Goal {
         }
         words.extend([self.delay, trajectory.tolerance(), trajectory.has_passed()].map(f64::to_bits));
         words.push(trajectory.limits().len() as u64);
-        for JointLimits { lower, upper, velocity, acceleration, jerk } in trajectory.limits() {
+        for JointBounds { lower, upper, velocity, acceleration, jerk } in trajectory.limits() {
             words.extend([lower, upper, velocity, acceleration, jerk].map(|limit| limit.to_bits()));
         }
         words.push(trajectory.points().len() as u64);
@@ -66,7 +66,7 @@ impl Recorded for Goal {
         let joints = words.count()?;
         let limits = |words: &mut Words<'_>| {
             let [lower, upper, velocity, acceleration, jerk] = words.numbers(5)?[..] else { return None };
-            Some(JointLimits { lower, upper, velocity, acceleration, jerk })
+            Some(JointBounds { lower, upper, velocity, acceleration, jerk })
         };
         let limits: Option<Vec<_>> = (0..joints).map(|_| limits(&mut words)).collect();
         let (points, told) = (words.count()?, words.count()?);

@@ -11,14 +11,14 @@ use mrroc::observe::ServoRecord;
 use mrroc::prelude::*;
 use mrroc::program::Recorded;
 use mrroc::random::Random;
-use mrroc_generators::trajectory::{JointLimits, JointTrajectory, TrajectoryPoint};
+use mrroc_generators::trajectory::{JointBounds, JointTrajectory, TrajectoryPoint};
 use mrroc_robots::{Irp6, SimulatedIrp6};
 
 use super::{Goal, GoalEnd, GoalFile, GoalNews, GoalState, Goals, TrajectoryGoals, refusal};
 
 /// A goal that turns the columns of robots by angles, in a time \[s\].
 fn goal(robots: &[(&str, f64)], time: f64) -> Goal {
-    let limits = robots.iter().flat_map(|_| JointLimits::of(Irp6::nominal().limits())).collect();
+    let limits = robots.iter().flat_map(|_| JointBounds::of(Irp6::nominal().limits())).collect();
     let mut positions = Vec::new();
     for (_, turned) in robots {
         let mut joints = Irp6::READY;

@@ -7,7 +7,7 @@ use mrroc_core::fault::{Excess, Name};
 use mrroc_core::observe::layout::Layout;
 use mrroc_external::goals::{Goal, GoalState, refusal};
 use mrroc_generators::trajectory::{
-    JointLimits, JointState, JointTrajectory, TimedPath, TrajectoryError, TrajectoryPoint,
+    JointBounds, JointState, JointTrajectory, TimedPath, TrajectoryError, TrajectoryPoint,
 };
 
 use super::messages::{
@@ -67,9 +67,9 @@ impl Offered {
             return Err(refused(INVALID_GOAL, "efforts cannot be asked for"));
         }
         let (robots, places) = self.places(&trajectory.joint_names, only)?;
-        let limits: Vec<JointLimits> = robots
+        let limits: Vec<JointBounds> = robots
             .iter()
-            .flat_map(|&robot| self.layout.robots[robot].joints.iter().map(JointLimits::from))
+            .flat_map(|&robot| self.layout.robots[robot].joints.iter().map(JointBounds::from))
             .collect();
         let points: Result<Vec<_>, String> = trajectory
             .points
