@@ -32,7 +32,7 @@ fn fault_65_sixty_four_robots_run_as_processes_and_status_shows_them_all() {
 }
 
 fn run_and_show(robots: usize) {
-    let place = Place::of(67, CROWD, &cell(robots));
+    let place = Place::of(43, CROWD, &cell(robots));
     let mut launch = place.start("virtual", VIRTUAL);
     let mut said = String::new();
     wait_until(|| {
