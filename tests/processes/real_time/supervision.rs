@@ -183,64 +183,76 @@ fn mp(launch: &mut Launch) -> Process {
 
 #[test]
 fn fault_64_an_mp_that_stands_still_is_told_and_the_cell_ended() {
-    let place = Place::new(65);
-    for (computes, why) in
-        [(Some((COMPUTES, "")), "its program computes"), (None, "it was stopped by a signal")]
-    {
-        let variables: Vec<_> = [(TIMEOUT, "6")].into_iter().chain(computes).collect();
-        let mut launch = place.start_with(&variables, "still", REAL);
-        if computes.is_none() && !launch.comes_to(has_moved(100)) {
-            // Its machine was late before.
-            let status = launch.end().code();
-            assert_sound(&launch, status, None, nothing);
-            continue;
-        }
-        let mp = mp(&mut launch);
-        if computes.is_none() {
-            mp.signal(Signal::STOP);
-        }
-        wait_until(|| launch.said().contains("note: mp: it has begun no step for 1"));
-        assert!(launch.end_if_over().is_none(), "it is told before the cell is ended");
-        let processes = launch.processes();
+    // Side by side, because each waits for seconds and hardly computes.
+    std::thread::scope(|scope| {
+        scope.spawn(|| is_told_and_ended(65, true, "its program computes"));
+        scope.spawn(|| is_told_and_ended(91, false, "it was stopped by a signal"));
+    });
+}
+
+/// A cell whose MP computes for ever, or is stopped, is told why and ended.
+fn is_told_and_ended(test: u32, computes: bool, why: &str) {
+    let place = Place::new(test);
+    let variables: Vec<_> = [(TIMEOUT, "6")].into_iter().chain(computes.then_some((COMPUTES, ""))).collect();
+    let mut launch = place.start_with(&variables, "still", REAL);
+    if !computes && !launch.comes_to(has_moved(100)) {
+        // Its machine was late before.
         let status = launch.end().code();
-        let said = launch.said();
-        let ended = "the MP has begun no step for 6";
-        assert!(status == Some(1) && said.contains(why) && said.contains(ended), "{status:?}: {said}");
-        assert_robots_stand(&launch, None);
-        launch.assert_nothing_left(&processes);
+        assert_sound(&launch, status, None, nothing);
+        return;
     }
+    let mp = mp(&mut launch);
+    if !computes {
+        mp.signal(Signal::STOP);
+    }
+    wait_until(|| launch.said().contains("note: mp: it has begun no step for 1"));
+    assert!(launch.end_if_over().is_none(), "it is told before the cell is ended");
+    let processes = launch.processes();
+    let status = launch.end().code();
+    let said = launch.said();
+    let ended = "the MP has begun no step for 6";
+    assert!(status == Some(1) && said.contains(why) && said.contains(ended), "{status:?}: {said}");
+    assert_robots_stand(&launch, None);
+    launch.assert_nothing_left(&processes);
 }
 
 #[test]
 fn fault_64_a_stop_ends_a_cell_whose_mp_does_not_carry_it_out() {
-    let place = Place::new(66);
-    for computes in [true, false] {
-        let variables: &[_] = if computes { &[(COMPUTES, "")] } else { &[] };
-        let mut launch = place.start_with(variables, "still", REAL);
-        if !computes && !launch.comes_to(has_moved(100)) {
-            // Its machine was late before.
-            let status = launch.end().code();
-            assert_sound(&launch, status, None, nothing);
-            continue;
-        }
-        let mp = mp(&mut launch);
-        if !computes {
-            mp.signal(Signal::STOP);
-        }
-        // As soon as the console server is there.
-        let mut told = (None, String::new());
-        wait_until(|| {
-            told = ask(&place, &["stop"]);
-            told.0 != Some(2)
-        });
-        let (status, said) = told;
-        let pending = said.contains("its robots stop by themselves")
-            && said.contains("or in 5 s, when the cell is ended");
-        assert!(status == Some(3) && pending, "{status:?}: {said}");
+    // Side by side, because each waits for seconds and hardly computes.
+    std::thread::scope(|scope| {
+        scope.spawn(|| is_ended_by_a_stop(66, true));
+        scope.spawn(|| is_ended_by_a_stop(92, false));
+    });
+}
+
+/// A stop ends a cell whose MP computes for ever, or is stopped.
+fn is_ended_by_a_stop(test: u32, computes: bool) {
+    let place = Place::new(test);
+    let variables: &[_] = if computes { &[(COMPUTES, "")] } else { &[] };
+    let mut launch = place.start_with(variables, "still", REAL);
+    if !computes && !launch.comes_to(has_moved(100)) {
+        // Its machine was late before.
         let status = launch.end().code();
-        let said = launch.said();
-        assert!(status == Some(1) && said.contains("protective stop: by the operator"), "{status:?}: {said}");
-        assert_robots_stand(&launch, None);
-        launch.assert_nothing_left(&[]);
+        assert_sound(&launch, status, None, nothing);
+        return;
     }
+    let mp = mp(&mut launch);
+    if !computes {
+        mp.signal(Signal::STOP);
+    }
+    // As soon as the console server is there.
+    let mut told = (None, String::new());
+    wait_until(|| {
+        told = ask(&place, &["stop"]);
+        told.0 != Some(2)
+    });
+    let (status, said) = told;
+    let pending =
+        said.contains("its robots stop by themselves") && said.contains("or in 5 s, when the cell is ended");
+    assert!(status == Some(3) && pending, "{status:?}: {said}");
+    let status = launch.end().code();
+    let said = launch.said();
+    assert!(status == Some(1) && said.contains("protective stop: by the operator"), "{status:?}: {said}");
+    assert_robots_stand(&launch, None);
+    launch.assert_nothing_left(&[]);
 }
