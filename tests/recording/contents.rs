@@ -15,7 +15,7 @@ use mrroc_robots::{Irp6, SimulatedIrp6};
 use mrroc_tests::{Gantry, MS, gantry};
 use serde_json::{Value, json};
 
-use crate::recording::cell::{Change, START, STEP, arms};
+use crate::recording::cell::{Change, Count, Counted, Counting, START, STEP, arms};
 use crate::recording::recorded;
 use crate::runtime::kit::Smooth;
 
@@ -161,6 +161,50 @@ fn inputs_and_outputs_are_recorded_by_their_names_and_a_replay_reads_what_they_r
     // Without what the input read, the replay would wait for ever.
     let compared = cell().replay(&file, CutOff::Refused).expect("a recording of this cell");
     assert!(compared.is_identical() && compared.steps > 400, "{compared:?}");
+}
+
+/// Counts, as [`Counting`] does, and is hardware.
+#[derive(Default)]
+struct Camera;
+
+impl VirtualSensor for Camera {
+    type Kind = Count;
+
+    fn hardware(&self) -> Option<String> {
+        Some("camera /dev/video0".to_owned())
+    }
+
+    fn open(&mut self) -> Result<(), Fault> {
+        panic!("a replay opens no hardware")
+    }
+
+    fn aggregate(&mut self, _: &ReadingOrder<()>) -> Result<Counted, Fault> {
+        panic!("a replay reads no hardware")
+    }
+}
+
+struct CountedTo(u64);
+
+#[condition(mp)]
+fn counted_to(c: &mut CountedTo, v: &Reading<(Count,)>) -> bool {
+    v.0.reading().is_some_and(|counted| counted.count >= c.0)
+}
+
+#[test]
+fn fault_120_a_recording_of_a_sensor_that_is_hardware_is_replayed_without_the_hardware() {
+    fn cell() -> Cell {
+        let sensor = SensorSetup::new("camera", Camera).stand_in(Counting::default());
+        Cell::new(MS).robot(gantry("g").0).sensor(sensor).program(|mp| {
+            let (mut g, mut camera) = (mp.robot::<Gantry>("g")?, mp.sensor::<Count>("camera")?);
+            mp.wait_until((), (&mut camera,), CountedTo(30))?;
+            mp.move_robot(&mut g, (), Smooth::to(0.1, 0.2)).map(drop)
+        })
+    }
+    let file = file("hardware.mcap");
+    let simulated = cell().simulated().expect("a sensor stands in");
+    simulated.record(mrroc::recording::to(&file)).run().expect("keeps the limits");
+    let compared = cell().replay(&file, CutOff::Refused).expect("a recording of this cell");
+    assert!(compared.is_identical() && compared.steps > 230, "{compared:?}");
 }
 
 struct On(Input<bool>);

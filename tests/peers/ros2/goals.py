@@ -270,6 +270,9 @@ def test(folder):
     print(f"    {outcome}")
     has("goals" in str(outcome), f"the cell ended by {outcome}")
     compare(demanded(folder / "run.mcap"), stopped)
+    again = subprocess.run([EXAMPLES / "goals", "replay", folder / "run.mcap", "--cell", CELL], capture_output=True, text=True)
+    print(f"  replay: {again.stdout.strip().splitlines()[-1:]} {again.stderr.strip().splitlines()[-1:]}")
+    has(again.returncode == 0, f"the replay: {again.stdout}{again.stderr}")
 
 
 def compare(steps, stopped):

@@ -59,7 +59,7 @@ impl Cell {
         link: &mut dyn Link,
     ) -> Result<Assembly, CellError> {
         if link.simulation() != Simulation::Free {
-            self.parts.refuse_hardware(names)?;
+            self.parts.refuse_hardware(names, self.watching.recorded.is_some())?;
         }
         let triggered = self.coordination.program.is_none();
         let timeout = AnswerTimeout::of_step(self.timing.step);

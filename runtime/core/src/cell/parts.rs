@@ -157,17 +157,18 @@ impl Parts {
         }
     }
 
-    /// Refuses drives and sensors that cannot follow the virtual clock.
+    /// Refuses drives and sensors that cannot follow the virtual clock. A replay opens no sensor.
     ///
     /// # Errors
     /// [`CellError::RealDrives`] for the first robot that has such, [`CellError::RealSensor`] for the first sensor.
-    pub fn refuse_hardware(&self, names: &[Name]) -> Result<(), CellError> {
+    pub fn refuse_hardware(&self, names: &[Name], replays: bool) -> Result<(), CellError> {
         let mut robots = self.robots.iter().zip(names).filter(|(robot, _)| !robot.is_in_simulator());
         let real = robots.find_map(|(robot, &name)| Some((name, robot.hardware()?)));
         if let Some((robot, hardware)) = real {
             return Err(CellError::RealDrives { robot, hardware });
         }
-        match self.sensors.iter().find_map(|sensor| Some((sensor.name(), sensor.hardware()?))) {
+        let mut opened = self.sensors.iter().filter(|_| !replays);
+        match opened.find_map(|sensor| Some((sensor.name(), sensor.hardware()?))) {
             Some((sensor, hardware)) => Err(CellError::RealSensor { sensor: Name::new(sensor)?, hardware }),
             None => Ok(()),
         }
