@@ -28,6 +28,9 @@ pub struct Belt {
 impl Belt {
     /// A point that is deeper in the belt than this is not on it, but beside it or below \[m\].
     const DEEPEST: f64 = 0.01;
+    /// A point that is not on the belt comes onto it from above, or less than this below its surface \[m\]: one that comes in from beside
+    /// the belt, deeper, would be thrown up.
+    const LIP: f64 = 1e-3;
 
     /// A belt from `from` to `to` along x of its base and this wide \[m\], of friction 0.5 and, at each point that touches it,
     /// 4e3 N/m and 12 N s/m, as of rubber (assumed).
@@ -90,11 +93,12 @@ impl BeltState {
         self.X_WB.rotation * Vector3::x()
     }
 
-    /// Whether a point is over the belt or within `reach` \[m\] of it, and less than `reach` above it.
-    pub fn is_near(&self, point: &Vector3<f64>, reach: f64) -> bool {
+    /// Whether a point is over the belt or within `reach` \[m\] of it, and less than `reach` above it; `is_on` says whether it was on it before.
+    pub fn is_near(&self, point: &Vector3<f64>, reach: f64, is_on: bool) -> bool {
+        let deepest = if is_on { Belt::DEEPEST } else { Belt::LIP };
         let at = self.X_WB.rotation.inverse_transform_vector(&(point - self.X_WB.translation.vector));
         at.z < reach
-            && at.z > -Belt::DEEPEST
+            && at.z > -deepest
             && at.x >= self.belt.from
             && at.x <= self.belt.to
             && at.y.abs() <= self.belt.half_width

@@ -115,7 +115,10 @@ impl Entry {
         for point in &mut self.points {
             let lever = body.rotation * point.at;
             let reach = 2.0 * ((velocity + omega.cross(&lever)).norm() * duration + fall);
-            let on = belts.iter().position(|belt| belt.is_near(&(body.position + lever), reach));
+            let is_near = |(number, belt): (usize, &BeltState)| {
+                belt.is_near(&(body.position + lever), reach, point.on == Some(number))
+            };
+            let on = belts.iter().enumerate().position(is_near);
             if on != point.on {
                 (point.stretch, point.force) = Default::default();
             }

@@ -146,6 +146,26 @@ fn a_body_tips_over_the_end_and_the_sink_below_counts_it_once() {
 }
 
 #[test]
+fn a_body_that_tips_over_the_end_is_not_thrown_up() {
+    let edges = [0.056, 0.074, 0.037];
+    for degrees in (0..90).step_by(6) {
+        let world = World::empty().with_rest();
+        let turned = Pose::rotation(Vector3::z() * f64::from(degrees).to_radians());
+        world.put(&Body::block(0.15, edges).at(at(0.0, 0.0, 0.5 * edges[2]) * turned)).expect("a block");
+        let mut led = Led::new(world, Belt::new(-1.0, 0.02, 0.24));
+        let mut pose = led.world.body().pose;
+        for tick in 1..4000 {
+            led.run(f64::from(tick) * PERIOD, |t| 0.02 * t);
+            pose = led.world.body().pose;
+            // Nothing lifts it: to the height from which it would fall with the belt's speed, v^2 / 2 g, are 0.02 mm.
+            let height = pose.translation.z;
+            assert!(height < 0.5 * edges[2] + 1e-4, "{degrees} degrees: {height} m high");
+        }
+        assert!(pose.translation.z < -0.2, "{degrees} degrees: it has not fallen, {pose}");
+    }
+}
+
+#[test]
 fn a_conveyor_carries_a_body_with_its_true_joint_and_bears_it_at_its_motor() {
     let currents = [0.0, 50.0].map(|mass: f64| {
         let world = World::empty().with_rest();
