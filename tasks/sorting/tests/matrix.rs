@@ -1,10 +1,16 @@
 //! With the matrix: recognition, places, grasps. `just sorting-matrix` tries more.
 
 use mrroc::prelude::*;
-use sorting::camera::kinds::KINDS;
+use mrroc_sensors::aggregation::Reliefs;
+use mrroc_sensors::physics::Sounders;
+use mrroc_sensors::ultrasound::Air;
+use nalgebra::Vector3;
+use sorting::camera::kinds::{KINDS, kinds};
 use sorting::camera::settings::{Overhead, Settings};
+use sorting::camera::studio::{Lying, Passing};
 use sorting::camera::summary::{Line, Table};
 use sorting::matrix::command::{counted, examination, rms};
+use sorting::matrix::layout::{MATRIX, array};
 use sorting::matrix::run::{network, sensors};
 use sorting::matrix::studio::{Conditions, Trial, examine};
 use sorting::monitor::Fate;
@@ -62,6 +68,43 @@ fn a_bare_belt_is_learned_before_a_part_comes_though_echoes_are_lost() {
 #[test]
 fn a_tenth_of_the_echoes_may_be_lost_and_the_air_be_warmer_or_colder_by_5_kelvin() {
     examined(&Conditions::HARD, 11, 0.88);
+}
+
+/// Two parts of these kinds pass, as near behind each other as parts come, on a belt that is as slow as those of the long runs.
+fn neighbours_are_heard_apart([first, second]: [usize; 2], seed: u64) {
+    let (kinds, speed, spacing) = (kinds(), 0.0164, 0.2);
+    let lying =
+        |kind: usize, x: f64| Lying::of(Some(kind), kinds[kind].class.form.clone(), [x, 0.005], 1.2, 0.5);
+    let parts = vec![lying(first, MATRIX[0] - 0.2), lying(second, MATRIX[0] - 0.2 - spacing)];
+    let places: Vec<Vector3<f64>> = parts.iter().map(|part| part.pose.translation.vector).collect();
+    let mut passing = Passing { parts, speed, run: 0.0, now: 0.0 };
+    let array = array();
+    let mut sounders = Sounders::over(&array, Air { celsius: 20.0 }, seed);
+    let (mut reliefs, mut middles) = (Reliefs::by(array.clone()), Vec::new());
+    for ping in 1_u32..9000 {
+        passing.now = f64::from(ping) * array.period;
+        passing.run = speed * passing.now;
+        for (part, place) in passing.parts.iter_mut().zip(&places) {
+            part.pose.translation.vector.x = place.x + passing.run;
+        }
+        let number = array.turn(ping.into());
+        let echo = sounders.ping(&passing, number, passing.now);
+        reliefs.take(number, echo, passing.run).expect("it hears");
+        middles.extend(reliefs.passed(passing.run).map(|relief| {
+            let along = || relief.samples.iter().map(|sample| sample.along);
+            0.5 * (along().fold(f64::INFINITY, f64::min) + along().fold(f64::NEG_INFINITY, f64::max))
+        }));
+    }
+    assert_eq!(middles.len(), 2, "{middles:?}");
+    for (middle, place) in middles.iter().zip([-0.2, -0.2 - spacing]) {
+        assert!((middle - MATRIX[0] - place).abs() < 0.03, "{middles:?}");
+    }
+}
+
+#[test]
+fn parts_that_come_close_behind_each_other_on_a_slow_belt_are_heard_apart() {
+    // Half-cylinder and step.
+    neighbours_are_heard_apart([5, 6], 3);
 }
 
 /// So many parts at each speed \[m/s\], of which at least a share is sorted.

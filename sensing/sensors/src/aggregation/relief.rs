@@ -6,6 +6,9 @@
 //!      -> things: places that stand out of the belt, with a strip of bare belt before and behind
 //! ```
 //!
+//! Noise lets some pings of the bare belt hear something higher. So a strip is bare where few of its pings do, not where none does: the slower
+//! the belt, the more pings are in it.
+//!
 //! Each transducer hears the belt between parts, and so knows what its temperature, its height and its loudness are now.
 
 use std::collections::VecDeque;
@@ -136,8 +139,10 @@ pub struct Reliefs {
 impl Reliefs {
     /// What is so high is no belt \[m\].
     const RAISED: f64 = 0.008;
-    /// Things are apart where so much belt is bare between them \[m\].
+    /// Things are apart where so much belt is bare between them \[m\] ..
     const APART: f64 = 0.03;
+    /// .. of whose pings at most this share hears something higher: noise does that to one ping in 300.
+    const STRAY: f64 = 0.03;
     /// So much belt about a thing goes with it \[m\].
     const ABOUT: f64 = 0.02;
     /// What has fewer samples than this is noise.
@@ -158,8 +163,9 @@ impl Reliefs {
     /// The belt may be heard so far from where it was first \[m\]: 15 K.
     const MOVED: f64 = 6.5e-3;
     /// A transducer's samples are so far apart at least \[m\]: those of a belt that stands are one.
-    const SPACED: f64 = 1e-3;
-    /// So many samples are kept at most: 20 s of a belt that runs.
+    const SPACED: f64 = 3e-3;
+    /// So many samples are kept at most: of 32 transducers over 0.38 m of a belt that is as slow as may be. A thing is heard over 0.21 m, and
+    /// has passed when the last of rows that are 0.09 m long is `APART` behind that.
     const KEPT: usize = 4096;
 
     /// By an array, as it is believed to be.
@@ -325,29 +331,88 @@ impl Reliefs {
     /// The next thing that has wholly passed on a belt that has run `travel` \[m\].
     pub fn passed(&mut self, travel: f64) -> Option<Relief> {
         let frontier = self.frontier(travel);
-        let raised =
-            |sample: &&Sample| sample.along > frontier && sample.heard.is_some_and(|[z, _]| z > Self::RAISED);
-        let mut raised: Vec<f64> = self.samples.iter().filter(raised).map(|sample| sample.along).collect();
-        raised.sort_unstable_by(|a, b| b.total_cmp(a));
-        let first = *raised.first()?;
-        let gap = raised.windows(2).position(|two| two[0] - two[1] > Self::APART);
-        let count = gap.map_or(raised.len(), |place| place + 1);
-        let last = raised[count - 1];
-        if last - frontier <= Self::APART {
+        let bare_from = frontier + Self::APART;
+        let is_raised = |sample: &Sample| sample.heard.is_some_and(|[z, _]| z > Self::RAISED);
+        let (mut pings, mut stray, mut count) = (0.0, 0.0, 0);
+        let (mut last, mut first) = (f64::INFINITY, f64::NEG_INFINITY);
+        for sample in self.samples.iter().filter(|sample| sample.along > frontier) {
+            if sample.along <= bare_from {
+                pings += 1.0;
+                stray += f64::from(u8::from(is_raised(sample)));
+            } else if is_raised(sample) {
+                (last, first) = (last.min(sample.along), first.max(sample.along));
+                count += 1;
+            }
+        }
+        if count == 0 || stray > Self::STRAY * pings {
             return None;
         }
         let (low, high) = (last - Self::ABOUT, first + Self::ABOUT);
         let within = |sample: &&Sample| (low..=high).contains(&sample.along);
         let samples: Vec<Sample> = self.samples.iter().filter(within).copied().collect();
-        let keep = last - 0.5 * Self::APART;
+        let keep = bare_from - 0.5 * Self::APART;
         self.done = self.done.min(keep);
         self.samples.retain(|sample| sample.along < keep);
         if count < Self::FEWEST {
-            return self.passed(travel);
+            return None;
         }
         let across = self.array.places.iter().map(|place| place.y);
         let width = across.clone().fold(f64::NEG_INFINITY, f64::max) - across.fold(f64::INFINITY, f64::min);
         let area = (high - low) * width / samples.len().max(1) as f64;
         Some(Relief { samples, area })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Where things lie on the belt, which is bare for 50 mm between them \[m\].
+    const THINGS: [[f64; 2]; 2] = [[-0.75, -0.54], [-0.49, -0.28]];
+
+    /// What passes at a speed [m/s], when one ping in 300 of the bare belt hears something 9 mm high.
+    fn reliefs_of_things(speed: f64) -> Vec<Relief> {
+        let array = Array::over(0.0, 0.25, 0.12);
+        let transducer = array.transducer(Air { celsius: 20.0 });
+        let amplitude = 2.0 * transducer.threshold();
+        let walk = transducer.middle(&Echo { time: 0.0, amplitude });
+        let (mut reliefs, mut found, mut bare) = (Reliefs::by(array.clone()), Vec::new(), 0);
+        for ping in 1_u32.. {
+            let travel = speed * array.period * f64::from(ping);
+            if travel > 1.0 {
+                break;
+            }
+            let number = array.turn(ping.into());
+            let (along, across) = (array.places[number].x - travel, array.places[number].y);
+            let is_over = |[from, to]: &[f64; 2]| (*from..=*to).contains(&along) && across.abs() < 0.04;
+            let height = if THINGS.iter().any(is_over) {
+                0.03
+            } else {
+                bare += 1;
+                if bare % 300 == 0 { 0.009 } else { 0.0 }
+            };
+            let time = 2.0 * (array.places[number].z - height) / transducer.air().speed() - walk;
+            reliefs.take(number, Some(Echo { time, amplitude }), travel).expect("it hears");
+            found.extend(reliefs.passed(travel));
+        }
+        found
+    }
+
+    #[test]
+    fn two_things_are_two_reliefs_however_slow_the_belt_is_and_though_some_pings_hear_noise() {
+        for speed in [0.004, 0.01, 0.016, 0.03, 0.1] {
+            let found = reliefs_of_things(speed);
+            assert_eq!(found.len(), 2, "{speed} m/s");
+            // The one that is farther along comes first.
+            for (relief, [from, to]) in found.iter().zip([THINGS[1], THINGS[0]]) {
+                let places = || relief.samples.iter().map(|sample| sample.along);
+                let (low, high) =
+                    (places().fold(f64::INFINITY, f64::min), places().fold(f64::NEG_INFINITY, f64::max));
+                // With 20 mm of belt about it, and up to `APART` more where noise was heard beside it.
+                let most = 0.021 + Reliefs::APART;
+                assert!(low < from && high > to, "{speed} m/s: from {low} to {high} m");
+                assert!(from - low < most && high - to < most, "{speed} m/s: from {low} to {high} m");
+            }
+        }
     }
 }
