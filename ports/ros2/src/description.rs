@@ -78,6 +78,14 @@ pub enum NoDescription {
     },
 }
 
+/// The names of a robot's joints: those of its description, or `joint1`, `joint2` .. where it has none.
+pub fn joint_names(description: Option<&Description>, joints: usize) -> Vec<String> {
+    match description {
+        Some(description) => description.joints.clone(),
+        None => (1..=joints).map(|joint| format!("joint{joint}")).collect(),
+    }
+}
+
 impl Description {
     /// Of a robot of this name with so many joints.
     ///

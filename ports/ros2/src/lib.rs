@@ -21,6 +21,7 @@
 //! | topic, service or parameter | type | what |
 //! |---|---|---|
 //! | `/ROBOT/joint_states` | `sensor_msgs/JointState` | measured joint positions and velocities of every step, named as in the URDF |
+//! | `/joint_states` | `sensor_msgs/JointState` | the same of all robots, one robot in a message, 50 times a second, with the robots' names where joints of several robots have one name |
 //! | `/ROBOT/robot_description` | `std_msgs/String` | the URDF that the robot writes of itself; kept for who comes later |
 //! | `/ROBOT/inputs/NAME`, `/ROBOT/outputs/NAME` | `std_msgs/Bool` or `Float64` | the robot's named signals, when they change; kept for who comes later |
 //! | `/tf`, `/tf_static` | `tf2_msgs/TFMessage` | `world`, the frames of the cell, and the links of each URDF as `ROBOT/LINK`, whose link `world` is the world or the flange of the robot that carries it; `/tf` 50 times a second |
@@ -46,6 +47,7 @@ mod clock;
 mod description;
 mod diagnostics;
 mod messages;
+mod moveit;
 mod node;
 mod run;
 mod show;

@@ -18,7 +18,9 @@ use mrroc_launch::cell_file::CellFile;
 use mrroc_processes::{Caller, ConsoleMessage, Picture};
 
 use crate::buttons;
-use crate::node::{Place, RosNode};
+use crate::description::{Description, joint_names};
+use crate::moveit;
+use crate::node::{Place, RosNode, topic_name};
 use crate::show::Topics;
 use crate::trajectories::Trajectories;
 
@@ -53,6 +55,9 @@ struct Options {
     /// Let other nodes have the robots follow trajectories that the cell's program takes: all that reach this machine.
     #[arg(long)]
     goals: bool,
+    /// Write `moveit_controllers.yaml` and `joint_limits.yaml` for a configuration of MoveIt 2 into this folder, and end.
+    #[arg(long, value_name = "FOLDER")]
+    export_moveit: Option<PathBuf>,
     /// Options of the cell's own program.
     #[arg(last = true, value_name = "OPTIONS")]
     _own: Vec<std::ffi::OsString>,
@@ -76,10 +81,50 @@ pub fn run(port: &str, cell: impl FnOnce(&CellFile) -> Result<Cell, CellError>) 
         Ok(assembled) => assembled,
         Err(error) => return refused(&error),
     };
+    if let Some(folder) = &options.export_moveit {
+        return match export_moveit(assembled.0, folder, &options.node) {
+            Ok(()) => ExitCode::SUCCESS,
+            Err(why) => refused(&why),
+        };
+    }
     match attend(port, assembled, &options) {
         Ok(never) => match never {},
         Err(why) => refused(&why),
     }
+}
+
+/// What a cell is made of, with its own robots alone, and their URDFs in the same order.
+fn own_robots(cell: &mut Cell) -> (Layout, Vec<(String, Option<String>)>) {
+    let urdfs: Vec<_> = cell.robots_mut().map(|robot| (robot.name().to_owned(), robot.urdf())).collect();
+    let mut layout = cell.layout();
+    if urdfs.len() < layout.robots.len() {
+        complain("warning: robots of lower cells are not shown");
+    }
+    let mut robots = core::mem::take(&mut layout.robots);
+    for (name, _) in &urdfs {
+        let place = robots.iter().position(|robot| robot.name == *name);
+        layout.robots.extend(place.map(|place| robots.swap_remove(place)));
+    }
+    (layout, urdfs)
+}
+
+/// Writes what a configuration of MoveIt needs.
+fn export_moveit(mut cell: Cell, folder: &Path, node: &str) -> Result<(), String> {
+    let (layout, urdfs) = own_robots(&mut cell);
+    let described = layout.robots.iter().zip(&urdfs).map(|(robot, (name, urdf))| {
+        let read =
+            |urdf: &String| Description::read(urdf.clone(), &topic_name(name), robot.joints.len()).ok();
+        joint_names(urdf.as_ref().and_then(read).as_ref(), robot.joints.len())
+    });
+    let joints: Vec<_> = described.collect();
+    let write = |name: &str, text: String| {
+        let file = folder.join(name);
+        std::fs::write(&file, text).map_err(|error| format!("{}: {error}", file.display()))?;
+        complain(&format!("wrote {}", file.display()));
+        Ok::<(), String>(())
+    };
+    write("moveit_controllers.yaml", moveit::controllers(&layout, &joints, node))?;
+    write("joint_limits.yaml", moveit::limits(&layout, &joints))
 }
 
 /// The domain that the user of this machine has set for all programs of ROS 2.
@@ -99,11 +144,8 @@ fn attend(
     UdpSocket::bind((options.address, 0))
         .map_err(|error| format!("{} is no address of this machine: {error}", options.address))?;
     let place = Place { domain, address: options.address, node: options.node.clone() };
-    let (layout, file) = (cell.layout(), options.cell.clone());
-    let urdfs: Vec<_> = cell.robots_mut().map(|robot| (robot.name().to_owned(), robot.urdf())).collect();
-    if urdfs.len() < layout.robots.len() {
-        complain("warning: robots of lower cells are not shown");
-    }
+    let file = options.cell.clone();
+    let (layout, urdfs) = own_robots(&mut cell);
     let names: Vec<_> = urdfs.iter().map(|(name, _)| name.as_str()).collect();
     let mut subscriber = Subscriber::at(port, &names)?;
     let (of, may_press) = (file.clone(), options.buttons);

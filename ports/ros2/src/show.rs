@@ -10,27 +10,32 @@ use mrroc_processes::Picture;
 use ros2_client::Publisher;
 
 use crate::clock::{CellClock, now};
-use crate::description::{Description, WORLD};
+use crate::description::{Description, WORLD, joint_names};
 use crate::diagnostics;
 use crate::messages::{DiagnosticArray, Header, JointState, Stamp, Text, TransformStamped, Transforms};
+use crate::moveit;
 use crate::node::{RosNode, kept, now_only, same_topic, topic_name};
 use crate::signals::SignalTopics;
 
-/// Time between two messages of `/tf` for a robot \[ns of the cell\].
+/// Time between two messages of `/tf`, and of `/joint_states`, for a robot \[ns of the cell\].
 const EVERY: u64 = 20_000_000;
 
 /// A robot, and its topics.
 struct Robot {
     description: Option<Description>,
     joints: Vec<String>,
+    /// The names of the same joints among those of all robots.
+    names: Vec<String>,
     states: Publisher<JointState>,
-    /// When its links are shown next \[ns of the cell\].
+    /// When its links, and its joints among those of all robots, are shown next \[ns of the cell\].
     due: u64,
 }
 
 /// The topics of a cell.
 pub struct Topics {
     robots: Vec<Robot>,
+    /// The joints of all robots, one robot in a message.
+    all: Publisher<JointState>,
     transforms: Publisher<Transforms>,
     state: Publisher<Text>,
     diagnostics: Publisher<DiagnosticArray>,
@@ -97,17 +102,19 @@ impl Topics {
                 descriptions.push(publisher);
                 fixed.extend(description.fixed().map(|one| one.stamped(stamp)));
             }
-            let joints = match &description {
-                Some(description) => description.joints.clone(),
-                None => (1..=robot.joints.len()).map(|joint| format!("joint{joint}")).collect(),
-            };
-            robots.push(Robot { description, joints, states, due: 0 });
+            let joints = joint_names(description.as_ref(), robot.joints.len());
+            robots.push(Robot { description, joints, names: Vec::new(), states, due: 0 });
+        }
+        let joints: Vec<_> = robots.iter().map(|robot: &Robot| robot.joints.clone()).collect();
+        for (robot, names) in robots.iter_mut().zip(moveit::names(layout, &joints)) {
+            robot.names = names;
         }
         let tf = ("tf2_msgs", "TFMessage");
         let standing = node.publisher("/tf_static", tf, kept())?;
         drop(standing.publish(Transforms { transforms: fixed }));
         Ok(Topics {
             robots,
+            all: node.publisher("/joint_states", ("sensor_msgs", "JointState"), now_only())?,
             transforms: node.publisher("/tf", tf, now_only())?,
             state: node.publisher(&node.own("state"), ("std_msgs", "String"), kept())?,
             diagnostics: node.publisher(
@@ -139,18 +146,22 @@ impl Topics {
         if robot.due > time + EVERY {
             robot.due = 0;
         }
-        if let Some(description) = robot.description.as_ref().filter(|_| time >= robot.due) {
-            robot.due = time + EVERY;
-            let transforms = description.moving(joints).map(|one| one.stamped(stamp)).collect();
-            drop(self.transforms.publish(Transforms { transforms }));
-        }
-        drop(robot.states.publish(JointState {
+        let state = |names: &[String]| JointState {
             header: Header { stamp, frame_id: String::new() },
-            name: robot.joints.clone(),
+            name: names.to_vec(),
             position: joints.clone(),
             velocity: image.measured.velocity.clone(),
             effort: Vec::new(),
-        }));
+        };
+        if time >= robot.due {
+            robot.due = time + EVERY;
+            drop(self.all.publish(state(&robot.names)));
+            if let Some(description) = &robot.description {
+                let transforms = description.moving(joints).map(|one| one.stamped(stamp)).collect();
+                drop(self.transforms.publish(Transforms { transforms }));
+            }
+        }
+        drop(robot.states.publish(state(&robot.joints)));
         stamp
     }
 
