@@ -197,14 +197,14 @@ fn fault_120_a_recording_of_a_sensor_that_is_hardware_is_replayed_without_the_ha
         Cell::new(MS).robot(gantry("g").0).sensor(sensor).program(|mp| {
             let (mut g, mut camera) = (mp.robot::<Gantry>("g")?, mp.sensor::<Count>("camera")?);
             mp.wait_until((), (&mut camera,), CountedTo(30))?;
-            mp.move_robot(&mut g, (), Smooth::to(0.1, 0.2)).map(drop)
+            mp.move_robot(&mut g, (), Smooth::to(0.2, 0.4)).map(drop)
         })
     }
     let file = file("hardware.mcap");
     let simulated = cell().simulated().expect("a sensor stands in");
     simulated.record(mrroc::recording::to(&file)).run().expect("keeps the limits");
     let compared = cell().replay(&file, CutOff::Refused).expect("a recording of this cell");
-    assert!(compared.is_identical() && compared.steps > 230, "{compared:?}");
+    assert!(compared.is_identical() && compared.steps > 430, "{compared:?}");
 }
 
 struct On(Input<bool>);
