@@ -3,7 +3,7 @@
 use std::fs::{self, OpenOptions};
 use std::io::{self, Read, Write};
 use std::os::unix::fs::{DirBuilderExt, OpenOptionsExt};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use mrroc::fault::{Fault, Name};
 use mrroc::payload::Wire;
@@ -122,6 +122,18 @@ fn path(number: u64) -> PathBuf {
     folder().join("goals").join(number.to_string())
 }
 
+/// Files of programs that were killed: a cell takes a goal within its next steps.
+fn remove_old(folder: &Path, now: u64) {
+    const MINUTE: u64 = 60_000_000;
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        let number: Option<u64> = entry.file_name().to_str().and_then(|name| name.parse().ok());
+        // Of before the machine was started anew are those of the future.
+        if number.is_some_and(|number| now.abs_diff(number) > MINUTE) {
+            drop(fs::remove_file(entry.path()));
+        }
+    }
+}
+
 impl GoalFile {
     /// Writes a goal, for the MP of a cell of this user.
     ///
@@ -141,6 +153,7 @@ impl GoalFile {
         fs::DirBuilder::new().recursive(true).mode(0o700).create(&folder).map_err(failed)?;
         // Microseconds since the machine has started: greater than all before, and as good as never that of another program.
         let mut number = monotonic() / 1000;
+        remove_old(&folder, number);
         let file = loop {
             let created = OpenOptions::new().write(true).create_new(true).mode(0o600).open(path(number));
             match created {

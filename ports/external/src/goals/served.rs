@@ -1,5 +1,7 @@
 //! What a program of the MP does with goals.
 
+use std::collections::VecDeque;
+
 use mrroc::generator::SensorHandle;
 use mrroc::prelude::*;
 use mrroc_generators::generators::FollowTrajectory;
@@ -33,7 +35,7 @@ pub struct TrajectoryGoals {
     /// What is told of goals.
     state: GoalState,
     /// Goals that have ended and were not told yet.
-    ended: Vec<GoalEnd>,
+    ended: VecDeque<GoalEnd>,
     /// Whether the sensor has said anything yet.
     has_begun: bool,
 }
@@ -73,7 +75,7 @@ impl TrajectoryGoals {
             robots: robots.iter().map(|&name| name.to_owned()).collect(),
             at_work: [0; MOST_ROBOTS],
             state: GoalState::default(),
-            ended: Vec::new(),
+            ended: VecDeque::new(),
             has_begun: false,
         })
     }
@@ -92,7 +94,7 @@ impl TrajectoryGoals {
     /// The [`Fault`] that ended it: `SensorStale` where the program that sends goals says nothing any more, for one.
     pub fn next(&mut self, mp: &mut Mp) -> Result<GoalEnd, Fault> {
         loop {
-            if let Some(end) = self.ended.pop() {
+            if let Some(end) = self.ended.pop_front() {
                 return Ok(end);
             }
             self.sensor.configure(self.state);
@@ -127,7 +129,7 @@ impl TrajectoryGoals {
                     self.state.done |= u32::from(outcome == Outcome::Done) << other;
                 }
             }
-            self.ended.push(match outcome {
+            self.ended.push_back(match outcome {
                 Outcome::Done => GoalEnd::Done,
                 Outcome::Halted | Outcome::Ended => GoalEnd::Cancelled,
                 Outcome::Replaced => GoalEnd::Replaced,
@@ -158,7 +160,7 @@ impl TrajectoryGoals {
         };
         if let Err((why, about)) = refused {
             (self.state.refusal, self.state.about) = (why, about);
-            self.ended.push(GoalEnd::Refused);
+            self.ended.push_back(GoalEnd::Refused);
         }
         Ok(())
     }
@@ -173,7 +175,7 @@ impl TrajectoryGoals {
             self.state.over &= !(1 << place);
             self.state.done &= !(1 << place);
             if before != 0 && before != number && !self.at_work.contains(&before) {
-                self.ended.push(GoalEnd::Replaced);
+                self.ended.push_back(GoalEnd::Replaced);
             }
         }
         Ok(())

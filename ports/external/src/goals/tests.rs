@@ -84,6 +84,11 @@ fn a_goals_file_has_a_number_of_its_own_and_goes_with_what_has_written_it() {
     drop(one);
     GoalFile::read(gone).expect_err("it is not there any more");
     assert_eq!(GoalFile::read(two.number()), Ok(given.clone()));
+    // What a killed program left long ago goes when the next goal is written.
+    let left = crate::port::folder().join("goals").join("17");
+    std::fs::write(&left, "of long ago").expect("written");
+    drop(GoalFile::write(&given).expect("written"));
+    assert!(!left.exists() && GoalFile::read(two.number()).is_ok());
     let point = given.trajectory.points()[0].clone();
     let points = (1..6000).map(|k| TrajectoryPoint { time: f64::from(k), ..point.clone() }).collect();
     let long = JointTrajectory::new(given.trajectory.limits().to_vec(), points).expect("sound");

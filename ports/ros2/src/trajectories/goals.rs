@@ -180,9 +180,14 @@ impl Goals {
     /// What the cell's sensor is to be told.
     pub fn news(&self) -> GoalNews {
         let mut news = GoalNews { newest: self.newest, ..GoalNews::default() };
-        let halted = self.entries.iter().filter(|entry| {
-            let is_to_halt = entry.status == GoalStatusEnum::Canceling || entry.outcome.is_some();
-            matches!(entry.phase, Phase::Working | Phase::Sent { .. }) && is_to_halt
+        // Also one that was given up while the cell was silent, if its robots follow it still.
+        let follows = |entry: &Entry| self.state.is_some_and(|state| state.ended(entry.number).is_none());
+        let halted = self.entries.iter().filter(|entry| match entry.phase {
+            Phase::Working | Phase::Sent { .. } => {
+                entry.status == GoalStatusEnum::Canceling || entry.outcome.is_some()
+            }
+            Phase::Ended(_) => entry.number != 0 && follows(entry),
+            Phase::Waiting | Phase::Settling(_) => false,
         });
         for (cancelled, entry) in news.cancelled.iter_mut().take(MOST_ROBOTS).zip(halted) {
             *cancelled = entry.number;

@@ -337,6 +337,8 @@ fn no_goal_outlives_its_cell_or_its_program() {
         rig.go(None);
     }
     assert_eq!(rig.result(silent).2, "no cell is running whose program takes goals now");
+    // Where the program has only done something else, its robots follow it still: they are to halt.
+    assert!(rig.goals.news().cancelled.contains(&rig.state.taken));
 
     // Where the robots do something else, or another goal took them.
     rig.hear();
