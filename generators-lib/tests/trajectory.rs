@@ -168,7 +168,7 @@ impl Rig {
 
     /// A step of `dt` \[s\] of path time; what is demanded of both robots, or nothing where their motion is over.
     fn go(&mut self, dt: f64) -> bool {
-        let t = Tick { step: self.steps, dt, duration: dt };
+        let t = Tick { step: self.steps, dt, duration: DT };
         let (order, reading) = (Order::new(()), Reading::new(()));
         for (motion, joints) in self.motions.iter_mut().zip(&mut self.joints) {
             let e = State::new(at_rest(&Irp6::nominal(), *joints));
@@ -347,6 +347,10 @@ fn another_trajectory_replaces_one_at_any_time_without_a_step_of_velocity_or_acc
                 let next = JointTrajectory::new(next.limits().to_vec(), slower.collect()).expect("sound");
                 if round == 2 {
                     rig.group.halt("left").expect("it is there");
+                    for _ in 0..random_.below(60) {
+                        rig.go(DT);
+                        demands.push(rig.both());
+                    }
                 }
                 match rig.group.begin(&NAMES, &next) {
                     Ok(()) => replaced += 1,
@@ -365,6 +369,96 @@ fn another_trajectory_replaces_one_at_any_time_without_a_step_of_velocity_or_acc
             assert!(most[2] <= 0.95 * jerk, "seed {seed}: {most:?}");
         }
         assert!(replaced > 200, "{replaced} replaced, {refused} refused, of jerk {jerk}");
+    }
+}
+
+#[test]
+fn robots_that_hardly_move_as_after_a_suspension_stand_at_once_when_they_are_halted() {
+    for (jerk, share) in [(f64::INFINITY, 0.012), (60.0, 1e-4)] {
+        let mut rig = Rig::new();
+        rig.group.begin(&NAMES, &random(&rig.both(), limits(jerk), 3)).expect("within the limits");
+        for _ in 0..150 {
+            rig.go(DT);
+        }
+        // The rate of path time has fallen to 0, and rises again.
+        rig.go(share * DT);
+        rig.group.halt("left").expect("it is there");
+        let before = rig.both();
+        rig.go(2.0 * share * DT);
+        assert_eq!((rig.both(), rig.is_moving()), (before, false), "jerk {jerk}");
+        assert_eq!(rig.group.outcome("right"), Ok(Some(Outcome::Halted)));
+    }
+}
+
+#[test]
+fn a_trajectory_that_has_begun_is_joined_where_it_is_now_and_no_other_line_is_gone() {
+    let swing = |time: f64| {
+        let s = time / 2.0;
+        0.3 * s.powi(3) * (10.0 + s * (6.0 * s - 15.0))
+    };
+    let points: Vec<_> = (0..=20).map(|k| point(0.1 * f64::from(k), &[swing(0.1 * f64::from(k))])).collect();
+    let made = |passed: f64, at: f64| {
+        let trajectory = JointTrajectory::new(vec![limits(f64::INFINITY)], points.clone()).expect("sound");
+        TimedPath::from(&trajectory.passed(passed), &[JointState::resting(at)])
+    };
+    for passed in [0.0, 0.005, 0.15, 0.4] {
+        let path = made(passed, swing(passed) + 0.001).expect("near enough");
+        assert!((path.at(0.0, 0)[0] - swing(passed) - 0.001).abs() < 1e-9);
+        for later in [0.6, 1.0, 1.4] {
+            assert!((path.at(later, 0)[0] - swing(passed + later)).abs() < 1e-4, "{passed} {later}");
+        }
+        let refused = made(passed, swing(passed) + 0.3);
+        assert!(matches!(refused, Err(TrajectoryError::Start { joint: 1, .. })), "{passed}: {refused:?}");
+    }
+    // One that begins with an acceleration is not bent where a step of it is allowed.
+    let parabola = [0.0, 0.5, 1.0].map(|time: f64| TrajectoryPoint {
+        velocities: vec![if time < 1.0 { 2.0 * time } else { 0.0 }],
+        accelerations: vec![if time < 0.5 { 2.0 } else { -2.0 }],
+        ..point(time, &[if time < 1.0 { time * time } else { 0.75 }])
+    });
+    let parabola = JointTrajectory::new(vec![FREE], parabola.to_vec()).expect("sound");
+    let path = TimedPath::from(&parabola, &[JointState::resting(0.0)]).expect("without limits");
+    assert!((path.at(0.0, 0)[2] - 2.0).abs() < 1e-12 && path.at(1e-3, 0)[0] > 0.99e-6);
+}
+
+#[test]
+fn trapezoids_sampled_as_moveit_does_are_taken_at_the_share_that_is_written_for_it() {
+    let limits = limits(f64::INFINITY);
+    // As `joint_limits.yaml` of the bridge to ROS 2 has them.
+    let (velocity, acceleration) = (0.98 * limits.velocity, SHARE / 1.78 * limits.acceleration);
+    let mut random = Random::seeded(21);
+    for case in 0..2000 {
+        let distance = random.between(0.01, 2.0);
+        let (speed, rise) = if distance > velocity * velocity / acceleration {
+            (velocity, velocity / acceleration)
+        } else {
+            ((distance * acceleration).sqrt(), (distance / acceleration).sqrt())
+        };
+        let duration = distance / speed + rise;
+        let at = |time: f64| {
+            let left = duration - time;
+            if time < rise {
+                [
+                    0.5 * acceleration * time * time,
+                    acceleration * time,
+                    if time > 0.0 { acceleration } else { 0.0 },
+                ]
+            } else if left < rise {
+                [distance - 0.5 * acceleration * left * left, acceleration * left, -acceleration]
+            } else {
+                [speed * (time - 0.5 * rise), speed, 0.0]
+            }
+        };
+        let mut times: Vec<f64> =
+            (0..).map(|k| 0.1 * f64::from(k)).take_while(|time| duration - time > 1e-3).collect();
+        times.push(duration);
+        let points = times.iter().map(|&time| {
+            let [q, v, a] = at(time);
+            TrajectoryPoint { velocities: vec![v], accelerations: vec![a], ..point(time, &[q]) }
+        });
+        let trajectory = JointTrajectory::new(vec![limits], points.collect()).expect("sound");
+        let taken = TimedPath::from(&trajectory, &[JointState::resting(0.0)]);
+        assert!(taken.is_ok(), "case {case}, {distance} m: {taken:?}");
     }
 }
 
@@ -419,7 +513,7 @@ fn what_has_passed_is_left_out_and_what_is_to_begin_later_is_waited_for() {
     let one = |passed: f64| {
         let points = [(0.5, 0.1), (1.0, 0.2), (2.0, 0.4)].map(|(time, q)| point(time, &[q]));
         let trajectory = JointTrajectory::new(vec![FREE], points.to_vec()).expect("sound").passed(passed);
-        TimedPath::from(&trajectory, &[JointState::resting(0.0)])
+        TimedPath::from(&trajectory.starting_within(1.0), &[JointState::resting(0.0)])
     };
     for (passed, duration) in [(0.0, 2.0), (0.3, 1.7), (0.7, 1.3), (1.999, 0.001)] {
         assert!((one(passed).expect("some is left").duration() - duration).abs() < 1e-12);

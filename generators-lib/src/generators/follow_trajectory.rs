@@ -40,6 +40,8 @@ pub struct FollowTrajectory<R: Robot> {
     group: TrajectoryGroup,
     /// Its place in the group.
     place: usize,
+    /// Its number among the motions of the robot, 0 before its first step.
+    motion: u64,
     /// What it follows alone.
     alone: Option<JointTrajectory>,
     of: PhantomData<fn() -> R>,
@@ -50,19 +52,25 @@ impl<R: Robot> FollowTrajectory<R> {
     #[must_use]
     pub fn along(trajectory: &JointTrajectory) -> Self {
         let alone = Some(trajectory.clone());
-        FollowTrajectory { group: TrajectoryGroup::new(&[""]), place: 0, alone, of: PhantomData }
+        FollowTrajectory { group: TrajectoryGroup::new(&[""]), place: 0, motion: 0, alone, of: PhantomData }
     }
 
     /// As a robot of a group.
     pub(crate) fn in_group(group: TrajectoryGroup, place: usize) -> Self {
-        FollowTrajectory { group, place, alone: None, of: PhantomData }
+        FollowTrajectory { group, place, motion: 0, alone: None, of: PhantomData }
+    }
+}
+
+impl<R: Robot> Drop for FollowTrajectory<R> {
+    fn drop(&mut self) {
+        self.group.leave(self.place, self.motion);
     }
 }
 
 #[generator(ecp)]
 impl<R: Robot> FollowTrajectory<R> {
     fn first_step(&mut self, e: &State<R>, t: Tick) -> Result<Step<R>, Fault> {
-        self.group.start(self.place, e.demanded().joints.as_slice());
+        self.motion = self.group.start(self.place, e.demanded().joints.as_slice());
         if let Some(trajectory) = &self.alone {
             self.group.begin(&[""], trajectory).map_err(|why| Fault::thrown(&why.to_string()))?;
             self.group.finish();
@@ -71,7 +79,7 @@ impl<R: Robot> FollowTrajectory<R> {
     }
 
     fn next_step(&mut self, t: Tick) -> Step<R> {
-        match self.group.advance(self.place, t.dt) {
+        match self.group.advance(self.place, t) {
             Some(joints) => Step::Next(Demand::joints(joints)),
             None => Step::Done,
         }

@@ -19,8 +19,6 @@ pub enum Outcome {
     Done,
     /// They were brought to rest on their path before that.
     Halted,
-    /// They follow another one.
-    Replaced,
     /// The Move ended.
     Ended,
 }
@@ -43,12 +41,14 @@ struct Member {
     /// How that has ended.
     outcome: Option<Outcome>,
     is_to_finish: bool,
+    /// How many motions of it have begun.
+    motions: u64,
 }
 
 /// A robot's part of a trajectory.
 #[derive(Clone)]
 struct Following {
-    course: Rc<RefCell<Course>>,
+    execution: Rc<RefCell<Execution>>,
     /// Its first joint in the trajectory.
     first: usize,
     /// Steps that it has taken.
@@ -56,27 +56,33 @@ struct Following {
 }
 
 /// A trajectory that robots follow.
-struct Course {
+struct Execution {
     path: TimedPath,
     /// How many robots follow it.
     robots: usize,
     /// Path time; below 0 while the robots wait for its beginning \[s\].
     time: f64,
     halt: Option<Halt>,
+    /// Path time over real time in its last step.
+    share: f64,
     /// Steps that it has been advanced by.
     steps: u64,
     /// How it ended, in the step in which it did.
     ended: Option<Outcome>,
 }
 
-impl Course {
+impl Execution {
     fn rate(&self) -> (f64, f64) {
         self.halt.map_or((1.0, 0.0), |halt| (halt.rate, halt.slope))
     }
 
-    fn advance(&mut self, dt: f64) {
+    fn advance(&mut self, t: Tick) {
+        let dt = t.dt;
         if let Some(halt) = &mut self.halt {
-            halt.advance(&self.path, self.time, dt);
+            halt.advance(&self.path, self.time, t, self.share);
+        }
+        if dt > 0.0 {
+            self.share = dt / t.duration;
         }
         let (rate, _) = self.rate();
         self.time += rate * dt;
@@ -93,7 +99,7 @@ impl Course {
     /// What is demanded of a joint, in the cell's path time.
     fn state(&self, joint: usize) -> JointState {
         let [position, velocity, acceleration] = self.path.at(self.time, joint);
-        if self.time <= 0.0 {
+        if self.time < 0.0 {
             return JointState::resting(position);
         }
         let (rate, slope) = self.rate();
@@ -115,6 +121,7 @@ impl TrajectoryGroup {
             last: None,
             outcome: None,
             is_to_finish: false,
+            motions: 0,
         };
         TrajectoryGroup(Rc::new(RefCell::new(robots.iter().map(member).collect())))
     }
@@ -163,17 +170,15 @@ impl TrajectoryGroup {
         let states = self.states(&places)?;
         let path = TimedPath::from(trajectory, &states)?;
         let mut members = self.0.borrow_mut();
-        for &place in &places {
-            members[place].end(Outcome::Replaced);
-        }
         let moves = states.iter().any(|state| state.velocity != 0.0 || state.acceleration != 0.0);
         let time = if moves { 0.0 } else { -delay.max(0.0) };
-        let course = Course { path, robots: places.len(), time, halt: None, steps: 0, ended: None };
-        let course = Rc::new(RefCell::new(course));
+        let execution =
+            Execution { path, robots: places.len(), time, halt: None, share: 1.0, steps: 0, ended: None };
+        let execution = Rc::new(RefCell::new(execution));
         let mut first = 0;
         for place in places {
             let member = &mut members[place];
-            member.last = Some(Following { course: Rc::clone(&course), first, steps: 0 });
+            member.last = Some(Following { execution: Rc::clone(&execution), first, steps: 0 });
             member.outcome = None;
             first += member.joints.len();
         }
@@ -195,14 +200,14 @@ impl TrajectoryGroup {
             };
             let same = |&&place: &&usize| {
                 let other = members[place].following();
-                other.is_some_and(|other| Rc::ptr_eq(&other.course, &following.course))
+                other.is_some_and(|other| Rc::ptr_eq(&other.execution, &following.execution))
             };
-            let course = following.course.borrow();
-            if places.iter().filter(same).count() != course.robots {
+            let execution = following.execution.borrow();
+            if places.iter().filter(same).count() != execution.robots {
                 return Err(TrajectoryError::Shared(member.name.clone()));
             }
             let joints = following.first..following.first + member.joints.len();
-            states.extend(joints.map(|joint| course.state(joint)));
+            states.extend(joints.map(|joint| execution.state(joint)));
         }
         Ok(states)
     }
@@ -214,9 +219,9 @@ impl TrajectoryGroup {
     pub fn halt(&self, robot: &str) -> Result<(), TrajectoryError> {
         let place = self.place(robot)?;
         if let Some(following) = self.0.borrow()[place].following() {
-            let mut course = following.course.borrow_mut();
-            if course.halt.is_none() {
-                course.halt = Some(Halt::at(&course.path, course.time));
+            let mut execution = following.execution.borrow_mut();
+            if execution.halt.is_none() {
+                execution.halt = Some(Halt::at(&execution.path, execution.time));
             }
         }
         Ok(())
@@ -244,32 +249,43 @@ impl TrajectoryGroup {
         }
     }
 
-    /// The motion of a robot begins, at these joint positions.
-    pub(crate) fn start(&self, place: usize, joints: &[f64]) {
+    /// The motion of a robot begins, at these joint positions; its number among those of the robot.
+    pub(crate) fn start(&self, place: usize, joints: &[f64]) -> u64 {
         let member = &mut self.0.borrow_mut()[place];
         member.end(Outcome::Ended);
         member.joints.clear();
         member.joints.extend_from_slice(joints);
+        member.motions += 1;
+        member.motions
     }
 
-    /// Goes on by a step of `dt` \[s\] of path time; where the robot is to be, or `None` where its motion is over.
-    pub(crate) fn advance<J: JointVector>(&self, place: usize, dt: f64) -> Option<J> {
+    /// A motion of a robot has ended, unless another one has begun.
+    pub(crate) fn leave(&self, place: usize, motion: u64) {
+        let member = &mut self.0.borrow_mut()[place];
+        if member.motions == motion {
+            member.end(Outcome::Ended);
+            member.joints.clear();
+        }
+    }
+
+    /// Goes on by a step; where the robot is to be, or `None` where its motion is over.
+    pub(crate) fn advance<J: JointVector>(&self, place: usize, t: Tick) -> Option<J> {
         let member = &mut self.0.borrow_mut()[place];
         let follows = member.following().is_some();
         match &mut member.last {
             None | Some(_) if !follows && member.is_to_finish => return None,
             Some(following) if follows => {
-                let mut course = following.course.borrow_mut();
+                let mut execution = following.execution.borrow_mut();
                 following.steps += 1;
                 // The first one to come takes all of them a step further.
-                if course.steps < following.steps {
-                    course.steps = following.steps;
-                    course.advance(dt);
+                if execution.steps < following.steps {
+                    execution.steps = following.steps;
+                    execution.advance(t);
                 }
                 for (joint, position) in member.joints.iter_mut().enumerate() {
-                    *position = course.state(following.first + joint).position;
+                    *position = execution.state(following.first + joint).position;
                 }
-                member.outcome = course.ended;
+                member.outcome = execution.ended;
             }
             None | Some(_) => {}
         }

@@ -1,7 +1,7 @@
 //! How robots come to rest on their path: their path time passes slower and slower.
 
 use mrroc::cell::PATH_SHARE;
-use mrroc::generator::steepest;
+use mrroc::generator::{Tick, steepest};
 
 use super::path::TimedPath;
 
@@ -34,9 +34,16 @@ impl Halt {
         Halt { rate: 1.0, slope: 0.0, jerk: is_limited.then(|| JerkRule::of(path, time)) }
     }
 
-    /// The rate of the next step, of `dt` \[s\] of the cell's path time, on a path that has come to `time` \[s\].
-    pub fn advance(&mut self, path: &TimedPath, time: f64, dt: f64) {
+    /// The rate of the next step, of `dt` \[s\] of the cell's path time, on a path that has come to `time` \[s\] by a step that had a share of
+    /// its duration as path time.
+    pub fn advance(&mut self, path: &TimedPath, time: f64, t: Tick, share: f64) {
+        let dt = t.dt;
         if dt <= 0.0 || self.rate == 0.0 {
+            return;
+        }
+        // As after a suspension: they hardly move yet.
+        if stops_at_once(path, time, share * self.rate, t.duration) {
+            (self.rate, self.slope) = (0.0, 0.0);
             return;
         }
         let (fall, bend) = match &self.jerk {
@@ -68,6 +75,17 @@ impl Halt {
         }
         fall
     }
+}
+
+/// Whether robots that go along a path at this rate may stand in the next step of `duration` \[s\].
+fn stops_at_once(path: &TimedPath, time: f64, rate: f64, duration: f64) -> bool {
+    let mut joints = path.limits().iter().enumerate();
+    joints.all(|(joint, limits)| {
+        let [_, velocity, _] = path.at(time, joint);
+        let change = rate * velocity.abs() / duration;
+        // The jerk of it is twice: what it takes to begin to brake, and to end.
+        change <= PATH_SHARE * limits.acceleration && 2.0 * change <= PATH_SHARE * limits.jerk * duration
+    })
 }
 
 impl JerkRule {

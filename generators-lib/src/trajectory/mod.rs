@@ -176,15 +176,15 @@ impl JointTrajectory {
         Ok(JointTrajectory { limits, points, tolerance: 0.01, passed: 0.0 })
     }
 
-    /// A joint may be as far from the first point as this where that is at time 0 [rad or m], 0.01 otherwise; it comes to the trajectory
-    /// in half a second.
+    /// A joint may be so far from a trajectory that has begun [rad or m], 0.01 otherwise; it comes to it in half a second.
     #[must_use]
     pub fn starting_within(mut self, tolerance: f64) -> Self {
         self.tolerance = tolerance;
         self
     }
 
-    /// It is begun when so much of its time has passed \[s\]: from where the robots are they go to the first point after that.
+    /// It is begun when so much of its time has passed \[s\]: where the first point is of the past, the robots must be about where it is at
+    /// that time.
     #[must_use]
     pub fn passed(mut self, passed: f64) -> Self {
         self.passed = passed.max(0.0);

@@ -1,5 +1,7 @@
 //! The path through the points of a trajectory, from where the robots are.
 
+use mrroc::cell::PATH_SHARE;
+
 use super::error::{Quantity, TrajectoryError};
 use super::piece::Piece;
 use super::{JERK_SHARE, JointBounds, JointTrajectory, SHARE, TrajectoryPoint};
@@ -46,9 +48,9 @@ pub struct TimedPath {
 }
 
 impl TimedPath {
-    /// The path of a trajectory for joints in these states, which must be at most [`starting_within`](JointTrajectory::starting_within) away
-    /// from its first point where that is at time 0. From there, they come to the trajectory within half a second; to a later first point they go in
-    /// the time that it says.
+    /// The path of a trajectory for joints in these states. Where the trajectory has begun, by a first point at time 0 or by the time that has
+    /// [passed](JointTrajectory::passed), they must be within [`starting_within`](JointTrajectory::starting_within) of it, and come to it in half a
+    /// second. To a later first point they go in the time that it says.
     ///
     /// # Errors
     /// [`TrajectoryError::Joints`], [`TrajectoryError::Past`], [`TrajectoryError::Start`]; [`TrajectoryError::Limit`] for the first limit that the path
@@ -125,10 +127,14 @@ impl TimedPath {
                 if let Some(value) = piece.beyond(time, lower - room, upper + room) {
                     return exceeds(Quantity::Position, value, if value < lower { lower } else { upper });
                 }
+                // A path that replaces one which is being halted begins with an acceleration of the halt.
+                let begins_with = if segment == 0 { states[joint].acceleration.abs() } else { 0.0 };
+                let acceleration =
+                    begins_with.clamp(SHARE * limits.acceleration, PATH_SHARE * limits.acceleration);
                 let mut derivative = *piece;
                 for (quantity, limit) in [
                     (Quantity::Velocity, limits.velocity),
-                    (Quantity::Acceleration, SHARE * limits.acceleration),
+                    (Quantity::Acceleration, acceleration),
                     (Quantity::Jerk, JERK_SHARE * limits.jerk),
                 ] {
                     derivative = derivative.derivative();
@@ -161,6 +167,15 @@ enum Degree {
     Five,
 }
 
+impl Degree {
+    fn piece(self, from: [f64; 3], to: [f64; 3], time: f64) -> Piece {
+        match self {
+            Degree::Three => Piece::cubic([from[0], from[1]], [to[0], to[1]], time),
+            Degree::Five => Piece::quintic(from, to, time),
+        }
+    }
+}
+
 /// Where the path goes, one state per joint at each time.
 struct Knots {
     times: Vec<f64>,
@@ -171,60 +186,62 @@ struct Knots {
 impl Knots {
     /// Those of a trajectory that robots begin in these states; and which point the second of them is.
     fn of(trajectory: &JointTrajectory, states: &[JointState]) -> Result<(Knots, usize), TrajectoryError> {
-        let points = &trajectory.points;
-        let passed = trajectory.passed;
-        let past = points.partition_point(|point| point.time <= passed);
-        let begins_here = past == 1 && passed == 0.0;
-        let left = &points[past..];
-        let Some(next) = left.first() else {
+        let (points, passed) = (&trajectory.points, trajectory.passed);
+        let next = points.partition_point(|point| point.time <= passed);
+        if next == points.len() {
             return match points.as_slice() {
                 // A trajectory of one point at time 0 says where the robots are.
-                [only] if begins_here => Self::standing(trajectory, only, states),
+                [only] if passed == 0.0 => Self::standing(trajectory, only, states),
                 _ => Err(TrajectoryError::Past { duration: trajectory.duration(), passed }),
             };
-        };
-        let told = |place: usize, point: &TrajectoryPoint| {
-            let value = |values: &[f64]| values.get(place).copied().unwrap_or(0.0);
-            [point.positions[place], value(&point.velocities), value(&point.accelerations)]
-        };
-        let degree = match (next.velocities.is_empty(), next.accelerations.is_empty()) {
-            (false, true) => Degree::Three,
-            (true, _) | (false, false) => Degree::Five,
-        };
-        let bare = next.velocities.is_empty();
+        }
+        let bare = points[0].velocities.is_empty();
+        let degree = if !bare && points[0].accelerations.is_empty() { Degree::Three } else { Degree::Five };
+        let of_points: Vec<f64> = points.iter().map(|point| point.time).collect();
         let mut times = vec![0.0];
-        times.extend(left.iter().map(|point| point.time - passed));
+        times.extend(of_points[next..].iter().map(|time| time - passed));
         let settles = SETTLES.min(times.last().copied().unwrap_or(SETTLES));
         let mut knots = Vec::with_capacity(states.len());
-        for (joint, state) in states.iter().enumerate() {
-            let mut of_joint = vec![state.values()];
-            of_joint.extend(left.iter().map(|point| told(joint, point)));
-            if begins_here {
-                let start = told(joint, &points[0]);
-                let [off, ..] = [state.position - start[0]];
-                if off.is_nan() || off.abs() > trajectory.tolerance {
-                    return Err(TrajectoryError::Start {
-                        joint: joint + 1,
-                        position: state.position,
-                        start: start[0],
-                    });
+        for (joint, (state, limits)) in states.iter().zip(&trajectory.limits).enumerate() {
+            let told = |point: &TrajectoryPoint| {
+                let value = |values: &[f64]| values.get(joint).copied().unwrap_or(0.0);
+                [point.positions[joint], value(&point.velocities), value(&point.accelerations)]
+            };
+            let mut told: Vec<_> = points.iter().map(told).collect();
+            let Some(before) = next.checked_sub(1) else {
+                // It begins later: from where the robot is to the first point.
+                told.insert(0, state.values());
+                if bare {
+                    spline(&times, &mut told);
                 }
-                // What the joint is off by goes to 0 on a path of its own.
-                let off = [off, state.velocity - start[1], state.acceleration - start[2]];
-                let settle = Piece::quintic(off, [0.0; 3], settles);
-                for (time, knot) in
-                    times.iter().zip(&mut of_joint).skip(1).filter(|(time, _)| **time < settles)
-                {
-                    let off = settle.at(*time);
-                    *knot = [knot[0] + off[0], knot[1] + off[1], knot[2] + off[2]];
-                }
-            }
+                knots.push(told);
+                continue;
+            };
+            // It has begun: the robot must be about where it is now, and comes to it.
             if bare {
-                spline(&times, &mut of_joint);
+                spline(&of_points, &mut told);
+            }
+            let segment = degree.piece(told[before], told[next], of_points[next] - of_points[before]);
+            let start = segment.at(passed - of_points[before]);
+            let off = state.position - start[0];
+            if off.is_nan() || off.abs() > trajectory.tolerance {
+                let (joint, position, start) = (joint + 1, state.position, start[0]);
+                return Err(TrajectoryError::Start { joint, position, start });
+            }
+            // A robot whose jerk is not limited may begin with any acceleration.
+            let acceleration = if limits.jerk.is_finite() { state.acceleration - start[2] } else { 0.0 };
+            let off = [off, state.velocity - start[1], acceleration];
+            // What the joint is off by goes to 0 on a path of its own.
+            let settle = Piece::quintic(off, [0.0; 3], settles);
+            let mut of_joint = vec![start];
+            of_joint.extend_from_slice(&told[next..]);
+            for (time, knot) in times.iter().zip(&mut of_joint).filter(|(time, _)| **time < settles) {
+                let off = settle.at(*time);
+                *knot = [knot[0] + off[0], knot[1] + off[1], knot[2] + off[2]];
             }
             knots.push(of_joint);
         }
-        Ok((Knots { times, states: knots, degree }, past + 1))
+        Ok((Knots { times, states: knots, degree }, next + 1))
     }
 
     /// Of a trajectory that says no more than where the robots are already.
@@ -245,10 +262,7 @@ impl Knots {
             let time = self.times[segment + 1] - self.times[segment];
             for states in &self.states {
                 let (from, to) = (states[segment], states[segment + 1]);
-                pieces.push(match self.degree {
-                    Degree::Three => Piece::cubic([from[0], from[1]], [to[0], to[1]], time),
-                    Degree::Five => Piece::quintic(from, to, time),
-                });
+                pieces.push(self.degree.piece(from, to, time));
             }
         }
         TimedPath { limits, ends: self.times[1..].to_vec(), pieces, first }

@@ -9,6 +9,13 @@ use mrroc_generators::trajectory::{JERK_SHARE, SHARE};
 
 use crate::node::topic_name;
 
+/// By how much a polynomial between two of MoveIt's points, 0.1 s apart, may exceed the acceleration of the plan: 1.74 in trapezoids of all kinds, where
+/// the acceleration changes its sign between the points.
+const OVERSHOOT: f64 = 1.78;
+
+/// The share of a velocity that a plan may use: the same, in plans that come to it between two points.
+const VELOCITY: f64 = 0.98;
+
 /// The names by which plans name the joints of each robot: with the robot's before it where several robots have a joint of that name.
 pub fn names(layout: &Layout, joints: &[Vec<String>]) -> Vec<Vec<String>> {
     let robots = layout.robots.iter().zip(joints);
@@ -63,13 +70,14 @@ fn rounded(limit: f64) -> f64 {
 /// The limits that a plan must keep.
 pub fn limits(layout: &Layout, joints: &[Vec<String>]) -> String {
     let mut text = format!(
-        "# For MoveIt 2: the joints' velocities, {SHARE} of their accelerations and {JERK_SHARE} of their jerks. What is left brings the robots to rest on their
-# path.
+        "# For MoveIt 2: {VELOCITY} of the joints' velocities, {:.2} of their accelerations and {JERK_SHARE} of their jerks. Between the points of a plan, 0.1 s
+# apart, polynomials need more than the plan; and the rest of the limits is kept for braking on the path.
 default_velocity_scaling_factor: 1.0
 default_acceleration_scaling_factor: 1.0
 
 joint_limits:
-"
+",
+        SHARE / OVERSHOOT
     );
     let names = names(layout, joints);
     for (robot, names) in layout.robots.iter().zip(&names) {
@@ -83,8 +91,8 @@ joint_limits:
     has_acceleration_limits: true
     max_acceleration: {:?}
 ",
-                joint.velocity,
-                rounded(SHARE * joint.acceleration)
+                rounded(VELOCITY * joint.velocity),
+                rounded(SHARE / OVERSHOOT * joint.acceleration)
             );
             if let Some(jerk) = joint.jerk {
                 let _ = write!(
@@ -129,7 +137,7 @@ mod tests {
         assert!(controllers(&alone, &joints, "cell").contains("controller_names: [left]"));
         // The IRp-6's first joint: 1.5 rad/s and 7 rad/s^2, and no limit of jerk.
         let told = limits(&alone, &joints);
-        let expected = "  a:\n    has_velocity_limits: true\n    max_velocity: 1.5\n    has_acceleration_limits: true\n    max_acceleration: 5.6\n  b:\n";
+        let expected = "  a:\n    has_velocity_limits: true\n    max_velocity: 1.47\n    has_acceleration_limits: true\n    max_acceleration: 3.146067\n  b:\n";
         assert!(told.contains(expected) && !told.contains("has_jerk_limits"), "{told}");
     }
 }

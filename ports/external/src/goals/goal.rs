@@ -16,8 +16,8 @@ use crate::port::{folder, monotonic};
 /// The version of the words of a goal.
 const VERSION: u64 = 1;
 
-/// The most words of a goal: what an MP reads and checks between two steps.
-const MOST_WORDS: usize = 1 << 15;
+/// The most words of a goal: what an MP reads and checks between two steps. One for each time, position, velocity and acceleration, and some.
+pub const MOST_WORDS: usize = 1 << 14;
 
 /// A trajectory for robots of a cell.
 #[derive(Clone, Debug, PartialEq)]

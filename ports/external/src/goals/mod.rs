@@ -38,7 +38,7 @@ use mrroc::payload::Payload;
 use mrroc::sensor::{ReadingOrder, Sensor, VirtualSensor};
 use mrroc_launch::cell_file::CellFile;
 
-pub use goal::{Goal, GoalFile};
+pub use goal::{Goal, GoalFile, MOST_WORDS};
 pub use served::{GoalEnd, TrajectoryGoals};
 
 use crate::External;

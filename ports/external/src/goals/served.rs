@@ -2,6 +2,7 @@
 
 use std::collections::VecDeque;
 
+use mrroc::fault::FaultKind;
 use mrroc::generator::SensorHandle;
 use mrroc::prelude::*;
 use mrroc_generators::generators::FollowTrajectory;
@@ -94,6 +95,8 @@ impl TrajectoryGoals {
     /// The [`Fault`] that ended it: `SensorStale` where the program that sends goals says nothing any more, for one.
     pub fn next(&mut self, mp: &mut Mp) -> Result<GoalEnd, Fault> {
         loop {
+            // A motion of the robots may have ended otherwise since the last call.
+            self.note_ends();
             if let Some(end) = self.ended.pop_front() {
                 return Ok(end);
             }
@@ -108,7 +111,8 @@ impl TrajectoryGoals {
             let news = mp.wait_until((), (&mut self.sensor,), changed)?.news;
             self.note_ends();
             self.cancel(&news);
-            if news.newest != self.state.taken && news.newest != 0 {
+            // What has ended is told first: a new goal takes its place.
+            if self.ended.is_empty() && news.newest != self.state.taken && news.newest != 0 {
                 self.take(mp, news.newest)?;
             }
             self.has_begun = true;
@@ -132,7 +136,6 @@ impl TrajectoryGoals {
             self.ended.push_back(match outcome {
                 Outcome::Done => GoalEnd::Done,
                 Outcome::Halted | Outcome::Ended => GoalEnd::Cancelled,
-                Outcome::Replaced => GoalEnd::Replaced,
             });
         }
     }
@@ -156,6 +159,8 @@ impl TrajectoryGoals {
         let goal = mp.recorded("goal", || GoalFile::read(number));
         let refused = match goal {
             Ok(goal) => self.begin(number, &goal),
+            // A replay of another program.
+            Err(fault) if fault.kind() == FaultKind::Config => return Err(fault),
             Err(_) => Err((refusal::UNREADABLE, [0.0; 4])),
         };
         if let Err((why, about)) = refused {

@@ -90,10 +90,10 @@ fn a_goals_file_has_a_number_of_its_own_and_goes_with_what_has_written_it() {
     drop(GoalFile::write(&given).expect("written"));
     assert!(!left.exists() && GoalFile::read(two.number()).is_ok());
     let point = given.trajectory.points()[0].clone();
-    let points = (1..6000).map(|k| TrajectoryPoint { time: f64::from(k), ..point.clone() }).collect();
+    let points = (1..3000).map(|k| TrajectoryPoint { time: f64::from(k), ..point.clone() }).collect();
     let long = JointTrajectory::new(given.trajectory.limits().to_vec(), points).expect("sound");
     let told = GoalFile::write(&Goal { trajectory: long, ..given }).expect_err("too long");
-    assert!(told.contains("32768 are possible"), "{told}");
+    assert!(told.contains("16384 are possible"), "{told}");
 }
 
 /// What a program that sends goals says from a step on.

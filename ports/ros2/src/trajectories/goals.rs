@@ -40,7 +40,7 @@ const FEEDBACK: u64 = 50_000_000;
 /// For how long the result of a goal can be asked for \[ns\].
 const KEPT: u64 = 60_000_000_000;
 
-/// Goals that are looked after at a time; who sends more is told that there are too many.
+/// Goals that are looked after at a time, and those that have ended and are kept; more are rejected, or forgotten.
 const MOST: usize = 100;
 
 /// Where a goal is.
@@ -111,8 +111,13 @@ impl Goals {
         [now, since_1970]: [u64; 2],
     ) -> bool {
         let is_known = self.entries.iter().any(|entry| entry.info.goal_id == id);
-        if is_known || self.entries.len() >= MOST {
+        let (ended, at_work): (Vec<_>, Vec<_>) =
+            (0..self.entries.len()).partition(|&k| self.entries[k].has_ended());
+        if is_known || at_work.len() >= MOST {
             return false;
+        }
+        if ended.len() >= MOST {
+            self.entries.remove(ended[0]);
         }
         let asked = self.offered.read(request, only, since_1970);
         let mut entry = Entry {
@@ -256,6 +261,10 @@ impl Goals {
             return;
         }
         let Some(asked) = &self.entries[place].asked else { return };
+        if asked.robots.iter().any(|&robot| robots.get(robot).is_none_or(Option::is_none)) {
+            let why = "the cell shows no robots: is it shown at the port of the bridge?";
+            return self.entries[place].end(GoalStatusEnum::Aborted, outcome(INVALID_GOAL, why), now);
+        }
         let refused = match self.at_rest(asked, robots) {
             Some(at) => self.offered.check(asked, &at).err(),
             None => None,
@@ -337,22 +346,24 @@ impl Goals {
                 let replaced = !state.goals.contains(&entry.number);
                 match (entry.outcome.take(), done) {
                     (Some(why), _) => entry.end(GoalStatusEnum::Aborted, why, now),
-                    (None, true) => entry.phase = Phase::Settling(now),
-                    (None, false) if replaced => {
+                    (None, true) if entry.status != GoalStatusEnum::Canceling => {
+                        entry.phase = Phase::Settling(now)
+                    }
+                    (None, false) if replaced && entry.status != GoalStatusEnum::Canceling => {
                         entry.end(
                             GoalStatusEnum::Aborted,
                             outcome(INVALID_GOAL, "replaced by a newer goal"),
                             now,
                         );
                     }
-                    (None, false) if entry.status == GoalStatusEnum::Canceling => {
+                    (None, _) if entry.status == GoalStatusEnum::Canceling => {
                         entry.end(
                             GoalStatusEnum::Canceled,
                             outcome(SUCCESSFUL, "cancelled: the robots rest on their path"),
                             now,
                         );
                     }
-                    (None, false) => entry.end(
+                    (None, _) => entry.end(
                         GoalStatusEnum::Aborted,
                         outcome(INVALID_GOAL, "the cell's program moves the robots otherwise"),
                         now,
@@ -367,6 +378,9 @@ impl Goals {
         let entry = &mut self.entries[place];
         let Some(asked) = &entry.asked else { return };
         let Some(joints) = Joints::of(asked, robots) else { return };
+        if entry.status == GoalStatusEnum::Canceling {
+            return entry.end(GoalStatusEnum::Canceled, outcome(SUCCESSFUL, "cancelled at its end"), now);
+        }
         match joints.beyond(&asked.end) {
             None => entry.end(GoalStatusEnum::Succeeded, outcome(SUCCESSFUL, ""), now),
             Some(why) if now.saturating_sub(since) as f64 * 1e-9 >= asked.time => {

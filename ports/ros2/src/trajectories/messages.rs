@@ -29,6 +29,13 @@ pub struct Point {
     pub time_from_start: Duration,
 }
 
+impl Point {
+    /// How many numbers it has.
+    pub fn numbers(&self) -> usize {
+        1 + self.positions.len() + self.velocities.len() + self.accelerations.len()
+    }
+}
+
 /// `trajectory_msgs/JointTrajectory`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Trajectory {
@@ -93,9 +100,9 @@ pub struct Request {
     pub trajectory: Trajectory,
     pub multi_dof_trajectory: MultiTrajectory,
     pub path_tolerance: Vec<Tolerance>,
-    component_path_tolerance: Vec<ComponentTolerance>,
+    pub component_path_tolerance: Vec<ComponentTolerance>,
     pub goal_tolerance: Vec<Tolerance>,
-    component_goal_tolerance: Vec<ComponentTolerance>,
+    pub component_goal_tolerance: Vec<ComponentTolerance>,
     pub goal_time_tolerance: Duration,
 }
 

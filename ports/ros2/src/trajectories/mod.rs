@@ -25,6 +25,12 @@ use request::Offered;
 
 type Server = ActionServer<Request, Outcome, Feedback>;
 
+/// Requests of each kind that are taken at a time, however many come: the rest has its turn.
+const EACH: usize = 10;
+
+/// Results that are waited for at a time.
+const WAITING: usize = 1000;
+
 /// The action servers, and what they serve.
 pub struct Trajectories {
     /// Each for one robot of the layout, or for any.
@@ -98,20 +104,26 @@ impl Trajectories {
     /// Takes what other nodes and the cell say. A request that cannot be read is another node's fault, and is not answered.
     fn hear(&mut self) {
         for (place, (only, server)) in self.servers.iter().enumerate() {
-            while let Ok(Some((request, asked))) = server.receive_goal() {
+            for _ in 0..EACH {
+                let Ok(Some((request, asked))) = server.receive_goal() else { break };
                 let times = [monotonic(), now()];
                 let accepted = self.goals.request(place, *only, asked.goal_id, &asked.goal, times);
                 let stamp = Time::from_nanos(times[1].cast_signed());
                 drop(server.send_goal_response(request, SendGoalResponse { accepted, stamp }));
             }
-            while let Ok(Some((request, cancellation))) = server.receive_cancel_request() {
+            for _ in 0..EACH {
+                let Ok(Some((request, cancellation))) = server.receive_cancel_request() else { break };
                 let read =
                     serde_json::to_value(cancellation).and_then(serde_json::from_value::<Cancellation>);
                 let Ok(Cancellation { goal_info }) = read else { continue };
                 drop(server.send_cancel_response(request, self.goals.cancel(place, &goal_info)));
             }
-            while let Ok(Some((request, asked))) = server.receive_result_request() {
-                self.asked.push((place, request, asked.goal_id));
+            for _ in 0..EACH {
+                let Ok(Some((request, asked))) = server.receive_result_request() else { break };
+                // Who asks again and again is not answered each time.
+                if self.asked.len() < WAITING {
+                    self.asked.push((place, request, asked.goal_id));
+                }
             }
         }
         match self.sensor.order() {

@@ -5,7 +5,7 @@
 
 use mrroc_core::fault::{Excess, Name};
 use mrroc_core::observe::layout::Layout;
-use mrroc_external::goals::{Goal, GoalState, refusal};
+use mrroc_external::goals::{Goal, GoalState, MOST_WORDS, refusal};
 use mrroc_generators::trajectory::{
     JointBounds, JointState, JointTrajectory, TimedPath, TrajectoryError, TrajectoryPoint,
 };
@@ -46,8 +46,14 @@ pub struct Bounds {
     pub velocity: f64,
 }
 
-/// The time after the end of a trajectory where a request says none \[s\], as in the joint trajectory controller.
+/// The time after the end of a trajectory where a request says none \[s\].
 const GOAL_TIME: f64 = 10.0;
+
+/// The longest trajectory \[s\].
+const LONGEST: f64 = 600.0;
+
+/// At how many instants limits that joints share are looked at, at most: in steps of the cell where the trajectory has fewer.
+const INSTANTS: f64 = 5000.0;
 
 fn refused(error_code: i32, why: impl Into<String>) -> Outcome {
     Outcome { error_code, error_string: why.into() }
@@ -60,11 +66,19 @@ impl Offered {
     /// Why it is refused.
     pub fn read(&self, request: &Request, only: Option<usize>, now: u64) -> Result<Asked, Outcome> {
         let trajectory = &request.trajectory;
-        if !request.multi_dof_trajectory.joint_names.is_empty() {
+        let of_components = [&request.component_path_tolerance, &request.component_goal_tolerance];
+        let has_components = of_components.iter().any(|tolerances| !tolerances.is_empty());
+        if !request.multi_dof_trajectory.joint_names.is_empty() || has_components {
             return Err(refused(INVALID_GOAL, "robots have joints of one degree of freedom only"));
         }
         if trajectory.points.iter().any(|point| !point.effort.is_empty()) {
             return Err(refused(INVALID_GOAL, "efforts cannot be asked for"));
+        }
+        let count: usize = trajectory.points.iter().map(Point::numbers).sum();
+        if count > MOST_WORDS {
+            let why =
+                format!("the trajectory has {count} numbers, {MOST_WORDS} are possible: send fewer points");
+            return Err(refused(INVALID_GOAL, why));
         }
         let (robots, places) = self.places(&trajectory.joint_names, only)?;
         let limits: Vec<JointBounds> = robots
@@ -80,6 +94,10 @@ impl Offered {
         let points = points.map_err(|why| refused(INVALID_GOAL, why))?;
         let made = JointTrajectory::new(limits, points);
         let made = made.map_err(|why| refused(INVALID_GOAL, self.name_joints(&why, &robots)))?;
+        if made.duration() > LONGEST {
+            let why = format!("the last point is at {} s: at most {LONGEST} s are possible", made.duration());
+            return Err(refused(INVALID_GOAL, why));
+        }
         let (delay, passed) = begins(&trajectory.header.stamp, now);
         if passed >= made.duration() {
             let why = format!("the last point is {:.3} s in the past", passed - made.duration());
@@ -91,14 +109,19 @@ impl Offered {
         let joints = places.len();
         let bounds =
             |tolerances: &[Tolerance]| self.bounds(tolerances, &trajectory.joint_names, &places, joints);
-        let time = request.goal_time_tolerance.seconds();
+        let time = match request.goal_time_tolerance.seconds() {
+            0.0 => GOAL_TIME,
+            -1.0 => f64::INFINITY,
+            time if time > 0.0 => time,
+            _ => return Err(refused(INVALID_GOAL, "the goal's time tolerance is neither -1 nor at least 0")),
+        };
         Ok(Asked {
             goal: Goal { robots: names, trajectory: made.passed(passed), delay },
             robots,
             names: trajectory.joint_names.iter().cloned().zip(places.iter().copied()).collect(),
             path: bounds(&request.path_tolerance)?,
             end: bounds(&request.goal_tolerance)?,
-            time: if time == 0.0 { GOAL_TIME } else { time },
+            time,
         })
     }
 
@@ -199,7 +222,7 @@ impl Offered {
         let states: Vec<_> = at.iter().copied().map(JointState::resting).collect();
         let path = TimedPath::from(&asked.goal.trajectory, &states);
         let path = path.map_err(|why| refused(INVALID_GOAL, self.name_joints(&why, &asked.robots)))?;
-        let step = self.layout.step.as_secs_f64();
+        let step = self.layout.step.as_secs_f64().max(path.duration() / INSTANTS);
         let steps = (path.duration() / step).ceil() as usize;
         let mut first = 0;
         for &robot in &asked.robots {

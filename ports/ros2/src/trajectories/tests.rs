@@ -361,11 +361,30 @@ fn no_goal_outlives_its_cell_or_its_program() {
 }
 
 #[test]
-fn a_flood_of_goals_is_refused_and_costs_no_more() {
+fn more_goals_than_are_looked_after_are_rejected_and_those_that_have_ended_make_room() {
     let mut rig = Rig::new();
     let asks = request(&ONE, 0.5, 2.0);
     let accepted = (0..1000)
         .filter(|_| rig.goals.request(0, Some(0), GoalId::new_random(), &asks, [rig.now, TODAY]))
         .count();
     assert_eq!(accepted, 100);
+    // They fail when a fault comes, and the next hundred have their turn.
+    rig.go(Some("gone"));
+    let accepted = (0..1000)
+        .filter(|_| rig.goals.request(0, Some(0), GoalId::new_random(), &asks, [rig.now, TODAY]))
+        .count();
+    assert_eq!(accepted, 100);
+}
+
+#[test]
+fn what_takes_too_long_to_look_at_is_refused_at_once() {
+    let offered = offered();
+    let mut long = request(&ONE, 0.0, 2.0);
+    long.trajectory.points[0].time_from_start.sec = i32::MAX;
+    let refused = offered.read(&long, Some(0), TODAY).expect_err("too long");
+    assert!(refused.error_string.contains("at most 600 s"), "{refused:?}");
+    let mut many = request(&ONE, 0.0, 2.0);
+    many.trajectory.points = vec![many.trajectory.points[0].clone(); 3000];
+    let refused = offered.read(&many, Some(0), TODAY).expect_err("too many");
+    assert!(refused.error_string.contains("16384 are possible"), "{refused:?}");
 }
