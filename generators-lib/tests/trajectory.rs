@@ -115,7 +115,7 @@ fn a_path_beyond_a_limit_or_from_elsewhere_is_refused_and_one_at_its_share_is_no
         )
     };
     for (which, name) in ["velocity", "acceleration", "jerk"].into_iter().enumerate() {
-        made(1.0 + 1e-6, which, 0.0).expect("at the limit");
+        made(1.0 + 1e-5, which, 0.0).expect("at the limit");
         let told = made(1.0 - 1e-3, which, 0.0).expect_err("beyond it").to_string();
         assert!(
             told.starts_with(&format!("joint 1: {name} ")) && told.contains("on the way to point 2"),

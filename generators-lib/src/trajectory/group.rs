@@ -63,7 +63,8 @@ struct Execution {
     /// Path time; below 0 while the robots wait for its beginning \[s\].
     time: f64,
     halt: Option<Halt>,
-    /// Path time over real time in its last step.
+    /// Path time of its last step \[s\], and that over real time.
+    dt: f64,
     share: f64,
     /// Steps that it has been advanced by.
     steps: u64,
@@ -82,7 +83,7 @@ impl Execution {
             halt.advance(&self.path, self.time, t, self.share);
         }
         if dt > 0.0 {
-            self.share = dt / t.duration;
+            (self.dt, self.share) = (dt, dt / t.duration);
         }
         let (rate, _) = self.rate();
         self.time += rate * dt;
@@ -103,6 +104,8 @@ impl Execution {
             return JointState::resting(position);
         }
         let (rate, slope) = self.rate();
+        // The rate of a step is that of its middle.
+        let rate = (rate + 0.5 * slope * self.dt).max(0.0);
         JointState {
             position,
             velocity: rate * velocity,
@@ -172,8 +175,16 @@ impl TrajectoryGroup {
         let mut members = self.0.borrow_mut();
         let moves = states.iter().any(|state| state.velocity != 0.0 || state.acceleration != 0.0);
         let time = if moves { 0.0 } else { -delay.max(0.0) };
-        let execution =
-            Execution { path, robots: places.len(), time, halt: None, share: 1.0, steps: 0, ended: None };
+        let execution = Execution {
+            path,
+            robots: places.len(),
+            time,
+            halt: None,
+            dt: 0.0,
+            share: 1.0,
+            steps: 0,
+            ended: None,
+        };
         let execution = Rc::new(RefCell::new(execution));
         let mut first = 0;
         for place in places {

@@ -5,7 +5,7 @@
 pub(super) struct Piece(pub [f64; 6]);
 
 /// Halvings of an interval, after which its control points are taken for what lies between them.
-const HALVINGS: u32 = 6;
+const HALVINGS: u32 = 10;
 
 impl Piece {
     /// From `[position, velocity, acceleration]` to another one in a time \[s\], > 0.
@@ -162,7 +162,7 @@ mod tests {
             let values = (0..=4000).map(|k| piece.at(time * f64::from(k) / 4000.0)[0]);
             let (least, most) =
                 values.fold((f64::MAX, f64::MIN), |(least, most), x| (least.min(x), most.max(x)));
-            let room = 2e-3 * (1.0 + most - least);
+            let room = 1e-5 * (1.0 + most - least);
             assert_eq!(piece.beyond(time, least - room, most + room), None, "{piece:?} {time}");
             for (lower, upper) in [(least + room, most + room), (least - room, most - room)] {
                 if upper - lower > 4.0 * room {

@@ -150,7 +150,8 @@ fn attend(
     let mut subscriber = Subscriber::at(port, &names)?;
     let (of, may_press) = (file.clone(), options.buttons);
     let check_speed = move |speed: f64| match (0.0..=1.0).contains(&speed) {
-        true if may_press => Ok(()),
+        // What is declared is 1.
+        true if may_press || speed == 1.0 => Ok(()),
         true => Err("the bridge shows the cell only\n help: start it with --buttons".to_owned()),
         false => Err(format!("the speed is {speed}\n help: it is a share, from 0.0 to 1.0")),
     };
@@ -217,6 +218,9 @@ fn show_for_ever(
         for picture in pictures.try_iter() {
             let Some(picture) = picture else {
                 topics.state("not reachable");
+                if let Some(goals) = goals {
+                    goals.fault(None);
+                }
                 continue;
             };
             topics.picture(&picture);
