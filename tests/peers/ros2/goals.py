@@ -301,7 +301,8 @@ def compare(steps, stopped):
     apart = max(np.abs(left[k] - right[k]).max() for k in together)
     beside = max(off_line(left[k] - HOME, TURN) for k in together)
     print(f"  {len(together)} steps in which both arms move: {apart:.1e} rad apart, {beside:.1e} rad beside the line")
-    has(len(together) > 2000 and apart < 1e-12 and beside < 1e-9, "arms of one goal are not one")
+    # In real time an EDP may have had to go on without a demand, which row 153 of SAFETY.md bounds.
+    has(len(together) > 2000 and apart < 1e-6 and beside < 1e-9, "arms of one goal are not one")
     for arm, told in steps.items():
         thrice = [k for k in told if k <= stopped and k - 1 in told and k - 2 in told]
         most = max(np.abs(told[k] - 2 * told[k - 1] + told[k - 2]).max() for k in thrice) / STEP**2
