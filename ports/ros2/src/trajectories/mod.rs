@@ -63,6 +63,12 @@ impl Trajectories {
         port: &str,
     ) -> Result<Trajectories, String> {
         let mut servers = Vec::new();
+        if let Some(robot) = layout.robots.iter().find(|robot| topic_name(&robot.name) == node.name()) {
+            return Err(format!(
+                "robot `{}` and the node would have the same action\n help: give the node another name by --node",
+                robot.name
+            ));
+        }
         for (robot, of) in layout.robots.iter().enumerate() {
             let name = format!("/{}/follow_joint_trajectory", topic_name(&of.name));
             servers.push((Some(robot), node.action(&name, ("control_msgs", "FollowJointTrajectory"))?));
