@@ -74,6 +74,12 @@ pub struct GoalState {
 }
 
 impl GoalState {
+    /// The goals that are at work, a place for each robot, 0 for none.
+    #[must_use]
+    pub fn at_work(&self) -> [u64; MOST_ROBOTS] {
+        core::array::from_fn(|place| if self.over >> place & 1 == 1 { 0 } else { self.goals[place] })
+    }
+
     /// How a goal has ended: `None` while it is at work, `false` where its robots were brought to rest before its last point, or it is
     /// not there any more.
     #[must_use]

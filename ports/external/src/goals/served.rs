@@ -31,8 +31,6 @@ pub struct TrajectoryGoals {
     sensor: SensorHandle<Goals>,
     group: TrajectoryGroup,
     robots: Vec<String>,
-    /// The goal that each robot follows, 0 for none.
-    at_work: [u64; MOST_ROBOTS],
     /// What is told of goals.
     state: GoalState,
     /// Goals that have ended and were not told yet.
@@ -74,7 +72,6 @@ impl TrajectoryGoals {
             sensor: mp.sensor::<Goals>(sensor)?,
             group: TrajectoryGroup::new(robots),
             robots: robots.iter().map(|&name| name.to_owned()).collect(),
-            at_work: [0; MOST_ROBOTS],
             state: GoalState::default(),
             ended: VecDeque::new(),
             has_begun: false,
@@ -103,7 +100,7 @@ impl TrajectoryGoals {
             self.sensor.configure(self.state);
             let changed = Changed {
                 group: self.group.clone(),
-                at_work: self.at_work,
+                at_work: self.state.at_work(),
                 following: self.group.following(),
                 taken: self.has_begun.then_some(self.state.taken),
                 news: GoalNews::default(),
@@ -122,16 +119,14 @@ impl TrajectoryGoals {
     /// Goals whose robots have come to rest.
     fn note_ends(&mut self) {
         for place in 0..self.robots.len() {
-            let number = self.at_work[place];
+            let at_work = self.state.at_work();
+            let number = at_work[place];
             let outcome = self.group.outcome(&self.robots[place]).ok().flatten();
             let Some(outcome) = outcome.filter(|_| number != 0) else { continue };
             // All robots of a goal end in the same step.
-            for (other, at_work) in self.at_work.iter_mut().enumerate() {
-                if *at_work == number {
-                    *at_work = 0;
-                    self.state.over |= 1 << other;
-                    self.state.done |= u32::from(outcome == Outcome::Done) << other;
-                }
+            for (other, _) in at_work.iter().enumerate().filter(|(_, other)| **other == number) {
+                self.state.over |= 1 << other;
+                self.state.done |= u32::from(outcome == Outcome::Done) << other;
             }
             self.ended.push_back(match outcome {
                 Outcome::Done => GoalEnd::Done,
@@ -141,7 +136,7 @@ impl TrajectoryGoals {
     }
 
     fn cancel(&mut self, news: &GoalNews) {
-        for (name, number) in self.robots.iter().zip(self.at_work) {
+        for (name, number) in self.robots.iter().zip(self.state.at_work()) {
             if number != 0 && news.cancelled.contains(&number) {
                 // It is one of the group.
                 drop(self.group.halt(name));
@@ -175,11 +170,11 @@ impl TrajectoryGoals {
         self.group.begin_after(&names, &goal.trajectory, goal.delay).map_err(|why| told(&why))?;
         for name in names {
             let Some(place) = self.robots.iter().position(|robot| robot == name) else { continue };
-            let before = core::mem::replace(&mut self.at_work[place], number);
+            let before = self.state.at_work()[place];
             self.state.goals[place] = number;
             self.state.over &= !(1 << place);
             self.state.done &= !(1 << place);
-            if before != 0 && before != number && !self.at_work.contains(&before) {
+            if before != 0 && !self.state.at_work().contains(&before) {
                 self.ended.push_back(GoalEnd::Replaced);
             }
         }
@@ -212,6 +207,7 @@ fn told(why: &TrajectoryError) -> (u32, [f64; 4]) {
         | TrajectoryError::Time { .. }
         | TrajectoryError::MovingEnd { .. }
         | TrajectoryError::Past { .. }
+        | TrajectoryError::Spline(_)
         | TrajectoryError::Joints { .. } => (refusal::POINTS, [0.0; 4]),
     }
 }

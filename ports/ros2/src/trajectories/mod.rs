@@ -41,7 +41,7 @@ pub struct Trajectories {
     asked: Vec<(usize, RmwRequestId, GoalId)>,
     robots: Vec<Option<Now>>,
     fault: Option<String>,
-    /// What was told last of the cell's version.
+    /// Whether it was told that the cell is of another version.
     told: bool,
 }
 
