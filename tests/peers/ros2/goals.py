@@ -6,22 +6,19 @@ went where they were told to.
 
 import json
 import math
-import os
 import re
 import signal
 import subprocess
 import sys
-import tempfile
 import time
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-from cell_outcome import Outcome, Shortfall  # noqa: E402
+from cell_outcome import Outcome  # noqa: E402
 from ending import interruptible  # noqa: E402
+from tried import EXAMPLES, has, listen_in, run  # noqa: E402
 
-DOMAIN = "88"
-os.environ["ROS_DOMAIN_ID"] = DOMAIN
-os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
+listen_in("88")
 
 import numpy as np  # noqa: E402
 import rclpy  # noqa: E402
@@ -34,18 +31,12 @@ from rclpy.action import ActionClient  # noqa: E402
 from std_srvs.srv import Trigger  # noqa: E402
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint, MultiDOFJointTrajectory  # noqa: E402
 
-EXAMPLES = Path("target/debug/examples").resolve()
 CELL = Path("ports/ros2/examples/goals.toml").resolve()
 STEP = 0.002
 HOME = np.array([0.0, -1.57, 0.16, -0.16, 4.71, 0.0])
 RESULT = Follow.Result
 # By what both arms turn together.
 TURN = np.array([0.3, 0.1, -0.05, 0.1, -0.3, 0.2])
-
-
-def has(is_so, what):
-    if not is_so:
-        raise Shortfall(what)
 
 
 def duration(seconds):
@@ -315,19 +306,5 @@ def off_line(vector, line):
     return np.abs(vector - line * (vector @ line)).max()
 
 
-def main():
-    rclpy.init()
-    with tempfile.TemporaryDirectory() as folder:
-        folder = Path(folder)
-        print("ros2: arms follow trajectories of rclpy")
-        try:
-            test(folder)
-        except Shortfall as shortfall:
-            outcome = folder / "outcome.json"
-            if outcome.exists() and Outcome(outcome).is_late():
-                print(f"not tested, the machine was late: {shortfall}; {Outcome(outcome)}")
-                return
-            sys.exit(f"ros2: {shortfall}")
-
-
-main()
+rclpy.init()
+run("arms follow trajectories of rclpy", test)

@@ -10,17 +10,16 @@ import signal
 import struct
 import subprocess
 import sys
-import tempfile
 import time
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-from cell_outcome import Outcome, Shortfall  # noqa: E402
+from cell_outcome import Outcome  # noqa: E402
 from ending import interruptible  # noqa: E402
+from tried import EXAMPLES, has, listen_in, run  # noqa: E402
 
 DOMAIN = "87"
-os.environ["ROS_DOMAIN_ID"] = DOMAIN
-os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
+listen_in(DOMAIN)
 # Cyclone DDS speaks on loopback alone, like the others.
 os.environ["CYCLONEDDS_URI"] = (
     "<CycloneDDS><Domain><General><Interfaces><NetworkInterface name='lo' multicast='true'/></Interfaces>"
@@ -39,15 +38,9 @@ from std_msgs.msg import Bool, String  # noqa: E402
 from std_srvs.srv import Trigger  # noqa: E402
 
 HERE = Path(__file__).resolve().parent
-EXAMPLES = Path("target/debug/examples").resolve()
 CELL = Path("ports/panel/examples/cell.toml").resolve()
 STEP = 2_000_000  # [ns]
 KEPT = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-
-
-def has(is_so, what):
-    if not is_so:
-        raise Shortfall(what)
 
 
 def bits(numbers):
@@ -281,17 +274,7 @@ def test(folder, seconds):
 def main():
     seconds = float(sys.argv[sys.argv.index("--seconds") + 1]) if "--seconds" in sys.argv else 6.0
     rclpy.init()
-    with tempfile.TemporaryDirectory() as folder:
-        folder = Path(folder)
-        print("ros2: a cell among nodes of rclpy and Cyclone DDS")
-        try:
-            test(folder, seconds)
-        except Shortfall as shortfall:
-            outcome = folder / "outcome.json"
-            if outcome.exists() and Outcome(outcome).is_late():
-                print(f"not tested, the machine was late: {shortfall}; {Outcome(outcome)}")
-                return
-            sys.exit(f"ros2: {shortfall}")
+    run("a cell among nodes of rclpy and Cyclone DDS", lambda folder: test(folder, seconds))
 
 
 main()
