@@ -200,6 +200,13 @@ fn limits(jerk: f64) -> JointBounds {
     JointBounds { lower: -10.0, upper: 10.0, velocity: 1.5, acceleration: 4.0, jerk }
 }
 
+/// The same points, so many times as late.
+fn stretched(trajectory: &JointTrajectory, by: f64) -> JointTrajectory {
+    let points = trajectory.points().iter();
+    let later = points.map(|told| TrajectoryPoint { time: by * told.time, ..told.clone() });
+    JointTrajectory::new(trajectory.limits().to_vec(), later.collect()).expect("sound")
+}
+
 /// A trajectory of `joints` joints that begins `wait` after now and goes through a few random points, as fast as the limits allow, about.
 fn random(from: &[f64], limits: JointBounds, seed: u64) -> JointTrajectory {
     let mut random = Random::seeded(seed);
@@ -212,10 +219,8 @@ fn random(from: &[f64], limits: JointBounds, seed: u64) -> JointTrajectory {
         points.push(point(time, &positions));
     }
     // The shortest time in which it is within the limits, by halving.
-    let made = |scale: f64| {
-        let scaled = points.iter().map(|told| TrajectoryPoint { time: told.time * scale, ..told.clone() });
-        JointTrajectory::new(vec![limits; from.len()], scaled.collect()).expect("sound")
-    };
+    let as_told = JointTrajectory::new(vec![limits; from.len()], points).expect("sound");
+    let made = |scale: f64| stretched(&as_told, scale);
     let rests: Vec<_> = from.iter().copied().map(JointState::resting).collect();
     let (mut short, mut long) = (0.05, 20.0);
     for _ in 0..40 {
@@ -340,11 +345,7 @@ fn another_trajectory_replaces_one_at_any_time_without_a_step_of_velocity_or_acc
                     demands.push(rig.both());
                 }
                 let next = random(&rig.both(), limits, seed + 10_000 * (round + 1));
-                let slower = next
-                    .points()
-                    .iter()
-                    .map(|told| TrajectoryPoint { time: 1.6 * told.time, ..told.clone() });
-                let next = JointTrajectory::new(next.limits().to_vec(), slower.collect()).expect("sound");
+                let next = stretched(&next, 1.6);
                 if round == 2 {
                     rig.group.halt("left").expect("it is there");
                     for _ in 0..random_.below(60) {
@@ -484,8 +485,7 @@ fn robots_of_one_trajectory_are_one_and_others_go_their_own_ways() {
     // One halts, and the other goes on; then one trajectory takes both.
     rig.group.halt("left").expect("it is there");
     let both = random(&rig.both(), limits(f64::INFINITY), 3);
-    let slower = both.points().iter().map(|told| TrajectoryPoint { time: 2.0 * told.time, ..told.clone() });
-    let both = JointTrajectory::new(both.limits().to_vec(), slower.collect()).expect("sound");
+    let both = stretched(&both, 2.0);
     while rig.group.outcome("left") == Ok(None) {
         assert_eq!(rig.group.outcome("right"), Ok(None));
         rig.go(DT);

@@ -4,6 +4,8 @@ use core::fmt;
 
 use thiserror::Error;
 
+use crate::curve::CurveError;
+
 /// What of a joint has a limit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
@@ -109,6 +111,9 @@ pub enum TrajectoryError {
         /// The first point [rad or m].
         start: f64,
     },
+    /// Bare positions have no spline through them: times that are too close, or values that are too large.
+    #[error("no spline goes through the positions: {0}")]
+    Spline(#[from] CurveError),
     /// A joint would exceed a limit on the way to a point.
     #[error("joint {joint}: {quantity} {value:.4} on the way to point {point}, at most {limit:.4}")]
     Limit {

@@ -1,10 +1,12 @@
 //! The path through the points of a trajectory, from where the robots are.
 
 use mrroc::cell::PATH_SHARE;
+use nalgebra::Vector1;
 
 use super::error::{Quantity, TrajectoryError};
 use super::piece::Piece;
 use super::{JERK_SHARE, JointBounds, JointTrajectory, SHARE, TrajectoryPoint};
+use crate::curve::{CubicSpline, CurveError, SplineEnds};
 
 /// How long joints take that are not quite at the first point to come to the trajectory, at most \[s\].
 const SETTLES: f64 = 0.5;
@@ -53,7 +55,7 @@ impl TimedPath {
     /// second. To a later first point they go in the time that it says.
     ///
     /// # Errors
-    /// [`TrajectoryError::Joints`], [`TrajectoryError::Past`], [`TrajectoryError::Start`]; [`TrajectoryError::Limit`] for the first limit that the path
+    /// [`TrajectoryError::Joints`], [`TrajectoryError::Past`], [`TrajectoryError::Start`], [`TrajectoryError::Spline`]; [`TrajectoryError::Limit`] for the first limit that the path
     /// would exceed: it may use [`SHARE`] of an acceleration and [`JERK_SHARE`] of a jerk, so that the robots can be brought to rest on it.
     pub fn from(trajectory: &JointTrajectory, states: &[JointState]) -> Result<TimedPath, TrajectoryError> {
         let (expected, actual) = (trajectory.limits.len(), states.len());
@@ -70,12 +72,6 @@ impl TimedPath {
     #[must_use]
     pub fn duration(&self) -> f64 {
         self.ends.last().copied().unwrap_or(0.0)
-    }
-
-    /// Joints.
-    #[must_use]
-    pub fn joints(&self) -> usize {
-        self.limits.len()
     }
 
     /// The limits of its joints.
@@ -212,14 +208,14 @@ impl Knots {
                 // It begins later: from where the robot is to the first point.
                 told.insert(0, state.values());
                 if bare {
-                    spline(&times, &mut told);
+                    spline(&times, &mut told)?;
                 }
                 knots.push(told);
                 continue;
             };
             // It has begun: the robot must be about where it is now, and comes to it.
             if bare {
-                spline(&of_points, &mut told);
+                spline(&of_points, &mut told)?;
             }
             let segment = degree.piece(told[before], told[next], of_points[next] - of_points[before]);
             let start = segment.at(passed - of_points[before]);
@@ -270,26 +266,16 @@ impl Knots {
 }
 
 /// Velocities and accelerations at the knots between the first and the last one: those of the cubic spline through all of them that begins with the
-/// velocity of the first and ends at rest. The tridiagonal equations of its velocities, by Thomas' algorithm.
-fn spline(times: &[f64], knots: &mut [[f64; 3]]) {
+/// velocity of the first and ends at rest.
+fn spline(times: &[f64], knots: &mut [[f64; 3]]) -> Result<(), CurveError> {
+    let points = knots.iter().map(|knot| Vector1::new(knot[0])).collect();
+    let ends = SplineEnds::Clamped(Vector1::new(knots[0][1]), Vector1::zeros());
+    let spline = CubicSpline::new(times.to_vec(), points, ends)?;
     let last = knots.len() - 1;
-    let slope = |k: usize, knots: &[[f64; 3]]| (knots[k + 1][0] - knots[k][0]) / (times[k + 1] - times[k]);
-    let mut carried = vec![[0.0, knots[0][1]]; last + 1];
-    for k in 1..last {
-        let (before, after) = (times[k] - times[k - 1], times[k + 1] - times[k]);
-        let right = 3.0 * (after * slope(k - 1, knots) + before * slope(k, knots));
-        let [share, value] = carried[k - 1];
-        let pivot = 2.0 * (before + after) - after * share;
-        carried[k] = [before / pivot, (right - after * value) / pivot];
+    for (knot, time) in knots.iter_mut().zip(times).take(last).skip(1) {
+        let at = spline.at(*time);
+        (knot[1], knot[2]) = (at.first.x, at.second.x);
     }
-    knots[last][1] = 0.0;
-    for k in (1..last).rev() {
-        let [share, value] = carried[k];
-        knots[k][1] = value - share * knots[k + 1][1];
-    }
-    for k in 1..last {
-        let after = times[k + 1] - times[k];
-        knots[k][2] = (6.0 * slope(k, knots) - 4.0 * knots[k][1] - 2.0 * knots[k + 1][1]) / after;
-    }
-    knots[last][2] = 0.0;
+    (knots[last][1], knots[last][2]) = (0.0, 0.0);
+    Ok(())
 }
