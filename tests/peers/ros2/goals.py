@@ -112,15 +112,18 @@ def swing(start, by, seconds=2.0, points=5):
 
 
 def demanded(file):
-    """What was demanded of the joints of each arm, by step."""
-    steps = {"left": {}, "right": {}}
+    """What was demanded of the joints of each arm, by step, and in which steps it moved."""
+    steps, moving = {"left": {}, "right": {}}, {"left": set(), "right": set()}
     with open(file, "rb") as stream:
         for _, channel, message in make_reader(stream).iter_messages():
             name = channel.topic.removeprefix("/robots/")
             if name in steps:
                 said = json.loads(message.data)
                 steps[name][said["step"]] = np.array(said["demanded"]["joints"])
-    return steps
+                # Without power it is demanded to be where it is.
+                if said["mode"] in ("moving", "bridging"):
+                    moving[name].add(said["step"])
+    return steps, moving
 
 
 def expect(told, status, code, text, what):
@@ -271,13 +274,13 @@ def test(folder):
     outcome = Outcome(folder / "outcome.json")
     print(f"    {outcome}")
     has("goals" in str(outcome), f"the cell ended by {outcome}")
-    compare(demanded(folder / "run.mcap"), stopped)
+    compare(*demanded(folder / "run.mcap"), stopped)
     again = subprocess.run([EXAMPLES / "goals", "replay", folder / "run.mcap", "--cell", CELL], capture_output=True, text=True)
     has(again.returncode == 0 and "identical" in again.stdout, f"the replay: {again.stdout}{again.stderr}")
     print(f"  replay: {again.stdout.strip()}")
 
 
-def compare(steps, stopped):
+def compare(steps, moving, stopped):
     """Arms of one goal are one in each step, on the goal's straight line in their joints, also where it is suspended, cancelled or stopped.
 
     After the reset they begin where their encoders say that they are, which differs.
@@ -286,9 +289,8 @@ def compare(steps, stopped):
     # The right arm goes home from where its encoders say that it is, by some microradians, and that is no motion.
     moves = lambda of, k: np.abs(of[k] - of[k - 1]).max() > 1e-6  # noqa: E731
     known = left.keys() & right.keys()
-    # When they rest after the stop, they are demanded to be where they are: one step, and no motion either.
-    at_work = [k for k in known if {k - 1, k - 2} <= known and k < stopped + 500]
-    together = [k for k in at_work if all(moves(of, k) and moves(of, k - 1) for of in (left, right))]
+    at_work = [k for k in known if all({k, k - 1, k - 2} <= of for of in moving.values()) and k < stopped + 500]
+    together = [k for k in at_work if moves(left, k) and moves(right, k)]
     apart = max(np.abs(left[k] - right[k]).max() for k in together)
     beside = max(off_line(left[k] - HOME, TURN) for k in together)
     print(f"  {len(together)} steps in which both arms move: {apart:.1e} rad apart, {beside:.1e} rad beside the line")
