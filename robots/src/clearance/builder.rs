@@ -8,8 +8,8 @@ use mrroc::robot::MAX_JOINTS;
 use super::check::{Clearance, Owned};
 use super::error::ClearanceError;
 use super::obstacle::Obstacle;
-use super::placement::Placement;
-use super::posture::Stretch;
+use super::placement::{MOTIONS, Placement};
+use super::posture::{Joints, Stretch};
 use super::search::Search;
 use super::stopping::{Stop, Stopping};
 use crate::models::{Capsule, DisabledPair, Outline};
@@ -56,7 +56,8 @@ impl ClearanceBuilder {
     /// Adds a robot under the name that it has in the cell, its base where it stands.
     ///
     /// # Errors
-    /// [`ClearanceError::Name`], [`ClearanceError::SecondRobot`], [`ClearanceError::BadBody`] for a link without a radius above 0, [`ClearanceError::BadOutline`].
+    /// [`ClearanceError::Name`], [`ClearanceError::SecondRobot`], [`ClearanceError::BadBody`] for a link without a radius above 0, [`ClearanceError::BadOutline`],
+    /// [`ClearanceError::TooManyMotions`].
     pub fn robot(mut self, name: &str, outline: impl Outline) -> Result<Self, ClearanceError> {
         let robot = Name::new(name)?;
         if self.clearance.place_of(name).is_some() {
@@ -66,6 +67,11 @@ impl ClearanceBuilder {
         let (shape, links) = (placement.shape(), placement.links.len());
         if shape.rigid().is_some_and(|rigid| rigid.len() != links) {
             return Err(ClearanceError::BadOutline { robot, links });
+        }
+        let mut motions = 0;
+        shape.motions(&shape.between_limits(&|_| 0.5), &Joints::default(), &mut |_| motions += 1);
+        if motions > MOTIONS {
+            return Err(ClearanceError::TooManyMotions { robot, motions });
         }
         // Radii are the same in all postures.
         let mut radii = Vec::new();

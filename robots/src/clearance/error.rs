@@ -126,6 +126,14 @@ pub enum ClearanceError {
         /// How many links it has.
         links: usize,
     },
+    /// An outline has more motions than stops are bounded with: 17.
+    #[error("{robot}: its outline has {motions} motions, and may have 17")]
+    TooManyMotions {
+        /// The robot.
+        robot: Name,
+        /// How many motions it has.
+        motions: usize,
+    },
     /// A margin below 0 or not finite.
     #[error("a margin of {margin} m: it must be finite and at least 0")]
     BadMargin {

@@ -15,7 +15,7 @@ use super::posture::{Joints, Shape};
 use crate::models::{Capsule, Link, Motion};
 
 /// The most motions that a robot's outline may have.
-const MOTIONS: usize = 17;
+pub(super) const MOTIONS: usize = 17;
 
 /// How far a body may still get \[m\] by the motions from the `i`th on.
 pub(super) type Travel = [f64; MOTIONS + 1];

@@ -31,10 +31,6 @@ pub struct SerialOutline<const N: usize> {
     shape: Shape,
 }
 
-/// The bit of the first motion, which moves nothing. Bars that end on a slide count as moved by it: they change their
-/// length, so no joint moves them and the links behind the slide as one rigid body.
-const STRETCHING: u32 = 1;
-
 #[derive(Clone, Debug, PartialEq)]
 enum Shape {
     /// Bars of this radius between the frames \[m\].
@@ -106,6 +102,20 @@ impl<const N: usize> SerialOutline<N> {
         self
     }
 
+    /// Whether the bar before a joint ends on a slide, and so changes its length. A slide is then two motions: the first moves the end
+    /// of the bar, the second what is behind. So no motion moves both as one rigid body.
+    fn is_stretched_by(&self, segment: &Segment) -> bool {
+        matches!(self.shape, Shape::Bars(_)) && segment.kind == JointKind::Prismatic
+    }
+
+    /// Which motions move what is behind the first `joints` joints, and the number of the next.
+    fn motions_before(&self, joints: usize) -> (u32, u32) {
+        self.robot.segments().iter().take(joints).fold((0, 0), |(bits, next), segment| {
+            let next = next + u32::from(self.is_stretched_by(segment));
+            (bits | 1 << next, next + 1)
+        })
+    }
+
     /// The base, the frames of the joints, and the flange.
     fn all_frames(&self, q: &SVector<f64, N>) -> ([Pose; MOST_SEGMENTS + 2], usize) {
         let mut frames = [Pose::identity(); MOST_SEGMENTS + 2];
@@ -128,21 +138,24 @@ impl<const N: usize> Outline for SerialOutline<N> {
     }
 
     fn links(&self) -> Vec<Link> {
-        let link =
-            |name: &str, joints: usize, moved_by| Link { name: name.into(), rank: joints as u32, moved_by };
-        let behind = |joints: usize| Link::first(joints as u32 + 1) & !STRETCHING;
         match &self.shape {
             Shape::Bars(_) => {
                 let segments = self.robot.segments();
                 let links = (0..=segments.len()).map(|i| {
-                    let is_slide = segments.get(i).is_some_and(|next| next.kind == JointKind::Prismatic);
-                    let moved_by = if is_slide { behind(i + 1) | STRETCHING } else { behind(i) };
-                    link(&format!("link {i}"), i, moved_by)
+                    let (bits, next) = self.motions_before(i);
+                    let ends_on_slide = segments.get(i).is_some_and(|segment| self.is_stretched_by(segment));
+                    let moved_by = if ends_on_slide { bits | 1 << next } else { bits };
+                    Link { name: format!("link {i}").into(), rank: i as u32, moved_by }
                 });
                 links.collect()
             }
             Shape::Bodies(bodies) => {
-                bodies.iter().map(|body| link(&body.link, body.joints, behind(body.joints))).collect()
+                let links = bodies.iter().map(|LinkCapsule { link, joints, .. }| Link {
+                    name: link.as_str().into(),
+                    rank: *joints as u32,
+                    moved_by: self.motions_before(*joints).0,
+                });
+                links.collect()
             }
         }
     }
@@ -176,9 +189,11 @@ impl<const N: usize> Outline for SerialOutline<N> {
 
     fn motions(&self, q: &SVector<f64, N>, distances: &SVector<f64, N>, visit: &mut dyn FnMut(Motion)) {
         let (frames, _) = self.all_frames(q);
-        visit(Motion::Slide { bound: 0.0 });
         for (segment, frame) in self.robot.segments().iter().zip(&frames[1..]) {
             let bound = segment.multiplier.abs() * distances[segment.leader];
+            if self.is_stretched_by(segment) {
+                visit(Motion::Slide { bound });
+            }
             visit(match segment.kind {
                 JointKind::Revolute => Motion::Turn {
                     point: frame.translation.vector,
@@ -191,7 +206,7 @@ impl<const N: usize> Outline for SerialOutline<N> {
     }
 
     fn flange_motions(&self) -> u32 {
-        !STRETCHING
+        self.motions_before(self.robot.segments().len()).0
     }
 
     /// `None` where a bar changes its length, or where the arm has a [local correction](crate::LocalCorrection): its joints then
