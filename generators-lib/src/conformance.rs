@@ -81,8 +81,8 @@ struct Run {
 }
 
 impl Run {
-    /// Steps of path time `dt(step)`; `given(step)` says what is known.
-    fn of<G: Generator>(mut generator: G, given: impl Fn(u64) -> Given<G>, dt: impl Fn(usize) -> f64) -> Run {
+    /// Steps of path time `dt(step)`; `given(step)` says what is known. Compiled once for each generator, not for each test.
+    fn of<G: Generator>(mut generator: G, given: &dyn Fn(u64) -> Given<G>, dt: &dyn Fn(usize) -> f64) -> Run {
         let mut demands = Vec::new();
         for i in 0..MOST {
             let t = Tick { step: i as u64, dt: dt(i), duration: DT };
@@ -145,8 +145,8 @@ pub fn has_its_class<G: Generator>(
             v: if uses.sensors { known.v } else { v },
         }
     };
-    let all = Run::of(make(), &given, |_| DT);
-    let named = Run::of(make(), told, |_| DT);
+    let all = Run::of(make(), &given, &|_| DT);
+    let named = Run::of(make(), &told, &|_| DT);
     ensure(all == named, || "it looks at what its class does not name".into())
 }
 
@@ -158,8 +158,8 @@ pub fn is_deterministic<G: Generator>(
     make: impl Fn() -> G,
     given: impl Fn(u64) -> Given<G>,
 ) -> Result<(), Violation> {
-    let one = Run::of(make(), &given, |_| DT);
-    let two = Run::of(make(), &given, |_| DT);
+    let one = Run::of(make(), &given, &|_| DT);
+    let two = Run::of(make(), &given, &|_| DT);
     let at = one.demands.iter().zip(&two.demands).position(|(a, b)| a != b);
     ensure(one == two, || format!("two runs differ, first in step {at:?}"))
 }
@@ -172,14 +172,14 @@ pub fn demands_finite_numbers<G: Generator>(
     make: impl Fn() -> G,
     given: impl Fn(u64) -> Given<G>,
 ) -> Result<(), Violation> {
-    let run = Run::of(make(), given, |_| DT);
+    let run = Run::of(make(), &given, &|_| DT);
     ensure(!run.demands.is_empty(), || "it demands nothing".into())?;
     ensure(run.end != End::Fault, || format!("a fault in step {}", run.demands.len()))?;
     ensure(run.end != End::Done || G::ENDS, || "it ends, but says that it does not".into())?;
-    finite(&run, || "as it is made".into())
+    finite(&run, &|| "as it is made".into())
 }
 
-fn finite(run: &Run, what: impl Fn() -> String) -> Result<(), Violation> {
+fn finite(run: &Run, what: &dyn Fn() -> String) -> Result<(), Violation> {
     for (i, demand) in run.demands.iter().enumerate() {
         let bad = demand.iter().map(|word| f64::from_bits(*word)).find(|x| !x.is_finite());
         ensure(bad.is_none(), || format!("{}: it demands {bad:?} in step {i}", what()))?;
@@ -197,7 +197,7 @@ pub fn refuses_odd_numbers<G: Generator>(
 ) -> Result<(), Violation> {
     for x in ODD {
         for (i, generator) in odd(x).into_iter().enumerate() {
-            finite(&Run::of(generator, &given, |_| DT), || format!("case {i} of {x}"))?;
+            finite(&Run::of(generator, &given, &|_| DT), &|| format!("case {i} of {x}"))?;
         }
     }
     Ok(())
@@ -219,10 +219,10 @@ pub fn bears_suspension<G: Generator>(
     make: impl Fn() -> G,
     given: impl Fn(u64) -> Given<G>,
 ) -> Result<(), Violation> {
-    let free = Run::of(make(), &given, |_| DT);
+    let free = Run::of(make(), &given, &|_| DT);
     if is_blind(G::CLASS.next_uses()) && free.end == End::Done {
         for at in 0..free.demands.len() {
-            let run = Run::of(make(), &given, suspended(at));
+            let run = Run::of(make(), &given, &suspended(at));
             let off = match (free.demands.last(), run.demands.last()) {
                 (Some(a), Some(b)) => difference(a, b),
                 (_, _) => f64::INFINITY,
@@ -236,7 +236,7 @@ pub fn bears_suspension<G: Generator>(
     let length = free.demands.len();
     for at in [1, length / 7, length / 2, length.saturating_sub(2)] {
         let told = |step: u64| given(step.min(at as u64));
-        let run = Run::of(make(), told, |i| if i <= at { DT } else { 0.0 });
+        let run = Run::of(make(), &told, &|i| if i <= at { DT } else { 0.0 });
         let Some(here) = run.demands.get(at) else { continue };
         for (i, demand) in run.demands.iter().enumerate().skip(at + 1).take(100) {
             let off = difference(here, demand);
