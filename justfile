@@ -61,6 +61,10 @@ bench-panel ROUNDS="5":
     cargo build --release -p mrroc-examples --features panel --examples
     python3 tests/benches/peers/panel.py target/release/examples/to_and_fro ports/panel/examples/cell.toml {{ROUNDS}}
 
+# What the bridge to ROS 2 costs a cell of four arms: lateness in alternating runs, joint states that rclpy misses, system calls in a second.
+bench-ros2 ROUNDS="3" SECONDS="60":
+    tests/peers/ros2/run cost {{ROUNDS}} {{SECONDS}}
+
 # How soon an arm stands that is jogged in a browser: so many holds of each way to end one, tested from recordings. A quarter of an hour.
 test-panel-holds N="100":
     tests/peers/panel/run holds --times {{N}}

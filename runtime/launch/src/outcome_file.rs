@@ -18,6 +18,8 @@ pub struct Times {
     pub p50: u64,
     /// The 99th percentile.
     pub p99: u64,
+    /// The 99.9th percentile.
+    pub p99_9: u64,
     /// The longest.
     pub max: u64,
 }
@@ -101,8 +103,8 @@ fn of_fault(fault: &Fault) -> String {
 }
 
 fn of_times(times: &Times) -> String {
-    let [p50, p99, max] = [times.p50, times.p99, times.max].map(seconds);
-    format!("{{\"p50\":{p50},\"p99\":{p99},\"max\":{max}}}")
+    let [p50, p99, p99_9, max] = [times.p50, times.p99, times.p99_9, times.max].map(seconds);
+    format!("{{\"p50\":{p50},\"p99\":{p99},\"p99.9\":{p99_9},\"max\":{max}}}")
 }
 
 fn seconds(nanos: u64) -> f64 {
@@ -158,7 +160,7 @@ mod tests {
     fn an_outcome_is_one_object_with_the_fault_and_the_figures_of_each_process() {
         let fault =
             Fault::new(FaultKind::Overrun).in_process(ProcessId::MP).at_step(7).text("11 of \"10\"\n");
-        let late = Times { p50: 1_000, p99: 2_000, max: 3_000_000 };
+        let late = Times { p50: 1_000, p99: 2_000, p99_9: 5_000, max: 3_000_000 };
         let mp = Punctuality {
             process: ProcessId::MP,
             steps: 8,
@@ -175,7 +177,7 @@ mod tests {
         assert!(json.contains(r#"11 of \"10\""#) && !json.contains("10\"\n"), "{json}");
         assert!(json.contains(r#""skipped":4,"longest_stall":0.003,"processes":["#), "{json}");
         assert_eq!(
-            json.matches(r#""late":{"p50":0.000001,"p99":0.000002,"max":0.003}"#).count(),
+            json.matches(r#""late":{"p50":0.000001,"p99":0.000002,"p99.9":0.000005,"max":0.003}"#).count(),
             2,
             "{json}"
         );

@@ -19,6 +19,8 @@ pub struct Spread {
     pub p50: Nanos,
     /// The 99th percentile \[ns\].
     pub p99: Nanos,
+    /// The 99.9th percentile \[ns\].
+    pub p99_9: Nanos,
     /// The maximum \[ns\].
     pub max: Nanos,
 }
@@ -39,11 +41,11 @@ pub struct Figures {
 }
 
 /// Number of words in which figures are sent.
-pub(crate) const FIGURES_WORDS: usize = 11;
+pub(crate) const FIGURES_WORDS: usize = 13;
 
 impl Spread {
     fn times(&self) -> Times {
-        Times { p50: self.p50, p99: self.p99, max: self.max }
+        Times { p50: self.p50, p99: self.p99, p99_9: self.p99_9, max: self.max }
     }
 }
 
@@ -63,16 +65,17 @@ impl Figures {
     }
 
     pub(crate) fn put(&self, words: &mut [u64]) {
-        let spread = |spread: &Spread| [spread.count, spread.p50, spread.p99, spread.max];
-        words[..4].copy_from_slice(&spread(&self.late));
-        words[4..8].copy_from_slice(&spread(&self.worked));
-        words[8..FIGURES_WORDS].copy_from_slice(&[self.skipped, self.overruns, self.dropped]);
+        let spread = |spread: &Spread| [spread.count, spread.p50, spread.p99, spread.p99_9, spread.max];
+        words[..5].copy_from_slice(&spread(&self.late));
+        words[5..10].copy_from_slice(&spread(&self.worked));
+        words[10..FIGURES_WORDS].copy_from_slice(&[self.skipped, self.overruns, self.dropped]);
     }
 
     pub(crate) fn get(words: &[u64; FIGURES_WORDS]) -> Figures {
-        let [a, b, c, d, e, f, g, h, skipped, overruns, dropped] = *words;
-        let spread = |count, p50, p99, max| Spread { count, p50, p99, max };
-        Figures { late: spread(a, b, c, d), worked: spread(e, f, g, h), skipped, overruns, dropped }
+        let [late @ .., _, _, _, _, _, _, _, _] = *words;
+        let [_, _, _, _, _, worked @ .., skipped, overruns, dropped] = *words;
+        let spread = |[count, p50, p99, p99_9, max]: [u64; 5]| Spread { count, p50, p99, p99_9, max };
+        Figures { late: spread(late), worked: spread(worked), skipped, overruns, dropped }
     }
 }
 
@@ -126,7 +129,7 @@ mod tests {
 
     #[test]
     fn the_table_has_a_row_for_each_process_and_no_times_where_none_were_taken() {
-        let spread = Spread { count: 1750, p50: 58_300, p99: 112_000, max: 3_001_000 };
+        let spread = Spread { count: 1750, p50: 58_300, p99: 112_000, p99_9: 400_000, max: 3_001_000 };
         let figures = Figures {
             late: spread,
             worked: Spread { count: 1750, ..spread },

@@ -59,6 +59,7 @@ impl Counts {
             count: histogram.len(),
             p50: histogram.value_at_quantile(0.5),
             p99: histogram.value_at_quantile(0.99),
+            p99_9: histogram.value_at_quantile(0.999),
             max: histogram.max(),
         };
         let (late, worked) = (spread(&self.late), spread(&self.worked));
@@ -134,6 +135,7 @@ mod tests {
         let near = |a: Nanos, b: Nanos| assert!(a.abs_diff(b) <= b / 1000 + 1000, "{a} {b}");
         near(figures.late.p50, 500_000);
         near(figures.late.p99, 990_000);
+        near(figures.late.p99_9, 999_000);
         near(figures.late.max, 1_000_000);
         near(figures.worked.p50, 1_500_000);
         near(figures.worked.max, 1_999_000);
