@@ -204,7 +204,7 @@ async function jogged(browser, drawingBrowser, folder) {
     for (let trial = 0; await one.locator('[data-pose="a"]').isDisabled(); trial++) {
       pressedAgain(trial, 12, 'the path to a is shown');
       await take(one);
-      await button(one, 'Way: a').click({ timeout: 3000 }).catch(() => {});
+      await button(one, 'Path: a').click({ timeout: 3000 }).catch(() => {});
       await one.waitForTimeout(500);
     }
     await held(one, 'Go, held: a', () => until(one, () => window.mrrocPanel.state().robots[0].stop.includes('there'), null, 30000));
@@ -228,7 +228,7 @@ async function jogged(browser, drawingBrowser, folder) {
       await drawn.waitForFunction(() => window.mrrocPanel.state()?.robots.length === 2, null, { timeout: 4 * TIMEOUT });
       await one.close();
       await take(drawn);
-      await drawn.getByRole('button', { name: 'Way: c', exact: true }).click();
+      await drawn.getByRole('button', { name: 'Path: c', exact: true }).click();
       await drawn.waitForTimeout(3000);
       await drawn.locator('#jog').scrollIntoViewIfNeeded();
       await shot(drawn, 'jog');

@@ -156,7 +156,8 @@ export class Jogging {
         made.addEventListener('click', () => does(made));
         return made;
       };
-      const look = button('Way', (made) => this.look(name, made));
+      const look = button('Path', (made) => this.look(name, made));
+      look.dataset.looks = '';
       const go = this.holdButton('Go, held', `Go, held: ${name}`, () => ({ robot: this.robot, order: `to ${by('jog-speed').value}% ${joints.join(' ')}` }));
       go.dataset.pose = name;
       const rename = button('Rename', (made) => {
@@ -232,8 +233,8 @@ export class Jogging {
     for (const button of by('jog-outputs').querySelectorAll('button')) button.disabled = !open || why !== '';
     for (const { place, value, button } of this.outputs ?? []) button.setAttribute('aria-pressed', robot?.signals?.[place] === value);
     for (const button of by('poses').querySelectorAll('button')) {
-      const { pose } = button.dataset, looks = button.textContent === 'Way';
-      button.disabled = pose ? !open || why !== '' || this.seen !== pose : !open || (!looks && !this.operating.yours);
+      const { pose, looks } = button.dataset;
+      button.disabled = pose ? !open || why !== '' || this.seen !== pose : !open || (looks === undefined && !this.operating.yours);
     }
     by('jog-done').disabled = !open || !this.operating.yours || !robot?.jogs;
     by('teach-it').disabled = !open || !this.operating.yours;
