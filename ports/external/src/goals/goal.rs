@@ -1,6 +1,6 @@
 //! One goal: its robots, and the trajectory that they are to follow; and the file that it is in.
 
-use std::fs::{self, OpenOptions};
+use std::fs::{self, File, OpenOptions};
 use std::io::{self, Read, Write};
 use std::os::unix::fs::{DirBuilderExt, OpenOptionsExt};
 use std::path::{Path, PathBuf};
@@ -116,19 +116,26 @@ impl<'a> Words<'a> {
 pub struct GoalFile {
     number: u64,
     path: PathBuf,
+    /// Locked: where it is not, who wrote it has been killed.
+    file: File,
 }
 
 fn path(number: u64) -> PathBuf {
     folder().join("goals").join(number.to_string())
 }
 
-/// Files of programs that were killed: a cell takes a goal within its next steps.
+/// Removes the files of programs that were killed.
 fn remove_old(folder: &Path, now: u64) {
     const MINUTE: u64 = 60_000_000;
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
         let number: Option<u64> = entry.file_name().to_str().and_then(|name| name.parse().ok());
-        // Of before the machine was started anew are those of the future.
-        if number.is_some_and(|number| now.abs_diff(number) > MINUTE) {
+        // Of before the machine was started anew are those of the future. A new one may not be locked yet.
+        if !number.is_some_and(|number| now.abs_diff(number) > MINUTE) {
+            continue;
+        }
+        let flags = (OFlags::NOFOLLOW | OFlags::NONBLOCK).bits().cast_signed();
+        let file = OpenOptions::new().write(true).custom_flags(flags).open(entry.path());
+        if file.is_ok_and(|file| file.try_lock().is_ok()) {
             drop(fs::remove_file(entry.path()));
         }
     }
@@ -161,8 +168,8 @@ impl GoalFile {
                 created => break created,
             }
         };
-        let written = GoalFile { number, path: path(number) };
-        file.and_then(|mut file| file.write_all(&bytes)).map_err(failed)?;
+        let written = GoalFile { number, path: path(number), file: file.map_err(failed)? };
+        written.file.lock().and_then(|()| (&written.file).write_all(&bytes)).map_err(failed)?;
         Ok(written)
     }
 

@@ -84,11 +84,16 @@ fn a_goals_file_has_a_number_of_its_own_and_goes_with_what_has_written_it() {
     drop(one);
     GoalFile::read(gone).expect_err("it is not there any more");
     assert_eq!(GoalFile::read(two.number()), Ok(given.clone()));
-    // What a killed program left long ago goes when the next goal is written.
-    let left = crate::port::folder().join("goals").join("17");
+    // What a killed program left long ago goes when the next goal is written; what a program still has stays, such as for a cell that is suspended.
+    let [left, kept] = ["17", "18"].map(|number| crate::port::folder().join("goals").join(number));
     std::fs::write(&left, "of long ago").expect("written");
+    let owner = std::fs::File::create(&kept).expect("created");
+    owner.lock().expect("locked");
     drop(GoalFile::write(&given).expect("written"));
-    assert!(!left.exists() && GoalFile::read(two.number()).is_ok());
+    assert!(!left.exists() && kept.exists() && GoalFile::read(two.number()).is_ok());
+    drop(owner);
+    drop(GoalFile::write(&given).expect("written"));
+    assert!(!kept.exists());
     let point = given.trajectory.points()[0].clone();
     let points = (1..3000).map(|k| TrajectoryPoint { time: f64::from(k), ..point.clone() }).collect();
     let long = JointTrajectory::new(given.trajectory.limits().to_vec(), points).expect("sound");
