@@ -22,7 +22,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from ending import interruptible  # noqa: E402
 from tried import EXAMPLES, listen_in  # noqa: E402
 
-DOMAIN = "89"
+DOMAIN = "93"
 listen_in(DOMAIN)
 STEP = 2_000_000  # [ns]
 ARMS = ["left", "right", "third", "fourth"]
