@@ -1,7 +1,7 @@
 //! Parts on a moving belt are sensed, acquired and sorted: the reactive task of the MRROC++ paper, with infrared sensors.
 //!
 //! The task itself is small: [`mp`] coordinates, [`ecp`] is what each robot does, [`generators`] how they move, [`orders`] what the
-//! coordinator tells them. The rest surrounds it: [`places`] says where things are, [`parts`] what comes and when, [`plant`] what
+//! coordinator tells them. The rest surrounds it: [`places`] says where things are, [`reach`] where the arm can go, [`parts`] what comes and when, [`plant`] what
 //! simulated robots and sensors do, [`monitor`] measures, [`run`] is one run, [`summary`] many.
 
 pub mod camera;
@@ -17,6 +17,7 @@ pub mod pictures;
 pub mod places;
 pub mod plant;
 pub mod progress;
+pub mod reach;
 pub mod run;
 pub mod scene;
 pub mod summary;

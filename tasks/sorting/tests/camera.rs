@@ -3,6 +3,7 @@
 use mrroc_sensors::aggregation::Vision;
 use sorting::camera::kinds::{KINDS, classes};
 use sorting::camera::layout::camera;
+use sorting::camera::misses::Missed;
 use sorting::camera::picture::{read, write};
 use sorting::camera::run::network;
 use sorting::camera::settings::Settings;
@@ -109,4 +110,27 @@ fn the_same_seed_gives_the_same_run_with_the_camera_to_the_bit() {
     let settings = Settings::of(0.12, 1, 10.0, 9);
     let [one, two] = [(), ()].map(|()| settings.run().expect("a cell"));
     assert!(!one.grips.is_empty() && (one.grips, one.looks) == (two.grips, two.looks));
+}
+
+/// The second of two parts, a step, is lifted at the far end of the window, and the straight line to its bin leads too near to the column.
+#[test]
+fn a_part_is_carried_past_the_column_where_the_arm_cannot_go_straight_to_the_bin() {
+    let settings = Settings::of(0.1, 2, 1.0, 491);
+    let outcome = settings.run().expect("a cell");
+    assert!(outcome.report.is_ok(), "{:?}", outcome.report);
+    assert_eq!((outcome.count(Fate::Sorted), outcome.crashes), (2, 0), "{:?}", outcome.fates);
+}
+
+/// Arms that may go on for ten seconds before they brake can go nowhere within their limits.
+#[test]
+fn a_part_that_the_arm_cannot_bring_to_its_bin_is_put_back_and_missed_with_its_reason() {
+    for arms in [1, 2] {
+        let settings = Settings { noticing: 10.0, ..Settings::of(0.1, 3, 13.3, 5) }.by(arms);
+        let outcome = settings.run().expect("a cell");
+        assert!(outcome.report.is_ok(), "{:?}", outcome.report);
+        let why: Vec<_> = outcome.misses(arms).into_iter().map(|miss| miss.why).collect();
+        assert_eq!((why, outcome.crashes), (vec![Missed::NoPath; 3], 0), "{arms} arms");
+        // Each was in the hand once: then it is on the belt, and not in the hand any more.
+        assert_eq!((outcome.grips.len(), outcome.stranded.len()), (3, 3), "{:?}", outcome.grips);
+    }
 }

@@ -55,7 +55,7 @@ impl Acquire {
     /// How fast the wrist may turn [rad/s], of 0.865.
     const WRIST: f64 = 0.72;
     /// Angles of the tool that the wrist attains all along the belt and over the trays \[rad\].
-    const ANGLES: [f64; 2] = [-0.4, 3.5];
+    pub const ANGLES: [f64; 2] = [-0.4, 3.5];
     /// Angular acceleration of the tool about z [rad/s²].
     const TURNING: f64 = 2.5;
 

@@ -1,5 +1,6 @@
 //! The robots' programs: what the arm and its hand do in each task.
 
+use core::cell::RefCell;
 use core::f64::consts::FRAC_PI_2;
 
 use mrroc::prelude::*;
@@ -9,31 +10,45 @@ use mrroc_robots::{Irp6, One, TwoFingers};
 use mrroc_sensors::virtual_sensors::{Between, Encoder};
 
 use super::acquire::{Acquire, at};
-use super::layout::{Station, bin, limits};
+use super::carry::{OPENING, is_low, lines, lowered, raised};
+use super::layout::{Station, limits};
 use super::orders::Task;
 use crate::generators::{Close, Grasp};
-use crate::places::{BELT, FINGERS, HIGH, HOME, OPEN, OVER_TRAY};
+use crate::places::{FINGERS, HIGH, HOME, OPEN};
+use crate::reach::Reach;
 
-/// The arm at its station: with the part, by the belt's encoder, until the hand has it; then over its bin.
+/// The arm at its station: with the part, by the belt's encoder, until the hand has it; then over its bin. A part that it cannot bring
+/// there within its reach is put back onto the belt, and its number noted in `stranded`.
 ///
 /// # Errors
 /// The first fault of the cell.
-pub fn arm(ecp: &mut Ecp<Irp6>, station: &Station) -> Result<(), Fault> {
+pub fn arm(
+    ecp: &mut Ecp<Irp6>,
+    station: &Station,
+    reach: &Reach,
+    stranded: &RefCell<Vec<u32>>,
+) -> Result<(), Fault> {
     let (mut encoder, mut fingers) =
         (ecp.sensor::<Encoder>(station.encoder)?, ecp.sensor::<Between>(station.fingers)?);
     let line = |pose| StraightLine::to(pose, limits());
     ecp.serve_all(|ecp, task| match task {
-        Task::Pick { place, bin: number, .. } => {
+        Task::Pick { part, place, bin } => {
             let yaw = ecp.move_robot((&mut encoder, &mut fingers), Acquire::new(place, station.along))?.yaw();
             if !fingers.reading().is_some_and(|fingers| fingers.covered) {
                 return Ok(());
             }
-            let ([x, y], _) = bin(number as usize);
-            let over = |height| at(y - BELT[1] + station.along, x - BELT[0], height, yaw);
-            ecp.move_robot((), line(over(HIGH)))?;
-            ecp.move_robot((), line(over(OVER_TRAY))).map(drop)
+            let now = *ecp.image().demanded();
+            let lines = lines(reach, &now, station, bin as usize, yaw).unwrap_or_else(|| {
+                stranded.borrow_mut().push(part);
+                vec![lowered(&now.pose)]
+            });
+            lines.into_iter().try_for_each(|pose| ecp.move_robot((), line(pose)).map(drop))
         }
         Task::Return => ecp.move_robot((), line(at(HOME + station.along, 0.0, HIGH, FRAC_PI_2))).map(drop),
+        Task::Release if is_low(&ecp.image().demanded().pose) => {
+            ecp.wait_until((), elapsed(OPENING))?;
+            ecp.move_robot((), line(raised(&ecp.image().demanded().pose))).map(drop)
+        }
         Task::Release => Ok(()),
     })
 }

@@ -40,6 +40,8 @@ pub enum Missed {
     Late,
     /// It was not between the fingers where it was expected.
     NotThere,
+    /// It was put back onto the belt: the arm could go along no path to its bin.
+    NoPath,
     /// It was lost after the hand had it.
     Lost,
 }
@@ -57,6 +59,12 @@ impl fmt::Display for Missed {
             }
             Missed::Late => write!(f, "late: it left the window while the arms were busy"),
             Missed::NotThere => write!(f, "not there: it was not between the fingers where it was expected"),
+            Missed::NoPath => {
+                write!(
+                    f,
+                    "no path: it was put back, because every path to its bin leads beyond the arm's limits"
+                )
+            }
             Missed::Lost => write!(f, "lost: after the hand had it"),
         }
     }
@@ -93,7 +101,9 @@ impl Outcome {
         let cycle = Settings::CYCLE / arms.max(1) as f64;
         let why = |part: usize| {
             let number = numbered.iter().position(|of| *of == part).map(|place| place as u32 + 1);
-            if self.grips.iter().any(|grip| grip.part == part) {
+            if number.is_some_and(|number| self.stranded.contains(&number)) {
+                Missed::NoPath
+            } else if self.grips.iter().any(|grip| grip.part == part) {
                 Missed::Lost
             } else if !self.looks.iter().any(|look| look.part == part) {
                 Missed::Unseen

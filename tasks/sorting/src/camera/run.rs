@@ -34,6 +34,7 @@ use crate::monitor::Fate;
 use crate::places::{BELT, SURFACE, TRAY, TRAYS};
 use crate::plant::Plant;
 use crate::progress::Progress;
+use crate::reach::Reach;
 use crate::scene::Belt;
 
 /// The sink at the end of the belt; the bins are those before it.
@@ -55,6 +56,7 @@ pub struct Ready {
     pub arms: usize,
     grips: Rc<RefCell<Vec<Grip>>>,
     late: Rc<RefCell<Vec<u32>>>,
+    stranded: Rc<RefCell<Vec<u32>>>,
     vain: Rc<RefCell<Vec<(u32, usize)>>>,
     gap: Option<Rc<RefCell<DryRun>>>,
     nearness: Rc<std::cell::Cell<Seen>>,
@@ -90,6 +92,8 @@ pub struct Outcome {
     pub grips: Vec<Grip>,
     /// Numbers of parts that went by while the arm was busy, as the camera counts them.
     pub late: Vec<u32>,
+    /// Numbers of parts that were put back, because the arm could not bring them to their bins.
+    pub stranded: Vec<u32>,
     /// Of two arms: parts that an arm did not find between its fingers, as the camera counts them, and which arm.
     pub vain: Vec<(u32, usize)>,
     /// The least distance of two arms, and when that was.
@@ -170,6 +174,7 @@ impl Settings {
         let cell = file.cell(&plant.kinds())?;
         let looks = Rc::<RefCell<Looks>>::default();
         let mut cell = sense(&file, cell, &plant, &parts, &looks)?;
+        let stranded = Rc::<RefCell<Vec<u32>>>::default();
         for (number, station) in stations.iter().enumerate() {
             if number > 0 {
                 let fingers = plant.fingers_of(number, BEAM, file.step().as_secs_f64());
@@ -177,7 +182,9 @@ impl Settings {
                 cell = cell.sensor(file.sensor(station.fingers, fingers)?);
             }
             let [arm, hand] = station.robots;
-            cell = cell.ecp(arm, |ecp| ecp::arm(ecp, station)).ecp(hand, |ecp| ecp::hand(ecp, station));
+            let (reach, put_back) = (Reach::at(station.along).noticing(self.noticing), stranded.clone());
+            cell = cell.ecp(arm, move |ecp| ecp::arm(ecp, station, &reach, &put_back));
+            cell = cell.ecp(hand, |ecp| ecp::hand(ecp, station));
         }
         let timeout = 8.0 * self.every.max(gap) + (LAST + longer - FEED) / slowest + self.first();
         let Self { speed, seed, profile, parts: count, .. } = *self;
@@ -212,7 +219,7 @@ impl Settings {
         } else {
             (cell.guard(1, look), None)
         };
-        Ok(Ready { cell, plant, parts, looks, progress, arms, grips, late, vain, gap, nearness })
+        Ok(Ready { cell, plant, parts, looks, progress, arms, grips, late, stranded, vain, gap, nearness })
     }
 
     /// The camera, and who compares what it finds with what there is.
@@ -334,6 +341,7 @@ impl Ready {
             looks: self.looks.borrow().all.clone(),
             grips: self.grips.borrow().clone(),
             late: self.late.borrow().clone(),
+            stranded: self.stranded.borrow().clone(),
             vain: self.vain.borrow().clone(),
             nearness: self.nearness.get(),
             closest: self.gap.and_then(|gap| gap.borrow_mut().closest().ok().flatten().cloned()),

@@ -1,0 +1,84 @@
+//! Whether an arm can go along straight lines, known before it begins to.
+//!
+//! In: where the arm is, and the poses that its tool is to be brought to, one line after another. Out: whether it keeps all limits on them.
+//!
+//! Each step of each line is looked at as its EDP will do: the joints of the pose, their velocity and acceleration, what joints share (the
+//! angles and speeds of motors), and all of that where the arm would stand if its demands were lost then:
+//!
+//! ```text
+//! q + v (NOTICING + max_j(|v_j| / a_j) / 2)
+//! ```
+
+use mrroc::prelude::*;
+use mrroc::robot::RobotState;
+use mrroc_generators::line::{LinePath, ToolLimits};
+use mrroc_generators::profile::ProfileCursor;
+use mrroc_robots::{Irp6, Six};
+
+/// What the program of an arm knows of its reach.
+#[derive(Clone, Debug)]
+pub struct Reach {
+    arm: Irp6,
+    /// For so long it goes on before it brakes when its demands are lost \[s\].
+    noticing: f64,
+}
+
+impl Reach {
+    /// A step of the cell \[s\].
+    const STEP: f64 = 4e-3;
+    /// An EDP notices within this that its demands are lost \[s\]: the steps of 20 ms that it bridges, and one.
+    pub const NOTICING: f64 = 0.024;
+
+    /// Of an arm that stands so far along the belt \[m\].
+    #[must_use]
+    pub fn at(along: f64) -> Self {
+        Self { arm: Irp6::nominal().with_base(Pose::translation(0.0, along, 0.0)), noticing: Self::NOTICING }
+    }
+
+    /// The same for an arm that may go on for another time before it brakes \[s\].
+    #[must_use]
+    pub fn noticing(self, noticing: f64) -> Self {
+        Self { noticing, ..self }
+    }
+
+    /// Whether the arm, at rest at `from`, can bring its tool to these poses `X_WE`, on a straight line to each.
+    #[must_use]
+    #[allow(non_snake_case)]
+    pub fn contains(&self, from: &RobotState<Irp6>, poses: &[Pose], limits: ToolLimits) -> bool {
+        let X_FE = self.arm.forward(&from.joints).inv_mul(&from.pose);
+        let (mut q, mut pose) = (from.joints, from.pose);
+        for to in poses {
+            let line = LinePath::new(pose, *to);
+            let Ok(profile) = line.profile(limits) else { return false };
+            let (mut cursor, mut velocity) = (ProfileCursor::new(profile), Six::zeros());
+            while let Some(point) = cursor.advance(Self::STEP) {
+                let flange = line.pose(point.s) * X_FE.inverse();
+                let Ok(next) = self.arm.inverse(&flange, &q) else { return false };
+                let faster = (next - q) / Self::STEP;
+                if !self.keeps_limits(&q, &next, &faster, &velocity) {
+                    return false;
+                }
+                (q, velocity) = (next, faster);
+            }
+            pose = *to;
+        }
+        true
+    }
+
+    /// Whether a step from `q` to `next` \[rad\], at `velocity` after one at `before` [rad/s], keeps all limits, and a stop from there too.
+    fn keeps_limits(&self, q: &Six, next: &Six, velocity: &Six, before: &Six) -> bool {
+        let limits = self.arm.limits();
+        let braking = velocity.abs().component_div(&limits.acceleration).max();
+        let time = self.noticing + 0.5 * braking;
+        let stop = next + velocity * time;
+        let within = |i: usize| {
+            let range = limits.lower[i]..=limits.upper[i];
+            velocity[i].abs() <= limits.velocity[i]
+                && (velocity[i] - before[i]).abs() <= limits.acceleration[i] * Self::STEP
+                && range.contains(&next[i])
+                && range.contains(&stop[i])
+        };
+        (0..next.len()).all(within)
+            && self.arm.check_coupled_to_stop(q, (next, Self::STEP), (&stop, time)).is_ok()
+    }
+}
