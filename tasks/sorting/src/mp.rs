@@ -15,8 +15,45 @@ use crate::places::{CLOSED, END, OPEN, PART};
 /// The arm and its hand.
 pub type Arm = (Irp6, TwoFingers);
 
-/// After so many failed picks in a row the cell stops: something is wrong with it.
-const FAILED: u32 = 3;
+/// Picks in which a hand closed on nothing.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Failed {
+    /// How many.
+    pub all: u32,
+    in_a_row: u32,
+}
+
+impl Failed {
+    /// After so many in a row the cell stops: something is wrong with it.
+    pub const IN_A_ROW: u32 = 3;
+
+    /// Counts a pick in which a hand has closed, on nothing or not.
+    ///
+    /// # Errors
+    /// It is one too many in a row.
+    pub fn count(&mut self, is_empty: bool) -> Result<(), Fault> {
+        self.all += u32::from(is_empty);
+        self.in_a_row = if is_empty { self.in_a_row + 1 } else { 0 };
+        if self.in_a_row == Self::IN_A_ROW {
+            return Err(Fault::thrown(
+                "the hand has closed on nothing three times in a row: look at the barrier between its fingers, and how parts lie",
+            ));
+        }
+        Ok(())
+    }
+}
+
+/// Whether fingers that are to press on a part are where none can be between them: by their demanded and measured opening \[m\].
+#[must_use]
+pub fn is_empty(demanded: f64, measured: f64) -> bool {
+    is_closed(demanded) && measured < 0.5 * (CLOSED + PART[0])
+}
+
+/// Whether fingers are to press on a part: by their demanded opening \[m\].
+#[must_use]
+pub fn is_closed(demanded: f64) -> bool {
+    demanded < 0.1 * OPEN + 0.9 * CLOSED
+}
 
 /// Sorts what the belt brings, until so many parts have come and gone, or nothing has passed the gate for `timeout` \[s\].
 /// Counts in `failed` the picks in which the hand closed on nothing: it is opened then, and the next part is taken.
@@ -27,30 +64,25 @@ pub fn coordinate(
     mp: &mut Mp,
     drive: Uneven,
     (parts, timeout): (u32, f64),
-    failed: &Cell<u32>,
+    failed: &Cell<Failed>,
 ) -> Result<(), Fault> {
     let mut arm = (mp.robot::<Irp6>("arm")?, mp.robot::<TwoFingers>("hand")?);
     let (mut belt, mut gate) = (mp.robot::<Conveyor>("belt")?, mp.sensor::<Gate>("gate")?);
     let order = |task| ConstantOrder::<Arm, Task>::to_all(task);
     mp.move_robots((&mut arm.0, &mut arm.1), (), order(Task::Return))?;
     mp.start_robot(&mut belt, drive)?;
-    let mut in_a_row = 0;
     loop {
         let pick = Pick { parts, timeout, quiet: 0.0, passed: 0, gone: false, empty: 0.0 };
         let pick = mp.move_robots((&mut arm.0, &mut arm.1), (&mut gate,), pick)?;
         if pick.is_over() {
             return mp.end_robot(&mut belt);
         }
-        in_a_row = if pick.empty > 0.0 { in_a_row + 1 } else { 0 };
-        if in_a_row == FAILED {
-            return Err(Fault::thrown(
-                "the hand has closed on nothing three times in a row: look at the barrier between its fingers, and how parts lie",
-            ));
-        }
-        if in_a_row == 0 {
+        let (is_empty, mut so_far) = (pick.empty > 0.0, failed.get());
+        let counted = so_far.count(is_empty);
+        failed.set(so_far);
+        counted?;
+        if !is_empty {
             mp.move_robots((&mut arm.0, &mut arm.1), (), order(Task::Carry { short: 0, long: 1 }))?;
-        } else {
-            failed.set(failed.get() + 1);
         }
         for task in [Task::Release, Task::Return] {
             mp.move_robots((&mut arm.0, &mut arm.1), (), order(task))?;
@@ -74,12 +106,6 @@ struct Pick {
 impl Pick {
     /// So long the fingers have to come to rest before their opening tells whether they hold something \[s\].
     const RESTING: f64 = 0.1;
-
-    /// Whether fingers that are to press on a part are where none can be between them.
-    fn is_empty(e: &State<Arm>) -> bool {
-        let [demanded, measured] = [e.1.demanded().joints[0], e.1.measured().joints[0]];
-        demanded < 0.1 * OPEN + 0.9 * CLOSED && measured < 0.5 * (CLOSED + PART[0])
-    }
 
     fn is_over(&self) -> bool {
         self.quiet >= self.timeout || self.passed >= self.parts && self.gone
@@ -118,7 +144,8 @@ impl Generator for Pick {
         self.gone = gate.place(0.0) > END;
         self.quiet = if passed > self.passed { 0.0 } else { self.quiet + t.dt };
         self.passed = passed;
-        self.empty = if Self::is_empty(e) { self.empty + t.dt } else { 0.0 };
+        let is_empty = is_empty(e.1.demanded().joints[0], e.1.measured().joints[0]);
+        self.empty = if is_empty { self.empty + t.dt } else { 0.0 };
         Ok(if self.is_over() || self.empty > Self::RESTING {
             Step::Done
         } else {

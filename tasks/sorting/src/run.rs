@@ -10,6 +10,7 @@ use mrroc::prelude::*;
 
 use crate::generators::{Chase, Open, Uneven};
 use crate::monitor::{Fate, Grip, HandMonitor, fates};
+use crate::mp::Failed;
 use crate::parts::{Arrival, arrivals};
 use crate::places::{END, SPACING};
 use crate::plant::Plant;
@@ -49,7 +50,7 @@ pub struct Ready {
     pub parts: Vec<Arrival>,
     /// Why parts were let pass.
     pub chase: Chase,
-    failed: Rc<Count<u32>>,
+    failed: Rc<Count<Failed>>,
     monitor: HandMonitor,
 }
 
@@ -119,7 +120,7 @@ impl Settings {
         let slowest = (1.0 - 1.1 * Uneven::OFF) * self.speed;
         let timeout = 3.0 * self.gap() + (END + 2.0 * SPACING) / slowest + self.first();
         let Self { speed, seed, profile, parts: count, .. } = *self;
-        let failed = Rc::<Count<u32>>::default();
+        let failed = Rc::<Count<Failed>>::default();
         let fails = Rc::clone(&failed);
         let cell =
             cell.ecp("arm", move |ecp| ecp::arm(ecp, &arm)).ecp("hand", ecp::hand).program(move |mp| {
@@ -155,7 +156,7 @@ impl Ready {
             fates: fates(&self.plant.world, &self.parts),
             grips: self.monitor.grips(),
             crashes: hand.map_or(0, |hand| hand.crashes()),
-            failed: self.failed.get(),
+            failed: self.failed.get().all,
         }
     }
 }

@@ -3,6 +3,7 @@
 mod camera;
 mod camera_faults;
 mod checked;
+mod empty_grips;
 mod faults;
 mod lines;
 mod long;

@@ -56,6 +56,10 @@ impl<R: Driven<1> + Robot<Joints = One>> Surroundings<R, 1> for Pressed {
 
     fn begin(&mut self, drive: &mut Simulated<R, 1>) {
         self.from = drive.state().position[0];
+        // Where its body was taken away, nothing is between the pads any more.
+        if !self.hand.is_closed() && self.holding.take().is_some() {
+            drive.unblock(0);
+        }
         if self.hand.is_closed() && self.holding.is_none() {
             self.holding = Some(self.from);
             drive.block(0);

@@ -226,6 +226,18 @@ impl World {
         entry.body.set_velocity(velocity, angular_velocity);
     }
 
+    /// Takes a body away, also out of a hand, as a person does who reaches in: it is gone, and counted with those that this sink has
+    /// taken. Returns whether it was in the world.
+    pub fn take_away(&self, number: usize, sink: usize) -> bool {
+        let state = &mut *self.state_mut();
+        let here = |entry: &&mut Entry| entry.whereabouts == Whereabouts::Here;
+        let Some(entry) = state.entries.get_mut(number).filter(here) else { return false };
+        entry.sink(sink, state.time);
+        state.hands.iter_mut().filter(|hand| hand.held() == Some(number)).for_each(|hand| hand.open());
+        state.active.retain(|of| *of != number);
+        true
+    }
+
     /// Gravity [m/s²].
     #[must_use]
     pub fn gravity(&self) -> Vector3<f64> {

@@ -1,5 +1,7 @@
 //! The coordinator's program: it runs the belt, keeps the queue of parts, and has them taken to their bins one after another.
 
+use core::cell::Cell;
+
 use mrroc::prelude::*;
 use mrroc_robots::{Conveyor, Irp6, TwoFingers};
 use mrroc_sensors::virtual_sensors::PartSensor;
@@ -7,12 +9,20 @@ use mrroc_sensors::virtual_sensors::PartSensor;
 use super::orders::Task;
 use super::queue::{Queue, Ready, Tell};
 use crate::generators::Uneven;
+use crate::mp::Failed;
 
-/// Sorts what the belt brings, as long as the queue says that more comes; `eye` is the sensor that tells of parts.
+/// Sorts what the belt brings, as long as the queue says that more comes; `eye` is the sensor that tells of parts. Counts in `failed` the
+/// picks in which the hand closed on nothing: it is opened after every pick.
 ///
 /// # Errors
-/// The first fault of the cell.
-pub fn coordinate(mp: &mut Mp, eye: &str, drive: Uneven, mut queue: Queue) -> Result<Queue, Fault> {
+/// The first fault of the cell; three picks in a row that failed.
+pub fn coordinate(
+    mp: &mut Mp,
+    eye: &str,
+    drive: Uneven,
+    mut queue: Queue,
+    failed: &Cell<Failed>,
+) -> Result<Queue, Fault> {
     let mut arm = (mp.robot::<Irp6>("arm")?, mp.robot::<TwoFingers>("hand")?);
     let (mut belt, mut parts) = (mp.robot::<Conveyor>("belt")?, mp.sensor::<PartSensor>(eye)?);
     mp.start_robot(&mut belt, drive)?;
@@ -22,8 +32,8 @@ pub fn coordinate(mp: &mut Mp, eye: &str, drive: Uneven, mut queue: Queue) -> Re
         let Some(pick) = queue.pick() else {
             return mp.end_robot(&mut belt).map(|()| queue);
         };
-        for task in [pick, Task::Release] {
-            queue = mp.move_robots((&mut arm.0, &mut arm.1), (&mut parts,), Tell(task, queue))?.1;
-        }
+        queue = mp.move_robots((&mut arm.0, &mut arm.1), (&mut parts,), Tell(pick, queue))?.1;
+        queue.judge(failed)?;
+        queue = mp.move_robots((&mut arm.0, &mut arm.1), (&mut parts,), Tell(Task::Release, queue))?.1;
     }
 }

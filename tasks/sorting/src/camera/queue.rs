@@ -1,5 +1,6 @@
 //! The coordinator's queue of parts: those that the camera has seen, in the order in which they come.
 
+use core::cell::Cell;
 use core::f64::consts::PI;
 use std::collections::VecDeque;
 use std::rc::Rc;
@@ -13,7 +14,8 @@ use super::count::Count;
 use super::kinds::{KINDS, kinds};
 use super::layout::{FIRST, LAST};
 use super::orders::{Place, Task};
-use crate::mp::Arm;
+use crate::mp::{Arm, Failed, is_closed, is_empty};
+use crate::places::OPEN;
 
 /// What the coordinator knows of parts.
 #[derive(Clone, Debug)]
@@ -32,6 +34,8 @@ pub struct Queue {
     grips: Rc<[f64]>,
     /// Parts that went by, because the arm was busy: their numbers.
     pub late: Vec<u32>,
+    /// Openings of the hand that the MP tells what to do, demanded and measured \[m\].
+    openings: [f64; 2],
 }
 
 impl Queue {
@@ -56,6 +60,7 @@ impl Queue {
             last: LAST,
             grips,
             late: Vec::new(),
+            openings: [OPEN; 2],
         }
     }
 
@@ -102,6 +107,18 @@ impl Queue {
         let all = self.seen.parts + self.seen.unknown >= self.parts && self.waiting.is_empty();
         // A belt that stands brings nothing, even if a part waits on it.
         all || self.quiet > self.timeout
+    }
+
+    /// Counts the pick that is over, if the hand has closed in it.
+    ///
+    /// # Errors
+    /// It closed on nothing, as often in a row as the cell stops for.
+    pub fn judge(&self, failed: &Cell<Failed>) -> Result<(), Fault> {
+        let [demanded, measured] = self.openings;
+        let mut so_far = failed.get();
+        let counted = if is_closed(demanded) { so_far.count(is_empty(demanded, measured)) } else { Ok(()) };
+        failed.set(so_far);
+        counted
     }
 
     /// The task to take the next part; `None` when no more come.
@@ -155,7 +172,7 @@ impl Generator for Tell {
     type Sensors = (PartSensor,);
     type Order = ();
     const CLASS: Class =
-        Class::new(Level::Mp, Uses { state: true, sensors: true, tick: true, ..Uses::NOTHING });
+        Class::new(Level::Mp, Uses { state: true, robots: true, sensors: true, tick: true, ..Uses::NOTHING });
     const ENDS: bool = false;
 
     fn first_step(
@@ -171,11 +188,12 @@ impl Generator for Tell {
     fn next_step(
         &mut self,
         _: &Order<()>,
-        _: &State<Arm>,
+        e: &State<Arm>,
         v: &Reading<(PartSensor,)>,
         t: Tick,
     ) -> Result<Step<Arm, Task>, Fault> {
         self.1.take(&v.0, t.duration)?;
+        self.1.openings = [e.1.demanded().joints[0], e.1.measured().joints[0]];
         Ok(Step::Next((self.0, self.0)))
     }
 }

@@ -1,6 +1,6 @@
 //! One run with a sensor over the belt: a belt, a seed, some parts.
 
-use std::cell::RefCell;
+use std::cell::{Cell as Shown, RefCell};
 use std::rc::Rc;
 use std::time::{Duration, Instant};
 
@@ -31,6 +31,7 @@ use super::studio::misplaced;
 use super::{ecp, mp};
 use crate::generators::Uneven;
 use crate::monitor::Fate;
+use crate::mp::Failed;
 use crate::places::{BELT, SURFACE, TRAY, TRAYS};
 use crate::plant::Plant;
 use crate::progress::Progress;
@@ -57,9 +58,10 @@ pub struct Ready {
     grips: Rc<RefCell<Vec<Grip>>>,
     late: Rc<RefCell<Vec<u32>>>,
     stranded: Rc<RefCell<Vec<u32>>>,
+    failed: Rc<[Shown<Failed>; STATIONS.len()]>,
     vain: Rc<RefCell<Vec<(u32, usize)>>>,
     gap: Option<Rc<RefCell<DryRun>>>,
-    nearness: Rc<std::cell::Cell<Seen>>,
+    nearness: Rc<Shown<Seen>>,
 }
 
 /// A grasp.
@@ -102,6 +104,8 @@ pub struct Outcome {
     pub nearness: Seen,
     /// How often a finger came down on a part.
     pub crashes: u32,
+    /// How often a hand closed on nothing, and was opened again.
+    pub failed: u32,
 }
 
 /// The cell of the task with the camera, `cell-camera.toml`, and with so many arms.
@@ -193,14 +197,16 @@ impl Settings {
         let vain = Rc::<RefCell<Vec<(u32, usize)>>>::default();
         let tried = vain.clone();
         let arms = stations.len();
+        let failed = Rc::<[Shown<Failed>; STATIONS.len()]>::default();
+        let fails = failed.clone();
         let cell = cell.program(move |mp| {
             let belt = Uneven::about(speed, seed.wrapping_add(77)).changing(profile);
             if arms > 1 {
-                let shared = share::coordinate(mp, eye, belt, Shared::of(count as u32, timeout))?;
+                let shared = share::coordinate(mp, eye, belt, Shared::of(count as u32, timeout), &fails)?;
                 missed.replace(shared.late());
                 tried.replace(shared.vain);
             } else {
-                let queue = mp::coordinate(mp, eye, belt, Queue::of(count as u32, timeout))?;
+                let queue = mp::coordinate(mp, eye, belt, Queue::of(count as u32, timeout), &fails[0])?;
                 missed.replace(queue.late);
             }
             Ok(())
@@ -209,7 +215,7 @@ impl Settings {
         let grips = Rc::<RefCell<Vec<Grip>>>::default();
         let progress = Progress::of(plant.world.clone(), parts.len());
         let mut look = watch(hands, parts.clone(), grips.clone(), progress.look());
-        let nearness = Rc::new(std::cell::Cell::new(Seen { least: f64::INFINITY, closing: 0.0 }));
+        let nearness = Rc::new(Shown::new(Seen { least: f64::INFINITY, closing: 0.0 }));
         let (cell, gap) = if arms > 1 {
             let gap = Rc::new(RefCell::new(DryRun::new(clearance(&file)?)));
             let (seen, mut clear) = (gap.clone(), guard(&file, self.margin, nearness.clone())?);
@@ -219,7 +225,21 @@ impl Settings {
         } else {
             (cell.guard(1, look), None)
         };
-        Ok(Ready { cell, plant, parts, looks, progress, arms, grips, late, stranded, vain, gap, nearness })
+        Ok(Ready {
+            cell,
+            plant,
+            parts,
+            looks,
+            progress,
+            arms,
+            grips,
+            late,
+            stranded,
+            failed,
+            vain,
+            gap,
+            nearness,
+        })
     }
 
     /// The camera, and who compares what it finds with what there is.
@@ -342,6 +362,7 @@ impl Ready {
             grips: self.grips.borrow().clone(),
             late: self.late.borrow().clone(),
             stranded: self.stranded.borrow().clone(),
+            failed: self.failed.iter().map(|failed| failed.get().all).sum(),
             vain: self.vain.borrow().clone(),
             nearness: self.nearness.get(),
             closest: self.gap.and_then(|gap| gap.borrow_mut().closest().ok().flatten().cloned()),

@@ -1,7 +1,10 @@
 //! Two arms share the belt: the coordinator's program, and what it knows of arms beside the queue of parts.
 
+use core::cell::Cell;
+
 use mrroc::generator::{Class, Condition, Level, Uses};
 use mrroc::prelude::*;
+use mrroc::robot::RobotImage;
 use mrroc_generators::generators::ConstantOrder;
 use mrroc_robots::{Conveyor, Irp6, TwoFingers};
 use mrroc_sensors::virtual_sensors::{OnBelt, PartSensor};
@@ -12,18 +15,24 @@ use super::orders::Task;
 use super::queue::Queue;
 use super::settings::Settings;
 use crate::generators::Uneven;
-use crate::mp::Arm;
-use crate::places::{CLOSED, OPEN};
+use crate::mp::{Arm, Failed, is_closed, is_empty};
+use crate::places::OPEN;
 
 /// How many arms.
 pub const ARMS: usize = STATIONS.len();
 
 /// Sorts what the belt brings by two arms, as long as more comes; `eye` is the sensor that tells of parts. Each arm works in the background by
-/// loose orders, while the coordinator goes on taking in parts.
+/// loose orders, while the coordinator goes on taking in parts. Counts in `failed` the picks in which the hand of an arm closed on nothing.
 ///
 /// # Errors
-/// The first fault of the cell.
-pub fn coordinate(mp: &mut Mp, eye: &str, drive: Uneven, mut shared: Shared) -> Result<Shared, Fault> {
+/// The first fault of the cell; three picks of an arm in a row that failed.
+pub fn coordinate(
+    mp: &mut Mp,
+    eye: &str,
+    drive: Uneven,
+    mut shared: Shared,
+    failed: &[Cell<Failed>; ARMS],
+) -> Result<Shared, Fault> {
     let names = STATIONS.map(|station| station.robots);
     let mut arms = [mp.robot::<Irp6>(names[0][0])?, mp.robot::<Irp6>(names[1][0])?];
     let mut hands = [mp.robot::<TwoFingers>(names[0][1])?, mp.robot::<TwoFingers>(names[1][1])?];
@@ -34,7 +43,7 @@ pub fn coordinate(mp: &mut Mp, eye: &str, drive: Uneven, mut shared: Shared) -> 
         shared = mp.wait_until((one, two), (&mut parts,), Turn::of(shared))?.shared;
         for (number, (arm, hand)) in arms.iter_mut().zip(&mut hands).enumerate() {
             if !mp.is_in_background(arm)
-                && let Some(task) = shared.next(number)
+                && let Some(task) = shared.next(number, &failed[number])?
             {
                 mp.start_robots((arm, hand), ConstantOrder::<Arm, Task>::to_all(task))?;
             }
@@ -66,8 +75,8 @@ pub struct Shared {
     /// Until when the arms are busy, about, and what time it is \[s of path time\].
     busy: [f64; ARMS],
     now: f64,
-    /// Openings of the hands \[m\].
-    openings: [f64; ARMS],
+    /// Openings of the hands, demanded and measured \[m\].
+    openings: [[f64; 2]; ARMS],
     /// Parts that an arm did not find between its fingers: their numbers, and which arm.
     pub vain: Vec<(u32, usize)>,
 }
@@ -89,7 +98,7 @@ impl Shared {
             about: [About::Nowhere; ARMS],
             busy: [0.0; ARMS],
             now: 0.0,
-            openings: [OPEN; ARMS],
+            openings: [[OPEN; 2]; ARMS],
             vain: Vec::new(),
         }
     }
@@ -106,17 +115,26 @@ impl Shared {
         self.queue.is_over() && self.about.iter().all(|about| *about == About::Idle)
     }
 
-    /// What an arm that has done what it was told is to do next; `None` while that is nothing.
-    fn next(&mut self, arm: usize) -> Option<Task> {
+    /// What an arm that has done what it was told is to do next; `None` while that is nothing. Counts in `failed` whether its hand has
+    /// closed on nothing.
+    ///
+    /// # Errors
+    /// It has, as often in a row as the cell stops for.
+    fn next(&mut self, arm: usize, failed: &Cell<Failed>) -> Result<Option<Task>, Fault> {
+        let [demanded, measured] = self.openings[arm];
         match self.about[arm] {
             About::Nowhere => {
                 self.about[arm] = About::Releasing;
-                return Some(Task::Return);
+                return Ok(Some(Task::Return));
             }
-            About::Taking(_) if self.openings[arm] < 0.5 * (OPEN + CLOSED) => {
+            About::Taking(_) if is_closed(demanded) => {
+                let mut so_far = failed.get();
+                let counted = so_far.count(is_empty(demanded, measured));
+                failed.set(so_far);
+                counted?;
                 self.about[arm] = About::Releasing;
                 self.busy[arm] = self.now + Self::RELEASING;
-                return Some(Task::Release);
+                return Ok(Some(Task::Release));
             }
             About::Taking(part) => {
                 // Not between the fingers: the other arm may find it.
@@ -128,7 +146,7 @@ impl Shared {
             }
             About::Idle | About::Releasing => self.about[arm] = About::Idle,
         }
-        self.pick(arm)
+        Ok(self.pick(arm))
     }
 
     /// The part that an idle arm is to set out for now.
@@ -191,7 +209,10 @@ impl Condition for Turn {
         let shared = &mut self.shared;
         shared.queue.take(&v.0, t.duration)?;
         shared.now += t.duration;
-        shared.openings = [e.0.demanded().joints[0], e.1.demanded().joints[0]];
+        let opening = |image: &RobotImage<TwoFingers>| {
+            [image.demanded(), image.measured()].map(|state| state.joints[0])
+        };
+        shared.openings = [opening(&e.0), opening(&e.1)];
         self.steps += 1;
         Ok(self.steps >= Self::STEPS)
     }

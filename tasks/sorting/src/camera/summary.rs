@@ -81,6 +81,8 @@ pub struct Line {
     pub off: Vec<f64>,
     /// How often a finger came down on a part.
     pub crashes: u32,
+    /// How often a hand closed on nothing, and was opened again.
+    pub failed: u32,
     /// Simulated time, and how long it took \[s\].
     pub time: f64,
     /// See [`time`](Self::time).
@@ -108,6 +110,7 @@ impl Line {
             along: looks().map(|look| look.off[0]).collect(),
             off: outcome.grips.iter().map(|grip| grip.off.abs()).collect(),
             crashes: outcome.crashes,
+            failed: outcome.failed,
             time: outcome.report.as_ref().map_or(0.0, |report| report.time.as_secs_f64()),
             wall: outcome.wall.as_secs_f64(),
         }
@@ -119,6 +122,7 @@ impl Line {
         self.sorted += other.sorted;
         self.wrong += other.wrong;
         self.crashes += other.crashes;
+        self.failed += other.failed;
         self.taken.iter_mut().zip(other.taken).for_each(|(taken, other)| *taken += other);
         let least = |a: f64, b: f64| a.min(b);
         self.closest = self.closest.into_iter().chain(other.closest).reduce(least);
@@ -186,9 +190,11 @@ impl fmt::Display for Table {
             }
         }
         let crashes: u32 = self.0.iter().map(|line| line.crashes).sum();
+        let failed: u32 = self.0.iter().map(|line| line.failed).sum();
         writeln!(
             f,
-            "fingers came down on a part {crashes} times; speed: times faster than real time, on one processor"
+            "fingers came down on a part {crashes} times, and closed on nothing and were opened again {failed} times; speed: times \
+             faster than real time, on one processor"
         )
     }
 }
