@@ -82,3 +82,37 @@ impl Reach {
             && self.arm.check_coupled_to_stop(q, (next, Self::STEP), (&stop, time)).is_ok()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::places::{BELT, END, HIGH, HOME, OVER_TRAY, TRAYS, limits, over_tray, tool};
+
+    /// The arm at rest with its tool, 0.2 m beyond the flange, there.
+    fn at_rest(pose: Pose) -> RobotState<Irp6> {
+        let flange = pose * Pose::translation(0.0, 0.0, -0.2);
+        let joints = Irp6::nominal().inverse(&flange, &Irp6::READY).expect("a posture");
+        RobotState { joints, velocity: Six::zeros(), pose }
+    }
+
+    #[test]
+    fn with_infrared_sensors_the_arm_gets_to_both_trays_and_back_from_everywhere_at_the_belt() {
+        let (reach, home) = (Reach::at(0.0), tool(HOME, 0.0, HIGH));
+        // Where `Rise` stops at 1.2 times the fastest belt; across, with the error of the range finder.
+        let farthest = END + 0.2 * 1.2 * 0.15;
+        for step in 0..=60 {
+            let s = farthest * f64::from(step) / 60.0;
+            for across in [-0.025, 0.0, 0.025] {
+                let from = at_rest(tool(s, across, HIGH));
+                assert!(reach.contains(&from, &[home], limits()), "{s} {across}");
+                for tray in 0..TRAYS.len() {
+                    let lines = [over_tray(tray, HIGH), over_tray(tray, OVER_TRAY), home];
+                    assert!(reach.contains(&from, &lines, limits()), "{s} {across} to tray {tray}");
+                }
+            }
+        }
+        // A line that leads nearer to the column than the arm can fold is none.
+        let beside = tool(0.5 - BELT[1], 0.5 - BELT[0], HIGH);
+        assert!(!reach.contains(&at_rest(beside), &[tool(-0.5 - BELT[1], 0.5 - BELT[0], HIGH)], limits()));
+    }
+}

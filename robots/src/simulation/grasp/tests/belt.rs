@@ -118,6 +118,25 @@ fn the_belt_bears_the_inertia_of_what_it_carries_at_rest_or_not() {
 }
 
 #[test]
+fn a_body_that_is_taken_away_is_gone_and_counted_once() {
+    let sink = Sink { lower: [-2.0, -1.0, -0.6], upper: [3.0, 1.0, -0.2] };
+    let world = World::empty().with_rest().with_sink(sink).expect("a sink");
+    let first = world.put(&block(0.0)).expect("a block");
+    let second = world.put_at(&block(-0.4), 1.0).expect("a block");
+    let mut led = Led::new(world, Belt::new(-1.0, 0.2, 0.4));
+    led.run(0.5, |_| 0.0);
+    // One that has not come yet cannot be taken, nor one that does not exist.
+    assert!(!led.world.take_away(second, 0) && !led.world.take_away(second + 1, 0));
+    assert!(led.world.take_away(first, 0) && !led.world.take_away(first, 0));
+    assert_eq!((led.world.taken(0), led.world.body_of(first).is_some()), (1, false));
+    led.run(1.5, |_| 0.0);
+    assert_eq!((led.world.taken(0), led.world.whereabouts(second)), (1, Some(Whereabouts::Here)));
+    let mut left = Vec::new();
+    led.world.each_body(|number, _| left.push(number));
+    assert_eq!(left, [second]);
+}
+
+#[test]
 fn a_body_tips_over_the_end_and_the_sink_below_counts_it_once() {
     let sink = Sink { lower: [-2.0, -1.0, -0.6], upper: [3.0, 1.0, -0.2] };
     let world = World::empty().with_rest().with_sink(sink).expect("a sink");
