@@ -33,7 +33,7 @@ pub fn coordinate(
             return mp.end_robot(&mut belt).map(|()| queue);
         };
         queue = mp.move_robots((&mut arm.0, &mut arm.1), (&mut parts,), Tell(pick, queue))?.1;
-        queue.judge(failed)?;
+        queue.count_pick(failed)?;
         queue = mp.move_robots((&mut arm.0, &mut arm.1), (&mut parts,), Tell(Task::Release, queue))?.1;
     }
 }

@@ -113,7 +113,7 @@ impl Queue {
     ///
     /// # Errors
     /// It closed on nothing, as often in a row as the cell stops for.
-    pub fn judge(&self, failed: &Cell<Failed>) -> Result<(), Fault> {
+    pub fn count_pick(&self, failed: &Cell<Failed>) -> Result<(), Fault> {
         let [demanded, measured] = self.openings;
         let mut so_far = failed.get();
         let counted = if is_closed(demanded) { so_far.count(is_empty(demanded, measured)) } else { Ok(()) };
