@@ -223,7 +223,7 @@ fn fault_249_a_small_file_that_unpacks_to_much_is_refused() {
     let file = written("unpacks.mcap", &bytes);
     let mut taken = 0;
     let read = mrroc::recording::each_message(&file, |_, _, data| taken += data.len());
-    assert!(read.is_err_and(|error| error.to_string().contains("unpacks to far more than a recording does")));
+    assert!(read.is_err_and(|error| error.to_string().contains("unpacks to far more than it should")));
     // What was read until then is bounded by the file.
     assert!(taken <= 50 * bytes.len() + (1 << 20), "{taken}");
 }

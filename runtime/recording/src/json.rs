@@ -23,7 +23,8 @@ pub fn number(out: &mut String, x: f64) {
     };
 }
 
-/// Reads a number that [`number`] has written.
+/// Reads a number of a recording, also one that is not finite.
+#[must_use]
 pub fn as_number(value: &Value) -> Option<f64> {
     match value.as_str() {
         Some("NaN") => Some(f64::NAN),

@@ -61,7 +61,12 @@ use std::path::PathBuf;
 use mrroc_core::observe::recording::Recording;
 
 pub use compare::{Compared, Difference};
-pub use reader::each_message;
+pub use json::as_number;
+pub use messages::signals_in;
+pub use reader::{
+    CutShort, McapMessage, RecordedMessage, each_mcap_message, each_mcap_message_of_bytes, each_message,
+    each_message_of,
+};
 pub use recorder::Mcap;
 pub use replaying::{Replay, ReplayError, replay_command};
 pub use wrong::{CutOff, NotReplayable};

@@ -48,7 +48,7 @@ pub(super) struct Messages {
 /// shortest steps of 0.1 ms. A replay goes through every step: more than these would keep it at work for what no run has done.
 const LONGEST_GAP: u64 = 10_000_000;
 
-const OTHER_CELL: &str = "replay it with the cell that was recorded, with all its robots and sensors";
+const OTHER_CELL: &str = "give the cell that was recorded, with all its robots and sensors";
 
 impl Messages {
     /// Begins to read a recording with this metadata, which must be of the cell with this layout.
@@ -267,16 +267,7 @@ impl Messages {
     /// What a robot's inputs read and its outputs are: kept where it differs from the step before.
     fn signals(&mut self, name: &str, json: &Value) -> Option<()> {
         let place = self.robots.iter().position(|robot| robot.name.as_str() == name)?;
-        let mut signals = Signals::OFF;
-        for SignalLayout { name, channel, is_output, .. } in &self.signals[place] {
-            let of = if *is_output { "outputs" } else { "inputs" };
-            let value = match channel {
-                Channel::Digital(_) => Signal::Digital(json[of][name].as_bool()?),
-                Channel::Analog(_) => Signal::Analog(as_number(&json[of][name])?),
-            };
-            let values = if *is_output { &mut signals.outputs } else { &mut signals.inputs };
-            values.set(*channel, value);
-        }
+        let signals = signals_in(&self.signals[place], json)?;
         let step = json["step"].as_u64()?;
         let before = &mut self.robots[place].signals;
         match before.last() {
@@ -351,6 +342,22 @@ impl Messages {
             end: self.end,
         })
     }
+}
+
+/// What the named inputs and outputs of a robot are in a message of its signals.
+#[must_use]
+pub fn signals_in(known: &[SignalLayout], json: &Value) -> Option<Signals> {
+    let mut signals = Signals::OFF;
+    for SignalLayout { name, channel, is_output, .. } in known {
+        let of = if *is_output { "outputs" } else { "inputs" };
+        let value = match channel {
+            Channel::Digital(_) => Signal::Digital(json[of][name].as_bool()?),
+            Channel::Analog(_) => Signal::Analog(as_number(&json[of][name])?),
+        };
+        let values = if *is_output { &mut signals.outputs } else { &mut signals.inputs };
+        values.set(*channel, value);
+    }
+    Some(signals)
 }
 
 /// Reads the name of a process, such as `mp` or `ecp arm`.

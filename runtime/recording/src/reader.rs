@@ -1,7 +1,7 @@
 //! Reads a recording, as far as a replay needs it.
 //!
 //! In: the [`records`] of a file, and the layout of the cell. Out: a [`RecordedRun`], or what is wrong with the file, which may
-//! have any contents; or its messages as they are, for programs that only look at them.
+//! have any contents; or its messages as they are, for programs that only look at them, or convert them.
 
 use std::collections::BTreeMap;
 use std::io::Read;
@@ -12,7 +12,7 @@ use mcap::records::{Metadata, Record};
 use super::file::{END, PROFILE, START, VERSION};
 use super::messages::Messages;
 use super::records::{self, Ended};
-use super::wrong::{CutOff, NotReplayable, Wrong, unreadable};
+use super::wrong::{CutOff, DAMAGED, NotReplayable, Wrong, unreadable};
 use mrroc_core::console::quoted;
 use mrroc_core::link::Nanos;
 use mrroc_core::observe::layout::Layout;
@@ -44,7 +44,7 @@ fn read_from(from: impl Read, layout: &Layout, cut_off: CutOff) -> Result<Record
         return Err(Wrong::new("a cell of cells cannot be replayed", help));
     }
     let mut taker = Taker { layout, messages: None, channels: BTreeMap::new(), start: 0, end: None };
-    match records::each(from, &mut |record| taker.take(record))? {
+    match records::each(from, &records::RECORDING, &mut |record| taker.take(record))? {
         Ended::Whole if taker.end.is_some() => taker.finish(cut_off),
         Ended::Whole | Ended::CutOff => taker.cut_off(cut_off),
     }
@@ -68,8 +68,184 @@ pub fn each_message(file: &Path, mut take: impl FnMut(&str, Nanos, &[u8])) -> Re
         }
         Ok(())
     };
-    let read = files::open(file).map_err(unreadable).and_then(|from| records::each(from, &mut take));
+    let read = files::open(file)
+        .map_err(unreadable)
+        .and_then(|from| records::each(from, &records::RECORDING, &mut take));
     read.map(drop).map_err(|wrong| wrong.of(file))
+}
+
+/// A message of a recording.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RecordedMessage<'a> {
+    /// Its topic.
+    pub topic: &'a str,
+    /// The date of the cell's time 0 \[ns since 1970, UTC\].
+    pub start: Nanos,
+    /// Its time on the cell's clock \[ns\].
+    pub time: Nanos,
+    /// What it says.
+    pub json: &'a [u8],
+}
+
+/// Hands over the messages of a recording of a cell of this layout, in the order in which they are in the file; of one that was cut off, those that
+/// there are. Tells whether it was.
+///
+/// # Errors
+/// [`NotReplayable`]: the file is no recording, is damaged, or is of another cell.
+pub fn each_message_of(
+    file: &Path,
+    layout: &Layout,
+    mut take: impl FnMut(RecordedMessage<'_>),
+) -> Result<CutShort, NotReplayable> {
+    let (mut channels, mut start, mut is_known, mut has_end) = (BTreeMap::new(), None, false, false);
+    let unknown = || Wrong::foreign("does not say what its cell is made of, or when it started");
+    let mut take = |record: Record<'_>| {
+        match record {
+            Record::Header(header) => of_profile(&header.profile)?,
+            Record::Metadata(metadata) if metadata.name == PROFILE => {
+                Messages::of(of_version(&metadata)?, layout)?;
+                is_known = true;
+            }
+            Record::Metadata(metadata) if metadata.name == START => start = Some(started(&metadata)?),
+            Record::Metadata(metadata) if metadata.name == END => has_end = true,
+            Record::Channel(channel) => drop(channels.insert(channel.id, channel.topic)),
+            Record::Message { header, data } => {
+                let topic = channels.get(&header.channel_id).map_or("", String::as_str);
+                let start = start.filter(|_| is_known).ok_or_else(unknown)?;
+                take(RecordedMessage {
+                    topic,
+                    start,
+                    time: header.log_time.saturating_sub(start),
+                    json: &data,
+                });
+            }
+            _ => {}
+        }
+        Ok(())
+    };
+    let read = files::open(file)
+        .map_err(unreadable)
+        .and_then(|from| records::each(from, &records::RECORDING, &mut take));
+    let ended = read.map_err(|wrong| wrong.of(file))?;
+    if !is_known {
+        return Err(unknown().of(file));
+    }
+    Ok(if ended == Ended::Whole && has_end { CutShort::No } else { CutShort::Yes })
+}
+
+/// Whether a recording lacks its end.
+#[must_use]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CutShort {
+    /// It is whole.
+    No,
+    /// It was cut off.
+    Yes,
+}
+
+/// A message of an MCAP file that others have written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct McapMessage<'a> {
+    /// Its topic.
+    pub topic: &'a str,
+    /// The name of its schema, which is its type.
+    pub schema: &'a str,
+    /// How it is encoded.
+    pub encoding: &'a str,
+    /// When it was logged \[ns since 1970\].
+    pub date: Nanos,
+    /// What it says.
+    pub data: &'a [u8],
+}
+
+/// Hands over the messages of an MCAP file of any profile. Records and chunks of more than 64 MiB are refused before they are in memory.
+///
+/// # Errors
+/// What is wrong with the file, or what `take` says.
+pub fn each_mcap_message(
+    file: &Path,
+    take: impl FnMut(McapMessage<'_>) -> Result<(), String>,
+) -> Result<(), String> {
+    let read = files::open(file).map_err(unreadable).and_then(|from| each_mcap_message_in(from, take));
+    read.map_err(|wrong| format!("{}: {}", file.display(), wrong.what()))
+}
+
+/// The same of bytes in memory.
+///
+/// # Errors
+/// See [`each_mcap_message`].
+pub fn each_mcap_message_of_bytes(
+    bytes: &[u8],
+    take: impl FnMut(McapMessage<'_>) -> Result<(), String>,
+) -> Result<(), String> {
+    each_mcap_message_in(bytes, take).map_err(|wrong| wrong.what().to_owned())
+}
+
+fn each_mcap_message_in(
+    from: impl Read,
+    mut take: impl FnMut(McapMessage<'_>) -> Result<(), String>,
+) -> Result<(), Wrong> {
+    let (mut schemas, mut channels) = (BTreeMap::new(), BTreeMap::new());
+    let mut take = |record: Record<'_>| {
+        match record {
+            Record::Schema { header, .. } => drop(schemas.insert(header.id, kept(header.name)?)),
+            Record::Channel(channel) => {
+                let names = [kept(channel.topic)?, kept(channel.message_encoding)?];
+                channels.insert(channel.id, (names, channel.schema_id));
+            }
+            Record::Message { header, data } => {
+                let channel = channels.get(&header.channel_id);
+                let ([topic, encoding], schema) =
+                    channel.ok_or_else(|| Wrong::foreign("has a message of no channel"))?;
+                let schema = schemas.get(schema).map_or("", String::as_str);
+                let message = McapMessage { topic, schema, encoding, date: header.log_time, data: &data };
+                take(message).map_err(|what| Wrong::new(what, ""))?;
+            }
+            _ => {}
+        }
+        if schemas.len().max(channels.len()) > MOST_CHANNELS {
+            return Err(Wrong::foreign(format!("has more than {MOST_CHANNELS} channels or schemas")));
+        }
+        Ok(())
+    };
+    match records::each(from, &records::OF_OTHERS, &mut take)? {
+        Ended::Whole => Ok(()),
+        Ended::CutOff => Err(Wrong::new("is cut off: it has no end", DAMAGED)),
+    }
+}
+
+/// Channels, and schemas, of a file of others, at most; and the bytes of a name of one.
+const MOST_CHANNELS: usize = 10_000;
+const LONGEST_NAME: usize = 1000;
+
+/// A name that is kept in memory.
+fn kept(name: String) -> Result<String, Wrong> {
+    if name.len() <= LONGEST_NAME {
+        return Ok(name);
+    }
+    Err(Wrong::foreign(format!("has a name of {} bytes, of at most {LONGEST_NAME}", name.len())))
+}
+
+fn of_profile(profile: &str) -> Result<(), Wrong> {
+    if profile == PROFILE {
+        return Ok(());
+    }
+    Err(Wrong::foreign(format!("is no recording of a cell: its profile is `{}`", quoted(profile, 60))))
+}
+
+fn of_version(metadata: &Metadata) -> Result<&Metadata, Wrong> {
+    let version = metadata.metadata.get("version").map(String::as_str);
+    if version == Some(VERSION) {
+        return Ok(metadata);
+    }
+    let what = format!("is a recording of version {}", quoted(version.unwrap_or("unknown"), 60));
+    Err(Wrong::new(what, "read it with the version of mrroc that recorded it"))
+}
+
+/// The date of the cell's time 0 \[ns\].
+fn started(metadata: &Metadata) -> Result<Nanos, Wrong> {
+    let start = metadata.metadata.get("start_ns").and_then(|start| start.parse().ok());
+    start.ok_or_else(|| Wrong::foreign("does not say when it started"))
 }
 
 /// Takes the records of a file one after another.
@@ -87,23 +263,13 @@ struct Taker<'a> {
 impl Taker<'_> {
     fn take(&mut self, record: Record<'_>) -> Result<(), Wrong> {
         match record {
-            Record::Header(header) if header.profile != PROFILE => Err(Wrong::foreign(format!(
-                "is no recording of a cell: its profile is `{}`",
-                quoted(&header.profile, 60)
-            ))),
+            Record::Header(header) => of_profile(&header.profile),
             Record::Metadata(metadata) if metadata.name == PROFILE => {
-                let version = metadata.metadata.get("version").map(String::as_str);
-                if version != Some(VERSION) {
-                    let what =
-                        format!("is a recording of version {}", quoted(version.unwrap_or("unknown"), 60));
-                    return Err(Wrong::new(what, "replay it with the version of mrroc that recorded it"));
-                }
-                self.messages = Some(Messages::of(&metadata, self.layout)?);
+                self.messages = Some(Messages::of(of_version(&metadata)?, self.layout)?);
                 Ok(())
             }
             Record::Metadata(metadata) if metadata.name == START => {
-                let start = metadata.metadata.get("start_ns").and_then(|start| start.parse().ok());
-                self.start = start.ok_or_else(|| Wrong::foreign("does not say when it started"))?;
+                self.start = started(&metadata)?;
                 Ok(())
             }
             Record::Metadata(metadata) if metadata.name == END => {

@@ -38,6 +38,11 @@ impl Wrong {
         Wrong::new(what, "give a file that --record has written")
     }
 
+    /// What is wrong.
+    pub fn what(&self) -> &str {
+        &self.what
+    }
+
     /// The same of this file.
     pub fn of(self, file: &Path) -> NotReplayable {
         NotReplayable { file: file.to_owned(), what: self.what, help: self.help.to_owned() }
