@@ -84,7 +84,17 @@ const CRATES: &[(&str, &[&str])] = &[
     ("sensing/calibration", &["mrroc-core", "mrroc-launch", "mrroc-robots", "mrroc-sensors"]),
     ("sensing/geocom", &["mrroc-core", "mrroc-driver-kit"]),
     ("sensing/map", &["mrroc-core"]),
-    ("ports/ros2", &["mrroc-core", "mrroc-external", "mrroc-generators", "mrroc-launch", "mrroc-processes"]),
+    (
+        "ports/ros2",
+        &[
+            "mrroc-core",
+            "mrroc-external",
+            "mrroc-generators",
+            "mrroc-launch",
+            "mrroc-processes",
+            "mrroc-recording",
+        ],
+    ),
     ("ports/zenoh", &["mrroc-core", "mrroc-launch"]),
     ("robots/wheels", &["mrroc-core", "mrroc-generators", "mrroc-map", "mrroc-robots"]),
     ("generators-lib", &["mrroc-core"]),

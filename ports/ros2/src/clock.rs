@@ -16,6 +16,11 @@ pub struct CellClock {
 }
 
 impl CellClock {
+    /// Of one run, whose time was zero at this date \[ns since 1970\]: what is told at the times of the cell themselves.
+    pub const fn since(date: u64) -> CellClock {
+        CellClock { zero: Some([date, 0]) }
+    }
+
     /// The stamp of a time of the cell \[ns\] that was told at `sent` by the machine's monotonic clock \[ns\].
     pub fn stamp(&mut self, time: u64, sent: u64) -> Stamp {
         let began = sent.saturating_sub(time);

@@ -31,6 +31,8 @@
 //! | with `--goals`: `/ROBOT/follow_joint_trajectory`, `/NODE/follow_joint_trajectory` | `control_msgs/FollowJointTrajectory` | trajectories of one robot, or of several as one goal, for a program that takes [`TrajectoryGoals`](mrroc_external::TrajectoryGoals) |
 //! | with `--buttons`: `speed` of `/NODE` | parameter, double | the speed as a share of the planned one, 0 to 1 |
 //!
+//! With `--export-bag` a recording becomes a bag of rosbag2 with the same messages, and with `--from-bag` robots follow the trajectories of a bag: `bags`.
+//!
 //! `NODE` is `cell` unless `--node` says otherwise. Stamps are the cell's time, beginning at the wall clock when the bridge saw its first step. Everything is
 //! reliable. **DDS has no access control, and its sockets hear all networks of the machine**, whatever address `--address` tells others: whoever reaches the machine
 //! sees the cell, with `--buttons` presses its buttons, and with `--goals` moves its robots. A firewall is what keeps others out.
@@ -42,6 +44,7 @@
 #![cfg(target_os = "linux")]
 #![allow(clippy::disallowed_methods, reason = "a console is no part of control")]
 
+mod bags;
 mod buttons;
 mod clock;
 mod description;
@@ -49,6 +52,7 @@ mod diagnostics;
 mod messages;
 mod moveit;
 mod node;
+mod outlet;
 mod run;
 mod show;
 mod signals;

@@ -6,6 +6,32 @@ use mrroc_core::pose::Pose;
 use ros2_client::Message;
 use serde::{Deserialize, Serialize};
 
+/// A message that has a topic: its type is known by its package and its name.
+pub trait RosType: Serialize {
+    const PACKAGE: &'static str;
+    const NAME: &'static str;
+}
+
+/// Says of which type messages are.
+macro_rules! ros_types {
+    ($($message:ty: $package:literal, $name:literal;)*) => {
+        $(impl RosType for $message {
+            const PACKAGE: &'static str = $package;
+            const NAME: &'static str = $name;
+        })*
+    };
+}
+
+ros_types! {
+    Text: "std_msgs", "String";
+    Flag: "std_msgs", "Bool";
+    Number: "std_msgs", "Float64";
+    Numbers: "std_msgs", "Float64MultiArray";
+    JointState: "sensor_msgs", "JointState";
+    Transforms: "tf2_msgs", "TFMessage";
+    DiagnosticArray: "diagnostic_msgs", "DiagnosticArray";
+}
+
 /// `builtin_interfaces/Time`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct Stamp {
@@ -54,6 +80,24 @@ pub struct Number {
     pub data: f64,
 }
 
+/// `std_msgs/Float64MultiArray`, with its `MultiArrayLayout`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Numbers {
+    pub dim: Vec<Dimension>,
+    /// Where the data begin in `data`.
+    pub data_offset: u32,
+    pub data: Vec<f64>,
+}
+
+/// `std_msgs/MultiArrayDimension`.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Dimension {
+    pub label: String,
+    pub size: u32,
+    /// Numbers in this dimension and those after it.
+    pub stride: u32,
+}
+
 /// `sensor_msgs/JointState`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct JointState {
@@ -67,6 +111,19 @@ pub struct JointState {
     pub velocity: Vec<f64>,
     /// Empty: a cell does not know it.
     pub effort: Vec<f64>,
+}
+
+impl JointState {
+    /// Of joints that have these names: their positions and velocities.
+    pub fn of(stamp: Stamp, names: &[String], [position, velocity]: [&[f64]; 2]) -> JointState {
+        JointState {
+            header: Header { stamp, frame_id: String::new() },
+            name: names.to_vec(),
+            position: position.to_vec(),
+            velocity: velocity.to_vec(),
+            effort: Vec::new(),
+        }
+    }
 }
 
 /// `geometry_msgs/Vector3`.

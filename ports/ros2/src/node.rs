@@ -13,7 +13,9 @@ use ros2_client::{
     ActionTypeName, Context, Message, MessageTypeName, Name, Node, NodeName, NodeOptions, ParameterValue,
     Publisher, QosProfile, Server, ServiceMapping, ServiceTypeName,
 };
-use serde::Serialize;
+
+use crate::messages::RosType;
+use crate::outlet::{Outlet, Put, Reach};
 
 /// Where DDS speaks, and as which node.
 #[derive(Clone, Debug)]
@@ -99,31 +101,9 @@ impl RosNode {
         Ok(RosNode { node, name: place.node.clone() })
     }
 
-    /// A publisher of a topic.
-    ///
-    /// # Errors
-    /// Why there is none.
-    pub fn publisher<M: Serialize>(
-        &mut self,
-        topic: &str,
-        (package, name): (&str, &str),
-        qos: QosProfile,
-    ) -> Result<Publisher<M>, String> {
-        let failed = |error: &dyn core::fmt::Display| format!("topic {topic}: {error}");
-        let called = Name::parse(topic).map_err(|error| failed(&error))?;
-        let described = self.node.create_topic(&called, MessageTypeName::new(package, name), &qos);
-        let described = described.map_err(|error| failed(&error))?;
-        self.node.create_publisher(&described, None).map_err(|error| failed(&error))
-    }
-
     /// Its name.
     pub fn name(&self) -> &str {
         &self.name
-    }
-
-    /// The name of a topic of this node itself.
-    pub fn own(&self, topic: &str) -> String {
-        format!("/{}/{topic}", self.name)
     }
 
     /// A service of this node itself.
@@ -173,6 +153,37 @@ impl RosNode {
         let kind = ActionTypeName::new(package, name);
         let server = self.node.create_action_server(ServiceMapping::Enhanced, &of, &kind, qos);
         server.map_err(|error| failed(&error))
+    }
+}
+
+impl Outlet for RosNode {
+    type Topic<M: RosType> = Publisher<M>;
+
+    fn node(&self) -> &str {
+        self.name()
+    }
+
+    fn now(&self) -> u64 {
+        crate::clock::now()
+    }
+
+    fn topic<M: RosType>(&mut self, name: &str, reach: Reach) -> Result<Publisher<M>, String> {
+        let failed = |error: &dyn core::fmt::Display| format!("topic {name}: {error}");
+        let called = Name::parse(name).map_err(|error| failed(&error))?;
+        let qos = match reach {
+            Reach::Now => now_only(),
+            Reach::Later => kept(),
+        };
+        let described = self.node.create_topic(&called, MessageTypeName::new(M::PACKAGE, M::NAME), &qos);
+        let described = described.map_err(|error| failed(&error))?;
+        self.node.create_publisher(&described, None).map_err(|error| failed(&error))
+    }
+}
+
+impl<M: RosType> Put<M> for Publisher<M> {
+    fn put(&self, message: M) {
+        // What nobody takes is dropped.
+        drop(self.publish(message));
     }
 }
 

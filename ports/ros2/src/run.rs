@@ -17,7 +17,9 @@ use mrroc_external::{Goals, Subscriber};
 use mrroc_launch::cell_file::CellFile;
 use mrroc_processes::{Caller, ConsoleMessage, Picture};
 
+use crate::bags::{self, BagOptions};
 use crate::buttons;
+use crate::clock::{CellClock, now};
 use crate::description::{Description, joint_names};
 use crate::moveit;
 use crate::node::{Place, RosNode, topic_name};
@@ -26,8 +28,9 @@ use crate::trajectories::Trajectories;
 
 /// How often it is looked whether the cell has shown anything.
 const LOOK: Duration = Duration::from_millis(1);
-/// Images that are taken before pictures are looked at.
-const MOST: usize = 1000;
+/// For how long images are taken before pictures and goals are looked at: on a machine that is too slow for all images, these have their turn, too, since a
+/// cell stops robots that follow goals where the bridge is silent.
+const TURN: Duration = Duration::from_millis(10);
 /// The time between two diagnostics in which nothing new is told.
 const DIAGNOSED: Duration = Duration::from_secs(1);
 /// How long it is waited before a cell that is not there is looked for again.
@@ -58,6 +61,8 @@ struct Options {
     /// Write `moveit_controllers.yaml` and `joint_limits.yaml` for a configuration of MoveIt 2 into this folder, and end.
     #[arg(long, value_name = "FOLDER")]
     export_moveit: Option<PathBuf>,
+    #[command(flatten)]
+    bags: BagOptions,
     /// Options of the cell's own program.
     #[arg(last = true, value_name = "OPTIONS")]
     _own: Vec<std::ffi::OsString>,
@@ -83,6 +88,14 @@ pub fn run(port: &str, cell: impl FnOnce(&CellFile) -> Result<Cell, CellError>) 
     };
     if let Some(folder) = &options.export_moveit {
         return match export_moveit(assembled.0, folder, &options.node) {
+            Ok(()) => ExitCode::SUCCESS,
+            Err(why) => refused(&why),
+        };
+    }
+    if let Some((folder, recording)) = options.bags.export_bag.as_ref().zip(options.bags.recording.as_ref()) {
+        let mut cell = assembled.0;
+        let (layout, urdfs) = own_robots(&mut cell);
+        return match bags::export(recording, folder, &options.node, &layout, &urdfs) {
             Ok(()) => ExitCode::SUCCESS,
             Err(why) => refused(&why),
         };
@@ -140,6 +153,7 @@ fn attend(
     (mut cell, cell_file): (Cell, CellFile),
     options: &Options,
 ) -> Result<core::convert::Infallible, String> {
+    let from_bag = options.bags.goals()?;
     let domain = options.domain.map_or_else(users_domain, Ok)?;
     UdpSocket::bind((options.address, 0))
         .map_err(|error| format!("{} is no address of this machine: {error}", options.address))?;
@@ -157,11 +171,20 @@ fn attend(
     };
     let set_speed = move |speed: f64| buttons::press(&of, Button::Speed(speed)).map(drop);
     let mut node = RosNode::begin(&place, check_speed, set_speed)?;
-    let mut topics = Topics::open(&mut node, &layout, &urdfs)?;
+    let mut topics = Topics::open(&mut node, &layout, &urdfs, CellClock::default())?;
     if options.buttons {
         buttons::offer(&mut node, &file)?;
     }
-    let mut goals = if options.goals { Some(offer(&mut node, &layout, &topics, &cell_file)?) } else { None };
+    let mut goals = match options.goals || from_bag.is_some() {
+        true => Some(trajectories(&layout, &topics, &cell_file)?),
+        false => None,
+    };
+    if let Some(goals) = goals.as_mut().filter(|_| options.goals) {
+        goals.offer(&mut node, &layout)?;
+    }
+    if let Some((goals, from_bag)) = goals.as_mut().zip(from_bag) {
+        goals.play(from_bag, only(&layout, options.bags.robot.as_deref())?);
+    }
     let (show, pictures) = channel();
     let watches = move || loop {
         drop(watch(&file, &show));
@@ -182,32 +205,37 @@ fn attend(
     show_for_ever(&mut subscriber, &mut topics, &pictures, &mut goals)
 }
 
-/// Offers the robots of a cell that has a sensor of goals to other nodes.
-fn offer(
-    node: &mut RosNode,
-    layout: &Layout,
-    topics: &Topics,
-    file: &CellFile,
-) -> Result<Trajectories, String> {
+/// The place of the robot of a name, if one is given.
+fn only(layout: &Layout, name: Option<&str>) -> Result<Option<usize>, String> {
+    let Some(name) = name else { return Ok(None) };
+    let place = layout.robots.iter().position(|robot| robot.name == name);
+    let known: Vec<_> = layout.robots.iter().map(|robot| robot.name.as_str()).collect();
+    place
+        .map(Some)
+        .ok_or_else(|| format!("--robot: the cell has no robot `{name}`\n help: it has {}", known.join(", ")))
+}
+
+/// Trajectories for the program of a cell that has a sensor of goals.
+fn trajectories(layout: &Layout, topics: &Topics<RosNode>, file: &CellFile) -> Result<Trajectories, String> {
     let is_it = |sensor: &&SensorLayout| sensor.kind == Goals::KIND;
     let sensor = layout.sensors.iter().find(is_it).ok_or(
         "the cell has no sensor of goals\n help: give its MP one, by `mrroc_external::Goals::in_cell`",
     )?;
     let port = file.external(&sensor.name).map_err(|error| error.to_string())?.port();
-    Trajectories::offer(node, layout, topics.joints(), port)
+    Trajectories::at(port, layout, topics.joints())
 }
 
 fn show_for_ever(
     subscriber: &mut Subscriber,
-    topics: &mut Topics,
+    topics: &mut Topics<RosNode>,
     pictures: &Receiver<Option<Box<Picture>>>,
     goals: &mut Option<Trajectories>,
 ) -> Result<core::convert::Infallible, String> {
     let mut diagnosed = Instant::now();
     let mut told = (CellState::Idle, None);
     loop {
-        // However much it shows, the rest has its turn.
-        for _ in 0..MOST {
+        let began = Instant::now();
+        while began.elapsed() < TURN {
             let Some(image) = subscriber.image() else { break };
             let stamp = topics.image(&image);
             if let Some(goals) = goals {
@@ -233,7 +261,7 @@ fn show_for_ever(
             }
             if says != told || diagnosed.elapsed() >= DIAGNOSED {
                 (diagnosed, told) = (Instant::now(), says);
-                topics.diagnose(&picture);
+                topics.diagnose(&picture, now());
             }
         }
         if let Some(goals) = goals {

@@ -1,45 +1,46 @@
 //! What the cell shows, as topics.
 //!
-//! In: images of robots, and pictures of the cell. Out: messages. The bridge waits for no subscriber.
+//! In: images of robots, and pictures of the cell. Out: messages, to other nodes or into a bag. The bridge waits for no subscriber.
 
 use mrroc_core::console::complain;
 use mrroc_core::observe::layout::Layout;
 use mrroc_core::pose::Pose;
+use mrroc_core::robot::Signals;
 use mrroc_external::Image;
 use mrroc_processes::Picture;
-use ros2_client::Publisher;
 
-use crate::clock::{CellClock, now};
+use crate::clock::CellClock;
 use crate::description::{Description, WORLD, joint_names};
 use crate::diagnostics;
 use crate::messages::{DiagnosticArray, Header, JointState, Stamp, Text, TransformStamped, Transforms};
 use crate::moveit;
-use crate::node::{RosNode, kept, now_only, same_topic, topic_name};
+use crate::node::{same_topic, topic_name};
+use crate::outlet::{Outlet, Put, Reach};
 use crate::signals::SignalTopics;
 
 /// Time between two messages of `/tf`, and of `/joint_states`, for a robot \[ns of the cell\].
 const EVERY: u64 = 20_000_000;
 
 /// A robot, and its topics.
-struct Robot {
+struct Robot<O: Outlet> {
     description: Option<Description>,
     joints: Vec<String>,
     /// The names of the same joints among those of all robots.
     names: Vec<String>,
-    states: Publisher<JointState>,
+    states: O::Topic<JointState>,
     /// When its links, and its joints among those of all robots, are shown next \[ns of the cell\].
     due: u64,
 }
 
 /// The topics of a cell.
-pub struct Topics {
-    robots: Vec<Robot>,
+pub struct Topics<O: Outlet> {
+    robots: Vec<Robot<O>>,
     /// The joints of all robots, one robot in a message.
-    all: Publisher<JointState>,
-    transforms: Publisher<Transforms>,
-    state: Publisher<Text>,
-    diagnostics: Publisher<DiagnosticArray>,
-    signals: SignalTopics,
+    all: O::Topic<JointState>,
+    transforms: O::Topic<Transforms>,
+    state: O::Topic<Text>,
+    diagnostics: O::Topic<DiagnosticArray>,
+    signals: SignalTopics<O>,
     node: String,
     clock: CellClock,
     /// Length of a step \[ns\].
@@ -47,21 +48,22 @@ pub struct Topics {
     /// What was published last.
     said: String,
     /// They keep for others what was published once.
-    _kept: (Vec<Publisher<Text>>, Publisher<Transforms>),
+    _kept: (Vec<O::Topic<Text>>, O::Topic<Transforms>),
 }
 
-impl Topics {
+impl<O: Outlet> Topics<O> {
     /// Those of a cell of this layout, which has these robots with their URDFs, as far as they write any.
     ///
     /// # Errors
     /// Why a topic cannot be published, or which robots would have the same ones.
     pub fn open(
-        node: &mut RosNode,
+        node: &mut O,
         layout: &Layout,
         urdfs: &[(String, Option<String>)],
-    ) -> Result<Topics, String> {
+        clock: CellClock,
+    ) -> Result<Self, String> {
         let (mut robots, mut descriptions) = (Vec::new(), Vec::new());
-        let stamp = Stamp::of(now());
+        let stamp = Stamp::of(node.now());
         let frames = layout.frames.iter();
         let mut fixed: Vec<_> =
             frames.map(|(name, pose)| TransformStamped::of(stamp, WORLD, name, pose)).collect();
@@ -86,8 +88,7 @@ impl Topics {
                 }
                 None => None,
             };
-            let states =
-                node.publisher(&format!("/{name}/joint_states"), ("sensor_msgs", "JointState"), now_only())?;
+            let states = node.topic(&format!("/{name}/joint_states"), Reach::Now)?;
             if let Some(description) = &description {
                 let stands_in = match &robot.mounted_on {
                     Some(carrier) => format!("{}/flange", topic_name(carrier)),
@@ -97,34 +98,29 @@ impl Topics {
                     TransformStamped::of(stamp, &stands_in, &format!("{name}/{WORLD}"), &Pose::identity());
                 fixed.push(place);
                 let topic = format!("/{name}/robot_description");
-                let publisher = node.publisher(&topic, ("std_msgs", "String"), kept())?;
-                drop(publisher.publish(Text { data: description.urdf.clone() }));
-                descriptions.push(publisher);
+                let kept: O::Topic<Text> = node.topic(&topic, Reach::Later)?;
+                kept.put(Text { data: description.urdf.clone() });
+                descriptions.push(kept);
                 fixed.extend(description.fixed().map(|one| one.stamped(stamp)));
             }
             let joints = joint_names(description.as_ref(), robot.joints.len());
             robots.push(Robot { description, joints, names: Vec::new(), states, due: 0 });
         }
-        let joints: Vec<_> = robots.iter().map(|robot: &Robot| robot.joints.clone()).collect();
+        let joints: Vec<_> = robots.iter().map(|robot: &Robot<O>| robot.joints.clone()).collect();
         for (robot, names) in robots.iter_mut().zip(moveit::names(layout, &joints)) {
             robot.names = names;
         }
-        let tf = ("tf2_msgs", "TFMessage");
-        let standing = node.publisher("/tf_static", tf, kept())?;
-        drop(standing.publish(Transforms { transforms: fixed }));
+        let standing: O::Topic<Transforms> = node.topic("/tf_static", Reach::Later)?;
+        standing.put(Transforms { transforms: fixed });
         Ok(Topics {
             robots,
-            all: node.publisher("/joint_states", ("sensor_msgs", "JointState"), now_only())?,
-            transforms: node.publisher("/tf", tf, now_only())?,
-            state: node.publisher(&node.own("state"), ("std_msgs", "String"), kept())?,
-            diagnostics: node.publisher(
-                "/diagnostics",
-                ("diagnostic_msgs", "DiagnosticArray"),
-                now_only(),
-            )?,
+            all: node.topic("/joint_states", Reach::Now)?,
+            transforms: node.topic("/tf", Reach::Now)?,
+            state: node.topic(&node.own("state"), Reach::Later)?,
+            diagnostics: node.topic("/diagnostics", Reach::Now)?,
             signals: SignalTopics::open(node, layout)?,
-            node: node.name().to_owned(),
-            clock: CellClock::default(),
+            node: node.node().to_owned(),
+            clock,
             step: layout.step.as_nanos() as u64,
             said: String::new(),
             _kept: (descriptions, standing),
@@ -136,53 +132,59 @@ impl Topics {
         self.robots.iter().map(|robot| robot.joints.clone()).collect()
     }
 
-    /// Publishes what a robot does in a step, and tells its stamp. What nobody takes is dropped.
+    /// Publishes what a robot does in a step, and tells its stamp.
     pub fn image(&mut self, image: &Image) -> Stamp {
-        let time = image.step * self.step;
-        let stamp = self.clock.stamp(time, image.sent);
-        let Some(robot) = self.robots.get_mut(image.robot) else { return stamp };
-        let joints = &image.measured.joints;
+        let measured = [&*image.measured.joints, &*image.measured.velocity];
+        self.measured(image.robot, image.step, image.sent, measured)
+    }
+
+    /// Publishes where the joints of a robot are measured to be when a step begins, and how fast they are; it was told at `sent` by the machine's
+    /// monotonic clock \[ns\]. Tells the stamp of the step.
+    pub fn measured(&mut self, robot: usize, step: u64, sent: u64, measured: [&[f64]; 2]) -> Stamp {
+        let time = step * self.step;
+        let stamp = self.clock.stamp(time, sent);
+        let Some(robot) = self.robots.get_mut(robot) else { return stamp };
         // Another run of the cell begins at zero again.
         if robot.due > time + EVERY {
             robot.due = 0;
         }
-        let state = |names: &[String]| JointState {
-            header: Header { stamp, frame_id: String::new() },
-            name: names.to_vec(),
-            position: joints.clone(),
-            velocity: image.measured.velocity.clone(),
-            effort: Vec::new(),
-        };
         if time >= robot.due {
             robot.due = time + EVERY;
-            drop(self.all.publish(state(&robot.names)));
+            self.all.put(JointState::of(stamp, &robot.names, measured));
             if let Some(description) = &robot.description {
-                let transforms = description.moving(joints).map(|one| one.stamped(stamp)).collect();
-                drop(self.transforms.publish(Transforms { transforms }));
+                let transforms = description.moving(measured[0]).map(|one| one.stamped(stamp)).collect();
+                self.transforms.put(Transforms { transforms });
             }
         }
-        drop(robot.states.publish(state(&robot.joints)));
+        robot.states.put(JointState::of(stamp, &robot.joints, measured));
         stamp
     }
 
     /// Publishes what has changed in a picture.
     pub fn picture(&mut self, picture: &Picture) {
         self.state(picture.state.word());
-        self.signals.picture(picture);
+        for carried in &picture.carried {
+            self.signals(&carried.robot, &carried.signals);
+        }
+    }
+
+    /// Publishes which inputs and outputs of a robot have changed.
+    pub fn signals(&mut self, robot: &str, signals: &Signals) {
+        self.signals.put(robot, signals);
     }
 
     /// Publishes what the cell does, if that has changed.
     pub fn state(&mut self, said: &str) {
         if self.said != said {
             said.clone_into(&mut self.said);
-            drop(self.state.publish(Text { data: said.to_owned() }));
+            self.state.put(Text { data: said.to_owned() });
         }
     }
 
-    /// Publishes a picture as diagnostics.
-    pub fn diagnose(&mut self, picture: &Picture) {
-        let header = Header { stamp: Stamp::of(now()), frame_id: String::new() };
+    /// Publishes a picture as diagnostics of a date \[ns since 1970\].
+    pub fn diagnose(&mut self, picture: &Picture, date: u64) {
+        let header = Header { stamp: Stamp::of(date), frame_id: String::new() };
         let status = diagnostics::of(picture, &self.node);
-        drop(self.diagnostics.publish(DiagnosticArray { header, status }));
+        self.diagnostics.put(DiagnosticArray { header, status });
     }
 }

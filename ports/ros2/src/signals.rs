@@ -1,35 +1,34 @@
 //! Named inputs and outputs of robots as topics.
 //!
-//! In: pictures of the cell. Out: a message for each signal whose value has changed, kept for who comes later.
+//! In: what inputs read and outputs are. Out: a message for each signal whose value has changed, kept for who comes later.
 
 use mrroc_core::observe::layout::{Layout, SignalLayout};
 use mrroc_core::robot::{Channel, Signals};
-use mrroc_processes::Picture;
-use ros2_client::Publisher;
 
 use crate::messages::{Flag, Number};
-use crate::node::{RosNode, kept, topic_name};
+use crate::node::topic_name;
+use crate::outlet::{Outlet, Put, Reach};
 
 /// The topics of all named signals of a cell.
-pub struct SignalTopics(Vec<SignalTopic>);
+pub struct SignalTopics<O: Outlet>(Vec<SignalTopic<O>>);
 
-struct SignalTopic {
+struct SignalTopic<O: Outlet> {
     robot: String,
     is_output: bool,
-    publisher: SignalPublisher,
+    publisher: SignalPublisher<O>,
 }
 
-enum SignalPublisher {
-    Digital { number: u8, topic: Publisher<Flag>, last: Option<bool> },
-    Analog { number: u8, topic: Publisher<Number>, last: Option<f64> },
+enum SignalPublisher<O: Outlet> {
+    Digital { number: u8, topic: O::Topic<Flag>, last: Option<bool> },
+    Analog { number: u8, topic: O::Topic<Number>, last: Option<f64> },
 }
 
-impl SignalTopics {
+impl<O: Outlet> SignalTopics<O> {
     /// Those of a cell of this layout.
     ///
     /// # Errors
     /// Why a topic cannot be published.
-    pub fn open(node: &mut RosNode, layout: &Layout) -> Result<SignalTopics, String> {
+    pub fn open(node: &mut O, layout: &Layout) -> Result<Self, String> {
         let mut topics = Vec::new();
         for robot in &layout.robots {
             for signal in &robot.signals {
@@ -44,47 +43,43 @@ impl SignalTopics {
         Ok(SignalTopics(topics))
     }
 
-    /// Publishes what has changed.
-    pub fn picture(&mut self, picture: &Picture) {
-        for topic in &mut self.0 {
-            let of = picture.carried.iter().find(|carried| carried.robot == topic.robot);
-            if let Some(carried) = of {
-                topic.publisher.publish(&carried.signals, topic.is_output);
-            }
+    /// Publishes what has changed of a robot.
+    pub fn put(&mut self, robot: &str, signals: &Signals) {
+        for topic in self.0.iter_mut().filter(|topic| topic.robot == robot) {
+            topic.publisher.publish(signals, topic.is_output);
         }
     }
 }
 
-impl SignalPublisher {
-    fn open(node: &mut RosNode, robot: &str, signal: &SignalLayout) -> Result<SignalPublisher, String> {
+impl<O: Outlet> SignalPublisher<O> {
+    fn open(node: &mut O, robot: &str, signal: &SignalLayout) -> Result<Self, String> {
         let direction = if signal.is_output { "outputs" } else { "inputs" };
         let topic = format!("/{}/{direction}/{}", topic_name(robot), topic_name(&signal.name));
         Ok(match signal.channel {
             Channel::Digital(number) => {
-                let topic = node.publisher(&topic, ("std_msgs", "Bool"), kept())?;
+                let topic = node.topic(&topic, Reach::Later)?;
                 SignalPublisher::Digital { number, topic, last: None }
             }
             Channel::Analog(number) => {
-                let topic = node.publisher(&topic, ("std_msgs", "Float64"), kept())?;
+                let topic = node.topic(&topic, Reach::Later)?;
                 SignalPublisher::Analog { number, topic, last: None }
             }
         })
     }
 
-    /// What nobody takes is dropped.
     fn publish(&mut self, signals: &Signals, is_output: bool) {
         let values = if is_output { &signals.outputs } else { &signals.inputs };
         match self {
             SignalPublisher::Digital { number, topic, last } => {
                 let data = values.is_on(*number);
                 if last.replace(data) != Some(data) {
-                    drop(topic.publish(Flag { data }));
+                    topic.put(Flag { data });
                 }
             }
             SignalPublisher::Analog { number, topic, last } => {
                 let data = values.analog(*number);
                 if last.replace(data) != Some(data) {
-                    drop(topic.publish(Number { data }));
+                    topic.put(Number { data });
                 }
             }
         }

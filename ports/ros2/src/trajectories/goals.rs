@@ -182,6 +182,11 @@ impl Goals {
         self.heard = now;
     }
 
+    /// Whether a cell says at this time of the machine's monotonic clock \[ns\] that its program takes goals.
+    pub fn is_heard(&self, now: u64) -> bool {
+        self.state.is_some() && now.saturating_sub(self.heard) <= SILENT
+    }
+
     /// What the cell's sensor is to be told.
     pub fn news(&self) -> GoalNews {
         let mut news = GoalNews { newest: self.newest, ..GoalNews::default() };

@@ -17,6 +17,17 @@ impl Duration {
     pub fn seconds(self) -> f64 {
         f64::from(self.sec) + 1e-9 * f64::from(self.nanosec)
     }
+
+    /// In nanoseconds.
+    pub fn nanos(self) -> i64 {
+        i64::from(self.sec) * 1_000_000_000 + i64::from(self.nanosec)
+    }
+
+    /// Of nanoseconds; `None`: so long a time cannot be told.
+    pub fn of(nanos: i64) -> Option<Duration> {
+        let sec = i32::try_from(nanos.div_euclid(1_000_000_000)).ok()?;
+        Some(Duration { sec, nanosec: nanos.rem_euclid(1_000_000_000) as u32 })
+    }
 }
 
 /// `trajectory_msgs/JointTrajectoryPoint`.

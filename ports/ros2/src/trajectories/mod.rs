@@ -2,6 +2,7 @@
 
 mod goals;
 mod messages;
+mod playback;
 mod request;
 #[cfg(test)]
 mod tests;
@@ -19,8 +20,11 @@ use serde::Deserialize;
 use crate::clock::now;
 use crate::messages::Stamp;
 use crate::node::{RosNode, topic_name};
+use crate::outlet::Outlet as _;
 use goals::{Goals, Now, Told};
-use messages::{Feedback, Outcome, Request};
+pub use messages::{Duration, MultiTrajectory, Point, Request, Trajectory};
+use messages::{Feedback, Outcome};
+use playback::Playback;
 use request::Offered;
 
 type Server = ActionServer<Request, Outcome, Feedback>;
@@ -41,6 +45,8 @@ pub struct Trajectories {
     asked: Vec<(usize, RmwRequestId, GoalId)>,
     robots: Vec<Option<Now>>,
     fault: Option<String>,
+    /// Goals of a bag.
+    playback: Option<Playback>,
     /// Whether it was told that the cell is of another version.
     told: bool,
 }
@@ -52,17 +58,28 @@ struct Cancellation {
 }
 
 impl Trajectories {
-    /// Offers the robots of a layout, whose joints have these names, to the program of the cell that has a sensor of goals at this port.
+    /// For the program of the cell that has a sensor of goals at this port, and robots of a layout, whose joints have these names.
     ///
     /// # Errors
     /// Why that cannot be.
-    pub fn offer(
-        node: &mut RosNode,
-        layout: &Layout,
-        joints: Vec<Vec<String>>,
-        port: &str,
-    ) -> Result<Trajectories, String> {
-        let mut servers = Vec::new();
+    pub fn at(port: &str, layout: &Layout, joints: Vec<Vec<String>>) -> Result<Trajectories, String> {
+        Ok(Trajectories {
+            servers: Vec::new(),
+            robots: vec![None; layout.robots.len()],
+            goals: Goals::new(Offered { layout: layout.clone(), joints }),
+            sensor: Sender::at(port)?,
+            asked: Vec::new(),
+            fault: None,
+            playback: None,
+            told: false,
+        })
+    }
+
+    /// Offers the robots to other nodes.
+    ///
+    /// # Errors
+    /// Why that cannot be.
+    pub fn offer(&mut self, node: &mut RosNode, layout: &Layout) -> Result<(), String> {
         if let Some(robot) = layout.robots.iter().find(|robot| topic_name(&robot.name) == node.name()) {
             return Err(format!(
                 "robot `{}` and the node would have the same action\n help: give the node another name by --node",
@@ -71,19 +88,16 @@ impl Trajectories {
         }
         for (robot, of) in layout.robots.iter().enumerate() {
             let name = format!("/{}/follow_joint_trajectory", topic_name(&of.name));
-            servers.push((Some(robot), node.action(&name, ("control_msgs", "FollowJointTrajectory"))?));
+            self.servers.push((Some(robot), node.action(&name, ("control_msgs", "FollowJointTrajectory"))?));
         }
         let of_all = node.own("follow_joint_trajectory");
-        servers.push((None, node.action(&of_all, ("control_msgs", "FollowJointTrajectory"))?));
-        Ok(Trajectories {
-            servers,
-            robots: vec![None; layout.robots.len()],
-            goals: Goals::new(Offered { layout: layout.clone(), joints }),
-            sensor: Sender::at(port)?,
-            asked: Vec::new(),
-            fault: None,
-            told: false,
-        })
+        self.servers.push((None, node.action(&of_all, ("control_msgs", "FollowJointTrajectory"))?));
+        Ok(())
+    }
+
+    /// Has the robots follow goals of a bag, all for one robot or each for those that it names.
+    pub fn play(&mut self, goals: Vec<Request>, only: Option<usize>) {
+        self.playback = Some(Playback::of(goals, only));
     }
 
     /// What a robot does in a step, and the step's stamp.
@@ -102,6 +116,7 @@ impl Trajectories {
     /// Takes what has come from nodes and from the cell, and tells them what there is to tell; waits for nobody.
     pub fn serve(&mut self) {
         self.hear();
+        self.play_on();
         let told = self.goals.advance(monotonic(), &self.robots, self.fault.as_deref());
         self.tell(told);
         self.sensor.send_now(&self.goals.news());
@@ -143,12 +158,37 @@ impl Trajectories {
         }
     }
 
+    /// Goes on with the goals of a bag, whose place is behind those of the servers.
+    fn play_on(&mut self) {
+        let Some(playback) = &mut self.playback else { return };
+        if let Some(id) = playback.at_work() {
+            match self.goals.result(id) {
+                Ok(None) => {}
+                Ok(Some((status, outcome))) => playback.ended(status, &outcome),
+                Err(()) => playback.ended(GoalStatusEnum::Unknown, &Outcome::default()),
+            }
+        }
+        let times = [monotonic(), now()];
+        let is_ready = self.goals.is_heard(times[0]) && self.robots.iter().all(Option::is_some);
+        if let Some((id, goal)) = playback.next(times[0], is_ready)
+            && !self.goals.request(self.servers.len(), playback.only, id, &goal, times)
+        {
+            let why = Outcome { error_string: "too many goals are at work".to_owned(), ..Outcome::default() };
+            playback.ended(GoalStatusEnum::Aborted, &why);
+        }
+    }
+
+    /// Tells other nodes; the goals of a bag are none of theirs.
     fn tell(&mut self, told: Told) {
         for (place, id, feedback) in told.feedback {
-            drop(self.servers[place].1.send_feedback(id, feedback));
+            if let Some((_, server)) = self.servers.get(place) {
+                drop(server.send_feedback(id, feedback));
+            }
         }
         for (place, status_list) in told.statuses {
-            drop(self.servers[place].1.send_goal_statuses(GoalStatusArray { status_list }));
+            if let Some((_, server)) = self.servers.get(place) {
+                drop(server.send_goal_statuses(GoalStatusArray { status_list }));
+            }
         }
         let (goals, servers) = (&self.goals, &self.servers);
         self.asked.retain(|(place, request, id)| {

@@ -1,0 +1,235 @@
+//! A recording of a cell as a bag.
+//!
+//! In: the messages of a recording. Out: those that the bridge would have published while it ran, by the same functions, at the times of the cell;
+//! and what it does not publish: demanded joints, and readings.
+
+use std::path::Path;
+
+use mrroc_core::console::complain;
+use mrroc_core::observe::layout::Layout;
+use mrroc_core::operator::CellState;
+use mrroc_core::operator::state::InstructionKind;
+use mrroc_processes::Picture;
+use mrroc_recording::{CutShort, RecordedMessage, as_number, each_message_of, signals_in};
+use serde_json::Value;
+
+use super::file::{Bag, BagTopic};
+use super::readings::ReadingTopics;
+use crate::clock::CellClock;
+use crate::messages::JointState;
+use crate::node::topic_name;
+use crate::outlet::{Outlet as _, Put as _, Reach};
+use crate::show::Topics;
+
+/// The time between two diagnostics in which nothing new is told \[ns of the cell\].
+const DIAGNOSED: u64 = 1_000_000_000;
+
+/// What goes into a bag.
+struct Export<'a> {
+    layout: &'a Layout,
+    bag: &'a Bag,
+    topics: Topics<Bag>,
+    /// The names of each robot's joints, and where the demanded ones go.
+    demanded: Vec<(Vec<String>, BagTopic<JointState>)>,
+    readings: Vec<(String, ReadingTopics<Bag>)>,
+    /// What is known of the cell.
+    picture: Picture,
+    is_suspended: bool,
+    has_stopped: bool,
+    diagnosed: Option<(u64, CellState, Option<String>)>,
+}
+
+/// Writes a recording of a cell, which has these robots with their URDFs, as a bag into a folder that is not there yet. `node` is the name of the
+/// node whose topics they would be.
+///
+/// # Errors
+/// What is wrong with the recording, or why the bag cannot be written.
+pub fn export(
+    recording: &Path,
+    folder: &Path,
+    node: &str,
+    layout: &Layout,
+    urdfs: &[(String, Option<String>)],
+) -> Result<(), String> {
+    let mut bag = Bag::create(folder, node)?;
+    let written = write(recording, &mut bag, layout, urdfs).and_then(|cut| Ok((cut, bag.finish()?)));
+    let (cut, [messages, topics]) = written.inspect_err(|_| bag.discard())?;
+    if cut == CutShort::Yes {
+        complain("warning: the recording was cut off: the bag has what there is");
+    }
+    complain(&format!("wrote {}: {messages} messages of {topics} topics", folder.display()));
+    Ok(())
+}
+
+fn write(
+    recording: &Path,
+    bag: &mut Bag,
+    layout: &Layout,
+    urdfs: &[(String, Option<String>)],
+) -> Result<CutShort, String> {
+    // The topics begin at the date of the first message.
+    let mut first = None;
+    let scan = |message: RecordedMessage<'_>| {
+        first.get_or_insert(message.start);
+    };
+    let _cut = each_message_of(recording, layout, scan).map_err(|wrong| wrong.to_string())?;
+    let start = first.ok_or_else(|| {
+        format!("{}: has no message\n help: record a run that moves something", recording.display())
+    })?;
+    bag.set_now(start);
+    let topics = Topics::open(bag, layout, urdfs, CellClock::since(start))?;
+    let mut demanded = Vec::new();
+    for (robot, joints) in layout.robots.iter().zip(topics.joints()) {
+        let name = format!("/{}/demanded_joint_states", topic_name(&robot.name));
+        demanded.push((joints, bag.topic(&name, Reach::Now)?));
+    }
+    let mut readings = Vec::new();
+    for sensor in &layout.sensors {
+        let name = format!("/sensors/{}", topic_name(&sensor.name));
+        readings.push((sensor.name.clone(), ReadingTopics::open(bag, &name, sensor.reading)?));
+    }
+    let mut export = Export {
+        layout,
+        bag,
+        topics,
+        demanded,
+        readings,
+        picture: Picture::default(),
+        is_suspended: false,
+        has_stopped: false,
+        diagnosed: None,
+    };
+    let mut wrong = None;
+    let take = |message: RecordedMessage<'_>| {
+        if export.take(&message).is_none() {
+            wrong.get_or_insert_with(|| {
+                format!("a message in {} at {} ns does not fit", message.topic, message.time)
+            });
+        }
+    };
+    let cut = each_message_of(recording, layout, take).map_err(|wrong| wrong.to_string())?;
+    match wrong {
+        Some(why) => Err(format!("{}: {why}", recording.display())),
+        None => Ok(cut),
+    }
+}
+
+impl Export<'_> {
+    /// Takes a message; `None`: it does not fit. What has no topic here is passed over.
+    fn take(&mut self, message: &RecordedMessage<'_>) -> Option<()> {
+        self.bag.set_now(message.start + message.time);
+        let json = || serde_json::from_slice::<Value>(message.json).ok();
+        let parts: Vec<_> = message.topic.split('/').skip(1).collect();
+        match *parts.as_slice() {
+            ["robots", name] => self.image(name, &json()?),
+            ["robots", name, "signals"] => self.signals(name, &json()?),
+            ["sensors", name] => self.reading(name, &json()?),
+            ["steps"] => self.step(message, &json()?),
+            ["instructions"] => self.instruction(&json()?),
+            ["events"] => self.event(message, &json()?),
+            _ => Some(()),
+        }
+    }
+
+    fn image(&mut self, name: &str, json: &Value) -> Option<()> {
+        // Robots of lower cells are not shown.
+        let Some(place) = self.layout.robots.iter().position(|robot| robot.name == name) else {
+            return Some(());
+        };
+        let joints = self.layout.robots[place].joints.len();
+        let numbers = |of: &str, what: &str| {
+            let list = json[of][what].as_array().filter(|list| list.len() == joints)?;
+            list.iter().map(as_number).collect::<Option<Vec<f64>>>()
+        };
+        let state = |of: &str| Some([numbers(of, "joints")?, numbers(of, "velocity")?]);
+        let (measured, demanded) = (state("measured")?, state("demanded")?);
+        let step = json["step"].as_u64()?;
+        let time = step.checked_mul(self.layout.step.as_nanos() as u64)?;
+        let stamp = self.topics.measured(place, step, time, [&measured[0], &measured[1]]);
+        let (names, topic) = &self.demanded[place];
+        topic.put(JointState::of(stamp, names, [&demanded[0], &demanded[1]]));
+        Some(())
+    }
+
+    fn signals(&mut self, name: &str, json: &Value) -> Option<()> {
+        let Some(robot) = self.layout.robots.iter().find(|robot| robot.name == name) else {
+            return Some(());
+        };
+        self.topics.signals(name, &signals_in(&robot.signals, json)?);
+        Some(())
+    }
+
+    fn reading(&mut self, name: &str, json: &Value) -> Option<()> {
+        let known = self.readings.iter().find(|(known, _)| known == name);
+        if let Some((_, topics)) = known.filter(|_| json["state"] == "there") {
+            topics.put(&json["reading"]);
+        }
+        Some(())
+    }
+
+    fn step(&mut self, message: &RecordedMessage<'_>, json: &Value) -> Option<()> {
+        let is = |name: &str| json[name].as_bool().unwrap_or(false);
+        self.picture.step = json["step"].as_u64()?;
+        self.picture.speed = json["speed"].as_f64()?;
+        self.picture.reduced = is("reduced");
+        let (dt, duration) = (json["dt"].as_f64()?, json["duration"].as_f64()?);
+        self.picture.rate = if duration > 0.0 { dt / duration } else { 0.0 };
+        self.is_suspended = is("suspended");
+        self.picture.state = match self.has_stopped {
+            true if is("resetting") => CellState::Resetting,
+            true => CellState::Latched,
+            false if is("stopping") => CellState::Stopping,
+            false if is("aborting") => CellState::Aborting,
+            false => self.at_work(),
+        };
+        self.tell(message);
+        Some(())
+    }
+
+    /// What a cell that nothing has stopped does.
+    fn at_work(&self) -> CellState {
+        match (self.picture.doing, self.is_suspended) {
+            (InstructionKind::Nothing, _) => CellState::Idle,
+            (_, true) => CellState::Suspended,
+            (_, false) => CellState::Running,
+        }
+    }
+
+    /// An instruction of the MP that begins or ends.
+    fn instruction(&mut self, json: &Value) -> Option<()> {
+        if json["process"] != "mp" {
+            return Some(());
+        }
+        let word = json["doing"].as_str()?;
+        self.picture.doing = InstructionKind::ALL.into_iter().find(|doing| doing.word() == word)?;
+        json["by"].as_str()?.clone_into(&mut self.picture.by);
+        if self.picture.doing != InstructionKind::Nothing {
+            self.has_stopped = false;
+        }
+        Some(())
+    }
+
+    fn event(&mut self, message: &RecordedMessage<'_>, json: &Value) -> Option<()> {
+        let text = json["text"].as_str()?;
+        let is_end = matches!(json["what"].as_str()?, "fault" | "end");
+        if is_end && json["process"] == "mp" && !text.is_empty() {
+            self.picture.fault = Some(text.to_owned());
+            self.picture.state = CellState::Latched;
+            self.has_stopped = true;
+            self.tell(message);
+        }
+        Some(())
+    }
+
+    /// Publishes what is known of the cell: its state when that changes, its diagnostics as often as the bridge does.
+    fn tell(&mut self, message: &RecordedMessage<'_>) {
+        self.topics.state(self.picture.state.word());
+        let is_due = self.diagnosed.as_ref().is_none_or(|(last, state, fault)| {
+            message.time >= last + DIAGNOSED || *state != self.picture.state || *fault != self.picture.fault
+        });
+        if is_due {
+            self.diagnosed = Some((message.time, self.picture.state, self.picture.fault.clone()));
+            self.topics.diagnose(&self.picture, message.start + message.time);
+        }
+    }
+}

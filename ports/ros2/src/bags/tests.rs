@@ -1,0 +1,269 @@
+//! Bags in memory, without a cell. What other implementations read and write is compared in `tests/peers/ros2`.
+
+use std::collections::BTreeMap;
+use std::io::Cursor;
+
+use byteorder::{BigEndian, LittleEndian};
+use mcap::records::MessageHeader;
+use mcap::{Compression, WriteOptions};
+use mrroc_core::payload::Shape;
+use proptest::prelude::*;
+use serde::Serialize;
+use serde_json::json;
+
+use super::file::{Bag, LITTLE_ENDIAN};
+use super::read::{Source, Wanted};
+use super::readings::ReadingTopics;
+use crate::messages::{Header, JointState, Stamp};
+use crate::trajectories::{Duration, MultiTrajectory, Point, Request, Trajectory};
+
+const TRAJECTORY: &str = "trajectory_msgs/msg/JointTrajectory";
+const STATE: &str = "sensor_msgs/msg/JointState";
+
+/// A message of a topic: its type, its date \[ns\], and its bytes.
+type Message = (&'static str, &'static str, u64, Vec<u8>);
+
+/// An MCAP file of these messages.
+fn bag(messages: &[Message]) -> Vec<u8> {
+    let options = WriteOptions::new().profile("ros2").compression(Some(Compression::Lz4));
+    let mut writer = options.create(Cursor::new(Vec::new())).expect("a file");
+    for (topic, kind, log_time, data) in messages {
+        let schema = writer.add_schema(kind, "ros2msg", b"").expect("a schema");
+        let channel_id = writer.add_channel(schema, topic, "cdr", &BTreeMap::new()).expect("a channel");
+        let header = MessageHeader { channel_id, sequence: 0, log_time: *log_time, publish_time: 0 };
+        writer.write_to_known_channel(&header, data).expect("written");
+    }
+    writer.finish().expect("an end");
+    writer.into_inner().into_inner()
+}
+
+fn cdr(message: &impl Serialize) -> Vec<u8> {
+    [&LITTLE_ENDIAN[..], &cdr_encoding::to_vec::<_, LittleEndian>(message).expect("CDR")].concat()
+}
+
+fn trajectory(times: &[i64]) -> Trajectory {
+    let point = |&ms: &i64| Point {
+        positions: vec![ms as f64, -0.5],
+        time_from_start: Duration::of(ms * 1_000_000).expect("a time"),
+        ..Point::default()
+    };
+    Trajectory {
+        header: Header { stamp: Stamp { sec: 7, nanosec: 8 }, frame_id: "base".to_owned() },
+        joint_names: vec!["a".to_owned(), "b".to_owned()],
+        points: times.iter().map(point).collect(),
+    }
+}
+
+fn read(bytes: &[u8], topic: Option<&str>) -> Result<Vec<Request>, String> {
+    let wanted = Wanted { topic: topic.map(str::to_owned), approach: 0.0, every: 0.0 };
+    Source::Bytes(bytes).goals(&wanted)
+}
+
+#[test]
+fn trajectories_are_goals_in_the_order_of_their_dates_and_begin_when_they_are_sent() {
+    let (early, late) = (trajectory(&[500, 1000]), trajectory(&[250]));
+    let bytes = bag(&[("/plan", TRAJECTORY, 9, cdr(&late)), ("/plan", TRAJECTORY, 5, cdr(&early))]);
+    let goals = read(&bytes, None).expect("one topic");
+    let expected = |of: &Trajectory| Trajectory {
+        header: Header { stamp: Stamp::default(), frame_id: "base".to_owned() },
+        ..of.clone()
+    };
+    let found: Vec<_> = goals.into_iter().map(|goal| goal.trajectory).collect();
+    assert_eq!(found, [expected(&early), expected(&late)]);
+    let wanted = Wanted { approach: 1.5, ..Wanted::default() };
+    let later = Source::Bytes(&bytes).goals(&wanted).expect("the same, later");
+    let times: Vec<_> =
+        later[0].trajectory.points.iter().map(|point| point.time_from_start.nanos()).collect();
+    assert_eq!(times, [2_000_000_000, 2_500_000_000]);
+}
+
+#[test]
+fn both_orders_of_bytes_and_goals_and_plans_of_moveit_are_read() {
+    let of = trajectory(&[100]);
+    let big = [&[0, 0, 0, 0][..], &cdr_encoding::to_vec::<_, BigEndian>(&of).expect("CDR")].concat();
+    assert_eq!(read(&bag(&[("/a", TRAJECTORY, 1, big)]), None).expect("big").len(), 1);
+    let goal = Request {
+        trajectory: of.clone(),
+        goal_time_tolerance: Duration { sec: 3, nanosec: 0 },
+        ..Request::default()
+    };
+    let kind = "control_msgs/action/FollowJointTrajectory_Goal";
+    let found = read(&bag(&[("/a", kind, 1, cdr(&goal))]), None).expect("a goal");
+    assert_eq!(found[0].goal_time_tolerance.sec, 3);
+    // What comes behind the trajectories is not looked at.
+    let plan = vec![(of.clone(), MultiTrajectory::default()), (of, MultiTrajectory::default())];
+    let display = cdr(&("arm".to_owned(), plan, vec![1.0, 2.0, 3.0]));
+    let kind = "moveit_msgs/msg/DisplayTrajectory";
+    assert_eq!(read(&bag(&[("/a", kind, 1, display)]), None).expect("a plan").len(), 2);
+}
+
+/// Joint states of two robots.
+fn states() -> Vec<Message> {
+    let state = |ms: u32, name: &str, position: f64| JointState {
+        header: Header { stamp: Stamp { sec: 1, nanosec: ms * 1_000_000 }, frame_id: String::new() },
+        name: vec![name.to_owned()],
+        position: vec![position],
+        ..JointState::default()
+    };
+    let mut messages = vec![("/joint_states", STATE, 0, cdr(&state(0, "right", 9.0)))];
+    for k in 1..=10 {
+        for (name, offset) in [("left", 0.0), ("right", 100.0)] {
+            let state = state(20 * k, name, offset + f64::from(k));
+            messages.push(("/joint_states", STATE, u64::from(k), cdr(&state)));
+        }
+    }
+    messages
+}
+
+#[test]
+fn joint_states_of_one_stamp_are_a_point_and_stamps_without_all_joints_are_left_out() {
+    let bytes = bag(&states());
+    let goals = read(&bytes, Some("/joint_states")).expect("a series");
+    let [goal] = &goals[..] else { panic!("{} goals", goals.len()) };
+    assert_eq!(goal.trajectory.joint_names, ["right", "left"]);
+    let points = &goal.trajectory.points;
+    let told: Vec<_> =
+        points.iter().map(|point| (point.time_from_start.nanos(), &*point.positions)).collect();
+    assert_eq!(told.len(), 10);
+    assert_eq!((told[0].0, told[0].1), (0, &[101.0, 1.0][..]));
+    assert_eq!((told[9].0, told[9].1), (180_000_000, &[110.0, 10.0][..]));
+    let wanted = Wanted { topic: Some("/joint_states".to_owned()), approach: 0.0, every: 0.05 };
+    let goals = Source::Bytes(&bytes).goals(&wanted).expect("a series");
+    let times: Vec<_> =
+        goals[0].trajectory.points.iter().map(|point| point.time_from_start.nanos() / 1_000_000).collect();
+    // The last one is there in any case, and no two are nearer than asked for.
+    assert_eq!(times, [0, 60, 120, 180]);
+    // Joint states are taken where they are named alone: every bag of a robot has them.
+    let why = read(&bytes, None).expect_err("no trajectory");
+    assert!(why.contains("no topics of trajectories") && why.contains("/joint_states"), "{why}");
+}
+
+#[test]
+fn what_is_wrong_with_a_bag_is_told_by_name() {
+    let good = cdr(&trajectory(&[100]));
+    let of = |data: &[u8]| bag(&[("/a", TRAJECTORY, 1, data.to_vec())]);
+    let changed = |place: usize, bytes: &[u8]| {
+        let mut data = good.clone();
+        data[place..place + bytes.len()].copy_from_slice(bytes);
+        of(&data)
+    };
+    let longer = |more: usize| of(&[&good[..], &vec![0; more]].concat());
+    let two = bag(&[("/a", TRAJECTORY, 1, good.clone()), ("/b", TRAJECTORY, 1, good.clone())]);
+    let unequal = JointState { name: vec!["a".to_owned()], ..JointState::default() };
+    for (bytes, topic, text) in [
+        (b"SQLite format 3\0".to_vec(), None, "no MCAP file"),
+        (of(&good)[..100].to_vec(), None, "cut off"),
+        (of(&good[..3]), None, "shorter than 4 bytes"),
+        (of(&good[..good.len() - 8]), None, "cannot be read"),
+        (longer(64), None, "64 bytes are left"),
+        // The length of the list of names is at 24: seconds, nanoseconds, and 5 letters with their length before it.
+        (changed(24, &[0xff; 4]), None, "cannot be read"),
+        (changed(0, &[0, 7]), None, "not as plain CDR"),
+        (changed(0, &[0x28, 0xb5, 0x2f, 0xfd]), None, "compressed by zstd"),
+        (longer(5 << 20), None, "at most"),
+        (two.clone(), None, "several topics of trajectories\n help: name one by --topic: /a, /b"),
+        (two, Some("/c"), "no message of topic /c"),
+        (bag(&[("/t", "std_msgs/msg/String", 1, vec![])]), Some("/t"), "type std_msgs/msg/String"),
+        (bag(&[("/t", "std_msgs/msg/String", 1, vec![])]), None, "no topics of trajectories"),
+        (bag(&[("/s", STATE, 1, cdr(&unequal))]), Some("/s"), "0 positions for 1 joints"),
+    ] {
+        let why = read(&bytes, topic).expect_err(text);
+        assert!(why.contains(text), "{text}: {why}");
+    }
+    // Padding to whole words is not foreign.
+    assert!(read(&longer(3), None).is_ok());
+}
+
+proptest! {
+    /// Whatever the bytes are, the answer is goals or what is wrong: bytes of a message, and bytes of the file about it.
+    #[test]
+    fn a_damaged_bag_is_read_or_refused(
+        changes in proptest::collection::vec((any::<u16>(), any::<u8>()), 1..8),
+        cut in proptest::option::of(any::<u16>()),
+        is_in_message in any::<bool>(),
+        has_states in any::<bool>(),
+    ) {
+        let damage = |mut bytes: Vec<u8>| {
+            for &(place, byte) in &changes {
+                let place = usize::from(place) % bytes.len();
+                bytes[place] = byte;
+            }
+            if let Some(cut) = cut {
+                bytes.truncate(usize::from(cut) % bytes.len());
+            }
+            bytes
+        };
+        let mut messages = states();
+        if !has_states {
+            messages = vec![("/joint_states", TRAJECTORY, 1, cdr(&trajectory(&[1, 2, 3])))];
+        }
+        let bytes = if is_in_message {
+            for message in &mut messages {
+                message.3 = damage(core::mem::take(&mut message.3));
+            }
+            bag(&messages)
+        } else {
+            damage(bag(&messages))
+        };
+        for topic in [None, Some("/joint_states")] {
+            if let Err(why) = read(&bytes, topic) {
+                prop_assert!(!why.is_empty());
+            }
+        }
+    }
+}
+
+#[test]
+fn readings_have_a_topic_for_each_number_and_each_list_of_numbers() {
+    const SHAPE: &Shape = &Shape::Fields(&[
+        ("x", &Shape::Float),
+        ("touches", &Shape::Truth),
+        ("side", &Shape::Choice(&["Left", "Right"])),
+        ("force", &Shape::Array(&Shape::Float, 3)),
+        ("grid", &Shape::Array(&Shape::Array(&Shape::Unsigned, 2), 3)),
+        ("tip", &Shape::Fields(&[("z", &Shape::Signed)])),
+        ("hash", &Shape::Words(1)),
+    ]);
+    let place = std::env::temp_dir().join(format!("mrroc-ros2-readings-{}", std::process::id()));
+    let mut bag = Bag::create(&place, "cell").expect("a folder");
+    bag.set_now(1000);
+    let topics = ReadingTopics::open(&mut bag, "/sensors/wrist", SHAPE).expect("topics");
+    topics.put(&json!({
+        "x": "Infinity", "touches": true, "side": "Right", "force": [1.5, -2.0, 0.1],
+        "grid": [[1, 2], [3, 4], [5, 6]], "tip": {"z": -3}, "hash": ["00"],
+    }));
+    let again = ReadingTopics::<Bag>::open(&mut bag, "/sensors/wrist/x", &Shape::Float);
+    assert!(again.is_err_and(|why| why.contains("twice")));
+    assert_eq!(bag.finish().expect("written"), [6, 6]);
+    let name = format!("{}_0.mcap", place.file_name().expect("a name").to_string_lossy());
+    let mut found = BTreeMap::new();
+    let take = |message: mrroc_recording::McapMessage<'_>| {
+        assert_eq!((message.date, message.encoding), (1000, "cdr"));
+        found.insert(message.topic.to_owned(), (message.schema.to_owned(), message.data[4..].to_vec()));
+        Ok(())
+    };
+    mrroc_recording::each_mcap_message(&place.join(name), take).expect("an MCAP file");
+    let is_there = Bag::create(&place, "cell").err().expect("it is there already");
+    bag.discard();
+    assert!(is_there.contains("is there already") && !place.exists(), "{is_there}");
+    let kinds: Vec<_> = found.iter().map(|(topic, (kind, _))| (topic.as_str(), kind.as_str())).collect();
+    let expected = [
+        ("/sensors/wrist/force", "std_msgs/msg/Float64MultiArray"),
+        ("/sensors/wrist/grid", "std_msgs/msg/Float64MultiArray"),
+        ("/sensors/wrist/side", "std_msgs/msg/String"),
+        ("/sensors/wrist/tip/z", "std_msgs/msg/Float64"),
+        ("/sensors/wrist/touches", "std_msgs/msg/Bool"),
+        ("/sensors/wrist/x", "std_msgs/msg/Float64"),
+    ];
+    assert_eq!(kinds, expected);
+    assert_eq!(found["/sensors/wrist/x"].1, f64::INFINITY.to_le_bytes());
+    type Numbers = (Vec<(String, u32, u32)>, u32, Vec<f64>);
+    let numbers = |of: &str| {
+        let read =
+            cdr_encoding::from_bytes::<Numbers, LittleEndian>(&found[&format!("/sensors/wrist/{of}")].1);
+        read.expect("a list of numbers").0
+    };
+    assert_eq!(numbers("force"), (vec![("force".to_owned(), 3, 3)], 0, vec![1.5, -2.0, 0.1]));
+    let dimensions = vec![("grid".to_owned(), 3, 6), ("grid[]".to_owned(), 2, 2)];
+    assert_eq!(numbers("grid"), (dimensions, 0, vec![1.0, 2.0, 3.0, 4.0, 5.0, 6.0]));
+}

@@ -1,0 +1,43 @@
+//! Where messages go: to other nodes, or into a bag.
+//!
+//! In: the same messages of the same topics for both. So a bag of a recording has what nodes would have heard.
+
+use crate::messages::RosType;
+
+/// Whom a message reaches.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Reach {
+    /// Who is there.
+    Now,
+    /// Who comes later gets the last one, too.
+    Later,
+}
+
+/// Where topics are opened.
+pub trait Outlet {
+    /// A topic of one type of messages.
+    type Topic<M: RosType>: Put<M>;
+
+    /// The name of the node whose topics they are.
+    fn node(&self) -> &str;
+
+    /// Now \[ns since 1970\].
+    fn now(&self) -> u64;
+
+    /// A topic.
+    ///
+    /// # Errors
+    /// Why there is none.
+    fn topic<M: RosType>(&mut self, name: &str, reach: Reach) -> Result<Self::Topic<M>, String>;
+
+    /// The name of a topic of the node itself.
+    fn own(&self, topic: &str) -> String {
+        format!("/{}/{topic}", self.node())
+    }
+}
+
+/// A topic that takes messages.
+pub trait Put<M> {
+    /// Takes one, or drops it: what becomes of it is not the concern of who shows it.
+    fn put(&self, message: M);
+}
