@@ -165,23 +165,44 @@ def refusals(folder, messages):
 
 
 def follows(folder):
-    """Two arms go through the points of a bag."""
+    """Two arms go through the points of a bag of rosbags, and once more through those of a bag of that run."""
     both = [f"{arm}/{name}" for arm in ("left", "right") for name in JOINTS]
     times, q, v, a = swing(HOME, TURN, 2.0)
     back = swing(np.concatenate([HOME + TURN, HOME]), np.concatenate([-TURN, TURN]), 4.0)
     messages = [message([f"left_{name}" for name in JOINTS], times, q, v, a), message(both, *back[:3])]
     refusals(folder, messages)
     bag = made(folder / "plan", messages, mode=CompressionMode.STORAGE)
-    options = ["--processes", "--no-picture", "--quiet", "--record", folder / "follows.mcap", "--outcome", folder / "outcome.json"]
-    cell = subprocess.Popen([EXAMPLES / "goals", "--cell", GOALS, *options], preexec_fn=interruptible)
-    bridge = subprocess.Popen([EXAMPLES / "goals_bridge", "--cell", GOALS, "--from-bag", bag], stderr=subprocess.PIPE, text=True, preexec_fn=interruptible)
+    told = session(folder, "first.mcap", 2, "--from-bag", bag)
+    through(told, ["left"], times, q)
+    through(told, ["left", "right"], *back[:2])
+
+    own = folder / "own"
+    wrote = subprocess.run([EXAMPLES / "goals_bridge", "--cell", GOALS, "--export-bag", own, folder / "first.mcap"], capture_output=True, text=True)
+    has(wrote.returncode == 0, wrote.stderr)
+    states = {}
+    for _, state in by_rosbags(own)[0]["/joint_states"]:
+        stamp = state.header.stamp.sec * 10**9 + state.header.stamp.nanosec
+        states.setdefault(stamp, {}).update(zip(state.name, state.position))
+    # Each arm begins and ends by itself.
+    stamps = sorted(stamp for stamp, joints in states.items() if len(joints) == 12)
+    where = np.array([[states[stamp][f"{arm}_{name}"] for arm in ("left", "right") for name in JOINTS] for stamp in stamps])
+    told = session(folder, "second.mcap", 1, "--from-bag", own, "--topic", "/joint_states", "--approach", "2")
+    through(told, ["left", "right"], 2.0 + (np.array(stamps) - stamps[0]) * 1e-9, where)
+
+
+def session(folder, name, count, *options):
+    """A run of the cell in which its bridge takes a bag; what the arms were told in it."""
+    outcome = folder / "outcome.json"
+    recording = ["--processes", "--no-picture", "--quiet", "--record", folder / name, "--outcome", outcome]
+    cell = subprocess.Popen([EXAMPLES / "goals", "--cell", GOALS, *recording], preexec_fn=interruptible)
+    bridge = subprocess.Popen([EXAMPLES / "goals_bridge", "--cell", GOALS, *options], stderr=subprocess.PIPE, text=True, preexec_fn=interruptible)
     limit = threading.Timer(90, bridge.kill)
     limit.start()
+    said = []
     try:
-        said = []
         for line in bridge.stderr:
             said.append(line.strip())
-            if line.startswith("bag:") and ("done" not in line or "2 of 2" in line):
+            if line.startswith("bag:") and ("done" not in line or f"{count} of {count}" in line):
                 break
     finally:
         cell.send_signal(signal.SIGINT)
@@ -189,20 +210,24 @@ def follows(folder):
         limit.cancel()
         bridge.kill()
         bridge.wait()
-    print(f"  {said[-1]}; {Outcome(folder / 'outcome.json')}")
-    has(said[-2:] == ["bag: trajectory 1 of 2: done", "bag: trajectory 2 of 2: done"], f"the bridge says {said}")
-    at, orders = ordered(folder / "follows.mcap")
-    for arms, (when, where) in ((["left"], (times, q)), (["left", "right"], back[:2])):
-        demands = np.array([np.concatenate([order[arm] for arm in arms]) for order in orders])
-        passed = lambda begins: np.array([np.interp(begins + when, at, joint) for joint in demands.T]).T  # noqa: E731
-        closest = min(np.abs(passed(begins) - where).max() for begins in at if begins + when[-1] < at[-1])
-        print(f"  the demands go through {len(when)} points of the bag at their times, within {closest:.1e} rad")
-        # The points are at steps, unless a machine that is late made a step shorter: between two demands that is the chord of a path of at most 7 rad/s^2.
-        has(closest < 7.0 * (STEP * 1e-9) ** 2 / 8, f"a point of the bag is {closest} rad off")
+    print(f"  {said[-1]}; {Outcome(outcome)}")
+    has(said[1:] == [f"bag: trajectory {k} of {count}: done" for k in range(1, count + 1)], f"the bridge says {said}")
+    return ordered(folder / name)
+
+
+def through(told, arms, when, where):
+    """The demands go through these points at these times."""
+    at, orders = told
+    demands = np.array([np.concatenate([order[arm] for arm in arms]) for order in orders])
+    passed = lambda begins: np.array([np.interp(begins + when, at, joint) for joint in demands.T]).T  # noqa: E731
+    closest = min(np.abs(passed(begins) - where).max() for begins in at if begins + when[-1] <= at[-1])
+    print(f"  the demands go through {len(when)} points of the bag at their times, within {closest:.1e} rad")
+    # The points are at steps, unless a machine that is late made a step shorter: between two demands that is the chord of a path of at most 7 rad/s^2.
+    has(closest < 7.0 * (STEP * 1e-9) ** 2 / 8, f"a point of the bag is {closest} rad off")
 
 
 def ordered(file):
-    """What both arms were told in each step, and the path time [s] that had passed by then."""
+    """The path time [s] that had passed by each step, and what both arms were told in it."""
     orders, path_time = {}, {}
     with open(file, "rb") as stream:
         for _, channel, message in make_reader(stream).iter_messages():

@@ -16,9 +16,14 @@ use super::series::Series;
 use crate::messages::{Header, JointState, Stamp};
 use crate::trajectories::{Duration, MultiTrajectory, Request, Trajectory};
 
-/// The largest message of a trajectory \[bytes\], and all that are read of a topic: a goal has 16,384 numbers at most.
+/// The largest message of a trajectory \[bytes\]: a goal has 16,384 numbers at most, and a plan of MoveIt has a scene behind it. And all that are read of a
+/// topic: of joint states, those of some minutes.
 const LARGEST: usize = 4 << 20;
-const LARGEST_TOPIC: usize = 64 << 20;
+const LARGEST_TOPIC: usize = 16 << 20;
+const LARGEST_SERIES: usize = 64 << 20;
+
+/// The most trajectories of a topic.
+const MOST_GOALS: usize = 1000;
 
 /// Topics that a bag may have.
 const MOST_TOPICS: usize = 10_000;
@@ -98,6 +103,7 @@ impl Source<'_> {
         let (topic, kind) = self.topic(wanted.topic.as_deref())?;
         let (mut goals, mut series) = (Vec::new(), Series::default());
         let (mut count, mut bytes) = (0, 0);
+        let most = if kind == JOINT_STATE { LARGEST_SERIES } else { LARGEST_TOPIC };
         self.each(|message| {
             if message.topic != topic {
                 return Ok(());
@@ -105,9 +111,9 @@ impl Source<'_> {
             count += 1;
             bytes += message.data.len();
             let wrong = |why: String| format!("topic {topic}, message {count}: {why}");
-            if message.data.len() > LARGEST || bytes > LARGEST_TOPIC {
+            if message.data.len() > LARGEST || bytes > most {
                 return Err(wrong(format!(
-                    "{} bytes, and {bytes} of all: at most {LARGEST} and {LARGEST_TOPIC} are read",
+                    "{} bytes, and {bytes} of all: at most {LARGEST} and {most} are read",
                     message.data.len()
                 )));
             }
@@ -134,7 +140,10 @@ impl Source<'_> {
                 }
                 _ => series.take(date, &whole::<JointState>(message.data).map_err(wrong)?).map_err(wrong)?,
             }
-            Ok(())
+            match goals.len() > MOST_GOALS {
+                true => Err(format!("topic {topic}: it has more than {MOST_GOALS} trajectories")),
+                false => Ok(()),
+            }
         })?;
         if kind == JOINT_STATE {
             let trajectory =

@@ -170,12 +170,15 @@ fn what_is_wrong_with_a_bag_is_told_by_name() {
         let why = read(&bytes, topic).expect_err(text);
         assert!(why.contains(text), "{text}: {why}");
     }
+    let many: Vec<_> = (0..1001).map(|date| ("/a", TRAJECTORY, date, good.clone())).collect();
+    assert!(read(&bag(&many), None).is_err_and(|why| why.contains("more than 1000 trajectories")));
+    assert_eq!(read(&bag(&many[1..]), None).map(|goals| goals.len()), Ok(1000));
     // Padding to whole words is not foreign.
     assert!(read(&longer(3), None).is_ok());
 }
 
 proptest! {
-    /// Whatever the bytes are, the answer is goals or what is wrong: bytes of a message, and bytes of the file about it.
+    /// Whatever the bytes are, the answer is goals or what is wrong: bytes of a message, and bytes of the file about it. No more numbers come out than went in.
     #[test]
     fn a_damaged_bag_is_read_or_refused(
         changes in proptest::collection::vec((any::<u16>(), any::<u8>()), 1..8),
@@ -205,9 +208,15 @@ proptest! {
         } else {
             damage(bag(&messages))
         };
+        let most: usize = messages.iter().map(|(.., data)| data.len() / 8).sum();
         for topic in [None, Some("/joint_states")] {
-            if let Err(why) = read(&bytes, topic) {
-                prop_assert!(!why.is_empty());
+            match read(&bytes, topic) {
+                Ok(goals) => {
+                    let points = goals.iter().flat_map(|goal| &goal.trajectory.points);
+                    let numbers: usize = points.map(|point| point.numbers() - 1).sum();
+                    prop_assert!(numbers <= most, "{numbers} of {most}");
+                }
+                Err(why) => prop_assert!(!why.is_empty()),
             }
         }
     }

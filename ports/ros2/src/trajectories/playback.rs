@@ -8,7 +8,7 @@ use std::collections::VecDeque;
 use mrroc_core::console::complain;
 use ros2_client::action_msgs::{GoalId, GoalStatusEnum};
 
-use super::messages::{Outcome, Request};
+use super::messages::{INVALID_JOINTS, Outcome, Request};
 
 /// How long a cell must have said that its program is there before a goal is sent \[ns\]: what it hears before its robots are offered is old.
 const SETTLED: u64 = 1_000_000_000;
@@ -49,7 +49,13 @@ impl Playback {
                 left => format!("; {left} more are not sent"),
             };
             self.waiting.clear();
-            complain(&format!("{of}: {}{skipped}", outcome.error_string));
+            let help = match outcome.error_code {
+                INVALID_JOINTS => {
+                    "\n help: where the bag does not say so, --robot says whose joints they are"
+                }
+                _ => "",
+            };
+            complain(&format!("{of}: {}{skipped}{help}", outcome.error_string));
         }
     }
 
