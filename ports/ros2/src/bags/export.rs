@@ -35,8 +35,21 @@ struct Export<'a> {
     /// What is known of the cell.
     picture: Picture,
     is_suspended: bool,
-    has_stopped: bool,
+    stop: Stop,
     diagnosed: Option<(u64, CellState, Option<String>)>,
+}
+
+/// How far a stop of the cell has come: steps say of a stop or a reset alone that it was asked for.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Stop {
+    /// None is at work.
+    No,
+    /// It was asked for.
+    Stopping,
+    /// The fault is latched.
+    Latched,
+    /// A reset was asked for, and no instruction has begun yet.
+    Resetting,
 }
 
 /// Writes a recording of a cell, which has these robots with their URDFs, as a bag into a folder that is not there yet. `node` is the name of the
@@ -76,29 +89,7 @@ fn write(
     let start = first.ok_or_else(|| {
         format!("{}: has no message\n help: record a run that moves something", recording.display())
     })?;
-    bag.set_now(start);
-    let topics = Topics::open(bag, layout, urdfs, CellClock::since(start))?;
-    let mut demanded = Vec::new();
-    for (robot, joints) in layout.robots.iter().zip(topics.joints()) {
-        let name = format!("/{}/demanded_joint_states", topic_name(&robot.name));
-        demanded.push((joints, bag.topic(&name, Reach::Now)?));
-    }
-    let mut readings = Vec::new();
-    for sensor in &layout.sensors {
-        let name = format!("/sensors/{}", topic_name(&sensor.name));
-        readings.push((sensor.name.clone(), ReadingTopics::open(bag, &name, sensor.reading)?));
-    }
-    let mut export = Export {
-        layout,
-        bag,
-        topics,
-        demanded,
-        readings,
-        picture: Picture::default(),
-        is_suspended: false,
-        has_stopped: false,
-        diagnosed: None,
-    };
+    let mut export = Export::open(bag, layout, urdfs, start)?;
     let mut wrong = None;
     let take = |message: RecordedMessage<'_>| {
         if export.take(&message).is_none() {
@@ -114,14 +105,46 @@ fn write(
     }
 }
 
-impl Export<'_> {
+impl<'a> Export<'a> {
+    /// The topics of a cell of this layout, at the date of its time 0 \[ns since 1970\].
+    fn open(
+        bag: &'a mut Bag,
+        layout: &'a Layout,
+        urdfs: &[(String, Option<String>)],
+        start: u64,
+    ) -> Result<Self, String> {
+        bag.set_now(start);
+        let topics = Topics::open(bag, layout, urdfs, CellClock::since(start))?;
+        let mut demanded = Vec::new();
+        for (robot, joints) in layout.robots.iter().zip(topics.joints()) {
+            let name = format!("/{}/demanded_joint_states", topic_name(&robot.name));
+            demanded.push((joints, bag.topic(&name, Reach::Now)?));
+        }
+        let mut readings = Vec::new();
+        for sensor in &layout.sensors {
+            let name = format!("/sensors/{}", topic_name(&sensor.name));
+            readings.push((sensor.name.clone(), ReadingTopics::open(bag, &name, sensor.reading)?));
+        }
+        Ok(Export {
+            layout,
+            bag,
+            topics,
+            demanded,
+            readings,
+            picture: Picture::default(),
+            is_suspended: false,
+            stop: Stop::No,
+            diagnosed: None,
+        })
+    }
+
     /// Takes a message; `None`: it does not fit. What has no topic here is passed over.
     fn take(&mut self, message: &RecordedMessage<'_>) -> Option<()> {
         self.bag.set_now(message.start + message.time);
         let json = || serde_json::from_slice::<Value>(message.json).ok();
         let parts: Vec<_> = message.topic.split('/').skip(1).collect();
         match *parts.as_slice() {
-            ["robots", name] => self.image(name, &json()?),
+            ["robots", name] => self.image(name, message.start, &json()?),
             ["robots", name, "signals"] => self.signals(name, &json()?),
             ["sensors", name] => self.reading(name, &json()?),
             ["steps"] => self.step(message, &json()?),
@@ -131,7 +154,7 @@ impl Export<'_> {
         }
     }
 
-    fn image(&mut self, name: &str, json: &Value) -> Option<()> {
+    fn image(&mut self, name: &str, start: u64, json: &Value) -> Option<()> {
         // Robots of lower cells are not shown.
         let Some(place) = self.layout.robots.iter().position(|robot| robot.name == name) else {
             return Some(());
@@ -145,6 +168,8 @@ impl Export<'_> {
         let (measured, demanded) = (state("measured")?, state("demanded")?);
         let step = json["step"].as_u64()?;
         let time = step.checked_mul(self.layout.step.as_nanos() as u64)?;
+        // Dates that cannot be told, and what comes some time after them.
+        start.checked_add(time)?.checked_add(DIAGNOSED)?;
         let stamp = self.topics.measured(place, step, time, [&measured[0], &measured[1]]);
         let (names, topic) = &self.demanded[place];
         topic.put(JointState::of(stamp, names, [&demanded[0], &demanded[1]]));
@@ -175,12 +200,17 @@ impl Export<'_> {
         let (dt, duration) = (json["dt"].as_f64()?, json["duration"].as_f64()?);
         self.picture.rate = if duration > 0.0 { dt / duration } else { 0.0 };
         self.is_suspended = is("suspended");
-        self.picture.state = match self.has_stopped {
-            true if is("resetting") => CellState::Resetting,
-            true => CellState::Latched,
-            false if is("stopping") => CellState::Stopping,
-            false if is("aborting") => CellState::Aborting,
-            false => self.at_work(),
+        self.stop = match self.stop {
+            Stop::No if is("stopping") => Stop::Stopping,
+            Stop::Latched if is("resetting") => Stop::Resetting,
+            stop => stop,
+        };
+        self.picture.state = match self.stop {
+            Stop::No if is("aborting") => CellState::Aborting,
+            Stop::No => self.at_work(),
+            Stop::Stopping => CellState::Stopping,
+            Stop::Latched => CellState::Latched,
+            Stop::Resetting => CellState::Resetting,
         };
         self.tell(message);
         Some(())
@@ -204,7 +234,7 @@ impl Export<'_> {
         self.picture.doing = InstructionKind::ALL.into_iter().find(|doing| doing.word() == word)?;
         json["by"].as_str()?.clone_into(&mut self.picture.by);
         if self.picture.doing != InstructionKind::Nothing {
-            self.has_stopped = false;
+            self.stop = Stop::No;
         }
         Some(())
     }
@@ -215,7 +245,7 @@ impl Export<'_> {
         if is_end && json["process"] == "mp" && !text.is_empty() {
             self.picture.fault = Some(text.to_owned());
             self.picture.state = CellState::Latched;
-            self.has_stopped = true;
+            self.stop = Stop::Latched;
             self.tell(message);
         }
         Some(())
@@ -225,11 +255,98 @@ impl Export<'_> {
     fn tell(&mut self, message: &RecordedMessage<'_>) {
         self.topics.state(self.picture.state.word());
         let is_due = self.diagnosed.as_ref().is_none_or(|(last, state, fault)| {
-            message.time >= last + DIAGNOSED || *state != self.picture.state || *fault != self.picture.fault
+            message.time.saturating_sub(*last) >= DIAGNOSED
+                || *state != self.picture.state
+                || *fault != self.picture.fault
         });
         if is_due {
             self.diagnosed = Some((message.time, self.picture.state, self.picture.fault.clone()));
             self.topics.diagnose(&self.picture, message.start + message.time);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use mrroc_launch::cell_file::CellFile;
+    use mrroc_recording::each_mcap_message;
+    use mrroc_robots::simulated;
+
+    use super::*;
+
+    const CELL: &str = r#"
+step_ms = 2
+robots.arm = { kind = "irp6", start = [0.0, -1.57, 0.16, -0.16, 4.71, 0.0] }
+"#;
+
+    /// Its topics, opened below a folder, and the states of `/cell/state` that it has after these messages.
+    fn states(messages: &[(&str, &str)]) -> Vec<String> {
+        let file = CellFile::parse("cell.toml", CELL).expect("nothing is wrong with it");
+        let layout = file.cell(&simulated()).expect("nor with this").layout();
+        let folder = std::env::temp_dir().join(format!("mrroc-ros2-states-{}", std::process::id()));
+        let mut bag = Bag::create(&folder, "cell").expect("a folder");
+        let mut export = Export::open(&mut bag, &layout, &[("arm".to_owned(), None)], 5).expect("topics");
+        for (time, (topic, json)) in messages.iter().enumerate() {
+            let message = RecordedMessage { topic, start: 5, time: time as u64, json: json.as_bytes() };
+            export.take(&message).expect("it fits");
+        }
+        let _counts = bag.finish().expect("written");
+        let name = format!("{}_0.mcap", folder.file_name().expect("a name").to_string_lossy());
+        let mut states = Vec::new();
+        let take = |message: mrroc_recording::McapMessage<'_>| {
+            if message.topic == "/cell/state" {
+                // Behind the head and the length, and without the zero at the end.
+                let text = &message.data[8..message.data.len() - 1];
+                states.push(String::from_utf8_lossy(text).into_owned());
+            }
+            Ok(())
+        };
+        each_mcap_message(&folder.join(name), take).expect("an MCAP file");
+        bag.discard();
+        states
+    }
+
+    #[test]
+    fn a_stop_lasts_until_the_fault_and_a_reset_until_the_next_instruction() {
+        let step = |flag: &str| {
+            let of = |name: &str| format!("\"{name}\":{}", name == flag);
+            let flags = ["suspended", "reduced", "aborting", "stopping", "resetting"].map(of);
+            format!("{{\"step\":1,\"dt\":0.002,\"duration\":0.002,\"speed\":1.0,{}}}", flags.join(","))
+        };
+        let (plain, suspended) = (step(""), step("suspended"));
+        let (stopping, aborting, resetting) = (step("stopping"), step("aborting"), step("resetting"));
+        let begins = r#"{"process":"mp","doing":"move","by":"Line"}"#;
+        let ends = r#"{"process":"mp","doing":"nothing","by":"Line"}"#;
+        let fault = r#"{"process":"mp","what":"fault","text":"mp: protective stop"}"#;
+        let found = states(&[
+            ("/steps", &plain),
+            ("/instructions", begins),
+            ("/steps", &plain),
+            ("/steps", &suspended),
+            ("/steps", &plain),
+            ("/steps", &stopping),
+            // What robots do until they rest.
+            ("/steps", &plain),
+            ("/events", fault),
+            ("/instructions", ends),
+            ("/steps", &plain),
+            ("/steps", &resetting),
+            ("/steps", &plain),
+            ("/instructions", begins),
+            ("/steps", &plain),
+            ("/steps", &aborting),
+        ]);
+        let expected = [
+            "idle",
+            "running",
+            "suspended",
+            "running",
+            "stopping",
+            "latched",
+            "resetting",
+            "running",
+            "aborting",
+        ];
+        assert_eq!(found, expected);
     }
 }
