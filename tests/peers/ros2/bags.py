@@ -17,7 +17,7 @@ from cell_outcome import Outcome  # noqa: E402
 from ending import interruptible  # noqa: E402
 from tried import EXAMPLES, has, listen_in, run  # noqa: E402
 
-listen_in("89")
+listen_in("90")
 
 import numpy as np  # noqa: E402
 from mcap.reader import make_reader  # noqa: E402
