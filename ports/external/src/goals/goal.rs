@@ -130,12 +130,13 @@ fn remove_old(folder: &Path, now: u64) {
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
         let number: Option<u64> = entry.file_name().to_str().and_then(|name| name.parse().ok());
         // Of before the machine was started anew are those of the future. A new one may not be locked yet.
-        if !number.is_some_and(|number| now.abs_diff(number) > MINUTE) {
-            continue;
-        }
-        let flags = (OFlags::NOFOLLOW | OFlags::NONBLOCK).bits().cast_signed();
-        let file = OpenOptions::new().write(true).custom_flags(flags).open(entry.path());
-        if file.is_ok_and(|file| file.try_lock().is_ok()) {
+        let is_old = number.is_some_and(|number| now.abs_diff(number) > MINUTE);
+        let is_left = || {
+            let flags = (OFlags::NOFOLLOW | OFlags::NONBLOCK).bits().cast_signed();
+            let file = OpenOptions::new().write(true).custom_flags(flags).open(entry.path());
+            file.is_ok_and(|file| file.try_lock().is_ok())
+        };
+        if is_old && is_left() {
             drop(fs::remove_file(entry.path()));
         }
     }
