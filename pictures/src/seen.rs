@@ -241,6 +241,7 @@ mod tests {
             mode: mrroc::sensor::VspMode::Interactive,
             latency: std::time::Duration::ZERO,
             reading: &SHAPE,
+            reading_layout: 0,
             hardware: mrroc::observe::layout::HardwareLayout::Nothing,
         })
     }

@@ -186,7 +186,7 @@ use mrroc_launch::network::gateways_by;
 pub use goals::{Goals, TrajectoryGoals};
 pub use plant::plant;
 pub use port::monotonic;
-pub use sender::Sender;
+pub use sender::{Sender, WordSender};
 pub use subscribers::{Image, State, StepShown, Subscriber, Subscribers};
 
 use gateway::GatewayProcess;

@@ -227,6 +227,7 @@ impl<V: VirtualSensor> AnySensor for SensorSetup<V> {
             mode: self.mode,
             latency: self.latency,
             reading: Self::reads().shape,
+            reading_layout: <<V::Kind as Sensor>::Reading as Wire>::LAYOUT,
             hardware: HardwareLayout::of(self.sensor.hardware(), self.in_place_of.as_deref()),
         }
     }

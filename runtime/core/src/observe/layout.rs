@@ -225,6 +225,8 @@ pub struct SensorLayout {
     pub latency: Duration,
     /// What its readings' words say.
     pub reading: &'static Shape,
+    /// The hash of their type: [`Wire::LAYOUT`](crate::payload::Wire::LAYOUT).
+    pub reading_layout: u64,
     /// What it reads in the world.
     pub hardware: HardwareLayout,
 }

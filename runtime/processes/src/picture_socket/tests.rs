@@ -51,6 +51,7 @@ fn layout() -> Layout {
         mode: VspMode::Interactive,
         latency: Duration::ZERO,
         reading: &Shape::Float,
+        reading_layout: 0,
         hardware: mrroc_core::observe::layout::HardwareLayout::Nothing,
     };
     Layout {
