@@ -9,6 +9,7 @@ use std::rc::Rc;
 use mrroc_core::cell::CellError;
 
 use super::error::{At, Source};
+use super::topic::TopicEntry;
 
 /// A sensor whose readings a program of another sends, as the cell file describes it. The file says what may be believed:
 /// how often readings come, and what they may be.
@@ -25,6 +26,7 @@ pub struct ExternalEntry {
     pub(super) least: Option<At<Vec<f64>>>,
     pub(super) largest: Option<At<Vec<f64>>>,
     pub(super) per_second: Option<At<Vec<f64>>>,
+    pub(super) topic: Option<TopicEntry>,
 }
 
 /// What each number of a reading may be, in the unit of the number.
@@ -79,6 +81,12 @@ impl ExternalEntry {
     #[must_use]
     pub const fn rate(&self) -> f64 {
         self.rate
+    }
+
+    /// `topic`: the topic of ROS 2 whose messages the bridge sends as readings; `None`: another program sends them.
+    #[must_use]
+    pub const fn topic(&self) -> Option<&TopicEntry> {
+        self.topic.as_ref()
     }
 
     /// `least`, `largest` and `per_second`, of a reading whose numbers have these names.

@@ -110,6 +110,7 @@ mod page;
 mod plant;
 mod points;
 mod reader;
+mod topic;
 
 use core::time::Duration;
 use std::collections::BTreeMap;
@@ -133,6 +134,7 @@ pub use heights::Heights;
 pub use kinds::{AnySetup, Kinds};
 pub use obstacle::{ObstacleEntry, ObstacleMesh, ObstacleShape};
 pub use plant::PlantEntry;
+pub use topic::{Place, TopicEntry, TopicReading, TopicText};
 
 use crate::files;
 use entry::SensorEntry;
@@ -320,6 +322,12 @@ impl CellFile {
     pub fn gateways(&self) -> impl Iterator<Item = &ExternalEntry> {
         let external = self.sensors.iter().filter_map(|sensor| sensor.external.as_ref());
         external.filter(|external| external.address().is_some())
+    }
+
+    /// The sensors whose readings are messages of ROS 2.
+    pub fn topics(&self) -> impl Iterator<Item = (&ExternalEntry, &TopicEntry)> {
+        let external = self.sensors.iter().filter_map(|sensor| sensor.external.as_ref());
+        external.filter_map(|external| Some((external, external.topic()?)))
     }
 
     /// The set-up of the virtual sensor that the file calls `name`, computed by `sensor`.

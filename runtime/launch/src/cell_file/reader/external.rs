@@ -12,8 +12,8 @@ use super::super::error::At;
 use super::super::external::ExternalEntry;
 use super::{Reader, Value};
 
-pub(in super::super) const EXTERNAL_KEYS: [&str; 6] =
-    ["port", "address", "rate_hz", "least", "largest", "per_second"];
+pub(in super::super) const EXTERNAL_KEYS: [&str; 7] =
+    ["port", "address", "rate_hz", "least", "largest", "per_second", "topic"];
 
 /// What the sensor's own table says that matters here.
 pub(super) struct Around<'a> {
@@ -52,6 +52,15 @@ impl Reader {
         let address = table.get("address").map(|value| {
             let address = self.address_of_gateway(value)?;
             self.take_gateway(value, name, address).then_some(address)
+        });
+        let topic = table.get("topic").map(|value| {
+            if let Some(address) = table.get("address") {
+                let what = format!(
+                    "a topic of sensor `{name}` comes by the bridge to ROS 2, which is on this machine"
+                );
+                self.complain(&address.span(), what, "leave `address` out".to_owned());
+            }
+            self.topic(value, name)
         });
         let mut required = |key: &str, example: &str| {
             let value = table.get(key);
@@ -117,6 +126,7 @@ impl Reader {
             least,
             largest,
             per_second,
+            topic: topic.map_or(Some(None), |topic| topic.map(Some))?,
         })
     }
 

@@ -14,6 +14,7 @@ pub(super) mod robot;
 pub(super) mod sensor;
 pub(super) mod signal;
 pub(super) mod tool;
+pub(super) mod topic;
 pub(super) mod value;
 
 use core::ops::Range;
