@@ -1,4 +1,4 @@
-//! A cell among the nodes of ROS 2: what its robots do as topics, its operator's console as services, trajectories as an action.
+//! A cell among the nodes of ROS 2: what its robots do as topics, topics of others as its sensors, its operator's console as services, trajectories as an action.
 //!
 //! In: what a cell shows at a port in each step, and requests of other nodes. Out: messages over DDS, and requests to the cell's console server. The
 //! bridge is a process of its own and one more console: no process that moves robots speaks DDS or waits for one that does, and a cell whose
@@ -29,16 +29,17 @@
 //! | `/diagnostics` | `diagnostic_msgs/DiagnosticArray` | once a second, and when the state or the fault changes: the cell and each of its processes |
 //! | with `--buttons`: `/NODE/suspend`, `resume`, `abort`, `stop`, `acknowledge`, `reset` | `std_srvs/Trigger` | the buttons of the operator's console |
 //! | with `--goals`: `/ROBOT/follow_joint_trajectory`, `/NODE/follow_joint_trajectory` | `control_msgs/FollowJointTrajectory` | trajectories of one robot, or of several as one goal, for a program that takes [`TrajectoryGoals`](mrroc_external::TrajectoryGoals) |
+//! | topics of `[sensors.NAME.external.topic]` in `cell.toml` | any | subscribed to: their messages are readings of the cell's sensors |
 //! | with `--buttons`: `speed` of `/NODE` | parameter, double | the speed as a share of the planned one, 0 to 1 |
 //!
 //! With `--export-bag` a recording becomes a bag of rosbag2 with the same messages, and with `--from-bag` robots follow the trajectories of a bag: `bags`.
 //!
 //! `NODE` is `cell` unless `--node` says otherwise. Stamps are the cell's time, beginning at the wall clock when the bridge saw its first step. Everything is
 //! reliable. **DDS has no access control, and its sockets hear all networks of the machine**, whatever address `--address` tells others: whoever reaches the machine
-//! sees the cell, with `--buttons` presses its buttons, and with `--goals` moves its robots. A firewall is what keeps others out.
+//! sees the cell, with `--buttons` presses its buttons, with `--goals` moves its robots, and publishes to topics that are sensors. A firewall is what keeps others out.
 //!
-//! Tested with rclpy of Jazzy over Fast DDS, and topics with Cyclone DDS. Services and parameters are in the form of Fast DDS alone. Not there yet: topics as
-//! sensors, servoing, wrenches, robots of lower cells.
+//! Tested with rclpy of Jazzy over Fast DDS, and topics with Cyclone DDS. Services and parameters are in the form of Fast DDS alone. Not there yet: wrenches,
+//! robots of lower cells.
 
 #![forbid(unsafe_code)]
 #![cfg(target_os = "linux")]
@@ -56,6 +57,7 @@ mod outlet;
 mod run;
 mod show;
 mod signals;
+mod topics;
 mod trajectories;
 
 pub use run::run;

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use ros2_client::action::{ActionServer, ActionServerQosPolicies};
-use ros2_client::dds::rustdds::DomainParticipantBuilder;
+use ros2_client::dds::rustdds::{DomainParticipant, DomainParticipantBuilder};
 use ros2_client::qos::{Durability, History, Reliability, WhenFull};
 use ros2_client::{
     ActionTypeName, Context, Message, MessageTypeName, Name, Node, NodeName, NodeOptions, ParameterValue,
@@ -52,6 +52,7 @@ pub const SPEED: &str = "speed";
 pub struct RosNode {
     node: Node,
     name: String,
+    participant: DomainParticipant,
 }
 
 impl RosNode {
@@ -69,7 +70,8 @@ impl RosNode {
         let participant = participant
             .map_err(|error| format!("DDS at {}, domain {}: {error}", place.address, place.domain))?;
         let failed = |error: &dyn core::fmt::Display| format!("node `{}`: {error}", place.node);
-        let context = Context::from_domain_participant(participant).map_err(|error| failed(&error))?;
+        let context =
+            Context::from_domain_participant(participant.clone()).map_err(|error| failed(&error))?;
         let name = NodeName::new("/", &place.node).map_err(|error| failed(&error))?;
         let number = |name: &str, value: &ParameterValue| match (name, value) {
             (SPEED, ParameterValue::Double(speed)) => Ok(Some(*speed)),
@@ -98,7 +100,12 @@ impl RosNode {
             .name("parameters".to_owned())
             .spawn(spin)
             .map_err(|error| failed(&error))?;
-        Ok(RosNode { node, name: place.node.clone() })
+        Ok(RosNode { node, name: place.node.clone(), participant })
+    }
+
+    /// Its participant of DDS.
+    pub const fn participant(&self) -> &DomainParticipant {
+        &self.participant
     }
 
     /// Its name.

@@ -24,6 +24,7 @@ use crate::description::{Description, joint_names};
 use crate::moveit;
 use crate::node::{Place, RosNode, topic_name};
 use crate::show::Topics;
+use crate::topics::SensorTopics;
 use crate::trajectories::Trajectories;
 
 /// How often it is looked whether the cell has shown anything.
@@ -185,6 +186,7 @@ fn attend(
     if let Some((goals, from_bag)) = goals.as_mut().zip(from_bag) {
         goals.play(from_bag, only(&layout, options.bags.robot.as_deref())?);
     }
+    let mut readings = SensorTopics::open(&mut node, &layout, &cell_file)?;
     let (show, pictures) = channel();
     let watches = move || loop {
         drop(watch(&file, &show));
@@ -202,7 +204,8 @@ fn attend(
         "node /{}: domain {domain} at {}, {buttons}, {trajectories}",
         place.node, place.address
     ));
-    show_for_ever(&mut subscriber, &mut topics, &pictures, &mut goals)
+    let mut serve_readings = || readings.serve(&node);
+    show_for_ever(&mut subscriber, &mut topics, &pictures, &mut goals, &mut serve_readings)
 }
 
 /// The place of the robot of a name, if one is given.
@@ -230,6 +233,7 @@ fn show_for_ever(
     topics: &mut Topics<RosNode>,
     pictures: &Receiver<Option<Box<Picture>>>,
     goals: &mut Option<Trajectories>,
+    serve_readings: &mut dyn FnMut(),
 ) -> Result<core::convert::Infallible, String> {
     let mut diagnosed = Instant::now();
     let mut told = (CellState::Idle, None);
@@ -267,6 +271,7 @@ fn show_for_ever(
         if let Some(goals) = goals {
             goals.serve();
         }
+        serve_readings();
         std::thread::sleep(LOOK);
     }
 }
