@@ -25,7 +25,6 @@ use ros2_client::{MessageTypeName, QosProfile};
 
 use crate::clock::now;
 use crate::node::RosNode;
-use cdr::ByteOrder;
 use mapping::Mapping;
 use receive::{Body, BodyReader};
 
@@ -122,7 +121,7 @@ impl SensorTopics {
         }
     }
 
-    /// Looks at the publishers that there are: those of other types, and those that are not heard since their quality of service is lower.
+    /// Looks at the publishers that there are, and tells of those that are not heard: of other types, and of lower quality of service.
     fn look(&mut self, node: &RosNode) {
         self.looked = Some(Instant::now());
         let writers = receive::writers(node.participant());
@@ -132,7 +131,7 @@ impl SensorTopics {
             let is_it = |topic: &&SensorTopic| receive::dds_name(&topic.name) == writer.topic;
             if let Some(topic) = self.topics.iter().find(is_it)
                 && !self.unheard.contains(&writer.guid)
-                && let Some(why) = writer.is_unheard_by(&topic.qos)
+                && let Some(why) = writer.is_unheard_by(&topic.message, &topic.qos)
             {
                 complain(&format!("warning: topic {}: a publisher is not heard: {why}", topic.name));
                 self.unheard.push(writer.guid);

@@ -12,7 +12,7 @@ use ros2_client::dds::rustdds::{
 };
 use ros2_client::{MessageTypeName, QosProfile};
 
-use super::ByteOrder;
+use super::cdr::ByteOrder;
 
 /// The longest body that is looked at \[bytes\].
 const LONGEST: usize = 1 << 20;
@@ -154,18 +154,20 @@ pub struct Writer {
 }
 
 impl Writer {
-    /// Why a subscriber that asks for this does not hear it.
-    pub fn is_unheard_by(&self, asked: &QosProfile) -> Option<&'static str> {
+    /// Why a subscriber to this type that asks for this quality of service does not hear it.
+    pub fn is_unheard_by(&self, message: &MessageTypeName, asked: &QosProfile) -> Option<String> {
         use ros2_client::qos::{Durability, Reliability};
+        let expected = message.dds_msg_type();
+        if self.message != expected {
+            return Some(format!("it publishes {}, not {expected}", self.message));
+        }
         if matches!(asked.reliability, Reliability::Reliable { .. }) && !self.reliable {
-            return Some(
-                "it is best effort\n help: leave `reliability` out in cell.toml, or make it reliable",
-            );
+            let help = "leave `reliability` out in cell.toml, or make it reliable";
+            return Some(format!("it is best effort\n help: {help}"));
         }
         if asked.durability == Durability::TransientLocal && !self.transient_local {
-            return Some(
-                "it is volatile\n help: leave `durability` out in cell.toml, or make it transient local",
-            );
+            let help = "leave `durability` out in cell.toml, or make it transient local";
+            return Some(format!("it is volatile\n help: {help}"));
         }
         None
     }
