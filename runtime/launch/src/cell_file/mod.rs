@@ -81,6 +81,11 @@
 //! largest = [1.0, 0.5, 6.3]
 //! per_second = [2.0, 2.0, 10.0]   # by how much each may change in a second; by as much as it likes unless it is said
 //!
+//! [sensors.camera.external.topic]   # that program is the bridge to ROS 2, which reads a topic
+//! name = "/part"
+//! type = "geometry_msgs/msg/Pose2D"
+//! reading = { x = "x", y = "y", angle = "theta" }   # for each field its path in a message
+//!
 //! [nodes.left]       # a machine of the cell, if it has several; robots and sensors say `node = "left"`
 //! address = "192.168.1.2:7447"   # where the others find it
 //! mp = true          # the cell is started here, the MP runs here, and so does all that says no node
