@@ -68,7 +68,7 @@ def message(name, path, told):
     return store.types[name](**fields)
 
 
-common = (Path(__file__).parents[1] / "src/topics/common.msg").read_text()
+common = (Path(__file__).parents[1] / "src/definitions/common.msg").read_text()
 names = [line.removeprefix("MSG: ") for line in common.splitlines() if line.startswith("MSG: ")]
 messages = []
 for name in names + list(OWN):

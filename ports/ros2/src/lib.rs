@@ -48,6 +48,7 @@
 mod bags;
 mod buttons;
 mod clock;
+mod definitions;
 mod description;
 mod diagnostics;
 mod messages;

@@ -15,7 +15,7 @@ use byteorder::LittleEndian;
 use mcap::records::{MessageHeader, Metadata};
 use mcap::{Compression, WriteOptions, Writer};
 
-use super::definitions;
+use crate::definitions;
 use crate::messages::RosType;
 use crate::outlet::{Outlet, Put, Reach};
 
@@ -137,7 +137,7 @@ impl Outlet for Bag {
         if written.topics.iter().any(|topic| topic.name == name) {
             return Err(failed(&"it would be there twice\n help: rename a robot, a signal or a sensor"));
         }
-        let definition = definitions::of(&format!("{}/{}", M::PACKAGE, M::NAME));
+        let definition = definitions::with_named(&format!("{}/{}", M::PACKAGE, M::NAME));
         let definition = definition.ok_or_else(|| failed(&"its type has no definition"))?;
         let kind = format!("{}/msg/{}", M::PACKAGE, M::NAME);
         let schema = written.writer.add_schema(&kind, "ros2msg", definition.as_bytes());

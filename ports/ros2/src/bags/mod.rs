@@ -1,6 +1,5 @@
 //! Bags: recordings for the tools of ROS 2, and trajectories that robots follow.
 
-mod definitions;
 mod export;
 mod file;
 mod read;

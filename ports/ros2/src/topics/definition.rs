@@ -9,11 +9,7 @@ use std::rc::Rc;
 
 use mrroc_core::suggestion::{nearest, suggestion};
 
-/// Definitions of messages that many have.
-const COMMON: &str = include_str!("common.msg");
-
-/// What stands before the name of each of them.
-const BEGINS: &str = "MSG: ";
+use crate::definitions::common;
 
 /// The longest file of a definition \[bytes\].
 const LONGEST: u64 = 1 << 20;
@@ -248,11 +244,6 @@ impl Definitions {
         };
         Wrong { what: format!("no definition of {name}"), help }
     }
-}
-
-/// Names and texts of the common definitions.
-pub fn common() -> impl Iterator<Item = (&'static str, &'static str)> {
-    COMMON.split(BEGINS).skip(1).filter_map(|part| part.split_once('\n'))
 }
 
 /// A letter, then letters, digits and underscores.
