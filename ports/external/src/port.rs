@@ -103,7 +103,7 @@ impl ProgramEnds {
     pub fn open(node: Node<ipc::Service>, name: &str) -> Result<ProgramEnds, String> {
         let (orders, readings) = (service(&node, name, "orders")?, service(&node, name, "readings")?);
         let readings = readings.publisher_builder().create();
-        let taken = "a program of this machine sends what the sensor reads, which has one on another machine\n help: end it";
+        let taken = "another program of this machine sends what the sensor reads\n help: end it";
         Ok(ProgramEnds {
             readings: readings.map_err(|_| format!("port `{name}`: {taken}"))?,
             orders: orders
