@@ -1,6 +1,6 @@
 """Writes messages.json: messages as rosbags (0.11.9, PyPI), an implementation of its own of ROS 2's CDR, serialises them, in both byte orders.
 
-`python3 messages.py > messages.json`. Types of `common.msg` have the fields that rosbags has for Jazzy; numbers are those of a generator with a seed.
+`python3 messages.py > messages.json`. Types of `common.msg` have the fields that rosbags has for Jazzy; numbers are those of a generator whose seed is the type's name.
 """
 
 import json
@@ -22,7 +22,6 @@ OWN = {
     "own_msgs/msg/Nothing": "",
 }
 
-random.seed(39)
 store = get_typestore(Stores.ROS2_JAZZY)
 for name, text in OWN.items():
     store.register(get_types_from_msg(text, name))
@@ -72,6 +71,8 @@ common = (Path(__file__).parents[1] / "src/definitions/common.msg").read_text()
 names = [line.removeprefix("MSG: ") for line in common.splitlines() if line.startswith("MSG: ")]
 messages = []
 for name in names + list(OWN):
+    # One more type changes no message of another.
+    random.seed(f"39 {name}")
     told = {}
     made = message(name, "", told)
     order = {key: bytes(store.serialize_cdr(made, name, little_endian=little)).hex() for key, little in [("little", True), ("big", False)]}

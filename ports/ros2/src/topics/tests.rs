@@ -134,9 +134,12 @@ fn every_number_that_rosbags_serialises_is_read_to_the_bit_in_both_orders_of_byt
 #[test]
 fn fault_256_a_message_that_was_cut_or_goes_on_is_refused_wherever_its_wanted_number_is() {
     let own = Own::new("cut");
+    let mut types = 0;
     for message in reference().messages {
         // The first one: what is behind it is looked at all the same.
-        let Some((path, value)) = message.values.iter().next() else { panic!("{} has none", message.r#type) };
+        // Some have texts alone.
+        let Some((path, value)) = message.values.iter().next() else { continue };
+        types += 1;
         let mapping = own.mapping(&message.r#type, &format!("reading = \"{path}\""), expected(value).0);
         let mapping = mapping.expect("nothing is wrong");
         for (order, body) in message.bodies() {
@@ -148,6 +151,7 @@ fn fault_256_a_message_that_was_cut_or_goes_on_is_refused_wherever_its_wanted_nu
             assert_eq!(longer(4), Err(Refusal::Long(4)), "{}", message.r#type);
         }
     }
+    assert!(types > 60, "{types}");
 }
 
 #[test]
@@ -369,7 +373,7 @@ fn fault_256_lengths_that_a_message_does_not_have_are_refused_before_they_are_be
     let all =
         own.mapping("own_msgs/msg/Everything", "reading = \"f64\"", &Shape::Float).expect("nothing is wrong");
     let [(order, good), _] = everything().bodies();
-    let text = good.windows(6).position(|bytes| *bytes == [6, 0, 0, 0, b'x', b'a']).expect("`short`");
+    let text = good.windows(6).position(|bytes| *bytes == [5, 0, 0, 0, b'z', b'c']).expect("`short`");
     let mut long = good;
     long[text] = 11;
     let why = all.read(&long, order).expect_err("of up to 9 bytes");
