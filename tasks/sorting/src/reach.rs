@@ -21,18 +21,19 @@ pub struct Reach {
     arm: Irp6,
     /// For so long it goes on before it brakes when its demands are lost \[s\].
     noticing: f64,
+    /// A step of the cell \[s\].
+    step: f64,
 }
 
 impl Reach {
-    /// A step of the cell \[s\].
-    const STEP: f64 = 4e-3;
     /// An EDP notices within this that its demands are lost \[s\]: the steps of 20 ms that it bridges, and one.
     pub const NOTICING: f64 = 0.024;
 
-    /// Of an arm that stands so far along the belt \[m\].
+    /// Of an arm that stands so far along the belt \[m\], in a cell of these steps \[s\].
     #[must_use]
-    pub fn at(along: f64) -> Self {
-        Self { arm: Irp6::nominal().with_base(Pose::translation(0.0, along, 0.0)), noticing: Self::NOTICING }
+    pub fn at(along: f64, step: f64) -> Self {
+        let arm = Irp6::nominal().with_base(Pose::translation(0.0, along, 0.0));
+        Self { arm, noticing: Self::NOTICING, step }
     }
 
     /// The same for an arm that may go on for another time before it brakes \[s\].
@@ -51,10 +52,10 @@ impl Reach {
             let line = LinePath::new(pose, *to);
             let Ok(profile) = line.profile(limits) else { return false };
             let (mut cursor, mut velocity) = (ProfileCursor::new(profile), Six::zeros());
-            while let Some(point) = cursor.advance(Self::STEP) {
+            while let Some(point) = cursor.advance(self.step) {
                 let flange = line.pose(point.s) * X_FE.inverse();
                 let Ok(next) = self.arm.inverse(&flange, &q) else { return false };
-                let faster = (next - q) / Self::STEP;
+                let faster = (next - q) / self.step;
                 if !self.keeps_limits(&q, &next, &faster, &velocity) {
                     return false;
                 }
@@ -74,12 +75,12 @@ impl Reach {
         let within = |i: usize| {
             let range = limits.lower[i]..=limits.upper[i];
             velocity[i].abs() <= limits.velocity[i]
-                && (velocity[i] - before[i]).abs() <= limits.acceleration[i] * Self::STEP
+                && (velocity[i] - before[i]).abs() <= limits.acceleration[i] * self.step
                 && range.contains(&next[i])
                 && range.contains(&stop[i])
         };
         (0..next.len()).all(within)
-            && self.arm.check_coupled_to_stop(q, (next, Self::STEP), (&stop, time)).is_ok()
+            && self.arm.check_coupled_to_stop(q, (next, self.step), (&stop, time)).is_ok()
     }
 }
 
@@ -97,7 +98,7 @@ mod tests {
 
     #[test]
     fn with_infrared_sensors_the_arm_gets_to_both_trays_and_back_from_everywhere_at_the_belt() {
-        let (reach, home) = (Reach::at(0.0), tool(HOME, 0.0, HIGH));
+        let (reach, home) = (Reach::at(0.0, 4e-3), tool(HOME, 0.0, HIGH));
         // Where `Rise` stops at 1.2 times the fastest belt; across, with the error of the range finder.
         let farthest = END + 0.2 * 1.2 * 0.15;
         for step in 0..=60 {
