@@ -64,7 +64,7 @@ pub use compare::{Compared, Difference};
 pub use json::as_number;
 pub use messages::signals_in;
 pub use reader::{
-    CutShort, McapMessage, RecordedMessage, each_mcap_message, each_mcap_message_of_bytes, each_message,
+    Completeness, McapMessage, RecordedMessage, each_mcap_message, each_mcap_message_of_bytes, each_message,
     each_message_of,
 };
 pub use recorder::Mcap;

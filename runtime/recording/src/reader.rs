@@ -88,7 +88,7 @@ pub struct RecordedMessage<'a> {
 }
 
 /// Hands over the messages of a recording of a cell of this layout, in the order in which they are in the file; of one that was cut off, those that
-/// there are. Tells whether it was.
+/// there are. Tells what it lacks.
 ///
 /// # Errors
 /// [`NotReplayable`]: the file is no recording, is damaged, or is of another cell.
@@ -96,8 +96,8 @@ pub fn each_message_of(
     file: &Path,
     layout: &Layout,
     mut take: impl FnMut(RecordedMessage<'_>),
-) -> Result<CutShort, NotReplayable> {
-    let (mut channels, mut start, mut is_known, mut has_end) = (BTreeMap::new(), None, false, false);
+) -> Result<Completeness, NotReplayable> {
+    let (mut channels, mut start, mut is_known, mut dropped) = (BTreeMap::new(), None, false, None);
     let unknown = || Wrong::foreign("does not say what its cell is made of, or when it started");
     let mut take = |record: Record<'_>| {
         match record {
@@ -107,7 +107,7 @@ pub fn each_message_of(
                 is_known = true;
             }
             Record::Metadata(metadata) if metadata.name == START => start = Some(started(&metadata)?),
-            Record::Metadata(metadata) if metadata.name == END => has_end = true,
+            Record::Metadata(metadata) if metadata.name == END => dropped = Some(dropped_by(&metadata)),
             Record::Channel(channel) => drop(channels.insert(channel.id, channel.topic)),
             Record::Message { header, data } => {
                 let topic = channels.get(&header.channel_id).map_or("", String::as_str);
@@ -130,17 +130,24 @@ pub fn each_message_of(
     if !is_known {
         return Err(unknown().of(file));
     }
-    Ok(if ended == Ended::Whole && has_end { CutShort::No } else { CutShort::Yes })
+    Ok(Completeness {
+        cut_off: ended != Ended::Whole || dropped.is_none(),
+        dropped: dropped.unwrap_or_default(),
+    })
 }
 
-/// Whether a recording lacks its end.
-#[must_use]
+/// What a recording lacks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum CutShort {
-    /// It is whole.
-    No,
-    /// It was cut off.
-    Yes,
+pub struct Completeness {
+    /// It has no end.
+    pub cut_off: bool,
+    /// So many records were dropped while it was written.
+    pub dropped: u64,
+}
+
+/// How many records were dropped, as the end of a recording tells.
+fn dropped_by(end: &Metadata) -> u64 {
+    end.metadata.get("dropped").and_then(|dropped| dropped.parse().ok()).unwrap_or(0)
 }
 
 /// A message of an MCAP file that others have written.
@@ -306,7 +313,7 @@ impl Taker<'_> {
     }
 
     fn finish(self, cut_off: CutOff) -> Result<RecordedRun, Wrong> {
-        let dropped = self.end.and_then(|end| end.metadata.get("dropped")?.parse::<u64>().ok()).unwrap_or(0);
+        let dropped = self.end.as_ref().map_or(0, dropped_by);
         if dropped > 0 {
             let what = format!("lacks {dropped} records, which were dropped while it was written");
             return Err(Wrong::new(what, "record the run again, to a faster disk or in virtual time"));

@@ -10,7 +10,7 @@ use mrroc_core::observe::layout::Layout;
 use mrroc_core::operator::CellState;
 use mrroc_core::operator::state::InstructionKind;
 use mrroc_processes::Picture;
-use mrroc_recording::{CutShort, RecordedMessage, as_number, each_message_of, signals_in};
+use mrroc_recording::{Completeness, RecordedMessage, as_number, each_message_of, signals_in};
 use serde_json::Value;
 
 use super::file::{Bag, BagTopic};
@@ -18,7 +18,7 @@ use super::readings::ReadingTopics;
 use crate::clock::CellClock;
 use crate::messages::JointState;
 use crate::node::topic_name;
-use crate::outlet::{Outlet as _, Put as _, Reach};
+use crate::outlet::{Durability, Outlet as _, Put as _};
 use crate::show::Topics;
 
 /// The time between two diagnostics in which nothing new is told \[ns of the cell\].
@@ -65,10 +65,16 @@ pub fn export(
     urdfs: &[(String, Option<String>)],
 ) -> Result<(), String> {
     let mut bag = Bag::create(folder, node)?;
-    let written = write(recording, &mut bag, layout, urdfs).and_then(|cut| Ok((cut, bag.finish()?)));
-    let (cut, [messages, topics]) = written.inspect_err(|_| bag.discard())?;
-    if cut == CutShort::Yes {
+    let written = write(recording, &mut bag, layout, urdfs).and_then(|has| Ok((has, bag.finish()?)));
+    let (has, [messages, topics]) = written.inspect_err(|_| bag.discard())?;
+    if has.cut_off {
         complain("warning: the recording was cut off: the bag has what there is");
+    }
+    if has.dropped > 0 {
+        complain(&format!(
+            "warning: {} records were dropped while the recording was written: the bag lacks them",
+            has.dropped
+        ));
     }
     complain(&format!("wrote {}: {messages} messages of {topics} topics", folder.display()));
     Ok(())
@@ -79,13 +85,13 @@ fn write(
     bag: &mut Bag,
     layout: &Layout,
     urdfs: &[(String, Option<String>)],
-) -> Result<CutShort, String> {
+) -> Result<Completeness, String> {
     // The topics begin at the date of the first message.
     let mut first = None;
     let scan = |message: RecordedMessage<'_>| {
         first.get_or_insert(message.start);
     };
-    let _cut = each_message_of(recording, layout, scan).map_err(|wrong| wrong.to_string())?;
+    each_message_of(recording, layout, scan).map_err(|wrong| wrong.to_string())?;
     let start = first.ok_or_else(|| {
         format!("{}: has no message\n help: record a run that moves something", recording.display())
     })?;
@@ -98,10 +104,10 @@ fn write(
             });
         }
     };
-    let cut = each_message_of(recording, layout, take).map_err(|wrong| wrong.to_string())?;
+    let has = each_message_of(recording, layout, take).map_err(|wrong| wrong.to_string())?;
     match wrong {
         Some(why) => Err(format!("{}: {why}", recording.display())),
-        None => Ok(cut),
+        None => Ok(has),
     }
 }
 
@@ -118,7 +124,7 @@ impl<'a> Export<'a> {
         let mut demanded = Vec::new();
         for (robot, joints) in layout.robots.iter().zip(topics.joints()) {
             let name = format!("/{}/demanded_joint_states", topic_name(&robot.name));
-            demanded.push((joints, bag.topic(&name, Reach::Now)?));
+            demanded.push((joints, bag.topic(&name, Durability::Volatile)?));
         }
         let mut readings = Vec::new();
         for sensor in &layout.sensors {
@@ -168,7 +174,7 @@ impl<'a> Export<'a> {
         let (measured, demanded) = (state("measured")?, state("demanded")?);
         let step = json["step"].as_u64()?;
         let time = step.checked_mul(self.layout.step.as_nanos() as u64)?;
-        // Dates that cannot be told, and what comes some time after them.
+        // A date whose sums overflow is refused.
         start.checked_add(time)?.checked_add(DIAGNOSED)?;
         let stamp = self.topics.measured(place, step, time, [&measured[0], &measured[1]]);
         let (names, topic) = &self.demanded[place];
@@ -241,12 +247,22 @@ impl<'a> Export<'a> {
 
     fn event(&mut self, message: &RecordedMessage<'_>, json: &Value) -> Option<()> {
         let text = json["text"].as_str()?;
-        let is_end = matches!(json["what"].as_str()?, "fault" | "end");
-        if is_end && json["process"] == "mp" && !text.is_empty() {
-            self.picture.fault = Some(text.to_owned());
-            self.picture.state = CellState::Latched;
-            self.stop = Stop::Latched;
-            self.tell(message);
+        if json["process"] != "mp" || text.is_empty() {
+            return Some(());
+        }
+        match json["what"].as_str()? {
+            "fault" | "fault from outside" => {
+                self.picture.fault = Some(text.to_owned());
+                self.picture.state = CellState::Latched;
+                self.stop = Stop::Latched;
+                self.tell(message);
+            }
+            // It may have ended in order, such as by an operator who aborted its program.
+            "end" => {
+                self.picture.fault.get_or_insert_with(|| text.to_owned());
+                self.tell(message);
+            }
+            _ => {}
         }
         Some(())
     }
@@ -318,6 +334,8 @@ robots.arm = { kind = "irp6", start = [0.0, -1.57, 0.16, -0.16, 4.71, 0.0] }
         let begins = r#"{"process":"mp","doing":"move","by":"Line"}"#;
         let ends = r#"{"process":"mp","doing":"nothing","by":"Line"}"#;
         let fault = r#"{"process":"mp","what":"fault","text":"mp: protective stop"}"#;
+        let outside = r#"{"process":"mp","what":"fault from outside","text":"edp arm: the drive of joint 2 has failed"}"#;
+        let end = r#"{"process":"mp","what":"end","text":"mp: aborted"}"#;
         let found = states(&[
             ("/steps", &plain),
             ("/instructions", begins),
@@ -334,7 +352,12 @@ robots.arm = { kind = "irp6", start = [0.0, -1.57, 0.16, -0.16, 4.71, 0.0] }
             ("/steps", &plain),
             ("/instructions", begins),
             ("/steps", &plain),
+            ("/steps", &stopping),
+            ("/events", outside),
+            ("/steps", &resetting),
+            ("/instructions", begins),
             ("/steps", &aborting),
+            ("/events", end),
         ]);
         let expected = [
             "idle",
@@ -345,6 +368,9 @@ robots.arm = { kind = "irp6", start = [0.0, -1.57, 0.16, -0.16, 4.71, 0.0] }
             "latched",
             "resetting",
             "running",
+            "stopping",
+            "latched",
+            "resetting",
             "aborting",
         ];
         assert_eq!(found, expected);

@@ -17,7 +17,7 @@ use mcap::{Compression, WriteOptions, Writer};
 
 use crate::definitions;
 use crate::messages::RosType;
-use crate::outlet::{Outlet, Put, Reach};
+use crate::outlet::{Durability, Outlet, Put};
 
 /// The first bytes of a message: plain CDR, the lowest byte of a number first.
 pub const LITTLE_ENDIAN: [u8; 4] = [0, 1, 0, 0];
@@ -45,7 +45,7 @@ struct Written {
 struct Topic {
     name: String,
     kind: String,
-    reach: Reach,
+    durability: Durability,
     channel: u16,
     count: u32,
 }
@@ -131,7 +131,7 @@ impl Outlet for Bag {
         self.written.borrow().now
     }
 
-    fn topic<M: RosType>(&mut self, name: &str, reach: Reach) -> Result<BagTopic<M>, String> {
+    fn topic<M: RosType>(&mut self, name: &str, durability: Durability) -> Result<BagTopic<M>, String> {
         let written = &mut *self.written.borrow_mut();
         let failed = |error: &dyn core::fmt::Display| format!("topic {name}: {error}");
         if written.topics.iter().any(|topic| topic.name == name) {
@@ -142,10 +142,10 @@ impl Outlet for Bag {
         let kind = format!("{}/msg/{}", M::PACKAGE, M::NAME);
         let schema = written.writer.add_schema(&kind, "ros2msg", definition.as_bytes());
         let schema = schema.map_err(|error| failed(&error))?;
-        let about = [("offered_qos_profiles".to_owned(), quality(reach))];
+        let about = [("offered_qos_profiles".to_owned(), qos_profile(durability))];
         let channel = written.writer.add_channel(schema, name, "cdr", &BTreeMap::from(about));
         let channel = channel.map_err(|error| failed(&error))?;
-        written.topics.push(Topic { name: name.to_owned(), kind, reach, channel, count: 0 });
+        written.topics.push(Topic { name: name.to_owned(), kind, durability, channel, count: 0 });
         let place = written.topics.len() - 1;
         Ok(BagTopic { written: Rc::clone(&self.written), place, of: PhantomData })
     }
@@ -209,7 +209,7 @@ impl Written {
 ",
                 topic.name,
                 topic.kind,
-                indented(&quality(topic.reach), "        "),
+                indented(&qos_profile(topic.durability), "        "),
                 topic.count
             );
         }
@@ -231,10 +231,10 @@ ros_distro: jazzy
 }
 
 /// The quality of service that the bridge offers, as version 9 of the metadata says it.
-fn quality(reach: Reach) -> String {
-    let (depth, durability) = match reach {
-        Reach::Now => (100, "volatile"),
-        Reach::Later => (1, "transient_local"),
+fn qos_profile(durability: Durability) -> String {
+    let (depth, durability) = match durability {
+        Durability::Volatile => (100, "volatile"),
+        Durability::TransientLocal => (1, "transient_local"),
     };
     let forever = "\n    sec: 9223372036\n    nsec: 854775807";
     format!(

@@ -20,7 +20,7 @@ use crate::trajectories::Request;
 /// What the command line says of bags.
 #[derive(Debug, Args)]
 pub struct BagOptions {
-    /// Have the robots follow the trajectories of a bag, one after the other, when the cell's program takes goals; then go on as the bridge.
+    /// Have the robots follow the trajectories of a bag, one after another, when the cell's program takes goals. The bridge keeps running afterwards.
     #[arg(long, value_name = "BAG", conflicts_with = "export_bag")]
     from_bag: Option<PathBuf>,
     /// The topic of the bag whose trajectories are meant.
@@ -29,7 +29,7 @@ pub struct BagOptions {
     /// The robot that the bag's joints belong to; without it their names must say so.
     #[arg(long, value_name = "NAME", requires = "from_bag")]
     pub robot: Option<String>,
-    /// Go to the first point of each trajectory of the bag in so many seconds before.
+    /// The time that the robots have to get to the first point of each trajectory.
     #[arg(long, value_name = "SECONDS", requires = "from_bag", default_value_t = 0.0, value_parser = seconds)]
     approach: f64,
     /// Of joint states in the bag, take points that are at least so many seconds apart.

@@ -70,22 +70,26 @@ impl Source<'_> {
         let failed = |why: &str| format!("{}: {why}", bag.display());
         if !bag.is_dir() {
             fs::metadata(bag).map_err(|error| failed(&error.to_string()))?;
-            return match kind(bag) {
+            return match why_unreadable(bag) {
                 Some(why) => Err(failed(why)),
                 None => Ok(Source::Files(vec![bag.to_owned()])),
             };
         }
         let entries = fs::read_dir(bag).map_err(|error| failed(&error.to_string()))?;
-        let mut inside: Vec<_> = entries.flatten().map(|entry| entry.path()).collect();
+        let inside: Result<Vec<_>, _> = entries.map(|entry| Ok(entry?.path())).collect();
+        let mut inside = inside.map_err(|error: std::io::Error| failed(&error.to_string()))?;
         inside.sort();
-        let files: Vec<_> = inside.iter().filter(|path| has_ending(path, "mcap")).cloned().collect();
-        if !files.is_empty() {
-            return Ok(Source::Files(files));
+        // A bag may be in several files, of which none is left out.
+        if let Some(why) = inside.iter().find_map(|path| why_unreadable(path)) {
+            return Err(failed(why));
         }
-        let why = inside.iter().find_map(|path| kind(path));
-        Err(failed(
-            why.unwrap_or("is no bag: it has no .mcap file\n help: name the folder that has metadata.yaml"),
-        ))
+        inside.retain(|path| has_ending(path, "mcap"));
+        match inside.is_empty() {
+            false => Ok(Source::Files(inside)),
+            true => {
+                Err(failed("is no bag: it has no .mcap file\n help: name the folder that has metadata.yaml"))
+            }
+        }
     }
 
     fn each(&self, mut take: impl FnMut(McapMessage<'_>) -> Result<(), String>) -> Result<(), String> {
@@ -216,7 +220,7 @@ fn has_ending(path: &Path, ending: &str) -> bool {
 }
 
 /// Why a file of a bag cannot be read, by its name.
-fn kind(path: &Path) -> Option<&'static str> {
+fn why_unreadable(path: &Path) -> Option<&'static str> {
     if has_ending(path, "db3") {
         return Some(
             "is a bag with sqlite3 storage, which is not read\n help: convert it: rosbags-convert --src BAG --dst NEW --dst-storage mcap, or ros2 bag convert",

@@ -8,7 +8,7 @@ use serde_json::Value;
 
 use crate::messages::{Dimension, Flag, Number, Numbers, Text};
 use crate::node::topic_name;
-use crate::outlet::{Outlet, Put, Reach};
+use crate::outlet::{Durability, Outlet, Put};
 
 /// The topics of a reading, or of a field of it.
 pub enum ReadingTopics<O: Outlet> {
@@ -37,14 +37,17 @@ impl<O: Outlet> ReadingTopics<O> {
         let below = |field: &str| format!("{name}/{}", topic_name(field));
         Ok(match shape {
             Shape::Float | Shape::Single | Shape::Unsigned | Shape::Signed => {
-                ReadingTopics::Number(outlet.topic(name, Reach::Now)?)
+                ReadingTopics::Number(outlet.topic(name, Durability::Volatile)?)
             }
-            Shape::Truth => ReadingTopics::Truth(outlet.topic(name, Reach::Now)?),
-            Shape::Choice(_) => ReadingTopics::Choice(outlet.topic(name, Reach::Now)?),
+            Shape::Truth => ReadingTopics::Truth(outlet.topic(name, Durability::Volatile)?),
+            Shape::Choice(_) => ReadingTopics::Choice(outlet.topic(name, Durability::Volatile)?),
             Shape::Array(item, count) => match lengths(shape) {
                 Some(lengths) => {
                     let label = name.rsplit('/').next().unwrap_or_default();
-                    ReadingTopics::Numbers(outlet.topic(name, Reach::Now)?, dimensions(label, &lengths))
+                    ReadingTopics::Numbers(
+                        outlet.topic(name, Durability::Volatile)?,
+                        dimensions(label, &lengths),
+                    )
                 }
                 None => {
                     let items = (0..*count).map(|k| Self::open(outlet, &below(&k.to_string()), item));
@@ -58,7 +61,7 @@ impl<O: Outlet> ReadingTopics<O> {
                 ReadingTopics::Fields(fields.collect::<Result<_, String>>()?)
             }
             Shape::Variants(variants) => {
-                let choice = ReadingTopics::Choice(outlet.topic(&below("choice"), Reach::Now)?);
+                let choice = ReadingTopics::Choice(outlet.topic(&below("choice"), Durability::Volatile)?);
                 let chosen = variants.iter().filter(|(_, shape)| !shape.is_empty());
                 let chosen =
                     chosen.map(|(field, shape)| Ok((*field, Self::open(outlet, &below(field), shape)?)));

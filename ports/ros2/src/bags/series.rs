@@ -5,6 +5,8 @@
 
 use std::collections::BTreeMap;
 
+use mrroc_core::console::complain;
+
 use crate::messages::{Header, JointState};
 use crate::trajectories::{Duration, Point, Trajectory};
 
@@ -28,6 +30,9 @@ impl Series {
         if state.name.len() != state.position.len() {
             return Err(format!("{} positions for {} joints", state.position.len(), state.name.len()));
         }
+        if state.name.len() > MOST_JOINTS {
+            return Err(too_many());
+        }
         let stamp = state.header.stamp;
         let stamp = match (stamp.sec, stamp.nanosec) {
             (0, 0) => date.cast_signed(),
@@ -36,17 +41,18 @@ impl Series {
         let at = self.told.entry(stamp).or_default();
         for (name, &position) in state.name.iter().zip(&state.position) {
             let known = self.names.iter().position(|known| known == name);
-            let joint = known.unwrap_or_else(|| {
-                self.names.push(name.clone());
-                self.names.len() - 1
-            });
+            let joint = match known {
+                Some(joint) => joint,
+                None if self.names.len() == MOST_JOINTS => return Err(too_many()),
+                None => {
+                    self.names.push(name.clone());
+                    self.names.len() - 1
+                }
+            };
             match at.iter_mut().find(|(told, _)| *told == joint) {
                 Some(told) => told.1 = position,
                 None => at.push((joint, position)),
             }
-        }
-        if self.names.len() > MOST_JOINTS {
-            return Err(format!("the messages name more than {MOST_JOINTS} joints"));
         }
         Ok(())
     }
@@ -54,11 +60,25 @@ impl Series {
     /// The trajectory, with points that are at least so far apart \[s\]; the last one is always there.
     ///
     /// # Errors
-    /// It has no points.
+    /// It has no points: at no stamp all joints are told.
     pub fn trajectory(self, every: f64) -> Result<Trajectory, String> {
         let joints = self.names.len();
+        let stamps = self.told.len();
+        let left_out = self.told.values().filter(|told| told.len() != joints).count();
+        if left_out > 0 {
+            let often =
+                |joint: usize| self.told.values().flatten().filter(|(told, _)| *told == joint).count();
+            let rarest = (0..joints).min_by_key(|&joint| often(joint)).unwrap_or_default();
+            let (name, often) = (&self.names[rarest], often(rarest));
+            let what =
+                format!("{left_out} of {stamps} stamps lack a joint: `{name}` is told at {often} of them");
+            if left_out == stamps {
+                return Err(format!("{what}\n help: name a topic that tells all of its joints at one stamp"));
+            }
+            complain(&format!("note: {what}; they are left out"));
+        }
         let mut whole = self.told.into_iter().filter(|(_, told)| told.len() == joints).peekable();
-        let &(first, _) = whole.peek().ok_or("at no stamp all of its joints are told")?;
+        let &(first, _) = whole.peek().ok_or("it has no message")?;
         let every = (every * 1e9).round() as i64;
         let mut points: Vec<(i64, Point)> = Vec::new();
         while let Some((stamp, mut told)) = whole.next() {
@@ -79,4 +99,8 @@ impl Series {
         let points = points.into_iter().map(|(_, point)| point).collect();
         Ok(Trajectory { header: Header::default(), joint_names: self.names, points })
     }
+}
+
+fn too_many() -> String {
+    format!("the messages name more than {MOST_JOINTS} joints")
 }

@@ -165,7 +165,10 @@ impl Trajectories {
             match self.goals.result(id) {
                 Ok(None) => {}
                 Ok(Some((status, outcome))) => playback.ended(status, &outcome),
-                Err(()) => playback.ended(GoalStatusEnum::Unknown, &Outcome::default()),
+                Err(()) => {
+                    let error_string = "what became of it is not known any more".to_owned();
+                    playback.ended(GoalStatusEnum::Unknown, &Outcome { error_string, ..Outcome::default() });
+                }
             }
         }
         let times = [monotonic(), now()];

@@ -50,9 +50,7 @@ impl Playback {
             };
             self.waiting.clear();
             let help = match outcome.error_code {
-                INVALID_JOINTS => {
-                    "\n help: where the bag does not say so, --robot says whose joints they are"
-                }
+                INVALID_JOINTS => "\n help: name the robot whose joints they are by --robot",
                 _ => "",
             };
             complain(&format!("{of}: {}{skipped}{help}", outcome.error_string));
