@@ -15,7 +15,7 @@ use ros2_client::{
 };
 
 use crate::messages::RosType;
-use crate::outlet::{Outlet, Put, Reach};
+use crate::outlet::{self, Outlet, Put};
 
 /// Where DDS speaks, and as which node.
 #[derive(Clone, Debug)]
@@ -174,12 +174,16 @@ impl Outlet for RosNode {
         crate::clock::now()
     }
 
-    fn topic<M: RosType>(&mut self, name: &str, reach: Reach) -> Result<Publisher<M>, String> {
+    fn topic<M: RosType>(
+        &mut self,
+        name: &str,
+        durability: outlet::Durability,
+    ) -> Result<Publisher<M>, String> {
         let failed = |error: &dyn core::fmt::Display| format!("topic {name}: {error}");
         let called = Name::parse(name).map_err(|error| failed(&error))?;
-        let qos = match reach {
-            Reach::Now => now_only(),
-            Reach::Later => kept(),
+        let qos = match durability {
+            outlet::Durability::Volatile => now_only(),
+            outlet::Durability::TransientLocal => kept(),
         };
         let described = self.node.create_topic(&called, MessageTypeName::new(M::PACKAGE, M::NAME), &qos);
         let described = described.map_err(|error| failed(&error))?;

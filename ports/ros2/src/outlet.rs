@@ -4,13 +4,13 @@
 
 use crate::messages::RosType;
 
-/// Whom a message reaches.
+/// Whether who comes later gets the last message of a topic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Reach {
-    /// Who is there.
-    Now,
-    /// Who comes later gets the last one, too.
-    Later,
+pub enum Durability {
+    /// No: who is there gets it.
+    Volatile,
+    /// Yes.
+    TransientLocal,
 }
 
 /// Where topics are opened.
@@ -28,7 +28,7 @@ pub trait Outlet {
     ///
     /// # Errors
     /// Why there is none.
-    fn topic<M: RosType>(&mut self, name: &str, reach: Reach) -> Result<Self::Topic<M>, String>;
+    fn topic<M: RosType>(&mut self, name: &str, durability: Durability) -> Result<Self::Topic<M>, String>;
 
     /// The name of a topic of the node itself.
     fn own(&self, topic: &str) -> String {

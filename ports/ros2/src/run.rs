@@ -161,6 +161,7 @@ fn attend(
     let place = Place { domain, address: options.address, node: options.node.clone() };
     let file = options.cell.clone();
     let (layout, urdfs) = own_robots(&mut cell);
+    let robot = only(&layout, options.bags.robot.as_deref())?;
     let names: Vec<_> = urdfs.iter().map(|(name, _)| name.as_str()).collect();
     let mut subscriber = Subscriber::at(port, &names)?;
     let (of, may_press) = (file.clone(), options.buttons);
@@ -184,7 +185,8 @@ fn attend(
         goals.offer(&mut node, &layout)?;
     }
     if let Some((goals, from_bag)) = goals.as_mut().zip(from_bag) {
-        goals.play(from_bag, only(&layout, options.bags.robot.as_deref())?);
+        complain(&format!("bag: {} trajectories, for when the cell's program takes goals", from_bag.len()));
+        goals.play(from_bag, robot);
     }
     let mut readings = SensorTopics::open(&mut node, &layout, &cell_file)?;
     let (show, pictures) = channel();

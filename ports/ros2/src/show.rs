@@ -15,7 +15,7 @@ use crate::diagnostics;
 use crate::messages::{DiagnosticArray, Header, JointState, Stamp, Text, TransformStamped, Transforms};
 use crate::moveit;
 use crate::node::{same_topic, topic_name};
-use crate::outlet::{Outlet, Put, Reach};
+use crate::outlet::{Durability, Outlet, Put};
 use crate::signals::SignalTopics;
 
 /// Time between two messages of `/tf`, and of `/joint_states`, for a robot \[ns of the cell\].
@@ -88,7 +88,7 @@ impl<O: Outlet> Topics<O> {
                 }
                 None => None,
             };
-            let states = node.topic(&format!("/{name}/joint_states"), Reach::Now)?;
+            let states = node.topic(&format!("/{name}/joint_states"), Durability::Volatile)?;
             if let Some(description) = &description {
                 let stands_in = match &robot.mounted_on {
                     Some(carrier) => format!("{}/flange", topic_name(carrier)),
@@ -98,7 +98,7 @@ impl<O: Outlet> Topics<O> {
                     TransformStamped::of(stamp, &stands_in, &format!("{name}/{WORLD}"), &Pose::identity());
                 fixed.push(place);
                 let topic = format!("/{name}/robot_description");
-                let kept: O::Topic<Text> = node.topic(&topic, Reach::Later)?;
+                let kept: O::Topic<Text> = node.topic(&topic, Durability::TransientLocal)?;
                 kept.put(Text { data: description.urdf.clone() });
                 descriptions.push(kept);
                 fixed.extend(description.fixed().map(|one| one.stamped(stamp)));
@@ -110,14 +110,14 @@ impl<O: Outlet> Topics<O> {
         for (robot, names) in robots.iter_mut().zip(moveit::names(layout, &joints)) {
             robot.names = names;
         }
-        let standing: O::Topic<Transforms> = node.topic("/tf_static", Reach::Later)?;
+        let standing: O::Topic<Transforms> = node.topic("/tf_static", Durability::TransientLocal)?;
         standing.put(Transforms { transforms: fixed });
         Ok(Topics {
             robots,
-            all: node.topic("/joint_states", Reach::Now)?,
-            transforms: node.topic("/tf", Reach::Now)?,
-            state: node.topic(&node.own("state"), Reach::Later)?,
-            diagnostics: node.topic("/diagnostics", Reach::Now)?,
+            all: node.topic("/joint_states", Durability::Volatile)?,
+            transforms: node.topic("/tf", Durability::Volatile)?,
+            state: node.topic(&node.own("state"), Durability::TransientLocal)?,
+            diagnostics: node.topic("/diagnostics", Durability::Volatile)?,
             signals: SignalTopics::open(node, layout)?,
             node: node.node().to_owned(),
             clock,
@@ -149,7 +149,8 @@ impl<O: Outlet> Topics<O> {
             robot.due = 0;
         }
         if time >= robot.due {
-            robot.due = time + EVERY;
+            // The same instants for all robots: joint states of one stamp are told together.
+            robot.due = (time / EVERY + 1) * EVERY;
             self.all.put(JointState::of(stamp, &robot.names, measured));
             if let Some(description) = &robot.description {
                 let transforms = description.moving(measured[0]).map(|one| one.stamped(stamp)).collect();

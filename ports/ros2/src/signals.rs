@@ -7,7 +7,7 @@ use mrroc_core::robot::{Channel, Signals};
 
 use crate::messages::{Flag, Number};
 use crate::node::topic_name;
-use crate::outlet::{Outlet, Put, Reach};
+use crate::outlet::{Durability, Outlet, Put};
 
 /// The topics of all named signals of a cell.
 pub struct SignalTopics<O: Outlet>(Vec<SignalTopic<O>>);
@@ -57,11 +57,11 @@ impl<O: Outlet> SignalPublisher<O> {
         let topic = format!("/{}/{direction}/{}", topic_name(robot), topic_name(&signal.name));
         Ok(match signal.channel {
             Channel::Digital(number) => {
-                let topic = node.topic(&topic, Reach::Later)?;
+                let topic = node.topic(&topic, Durability::TransientLocal)?;
                 SignalPublisher::Digital { number, topic, last: None }
             }
             Channel::Analog(number) => {
-                let topic = node.topic(&topic, Reach::Later)?;
+                let topic = node.topic(&topic, Durability::TransientLocal)?;
                 SignalPublisher::Analog { number, topic, last: None }
             }
         })
