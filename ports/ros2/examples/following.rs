@@ -7,7 +7,7 @@ use mrroc_robots::{Irp6, simulated};
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 
 // ANCHOR: kind
-/// A velocity of the tool in its own axes: what `geometry_msgs/Twist` says.
+/// A velocity of the tool, in the axes of the tool. The frame that a `TwistStamped` names is not looked at.
 #[derive(Clone, Copy, Debug, Default, Payload)]
 struct Twist {
     /// [m/s].

@@ -6,6 +6,8 @@ use mrroc::cell::CellError;
 use mrroc::fault::{BadName, Fault, Name};
 use nalgebra::Vector3;
 
+use super::placement::MOTIONS;
+
 /// One side of a gap.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Side {
@@ -126,8 +128,11 @@ pub enum ClearanceError {
         /// How many links it has.
         links: usize,
     },
-    /// An outline has more motions than stops are bounded with: 17.
-    #[error("{robot}: its outline has {motions} motions, and may have 17")]
+    /// An outline has more motions than stops are bounded with.
+    #[error(
+        "{robot}: its outline has {motions} motions, and may have {limit}\n help: in an outline of bars a slide counts as two; give the links capsules",
+        limit = MOTIONS
+    )]
     TooManyMotions {
         /// The robot.
         robot: Name,

@@ -127,6 +127,9 @@ def main(folder):
             if heard:
                 told = ", rclpy heard " + ", ".join(str(one["heard"]) for one in heard.values()) + " and missed " + ", ".join(str(one["missed"]) for one in heard.values())
                 # A period that the cell left out is none that was missed.
+                if not how:
+                    # Before the first and behind the last one it may have heard a few less.
+                    missed += sum(one["heard"] < 0.95 * outcome["steps"] for one in heard.values())
                 if outcome["skipped"] == 0 and not how:
                     missed += sum(one["missed"] + one["backwards"] for one in heard.values())
             print(f"run {i + 1}, {kind}: {outcome['steps']} steps, {outcome['skipped']} left out{told}{how}", flush=True)

@@ -204,10 +204,14 @@ impl Source<'_> {
                 let mut found = topics.iter().filter(|(_, kind)| is_one_each(kind));
                 match (found.next(), found.next()) {
                     (Some((topic, kind)), None) => Ok((topic.clone(), kind.clone())),
-                    (one, _) => Err(format!(
-                        "the bag has {} topics of trajectories\n help: name one by --topic: {}",
-                        if one.is_some() { "several" } else { "no" },
+                    (Some(_), _) => Err(format!(
+                        "the bag has several topics of trajectories\n help: name one by --topic: {}",
                         list(&is_read)
+                    )),
+                    (None, _) => Err(format!(
+                        "the bag has no topic of trajectories\n help: name one of joint states by --topic, of which it has: {}; its topics: {}",
+                        list(&is_read),
+                        list(&|_| true)
                     )),
                 }
             }

@@ -135,7 +135,7 @@ fn joint_states_of_one_stamp_are_a_point_and_stamps_without_all_joints_are_left_
     assert_eq!(times, [0, 60, 120, 180]);
     // Joint states are taken where they are named alone: every bag of a robot has them.
     let why = read(&bytes, None).expect_err("no trajectory");
-    assert!(why.contains("no topics of trajectories") && why.contains("/joint_states"), "{why}");
+    assert!(why.contains("no topic of trajectories") && why.contains("/joint_states"), "{why}");
 }
 
 #[test]
@@ -164,7 +164,7 @@ fn what_is_wrong_with_a_bag_is_told_by_name() {
         (two.clone(), None, "several topics of trajectories\n help: name one by --topic: /a, /b"),
         (two, Some("/c"), "no message of topic /c"),
         (bag(&[("/t", "std_msgs/msg/String", 1, vec![])]), Some("/t"), "type std_msgs/msg/String"),
-        (bag(&[("/t", "std_msgs/msg/String", 1, vec![])]), None, "no topics of trajectories"),
+        (bag(&[("/t", "std_msgs/msg/String", 1, vec![])]), None, "no topic of trajectories"),
         (bag(&[("/s", STATE, 1, cdr(&unequal))]), Some("/s"), "0 positions for 1 joints"),
     ] {
         let why = read(&bytes, topic).expect_err(text);

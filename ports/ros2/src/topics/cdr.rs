@@ -260,6 +260,9 @@ impl Value {
         };
         match word {
             Word::Float => Ok(float.to_bits()),
+            Word::Single if float.is_finite() && !(float as f32).is_finite() => {
+                Err("and too large for the reading")
+            }
             Word::Single => Ok(u64::from((float as f32).to_bits())),
             Word::Unsigned => unsigned.ok_or("and the reading has no numbers below 0"),
             Word::Signed => {

@@ -2,6 +2,7 @@
 //!
 //! In: the name of a type, and the folder of a user's own definitions, if there is one. Out: its fields, with those of the messages in it; or what is wrong.
 
+use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::Read as _;
 use std::path::PathBuf;
@@ -84,6 +85,23 @@ impl Number {
         }
     }
 
+    /// Its name in definitions.
+    const fn name(self) -> &'static str {
+        match self {
+            Number::Bool => "bool",
+            Number::U8 => "uint8",
+            Number::I8 => "int8",
+            Number::U16 => "uint16",
+            Number::I16 => "int16",
+            Number::U32 => "uint32",
+            Number::I32 => "int32",
+            Number::U64 => "uint64",
+            Number::I64 => "int64",
+            Number::F32 => "float32",
+            Number::F64 => "float64",
+        }
+    }
+
     fn of(word: &str) -> Option<Number> {
         Some(match word {
             "bool" => Number::Bool,
@@ -116,7 +134,7 @@ impl Item {
     /// What it is called.
     pub fn called(&self) -> String {
         match self {
-            Item::Number(number) => format!("a {}", format!("{number:?}").to_lowercase()),
+            Item::Number(number) => format!("a value of type {}", number.name()),
             Item::Text(_) => "a text".to_owned(),
             Item::Message(message) => format!("a message {}", message.name),
         }
@@ -141,12 +159,14 @@ pub struct Definitions {
     /// The folder of the packages of the user's own.
     folder: Option<PathBuf>,
     fields: usize,
+    /// Types that were read, and the number of their fields with those of the messages in them.
+    known: BTreeMap<String, (Rc<MessageType>, usize)>,
 }
 
 impl Definitions {
     /// Those of a folder, and the common ones.
     pub const fn new(folder: Option<PathBuf>) -> Definitions {
-        Definitions { folder, fields: 0 }
+        Definitions { folder, fields: 0, known: BTreeMap::new() }
     }
 
     /// The type of this name.
@@ -159,10 +179,21 @@ impl Definitions {
 
     /// Reads a type that is in those of `within`.
     fn read(&mut self, name: &str, within: &mut Vec<String>) -> Result<Rc<MessageType>, Wrong> {
-        if within.iter().any(|outer| outer == name) || within.len() == DEEPEST {
-            let help = "correct the definitions";
-            return Err(Wrong::new(format!("messages {name} are within one another, or too deep"), help));
+        let help = "correct the definitions";
+        if within.iter().any(|outer| outer == name) {
+            return Err(Wrong::new(format!("{name} contains itself"), help));
         }
+        if within.len() == DEEPEST {
+            return Err(Wrong::new(format!("{name} is nested in more than {DEEPEST} messages"), help));
+        }
+        if let Some((known, count)) = self.known.get(name) {
+            self.fields += count;
+            if self.fields > MOST_FIELDS {
+                return Err(Wrong::new(format!("with {name}, it has more than {MOST_FIELDS} fields"), help));
+            }
+            return Ok(Rc::clone(known));
+        }
+        let before = self.fields;
         let text = self.text(name)?;
         within.push(name.to_owned());
         let package = name.split('/').next().unwrap_or_default();
@@ -196,7 +227,9 @@ impl Definitions {
             fields.push(Field { name, item: Item::Number(Number::U8), count: Count::One });
         }
         within.pop();
-        Ok(Rc::new(MessageType { name: name.to_owned(), fields }))
+        let message = Rc::new(MessageType { name: name.to_owned(), fields });
+        self.known.insert(name.to_owned(), (Rc::clone(&message), self.fields - before));
+        Ok(message)
     }
 
     /// The text of a definition. What is in the user's folder counts first.
@@ -358,11 +391,11 @@ mod tests {
         assert_eq!(
             told,
             [
-                "on a bool One",
+                "on a value of type bool One",
                 "said a text One",
-                "many a f32 Sequence(None)",
-                "few a u8 Sequence(Some(3))",
-                "two a i16 Fixed(2)",
+                "many a value of type float32 Sequence(None)",
+                "few a value of type uint8 Sequence(Some(3))",
+                "two a value of type int16 Fixed(2)",
                 "in a message own/msg/Inner One",
                 "more a message own/msg/Inner Sequence(None)",
                 "at a message builtin_interfaces/msg/Time One",
@@ -388,7 +421,7 @@ mod tests {
             ("wstring x", "a wstring, whose form differs"),
             ("a/b/c/d x", "no type of a message"),
             ("../etc x", "no type of a field"),
-            ("Bad x", "messages own/msg/Bad are within one another"),
+            ("Bad x", "own/msg/Bad contains itself"),
             ("Other x", "no definition of own/msg/Other"),
         ] {
             let wrong = in_folder("wrong", &[("Bad", text)], "own/msg/Bad").expect_err(told);
@@ -410,6 +443,6 @@ mod tests {
             .collect();
         let files: Vec<_> = files.iter().map(|(name, text)| (name.as_str(), text.as_str())).collect();
         let wrong = in_folder("bomb", &files, "own/msg/L0").expect_err("too many");
-        assert!(wrong.what.contains("too many fields"), "{wrong:?}");
+        assert!(wrong.what.contains("it has more than 100000 fields"), "{wrong:?}");
     }
 }

@@ -89,6 +89,10 @@ impl Mapping {
         cdr::read(body, order, &self.message, &self.wanted, &mut words)?;
         let [sec, nanosec] = [words[self.len], words[self.len + 1]];
         words.truncate(self.len);
+        if self.stamped && nanosec >= 1_000_000_000 {
+            let what = "and a second has fewer nanoseconds";
+            return Err(Refusal::Value("nanosec".to_owned(), nanosec.to_string(), what));
+        }
         let stamp = self.stamped.then(|| i128::from(sec.cast_signed()) * 1_000_000_000 + i128::from(nanosec));
         Ok(Told { words, stamp })
     }
@@ -196,7 +200,7 @@ impl Binding<'_> {
             let count = match item {
                 None => field.count,
                 Some(item) => {
-                    trail.push(Part::Item(self.item(path, field, item)?));
+                    trail.push(Part::Item(self.item(path, message, field, item)?));
                     Count::One
                 }
             };
@@ -208,10 +212,16 @@ impl Binding<'_> {
     }
 
     /// The place of a value in an array.
-    fn item(&self, path: &TopicText, field: &Field, item: Option<usize>) -> Result<usize, CellError> {
+    fn item(
+        &self,
+        path: &TopicText,
+        message: &MessageType,
+        field: &Field,
+        item: Option<usize>,
+    ) -> Result<usize, CellError> {
         let most = match field.count {
             Count::One => {
-                let what = format!("`{}` of {} is no array", field.name, self.message.name);
+                let what = format!("`{}` of {} is no array", field.name, message.name);
                 return Err(self.refuse(path.place(), what, "leave [..] out"));
             }
             Count::Fixed(count) | Count::Sequence(Some(count)) => count,
@@ -219,7 +229,11 @@ impl Binding<'_> {
         };
         item.filter(|item| *item < most).ok_or_else(|| {
             let what = format!("`{}` has no such value of `{}`", path.text, field.name);
-            self.refuse(path.place(), what, format!("write a number from [0] to [{}]", most - 1))
+            let help = match field.count {
+                Count::Sequence(None) => "write the number of a value, such as [0]".to_owned(),
+                _ => format!("write a number from [0] to [{}]", most - 1),
+            };
+            self.refuse(path.place(), what, help)
         })
     }
 

@@ -31,12 +31,14 @@ use receive::{Body, BodyReader};
 /// Messages of a topic that are taken at a time, however many come: the rest has its turn.
 const EACH: usize = 100;
 
-/// Reasons of refusals that are told of a topic, at most: some have numbers in them that differ.
+/// Reasons of refusals that are told of a topic, at most.
 const MOST_REASONS: usize = 20;
 
 /// How often it is told how many messages were refused, and publishers are looked at.
 const TOLD: Duration = Duration::from_secs(10);
 const LOOKED: Duration = Duration::from_secs(1);
+/// The least time between two looks at publishers, whoever sends.
+const LOOKED_AGAIN: Duration = Duration::from_millis(50);
 
 /// By how much a stamp may be ahead of this machine's clock, for clocks that are kept alike over a network \[ns\].
 const AHEAD: i128 = 10_000_000;
@@ -47,8 +49,8 @@ pub struct SensorTopics {
     looked: Option<Instant>,
     /// The types of what publishers publish.
     types: BTreeMap<GUID, String>,
-    /// Publishers of whom it was told that nothing is heard.
-    unheard: Vec<GUID>,
+    /// Publishers of whom it was told that a topic does not hear them.
+    unheard: Vec<(GUID, usize)>,
 }
 
 /// A topic, and the sensor.
@@ -83,7 +85,7 @@ impl SensorTopics {
             let reader = BodyReader::open(node.participant(), &name, &message, &qos)
                 .map_err(|error| format!("topic {name}: {error}"))?;
             complain(&format!("sensor `{}` reads {name}, {}", of.name(), topic.message().text));
-            let owner = Owner { quiet: of.stale_after().as_nanos() as u64, now: None };
+            let owner = Owner { stale: of.stale_after().as_nanos() as u64, last: None };
             let refused = Refusals::of(&name);
             topics.push(SensorTopic { name, message, qos, mapping, reader, sender, owner, refused });
         }
@@ -95,9 +97,7 @@ impl SensorTopics {
         if self.topics.is_empty() {
             return;
         }
-        if self.looked.is_none_or(|looked| looked.elapsed() >= LOOKED) {
-            self.look(node);
-        }
+        self.look(node, LOOKED);
         for place in 0..self.topics.len() {
             for _ in 0..EACH {
                 match self.topics[place].reader.next() {
@@ -111,8 +111,10 @@ impl SensorTopics {
     }
 
     fn message(&mut self, node: &RosNode, place: usize, body: &Body) {
-        if !self.types.contains_key(&body.writer) {
-            self.look(node);
+        let last = self.topics[place].owner.last.as_ref();
+        let is_another = last.is_none_or(|last| last.writer != Some(body.writer));
+        if is_another || !self.types.contains_key(&body.writer) {
+            self.look(node, LOOKED_AGAIN);
         }
         let topic = &mut self.topics[place];
         let written = self.types.get(&body.writer);
@@ -121,22 +123,30 @@ impl SensorTopics {
         }
     }
 
-    /// Looks at the publishers that there are, and tells of those that are not heard: of other types, and of lower quality of service.
-    fn look(&mut self, node: &RosNode) {
+    /// Looks at the publishers that there are, if that was so long ago, and tells of those that are not heard: of other types, and of lower quality of
+    /// service.
+    fn look(&mut self, node: &RosNode, after: Duration) {
+        if self.looked.is_some_and(|looked| looked.elapsed() < after) {
+            return;
+        }
         self.looked = Some(Instant::now());
         let writers = receive::writers(node.participant());
         self.types.clear();
-        self.unheard.retain(|known| writers.iter().any(|writer| writer.guid == *known));
+        self.unheard.retain(|(known, _)| writers.iter().any(|writer| writer.guid == *known));
         for writer in &writers {
-            let is_it = |topic: &&SensorTopic| receive::dds_name(&topic.name) == writer.topic;
-            if let Some(topic) = self.topics.iter().find(is_it)
-                && !self.unheard.contains(&writer.guid)
-                && let Some(why) = writer.is_unheard_by(&topic.message, &topic.qos)
-            {
-                complain(&format!("warning: topic {}: a publisher is not heard: {why}", topic.name));
-                self.unheard.push(writer.guid);
+            for (place, topic) in self.topics.iter().enumerate() {
+                if receive::dds_name(&topic.name) == writer.topic
+                    && !self.unheard.contains(&(writer.guid, place))
+                    && let Some(why) = writer.is_unheard_by(&topic.message, &topic.qos)
+                {
+                    complain(&format!("warning: topic {}: a publisher is not heard: {why}", topic.name));
+                    self.unheard.push((writer.guid, place));
+                }
             }
             self.types.insert(writer.guid, writer.message.clone());
+        }
+        for topic in &mut self.topics {
+            topic.owner.keep_if(|writer| self.types.contains_key(writer));
         }
     }
 }
@@ -187,8 +197,10 @@ impl SensorTopic {
         [monotonic, wall]: [u64; 2],
     ) -> Result<(), String> {
         let expected = self.message.dds_msg_type();
-        if let Some(other) = written.filter(|written| **written != expected) {
-            return Err(format!("its publisher publishes {other}, not {expected}"));
+        let written = written.ok_or("its publisher is not known")?;
+        if *written != expected {
+            let [written, expected] = [written, &expected].map(|name| receive::ros_name(name));
+            return Err(format!("its publisher publishes {written}, not {expected}"));
         }
         self.owner.check(body.writer, monotonic)?;
         let order = body.order()?;
@@ -196,10 +208,14 @@ impl SensorTopic {
         let came = monotonic.saturating_sub(body.waited);
         let measured = match told.stamp {
             None => came,
-            Some(stamp) => measured(stamp, monotonic, wall)?.min(came),
+            Some(stamp) => {
+                let measured = measured(stamp, monotonic, wall)?.min(came);
+                self.owner.check_stamp(measured, monotonic)?;
+                measured
+            }
         };
         self.sender.send(&told.words, measured);
-        self.owner.now = Some((body.writer, monotonic));
+        self.owner.last = Some(Last { writer: Some(body.writer), heard: monotonic, measured });
         Ok(())
     }
 }
@@ -219,17 +235,51 @@ fn measured(stamp: i128, monotonic: u64, wall: u64) -> Result<u64, String> {
 /// Whose messages count.
 #[derive(Clone, Debug)]
 struct Owner<W> {
-    /// A publisher that has sent nothing good for so long is replaced by another one \[ns\].
-    quiet: u64,
-    /// Who has sent the last good message, and when \[ns\].
-    now: Option<(W, u64)>,
+    /// The age of a reading that is stale \[ns\]. A publisher that has sent nothing good for half of this time is replaced by another one, before the
+    /// sensor is stale.
+    stale: u64,
+    last: Option<Last<W>>,
+}
+
+/// The last good message: who has sent it, when it was heard and of when it is by the monotonic clock \[ns\].
+#[derive(Clone, Debug)]
+struct Last<W> {
+    /// `None`: it has gone.
+    writer: Option<W>,
+    heard: u64,
+    measured: u64,
 }
 
 impl<W: PartialEq + Copy> Owner<W> {
     fn check(&self, writer: W, monotonic: u64) -> Result<(), String> {
-        match self.now {
-            Some((owner, heard)) if owner != writer && monotonic.saturating_sub(heard) < self.quiet => {
+        match &self.last {
+            Some(last)
+                if last.writer.is_some_and(|owner| owner != writer)
+                    && monotonic.saturating_sub(last.heard) < self.stale / 2 =>
+            {
                 Err("another publisher sends to the same topic; the first one stays".to_owned())
+            }
+            Some(_) | None => Ok(()),
+        }
+    }
+
+    /// Another publisher may follow at once where this one is there no more.
+    fn keep_if(&mut self, is_there: impl Fn(&W) -> bool) {
+        if let Some(last) = &mut self.last {
+            last.writer = last.writer.filter(is_there);
+        }
+    }
+
+    /// The cell takes no reading that is stale or not newer than the last one, and whoever sends such ones sends nothing good.
+    fn check_stamp(&self, measured: u64, monotonic: u64) -> Result<(), String> {
+        let age = monotonic.saturating_sub(measured);
+        if age >= self.stale {
+            let [age, stale] = [age, self.stale].map(|time| time as f64 / 1e9);
+            return Err(format!("its stamp is {age:.3} s old, and a reading is stale after {stale:.3} s"));
+        }
+        match &self.last {
+            Some(last) if measured <= last.measured => {
+                Err("its stamp is not later than that of the message before".to_owned())
             }
             Some(_) | None => Ok(()),
         }
@@ -240,30 +290,40 @@ impl<W: PartialEq + Copy> Owner<W> {
 #[derive(Debug)]
 struct Refusals {
     name: String,
-    /// Reasons that were told.
+    /// Reasons that were told, without their digits: numbers in them differ from message to message.
     known: Vec<String>,
     told: Instant,
-    /// Since then.
+    /// How many there were since then, and the reason of the last one.
     count: u64,
+    last: String,
 }
 
 impl Refusals {
     fn of(name: &str) -> Refusals {
-        Refusals { name: name.to_owned(), known: Vec::new(), told: Instant::now(), count: 0 }
+        Refusals {
+            name: name.to_owned(),
+            known: Vec::new(),
+            told: Instant::now(),
+            count: 0,
+            last: String::new(),
+        }
     }
 
     fn add(&mut self, why: &str) {
-        if self.known.len() < MOST_REASONS && !self.known.iter().any(|known| known == why) {
-            self.known.push(why.to_owned());
+        let kind: String = why.chars().filter(|c| !c.is_ascii_digit()).collect();
+        if self.known.len() < MOST_REASONS && !self.known.contains(&kind) {
+            self.known.push(kind);
             complain(&format!("warning: topic {}: a message is refused: {why}", self.name));
         } else {
             self.count += 1;
+            why.clone_into(&mut self.last);
         }
     }
 
     fn tell(&mut self) {
         if self.count > 0 && self.told.elapsed() >= TOLD {
-            complain(&format!("warning: topic {}: {} more messages refused", self.name, self.count));
+            let Refusals { name, count, last, .. } = self;
+            complain(&format!("warning: topic {name}: {count} more messages refused, the last one: {last}"));
             (self.told, self.count) = (Instant::now(), 0);
         }
     }

@@ -94,6 +94,12 @@ impl BodyReader {
     }
 }
 
+/// The name of a type as ROS 2 has it, of that which DDS has.
+pub fn ros_name(dds: &str) -> String {
+    let name = dds.strip_suffix('_').unwrap_or(dds);
+    name.replace("::dds_::", "/").replace("::", "/")
+}
+
 /// Leaves a message as it is.
 struct Undecoded;
 
@@ -159,7 +165,8 @@ impl Writer {
         use ros2_client::qos::{Durability, Reliability};
         let expected = message.dds_msg_type();
         if self.message != expected {
-            return Some(format!("it publishes {}, not {expected}", self.message));
+            let [published, expected] = [&self.message, &expected].map(|name| ros_name(name));
+            return Some(format!("it publishes {published}, not {expected}"));
         }
         if matches!(asked.reliability, Reliability::Reliable { .. }) && !self.reliable {
             let help = "leave `reliability` out in cell.toml, or make it reliable";

@@ -13,7 +13,7 @@ use serde::Deserialize;
 
 use super::cdr::{ByteOrder, Refusal};
 use super::mapping::{Mapping, Told};
-use super::{AHEAD, Owner, measured};
+use super::{AHEAD, Last, Owner, measured};
 
 /// Messages as rosbags serialises them, by `reference/messages.py`.
 const REFERENCE: &str = include_str!("../../reference/messages.json");
@@ -232,14 +232,14 @@ fn fault_256_what_is_wrong_with_a_mapping_is_named_with_what_to_write() {
             ALL,
             "reading = { v = \"on\", on = \"on\" }",
             &TWO,
-            "`on` is a bool, and v is a number",
+            "`on` is a value of type bool, and v is a number",
             "write the path",
         ),
         (
             ALL,
             "reading = { v = \"f64\", on = \"f64\" }",
             &TWO,
-            "`f64` is a f64, and on is true or false",
+            "`f64` is a value of type float64, and on is true or false",
             "write the path",
         ),
         (ALL, "reading = \"f64\"", &TWO, "and a reading is made of fields: v, on", "write the path"),
@@ -255,7 +255,7 @@ fn fault_256_what_is_wrong_with_a_mapping_is_named_with_what_to_write() {
             ALL,
             "reading = \"f32\"",
             &Shape::Signed,
-            "`f32` is a f32, and a reading is a whole number",
+            "`f32` is a value of type float32, and a reading is a whole number",
             "write the path",
         ),
         (ALL, "reading = \"odd[5]\"", &Shape::Float, "`odd[5]` has no such value", "from [0] to [4]"),
@@ -269,7 +269,7 @@ fn fault_256_what_is_wrong_with_a_mapping_is_named_with_what_to_write() {
             "`b` of an array of any length",
             "choose a value by [0]",
         ),
-        (ALL, "reading = \"f64.b\"", &Shape::Float, "`b` of a f64", "end the path there"),
+        (ALL, "reading = \"f64.b\"", &Shape::Float, "`b` of a value of type float64", "end the path there"),
         (ALL, "reading = \"\"", &Shape::Float, "has no field ``", "it has:"),
         (ALL, "reading = \"numbers\"", &Shape::Float, "an array of any length", "write the path"),
         (ALL, "reading = \"odd\"", &Shape::Array(&Shape::Float, 4), "an array of 5 values", "write the path"),
@@ -402,13 +402,33 @@ fn a_stamp_is_a_time_of_the_monotonic_clock_and_never_later_than_now() {
 
 #[test]
 fn fault_256_a_second_publisher_is_refused_until_the_first_one_is_silent() {
-    let mut owner = Owner { quiet: 100, now: None };
+    let mut owner = Owner { stale: 200, last: None };
     assert_eq!(owner.check("first", 1000), Ok(()));
-    owner.now = Some(("first", 1000));
+    owner.last = Some(Last { writer: Some("first"), heard: 1000, measured: 990 });
     let told = owner.check("second", 1099).expect_err("the first one is there");
     assert!(told.contains("another publisher"), "{told}");
     assert_eq!(owner.check("first", 1099), Ok(()));
-    assert_eq!(owner.check("second", 1100), Ok(()));
+    assert_eq!(
+        owner.check("second", 1100),
+        Ok(()),
+        "silent for half the time after which the sensor is stale"
+    );
+    owner.check("second", 1050).expect_err("it is there");
+    owner.keep_if(|writer| *writer != "first");
+    assert_eq!(owner.check("second", 1050), Ok(()), "the first one has gone");
+}
+
+#[test]
+fn fault_256_a_stamp_that_stands_still_or_is_stale_is_refused() {
+    const MS: u64 = 1_000_000;
+    let mut owner = Owner { stale: 100 * MS, last: None };
+    assert_eq!(owner.check_stamp(901 * MS, 1000 * MS), Ok(()));
+    let told = owner.check_stamp(900 * MS, 1000 * MS).expect_err("stale");
+    assert_eq!(told, "its stamp is 0.100 s old, and a reading is stale after 0.100 s");
+    owner.last = Some(Last { writer: Some("first"), heard: 1000 * MS, measured: 990 * MS });
+    assert_eq!(owner.check_stamp(991 * MS, 1010 * MS), Ok(()));
+    let told = owner.check_stamp(990 * MS, 1010 * MS).expect_err("the same one");
+    assert!(told.contains("not later than that of the message before"), "{told}");
 }
 
 proptest! {

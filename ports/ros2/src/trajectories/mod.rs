@@ -172,7 +172,8 @@ impl Trajectories {
             }
         }
         let times = [monotonic(), now()];
-        let is_ready = self.goals.is_heard(times[0]) && self.robots.iter().all(Option::is_some);
+        let is_ready =
+            self.fault.is_none() && self.goals.is_heard(times[0]) && self.robots.iter().all(Option::is_some);
         if let Some((id, goal)) = playback.next(times[0], is_ready)
             && !self.goals.request(self.servers.len(), playback.only, id, &goal, times)
         {

@@ -146,7 +146,7 @@ impl Fault {
             }
             K::SensorStale | K::SensorFailed => {
                 return Some(
-                    "look at the virtual sensor: `aggregate` must answer, and in time for the motions that read it",
+                    "look at the virtual sensor, or at the program that sends its readings: they must come in time for the motions that read it",
                 );
             }
             K::Overrun => {
