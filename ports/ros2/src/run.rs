@@ -177,6 +177,9 @@ fn attend(
     if options.buttons {
         buttons::offer(&mut node, &file)?;
     }
+    let waiting = from_bag.as_ref().map_or_else(String::new, |goals| {
+        format!(", with {} trajectories of a bag for when the cell's program takes goals", goals.len())
+    });
     let mut goals = match options.goals || from_bag.is_some() {
         true => Some(trajectories(&layout, &topics, &cell_file)?),
         false => None,
@@ -185,7 +188,6 @@ fn attend(
         goals.offer(&mut node, &layout)?;
     }
     if let Some((goals, from_bag)) = goals.as_mut().zip(from_bag) {
-        complain(&format!("bag: {} trajectories, for when the cell's program takes goals", from_bag.len()));
         goals.play(from_bag, robot);
     }
     let mut readings = SensorTopics::open(&mut node, &layout, &cell_file)?;
@@ -203,7 +205,7 @@ fn attend(
     let with = |what: bool, name: &str| format!("{} {name}", if what { "with" } else { "without" });
     let (buttons, trajectories) = (with(options.buttons, "buttons"), with(options.goals, "goals"));
     complain(&format!(
-        "node /{}: domain {domain} at {}, {buttons}, {trajectories}",
+        "node /{}: domain {domain} at {}, {buttons}, {trajectories}{waiting}",
         place.node, place.address
     ));
     let mut serve_readings = || readings.serve(&node);
