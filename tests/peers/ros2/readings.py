@@ -134,7 +134,7 @@ def refusals(bridge, stick):
         second.publisher.publish(stick.twist(-0.05))
         stick.publish(0.01)
 
-    bridge.until("it publishes std_msgs::msg::dds_::String_, not geometry_msgs::msg::dds_::TwistStamped_", meanwhile=meanwhile)
+    bridge.until("it publishes std_msgs/msg/String, not geometry_msgs/msg/TwistStamped", meanwhile=meanwhile)
     bridge.until("another publisher sends to the same topic", meanwhile=meanwhile)
     foreign.end()
     second.end()
