@@ -6,7 +6,7 @@
 
 use std::collections::BTreeMap;
 
-use super::definition::{Count, Field, Item, MessageType, Number};
+use crate::definitions::{Count, Field, Item, MessageType, Number};
 
 /// Bytes behind a message that may be there since its length was rounded up.
 const PADDING: usize = 3;

@@ -12,7 +12,7 @@ use mrroc_core::suggestion::suggestion;
 use mrroc_launch::cell_file::{Place, TopicEntry, TopicReading, TopicText};
 
 use super::cdr::{self, ByteOrder, Part, Refusal, Wanted, Word};
-use super::definition::{Count, Definitions, Field, Item, MessageType, Number, Wrong};
+use crate::definitions::{Count, Definitions, Field, Item, MessageType, Number, Wrong};
 
 /// What a time consists of.
 const TIME: &str = "builtin_interfaces/msg/Time";

@@ -5,7 +5,6 @@
 //! one's messages are refused, since a robot that follows two of them in turn follows none.
 
 mod cdr;
-mod definition;
 mod mapping;
 mod receive;
 #[cfg(test)]

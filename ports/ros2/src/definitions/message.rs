@@ -10,7 +10,7 @@ use std::rc::Rc;
 
 use mrroc_core::suggestion::{nearest, suggestion};
 
-use crate::definitions::common;
+use super::common::common;
 
 /// The longest file of a definition \[bytes\].
 const LONGEST: u64 = 1 << 20;
@@ -211,11 +211,7 @@ impl Definitions {
             let item = match line.item {
                 Named::Item(item) => item,
                 Named::Message(message) => {
-                    let whole = match message.split('/').collect::<Vec<_>>()[..] {
-                        [name] => format!("{package}/msg/{name}"),
-                        [package, name] | [package, "msg", name] => format!("{package}/msg/{name}"),
-                        _ => return Err(wrong("no type of a message")),
-                    };
+                    let whole = whole_name(package, message).ok_or_else(|| wrong("no type of a message"))?;
                     Item::Message(self.read(&whole, within)?)
                 }
             };
@@ -285,22 +281,31 @@ fn is_word(text: &str) -> bool {
         && text.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
 }
 
+/// The name of a type of message, `package/msg/Name`, as a definition of this package names it; `None`: it is none.
+pub fn whole_name(package: &str, named: &str) -> Option<String> {
+    match named.split('/').collect::<Vec<_>>()[..] {
+        [name] => Some(format!("{package}/msg/{name}")),
+        [package, name] | [package, "msg", name] => Some(format!("{package}/msg/{name}")),
+        _ => None,
+    }
+}
+
 /// A line with a field.
-struct Line<'a> {
-    item: Named<'a>,
+pub struct Line<'a> {
+    pub item: Named<'a>,
     count: Count,
     name: &'a str,
 }
 
 /// The type of a field, as it is named.
-enum Named<'a> {
+pub enum Named<'a> {
     Item(Item),
     Message(&'a str),
 }
 
 impl<'a> Line<'a> {
     /// `None` for a line without a field: a comment, or a constant.
-    fn of(line: &'a str) -> Result<Option<Line<'a>>, &'static str> {
+    pub fn of(line: &'a str) -> Result<Option<Line<'a>>, &'static str> {
         let line = line.trim();
         if line.is_empty() || line.starts_with('#') {
             return Ok(None);
