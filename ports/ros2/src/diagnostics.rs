@@ -1,9 +1,14 @@
 //! Pictures of the cell as diagnostics.
 
+use core::time::Duration;
+
 use mrroc_core::operator::CellState;
 use mrroc_processes::Picture;
 
 use crate::messages::{DiagnosticStatus, ERROR, KeyValue, OK, WARN};
+
+/// The time between two diagnostics in which nothing new is told.
+pub const EVERY: Duration = Duration::from_secs(1);
 
 /// The status of the cell, and of each of its processes.
 pub fn of(picture: &Picture, node: &str) -> Vec<DiagnosticStatus> {

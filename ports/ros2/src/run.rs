@@ -21,6 +21,7 @@ use crate::bags::{self, BagOptions};
 use crate::buttons;
 use crate::clock::{CellClock, now};
 use crate::description::{Description, joint_names};
+use crate::diagnostics;
 use crate::moveit;
 use crate::node::{Place, RosNode, topic_name};
 use crate::show::Topics;
@@ -32,8 +33,6 @@ const LOOK: Duration = Duration::from_millis(1);
 /// For how long images are taken before pictures and goals are looked at: on a machine that is too slow for all images, these have their turn, too, since a
 /// cell stops robots that follow goals where the bridge is silent.
 const TURN: Duration = Duration::from_millis(10);
-/// The time between two diagnostics in which nothing new is told.
-const DIAGNOSED: Duration = Duration::from_secs(1);
 /// How long it is waited before a cell that is not there is looked for again.
 const AGAIN: Duration = Duration::from_millis(200);
 
@@ -267,7 +266,7 @@ fn show_for_ever(
                     !matches!(picture.state, CellState::Idle | CellState::Running | CellState::Suspended);
                 goals.fault(picture.fault.as_deref().filter(|_| stands));
             }
-            if says != told || diagnosed.elapsed() >= DIAGNOSED {
+            if says != told || diagnosed.elapsed() >= diagnostics::EVERY {
                 (diagnosed, told) = (Instant::now(), says);
                 topics.diagnose(&picture, now());
             }

@@ -64,8 +64,7 @@ pub use compare::{Compared, Difference};
 pub use json::as_number;
 pub use messages::signals_in;
 pub use reader::{
-    Completeness, McapMessage, RecordedMessage, each_mcap_message, each_mcap_message_of_bytes, each_message,
-    each_message_of,
+    Completeness, McapMessage, RecordedMessage, each_mcap_message, each_message, each_message_of,
 };
 pub use recorder::Mcap;
 pub use replaying::{Replay, ReplayError, replay_command};

@@ -3,6 +3,7 @@
 //! In: the [`records`] of a file, and the layout of the cell. Out: a [`RecordedRun`], or what is wrong with the file, which may
 //! have any contents; or its messages as they are, for programs that only look at them, or convert them.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::io::Read;
 use std::path::Path;
@@ -43,9 +44,9 @@ fn read_from(from: impl Read, layout: &Layout, cut_off: CutOff) -> Result<Record
             "look at it with an MCAP viewer, or record one of its cells in a run of its own and replay that";
         return Err(Wrong::new("a cell of cells cannot be replayed", help));
     }
-    let mut taker = Taker { layout, messages: None, channels: BTreeMap::new(), start: 0, end: None };
+    let mut taker = Taker { head: Head::of(layout), messages: None };
     match records::each(from, &records::RECORDING, &mut |record| taker.take(record))? {
-        Ended::Whole if taker.end.is_some() => taker.finish(cut_off),
+        Ended::Whole if taker.head.dropped.is_some() => taker.finish(cut_off),
         Ended::Whole | Ended::CutOff => taker.cut_off(cut_off),
     }
 }
@@ -97,29 +98,12 @@ pub fn each_message_of(
     layout: &Layout,
     mut take: impl FnMut(RecordedMessage<'_>),
 ) -> Result<Completeness, NotReplayable> {
-    let (mut channels, mut start, mut is_known, mut dropped) = (BTreeMap::new(), None, false, None);
+    let (mut head, mut messages) = (Head::of(layout), None);
     let unknown = || Wrong::foreign("does not say what its cell is made of, or when it started");
     let mut take = |record: Record<'_>| {
-        match record {
-            Record::Header(header) => of_profile(&header.profile)?,
-            Record::Metadata(metadata) if metadata.name == PROFILE => {
-                Messages::of(of_version(&metadata)?, layout)?;
-                is_known = true;
-            }
-            Record::Metadata(metadata) if metadata.name == START => start = Some(started(&metadata)?),
-            Record::Metadata(metadata) if metadata.name == END => dropped = Some(dropped_by(&metadata)),
-            Record::Channel(channel) => drop(channels.insert(channel.id, channel.topic)),
-            Record::Message { header, data } => {
-                let topic = channels.get(&header.channel_id).map_or("", String::as_str);
-                let start = start.filter(|_| is_known).ok_or_else(unknown)?;
-                take(RecordedMessage {
-                    topic,
-                    start,
-                    time: header.log_time.saturating_sub(start),
-                    json: &data,
-                });
-            }
-            _ => {}
+        if let Some(Found { topic, start, date, data }) = head.take(record, &mut messages)? {
+            let start = start.filter(|_| messages.is_some()).ok_or_else(unknown)?;
+            take(RecordedMessage { topic, start, time: date.saturating_sub(start), json: &data });
         }
         Ok(())
     };
@@ -127,12 +111,12 @@ pub fn each_message_of(
         .map_err(unreadable)
         .and_then(|from| records::each(from, &records::RECORDING, &mut take));
     let ended = read.map_err(|wrong| wrong.of(file))?;
-    if !is_known {
+    if messages.is_none() {
         return Err(unknown().of(file));
     }
     Ok(Completeness {
-        cut_off: ended != Ended::Whole || dropped.is_none(),
-        dropped: dropped.unwrap_or_default(),
+        cut_off: ended != Ended::Whole || head.dropped.is_none(),
+        dropped: head.dropped.unwrap_or_default(),
     })
 }
 
@@ -175,17 +159,6 @@ pub fn each_mcap_message(
 ) -> Result<(), String> {
     let read = files::open(file).map_err(unreadable).and_then(|from| each_mcap_message_in(from, take));
     read.map_err(|wrong| format!("{}: {}", file.display(), wrong.what()))
-}
-
-/// The same of bytes in memory.
-///
-/// # Errors
-/// See [`each_mcap_message`].
-pub fn each_mcap_message_of_bytes(
-    bytes: &[u8],
-    take: impl FnMut(McapMessage<'_>) -> Result<(), String>,
-) -> Result<(), String> {
-    each_mcap_message_in(bytes, take).map_err(|wrong| wrong.what().to_owned())
 }
 
 fn each_mcap_message_in(
@@ -255,47 +228,72 @@ fn started(metadata: &Metadata) -> Result<Nanos, Wrong> {
     start.ok_or_else(|| Wrong::foreign("does not say when it started"))
 }
 
-/// Takes the records of a file one after another.
-struct Taker<'a> {
+/// What the records before the messages say of a recording, and its end.
+struct Head<'a> {
     layout: &'a Layout,
-    /// `None` until the metadata has been read.
-    messages: Option<Messages>,
     /// The topics of the channels, by their numbers.
     channels: BTreeMap<u16, String>,
     /// The date of the cell's time 0 \[ns\].
-    start: u64,
-    end: Option<Metadata>,
+    start: Option<Nanos>,
+    /// How many records were dropped, which the end says.
+    dropped: Option<u64>,
+}
+
+/// A message, as it is in the file.
+struct Found<'a> {
+    topic: &'a str,
+    start: Option<Nanos>,
+    /// When it was logged \[ns\].
+    date: Nanos,
+    data: Cow<'a, [u8]>,
+}
+
+impl<'a> Head<'a> {
+    fn of(layout: &'a Layout) -> Self {
+        Head { layout, channels: BTreeMap::new(), start: None, dropped: None }
+    }
+
+    /// Takes a record, and hands it back if it is a message. The metadata of the cell begin `messages`.
+    fn take<'r>(
+        &'r mut self,
+        record: Record<'r>,
+        messages: &mut Option<Messages>,
+    ) -> Result<Option<Found<'r>>, Wrong> {
+        match record {
+            Record::Header(header) => of_profile(&header.profile)?,
+            Record::Metadata(metadata) if metadata.name == PROFILE => {
+                *messages = Some(Messages::of(of_version(&metadata)?, self.layout)?);
+            }
+            Record::Metadata(metadata) if metadata.name == START => self.start = Some(started(&metadata)?),
+            Record::Metadata(metadata) if metadata.name == END => {
+                self.dropped = Some(dropped_by(&metadata));
+            }
+            Record::Channel(channel) => drop(self.channels.insert(channel.id, channel.topic)),
+            Record::Message { header, data } => {
+                let topic = self.channels.get(&header.channel_id).map_or("", String::as_str);
+                return Ok(Some(Found { topic, start: self.start, date: header.log_time, data }));
+            }
+            _ => {}
+        }
+        Ok(None)
+    }
+}
+
+/// Takes the records of a file one after another.
+struct Taker<'a> {
+    head: Head<'a>,
+    /// `None` until the metadata has been read.
+    messages: Option<Messages>,
 }
 
 impl Taker<'_> {
     fn take(&mut self, record: Record<'_>) -> Result<(), Wrong> {
-        match record {
-            Record::Header(header) => of_profile(&header.profile),
-            Record::Metadata(metadata) if metadata.name == PROFILE => {
-                self.messages = Some(Messages::of(of_version(&metadata)?, self.layout)?);
-                Ok(())
-            }
-            Record::Metadata(metadata) if metadata.name == START => {
-                self.start = started(&metadata)?;
-                Ok(())
-            }
-            Record::Metadata(metadata) if metadata.name == END => {
-                self.end = Some(metadata);
-                Ok(())
-            }
-            Record::Channel(channel) => {
-                self.channels.insert(channel.id, channel.topic);
-                Ok(())
-            }
-            Record::Message { header, data } => {
-                let topic = self.channels.get(&header.channel_id).map_or("", String::as_str);
-                let messages = self.messages.as_mut();
-                let messages =
-                    messages.ok_or_else(|| Wrong::foreign("does not say what its cell is made of"))?;
-                messages.take(topic, header.log_time.saturating_sub(self.start), &data)
-            }
-            _ => Ok(()),
-        }
+        let Some(Found { topic, start, date, data }) = self.head.take(record, &mut self.messages)? else {
+            return Ok(());
+        };
+        let messages = self.messages.as_mut();
+        let messages = messages.ok_or_else(|| Wrong::foreign("does not say what its cell is made of"))?;
+        messages.take(topic, date.saturating_sub(start.unwrap_or_default()), &data)
     }
 
     fn cut_off(self, cut_off: CutOff) -> Result<RecordedRun, Wrong> {
@@ -313,7 +311,7 @@ impl Taker<'_> {
     }
 
     fn finish(self, cut_off: CutOff) -> Result<RecordedRun, Wrong> {
-        let dropped = self.end.as_ref().map_or(0, dropped_by);
+        let dropped = self.head.dropped.unwrap_or_default();
         if dropped > 0 {
             let what = format!("lacks {dropped} records, which were dropped while it was written");
             return Err(Wrong::new(what, "record the run again, to a faster disk or in virtual time"));

@@ -16,13 +16,14 @@ use serde_json::Value;
 use super::file::{Bag, BagTopic};
 use super::readings::ReadingTopics;
 use crate::clock::CellClock;
+use crate::diagnostics;
 use crate::messages::JointState;
 use crate::node::topic_name;
 use crate::outlet::{Durability, Outlet as _, Put as _};
 use crate::show::Topics;
 
 /// The time between two diagnostics in which nothing new is told \[ns of the cell\].
-const DIAGNOSED: u64 = 1_000_000_000;
+const DIAGNOSED: u64 = diagnostics::EVERY.as_nanos() as u64;
 
 /// What goes into a bag.
 struct Export<'a> {
@@ -86,28 +87,25 @@ fn write(
     layout: &Layout,
     urdfs: &[(String, Option<String>)],
 ) -> Result<Completeness, String> {
+    let failed = |why: &str| format!("{}: {why}", recording.display());
     // The topics begin at the date of the first message.
-    let mut first = None;
-    let scan = |message: RecordedMessage<'_>| {
-        first.get_or_insert(message.start);
-    };
-    each_message_of(recording, layout, scan).map_err(|wrong| wrong.to_string())?;
-    let start = first.ok_or_else(|| {
-        format!("{}: has no message\n help: record a run that moves something", recording.display())
-    })?;
-    let mut export = Export::open(bag, layout, urdfs, start)?;
-    let mut wrong = None;
+    let mut bag = Some(bag);
+    let mut exported: Result<Option<Export<'_>>, String> = Ok(None);
     let take = |message: RecordedMessage<'_>| {
-        if export.take(&message).is_none() {
-            wrong.get_or_insert_with(|| {
-                format!("a message in {} at {} ns does not fit", message.topic, message.time)
-            });
+        if let Some(bag) = bag.take() {
+            exported = Export::open(bag, layout, urdfs, message.start).map(Some);
+        }
+        if let Ok(Some(export)) = &mut exported
+            && export.take(&message).is_none()
+        {
+            let what = format!("a message in {} at {} ns does not fit", message.topic, message.time);
+            exported = Err(failed(&what));
         }
     };
     let has = each_message_of(recording, layout, take).map_err(|wrong| wrong.to_string())?;
-    match wrong {
-        Some(why) => Err(format!("{}: {why}", recording.display())),
-        None => Ok(has),
+    match exported? {
+        Some(_) => Ok(has),
+        None => Err(failed("has no message\n help: record a run that moves something")),
     }
 }
 

@@ -51,13 +51,7 @@ impl BagOptions {
     pub fn goals(&self) -> Result<Option<Vec<Request>>, String> {
         let Some(bag) = &self.from_bag else { return Ok(None) };
         let wanted = Wanted { topic: self.topic.clone(), approach: self.approach, every: self.every };
-        let goals = Source::at(bag).and_then(|source| source.goals(&wanted));
-        match goals {
-            Ok(goals) if goals.is_empty() => Err(format!("{}: its topic has no trajectory", bag.display())),
-            Ok(goals) => Ok(Some(goals)),
-            Err(why) if why.starts_with(&*bag.to_string_lossy()) => Err(why),
-            Err(why) => Err(format!("{}: {why}", bag.display())),
-        }
+        Source::at(bag)?.goals(&wanted).map(Some)
     }
 }
 

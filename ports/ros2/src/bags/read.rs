@@ -8,7 +8,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use byteorder::{BigEndian, LittleEndian};
-use mrroc_recording::{McapMessage, each_mcap_message, each_mcap_message_of_bytes};
+use mrroc_recording::{McapMessage, each_mcap_message};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 
@@ -45,13 +45,11 @@ pub struct Wanted {
     pub every: f64,
 }
 
-/// Where a bag is.
-pub enum Source<'a> {
-    /// In MCAP files.
-    Files(Vec<PathBuf>),
-    /// In memory: one MCAP file.
-    #[cfg_attr(not(test), expect(dead_code, reason = "tests alone have bags in memory"))]
-    Bytes(&'a [u8]),
+/// A bag.
+pub struct Source {
+    bag: PathBuf,
+    /// Its MCAP files.
+    files: Vec<PathBuf>,
 }
 
 /// `moveit_msgs/DisplayTrajectory`, as far as it is read.
@@ -61,18 +59,18 @@ struct Display {
     trajectory: Vec<(Trajectory, MultiTrajectory)>,
 }
 
-impl Source<'_> {
+impl Source {
     /// The files of a bag.
     ///
     /// # Errors
     /// It is none that is read, and what to do.
-    pub fn at(bag: &Path) -> Result<Source<'static>, String> {
+    pub fn at(bag: &Path) -> Result<Source, String> {
         let failed = |why: &str| format!("{}: {why}", bag.display());
         if !bag.is_dir() {
             fs::metadata(bag).map_err(|error| failed(&error.to_string()))?;
             return match why_unreadable(bag) {
                 Some(why) => Err(failed(why)),
-                None => Ok(Source::Files(vec![bag.to_owned()])),
+                None => Ok(Source { bag: bag.to_owned(), files: vec![bag.to_owned()] }),
             };
         }
         let entries = fs::read_dir(bag).map_err(|error| failed(&error.to_string()))?;
@@ -85,7 +83,7 @@ impl Source<'_> {
         }
         inside.retain(|path| has_ending(path, "mcap"));
         match inside.is_empty() {
-            false => Ok(Source::Files(inside)),
+            false => Ok(Source { bag: bag.to_owned(), files: inside }),
             true => {
                 Err(failed("is no bag: it has no .mcap file\n help: name the folder that has metadata.yaml"))
             }
@@ -93,10 +91,12 @@ impl Source<'_> {
     }
 
     fn each(&self, mut take: impl FnMut(McapMessage<'_>) -> Result<(), String>) -> Result<(), String> {
-        match self {
-            Source::Files(files) => files.iter().try_for_each(|file| each_mcap_message(file, &mut take)),
-            Source::Bytes(bytes) => each_mcap_message_of_bytes(bytes, take),
-        }
+        self.files.iter().try_for_each(|file| each_mcap_message(file, &mut take))
+    }
+
+    /// What is wrong with the bag as a whole.
+    fn wrong(&self, why: &str) -> String {
+        format!("{}: {why}", self.bag.display())
     }
 
     /// The goals of a bag, in the order of their dates.
@@ -150,8 +150,9 @@ impl Source<'_> {
             }
         })?;
         if kind == JOINT_STATE {
-            let trajectory =
-                series.trajectory(wanted.every).map_err(|why| format!("topic {topic}: {why}"))?;
+            let trajectory = series
+                .trajectory(wanted.every)
+                .map_err(|why| self.wrong(&format!("topic {topic}: {why}")))?;
             goals.push((0, Request { trajectory, ..Request::default() }));
         }
         goals.sort_by_key(|(date, _)| *date);
@@ -160,12 +161,16 @@ impl Source<'_> {
             goal.trajectory.header = Header { stamp: Stamp::default(), ..goal.trajectory.header };
             for point in &mut goal.trajectory.points {
                 let later = point.time_from_start.later_by(wanted.approach);
-                point.time_from_start =
-                    later.ok_or_else(|| format!("topic {topic}: a point is at no time that can be told"))?;
+                point.time_from_start = later.ok_or_else(|| {
+                    self.wrong(&format!("topic {topic}: a point is at no time that can be told"))
+                })?;
             }
             Ok(goal)
         };
-        goals.into_iter().map(begin).collect()
+        match goals.is_empty() {
+            true => Err(self.wrong("its topic has no trajectory")),
+            false => goals.into_iter().map(begin).collect(),
+        }
     }
 
     /// The topic that is meant, and its type.
@@ -190,29 +195,29 @@ impl Source<'_> {
         match wanted {
             Some(topic) => match topics.get(topic) {
                 Some(kind) if is_read(kind) => Ok((topic.to_owned(), kind.clone())),
-                Some(kind) => Err(format!(
+                Some(kind) => Err(self.wrong(&format!(
                     "topic {topic} is of type {kind}, which is no trajectory\n help: --topic takes one of type {JOINT_TRAJECTORY}, {GOAL}, {DISPLAY} or \
                      {JOINT_STATE}; in this bag: {}",
                     list(&is_read)
-                )),
-                None => Err(format!(
+                ))),
+                None => Err(self.wrong(&format!(
                     "the bag has no message of topic {topic}\n help: it has trajectories in: {}",
                     list(&is_read)
-                )),
+                ))),
             },
             None => {
                 let mut found = topics.iter().filter(|(_, kind)| is_one_each(kind));
                 match (found.next(), found.next()) {
                     (Some((topic, kind)), None) => Ok((topic.clone(), kind.clone())),
-                    (Some(_), _) => Err(format!(
+                    (Some(_), _) => Err(self.wrong(&format!(
                         "the bag has several topics of trajectories\n help: name one by --topic: {}",
                         list(&is_read)
-                    )),
-                    (None, _) => Err(format!(
+                    ))),
+                    (None, _) => Err(self.wrong(&format!(
                         "the bag has no topic of trajectories\n help: name one of joint states by --topic, of which it has: {}; its topics: {}",
                         list(&is_read),
                         list(&|_| true)
-                    )),
+                    ))),
                 }
             }
         }

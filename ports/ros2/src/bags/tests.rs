@@ -55,8 +55,17 @@ fn trajectory(times: &[i64]) -> Trajectory {
 }
 
 fn read(bytes: &[u8], topic: Option<&str>) -> Result<Vec<Request>, String> {
-    let wanted = Wanted { topic: topic.map(str::to_owned), approach: 0.0, every: 0.0 };
-    Source::Bytes(bytes).goals(&wanted)
+    goals_in(bytes, &Wanted { topic: topic.map(str::to_owned), approach: 0.0, every: 0.0 })
+}
+
+/// What is read of a file with these bytes.
+fn goals_in(bytes: &[u8], wanted: &Wanted) -> Result<Vec<Request>, String> {
+    let name = format!("mrroc-ros2-bag-{}-{:?}.mcap", std::process::id(), std::thread::current().id());
+    let file = std::env::temp_dir().join(name);
+    std::fs::write(&file, bytes).expect("written");
+    let goals = Source::at(&file).and_then(|source| source.goals(wanted));
+    std::fs::remove_file(&file).expect("removed");
+    goals
 }
 
 #[test]
@@ -71,7 +80,7 @@ fn trajectories_are_goals_in_the_order_of_their_dates_and_begin_when_they_are_se
     let found: Vec<_> = goals.into_iter().map(|goal| goal.trajectory).collect();
     assert_eq!(found, [expected(&early), expected(&late)]);
     let wanted = Wanted { approach: 1.5, ..Wanted::default() };
-    let later = Source::Bytes(&bytes).goals(&wanted).expect("the same, later");
+    let later = goals_in(&bytes, &wanted).expect("the same, later");
     let times: Vec<_> =
         later[0].trajectory.points.iter().map(|point| point.time_from_start.nanos()).collect();
     assert_eq!(times, [2_000_000_000, 2_500_000_000]);
@@ -128,7 +137,7 @@ fn joint_states_of_one_stamp_are_a_point_and_stamps_without_all_joints_are_left_
     assert_eq!((told[0].0, told[0].1), (0, &[101.0, 1.0][..]));
     assert_eq!((told[9].0, told[9].1), (180_000_000, &[110.0, 10.0][..]));
     let wanted = Wanted { topic: Some("/joint_states".to_owned()), approach: 0.0, every: 0.05 };
-    let goals = Source::Bytes(&bytes).goals(&wanted).expect("a series");
+    let goals = goals_in(&bytes, &wanted).expect("a series");
     let times: Vec<_> =
         goals[0].trajectory.points.iter().map(|point| point.time_from_start.nanos() / 1_000_000).collect();
     // The last one is there in any case, and no two are nearer than asked for.
