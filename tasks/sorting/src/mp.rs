@@ -31,10 +31,11 @@ impl Failed {
     ///
     /// # Errors
     /// It is one too many in a row.
-    pub fn count(&mut self, is_empty: bool) -> Result<(), Fault> {
-        self.all += u32::from(is_empty);
-        self.in_a_row = if is_empty { self.in_a_row + 1 } else { 0 };
-        if self.in_a_row == Self::IN_A_ROW {
+    pub fn count(so_far: &Cell<Self>, is_empty: bool) -> Result<(), Fault> {
+        let Self { all, in_a_row } = so_far.get();
+        let in_a_row = if is_empty { in_a_row + 1 } else { 0 };
+        so_far.set(Self { all: all + u32::from(is_empty), in_a_row });
+        if in_a_row == Self::IN_A_ROW {
             return Err(Fault::thrown(
                 "the hand has closed on nothing three times in a row: look at the barrier between its fingers, and how parts lie",
             ));
@@ -77,10 +78,8 @@ pub fn coordinate(
         if pick.is_over() {
             return mp.end_robot(&mut belt);
         }
-        let (is_empty, mut so_far) = (pick.empty > 0.0, failed.get());
-        let counted = so_far.count(is_empty);
-        failed.set(so_far);
-        counted?;
+        let is_empty = pick.empty > 0.0;
+        Failed::count(failed, is_empty)?;
         if !is_empty {
             mp.move_robots((&mut arm.0, &mut arm.1), (), order(Task::Carry { short: 0, long: 1 }))?;
         }

@@ -85,15 +85,16 @@ impl Reach {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use crate::places::{BELT, END, HIGH, HOME, OVER_TRAY, TRAYS, limits, over_tray, tool};
 
-    /// The arm at rest with its tool, 0.2 m beyond the flange, there.
-    fn at_rest(pose: Pose) -> RobotState<Irp6> {
+    /// An arm so far along the belt \[m\] at rest with its tool, 0.2 m beyond the flange, there.
+    pub(crate) fn at_rest(pose: Pose, along: f64) -> Option<RobotState<Irp6>> {
+        let arm = Irp6::nominal().with_base(Pose::translation(0.0, along, 0.0));
         let flange = pose * Pose::translation(0.0, 0.0, -0.2);
-        let joints = Irp6::nominal().inverse(&flange, &Irp6::READY).expect("a posture");
-        RobotState { joints, velocity: Six::zeros(), pose }
+        let joints = arm.inverse(&flange, &Irp6::READY).ok()?;
+        Some(RobotState { joints, velocity: Six::zeros(), pose })
     }
 
     #[test]
@@ -104,7 +105,7 @@ mod tests {
         for step in 0..=60 {
             let s = farthest * f64::from(step) / 60.0;
             for across in [-0.025, 0.0, 0.025] {
-                let from = at_rest(tool(s, across, HIGH));
+                let from = at_rest(tool(s, across, HIGH), 0.0).expect("a posture");
                 assert!(reach.contains(&from, &[home], limits()), "{s} {across}");
                 for tray in 0..TRAYS.len() {
                     let lines = [over_tray(tray, HIGH), over_tray(tray, OVER_TRAY), home];
@@ -114,6 +115,7 @@ mod tests {
         }
         // A line that leads nearer to the column than the arm can fold is none.
         let beside = tool(0.5 - BELT[1], 0.5 - BELT[0], HIGH);
-        assert!(!reach.contains(&at_rest(beside), &[tool(-0.5 - BELT[1], 0.5 - BELT[0], HIGH)], limits()));
+        let from = at_rest(beside, 0.0).expect("a posture");
+        assert!(!reach.contains(&from, &[tool(-0.5 - BELT[1], 0.5 - BELT[0], HIGH)], limits()));
     }
 }

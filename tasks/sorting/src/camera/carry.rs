@@ -73,19 +73,12 @@ mod tests {
     use super::*;
     use crate::camera::acquire::Acquire;
     use crate::camera::layout::{ACROSS, BINS, FIRST, LAST, STATIONS};
+    use crate::reach::tests::at_rest;
     use core::f64::consts::PI;
     use core::time::Duration;
     use mrroc::random::Noise;
     use mrroc_generators::generators::StraightLine;
-    use mrroc_robots::{SimulatedIrp6, Six};
-
-    /// The arm at rest with its tool, 0.2 m beyond the flange, there.
-    fn at_rest(pose: Pose, station: &Station) -> Option<RobotState<Irp6>> {
-        let arm = Irp6::nominal().with_base(Pose::translation(0.0, station.along, 0.0));
-        let flange = pose * Pose::translation(0.0, 0.0, -0.2);
-        let joints = arm.inverse(&flange, &Irp6::READY).ok()?;
-        Some(RobotState { joints, velocity: Six::zeros(), pose })
-    }
+    use mrroc_robots::SimulatedIrp6;
 
     /// The far end of the window, where a step of seed 7019 was lifted \[m, W\], and the bin of steps.
     const FAR: [f64; 2] = [0.7566, 0.4937];
@@ -109,7 +102,7 @@ mod tests {
     #[test]
     fn a_line_on_which_a_motor_would_pass_its_limit_is_known_before_and_another_one_is_found() {
         let (station, ([x, y], yaw)) = (&STATIONS[0], (FAR, 0.5 * PI));
-        let from = at_rest(at(y - BELT[1], x - BELT[0], HIGH, yaw), station).expect("a posture");
+        let from = at_rest(at(y - BELT[1], x - BELT[0], HIGH, yaw), station.along).expect("a posture");
         let reach = Reach::at(station.along, 4e-3);
         let found = lines(&reach, &from, station, STEPS, yaw).expect("lines");
         assert_eq!(found.len(), 3, "past the column, over the bin, down");
@@ -126,7 +119,7 @@ mod tests {
                 let (s, across) = (random.between(-0.3, 1.1), random.between(-0.35, 0.3));
                 at(s, across, height, random.between(-0.6, 3.7))
             };
-            let Some(from) = at_rest(place(HIGH), station) else { continue };
+            let Some(from) = at_rest(place(HIGH), station.along) else { continue };
             let to = place(OVER_TRAY);
             // It begins within its limits.
             if !reach.contains(&from, &[], limits()) || !Irp6::nominal().is_feasible(&from.joints) {
@@ -150,7 +143,7 @@ mod tests {
                 for across in between(-aside, aside, 4) {
                     for yaw in between(Acquire::ANGLES[0], Acquire::ANGLES[1], 6) {
                         let pose = at(s + station.along, across, HIGH, yaw);
-                        let from = at_rest(pose, station).expect("a posture");
+                        let from = at_rest(pose, station.along).expect("a posture");
                         assert!(reach.contains(&from, &[lowered(&pose), pose], limits()), "{pose}");
                         for number in 0..BINS {
                             let found = lines(&reach, &from, station, number, yaw);

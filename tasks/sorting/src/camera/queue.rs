@@ -115,10 +115,7 @@ impl Queue {
     /// It closed on nothing, as often in a row as the cell stops for.
     pub fn count_pick(&self, failed: &Cell<Failed>) -> Result<(), Fault> {
         let [demanded, measured] = self.openings;
-        let mut so_far = failed.get();
-        let counted = if is_closed(demanded) { so_far.count(is_empty(demanded, measured)) } else { Ok(()) };
-        failed.set(so_far);
-        counted
+        if is_closed(demanded) { Failed::count(failed, is_empty(demanded, measured)) } else { Ok(()) }
     }
 
     /// The task to take the next part; `None` when no more come.

@@ -128,10 +128,7 @@ impl Shared {
                 return Ok(Some(Task::Return));
             }
             About::Taking(_) if is_closed(demanded) => {
-                let mut so_far = failed.get();
-                let counted = so_far.count(is_empty(demanded, measured));
-                failed.set(so_far);
-                counted?;
+                Failed::count(failed, is_empty(demanded, measured))?;
                 self.about[arm] = About::Releasing;
                 self.busy[arm] = self.now + Self::RELEASING;
                 return Ok(Some(Task::Release));
