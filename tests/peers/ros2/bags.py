@@ -5,7 +5,6 @@ recording whole and to the bit, and the arms go through the points of a bag that
 """
 
 import json
-import signal
 import struct
 import subprocess
 import sys
@@ -15,7 +14,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from cell_outcome import Outcome  # noqa: E402
 from ending import interruptible  # noqa: E402
-from tried import EXAMPLES, has, listen_in, run  # noqa: E402
+from tried import EXAMPLES, ended_after, has, listen_in, run  # noqa: E402
 
 listen_in("90")
 
@@ -197,19 +196,16 @@ def session(folder, name, count, *options):
     cell = subprocess.Popen([EXAMPLES / "goals", "--cell", GOALS, *recording], preexec_fn=interruptible)
     bridge = subprocess.Popen([EXAMPLES / "goals_bridge", "--cell", GOALS, *options], stderr=subprocess.PIPE, text=True, preexec_fn=interruptible)
     limit = threading.Timer(90, bridge.kill)
+    limit.daemon = True
     limit.start()
     said = []
-    try:
+    with ended_after(cell, bridge):
         for line in bridge.stderr:
             said.append(line.strip())
             if line.startswith("bag:") and ("done" not in line or f"{count} of {count}" in line):
                 break
-    finally:
-        cell.send_signal(signal.SIGINT)
-        cell.wait(timeout=30)
-        limit.cancel()
-        bridge.kill()
-        bridge.wait()
+    limit.cancel()
+    bridge.wait()
     print(f"  {said[-1]}; {Outcome(outcome)}")
     has(said[1:] == [f"bag: trajectory {k} of {count}: done" for k in range(1, count + 1)], f"the bridge says {said}")
     return ordered(folder / name)

@@ -7,7 +7,6 @@ went where they were told to.
 import json
 import math
 import re
-import signal
 import subprocess
 import sys
 import time
@@ -16,7 +15,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from cell_outcome import Outcome  # noqa: E402
 from ending import interruptible  # noqa: E402
-from tried import EXAMPLES, has, listen_in, run  # noqa: E402
+from tried import EXAMPLES, ended_after, has, listen_in, run  # noqa: E402
 
 listen_in("88")
 
@@ -205,7 +204,7 @@ def test(folder):
     arms = Arms()
     names = ["column", "lower_arm", "upper_arm", "wrist_t", "wrist_v", "flange_n"]
     both = [f"{arm}/{name}" for arm in ("left", "right") for name in names]
-    try:
+    with ended_after(cell, bridge):
         arms.spin(3.0)
         at = three_kinds(arms, names)
         refusals(arms, names, at)
@@ -267,10 +266,6 @@ def test(folder):
         bridge.wait()
         time.sleep(1.0)
         has(cell.poll() is None, "the cell ended with its bridge")
-    finally:
-        cell.send_signal(signal.SIGINT)
-        cell.wait(timeout=30)
-        bridge.kill()
     outcome = Outcome(folder / "outcome.json")
     print(f"    {outcome}")
     has("goals" in str(outcome), f"the cell ended by {outcome}")

@@ -6,7 +6,6 @@ done, or refused as it should be. `--seconds N`: for how long topics are looked 
 
 import json
 import os
-import signal
 import struct
 import subprocess
 import sys
@@ -16,7 +15,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from cell_outcome import Outcome  # noqa: E402
 from ending import interruptible  # noqa: E402
-from tried import EXAMPLES, has, listen_in, run  # noqa: E402
+from tried import EXAMPLES, ended_after, has, listen_in, run  # noqa: E402
 
 DOMAIN = "87"
 listen_in(DOMAIN)
@@ -246,7 +245,7 @@ def test(folder, seconds):
     nodes.spin(1.0)
     options = ["--processes", "--no-picture", "--quiet", "--record", folder / "run.mcap", "--outcome", folder / "outcome.json"]
     cell = subprocess.Popen([EXAMPLES / "arms", "--cell", CELL, *options], preexec_fn=interruptible)
-    try:
+    with ended_after(cell, bridge):
         nodes.spin_until(lambda: all(nodes.states.values()), "a joint state")
         nodes.spin(seconds)
         check_signals(nodes)
@@ -257,10 +256,6 @@ def test(folder, seconds):
         bridge.wait()
         time.sleep(0.5)
         has(cell.poll() is None, "the cell ended with its bridge")
-    finally:
-        cell.send_signal(signal.SIGINT)
-        cell.wait(timeout=30)
-        bridge.kill()
     outcome = Outcome(folder / "outcome.json")
     has(outcome.kind == "Aborted", f"the cell ended by {outcome}")
     print("    the cell goes on, until it is interrupted")

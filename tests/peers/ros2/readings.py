@@ -7,7 +7,6 @@ the topic fell silent.
 import json
 import math
 import re
-import signal
 import subprocess
 import sys
 import threading
@@ -17,7 +16,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from cell_outcome import Outcome  # noqa: E402
 from ending import interruptible  # noqa: E402
-from tried import EXAMPLES, has, listen_in, run  # noqa: E402
+from tried import EXAMPLES, ended_after, has, listen_in, run  # noqa: E402
 
 listen_in("89")
 
@@ -182,7 +181,7 @@ def test(folder):
     has(bridge.has_said(f"sensor `stick` reads {TOPIC}, geometry_msgs/msg/TwistStamped"), f"{bridge.said}")
     options = ["--processes", "--no-picture", "--quiet", "--record", folder / "run.mcap", "--outcome", folder / "outcome.json"]
     cell = subprocess.Popen([EXAMPLES / "servo", "--cell", CELL, *options], preexec_fn=interruptible)
-    try:
+    with ended_after(cell, bridge):
         stick.until(lambda: stick.states[-1:] == ["running"], "a cell that runs", lambda: stick.publish(0.0))
         stick.go(4.0)
         counted = len(stick.published)
@@ -206,10 +205,6 @@ def test(folder):
         for _ in range(60):
             stick.publish(0.02)
         has(cell.poll() is None, "the cell ended with its bridge")
-    finally:
-        cell.send_signal(signal.SIGINT)
-        cell.wait(timeout=30)
-        bridge.kill()
     outcome = Outcome(folder / "outcome.json")
     print(f"    {outcome}")
     has(outcome.kind == "SensorStale" and "stick" in outcome.text, f"the cell ended by {outcome}")

@@ -1,8 +1,10 @@
 """What the peers of ROS 2 share: where they listen, what they build on, and how a run of theirs ends."""
 
 import os
+import signal
 import sys
 import tempfile
+from contextlib import contextmanager
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
@@ -20,6 +22,18 @@ def listen_in(domain):
 def has(is_so, what):
     if not is_so:
         raise Shortfall(what)
+
+
+@contextmanager
+def ended_after(cell, *others):
+    """Interrupts a cell in the end, and then kills what is beside it."""
+    try:
+        yield
+    finally:
+        cell.send_signal(signal.SIGINT)
+        cell.wait(timeout=30)
+        for other in others:
+            other.kill()
 
 
 def run(title, test):
