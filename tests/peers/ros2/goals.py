@@ -111,8 +111,8 @@ def swing(start, by, seconds=2.0, points=5):
 
 
 def demanded(file):
-    """What was demanded of the joints of each arm, by step, and in which steps it moved."""
-    steps, moving = {"left": {}, "right": {}}, {"left": set(), "right": set()}
+    """What was demanded of the joints of each arm, by step; in which steps it moved; in which of these its demand had not come."""
+    steps, moving, bridged = {"left": {}, "right": {}}, {"left": set(), "right": set()}, {"left": set(), "right": set()}
     with open(file, "rb") as stream:
         for _, channel, message in make_reader(stream).iter_messages():
             name = channel.topic.removeprefix("/robots/")
@@ -122,7 +122,9 @@ def demanded(file):
                 # Without power it is demanded to be where it is.
                 if said["mode"] in ("moving", "bridging"):
                     moving[name].add(said["step"])
-    return steps, moving
+                if said["mode"] == "bridging":
+                    bridged[name].add(said["step"])
+    return steps, moving, bridged
 
 
 def expect(told, status, code, text, what):
@@ -275,10 +277,11 @@ def test(folder):
     print(f"  replay: {again.stdout.strip()}")
 
 
-def compare(steps, moving, stopped):
+def compare(steps, moving, bridged, stopped):
     """Arms of one goal are one in each step, on the goal's straight line in their joints, also where it is suspended, cancelled or stopped.
 
-    After the reset they begin where their encoders say that they are, which differs.
+    In real time an arm may have to go on without a demand: it is then apart by at most the bound of fault 153.2. After the reset they begin
+    where their encoders say that they are, which differs.
     """
     left, right = steps["left"], steps["right"]
     # The right arm goes home from where its encoders say that it is, by some microradians, and that is no motion.
@@ -286,16 +289,39 @@ def compare(steps, moving, stopped):
     known = left.keys() & right.keys()
     at_work = [k for k in known if all({k, k - 1, k - 2} <= of for of in moving.values()) and k < stopped + 500]
     together = [k for k in at_work if moves(left, k) and moves(right, k)]
-    apart = max(np.abs(left[k] - right[k]).max() for k in together)
+    without = {k: [in_a_row(bridged[arm], k) for arm in steps] for k in together}
+    apart = {k: np.abs(left[k] - right[k]).max() for k in together}
+    punctual = max(apart[k] for k in together if not any(without[k]))
+    bounds = {k: bridging_bound(steps, bridged, k, without[k]) for k in together if any(without[k])}
     beside = max(off_line(left[k] - HOME, TURN) for k in together)
-    print(f"  {len(together)} steps in which both arms move: {apart:.1e} rad apart, {beside:.1e} rad beside the line")
-    # In real time an EDP may have had to go on without a demand, which row 153 of SAFETY.md bounds.
-    has(len(together) > 2000 and apart < 1e-6 and beside < 1e-9, "arms of one goal are not one")
+    print(f"  {len(together)} steps in which both arms move: {punctual:.1e} rad apart, {beside:.1e} rad beside the line")
+    for k, bound in bounds.items():
+        print(f"  step {k}, without a demand of one of them: {apart[k]:.1e} rad apart, of {bound:.1e}")
+    has(len(together) > 2000 and punctual < 1e-9 and beside < 1e-9, "arms of one goal are not one")
+    has(all(apart[k] < bound + 1e-9 for k, bound in bounds.items()), "arms of one goal are farther apart than fault 153.2 says")
     for arm, told in steps.items():
         thrice = [k for k in told if k <= stopped and k - 1 in told and k - 2 in told]
         most = max(np.abs(told[k] - 2 * told[k - 1] + told[k - 2]).max() for k in thrice) / STEP**2
         print(f"  {arm}: at most {most:.3f} rad/s^2 in {len(thrice)} demands, of 7")
         has(most < 7.0 * (1 + 1e-6), f"{arm}: {most} rad/s^2")
+
+
+def in_a_row(bridged, k):
+    """How many steps up to `k` an arm has gone on without a demand."""
+    return next(n for n in range(k) if k - n not in bridged)
+
+
+def bridging_bound(steps, bridged, k, without):
+    """The bound of fault 153.2 in step `k` [rad]: n j Ts³ for each arm, with n = L (L + 1) (L + 2) / 6 after L steps without a demand.
+
+    j Ts³ is the largest third difference of what was demanded of either arm around that step.
+    """
+    demands = [
+        [of[i - n] for n in range(4)] for arm, of in steps.items() for i in range(k - 6, k + 7)
+        if all(i - n in of and i - n not in bridged[arm] for n in range(4))
+    ]
+    jerk = max(np.abs(a - 3 * b + 3 * c - d).max() for a, b, c, d in demands)
+    return jerk * sum(n * (n + 1) * (n + 2) / 6 for n in without)
 
 
 def off_line(vector, line):
