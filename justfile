@@ -111,6 +111,10 @@ sweep-plans:
 sweep-guard PLANS="3334":
     MRROC_PLANS={{PLANS}} cargo test --release -p mrroc-planning --lib -- --ignored --nocapture a_guard_is_silent_on_thousands
 
+# Two arms that follow one trajectory of joint positions, cancelled, suspended, stopped and ended by a fault at a thousand instants each.
+sweep-goals:
+    cargo test --release -p mrroc-generators --lib -- --ignored --nocapture at_a_thousand_instants
+
 # The memory that a spline of ten million points takes; `cargo test` takes one million.
 test-memory:
     cargo test --release -p mrroc-generators --lib -- memory

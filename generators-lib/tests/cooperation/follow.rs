@@ -49,6 +49,8 @@ enum End {
     Halt,
     Suspension,
     Stop,
+    /// The program ends with a fault: each arm brakes by itself.
+    Fault,
 }
 
 struct At(u64);
@@ -92,6 +94,7 @@ fn run(end: End, step: u64) -> ((f64, f64), f64) {
         mp.wait_until((), (), At(step))?;
         match end {
             End::Halt => group.halt("left").map_err(thrown)?,
+            End::Fault => return Err(Fault::thrown("a fault")),
             End::Nothing | End::Suspension | End::Stop => {}
         }
         mp.wait_until((), (), Over(group.clone()))?;
@@ -103,10 +106,10 @@ fn run(end: End, step: u64) -> ((f64, f64), f64) {
         End::Suspension if now == HOME + step => operator.suspend(),
         End::Suspension if now == HOME + step + 120 => operator.resume(),
         End::Stop if now == HOME + step => operator.protective_stop(),
-        End::Nothing | End::Halt | End::Suspension | End::Stop => {}
+        End::Nothing | End::Halt | End::Suspension | End::Stop | End::Fault => {}
     };
     let ended = cell.on_step(act).run();
-    assert_eq!(ended.is_ok(), end != End::Stop, "{end:?} at {step}: {ended:?}");
+    assert_eq!(ended.is_ok(), !matches!(end, End::Stop | End::Fault), "{end:?} at {step}: {ended:?}");
     let (here, there) = (here.demanded.borrow(), there.demanded.borrow());
     let (here, there) = (&here[HOME as usize..], &there[HOME as usize..]);
     let error = relative_error(here, there, &here[0].inv_mul(&there[0]));
@@ -117,21 +120,36 @@ fn run(end: End, step: u64) -> ((f64, f64), f64) {
 fn two_arms_of_one_trajectory_keep_their_relative_pose_when_it_is_halted_suspended_or_stopped() {
     let (error, far) = run(End::Nothing, 0);
     assert!(error.0 < 1e-7 && error.1 < 1e-7 && far > 0.09, "{error:?}, {far} m");
-    let most = carried().duration() / STEP.as_secs_f64();
     for end in [End::Halt, End::Suspension, End::Stop] {
-        let (mut worst, mut least, mut farthest) = ((0.0_f64, 0.0_f64), f64::INFINITY, 0.0_f64);
-        for k in 0..INSTANTS {
-            let ((off, turned), went) = run(end, 15 + (k as f64 * (most - 30.0) / INSTANTS as f64) as u64);
-            worst = (worst.0.max(off), worst.1.max(turned));
-            (least, farthest) = (least.min(went), farthest.max(went));
-        }
-        println!(
-            "{end:?}, {INSTANTS} instants: {worst:?} of the relative pose, {least:.4} to {farthest:.4} m"
-        );
-        assert!(worst.0 <= 1e-6 && worst.1 <= 1e-6, "{end:?}: {worst:?}");
+        let (worst, least, farthest) = at_instants(end, 100);
+        assert!(worst.0 <= 1e-6 && worst.1 <= 1e-6, "{end:?}: {worst:?}, {least} m");
         assert!(farthest > 0.08, "{end:?}: {farthest} m");
     }
 }
 
-/// Instants at which each of them is tried.
-const INSTANTS: usize = 100;
+#[test]
+#[ignore = "thousands of runs: `just sweep-goals`"]
+fn at_a_thousand_instants_two_arms_of_one_trajectory_keep_their_relative_pose() {
+    for end in [End::Halt, End::Suspension, End::Stop, End::Fault] {
+        let (worst, least, farthest) = at_instants(end, 1_000);
+        println!(
+            "{end:?}: {:.1e} m, {:.1e} rad; the body went {least:.4} to {farthest:.4} m",
+            worst.0, worst.1
+        );
+        assert!(worst.0 <= 1e-6 && worst.1 <= 1e-6 || end == End::Fault, "{end:?}: {worst:?}");
+    }
+}
+
+/// The largest error of the relative pose \[m, rad\] where that happens at so many instants of the motion, and how far the
+/// body went at least and at most \[m\].
+fn at_instants(end: End, count: u32) -> ((f64, f64), f64, f64) {
+    let most = carried().duration() / STEP.as_secs_f64();
+    let (mut worst, mut least, mut farthest) = ((0.0_f64, 0.0_f64), f64::INFINITY, 0.0_f64);
+    for k in 0..count {
+        let step = 15 + (f64::from(k) * (most - 30.0) / f64::from(count)) as u64;
+        let ((off, turned), went) = run(end, step);
+        worst = (worst.0.max(off), worst.1.max(turned));
+        (least, farthest) = (least.min(went), farthest.max(went));
+    }
+    (worst, least, farthest)
+}
