@@ -80,24 +80,62 @@ struct Run {
     end: End,
 }
 
-impl Run {
-    /// Steps of path time `dt(step)`; `given(step)` says what is known. Compiled once for each generator, not for each test.
-    fn of<G: Generator>(mut generator: G, given: &dyn Fn(u64) -> Given<G>, dt: &dyn Fn(usize) -> f64) -> Run {
-        let mut demands = Vec::new();
-        for i in 0..MOST {
-            let t = Tick { step: i as u64, dt: dt(i), duration: DT };
-            let Given { order, e, v } = given(t.step);
-            let stepped = match i {
-                0 => generator.first_step(&order, &e, &v, t),
-                _ => generator.next_step(&order, &e, &v, t),
-            };
-            match stepped {
-                Ok(Step::Next(told)) => demands.push(words::<G>(&told)),
-                Ok(Step::Done) => return Run { demands, end: End::Done },
-                Err(_) => return Run { demands, end: End::Fault },
-            }
+/// How a generator is run.
+struct How<'a> {
+    /// Path time of a step \[s\].
+    dt: &'a dyn Fn(usize) -> f64,
+    /// The step whose knowledge it is given.
+    known: &'a dyn Fn(u64) -> u64,
+    /// Whether it is given only what its class names.
+    only_named: bool,
+}
+
+impl How<'_> {
+    /// At full speed, with all that is known.
+    const FREELY: How<'static> = How { dt: &|_| DT, known: &|step| step, only_named: false };
+}
+
+/// What a generator's type says.
+struct Facts {
+    class: String,
+    next_uses: Uses,
+    ends: bool,
+}
+
+impl Facts {
+    fn of<G: Generator>() -> Facts {
+        Facts { class: G::CLASS.to_string(), next_uses: G::CLASS.next_uses(), ends: G::ENDS }
+    }
+}
+
+/// A run of a generator. What looks at runs is compiled once for all generators.
+fn run<G: Generator>(mut generator: G, given: &dyn Fn(u64) -> Given<G>, how: &How<'_>) -> Run {
+    let mut demands = Vec::new();
+    for i in 0..MOST {
+        let t = Tick { step: i as u64, dt: (how.dt)(i), duration: DT };
+        let known = given((how.known)(t.step));
+        let Given { order, e, v } = if how.only_named { named(known, i == 0) } else { known };
+        let stepped = match i {
+            0 => generator.first_step(&order, &e, &v, t),
+            _ => generator.next_step(&order, &e, &v, t),
+        };
+        match stepped {
+            Ok(Step::Next(told)) => demands.push(words::<G>(&told)),
+            Ok(Step::Done) => return Run { demands, end: End::Done },
+            Err(_) => return Run { demands, end: End::Fault },
         }
-        Run { demands, end: End::Open }
+    }
+    Run { demands, end: End::Open }
+}
+
+/// Of what is known, only what the class of a step names.
+fn named<G: Generator>(known: Given<G>, is_first: bool) -> Given<G> {
+    let uses = if is_first { G::CLASS.first_uses() } else { G::CLASS.next_uses() };
+    let Ok(Given { order, e, v }) = Given::<G>::nothing() else { return known };
+    Given {
+        order: if uses.order { known.order } else { order },
+        e: if uses.robots { known.e } else { e },
+        v: if uses.sensors { known.v } else { v },
     }
 }
 
@@ -133,21 +171,14 @@ pub fn has_its_class<G: Generator>(
     given: impl Fn(u64) -> Given<G>,
     class: &str,
 ) -> Result<(), Violation> {
-    ensure(G::CLASS.to_string() == class, || format!("the class is {}, not {class}", G::CLASS))?;
     Given::<G>::nothing()?;
-    let told = |step: u64| {
-        let known = given(step);
-        let uses = if step == 0 { G::CLASS.first_uses() } else { G::CLASS.next_uses() };
-        let Ok(Given { order, e, v }) = Given::<G>::nothing() else { return known };
-        Given {
-            order: if uses.order { known.order } else { order },
-            e: if uses.robots { known.e } else { e },
-            v: if uses.sensors { known.v } else { v },
-        }
-    };
-    let all = Run::of(make(), &given, &|_| DT);
-    let named = Run::of(make(), &told, &|_| DT);
-    ensure(all == named, || "it looks at what its class does not name".into())
+    class_of(&Facts::of::<G>(), class, &|how| run(make(), &given, how))
+}
+
+fn class_of(facts: &Facts, class: &str, run: &dyn Fn(&How<'_>) -> Run) -> Result<(), Violation> {
+    ensure(facts.class == class, || format!("the class is {}, not {class}", facts.class))?;
+    let named = run(&How { only_named: true, ..How::FREELY });
+    ensure(run(&How::FREELY) == named, || "it looks at what its class does not name".into())
 }
 
 /// Equal generators that are told the same demand the same, to the bit.
@@ -158,8 +189,11 @@ pub fn is_deterministic<G: Generator>(
     make: impl Fn() -> G,
     given: impl Fn(u64) -> Given<G>,
 ) -> Result<(), Violation> {
-    let one = Run::of(make(), &given, &|_| DT);
-    let two = Run::of(make(), &given, &|_| DT);
+    equal_runs(&|how| run(make(), &given, how))
+}
+
+fn equal_runs(run: &dyn Fn(&How<'_>) -> Run) -> Result<(), Violation> {
+    let (one, two) = (run(&How::FREELY), run(&How::FREELY));
     let at = one.demands.iter().zip(&two.demands).position(|(a, b)| a != b);
     ensure(one == two, || format!("two runs differ, first in step {at:?}"))
 }
@@ -172,11 +206,14 @@ pub fn demands_finite_numbers<G: Generator>(
     make: impl Fn() -> G,
     given: impl Fn(u64) -> Given<G>,
 ) -> Result<(), Violation> {
-    let run = Run::of(make(), &given, &|_| DT);
+    moves(&Facts::of::<G>(), &run(make(), &given, &How::FREELY))
+}
+
+fn moves(facts: &Facts, run: &Run) -> Result<(), Violation> {
     ensure(!run.demands.is_empty(), || "it demands nothing".into())?;
     ensure(run.end != End::Fault, || format!("a fault in step {}", run.demands.len()))?;
-    ensure(run.end != End::Done || G::ENDS, || "it ends, but says that it does not".into())?;
-    finite(&run, &|| "as it is made".into())
+    ensure(run.end != End::Done || facts.ends, || "it ends, but says that it does not".into())?;
+    finite(run, &|| "as it is made".into())
 }
 
 fn finite(run: &Run, what: &dyn Fn() -> String) -> Result<(), Violation> {
@@ -197,7 +234,7 @@ pub fn refuses_odd_numbers<G: Generator>(
 ) -> Result<(), Violation> {
     for x in ODD {
         for (i, generator) in odd(x).into_iter().enumerate() {
-            finite(&Run::of(generator, &given, &|_| DT), &|| format!("case {i} of {x}"))?;
+            finite(&run(generator, &given, &How::FREELY), &|| format!("case {i} of {x}"))?;
         }
     }
     Ok(())
@@ -219,10 +256,14 @@ pub fn bears_suspension<G: Generator>(
     make: impl Fn() -> G,
     given: impl Fn(u64) -> Given<G>,
 ) -> Result<(), Violation> {
-    let free = Run::of(make(), &given, &|_| DT);
-    if is_blind(G::CLASS.next_uses()) && free.end == End::Done {
+    suspensions(&Facts::of::<G>(), &|how| run(make(), &given, how))
+}
+
+fn suspensions(facts: &Facts, run: &dyn Fn(&How<'_>) -> Run) -> Result<(), Violation> {
+    let free = run(&How::FREELY);
+    if is_blind(facts.next_uses) && free.end == End::Done {
         for at in 0..free.demands.len() {
-            let run = Run::of(make(), &given, &suspended(at));
+            let run = run(&How { dt: &suspended(at), ..How::FREELY });
             let off = match (free.demands.last(), run.demands.last()) {
                 (Some(a), Some(b)) => difference(a, b),
                 (_, _) => f64::INFINITY,
@@ -235,8 +276,8 @@ pub fn bears_suspension<G: Generator>(
     }
     let length = free.demands.len();
     for at in [1, length / 7, length / 2, length.saturating_sub(2)] {
-        let told = |step: u64| given(step.min(at as u64));
-        let run = Run::of(make(), &told, &|i| if i <= at { DT } else { 0.0 });
+        let dt = |i| if i <= at { DT } else { 0.0 };
+        let run = run(&How { dt: &dt, known: &|step| step.min(at as u64), only_named: false });
         let Some(here) = run.demands.get(at) else { continue };
         for (i, demand) in run.demands.iter().enumerate().skip(at + 1).take(100) {
             let off = difference(here, demand);
