@@ -254,7 +254,7 @@ impl Cell {
     /// Adds a virtual sensor.
     #[must_use]
     pub fn sensor<V: VirtualSensor>(mut self, setup: SensorSetup<V>) -> Cell {
-        self.parts.sensors.push(Box::new(setup));
+        self.parts.sensors.push(setup.into());
         self
     }
 

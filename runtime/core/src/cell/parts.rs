@@ -20,14 +20,14 @@ use crate::suggestion::suggestion;
 use super::CellError;
 use super::lower::LowerSetup;
 use super::robot::{AnyRobot, RobotSetup};
-use super::sensor::AnySensor;
+use super::sensor::CellSensor;
 use super::timing::Timing;
 
 /// What a cell is made of.
 #[derive(Default)]
 pub(super) struct Parts {
     pub robots: Vec<Box<dyn AnyRobot>>,
-    pub sensors: Vec<Box<dyn AnySensor>>,
+    pub sensors: Vec<CellSensor>,
     /// Cells that are robots of this one.
     pub cells: Vec<LowerSetup>,
     /// Its frames and tools.

@@ -11,7 +11,7 @@ use crate::control::opening::SensorOpening;
 use crate::control::plant::Site;
 use crate::control::replay::RecordedRun;
 use crate::control::sensing::{Asking, Reads, Sensing, SensorPort, Source};
-use crate::control::vsp::{Aggregator, Boards, Orders, Vsp};
+use crate::control::vsp::{Aggregator, AnyVirtualSensor, Boards, Orders, Vsp};
 use crate::link::{Client, Link, Preparation, Server, Simulation};
 use crate::model::fault::{ProcessId, Role};
 use crate::model::image::Sensor;
@@ -24,9 +24,15 @@ use crate::observe::recording::{FramesTo, NotRecorded, Recorder};
 
 /// A virtual sensor of a cell.
 pub struct SensorSetup<V: VirtualSensor> {
-    name: String,
+    options: Options,
     sensor: V,
     configuration: <V::Kind as Sensor>::Configuration,
+    stand_in: Option<Box<dyn AnyVirtualSensor>>,
+}
+
+/// What is said of a sensor whatever its kind.
+struct Options {
+    name: String,
     robot: Option<String>,
     /// The robots whose ECPs may read it; by default the one that it belongs to.
     readers: Option<Vec<String>>,
@@ -34,9 +40,6 @@ pub struct SensorSetup<V: VirtualSensor> {
     latency: Duration,
     every: u32,
     stale_after: Option<Duration>,
-    stand_in: Option<Box<dyn VirtualSensor<Kind = V::Kind>>>,
-    /// The hardware in whose place it is.
-    in_place_of: Option<String>,
 }
 
 impl<V: VirtualSensor> SensorSetup<V>
@@ -45,19 +48,16 @@ where
 {
     /// A sensor `name`, interactive, of no robot. The MP can read it.
     pub fn new(name: &str, sensor: V) -> Self {
-        SensorSetup {
+        let options = Options {
             name: name.to_owned(),
-            sensor,
-            configuration: Default::default(),
             robot: None,
             readers: None,
             mode: VspMode::Interactive,
             latency: Duration::ZERO,
             every: 1,
             stale_after: None,
-            stand_in: None,
-            in_place_of: None,
-        }
+        };
+        SensorSetup { options, sensor, configuration: Default::default(), stand_in: None }
     }
 }
 
@@ -66,7 +66,7 @@ impl<V: VirtualSensor> SensorSetup<V> {
     /// [`readers`](Self::readers) says otherwise.
     #[must_use]
     pub fn of(mut self, robot: &str) -> Self {
-        self.robot = Some(robot.to_owned());
+        self.options.robot = Some(robot.to_owned());
         self
     }
 
@@ -78,7 +78,7 @@ impl<V: VirtualSensor> SensorSetup<V> {
     /// the beginning of its last step.
     #[must_use]
     pub fn readers<'n>(mut self, robots: impl IntoIterator<Item = &'n str>) -> Self {
-        self.readers = Some(robots.into_iter().map(str::to_owned).collect());
+        self.options.readers = Some(robots.into_iter().map(str::to_owned).collect());
         self
     }
 
@@ -86,7 +86,7 @@ impl<V: VirtualSensor> SensorSetup<V> {
     /// last one. By default one is ordered in every step. Not for free-running sensors, which have a period of their own.
     #[must_use]
     pub fn every(mut self, steps: u32) -> Self {
-        self.every = steps;
+        self.options.every = steps;
         self
     }
 
@@ -94,7 +94,7 @@ impl<V: VirtualSensor> SensorSetup<V> {
     /// with the fault `SensorStale`. By default 20 steps.
     #[must_use]
     pub fn stale_after(mut self, age: Duration) -> Self {
-        self.stale_after = Some(age);
+        self.options.stale_after = Some(age);
         self
     }
 
@@ -109,24 +109,19 @@ impl<V: VirtualSensor> SensorSetup<V> {
     /// How the sensor and its requesters keep step.
     #[must_use]
     pub fn mode(mut self, mode: VspMode) -> Self {
-        self.mode = mode;
+        self.options.mode = mode;
         self
     }
 
     /// Time that one aggregation takes, under the virtual clock.
     #[must_use]
     pub fn latency(mut self, latency: Duration) -> Self {
-        self.latency = latency;
+        self.options.latency = latency;
         self
     }
 }
 
-impl<V: VirtualSensor> SensorSetup<V> {
-    /// What its readings are.
-    const fn reads() -> Reads {
-        Reads { kind: TypeId::of::<V::Kind>(), shape: <<V::Kind as Sensor>::Reading as Wire>::SHAPE }
-    }
-
+impl Options {
     /// The place of the robot that it belongs to.
     fn robot_among(&self, robots: &[Name]) -> Result<Option<usize>, CellError> {
         let Some(robot) = &self.robot else { return Ok(None) };
@@ -158,37 +153,57 @@ impl<V: VirtualSensor> SensorSetup<V> {
             self.stale_after.map_or(MAX_AGE, |age| u32::try_from(in_steps(age)).unwrap_or(u32::MAX));
         Asking { every: self.every.into(), max_age }
     }
-
-    /// In place of a process, what a recording says was collected.
-    fn replay(&self, among: &mut Requesters<'_>, recorded: &RecordedRun) -> Result<(), CellError> {
-        let name = Name::new(&self.name)?;
-        // What was collected is there for every step, also for those without an order.
-        let asking = Asking { every: 1, ..self.asking(among.step) };
-        let port = |by| {
-            let source = Source::Recorded(recorded.reading(name, by), self.mode);
-            SensorPort::new(name, Self::reads(), None, source, asking)
-        };
-        among.mp_sensing.ports.push(port(ProcessId::MP));
-        for reader in self.readers_among(among.robots)? {
-            let by = ProcessId::new(Role::Ecp, among.robots[reader]);
-            among.ecp_sensing[reader].ports.push(port(by));
-        }
-        Ok(())
-    }
 }
 
-/// A virtual sensor of any kind.
-pub(super) trait AnySensor {
-    fn name(&self) -> &str;
-    fn layout(&self, step: Duration) -> SensorLayout;
-    fn check(&self, name: Name, robots: &[Name], step: Duration) -> Vec<CellError>;
-    /// What it opens in the world.
-    fn hardware(&self) -> Option<String>;
-    /// The Python module by which a program of another sends what it reads.
-    fn python(&self) -> Option<String>;
-    /// The same with what stands in for its hardware, if it has any.
-    fn simulated(self: Box<Self>) -> Result<Box<dyn AnySensor>, CellError>;
-    fn spawn(self: Box<Self>, among: &mut Requesters<'_>) -> Result<(), CellError>;
+/// What is known of a kind of sensors.
+#[derive(Clone, Copy)]
+struct KindFacts {
+    name: &'static str,
+    reads: Reads,
+    reading_layout: u64,
+    /// Lengths, in words.
+    reading: usize,
+    configuration: usize,
+}
+
+/// A virtual sensor of a cell, of any kind.
+pub(super) struct CellSensor {
+    options: Options,
+    kind: KindFacts,
+    sensor: Box<dyn AnyVirtualSensor>,
+    /// The words of its default configuration.
+    configuration: [u64; CONFIGURATION_WORDS],
+    stand_in: Option<Box<dyn AnyVirtualSensor>>,
+    /// The hardware in whose place it is.
+    in_place_of: Option<String>,
+}
+
+impl<V: VirtualSensor> From<SensorSetup<V>> for CellSensor {
+    fn from(setup: SensorSetup<V>) -> CellSensor {
+        let kind = KindFacts {
+            name: V::Kind::KIND,
+            reads: Reads {
+                kind: TypeId::of::<V::Kind>(),
+                shape: <<V::Kind as Sensor>::Reading as Wire>::SHAPE,
+            },
+            reading_layout: <<V::Kind as Sensor>::Reading as Wire>::LAYOUT,
+            reading: <<V::Kind as Sensor>::Reading as Wire>::LEN,
+            configuration: <<V::Kind as Sensor>::Configuration as Wire>::LEN,
+        };
+        let mut configuration = [0; CONFIGURATION_WORDS];
+        // One that is too long is refused by the check.
+        if kind.configuration <= CONFIGURATION_WORDS {
+            setup.configuration.put(&mut configuration);
+        }
+        CellSensor {
+            options: setup.options,
+            kind,
+            sensor: Box::new(setup.sensor),
+            configuration,
+            stand_in: setup.stand_in,
+            in_place_of: None,
+        }
+    }
 }
 
 /// Who may read a sensor, and where: the MP and ECPs.
@@ -211,86 +226,95 @@ pub(super) struct Requesters<'a> {
     pub wanted: Vec<StateWanted>,
 }
 
-impl<V: VirtualSensor> AnySensor for SensorSetup<V> {
-    fn name(&self) -> &str {
-        &self.name
+impl CellSensor {
+    pub fn name(&self) -> &str {
+        &self.options.name
     }
 
-    fn layout(&self, step: Duration) -> SensorLayout {
+    pub fn layout(&self, step: Duration) -> SensorLayout {
+        let options = &self.options;
         SensorLayout {
-            name: self.name.clone(),
-            kind: V::Kind::KIND,
-            of: self.robot.clone(),
-            readers: self.reading_robots().to_vec(),
-            every: self.every,
-            stale_after: step.saturating_mul(self.asking(step).max_age),
-            mode: self.mode,
-            latency: self.latency,
-            reading: Self::reads().shape,
-            reading_layout: <<V::Kind as Sensor>::Reading as Wire>::LAYOUT,
+            name: options.name.clone(),
+            kind: self.kind.name,
+            of: options.robot.clone(),
+            readers: options.reading_robots().to_vec(),
+            every: options.every,
+            stale_after: step.saturating_mul(options.asking(step).max_age),
+            mode: options.mode,
+            latency: options.latency,
+            reading: self.kind.reads.shape,
+            reading_layout: self.kind.reading_layout,
             hardware: HardwareLayout::of(self.sensor.hardware(), self.in_place_of.as_deref()),
         }
     }
 
-    fn check(&self, name: Name, robots: &[Name], step: Duration) -> Vec<CellError> {
+    pub fn check(&self, name: Name, robots: &[Name], step: Duration) -> Vec<CellError> {
+        let options = &self.options;
         let mut errors = Vec::new();
-        if <<V::Kind as Sensor>::Configuration as Wire>::LEN > CONFIGURATION_WORDS
-            || <<V::Kind as Sensor>::Reading as Wire>::LEN > WORDS
-        {
+        if self.kind.configuration > CONFIGURATION_WORDS || self.kind.reading > WORDS {
             errors.push(CellError::TooLong(name));
         }
-        if self.mode == VspMode::NonInteractive(Duration::ZERO) {
+        if options.mode == VspMode::NonInteractive(Duration::ZERO) {
             errors.push(CellError::NoPeriod(name));
         }
-        if let Some(robot) =
-            self.robot.as_ref().filter(|robot| robots.iter().all(|name| name.as_str() != *robot))
-        {
+        let is_there = |robot: &String| robots.iter().any(|name| name.as_str() == *robot);
+        if let Some(robot) = options.robot.as_ref().filter(|robot| !is_there(robot)) {
             errors.push(CellError::NoSuchRobot(name, robot.clone()));
         }
-        if let Some(readers) = &self.readers {
-            let strangers =
-                readers.iter().filter(|reader| robots.iter().all(|name| name.as_str() != **reader));
+        if let Some(readers) = &options.readers {
+            let strangers = readers.iter().filter(|reader| !is_there(reader));
             errors.extend(strangers.map(|reader| CellError::NoSuchReader(name, reader.clone())));
         }
-        let asking = self.asking(step);
-        let is_free = matches!(self.mode, VspMode::NonInteractive(_));
+        let asking = options.asking(step);
+        let is_free = matches!(options.mode, VspMode::NonInteractive(_));
         if asking.every == 0 || is_free && asking.every > 1 || asking.every > u64::from(asking.max_age) {
-            errors.push(CellError::AskedEvery { sensor: name, every: self.every, max_age: asking.max_age });
+            errors.push(CellError::AskedEvery {
+                sensor: name,
+                every: options.every,
+                max_age: asking.max_age,
+            });
         }
         errors
     }
 
-    fn hardware(&self) -> Option<String> {
+    /// What it opens in the world.
+    pub fn hardware(&self) -> Option<String> {
         self.sensor.hardware()
     }
 
-    fn python(&self) -> Option<String> {
+    /// The Python module by which a program of another sends what it reads.
+    pub fn python(&self) -> Option<String> {
         self.sensor.python()
     }
 
-    fn simulated(self: Box<Self>) -> Result<Box<dyn AnySensor>, CellError> {
+    /// The same with what stands in for its hardware, if it has any.
+    pub fn simulated(self) -> Result<Self, CellError> {
         let Some(hardware) = self.sensor.hardware() else { return Ok(self) };
-        let SensorSetup { name, configuration, robot, readers, mode, latency, every, stale_after, .. } =
-            *self;
         match self.stand_in.filter(|sensor| sensor.hardware().is_none()) {
-            Some(sensor) => Ok(Box::new(SensorSetup {
-                name,
-                sensor,
-                configuration,
-                robot,
-                readers,
-                mode,
-                latency,
-                every,
-                stale_after,
-                stand_in: None,
-                in_place_of: Some(hardware),
-            })),
-            None => Err(CellError::NoSensorStandIn { sensor: Name::new(&name)?, hardware }),
+            Some(sensor) => Ok(CellSensor { sensor, stand_in: None, in_place_of: Some(hardware), ..self }),
+            None => Err(CellError::NoSensorStandIn { sensor: Name::new(&self.options.name)?, hardware }),
         }
     }
 
-    fn spawn(self: Box<Self>, among: &mut Requesters<'_>) -> Result<(), CellError> {
+    /// In place of a process, what a recording says was collected.
+    fn replay(&self, among: &mut Requesters<'_>, recorded: &RecordedRun) -> Result<(), CellError> {
+        let name = Name::new(&self.options.name)?;
+        // What was collected is there for every step, also for those without an order.
+        let asking = Asking { every: 1, ..self.options.asking(among.step) };
+        let port = |by| {
+            let source = Source::Recorded(recorded.reading(name, by), self.options.mode);
+            SensorPort::new(name, self.kind.reads, None, source, asking)
+        };
+        among.mp_sensing.ports.push(port(ProcessId::MP));
+        for reader in self.options.readers_among(among.robots)? {
+            let by = ProcessId::new(Role::Ecp, among.robots[reader]);
+            among.ecp_sensing[reader].ports.push(port(by));
+        }
+        Ok(())
+    }
+
+    /// Puts its VSP on the link.
+    pub fn spawn(self, among: &mut Requesters<'_>) -> Result<(), CellError> {
         if let Some(recorded) = among.recorded.clone() {
             return self.replay(among, &recorded);
         }
@@ -308,13 +332,14 @@ impl<V: VirtualSensor> AnySensor for SensorSetup<V> {
             frames,
             ..
         } = among;
-        let name = Name::new(&self.name)?;
-        let robot = self.robot_among(robots)?;
+        let options = self.options;
+        let name = Name::new(&options.name)?;
+        let robot = options.robot_among(robots)?;
         let process = ProcessId::new(Role::Vsp, scoped(name, *within)?);
         let place = link.place(process);
-        let reads = Self::reads();
-        let readers = self.readers_among(robots)?;
-        let asking = self.asking(*step);
+        let reads = self.kind.reads;
+        let readers = options.readers_among(robots)?;
+        let asking = options.asking(*step);
         let clients = core::iter::once(*mp).chain(readers.iter().map(|&reader| ecps[reader]));
         let mut servers: Vec<Box<dyn Server>> = Vec::new();
         let mut sources = Vec::new();
@@ -325,7 +350,7 @@ impl<V: VirtualSensor> AnySensor for SensorSetup<V> {
                 servers.push(server);
                 wrap(client)
             };
-            sources.push(match self.mode {
+            sources.push(match options.mode {
                 VspMode::Interactive => ask(Source::Interactive),
                 VspMode::WithDelay => ask(Source::WithDelay),
                 VspMode::NonInteractive(_) => {
@@ -345,24 +370,24 @@ impl<V: VirtualSensor> AnySensor for SensorSetup<V> {
             let of = robot.filter(|robot| *robot == reader);
             ecp_sensing[reader].ports.push(SensorPort::new(name, reads, of, source, asking));
         }
-        let state = robot.filter(|_| self.readers.is_some()).map(|robot| {
+        let state = robot.filter(|_| options.readers.is_some()).map(|robot| {
             let board = Rc::default();
             wanted.push(StateWanted { robot, vsp: place, board: Rc::clone(&board) });
             board
         });
         let mut sensor = self.sensor;
-        let raw = plant.place_of(&sensor).unwrap_or(place);
+        let raw = plant.place_of(&*sensor).unwrap_or(place);
         if let Some((to, recorder)) = frames.as_ref().filter(|_| link.is_here(raw))
             && let Some(queue) = sensor.frames()
         {
             // Nobody waits for a thread in real time.
             let waits = link.simulation() != Simulation::Free;
-            let begun = queue.write_to(&self.name, waits, recorder.frames(to, &self.name));
-            begun.map_err(|error| NotRecorded::Frames(self.name.clone(), error.to_string()))?;
+            let begun = queue.write_to(&options.name, waits, recorder.frames(to, &options.name));
+            begun.map_err(|error| NotRecorded::Frames(options.name.clone(), error.to_string()))?;
         }
         let configuration = self.configuration;
-        let latency = self.latency.as_nanos() as Nanos;
-        let orders = match self.mode {
+        let latency = options.latency.as_nanos() as Nanos;
+        let orders = match options.mode {
             VspMode::Interactive | VspMode::WithDelay => Orders::Ports(servers),
             VspMode::NonInteractive(period) => Orders::Free { boards, period: period.as_nanos() as Nanos },
         };

@@ -12,7 +12,6 @@ use crate::control::vsp::RawSensors;
 use crate::link::Preparation;
 use crate::model::pace::Pace;
 use crate::model::robot::Robot;
-use crate::model::sensor::VirtualSensor;
 
 /// The drives of a robot whose EDP has not begun.
 pub(crate) struct Opening<R: Robot> {
@@ -77,24 +76,24 @@ impl<R: Robot> Drop for Opening<R> {
 }
 
 /// A virtual sensor whose VSP has not begun.
-pub(crate) struct SensorOpening<V: VirtualSensor> {
-    sensors: RefCell<Option<RawSensors<V>>>,
+pub(crate) struct SensorOpening {
+    sensors: RefCell<Option<RawSensors>>,
     is_open: Cell<bool>,
 }
 
-impl<V: VirtualSensor> SensorOpening<V> {
-    pub fn new(sensors: RawSensors<V>) -> Self {
+impl SensorOpening {
+    pub fn new(sensors: RawSensors) -> Self {
         SensorOpening { sensors: RefCell::new(Some(sensors)), is_open: Cell::new(false) }
     }
 
     /// The sensor, opened here unless it has been; `None` if it has been taken.
-    pub fn take(&self) -> Option<RawSensors<V>> {
+    pub fn take(&self) -> Option<RawSensors> {
         self.open();
         self.sensors.take()
     }
 }
 
-impl<V: VirtualSensor> Preparation for SensorOpening<V> {
+impl Preparation for SensorOpening {
     fn open(&self) {
         if self.is_open.replace(true) {
             return;

@@ -1,19 +1,15 @@
 //! VSP: a virtual sensor process aggregates raw readings, `v_l = f_v(c0, c_j, e_j, r)` (eq. 14).
 
-use crate::link::Host;
-use crate::model::sensor::CONFIGURATION_WORDS;
-use crate::model::sensor::EffectorState;
-use crate::model::sensor::ReadingOrder;
-use crate::model::sensor::Taken;
-use crate::model::sensor::VirtualSensor;
 use std::rc::Rc;
 
 use crate::control::guarded::guarded;
 use crate::control::plant_sensor::PlantSensor;
 use crate::link::message::{Kind, Message};
-use crate::link::{Board, Closed, Sample, Server};
+use crate::link::{Board, Closed, Host, Sample, Server};
 use crate::model::fault::{Fault, FaultKind, ProcessId};
+use crate::model::frames::Frames;
 use crate::model::image::Sensor;
+use crate::model::sensor::{CONFIGURATION_WORDS, EffectorState, ReadingOrder, Taken, VirtualSensor};
 use crate::model::time::Nanos;
 use crate::model::wire::Wire;
 use crate::operator::state::VspState;
@@ -34,9 +30,10 @@ pub(crate) struct Boards {
 }
 
 /// The process.
-pub(crate) struct Vsp<'w, V: VirtualSensor> {
-    pub sensors: RawSensors<V>,
-    pub configuration: <V::Kind as Sensor>::Configuration,
+pub(crate) struct Vsp<'w> {
+    pub sensors: RawSensors,
+    /// The words of the default configuration.
+    pub configuration: [u64; CONFIGURATION_WORDS],
     pub host: Host<'w>,
     pub orders: Orders,
     /// Shows the newest state of the sensor's robot, for orders that come without it.
@@ -46,7 +43,7 @@ pub(crate) struct Vsp<'w, V: VirtualSensor> {
     pub step: Nanos,
 }
 
-impl<V: VirtualSensor> Vsp<'_, V> {
+impl Vsp<'_> {
     /// Serves until the cell closes.
     pub fn run(mut self) {
         let mut request = Message::new(Kind::Read);
@@ -121,7 +118,7 @@ impl<V: VirtualSensor> Vsp<'_, V> {
         for (i, (board, request)) in boards.iter().zip(requests.iter_mut()).enumerate() {
             if !board.orders.read(request) {
                 *request = Message::new(Kind::Read);
-                self.configuration.put(&mut request.body);
+                request.body[..CONFIGURATION_WORDS].copy_from_slice(&self.configuration);
                 request.header.len = CONFIGURATION_WORDS as u32;
             } else if request.words().len() > CONFIGURATION_WORDS {
                 let ordered = (request.header.step, i);
@@ -182,17 +179,90 @@ impl<V: VirtualSensor> Vsp<'_, V> {
 }
 
 /// Where the raw sensors of a VSP are.
-pub(crate) enum RawSensors<V: VirtualSensor> {
+pub(crate) enum RawSensors {
     /// In its process.
-    Here(Aggregator<V>),
+    Here(Aggregator),
     /// In the plant.
     Plant(PlantSensor),
 }
 
+/// A virtual sensor of any kind: it takes orders and gives readings as words.
+pub(crate) trait AnyVirtualSensor {
+    /// As [`VirtualSensor::is_simulated`].
+    fn is_simulated(&self) -> bool;
+    /// As [`VirtualSensor::hardware`].
+    fn hardware(&self) -> Option<String>;
+    /// As [`VirtualSensor::python`].
+    fn python(&self) -> Option<String>;
+    /// As [`VirtualSensor::frames`].
+    fn frames(&mut self) -> Option<&mut Frames>;
+    /// As [`VirtualSensor::open`].
+    fn open(&mut self) -> Result<(), Fault>;
+    /// Writes the reading for an order, and the step in which it was taken, into `reply`. `false`: nothing has been taken yet.
+    fn read(&mut self, request: &Message, reply: &mut Message) -> Result<bool, Fault>;
+}
+
+impl<V: VirtualSensor> AnyVirtualSensor for V {
+    fn is_simulated(&self) -> bool {
+        VirtualSensor::is_simulated(self)
+    }
+
+    fn hardware(&self) -> Option<String> {
+        VirtualSensor::hardware(self)
+    }
+
+    fn python(&self) -> Option<String> {
+        VirtualSensor::python(self)
+    }
+
+    fn frames(&mut self) -> Option<&mut Frames> {
+        VirtualSensor::frames(self)
+    }
+
+    fn open(&mut self) -> Result<(), Fault> {
+        VirtualSensor::open(self)
+    }
+
+    fn read(&mut self, request: &Message, reply: &mut Message) -> Result<bool, Fault> {
+        let (words, robot) = parts(request)?;
+        // A configuration that cannot be read is a fault, never the default one.
+        let configuration = Wire::get(words).map_err(|_| unreadable("the sensor's configuration"))?;
+        let order = ReadingOrder { configuration, robot, step: request.header.step };
+        let taken = match self.taken(&order) {
+            Taken::NotYet => return Ok(false),
+            Taken::In(step) => step.min(order.step),
+            Taken::NothingNew => order.step,
+        };
+        let reading = self.aggregate(&order).map_err(Fault::thrown_by_program)?;
+        reply.header.step = taken;
+        reply.header.kind = Kind::Reply;
+        reply.header.len = <V::Kind as Sensor>::Reading::LEN as u32;
+        reading.put(&mut reply.body);
+        Ok(true)
+    }
+}
+
+/// What an order says: the words of a configuration, and the state of the sensor's robot.
+fn parts(request: &Message) -> Result<(&[u64], Option<EffectorState>), Fault> {
+    let words = request.words();
+    let robot = match words.get(CONFIGURATION_WORDS..) {
+        Some(state) if !state.is_empty() => {
+            let state = EffectorState::get(state);
+            Some(state.map_err(|_| unreadable("the state of the sensor's robot"))?)
+        }
+        Some(_) | None => None,
+    };
+    Ok((words, robot))
+}
+
+fn unreadable(what: &str) -> Fault {
+    Fault::new(FaultKind::Message).text(what)
+}
+
 /// A virtual sensor that answers orders.
-pub(crate) struct Aggregator<V: VirtualSensor> {
+pub(crate) struct Aggregator {
     pub process: ProcessId,
-    pub sensor: V,
+    pub sensor: Box<dyn AnyVirtualSensor>,
     /// Why its hardware could not be opened, and when that was tried last.
     pub unopened: Option<(Fault, Nanos)>,
 }
@@ -200,21 +270,7 @@ pub(crate) struct Aggregator<V: VirtualSensor> {
 /// How long after an attempt to open a sensor's hardware that failed the next one follows, at an order \[ns\].
 const AGAIN: Nanos = 1_000_000_000;
 
-impl<V: VirtualSensor> Aggregator<V> {
-    /// What an order says: a configuration that cannot be read is a fault, never the default one.
-    fn read(request: &Message) -> Result<ReadingOrder<<V::Kind as Sensor>::Configuration>, Fault> {
-        let words = request.words();
-        let unreadable = |what| move |_| Fault::new(FaultKind::Message).text(what);
-        let configuration = Wire::get(words).map_err(unreadable("the sensor's configuration"))?;
-        let robot = match words.get(CONFIGURATION_WORDS..) {
-            Some(state) if !state.is_empty() => {
-                Some(EffectorState::get(state).map_err(unreadable("the state of the sensor's robot"))?)
-            }
-            Some(_) | None => None,
-        };
-        Ok(ReadingOrder { configuration, robot, step: request.header.step })
-    }
-
+impl Aggregator {
     /// Opens its hardware, if it has any.
     pub fn open(&mut self, now: Nanos) {
         let opened = guarded(|| self.sensor.open()).and_then(|opened| opened);
@@ -227,33 +283,16 @@ impl<V: VirtualSensor> Aggregator<V> {
             self.open(now);
         }
         reply.header.step = request.header.step;
-        let result = match &self.unopened {
+        let read = match &self.unopened {
             Some((fault, _)) => Err(fault.clone()),
-            None => Self::read(request).and_then(|order| {
-                let aggregated = guarded(|| {
-                    let taken = match self.sensor.taken(&order) {
-                        Taken::NotYet => return Ok(None),
-                        Taken::In(step) => step.min(order.step),
-                        Taken::NothingNew => order.step,
-                    };
-                    Ok(Some((taken, self.sensor.aggregate(&order)?)))
-                });
-                aggregated.and_then(|aggregated| aggregated).map_err(Fault::thrown_by_program)
-            }),
+            None => guarded(|| self.sensor.read(request, reply))
+                .unwrap_or_else(|panic| Err(panic.thrown_by_program())),
         };
         let nothing = || Fault::new(FaultKind::SensorFailed).text("nothing has been taken yet");
-        let is_there = !matches!(result, Ok(None));
-        match result.and_then(|reading| reading.ok_or_else(nothing)) {
-            Ok((taken, reading)) => {
-                reply.header.step = taken;
-                reply.header.kind = Kind::Reply;
-                reply.header.len = <V::Kind as Sensor>::Reading::LEN as u32;
-                reading.put(&mut reply.body);
-            }
-            Err(fault) => {
-                let fault = fault.in_process(self.process).at_step(request.header.step);
-                reply.set_fault(&fault);
-            }
+        let is_there = read != Ok(false);
+        if let Err(fault) = read.and_then(|is_there| is_there.then_some(()).ok_or_else(nothing)) {
+            let fault = fault.in_process(self.process).at_step(request.header.step);
+            reply.set_fault(&fault);
         }
         is_there
     }

@@ -70,38 +70,6 @@ pub trait VirtualSensor: 'static {
     }
 }
 
-impl<K: Sensor> VirtualSensor for Box<dyn VirtualSensor<Kind = K>> {
-    type Kind = K;
-
-    fn aggregate(&mut self, order: &ReadingOrder<K::Configuration>) -> Result<K::Reading, Fault> {
-        (**self).aggregate(order)
-    }
-
-    fn is_simulated(&self) -> bool {
-        (**self).is_simulated()
-    }
-
-    fn hardware(&self) -> Option<String> {
-        (**self).hardware()
-    }
-
-    fn open(&mut self) -> Result<(), Fault> {
-        (**self).open()
-    }
-
-    fn taken(&mut self, order: &ReadingOrder<K::Configuration>) -> Taken {
-        (**self).taken(order)
-    }
-
-    fn python(&self) -> Option<String> {
-        (**self).python()
-    }
-
-    fn frames(&mut self) -> Option<&mut Frames> {
-        (**self).frames()
-    }
-}
-
 /// When what a virtual sensor would aggregate was taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Taken {

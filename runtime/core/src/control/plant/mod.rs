@@ -26,14 +26,13 @@ use std::rc::Rc;
 
 use crate::control::drive::{Drive, PlantDrive, PlantEnd};
 use crate::control::plant_sensor::PlantSensor;
-use crate::control::vsp::{Aggregator, RawSensors};
+use crate::control::vsp::{Aggregator, AnyVirtualSensor, RawSensors};
 use crate::link::memory::Stuck;
 use crate::link::timeout::AnswerTimeout;
 use crate::link::{Board, Clock, Closed, Link, Sample, Simulation};
 use crate::model::driver::{Driver, Measured};
 use crate::model::fault::ProcessId;
 use crate::model::robot::Robot;
-use crate::model::sensor::VirtualSensor;
 use crate::model::time::Nanos;
 use crate::observe::servo::Observer;
 
@@ -140,19 +139,19 @@ impl Site {
     }
 
     /// The place of the plant, if it has one and senses what this sensor does.
-    pub(crate) fn place_of(&self, sensor: &impl VirtualSensor) -> Option<usize> {
+    pub(crate) fn place_of(&self, sensor: &dyn AnyVirtualSensor) -> Option<usize> {
         self.place.filter(|_| sensor.is_simulated())
     }
 
     /// Takes the raw sensors of the VSP at `vsp`, if they are simulated and the plant has a place; returns what the VSP has
     /// of them.
-    pub(crate) fn take_sensor<V: VirtualSensor>(
+    pub(crate) fn take_sensor(
         &mut self,
         link: &mut dyn Link,
         vsp: usize,
-        aggregator: Aggregator<V>,
-    ) -> RawSensors<V> {
-        let Some(plant) = self.place_of(&aggregator.sensor) else {
+        aggregator: Aggregator,
+    ) -> RawSensors {
+        let Some(plant) = self.place_of(&*aggregator.sensor) else {
             return RawSensors::Here(aggregator);
         };
         let (port, server) = link.port(vsp, plant);

@@ -6,24 +6,23 @@ use super::{Part, Rest};
 use crate::control::vsp::Aggregator;
 use crate::link::Server;
 use crate::link::message::Message;
-use crate::model::sensor::VirtualSensor;
 use crate::model::time::Nanos;
 
 /// The plant's end.
-pub(super) struct Sensor<V: VirtualSensor> {
-    aggregator: Aggregator<V>,
+pub(super) struct Sensor {
+    aggregator: Aggregator,
     orders: Box<dyn Server>,
     request: Message,
     reply: Message,
 }
 
-impl<V: VirtualSensor> Sensor<V> {
-    pub fn new(aggregator: Aggregator<V>, orders: Box<dyn Server>) -> Self {
+impl Sensor {
+    pub fn new(aggregator: Aggregator, orders: Box<dyn Server>) -> Self {
         Sensor { aggregator, orders, request: Message::empty(), reply: Message::empty() }
     }
 }
 
-impl<V: VirtualSensor> Part for Sensor<V> {
+impl Part for Sensor {
     fn serve(&mut self) {
         if self.orders.receive(&mut self.request) {
             let step = self.request.header.step;
