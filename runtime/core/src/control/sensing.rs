@@ -13,11 +13,12 @@ use crate::link::{Client, Waiter};
 use crate::model::fault::{Fault, FaultKind, ProcessId, Role};
 use crate::model::image::{Sensor, SensorImage};
 use crate::model::list::Reading;
-use crate::model::list::{Owner, SensorHandle, SensorList, SensorsOf};
+use crate::model::list::{Owner, PayloadType, SensorHandle, SensorList, SensorsOf};
 use crate::model::name::Name;
 use crate::model::sensor::{CONFIGURATION_WORDS, VspMode};
 use crate::model::shape::Shape;
 use crate::model::time::Nanos;
+use crate::model::wire::BadWords;
 use crate::observe::step_observer::{ReadingState, StepEvent, StepObservers};
 use crate::suggestion::suggestion;
 
@@ -239,6 +240,48 @@ impl SensorPort {
     }
 }
 
+/// The sensors that an instruction reads, whatever their kinds are.
+pub(crate) trait SensorsRead {
+    /// Their places among those of the process.
+    fn places(&self) -> &[usize];
+    /// Writes the configuration of sensor `i`; returns its type.
+    fn configuration(&self, i: usize, words: &mut [u64]) -> PayloadType;
+    /// Takes a reading of sensor `i`, which is `age` steps old.
+    fn read(&mut self, i: usize, words: &[u64], age: u32) -> Result<(), BadWords>;
+}
+
+/// The handles of an instruction, and what they read.
+pub(crate) struct Readings<L: SensorList, H: SensorsOf<L>> {
+    handles: H,
+    places: H::Indices,
+    pub v: Reading<L>,
+}
+
+impl<L: SensorList, H: SensorsOf<L>> Readings<L, H> {
+    pub fn of(handles: H) -> Self {
+        Readings { places: handles.indices(), v: Reading::new(handles.images()), handles }
+    }
+
+    /// Keeps what was read for the time between instructions.
+    pub fn store(&mut self) {
+        self.handles.store(&self.v);
+    }
+}
+
+impl<L: SensorList, H: SensorsOf<L>> SensorsRead for Readings<L, H> {
+    fn places(&self) -> &[usize] {
+        self.places.as_ref()
+    }
+
+    fn configuration(&self, i: usize, words: &mut [u64]) -> PayloadType {
+        self.handles.configuration(i, words)
+    }
+
+    fn read(&mut self, i: usize, words: &[u64], age: u32) -> Result<(), BadWords> {
+        L::read(&mut self.v, i, words, age)
+    }
+}
+
 /// All virtual sensors of a process.
 pub struct Sensing {
     /// Whose handles are taken.
@@ -258,6 +301,23 @@ impl Sensing {
         configuration: S::Configuration,
         process: ProcessId,
     ) -> Result<SensorHandle<S>, Fault> {
+        let index = self.take(name, (TypeId::of::<S>(), S::KIND), process)?;
+        Ok(SensorHandle {
+            owner: self.owner,
+            index,
+            name: self.ports[index].name,
+            configuration,
+            image: SensorImage::unknown(),
+        })
+    }
+
+    /// The place of a sensor of a kind whose handle is taken now.
+    fn take(
+        &mut self,
+        name: &str,
+        (kind, kind_name): (TypeId, &str),
+        process: ProcessId,
+    ) -> Result<usize, Fault> {
         let config = |text: &str| Fault::new(FaultKind::Config).in_process(process).text(text);
         let Some(index) = self.ports.iter().position(|port| port.name.as_str() == name) else {
             let names: Vec<_> = self.ports.iter().map(|port| port.name.as_str()).collect();
@@ -271,19 +331,13 @@ impl Sensing {
             return Err(config(&format!("there is no sensor `{name}` here: {there}")));
         };
         let port = &mut self.ports[index];
-        if port.kind != TypeId::of::<S>() {
-            return Err(config(&format!("sensor `{name}` is of another kind than {}", S::KIND)));
+        if port.kind != kind {
+            return Err(config(&format!("sensor `{name}` is of another kind than {}", kind_name)));
         }
         if core::mem::replace(&mut port.taken, true) {
             return Err(config(&format!("sensor `{name}` has a handle already: pass that one on")));
         }
-        Ok(SensorHandle {
-            owner: self.owner,
-            index,
-            name: port.name,
-            configuration,
-            image: SensorImage::unknown(),
-        })
+        Ok(index)
     }
 
     /// Refuses handles that another process gave.
@@ -299,42 +353,38 @@ impl Sensing {
         self.ports.iter_mut().for_each(SensorPort::release);
     }
 
-    /// The robot that the sensor at a place of a list belongs to.
-    pub fn robot_of<V: SensorList>(&self, sensors: &impl SensorsOf<V>, place: usize) -> Option<usize> {
-        sensors.indices().as_ref().get(place).and_then(|&index| self.ports[index].robot)
+    /// The robot that the sensor at a place of this process belongs to.
+    pub fn robot_of(&self, place: usize) -> Option<usize> {
+        self.ports[place].robot
     }
 
-    /// Orders all readings of a list.
-    pub fn order<'a, V: SensorList>(
+    /// Orders all readings of an instruction.
+    pub(crate) fn order<'a>(
         &mut self,
-        sensors: &impl SensorsOf<V>,
+        sensors: &dyn SensorsRead,
         step: u64,
-        robot: impl Fn(Option<usize>) -> Option<StateWords<'a>>,
+        robot: &dyn Fn(Option<usize>) -> Option<StateWords<'a>>,
     ) {
-        if V::LEN == 0 {
-            return;
-        }
-        for (i, &index) in sensors.indices().as_ref().iter().enumerate() {
+        for (i, &index) in sensors.places().iter().enumerate() {
             let port = &mut self.ports[index];
             port.order.header.payload = sensors.configuration(i, &mut port.order.body).id;
             port.order(step, robot(port.robot));
         }
     }
 
-    /// Collects all readings of a list.
-    pub fn collect<V: SensorList>(
+    /// Collects them.
+    pub(crate) fn collect(
         &mut self,
-        sensors: &impl SensorsOf<V>,
-        v: &mut Reading<V>,
+        sensors: &mut dyn SensorsRead,
         waiter: &dyn Waiter,
         step: u64,
     ) -> Result<(), Fault> {
-        if V::LEN == 0 {
+        if sensors.places().is_empty() {
             return Ok(());
         }
         let waiting = self.timeout.begin(waiter);
-        for (i, &index) in sensors.indices().as_ref().iter().enumerate() {
-            let port = &mut self.ports[index];
+        for i in 0..sensors.places().len() {
+            let port = &mut self.ports[sensors.places()[i]];
             let collected = port.collect(waiter, waiting);
             port.show(&collected, step, &self.step_observers, waiter.now());
             collected?;
@@ -345,7 +395,7 @@ impl Sensing {
             }
             if port.read {
                 let age = age(port.reply.header.step);
-                V::read(v, i, port.reply.words(), age).map_err(|_| port.fault(FaultKind::Message))?;
+                sensors.read(i, port.reply.words(), age).map_err(|_| port.fault(FaultKind::Message))?;
             }
         }
         Ok(())

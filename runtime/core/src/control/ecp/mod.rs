@@ -37,7 +37,7 @@ use crate::model::list::{PayloadType, SensorHandle};
 use crate::model::load::Tool;
 use crate::model::name::Name;
 use crate::model::named::{CellNames, SignalNames};
-use crate::model::payload::{Order, Payload, Trigger};
+use crate::model::payload::{Payload, Trigger};
 use crate::model::pose::Pose;
 use crate::model::robot::Robot;
 use crate::model::signals::{Input, Level, Output};
@@ -388,16 +388,11 @@ impl<'w, R: Robot> Ecp<'w, R> {
         is_late
     }
 
-    /// The open order's value for a step function that reads it; for one that does not, a value of zeros.
-    fn read_order<P: Payload>(&mut self, reads: bool) -> Result<Order<P>, Fault> {
-        let order = if reads { P::get(self.orders.words()).map(Order::new) } else { Order::unread() };
-        order.map_err(|_| self.fail(Fault::new(FaultKind::Message)))
-    }
-
-    fn check_payload<P: Payload>(&mut self, reads: bool) -> Result<(), Fault> {
+    fn check_payload(&mut self, read: PayloadType, reads: bool) -> Result<(), Fault> {
         match self.orders.payload() {
-            Some(payload) if reads && payload.id != P::ID => {
-                let text = format!("the step function reads `{}`, the order is `{}`", P::NAME, payload.name);
+            Some(payload) if reads && payload.id != read.id => {
+                let text =
+                    format!("the step function reads `{}`, the order is `{}`", read.name, payload.name);
                 Err(self.fail(Fault::new(FaultKind::PayloadMismatch).text(&text)))
             }
             Some(_) | None => Ok(()),

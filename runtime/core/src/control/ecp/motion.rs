@@ -5,18 +5,20 @@
 //! of its own slow down on it.
 
 use crate::control::overruns::periods_in;
+use crate::control::sensing::{Readings, SensorsRead};
 use crate::link::Sample;
 use crate::link::message::{RequestKind, flag};
+use crate::model::class::Uses;
 use crate::model::demand::Demand;
 use crate::model::fault::{Fault, FaultKind};
 use crate::model::generator::Generator;
-use crate::model::list::{Motion, SensorList, SensorsOf};
-use crate::model::list::{Reading, State};
+use crate::model::image::RobotImage;
+use crate::model::list::{Motion, PayloadType, SensorsOf, State};
 use crate::model::payload::Order;
 use crate::model::robot::Robot;
 use crate::model::step::{Step, Tick};
 use crate::model::type_name::TypeName;
-use crate::model::wire::Wire;
+use crate::model::wire::{BadWords, Wire};
 use crate::operator::state::InstructionKind;
 use crate::safety::rate::{DEFAULT_CHANGE, Feed};
 
@@ -59,41 +61,31 @@ impl<R: Robot> Ecp<'_, R> {
 
     fn run<G>(
         &mut self,
-        mut sensors: impl SensorsOf<G::Sensors>,
-        mut generator: G,
+        sensors: impl SensorsOf<G::Sensors>,
+        generator: G,
         ending: Ending,
     ) -> Result<G, Fault>
     where
         G: Generator<Robots = R, Language = Motion>,
     {
         self.sensing.check(&sensors).map_err(|fault| fault.in_process(self.process))?;
-        let mut v = Reading::new(sensors.images());
+        let order = Order::unread().map_err(|_| self.fail(Fault::new(FaultKind::Message)))?;
+        let e = State::<R>::new(self.driver.image);
+        let mut progress = Progress { generator, sensors: Readings::of(sensors), e, order };
         let by = TypeName::of::<G>();
         self.jogging.begin_move();
         self.show_instruction(InstructionKind::Move, by);
-        let end = self.generate(&sensors, &mut generator, &mut v, ending);
+        let end = self.generate(&mut progress, ending);
         self.jogging.end_move();
         self.show_instruction(InstructionKind::Nothing, by);
-        sensors.store(&v);
-        end.map(|()| generator)
+        progress.sensors.store();
+        end.map(|()| progress.generator)
     }
 
-    fn generate<G>(
-        &mut self,
-        sensors: &impl SensorsOf<G::Sensors>,
-        generator: &mut G,
-        v: &mut Reading<G::Sensors>,
-        ending: Ending,
-    ) -> Result<(), Fault>
-    where
-        G: Generator<Robots = R, Language = Motion>,
-    {
-        let first_uses = const { G::CLASS.first_uses() };
-        let next_uses = const { G::CLASS.next_uses() };
+    fn generate(&mut self, progress: &mut dyn AnyProgress<R>, ending: Ending) -> Result<(), Fault> {
+        let Facts { first_uses, next_uses, order } = progress.facts();
         self.check_ready()?;
-        self.check_payload::<G::Order>(first_uses.order || next_uses.order)?;
-        let mut e = State::<R>::new(self.driver.image);
-        let mut order = self.read_order::<G::Order>(false)?;
+        self.check_payload(order, first_uses.order || next_uses.order)?;
         let mut step = 0;
         let mut own = Feed::new(DEFAULT_CHANGE);
         let mut flags = flag::FIRST;
@@ -141,13 +133,12 @@ impl<R: Robot> Ecp<'_, R> {
             if dt == 0.0 {
                 // Suspended: the robot holds whatever the generator says, which may only end.
                 if step == 0 || !next_uses.tick {
-                    self.execute(sensors, v, RequestKind::Brake, 0, uses.robots)?;
+                    self.execute(progress.sensors(), RequestKind::Brake, 0, uses.robots)?;
                 } else {
                     self.driver.set_demand(&Demand::hold(), dt);
-                    self.execute(sensors, v, RequestKind::Demand, 0, uses.robots)?;
-                    *e = self.driver.image;
+                    self.execute(progress.sensors(), RequestKind::Demand, 0, uses.robots)?;
                     let t = Tick { step, dt, duration };
-                    let next = generator.next_step(&order, &e, v, t);
+                    let next = progress.next(Some(&self.driver.image), t);
                     self.see_who_asks();
                     match next.map_err(|fault| self.fail(fault.thrown_by_program()))? {
                         Step::Done => break,
@@ -159,28 +150,18 @@ impl<R: Robot> Ecp<'_, R> {
             }
             if step == 0 && (first_uses.robots || first_uses.sensors) && !refreshed {
                 let began = self.host.waiter.now();
-                self.refresh(sensors, v, first_uses.robots)?;
+                self.refresh(progress.sensors(), first_uses.robots)?;
                 refreshed = true;
                 if self.is_late_since(began) {
                     self.reply_with_state();
                     continue;
                 }
             }
-            if uses.robots {
-                *e = self.driver.image;
+            if uses.order && progress.take_order(self.orders.words()).is_err() {
+                return Err(self.fail(Fault::new(FaultKind::Message)));
             }
-            if uses.order {
-                match Wire::get(self.orders.words()) {
-                    Ok(value) => order = Order::new(value),
-                    Err(_) => return Err(self.fail(Fault::new(FaultKind::Message))),
-                }
-            }
-            let t = Tick { step, dt, duration };
-            let next = if step == 0 {
-                generator.first_step(&order, &e, v, t)
-            } else {
-                generator.next_step(&order, &e, v, t)
-            };
+            let image = uses.robots.then_some(&self.driver.image);
+            let next = progress.next(image, Tick { step, dt, duration });
             self.see_who_asks();
             let demand = match &next {
                 Ok(Step::Next(demand)) => demand,
@@ -189,7 +170,7 @@ impl<R: Robot> Ecp<'_, R> {
             };
             self.driver.set_demand(demand, dt / duration * self.orders.header().duration);
             self.driver.moving = true;
-            self.execute(sensors, v, RequestKind::Demand, flags, next_uses.robots)?;
+            self.execute(progress.sensors(), RequestKind::Demand, flags, next_uses.robots)?;
             step += 1;
             flags = 0;
             self.reply_with_state();
@@ -212,18 +193,17 @@ impl<R: Robot> Ecp<'_, R> {
     }
 
     /// One step of eq. 6: order the readings, send the demand, collect the reply and the readings.
-    fn execute<S: SensorList>(
+    fn execute(
         &mut self,
-        sensors: &impl SensorsOf<S>,
-        v: &mut Reading<S>,
+        sensors: &mut dyn SensorsRead,
         kind: RequestKind,
         flags: u32,
         needs_state: bool,
     ) -> Result<(), Fault> {
-        let wanted = if needs_state || S::LEN > 0 { flag::WANT_STATE } else { 0 };
+        let wanted = if needs_state || !sensors.places().is_empty() { flag::WANT_STATE } else { 0 };
         self.order_readings(sensors);
         self.ask(kind, flags | wanted)?;
-        let collected = self.sensing.collect(sensors, v, self.host.waiter, self.orders.header().step);
+        let collected = self.sensing.collect(sensors, self.host.waiter, self.orders.header().step);
         match collected {
             // The demands are as sound as they were: the MP lets the robot stop on its path.
             Err(fault) if fault.leaves_demands_sound() && self.driver.moving => {
@@ -235,6 +215,67 @@ impl<R: Robot> Ecp<'_, R> {
             }
             Err(fault) => Err(self.fail(fault)),
             Ok(()) => Ok(()),
+        }
+    }
+}
+
+/// A generator in progress, with the handles of its sensors.
+struct Progress<R: Robot, G: Generator<Robots = R, Language = Motion>, H: SensorsOf<G::Sensors>> {
+    generator: G,
+    sensors: Readings<G::Sensors, H>,
+    /// What it is shown of its robot.
+    e: State<R>,
+    order: Order<G::Order>,
+}
+
+/// What a generator's type says.
+struct Facts {
+    first_uses: Uses,
+    next_uses: Uses,
+    order: PayloadType,
+}
+
+/// A generator in progress, whatever its type: what moves a robot by it is compiled once for each kind of robots.
+trait AnyProgress<R: Robot> {
+    fn facts(&self) -> Facts;
+    fn sensors(&mut self) -> &mut dyn SensorsRead;
+    /// Takes the words of an order.
+    fn take_order(&mut self, words: &[u64]) -> Result<(), BadWords>;
+    /// What it says for a step, shown this image or the last one.
+    fn next(&mut self, image: Option<&RobotImage<R>>, t: Tick) -> Result<Step<R>, Fault>;
+}
+
+impl<R, G, H> AnyProgress<R> for Progress<R, G, H>
+where
+    R: Robot,
+    G: Generator<Robots = R, Language = Motion>,
+    H: SensorsOf<G::Sensors>,
+{
+    fn facts(&self) -> Facts {
+        Facts {
+            first_uses: const { G::CLASS.first_uses() },
+            next_uses: const { G::CLASS.next_uses() },
+            order: PayloadType::of::<G::Order>(),
+        }
+    }
+
+    fn sensors(&mut self) -> &mut dyn SensorsRead {
+        &mut self.sensors
+    }
+
+    fn take_order(&mut self, words: &[u64]) -> Result<(), BadWords> {
+        self.order = Order::new(Wire::get(words)?);
+        Ok(())
+    }
+
+    fn next(&mut self, image: Option<&RobotImage<R>>, t: Tick) -> Result<Step<R>, Fault> {
+        if let Some(image) = image {
+            *self.e = *image;
+        }
+        let v = &self.sensors.v;
+        match t.step {
+            0 => self.generator.first_step(&self.order, &self.e, v, t),
+            _ => self.generator.next_step(&self.order, &self.e, v, t),
         }
     }
 }

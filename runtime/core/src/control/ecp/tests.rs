@@ -14,6 +14,7 @@ use crate::model::fault::Role;
 use crate::model::generator::{Condition, Generator};
 use crate::model::list::{AnyRobots, Motion, Owner, Reading, State};
 use crate::model::name::Name;
+use crate::model::payload::Order;
 use crate::model::step::{Step, Tick};
 use crate::model::wire::Wire;
 use crate::tests::slide::Slide;

@@ -1,16 +1,19 @@
 //! Wait in an ECP, eq. 4: readings and the robot's state in every step, until the condition holds; `e` does not
 //! change.
 
+use crate::control::sensing::{Readings, SensorsRead};
 use crate::link::Sample;
 use crate::link::message::{RequestKind, flag};
+use crate::model::class::Uses;
 use crate::model::fault::{Fault, FaultKind};
 use crate::model::generator::Condition;
 use crate::model::image::RobotImage;
-use crate::model::list::{AnyRobots, RobotList, SensorList, SensorsOf};
-use crate::model::list::{Reading, State};
+use crate::model::list::{AnyRobots, PayloadType, RobotList, SensorsOf, State};
+use crate::model::payload::Order;
 use crate::model::robot::Robot;
 use crate::model::step::Tick;
 use crate::model::type_name::TypeName;
+use crate::model::wire::{BadWords, Wire};
 use crate::operator::state::InstructionKind;
 
 use super::{Ecp, OfInstruction};
@@ -73,28 +76,33 @@ impl<R: Robot> Ecp<'_, R> {
     {
         let by = TypeName::of::<C>();
         self.show_instruction(InstructionKind::Wait, by);
-        let outcome = self.hold_until(sensors, condition, limit);
+        let outcome = self.check_and_hold(sensors, condition, limit);
         self.show_instruction(InstructionKind::Nothing, by);
         outcome
     }
 
-    /// Eq. 4: readings and the robot's state, until the condition holds.
-    fn hold_until<C>(
+    fn check_and_hold<C>(
         &mut self,
-        mut sensors: impl SensorsOf<C::Sensors>,
-        mut condition: C,
+        sensors: impl SensorsOf<C::Sensors>,
+        condition: C,
         limit: Option<u64>,
     ) -> Result<C, Fault>
     where
         C: Condition,
         C::Robots: LooksAt<R>,
     {
-        let uses = const { C::CLASS.next };
         self.sensing.check(&sensors).map_err(|fault| fault.in_process(self.process))?;
+        let mut awaited = Awaited { condition, sensors: Readings::of(sensors) };
+        self.hold_until(&mut awaited, limit)?;
+        Ok(awaited.condition)
+    }
+
+    /// Eq. 4: readings and the robot's state, until the condition holds.
+    fn hold_until(&mut self, awaited: &mut dyn AnyAwaited<R>, limit: Option<u64>) -> Result<(), Fault> {
+        let (uses, payload) = awaited.facts();
         self.check_ready()?;
-        self.check_payload::<C::Order>(uses.order)?;
+        self.check_payload(payload, uses.order)?;
         self.settle()?;
-        let mut v = Reading::new(sensors.images());
         let mut step = 0;
         let end = loop {
             match self.next_of_instruction()? {
@@ -108,15 +116,14 @@ impl<R: Robot> Ecp<'_, R> {
             if step > 0 {
                 self.host.meter.sample(Sample::Worked(own_time));
             }
-            self.refresh(&sensors, &mut v, uses.robots)?;
+            self.refresh(awaited.sensors(), uses.robots)?;
             let header = *self.orders.header();
             // Suspended, a Wait waits on.
             if !self.orders.is(flag::SUSPENDED) {
-                let order = self.read_order(uses.order)?;
-                let e = State::new(C::Robots::look(&self.driver.image));
                 let t = Tick { step, dt: header.dt, duration: header.duration };
-                match condition.is_met(&order, &e, &v, t) {
-                    Ok(true) => break Ok(condition),
+                let is_met = awaited.is_met(self.orders.words(), &self.driver.image, t);
+                match is_met.map_err(|_| self.fail(Fault::new(FaultKind::Message)))? {
+                    Ok(true) => break Ok(()),
                     Ok(false) => {}
                     Err(fault) => return Err(self.fail(fault.thrown_by_program())),
                 }
@@ -130,37 +137,75 @@ impl<R: Robot> Ecp<'_, R> {
             }
             self.reply_with_state();
         };
-        sensors.store(&v);
+        awaited.store();
         end
     }
 
     /// A Wait-style exchange: readings and the robot's state, while the demand does not change.
-    pub(super) fn refresh<S: SensorList>(
-        &mut self,
-        sensors: &impl SensorsOf<S>,
-        v: &mut Reading<S>,
-        needs_state: bool,
-    ) -> Result<(), Fault> {
-        if needs_state || S::LEN > 0 || self.orders.is(flag::WANT_STATE) {
+    pub(super) fn refresh(&mut self, sensors: &mut dyn SensorsRead, needs_state: bool) -> Result<(), Fault> {
+        if needs_state || !sensors.places().is_empty() || self.orders.is(flag::WANT_STATE) {
             self.ask(RequestKind::Query, flag::WANT_STATE)?;
         }
         self.order_readings(sensors);
-        self.collect_readings(sensors, v)
+        let collected = self.sensing.collect(sensors, self.host.waiter, self.orders.header().step);
+        collected.map_err(|fault| self.fail(fault))
     }
 
     /// Orders the readings of a step, with the state that the robot had last.
-    pub(super) fn order_readings<S: SensorList>(&mut self, sensors: &impl SensorsOf<S>) {
+    pub(super) fn order_readings(&mut self, sensors: &dyn SensorsRead) {
         let robot = self.driver.effector_state();
-        self.sensing.order(sensors, self.orders.header().step, |of| of.and(robot));
+        self.sensing.order(sensors, self.orders.header().step, &|of| of.and(robot));
+    }
+}
+
+/// A condition that is waited for, with the handles of its sensors.
+struct Awaited<C: Condition, H: SensorsOf<C::Sensors>> {
+    condition: C,
+    sensors: Readings<C::Sensors, H>,
+}
+
+/// The same, whatever its type.
+trait AnyAwaited<R: Robot> {
+    /// What it looks at, and the order that it reads.
+    fn facts(&self) -> (Uses, PayloadType);
+    fn sensors(&mut self) -> &mut dyn SensorsRead;
+    /// Keeps what was read for the time between instructions.
+    fn store(&mut self);
+    /// Whether it is met, or what it throws, shown the words of an order and an image.
+    fn is_met(
+        &mut self,
+        words: &[u64],
+        image: &RobotImage<R>,
+        t: Tick,
+    ) -> Result<Result<bool, Fault>, BadWords>;
+}
+
+impl<R: Robot, C: Condition, H: SensorsOf<C::Sensors>> AnyAwaited<R> for Awaited<C, H>
+where
+    C::Robots: LooksAt<R>,
+{
+    fn facts(&self) -> (Uses, PayloadType) {
+        (const { C::CLASS.next }, PayloadType::of::<C::Order>())
     }
 
-    /// Collects them.
-    pub(super) fn collect_readings<S: SensorList>(
+    fn sensors(&mut self) -> &mut dyn SensorsRead {
+        &mut self.sensors
+    }
+
+    fn store(&mut self) {
+        self.sensors.store();
+    }
+
+    fn is_met(
         &mut self,
-        sensors: &impl SensorsOf<S>,
-        v: &mut Reading<S>,
-    ) -> Result<(), Fault> {
-        let collected = self.sensing.collect(sensors, v, self.host.waiter, self.orders.header().step);
-        collected.map_err(|fault| self.fail(fault))
+        words: &[u64],
+        image: &RobotImage<R>,
+        t: Tick,
+    ) -> Result<Result<bool, Fault>, BadWords> {
+        // One that does not read it is given zeros.
+        let order =
+            if const { C::CLASS.next }.order { Order::new(Wire::get(words)?) } else { Order::unread()? };
+        let e = State::new(C::Robots::look(image));
+        Ok(self.condition.is_met(&order, &e, &self.sensors.v, t))
     }
 }

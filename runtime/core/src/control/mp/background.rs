@@ -19,10 +19,9 @@ use crate::model::fault::Fault;
 use crate::model::generator::Generator;
 use crate::model::image::RobotImage;
 use crate::model::instruction::Instruction;
-use crate::model::list::{Motion, Owner, PayloadType, RobotHandle, Robots};
+use crate::model::list::{Motion, Owner, PayloadType, RobotHandle};
 use crate::model::moved::RobotsMovedBy;
 use crate::model::robot::Robot;
-use crate::model::step::Step;
 use crate::model::type_name::TypeName;
 use crate::model::wire::Wire;
 use crate::operator::state::InstructionKind;
@@ -30,13 +29,13 @@ use crate::safety::braking::BrakingLaw;
 
 use super::Mp;
 use super::clock::StepClock;
-use super::progress::Progress;
+use super::progress::{AnyProgress, Progress, Said};
 use super::robots::{Gathered, RobotPorts};
 
 /// All motions in the background, and those that are over.
 #[derive(Default)]
 pub(super) struct Background {
-    motions: Vec<Box<dyn Moving>>,
+    motions: Vec<Started>,
 }
 
 /// Where in its life a motion is.
@@ -48,105 +47,62 @@ enum Stage {
     Over,
 }
 
-/// One of them, whatever its generator is.
-trait Moving {
-    fn stage(&self) -> Stage;
-    /// Its robots.
-    fn indices(&self) -> &[usize];
-    /// The step in which they had their last orders.
-    fn served(&self) -> u64;
-    /// Whether they are to have orders in this step: then they will have had them.
-    fn is_due(&mut self, step: u64) -> bool;
-    /// Whether they had orders when that was asked last.
-    fn was_due(&self) -> bool;
-    /// The orders of this step, written into the robots' messages; what kind they are, and with which flags.
-    fn order(&mut self, robots: &mut RobotPorts, clock: &StepClock) -> Result<(OrderKind, u32), Fault>;
-    /// How fast its robots may slow down together.
-    fn law(&mut self) -> &mut BrakingLaw;
+/// One of them.
+struct Started {
+    progress: Box<dyn AnyProgress>,
     /// The instruction that has started it.
-    fn instruction(&self) -> Option<Instruction>;
-    /// What the replies of its robots say about it.
-    fn hear(&mut self, robots: &RobotPorts, step: u64) -> Result<(), Fault>;
-}
-
-struct Started<G: Generator> {
-    progress: Progress<G>,
     instruction: Option<Instruction>,
+    /// Its robots.
     indices: Vec<usize>,
     /// Whether it took its robots over moving.
     goes_on: bool,
+    /// The step in which they had their last orders.
     served: u64,
+    /// Whether they had orders when that was asked last.
     was_due: bool,
     flags: u32,
+    /// How fast its robots may slow down together.
     law: BrakingLaw,
     stage: Stage,
 }
 
-impl<G: Generator> Moving for Started<G> {
-    fn stage(&self) -> Stage {
-        self.stage
-    }
-
-    fn indices(&self) -> &[usize] {
-        &self.indices
-    }
-
-    fn served(&self) -> u64 {
-        self.served
-    }
-
+impl Started {
+    /// Whether its robots are to have orders in this step: then they will have had them.
     fn is_due(&mut self, step: u64) -> bool {
         self.was_due = self.stage != Stage::Over && self.served != step;
         self.served = step;
         self.was_due
     }
 
-    fn was_due(&self) -> bool {
-        self.was_due
-    }
-
-    fn law(&mut self) -> &mut BrakingLaw {
-        &mut self.law
-    }
-
-    fn instruction(&self) -> Option<Instruction> {
-        self.instruction
-    }
-
+    /// The orders of this step, written into the robots' messages; what kind they are, and with which flags.
     fn order(&mut self, robots: &mut RobotPorts, clock: &StepClock) -> Result<(OrderKind, u32), Fault> {
         if self.stage != Stage::Moving {
             return Ok((OrderKind::End, flag::WANT_STATE));
         }
         let progress = &mut self.progress;
-        if progress.uses().robots {
-            robots.read_images::<G::Robots>(&self.indices, &mut progress.e)?;
-        }
+        let is_first = progress.is_first();
         // Robots that stood cannot have skipped a period of this motion.
-        let t =
-            if progress.is_first() && !self.goes_on { clock.first_tick() } else { clock.tick(progress.step) };
-        match progress.next(t, clock.is_standing())? {
-            Some(Step::Done) => {
+        let t = if is_first && !self.goes_on { clock.first_tick() } else { clock.tick(progress.step()) };
+        match progress.next(robots, &self.indices, t, clock.is_standing())? {
+            Said::Done => {
                 self.stage = Stage::Ending;
-                return Ok((OrderKind::End, flag::WANT_STATE));
+                Ok((OrderKind::End, flag::WANT_STATE))
             }
-            Some(Step::Next(demands)) => robots.write::<G::Robots, G::Language>(&self.indices, &demands),
             // Suspended before the first step: there is no order to give yet.
-            None if progress.is_first() => return Ok((OrderKind::Query, flag::WANT_STATE)),
-            None => {}
+            Said::Nothing if is_first => Ok((OrderKind::Query, flag::WANT_STATE)),
+            Said::Nothing | Said::Demands => Ok((OrderKind::Step, self.flags)),
         }
-        Ok((OrderKind::Step, self.flags))
     }
 
+    /// What the replies of its robots say about it.
     fn hear(&mut self, robots: &RobotPorts, step: u64) -> Result<(), Fault> {
         let indices = &self.indices;
         match self.stage {
             Stage::Ending if robots.all_say(indices, flag::ENDED) => self.stage = Stage::Over,
-            Stage::Moving if !G::ENDS && robots.all_say(indices, flag::FINISHED) => {
-                self.stage = Stage::Ending
+            Stage::Moving if !self.progress.facts().ends && robots.all_say(indices, flag::FINISHED) => {
+                self.stage = Stage::Ending;
             }
-            Stage::Moving => {
-                return robots.refuse_early(indices, <G::Robots as Robots<G::Language>>::payload, step);
-            }
+            Stage::Moving => return robots.refuse_early(indices, &|i| self.progress.payload(i), step),
             Stage::Ending | Stage::Over => {}
         }
         Ok(())
@@ -155,8 +111,8 @@ impl<G: Generator> Moving for Started<G> {
 
 impl Background {
     /// The motions that are not over.
-    fn moving(&self) -> impl Iterator<Item = &dyn Moving> {
-        self.motions.iter().map(|motion| &**motion).filter(|motion| motion.stage() != Stage::Over)
+    fn moving(&self) -> impl Iterator<Item = &Started> {
+        self.motions.iter().filter(|motion| motion.stage != Stage::Over)
     }
 
     /// Whether no robot moves in the background.
@@ -166,17 +122,17 @@ impl Background {
 
     /// Whether a robot moves in the background.
     pub fn has(&self, index: usize) -> bool {
-        self.moving().any(|motion| motion.indices().contains(&index))
+        self.moving().any(|motion| motion.indices.contains(&index))
     }
 
     /// Whether robots have had their orders of a step.
     pub fn is_served(&self, step: u64) -> bool {
-        self.moving().any(|motion| motion.served() == step)
+        self.moving().any(|motion| motion.served == step)
     }
 
     /// Forgets all motions; returns their robots.
     pub fn clear(&mut self) -> Vec<usize> {
-        let indices = self.moving().flat_map(|motion| motion.indices().iter().copied()).collect();
+        let indices = self.moving().flat_map(|motion| motion.indices.iter().copied()).collect();
         self.motions.clear();
         indices
     }
@@ -185,10 +141,10 @@ impl Background {
     fn take(&mut self, fits: impl Fn(usize) -> bool) -> Vec<usize> {
         let mut taken = Vec::new();
         self.motions.retain(|motion| {
-            let is_over = motion.stage() == Stage::Over;
-            let fits = motion.indices().iter().any(|&index| fits(index));
+            let is_over = motion.stage == Stage::Over;
+            let fits = motion.indices.iter().any(|&index| fits(index));
             if fits && !is_over {
-                taken.extend_from_slice(motion.indices());
+                taken.extend_from_slice(&motion.indices);
             }
             !fits && !is_over
         });
@@ -221,9 +177,9 @@ impl Background {
         let step = mp.clock.step();
         for motion in self.motions.iter_mut().filter_map(|motion| motion.is_due(step).then_some(motion)) {
             let ordered = motion.order(&mut mp.robots, &mp.clock);
-            let (kind, flags) = ordered.map_err(|fault| fault.in_instruction(motion.instruction()))?;
-            let law = *motion.law();
-            for &index in motion.indices() {
+            let (kind, flags) = ordered.map_err(|fault| fault.in_instruction(motion.instruction))?;
+            let law = motion.law;
+            for &index in &motion.indices {
                 mp.send(index, kind, flags, law);
             }
         }
@@ -232,20 +188,20 @@ impl Background {
 
     /// Collects their replies.
     pub fn collect(&mut self, mp: &mut Mp<'_>, gathered: &mut Gathered) -> Result<(), Fault> {
-        for motion in self.motions.iter_mut().filter(|motion| motion.was_due()) {
-            mp.await_answers(motion.indices())?;
+        for motion in self.motions.iter_mut().filter(|motion| motion.was_due) {
+            mp.await_answers(&motion.indices)?;
             gathered.law = BrakingLaw::UNLIMITED;
-            mp.gather(motion.indices(), gathered);
-            *motion.law() = gathered.law;
+            mp.gather(&motion.indices, gathered);
+            motion.law = gathered.law;
             match gathered.first.take() {
                 None => {
                     let heard = motion.hear(&mp.robots, mp.clock.step());
-                    heard.map_err(|fault| fault.in_instruction(motion.instruction()))?;
+                    heard.map_err(|fault| fault.in_instruction(motion.instruction))?;
                 }
                 Some(fault) => {
                     let is_its = |&index: &usize| fault.robot() == Some(mp.robots[index].facts.name);
-                    let is_its = motion.indices().iter().any(is_its);
-                    let instruction = if is_its { motion.instruction() } else { None };
+                    let is_its = motion.indices.iter().any(is_its);
+                    let instruction = if is_its { motion.instruction } else { None };
                     gathered.first = Some(fault.in_instruction(instruction));
                 }
             }
@@ -300,11 +256,8 @@ impl Mp<'_> {
         G: Generator<Sensors = ()> + 'static,
     {
         self.check_handles::<G::Robots, ()>(&robots, &())?;
-        let progress = Progress::new(generator, robots.images(), ())?;
-        let indices = robots.indices().as_ref().to_vec();
-        self.instruction(InstructionKind::Move, TypeName::of::<G>(), |mp| {
-            mp.start_in_background(progress, indices)
-        })
+        let progress = Box::new(Progress::new(generator, robots.images(), ())?);
+        self.start_by(TypeName::of::<G>(), progress, robots.indices().as_ref().to_vec())
     }
 
     /// **Move in the background** of one robot, by any generator without sensors that an ECP could move it with: see
@@ -334,7 +287,7 @@ impl Mp<'_> {
             let indices = mp.take_from_background(|other| other == index)?;
             if indices.is_empty() { Ok(()) } else { mp.end(&indices, OrderKind::End, 0) }
         });
-        self.robots.each_image(&[index], |_, words| {
+        self.robots.each_image(&[index], &mut |_, words| {
             robot.image = RobotImage::get(words)?;
             Ok(())
         })?;
@@ -349,24 +302,33 @@ impl Mp<'_> {
         self.robots.owner.not_its_own(robot.owner, robot.name).is_none() && self.background.has(robot.index)
     }
 
-    fn start_in_background<G: Generator<Sensors = ()> + 'static>(
+    fn start_by(
         &mut self,
-        progress: Progress<G>,
+        by: TypeName,
+        progress: Box<dyn AnyProgress>,
         indices: Vec<usize>,
     ) -> Result<(), Fault> {
-        let payload = <G::Robots as Robots<G::Language>>::payload;
-        let together = is_together(indices.len(), payload);
+        self.instruction(InstructionKind::Move, by, |mp| mp.start_in_background(progress, indices))
+    }
+
+    fn start_in_background(
+        &mut self,
+        progress: Box<dyn AnyProgress>,
+        indices: Vec<usize>,
+    ) -> Result<(), Fault> {
+        let payload = |i| progress.payload(i);
+        let together = is_together(indices.len(), &payload);
         let flags = flag::WANT_STATE | if together { flag::TOGETHER } else { 0 };
         self.begin_step()?;
         self.take_over(&indices)?;
         let goes_on = self.robots.any_handed_over();
-        self.start(&indices, payload)?;
+        self.start(&indices, &payload)?;
         self.begin_step()?;
         let law = self.robots.law;
         let (served, was_due, stage) = (self.clock.step() - 1, false, Stage::Moving);
         let instruction = self.operating.instruction();
         let started = Started { progress, instruction, indices, goes_on, served, was_due, flags, law, stage };
-        self.background.motions.push(Box::new(started));
+        self.background.motions.push(started);
         self.exchange(&[], OrderKind::Query, 0)?;
         self.keep_unless_late();
         Ok(())
@@ -380,7 +342,7 @@ impl Mp<'_> {
         let named = |index| indices.contains(&index);
         for motion in self.background.moving() {
             let (ours, left): (Vec<usize>, Vec<usize>) =
-                motion.indices().iter().copied().partition(|&i| named(i));
+                motion.indices.iter().copied().partition(|&i| named(i));
             if let (Some(&ours), Some(&left)) = (ours.first(), left.first()) {
                 let (ours, left) = (self.robots[ours].facts.name, self.robots[left].facts.name);
                 let text = format!(
@@ -396,8 +358,8 @@ impl Mp<'_> {
     /// Takes motions out of the background, in a step in which their robots have had no order.
     fn take_from_background(&mut self, fits: impl Fn(usize) -> bool) -> Result<Vec<usize>, Fault> {
         let step = self.clock.step();
-        let fit = |motion: &dyn Moving| motion.indices().iter().any(|&index| fits(index));
-        if self.background.moving().any(|motion| motion.served() == step && fit(motion)) {
+        let fit = |motion: &Started| motion.indices.iter().any(|&index| fits(index));
+        if self.background.moving().any(|motion| motion.served == step && fit(motion)) {
             self.clock.spend();
             self.begin_step()?;
         }
@@ -427,6 +389,6 @@ impl Mp<'_> {
 }
 
 /// Whether robots are told together what none of them may leave.
-pub(super) fn is_together(robots: usize, payload: impl Fn(usize) -> PayloadType) -> bool {
+pub(super) fn is_together(robots: usize, payload: &dyn Fn(usize) -> PayloadType) -> bool {
     robots > 1 && (0..robots).all(|i| payload(i).tight)
 }

@@ -3,10 +3,10 @@
 //! In: one order per robot. Out: one reply per robot, with its image and the margin of its rate; or the first
 //! cause of what is wrong.
 
+use crate::control::sensing::SensorsRead;
 use crate::control::state_words::StateWords;
 use crate::link::message::{Kind, OrderKind, flag};
 use crate::model::fault::{Fault, FaultKind};
-use crate::model::list::{SensorList, SensorsOf};
 use crate::safety::braking::BrakingLaw;
 
 use super::background::Background;
@@ -207,10 +207,10 @@ impl Mp<'_> {
 
     /// Asks the robots that the sensors of a list belong to for their states, where none is known yet: a sensor gets the
     /// state of its robot with its first order, too. Says whether any was asked.
-    pub(super) fn learn_states<S: SensorList>(&mut self, sensors: &impl SensorsOf<S>) -> Result<bool, Fault> {
+    pub(super) fn learn_states(&mut self, sensors: &dyn SensorsRead) -> Result<bool, Fault> {
         let mut asked = false;
-        for i in 0..S::LEN {
-            let unknown = self.sensing.robot_of(sensors, i);
+        for &place in sensors.places() {
+            let unknown = self.sensing.robot_of(place);
             if let Some(robot) = unknown.filter(|&robot| !self.robots[robot].reply.is(flag::STATE)) {
                 self.exchange(&[robot], OrderKind::Query, flag::WANT_STATE)?;
                 asked = true;
@@ -219,8 +219,8 @@ impl Mp<'_> {
         Ok(asked)
     }
 
-    pub(super) fn order_readings<S: SensorList>(&mut self, sensors: &impl SensorsOf<S>) {
+    pub(super) fn order_readings(&mut self, sensors: &dyn SensorsRead) {
         let robots = &self.robots;
-        self.sensing.order(sensors, self.clock.step(), |robot| StateWords::of(&robots[robot?].reply));
+        self.sensing.order(sensors, self.clock.step(), &|robot| StateWords::of(&robots[robot?].reply));
     }
 }

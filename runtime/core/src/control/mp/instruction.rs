@@ -16,9 +16,9 @@ impl Mp<'_> {
     pub(super) fn start(
         &mut self,
         indices: &[usize],
-        payload: impl Fn(usize) -> PayloadType,
+        payload: &dyn Fn(usize) -> PayloadType,
     ) -> Result<(), Fault> {
-        self.refuse_tight(indices, &payload)?;
+        self.refuse_tight(indices, payload)?;
         self.robots.ordinal += 1;
         let ordinal = self.robots.ordinal;
         let left_out = |(index, robot): &(usize, &RobotPort)| robot.handed_over && !indices.contains(index);

@@ -123,7 +123,7 @@ impl Mp<'_> {
     pub(super) fn refuse_tight(
         &self,
         indices: &[usize],
-        payload: &impl Fn(usize) -> PayloadType,
+        payload: &dyn Fn(usize) -> PayloadType,
     ) -> Result<(), Fault> {
         for (i, robot) in indices.iter().map(|&index| &self.robots[index]).enumerate() {
             let payload = payload(i);

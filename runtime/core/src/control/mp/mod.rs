@@ -158,7 +158,7 @@ impl<'w> Mp<'w> {
         if self.stops.latched.is_none() {
             self.ask(index).map_err(|fault| self.conclude(fault))?;
         }
-        self.robots.each_image(&[index], |_, words| {
+        self.robots.each_image(&[index], &mut |_, words| {
             handle.image = RobotImage::get(words)?;
             Ok(())
         })?;

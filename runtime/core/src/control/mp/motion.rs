@@ -2,26 +2,22 @@
 //!
 //! In: the robots' images (`e`), the MP's readings (`v`), the step's path time. Out: one demand or order per robot.
 
-use core::any::TypeId;
-
+use crate::control::sensing::SensorsRead;
 use crate::link::message::{OrderKind, flag};
 use crate::model::each::Each;
 use crate::model::fault::Fault;
 use crate::model::generator::Generator;
-use crate::model::list::{
-    Motion, PayloadType, Reading, RobotHandle, Robots, RobotsOf, SensorList, SensorsOf,
-};
+use crate::model::list::{Motion, PayloadType, RobotHandle, RobotsOf, SensorsOf};
 use crate::model::moved::RobotsMovedBy;
 use crate::model::payload::Trigger;
 use crate::model::robot::Robot;
-use crate::model::step::Step;
 use crate::model::type_name::TypeName;
 
 use crate::operator::state::InstructionKind;
 
 use super::Mp;
 use super::background::is_together;
-use super::progress::Progress;
+use super::progress::{AnyProgress, Facts, Progress, Said};
 
 impl Mp<'_> {
     /// **Move**: generates the next states of the robots, step by step, until the generator is done (a motion
@@ -111,51 +107,53 @@ impl Mp<'_> {
     fn run<G: Generator>(
         &mut self,
         mut robots: impl RobotsOf<G::Robots>,
-        mut sensors: impl SensorsOf<G::Sensors>,
+        sensors: impl SensorsOf<G::Sensors>,
         generator: G,
         ending: u32,
     ) -> Result<G, Fault> {
         self.check_handles(&robots, &sensors)?;
         let indices = robots.indices();
         let indices = indices.as_ref();
-        let mut progress = Progress::new(generator, robots.images(), sensors.images())?;
-        let outcome = self.instruction(InstructionKind::Move, TypeName::of::<G>(), |mp| {
-            mp.generate(indices, &sensors, &mut progress)?;
-            mp.end(indices, OrderKind::End, ending)
-        });
-        self.robots.each_image(indices, |i, words| robots.refresh(i, words))?;
-        sensors.store(&progress.v);
+        let mut progress = Progress::new(generator, robots.images(), sensors)?;
+        let outcome = self.move_by(TypeName::of::<G>(), indices, &mut progress, ending);
+        self.robots.each_image(indices, &mut |i, words| robots.refresh(i, words))?;
+        progress.sensors.store();
         outcome.map(|()| progress.generator)
     }
 
-    /// Eq. 6: START, the first step, then a step of the generator and an exchange, until it is done.
-    fn generate<G: Generator>(
+    fn move_by(
         &mut self,
+        by: TypeName,
         indices: &[usize],
-        sensors: &impl SensorsOf<G::Sensors>,
-        progress: &mut Progress<G>,
+        progress: &mut dyn AnyProgress,
+        ending: u32,
     ) -> Result<(), Fault> {
-        let first_uses = const { G::CLASS.first_uses() };
-        let next_uses = const { G::CLASS.next_uses() };
-        let wants_state = next_uses.robots || <G::Sensors as SensorList>::LEN > 0;
-        let payload = <G::Robots as Robots<G::Language>>::payload;
-        let together = is_together(indices.len(), payload);
+        self.instruction(InstructionKind::Move, by, |mp| {
+            mp.generate(indices, progress)?;
+            mp.end(indices, OrderKind::End, ending)
+        })
+    }
+
+    /// Eq. 6: START, the first step, then a step of the generator and an exchange, until it is done.
+    fn generate(&mut self, indices: &[usize], progress: &mut dyn AnyProgress) -> Result<(), Fault> {
+        let Facts { first_uses, next_uses, ends, moves } = progress.facts();
+        let wants_state = next_uses.robots || !progress.sensors().places().is_empty();
+        let together = is_together(indices.len(), &|i| progress.payload(i));
         let state_flag = if wants_state { flag::WANT_STATE } else { 0 };
         let flags = state_flag | if together { flag::TOGETHER } else { 0 };
-        if TypeId::of::<G::Language>() == TypeId::of::<Motion>() {
+        if moves {
             self.jogging.begin_move(indices);
         }
         self.begin_step()?;
         self.take_over(indices)?;
         let handed_over = self.robots.any_handed_over();
-        self.start(indices, payload)?;
-        if self.learn_states(sensors)? {
+        self.start(indices, &|i| progress.payload(i))?;
+        if self.learn_states(progress.sensors())? {
             // Nothing moved: a motion that was handed over must not lose a step by it.
             self.keep_unless_late();
         }
         if first_uses.sensors {
-            self.order_readings(sensors);
-            self.sensing.collect(sensors, &mut progress.v, self.host.waiter, self.clock.step())?;
+            self.read_sensors(progress.sensors())?;
             self.keep_unless_late();
         }
         loop {
@@ -168,54 +166,45 @@ impl Mp<'_> {
                 return self.abort(indices);
             }
             // Other robots' path time counts every period.
-            let t = if from_rest { self.clock.first_tick() } else { self.clock.tick(progress.step) };
-            if progress.uses().robots {
-                self.robots.read_images::<G::Robots>(indices, &mut progress.e)?;
-            }
-            let next = progress.next(t, self.clock.is_standing());
-            if next.as_ref().is_ok_and(Option::is_some) {
+            let t = if from_rest { self.clock.first_tick() } else { self.clock.tick(progress.step()) };
+            let standing = self.clock.is_standing();
+            let said = progress.next(&mut self.robots, indices, t, standing);
+            if said.as_ref().is_ok_and(|said| *said != Said::Nothing) {
                 self.jogging.see_who_asks();
             }
-            match next? {
+            match said? {
                 // An abort that the motion's own end forestalled is an abort: the program must not go on.
-                Some(Step::Done) if self.is_ending() => return self.abort(indices),
-                Some(Step::Done) => return Ok(()),
-                Some(Step::Next(demands)) => {
-                    self.robots.write::<G::Robots, G::Language>(indices, &demands);
-                }
-                None if progress.is_first() => {
+                Said::Done if self.is_ending() => return self.abort(indices),
+                Said::Done => return Ok(()),
+                Said::Nothing if progress.is_first() => {
                     // Suspended before the first step: there is no order to give yet.
                     self.exchange(indices, OrderKind::Query, flag::WANT_STATE)?;
                     if first_uses.sensors {
-                        self.order_readings(sensors);
-                        self.sensing.collect(
-                            sensors,
-                            &mut progress.v,
-                            self.host.waiter,
-                            self.clock.step(),
-                        )?;
+                        self.read_sensors(progress.sensors())?;
                     }
                     continue;
                 }
-                None => {}
+                Said::Demands | Said::Nothing => {}
             }
-            self.order_readings(sensors);
+            self.order_readings(progress.sensors());
             self.exchange(indices, OrderKind::Step, flags)?;
-            self.collect_on_path(sensors, &mut progress.v)?;
-            if self.finished(indices, const { G::ENDS }, payload)? {
+            self.collect_on_path(progress.sensors())?;
+            if self.finished(indices, ends, &|i| progress.payload(i))? {
                 return Ok(());
             }
         }
     }
 
+    /// Orders the readings of a step, and collects them.
+    pub(super) fn read_sensors(&mut self, sensors: &mut dyn SensorsRead) -> Result<(), Fault> {
+        self.order_readings(sensors);
+        self.sensing.collect(sensors, self.host.waiter, self.clock.step())
+    }
+
     /// Collects the readings of a step. Where a sensor gives none, the demands are as sound as they were: robots stop on their
     /// paths.
-    fn collect_on_path<S: SensorList>(
-        &mut self,
-        sensors: &impl SensorsOf<S>,
-        v: &mut Reading<S>,
-    ) -> Result<(), Fault> {
-        match self.sensing.collect(sensors, v, self.host.waiter, self.clock.step()) {
+    fn collect_on_path(&mut self, sensors: &mut dyn SensorsRead) -> Result<(), Fault> {
+        match self.sensing.collect(sensors, self.host.waiter, self.clock.step()) {
             Err(fault) if fault.leaves_demands_sound() => {
                 self.stops.protect(fault, self.clock.step());
                 Ok(())
@@ -229,7 +218,7 @@ impl Mp<'_> {
         &mut self,
         indices: &[usize],
         ends: bool,
-        payload: impl Fn(usize) -> PayloadType,
+        payload: &dyn Fn(usize) -> PayloadType,
     ) -> Result<bool, Fault> {
         let all = indices.iter().all(|&index| self.robots[index].reply.is(flag::FINISHED));
         if all && !ends {
@@ -252,7 +241,7 @@ impl Mp<'_> {
     fn trigger_all(&mut self, indices: &[usize]) -> Result<(), Fault> {
         let payload = PayloadType::of::<Trigger>();
         self.begin_step()?;
-        self.start(indices, |_| payload)?;
+        self.start(indices, &|_| payload)?;
         loop {
             self.begin_step()?;
             if self.is_at_rest_on_path()? {
@@ -262,7 +251,7 @@ impl Mp<'_> {
                 self.robots[index].order.header.len = 0;
             }
             self.exchange(indices, OrderKind::Step, 0)?;
-            if self.finished(indices, false, |_| payload)? {
+            if self.finished(indices, false, &|_| payload)? {
                 return Ok(());
             }
         }

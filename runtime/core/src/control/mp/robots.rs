@@ -247,6 +247,14 @@ impl RobotPorts {
     /// # Errors
     /// `Config` when there is no robot of that name and kind, or when its handle is taken.
     pub fn handle<R: Robot>(&mut self, name: &str) -> Result<RobotHandle<R>, Fault> {
+        let index = self.take(name, (TypeId::of::<R>(), R::KIND), R::Joints::LEN)?;
+        let RobotFacts { name, signals, .. } = &self.ports[index].facts;
+        let (name, signals) = (*name, Rc::clone(signals));
+        Ok(RobotHandle { owner: self.owner, index, name, image: RobotImage::unknown(), signals })
+    }
+
+    /// The place of a robot of a kind, with so many joints, whose handle is taken now.
+    fn take(&mut self, name: &str, (kind, kind_name): (TypeId, &str), joints: usize) -> Result<usize, Fault> {
         let config = |text: &str| Fault::new(FaultKind::Config).text(text);
         let Some(index) = self.ports.iter().position(|robot| robot.facts.name.as_str() == name) else {
             let names: Vec<_> = self.ports.iter().map(|robot| robot.facts.name.as_str()).collect();
@@ -254,18 +262,15 @@ impl RobotPorts {
             return Err(config(&format!("there is no robot `{name}`: {there}")));
         };
         let port = &mut self.ports[index];
-        if port.facts.kind != TypeId::of::<R>() && port.facts.kind_name == R::KIND {
-            let joints = R::Joints::LEN;
+        if port.facts.kind != kind && port.facts.kind_name == kind_name {
             let text = format!(
-                "robot `{name}` is of the kind {} and has not {joints} joints: name its own number of them in `robot::<..>`",
-                R::KIND
+                "robot `{name}` is of the kind {kind_name} and has not {joints} joints: name its own number of them in `robot::<..>`"
             );
             return Err(config(&text));
         }
-        if port.facts.kind != TypeId::of::<R>() {
+        if port.facts.kind != kind {
             let text = format!(
-                "robot `{name}` is of another kind than {}: name its own, {}, in `robot::<..>`",
-                R::KIND,
+                "robot `{name}` is of another kind than {kind_name}: name its own, {}, in `robot::<..>`",
                 port.facts.kind_name
             );
             return Err(config(&text));
@@ -277,9 +282,7 @@ impl RobotPorts {
             // Whether it can be dispensed with is for each run of the program to say.
             *lower = Lower::default();
         }
-        let name = port.facts.name;
-        let signals = Rc::clone(&port.facts.signals);
-        Ok(RobotHandle { owner: self.owner, index, name, image: RobotImage::unknown(), signals })
+        Ok(index)
     }
 
     /// The robots' programs start again: each robot has its handle to give, and has told nothing.
@@ -332,7 +335,7 @@ impl RobotPorts {
     pub fn refuse_early(
         &self,
         indices: &[usize],
-        payload: impl Fn(usize) -> PayloadType,
+        payload: &dyn Fn(usize) -> PayloadType,
         step: u64,
     ) -> Result<(), Fault> {
         for (i, robot) in indices.iter().map(|&index| &self.ports[index]).enumerate() {
@@ -345,14 +348,14 @@ impl RobotPorts {
 
     /// The images in the last replies of the robots of a list.
     pub fn read_images<L: RobotList>(&self, indices: &[usize], e: &mut State<L>) -> Result<(), Fault> {
-        self.each_image(indices, |i, words| L::read(e, i, words))
+        self.each_image(indices, &mut |i, words| L::read(e, i, words))
     }
 
     /// The image in the last reply of each robot of a list, where there is one.
     pub fn each_image(
         &self,
         indices: &[usize],
-        mut read: impl FnMut(usize, &[u64]) -> Result<(), BadWords>,
+        read: &mut dyn FnMut(usize, &[u64]) -> Result<(), BadWords>,
     ) -> Result<(), Fault> {
         for (i, robot) in indices.iter().map(|&index| &self.ports[index]).enumerate() {
             if robot.reply.is(flag::STATE) {
