@@ -2,7 +2,7 @@
 //! `cargo run --release -p mrroc-ros2 --example servo -- --cell ports/ros2/examples/servo.toml --processes`, and in another terminal the example
 //! `servo_bridge`.
 //!
-//! `--seconds` behind a `--` says for how long, a minute by default.
+//! Behind a `--` stand `--follow poses`, to follow poses and not twists, and `--seconds`, for how long: a minute by default.
 
 mod following;
 

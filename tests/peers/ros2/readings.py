@@ -1,4 +1,4 @@
-"""A topic of rclpy as a sensor of a cell: an arm whose tool follows its twists.
+"""A topic of rclpy as a sensor of a cell: an arm whose tool follows its twists, then its poses.
 
 In: the examples `servo` and `servo_bridge`, built. Out: exit status 0 if the cell read what was published, refused what is none, and stopped the arm on its path when
 the topic fell silent.
@@ -22,7 +22,7 @@ listen_in("89")
 
 import numpy as np  # noqa: E402
 import rclpy  # noqa: E402
-from geometry_msgs.msg import TwistStamped  # noqa: E402
+from geometry_msgs.msg import PoseStamped, TwistStamped  # noqa: E402
 from mcap.reader import make_reader  # noqa: E402
 from rclpy.qos import QoSProfile, ReliabilityPolicy  # noqa: E402
 from rclpy.serialization import serialize_message  # noqa: E402
@@ -210,6 +210,76 @@ def test(folder):
     has(outcome.kind == "SensorStale" and "stick" in outcome.text, f"the cell ended by {outcome}")
     check(folder / "run.mcap", stick, counted, again)
     quality_of_service(folder)
+    _, demands, _ = recorded(folder / "run.mcap")
+    poses(folder, pose_of(demands[min(demands)]))
+
+
+def poses(folder, start):
+    """A tool follows poses: it comes to each of them, and to rest where they fall silent on the way to one."""
+    bridge, node = Bridge(CELL), rclpy.create_node("poses")
+    publisher = node.create_publisher(PoseStamped, "/servo/pose", 10)
+    states = []
+    node.create_subscription(String, "/cell/state", lambda message: states.append(message.data), 10)
+    options = ["--processes", "--no-picture", "--quiet", "--record", folder / "poses.mcap", "--outcome", folder / "poses.json"]
+    cell = subprocess.Popen([EXAMPLES / "servo", "--cell", CELL, *options, "--", "--follow", "poses"], preexec_fn=interruptible)
+
+    def publish(seconds, goal):
+        for _ in range(int(seconds / PERIOD)):
+            message = PoseStamped()
+            message.header.stamp = node.get_clock().now().to_msg()
+            for part, values in ((message.pose.position, goal[0]), (message.pose.orientation, goal[1])):
+                for axis, value in zip("xyzw", values):
+                    setattr(part, axis, float(value))
+            publisher.publish(message)
+            due = time.monotonic() + PERIOD
+            while (left := due - time.monotonic()) > 0:
+                rclpy.spin_once(node, timeout_sec=left)
+
+    goals = [turned(start, *by) for by in (([0, 0, 0.05], 0.0), ([0.04, -0.04, 0.0], 0.3), ([0.0, 0.0, -0.03], -0.2))]
+    with ended_after(cell, bridge):
+        end = time.monotonic() + 20
+        while states[-1:] != ["running"]:
+            has(time.monotonic() < end, f"the cell does not begin, states {states}")
+            publish(0.1, start)
+        # It waits for its first reading.
+        publish(2.0, start)
+        for goal in goals:
+            publish(3.0, goal)
+        publish(0.5, turned(start, [0.0, 0.0, 0.1], 0.0))
+        # Until the sensor is stale.
+        time.sleep(2.0)
+    outcome = Outcome(folder / "poses.json")
+    has(outcome.kind == "SensorStale" and "goal" in outcome.text, f"the cell ended by {outcome}")
+    _, demands, stale = recorded(folder / "poses.mcap")
+    at = [pose_of(demands[k]) for k in sorted(demands) if k <= stale[0]]
+    for goal in goals:
+        off, angle = min((np.linalg.norm(place - goal[0]), 2 * math.acos(min(1.0, abs(turn @ goal[1])))) for place, turn in at)
+        print(f"  a pose: the tool comes within {off:.1e} m and {angle:.1e} rad of it")
+        has(off < 1e-5 and angle < 1e-4, "the tool does not come to a pose")
+    places = np.array([place for place, _ in at])
+    resting = np.linalg.norm(places[-1] - places[-2]) / STEP
+    most = acceleration(demands, range(2, stale[0] + 1))
+    print(f"  silence: the tool rests ({resting:.1e} m/s) {abs(places[-1][2] - start[0][2]):.3f} m on its way, and accelerates by at most {most:.3f} m/s^2, of 0.5")
+    has(resting < 1e-9 and most < 0.51 and 0.0 < places[-1][2] - start[0][2] < 0.09, "the tool does not rest on its way")
+
+
+def acceleration(demands, steps):
+    """The tool's largest acceleration [m/s^2] in steps that did not follow within 20 on one whose demand had not come in time: then the arm comes back to its path."""
+    late = {k + n for k in demands if demands[k]["mode"] == "bridging" for n in range(20)}
+    at = {k: pose_of(demands[k])[0] for k in demands}
+    punctual = [k for k in steps if all(k - n in at for n in range(3)) and k not in late]
+    return max(np.linalg.norm(at[k] - 2 * at[k - 1] + at[k - 2]) for k in punctual) / STEP**2
+
+
+def pose_of(demanded):
+    pose = demanded["pose"]
+    return np.array([pose["position"][axis] for axis in "xyz"]), np.array([pose["orientation"][axis] for axis in "xyzw"])
+
+
+def turned(pose, by, angle):
+    """A pose that is moved in the world, and turned about the world's z."""
+    (x, y, z, w), (s, c) = pose[1], (math.sin(angle / 2), math.cos(angle / 2))
+    return pose[0] + np.array(by), np.array([c * x - s * y, c * y + s * x, c * z + s * w, c * w - s * z])
 
 
 def recorded(file):
@@ -224,7 +294,7 @@ def recorded(file):
                 if read[-1:] != [twist]:
                     read.append(twist)
             elif channel.topic == "/robots/arm":
-                demands[said["step"]] = said["demanded"]
+                demands[said["step"]] = said["demanded"] | {"mode": said["mode"]}
             elif channel.topic == "/events" and said["what"] == "fault" and "too old" in said["text"]:
                 # In which step it was so: the event itself is when the arm had stopped.
                 stale.append(int(re.search(r"at step (\d+)", said["text"])[1]))
@@ -253,7 +323,7 @@ def check(file, stick, counted, again):
     has(speed[fastest] > 0.04, f"the arm moves by {speed[fastest]} m/s before the silence")
     # 0.05 m/s at 0.5 m/s^2 take 0.1 s, after a deadline of 0.1 s; the sensor is stale at 0.6 s.
     has(0.3 < (stop - rest) * STEP < 0.5, "the arm does not rest in time")
-    most = max(np.linalg.norm(at[k] - 2 * at[k - 1] + at[k - 2]) for k in known[2:]) / STEP**2
+    most = acceleration(demands, known[2:])
     print(f"  its tool accelerates by at most {most:.3f} m/s^2, of 0.5")
     has(most < 0.51, f"{most} m/s^2")
 
