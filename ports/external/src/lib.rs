@@ -133,9 +133,10 @@
 
 //! # The port of subscribers
 //!
-//! For each robot of the cell `mrroc/PORT/ROBOT/images`, and `mrroc/PORT/steps` of the coordinator, of which 256 messages are
-//! kept each; nobody sends anything back. They carry the types `mrroc_image_1`, 464 bytes, and `mrroc_step_1`, 296 bytes,
-//! little-endian. A message is sent for each step; one that is missing was lost.
+//! For each robot of the cell `mrroc/PORT/ROBOT/images`, and `mrroc/PORT/steps` of the coordinator; `mrroc/PORT/sensors` for the readings that the
+//! coordinator collects, and `mrroc/PORT/ROBOT/sensors` for those of a robot's ECP. Of each 256 messages are kept; nobody sends anything back. They carry the
+//! types `mrroc_image_1`, 464 bytes, `mrroc_step_1`, 296 bytes, and `mrroc_reading_1`, 584 bytes, little-endian. A message of a robot and of the coordinator is sent
+//! for each step; one that is missing was lost. A reading is sent for each step in which it is collected, new or not.
 //!
 //! | offset | type | of a robot |
 //! |---|---|---|
@@ -157,6 +158,15 @@
 //! | 32, 40 | `f64` | path time and time of the step \[s\] |
 //! | 48 | `f64` | the speed that the operator wants, 0 to 1 |
 //! | 56 | `[u8; 240]` | the first fault since the last reset, as text, and zeros |
+//!
+//! | offset | type | of a reading |
+//! |---|---|---|
+//! | 0, 4 | `u32` | version of this interface: 1; how many words the reading has: further ones of its type count as 0 |
+//! | 8 | `u64` | layout of the reading: a hash of its type, in the Python module |
+//! | 16, 24, 32 | `u64` | the step in which it was collected, its time, and when this was sent, as above |
+//! | 40 | `u64` | the step in which it was taken: by so much it is older |
+//! | 48 | `[u8; 24]` | the sensor's name, and zeros |
+//! | 72 | `[u64; 64]` | the words of the reading, as at the port of the sensor |
 
 mod gateway;
 pub mod goals;
@@ -187,7 +197,7 @@ pub use goals::{Goals, TrajectoryGoals};
 pub use plant::plant;
 pub use port::monotonic;
 pub use sender::{Sender, WordSender};
-pub use subscribers::{Image, State, StepShown, Subscriber, Subscribers};
+pub use subscribers::{Image, ReadingShown, State, StepShown, Subscriber, Subscribers};
 
 use gateway::GatewayProcess;
 use message::{Foreign, Message, VERSION};

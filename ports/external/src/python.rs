@@ -16,6 +16,9 @@ const MODULE: &str = include_str!("python/port.py");
 const HERE: &str = include_str!("python/here.py");
 const ELSEWHERE: &str = include_str!("python/elsewhere.py");
 
+/// What it has in common with that of a subscriber: how words are read.
+pub(crate) const VALUES: &str = include_str!("python/values.py");
+
 /// What it has in common with that of a simulator.
 const ENDS: &str = include_str!("python/ends.py");
 
@@ -53,12 +56,19 @@ pub(crate) fn module<K: Sensor>(name: &str, port: &str, rate: f64, address: Opti
         .replace("@PLACE@", &place)
         .replace("@PORT_CLASS@", port_class.trim_end())
         .replace("@ENDS@", ends.trim_end())
+        .replace("@VALUES@", VALUES.trim_end())
         .replace("@CLASSES@", &classes)
         .replace("@EXAMPLE@", &arguments("Reading", &reading))
         .replace("@NAME@", name)
         .replace("@RATE@", &format!("{rate:?}"))
         .replace("@LAYOUT@", &format!("0x{:016X}", <K::Reading as Wire>::LAYOUT))
         .replace("@MAX_JOINTS@", &MAX_JOINTS.to_string())
+}
+
+/// Writes the class of a sensor's readings for a subscriber; returns what it is among shapes.
+pub(crate) fn reading_class(sensor: &str, shape: &'static Shape, classes: &mut String) -> String {
+    let name = own(&camel(&format!("{}_reading", sensor.replace('-', "_"))));
+    class(&name, &format!("What the sensor `{sensor}` reads."), &fields(shape), classes)
 }
 
 /// The fields of a value that has a class of its own: one that has none has one, `value`.

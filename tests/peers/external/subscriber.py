@@ -33,6 +33,9 @@ def subscribe(log):
             for name, image in subscriber.images():
                 words = map(bits, image.measured.joints + image.demanded.joints)
                 print(json.dumps(["image", name, image.step, *words]), file=seen)
+            for reading in subscriber.readings():
+                words = (bits(reading.value.direction), reading.value.seen)
+                print(json.dumps(["reading", reading.sensor, reading.step, reading.taken, reading.robot, *words]), file=seen)
             for step in subscriber.steps():
                 times = (bits(step.path_time), step.sent, time.monotonic_ns())
                 print(json.dumps(["step", step.step, *times]), file=seen)
@@ -50,7 +53,7 @@ def begin(folder, log):
 def recorded(folder):
     from mcap.reader import make_reader
 
-    images, steps = {}, {}
+    images, steps, readings = {}, {}, {}
     with open(folder / "run.mcap", "rb") as file:
         for _, channel, message in make_reader(file).iter_messages():
             said = json.loads(message.data)
@@ -59,7 +62,10 @@ def recorded(folder):
                 images[said["step"]] = [bits(number) for number in both]
             elif channel.topic == "/steps":
                 steps[said["step"]] = bits(said["dt"])
-    return images, steps
+            elif channel.topic == "/sensors/camera" and said["state"] == "there":
+                part = said["reading"]
+                readings[said["step"]] = [said["taken"], None, bits(part["direction"]), part["seen"]]
+    return images, steps, readings
 
 
 def tested(folder):
@@ -78,23 +84,28 @@ def tested(folder):
             has(not is_whole, "the subscriber does not hear that the program is over")
             first.kill()
             first.communicate()
-    images, steps = recorded(folder)
+    images, steps, readings = recorded(folder)
     seen = [json.loads(line) for line in (folder / "seen").read_text().splitlines()]
     of_arm = {line[2]: line[3:] for line in seen if line[0] == "image"}
     has(set(of_arm) <= set(images), "it saw a step that was not recorded")
     differ = [step for step, words in of_arm.items() if images[step] != words]
     has(not differ, f"steps {differ[:5]} are not those that were recorded")
+    of_camera = {line[2]: line[3:] for line in seen if line[0] == "reading"}
+    differ = [step for step, words in of_camera.items() if readings.get(step) != words]
+    has(not differ, f"readings of steps {differ[:5]} are not those that were recorded")
     # A message may be sent again in the step of a fault or of the end.
     of_cell = {line[1]: line[2] for line in seen if line[0] == "step"}
     has(all(steps.get(step, dt) == dt for step, dt in of_cell.items()), "path times are not those that were recorded")
     # It is nobody's duty to wait for a subscriber.
     if is_whole and outcome.longest_stall < 0.02:
         has(len(of_arm) > len(images) / 2, f"it saw {len(of_arm)} of {len(images)} steps")
+        has(len(of_camera) > len(readings) / 2 > 0, f"it saw {len(of_camera)} of {len(readings)} readings")
     else:
         not_tested("external", f"that a subscriber sees most steps (it saw {len(of_arm)} of {len(images)})", outcome)
     late = sorted(line[4] - line[3] for line in seen if line[0] == "step")
     print(
-        f"external: a subscriber saw {len(of_arm)} of {len(images)} steps of the arm, equal to the bit; "
+        f"external: a subscriber saw {len(of_arm)} of {len(images)} steps of the arm and {len(of_camera)} of {len(readings)} readings, "
+        "equal to the bit; "
         f"{late[len(late) // 2] / 1e6 if late else 0.0:.1f} ms old in the median; another one was killed"
     )
 

@@ -6,12 +6,13 @@
                 print(name, image.step, image.measured.joints)
             time.sleep(0.01)
 
-This file is made by `cargo run -- external @PORT@`; make it anew when the cell's robots change, and write nothing into it.
+This file is made by `cargo run -- external @PORT@`; make it anew when the cell's robots or sensors change, and write nothing into it.
 """
 
 import ctypes
 import os
 import struct
+from enum import IntEnum
 from typing import Any, Iterator, NamedTuple, Optional, Tuple
 
 import iceoryx2 as iox2
@@ -22,6 +23,14 @@ VERSION = @VERSION@
 KEPT = @KEPT@  # messages that wait for this program; older ones are lost
 MAX_JOINTS = @MAX_JOINTS@
 MODES = ("holding", "moving", "bridging", "braking", "off")
+
+@CLASSES@
+
+
+# The layout of each sensor's readings, and what their words say.
+SENSORS: dict = {
+@SENSORS@
+}
 
 
 class State(NamedTuple):
@@ -61,6 +70,18 @@ class Step(NamedTuple):
     fault: Optional[str]  # the first one that stopped it, until a reset
 
 
+class Reading(NamedTuple):
+    """A reading of a virtual sensor that the cell has collected: one for each step in which it has, new or not."""
+
+    sensor: str
+    robot: Optional[str]  # whose ECP has collected it; None: the MP has
+    step: int  # in which it was collected
+    time: float  # of the cell [s]
+    sent: int  # when [ns], as time.monotonic_ns() counts
+    taken: int  # the step in which it was taken: step - taken is its age
+    value: Any  # of the class of the sensor's readings
+
+
 @ENDS@
 
 
@@ -98,6 +119,24 @@ class _CellMessage(ctypes.Structure):
         return "mrroc_step_1"
 
 
+class _ReadingMessage(ctypes.Structure):
+    _fields_ = [
+        ("version", ctypes.c_uint32),
+        ("len", ctypes.c_uint32),
+        ("layout", ctypes.c_uint64),
+        ("step", ctypes.c_uint64),
+        ("time", ctypes.c_uint64),
+        ("sent", ctypes.c_uint64),
+        ("taken", ctypes.c_uint64),
+        ("sensor", ctypes.c_uint8 * @NAME@),
+        ("words", ctypes.c_uint64 * @READING_WORDS@),
+    ]
+
+    @staticmethod
+    def type_name() -> str:
+        return "mrroc_reading_1"
+
+
 class Subscriber:
     """Sees what the cell shows, and changes nothing. It may begin before the cell, and see several runs of it."""
 
@@ -105,6 +144,8 @@ class Subscriber:
         self._node = _node()
         self._images = {name: self._end(f"{name}/images", _RobotMessage) for name in ROBOTS}
         self._steps = self._end("steps", _CellMessage)
+        names = {None: "sensors"} | {name: f"{name}/sensors" for name in ROBOTS}
+        self._readings = {robot: self._end(name, _ReadingMessage) for robot, name in names.items()}
 
     def _end(self, name: str, message: Any) -> Any:
         return _channel(self._node, f"mrroc/{PORT}/{name}", message, KEPT).subscriber_builder().create()
@@ -126,11 +167,22 @@ class Subscriber:
             numbers = (message.path_time, message.duration, message.speed)
             yield Step(message.step, message.time / 1e9, message.sent, *numbers, *flags, fault)
 
+    def readings(self) -> Iterator[Reading]:
+        """The readings that the cell has collected since the last call, those of each process in their order."""
+        for robot, end in self._readings.items():
+            for message in _messages(end):
+                sensor = bytes(message.sensor).rstrip(b"\0").decode()
+                layout, shape = SENSORS.get(sensor, (None, None))
+                if message.layout != layout:
+                    raise OtherMessages(f"sensor `{sensor}` has other readings: make this module anew")
+                value = _get(shape, iter(message.words))
+                yield Reading(sensor, robot, message.step, message.time / 1e9, message.sent, message.taken, value)
+
     def close(self) -> None:
         """Looks on no more."""
-        for end in (*self._images.values(), self._steps):
+        for end in (*self._images.values(), self._steps, *self._readings.values()):
             end.delete()
-        del self._images, self._steps, self._node
+        del self._images, self._steps, self._readings, self._node
 
     def __enter__(self) -> "Subscriber":
         return self
@@ -150,3 +202,6 @@ def _messages(end: Any) -> Iterator[Any]:
 def _state(numbers: tuple, joints: int) -> State:
     velocity, pose = numbers[MAX_JOINTS:], numbers[2 * MAX_JOINTS :]
     return State(numbers[:joints], velocity[:joints], pose[:3], pose[3:7])
+
+
+@VALUES@

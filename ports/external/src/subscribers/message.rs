@@ -1,10 +1,11 @@
-//! What subscribers are shown: a message of each robot and one of the coordinator, in each step.
+//! What subscribers are shown: a message of each robot and one of the coordinator, in each step, and one of each reading.
 //!
 //! In: what a process shows. Out: plain numbers in C's layout, the same in every language.
 
 use iceoryx2::prelude::ZeroCopySend;
-use mrroc::fault::Fault;
+use mrroc::fault::{Fault, Name};
 use mrroc::observe::step_observer::{IMAGE_WORDS, Mode, StepRecord};
+use mrroc::payload::{WORDS, Wire};
 
 /// The version of this interface.
 pub(crate) const VERSION: u32 = 1;
@@ -63,6 +64,29 @@ pub(crate) struct CellMessage {
     pub fault: [u8; TEXT],
 }
 
+/// A reading of a virtual sensor that a process has collected.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
+pub(crate) struct ReadingMessage {
+    /// [`VERSION`].
+    pub version: u32,
+    /// How many of its words say something.
+    pub len: u32,
+    /// The layout of what they say: a hash of its type.
+    pub layout: u64,
+    /// The step in which it was collected.
+    pub step: u64,
+    /// When that was, on the cell's clock \[ns\].
+    pub time: u64,
+    /// When this was sent, `CLOCK_MONOTONIC` \[ns\].
+    pub sent: u64,
+    /// The step in which it was taken.
+    pub taken: u64,
+    /// The sensor's name.
+    pub sensor: [u64; Name::LEN],
+    pub words: [u64; WORDS],
+}
+
 #[expect(unsafe_code, reason = "it says to iceoryx2 that the type may be in shared memory")]
 // SAFETY: a message consists of plain numbers in C's layout without gaps: it has no pointer and nothing to drop, and every bit
 // pattern is valid.
@@ -80,6 +104,14 @@ unsafe impl ZeroCopySend for CellMessage {
     }
 }
 
+#[expect(unsafe_code, reason = "it says to iceoryx2 that the type may be in shared memory")]
+// SAFETY: as above.
+unsafe impl ZeroCopySend for ReadingMessage {
+    unsafe fn type_name() -> &'static str {
+        "mrroc_reading_1"
+    }
+}
+
 impl RobotMessage {
     /// Of a robot with so many joints, in a step at a time of the cell \[ns\].
     pub fn of(step: u64, time: u64, mode: Mode, joints: usize, image: &[u64]) -> RobotMessage {
@@ -94,6 +126,18 @@ impl RobotMessage {
         let len = image.len().min(IMAGE_WORDS);
         words[..len].copy_from_slice(&image[..len]);
         RobotMessage { version: VERSION, joints: joints as u32, step, time, sent: 0, mode, words }
+    }
+}
+
+impl ReadingMessage {
+    /// Of a sensor whose readings have this layout, collected in a step at a time of the cell \[ns\].
+    pub fn of(sensor: Name, layout: u64, [step, taken]: [u64; 2], time: u64, reading: &[u64]) -> Self {
+        let (mut name, mut words) = ([0; Name::LEN], [0; WORDS]);
+        sensor.put(&mut name);
+        let len = reading.len().min(WORDS);
+        words[..len].copy_from_slice(&reading[..len]);
+        let (version, len) = (VERSION, len as u32);
+        ReadingMessage { version, len, layout, step, time, sent: 0, taken, sensor: name, words }
     }
 }
 

@@ -1,4 +1,4 @@
-//! Subscribers, programs of others: what each robot does, and what the coordinator does, in each step.
+//! Subscribers, programs of others: what each robot does, what the coordinator does, and what sensors read, in each step.
 //!
 //! In: what the processes of a cell show. Out: the newest of it at a port, by a thread of each process, which waits for nobody. Who
 //! subscribes can change nothing.
@@ -24,12 +24,12 @@ use mrroc::observe::Subscription;
 use mrroc::observe::layout::Layout;
 use mrroc::observe::recording::RunRecord;
 use mrroc::observe::ring::{Record, Ring, RingError, RingUse, Sink};
-use mrroc::observe::step_observer::StepEvent;
+use mrroc::observe::step_observer::{ReadingState, StepEvent};
 use mrroc::payload::Wire;
 
 use crate::port::{Ends, channel, folder, monotonic};
-use message::{CellMessage, RobotMessage};
-pub use subscriber::{Image, State, StepShown, Subscriber};
+use message::{CellMessage, ReadingMessage, RobotMessage};
+pub use subscriber::{Image, ReadingShown, State, StepShown, Subscriber};
 
 /// Messages that wait for a program that subscribes: those of a quarter of a second at 1 kHz.
 pub(crate) const KEPT: usize = 256;
@@ -87,14 +87,8 @@ impl Subscription for Subscribers {
         layout: &Layout,
         clock: Clock,
     ) -> Result<Option<Rc<dyn RunRecord>>, String> {
-        let is_here = |role, name| process.is_none_or(|here| here == ProcessId::new(role, name));
-        let robots = layout.robots.iter().filter_map(|robot| {
-            let name = Name::new(&robot.name).ok()?;
-            is_here(Role::Edp, name).then_some((name, robot.joints.len()))
-        });
-        let robots: Vec<_> = robots.collect();
-        let has_mp = process.is_none_or(|here| here.role == Role::Mp);
-        if robots.is_empty() && !has_mp {
+        let parts = Parts::of(process, layout);
+        if parts.robots.is_empty() && !parts.has_mp && parts.readers.is_empty() {
             return Ok(None);
         }
         let port = self.port.clone();
@@ -110,7 +104,7 @@ impl Subscription for Subscribers {
         };
         let (port, folder) = (self.port.clone(), self.folder.clone());
         let open = move || {
-            let show = Show::open(&folder, &port, &robots, has_mp).map_err(io::Error::other)?;
+            let show = Show::open(&folder, &port, parts).map_err(io::Error::other)?;
             Ok(Box::new(show) as Box<dyn Sink>)
         };
         let begun = Ring::begin("subscribers", about, Box::new(open)).map_err(|error| error.to_string())?;
@@ -126,7 +120,11 @@ impl Subscription for Subscribers {
 fn is_shown(what: &StepEvent) -> bool {
     matches!(
         what,
-        StepEvent::Step(_) | StepEvent::Image { .. } | StepEvent::Fault { .. } | StepEvent::End { .. }
+        StepEvent::Step(_)
+            | StepEvent::Image { .. }
+            | StepEvent::Reading { state: ReadingState::There, .. }
+            | StepEvent::Fault { .. }
+            | StepEvent::End { .. }
     )
 }
 
@@ -135,6 +133,40 @@ fn tell(port: &str, trouble: &RingError) {
         // Messages are numbered by their steps: a subscriber sees which are missing.
         RingError::Slow | RingError::Stuck { .. } | RingError::Lost { .. } => {}
         RingError::Failed(why) => complain(&format!("warning: nobody can subscribe at `{port}`: {why}")),
+    }
+}
+
+/// What of a cell a process shows, or all of them in one.
+struct Parts {
+    /// Whose images.
+    robots: Vec<(Name, usize)>,
+    /// Whether what the coordinator does.
+    has_mp: bool,
+    /// Whose readings: the MP's, and those of ECPs.
+    readers: Vec<ProcessId>,
+    /// All sensors, with the layouts of their readings.
+    sensors: Vec<(Name, u64)>,
+}
+
+impl Parts {
+    fn of(process: Option<ProcessId>, layout: &Layout) -> Parts {
+        let is_here = |role, name| process.is_none_or(|here| here == ProcessId::new(role, name));
+        // The name of what is in a lower cell is none here: nobody shows that.
+        let robots = layout.robots.iter().filter_map(|robot| Some((Name::new(&robot.name).ok()?, robot)));
+        let sensors = layout.sensors.iter();
+        let layouts = sensors.filter_map(|of| Some((Name::new(&of.name).ok()?, of.reading_layout)));
+        let sensors: Vec<_> = layouts.collect();
+        let has_mp = process.is_none_or(|here| here.role == Role::Mp);
+        let reads = |robot: &String| layout.sensors.iter().any(|sensor| sensor.readers.contains(robot));
+        let ecps = robots
+            .clone()
+            .filter(|(name, robot)| is_here(Role::Ecp, *name) && robot.ecp_program && reads(&robot.name));
+        let ecps = ecps.map(|(name, _)| ProcessId::new(Role::Ecp, name));
+        let mp = (has_mp && !sensors.is_empty()).then_some(ProcessId::MP);
+        let readers = mp.into_iter().chain(ecps).collect();
+        let robots = robots.filter(|(name, _)| is_here(Role::Edp, *name));
+        let robots = robots.map(|(name, robot)| (name, robot.joints.len())).collect();
+        Parts { robots, has_mp, readers, sensors }
     }
 }
 
@@ -150,6 +182,10 @@ struct Show {
     ends: Ends,
     robots: Vec<Shown>,
     cell: Option<Publisher<ipc::Service, CellMessage, ()>>,
+    /// Who collects readings, and where they go.
+    readers: Vec<(ProcessId, Publisher<ipc::Service, ReadingMessage, ()>)>,
+    /// All sensors, with the layouts of their readings.
+    sensors: Vec<(Name, u64)>,
     /// What the coordinator does, as it was published last.
     newest: CellMessage,
 }
@@ -165,19 +201,36 @@ impl Show {
         format!("{port}/steps")
     }
 
-    fn open(folder: &Path, port: &str, robots: &[(Name, usize)], has_mp: bool) -> Result<Show, String> {
+    /// The name of the service for the readings that the ECP of a robot collects, or the MP.
+    fn readings(port: &str, robot: Option<&dyn core::fmt::Display>) -> String {
+        robot.map_or_else(|| format!("{port}/sensors"), |robot| format!("{port}/{robot}/sensors"))
+    }
+
+    fn open(folder: &Path, port: &str, parts: Parts) -> Result<Show, String> {
         let ends = Ends::open(folder)?;
-        let taken = || format!("another cell is shown at port `{port}`; give one of them another name");
-        let shown = robots.iter().map(|&(name, joints)| {
-            let service = channel(&ends.node, &Show::images(port, &name), KEPT)?;
-            let images = service.publisher_builder().create().map_err(|_| taken())?;
+        let robots = parts.robots.iter().map(|&(name, joints)| {
+            let images = Show::publisher(&ends, port, &Show::images(port, &name))?;
             Ok(Shown { edp: ProcessId::new(Role::Edp, name), joints, images })
         });
-        let shown = shown.collect::<Result<Vec<_>, String>>()?;
-        let cell = has_mp.then(|| channel(&ends.node, &Show::steps(port), KEPT)).transpose()?;
-        let cell =
-            cell.map(|service| service.publisher_builder().create().map_err(|_| taken())).transpose()?;
-        Ok(Show { ends, robots: shown, cell, newest: CellMessage::BLANK })
+        let robots = robots.collect::<Result<Vec<_>, String>>()?;
+        let cell = parts.has_mp.then(|| Show::publisher(&ends, port, &Show::steps(port))).transpose()?;
+        let readers = parts.readers.iter().map(|&by| {
+            let name = by.name.as_ref().map(|name| name as &dyn core::fmt::Display);
+            Ok((by, Show::publisher(&ends, port, &Show::readings(port, name))?))
+        });
+        let readers = readers.collect::<Result<Vec<_>, String>>()?;
+        Ok(Show { ends, robots, cell, readers, sensors: parts.sensors, newest: CellMessage::BLANK })
+    }
+
+    fn publisher<M: ZeroCopySend + core::fmt::Debug + 'static>(
+        ends: &Ends,
+        port: &str,
+        service: &str,
+    ) -> Result<Publisher<ipc::Service, M, ()>, String> {
+        channel(&ends.node, service, KEPT)?
+            .publisher_builder()
+            .create()
+            .map_err(|_| format!("another cell is shown at port `{port}`; give one of them another name"))
     }
 
     fn show_cell(&mut self) {
@@ -196,6 +249,15 @@ impl Sink for Show {
                 if let Some(robot) = self.robots.iter().find(|robot| robot.edp == record.by) {
                     let message = RobotMessage::of(step, record.time, mode, robot.joints, record.words());
                     let _ = robot.images.send_copy(RobotMessage { sent: monotonic(), ..message });
+                }
+            }
+            StepEvent::Reading { sensor, step, taken, .. } => {
+                let readings = self.readers.iter().find(|(by, _)| *by == record.by);
+                let known = self.sensors.iter().find(|(name, _)| *name == sensor);
+                if let (Some((_, readings)), Some((_, layout))) = (readings, known) {
+                    let message =
+                        ReadingMessage::of(sensor, *layout, [step, taken], record.time, record.words());
+                    let _ = readings.send_copy(ReadingMessage { sent: monotonic(), ..message });
                 }
             }
             StepEvent::Step(step) => {

@@ -1,19 +1,22 @@
 //! A program in Rust that subscribes to what a cell shows.
 //!
 //! In: the port at which a cell is [shown](super::Subscribers), and the names of its robots. Out: what each robot, and the coordinator, does in each
-//! step, as long as the program keeps pace.
+//! step, and what sensors read, as long as the program keeps pace.
 
 use std::path::Path;
 
 use iceoryx2::port::subscriber::Subscriber as Reader;
-use iceoryx2::prelude::ipc;
+use iceoryx2::prelude::{ZeroCopySend, ipc};
+use mrroc::fault::Name;
 use mrroc::link::Nanos;
 use mrroc::observe::step_observer::{Mode, STATE_WORDS};
 use mrroc::payload::Wire;
 use mrroc::pose::Pose;
 use mrroc::robot::MAX_JOINTS;
 
-use super::message::{ABORTING, CellMessage, OVER, REDUCED, RobotMessage, STOPPING, SUSPENDED, VERSION};
+use super::message::{
+    ABORTING, CellMessage, OVER, REDUCED, ReadingMessage, RobotMessage, STOPPING, SUSPENDED, VERSION,
+};
 use super::{KEPT, Show};
 use crate::port::{Ends, channel, folder};
 
@@ -30,8 +33,10 @@ use crate::port::{Ends, channel, folder};
 pub struct Subscriber {
     robots: Vec<Reader<ipc::Service, RobotMessage, ()>>,
     steps: Reader<ipc::Service, CellMessage, ()>,
-    /// The robot whose messages are taken first the next time.
-    next: usize,
+    /// What the MP has collected, then what the ECP of each robot has.
+    readings: Vec<Reader<ipc::Service, ReadingMessage, ()>>,
+    /// The end of images, and that of readings, whose messages are taken first the next time.
+    next: [usize; 2],
     /// What the ends belong to: it goes last.
     _ends: Ends,
 }
@@ -92,6 +97,41 @@ pub struct StepShown {
     pub fault: Option<String>,
 }
 
+/// A reading of a virtual sensor that a process has collected: one for each step in which it has, new or not.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ReadingShown {
+    /// The sensor.
+    pub sensor: Name,
+    /// The robot whose ECP has collected it, among the names that the subscriber was given; `None`: the MP has.
+    pub robot: Option<usize>,
+    /// The step in which it was collected.
+    pub step: u64,
+    /// Its time on the cell's clock \[ns\].
+    pub time: Nanos,
+    /// When it was sent, `CLOCK_MONOTONIC` \[ns\].
+    pub sent: Nanos,
+    /// The step in which it was taken: it is older by as many steps as there are in between.
+    pub taken: u64,
+    /// The layout of its type: [`Wire::LAYOUT`].
+    pub layout: u64,
+    /// Its words. What they say, [`SensorLayout::reading`](mrroc::observe::layout::SensorLayout::reading) tells; of words that are missing at the end, 0.
+    pub words: Vec<u64>,
+}
+
+impl ReadingShown {
+    /// How old it was when it was collected \[steps\].
+    #[must_use]
+    pub const fn age(&self) -> u64 {
+        self.step.saturating_sub(self.taken)
+    }
+
+    /// The reading itself; `None` if it is of another type.
+    #[must_use]
+    pub fn reading<T: Wire>(&self) -> Option<T> {
+        (self.layout == T::LAYOUT).then(|| T::get(&self.words).ok()).flatten()
+    }
+}
+
 impl Subscriber {
     /// At the port of this name, of a cell that has these robots.
     ///
@@ -105,34 +145,65 @@ impl Subscriber {
     pub(super) fn below(folder: &Path, port: &str, robots: &[&str]) -> Result<Subscriber, String> {
         let ends = Ends::open(folder)?;
         let failed = |error: &dyn core::fmt::Display| format!("port `{port}`: {error}");
-        let robots = robots.iter().map(|name| {
+        let images = robots.iter().map(|name| {
             let images = channel(&ends.node, &Show::images(port, name), KEPT)?;
             images.subscriber_builder().create().map_err(|error| failed(&error))
         });
-        let robots = robots.collect::<Result<_, String>>()?;
+        let images = images.collect::<Result<_, String>>()?;
+        let collectors =
+            core::iter::once(None).chain(robots.iter().map(|name| Some(name as &dyn core::fmt::Display)));
+        let readings = collectors.map(|robot| {
+            let readings = channel(&ends.node, &Show::readings(port, robot), KEPT)?;
+            readings.subscriber_builder().create().map_err(|error| failed(&error))
+        });
+        let readings = readings.collect::<Result<_, String>>()?;
         let steps = channel(&ends.node, &Show::steps(port), KEPT)?;
         let steps = steps.subscriber_builder().create().map_err(|error| failed(&error))?;
-        Ok(Subscriber { robots, steps, next: 0, _ends: ends })
+        Ok(Subscriber { robots: images, steps, readings, next: [0; 2], _ends: ends })
     }
 
     /// The next image of a robot that has come, those of each robot in their order; a step that is missing was lost.
     pub fn image(&mut self) -> Option<Image> {
-        let count = self.robots.len();
-        for robot in (0..count).map(|offset| (self.next + offset) % count) {
-            let received = self.robots[robot].receive().ok().flatten();
-            if let Some(image) = received.and_then(|message| Image::of(robot, &message)) {
-                // A robot that shows much does not hide the others.
-                self.next = robot + 1;
-                return Some(image);
-            }
-        }
-        None
+        next_of(&self.robots, &mut self.next[0], Image::of)
+    }
+
+    /// The next reading that has come, those of each process in their order.
+    pub fn reading(&mut self) -> Option<ReadingShown> {
+        next_of(&self.readings, &mut self.next[1], ReadingShown::of)
     }
 
     /// The next step of the coordinator that has come.
     pub fn step(&mut self) -> Option<StepShown> {
         let message = self.steps.receive().ok().flatten()?;
         (message.version == VERSION).then(|| StepShown::of(&message))
+    }
+}
+
+/// The next message that has come to one of these ends, `next` first.
+fn next_of<M: ZeroCopySend + core::fmt::Debug, T>(
+    ends: &[Reader<ipc::Service, M, ()>],
+    next: &mut usize,
+    read: impl Fn(usize, &M) -> Option<T>,
+) -> Option<T> {
+    let count = ends.len();
+    for place in (0..count).map(|offset| (*next + offset) % count) {
+        let received = ends[place].receive().ok().flatten();
+        if let Some(message) = received.and_then(|message| read(place, &message)) {
+            // One to which much comes does not hide the others.
+            *next = place + 1;
+            return Some(message);
+        }
+    }
+    None
+}
+
+impl ReadingShown {
+    /// `None`: of another version.
+    fn of(end: usize, message: &ReadingMessage) -> Option<ReadingShown> {
+        let &ReadingMessage { version, step, time, sent, taken, layout, .. } = message;
+        let sensor = Name::get(&message.sensor).ok().filter(|_| version == VERSION)?;
+        let words = message.words.get(..message.len as usize)?.to_vec();
+        Some(ReadingShown { sensor, robot: end.checked_sub(1), step, time, sent, taken, layout, words })
     }
 }
 

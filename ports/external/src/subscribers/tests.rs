@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use mrroc::cell::Cell;
-use mrroc::fault::{Fault, ProcessId};
+use mrroc::fault::{Fault, Name, ProcessId, Role};
 use mrroc::generator::RobotHandle;
 use mrroc::observe::step_observer::{STATE_WORDS, StepEvent, StepObserver, StepRecord};
 use mrroc::payload::Wire;
@@ -16,7 +16,7 @@ use mrroc_generators::generators::JointMove;
 use mrroc_launch::cell_file::CellFile;
 use mrroc_robots::{Irp6, Six, simulated};
 
-use super::{Image, StepShown, Subscriber, Subscribers};
+use super::{Image, KEPT, ReadingShown, StepShown, Subscriber, Subscribers};
 use crate::plant::tests::Folder;
 
 /// A cell of one arm, which is shown at a port of this folder.
@@ -31,16 +31,108 @@ fn subscriber(folder: &Folder) -> Subscriber {
     Subscriber::below(&folder.0, "cell", &["arm"]).expect("there is room")
 }
 
-/// Keeps the words of all images that are shown in this process.
+/// Who has shown a reading; its step, the step in which it was taken, and its time; and its words.
+type SeenReading = (ProcessId, [u64; 3], Vec<u64>);
+
+/// Keeps the words of all images and readings that are shown in this process, with the steps and times of them.
 #[derive(Default)]
-struct Seen(RefCell<Vec<(u64, u64, Vec<u64>)>>);
+struct Seen {
+    images: RefCell<Vec<(u64, u64, Vec<u64>)>>,
+    readings: RefCell<Vec<SeenReading>>,
+}
 
 impl StepObserver for Seen {
-    fn see(&self, time: u64, _: ProcessId, what: &StepEvent, words: &[u64]) {
-        if let StepEvent::Image { step, .. } = what {
-            self.0.borrow_mut().push((*step, time, words.to_vec()));
+    fn see(&self, time: u64, by: ProcessId, what: &StepEvent, words: &[u64]) {
+        match *what {
+            StepEvent::Image { step, .. } => self.images.borrow_mut().push((step, time, words.to_vec())),
+            StepEvent::Reading { step, taken, .. } => {
+                self.readings.borrow_mut().push((by, [step, taken, time], words.to_vec()));
+            }
+            _ => {}
         }
     }
+}
+
+/// The sensor of a cell with one: what it reads depends on the step alone.
+struct Gauge;
+
+#[derive(Clone, Copy, Debug, PartialEq, Payload)]
+struct Gap {
+    width: f64,
+    is_wide: bool,
+}
+
+impl Gap {
+    fn of(step: u64) -> Gap {
+        let width = 0.1 * (0.37 * step as f64).sin();
+        Gap { width, is_wide: width > 0.05 }
+    }
+}
+
+impl Sensor for Gauge {
+    const KIND: &'static str = "gauge";
+    type Reading = Gap;
+    type Configuration = ();
+}
+
+impl VirtualSensor for Gauge {
+    type Kind = Gauge;
+
+    fn aggregate(&mut self, order: &ReadingOrder<()>) -> Result<Gap, Fault> {
+        Ok(Gap::of(order.step))
+    }
+}
+
+/// A condition that reads so often.
+struct Often(usize);
+
+#[condition(mp)]
+fn often(c: &mut Often, _: &Reading<(Gauge,)>) -> bool {
+    c.0 -= 1;
+    c.0 == 0
+}
+
+/// A motion that reads so often, and stands.
+struct Watch(usize);
+
+#[generator(ecp)]
+fn watch(c: &mut Watch, _: &Reading<(Gauge,)>) -> Step<Irp6> {
+    c.0 -= 1;
+    if c.0 == 0 { Step::Done } else { Step::Next(Demand::hold()) }
+}
+
+#[derive(Clone, Copy, Payload)]
+enum Go {
+    There,
+}
+
+#[generator(mp)]
+fn ask() -> Always<(Irp6,), Go> {
+    Always((Go::There,))
+}
+
+const OFTEN: usize = 2 * KEPT;
+
+/// A cell in which the MP reads a sensor often, and then the ECP of the arm does; each reading counts for three steps.
+fn gauged(folder: &Folder, has_seen: &Arc<AtomicBool>) -> Cell {
+    let text = "step_ms = 2\nrobots.arm = { kind = \"irp6\", start = [0.0, -1.57, 0.16, -0.16, 4.71, 0.0] }\n\
+                sensors.gauge = { of = \"arm\", every = 3 }";
+    let file = CellFile::parse("cell.toml", text).expect("nothing is wrong with it");
+    let subscribers = Subscribers { port: "cell".to_owned(), folder: folder.0.clone() };
+    let gauge = file.sensor("gauge", Gauge).expect("it is in the file");
+    let cell = file.cell(&simulated()).expect("a kind that is known").sensor(gauge).shown_to(subscribers);
+    let serve = |ecp: &mut Ecp<Irp6>| {
+        let mut gauge = ecp.sensor::<Gauge>("gauge")?;
+        ecp.serve(|ecp, _: Go| ecp.move_robot((&mut gauge,), Watch(OFTEN)).map(drop))
+    };
+    let has_seen = Arc::clone(has_seen);
+    cell.ecp::<Irp6>("arm", serve).program(move |mp| {
+        let (mut arm, mut gauge) = (mp.robot::<Irp6>("arm")?, mp.sensor::<Gauge>("gauge")?);
+        mp.wait_until((), (&mut gauge,), Often(OFTEN))?;
+        wait_for(&has_seen);
+        mp.wait_until((), (&mut gauge,), Often(OFTEN))?;
+        mp.move_robots((&mut arm,), (), ask {}).map(drop)
+    })
 }
 
 fn lift(mp: &mut Mp) -> Result<(), Fault> {
@@ -52,6 +144,10 @@ fn lift(mp: &mut Mp) -> Result<(), Fault> {
 fn raise(mp: &mut Mp, arm: &mut RobotHandle<Irp6>, by: f64) -> Result<(), Fault> {
     let to = arm.demanded().joints.map(|q| q + by);
     mp.move_robot(arm, (), JointMove::to(to, Six::repeat(0.5), Six::repeat(1.0))).map(drop)
+}
+
+fn name(text: &str) -> Name {
+    Name::new(text).expect("a name")
 }
 
 const AWRY: &str = "the work is not where it should be";
@@ -101,7 +197,7 @@ fn subscribers_see_the_images_of_each_step_to_the_bit_and_the_fault_that_ends_it
         assert!(ended.is_err());
         subscriber.join().expect("it has seen the end")
     });
-    let seen = seen.0.take();
+    let seen = seen.images.take();
     assert!(seen.len() > 100 && !images.is_empty(), "{} of {}", images.len(), seen.len());
     let mut from = seen.iter();
     for image in &images {
@@ -118,6 +214,82 @@ fn subscribers_see_the_images_of_each_step_to_the_bit_and_the_fault_that_ends_it
     assert!(steps.iter().all(|step| !step.suspended));
     let fault = steps.last().and_then(|last| last.fault.as_deref());
     assert!(fault.is_some_and(|text| text.contains(AWRY)), "{fault:?}");
+}
+
+/// All readings that have come.
+fn readings(subscriber: &mut Subscriber) -> Vec<ReadingShown> {
+    core::iter::from_fn(|| subscriber.reading()).collect()
+}
+
+#[test]
+fn subscribers_see_the_readings_of_the_mp_and_of_an_ecp_to_the_bit() {
+    let folder = Folder::new("subscriber-readings");
+    let (has_begun, has_seen) = (AtomicBool::new(false), Arc::new(AtomicBool::new(false)));
+    let seen = Rc::new(Seen::default());
+    let found = std::thread::scope(|scope| {
+        let heard = scope.spawn(|| {
+            let mut subscriber = subscriber(&folder);
+            has_begun.store(true, Ordering::Release);
+            let (mut found, mut is_over) = (Vec::new(), false);
+            while !is_over {
+                is_over = subscriber.step().is_some_and(|step| step.over);
+                found.extend(readings(&mut subscriber));
+                has_seen.fetch_or(!found.is_empty(), Ordering::AcqRel);
+                std::thread::yield_now();
+            }
+            found.extend(readings(&mut subscriber));
+            found
+        });
+        wait_for(&has_begun);
+        let cell = gauged(&folder, &has_seen).observed_by(Rc::clone(&seen) as Rc<dyn StepObserver>);
+        cell.run().expect("it ends in order");
+        heard.join().expect("it has seen the end")
+    });
+    let seen = seen.readings.take();
+    for (robot, by) in [(None, ProcessId::MP), (Some(0), ProcessId::new(Role::Ecp, name("arm")))] {
+        let mut from = seen.iter().filter(|(who, ..)| *who == by);
+        let of_it: Vec<_> = found.iter().filter(|reading| reading.robot == robot).collect();
+        assert!(!of_it.is_empty() && of_it.len() <= 2 * OFTEN, "{} of {by}", of_it.len());
+        for reading in of_it {
+            // Messages that it was too slow for are missing; the others come in their order.
+            let (_, times, words) = from.find(|(_, [step, ..], _)| *step == reading.step).expect("shown");
+            assert_eq!(([reading.step, reading.taken, reading.time], &reading.words), (*times, words));
+            assert_eq!(reading.sensor, name("gauge"));
+            assert_eq!(reading.reading(), Some(Gap::of(reading.taken)));
+            assert_eq!(reading.reading::<f64>(), None, "a reading of another type");
+            assert!(reading.age() < 3, "{} steps old", reading.age());
+        }
+    }
+    assert!((0..3).all(|age| found.iter().any(|reading| reading.age() == age)));
+}
+
+#[test]
+fn fault_255_a_subscriber_that_stands_still_misses_the_oldest_readings_and_the_cell_does_not_wait() {
+    let folder = Folder::new("subscriber-still");
+    let (has_begun, has_seen) = (AtomicBool::new(false), Arc::new(AtomicBool::new(false)));
+    let is_over = AtomicBool::new(false);
+    let found = std::thread::scope(|scope| {
+        let heard = scope.spawn(|| {
+            let mut subscriber = subscriber(&folder);
+            has_begun.store(true, Ordering::Release);
+            while readings(&mut subscriber).is_empty() {
+                std::thread::yield_now();
+            }
+            has_seen.store(true, Ordering::Release);
+            wait_for(&is_over);
+            readings(&mut subscriber)
+        });
+        wait_for(&has_begun);
+        gauged(&folder, &has_seen).run().expect("it ends in order");
+        is_over.store(true, Ordering::Release);
+        heard.join().expect("it has seen a reading")
+    });
+    for robot in [None, Some(0)] {
+        let steps: Vec<_> =
+            found.iter().filter(|reading| reading.robot == robot).map(|reading| reading.step).collect();
+        assert_eq!(steps.len(), KEPT);
+        assert!(steps.windows(2).all(|two| two[1] == two[0] + 1), "{steps:?}");
+    }
 }
 
 #[test]
