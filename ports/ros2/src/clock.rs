@@ -4,8 +4,6 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use mrroc_external::monotonic;
 
-use crate::messages::Stamp;
-
 /// When the cell's time was zero, by the wall clock.
 ///
 /// It is found once in a run: a wall clock that is set while the cell runs changes no stamp, so stamps of one run are as far apart as its steps.
@@ -21,8 +19,8 @@ impl CellClock {
         CellClock { zero: Some([date, 0]) }
     }
 
-    /// The stamp of a time of the cell \[ns\] that was told at `sent` by the machine's monotonic clock \[ns\].
-    pub fn stamp(&mut self, time: u64, sent: u64) -> Stamp {
+    /// The date of a time of the cell \[ns\] that was told at `sent` by the machine's monotonic clock \[ns\]: \[ns since 1970\].
+    pub fn date(&mut self, time: u64, sent: u64) -> u64 {
         let began = sent.saturating_sub(time);
         let [zero, _] = match self.zero.filter(|[_, known]| began.abs_diff(*known) < ANOTHER) {
             Some(known) => known,
@@ -31,7 +29,7 @@ impl CellClock {
                 *self.zero.insert([now().saturating_sub(age).saturating_sub(time), began])
             }
         };
-        Stamp::of(zero + time)
+        zero + time
     }
 }
 
@@ -49,18 +47,14 @@ pub fn now() -> u64 {
 mod tests {
     use super::*;
 
-    fn nanos(stamp: Stamp) -> i64 {
-        i64::from(stamp.sec) * 1_000_000_000 + i64::from(stamp.nanosec)
-    }
-
     #[test]
     fn stamps_are_as_far_apart_as_the_times_of_the_cell_whenever_they_are_told() {
         let mut clock = CellClock::default();
         let sent = monotonic();
-        let first = nanos(clock.stamp(5_000_000, sent));
+        let first = clock.date(5_000_000, sent);
         // Told late, and out of order by another robot.
-        let second = nanos(clock.stamp(7_000_000, sent + 900_000_000));
-        let third = nanos(clock.stamp(6_000_000, sent));
+        let second = clock.date(7_000_000, sent + 900_000_000);
+        let third = clock.date(6_000_000, sent);
         assert_eq!((second - first, third - first), (2_000_000, 1_000_000));
     }
 
@@ -69,8 +63,8 @@ mod tests {
         let mut clock = CellClock::default();
         let sent = monotonic();
         // The run before began ten minutes ago, and ended within its first second.
-        let before = nanos(clock.stamp(800_000_000, sent - 600_000_000_000));
-        let after = nanos(clock.stamp(0, sent));
+        let before = clock.date(800_000_000, sent - 600_000_000_000);
+        let after = clock.date(0, sent);
         let apart = after - before;
         assert!((599_000_000_000..601_000_000_000).contains(&apart), "{apart} ns");
     }

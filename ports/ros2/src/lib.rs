@@ -1,4 +1,4 @@
-//! A cell among the nodes of ROS 2: what its robots do as topics, topics of others as its sensors, its operator's console as services, trajectories as an action.
+//! A cell among the nodes of ROS 2: what its robots do and its sensors read as topics, topics of others as its sensors, its operator's console as services, trajectories as an action.
 //!
 //! In: what a cell shows at a port in each step, and requests of other nodes. Out: messages over DDS, and requests to the cell's console server. The
 //! bridge is a process of its own and one more console: no process that moves robots speaks DDS or waits for one that does, and a cell whose
@@ -24,6 +24,8 @@
 //! | `/joint_states` | `sensor_msgs/JointState` | the same of all robots, one robot in a message, 50 times a second, with the robots' names where joints of several robots have one name |
 //! | `/ROBOT/robot_description` | `std_msgs/String` | the URDF that the robot writes of itself; kept for who comes later |
 //! | `/ROBOT/inputs/NAME`, `/ROBOT/outputs/NAME` | `std_msgs/Bool` or `Float64` | the robot's named signals, when they change; kept for who comes later |
+//! | `/sensors/NAME/FIELD` | `std_msgs/Float64`, `Bool`, `String` or `Float64MultiArray` | each reading that the MP or an ECP collects, a topic for each number and each list of numbers |
+//! | `/sensors/NAME` | `geometry_msgs/WrenchStamped` | readings that are wrenches, in the frame `ROBOT/tool` of the sensor's robot |
 //! | `/tf`, `/tf_static` | `tf2_msgs/TFMessage` | `world`, the frames of the cell, and the links of each URDF as `ROBOT/LINK`, whose link `world` is the world or the flange of the robot that carries it; `/tf` 50 times a second |
 //! | `/NODE/state` | `std_msgs/String` | what the cell does: `idle`, `running`, `suspended` ..; kept for who comes later |
 //! | `/diagnostics` | `diagnostic_msgs/DiagnosticArray` | once a second, and when the state or the fault changes: the cell and each of its processes |
@@ -38,8 +40,8 @@
 //! reliable. **DDS has no access control, and its sockets hear all networks of the machine**, whatever address `--address` tells others: whoever reaches the machine
 //! sees the cell, with `--buttons` presses its buttons, with `--goals` moves its robots, and publishes to topics that are sensors. A firewall is what keeps others out.
 //!
-//! Tested with rclpy of Jazzy over Fast DDS, and topics with Cyclone DDS. Services and parameters are in the form of Fast DDS alone. Not there yet: wrenches,
-//! robots of lower cells.
+//! Tested with rclpy of Jazzy over Fast DDS, and topics with Cyclone DDS. Services and parameters are in the form of Fast DDS alone. Not there yet:
+//! robots and sensors of lower cells.
 
 #![forbid(unsafe_code)]
 #![cfg(target_os = "linux")]
@@ -55,6 +57,7 @@ mod messages;
 mod moveit;
 mod node;
 mod outlet;
+mod readings;
 mod run;
 mod show;
 mod signals;

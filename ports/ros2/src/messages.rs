@@ -28,6 +28,7 @@ ros_types! {
     Number: "std_msgs", "Float64";
     Numbers: "std_msgs", "Float64MultiArray";
     JointState: "sensor_msgs", "JointState";
+    WrenchStamped: "geometry_msgs", "WrenchStamped";
     Transforms: "tf2_msgs", "TFMessage";
     DiagnosticArray: "diagnostic_msgs", "DiagnosticArray";
 }
@@ -141,6 +142,17 @@ pub struct Turn {
     pub y: f64,
     pub z: f64,
     pub w: f64,
+}
+
+/// `geometry_msgs/WrenchStamped`, with its `Wrench`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct WrenchStamped {
+    /// When, and the frame at whose origin it acts and in whose axes it is written.
+    pub header: Header,
+    /// \[N\].
+    pub force: Vector,
+    /// [N m].
+    pub torque: Vector,
 }
 
 /// `geometry_msgs/TransformStamped`, with its `Transform`.

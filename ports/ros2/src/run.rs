@@ -30,8 +30,8 @@ use crate::trajectories::Trajectories;
 
 /// How often it is looked whether the cell has shown anything.
 const LOOK: Duration = Duration::from_millis(1);
-/// For how long images are taken before pictures and goals are looked at: on a machine that is too slow for all images, these have their turn, too, since a
-/// cell stops robots that follow goals where the bridge is silent.
+/// For how long images and readings are taken before pictures and goals are looked at: on a machine that is too slow for all of them, these have their turn, too,
+/// since a cell stops robots that follow goals where the bridge is silent.
 const TURN: Duration = Duration::from_millis(10);
 /// How long it is waited before a cell that is not there is looked for again.
 const AGAIN: Duration = Duration::from_millis(200);
@@ -159,7 +159,9 @@ fn attend(
         .map_err(|error| format!("{} is no address of this machine: {error}", options.address))?;
     let place = Place { domain, address: options.address, node: options.node.clone() };
     let file = options.cell.clone();
-    let (layout, urdfs) = own_robots(&mut cell);
+    let (mut layout, urdfs) = own_robots(&mut cell);
+    // Nor are readings of lower cells, which a recording has.
+    layout.sensors.retain(|sensor| !sensor.name.contains('.'));
     let robot = only(&layout, options.bags.robot.as_deref())?;
     let names: Vec<_> = urdfs.iter().map(|(name, _)| name.as_str()).collect();
     let mut subscriber = Subscriber::at(port, &names)?;
@@ -243,10 +245,18 @@ fn show_for_ever(
     loop {
         let began = Instant::now();
         while began.elapsed() < TURN {
-            let Some(image) = subscriber.image() else { break };
-            let stamp = topics.image(&image);
-            if let Some(goals) = goals {
-                goals.image(&image, stamp);
+            let (image, reading) = (subscriber.image(), subscriber.reading());
+            if let Some(image) = &image {
+                let stamp = topics.image(image);
+                if let Some(goals) = goals {
+                    goals.image(image, stamp);
+                }
+            }
+            if let Some(reading) = &reading {
+                topics.reading_shown(reading);
+            }
+            if image.is_none() && reading.is_none() {
+                break;
             }
         }
         // Each picture: what it alone shows is not to be lost.

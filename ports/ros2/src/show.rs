@@ -1,13 +1,15 @@
 //! What the cell shows, as topics.
 //!
-//! In: images of robots, and pictures of the cell. Out: messages, to other nodes or into a bag. The bridge waits for no subscriber.
+//! In: images of robots, readings of sensors, and pictures of the cell. Out: messages, to other nodes or into a bag. The bridge waits for no subscriber.
 
 use mrroc_core::console::complain;
-use mrroc_core::observe::layout::Layout;
+use mrroc_core::observe::layout::{Layout, SensorLayout};
 use mrroc_core::pose::Pose;
 use mrroc_core::robot::Signals;
-use mrroc_external::Image;
+use mrroc_external::{Image, ReadingShown};
 use mrroc_processes::Picture;
+use mrroc_recording::json_of;
+use serde_json::Value;
 
 use crate::clock::CellClock;
 use crate::description::{Description, WORLD, joint_names};
@@ -16,6 +18,7 @@ use crate::messages::{DiagnosticArray, Header, JointState, Stamp, Text, Transfor
 use crate::moveit;
 use crate::node::{same_topic, topic_name};
 use crate::outlet::{Durability, Outlet, Put};
+use crate::readings::ReadingTopics;
 use crate::signals::SignalTopics;
 
 /// Time between two messages of `/tf`, and of `/joint_states`, for a robot \[ns of the cell\].
@@ -32,6 +35,14 @@ struct Robot<O: Outlet> {
     due: u64,
 }
 
+/// A sensor, and the topics of its readings.
+struct SensorShown<O: Outlet> {
+    layout: SensorLayout,
+    topics: ReadingTopics<O>,
+    /// Whether it was told that readings of another type come.
+    is_refused: bool,
+}
+
 /// The topics of a cell.
 pub struct Topics<O: Outlet> {
     robots: Vec<Robot<O>>,
@@ -41,6 +52,7 @@ pub struct Topics<O: Outlet> {
     state: O::Topic<Text>,
     diagnostics: O::Topic<DiagnosticArray>,
     signals: SignalTopics<O>,
+    sensors: Vec<SensorShown<O>>,
     node: String,
     clock: CellClock,
     /// Length of a step \[ns\].
@@ -67,11 +79,15 @@ impl<O: Outlet> Topics<O> {
         let frames = layout.frames.iter();
         let mut fixed: Vec<_> =
             frames.map(|(name, pose)| TransformStamped::of(stamp, WORLD, name, pose)).collect();
-        if let Some([one, other]) = same_topic(layout.robots.iter().map(|robot| robot.name.as_str())) {
-            return Err(format!(
-                "robots `{one}` and `{other}` would have the same topics /{}/..\n help: rename one of them",
-                topic_name(one)
-            ));
+        let robots_below = same_topic(layout.robots.iter().map(|robot| robot.name.as_str()));
+        let sensors_below = same_topic(layout.sensors.iter().map(|sensor| sensor.name.as_str()));
+        for (what, folder, same) in [("robots", "", robots_below), ("sensors", "sensors/", sensors_below)] {
+            if let Some([one, other]) = same {
+                return Err(format!(
+                    "{what} `{one}` and `{other}` would have the same topics /{folder}{}/..\n help: rename one of them",
+                    topic_name(one)
+                ));
+            }
         }
         for (name, urdf) in urdfs {
             let Some(robot) = layout.robots.iter().find(|robot| robot.name == *name) else { continue };
@@ -110,6 +126,13 @@ impl<O: Outlet> Topics<O> {
         for (robot, names) in robots.iter_mut().zip(moveit::names(layout, &joints)) {
             robot.names = names;
         }
+        let sensors = layout.sensors.iter().map(|sensor| {
+            let frame = sensor.of.as_ref().map_or_else(String::new, |of| format!("{}/tool", topic_name(of)));
+            let name = format!("/sensors/{}", topic_name(&sensor.name));
+            let topics = ReadingTopics::open(node, &name, sensor.reading, &frame)?;
+            Ok(SensorShown { layout: sensor.clone(), topics, is_refused: false })
+        });
+        let sensors = sensors.collect::<Result<_, String>>()?;
         let standing: O::Topic<Transforms> = node.topic("/tf_static", Durability::TransientLocal)?;
         standing.put(Transforms { transforms: fixed });
         Ok(Topics {
@@ -119,6 +142,7 @@ impl<O: Outlet> Topics<O> {
             state: node.topic(&node.own("state"), Durability::TransientLocal)?,
             diagnostics: node.topic("/diagnostics", Durability::Volatile)?,
             signals: SignalTopics::open(node, layout)?,
+            sensors,
             node: node.node().to_owned(),
             clock,
             step: layout.step.as_nanos() as u64,
@@ -142,7 +166,7 @@ impl<O: Outlet> Topics<O> {
     /// monotonic clock \[ns\]. Tells the stamp of the step.
     pub fn measured(&mut self, robot: usize, step: u64, sent: u64, measured: [&[f64]; 2]) -> Stamp {
         let time = step * self.step;
-        let stamp = self.clock.stamp(time, sent);
+        let stamp = Stamp::of(self.clock.date(time, sent));
         let Some(robot) = self.robots.get_mut(robot) else { return stamp };
         // Another run of the cell begins at zero again.
         if robot.due > time + EVERY {
@@ -159,6 +183,31 @@ impl<O: Outlet> Topics<O> {
         }
         robot.states.put(JointState::of(stamp, &robot.joints, measured));
         stamp
+    }
+
+    /// Publishes a reading, where it is of the type that this program's cell has.
+    pub fn reading_shown(&mut self, reading: &ReadingShown) {
+        let name = reading.sensor.as_str();
+        let Some(known) = self.sensors.iter_mut().find(|known| known.layout.name == name) else { return };
+        if known.layout.reading_layout != reading.layout {
+            if !core::mem::replace(&mut known.is_refused, true) {
+                complain(&format!(
+                    "warning: the readings of sensor `{name}` have other fields in the cell that runs: build the bridge anew"
+                ));
+            }
+            return;
+        }
+        let value = json_of(known.layout.reading, &reading.words);
+        self.reading(name, [reading.step, reading.taken], reading.sent, &value);
+    }
+
+    /// Publishes a reading of a sensor that was collected in a step and taken in another one, as a recording writes it; it was told at `sent` by the machine's
+    /// monotonic clock \[ns\].
+    pub fn reading(&mut self, sensor: &str, [step, taken]: [u64; 2], sent: u64, reading: &Value) {
+        let Some(known) = self.sensors.iter().find(|known| known.layout.name == sensor) else { return };
+        let age = step.saturating_sub(taken) * self.step;
+        let date = self.clock.date(step * self.step, sent).saturating_sub(age);
+        known.topics.put(Stamp::of(date), reading);
     }
 
     /// Publishes what has changed in a picture.

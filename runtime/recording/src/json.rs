@@ -100,6 +100,14 @@ pub fn value(out: &mut String, shape: &Shape, words: &[u64]) {
     };
 }
 
+/// The value that words of this shape represent, as a recording has it.
+#[must_use]
+pub fn json_of(shape: &Shape, words: &[u64]) -> Value {
+    let mut text = String::new();
+    value(&mut text, shape, words);
+    serde_json::from_str(&text).unwrap_or_default()
+}
+
 /// Appends the words that represent a value; `None` if the value does not have this shape.
 pub fn words(shape: &Shape, value: &Value, out: &mut Vec<u64>) -> Option<()> {
     match shape {

@@ -61,7 +61,7 @@ use std::path::PathBuf;
 use mrroc_core::observe::recording::Recording;
 
 pub use compare::{Compared, Difference};
-pub use json::as_number;
+pub use json::{as_number, json_of};
 pub use messages::signals_in;
 pub use reader::{
     Completeness, McapMessage, RecordedMessage, each_mcap_message, each_message, each_message_of,

@@ -39,8 +39,8 @@ def bits(numbers):
 
 
 def recorded(file):
-    """What a cell recorded: the date of its time 0, images and signals of its robots, and the dates of these messages."""
-    images, signals = {"left": [], "right": []}, []
+    """What a cell recorded: the date of its time 0, images and signals of its robots, readings of a wrist, and the dates of these messages."""
+    images, signals, readings = {"left": [], "right": []}, [], []
     with open(file, "rb") as stream:
         reader = make_reader(stream)
         for _, channel, message in reader.iter_messages():
@@ -49,8 +49,10 @@ def recorded(file):
                 images[name].append((message.log_time, json.loads(message.data)))
             elif name == "left/signals":
                 signals.append((message.log_time, json.loads(message.data)))
+            elif name == "/sensors/wrist":
+                readings.append((message.log_time, json.loads(message.data)))
         start = next(int(about.metadata["start_ns"]) for about in reader.iter_metadata() if about.name == "mrroc.start")
-    return start, images, signals
+    return start, images, signals, readings
 
 
 def by_rosbags(bag):
@@ -79,7 +81,7 @@ def exports(folder):
     has(wrote.returncode == 0 and "wrote" in wrote.stderr, wrote.stderr)
     again = subprocess.run(export, capture_output=True, text=True)
     has(again.returncode == 2 and "is there already" in again.stderr, f"a bag is written over: {again.stderr}")
-    start, images, signals = recorded(file)
+    start, images, signals, readings = recorded(file)
     told, topics = by_rosbags(bag)
     for robot, steps in images.items():
         for of, topic in (("measured", f"/{robot}/joint_states"), ("demanded", f"/{robot}/demanded_joint_states")):
@@ -91,6 +93,12 @@ def exports(folder):
                 has(list(message.name) == JOINTS, f"{topic}: {message.name}")
                 same = bits(message.position) == bits(image[of]["joints"]) and bits(message.velocity) == bits(image[of]["velocity"])
                 has(same, f"{topic}: step {image['step']} differs from the recording")
+    for (date, message), (logged, said) in zip(told["/sensors/wrist"], readings, strict=True):
+        stamp = message.header.stamp.sec * 10**9 + message.header.stamp.nanosec
+        has(date == logged and stamp == start + said["taken"] * STEP, f"a reading of step {said['taken']} is at {stamp}, {date}")
+        has(message.header.frame_id == "left/tool", f"a wrench in frame {message.header.frame_id}")
+        for found, of in ((message.wrench.force, "force"), (message.wrench.torque, "torque")):
+            has(bits((found.x, found.y, found.z)) == bits(said["reading"][of]), f"the {of} of step {said['taken']} differs")
     switched = []
     for logged, said in signals:
         if not switched or switched[-1][1] != said["outputs"]["gripper"]:
@@ -110,7 +118,8 @@ def exports(folder):
             if channel.topic.endswith("joint_states"):
                 _, other = told[channel.topic].pop(0)
                 has(bits(message.position) == bits(other.position) and list(message.name) == list(other.name), f"{channel.topic} is read otherwise")
-    print(f"  rosbags reads {len(topics)} topics of a recording, mcap-ros2 the same {count} messages; {sum(map(len, images.values()))} steps are the recorded ones to the bit")
+    print(f"  rosbags reads {len(topics)} topics of a recording, mcap-ros2 the same {count} messages; {sum(map(len, images.values()))} steps and {len(readings)} wrenches are the recorded ones to the bit")
+    has(len(readings) == 200, f"{len(readings)} readings, not 100 at each of two turns")
     has(not any(left for topic, left in told.items() if topic.endswith("joint_states")), "mcap-ros2 reads fewer messages")
 
 

@@ -28,6 +28,7 @@ os.environ["CYCLONEDDS_URI"] = (
 import numpy as np  # noqa: E402
 import rclpy  # noqa: E402
 from diagnostic_msgs.msg import DiagnosticArray  # noqa: E402
+from geometry_msgs.msg import WrenchStamped  # noqa: E402
 from mcap.reader import make_reader  # noqa: E402
 from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue  # noqa: E402
 from rcl_interfaces.srv import SetParameters  # noqa: E402
@@ -46,6 +47,11 @@ def bits(numbers):
     return struct.pack(f"{len(numbers)}d", *numbers)
 
 
+def date(message):
+    """Its stamp [ns]."""
+    return message.header.stamp.sec * 10**9 + message.header.stamp.nanosec
+
+
 class Nodes:
     """A node of rclpy that hears everything."""
 
@@ -58,6 +64,8 @@ class Nodes:
             self.node.create_subscription(JointState, f"/{robot}/joint_states", hear, 2000)
             keep = lambda message, robot=robot: self.urdfs.update({robot: message.data})  # noqa: E731
             self.node.create_subscription(String, f"/{robot}/robot_description", keep, KEPT)
+        self.wrenches = []
+        self.node.create_subscription(WrenchStamped, "/sensors/wrist", self.wrenches.append, 2000)
         self.node.create_subscription(String, "/cell/state", lambda message: self.said.append(message.data), KEPT)
         for topic in ("inputs/gripped", "outputs/gripper", "outputs/spindle"):
             keep = lambda message, topic=topic: self.signals.update({topic: message.data})  # noqa: E731
@@ -70,9 +78,8 @@ class Nodes:
         self.parameters = self.node.create_client(SetParameters, "/cell/set_parameters")
 
     def hear(self, robot, message):
-        stamp = message.header.stamp.sec * 10**9 + message.header.stamp.nanosec
         self.names[robot] = list(message.name)
-        self.states[robot][stamp] = (list(message.position), list(message.velocity))
+        self.states[robot][date(message)] = (list(message.position), list(message.velocity))
 
     def spin(self, seconds):
         until = time.monotonic() + seconds
@@ -111,15 +118,19 @@ class Nodes:
 
 
 def recorded(file):
-    """What the cell recorded of its robots, by step: measured joints and velocities, and the pose of the tool."""
-    robots = {"left": {}, "right": {}}
+    """What the cell recorded of its robots, by step: measured joints and velocities, and the pose of the tool; and its readings of the wrist, by the step in
+    which they were taken."""
+    robots, readings = {"left": {}, "right": {}}, {}
     with open(file, "rb") as stream:
         for _, channel, message in make_reader(stream).iter_messages():
             name = channel.topic.removeprefix("/robots/")
             if name in robots:
                 said = json.loads(message.data)
                 robots[name][said["step"]] = said["measured"]
-    return robots
+            elif name == "/sensors/wrist":
+                said = json.loads(message.data)
+                readings[said["taken"]] = said["reading"]
+    return robots, readings
 
 
 def in_world(transforms, frame):
@@ -141,7 +152,7 @@ def in_world(transforms, frame):
 
 def compare(nodes, file, links):
     """What was heard with what was recorded."""
-    record = recorded(file)
+    record, readings = recorded(file)
     for robot, heard in nodes.states.items():
         stamps = sorted(heard)
         gaps = {b - a for a, b in zip(stamps, stamps[1:])}
@@ -161,6 +172,19 @@ def compare(nodes, file, links):
         print(f"  {robot}: {same} joint states are the recorded ones to the bit, {missed} of {last - first + 1} missed")
         has(missed == 0, f"{robot}: rclpy missed {missed} joint states")
         check_links(robot, steps, of_stamp, links)
+    # All stamps have one zero.
+    check_wrenches(nodes.wrenches, readings, stamps[0] - first * STEP)
+
+
+def check_wrenches(heard, readings, zero):
+    has(heard and {message.header.frame_id for message in heard} == {"left/tool"}, f"{len(heard)} wrenches: {heard[:1]}")
+    steps = [(date(message) - zero) // STEP for message in heard]
+    for step, message in zip(steps, heard):
+        for told, of in ((message.wrench.force, "force"), (message.wrench.torque, "torque")):
+            has(bits((told.x, told.y, told.z)) == bits(readings[step][of]), f"the {of} of step {step} is {told}, not {readings[step]}")
+    missed = sum(steps[0] <= step <= steps[-1] for step in readings) - len(set(steps))
+    print(f"  wrist: {len(heard)} wrenches are the recorded readings to the bit, {missed} missed")
+    has(missed == 0, f"rclpy missed {missed} wrenches")
 
 
 def check_links(robot, steps, of_stamp, links):

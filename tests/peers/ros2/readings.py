@@ -26,7 +26,7 @@ from geometry_msgs.msg import PoseStamped, TwistStamped  # noqa: E402
 from mcap.reader import make_reader  # noqa: E402
 from rclpy.qos import QoSProfile, ReliabilityPolicy  # noqa: E402
 from rclpy.serialization import serialize_message  # noqa: E402
-from std_msgs.msg import String  # noqa: E402
+from std_msgs.msg import Float64MultiArray, String  # noqa: E402
 from std_srvs.srv import Trigger  # noqa: E402
 
 CELL = Path("ports/ros2/examples/servo.toml").resolve()
@@ -69,6 +69,10 @@ class Stick:
         self.buttons = {name: self.node.create_client(Trigger, f"/cell/{name}") for name in ("acknowledge", "reset")}
         self.states = []
         self.node.create_subscription(String, "/cell/state", lambda message: self.states.append(message.data), 10)
+        # What the cell has read comes back, as far as one who takes what comes hears it.
+        self.read = []
+        again = QoSProfile(depth=2000, reliability=ReliabilityPolicy.BEST_EFFORT)
+        self.node.create_subscription(Float64MultiArray, "/sensors/stick/linear", lambda message: self.read.append(list(message.data)), again)
         self.published, self.due = [], time.monotonic()
 
     def twist(self, z):
@@ -283,13 +287,14 @@ def turned(pose, by, angle):
 
 
 def recorded(file):
-    """What was read, in the order in which it was; demands of the arm by step, and the steps in which the sensor was stale."""
-    read, demands, stale = [], {}, []
+    """What was read, in the order in which it was, and of each step; demands of the arm by step, and the steps in which the sensor was stale."""
+    read, every, demands, stale = [], [], {}, []
     with open(file, "rb") as stream:
         for _, channel, message in make_reader(stream).iter_messages():
             said = json.loads(message.data)
             if channel.topic == "/sensors/stick" and said.get("reading"):
                 of = said["reading"]
+                every.append(of["linear"])
                 twist = (of["linear"][2], of["angular"][0])
                 if read[-1:] != [twist]:
                     read.append(twist)
@@ -298,11 +303,11 @@ def recorded(file):
             elif channel.topic == "/events" and said["what"] == "fault" and "too old" in said["text"]:
                 # In which step it was so: the event itself is when the arm had stopped.
                 stale.append(int(re.search(r"at step (\d+)", said["text"])[1]))
-    return read, demands, stale
+    return read, every, demands, stale
 
 
 def check(file, stick, counted, again):
-    read, demands, stale = recorded(file)
+    read, every, demands, stale = recorded(file)
     place = {twist: k for k, twist in enumerate(stick.published)}
     strange = [twist for twist in read if twist not in place]
     has(not strange, f"{len(strange)} readings were never published: {strange[:3]}")
@@ -312,6 +317,9 @@ def check(file, stick, counted, again):
         got = sum(begin <= k < end for k in places)
         print(f"  {what}: {got} of {end - begin} twists are readings to the bit, and each reading is a twist")
         has(got >= 0.95 * (end - begin), f"{end - begin - got} twists of a {what} publisher are no readings")
+    first = next((k for k in range(len(every)) if every[k : k + len(stick.read)] == stick.read), None)
+    print(f"  rclpy hears {len(stick.read)} readings of the cell, of {len(every)}")
+    has(len(stick.read) > 1000 and first is not None, "what rclpy hears of the readings is not what was recorded")
     has(stale, "no fault SensorStale is recorded")
     stop = stale[0]
     known = [k for k in sorted(demands) if stop - 500 <= k <= stop and k - 1 in demands]

@@ -1,7 +1,7 @@
 //! A recording of a cell as a bag.
 //!
 //! In: the messages of a recording. Out: those that the bridge would have published while it ran, by the same functions, at the times of the cell;
-//! and what it does not publish: demanded joints, and readings.
+//! and what it does not publish: demanded joints.
 
 use std::path::Path;
 
@@ -14,7 +14,6 @@ use mrroc_recording::{Completeness, RecordedMessage, as_number, each_message_of,
 use serde_json::Value;
 
 use super::file::{Bag, BagTopic};
-use super::readings::ReadingTopics;
 use crate::clock::CellClock;
 use crate::diagnostics;
 use crate::messages::JointState;
@@ -32,7 +31,6 @@ struct Export<'a> {
     topics: Topics<Bag>,
     /// The names of each robot's joints, and where the demanded ones go.
     demanded: Vec<(Vec<String>, BagTopic<JointState>)>,
-    readings: Vec<(String, ReadingTopics<Bag>)>,
     /// What is known of the cell.
     picture: Picture,
     is_suspended: bool,
@@ -124,17 +122,11 @@ impl<'a> Export<'a> {
             let name = format!("/{}/demanded_joint_states", topic_name(&robot.name));
             demanded.push((joints, bag.topic(&name, Durability::Volatile)?));
         }
-        let mut readings = Vec::new();
-        for sensor in &layout.sensors {
-            let name = format!("/sensors/{}", topic_name(&sensor.name));
-            readings.push((sensor.name.clone(), ReadingTopics::open(bag, &name, sensor.reading)?));
-        }
         Ok(Export {
             layout,
             bag,
             topics,
             demanded,
-            readings,
             picture: Picture::default(),
             is_suspended: false,
             stop: Stop::No,
@@ -150,7 +142,7 @@ impl<'a> Export<'a> {
         match *parts.as_slice() {
             ["robots", name] => self.image(name, message.start, &json()?),
             ["robots", name, "signals"] => self.signals(name, &json()?),
-            ["sensors", name] => self.reading(name, &json()?),
+            ["sensors", name] => self.reading(name, message.start, &json()?),
             ["steps"] => self.step(message, &json()?),
             ["instructions"] => self.instruction(&json()?),
             ["events"] => self.event(message, &json()?),
@@ -171,9 +163,7 @@ impl<'a> Export<'a> {
         let state = |of: &str| Some([numbers(of, "joints")?, numbers(of, "velocity")?]);
         let (measured, demanded) = (state("measured")?, state("demanded")?);
         let step = json["step"].as_u64()?;
-        let time = step.checked_mul(self.layout.step.as_nanos() as u64)?;
-        // A date whose sums overflow is refused.
-        start.checked_add(time)?.checked_add(DIAGNOSED)?;
+        let time = self.time_of(step, start)?;
         let stamp = self.topics.measured(place, step, time, [&measured[0], &measured[1]]);
         let (names, topic) = &self.demanded[place];
         topic.put(JointState::of(stamp, names, [&demanded[0], &demanded[1]]));
@@ -188,12 +178,20 @@ impl<'a> Export<'a> {
         Some(())
     }
 
-    fn reading(&mut self, name: &str, json: &Value) -> Option<()> {
-        let known = self.readings.iter().find(|(known, _)| known == name);
-        if let Some((_, topics)) = known.filter(|_| json["state"] == "there") {
-            topics.put(&json["reading"]);
+    fn reading(&mut self, name: &str, start: u64, json: &Value) -> Option<()> {
+        if json["state"] == "there" {
+            let (step, taken) = (json["step"].as_u64()?, json["taken"].as_u64()?);
+            let time = self.time_of(step, start)?;
+            self.topics.reading(name, [step, taken], time, &json["reading"]);
         }
         Some(())
+    }
+
+    /// The time of a step \[ns\]; `None` of one so far off that its date, or that of what follows, would overflow.
+    fn time_of(&self, step: u64, start: u64) -> Option<u64> {
+        let time = step.checked_mul(self.layout.step.as_nanos() as u64)?;
+        start.checked_add(time)?.checked_add(DIAGNOSED)?;
+        Some(time)
     }
 
     fn step(&mut self, message: &RecordedMessage<'_>, json: &Value) -> Option<()> {

@@ -3,7 +3,6 @@
 mod export;
 mod file;
 mod read;
-mod readings;
 mod series;
 #[cfg(test)]
 mod tests;

@@ -6,15 +6,16 @@ use std::io::Cursor;
 use byteorder::{BigEndian, LittleEndian};
 use mcap::records::MessageHeader;
 use mcap::{Compression, WriteOptions};
-use mrroc_core::payload::Shape;
+use mrroc_core::payload::{Shape, Wire as _};
+use mrroc_core::pose::Wrench;
 use proptest::prelude::*;
 use serde::Serialize;
 use serde_json::json;
 
 use super::file::{Bag, LITTLE_ENDIAN};
 use super::read::{Source, Wanted};
-use super::readings::ReadingTopics;
-use crate::messages::{Header, JointState, Stamp};
+use crate::messages::{Header, JointState, Stamp, Vector, WrenchStamped};
+use crate::readings::ReadingTopics;
 use crate::trajectories::{Duration, MultiTrajectory, Point, Request, Trajectory};
 
 const TRAJECTORY: &str = "trajectory_msgs/msg/JointTrajectory";
@@ -232,7 +233,7 @@ proptest! {
 }
 
 #[test]
-fn readings_have_a_topic_for_each_number_and_each_list_of_numbers() {
+fn readings_have_a_topic_for_each_number_each_list_of_numbers_and_each_wrench() {
     const SHAPE: &Shape = &Shape::Fields(&[
         ("x", &Shape::Float),
         ("touches", &Shape::Truth),
@@ -241,18 +242,24 @@ fn readings_have_a_topic_for_each_number_and_each_list_of_numbers() {
         ("grid", &Shape::Array(&Shape::Array(&Shape::Unsigned, 2), 3)),
         ("tip", &Shape::Fields(&[("z", &Shape::Signed)])),
         ("hash", &Shape::Words(1)),
+        ("touch", Wrench::SHAPE),
     ]);
+    let stamp = Stamp { sec: 7, nanosec: 8 };
     let place = std::env::temp_dir().join(format!("mrroc-ros2-readings-{}", std::process::id()));
     let mut bag = Bag::create(&place, "cell").expect("a folder");
     bag.set_now(1000);
-    let topics = ReadingTopics::open(&mut bag, "/sensors/wrist", SHAPE).expect("topics");
-    topics.put(&json!({
-        "x": "Infinity", "touches": true, "side": "Right", "force": [1.5, -2.0, 0.1],
-        "grid": [[1, 2], [3, 4], [5, 6]], "tip": {"z": -3}, "hash": ["00"],
-    }));
-    let again = ReadingTopics::<Bag>::open(&mut bag, "/sensors/wrist/x", &Shape::Float);
+    let topics = ReadingTopics::open(&mut bag, "/sensors/wrist", SHAPE, "arm/tool").expect("topics");
+    topics.put(
+        stamp,
+        &json!({
+            "x": "Infinity", "touches": true, "side": "Right", "force": [1.5, -2.0, 0.1],
+            "grid": [[1, 2], [3, 4], [5, 6]], "tip": {"z": -3}, "hash": ["00"],
+            "touch": {"force": [0.1, -2.0, "NaN"], "torque": [1e-3, 0.5, -0.25]},
+        }),
+    );
+    let again = ReadingTopics::<Bag>::open(&mut bag, "/sensors/wrist/x", &Shape::Float, "");
     assert!(again.is_err_and(|why| why.contains("twice")));
-    assert_eq!(bag.finish().expect("written"), [6, 6]);
+    assert_eq!(bag.finish().expect("written"), [7, 7]);
     let name = format!("{}_0.mcap", place.file_name().expect("a name").to_string_lossy());
     let mut found = BTreeMap::new();
     let take = |message: mrroc_recording::McapMessage<'_>| {
@@ -270,6 +277,7 @@ fn readings_have_a_topic_for_each_number_and_each_list_of_numbers() {
         ("/sensors/wrist/grid", "std_msgs/msg/Float64MultiArray"),
         ("/sensors/wrist/side", "std_msgs/msg/String"),
         ("/sensors/wrist/tip/z", "std_msgs/msg/Float64"),
+        ("/sensors/wrist/touch", "geometry_msgs/msg/WrenchStamped"),
         ("/sensors/wrist/touches", "std_msgs/msg/Bool"),
         ("/sensors/wrist/x", "std_msgs/msg/Float64"),
     ];
@@ -284,4 +292,9 @@ fn readings_have_a_topic_for_each_number_and_each_list_of_numbers() {
     assert_eq!(numbers("force"), (vec![("force".to_owned(), 3, 3)], 0, vec![1.5, -2.0, 0.1]));
     let dimensions = vec![("grid".to_owned(), 3, 6), ("grid[]".to_owned(), 2, 2)];
     assert_eq!(numbers("grid"), (dimensions, 0, vec![1.0, 2.0, 3.0, 4.0, 5.0, 6.0]));
+    let touch = cdr_encoding::from_bytes::<WrenchStamped, LittleEndian>(&found["/sensors/wrist/touch"].1);
+    let touch = touch.expect("a wrench").0;
+    assert_eq!(touch.header, Header { stamp, frame_id: "arm/tool".to_owned() });
+    assert!([touch.force.x, touch.force.y] == [0.1, -2.0] && touch.force.z.is_nan(), "{touch:?}");
+    assert_eq!(touch.torque, Vector { x: 1e-3, y: 0.5, z: -0.25 });
 }

@@ -1,12 +1,14 @@
-//! Readings of virtual sensors as topics: numbers have one each, and lists of numbers.
+//! Readings of virtual sensors as topics: numbers have one each, and lists of numbers, and wrenches.
 //!
-//! In: the shape of a reading, and readings of a recording. Out: messages of `std_msgs` alone, which every tool of ROS 2 knows.
+//! In: the shape of a reading, and readings as a recording writes them. Out: messages of `std_msgs`, and `geometry_msgs/WrenchStamped`, which every tool of
+//! ROS 2 knows.
 
-use mrroc_core::payload::Shape;
+use mrroc_core::payload::{Shape, Wire as _};
+use mrroc_core::pose::Wrench;
 use mrroc_recording::as_number;
 use serde_json::Value;
 
-use crate::messages::{Dimension, Flag, Number, Numbers, Text};
+use crate::messages::{Dimension, Flag, Header, Number, Numbers, Stamp, Text, Vector, WrenchStamped};
 use crate::node::topic_name;
 use crate::outlet::{Durability, Outlet, Put};
 
@@ -20,6 +22,8 @@ pub enum ReadingTopics<O: Outlet> {
     Choice(O::Topic<Text>),
     /// A list of numbers, or a list of lists: `std_msgs/Float64MultiArray`, with the field's name and the lengths as its dimensions.
     Numbers(O::Topic<Numbers>, Vec<Dimension>),
+    /// A force and a torque: `geometry_msgs/WrenchStamped`, in this frame.
+    Wrench(O::Topic<WrenchStamped>, String),
     /// A list of something else: a place for each.
     Items(Vec<ReadingTopics<O>>),
     /// Fields by their names in the recording.
@@ -29,11 +33,14 @@ pub enum ReadingTopics<O: Outlet> {
 }
 
 impl<O: Outlet> ReadingTopics<O> {
-    /// Of readings of this shape, below a topic of this name.
+    /// Of readings of this shape, below a topic of this name; wrenches are in this frame.
     ///
     /// # Errors
     /// Why a topic cannot be had.
-    pub fn open(outlet: &mut O, name: &str, shape: &Shape) -> Result<Self, String> {
+    pub fn open(outlet: &mut O, name: &str, shape: &Shape, frame: &str) -> Result<Self, String> {
+        if shape == Wrench::SHAPE {
+            return Ok(ReadingTopics::Wrench(outlet.topic(name, Durability::Volatile)?, frame.to_owned()));
+        }
         let below = |field: &str| format!("{name}/{}", topic_name(field));
         Ok(match shape {
             Shape::Float | Shape::Single | Shape::Unsigned | Shape::Signed => {
@@ -50,21 +57,21 @@ impl<O: Outlet> ReadingTopics<O> {
                     )
                 }
                 None => {
-                    let items = (0..*count).map(|k| Self::open(outlet, &below(&k.to_string()), item));
+                    let items = (0..*count).map(|k| Self::open(outlet, &below(&k.to_string()), item, frame));
                     ReadingTopics::Items(items.collect::<Result<_, _>>()?)
                 }
             },
             Shape::Fields(fields) => {
                 let fields = fields
                     .iter()
-                    .map(|(field, shape)| Ok((*field, Self::open(outlet, &below(field), shape)?)));
+                    .map(|(field, shape)| Ok((*field, Self::open(outlet, &below(field), shape, frame)?)));
                 ReadingTopics::Fields(fields.collect::<Result<_, String>>()?)
             }
             Shape::Variants(variants) => {
                 let choice = ReadingTopics::Choice(outlet.topic(&below("choice"), Durability::Volatile)?);
                 let chosen = variants.iter().filter(|(_, shape)| !shape.is_empty());
-                let chosen =
-                    chosen.map(|(field, shape)| Ok((*field, Self::open(outlet, &below(field), shape)?)));
+                let chosen = chosen
+                    .map(|(field, shape)| Ok((*field, Self::open(outlet, &below(field), shape, frame)?)));
                 let fields = core::iter::once(Ok(("choice", choice))).chain(chosen);
                 ReadingTopics::Fields(fields.collect::<Result<_, String>>()?)
             }
@@ -72,8 +79,8 @@ impl<O: Outlet> ReadingTopics<O> {
         })
     }
 
-    /// Publishes a reading; of one with other fields, those that there are.
-    pub fn put(&self, reading: &Value) {
+    /// Publishes a reading that was taken at this date; of one with other fields, those that there are.
+    pub fn put(&self, stamp: Stamp, reading: &Value) {
         match self {
             ReadingTopics::Number(topic) => {
                 if let Some(data) = as_number(reading) {
@@ -96,16 +103,32 @@ impl<O: Outlet> ReadingTopics<O> {
                     topic.put(Numbers { dim: dimensions.clone(), data_offset: 0, data });
                 }
             }
+            ReadingTopics::Wrench(topic, frame) => {
+                if let (Some(force), Some(torque)) = (vector(&reading["force"]), vector(&reading["torque"])) {
+                    topic.put(WrenchStamped {
+                        header: Header { stamp, frame_id: frame.clone() },
+                        force,
+                        torque,
+                    });
+                }
+            }
             ReadingTopics::Items(items) => {
                 let values = reading.as_array().into_iter().flatten();
-                items.iter().zip(values).for_each(|(item, value)| item.put(value));
+                items.iter().zip(values).for_each(|(item, value)| item.put(stamp, value));
             }
             ReadingTopics::Fields(fields) => {
-                fields.iter().for_each(|(name, field)| field.put(&reading[*name]));
+                fields.iter().for_each(|(name, field)| field.put(stamp, &reading[*name]));
             }
             ReadingTopics::Nothing => {}
         }
     }
+}
+
+fn vector(value: &Value) -> Option<Vector> {
+    let mut numbers = Vec::new();
+    flatten(value, &mut numbers)?;
+    let &[x, y, z] = numbers.as_slice() else { return None };
+    Some(Vector { x, y, z })
 }
 
 /// The lengths of lists in lists of numbers; `None`: it is none.
