@@ -21,7 +21,8 @@
 //! | topic, service or parameter | type | what |
 //! |---|---|---|
 //! | `/ROBOT/joint_states` | `sensor_msgs/JointState` | measured joint positions and velocities of every step, named as in the URDF |
-//! | `/joint_states` | `sensor_msgs/JointState` | the same of all robots, one robot in a message, 50 times a second, with the robots' names where joints of several robots have one name |
+//! | `/ROBOT/demanded_joint_states` | `sensor_msgs/JointState` | the same as demanded |
+//! | `/joint_states` | `sensor_msgs/JointState` | the measured ones of all robots, one robot in a message, 50 times a second, with the robots' names where joints of several robots have one name |
 //! | `/ROBOT/robot_description` | `std_msgs/String` | the URDF that the robot writes of itself; kept for who comes later |
 //! | `/ROBOT/inputs/NAME`, `/ROBOT/outputs/NAME` | `std_msgs/Bool` or `Float64` | the robot's named signals, when they change; kept for who comes later |
 //! | `/sensors/NAME/FIELD` | `std_msgs/Float64`, `Bool`, `String` or `Float64MultiArray` | each reading that the MP or an ECP collects, a topic for each number and each list of numbers |

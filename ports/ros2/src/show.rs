@@ -30,7 +30,8 @@ struct Robot<O: Outlet> {
     joints: Vec<String>,
     /// The names of the same joints among those of all robots.
     names: Vec<String>,
-    states: O::Topic<JointState>,
+    /// Measured, and demanded.
+    states: [O::Topic<JointState>; 2],
     /// When its links, and its joints among those of all robots, are shown next \[ns of the cell\].
     due: u64,
 }
@@ -104,7 +105,8 @@ impl<O: Outlet> Topics<O> {
                 }
                 None => None,
             };
-            let states = node.topic(&format!("/{name}/joint_states"), Durability::Volatile)?;
+            let mut states = |topic: &str| node.topic(&format!("/{name}/{topic}"), Durability::Volatile);
+            let states = [states("joint_states")?, states("demanded_joint_states")?];
             if let Some(description) = &description {
                 let stands_in = match &robot.mounted_on {
                     Some(carrier) => format!("{}/flange", topic_name(carrier)),
@@ -158,13 +160,14 @@ impl<O: Outlet> Topics<O> {
 
     /// Publishes what a robot does in a step, and tells its stamp.
     pub fn image(&mut self, image: &Image) -> Stamp {
-        let measured = [&*image.measured.joints, &*image.measured.velocity];
-        self.measured(image.robot, image.step, image.sent, measured)
+        let states = [&image.measured, &image.demanded].map(|state| [&*state.joints, &*state.velocity]);
+        self.joint_states(image.robot, image.step, image.sent, states)
     }
 
-    /// Publishes where the joints of a robot are measured to be when a step begins, and how fast they are; it was told at `sent` by the machine's
-    /// monotonic clock \[ns\]. Tells the stamp of the step.
-    pub fn measured(&mut self, robot: usize, step: u64, sent: u64, measured: [&[f64]; 2]) -> Stamp {
+    /// Publishes where the joints of a robot are measured to be when a step begins, and how fast they are, and the same as demanded; it was told at `sent` by
+    /// the machine's monotonic clock \[ns\]. Tells the stamp of the step.
+    pub fn joint_states(&mut self, robot: usize, step: u64, sent: u64, states: [[&[f64]; 2]; 2]) -> Stamp {
+        let [measured, _] = states;
         let time = step * self.step;
         let stamp = Stamp::of(self.clock.date(time, sent));
         let Some(robot) = self.robots.get_mut(robot) else { return stamp };
@@ -181,7 +184,9 @@ impl<O: Outlet> Topics<O> {
                 self.transforms.put(Transforms { transforms });
             }
         }
-        robot.states.put(JointState::of(stamp, &robot.joints, measured));
+        for (topic, state) in robot.states.iter().zip(states) {
+            topic.put(JointState::of(stamp, &robot.joints, state));
+        }
         stamp
     }
 

@@ -57,11 +57,12 @@ class Nodes:
 
     def __init__(self):
         self.node = rclpy.create_node("stranger")
-        self.states = {"left": {}, "right": {}}
+        self.states, self.demanded = ({"left": {}, "right": {}} for _ in range(2))
         self.names, self.urdfs, self.said, self.diagnosed, self.signals = {}, {}, [], [], {}
         for robot in self.states:
-            hear = lambda message, robot=robot: self.hear(robot, message)  # noqa: E731
-            self.node.create_subscription(JointState, f"/{robot}/joint_states", hear, 2000)
+            for of, topic in (("measured", "joint_states"), ("demanded", "demanded_joint_states")):
+                hear = lambda message, robot=robot, of=of: self.hear(robot, of, message)  # noqa: E731
+                self.node.create_subscription(JointState, f"/{robot}/{topic}", hear, 2000)
             keep = lambda message, robot=robot: self.urdfs.update({robot: message.data})  # noqa: E731
             self.node.create_subscription(String, f"/{robot}/robot_description", keep, KEPT)
         self.wrenches = []
@@ -77,9 +78,10 @@ class Nodes:
         }
         self.parameters = self.node.create_client(SetParameters, "/cell/set_parameters")
 
-    def hear(self, robot, message):
+    def hear(self, robot, of, message):
         self.names[robot] = list(message.name)
-        self.states[robot][date(message)] = (list(message.position), list(message.velocity))
+        states = self.states if of == "measured" else self.demanded
+        states[robot][date(message)] = (list(message.position), list(message.velocity))
 
     def spin(self, seconds):
         until = time.monotonic() + seconds
@@ -118,7 +120,7 @@ class Nodes:
 
 
 def recorded(file):
-    """What the cell recorded of its robots, by step: measured joints and velocities, and the pose of the tool; and its readings of the wrist, by the step in
+    """What the cell recorded of its robots, by step: joints and velocities, and the pose of the tool, measured and demanded; and its readings of the wrist, by the step in
     which they were taken."""
     robots, readings = {"left": {}, "right": {}}, {}
     with open(file, "rb") as stream:
@@ -126,7 +128,7 @@ def recorded(file):
             name = channel.topic.removeprefix("/robots/")
             if name in robots:
                 said = json.loads(message.data)
-                robots[name][said["step"]] = said["measured"]
+                robots[name][said["step"]] = said
             elif name == "/sensors/wrist":
                 said = json.loads(message.data)
                 readings[said["taken"]] = said["reading"]
@@ -159,21 +161,28 @@ def compare(nodes, file, links):
         has(all(gap % STEP == 0 for gap in gaps), f"{robot}: stamps are {sorted(gaps)[:5]} ns apart")
         steps = record[robot]
         # The stamps say how far apart steps are; which one the first is, its joints say.
-        first = next(step for step in steps if bits(steps[step]["joints"]) == bits(heard[stamps[0]][0]))
-        of_stamp = {stamp: first + (stamp - stamps[0]) // STEP for stamp in stamps}
-        same = sum(
-            bits(steps[step]["joints"]) == bits(heard[stamp][0]) and bits(steps[step]["velocity"]) == bits(heard[stamp][1])
-            for stamp, step in of_stamp.items()
-            if step in steps
-        )
-        has(same == sum(step in steps for step in of_stamp.values()), f"{robot}: {len(stamps) - same} joint states differ from the recording")
-        last = max(step for step in of_stamp.values() if step in steps)
-        missed = sum(step not in set(of_stamp.values()) for step in steps if first <= step <= last)
-        print(f"  {robot}: {same} joint states are the recorded ones to the bit, {missed} of {last - first + 1} missed")
-        has(missed == 0, f"{robot}: rclpy missed {missed} joint states")
-        check_links(robot, steps, of_stamp, links)
+        first = next(step for step in steps if bits(steps[step]["measured"]["joints"]) == bits(heard[stamps[0]][0]))
+        zero = stamps[0] - first * STEP
+        check_states(f"{robot}, measured", heard, {step: said["measured"] for step, said in steps.items()}, zero)
+        check_states(f"{robot}, demanded", nodes.demanded[robot], {step: said["demanded"] for step, said in steps.items()}, zero)
+        check_links(robot, steps, {stamp: (stamp - zero) // STEP for stamp in stamps}, links)
     # All stamps have one zero.
-    check_wrenches(nodes.wrenches, readings, stamps[0] - first * STEP)
+    check_wrenches(nodes.wrenches, readings, zero)
+
+
+def check_states(what, heard, steps, zero):
+    of_stamp = {stamp: (stamp - zero) // STEP for stamp in heard}
+    there = {stamp: step for stamp, step in of_stamp.items() if step in steps}
+    same = sum(
+        bits(steps[step]["joints"]) == bits(heard[stamp][0]) and bits(steps[step]["velocity"]) == bits(heard[stamp][1])
+        for stamp, step in there.items()
+    )
+    has(there and same == len(there), f"{what}: {len(there) - same} of {len(there)} joint states differ from the recording")
+    told = set(there.values())
+    first, last = min(told), max(told)
+    missed = sum(first <= step <= last for step in steps) - len(told)
+    print(f"  {what}: {same} joint states are the recorded ones to the bit, {missed} of {last - first + 1} missed")
+    has(missed == 0, f"{what}: rclpy missed {missed} joint states")
 
 
 def check_wrenches(heard, readings, zero):
@@ -200,7 +209,7 @@ def check_links(robot, steps, of_stamp, links):
         if step not in steps:
             continue
         tool = in_world(static | transforms, f"{robot}/tool")
-        pose = steps[step]["pose"]["position"]
+        pose = steps[step]["measured"]["pose"]["position"]
         worst = max(worst, float(np.abs(tool[:3, 3] - [pose[axis] for axis in "xyz"]).max()))
         compared += 1
     print(f"  {robot}: {compared} chains of transforms by Cyclone DDS end at the recorded tool, within {worst:.1e} m")

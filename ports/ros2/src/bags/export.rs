@@ -1,7 +1,6 @@
 //! A recording of a cell as a bag.
 //!
-//! In: the messages of a recording. Out: those that the bridge would have published while it ran, by the same functions, at the times of the cell;
-//! and what it does not publish: demanded joints.
+//! In: the messages of a recording. Out: those that the bridge would have published while it ran, by the same functions, at the times of the cell.
 
 use std::path::Path;
 
@@ -13,12 +12,9 @@ use mrroc_processes::Picture;
 use mrroc_recording::{Completeness, RecordedMessage, as_number, each_message_of, signals_in};
 use serde_json::Value;
 
-use super::file::{Bag, BagTopic};
+use super::file::Bag;
 use crate::clock::CellClock;
 use crate::diagnostics;
-use crate::messages::JointState;
-use crate::node::topic_name;
-use crate::outlet::{Durability, Outlet as _, Put as _};
 use crate::show::Topics;
 
 /// The time between two diagnostics in which nothing new is told \[ns of the cell\].
@@ -29,8 +25,6 @@ struct Export<'a> {
     layout: &'a Layout,
     bag: &'a Bag,
     topics: Topics<Bag>,
-    /// The names of each robot's joints, and where the demanded ones go.
-    demanded: Vec<(Vec<String>, BagTopic<JointState>)>,
     /// What is known of the cell.
     picture: Picture,
     is_suspended: bool,
@@ -117,16 +111,10 @@ impl<'a> Export<'a> {
     ) -> Result<Self, String> {
         bag.set_now(start);
         let topics = Topics::open(bag, layout, urdfs, CellClock::since(start))?;
-        let mut demanded = Vec::new();
-        for (robot, joints) in layout.robots.iter().zip(topics.joints()) {
-            let name = format!("/{}/demanded_joint_states", topic_name(&robot.name));
-            demanded.push((joints, bag.topic(&name, Durability::Volatile)?));
-        }
         Ok(Export {
             layout,
             bag,
             topics,
-            demanded,
             picture: Picture::default(),
             is_suspended: false,
             stop: Stop::No,
@@ -164,9 +152,8 @@ impl<'a> Export<'a> {
         let (measured, demanded) = (state("measured")?, state("demanded")?);
         let step = json["step"].as_u64()?;
         let time = self.time_of(step, start)?;
-        let stamp = self.topics.measured(place, step, time, [&measured[0], &measured[1]]);
-        let (names, topic) = &self.demanded[place];
-        topic.put(JointState::of(stamp, names, [&demanded[0], &demanded[1]]));
+        let states = [&measured, &demanded].map(|[position, velocity]| [&**position, &**velocity]);
+        self.topics.joint_states(place, step, time, states);
         Some(())
     }
 
