@@ -38,7 +38,7 @@
 //! With `--export-bag` a recording becomes a bag of rosbag2 with the same messages, and with `--from-bag` robots follow the trajectories of a bag: `bags`.
 //!
 //! `NODE` is `cell` unless `--node` says otherwise. Stamps are the cell's time, beginning at the wall clock when the bridge saw its first step. Everything is
-//! reliable. **DDS has no access control, and its sockets hear all networks of the machine**, whatever address `--address` tells others: whoever reaches the machine
+//! reliable, unless `[topics."/NAME"]` in `cell.toml` says otherwise. **DDS has no access control, and its sockets hear all networks of the machine**, whatever address `--address` tells others: whoever reaches the machine
 //! sees the cell, with `--buttons` presses its buttons, with `--goals` moves its robots, and publishes to topics that are sensors. A firewall is what keeps others out.
 //!
 //! Tested with rclpy of Jazzy over Fast DDS, and topics with Cyclone DDS. Services and parameters are in the form of Fast DDS alone. Not there yet:

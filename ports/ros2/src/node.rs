@@ -2,10 +2,15 @@
 //!
 //! In: where DDS speaks, and names. Out: publishers of a type and a quality of service.
 
+use std::cell::Cell;
 use std::net::IpAddr;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
 
+use mrroc_core::cell::CellError;
+use mrroc_core::suggestion::suggestion;
+use mrroc_launch::cell_file::PublishedEntry;
 use ros2_client::action::{ActionServer, ActionServerQosPolicies};
 use ros2_client::dds::rustdds::{DomainParticipant, DomainParticipantBuilder};
 use ros2_client::qos::{Durability, History, Reliability, WhenFull};
@@ -17,7 +22,7 @@ use ros2_client::{
 use crate::messages::RosType;
 use crate::outlet::{self, Outlet, Put};
 
-/// Where DDS speaks, and as which node.
+/// Where DDS speaks, as which node, and how topics are published.
 #[derive(Clone, Debug)]
 pub struct Place {
     /// The domain, `ROS_DOMAIN_ID`.
@@ -26,7 +31,12 @@ pub struct Place {
     pub address: IpAddr,
     /// The name of the node.
     pub node: String,
+    /// What `cell.toml` says of topics.
+    pub topics: Vec<PublishedEntry>,
 }
+
+/// Topics on which each message tells of something else: one that is left out is missed.
+const SHARED: [&str; 3] = ["/joint_states", "/tf", "/diagnostics"];
 
 /// Messages of a topic that wait for a subscriber that is slow. Where more wait, as for a program that stands still, new ones are dropped for all:
 /// a bridge waits for nobody.
@@ -53,6 +63,37 @@ pub struct RosNode {
     node: Node,
     name: String,
     participant: DomainParticipant,
+    /// What the file says of topics.
+    asked: Vec<PublishedEntry>,
+    /// Topics that are published, and whether who comes later gets their last message.
+    published: Vec<(String, outlet::Durability)>,
+}
+
+/// A topic of other nodes.
+pub struct RosTopic<M: RosType> {
+    publisher: Publisher<M>,
+    limit: Option<RateLimit>,
+}
+
+/// Lets a message pass where the last one is long enough ago.
+struct RateLimit {
+    every: Duration,
+    /// When the next one may pass.
+    due: Cell<Instant>,
+}
+
+impl RateLimit {
+    /// Whether one passes now.
+    fn passes(&self, now: Instant) -> bool {
+        let due = self.due.get();
+        // Messages come in bursts: the mean rate is kept where one was late, by less than a period.
+        let next = if now < due + self.every { due } else { now };
+        let passes = now >= due;
+        if passes {
+            self.due.set(next + self.every);
+        }
+        passes
+    }
 }
 
 impl RosNode {
@@ -100,7 +141,34 @@ impl RosNode {
             .name("parameters".to_owned())
             .spawn(spin)
             .map_err(|error| failed(&error))?;
-        Ok(RosNode { node, name: place.node.clone(), participant })
+        let (asked, published) = (place.topics.clone(), Vec::new());
+        Ok(RosNode { node, name: place.node.clone(), participant, asked, published })
+    }
+
+    /// Looks whether what the file says of topics can be.
+    ///
+    /// # Errors
+    /// It names topics that are not published, or asks for what a topic cannot have.
+    pub fn check_topics(&self) -> Result<(), String> {
+        let names: Vec<_> = self.published.iter().map(|(name, _)| name.as_str()).collect();
+        let errors = self.asked.iter().filter_map(|asked| {
+            let name = asked.name().text.as_str();
+            let Some((_, durability)) = self.published.iter().find(|(known, _)| known == name) else {
+                let what = format!("the bridge publishes no topic `{name}`");
+                return Some(asked.refuse(what, suggestion(name, &names, "it publishes")));
+            };
+            if *durability == outlet::Durability::TransientLocal {
+                let what = format!(
+                    "`{name}` is kept for nodes that come later: it is reliable, and each change is told"
+                );
+                return Some(asked.refuse(what, "leave the table out".to_owned()));
+            }
+            (SHARED.contains(&name) && asked.every().is_some()).then(|| {
+                let what = format!("each message of `{name}` tells of another robot or another change");
+                asked.refuse(what, "leave `every_ms` out".to_owned())
+            })
+        });
+        CellError::all(errors.collect()).map_err(|error| error.to_string())
     }
 
     /// Its participant of DDS.
@@ -164,7 +232,7 @@ impl RosNode {
 }
 
 impl Outlet for RosNode {
-    type Topic<M: RosType> = Publisher<M>;
+    type Topic<M: RosType> = RosTopic<M>;
 
     fn node(&self) -> &str {
         self.name()
@@ -178,23 +246,39 @@ impl Outlet for RosNode {
         &mut self,
         name: &str,
         durability: outlet::Durability,
-    ) -> Result<Publisher<M>, String> {
+    ) -> Result<RosTopic<M>, String> {
         let failed = |error: &dyn core::fmt::Display| format!("topic {name}: {error}");
         let called = Name::parse(name).map_err(|error| failed(&error))?;
+        let asked = self.asked.iter().find(|asked| asked.name().text == name);
         let qos = match durability {
-            outlet::Durability::Volatile => now_only(),
+            outlet::Durability::Volatile => asked.map_or_else(now_only, offered),
             outlet::Durability::TransientLocal => kept(),
         };
+        let every = asked.and_then(PublishedEntry::every);
+        let limit = every.map(|every| RateLimit { every, due: Cell::new(Instant::now()) });
+        self.published.push((name.to_owned(), durability));
         let described = self.node.create_topic(&called, MessageTypeName::new(M::PACKAGE, M::NAME), &qos);
         let described = described.map_err(|error| failed(&error))?;
-        self.node.create_publisher(&described, None).map_err(|error| failed(&error))
+        let publisher = self.node.create_publisher(&described, None).map_err(|error| failed(&error))?;
+        Ok(RosTopic { publisher, limit })
     }
 }
 
-impl<M: RosType> Put<M> for Publisher<M> {
+/// What `cell.toml` asks for.
+fn offered(asked: &PublishedEntry) -> QosProfile {
+    let reliability = match asked.is_reliable() {
+        true => Reliability::Reliable { when_full: WhenFull::Fail },
+        false => Reliability::BestEffort,
+    };
+    now_only().reliability(reliability).history(History::KeepLast { depth: asked.depth() })
+}
+
+impl<M: RosType> Put<M> for RosTopic<M> {
     fn put(&self, message: M) {
-        // What nobody takes is dropped.
-        drop(self.publish(message));
+        if self.limit.as_ref().is_none_or(|limit| limit.passes(Instant::now())) {
+            // What nobody takes is dropped.
+            drop(self.publisher.publish(message));
+        }
     }
 }
 
@@ -223,6 +307,19 @@ pub fn same_topic<'a>(names: impl Iterator<Item = &'a str> + Clone) -> Option<[&
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn of_messages_in_bursts_as_many_pass_as_there_are_periods_and_none_at_once_after_a_silence() {
+        let begun = Instant::now();
+        let limit = RateLimit { every: Duration::from_millis(20), due: Cell::new(begun) };
+        // Two every 4 ms, for a second: a burst has one at most.
+        let at = |ms: u64| begun + Duration::from_millis(ms);
+        let passed = (0..250).map(|burst| [0, 0].map(|_| limit.passes(at(4 * burst))));
+        let passed: Vec<_> = passed.map(|[first, second]| u32::from(first) + u32::from(second)).collect();
+        assert_eq!((passed.iter().sum::<u32>(), passed.iter().max()), (50, Some(&1)));
+        let after = [5000, 5000, 5019, 5020].map(|ms| limit.passes(at(ms)));
+        assert_eq!(after, [true, false, false, true]);
+    }
 
     #[test]
     fn names_of_robots_are_made_names_of_topics_and_two_that_become_one_are_found() {

@@ -157,7 +157,8 @@ fn attend(
     let domain = options.domain.map_or_else(users_domain, Ok)?;
     UdpSocket::bind((options.address, 0))
         .map_err(|error| format!("{} is no address of this machine: {error}", options.address))?;
-    let place = Place { domain, address: options.address, node: options.node.clone() };
+    let topics = cell_file.published().to_vec();
+    let place = Place { domain, address: options.address, node: options.node.clone(), topics };
     let file = options.cell.clone();
     let (mut layout, urdfs) = own_robots(&mut cell);
     // Nor are readings of lower cells, which a recording has.
@@ -175,6 +176,7 @@ fn attend(
     let set_speed = move |speed: f64| buttons::press(&of, Button::Speed(speed)).map(drop);
     let mut node = RosNode::begin(&place, check_speed, set_speed)?;
     let mut topics = Topics::open(&mut node, &layout, &urdfs, CellClock::default())?;
+    node.check_topics()?;
     if options.buttons {
         buttons::offer(&mut node, &file)?;
     }

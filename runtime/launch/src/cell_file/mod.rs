@@ -86,6 +86,11 @@
 //! type = "geometry_msgs/msg/Pose2D"
 //! reading = { x = "x", y = "y", angle = "theta" }   # for each field its path in a message
 //!
+//! [topics."/arm/joint_states"]   # how the bridge to ROS 2 publishes this topic; reliable, and each message, unless it is said
+//! reliability = "best effort"
+//! depth = 5          # messages that wait for a subscriber that is slow; 100 unless it is said
+//! every_ms = 20      # the least time between two messages
+//!
 //! [nodes.left]       # a machine of the cell, if it has several; robots and sensors say `node = "left"`
 //! address = "192.168.1.2:7447"   # where the others find it
 //! mp = true          # the cell is started here, the MP runs here, and so does all that says no node
@@ -139,7 +144,7 @@ pub use heights::Heights;
 pub use kinds::{AnySetup, Kinds};
 pub use obstacle::{ObstacleEntry, ObstacleMesh, ObstacleShape};
 pub use plant::PlantEntry;
-pub use topic::{Place, TopicEntry, TopicReading, TopicText};
+pub use topic::{Place, PublishedEntry, TopicEntry, TopicReading, TopicText};
 
 use crate::files;
 use entry::SensorEntry;
@@ -166,6 +171,7 @@ pub struct CellFile {
     robots: Vec<RobotEntry>,
     cells: Vec<LowerEntry>,
     sensors: Vec<SensorEntry>,
+    published: Vec<PublishedEntry>,
     frames: Vec<(String, Pose)>,
     obstacles: Vec<ObstacleEntry>,
     tools: Vec<(String, Tool)>,
@@ -333,6 +339,12 @@ impl CellFile {
     pub fn topics(&self) -> impl Iterator<Item = (&ExternalEntry, &TopicEntry)> {
         let external = self.sensors.iter().filter_map(|sensor| sensor.external.as_ref());
         external.filter_map(|external| Some((external, external.topic()?)))
+    }
+
+    /// How the bridge to ROS 2 publishes topics, as far as the file says.
+    #[must_use]
+    pub fn published(&self) -> &[PublishedEntry] {
+        &self.published
     }
 
     /// The set-up of the virtual sensor that the file calls `name`, computed by `sensor`.

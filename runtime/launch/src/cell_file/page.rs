@@ -12,12 +12,12 @@ use super::reader::robot::ROBOT_KEYS;
 use super::reader::sensor::SENSOR_KEYS;
 use super::reader::signal::{INPUT_KEYS, OUTPUT_KEYS};
 use super::reader::tool::TOOL_KEYS;
-use super::reader::topic::TOPIC_KEYS;
+use super::reader::topic::{PUBLISHED_KEYS, TOPIC_KEYS};
 
 const PAGE: &str = include_str!("../../../../docs/src/cell.md");
 
 /// The tables, by the names that the page gives them and in its order, with the keys of each table.
-const TABLES: [(&str, &[&str]); 16] = [
+const TABLES: [(&str, &[&str]); 17] = [
     ("## The cell", &CELL_KEYS),
     ("## A robot", &ROBOT_KEYS),
     ("A pose is", &POSE_KEYS),
@@ -31,6 +31,7 @@ const TABLES: [(&str, &[&str]); 16] = [
     ("## A virtual sensor", &SENSOR_KEYS),
     ("### Readings that a program of another sends", &EXTERNAL_KEYS),
     ("### Messages of ROS 2 as readings", &TOPIC_KEYS),
+    ("## A topic of the bridge to ROS 2", &PUBLISHED_KEYS),
     ("## A node", &NODE_KEYS),
     ("## `[realtime]`", &REALTIME_KEYS),
     ("## `[recording]`", &RECORDING_KEYS),

@@ -1,6 +1,8 @@
-//! What `[sensors.NAME.external.topic]` says: whose messages a bridge to ROS 2 sends as the sensor's readings.
+//! What `[sensors.NAME.external.topic]` says: whose messages a bridge to ROS 2 sends as the sensor's readings. And `[topics."/NAME"]`: how the bridge publishes
+//! a topic.
 
 use core::ops::Range;
+use core::time::Duration;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
@@ -21,6 +23,16 @@ pub struct TopicEntry {
     pub(super) kept: bool,
     pub(super) depth: usize,
     pub(super) definitions: Option<TopicText>,
+}
+
+/// How the bridge to ROS 2 publishes a topic. Which topics there are is known to the bridge alone, which refuses others by [`refuse`](PublishedEntry::refuse).
+#[derive(Clone, Debug)]
+pub struct PublishedEntry {
+    pub(super) source: Rc<Source>,
+    pub(super) name: TopicText,
+    pub(super) reliable: bool,
+    pub(super) depth: usize,
+    pub(super) every: Option<Duration>,
 }
 
 /// A text in the table.
@@ -120,5 +132,37 @@ impl TopicEntry {
     #[must_use]
     pub fn refuse(&self, place: &Place, what: String, help: String) -> CellError {
         self.source.complain(&place.0, what, help).into()
+    }
+}
+
+impl PublishedEntry {
+    /// The name of the topic.
+    #[must_use]
+    pub const fn name(&self) -> &TopicText {
+        &self.name
+    }
+
+    /// `reliability`: whether lost messages are sent again.
+    #[must_use]
+    pub const fn is_reliable(&self) -> bool {
+        self.reliable
+    }
+
+    /// `depth`: how many messages wait for a subscriber that is slow.
+    #[must_use]
+    pub const fn depth(&self) -> usize {
+        self.depth
+    }
+
+    /// `every_ms`: the least time between two messages.
+    #[must_use]
+    pub const fn every(&self) -> Option<Duration> {
+        self.every
+    }
+
+    /// Refuses it, and says what to write.
+    #[must_use]
+    pub fn refuse(&self, what: String, help: String) -> CellError {
+        self.source.complain(&self.name.at.0, what, help).into()
     }
 }

@@ -10,13 +10,14 @@ use toml::de::{DeTable, DeValue};
 
 use super::{Reader, Value};
 
-pub(in super::super) const CELL_KEYS: [&str; 13] = [
+pub(in super::super) const CELL_KEYS: [&str; 14] = [
     "step_ms",
     "stop_ms",
     "after_fault",
     "robots",
     "cells",
     "sensors",
+    "topics",
     "frames",
     "obstacles",
     "tools",

@@ -86,6 +86,7 @@ pub(super) fn read(name: &str, text: &str) -> Result<CellFile, CellFileError> {
         .into_iter()
         .filter_map(|entry| reader.sensor(entry, &names, step))
         .collect();
+    let published = reader.published(table);
     let realtime = table.get("realtime").and_then(|value| reader.realtime(value));
     let names: Vec<_> = sensors.iter().map(|sensor: &SensorEntry| sensor.name.clone()).collect();
     let recording = table
@@ -108,6 +109,7 @@ pub(super) fn read(name: &str, text: &str) -> Result<CellFile, CellFileError> {
         robots,
         cells,
         sensors,
+        published,
         frames,
         obstacles,
         tools,

@@ -1,15 +1,16 @@
-//! Tables `[sensors.NAME.external.topic]`.
+//! Tables `[sensors.NAME.external.topic]`, and `[topics."/NAME"]`.
 
 use std::rc::Rc;
 
 use mrroc_core::suggestion::suggestion;
-use toml::de::DeValue;
+use toml::de::{DeTable, DeValue};
 
-use super::super::topic::{Place, TopicEntry, TopicReading, TopicText};
+use super::super::topic::{Place, PublishedEntry, TopicEntry, TopicReading, TopicText};
 use super::{Reader, Value};
 
 pub(in super::super) const TOPIC_KEYS: [&str; 8] =
     ["name", "type", "reading", "stamp", "reliability", "durability", "depth", "definitions"];
+pub(in super::super) const PUBLISHED_KEYS: [&str; 3] = ["reliability", "depth", "every_ms"];
 const RELIABILITIES: [&str; 2] = ["best effort", "reliable"];
 const DURABILITIES: [&str; 2] = ["volatile", "transient local"];
 
@@ -66,23 +67,9 @@ impl Reader {
             |key: &str, expected: &str| table.get(key).map(|value| self.topic_text(value, expected));
         let stamp = optional("stamp", "the path of a time in the message, in quotes");
         let definitions = optional("definitions", "a folder, in quotes");
-        let mut choice = |key: &str, choices: &[&str; 2]| {
-            let Some(value) = table.get(key) else { return Some(false) };
-            let text = self.text(value, &format!("\"{}\" or \"{}\"", choices[0], choices[1]))?;
-            let found = choices.iter().position(|choice| *choice == text);
-            if found.is_none() {
-                let what = format!("no {key} `{text}`");
-                self.complain(&value.span(), what, suggestion(text, choices, "there are"));
-            }
-            found.map(|place| place == 1)
-        };
-        let reliable = choice("reliability", &RELIABILITIES);
-        let kept = choice("durability", &DURABILITIES);
-        let depth = table.get("depth").map_or(Some(1), |value| {
-            let range = format!("a whole number of messages from 1 to {DEEPEST}");
-            let depth = self.number(value, &range)?;
-            self.whole(&depth, 1..=DEEPEST, &range)
-        });
+        let reliable = self.choice(table, "reliability", &RELIABILITIES, false);
+        let kept = self.choice(table, "durability", &DURABILITIES, false);
+        let depth = self.depth(table, 1);
         let told = |text: Option<Option<TopicText>>| text.map_or(Some(None), |text| text.map(Some));
         Some(TopicEntry {
             source: Rc::clone(&self.source),
@@ -95,6 +82,51 @@ impl Reader {
             depth: depth?,
             definitions: told(definitions)?,
         })
+    }
+
+    /// Reads the tables `[topics."/NAME"]`.
+    pub(super) fn published(&mut self, table: &DeTable<'_>) -> Vec<PublishedEntry> {
+        let Some(value) = table.get("topics") else { return Vec::new() };
+        let DeValue::Table(named) = value.get_ref() else {
+            self.wrong_type(value, "tables [topics.\"/NAME\"]");
+            return Vec::new();
+        };
+        let mut published = Vec::new();
+        for (name, value) in named {
+            let DeValue::Table(table) = value.get_ref() else {
+                self.wrong_type(value, "a table [topics.\"/NAME\"]");
+                continue;
+            };
+            self.known(table, &PUBLISHED_KEYS, "a topic that the bridge publishes has");
+            let reliable = self.choice(table, "reliability", &RELIABILITIES, true);
+            let depth = self.depth(table, DEEPEST);
+            let every = table.get("every_ms").map_or(Some(None), |value| self.duration(value).map(Some));
+            if let (Some(reliable), Some(depth), Some(every)) = (reliable, depth, every) {
+                let source = Rc::clone(&self.source);
+                let name = TopicText { text: name.get_ref().to_string(), at: Place(name.span()) };
+                published.push(PublishedEntry { source, name, reliable, depth, every });
+            }
+        }
+        published
+    }
+
+    /// Whether a key has the second one of two values.
+    fn choice(&mut self, table: &DeTable<'_>, key: &str, choices: &[&str; 2], default: bool) -> Option<bool> {
+        let Some(value) = table.get(key) else { return Some(default) };
+        let text = self.text(value, &format!("\"{}\" or \"{}\"", choices[0], choices[1]))?;
+        let found = choices.iter().position(|choice| *choice == text);
+        if found.is_none() {
+            let what = format!("no {key} `{text}`");
+            self.complain(&value.span(), what, suggestion(text, choices, "there are"));
+        }
+        found.map(|place| place == 1)
+    }
+
+    fn depth(&mut self, table: &DeTable<'_>, default: usize) -> Option<usize> {
+        let Some(value) = table.get("depth") else { return Some(default) };
+        let range = format!("a whole number of messages from 1 to {DEEPEST}");
+        let depth = self.number(value, &range)?;
+        self.whole(&depth, 1..=DEEPEST, &range)
     }
 
     fn topic_text(&mut self, value: &Value<'_>, expected: &str) -> Option<TopicText> {
@@ -151,6 +183,8 @@ fn is_topic(text: &str) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use core::time::Duration;
+
     use crate::cell_file::{CellFile, TopicReading};
 
     fn file(topic: &str) -> Result<CellFile, String> {
@@ -186,6 +220,33 @@ mod tests {
             ),
             "{told:?}"
         );
+    }
+
+    #[test]
+    fn what_the_bridge_publishes_is_reliable_and_whole_unless_the_table_of_its_topic_says_otherwise() {
+        let file = |text: &str| {
+            CellFile::parse("cell.toml", &format!("step_ms = 2\nrobots.arm.kind = \"irp6\"\n{text}"))
+        };
+        let text =
+            "[topics.\"/a\"]\nreliability = \"best effort\"\ndepth = 5\nevery_ms = 20\n[topics.\"/b\"]\n";
+        let file_of_two = file(text).expect("nothing is wrong with it");
+        let found = file_of_two
+            .published()
+            .iter()
+            .map(|topic| (topic.name().text.as_str(), topic.is_reliable(), topic.depth(), topic.every()));
+        let every = Some(Duration::from_millis(20));
+        assert_eq!(found.collect::<Vec<_>>(), [("/a", false, 5, every), ("/b", true, 100, None)]);
+        for (wrong, told) in [
+            ("topics = 1", "tables [topics.\"/NAME\"]"),
+            ("topics.a = 1", "a table [topics.\"/NAME\"]"),
+            ("[topics.\"/a\"]\ndurability = \"volatile\"", "unknown key `durability`"),
+            ("[topics.\"/a\"]\nreliability = \"never\"", "no reliability `never`"),
+            ("[topics.\"/a\"]\ndepth = 101", "101 is out of range"),
+            ("[topics.\"/a\"]\nevery_ms = 0", "0 ms"),
+        ] {
+            let error = file(wrong).expect_err(told).to_string();
+            assert!(error.contains(told), "{told}: {error}");
+        }
     }
 
     #[test]
