@@ -111,6 +111,7 @@ pub mod robot {
         ANALOG, Channel, DIGITAL, Input, Level, Output, Outputs, Signal, Signals, Value, Values,
     };
     pub use crate::model::stepped::{Begin, Simulated, Simulator, SteppedDrives};
+    pub use crate::safety::stopping::detection_time;
 }
 
 /// Virtual sensors: what they read, and how they are ordered.

@@ -6,11 +6,15 @@
 //! angles and speeds of motors), and all of that where the arm would stand if its demands were lost then:
 //!
 //! ```text
-//! q + v (NOTICING + max_j(|v_j| / a_j) / 2)
+//! q + v (T_detect + max_j(|v_j| / a_j) / 2)
 //! ```
+//!
+//! with the time until an EDP notices that its demands are lost, [`detection_time`].
+
+use core::time::Duration;
 
 use mrroc::prelude::*;
-use mrroc::robot::RobotState;
+use mrroc::robot::{RobotState, detection_time};
 use mrroc_generators::line::{LinePath, ToolLimits};
 use mrroc_generators::profile::ProfileCursor;
 use mrroc_robots::{Irp6, Six};
@@ -26,14 +30,11 @@ pub struct Reach {
 }
 
 impl Reach {
-    /// An EDP notices within this that its demands are lost \[s\]: the steps of 20 ms that it bridges, and one.
-    pub const NOTICING: f64 = 0.024;
-
-    /// Of an arm that stands so far along the belt \[m\], in a cell of these steps \[s\].
+    /// Of an arm that stands so far along the belt \[m\], in a cell of these steps.
     #[must_use]
-    pub fn at(along: f64, step: f64) -> Self {
+    pub fn at(along: f64, step: Duration) -> Self {
         let arm = Irp6::nominal().with_base(Pose::translation(0.0, along, 0.0));
-        Self { arm, noticing: Self::NOTICING, step }
+        Self { arm, noticing: detection_time(step), step: step.as_secs_f64() }
     }
 
     /// The same for an arm that may go on for another time before it brakes \[s\].
@@ -99,7 +100,7 @@ pub(crate) mod tests {
 
     #[test]
     fn with_infrared_sensors_the_arm_gets_to_both_trays_and_back_from_everywhere_at_the_belt() {
-        let (reach, home) = (Reach::at(0.0, 4e-3), tool(HOME, 0.0, HIGH));
+        let (reach, home) = (Reach::at(0.0, Duration::from_millis(4)), tool(HOME, 0.0, HIGH));
         // Where `Rise` stops at 1.2 times the fastest belt; across, with the error of the range finder.
         let farthest = END + 0.2 * 1.2 * 0.15;
         for step in 0..=60 {

@@ -125,7 +125,7 @@ fn a_part_is_carried_past_the_column_where_the_arm_cannot_go_straight_to_the_bin
 #[test]
 fn a_part_that_the_arm_cannot_bring_to_its_bin_is_put_back_and_missed_with_its_reason() {
     for arms in [1, 2] {
-        let settings = Settings { noticing: 10.0, ..Settings::of(0.1, 3, 13.3, 5) }.by(arms);
+        let settings = Settings { noticing: Some(10.0), ..Settings::of(0.1, 3, 13.3, 5) }.by(arms);
         let outcome = settings.run().expect("a cell");
         assert!(outcome.report.is_ok(), "{:?}", outcome.report);
         let why: Vec<_> = outcome.misses(arms).into_iter().map(|miss| miss.why).collect();

@@ -40,8 +40,11 @@ const APART: f64 = 50e-6;
 /// The largest jump of the acceleration of a path that arms go together [m/s²]: from 1 m/s² to as much in the other direction.
 const JUMP: f64 = 2.0;
 
-/// Time between a lost peer and the start of braking \[s\].
-pub(crate) fn detection_time(step: Duration) -> f64 {
+/// The longest time until an EDP brakes when its demands are lost \[s\]: the missed steps that it bridges, 20 ms of them, and the step
+/// after these. Until then the robot goes on at its velocity. A program that looks at a motion before it begins it needs this, to know that
+/// the robot keeps its limits in a stop from each step of it, too.
+#[must_use]
+pub fn detection_time(step: Duration) -> f64 {
     step.as_secs_f64() * (f64::from(missed_step_budget(step)) + 1.0)
 }
 

@@ -103,7 +103,7 @@ mod tests {
     fn a_line_on_which_a_motor_would_pass_its_limit_is_known_before_and_another_one_is_found() {
         let (station, ([x, y], yaw)) = (&STATIONS[0], (FAR, 0.5 * PI));
         let from = at_rest(at(y - BELT[1], x - BELT[0], HIGH, yaw), station.along).expect("a posture");
-        let reach = Reach::at(station.along, 4e-3);
+        let reach = Reach::at(station.along, Duration::from_millis(4));
         let found = lines(&reach, &from, station, STEPS, yaw).expect("lines");
         assert_eq!(found.len(), 3, "past the column, over the bin, down");
         assert!(goes(&from, &found) && !goes(&from, &found[1..]));
@@ -111,7 +111,7 @@ mod tests {
 
     #[test]
     fn reach_says_of_lines_what_the_edp_does() {
-        let (station, reach) = (&STATIONS[0], Reach::at(STATIONS[0].along, 4e-3));
+        let (station, reach) = (&STATIONS[0], Reach::at(STATIONS[0].along, Duration::from_millis(4)));
         let mut random = Noise::seeded(36);
         let mut counts = [0, 0];
         while counts[0] + counts[1] < 150 {
@@ -136,7 +136,7 @@ mod tests {
     fn from_everywhere_in_the_window_the_arm_gets_to_every_bin_and_can_put_back_what_it_has() {
         let mut counts = [0, 0];
         for station in &STATIONS {
-            let reach = Reach::at(station.along, 4e-3);
+            let reach = Reach::at(station.along, Duration::from_millis(4));
             // Where the tool stops after it has left the part, at 1.2 times the fastest belt; across, as far as parts are believed to lie.
             let (farthest, aside) = (LAST + 0.1 + 0.2 * 1.2 * 0.15, 1.2 * ACROSS);
             for s in between(FIRST, farthest, 20) {

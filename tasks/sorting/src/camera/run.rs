@@ -179,7 +179,6 @@ impl Settings {
         let looks = Rc::<RefCell<Looks>>::default();
         let mut cell = sense(&file, cell, &plant, &parts, &looks)?;
         let stranded = Rc::<RefCell<Vec<u32>>>::default();
-        let step = file.step().as_secs_f64();
         for (number, station) in stations.iter().enumerate() {
             if number > 0 {
                 let fingers = plant.fingers_of(number, BEAM, file.step().as_secs_f64());
@@ -187,8 +186,8 @@ impl Settings {
                 cell = cell.sensor(file.sensor(station.fingers, fingers)?);
             }
             let [arm, hand] = station.robots;
-            let (reach, put_back) =
-                (Reach::at(station.along, step).noticing(self.noticing), stranded.clone());
+            let (reach, put_back) = (Reach::at(station.along, file.step()), stranded.clone());
+            let reach = self.noticing.map_or(reach.clone(), |noticing| reach.noticing(noticing));
             cell = cell.ecp(arm, move |ecp| ecp::arm(ecp, station, &reach, &put_back));
             cell = cell.ecp(hand, |ecp| ecp::hand(ecp, station));
         }

@@ -2,7 +2,6 @@
 
 use super::clear::MARGIN;
 use crate::generators::Uneven;
-use crate::reach::Reach;
 
 /// What is run.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,8 +30,8 @@ pub struct Settings {
     pub arms: usize,
     /// Two arms that are nearer than this are stopped \[m\].
     pub margin: f64,
-    /// An arm keeps so far from its limits that it may go on for this time before it brakes \[s\].
-    pub noticing: f64,
+    /// An arm keeps so far from its limits that it may go on for this time before it brakes \[s\]; by default for as long as its EDP does.
+    pub noticing: Option<f64>,
 }
 
 /// What is over the belt and tells of parts.
@@ -61,7 +60,7 @@ impl Settings {
             overhead: Overhead::Camera,
             arms: 1,
             margin: MARGIN,
-            noticing: Reach::NOTICING,
+            noticing: None,
         }
     }
 
