@@ -88,7 +88,7 @@ fn run(by: By, count: usize, parts: &'static [usize]) -> Run {
 }
 
 #[test]
-fn a_hand_that_has_closed_on_nothing_is_opened_and_the_next_part_is_taken() {
+fn fault_340_a_hand_that_has_closed_on_nothing_is_opened_and_the_next_part_is_taken() {
     // Never three in a row.
     const AWAY: &[usize] = &[0, 1, 3];
     for by in ALL {
@@ -101,7 +101,7 @@ fn a_hand_that_has_closed_on_nothing_is_opened_and_the_next_part_is_taken() {
 }
 
 #[test]
-fn a_hand_that_has_closed_on_nothing_three_times_in_a_row_stops_the_cell_with_the_cause() {
+fn fault_340_a_hand_that_has_closed_on_nothing_three_times_in_a_row_stops_the_cell_with_the_cause() {
     for by in ALL {
         let Run { fault, failed, away, .. } = run(by, 5, &[1, 2, 3]);
         let fault = fault.expect("the cell stops");

@@ -10,7 +10,7 @@ use mrroc_robots::Irp6;
 
 use super::acquire::at;
 use super::layout::{Station, bin, limits};
-use crate::places::{BELT, HIGH, LOW, OVER_TRAY};
+use crate::places::{BELT, HIGH, LOW, OVER_TRAY, SURFACE};
 use crate::reach::Reach;
 
 /// Opposite the column, along the belt and across it from its middle \[m\]: lines to here and from here lead past the column.
@@ -46,6 +46,20 @@ pub fn raised(X_WE: &Pose) -> Pose {
 #[allow(non_snake_case)]
 pub fn is_low(X_WE: &Pose) -> bool {
     X_WE.translation.z < 0.5 * HIGH
+}
+
+/// Whether the tool is over the belt, and not over a bin.
+#[must_use]
+#[allow(non_snake_case)]
+pub fn is_over_belt(X_WE: &Pose) -> bool {
+    (X_WE.translation.x - BELT[0]).abs() < 0.5 * SURFACE[2]
+}
+
+/// Where the tool is along the belt \[m\].
+#[must_use]
+#[allow(non_snake_case)]
+pub fn along(X_WE: &Pose) -> f64 {
+    X_WE.translation.y - BELT[1]
 }
 
 /// The poses of the tool on the way to a bin, its angle `yaw` \[rad\]: straight, or else past the column; over the bin, and down to it.
@@ -145,10 +159,12 @@ mod tests {
                         let pose = at(s + station.along, across, HIGH, yaw);
                         let from = at_rest(pose, station.along).expect("a posture");
                         assert!(reach.contains(&from, &[lowered(&pose), pose], limits()), "{pose}");
+                        assert!(is_over_belt(&pose) && (along(&pose) - s - station.along).abs() < 1e-12);
                         for number in 0..BINS {
                             let found = lines(&reach, &from, station, number, yaw);
                             let found = found.unwrap_or_else(|| panic!("{s} {across} {yaw} to bin {number}"));
                             counts[found.len() - 2] += 1;
+                            assert!(!is_over_belt(&found[found.len() - 1]), "bin {number}");
                         }
                     }
                 }

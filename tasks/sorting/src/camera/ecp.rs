@@ -17,8 +17,8 @@ use crate::generators::{Close, Grasp};
 use crate::places::{FINGERS, HIGH, HOME, OPEN};
 use crate::reach::Reach;
 
-/// The arm at its station: with the part, by the belt's encoder, until the hand has it; then over its bin. A part that it cannot bring
-/// there within its reach is put back onto the belt, and its number noted in `stranded`.
+/// The arm at its station: with the part, by the belt's encoder, until the hand has it; then over its bin. With a part that it cannot bring
+/// there within its reach it stays over the belt, until it is told to put that back; the part's number is noted in `stranded`.
 ///
 /// # Errors
 /// The first fault of the cell.
@@ -38,12 +38,13 @@ pub fn arm(
                 return Ok(());
             }
             let now = *ecp.image().demanded();
-            let lines = lines(reach, &now, station, bin as usize, yaw).unwrap_or_else(|| {
+            let Some(lines) = lines(reach, &now, station, bin as usize, yaw) else {
                 stranded.borrow_mut().push(part);
-                vec![lowered(&now.pose)]
-            });
+                return Ok(());
+            };
             lines.into_iter().try_for_each(|pose| ecp.move_robot((), line(pose)).map(drop))
         }
+        Task::PutBack => ecp.move_robot((), line(lowered(&ecp.image().demanded().pose))).map(drop),
         Task::Return => ecp.move_robot((), line(at(HOME + station.along, 0.0, HIGH, FRAC_PI_2))).map(drop),
         Task::Release if is_low(&ecp.image().demanded().pose) => {
             ecp.wait_until((), elapsed(OPENING))?;
@@ -75,6 +76,6 @@ pub fn hand(ecp: &mut Ecp<TwoFingers>, station: &Station) -> Result<(), Fault> {
             ecp.move_robot((&mut fingers,), Grasp::default()).map(drop)
         }
         Task::Release => ecp.move_robot((), open()).map(drop),
-        Task::Return => Ok(()),
+        Task::PutBack | Task::Return => Ok(()),
     })
 }

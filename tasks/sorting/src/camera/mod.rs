@@ -14,6 +14,7 @@ pub mod clear;
 pub mod command;
 pub mod count;
 pub mod ecp;
+pub mod gap;
 pub mod kinds;
 pub mod layout;
 pub mod looks;

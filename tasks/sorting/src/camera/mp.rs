@@ -7,15 +7,16 @@ use mrroc_robots::{Conveyor, Irp6, TwoFingers};
 use mrroc_sensors::virtual_sensors::PartSensor;
 
 use super::orders::Task;
-use super::queue::{Queue, Ready, Tell};
+use super::queue::{Gap, Queue, Ready, Tell};
 use crate::generators::Uneven;
 use crate::mp::Failed;
 
 /// Sorts what the belt brings, as long as the queue says that more comes; `eye` is the sensor that tells of parts. Counts in `failed` the
-/// picks in which the hand closed on nothing: it is opened after every pick.
+/// picks in which the hand closed on nothing: it is opened after every pick. A part that the arm cannot bring to its bin is put back into a
+/// gap of the belt.
 ///
 /// # Errors
-/// The first fault of the cell; three picks in a row that failed.
+/// The first fault of the cell; three picks in a row that failed; no gap came for a part that is to be put back.
 pub fn coordinate(
     mp: &mut Mp,
     eye: &str,
@@ -34,6 +35,10 @@ pub fn coordinate(
         };
         queue = mp.move_robots((&mut arm.0, &mut arm.1), (&mut parts,), Tell(pick, queue))?.1;
         queue.count_pick(failed)?;
+        if queue.is_stranded() {
+            queue = mp.wait_until((&mut arm.0, &mut arm.1), (&mut parts,), Gap(queue))?.0;
+            queue = mp.move_robots((&mut arm.0, &mut arm.1), (&mut parts,), Tell(Task::PutBack, queue))?.1;
+        }
         queue = mp.move_robots((&mut arm.0, &mut arm.1), (&mut parts,), Tell(Task::Release, queue))?.1;
     }
 }

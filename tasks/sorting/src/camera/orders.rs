@@ -14,6 +14,8 @@ pub enum Task {
         /// The bin, as [`bin`](super::layout::bin) counts them.
         bin: u32,
     },
+    /// Arm: go down to the belt with a part that it cannot bring to its bin; the belt has a gap there.
+    PutBack,
     /// Hand: let it go.
     Release,
     /// Arm: to where it waits.

@@ -7,10 +7,14 @@ use std::rc::Rc;
 
 use mrroc::generator::{Class, Condition, Generator, Level, Uses};
 use mrroc::prelude::*;
+use mrroc::robot::RobotImage;
 use mrroc::sensor::SensorImage;
+use mrroc_robots::{Irp6, TwoFingers};
 use mrroc_sensors::virtual_sensors::{OnBelt, PartSensor, Spotted};
 
+use super::carry::{along, is_over_belt};
 use super::count::Count;
+use super::gap::Things;
 use super::kinds::{KINDS, kinds};
 use super::layout::{FIRST, LAST};
 use super::orders::{Place, Task};
@@ -34,8 +38,42 @@ pub struct Queue {
     grips: Rc<[f64]>,
     /// Parts that went by, because the arm was busy: their numbers.
     pub late: Vec<u32>,
-    /// Openings of the hand that the MP tells what to do, demanded and measured \[m\].
-    openings: [f64; 2],
+    /// What is on the belt, besides parts that a hand has.
+    pub(super) things: Things,
+    /// The part that was to be taken last.
+    number: u32,
+    /// The arm and the hand that the MP tells what to do.
+    arm: Held,
+    /// For how long a part has waited in the hand for a gap \[s\].
+    waited: f64,
+}
+
+/// What an arm has, as far as its coordinator sees.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Held {
+    /// Openings of the hand, demanded and measured \[m\].
+    pub openings: [f64; 2],
+    /// Where the tool is along the belt, if it is over the belt \[m\].
+    pub over_belt: Option<f64>,
+}
+
+impl Held {
+    /// Nothing is known yet.
+    pub const NOTHING: Self = Self { openings: [OPEN; 2], over_belt: None };
+
+    pub fn of(arm: &RobotImage<Irp6>, hand: &RobotImage<TwoFingers>) -> Self {
+        let pose = &arm.demanded().pose;
+        Self {
+            openings: [hand.demanded(), hand.measured()].map(|state| state.joints[0]),
+            over_belt: is_over_belt(pose).then(|| along(pose)),
+        }
+    }
+
+    /// Where the tool is along the belt with a part that the arm cannot bring to its bin \[m\]; `None` where it has none, or is over a bin.
+    pub fn stranded(&self) -> Option<f64> {
+        let [demanded, measured] = self.openings;
+        self.over_belt.filter(|_| is_closed(demanded) && !is_empty(demanded, measured))
+    }
 }
 
 impl Queue {
@@ -43,6 +81,8 @@ impl Queue {
     pub(super) const AHEAD: f64 = 2.5;
     /// .. and gets to it at most so long after it has set out, with the hand closed \[s\].
     pub const REACHING: f64 = 4.5;
+    /// A gap to put a part back into comes within this time, or the cell stops \[s\].
+    pub const WAITING: f64 = 120.0;
 
     /// Of so many parts to come; it ends where none has come for `timeout` \[s\].
     #[must_use]
@@ -60,7 +100,10 @@ impl Queue {
             last: LAST,
             grips,
             late: Vec::new(),
-            openings: [OPEN; 2],
+            things: Things::default(),
+            number: 0,
+            arm: Held::NOTHING,
+            waited: 0.0,
         }
     }
 
@@ -84,6 +127,7 @@ impl Queue {
             self.waiting.push_back(*part);
             self.quiet = 0.0;
         }
+        self.things.take(seen, self.newest, self.last + 2.0 * Things::APART);
         self.newest = self.newest.max(seen.parts);
         self.seen = *seen;
         // Belts may carry parts past each other only as fast as they run: none.
@@ -113,9 +157,32 @@ impl Queue {
     ///
     /// # Errors
     /// It closed on nothing, as often in a row as the cell stops for.
-    pub fn count_pick(&self, failed: &Cell<Failed>) -> Result<(), Fault> {
-        let [demanded, measured] = self.openings;
-        if is_closed(demanded) { Failed::count(failed, is_empty(demanded, measured)) } else { Ok(()) }
+    pub fn count_pick(&mut self, failed: &Cell<Failed>) -> Result<(), Fault> {
+        let [demanded, measured] = self.arm.openings;
+        if !is_closed(demanded) {
+            return Ok(());
+        }
+        self.things.lift(self.number);
+        Failed::count(failed, is_empty(demanded, measured))
+    }
+
+    /// Whether the hand has a part that the arm cannot bring to its bin.
+    #[must_use]
+    pub fn is_stranded(&self) -> bool {
+        self.arm.stranded().is_some()
+    }
+
+    /// Whether the belt has a gap now where an arm has waited for it so long \[s\], at a place along s \[m\].
+    ///
+    /// # Errors
+    /// None came for too long.
+    pub(super) fn has_gap(&self, s: f64, waited: f64) -> Result<bool, Fault> {
+        if waited > Self::WAITING {
+            return Err(Fault::thrown(
+                "an arm holds a part that it cannot bring to its bin, and no gap of the belt came to put it back: take it out of the hand",
+            ));
+        }
+        Ok(self.things.is_clear(s, &self.seen))
     }
 
     /// The task to take the next part; `None` when no more come.
@@ -124,6 +191,7 @@ impl Queue {
             return None;
         }
         let part = self.waiting.pop_front()?;
+        self.number = part.number;
         Some(self.order(&part))
     }
 
@@ -160,6 +228,37 @@ impl Condition for Ready {
     }
 }
 
+/// A Wait for a gap of the belt below the part that the arm holds.
+pub struct Gap(pub Queue);
+
+// By hand, as `Tell`.
+impl Condition for Gap {
+    type Robots = Arm;
+    type Sensors = (PartSensor,);
+    type Order = ();
+    const CLASS: Class =
+        Class::new(Level::Mp, Uses { state: true, sensors: true, tick: true, ..Uses::NOTHING });
+
+    fn is_met(
+        &mut self,
+        _: &Order<()>,
+        _: &State<Arm>,
+        v: &Reading<(PartSensor,)>,
+        t: Tick,
+    ) -> Result<bool, Fault> {
+        let queue = &mut self.0;
+        queue.take(&v.0, t.duration)?;
+        let Some(s) = queue.arm.stranded() else { return Ok(true) };
+        queue.waited += t.duration;
+        let has_gap = queue.has_gap(s, queue.waited)?;
+        if has_gap {
+            queue.waited = 0.0;
+            queue.things.put_back(queue.number, s, &queue.seen);
+        }
+        Ok(has_gap)
+    }
+}
+
 /// Tells arm and hand a task, and goes on taking in parts.
 pub struct Tell(pub Task, pub Queue);
 
@@ -190,7 +289,36 @@ impl Generator for Tell {
         t: Tick,
     ) -> Result<Step<Arm, Task>, Fault> {
         self.1.take(&v.0, t.duration)?;
-        self.1.openings = [e.1.demanded().joints[0], e.1.measured().joints[0]];
+        self.1.arm = Held::of(&e.0, &e.1);
         Ok(Step::Next((self.0, self.0)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn fault_341_a_part_for_which_no_gap_of_the_belt_comes_is_a_named_fault() {
+        let mut queue = Queue::of(2, 10.0);
+        assert_eq!(queue.has_gap(0.5, 0.0), Ok(true));
+        // One lies below on a belt that stands.
+        queue.things.put_back(1, 0.5, &Spotted::default());
+        assert_eq!(queue.has_gap(0.5, Queue::WAITING), Ok(false));
+        let fault = queue.has_gap(0.5, Queue::WAITING + 4e-3).expect_err("too long").to_string();
+        assert!(
+            fault.contains("no gap of the belt came") && fault.contains("take it out of the hand"),
+            "{fault}"
+        );
+    }
+
+    #[test]
+    fn a_hand_that_presses_on_a_part_over_the_belt_holds_one_that_cannot_go_to_its_bin() {
+        let held = |openings: [f64; 2], over_belt| Held { openings, over_belt }.stranded();
+        // Fingers that are to close to 40 mm, and a part of 50 mm between them.
+        assert_eq!(held([0.04, 0.05], Some(0.3)), Some(0.3));
+        assert_eq!(held([0.04, 0.05], None), None, "over its bin");
+        assert_eq!(held([0.04, 0.04], Some(0.3)), None, "nothing between the fingers");
+        assert_eq!(held([0.08, 0.08], Some(0.3)), None, "the hand is open");
     }
 }

@@ -4,19 +4,18 @@ use core::cell::Cell;
 
 use mrroc::generator::{Class, Condition, Level, Uses};
 use mrroc::prelude::*;
-use mrroc::robot::RobotImage;
 use mrroc_generators::generators::ConstantOrder;
 use mrroc_robots::{Conveyor, Irp6, TwoFingers};
 use mrroc_sensors::virtual_sensors::{OnBelt, PartSensor};
 
 use super::assignment::{Free, Times, Waiting, assign, over};
+use super::gap::Things;
 use super::layout::{FIRST, LAST, STATIONS};
 use super::orders::Task;
-use super::queue::Queue;
+use super::queue::{Held, Queue};
 use super::settings::Settings;
 use crate::generators::Uneven;
 use crate::mp::{Arm, Failed, is_closed, is_empty};
-use crate::places::OPEN;
 
 /// How many arms.
 pub const ARMS: usize = STATIONS.len();
@@ -25,7 +24,7 @@ pub const ARMS: usize = STATIONS.len();
 /// loose orders, while the coordinator goes on taking in parts. Counts in `failed` the picks in which the hand of an arm closed on nothing.
 ///
 /// # Errors
-/// The first fault of the cell; three picks of an arm in a row that failed.
+/// The first fault of the cell; three picks of an arm in a row that failed; no gap came for a part that is to be put back.
 pub fn coordinate(
     mp: &mut Mp,
     eye: &str,
@@ -39,8 +38,8 @@ pub fn coordinate(
     let (mut belt, mut parts) = (mp.robot::<Conveyor>("belt")?, mp.sensor::<PartSensor>(eye)?);
     mp.start_robot(&mut belt, drive)?;
     loop {
-        let [one, two] = &mut hands;
-        shared = mp.wait_until((one, two), (&mut parts,), Turn::of(shared))?.shared;
+        let ([arm, arm_2], [hand, hand_2]) = (&mut arms, &mut hands);
+        shared = mp.wait_until((arm, arm_2, hand, hand_2), (&mut parts,), Turn::of(shared))?.shared;
         for (number, (arm, hand)) in arms.iter_mut().zip(&mut hands).enumerate() {
             if !mp.is_in_background(arm)
                 && let Some(task) = shared.next(number, &failed[number])?
@@ -63,6 +62,10 @@ enum About {
     Idle,
     /// Taking this part.
     Taking(OnBelt),
+    /// Holding a part that it cannot bring to its bin, by its number, since a time \[s of path time\]: it waits for a gap of the belt.
+    Holding(u32, f64),
+    /// Putting it back there.
+    PuttingBack,
     /// Letting it go.
     Releasing,
 }
@@ -75,8 +78,7 @@ pub struct Shared {
     /// Until when the arms are busy, about, and what time it is \[s of path time\].
     busy: [f64; ARMS],
     now: f64,
-    /// Openings of the hands, demanded and measured \[m\].
-    openings: [[f64; 2]; ARMS],
+    held: [Held; ARMS],
     /// Parts that an arm did not find between its fingers: their numbers, and which arm.
     pub vain: Vec<(u32, usize)>,
 }
@@ -98,7 +100,7 @@ impl Shared {
             about: [About::Nowhere; ARMS],
             busy: [0.0; ARMS],
             now: 0.0,
-            openings: [[OPEN; 2]; ARMS],
+            held: [Held::NOTHING; ARMS],
             vain: Vec::new(),
         }
     }
@@ -121,18 +123,23 @@ impl Shared {
     /// # Errors
     /// It has, as often in a row as the cell stops for.
     fn next(&mut self, arm: usize, failed: &Cell<Failed>) -> Result<Option<Task>, Fault> {
-        let [demanded, measured] = self.openings[arm];
+        let [demanded, measured] = self.held[arm].openings;
         match self.about[arm] {
             About::Nowhere => {
                 self.about[arm] = About::Releasing;
                 return Ok(Some(Task::Return));
             }
-            About::Taking(_) if is_closed(demanded) => {
+            About::Taking(part) if is_closed(demanded) => {
+                self.queue.things.lift(part.number);
                 Failed::count(failed, is_empty(demanded, measured))?;
-                self.about[arm] = About::Releasing;
-                self.busy[arm] = self.now + Self::RELEASING;
-                return Ok(Some(Task::Release));
+                if self.held[arm].stranded().is_some() {
+                    self.about[arm] = About::Holding(part.number, self.now);
+                    return self.put_back(arm, part.number, 0.0);
+                }
+                return Ok(Some(self.release(arm)));
             }
+            About::Holding(number, since) => return self.put_back(arm, number, self.now - since),
+            About::PuttingBack => return Ok(Some(self.release(arm))),
             About::Taking(part) => {
                 // Not between the fingers: the other arm may find it.
                 self.vain.push((part.number, arm));
@@ -144,6 +151,25 @@ impl Shared {
             About::Idle | About::Releasing => self.about[arm] = About::Idle,
         }
         Ok(self.pick(arm))
+    }
+
+    fn release(&mut self, arm: usize) -> Task {
+        self.about[arm] = About::Releasing;
+        self.busy[arm] = self.now + Self::RELEASING;
+        Task::Release
+    }
+
+    /// Has an arm put back a part that it has held so long \[s\], once the belt has a gap there.
+    fn put_back(&mut self, arm: usize, number: u32, waited: f64) -> Result<Option<Task>, Fault> {
+        self.busy[arm] = self.now + Things::CLEAR;
+        let Some(s) = self.held[arm].stranded() else { return Ok(Some(self.release(arm))) };
+        if !self.queue.has_gap(s, waited)? {
+            return Ok(None);
+        }
+        let seen = self.queue.seen;
+        self.queue.things.put_back(number, s, &seen);
+        self.about[arm] = About::PuttingBack;
+        Ok(Some(Task::PutBack))
     }
 
     /// The part that an idle arm is to set out for now.
@@ -173,7 +199,7 @@ impl Shared {
     }
 }
 
-/// A Wait for the coordinator's next turn: it takes in parts, and how far the hands are open.
+/// A Wait for the coordinator's next turn: it takes in parts, and what the arms have.
 struct Turn {
     shared: Shared,
     steps: u32,
@@ -190,7 +216,7 @@ impl Turn {
 
 // By hand, as the queue's.
 impl Condition for Turn {
-    type Robots = (TwoFingers, TwoFingers);
+    type Robots = (Irp6, Irp6, TwoFingers, TwoFingers);
     type Sensors = (PartSensor,);
     type Order = ();
     const CLASS: Class =
@@ -199,17 +225,14 @@ impl Condition for Turn {
     fn is_met(
         &mut self,
         _: &Order<()>,
-        e: &State<(TwoFingers, TwoFingers)>,
+        e: &State<(Irp6, Irp6, TwoFingers, TwoFingers)>,
         v: &Reading<(PartSensor,)>,
         t: Tick,
     ) -> Result<bool, Fault> {
         let shared = &mut self.shared;
         shared.queue.take(&v.0, t.duration)?;
         shared.now += t.duration;
-        let opening = |image: &RobotImage<TwoFingers>| {
-            [image.demanded(), image.measured()].map(|state| state.joints[0])
-        };
-        shared.openings = [opening(&e.0), opening(&e.1)];
+        shared.held = [Held::of(&e.0, &e.2), Held::of(&e.1, &e.3)];
         self.steps += 1;
         Ok(self.steps >= Self::STEPS)
     }
