@@ -34,6 +34,8 @@ pub enum Fate {
     Wrong,
     /// Over the end of the belt, or not picked when the run ended.
     Missed,
+    /// A stranger that was not taken, as it should be.
+    Passed,
 }
 
 /// Watches a hand.

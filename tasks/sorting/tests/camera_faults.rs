@@ -12,6 +12,7 @@ use sorting::camera::layout::BEAM;
 use sorting::camera::run::{Outcome, Ready};
 use sorting::camera::settings::Settings;
 use sorting::camera::sight::Sight;
+use sorting::camera::summary::{Line, Table};
 use sorting::monitor::Fate;
 use sorting::plant::Plant;
 use sorting::scene::AtTool;
@@ -159,7 +160,12 @@ fn fault_194_a_stranger_or_a_part_turned_over_passes() {
         assert!(looks.borrow().all.iter().any(|look| look.part == 0));
         assert!(looks.borrow().all.iter().all(|look| look.part != 0 || look.taken.is_none()));
         assert!(outcome.grips.iter().all(|grip| grip.part == 1), "{:?}", outcome.grips);
-        assert_eq!(outcome.fates, [Fate::Missed, Fate::Sorted], "stranger {which}");
+        assert_eq!(outcome.fates, [Fate::Passed, Fate::Sorted], "stranger {which}");
+        // It is no part that was missed, and the share of parts that were sorted does not count it.
+        let line = Line::of(&strange, &outcome);
+        assert_eq!((line.parts, line.sorted, line.strangers, line.passed), (1, 1, 1, 1), "stranger {which}");
+        assert!(line.missed.is_empty() && outcome.misses(1).is_empty(), "{:?}", line.missed);
+        assert!(Table(vec![line]).to_string().contains("strangers: 1 came, 1 passed"));
     }
 }
 

@@ -122,9 +122,11 @@ pub fn time_line(outcome: &Outcome, ready: &[(f64, usize)]) -> String {
     let end = (0..shown).map(last).fold(0.0, f64::max) + 10.0;
     Page::new("Parts over time", WIDTH, height).draw(|svg| {
         let sorted = outcome.count(Fate::Sorted);
+        let strangers = ready.iter().filter(|(_, kind)| *kind == KINDS).count();
+        let besides = if strangers > 0 { format!(", and {strangers} strangers came") } else { String::new() };
         let text = format!(
-            "{sorted} of {} parts sorted; a bar begins where its part comes and ends where it is grasped",
-            ready.len()
+            "{sorted} of {} parts sorted{besides}; a bar begins where its part comes and ends where it is grasped",
+            ready.len() - strangers
         );
         heading(svg, "The queue of parts", &text);
         let frame = Area { x: MARGIN, y: 100.0, width: WIDTH - 2.0 * MARGIN, height: ROW * shown as f64 };
@@ -139,6 +141,7 @@ pub fn time_line(outcome: &Outcome, ready: &[(f64, usize)]) -> String {
                 Fate::Sorted => joint(*kind),
                 Fate::Wrong => HIGHLIGHT,
                 Fate::Missed => GREY,
+                Fate::Passed => REGION,
             };
             svg.rectangle(bar, 1.0, Look::filled(colour));
             if let Some(grip) = held(number).filter(|_| arms > 1) {
@@ -161,9 +164,9 @@ pub fn time_line(outcome: &Outcome, ready: &[(f64, usize)]) -> String {
             Vector2::new(MARGIN, y + 22.0),
             TextStyle::new(12.0, GREY),
             if arms > 1 {
-                "grey: missed; red: in a wrong bin. Where a bar ends: which arm took the part, the first (full square) or the second (empty)"
+                "grey: missed; pale: a stranger that passed; red: in a wrong bin. Where a bar ends: which arm took the part, the first (full square) or the second (empty)"
             } else {
-                "grey: missed; red: in a wrong bin"
+                "grey: missed; pale: a stranger that passed; red: in a wrong bin"
             },
         );
         svg.text(Vector2::new(frame.right(), y + 22.0), TextStyle::new(12.0, GREY).end(), "time [s]");

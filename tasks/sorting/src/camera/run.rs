@@ -349,10 +349,16 @@ impl Ready {
         let wall = began.elapsed();
         let world = &self.plant.world;
         let fate = |(number, part): (usize, &Coming)| match world.whereabouts(number) {
-            Some(Whereabouts::Gone { sink: END_BIN, .. }) => Fate::Missed,
-            Some(Whereabouts::Gone { sink, .. }) if kind_of(sink) == part.kind => Fate::Sorted,
-            Some(Whereabouts::Gone { .. }) => Fate::Wrong,
-            Some(Whereabouts::Awaited | Whereabouts::Here) | None => Fate::Missed,
+            Some(Whereabouts::Gone { sink, .. }) if sink != END_BIN => {
+                if kind_of(sink) == part.kind {
+                    Fate::Sorted
+                } else {
+                    Fate::Wrong
+                }
+            }
+            Some(Whereabouts::Gone { .. } | Whereabouts::Awaited | Whereabouts::Here) | None => {
+                if part.kind == KINDS { Fate::Passed } else { Fate::Missed }
+            }
         };
         Outcome {
             report,

@@ -57,7 +57,7 @@ pub struct Line {
     pub speed: f64,
     /// See [`speed`](Self::speed).
     pub every: f64,
-    /// Parts, and how many were sorted, into a wrong bin, and missed.
+    /// Parts of the kinds, how many were sorted, how many things came into a wrong bin, and which parts were missed.
     pub parts: usize,
     /// See [`parts`](Self::parts).
     pub sorted: usize,
@@ -65,6 +65,10 @@ pub struct Line {
     pub wrong: usize,
     /// Why those that were missed were.
     pub missed: Vec<Miss>,
+    /// Strangers that came, and how many of them passed, as they should.
+    pub strangers: usize,
+    /// See [`strangers`](Self::strangers).
+    pub passed: usize,
     /// How many grasps each arm made.
     pub taken: [usize; STATIONS.len()],
     /// The least distance of two arms \[m\].
@@ -95,10 +99,13 @@ impl Line {
     pub fn of(settings: &Settings, outcome: &Outcome) -> Self {
         let known = |look: &&Look| look.taken.is_some();
         let looks = || outcome.looks.iter().filter(known);
+        let strangers = outcome.came.iter().filter(|(_, kind)| *kind == KINDS).count();
         Self {
             speed: settings.speed,
             every: settings.every,
-            parts: outcome.fates.len(),
+            parts: outcome.fates.len() - strangers,
+            strangers,
+            passed: outcome.count(Fate::Passed),
             sorted: outcome.count(Fate::Sorted),
             wrong: outcome.count(Fate::Wrong),
             missed: outcome.misses(settings.arms),
@@ -116,6 +123,12 @@ impl Line {
         }
     }
 
+    /// Whether nothing is in a wrong bin, no finger came down on a part, and any part was sorted.
+    #[must_use]
+    pub const fn is_well(&self) -> bool {
+        self.wrong == 0 && self.crashes == 0 && self.sorted > 0
+    }
+
     /// Counts the runs of another line with this one's.
     pub fn join(&mut self, other: Self) {
         self.parts += other.parts;
@@ -127,7 +140,9 @@ impl Line {
         let least = |a: f64, b: f64| a.min(b);
         self.closest = self.closest.into_iter().chain(other.closest).reduce(least);
         // Numbers go on over the runs.
-        let before = self.parts - other.parts;
+        let before = self.parts + self.strangers - other.parts;
+        self.strangers += other.strangers;
+        self.passed += other.passed;
         self.missed.extend(other.missed.into_iter().map(|miss| Miss { part: miss.part + before, ..miss }));
         self.places.extend(other.places);
         self.angles.extend(other.angles);
@@ -178,6 +193,13 @@ impl fmt::Display for Table {
                     line.speed, line.every, closest
                 )?;
             }
+        }
+        for line in self.0.iter().filter(|line| line.strangers > 0) {
+            writeln!(
+                f,
+                "{:.2} m/s, one every {:.1} s: besides these parts, strangers: {} came, {} passed, which is right",
+                line.speed, line.every, line.strangers, line.passed
+            )?;
         }
         let missed: usize = self.0.iter().map(|line| line.missed.len()).sum();
         if missed > 0 {
