@@ -7,6 +7,7 @@
 pub mod camera;
 pub mod ecp;
 pub mod generators;
+pub mod left;
 pub mod matrix;
 pub mod monitor;
 pub mod mp;
@@ -20,6 +21,7 @@ pub mod progress;
 pub mod reach;
 pub mod run;
 pub mod scene;
+pub mod scopes;
 pub mod summary;
 
 use mrroc::cell_file::CellFileError;

@@ -4,10 +4,12 @@ use std::error::Error;
 use std::io;
 use std::path::Path;
 use std::process::ExitCode;
+use std::time::SystemTime;
 
 use mrroc::console::{complain, refused, say};
 use mrroc::launch::Launch;
 use sorting::camera::command;
+use sorting::left;
 use sorting::matrix;
 use sorting::options::{Options, SensorKind, parse};
 use sorting::pictures::{filmed, scatter, time_line};
@@ -22,37 +24,22 @@ fn main() -> ExitCode {
         Ok(options) => options,
         Err(answer) => return Launch::answer(&answer),
     };
-    if options.sensor == SensorKind::Infrared && options.arms > 1 {
-        return refused(
-            &"two arms share the belt with a camera or a matrix alone: add --sensor camera, or leave out --arms",
-        );
-    }
-    if options.sensor == SensorKind::Infrared && (options.strangers.is_some() || options.touching.is_some()) {
-        return refused(
-            &"strangers and parts that touch are told by a camera or a matrix alone: add --sensor camera, or leave them out",
-        );
-    }
-    if options.sensor == SensorKind::Infrared && options.sweep.is_some() && !options.profile.is_empty() {
-        return refused(
-            &"a sweep of the infrared sensors has belts of one speed each: leave out --profile, or --sweep",
-        );
-    }
-    if let Err(error) = std::fs::create_dir_all(&options.out) {
+    // A data set has its own file.
+    if options.data_set.is_none()
+        && let Err(error) = std::fs::create_dir_all(&options.out)
+    {
         return refused(&unwritable(&options.out, &error));
     }
-    if options.sensor != SensorKind::Infrared || options.data_set.is_some() || options.images.is_some() {
-        return overhead(&options);
+    let began = SystemTime::now();
+    if options.sensor != SensorKind::Infrared {
+        return overhead(&options, began);
     }
     let ran = match options.sweep {
         Some(seeds) => sweep(&options, seeds.into()),
         None => sort(&options),
     };
     match ran {
-        Ok((all, text)) => {
-            let said = if options.quiet { ExitCode::SUCCESS } else { say(&text) };
-            let kept = all.wrong == 0 && all.crashes == 0 && all.faults == 0;
-            if kept { said } else { ExitCode::FAILURE }
-        }
+        Ok((all, text)) => answer(&options, &text, all.is_well(), began),
         Err(error) => {
             complain(&format!("error: {error}"));
             ExitCode::FAILURE
@@ -60,8 +47,15 @@ fn main() -> ExitCode {
     }
 }
 
+/// Says what came of it, and which pictures in its folder are of an earlier run.
+fn answer(options: &Options, text: &str, is_well: bool, began: SystemTime) -> ExitCode {
+    let left = if options.data_set.is_none() { left::named(&options.out, began) } else { String::new() };
+    let said = if options.quiet { ExitCode::SUCCESS } else { say(&format!("{text}{left}")) };
+    if is_well { said } else { ExitCode::FAILURE }
+}
+
 /// What the sensor over the belt is asked for.
-fn overhead(options: &Options) -> ExitCode {
+fn overhead(options: &Options, began: SystemTime) -> ExitCode {
     let is_matrix = options.sensor == SensorKind::Ultrasonic;
     let ran = if let Some(file) = options.data_set.as_ref().filter(|_| is_matrix) {
         matrix::command::collect(options, file)
@@ -79,10 +73,7 @@ fn overhead(options: &Options) -> ExitCode {
         command::sort(options)
     };
     match ran {
-        Ok((text, well)) => {
-            let said = if options.quiet { ExitCode::SUCCESS } else { say(&text) };
-            if well { said } else { ExitCode::FAILURE }
-        }
+        Ok((text, is_well)) => answer(options, &text, is_well, began),
         Err(error) => {
             complain(&format!("error: {error}"));
             ExitCode::FAILURE

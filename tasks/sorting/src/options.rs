@@ -4,14 +4,17 @@ use std::ffi::OsString;
 use std::iter;
 use std::path::PathBuf;
 
-use clap::{Parser, ValueEnum};
+use clap::error::ErrorKind;
+use clap::{CommandFactory as _, FromArgMatches as _, Parser, ValueEnum};
+
+use crate::scopes::{Mode, is_given, without_effect};
 
 /// What is chosen.
 #[derive(Clone, Debug, PartialEq, Parser)]
 #[command(
     name = "sorting",
     about = "Parts on a moving belt are sensed, acquired and sorted by a simulated arm: prints what was measured, and draws it",
-    after_help = "Exit status: 0 if every part was sorted or passed, none wrongly, 1 if not,\n2 if the command line was refused; then nothing has moved.\n\nExamples:\n  sorting --belt 0.1 --parts 20\n  sorting --first-edge          led by the first edge alone: misses most parts\n  sorting --sweep 1000          so many seeds over all speeds, beside open loop\n  sorting --sensor camera --belt 0.1 --parts 200\n  sorting --sensor camera --belt 0.1 --parts 200 --arms 2\n  sorting --sensor camera --examine 2000\n  sorting --sensor ultrasonic --belt 0.1 --parts 200\n  sorting --sensor camera --strangers 8 --touching 9 --profile 60:0,63:1",
+    after_help = "Exit status:\n  0  parts were sorted, none wrongly; some may have been missed\n  1  a part came into a wrong tray, a finger came down on one, none was sorted,\n     or a fault ended a run; --examine: something was taken for what it is not,\n     or no part was recognised\n  2  the command line was refused: nothing has moved\n\nExamples:\n  sorting --belt 0.1 --parts 20\n  sorting --first-edge          led by the first edge alone: misses most parts\n  sorting --sweep 1000          so many seeds over all speeds, beside open loop\n  sorting --sensor camera --belt 0.1 --parts 200\n  sorting --sensor camera --belt 0.1 --parts 200 --arms 2\n  sorting --sensor camera --examine 2000\n  sorting --sensor ultrasonic --belt 0.1 --parts 200\n  sorting --sensor camera --strangers 8 --touching 9 --profile 60:0,63:1",
     args_override_self = true,
     max_term_width = 80
 )]
@@ -31,12 +34,12 @@ pub struct Options {
     /// Camera, ultrasonic: how many arms share the belt, 1 or 2.
     #[arg(long, value_name = "N", default_value = "1", value_parser = clap::value_parser!(u32).range(1..=2))]
     pub arms: u32,
-    /// The arm is led by the first edge of each part alone.
+    /// Infrared: the arm is led by the first edge of each part alone.
     #[arg(long)]
     pub first_edge: bool,
     /// Infrared: one part for each of so many seeds, over all speeds. Camera, ultrasonic: so many parts at each of several speeds and
     /// three arrival rates: 40, 60 and 80 % of the cycle-time bound, which is measured first.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    #[arg(long, value_name = "N", group = "mode", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub sweep: Option<u32>,
     /// Camera, ultrasonic: the speeds of a sweep [m/s].
     #[arg(long, value_name = "M_PER_S,..", default_value = "0.05,0.1,0.15", value_delimiter = ',', value_parser = speed)]
@@ -49,24 +52,26 @@ pub struct Options {
     pub poisson: bool,
     /// How the belt's speed changes: from each TIME in seconds on it goes at SHARE of its speed, such as `30:0,32:1` for a stop of two seconds, or
     /// `20:0.5,40:1.2`.
-    #[arg(long, value_name = "TIME:SHARE,..", value_delimiter = ',', value_parser = change, conflicts_with_all = ["examine", "images", "data_set"])]
+    #[arg(long, value_name = "TIME:SHARE,..", value_delimiter = ',', value_parser = change)]
     pub profile: Vec<(f64, f64)>,
     /// Camera, ultrasonic: one part in so many is a stranger, which is to pass.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=100_000), conflicts_with_all = ["examine", "images", "data_set"])]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=100_000))]
     pub strangers: Option<u32>,
     /// Camera, ultrasonic: one part in so many touches the part before it.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=100_000), conflicts_with_all = ["examine", "images", "data_set"])]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=100_000))]
     pub touching: Option<u32>,
     /// Camera, ultrasonic: recognise so many parts, one in ten a stranger, without a cell.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    #[arg(long, value_name = "N", group = "mode", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub examine: Option<u32>,
-    /// Camera: evaluate the images of a folder, PNG files of 768 x 576 grey pixels; `empty.png` is that of the empty belt.
-    #[arg(long, value_name = "DIR")]
+    /// Camera, which needs no --sensor here: say what is on each image of a folder, and where. The images are PNG files of 768 x 576 grey
+    /// pixels; one of them, `empty.png`, shows the belt without parts. `--sensor camera --examine 10` writes such a folder to try. Each image
+    /// is drawn anew with what was found on it, as `image-NAME.png` in the folder of --out.
+    #[arg(long, value_name = "DIR", group = "mode")]
     pub images: Option<PathBuf>,
-    /// Camera, ultrasonic: write the features of --parts parts, to train a network by.
-    #[arg(long, value_name = "FILE")]
+    /// Camera (without --sensor, too), ultrasonic: write the features of --parts parts, to train a network by.
+    #[arg(long, value_name = "FILE", group = "mode")]
     pub data_set: Option<PathBuf>,
-    /// Where the pictures go.
+    /// Where the pictures go. Those of an earlier run are replaced; one that this run does not draw stays, and is named at the end.
     #[arg(long, value_name = "DIR", default_value = "sorting")]
     pub out: PathBuf,
     /// Print errors only.
@@ -123,13 +128,22 @@ impl Options {
 /// # Errors
 /// What there is to say instead: the help, or what is wrong.
 pub fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Options, clap::Error> {
-    Options::try_parse_from(iter::once(OsString::from("sorting")).chain(arguments))
+    let mut command = Options::command();
+    let matches = command.try_get_matches_from_mut(iter::once(OsString::from("sorting")).chain(arguments))?;
+    let mut options = Options::from_arg_matches(&matches).map_err(|error| error.format(&mut command))?;
+    let mode = Mode::of(&matches);
+    if matches!(mode, Mode::Images | Mode::DataSet) && !is_given(&matches, "sensor") {
+        options.sensor = SensorKind::Camera;
+    }
+    match without_effect(&matches, options.sensor, mode) {
+        Some(wrong) => Err(command.error(ErrorKind::ArgumentConflict, wrong)),
+        None => Ok(options),
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use clap::CommandFactory;
 
     fn read(arguments: &[&str]) -> Result<Options, clap::Error> {
         parse(arguments.iter().map(OsString::from))
@@ -154,6 +168,59 @@ mod tests {
         ] {
             let text = read(&arguments).expect_err("wrong").to_string();
             assert!(text.contains(said), "{text}");
+        }
+    }
+
+    #[test]
+    fn options_that_have_no_effect_are_refused_with_what_they_go_with() {
+        for (line, wanted) in [
+            (
+                "--examine 9",
+                "--examine has no effect with --sensor infrared: it goes with --sensor camera or ultrasonic\n",
+            ),
+            ("--poisson", "it goes with --sensor camera or ultrasonic, alone or with --sweep\n"),
+            ("--every 9", "it goes with --sensor camera or ultrasonic, alone\n"),
+            ("--sensor camera --every 9 --sweep 9", "--every has no effect with --sensor camera and --sweep"),
+            ("--arms 2", "--arms has no effect with --sensor infrared"),
+            ("--strangers 8", "--strangers has no effect with --sensor infrared"),
+            ("--touching 8", "--touching has no effect with --sensor infrared"),
+            ("--speeds 0.1", "with --sensor camera or ultrasonic, with --sweep\n"),
+            ("--sensor camera --first-edge", "it goes with --sensor infrared, alone\n"),
+            ("--first-edge --sweep 9", "--first-edge has no effect with --sensor infrared and --sweep"),
+            (
+                "--parts 9 --sweep 9",
+                "it goes with any --sensor, alone, or with --sensor camera or ultrasonic, with --data-set\n",
+            ),
+            ("--seed 9 --sweep 9", "--seed has no effect with --sensor infrared and --sweep"),
+            ("--profile 9:0 --sweep 9", "--profile has no effect with --sensor infrared and --sweep"),
+            ("--sensor camera --belt 0.1 --sweep 9", "--belt has no effect with --sensor camera and --sweep"),
+            (
+                "--sensor camera --examine 9 --profile 9:0",
+                "--profile has no effect with --sensor camera and --examine",
+            ),
+            (
+                "--sensor ultrasonic --images x",
+                "--images has no effect with --sensor ultrasonic: it goes with --sensor camera\n",
+            ),
+            ("--images x --seed 9", "--seed has no effect with --sensor camera and --images"),
+            ("--data-set x --out y", "--out has no effect with --sensor camera and --data-set"),
+            ("--sensor camera --examine 9 --sweep 9", "cannot be used with"),
+        ] {
+            let error = read(&line.split(' ').collect::<Vec<_>>()).expect_err(line);
+            assert_eq!(error.exit_code(), 2, "{line}");
+            assert!(error.to_string().contains(wanted), "{line}: {error}");
+        }
+        for line in [
+            "--sensor camera --belt 0.1 --parts 9 --seed 9 --arms 2 --every 9 --poisson --profile 9:0 --strangers 8 --touching 9 --out x",
+            "--sensor ultrasonic --sweep 9 --seed 9 --arms 2 --speeds 0.1 --poisson --profile 9:0 --strangers 8 --touching 9",
+            "--belt 0.1 --parts 9 --seed 9 --first-edge --profile 9:0",
+            "--sensor ultrasonic --data-set x --parts 9 --seed 9 --quiet",
+        ] {
+            assert!(read(&line.split(' ').collect::<Vec<_>>()).is_ok(), "{line}");
+        }
+        for line in ["--images x", "--data-set x"] {
+            let options = read(&line.split(' ').collect::<Vec<_>>()).expect("right");
+            assert_eq!(options.sensor, SensorKind::Camera, "{line}");
         }
     }
 

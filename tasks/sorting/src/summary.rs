@@ -74,6 +74,12 @@ impl Row {
         self.wall += other.wall;
     }
 
+    /// Whether no part is in a wrong tray, no finger came down on one, no run ended with a fault, and any part was sorted.
+    #[must_use]
+    pub const fn is_well(&self) -> bool {
+        self.wrong == 0 && self.crashes == 0 && self.faults == 0 && self.sorted > 0
+    }
+
     /// The share of parts in the right tray.
     #[must_use]
     pub fn share(&self) -> f64 {
@@ -187,6 +193,17 @@ impl fmt::Display for Summary {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_run_is_well_where_parts_are_sorted_and_none_wrongly() {
+        let sorted = Row { parts: 3, sorted: 1, missed: 2, ..Row::default() };
+        assert!(sorted.is_well());
+        let wrong = Row { wrong: 1, ..sorted.clone() };
+        let touched = Row { crashes: 1, ..sorted.clone() };
+        let ended = Row { faults: 1, ..sorted.clone() };
+        let missed = Row { sorted: 0, missed: 3, ..sorted };
+        assert!([wrong, touched, ended, missed].iter().all(|row| !row.is_well()));
+    }
 
     #[test]
     fn quantiles_are_values_that_so_many_do_not_exceed() {

@@ -34,7 +34,7 @@ const DRAWN: &str = "image-";
 /// Shares of the cycle-time bound of a sweep.
 const LOADS: [f64; 3] = [0.4, 0.6, 0.8];
 
-/// What there is to say, and whether all is well: no part in a wrong bin, no finger on a part.
+/// What there is to say, and whether all is well: parts in their bins, none in a wrong one, no finger on a part.
 pub type Said = Result<(String, bool), Box<dyn Error>>;
 
 /// Writes a picture.
@@ -80,7 +80,8 @@ pub fn test_recognition(options: &Options, count: usize) -> Said {
     let folder = options.out.display();
     let text = format!("{}see {folder}/confusion.svg, {folder}/image-1.png and more\n", examination(&trials));
     let strangers: u32 = counts.0[super::kinds::KINDS][..super::kinds::KINDS].iter().sum();
-    Ok((text, counts.counts()[1] == 0 && strangers == 0))
+    let [right, misnamed, _] = counts.counts();
+    Ok((text, right > 0 && misnamed == 0 && strangers == 0))
 }
 
 /// What is in images of others, `raw-*.png` and whatever else a folder has beside `empty.png`, that of the empty belt.
@@ -103,7 +104,11 @@ pub fn evaluate(options: &Options, folder: &Path) -> Said {
     let mut text = String::from(
         "image            kind            score    fit   along [mm]  across [mm]  angle [deg]\n",
     );
-    for file in files.iter().filter(is_image) {
+    files.retain(|file| is_image(&file));
+    if files.is_empty() {
+        return Err(format!("{}: no PNG file is there but {EMPTY}", folder.display()).into());
+    }
+    for file in &files {
         let image = readable(file)?;
         let found = vision.look(&image)?;
         let name = file.file_stem().and_then(|name| name.to_str()).unwrap_or_default();
@@ -215,7 +220,7 @@ pub fn sort(options: &Options) -> Said {
     let text = format!(
         "{table}see {out}/belt.svg, {out}/{drawn}, {out}/confusion.svg, {out}/scatter.svg, {out}/time-line.svg\n"
     );
-    Ok((text, line.wrong == 0 && line.crashes == 0))
+    Ok((text, line.is_well()))
 }
 
 /// One part in so many; 0 is none.
@@ -258,6 +263,6 @@ pub fn sweep(options: &Options, parts: usize) -> Said {
         }
     }
     save(&options.out, "scatter.svg", &scatter(&table, asked(options)))?;
-    let well = table.0.iter().all(|line| line.wrong == 0 && line.crashes == 0);
+    let well = table.0.iter().all(Line::is_well);
     Ok((format!("{bounds}{table}see {}/scatter.svg\n", options.out.display()), well))
 }
