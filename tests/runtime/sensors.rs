@@ -189,6 +189,7 @@ fn fault_25_a_reading_older_than_twenty_steps_is_not_moved_by() {
     let fault = fault(Cell::new(MS).robot(robot).sensor(sensor).run());
     assert_eq!(fault.kind(), FaultKind::SensorStale);
     assert_eq!(fault.excess().expect("says how old").actual, 21.0);
+    assert_eq!(fault.message(), "21 ms, at most 20 ms");
 }
 
 #[test]

@@ -151,7 +151,7 @@ impl Options {
         let in_steps = |age: Duration| age.as_nanos().div_ceil(step.as_nanos().max(1));
         let max_age =
             self.stale_after.map_or(MAX_AGE, |age| u32::try_from(in_steps(age)).unwrap_or(u32::MAX));
-        Asking { every: self.every.into(), max_age }
+        Asking { every: self.every.into(), max_age, step }
     }
 }
 

@@ -1,6 +1,7 @@
 //! The asking side of virtual sensors, the same in an MP and in an ECP.
 
 use core::any::TypeId;
+use core::time::Duration;
 use std::rc::Rc;
 
 use crate::control::replay::RecordedReadings;
@@ -41,6 +42,8 @@ pub(crate) struct Asking {
     pub every: u64,
     /// Steps after which a reading is too old to move by.
     pub max_age: u32,
+    /// Length of a step of the cell.
+    pub step: Duration,
 }
 
 /// One virtual sensor as a process sees it.
@@ -238,6 +241,14 @@ impl SensorPort {
     fn fault(&self, kind: FaultKind) -> Fault {
         Fault::new(kind).in_process(ProcessId::new(Role::Vsp, self.name))
     }
+
+    /// Its reading is so many steps old, which is said as time, too.
+    fn stale(&self, age: u32) -> Fault {
+        let Asking { max_age, step, .. } = self.asking;
+        let ms = |steps: u32| step.as_nanos() as f64 * f64::from(steps) / 1e6;
+        let text = format!("{} ms, at most {} ms", ms(age), ms(max_age));
+        self.fault(FaultKind::SensorStale).text(&text).exceeds(age.into(), max_age.into(), "step")
+    }
 }
 
 /// The sensors that an instruction reads, whatever their kinds are.
@@ -390,8 +401,7 @@ impl Sensing {
             collected?;
             let age = |from: u64| u32::try_from(step.saturating_sub(from)).unwrap_or(u32::MAX);
             if let Some(age) = port.age_counts_from().map(age).filter(|&age| age > port.asking.max_age) {
-                let stale = port.fault(FaultKind::SensorStale);
-                return Err(stale.exceeds(f64::from(age), f64::from(port.asking.max_age), "step"));
+                return Err(port.stale(age));
             }
             if port.read {
                 let age = age(port.reply.header.step);
