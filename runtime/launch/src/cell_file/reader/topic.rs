@@ -264,6 +264,25 @@ mod tests {
                 "no reliability `relaible`",
                 "did you mean `reliable`?",
             ),
+            // Spellings of other programs.
+            (
+                "\n[",
+                "\nreliability = \"best_effort\"\n[",
+                "no reliability `best_effort`",
+                "did you mean `best effort`?",
+            ),
+            (
+                "\n[",
+                "\nreliability = \"RELIABLE\"\n[",
+                "no reliability `RELIABLE`",
+                "did you mean `reliable`?",
+            ),
+            (
+                "\n[",
+                "\ndurability = \"TRANSIENT_LOCAL\"\n[",
+                "no durability `TRANSIENT_LOCAL`",
+                "did you mean `transient local`?",
+            ),
             ("\n[", "\ndurability = true\n[", "a boolean where \"volatile\" or \"transient local\"", "write"),
             ("\n[", "\ndepth = 0\n[", "0 is out of range", "from 1 to 100"),
             ("\n[", "\nqos = 1\n[", "unknown key `qos`", "a topic has"),
