@@ -260,12 +260,12 @@ impl Definitions {
 
     fn unknown(&self, name: &str) -> Wrong {
         let known: Vec<_> = common().map(|(known, _)| known).collect();
+        let package = name.split('/').next().unwrap_or_default();
         let folder = match &self.folder {
             Some(folder) => format!("or put it at {}", folder.join(format!("{name}.msg")).display()),
-            None => {
-                "or say `definitions = \"FOLDER\"`, with FOLDER/PACKAGE/msg/NAME.msg, such as /opt/ros/jazzy/share"
-                    .to_owned()
-            }
+            None => format!(
+                "or write `definitions = \"FOLDER\"`: the folder that has {name}.msg, such as `src` or `install/{package}/share` of your workspace, or /opt/ros/jazzy/share"
+            ),
         };
         let help = match nearest(name, &known) {
             Some(meant) => format!("did you mean `{meant}`? {folder}"),
@@ -435,6 +435,13 @@ mod tests {
         let long = "x".repeat(LONGEST as usize + 1);
         let wrong = in_folder("long", &[("Bad", &long)], "own/msg/Bad").expect_err("too long");
         assert!(wrong.what.contains("more than 1 MiB"), "{wrong:?}");
+        let wrong = Definitions::new(None).message("own/msg/Gauge").expect_err("not known");
+        assert!(
+            wrong
+                .help
+                .contains("the folder that has own/msg/Gauge.msg, such as `src` or `install/own/share`"),
+            "{wrong:?}"
+        );
         let wrong = Definitions::new(None).message("geometry_msgs/msg/TwistStampd").expect_err("not known");
         assert!(wrong.help.contains("did you mean `geometry_msgs/msg/TwistStamped`?"), "{wrong:?}");
     }
