@@ -5,9 +5,11 @@
 
 use mrroc_core::fault::{Excess, Name};
 use mrroc_core::observe::layout::Layout;
+use mrroc_core::robot::JointKind;
+use mrroc_core::suggestion::suggestion;
 use mrroc_external::goals::{Goal, GoalState, MOST_WORDS, refusal};
 use mrroc_generators::trajectory::{
-    JointBounds, JointState, JointTrajectory, TimedPath, TrajectoryError, TrajectoryPoint,
+    JointBounds, JointState, JointTrajectory, Quantity, TimedPath, TrajectoryError, TrajectoryPoint,
 };
 
 use super::messages::{
@@ -171,11 +173,29 @@ impl Offered {
         }
         match found[..] {
             [one] => Ok(one),
-            [] => Err(format!("no joint is called `{name}`")),
+            [] => Err(format!("no joint is called `{name}`: {}", self.meant(name, only))),
             [..] => {
                 Err(format!("several robots have a joint `{name}`: put the robot's name and a `/` before it"))
             }
         }
+    }
+
+    /// Which joint a name that is none may mean.
+    fn meant(&self, name: &str, only: Option<usize>) -> String {
+        let asked = (0..self.joints.len()).filter(|robot| only.is_none_or(|only| only == *robot));
+        let robots: Vec<usize> = asked.collect();
+        let whole: Vec<String> = robots.iter().flat_map(|&robot| self.whole_names(robot)).collect();
+        match robots[..] {
+            // The robot is known, or there is one alone.
+            [robot] if !name.contains('/') => suggestion(name, &self.joints[robot], "there are"),
+            _ => suggestion(name, &whole, "there are"),
+        }
+    }
+
+    /// The names of a robot's joints, with its own before them.
+    fn whole_names(&self, robot: usize) -> impl Iterator<Item = String> {
+        let of = topic_name(&self.layout.robots[robot].name);
+        self.joints[robot].iter().map(move |joint| format!("{of}/{joint}"))
     }
 
     /// A tolerance of each joint.
@@ -251,55 +271,88 @@ impl Offered {
         Ok(())
     }
 
-    /// An error with the name of its joint.
+    /// An error with the name and the units of its joint.
     fn name_joints(&self, why: &TrajectoryError, robots: &[usize]) -> String {
-        let text = why.to_string();
         match *why {
-            TrajectoryError::Limit { joint, .. }
-            | TrajectoryError::Start { joint, .. }
-            | TrajectoryError::MovingEnd { joint, .. }
-            | TrajectoryError::NotFinite { joint, .. } => {
-                let name = self.joint_name(joint, robots);
-                text.replacen(&format!("joint {joint}"), &format!("joint `{name}`"), 1)
+            TrajectoryError::Limit { quantity, joint, point, value, limit } => {
+                self.joint_of(joint, robots).beyond(quantity, value, point, limit)
             }
-            _ => text,
+            TrajectoryError::Start { joint, position, start } => {
+                self.joint_of(joint, robots).elsewhere(position, start)
+            }
+            TrajectoryError::MovingEnd { joint, velocity } => {
+                let Joint { name, kind } = self.joint_of(joint, robots);
+                let unit = kind.unit(1);
+                format!(
+                    "joint `{name}` has a velocity of {velocity:.6} {unit} at the last point: the robots must be at rest there"
+                )
+            }
+            TrajectoryError::NotFinite { joint, point } => {
+                let name = self.joint_of(joint, robots).name;
+                format!("point {point} has a value that is no finite number, for joint `{name}`")
+            }
+            _ => why.to_string(),
         }
     }
 
-    /// The name of a joint, counted from 1, of these robots.
-    fn joint_name(&self, joint: usize, robots: &[usize]) -> String {
-        let names = robots.iter().flat_map(|&robot| {
-            let of = topic_name(&self.layout.robots[robot].name);
-            self.joints[robot].iter().map(move |joint| format!("{of}/{joint}"))
-        });
-        names.into_iter().nth(joint.wrapping_sub(1)).unwrap_or_else(|| joint.to_string())
+    /// A joint, counted from 1, of these robots.
+    fn joint_of(&self, joint: usize, robots: &[usize]) -> Joint {
+        let kinds = |robot: usize| self.layout.robots[robot].joints.iter().map(|joint| joint.kind);
+        let mut joints = robots.iter().flat_map(|&robot| self.whole_names(robot).zip(kinds(robot)));
+        let found = joints.nth(joint.wrapping_sub(1));
+        let (name, kind) = found.unwrap_or_else(|| (joint.to_string(), JointKind::Revolute));
+        Joint { name, kind }
     }
 
     /// Why the cell did not begin a goal, for these robots.
     pub fn refusal(&self, state: &GoalState, robots: &[usize]) -> String {
         let [joint, point, value, limit] = state.about;
-        let joint = self.joint_name(joint as usize, robots);
-        let beyond = |what: &str| {
-            format!("joint `{joint}`: {what} {value:.4} on the way to point {point}, at most {limit:.4}")
-        };
+        let joint = self.joint_of(joint as usize, robots);
+        let beyond = |quantity| joint.beyond(quantity, value, point as usize, limit);
         match state.refusal {
             refusal::NOT_OFFERED => "the cell's program does not offer all these robots now".to_owned(),
             refusal::SHARED => {
                 "a robot moves by a goal of other robots, too: cancel that one first".to_owned()
             }
-            refusal::START => {
-                format!(
-                    "joint `{joint}` is at {value:.4}, the trajectory begins at {limit:.4}: plan from where the robot is"
-                )
-            }
-            refusal::POSITION => beyond("position"),
-            refusal::VELOCITY => beyond("velocity"),
-            refusal::ACCELERATION => beyond("acceleration"),
-            refusal::JERK => beyond("jerk"),
+            refusal::START => joint.elsewhere(value, limit),
+            refusal::POSITION => beyond(Quantity::Position),
+            refusal::VELOCITY => beyond(Quantity::Velocity),
+            refusal::ACCELERATION => beyond(Quantity::Acceleration),
+            refusal::JERK => beyond(Quantity::Jerk),
             refusal::UNREADABLE => "the cell cannot read it: is the bridge of another version?".to_owned(),
             refusal::OLD => "the cell's program has begun anew".to_owned(),
             _ => "the cell finds its points wrong".to_owned(),
         }
+    }
+}
+
+/// A joint as a refusal names it.
+struct Joint {
+    name: String,
+    kind: JointKind,
+}
+
+impl Joint {
+    /// It would exceed a limit on the way to a point.
+    fn beyond(&self, quantity: Quantity, value: f64, point: usize, limit: f64) -> String {
+        let unit = self.kind.unit(match quantity {
+            Quantity::Position => 0,
+            Quantity::Velocity => 1,
+            Quantity::Acceleration | Quantity::StepOfAcceleration => 2,
+            Quantity::Jerk => 3,
+        });
+        let Joint { name, .. } = self;
+        format!(
+            "joint `{name}`: {quantity} {value:.4} {unit} on the way to point {point}, at most {limit:.4} {unit}"
+        )
+    }
+
+    /// It is not where the trajectory begins.
+    fn elsewhere(&self, position: f64, start: f64) -> String {
+        let (Joint { name, .. }, unit) = (self, self.kind.unit(0));
+        format!(
+            "joint `{name}` is at {position:.4} {unit}, the trajectory begins at {start:.4} {unit}: plan from where the robot is"
+        )
     }
 }
 

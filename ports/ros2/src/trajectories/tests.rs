@@ -73,7 +73,19 @@ fn joints_are_found_by_their_names_in_any_order_and_whole_robots_alone() {
     assert_eq!(asked.robots, [0, 1]);
     for (request, only, code, text) in [
         (request(&ONE, 0.0, 2.0), None, INVALID_JOINTS, "several robots have a joint `a`"),
-        (request(&BOTH, 0.0, 2.0), Some(0), INVALID_JOINTS, "no joint is called `right_arm/a`"),
+        (
+            request(&BOTH, 0.0, 2.0),
+            Some(0),
+            INVALID_JOINTS,
+            "no joint is called `right_arm/a`: there are: left/a,",
+        ),
+        (request(&["left/a", "lefft/b"], 0.0, 2.0), None, INVALID_JOINTS, "did you mean `left/b`?"),
+        (
+            request(&["a", "zz"], 0.0, 2.0),
+            Some(1),
+            INVALID_JOINTS,
+            "no joint is called `zz`: there are: a, b,",
+        ),
         (request(&ONE[1..], 0.0, 2.0), Some(0), INVALID_JOINTS, "joint `a` of robot `left` is missing"),
         (request(&["a"; 6], 0.0, 2.0), Some(0), INVALID_JOINTS, "named twice"),
         (request(&[], 0.0, 2.0), Some(0), INVALID_GOAL, "limits of 0 joints"),
@@ -282,7 +294,7 @@ fn a_goal_that_cannot_be_followed_says_why() {
     };
     rig.hear();
     rig.go(None);
-    let expected = "joint `left/a`: velocity 2.5000 on the way to point 1, at most 1.5000";
+    let expected = "joint `left/a`: velocity 2.5000 rad/s on the way to point 1, at most 1.5000 rad/s";
     assert_eq!(rig.result(moving), (GoalStatusEnum::Aborted, INVALID_GOAL, expected.to_owned()));
 
     // Beside its path by more than it may be: halted, and told when it rests.
