@@ -158,8 +158,15 @@ pub fn each_mcap_message(
     take: impl FnMut(McapMessage<'_>) -> Result<(), String>,
 ) -> Result<(), String> {
     let read = files::open(file).map_err(unreadable).and_then(|from| each_mcap_message_in(from, take));
-    read.map_err(|wrong| format!("{}: {}", file.display(), wrong.what()))
+    read.map_err(|wrong| {
+        let help = if wrong.help() == DAMAGED { RECOVERED } else { "" };
+        format!("{}: {}{help}", file.display(), wrong.what())
+    })
 }
+
+/// What to do about a file of others that is damaged, or has no end.
+const RECOVERED: &str = "\n help: copy it again if its copy was cut off; else have `mcap recover FILE -o NEW.mcap` of the MCAP tools keep what there is, and \
+                         name NEW.mcap";
 
 fn each_mcap_message_in(
     from: impl Read,

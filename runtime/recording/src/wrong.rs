@@ -43,6 +43,11 @@ impl Wrong {
         &self.what
     }
 
+    /// What to do about it in a recording.
+    pub const fn help(&self) -> &'static str {
+        self.help
+    }
+
     /// The same of this file.
     pub fn of(self, file: &Path) -> NotReplayable {
         NotReplayable { file: file.to_owned(), what: self.what, help: self.help.to_owned() }
