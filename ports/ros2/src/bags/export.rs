@@ -267,6 +267,11 @@ impl<'a> Export<'a> {
 
 #[cfg(test)]
 mod tests {
+    use std::time::Duration;
+
+    use mrroc_core::observe::layout::{HardwareLayout, SensorLayout};
+    use mrroc_core::payload::Shape;
+    use mrroc_core::sensor::VspMode;
     use mrroc_launch::cell_file::CellFile;
     use mrroc_recording::each_mcap_message;
     use mrroc_robots::simulated;
@@ -303,6 +308,33 @@ robots.arm = { kind = "irp6", start = [0.0, -1.57, 0.16, -0.16, 4.71, 0.0] }
         each_mcap_message(&folder.join(name), take).expect("an MCAP file");
         bag.discard();
         states
+    }
+
+    #[test]
+    fn sensors_whose_readings_would_have_the_same_topics_are_refused_by_name() {
+        let file = CellFile::parse("cell.toml", CELL).expect("nothing is wrong with it");
+        let mut layout = file.cell(&simulated()).expect("nor with this").layout();
+        layout.sensors.extend(["a-b", "a_b"].map(|name| SensorLayout {
+            name: name.to_owned(),
+            kind: "number",
+            of: None,
+            readers: Vec::new(),
+            every: 1,
+            stale_after: Duration::ZERO,
+            mode: VspMode::Interactive,
+            latency: Duration::ZERO,
+            reading: &Shape::Float,
+            reading_layout: 0,
+            hardware: HardwareLayout::Nothing,
+        }));
+        let folder = std::env::temp_dir().join(format!("mrroc-ros2-same-{}", std::process::id()));
+        let mut bag = Bag::create(&folder, "cell").expect("a folder");
+        let why = Export::open(&mut bag, &layout, &[], 5).err().expect("the same topics");
+        bag.discard();
+        assert!(
+            why.starts_with("sensors `a-b` and `a_b` would have the same topics /sensors/a_b/.."),
+            "{why}"
+        );
     }
 
     #[test]
