@@ -36,6 +36,7 @@
 //! | with `--buttons`: `speed` of `/NODE` | parameter, double | the speed as a share of the planned one, 0 to 1 |
 //!
 //! With `--export-bag` a recording becomes a bag of rosbag2 with the same messages, and with `--from-bag` robots follow the trajectories of a bag: `bags`.
+//! With `--sensors-from-bag` topics that are sensors are those of a bag. `--check` tells all that is wrong before DDS begins: `checks`.
 //!
 //! `NODE` is `cell` unless `--node` says otherwise. Stamps are the cell's time, beginning at the wall clock when the bridge saw its first step. Everything is
 //! reliable, unless `[topics."/NAME"]` in `cell.toml` says otherwise. **DDS has no access control, and its sockets hear all networks of the machine**, whatever address `--address` tells others: whoever reaches the machine
@@ -50,6 +51,7 @@
 
 mod bags;
 mod buttons;
+mod checks;
 mod clock;
 mod definitions;
 mod description;
@@ -57,6 +59,7 @@ mod diagnostics;
 mod messages;
 mod moveit;
 mod node;
+mod options;
 mod outlet;
 mod readings;
 mod run;

@@ -150,25 +150,7 @@ impl RosNode {
     /// # Errors
     /// It names topics that are not published, or asks for what a topic cannot have.
     pub fn check_topics(&self) -> Result<(), String> {
-        let names: Vec<_> = self.published.iter().map(|(name, _)| name.as_str()).collect();
-        let errors = self.asked.iter().filter_map(|asked| {
-            let name = asked.name().text.as_str();
-            let Some((_, durability)) = self.published.iter().find(|(known, _)| known == name) else {
-                let what = format!("the bridge publishes no topic `{name}`");
-                return Some(asked.refuse(what, suggestion(name, &names, "it publishes")));
-            };
-            if *durability == outlet::Durability::TransientLocal {
-                let what = format!(
-                    "`{name}` is kept for nodes that come later: it is reliable, and each change is told"
-                );
-                return Some(asked.refuse(what, "leave the table out".to_owned()));
-            }
-            (SHARED.contains(&name) && asked.every().is_some()).then(|| {
-                let what = format!("each message of `{name}` tells of another robot or another change");
-                asked.refuse(what, "leave `every_ms` out".to_owned())
-            })
-        });
-        CellError::all(errors.collect()).map_err(|error| error.to_string())
+        check_published(&self.published, &self.asked)
     }
 
     /// Its participant of DDS.
@@ -302,6 +284,35 @@ pub fn same_topic<'a>(names: impl Iterator<Item = &'a str> + Clone) -> Option<[&
         let is_same = |other: &&str| topic_name(other) == topic_name(one);
         names.clone().take(place).find(is_same).map(|other| [other, one])
     })
+}
+
+/// Refuses what `cell.toml` asks for of topics that are not published, or that cannot have it.
+///
+/// # Errors
+/// All of it.
+pub fn check_published(
+    published: &[(String, outlet::Durability)],
+    asked: &[PublishedEntry],
+) -> Result<(), String> {
+    let names: Vec<_> = published.iter().map(|(name, _)| name.as_str()).collect();
+    let errors = asked.iter().filter_map(|asked| {
+        let name = asked.name().text.as_str();
+        let Some((_, durability)) = published.iter().find(|(known, _)| known == name) else {
+            let what = format!("the bridge publishes no topic `{name}`");
+            return Some(asked.refuse(what, suggestion(name, &names, "it publishes")));
+        };
+        if *durability == outlet::Durability::TransientLocal {
+            let what = format!(
+                "`{name}` is kept for nodes that come later: it is reliable, and each change is told"
+            );
+            return Some(asked.refuse(what, "leave the table out".to_owned()));
+        }
+        (SHARED.contains(&name) && asked.every().is_some()).then(|| {
+            let what = format!("each message of `{name}` tells of another robot or another change");
+            asked.refuse(what, "leave `every_ms` out".to_owned())
+        })
+    });
+    CellError::all(errors.collect()).map_err(|error| error.to_string())
 }
 
 #[cfg(test)]

@@ -1,7 +1,6 @@
 //! The program: its command line, and its life beside the cell.
 
-use std::net::{IpAddr, Ipv4Addr, UdpSocket};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::ExitCode;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::time::{Duration, Instant};
@@ -9,21 +8,22 @@ use std::time::{Duration, Instant};
 use clap::Parser;
 use mrroc_core::cell::{Cell, CellError};
 use mrroc_core::console::{complain, refused};
-use mrroc_core::observe::layout::{Layout, SensorLayout};
+use mrroc_core::observe::layout::Layout;
 use mrroc_core::operator::button::Button;
 use mrroc_core::operator::{CellState, Request};
-use mrroc_core::sensor::Sensor as _;
-use mrroc_external::{Goals, Subscriber};
+use mrroc_external::Subscriber;
 use mrroc_launch::cell_file::CellFile;
 use mrroc_processes::{Caller, ConsoleMessage, Picture};
 
-use crate::bags::{self, BagOptions};
+use crate::bags;
 use crate::buttons;
+use crate::checks::{Checked, all_refused, check, checked, own_robots, shown};
 use crate::clock::{CellClock, now};
 use crate::description::{Description, joint_names};
 use crate::diagnostics;
 use crate::moveit;
-use crate::node::{Place, RosNode, topic_name};
+use crate::node::{RosNode, topic_name};
+use crate::options::Options;
 use crate::show::Topics;
 use crate::topics::SensorTopics;
 use crate::trajectories::Trajectories;
@@ -35,38 +35,6 @@ const LOOK: Duration = Duration::from_millis(1);
 const TURN: Duration = Duration::from_millis(10);
 /// How long it is waited before a cell that is not there is looked for again.
 const AGAIN: Duration = Duration::from_millis(200);
-
-/// Shows the cell to the nodes of ROS 2, and lets them press its buttons.
-#[derive(Debug, Parser)]
-#[command(name = "ros2")]
-struct Options {
-    /// The file of the cell.
-    #[arg(long, value_name = "FILE", default_value = "cell.toml")]
-    cell: PathBuf,
-    /// The domain of DDS, 0 to 232; without it `ROS_DOMAIN_ID`, or 0.
-    #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u16).range(0..=232))]
-    domain: Option<u16>,
-    /// The address of this machine that other participants of DDS are told, and on whose network they are looked for.
-    #[arg(long, value_name = "ADDRESS", default_value_t = IpAddr::V4(Ipv4Addr::LOCALHOST))]
-    address: IpAddr,
-    /// The name of the node.
-    #[arg(long, value_name = "NAME", default_value = "cell")]
-    node: String,
-    /// Let other nodes press the buttons of the console, and set the speed: all that reach this machine.
-    #[arg(long)]
-    buttons: bool,
-    /// Let other nodes have the robots follow trajectories that the cell's program takes: all that reach this machine.
-    #[arg(long)]
-    goals: bool,
-    /// Write `moveit_controllers.yaml` and `joint_limits.yaml` for a configuration of MoveIt 2 into this folder, and end.
-    #[arg(long, value_name = "FOLDER")]
-    export_moveit: Option<PathBuf>,
-    #[command(flatten)]
-    bags: BagOptions,
-    /// Options of the cell's own program.
-    #[arg(last = true, value_name = "OPTIONS")]
-    _own: Vec<std::ffi::OsString>,
-}
 
 /// The main function of a project's bridge: shows the cell that `cell` makes of `cell.toml`, and that runs as processes
 /// [shown](mrroc_external::Subscribers) at the port of this name, until it is ended by a signal.
@@ -100,25 +68,13 @@ pub fn run(port: &str, cell: impl FnOnce(&CellFile) -> Result<Cell, CellError>) 
             Err(why) => refused(&why),
         };
     }
+    if options.check {
+        return check(assembled, &options);
+    }
     match attend(port, assembled, &options) {
         Ok(never) => match never {},
-        Err(why) => refused(&why),
+        Err(wrong) => all_refused(&wrong),
     }
-}
-
-/// What a cell is made of, with its own robots alone, and their URDFs in the same order.
-fn own_robots(cell: &mut Cell) -> (Layout, Vec<(String, Option<String>)>) {
-    let urdfs: Vec<_> = cell.robots_mut().map(|robot| (robot.name().to_owned(), robot.urdf())).collect();
-    let mut layout = cell.layout();
-    if urdfs.len() < layout.robots.len() {
-        complain("warning: robots of lower cells are not shown");
-    }
-    let mut robots = core::mem::take(&mut layout.robots);
-    for (name, _) in &urdfs {
-        let place = robots.iter().position(|robot| robot.name == *name);
-        layout.robots.extend(place.map(|place| robots.swap_remove(place)));
-    }
-    (layout, urdfs)
 }
 
 /// Writes what a configuration of MoveIt needs.
@@ -140,30 +96,24 @@ fn export_moveit(mut cell: Cell, folder: &Path, node: &str) -> Result<(), String
     write("joint_limits.yaml", moveit::limits(&layout, &joints))
 }
 
-/// The domain that the user of this machine has set for all programs of ROS 2.
-fn users_domain() -> Result<u16, String> {
-    let domain = std::env::var_os("ROS_DOMAIN_ID").filter(|domain| !domain.is_empty());
-    let Some(domain) = domain else { return Ok(0) };
-    let read = domain.to_str().and_then(|domain| domain.parse().ok()).filter(|domain| *domain <= 232);
-    read.ok_or_else(|| format!("ROS_DOMAIN_ID is `{}`\n help: it is a number, 0 to 232", domain.display()))
-}
-
 fn attend(
     port: &str,
     (mut cell, cell_file): (Cell, CellFile),
     options: &Options,
+) -> Result<core::convert::Infallible, Vec<String>> {
+    let (layout, urdfs) = shown(&mut cell);
+    let checked = checked(options, &layout, &cell_file, None)?;
+    show(port, &layout, &urdfs, checked, options).map_err(|why| vec![why])
+}
+
+fn show(
+    port: &str,
+    layout: &Layout,
+    urdfs: &[(String, Option<String>)],
+    Checked { place, robot, from_bag, goals, mapped, recorded }: Checked<'_>,
+    options: &Options,
 ) -> Result<core::convert::Infallible, String> {
-    let from_bag = options.bags.goals()?;
-    let domain = options.domain.map_or_else(users_domain, Ok)?;
-    UdpSocket::bind((options.address, 0))
-        .map_err(|error| format!("{} is no address of this machine: {error}", options.address))?;
-    let topics = cell_file.published().to_vec();
-    let place = Place { domain, address: options.address, node: options.node.clone(), topics };
     let file = options.cell.clone();
-    let (mut layout, urdfs) = own_robots(&mut cell);
-    // Nor are readings of lower cells, which a recording has.
-    layout.sensors.retain(|sensor| !sensor.name.contains('.'));
-    let robot = only(&layout, options.bags.robot.as_deref())?;
     let names: Vec<_> = urdfs.iter().map(|(name, _)| name.as_str()).collect();
     let mut subscriber = Subscriber::at(port, &names)?;
     let (of, may_press) = (file.clone(), options.buttons);
@@ -175,7 +125,7 @@ fn attend(
     };
     let set_speed = move |speed: f64| buttons::press(&of, Button::Speed(speed)).map(drop);
     let mut node = RosNode::begin(&place, check_speed, set_speed)?;
-    let mut topics = Topics::open(&mut node, &layout, &urdfs, CellClock::default())?;
+    let mut topics = Topics::open(&mut node, layout, urdfs, CellClock::default())?;
     node.check_topics()?;
     if options.buttons {
         buttons::offer(&mut node, &file)?;
@@ -183,17 +133,15 @@ fn attend(
     let waiting = from_bag.as_ref().map_or_else(String::new, |goals| {
         format!(", with {} trajectories of a bag for when the cell's program takes goals", goals.len())
     });
-    let mut goals = match options.goals || from_bag.is_some() {
-        true => Some(trajectories(&layout, &topics, &cell_file)?),
-        false => None,
-    };
+    let goals = goals.map(|port| Trajectories::at(&port, layout, topics.joints()));
+    let mut goals = goals.transpose()?;
     if let Some(goals) = goals.as_mut().filter(|_| options.goals) {
-        goals.offer(&mut node, &layout)?;
+        goals.offer(&mut node, layout)?;
     }
     if let Some((goals, from_bag)) = goals.as_mut().zip(from_bag) {
         goals.play(from_bag, robot);
     }
-    let mut readings = SensorTopics::open(&mut node, &layout, &cell_file)?;
+    let mut readings = SensorTopics::open(&mut node, mapped, recorded)?;
     let (show, pictures) = channel();
     let watches = move || loop {
         drop(watch(&file, &show));
@@ -208,31 +156,16 @@ fn attend(
     let with = |what: bool, name: &str| format!("{} {name}", if what { "with" } else { "without" });
     let (buttons, trajectories) = (with(options.buttons, "buttons"), with(options.goals, "goals"));
     complain(&format!(
-        "node /{}: domain {domain} at {}, {buttons}, {trajectories}{waiting}",
-        place.node, place.address
+        "node /{}: domain {} at {}, {buttons}, {trajectories}{waiting}",
+        place.node, place.domain, place.address
     ));
-    let mut serve_readings = || readings.serve(&node);
+    let mut serve_readings = |subscriber: &mut Subscriber| {
+        while let Some(step) = subscriber.step() {
+            readings.step(step.step);
+        }
+        readings.serve(&node);
+    };
     show_for_ever(&mut subscriber, &mut topics, &pictures, &mut goals, &mut serve_readings)
-}
-
-/// The place of the robot of a name, if one is given.
-fn only(layout: &Layout, name: Option<&str>) -> Result<Option<usize>, String> {
-    let Some(name) = name else { return Ok(None) };
-    let place = layout.robots.iter().position(|robot| robot.name == name);
-    let known: Vec<_> = layout.robots.iter().map(|robot| robot.name.as_str()).collect();
-    place
-        .map(Some)
-        .ok_or_else(|| format!("--robot: the cell has no robot `{name}`\n help: it has {}", known.join(", ")))
-}
-
-/// Trajectories for the program of a cell that has a sensor of goals.
-fn trajectories(layout: &Layout, topics: &Topics<RosNode>, file: &CellFile) -> Result<Trajectories, String> {
-    let is_it = |sensor: &&SensorLayout| sensor.kind == Goals::KIND;
-    let sensor = layout.sensors.iter().find(is_it).ok_or(
-        "the cell has no sensor of goals\n help: give its MP one, by `mrroc_external::Goals::in_cell`",
-    )?;
-    let port = file.external(&sensor.name).map_err(|error| error.to_string())?.port();
-    Trajectories::at(port, layout, topics.joints())
 }
 
 fn show_for_ever(
@@ -240,7 +173,7 @@ fn show_for_ever(
     topics: &mut Topics<RosNode>,
     pictures: &Receiver<Option<Box<Picture>>>,
     goals: &mut Option<Trajectories>,
-    serve_readings: &mut dyn FnMut(),
+    serve_readings: &mut dyn FnMut(&mut Subscriber),
 ) -> Result<core::convert::Infallible, String> {
     let mut diagnosed = Instant::now();
     let mut told = (CellState::Idle, None);
@@ -286,7 +219,7 @@ fn show_for_ever(
         if let Some(goals) = goals {
             goals.serve();
         }
-        serve_readings();
+        serve_readings(subscriber);
         std::thread::sleep(LOOK);
     }
 }

@@ -1,7 +1,7 @@
-"""Bags: a recording that tools of ROS 2 read, and a bag that others made, which two arms follow.
+"""Bags: a recording that tools of ROS 2 read, a bag that others made, which two arms follow, and one whose topic is a sensor.
 
-In: the examples `arms`, `bridge`, `goals` and `goals_bridge`, built. Out: exit status 0 if rosbags and mcap-ros2, two implementations of others, read a
-recording whole and to the bit, and the arms go through the points of a bag that rosbags has written.
+In: the examples `arms`, `goals` and `servo` with their bridges, built. Out: exit status 0 if rosbags and mcap-ros2, two implementations of others, read a
+recording whole and to the bit, the arms go through the points of a bag that rosbags has written, and an arm reads its twists in their order at their times.
 """
 
 import json
@@ -27,6 +27,7 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore  # noqa: E
 
 ARMS = Path("ports/panel/examples/cell.toml").resolve()
 GOALS = Path("ports/ros2/examples/goals.toml").resolve()
+SERVO = Path("ports/ros2/examples/servo.toml").resolve()
 STEP = 2_000_000  # [ns]
 JOINTS = ["column", "lower_arm", "upper_arm", "wrist_t", "wrist_v", "flange_n"]
 HOME = np.array([0.0, -1.57, 0.16, -0.16, 4.71, 0.0])
@@ -246,5 +247,84 @@ def ordered(file):
     return np.cumsum([path_time[step] for step in whole]), [orders[step] for step in whole]
 
 
+def twists(bag, kind="geometry_msgs/msg/TwistStamped"):
+    """A bag of rosbags with twists at times that are not even, each of them another one; their dates and stamps after the bag's first message [ns]."""
+    types = STORE.types
+    vector = types["geometry_msgs/msg/Vector3"]
+    dates = [100_000_000 + 20_000_000 * k + 7_000_000 * (k % 3) for k in range(200)]
+    # Measured some time before, which differs by several steps.
+    stamps = [date - 1_000_000 - 4_000_000 * (k % 4) for k, date in enumerate(dates)]
+    told = [(0.03 * np.sin(np.pi * k / 50) + 1e-9 * k, 1e-3 * np.sin(k)) for k in range(len(dates))]
+    begin = 10**18
+    writer = Writer(bag, version=9, storage_plugin=StoragePlugin.MCAP)
+    writer.set_compression(CompressionMode.STORAGE, CompressionFormat.ZSTD)
+    with writer:
+        text = writer.add_connection("/said", "std_msgs/msg/String", typestore=STORE)
+        writer.write(text, begin, STORE.serialize_cdr(types["std_msgs/msg/String"](data="first"), "std_msgs/msg/String"))
+        connection = writer.add_connection("/servo/twist", kind, typestore=STORE)
+        for date, stamp, (z, x) in zip(dates, stamps, told):
+            twist = types["geometry_msgs/msg/Twist"](linear=vector(x=0.0, y=0.0, z=z), angular=vector(x=x, y=0.0, z=0.0))
+            if kind.endswith("Stamped"):
+                at = types["builtin_interfaces/msg/Time"](sec=(begin + stamp) // 10**9, nanosec=(begin + stamp) % 10**9)
+                twist = types[kind](header=types["std_msgs/msg/Header"](stamp=at, frame_id="tool"), twist=twist)
+            writer.write(connection, begin + date, STORE.serialize_cdr(twist, kind))
+    return dates, stamps, told
+
+
+def checked(*options):
+    return subprocess.run([EXAMPLES / "servo_bridge", "--check", *options], capture_output=True, text=True, timeout=60)
+
+
+def is_heard(folder):
+    """The topic of a sensor is that of a bag: each reading is a message of it, at its time, and when the bag is done the sensor is stale."""
+    bag, plain = folder / "twists", folder / "plain"
+    dates, stamps, told = twists(bag)
+    twists(plain, "geometry_msgs/msg/Twist")
+    wrong = checked("--cell", SERVO, "--sensors-from-bag", plain, "--node", "a-b")
+    unlike = "topic /servo/twist is of type geometry_msgs/msg/Twist, and sensor `stick` reads geometry_msgs/msg/TwistStamped"
+    has(wrong.returncode == 2 and unlike in wrong.stderr and "node `a-b`" in wrong.stderr, f"a bag with another type: {wrong}")
+    right = checked("--cell", SERVO, "--sensors-from-bag", bag)
+    has(right.returncode == 0 and f"{len(told)} messages of the bag" in right.stdout, f"a check: {right}")
+    # Ended by its fault, and not kept for a reset.
+    cell_file, outcome = folder / "servo.toml", folder / "outcome.json"
+    cell_file.write_text(SERVO.read_text().replace('after_fault = "await reset"\n', ""))
+    options = ["--processes", "--no-picture", "--quiet", "--record", folder / "heard.mcap", "--outcome", outcome]
+    bridge = subprocess.Popen([EXAMPLES / "servo_bridge", "--cell", cell_file, "--sensors-from-bag", bag], preexec_fn=interruptible)
+    try:
+        subprocess.run([EXAMPLES / "servo", "--cell", cell_file, *options], timeout=90, preexec_fn=interruptible)
+        has(bridge.poll() is None, "the bridge has ended with the cell")
+    finally:
+        bridge.kill()
+        bridge.wait()
+    ended = Outcome(outcome)
+    print(f"  {ended}")
+    has(ended.kind == "SensorStale" and "ms, at most 600 ms" in ended.text, f"the cell ended by {ended}")
+    steps, readings = {}, []
+    with open(folder / "heard.mcap", "rb") as stream:
+        for _, channel, message in make_reader(stream).iter_messages():
+            said = json.loads(message.data)
+            if channel.topic == "/steps":
+                steps[said["step"]] = message.log_time
+            elif channel.topic == "/sensors/stick" and said.get("reading"):
+                of = (said["reading"]["linear"][2], said["reading"]["angular"][0])
+                if not readings or readings[-1][0] != of:
+                    readings.append((of, said["taken"]))
+    place = {bits(twist): k for k, twist in enumerate(told)}
+    strange = [of for of, _ in readings if bits(of) not in place]
+    has(not strange, f"{len(strange)} readings are no messages of the bag: {strange[:3]}")
+    heard = [(place[bits(of)], taken) for of, taken in readings]
+    has([k for k, _ in heard] == sorted({k for k, _ in heard}), "readings are not in the order of the bag")
+    # One that a late machine passes over is replaced by a newer one. The last one ends by the sensor's age.
+    has(len(heard) > len(told) / 2 and heard[-1][0] == len(told) - 1, f"{len(heard)} of {len(told)} messages are readings, the last one is {heard[-1]}")
+    # When each was measured, by the step of which it is: to whole steps, of which processes begin as late as their longest stall.
+    late = [(steps[taken] - steps[min(steps)] - stamps[k]) for k, taken in heard if taken in steps]
+    has(len(late) == len(heard), "a reading is of a step that is not recorded")
+    spread, allowed = max(late) - min(late), 2 * STEP + ended.longest_stall * 1e9
+    print(f"  {len(heard)} of {len(told)} messages of a bag are readings to the bit; their times are those of the bag within {spread / 1e6:.1f} ms, from {min(late) / 1e6:.1f} ms on")
+    has(spread <= allowed, f"their times differ by {spread / 1e6} ms from those of the bag, {allowed / 1e6} ms are allowed")
+    has(min(late) >= -2 * STEP, "a message came before its time")
+
+
 run("tools of others read a recording as a bag", exports)
 run("two arms follow a bag of rosbags", follows)
+run("an arm follows twists of a bag in the place of a topic", is_heard)

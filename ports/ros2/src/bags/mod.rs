@@ -1,4 +1,4 @@
-//! Bags: recordings for the tools of ROS 2, and trajectories that robots follow.
+//! Bags: recordings for the tools of ROS 2, trajectories that robots follow, and messages in the place of those of other nodes.
 
 mod export;
 mod file;
@@ -12,7 +12,8 @@ use std::path::PathBuf;
 use clap::Args;
 
 pub use export::export;
-use read::{Source, Wanted};
+use read::Wanted;
+pub use read::{Source, body};
 
 use crate::trajectories::Request;
 
@@ -22,6 +23,10 @@ pub struct BagOptions {
     /// Have the robots follow the trajectories of a bag, one after another, when the cell's program takes goals. The bridge keeps running afterwards.
     #[arg(long, value_name = "BAG", conflicts_with = "export_bag")]
     from_bag: Option<PathBuf>,
+    /// Take the messages of topics that are sensors of the cell from a bag instead of from other nodes, each as long after the cell's first step as it is after
+    /// the first message of the bag.
+    #[arg(long, value_name = "BAG", conflicts_with = "export_bag")]
+    pub sensors_from_bag: Option<PathBuf>,
     /// The topic of the bag whose trajectories are meant.
     #[arg(long, value_name = "TOPIC", requires = "from_bag")]
     topic: Option<String>,
@@ -43,6 +48,11 @@ pub struct BagOptions {
 }
 
 impl BagOptions {
+    /// Whether goals of a bag are asked for.
+    pub const fn has_goals(&self) -> bool {
+        self.from_bag.is_some()
+    }
+
     /// The goals of the bag that was named, if one was.
     ///
     /// # Errors

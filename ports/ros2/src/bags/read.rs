@@ -1,6 +1,6 @@
-//! Bags that others have written, as trajectories.
+//! Bags that others have written.
 //!
-//! In: a folder of rosbag2 with MCAP files, or such a file, which may have any contents; and which topic is meant. Out: goals, one for each
+//! In: a folder of rosbag2 with MCAP files, or such a file, which may have any contents; and which topic is meant. Out: its messages, and goals, one for each
 //! trajectory, as clients of the action send them; or what is wrong. Nothing that a bag says of its lengths is believed before the bytes are there.
 
 use std::collections::BTreeMap;
@@ -14,6 +14,7 @@ use serde::de::DeserializeOwned;
 
 use super::series::Series;
 use crate::messages::{Header, JointState, Stamp};
+use crate::topics::ByteOrder;
 use crate::trajectories::{Duration, MultiTrajectory, Request, Trajectory};
 
 /// The largest message of a trajectory \[bytes\]: a goal has 16,384 numbers at most, and a plan of MoveIt has a scene behind it. And all that are read of a
@@ -90,12 +91,16 @@ impl Source {
         }
     }
 
-    fn each(&self, mut take: impl FnMut(McapMessage<'_>) -> Result<(), String>) -> Result<(), String> {
+    /// Hands over its messages, file by file.
+    ///
+    /// # Errors
+    /// What is wrong with the bag, or what `take` says.
+    pub fn each(&self, mut take: impl FnMut(McapMessage<'_>) -> Result<(), String>) -> Result<(), String> {
         self.files.iter().try_for_each(|file| each_mcap_message(file, &mut take))
     }
 
     /// What is wrong with the bag as a whole.
-    fn wrong(&self, why: &str) -> String {
+    pub fn wrong(&self, why: &str) -> String {
         format!("{}: {why}", self.bag.display())
     }
 
@@ -173,8 +178,11 @@ impl Source {
         }
     }
 
-    /// The topic that is meant, and its type.
-    fn topic(&self, wanted: Option<&str>) -> Result<(String, String), String> {
+    /// The topics of its messages, and their types.
+    ///
+    /// # Errors
+    /// What is wrong with the bag.
+    pub fn topics(&self) -> Result<BTreeMap<String, String>, String> {
         let mut topics = BTreeMap::<String, String>::new();
         self.each(|message| {
             if !topics.contains_key(message.topic) {
@@ -185,6 +193,12 @@ impl Source {
             }
             Ok(())
         })?;
+        Ok(topics)
+    }
+
+    /// The topic that is meant, and its type.
+    fn topic(&self, wanted: Option<&str>) -> Result<(String, String), String> {
+        let topics = self.topics()?;
         let is_one_each = |kind: &str| [JOINT_TRAJECTORY, GOAL, DISPLAY].contains(&kind);
         let is_read = |kind: &str| is_one_each(kind) || kind == JOINT_STATE;
         let list = |is: &dyn Fn(&str) -> bool| {
@@ -249,16 +263,29 @@ fn whole<M: DeserializeOwned>(data: &[u8]) -> Result<M, String> {
     Ok(message)
 }
 
+/// The body of a message, and the order of its bytes.
+///
+/// # Errors
+/// It is not in plain CDR.
+pub fn body(data: &[u8]) -> Result<(ByteOrder, &[u8]), String> {
+    let (head, body) = data.split_at_checked(4).ok_or("it is shorter than 4 bytes")?;
+    match head {
+        [0, 1, ..] => Ok((ByteOrder::Little, body)),
+        [0, 0, ..] => Ok((ByteOrder::Big, body)),
+        [0x28, 0xb5, 0x2f, 0xfd] => Err(
+            "it is compressed by zstd\n help: convert the bag: rosbags-convert --src BAG --dst NEW --dst-storage mcap"
+                .to_owned(),
+        ),
+        other => Err(format!("it begins with {other:02x?}, and not as plain CDR")),
+    }
+}
+
 /// A message, and how many bytes are left behind it.
 fn decoded<M: DeserializeOwned>(data: &[u8]) -> Result<(M, usize), String> {
-    let (head, body) = data.split_at_checked(4).ok_or("it is shorter than 4 bytes")?;
-    let read = match head {
-        [0, 1, ..] => cdr_encoding::from_bytes::<M, LittleEndian>(body),
-        [0, 0, ..] => cdr_encoding::from_bytes::<M, BigEndian>(body),
-        [0x28, 0xb5, 0x2f, 0xfd] => {
-            return Err("it is compressed by zstd\n help: convert the bag: rosbags-convert --src BAG --dst NEW --dst-storage mcap".to_owned());
-        }
-        other => return Err(format!("it begins with {other:02x?}, and not as plain CDR")),
+    let (order, body) = body(data)?;
+    let read = match order {
+        ByteOrder::Little => cdr_encoding::from_bytes::<M, LittleEndian>(body),
+        ByteOrder::Big => cdr_encoding::from_bytes::<M, BigEndian>(body),
     };
     let (message, used) = read.map_err(|error| format!("it cannot be read: {error}"))?;
     Ok((message, body.len().saturating_sub(used)))

@@ -2,12 +2,17 @@
 
 use std::collections::BTreeMap;
 use std::io::Cursor;
+use std::path::Path;
 
 use byteorder::{BigEndian, LittleEndian};
 use mcap::records::MessageHeader;
 use mcap::{Compression, WriteOptions};
+use mrroc_core::observe::layout::{HardwareLayout, SensorLayout};
 use mrroc_core::payload::{Shape, Wire as _};
 use mrroc_core::pose::Wrench;
+use mrroc_core::sensor::VspMode;
+use mrroc_launch::cell_file::CellFile;
+use mrroc_robots::simulated;
 use proptest::prelude::*;
 use serde::Serialize;
 use serde_json::json;
@@ -16,6 +21,7 @@ use super::file::{Bag, LITTLE_ENDIAN};
 use super::read::{Source, Wanted};
 use crate::messages::{Header, JointState, Stamp, Vector, WrenchStamped};
 use crate::readings::ReadingTopics;
+use crate::topics::{self, Recorded, Told};
 use crate::trajectories::{Duration, MultiTrajectory, Point, Request, Trajectory};
 
 const TRAJECTORY: &str = "trajectory_msgs/msg/JointTrajectory";
@@ -61,12 +67,17 @@ fn read(bytes: &[u8], topic: Option<&str>) -> Result<Vec<Request>, String> {
 
 /// What is read of a file with these bytes.
 fn goals_in(bytes: &[u8], wanted: &Wanted) -> Result<Vec<Request>, String> {
+    in_file(bytes, |file| Source::at(file).and_then(|source| source.goals(wanted)))
+}
+
+/// What is made of a file with these bytes.
+fn in_file<T>(bytes: &[u8], read: impl FnOnce(&Path) -> T) -> T {
     let name = format!("mrroc-ros2-bag-{}-{:?}.mcap", std::process::id(), std::thread::current().id());
     let file = std::env::temp_dir().join(name);
     std::fs::write(&file, bytes).expect("written");
-    let goals = Source::at(&file).and_then(|source| source.goals(wanted));
+    let made = read(&file);
     std::fs::remove_file(&file).expect("removed");
-    goals
+    made
 }
 
 #[test]
@@ -162,7 +173,7 @@ fn what_is_wrong_with_a_bag_is_told_by_name() {
     let unequal = JointState { name: vec!["a".to_owned()], ..JointState::default() };
     for (bytes, topic, text) in [
         (b"SQLite format 3\0".to_vec(), None, "no MCAP file"),
-        (of(&good)[..100].to_vec(), None, "cut off"),
+        (of(&good)[..100].to_vec(), None, "is cut off: it has no end\n help: copy it again"),
         (of(&good[..3]), None, "shorter than 4 bytes"),
         (of(&good[..good.len() - 8]), None, "cannot be read"),
         (longer(64), None, "64 bytes are left"),
@@ -230,6 +241,124 @@ proptest! {
             }
         }
     }
+}
+
+/// What is read of a bag for the sensors `gauge`, a number of `/gauge`, and `arrival`, a number of `/stamped` whose message has a stamp.
+fn recorded(bytes: &[u8]) -> Result<Recorded, Vec<String>> {
+    let sensor = |name: &str, topic: &str| {
+        format!(
+            "[sensors.{name}]\nmode = \"free running\"\nperiod_ms = 2\nstale_after_ms = 100\n\
+             [sensors.{name}.external]\nrate_hz = 50.0\n[sensors.{name}.external.topic]\n{topic}\n"
+        )
+    };
+    let text = format!(
+        "step_ms = 2\nrobots.arm = {{ kind = \"irp6\", start = [0.0, -1.57, 0.16, -0.16, 4.71, 0.0] }}\n{}{}",
+        sensor("gauge", "name = \"/gauge\"\ntype = \"std_msgs/msg/Float64\"\nreading = \"data\""),
+        sensor(
+            "arrival",
+            "name = \"/stamped\"\ntype = \"geometry_msgs/msg/PointStamped\"\nreading = \"point.x\"\nstamp = \"header.stamp\""
+        ),
+    );
+    let file = CellFile::parse("cell.toml", &text).expect("nothing is wrong with it");
+    let layout = CellFile::parse("cell.toml", text.split_once("[sensors").expect("two").0);
+    let mut layout = layout.expect("the robot alone").cell(&simulated()).expect("a cell").layout();
+    layout.sensors.extend(["gauge", "arrival"].map(|name| SensorLayout {
+        name: name.to_owned(),
+        kind: "number",
+        of: None,
+        readers: Vec::new(),
+        every: 1,
+        stale_after: std::time::Duration::from_millis(100),
+        mode: VspMode::Interactive,
+        latency: std::time::Duration::ZERO,
+        reading: &Shape::Float,
+        reading_layout: 0,
+        hardware: HardwareLayout::Nothing,
+    }));
+    let mapped = topics::mapped(&layout, &file).expect("its topics have these types");
+    in_file(bytes, |bag| Recorded::read(bag, &mapped))
+}
+
+const NUMBER: &str = "std_msgs/msg/Float64";
+const POINT: &str = "geometry_msgs/msg/PointStamped";
+
+fn stamped(sec: i32, x: f64) -> Vec<u8> {
+    cdr(&((sec, 5_u32), "world".to_owned(), x, 0.0, 0.0))
+}
+
+#[test]
+fn messages_of_sensors_are_due_as_long_after_the_first_step_as_they_are_after_the_bags_first_message() {
+    const MS: u64 = 1_000_000;
+    const DATE: u64 = 1_700_000_000_000 * MS;
+    let bytes = bag(&[
+        ("/other", STATE, DATE, cdr(&JointState::default())),
+        // Files are in no order of dates.
+        ("/gauge", NUMBER, DATE + 40 * MS, cdr(&0.75)),
+        ("/gauge", NUMBER, DATE + 20 * MS, cdr(&0.1)),
+        ("/gauge", NUMBER, DATE + 30 * MS, vec![0, 1, 0, 0, 1, 2]),
+        ("/stamped", POINT, DATE + 20 * MS, stamped(1_699_999_999, -2.5)),
+    ]);
+    let mut recorded = recorded(&bytes).expect("both topics are there");
+    assert_eq!(recorded.extent(0), (3, 0.04));
+    assert!(recorded.next(u64::MAX).is_none(), "no cell runs");
+    // A cell that begins is helped ten times a second.
+    assert_eq!([400, 499, 500].map(|ms| recorded.is_awaited(ms * MS)), [true, false, true]);
+    assert_eq!(recorded.first(0).map(|told| told.words.clone()), Some(vec![0.1_f64.to_bits()]));
+    let mut run = |first: u64, began: u64| {
+        recorded.step(first, began);
+        assert!(recorded.next(began + 20 * MS - 1).is_none());
+        // The bridge is late: what is due comes in its order, each since its own time.
+        let late = began + 35 * MS;
+        let mut due = Vec::new();
+        let mut take = |recorded: &mut Recorded, now: u64| {
+            while let Some((message, since)) = recorded.next(now) {
+                due.push((message.place, (since - began) / MS, message.date, message.told.clone()));
+            }
+        };
+        take(&mut recorded, late);
+        recorded.step(first + 17, late);
+        take(&mut recorded, late);
+        recorded.step(first + 18, late);
+        take(&mut recorded, began + 40 * MS);
+        take(&mut recorded, u64::MAX);
+        due
+    };
+    let told = |x: f64, stamp| Ok(Told { words: vec![x.to_bits()], stamp });
+    let stamp = Some(1_699_999_999_000_000_005);
+    let expected = [
+        (0, 20, DATE + 20 * MS, told(0.1, None)),
+        (1, 20, DATE + 20 * MS, told(-2.5, stamp)),
+        (0, 30, DATE + 30 * MS, Err("it is too short: it ends in `data`".to_owned())),
+        (0, 40, DATE + 40 * MS, told(0.75, None)),
+    ];
+    assert_eq!(run(1, 600 * MS), expected);
+    // Another run of the cell hears it from the beginning.
+    assert_eq!(run(0, 9000 * MS), expected);
+    // Its newest step was seen at 9035 ms.
+    assert_eq!([10_034, 10_035].map(|ms| recorded.is_awaited(ms * MS)), [false, true]);
+}
+
+#[test]
+fn a_bag_that_lacks_the_topic_of_a_sensor_is_refused_with_what_it_has() {
+    let point = |topic| (topic, POINT, 5, stamped(0, 0.0));
+    let number = |data: Vec<u8>| ("/gauge", NUMBER, 5, data);
+    let wrong = |messages: &[Message]| recorded(&bag(messages)).expect_err("refused");
+    // All that is wrong is told.
+    let both = wrong(&[point("/gauge"), point("/stampd")]);
+    assert!(both.len() == 2, "{both:?}");
+    assert!(both[0].contains("topic /gauge is of type geometry_msgs/msg/PointStamped, and sensor `gauge` reads std_msgs/msg/Float64"), "{both:?}");
+    assert!(both[1].contains("no message of topic /stamped, which sensor `arrival` reads"), "{both:?}");
+    assert!(both[1].contains("did you mean `/stampd`? it has messages of: /gauge, /stampd"), "{both:?}");
+    let compressed = wrong(&[point("/stamped"), number(vec![0x28, 0xb5, 0x2f, 0xfd, 0])]);
+    assert!(
+        compressed[0]
+            .contains("no message of topic /gauge can be read, the first one: it is compressed by zstd"),
+        "{compressed:?}"
+    );
+    let long = wrong(&[point("/stamped"), number([&LITTLE_ENDIAN[..], &vec![0; (1 << 20) + 1]].concat())]);
+    assert!(long[0].contains("more than 1 MiB"), "{long:?}");
+    let cut = recorded(&bag(&[point("/stamped")])[..200]).expect_err("cut off");
+    assert!(cut[0].contains("mcap recover"), "{cut:?}");
 }
 
 #[test]

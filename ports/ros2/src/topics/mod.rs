@@ -1,31 +1,35 @@
 //! Topics as virtual sensors: messages of other nodes become readings of the cell.
 //!
-//! In: what `cell.toml` says of topics, and the messages of other nodes. Out: readings at the ports of the cell's sensors. What may be believed of a reading (its bounds,
+//! In: what `cell.toml` says of topics, and the messages of other nodes, or of a bag. Out: readings at the ports of the cell's sensors. What may be believed of a reading (its bounds,
 //! its age) the sensor decides, as of any program's. Here it is decided whether a message is one of its type, and whose it is: as long as one node publishes, another
 //! one's messages are refused, since a robot that follows two of them in turn follows none.
 
 mod cdr;
+mod mapped;
 mod mapping;
 mod receive;
+mod recorded;
 #[cfg(test)]
 mod tests;
 
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
-use mrroc_core::cell::CellError;
 use mrroc_core::console::complain;
-use mrroc_core::observe::layout::Layout;
 use mrroc_external::{WordSender, monotonic};
-use mrroc_launch::cell_file::{CellFile, ExternalEntry, TopicEntry};
+use mrroc_launch::cell_file::TopicEntry;
 use ros2_client::dds::rustdds::GUID;
 use ros2_client::qos::{Durability, History, Reliability, WhenFull};
 use ros2_client::{MessageTypeName, QosProfile};
 
 use crate::clock::now;
 use crate::node::RosNode;
+pub use cdr::ByteOrder;
+pub use mapped::{Mapped, mapped};
 use mapping::Mapping;
+pub use mapping::Told;
 use receive::{Body, BodyReader};
+pub use recorded::{Recorded, described};
 
 /// Messages of a topic that are taken at a time, however many come: the rest has its turn.
 const EACH: usize = 100;
@@ -45,6 +49,8 @@ const AHEAD: i128 = 10_000_000;
 /// The topics that are sensors of a cell.
 pub struct SensorTopics {
     topics: Vec<SensorTopic>,
+    /// What is read of a bag in their place.
+    recorded: Option<Recorded>,
     looked: Option<Instant>,
     /// The types of what publishers publish.
     types: BTreeMap<GUID, String>,
@@ -58,37 +64,49 @@ struct SensorTopic {
     message: MessageTypeName,
     qos: QosProfile,
     mapping: Mapping,
-    reader: BodyReader,
+    /// `None`: its messages are those of a bag.
+    reader: Option<BodyReader>,
     sender: WordSender,
     owner: Owner<GUID>,
     refused: Refusals,
 }
 
 impl SensorTopics {
-    /// Reads the topics of a cell file, for the sensors of a cell of this layout.
+    /// Begins to hear these topics, or to take what is read of a bag.
     ///
     /// # Errors
-    /// What is wrong with the file, or why a topic or the port of a sensor cannot be opened.
-    pub fn open(node: &mut RosNode, layout: &Layout, file: &CellFile) -> Result<SensorTopics, String> {
-        let mapped: Vec<_> = file.topics().map(|(of, topic)| map(layout, of, topic)).collect();
-        let errors = mapped.iter().filter_map(|mapped| mapped.as_ref().err().cloned()).collect();
-        CellError::all(errors).map_err(|error| error.to_string())?;
+    /// Why a topic or the port of a sensor cannot be opened.
+    pub fn open(
+        node: &mut RosNode,
+        mapped: Vec<Mapped<'_>>,
+        recorded: Option<Recorded>,
+    ) -> Result<SensorTopics, String> {
+        described(&mapped, recorded.as_ref()).iter().for_each(|line| complain(line));
         let mut topics = Vec::new();
-        for ((of, topic), mapping) in file.topics().zip(mapped.into_iter().flatten()) {
-            let sensor = layout.sensors.iter().find(|sensor| sensor.name == of.name());
-            let sender =
-                sensor.map_or_else(|| Err(missing(of)), |sensor| WordSender::at(of.port(), sensor))?;
+        for Mapped { of, topic, sensor, mapping } in mapped {
+            let sender = WordSender::at(of.port(), sensor)?;
             let name = topic.name().text.clone();
             let message = message_type(topic);
             let qos = qos(topic);
-            let reader = BodyReader::open(node.participant(), &name, &message, &qos)
-                .map_err(|error| format!("topic {name}: {error}"))?;
-            complain(&format!("sensor `{}` reads {name}, {}", of.name(), topic.message().text));
+            let reader = match &recorded {
+                Some(_) => None,
+                None => Some(
+                    BodyReader::open(node.participant(), &name, &message, &qos)
+                        .map_err(|error| format!("topic {name}: {error}"))?,
+                ),
+            };
             let owner = Owner { stale: of.stale_after().as_nanos() as u64, last: None };
             let refused = Refusals::of(&name);
             topics.push(SensorTopic { name, message, qos, mapping, reader, sender, owner, refused });
         }
-        Ok(SensorTopics { topics, looked: None, types: BTreeMap::new(), unheard: Vec::new() })
+        Ok(SensorTopics { topics, recorded, looked: None, types: BTreeMap::new(), unheard: Vec::new() })
+    }
+
+    /// The coordinator has shown a step.
+    pub fn step(&mut self, step: u64) {
+        if let Some(recorded) = &mut self.recorded {
+            recorded.step(step, monotonic());
+        }
     }
 
     /// Sends what has come; waits for nobody.
@@ -96,10 +114,29 @@ impl SensorTopics {
         if self.topics.is_empty() {
             return;
         }
+        if let Some(recorded) = &mut self.recorded {
+            while let Some((message, due)) = recorded.next(monotonic()) {
+                let topic = &mut self.topics[message.place];
+                // As if it came at its time in the bag, however late the bridge is: the bag's clock stands for this machine's.
+                let told = message.told.clone();
+                let sent = told.and_then(|told| topic.send(&told, due, None, [due, message.date]));
+                if let Err(why) = sent {
+                    topic.refused.add(&why);
+                }
+            }
+            if recorded.is_awaited(monotonic()) {
+                for (place, topic) in self.topics.iter().enumerate() {
+                    // Measured when the machine was started: the cell begins, and does not count it as a reading.
+                    recorded.first(place).into_iter().for_each(|told| topic.sender.send(&told.words, 0));
+                }
+            }
+            self.topics.iter_mut().for_each(|topic| topic.refused.tell());
+            return;
+        }
         self.look(node, LOOKED);
         for place in 0..self.topics.len() {
             for _ in 0..EACH {
-                match self.topics[place].reader.next() {
+                match self.topics[place].reader.as_ref().map_or(Ok(None), BodyReader::next) {
                     Ok(None) => break,
                     Ok(Some(body)) => self.message(node, place, &body),
                     Err(why) => self.topics[place].refused.add(&why),
@@ -150,22 +187,6 @@ impl SensorTopics {
     }
 }
 
-/// What is read of the messages of a topic.
-fn map(layout: &Layout, of: &ExternalEntry, topic: &TopicEntry) -> Result<Mapping, CellError> {
-    let sensor = layout.sensors.iter().find(|sensor| sensor.name == of.name());
-    Mapping::of(
-        topic,
-        sensor.ok_or_else(|| topic.refuse(topic.name().place(), missing(of), ADDED.to_owned()))?,
-    )
-}
-
-const ADDED: &str =
-    "add it in the function that makes the cell, by `External::in_cell`, or leave its table out";
-
-fn missing(of: &ExternalEntry) -> String {
-    format!("the cell has no sensor `{}`", of.name())
-}
-
 fn message_type(topic: &TopicEntry) -> MessageTypeName {
     // The cell file has no other form.
     let (package, name) = topic.message().text.split_once("/msg/").unwrap_or_default();
@@ -205,6 +226,17 @@ impl SensorTopic {
         let order = body.order()?;
         let told = self.mapping.read(body.bytes(), order).map_err(|why| why.to_string())?;
         let came = monotonic.saturating_sub(body.waited);
+        self.send(&told, came, Some(body.writer), [monotonic, wall])
+    }
+
+    /// Sends what a message says that came at a time of the monotonic clock \[ns\].
+    fn send(
+        &mut self,
+        told: &Told,
+        came: u64,
+        writer: Option<GUID>,
+        [monotonic, wall]: [u64; 2],
+    ) -> Result<(), String> {
         let measured = match told.stamp {
             None => came,
             Some(stamp) => {
@@ -214,7 +246,7 @@ impl SensorTopic {
             }
         };
         self.sender.send(&told.words, measured);
-        self.owner.last = Some(Last { writer: Some(body.writer), heard: monotonic, measured });
+        self.owner.last = Some(Last { writer, heard: monotonic, measured });
         Ok(())
     }
 }

@@ -15,7 +15,12 @@ use ros2_client::{MessageTypeName, QosProfile};
 use super::cdr::ByteOrder;
 
 /// The longest body that is looked at \[bytes\].
-const LONGEST: usize = 1 << 20;
+pub const LONGEST: usize = 1 << 20;
+
+/// Why a body of so many bytes is refused.
+pub fn too_long(bytes: usize) -> String {
+    format!("it has {bytes} bytes, more than 1 MiB")
+}
 
 /// A message.
 #[derive(Clone, Debug)]
@@ -34,7 +39,7 @@ impl Body {
     /// It is too long, or not in plain CDR.
     pub fn order(&self) -> Result<ByteOrder, String> {
         if self.content.len > LONGEST {
-            return Err(format!("it has {} bytes, more than 1 MiB", self.content.len));
+            return Err(too_long(self.content.len));
         }
         match self.content.encoding {
             RepresentationIdentifier::CDR_LE => Ok(ByteOrder::Little),

@@ -51,6 +51,35 @@ pub struct Trajectories {
     told: bool,
 }
 
+/// Finds out whether robots of a layout and a node of this name can each have an action.
+///
+/// # Errors
+/// Why not.
+pub fn check_actions(layout: &Layout, node: &str) -> Result<(), String> {
+    match layout.robots.iter().find(|robot| topic_name(&robot.name) == node) {
+        None => Ok(()),
+        Some(robot) => Err(format!(
+            "robot `{}` and the node would have the same action\n help: give the node another name by --node",
+            robot.name
+        )),
+    }
+}
+
+/// What is wrong with goals of a bag, wherever the robots are: names of joints, times, limits.
+pub fn mistakes(
+    layout: &Layout,
+    joints: Vec<Vec<String>>,
+    goals: &[Request],
+    only: Option<usize>,
+) -> Vec<String> {
+    let offered = Offered { layout: layout.clone(), joints };
+    let wrong = |(place, goal)| {
+        let why = offered.read(goal, only, now()).err()?;
+        Some(format!("bag: trajectory {}: {}", place + 1, why.error_string))
+    };
+    goals.iter().enumerate().filter_map(wrong).collect()
+}
+
 /// A cancellation, whose fields `ros2-client` does not let others see.
 #[derive(Deserialize)]
 struct Cancellation {
@@ -80,12 +109,6 @@ impl Trajectories {
     /// # Errors
     /// Why that cannot be.
     pub fn offer(&mut self, node: &mut RosNode, layout: &Layout) -> Result<(), String> {
-        if let Some(robot) = layout.robots.iter().find(|robot| topic_name(&robot.name) == node.name()) {
-            return Err(format!(
-                "robot `{}` and the node would have the same action\n help: give the node another name by --node",
-                robot.name
-            ));
-        }
         for (robot, of) in layout.robots.iter().enumerate() {
             let name = format!("/{}/follow_joint_trajectory", topic_name(&of.name));
             self.servers.push((Some(robot), node.action(&name, ("control_msgs", "FollowJointTrajectory"))?));

@@ -1,0 +1,203 @@
+//! Messages of a bag in the place of those of other nodes.
+//!
+//! In: a bag, the topics that are sensors, and the steps of the cell. Out: what each message says, as long after the first step of a run as it is after the
+//! first message of the bag. The whole bag is read before a cell runs, so that what is wrong with it is told at the start.
+
+use std::path::Path;
+
+use mrroc_core::console::complain;
+use mrroc_core::suggestion::suggestion;
+use mrroc_recording::McapMessage;
+
+use super::mapped::Mapped;
+use super::mapping::{Mapping, Told};
+use super::receive::{LONGEST, too_long};
+use crate::bags::{Source, body};
+
+/// What is kept of all messages, at most \[bytes\].
+const MOST: usize = 256 << 20;
+
+/// A cell whose steps were not seen for so long may have ended, and so often it is looked whether another one begins \[ns\].
+const ENDED: u64 = 1_000_000_000;
+const AGAIN: u64 = 100_000_000;
+
+/// Topics that are named in a message, at most.
+const NAMED: usize = 20;
+
+/// The messages of all topics that are sensors.
+#[derive(Debug)]
+pub struct Recorded {
+    /// In the order of their dates.
+    messages: Vec<Message>,
+    /// The date of the first message of the bag, of whatever topic \[ns since 1970\].
+    first: u64,
+    /// How many were sent in the run.
+    sent: usize,
+    run: Option<Run>,
+    /// When a cell that begins was helped last \[ns\].
+    helped: u64,
+}
+
+/// A message.
+#[derive(Debug)]
+pub struct Message {
+    /// When it was logged \[ns since 1970\].
+    pub date: u64,
+    /// The place of its topic among those that are sensors.
+    pub place: usize,
+    /// What it says, or why it is refused.
+    pub told: Result<Told, String>,
+}
+
+/// The run of the cell that is seen.
+#[derive(Debug)]
+struct Run {
+    /// When its first step was seen, by the monotonic clock \[ns\].
+    began: u64,
+    /// Its newest step, and when that was seen.
+    step: u64,
+    seen: u64,
+}
+
+impl Recorded {
+    /// Reads the messages of these topics in a bag.
+    ///
+    /// # Errors
+    /// All that is wrong: the bag cannot be read, lacks a topic, or has it with another type.
+    pub fn read(bag: &Path, mapped: &[Mapped<'_>]) -> Result<Recorded, Vec<String>> {
+        let one = |why: String| vec![why];
+        if mapped.is_empty() {
+            return Err(one("the cell file makes no topic a sensor\n help: write a table [sensors.NAME.external.topic], or leave --sensors-from-bag out".to_owned()));
+        }
+        let source = Source::at(bag).map_err(one)?;
+        let topics = source.topics().map_err(one)?;
+        let names: Vec<_> = topics.keys().take(NAMED).collect();
+        let unlike = |of: &Mapped<'_>| {
+            let (topic, kind, sensor) = (&of.topic.name().text, &of.topic.message().text, of.of.name());
+            match topics.get(topic) {
+                Some(found) if found == kind => None,
+                Some(found) => Some(format!(
+                    "topic {topic} is of type {found}, and sensor `{sensor}` reads {kind}\n help: write the type of the bag in the cell file, or name another bag"
+                )),
+                None => Some(format!(
+                    "the bag has no message of topic {topic}, which sensor `{sensor}` reads\n help: {}",
+                    suggestion(topic, &names, "it has messages of")
+                )),
+            }
+        };
+        let wrong: Vec<_> = mapped.iter().filter_map(unlike).map(|why| source.wrong(&why)).collect();
+        if !wrong.is_empty() {
+            return Err(wrong);
+        }
+        let (mut messages, mut first, mut bytes) = (Vec::new(), u64::MAX, 0);
+        let mut take = |message: McapMessage<'_>| {
+            first = first.min(message.date);
+            for (place, of) in
+                mapped.iter().enumerate().filter(|(_, of)| of.topic.name().text == message.topic)
+            {
+                let told = told(&message, &of.topic.message().text, &of.mapping);
+                bytes += size_of::<Message>()
+                    + told.as_ref().map_or_else(String::len, |told| 8 * told.words.len());
+                messages.push(Message { date: message.date, place, told });
+            }
+            match bytes > MOST {
+                true => {
+                    Err("its readings take more than 256 MiB\n help: make a bag of a shorter time".to_owned())
+                }
+                false => Ok(()),
+            }
+        };
+        source.each(&mut take).map_err(one)?;
+        messages.sort_by_key(|message| message.date);
+        let refused = mapped.iter().enumerate().filter_map(|(place, of)| {
+            let mut all = messages.iter().filter(|message| message.place == place);
+            let why = all.clone().next()?.told.as_ref().err()?;
+            let topic = &of.topic.name().text;
+            let told = format!("no message of topic {topic} can be read, the first one: {why}");
+            all.all(|message| message.told.is_err()).then(|| source.wrong(&told))
+        });
+        let refused: Vec<_> = refused.collect();
+        match refused.is_empty() {
+            true => Ok(Recorded { messages, first, sent: 0, run: None, helped: 0 }),
+            false => Err(refused),
+        }
+    }
+
+    /// How many messages a topic has, and how long after the first message of the bag the last one is \[s\].
+    pub fn extent(&self, place: usize) -> (usize, f64) {
+        let of = || self.messages.iter().filter(|message| message.place == place);
+        let last = of().next_back().map_or(self.first, |message| message.date);
+        (of().count(), (last - self.first) as f64 / 1e9)
+    }
+
+    /// The coordinator has shown a step, at a time of the monotonic clock \[ns\]. With the first step of a run that is seen the bag begins.
+    pub fn step(&mut self, step: u64, shown: u64) {
+        match &mut self.run {
+            Some(run) if step >= run.step => (run.step, run.seen) = (step, shown),
+            // Another run counts from 0 again.
+            Some(_) | None => {
+                self.run = Some(Run { began: shown, step, seen: shown });
+                self.sent = 0;
+            }
+        }
+    }
+
+    /// Whether a cell may wait for the first reading of a sensor, which it does before its first step: told now and again where no steps are seen.
+    pub fn is_awaited(&mut self, now: u64) -> bool {
+        let is_quiet = self.run.as_ref().is_none_or(|run| now.saturating_sub(run.seen) >= ENDED);
+        let is_awaited = is_quiet && now.saturating_sub(self.helped) >= AGAIN;
+        if is_awaited {
+            self.helped = now;
+        }
+        is_awaited
+    }
+
+    /// What the first message of a topic says that is not refused.
+    pub fn first(&self, place: usize) -> Option<&Told> {
+        self.messages
+            .iter()
+            .filter(|message| message.place == place)
+            .find_map(|message| message.told.as_ref().ok())
+    }
+
+    /// The next message that is due at a time of the monotonic clock, and since when \[ns\].
+    pub fn next(&mut self, now: u64) -> Option<(&Message, u64)> {
+        let message = self.messages.get(self.sent)?;
+        let due = self.run.as_ref()?.began.checked_add(message.date - self.first)?;
+        if due > now {
+            return None;
+        }
+        self.sent += 1;
+        if self.sent == self.messages.len() {
+            complain("bag: all messages of sensors are sent");
+        }
+        Some((message, due))
+    }
+}
+
+/// Which sensor reads which topic, and how much of a bag.
+pub fn described(mapped: &[Mapped<'_>], recorded: Option<&Recorded>) -> Vec<String> {
+    let line = |(place, Mapped { of, topic, .. }): (usize, &Mapped<'_>)| {
+        let of_bag = recorded.map_or_else(String::new, |recorded| {
+            let (count, seconds) = recorded.extent(place);
+            format!(": {count} messages of the bag, until {seconds:.3} s")
+        });
+        format!("sensor `{}` reads {}, {}{of_bag}", of.name(), topic.name().text, topic.message().text)
+    };
+    mapped.iter().enumerate().map(line).collect()
+}
+
+/// What a message says, by the same rules as one that another node sends.
+fn told(message: &McapMessage<'_>, kind: &str, mapping: &Mapping) -> Result<Told, String> {
+    if message.schema != kind {
+        return Err(format!("it is of type {}, not {kind}", message.schema));
+    }
+    if message.encoding != "cdr" {
+        return Err(format!("it is encoded by `{}`, and not in CDR", message.encoding));
+    }
+    let (order, body) = body(message.data)?;
+    if body.len() > LONGEST {
+        return Err(too_long(body.len()));
+    }
+    mapping.read(body, order).map_err(|why| why.to_string())
+}
