@@ -47,10 +47,15 @@ impl Arm {
         let text = std::fs::read_to_string(file).map_err(|error| {
             refused(format!("it cannot be read: {error}"), "give a URDF by `--define urdf=FILE`")
         })?;
-        let document = Document::parse(&text).map_err(|error| {
-            refused(format!("not a URDF: {error}"), "expand xacro first: xacro robot.urdf.xacro > robot.urdf")
-        })?;
+        let expand = "expand xacro first: xacro robot.urdf.xacro > robot.urdf";
+        let document =
+            Document::parse(&text).map_err(|error| refused(format!("not a URDF: {error}"), expand))?;
         let robot = document.root_element();
+        let is_xacro =
+            |node: &Node<'_, '_>| node.tag_name().namespace().is_some_and(|uri| uri.contains("xacro"));
+        if robot.descendants().any(|node| is_xacro(&node)) {
+            return Err(refused("it is xacro, not a URDF".to_owned(), expand));
+        }
         let named = |node: Node<'_, '_>, child: &str| {
             node.children()
                 .find(|n| n.has_tag_name(child))

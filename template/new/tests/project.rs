@@ -70,6 +70,18 @@ fn bad_choices_are_refused_before_anything_is_written() {
 }
 
 #[test]
+fn an_arm_in_xacro_is_refused_with_how_to_expand_it() {
+    let folder = Folder::new();
+    for declared in ["", "xmlns:xacro='http://www.ros.org/wiki/xacro' "] {
+        let link = "<xacro:arg name='prefix'/><link name='tool0'/>";
+        folder.write("arm.urdf.xacro", &format!("<robot {declared}name='arm'>{link}</robot>"));
+        let error = refusal(&folder.run(&["a", "-d", "robot=urdf", "-d", "urdf=arm.urdf.xacro"]));
+        assert!(error.contains("xacro robot.urdf.xacro > robot.urdf"), "{declared}: {error}");
+        assert_eq!(folder.files(), ["arm.urdf.xacro"]);
+    }
+}
+
+#[test]
 fn bad_names_are_refused_with_a_good_one() {
     let folder = Folder::new();
     for (name, good) in [
