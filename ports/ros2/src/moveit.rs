@@ -16,6 +16,10 @@ const OVERSHOOT: f64 = 1.78;
 /// The share of a velocity that a plan may use: the same, in plans that come to it between two points.
 const VELOCITY: f64 = 0.98;
 
+/// How far a joint may be from the first point of a plan [rad or m]: [`JointTrajectory::tolerance`](mrroc_generators::trajectory::JointTrajectory::tolerance)
+/// unless it is set.
+const STARTING: f64 = 0.01;
+
 /// The names by which plans name the joints of each robot: with the robot's before it where several robots have a joint of that name.
 pub fn names(layout: &Layout, joints: &[Vec<String>]) -> Vec<Vec<String>> {
     let robots = layout.robots.iter().zip(joints);
@@ -39,6 +43,12 @@ pub fn controllers(layout: &Layout, joints: &[Vec<String>], node: &str) -> Strin
     let mut text = format!(
         "# For MoveIt 2. The bridge of mrroc runs with --goals.
 moveit_controller_manager: moveit_simple_controller_manager/MoveItSimpleControllerManager
+
+trajectory_execution:
+  # From so far away the cell comes to a plan's first point [rad or m].
+  allowed_start_tolerance: {STARTING}
+  # A cell that is slowed down or suspended takes longer than the plan says.
+  execution_duration_monitoring: false
 
 moveit_simple_controller_manager:
   controller_names: [{}]
@@ -126,6 +136,8 @@ mod tests {
         let joints = ["a", "b", "c", "d", "e", "f"].map(str::to_owned).to_vec();
         let told = controllers(&layout(&text), &[joints.clone(), joints.clone()], "cell");
         for line in [
+            "  allowed_start_tolerance: 0.01",
+            "  execution_duration_monitoring: false",
             "  controller_names: [left, right_arm, cell]",
             "    joints: [right_arm_a, right_arm_b, right_arm_c, right_arm_d, right_arm_e, right_arm_f]",
             "    joints: [left_a, left_b, left_c, left_d, left_e, left_f, right_arm_a, right_arm_b, right_arm_c, right_arm_d, right_arm_e, right_arm_f]",
