@@ -3,12 +3,19 @@
 use core::time::Duration;
 
 use mrroc_core::operator::CellState;
+use mrroc_core::operator::state::InstructionKind;
 use mrroc_processes::Picture;
 
 use crate::messages::{DiagnosticStatus, ERROR, KeyValue, OK, WARN};
 
 /// The time between two diagnostics in which nothing new is told.
 pub const EVERY: Duration = Duration::from_secs(1);
+
+/// The present instruction of the coordinator, and the generator or condition of that.
+pub fn instruction(picture: &Picture) -> String {
+    let by = if picture.doing == InstructionKind::Nothing { "" } else { picture.by_whom() };
+    format!("{} {by}", picture.doing.word()).trim_end().to_owned()
+}
 
 /// The status of the cell, and of each of its processes.
 pub fn of(picture: &Picture, node: &str) -> Vec<DiagnosticStatus> {
@@ -23,7 +30,7 @@ pub fn of(picture: &Picture, node: &str) -> Vec<DiagnosticStatus> {
         pair("rate of path time", picture.rate.to_string()),
         pair("speed", picture.speed.to_string()),
         pair("reduced speed", picture.reduced.to_string()),
-        pair("instruction", format!("{} {}", picture.doing.word(), picture.by_whom()).trim_end().to_owned()),
+        pair("instruction", instruction(picture)),
     ];
     values.extend(picture.holder.map(|holder| pair("control", format!("process {holder}"))));
     values.extend(picture.help.iter().map(|help| pair("help", help.clone())));

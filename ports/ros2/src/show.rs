@@ -51,6 +51,7 @@ pub struct Topics<O: Outlet> {
     all: O::Topic<JointState>,
     transforms: O::Topic<Transforms>,
     state: O::Topic<Text>,
+    instruction: O::Topic<Text>,
     diagnostics: O::Topic<DiagnosticArray>,
     signals: SignalTopics<O>,
     sensors: Vec<SensorShown<O>>,
@@ -60,6 +61,7 @@ pub struct Topics<O: Outlet> {
     step: u64,
     /// What was published last.
     said: String,
+    at_work: (u64, String),
     /// They keep for others what was published once.
     _kept: (Vec<O::Topic<Text>>, O::Topic<Transforms>),
 }
@@ -142,6 +144,7 @@ impl<O: Outlet> Topics<O> {
             all: node.topic("/joint_states", Durability::Volatile)?,
             transforms: node.topic("/tf", Durability::Volatile)?,
             state: node.topic(&node.own("state"), Durability::TransientLocal)?,
+            instruction: node.topic(&node.own("instruction"), Durability::TransientLocal)?,
             diagnostics: node.topic("/diagnostics", Durability::Volatile)?,
             signals: SignalTopics::open(node, layout)?,
             sensors,
@@ -149,6 +152,7 @@ impl<O: Outlet> Topics<O> {
             clock,
             step: layout.step.as_nanos() as u64,
             said: String::new(),
+            at_work: Default::default(),
             _kept: (descriptions, standing),
         })
     }
@@ -218,6 +222,7 @@ impl<O: Outlet> Topics<O> {
     /// Publishes what has changed in a picture.
     pub fn picture(&mut self, picture: &Picture) {
         self.state(picture.state.word());
+        self.instruction(picture);
         for carried in &picture.carried {
             self.signals(&carried.robot, &carried.signals);
         }
@@ -233,6 +238,15 @@ impl<O: Outlet> Topics<O> {
         if self.said != said {
             said.clone_into(&mut self.said);
             self.state.put(Text { data: said.to_owned() });
+        }
+    }
+
+    /// Publishes the present instruction, if it is another one.
+    pub fn instruction(&mut self, picture: &Picture) {
+        let at_work = (picture.instructions, diagnostics::instruction(picture));
+        if self.at_work != at_work {
+            self.instruction.put(Text { data: at_work.1.clone() });
+            self.at_work = at_work;
         }
     }
 

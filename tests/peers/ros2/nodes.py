@@ -68,6 +68,8 @@ class Nodes:
         self.wrenches = []
         self.node.create_subscription(WrenchStamped, "/sensors/wrist", self.wrenches.append, 2000)
         self.node.create_subscription(String, "/cell/state", lambda message: self.said.append(message.data), KEPT)
+        self.instructions = []
+        self.node.create_subscription(String, "/cell/instruction", lambda message: self.instructions.append(message.data), KEPT)
         for topic in ("inputs/gripped", "outputs/gripper", "outputs/spindle"):
             keep = lambda message, topic=topic: self.signals.update({topic: message.data})  # noqa: E731
             self.node.create_subscription(Bool, f"/left/{topic}", keep, KEPT)
@@ -120,9 +122,9 @@ class Nodes:
 
 
 def recorded(file):
-    """What the cell recorded of its robots, by step: joints and velocities, and the pose of the tool, measured and demanded; and its readings of the wrist, by the step in
-    which they were taken."""
-    robots, readings = {"left": {}, "right": {}}, {}
+    """What the cell recorded of its robots, by step: joints and velocities, and the pose of the tool, measured and demanded; its readings of the wrist, by the step in
+    which they were taken; and what its coordinator did."""
+    robots, readings, instructions = {"left": {}, "right": {}}, {}, set()
     with open(file, "rb") as stream:
         for _, channel, message in make_reader(stream).iter_messages():
             name = channel.topic.removeprefix("/robots/")
@@ -132,7 +134,9 @@ def recorded(file):
             elif name == "/sensors/wrist":
                 said = json.loads(message.data)
                 readings[said["taken"]] = said["reading"]
-    return robots, readings
+            elif name == "/instructions" and (said := json.loads(message.data))["process"] == "mp":
+                instructions.add(f"{said['doing']} {said['by']}".rstrip() if said["doing"] != "nothing" else "nothing")
+    return robots, readings, instructions
 
 
 def in_world(transforms, frame):
@@ -154,7 +158,10 @@ def in_world(transforms, frame):
 
 def compare(nodes, file, links):
     """What was heard with what was recorded."""
-    record, readings = recorded(file)
+    record, readings, instructions = recorded(file)
+    heard = set(nodes.instructions)
+    print(f"  instructions: {sorted(heard)}, of {len(instructions)} that are recorded")
+    has(heard - {"nothing"} and heard <= instructions | {"nothing"}, f"instructions {heard}, recorded {instructions}")
     for robot, heard in nodes.states.items():
         stamps = sorted(heard)
         gaps = {b - a for a, b in zip(stamps, stamps[1:])}

@@ -223,7 +223,7 @@ def test(folder):
     has(outcome.kind == "SensorStale" and "stick" in outcome.text, f"the cell ended by {outcome}")
     check(folder / "run.mcap", stick, counted, again)
     quality_of_service(folder)
-    _, demands, _ = recorded(folder / "run.mcap")
+    _, _, demands, _ = recorded(folder / "run.mcap")
     poses(folder, pose_of(demands[min(demands)]))
 
 
@@ -263,7 +263,7 @@ def poses(folder, start):
         time.sleep(2.0)
     outcome = Outcome(folder / "poses.json")
     has(outcome.kind == "SensorStale" and "goal" in outcome.text, f"the cell ended by {outcome}")
-    _, demands, stale = recorded(folder / "poses.mcap")
+    _, _, demands, stale = recorded(folder / "poses.mcap")
     at = [pose_of(demands[k]) for k in sorted(demands) if k <= stale[0]]
     for goal in goals:
         off, angle = min((np.linalg.norm(place - goal[0]), 2 * math.acos(min(1.0, abs(turn @ goal[1])))) for place, turn in at)

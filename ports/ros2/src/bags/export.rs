@@ -224,7 +224,9 @@ impl<'a> Export<'a> {
         json["by"].as_str()?.clone_into(&mut self.picture.by);
         if self.picture.doing != InstructionKind::Nothing {
             self.stop = Stop::No;
+            self.picture.instructions += 1;
         }
+        self.topics.instruction(&self.picture);
         Some(())
     }
 
