@@ -11,9 +11,10 @@ use mrroc::launch::Launch;
 use sorting::camera::command;
 use sorting::left;
 use sorting::matrix;
-use sorting::options::{Options, SensorKind, parse};
+use sorting::options::{Options, parse};
 use sorting::pictures::{filmed, scatter, time_line};
 use sorting::run::{Sensing, Settings};
+use sorting::scopes::SensorKind;
 use sorting::summary::{Row, Summary};
 
 /// So many parts are filmed.

@@ -5,9 +5,9 @@ use std::iter;
 use std::path::PathBuf;
 
 use clap::error::ErrorKind;
-use clap::{CommandFactory as _, FromArgMatches as _, Parser, ValueEnum};
+use clap::{CommandFactory as _, FromArgMatches as _, Parser};
 
-use crate::scopes::{Mode, is_given, without_effect};
+use crate::scopes::{Mode, SensorKind, is_given, without_effect};
 
 /// What is chosen.
 #[derive(Clone, Debug, PartialEq, Parser)]
@@ -77,17 +77,6 @@ pub struct Options {
     /// Print errors only.
     #[arg(short, long)]
     pub quiet: bool,
-}
-
-/// What parts are seen by.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum SensorKind {
-    /// Light barriers, a range finder, and a barrier between the fingers.
-    Infrared,
-    /// A camera over the belt, and the belt's encoder: eight kinds of parts, a queue.
-    Camera,
-    /// An ultrasonic matrix in place of the camera.
-    Ultrasonic,
 }
 
 /// A speed that the task is made for.

@@ -1,9 +1,18 @@
 //! Where options have an effect: by which sensors, and in which modes. One that has none is refused, by name.
 
-use clap::ArgMatches;
 use clap::parser::ValueSource;
+use clap::{ArgMatches, ValueEnum};
 
-use crate::options::SensorKind;
+/// What parts are seen by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum SensorKind {
+    /// Light barriers, a range finder, and a barrier between the fingers.
+    Infrared,
+    /// A camera over the belt, and the belt's encoder: eight kinds of parts, a queue.
+    Camera,
+    /// An ultrasonic matrix in place of the camera.
+    Ultrasonic,
+}
 
 /// What the program is asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -71,7 +80,7 @@ impl Mode {
     }
 }
 
-/// Whether the command line has an option, by its name in [`Options`](crate::options::Options).
+/// Whether the command line has an option, by its name among the fields of the options.
 #[must_use]
 pub fn is_given(matches: &ArgMatches, option: &str) -> bool {
     matches.value_source(option) == Some(ValueSource::CommandLine)

@@ -17,7 +17,8 @@ use super::settings::{Overhead, Settings};
 use super::studio::{data_set, examine};
 use super::summary::{Confusion, Line, Table, examination};
 use crate::matrix::picture::{echoes, reliefs};
-use crate::options::{Options, SensorKind};
+use crate::options::Options;
+use crate::scopes::SensorKind;
 
 /// So many parts are filmed, and so many images drawn.
 const FILMED: usize = 4;
