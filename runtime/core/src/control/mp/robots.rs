@@ -183,6 +183,9 @@ pub(super) struct Lower {
     pub out: bool,
 }
 
+/// Takes the words of the image of a robot, by its place in a list.
+type ReadImage<'r> = dyn FnMut(usize, &[u64]) -> Result<(), BadWords> + 'r;
+
 /// All robots of a cell.
 pub(super) struct RobotPorts {
     /// Whose handles are taken.
@@ -352,11 +355,7 @@ impl RobotPorts {
     }
 
     /// The image in the last reply of each robot of a list, where there is one.
-    pub fn each_image(
-        &self,
-        indices: &[usize],
-        read: &mut dyn FnMut(usize, &[u64]) -> Result<(), BadWords>,
-    ) -> Result<(), Fault> {
+    pub fn each_image(&self, indices: &[usize], read: &mut ReadImage<'_>) -> Result<(), Fault> {
         for (i, robot) in indices.iter().map(|&index| &self.ports[index]).enumerate() {
             if robot.reply.is(flag::STATE) {
                 let bad = |_| Fault::new(FaultKind::Message).in_process(robot.process());
