@@ -2,7 +2,8 @@
 
 use core::marker::PhantomData;
 
-use mrroc::launch::{own_number, own_option};
+use mrroc::generator::{Generator, Motion};
+use mrroc::launch::own_number;
 use mrroc::prelude::*;
 use mrroc::sensor::SensorImage;
 use mrroc_external::{External, Subscribers};
@@ -71,41 +72,34 @@ impl VirtualSensor for BetweenTwo {
 }
 
 // ANCHOR: cell
-/// Makes the cell of `servo.toml`.
+/// Makes the cell of `servo.toml`, or of `poses.toml`, which has the sensor `goal`.
 ///
 /// # Errors
 /// What is wrong in the file.
 pub fn cell(file: &CellFile) -> Result<Cell, CellError> {
-    let stick = External::<Stick>::in_cell(file, "stick")?.stand_in(UpAndDown);
-    let goal = External::<Goal>::in_cell(file, "goal")?.stand_in(BetweenTwo);
-    let poses = follows_poses()?;
-    let cell = file.cell(&simulated())?.sensor(stick).sensor(goal);
-    Ok(cell.program(move |mp| servo(mp, poses)).shown_to(Subscribers::at("servo")))
-}
-
-fn servo(mp: &mut Mp, poses: bool) -> Result<(), Fault> {
-    let (mut arm, left) = (mp.robot::<Irp6>("arm")?, own_number("seconds", 60.0)?);
-    let tool = Tool { pose: arm.demanded().pose, twist: Twist::default(), left };
-    // Its publisher may still be starting.
-    if poses {
-        let mut goal = mp.sensor::<Goal>("goal")?;
-        mp.wait_until((), (&mut goal,), Heard::default())?;
-        mp.move_robots((&mut arm,), (&mut goal,), FollowPose(tool))?;
+    let cell = file.cell(&simulated())?;
+    let cell = if file.external("goal").is_ok() {
+        let goal = External::<Goal>::in_cell(file, "goal")?.stand_in(BetweenTwo);
+        cell.sensor(goal).program(|mp| servo::<Goal, _>(mp, "goal", FollowPose))
     } else {
-        let mut stick = mp.sensor::<Stick>("stick")?;
-        mp.wait_until((), (&mut stick,), Heard::default())?;
-        mp.move_robots((&mut arm,), (&mut stick,), FollowTwist(tool))?;
-    }
-    Ok(())
+        let stick = External::<Stick>::in_cell(file, "stick")?.stand_in(UpAndDown);
+        cell.sensor(stick).program(|mp| servo::<Stick, _>(mp, "stick", FollowTwist))
+    };
+    Ok(cell.shown_to(Subscribers::at("servo")))
 }
 
-/// What `--follow` says behind the `--`: `poses`, or `twists` by default.
-fn follows_poses() -> Result<bool, CellError> {
-    match own_option("follow").as_deref() {
-        None | Some("twists") => Ok(false),
-        Some("poses") => Ok(true),
-        Some(other) => Err(CellError::File(format!("--follow takes `twists` or `poses`, not `{other}`"))),
-    }
+fn servo<S, G>(mp: &mut Mp, name: &str, follow: fn(Tool) -> G) -> Result<(), Fault>
+where
+    S: Sensor<Configuration = ()>,
+    G: Generator<Robots = (Irp6,), Language = Motion, Sensors = (S,), Order = ()>,
+{
+    let (mut arm, mut sensor) = (mp.robot::<Irp6>("arm")?, mp.sensor::<S>(name)?);
+    // Its publisher may still be starting.
+    mp.wait_until((), (&mut sensor,), Heard::default())?;
+    let tool =
+        Tool { pose: arm.demanded().pose, twist: Twist::default(), left: own_number("seconds", 60.0)? };
+    mp.move_robots((&mut arm,), (&mut sensor,), follow(tool))?;
+    Ok(())
 }
 // ANCHOR_END: cell
 

@@ -30,7 +30,7 @@ from sensor_msgs.msg import JointState  # noqa: E402
 from std_msgs.msg import Float64MultiArray, String  # noqa: E402
 from std_srvs.srv import Trigger  # noqa: E402
 
-CELL = Path("ports/ros2/examples/servo.toml").resolve()
+CELL, POSES = (Path(f"ports/ros2/examples/{name}.toml").resolve() for name in ("servo", "poses"))
 TOPIC = "/servo/twist"
 STEP = 0.002
 PERIOD = 0.02
@@ -71,7 +71,7 @@ class Stick:
         self.buttons = {name: self.node.create_client(Trigger, f"/cell/{name}") for name in ("acknowledge", "reset")}
         self.states = []
         self.node.create_subscription(String, "/cell/state", lambda message: self.states.append(message.data), 10)
-        # What the cell has read comes back, as far as one who takes what comes hears it.
+        # What the cell has read comes back; a best-effort subscriber may miss some of it.
         self.read = []
         self.node.create_subscription(Float64MultiArray, "/sensors/stick/linear", lambda message: self.read.append(list(message.data)), MUCH)
         # A topic that is best effort, and one message of ten.
@@ -106,7 +106,7 @@ class Stick:
         for k in range(int(seconds / PERIOD)):
             self.publish(0.03 * math.sin(math.pi * k * PERIOD))
 
-    def until(self, is_so, what, meanwhile, seconds=20.0):
+    def until(self, is_so, what, meanwhile, seconds=60.0):
         end = time.monotonic() + seconds
         while not is_so():
             has(time.monotonic() < end, f"{what} does not come, states {self.states}")
@@ -223,18 +223,21 @@ def test(folder):
     has(outcome.kind == "SensorStale" and "stick" in outcome.text, f"the cell ended by {outcome}")
     check(folder / "run.mcap", stick, counted, again)
     quality_of_service(folder)
-    _, _, demands, _ = recorded(folder / "run.mcap")
-    poses(folder, pose_of(demands[min(demands)]))
 
 
-def poses(folder, start):
+def poses(folder):
     """A tool follows poses: it comes to each of them, and to rest where they fall silent on the way to one."""
-    bridge, node = Bridge(CELL), rclpy.create_node("poses")
+    # Where it begins, as a short run under the virtual clock says.
+    begun = [EXAMPLES / "servo", "--cell", POSES, "--no-picture", "--quiet", "--record", folder / "begun.mcap", "--", "--seconds", "0.1"]
+    subprocess.run(begun, check=True, timeout=60)
+    _, _, demands, _ = recorded(folder / "begun.mcap")
+    start = pose_of(demands[min(demands)])
+    bridge, node = Bridge(POSES), rclpy.create_node("poses")
     publisher = node.create_publisher(PoseStamped, "/servo/pose", 10)
     states = []
     node.create_subscription(String, "/cell/state", lambda message: states.append(message.data), 10)
-    options = ["--processes", "--no-picture", "--quiet", "--record", folder / "poses.mcap", "--outcome", folder / "poses.json"]
-    cell = subprocess.Popen([EXAMPLES / "servo", "--cell", CELL, *options, "--", "--follow", "poses"], preexec_fn=interruptible)
+    options = ["--processes", "--no-picture", "--quiet", "--record", folder / "poses.mcap", "--outcome", folder / "outcome.json"]
+    cell = subprocess.Popen([EXAMPLES / "servo", "--cell", POSES, *options], preexec_fn=interruptible)
 
     def publish(seconds, goal):
         for _ in range(int(seconds / PERIOD)):
@@ -250,7 +253,7 @@ def poses(folder, start):
 
     goals = [turned(start, *by) for by in (([0, 0, 0.05], 0.0), ([0.04, -0.04, 0.0], 0.3), ([0.0, 0.0, -0.03], -0.2))]
     with ended_after(cell, bridge):
-        end = time.monotonic() + 20
+        end = time.monotonic() + 60
         while states[-1:] != ["running"]:
             has(time.monotonic() < end, f"the cell does not begin, states {states}")
             publish(0.1, start)
@@ -261,7 +264,7 @@ def poses(folder, start):
         publish(0.5, turned(start, [0.0, 0.0, 0.1], 0.0))
         # Until the sensor is stale.
         time.sleep(2.0)
-    outcome = Outcome(folder / "poses.json")
+    outcome = Outcome(folder / "outcome.json")
     has(outcome.kind == "SensorStale" and "goal" in outcome.text, f"the cell ended by {outcome}")
     _, _, demands, stale = recorded(folder / "poses.mcap")
     at = [pose_of(demands[k]) for k in sorted(demands) if k <= stale[0]]
@@ -326,14 +329,15 @@ def check(file, stick, counted, again):
         got = sum(begin <= k < end for k in places)
         print(f"  {what}: {got} of {end - begin} twists are readings to the bit, and each reading is a twist")
         has(got >= 0.95 * (end - begin), f"{end - begin - got} twists of a {what} publisher are no readings")
-    first = next((k for k in range(len(every)) if every[k : k + len(stick.read)] == stick.read), None)
+    recorded_ones = iter(every)
+    in_order = all(any(reading == other for other in recorded_ones) for reading in stick.read)
     print(f"  rclpy hears {len(stick.read)} readings of the cell, of {len(every)}")
-    has(len(stick.read) > 1000 and first is not None, "what rclpy hears of the readings is not what was recorded")
+    has(len(stick.read) > 100 and in_order, "what rclpy hears of the readings is not what was recorded")
     stamps = [stamp.sec + stamp.nanosec / 1e9 for stamp in stick.stamps]
     rate = (len(stamps) - 1) / (stamps[-1] - stamps[0])
     print(f"  a best-effort subscriber hears {rate:.1f} joint states in a second, a reliable one {len(stick.reliable)}")
-    # Fewer where the bridge was late: of messages that come at once, one is passed on. More by 2 % at most, where the last one was late by 0.2 s in 10 s.
-    has(25 < rate < 51 and not stick.reliable, f"{rate} joint states in a second, {len(stick.reliable)} heard by a reliable subscriber")
+    # Fewer where the bridge or this node was late. More by 2 % at most, where the last one was late by 0.2 s in 10 s.
+    has(len(stamps) > 20 and rate < 51 and not stick.reliable, f"{rate} joint states in a second, {len(stick.reliable)} heard by a reliable subscriber")
     has(stale, "no fault SensorStale is recorded")
     stop = stale[0]
     known = [k for k in sorted(demands) if stop - 500 <= k <= stop and k - 1 in demands]
@@ -352,3 +356,4 @@ def check(file, stick, counted, again):
 
 rclpy.init()
 run("a topic of rclpy is a sensor", test)
+run("a tool follows poses of a topic", poses)
