@@ -33,6 +33,9 @@ pub const SHARE: f64 = 0.8;
 /// The share of a limit of jerk that a trajectory may use: the less it is, the sooner its robots can be brought to rest.
 pub const JERK_SHARE: f64 = 0.5;
 
+/// How far a joint may be from a trajectory that has begun [rad or m], unless [`JointTrajectory::tolerance`] says otherwise.
+pub const TOLERANCE: f64 = 0.01;
+
 /// The most joints that one trajectory is for: those of four robots.
 pub const MOST_JOINTS: usize = 32;
 
@@ -173,10 +176,10 @@ impl JointTrajectory {
         if let Some(joint) = last.velocities.iter().position(|velocity| velocity.abs() > 1e-6) {
             return Err(TrajectoryError::MovingEnd { joint: joint + 1, velocity: last.velocities[joint] });
         }
-        Ok(JointTrajectory { limits, points, tolerance: 0.01, passed: 0.0 })
+        Ok(JointTrajectory { limits, points, tolerance: TOLERANCE, passed: 0.0 })
     }
 
-    /// A joint may be so far from a trajectory that has begun [rad or m], 0.01 otherwise; it comes to it in half a second.
+    /// A joint may be so far from a trajectory that has begun [rad or m], [`TOLERANCE`] otherwise; it comes to it in half a second.
     #[must_use]
     pub fn starting_within(mut self, tolerance: f64) -> Self {
         self.tolerance = tolerance;

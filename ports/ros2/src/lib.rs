@@ -29,7 +29,7 @@
 //! | `/sensors/NAME` | `geometry_msgs/WrenchStamped` | readings that are wrenches, in the frame `ROBOT/tool` of the sensor's robot |
 //! | `/tf`, `/tf_static` | `tf2_msgs/TFMessage` | `world`, the frames of the cell, and the links of each URDF as `ROBOT/LINK`, whose link `world` is the world or the flange of the robot that carries it; `/tf` 50 times a second |
 //! | `/NODE/state` | `std_msgs/String` | what the cell does: `idle`, `running`, `suspended` ..; kept for who comes later |
-//! | `/NODE/instruction` | `std_msgs/String` | the coordinator's present instruction, and the generator or condition of that: `move FollowTwist`, `wait Heard`; looked at 20 times a second; kept for who comes later |
+//! | `/NODE/instruction` | `std_msgs/String` | the coordinator's present instruction, and the generator or condition of that: `move FollowTwist`, `wait Heard`; looked at 20 times a second; `nothing` between instructions, and where no cell answers |
 //! | `/diagnostics` | `diagnostic_msgs/DiagnosticArray` | once a second, and when the state or the fault changes: the cell and each of its processes |
 //! | with `--buttons`: `/NODE/suspend`, `resume`, `abort`, `stop`, `acknowledge`, `reset` | `std_srvs/Trigger` | the buttons of the operator's console |
 //! | with `--goals`: `/ROBOT/follow_joint_trajectory`, `/NODE/follow_joint_trajectory` | `control_msgs/FollowJointTrajectory` | trajectories of one robot, or of several as one goal, for a program that takes [`TrajectoryGoals`](mrroc_external::TrajectoryGoals) |

@@ -5,7 +5,7 @@
 use std::fmt::Write as _;
 
 use mrroc_core::observe::layout::Layout;
-use mrroc_generators::trajectory::{JERK_SHARE, SHARE};
+use mrroc_generators::trajectory::{JERK_SHARE, SHARE, TOLERANCE};
 
 use crate::node::topic_name;
 
@@ -15,10 +15,6 @@ const OVERSHOOT: f64 = 1.78;
 
 /// The share of a velocity that a plan may use: the same, in plans that come to it between two points.
 const VELOCITY: f64 = 0.98;
-
-/// How far a joint may be from the first point of a plan [rad or m]: [`JointTrajectory::tolerance`](mrroc_generators::trajectory::JointTrajectory::tolerance)
-/// unless it is set.
-const STARTING: f64 = 0.01;
 
 /// The names by which plans name the joints of each robot: with the robot's before it where several robots have a joint of that name.
 pub fn names(layout: &Layout, joints: &[Vec<String>]) -> Vec<Vec<String>> {
@@ -46,7 +42,7 @@ moveit_controller_manager: moveit_simple_controller_manager/MoveItSimpleControll
 
 trajectory_execution:
   # From so far away the cell comes to a plan's first point [rad or m].
-  allowed_start_tolerance: {STARTING}
+  allowed_start_tolerance: {TOLERANCE}
   # A cell that is slowed down or suspended takes longer than the plan says.
   execution_duration_monitoring: false
 

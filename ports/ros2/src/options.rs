@@ -34,7 +34,7 @@ pub struct Options {
     #[arg(long, conflicts_with_all = ["export_moveit", "export_bag"])]
     pub check: bool,
     /// Write `moveit_controllers.yaml` and `joint_limits.yaml` for a configuration of MoveIt 2 into this folder, and end.
-    #[arg(long, value_name = "FOLDER")]
+    #[arg(long, value_name = "FOLDER", conflicts_with_all = ["export_bag", "from_bag", "sensors_from_bag", "buttons", "goals"])]
     pub export_moveit: Option<PathBuf>,
     #[command(flatten)]
     pub bags: BagOptions,

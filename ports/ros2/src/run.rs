@@ -197,7 +197,7 @@ fn show_for_ever(
         // Each picture: what it alone shows is not to be lost.
         for picture in pictures.try_iter() {
             let Some(picture) = picture else {
-                topics.state("not reachable");
+                topics.not_reachable();
                 if let Some(goals) = goals {
                     goals.fault(None);
                 }

@@ -61,7 +61,7 @@ pub struct Topics<O: Outlet> {
     step: u64,
     /// What was published last.
     said: String,
-    at_work: (u64, String),
+    said_instruction: (u64, String),
     /// They keep for others what was published once.
     _kept: (Vec<O::Topic<Text>>, O::Topic<Transforms>),
 }
@@ -152,7 +152,7 @@ impl<O: Outlet> Topics<O> {
             clock,
             step: layout.step.as_nanos() as u64,
             said: String::new(),
-            at_work: Default::default(),
+            said_instruction: Default::default(),
             _kept: (descriptions, standing),
         })
     }
@@ -243,10 +243,19 @@ impl<O: Outlet> Topics<O> {
 
     /// Publishes the present instruction, if it is another one.
     pub fn instruction(&mut self, picture: &Picture) {
-        let at_work = (picture.instructions, diagnostics::instruction(picture));
-        if self.at_work != at_work {
-            self.instruction.put(Text { data: at_work.1.clone() });
-            self.at_work = at_work;
+        self.tell_instruction((picture.instructions, diagnostics::instruction(picture)));
+    }
+
+    /// Publishes that no cell answers.
+    pub fn not_reachable(&mut self) {
+        self.state("not reachable");
+        self.tell_instruction((0, "nothing".to_owned()));
+    }
+
+    fn tell_instruction(&mut self, instruction: (u64, String)) {
+        if self.said_instruction != instruction {
+            self.instruction.put(Text { data: instruction.1.clone() });
+            self.said_instruction = instruction;
         }
     }
 

@@ -31,7 +31,7 @@ use crate::port::{Ends, channel, folder, monotonic};
 use message::{CellMessage, ReadingMessage, RobotMessage};
 pub use subscriber::{Image, ReadingShown, State, StepShown, Subscriber};
 
-/// Messages that wait for a program that subscribes: those of a quarter of a second at 1 kHz.
+/// Messages that wait for a program that subscribes: images and steps of a quarter of a second at 1 kHz. Readings of all sensors of a process share so many.
 pub(crate) const KEPT: usize = 256;
 
 /// Records that wait for the thread of a process.

@@ -40,7 +40,7 @@ pub struct BagOptions {
     #[arg(long, value_name = "SECONDS", requires = "from_bag", default_value_t = 0.0, value_parser = seconds)]
     every: f64,
     /// Write a recording of this cell, RECORDING, as a bag of rosbag2 into this folder, which is made, and end.
-    #[arg(long, value_name = "FOLDER", requires = "recording")]
+    #[arg(long, value_name = "FOLDER", requires = "recording", conflicts_with_all = ["buttons", "goals"])]
     pub export_bag: Option<PathBuf>,
     /// The recording that is exported: a file that `--record` has written.
     #[arg(value_name = "RECORDING", requires = "export_bag")]

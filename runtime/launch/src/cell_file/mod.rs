@@ -89,7 +89,7 @@
 //! [topics."/arm/joint_states"]   # how the bridge to ROS 2 publishes this topic; reliable, and each message, unless it is said
 //! reliability = "best effort"
 //! depth = 5          # messages that wait for a subscriber that is slow; 100 unless it is said
-//! every_ms = 20      # the least time between two messages
+//! every_ms = 20      # on average one message in this time at most
 //!
 //! [nodes.left]       # a machine of the cell, if it has several; robots and sensors say `node = "left"`
 //! address = "192.168.1.2:7447"   # where the others find it

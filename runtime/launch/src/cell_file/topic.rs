@@ -154,7 +154,7 @@ impl PublishedEntry {
         self.depth
     }
 
-    /// `every_ms`: the least time between two messages.
+    /// `every_ms`: on average, one message in this time at most.
     #[must_use]
     pub const fn every(&self) -> Option<Duration> {
         self.every
