@@ -65,7 +65,8 @@ pub fn check_actions(layout: &Layout, node: &str) -> Result<(), String> {
     }
 }
 
-/// What is wrong with goals of a bag, wherever the robots are: names of joints, times, limits.
+/// What is wrong with goals of a bag: names of joints, times, tolerances; and limits where it is known how the robots begin. That is so of a goal whose first
+/// point is at time 0, since robots that are elsewhere are refused, and of one that says that they rest at its first point.
 pub fn mistakes(
     layout: &Layout,
     joints: Vec<Vec<String>>,
@@ -73,8 +74,17 @@ pub fn mistakes(
     only: Option<usize>,
 ) -> Vec<String> {
     let offered = Offered { layout: layout.clone(), joints };
+    let check = |goal: &Request| {
+        let asked = offered.read(goal, only, now())?;
+        let Some(first) = asked.goal.trajectory.points().first() else { return Ok(()) };
+        let rests = !first.velocities.is_empty() && first.velocities.iter().all(|&velocity| velocity == 0.0);
+        match rests || first.time == 0.0 {
+            true => offered.check(&asked, &first.positions),
+            false => Ok(()),
+        }
+    };
     let wrong = |(place, goal)| {
-        let why = offered.read(goal, only, now()).err()?;
+        let why = check(goal).err()?;
         Some(format!("bag: trajectory {}: {}", place + 1, why.error_string))
     };
     goals.iter().enumerate().filter_map(wrong).collect()

@@ -150,6 +150,33 @@ fn limits_are_looked_at_before_anything_is_sent_also_those_that_joints_share() {
     assert!(refused.starts_with("robot `left`, ") && refused.contains("motor"), "{refused}");
 }
 
+/// Several points of one robot, each with its time \[s\] and the place of the column there.
+fn points(columns: &[(f64, f64)]) -> Request {
+    let mut goal = request(&ONE, 0.0, 0.0);
+    let point = |&(seconds, column)| request(&ONE, column, seconds).trajectory.points.remove(0);
+    goal.trajectory.points = columns.iter().map(point).collect();
+    goal
+}
+
+#[test]
+fn a_goal_of_a_bag_that_is_too_fast_wherever_the_robots_are_is_told_before_it_is_sent() {
+    let Offered { layout, joints } = offered();
+    let wrong = |goals: &[Request]| super::mistakes(&layout, joints.clone(), goals, Some(0));
+    // From rest to rest over 0.5 rad: the mean velocity alone is 0.25 rad/s, and 5 rad/s; the column of the IRp-6 has 1.5 rad/s.
+    let [slow, fast] = [2.0, 0.1].map(|seconds| points(&[(0.0, 0.0), (seconds, 0.5)]));
+    let found = wrong(&[slow.clone(), fast.clone()]);
+    assert_eq!(found.len(), 1, "{found:?}");
+    assert!(found[0].starts_with("bag: trajectory 2: joint `left/a`: "), "{found:?}");
+    // Where the first point is on their path, its limits depend on where they come from, unless they rest there.
+    let later = |velocities: &[f64]| {
+        let mut goal = points(&[(1.0, 0.0), (1.1, 0.5)]);
+        goal.trajectory.points.iter_mut().for_each(|point| point.velocities = velocities.to_vec());
+        goal
+    };
+    assert_eq!(wrong(&[later(&[])]), Vec::<String>::new());
+    assert_eq!(wrong(&[later(&[0.0; 6])]).len(), 1);
+}
+
 /// Goals, and a cell that does with them what a test says.
 struct Rig {
     goals: Goals,
