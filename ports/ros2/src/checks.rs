@@ -1,7 +1,6 @@
 //! What the command line and the cell file ask of the bridge, found to be possible before DDS begins, or wrong: all of it, not the first mistake alone.
 //!
-//! In: options, the layout of a cell, and its file. Out: what the bridge begins with; or each mistake. `--check` ends with that, and looks at more: the names of
-//! all topics, and the trajectories of a bag.
+//! In: options, the layout of a cell, and its file. Out: what the bridge begins with; or each mistake. `--check` ends with that.
 
 use std::net::UdpSocket;
 use std::process::ExitCode;
@@ -18,7 +17,7 @@ use crate::clock::CellClock;
 use crate::messages::RosType;
 use crate::node::{Place, check_published};
 use crate::options::Options;
-use crate::outlet::{Durability, Outlet, Put};
+use crate::outlet::{Durability, Outlet, Put, twice};
 use crate::show::Topics;
 use crate::topics::{self, Mapped, Recorded};
 use crate::trajectories::{self, Request};
@@ -51,17 +50,27 @@ impl Mistakes {
     }
 }
 
-/// Finds out whether what is asked for is possible. Where the names of each robot's joints are given, the trajectories of a bag are looked at, too.
+/// Finds out whether what is asked for is possible for a cell that has these robots with their URDFs.
 ///
 /// # Errors
 /// All that is wrong.
 pub fn checked<'a>(
     options: &Options,
     layout: &'a Layout,
+    urdfs: &[(String, Option<String>)],
     file: &'a CellFile,
-    joints: Option<Vec<Vec<String>>>,
 ) -> Result<Checked<'a>, Vec<String>> {
     let mut wrong = Mistakes::default();
+    // A node that can have no such name is told of once, and not for each of its topics.
+    let is_name = NodeName::new("/", &options.node).is_ok();
+    let mut names = Names::of(if is_name { &options.node } else { "cell" });
+    let opened = Topics::open(&mut names, layout, urdfs, CellClock::default());
+    wrong.0.append(&mut names.wrong);
+    let joints = wrong.take(opened).map(|topics| topics.joints());
+    // Of topics that are not known nothing can be said.
+    if is_name && joints.is_some() {
+        wrong.take(check_published(&names.published, file.published()));
+    }
     let domain = wrong.take(options.domain.map_or_else(users_domain, Ok));
     let bound = UdpSocket::bind((options.address, 0))
         .map_err(|error| format!("{} is no address of this machine: {error}", options.address));
@@ -99,17 +108,9 @@ pub fn checked<'a>(
 /// Checks all that can be checked without DDS and without a cell that runs.
 pub fn check((mut cell, file): (Cell, CellFile), options: &Options) -> ExitCode {
     let (layout, urdfs) = shown(&mut cell);
-    // A node that can have no such name is told of once, and not for each of its topics.
-    let is_name = NodeName::new("/", &options.node).is_ok();
-    let mut names = Names::of(if is_name { &options.node } else { "cell" });
-    let opened = Topics::open(&mut names, &layout, &urdfs, CellClock::default());
-    let mut wrong = Mistakes(core::mem::take(&mut names.wrong));
-    let joints = wrong.take(opened).map(|topics| topics.joints());
-    wrong.take(check_published(&names.published, file.published()));
-    let checked = wrong.take_all(checked(options, &layout, &file, joints));
-    let Some(Checked { place, from_bag, mapped, recorded, .. }) = checked.filter(|_| wrong.0.is_empty())
-    else {
-        return all_refused(&wrong.0);
+    let Checked { place, from_bag, mapped, recorded, .. } = match checked(options, &layout, &urdfs, &file) {
+        Ok(checked) => checked,
+        Err(wrong) => return all_refused(&wrong),
     };
     let mut well = format!(
         "{}: nothing is wrong with what the bridge needs\n\nnode /{}: domain {} at {}\n",
@@ -214,8 +215,7 @@ impl Outlet for Names {
         if let Err(error) = Name::parse(name) {
             self.wrong.push(format!("topic {name}: {error}"));
         } else if self.published.iter().any(|(known, _)| known == name) {
-            self.wrong
-                .push(format!("topic {name}: it would be there twice\n help: rename a robot or a signal"));
+            self.wrong.push(twice(name));
         }
         self.published.push((name.to_owned(), durability));
         Ok(Nowhere)
@@ -229,6 +229,8 @@ impl<M> Put<M> for Nowhere {
 #[cfg(test)]
 mod tests {
     use clap::Parser as _;
+    use mrroc_core::observe::layout::SignalLayout;
+    use mrroc_core::robot::Channel;
     use mrroc_robots::simulated;
 
     use super::*;
@@ -238,11 +240,39 @@ mod tests {
 
     /// What is wrong with these options, for a cell without sensors whose file has this, too.
     fn wrong(file: &str, options: &[&str]) -> Vec<String> {
-        let layout = CellFile::parse("cell.toml", ARM).expect("a cell").cell(&simulated());
-        let layout = layout.expect("of one arm").layout();
+        wrong_of(|_| (), file, options)
+    }
+
+    /// The same, with a layout that is changed before.
+    fn wrong_of(change: impl FnOnce(&mut Layout), file: &str, options: &[&str]) -> Vec<String> {
+        let cell = CellFile::parse("cell.toml", ARM).expect("a cell").cell(&simulated());
+        let (mut layout, urdfs) = shown(&mut cell.expect("of one arm"));
+        change(&mut layout);
         let file = CellFile::parse("cell.toml", &format!("{ARM}{file}")).expect("its form is right");
         let options = Options::try_parse_from([&["ros2"], options].concat()).expect("options");
-        checked(&options, &layout, &file, None).err().unwrap_or_default()
+        checked(&options, &layout, &urdfs, &file).err().unwrap_or_default()
+    }
+
+    #[test]
+    fn topics_that_would_be_there_twice_and_tables_of_none_are_told_before_dds_begins() {
+        let signal = |name: &str| SignalLayout {
+            name: name.to_owned(),
+            channel: Channel::Digital(0),
+            is_output: true,
+            note: String::new(),
+        };
+        let two = |layout: &mut Layout| layout.robots[0].signals.extend(["grip-a", "grip_a"].map(signal));
+        let table = "[topics.\"/amr/joint_states\"]\ndepth = 5\n";
+        let found = wrong_of(two, table, &["--domain", "3"]);
+        assert_eq!(found.len(), 2, "{found:?}");
+        assert!(found[0].starts_with("topic /arm/outputs/grip_a: it would be there twice"), "{found:?}");
+        assert!(found[1].contains("the bridge publishes no topic `/amr/joint_states`"), "{found:?}");
+        // Where the topics are not known, the table may be right.
+        let same = |layout: &mut Layout| layout.robots.push(layout.robots[0].clone());
+        let found = wrong_of(same, table, &["--domain", "3"]);
+        assert!(found.len() == 1 && found[0].contains("would have the same topics /arm/"), "{found:?}");
+        let found = wrong("[topics.\"/a-b/state\"]\ndepth = 5\n", &["--domain", "3", "--node", "a-b"]);
+        assert!(found.len() == 1 && found[0].starts_with("node `a-b`"), "{found:?}");
     }
 
     #[test]

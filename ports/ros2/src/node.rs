@@ -65,8 +65,6 @@ pub struct RosNode {
     participant: DomainParticipant,
     /// What the file says of topics.
     asked: Vec<PublishedEntry>,
-    /// Topics that are published, and whether who comes later gets their last message.
-    published: Vec<(String, outlet::Durability)>,
 }
 
 /// A topic of other nodes.
@@ -141,16 +139,7 @@ impl RosNode {
             .name("parameters".to_owned())
             .spawn(spin)
             .map_err(|error| failed(&error))?;
-        let (asked, published) = (place.topics.clone(), Vec::new());
-        Ok(RosNode { node, name: place.node.clone(), participant, asked, published })
-    }
-
-    /// Looks whether what the file says of topics can be.
-    ///
-    /// # Errors
-    /// It names topics that are not published, or asks for what a topic cannot have.
-    pub fn check_topics(&self) -> Result<(), String> {
-        check_published(&self.published, &self.asked)
+        Ok(RosNode { node, name: place.node.clone(), participant, asked: place.topics.clone() })
     }
 
     /// Its participant of DDS.
@@ -238,7 +227,6 @@ impl Outlet for RosNode {
         };
         let every = asked.and_then(PublishedEntry::every);
         let limit = every.map(|every| RateLimit { every, due: Cell::new(Instant::now()) });
-        self.published.push((name.to_owned(), durability));
         let described = self.node.create_topic(&called, MessageTypeName::new(M::PACKAGE, M::NAME), &qos);
         let described = described.map_err(|error| failed(&error))?;
         let publisher = self.node.create_publisher(&described, None).map_err(|error| failed(&error))?;
@@ -317,6 +305,8 @@ pub fn check_published(
 
 #[cfg(test)]
 mod tests {
+    use mrroc_launch::cell_file::CellFile;
+
     use super::*;
 
     #[test]
@@ -338,5 +328,38 @@ mod tests {
         assert_eq!(made, ["left", "left_arm", "press_arm", "n2nd", "a_b", "x"]);
         assert_eq!(same_topic(["left", "left-arm", "left_arm"].into_iter()), Some(["left-arm", "left_arm"]));
         assert_eq!(same_topic(["left", "right"].into_iter()), None);
+    }
+
+    #[test]
+    fn tables_of_topics_that_are_not_there_or_cannot_be_so_are_refused_by_name() {
+        let published = [
+            ("/joint_states".to_owned(), outlet::Durability::Volatile),
+            ("/arm/joint_states".to_owned(), outlet::Durability::Volatile),
+            ("/tf_static".to_owned(), outlet::Durability::TransientLocal),
+        ];
+        let check = |tables: &[(&str, &str)]| {
+            let tables: String =
+                tables.iter().map(|(name, entry)| format!("[topics.\"{name}\"]\n{entry}\n")).collect();
+            let arm = "robots.arm = { kind = \"irp6\", start = [0.0, -1.57, 0.16, -0.16, 4.71, 0.0] }";
+            let file = CellFile::parse("cell.toml", &format!("step_ms = 2\n{arm}\n{tables}"));
+            check_published(&published, file.expect("its form is right").published())
+        };
+        let right = [("/joint_states", "depth = 5"), ("/arm/joint_states", "every_ms = 20")];
+        assert_eq!(check(&right), Ok(()));
+        let wrong = [
+            ("/arm/joint_state", "depth = 5"),
+            ("/tf_static", "depth = 5"),
+            ("/joint_states", "every_ms = 20"),
+            right[1],
+        ];
+        let why = check(&wrong).expect_err("three are wrong");
+        for expected in [
+            "the bridge publishes no topic `/arm/joint_state`",
+            "did you mean `/arm/joint_states`?",
+            "`/tf_static` is kept for nodes that come later",
+            "each message of `/joint_states` tells of another robot",
+        ] {
+            assert!(why.contains(expected), "{expected}: {why}");
+        }
     }
 }

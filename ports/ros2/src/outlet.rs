@@ -36,6 +36,11 @@ pub trait Outlet {
     }
 }
 
+/// Why there is no topic of a name that another one has.
+pub fn twice(name: &str) -> String {
+    format!("topic {name}: it would be there twice\n help: rename a robot, a signal or a sensor")
+}
+
 /// A topic that takes messages.
 pub trait Put<M> {
     /// Takes one, or drops it: what becomes of it is not the concern of who shows it.

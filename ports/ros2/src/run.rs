@@ -102,7 +102,7 @@ fn attend(
     options: &Options,
 ) -> Result<core::convert::Infallible, Vec<String>> {
     let (layout, urdfs) = shown(&mut cell);
-    let checked = checked(options, &layout, &cell_file, None)?;
+    let checked = checked(options, &layout, &urdfs, &cell_file)?;
     show(port, &layout, &urdfs, checked, options).map_err(|why| vec![why])
 }
 
@@ -126,7 +126,6 @@ fn show(
     let set_speed = move |speed: f64| buttons::press(&of, Button::Speed(speed)).map(drop);
     let mut node = RosNode::begin(&place, check_speed, set_speed)?;
     let mut topics = Topics::open(&mut node, layout, urdfs, CellClock::default())?;
-    node.check_topics()?;
     if options.buttons {
         buttons::offer(&mut node, &file)?;
     }

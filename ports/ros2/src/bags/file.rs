@@ -17,7 +17,7 @@ use mcap::{Compression, WriteOptions, Writer};
 
 use crate::definitions;
 use crate::messages::RosType;
-use crate::outlet::{Durability, Outlet, Put};
+use crate::outlet::{Durability, Outlet, Put, twice};
 
 /// The first bytes of a message: plain CDR, the lowest byte of a number first.
 pub const LITTLE_ENDIAN: [u8; 4] = [0, 1, 0, 0];
@@ -135,7 +135,7 @@ impl Outlet for Bag {
         let written = &mut *self.written.borrow_mut();
         let failed = |error: &dyn core::fmt::Display| format!("topic {name}: {error}");
         if written.topics.iter().any(|topic| topic.name == name) {
-            return Err(failed(&"it would be there twice\n help: rename a robot, a signal or a sensor"));
+            return Err(twice(name));
         }
         let definition = definitions::with_named(&format!("{}/{}", M::PACKAGE, M::NAME));
         let definition = definition.ok_or_else(|| failed(&"its type has no definition"))?;
