@@ -357,6 +357,19 @@ fn a_bag_that_lacks_the_topic_of_a_sensor_is_refused_with_what_it_has() {
     );
     let long = wrong(&[point("/stamped"), number([&LITTLE_ENDIAN[..], &vec![0; (1 << 20) + 1]].concat())]);
     assert!(long[0].contains("more than 1 MiB"), "{long:?}");
+    // A date of 0 would make all others due after many years.
+    const DAY: u64 = 86_400_000_000_000;
+    let dated = |first: u64, last: u64| {
+        let messages = [("/said", STATE, first), ("/stamped", POINT, last), ("/gauge", NUMBER, last)];
+        recorded(&bag(&messages.map(|(topic, kind, date)| match kind {
+            NUMBER => (topic, kind, date, cdr(&0.5)),
+            POINT => (topic, kind, date, stamped(0, 0.0)),
+            _ => (topic, kind, date, cdr(&JointState::default())),
+        })))
+    };
+    assert!(dated(5, 5 + DAY).is_ok());
+    let far = dated(0, 1_700_000_000_500_000_000).expect_err("too long");
+    assert!(far.len() == 1 && far[0].contains("longer than a day: the first is a message of topic /said at 0.000 s since 1970, the last a message of topic /stamped at 1700000000.500 s"), "{far:?}");
     let cut = recorded(&bag(&[point("/stamped")])[..200]).expect_err("cut off");
     assert!(cut[0].contains("mcap recover"), "{cut:?}");
 }

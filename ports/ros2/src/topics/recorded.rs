@@ -21,6 +21,9 @@ const MOST: usize = 256 << 20;
 const ENDED: u64 = 1_000_000_000;
 const AGAIN: u64 = 100_000_000;
 
+/// The longest time from the first message of a bag to its last one \[ns\]: beyond it a date is wrong, and all others would wait for it.
+const LONGEST_BAG: u64 = 86_400 * 1_000_000_000;
+
 /// Topics that are named in a message, at most.
 const NAMED: usize = 20;
 
@@ -89,9 +92,17 @@ impl Recorded {
         if !wrong.is_empty() {
             return Err(wrong);
         }
-        let (mut messages, mut first, mut bytes) = (Vec::new(), u64::MAX, 0);
+        let (mut messages, mut bytes) = (Vec::new(), 0);
+        // The earliest and the latest date, and the topics of these messages.
+        let mut span: Option<[(u64, String); 2]> = None;
         let mut take = |message: McapMessage<'_>| {
-            first = first.min(message.date);
+            let this = || (message.date, message.topic.to_owned());
+            let [earliest, latest] = span.get_or_insert_with(|| [this(), this()]);
+            if message.date < earliest.0 {
+                *earliest = this();
+            } else if message.date > latest.0 {
+                *latest = this();
+            }
             for (place, of) in
                 mapped.iter().enumerate().filter(|(_, of)| of.topic.name().text == message.topic)
             {
@@ -108,6 +119,17 @@ impl Recorded {
             }
         };
         source.each(&mut take).map_err(one)?;
+        let Some([earliest, latest]) = span else { return Err(one(source.wrong("it has no message"))) };
+        if latest.0 - earliest.0 > LONGEST_BAG {
+            let [first, last] = [&earliest, &latest].map(|(date, topic)| {
+                format!("a message of topic {topic} at {:.3} s since 1970", *date as f64 / 1e9)
+            });
+            let why = format!(
+                "it is longer than a day: the first is {first}, the last {last}\n help: leave out messages whose date is wrong, or make a bag of a shorter time"
+            );
+            return Err(one(source.wrong(&why)));
+        }
+        let first = earliest.0;
         messages.sort_by_key(|message| message.date);
         let refused = mapped.iter().enumerate().filter_map(|(place, of)| {
             let mut all = messages.iter().filter(|message| message.place == place);
