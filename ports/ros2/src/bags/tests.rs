@@ -301,6 +301,12 @@ fn messages_of_sensors_are_due_as_long_after_the_first_step_as_they_are_after_th
     let mut recorded = recorded(&bytes).expect("both topics are there");
     assert_eq!(recorded.extent(0), (3, 0.04));
     assert!(recorded.next(u64::MAX).is_none(), "no cell runs");
+    // Of `/stamped` the message is older than 100 ms, after which its reading is stale; without a bound on its age it is not refused.
+    let short = "it is too short: it ends in `data`".to_owned();
+    assert_eq!(recorded.refused(0, 100 * MS), Some((1, short)));
+    let stale = "its stamp is 1.020 s old, and a reading is stale after 0.100 s".to_owned();
+    assert_eq!(recorded.refused(1, 100 * MS), Some((1, stale)));
+    assert_eq!(recorded.refused(1, 2000 * MS), None);
     // A cell that begins is helped ten times a second.
     assert_eq!([400, 499, 500].map(|ms| recorded.is_awaited(ms * MS)), [true, false, true]);
     assert_eq!(recorded.first(0).map(|told| told.words.clone()), Some(vec![0.1_f64.to_bits()]));

@@ -237,16 +237,8 @@ impl SensorTopic {
         writer: Option<GUID>,
         [monotonic, wall]: [u64; 2],
     ) -> Result<(), String> {
-        let measured = match told.stamp {
-            None => came,
-            Some(stamp) => {
-                let measured = measured(stamp, monotonic, wall)?.min(came);
-                self.owner.check_stamp(measured, monotonic)?;
-                measured
-            }
-        };
+        let measured = self.owner.take(told.stamp, came, writer, [monotonic, wall])?;
         self.sender.send(&told.words, measured);
-        self.owner.last = Some(Last { writer, heard: monotonic, measured });
         Ok(())
     }
 }
@@ -292,6 +284,26 @@ impl<W: PartialEq + Copy> Owner<W> {
             }
             Some(_) | None => Ok(()),
         }
+    }
+
+    /// Takes a message with this stamp, if it has one, as the last good one: of when it is by the monotonic clock \[ns\].
+    fn take(
+        &mut self,
+        stamp: Option<i128>,
+        came: u64,
+        writer: Option<W>,
+        [monotonic, wall]: [u64; 2],
+    ) -> Result<u64, String> {
+        let measured = match stamp {
+            None => came,
+            Some(stamp) => {
+                let measured = measured(stamp, monotonic, wall)?.min(came);
+                self.check_stamp(measured, monotonic)?;
+                measured
+            }
+        };
+        self.last = Some(Last { writer, heard: monotonic, measured });
+        Ok(measured)
     }
 
     /// Another publisher may follow at once where this one is there no more.

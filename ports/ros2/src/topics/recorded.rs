@@ -9,6 +9,7 @@ use mrroc_core::console::complain;
 use mrroc_core::suggestion::suggestion;
 use mrroc_recording::McapMessage;
 
+use super::Owner;
 use super::mapped::Mapped;
 use super::mapping::{Mapping, Told};
 use super::receive::{LONGEST, too_long};
@@ -23,6 +24,9 @@ const AGAIN: u64 = 100_000_000;
 
 /// The longest time from the first message of a bag to its last one \[ns\]: beyond it a date is wrong, and all others would wait for it.
 const LONGEST_BAG: u64 = 86_400 * 1_000_000_000;
+
+/// When a bag begins that nobody hears, by the monotonic clock \[ns\]: long after the machine was started, so that stamps may be older.
+const LATE: u64 = 1 << 62;
 
 /// Topics that are named in a message, at most.
 const NAMED: usize = 20;
@@ -152,6 +156,19 @@ impl Recorded {
         (of().count(), (last - self.first) as f64 / 1e9)
     }
 
+    /// How many messages of a topic a cell would refuse whose readings are stale at this age \[ns\], and why the first of them.
+    pub fn refused(&self, place: usize, stale: u64) -> Option<(usize, String)> {
+        let mut owner = Owner::<()> { stale, last: None };
+        let of = self.messages.iter().filter(|message| message.place == place);
+        let mut refused = of.filter_map(|Message { date, told, .. }| {
+            let due = LATE + (date - self.first);
+            let stamp = told.as_ref().map_err(String::clone).map(|told| told.stamp);
+            stamp.and_then(|stamp| owner.take(stamp, due, None, [due, *date])).err()
+        });
+        let first = refused.next()?;
+        Some((1 + refused.count(), first))
+    }
+
     /// The coordinator has shown a step, at a time of the monotonic clock \[ns\]. With the first step of a run that is seen the bag begins.
     pub fn step(&mut self, step: u64, shown: u64) {
         match &mut self.run {
@@ -202,7 +219,11 @@ pub fn described(mapped: &[Mapped<'_>], recorded: Option<&Recorded>) -> Vec<Stri
     let line = |(place, Mapped { of, topic, .. }): (usize, &Mapped<'_>)| {
         let of_bag = recorded.map_or_else(String::new, |recorded| {
             let (count, seconds) = recorded.extent(place);
-            format!(": {count} messages of the bag, until {seconds:.3} s")
+            let refused = recorded.refused(place, of.stale_after().as_nanos() as u64);
+            let refused = refused.map_or_else(String::new, |(refused, why)| {
+                format!("; {refused} of {count} messages are refused, the first: {why}")
+            });
+            format!(": {count} messages of the bag, until {seconds:.3} s{refused}")
         });
         format!("sensor `{}` reads {}, {}{of_bag}", of.name(), topic.name().text, topic.message().text)
     };
