@@ -307,11 +307,11 @@ fn messages_of_sensors_are_due_as_long_after_the_first_step_as_they_are_after_th
     let stale = "its stamp is 1.020 s old, and a reading is stale after 0.100 s".to_owned();
     assert_eq!(recorded.refused(1, 100 * MS), Some((1, stale)));
     assert_eq!(recorded.refused(1, 2000 * MS), None);
-    // A cell that begins is helped ten times a second.
-    assert_eq!([400, 499, 500].map(|ms| recorded.is_awaited(ms * MS)), [true, false, true]);
+    // Where no cell runs the first messages are offered ten times a second.
+    assert_eq!([400, 499, 500].map(|ms| recorded.offers_first(ms * MS)), [true, false, true]);
     assert_eq!(recorded.first(0).map(|told| told.words.clone()), Some(vec![0.1_f64.to_bits()]));
     let mut run = |first: u64, began: u64| {
-        recorded.step(first, began);
+        recorded.step(first, began, false);
         assert!(recorded.next(began + 20 * MS - 1).is_none());
         // The bridge is late: what is due comes in its order, each since its own time.
         let late = began + 35 * MS;
@@ -322,9 +322,9 @@ fn messages_of_sensors_are_due_as_long_after_the_first_step_as_they_are_after_th
             }
         };
         take(&mut recorded, late);
-        recorded.step(first + 17, late);
+        recorded.step(first + 17, late, false);
         take(&mut recorded, late);
-        recorded.step(first + 18, late);
+        recorded.step(first + 18, late, false);
         take(&mut recorded, began + 40 * MS);
         take(&mut recorded, u64::MAX);
         due
@@ -341,7 +341,32 @@ fn messages_of_sensors_are_due_as_long_after_the_first_step_as_they_are_after_th
     // Another run of the cell hears it from the beginning.
     assert_eq!(run(0, 9000 * MS), expected);
     // Its newest step was seen at 9035 ms.
-    assert_eq!([10_034, 10_035].map(|ms| recorded.is_awaited(ms * MS)), [false, true]);
+    assert_eq!([10_034, 10_035].map(|ms| recorded.offers_first(ms * MS)), [false, true]);
+    assert!(recorded.first(0).is_some(), "all of its messages are sent");
+}
+
+#[test]
+fn after_the_end_of_a_run_nothing_of_it_is_sent_and_the_next_run_begins_the_bag_again() {
+    const MS: u64 = 1_000_000;
+    let at = |ms: u64, x: f64| ("/gauge", NUMBER, ms * MS, cdr(&x));
+    let bytes = bag(&[at(10, 0.1), at(20, 0.2), at(30, 0.3), ("/stamped", POINT, 10 * MS, stamped(0, 0.0))]);
+    let mut recorded = recorded(&bytes).expect("both topics are there");
+    // It ends at its first step.
+    recorded.step(0, 500 * MS, false);
+    assert_eq!(recorded.next(500 * MS).map(|(_, due)| due), Some(500 * MS));
+    recorded.step(0, 502 * MS, true);
+    assert!(recorded.next(u64::MAX).is_none(), "it is over");
+    assert!(recorded.offers_first(503 * MS) && recorded.first(0).is_some(), "another one may begin");
+    recorded.step(0, 600 * MS, false);
+    let mut due = Vec::new();
+    while let Some((message, since)) = recorded.next(610 * MS) {
+        due.push((message.place, since / MS));
+    }
+    assert_eq!(due, [(0, 600), (1, 600), (0, 610)]);
+    assert!(!recorded.offers_first(610 * MS));
+    // Steps that are not seen may be those of a cell that runs: what is due would be replaced, but for topics that have no more of it.
+    assert!(recorded.offers_first(1600 * MS));
+    assert!(recorded.first(0).is_none() && recorded.first(1).is_some());
 }
 
 #[test]

@@ -102,10 +102,10 @@ impl SensorTopics {
         Ok(SensorTopics { topics, recorded, looked: None, types: BTreeMap::new(), unheard: Vec::new() })
     }
 
-    /// The coordinator has shown a step.
-    pub fn step(&mut self, step: u64) {
+    /// The coordinator has shown a step, or that its program is over.
+    pub fn step(&mut self, step: u64, is_over: bool) {
         if let Some(recorded) = &mut self.recorded {
-            recorded.step(step, monotonic());
+            recorded.step(step, monotonic(), is_over);
         }
     }
 
@@ -124,7 +124,7 @@ impl SensorTopics {
                     topic.refused.add(&why);
                 }
             }
-            if recorded.is_awaited(monotonic()) {
+            if recorded.offers_first(monotonic()) {
                 for (place, topic) in self.topics.iter().enumerate() {
                     // Measured when the machine was started: the cell begins, and does not count it as a reading.
                     recorded.first(place).into_iter().for_each(|told| topic.sender.send(&told.words, 0));

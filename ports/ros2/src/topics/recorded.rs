@@ -18,8 +18,9 @@ use crate::bags::{Source, body};
 /// What is kept of all messages, at most \[bytes\].
 const MOST: usize = 256 << 20;
 
-/// A cell whose steps were not seen for so long may have ended, and so often it is looked whether another one begins \[ns\].
+/// A cell whose steps were not seen for so long may have ended \[ns\].
 const ENDED: u64 = 1_000_000_000;
+/// So often the first messages are sent where a cell may begin \[ns\].
 const AGAIN: u64 = 100_000_000;
 
 /// The longest time from the first message of a bag to its last one \[ns\]: beyond it a date is wrong, and all others would wait for it.
@@ -41,8 +42,8 @@ pub struct Recorded {
     /// How many were sent in the run.
     sent: usize,
     run: Option<Run>,
-    /// When a cell that begins was helped last \[ns\].
-    helped: u64,
+    /// When the first messages were offered last \[ns\].
+    offered: u64,
 }
 
 /// A message.
@@ -64,6 +65,8 @@ struct Run {
     /// Its newest step, and when that was seen.
     step: u64,
     seen: u64,
+    /// Whether the cell's program has ended.
+    is_over: bool,
 }
 
 impl Recorded {
@@ -144,7 +147,7 @@ impl Recorded {
         });
         let refused: Vec<_> = refused.collect();
         match refused.is_empty() {
-            true => Ok(Recorded { messages, first, sent: 0, run: None, helped: 0 }),
+            true => Ok(Recorded { messages, first, sent: 0, run: None, offered: 0 }),
             false => Err(refused),
         }
     }
@@ -169,40 +172,47 @@ impl Recorded {
         Some((1 + refused.count(), first))
     }
 
-    /// The coordinator has shown a step, at a time of the monotonic clock \[ns\]. With the first step of a run that is seen the bag begins.
-    pub fn step(&mut self, step: u64, shown: u64) {
+    /// The coordinator has shown a step, or that its program is over, at a time of the monotonic clock \[ns\]. With the first step of a run that is seen the bag
+    /// begins.
+    pub fn step(&mut self, step: u64, shown: u64, is_over: bool) {
         match &mut self.run {
-            Some(run) if step >= run.step => (run.step, run.seen) = (step, shown),
+            Some(run) if step >= run.step && (is_over || !run.is_over) => {
+                (run.step, run.seen, run.is_over) = (step, shown, is_over);
+            }
             // Another run counts from 0 again.
             Some(_) | None => {
-                self.run = Some(Run { began: shown, step, seen: shown });
+                self.run = Some(Run { began: shown, step, seen: shown, is_over });
                 self.sent = 0;
             }
         }
     }
 
-    /// Whether a cell may wait for the first reading of a sensor, which it does before its first step: told now and again where no steps are seen.
-    pub fn is_awaited(&mut self, now: u64) -> bool {
-        let is_quiet = self.run.as_ref().is_none_or(|run| now.saturating_sub(run.seen) >= ENDED);
-        let is_awaited = is_quiet && now.saturating_sub(self.helped) >= AGAIN;
-        if is_awaited {
-            self.helped = now;
+    /// Whether the first messages are to be offered to a cell that waits for the first readings of its sensors, which it does before its first step: now and
+    /// again where no cell is known to run.
+    pub fn offers_first(&mut self, now: u64) -> bool {
+        let may_begin = |run: &Run| run.is_over || now.saturating_sub(run.seen) >= ENDED;
+        let offers = self.run.as_ref().is_none_or(may_begin) && now.saturating_sub(self.offered) >= AGAIN;
+        if offers {
+            self.offered = now;
         }
-        is_awaited
+        offers
     }
 
-    /// What the first message of a topic says that is not refused.
+    /// What the first message of a topic says that is not refused; `None` where another one of the topic is to be sent in this run, which it would replace.
     pub fn first(&self, place: usize) -> Option<&Told> {
-        self.messages
-            .iter()
-            .filter(|message| message.place == place)
-            .find_map(|message| message.told.as_ref().ok())
+        let of = |message: &&Message| message.place == place;
+        let is_at_work = self.run.as_ref().is_some_and(|run| !run.is_over);
+        if is_at_work && self.messages[self.sent..].iter().any(|message| of(&message)) {
+            return None;
+        }
+        self.messages.iter().filter(of).find_map(|message| message.told.as_ref().ok())
     }
 
     /// The next message that is due at a time of the monotonic clock, and since when \[ns\].
     pub fn next(&mut self, now: u64) -> Option<(&Message, u64)> {
+        let run = self.run.as_ref().filter(|run| !run.is_over)?;
         let message = self.messages.get(self.sent)?;
-        let due = self.run.as_ref()?.began.checked_add(message.date - self.first)?;
+        let due = run.began.checked_add(message.date - self.first)?;
         if due > now {
             return None;
         }
