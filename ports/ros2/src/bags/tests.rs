@@ -287,7 +287,8 @@ fn stamped(sec: i32, x: f64) -> Vec<u8> {
 }
 
 #[test]
-fn messages_of_sensors_are_due_as_long_after_the_first_step_as_they_are_after_the_bags_first_message() {
+fn fault_256_messages_of_a_bag_are_due_as_long_after_the_first_step_as_they_are_after_the_bags_first_message()
+{
     const MS: u64 = 1_000_000;
     const DATE: u64 = 1_700_000_000_000 * MS;
     let bytes = bag(&[
@@ -346,7 +347,7 @@ fn messages_of_sensors_are_due_as_long_after_the_first_step_as_they_are_after_th
 }
 
 #[test]
-fn after_the_end_of_a_run_nothing_of_it_is_sent_and_the_next_run_begins_the_bag_again() {
+fn fault_256_after_the_end_of_a_run_nothing_of_a_bag_is_sent_and_the_next_run_begins_the_bag_again() {
     const MS: u64 = 1_000_000;
     let at = |ms: u64, x: f64| ("/gauge", NUMBER, ms * MS, cdr(&x));
     let bytes = bag(&[at(10, 0.1), at(20, 0.2), at(30, 0.3), ("/stamped", POINT, 10 * MS, stamped(0, 0.0))]);
@@ -370,7 +371,7 @@ fn after_the_end_of_a_run_nothing_of_it_is_sent_and_the_next_run_begins_the_bag_
 }
 
 #[test]
-fn a_bag_that_lacks_the_topic_of_a_sensor_is_refused_with_what_it_has() {
+fn fault_256_a_bag_that_cannot_be_what_sensors_read_is_refused_by_name() {
     let point = |topic| (topic, POINT, 5, stamped(0, 0.0));
     let number = |data: Vec<u8>| ("/gauge", NUMBER, 5, data);
     let wrong = |messages: &[Message]| recorded(&bag(messages)).expect_err("refused");
