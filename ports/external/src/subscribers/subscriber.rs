@@ -79,6 +79,8 @@ pub struct StepShown {
     pub step: u64,
     /// Its time on the cell's clock \[ns\].
     pub time: Nanos,
+    /// When it was sent, `CLOCK_MONOTONIC` \[ns\].
+    pub sent: Nanos,
     /// Path time of the step \[s\]: 0 while it is suspended.
     pub path_time: f64,
     /// The speed that the operator wants, 0 to 1.
@@ -244,6 +246,7 @@ impl StepShown {
         StepShown {
             step: message.step,
             time: message.time,
+            sent: message.sent,
             path_time: message.path_time,
             speed: message.speed,
             suspended: is_set(SUSPENDED),
