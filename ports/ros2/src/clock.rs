@@ -22,7 +22,7 @@ impl CellClock {
     /// The date of a time of the cell \[ns\] that was told at `sent` by the machine's monotonic clock \[ns\]: \[ns since 1970\].
     pub fn date(&mut self, time: u64, sent: u64) -> u64 {
         let began = sent.saturating_sub(time);
-        let [zero, _] = match self.zero.filter(|[_, known]| began.abs_diff(*known) < ANOTHER) {
+        let [zero, _] = match self.zero.filter(|[_, known]| !is_another_run(began, *known)) {
             Some(known) => known,
             None => {
                 let age = monotonic().saturating_sub(sent);
@@ -36,6 +36,11 @@ impl CellClock {
 /// A time that was zero so much earlier or later is that of another run \[ns\]: within a run that is how late a message may be told, and how late steps
 /// may have become.
 const ANOTHER: u64 = 1_000_000_000;
+
+/// Whether the cell's time was zero in another run than the known one, both by the machine's monotonic clock \[ns\].
+pub const fn is_another_run(zero: u64, known: u64) -> bool {
+    zero.abs_diff(known) >= ANOTHER
+}
 
 /// Now, by the wall clock \[ns since 1970\].
 pub fn now() -> u64 {

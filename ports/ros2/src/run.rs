@@ -160,7 +160,7 @@ fn show(
     ));
     let mut serve_readings = |subscriber: &mut Subscriber| {
         while let Some(step) = subscriber.step() {
-            readings.step(step.step, step.over);
+            readings.step(&step);
         }
         readings.serve(&node);
     };

@@ -312,7 +312,7 @@ fn fault_256_messages_of_a_bag_are_due_as_long_after_the_first_step_as_they_are_
     assert_eq!([400, 499, 500].map(|ms| recorded.offers_first(ms * MS)), [true, false, true]);
     assert_eq!(recorded.first(0).map(|told| told.words.clone()), Some(vec![0.1_f64.to_bits()]));
     let mut run = |first: u64, began: u64| {
-        recorded.step(first, began, false);
+        recorded.step(2 * MS * first, began, false);
         assert!(recorded.next(began + 20 * MS - 1).is_none());
         // The bridge is late: what is due comes in its order, each since its own time.
         let late = began + 35 * MS;
@@ -323,9 +323,9 @@ fn fault_256_messages_of_a_bag_are_due_as_long_after_the_first_step_as_they_are_
             }
         };
         take(&mut recorded, late);
-        recorded.step(first + 17, late, false);
+        recorded.step(2 * MS * (first + 17), late, false);
         take(&mut recorded, late);
-        recorded.step(first + 18, late, false);
+        recorded.step(2 * MS * (first + 18), late, false);
         take(&mut recorded, began + 40 * MS);
         take(&mut recorded, u64::MAX);
         due
@@ -365,8 +365,13 @@ fn fault_256_after_the_end_of_a_run_nothing_of_a_bag_is_sent_and_the_next_run_be
     }
     assert_eq!(due, [(0, 600), (1, 600), (0, 610)]);
     assert!(!recorded.offers_first(610 * MS));
+    // That one is killed, and of another one a later step is seen first.
+    recorded.step(10 * MS, 610 * MS, false);
+    recorded.step(400 * MS, 5000 * MS, false);
+    assert_eq!(recorded.next(5000 * MS).map(|(_, due)| due), Some(5000 * MS));
     // Steps that are not seen may be those of a cell that runs: what is due would be replaced, but for topics that have no more of it.
-    assert!(recorded.offers_first(1600 * MS));
+    assert!(recorded.next(5000 * MS).is_some());
+    assert!(recorded.offers_first(6000 * MS));
     assert!(recorded.first(0).is_none() && recorded.first(1).is_some());
 }
 

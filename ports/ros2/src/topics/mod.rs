@@ -16,7 +16,7 @@ use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
 use mrroc_core::console::complain;
-use mrroc_external::{WordSender, monotonic};
+use mrroc_external::{StepShown, WordSender, monotonic};
 use mrroc_launch::cell_file::TopicEntry;
 use ros2_client::dds::rustdds::GUID;
 use ros2_client::qos::{Durability, History, Reliability, WhenFull};
@@ -103,9 +103,9 @@ impl SensorTopics {
     }
 
     /// The coordinator has shown a step, or that its program is over.
-    pub fn step(&mut self, step: u64, is_over: bool) {
+    pub fn step(&mut self, step: &StepShown) {
         if let Some(recorded) = &mut self.recorded {
-            recorded.step(step, monotonic(), is_over);
+            recorded.step(step.time, step.sent, step.over);
         }
     }
 

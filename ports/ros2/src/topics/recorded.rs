@@ -14,6 +14,7 @@ use super::mapped::Mapped;
 use super::mapping::{Mapping, Told};
 use super::receive::{LONGEST, too_long};
 use crate::bags::{Source, body};
+use crate::clock::is_another_run;
 
 /// What is kept of all messages, at most \[bytes\].
 const MOST: usize = 256 << 20;
@@ -60,10 +61,10 @@ pub struct Message {
 /// The run of the cell that is seen.
 #[derive(Debug)]
 struct Run {
-    /// When its first step was seen, by the monotonic clock \[ns\].
+    /// When the cell's time was zero, by the monotonic clock \[ns\].
+    zero: u64,
+    /// When the first step that is known was sent, and the newest one.
     began: u64,
-    /// Its newest step, and when that was seen.
-    step: u64,
     seen: u64,
     /// Whether the cell's program has ended.
     is_over: bool,
@@ -172,16 +173,16 @@ impl Recorded {
         Some((1 + refused.count(), first))
     }
 
-    /// The coordinator has shown a step, or that its program is over, at a time of the monotonic clock \[ns\]. With the first step of a run that is seen the bag
-    /// begins.
-    pub fn step(&mut self, step: u64, shown: u64, is_over: bool) {
+    /// The coordinator has shown a step of this time of the cell \[ns\], or that its program is over; that was sent at a time of the monotonic clock \[ns\]. With
+    /// the first step of a run that is seen the bag begins.
+    pub fn step(&mut self, time: u64, sent: u64, is_over: bool) {
+        let zero = sent.saturating_sub(time);
         match &mut self.run {
-            Some(run) if step >= run.step && (is_over || !run.is_over) => {
-                (run.step, run.seen, run.is_over) = (step, shown, is_over);
+            Some(run) if is_over || !(run.is_over || is_another_run(zero, run.zero)) => {
+                (run.seen, run.is_over) = (sent, is_over);
             }
-            // Another run counts from 0 again.
             Some(_) | None => {
-                self.run = Some(Run { began: shown, step, seen: shown, is_over });
+                self.run = Some(Run { zero, began: sent, seen: sent, is_over });
                 self.sent = 0;
             }
         }
