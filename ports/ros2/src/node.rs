@@ -213,6 +213,9 @@ impl Outlet for RosNode {
         crate::clock::now()
     }
 
+    /// The check of all names, before the node began, has told it.
+    fn warn(&self, _: &str) {}
+
     fn topic<M: RosType>(
         &mut self,
         name: &str,

@@ -2,6 +2,8 @@
 //!
 //! In: the same messages of the same topics for both. So a bag of a recording has what nodes would have heard.
 
+use mrroc_core::console::complain;
+
 use crate::messages::RosType;
 
 /// Whether who comes later gets the last message of a topic.
@@ -23,6 +25,11 @@ pub trait Outlet {
 
     /// Now \[ns since 1970\].
     fn now(&self) -> u64;
+
+    /// Tells what topics lack.
+    fn warn(&self, what: &str) {
+        complain(what);
+    }
 
     /// A topic.
     ///

@@ -99,7 +99,7 @@ impl<O: Outlet> Topics<O> {
             let description = match urdf.as_ref().map(read) {
                 Some(Ok(description)) => Some(description),
                 Some(Err(why)) => {
-                    complain(&format!(
+                    node.warn(&format!(
                         "warning: robot `{}` has no robot_description and no transforms: {why}",
                         robot.name
                     ));
