@@ -171,8 +171,8 @@ pub fn has_its_class<G: Generator>(
     given: impl Fn(u64) -> Given<G>,
     class: &str,
 ) -> Result<(), Violation> {
-    Given::<G>::nothing()?;
-    class_of(&Facts::of::<G>(), class, &|how| run(make(), &given, how))
+    class_of(&Facts::of::<G>(), class, &|how| run(make(), &given, how))?;
+    Given::<G>::nothing().map(drop)
 }
 
 fn class_of(facts: &Facts, class: &str, run: &dyn Fn(&How<'_>) -> Run) -> Result<(), Violation> {

@@ -129,14 +129,15 @@ fn two_arms_of_one_trajectory_keep_their_relative_pose_when_it_is_halted_suspend
 
 #[test]
 #[ignore = "thousands of runs: `just sweep-goals`"]
-fn at_a_thousand_instants_two_arms_of_one_trajectory_keep_their_relative_pose() {
+fn at_a_thousand_instants_two_arms_of_one_trajectory_keep_their_relative_pose_or_nearly_so_after_a_fault() {
     for end in [End::Halt, End::Suspension, End::Stop, End::Fault] {
         let (worst, least, farthest) = at_instants(end, 1_000);
         println!(
             "{end:?}: {:.1e} m, {:.1e} rad; the body went {least:.4} to {farthest:.4} m",
             worst.0, worst.1
         );
-        assert!(worst.0 <= 1e-6 && worst.1 <= 1e-6 || end == End::Fault, "{end:?}: {worst:?}");
+        let bound = if end == End::Fault { [1e-3, 2e-3] } else { [1e-9; 2] };
+        assert!(worst.0 <= bound[0] && worst.1 <= bound[1], "{end:?}: {worst:?}");
     }
 }
 
