@@ -7,6 +7,8 @@
 //! ```text
 //! s - APART - v CLEAR  ..  s + APART
 //! ```
+//!
+//! The belt may change its speed meanwhile, so `v` is the largest that it has had so far. One that has run back brings things from ahead as well.
 
 use std::collections::VecDeque;
 
@@ -26,6 +28,8 @@ struct Thing {
 pub struct Things {
     all: VecDeque<Thing>,
     unknown: u32,
+    /// The lowest and the highest speed of the belt so far, and 0 [m/s].
+    speeds: [f64; 2],
 }
 
 impl Things {
@@ -46,6 +50,7 @@ impl Things {
     /// Takes in what the sensor says; `newest` is the number of the newest part that is known. Things beyond `end`, along s \[m\], are of no
     /// interest any more.
     pub fn take(&mut self, seen: &Spotted, newest: u32, end: f64) {
+        self.speeds = self.speeds_with(seen);
         for part in seen.newest.iter().rev().filter(|part| part.number > newest) {
             self.push(Thing { number: part.number, from: part.along, to: part.along });
         }
@@ -72,17 +77,22 @@ impl Things {
     /// A part is put back at a place along s \[m\], from now on within [`CLEAR`](Self::CLEAR): until it is let go the belt runs on below it.
     pub fn put_back(&mut self, number: u32, s: f64, seen: &Spotted) {
         let now = s - seen.travel;
-        let later = now - seen.speed * Self::CLEAR;
-        self.push(Thing { number, from: now.min(later), to: now.max(later) });
+        let [back, forth] = self.speeds_with(seen).map(|speed| speed * Self::CLEAR);
+        self.push(Thing { number, from: now - forth, to: now - back });
+    }
+
+    fn speeds_with(&self, seen: &Spotted) -> [f64; 2] {
+        [self.speeds[0].min(seen.speed), self.speeds[1].max(seen.speed)]
     }
 
     /// Whether a part can be put back at a place along s \[m\].
     #[must_use]
     pub fn is_clear(&self, s: f64, seen: &Spotted) -> bool {
-        let [behind, ahead] = [seen.speed.max(0.0), seen.speed.min(0.0)].map(|speed| speed * Self::CLEAR);
-        let (from, to) = (s - Self::APART - behind, s + Self::APART - ahead);
+        let [back, forth] = self.speeds_with(seen).map(|speed| speed * Self::CLEAR);
+        let (from, to) = (s - Self::APART - forth, s + Self::APART - back);
         let is_there = |thing: &Thing| thing.to + seen.travel > from && thing.from + seen.travel < to;
-        from > Self::TOLD && !self.all.iter().any(is_there)
+        let is_told = s - Self::APART - seen.speed.max(0.0) * Self::CLEAR > Self::TOLD;
+        is_told && !self.all.iter().any(is_there)
     }
 }
 
@@ -113,6 +123,11 @@ mod tests {
         // A belt that turns back brings it from ahead.
         let back = Spotted { speed: -0.1, ..place(0.8) };
         assert!(things.is_clear(0.5, &place(0.8)) && !things.is_clear(0.5, &back));
+        // So does one that stands and may turn back again, as one that starts again brings what is upstream.
+        let mut turned = things.clone();
+        turned.take(&back, 1, 1.0);
+        let standing = |s: f64| Spotted { speed: 0.0, ..place(s) };
+        assert!(!turned.is_clear(0.5, &standing(0.8)) && !things.is_clear(0.5, &standing(0.2)));
         // What is in a hand is in nobody's way; what was put back is.
         things.lift(1);
         assert!(things.is_clear(0.5, &place(0.5)));

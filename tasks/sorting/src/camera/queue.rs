@@ -162,8 +162,12 @@ impl Queue {
         if !is_closed(demanded) {
             return Ok(());
         }
-        self.things.lift(self.number);
-        Failed::count(failed, is_empty(demanded, measured))
+        let has_failed = is_empty(demanded, measured);
+        // A part that the hand did not get may still lie there.
+        if !has_failed {
+            self.things.lift(self.number);
+        }
+        Failed::count(failed, has_failed)
     }
 
     /// Whether the hand has a part that the arm cannot bring to its bin.

@@ -130,8 +130,12 @@ impl Shared {
                 return Ok(Some(Task::Return));
             }
             About::Taking(part) if is_closed(demanded) => {
-                self.queue.things.lift(part.number);
-                Failed::count(failed, is_empty(demanded, measured))?;
+                let has_failed = is_empty(demanded, measured);
+                // A part that the hand did not get may still lie there.
+                if !has_failed {
+                    self.queue.things.lift(part.number);
+                }
+                Failed::count(failed, has_failed)?;
                 if self.held[arm].stranded().is_some() {
                     self.about[arm] = About::Holding(part.number, self.now);
                     return self.put_back(arm, part.number, 0.0);
