@@ -191,8 +191,9 @@ impl<V: VirtualSensor> From<SensorSetup<V>> for CellSensor {
             configuration: <<V::Kind as Sensor>::Configuration as Wire>::LEN,
         };
         let mut configuration = [0; CONFIGURATION_WORDS];
-        // One that is too long is refused by the check.
-        if kind.configuration <= CONFIGURATION_WORDS {
+        // Free-running sensors take it. One that is too long is refused by the check.
+        let is_free = matches!(setup.options.mode, VspMode::NonInteractive(_));
+        if is_free && kind.configuration <= CONFIGURATION_WORDS {
             setup.configuration.put(&mut configuration);
         }
         CellSensor {

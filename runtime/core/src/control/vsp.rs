@@ -234,10 +234,11 @@ impl<V: VirtualSensor> AnyVirtualSensor for V {
             Taken::NothingNew => order.step,
         };
         let reading = self.aggregate(&order).map_err(Fault::thrown_by_program)?;
+        // It may panic: then the fault is of the order's step.
+        reading.put(&mut reply.body);
         reply.header.step = taken;
         reply.header.kind = Kind::Reply;
         reply.header.len = <V::Kind as Sensor>::Reading::LEN as u32;
-        reading.put(&mut reply.body);
         Ok(true)
     }
 }

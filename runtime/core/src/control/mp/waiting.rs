@@ -53,7 +53,7 @@ impl Mp<'_> {
         self.check_handles(&robots, &sensors)?;
         let indices = robots.indices();
         let indices = indices.as_ref();
-        let order = Order::unread().map_err(|_| Fault::new(FaultKind::Message))?;
+        let order = Order::unread().map_err(|_| self.conclude(Fault::new(FaultKind::Message)))?;
         let (e, sensors) = (State::new(robots.images()), Readings::of(sensors));
         let mut awaited = Awaited { condition, sensors, e, order };
         let outcome = self.wait_for(TypeName::of::<C>(), indices, &mut awaited, limit);
