@@ -61,8 +61,11 @@ pub fn checked<'a>(
     file: &'a CellFile,
 ) -> Result<Checked<'a>, Vec<String>> {
     let mut wrong = Mistakes::default();
+    let named = NodeName::new("/", &options.node).map_err(|error| {
+        format!("node `{}`: {error}\n help: write letters, digits and _, a letter first", options.node)
+    });
     // A node that can have no such name is told of once, and not for each of its topics.
-    let is_name = NodeName::new("/", &options.node).is_ok();
+    let is_name = named.is_ok();
     let mut names = Names::of(if is_name { &options.node } else { "cell" });
     let opened = Topics::open(&mut names, layout, urdfs, CellClock::default());
     wrong.0.append(&mut names.wrong);
@@ -75,9 +78,6 @@ pub fn checked<'a>(
     let bound = UdpSocket::bind((options.address, 0))
         .map_err(|error| format!("{} is no address of this machine: {error}", options.address));
     wrong.take(bound);
-    let named = NodeName::new("/", &options.node).map_err(|error| {
-        format!("node `{}`: {error}\n help: write letters, digits and _, a letter first", options.node)
-    });
     wrong.take(named);
     let robot = wrong.take(only(layout, options.bags.robot.as_deref()));
     let from_bag = wrong.take(options.bags.goals());

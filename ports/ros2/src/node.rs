@@ -239,11 +239,14 @@ impl Outlet for RosNode {
 
 /// What `cell.toml` asks for.
 fn offered(asked: &PublishedEntry) -> QosProfile {
-    let reliability = match asked.is_reliable() {
-        true => Reliability::Reliable { when_full: WhenFull::Fail },
-        false => Reliability::BestEffort,
-    };
-    now_only().reliability(reliability).history(History::KeepLast { depth: asked.depth() })
+    now_only()
+        .reliability(reliability(asked.is_reliable()))
+        .history(History::KeepLast { depth: asked.depth() })
+}
+
+/// That of a topic that is reliable, or best effort.
+pub const fn reliability(is_reliable: bool) -> Reliability {
+    if is_reliable { Reliability::Reliable { when_full: WhenFull::Fail } } else { Reliability::BestEffort }
 }
 
 impl<M: RosType> Put<M> for RosTopic<M> {

@@ -19,11 +19,11 @@ use mrroc_core::console::complain;
 use mrroc_external::{StepShown, WordSender, monotonic};
 use mrroc_launch::cell_file::TopicEntry;
 use ros2_client::dds::rustdds::GUID;
-use ros2_client::qos::{Durability, History, Reliability, WhenFull};
+use ros2_client::qos::{Durability, History};
 use ros2_client::{MessageTypeName, QosProfile};
 
 use crate::clock::now;
-use crate::node::RosNode;
+use crate::node::{RosNode, reliability};
 pub use cdr::ByteOrder;
 pub use mapped::{Mapped, mapped};
 use mapping::Mapping;
@@ -194,15 +194,10 @@ fn message_type(topic: &TopicEntry) -> MessageTypeName {
 }
 
 fn qos(topic: &TopicEntry) -> QosProfile {
-    let reliability = if topic.is_reliable() {
-        Reliability::Reliable { when_full: WhenFull::Fail }
-    } else {
-        Reliability::BestEffort
-    };
     let durability =
         if topic.is_transient_local() { Durability::TransientLocal } else { Durability::Volatile };
     QosProfile::publisher_default()
-        .reliability(reliability)
+        .reliability(reliability(topic.is_reliable()))
         .durability(durability)
         .history(History::KeepLast { depth: topic.depth() })
 }
