@@ -13,7 +13,7 @@ use mcap::records::{Metadata, Record};
 use super::file::{END, PROFILE, START, VERSION};
 use super::messages::Messages;
 use super::records::{self, Ended};
-use super::wrong::{CutOff, DAMAGED, NotReplayable, Wrong, unreadable};
+use super::wrong::{CutOff, NotReplayable, Wrong, unreadable};
 use mrroc_core::console::quoted;
 use mrroc_core::link::Nanos;
 use mrroc_core::observe::layout::Layout;
@@ -159,7 +159,7 @@ pub fn each_mcap_message(
 ) -> Result<(), String> {
     let read = files::open(file).map_err(unreadable).and_then(|from| each_mcap_message_in(from, take));
     read.map_err(|wrong| {
-        let help = if wrong.help() == DAMAGED { RECOVERED } else { "" };
+        let help = if wrong.is_damage() { RECOVERED } else { "" };
         format!("{}: {}{help}", file.display(), wrong.what())
     })
 }
@@ -197,7 +197,7 @@ fn each_mcap_message_in(
     };
     match records::each(from, &records::OF_OTHERS, &mut take)? {
         Ended::Whole => Ok(()),
-        Ended::CutOff => Err(Wrong::new("is cut off: it has no end", DAMAGED)),
+        Ended::CutOff => Err(Wrong::damaged("is cut off: it has no end")),
     }
 }
 

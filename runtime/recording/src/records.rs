@@ -12,7 +12,7 @@ use mcap::records::{Record, op};
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use mrroc_core::console::quoted;
 
-use super::wrong::{DAMAGED, Wrong, unreadable};
+use super::wrong::{Wrong, unreadable};
 
 /// What a file may be like.
 pub(super) struct Kind {
@@ -94,7 +94,7 @@ fn take_bytes(
 
 /// An error for a part that states a length beyond the end of what contains it.
 fn torn(what: &str) -> Wrong {
-    Wrong::new(format!("is damaged: {what} is longer than what it is in"), DAMAGED)
+    Wrong::damaged(format!("is damaged: {what} is longer than what it is in"))
 }
 
 /// The records in a chunk, after its checksum is verified. The parser's own function for chunks is not used: its
@@ -118,7 +118,7 @@ fn chunk<'a>(data: &'a [u8], kind: &Kind) -> Result<Cow<'a, [u8]>, Wrong> {
     if is_whole {
         Ok(records)
     } else {
-        Err(Wrong::new("is damaged: a chunk is not as its checksum says", DAMAGED))
+        Err(Wrong::damaged("is damaged: a chunk is not as its checksum says"))
     }
 }
 
@@ -130,7 +130,7 @@ fn decompressed(decoder: std::io::Result<impl Read>, size: u64, kind: &Kind) -> 
     }
     let mut records = Vec::new();
     let read = decoder.and_then(|decoder| decoder.take(size + 1).read_to_end(&mut records));
-    read.map_err(|_| Wrong::new("is damaged: a chunk cannot be decompressed", DAMAGED))?;
+    read.map_err(|_| Wrong::damaged("is damaged: a chunk cannot be decompressed"))?;
     Ok(records)
 }
 
@@ -199,6 +199,6 @@ fn damaged(error: McapError, kind: &Kind) -> Wrong {
             "has a record of {len} bytes, of at most {}: leave out what was added to it",
             kind.largest
         )),
-        error => Wrong::new(format!("is damaged: {}", quoted(&error.to_string(), 200)), DAMAGED),
+        error => Wrong::damaged(format!("is damaged: {}", quoted(&error.to_string(), 200))),
     }
 }

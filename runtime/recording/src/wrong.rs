@@ -26,11 +26,19 @@ pub struct NotReplayable {
 pub(super) struct Wrong {
     what: String,
     help: &'static str,
+    is_damage: bool,
 }
 
 impl Wrong {
     pub fn new(what: impl Into<String>, help: &'static str) -> Wrong {
-        Wrong { what: what.into(), help }
+        Wrong { what: what.into(), help, is_damage: false }
+    }
+
+    /// An error for a file that is damaged, or was cut off.
+    pub fn damaged(what: impl Into<String>) -> Wrong {
+        let help =
+            "record the run again; what is there up to the damage can be looked at with an MCAP viewer";
+        Wrong { is_damage: true, ..Wrong::new(what, help) }
     }
 
     /// An error for contents that only another kind of recorder can have written.
@@ -43,9 +51,9 @@ impl Wrong {
         &self.what
     }
 
-    /// What to do about it in a recording.
-    pub const fn help(&self) -> &'static str {
-        self.help
+    /// Whether the file is damaged.
+    pub const fn is_damage(&self) -> bool {
+        self.is_damage
     }
 
     /// The same of this file.
@@ -53,10 +61,6 @@ impl Wrong {
         NotReplayable { file: file.to_owned(), what: self.what, help: self.help.to_owned() }
     }
 }
-
-/// What to do about a file that is damaged.
-pub(super) const DAMAGED: &str =
-    "record the run again; what is there up to the damage can be looked at with an MCAP viewer";
 
 /// A file that the system does not read.
 pub(super) fn unreadable(error: std::io::Error) -> Wrong {
