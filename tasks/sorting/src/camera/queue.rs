@@ -162,10 +162,22 @@ impl Queue {
         if !is_closed(demanded) {
             return Ok(());
         }
-        let has_failed = is_empty(demanded, measured);
+        self.count_grip(self.number, is_empty(demanded, measured), failed)
+    }
+
+    /// Counts a hand that has closed for a part.
+    ///
+    /// # Errors
+    /// It closed on nothing, as often in a row as the cell stops for.
+    pub(super) fn count_grip(
+        &mut self,
+        part: u32,
+        has_failed: bool,
+        failed: &Cell<Failed>,
+    ) -> Result<(), Fault> {
         // A part that the hand did not get may still lie there.
         if !has_failed {
-            self.things.lift(self.number);
+            self.things.lift(part);
         }
         Failed::count(failed, has_failed)
     }

@@ -130,12 +130,7 @@ impl Shared {
                 return Ok(Some(Task::Return));
             }
             About::Taking(part) if is_closed(demanded) => {
-                let has_failed = is_empty(demanded, measured);
-                // A part that the hand did not get may still lie there.
-                if !has_failed {
-                    self.queue.things.lift(part.number);
-                }
-                Failed::count(failed, has_failed)?;
+                self.queue.count_grip(part.number, is_empty(demanded, measured), failed)?;
                 if self.held[arm].stranded().is_some() {
                     self.about[arm] = About::Holding(part.number, self.now);
                     return self.put_back(arm, part.number, 0.0);
