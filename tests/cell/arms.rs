@@ -135,12 +135,12 @@ impl Driver<Irp6> for Recorded {
         self.drives.switch_on()
     }
 
-    fn simulation(&mut self) -> Option<&mut dyn SimulatedDrives<Irp6>> {
+    fn simulation(&mut self) -> Option<&mut dyn SimulatedDrives<Six>> {
         Some(self)
     }
 }
 
-impl SimulatedDrives<Irp6> for Recorded {
+impl SimulatedDrives<Six> for Recorded {
     fn brake(&mut self) -> Measured<Six> {
         let measured = self.drives.brake();
         self.write("brake", &measured);

@@ -79,13 +79,13 @@ impl<R: Robot, D: Driver<R>> Driver<R> for Lent<R, D> {
         self.0.borrow_mut().driver.choose_regulators(sets);
     }
 
-    fn simulation(&mut self) -> Option<&mut dyn SimulatedDrives<R>> {
+    fn simulation(&mut self) -> Option<&mut dyn SimulatedDrives<R::Joints>> {
         let is_simulated = self.0.borrow_mut().driver.simulation().is_some();
         if is_simulated { Some(self) } else { None }
     }
 }
 
-impl<R: Robot, D: Driver<R>> SimulatedDrives<R> for Lent<R, D> {
+impl<R: Robot, D: Driver<R>> SimulatedDrives<R::Joints> for Lent<R, D> {
     fn brake(&mut self) -> Measured<R::Joints> {
         let driver = &mut self.0.borrow_mut().driver;
         match driver.simulation() {

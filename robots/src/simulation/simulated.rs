@@ -388,7 +388,7 @@ impl<const N: usize, R: Driven<N>> Driver<R> for Simulated<R, N> {
         joint < N && RegulatorSet::numbered(set).is_some()
     }
 
-    fn simulation(&mut self) -> Option<&mut dyn SimulatedDrives<R>> {
+    fn simulation(&mut self) -> Option<&mut dyn SimulatedDrives<R::Joints>> {
         Some(self)
     }
 
@@ -402,7 +402,7 @@ impl<const N: usize, R: Driven<N>> Driver<R> for Simulated<R, N> {
     }
 }
 
-impl<const N: usize, R: Driven<N>> SimulatedDrives<R> for Simulated<R, N> {
+impl<const N: usize, R: Driven<N>> SimulatedDrives<R::Joints> for Simulated<R, N> {
     fn brake(&mut self) -> Measured<SVector<f64, N>> {
         Simulated::brake(self)
     }

@@ -113,7 +113,7 @@ impl<R: Driven<N>, const N: usize, S: Surroundings<R, N>> Driver<R> for Surround
         self.drives.motor_currents()
     }
 
-    fn simulation(&mut self) -> Option<&mut dyn SimulatedDrives<R>> {
+    fn simulation(&mut self) -> Option<&mut dyn SimulatedDrives<R::Joints>> {
         Some(self)
     }
 
@@ -138,7 +138,7 @@ impl<R: Driven<N>, const N: usize, S: Surroundings<R, N>> Driver<R> for Surround
     }
 }
 
-impl<R: Driven<N>, const N: usize, S: Surroundings<R, N>> SimulatedDrives<R> for Surrounded<R, N, S> {
+impl<R: Driven<N>, const N: usize, S: Surroundings<R, N>> SimulatedDrives<R::Joints> for Surrounded<R, N, S> {
     fn brake(&mut self) -> Measured<SVector<f64, N>> {
         self.period_of(Simulated::brake)
     }

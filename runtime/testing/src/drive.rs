@@ -180,7 +180,7 @@ impl<R: Robot, D: Driver<R>> Driver<R> for FaultyDrive<R, D> {
         self.drives.switch_on()
     }
 
-    fn simulation(&mut self) -> Option<&mut dyn SimulatedDrives<R>> {
+    fn simulation(&mut self) -> Option<&mut dyn SimulatedDrives<R::Joints>> {
         if self.drives.simulation().is_some() { Some(self) } else { None }
     }
 
@@ -193,7 +193,7 @@ impl<R: Robot, D: Driver<R>> Driver<R> for FaultyDrive<R, D> {
     }
 }
 
-impl<R: Robot, D: Driver<R>> SimulatedDrives<R> for FaultyDrive<R, D> {
+impl<R: Robot, D: Driver<R>> SimulatedDrives<R::Joints> for FaultyDrive<R, D> {
     fn brake(&mut self) -> Measured<R::Joints> {
         let simulation = self.drives.simulation().expect("simulated drives alone offer this");
         *self.said.insert(simulation.brake())

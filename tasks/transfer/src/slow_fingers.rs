@@ -47,7 +47,7 @@ impl Driver<Gripper> for SlowFingers {
         self.fingers.motor_currents()
     }
 
-    fn simulation(&mut self) -> Option<&mut dyn SimulatedDrives<Gripper>> {
+    fn simulation(&mut self) -> Option<&mut dyn SimulatedDrives<One>> {
         Some(self)
     }
 
@@ -73,7 +73,7 @@ impl Driver<Gripper> for SlowFingers {
     }
 }
 
-impl SimulatedDrives<Gripper> for SlowFingers {
+impl SimulatedDrives<One> for SlowFingers {
     fn brake(&mut self) -> Measured<One> {
         for _ in 1..Self::PARTS {
             self.fingers.brake();

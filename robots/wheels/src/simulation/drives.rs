@@ -218,12 +218,12 @@ impl Driver<DiffDrive> for Rolling {
         }
     }
 
-    fn simulation(&mut self) -> Option<&mut dyn SimulatedDrives<DiffDrive>> {
+    fn simulation(&mut self) -> Option<&mut dyn SimulatedDrives<Two>> {
         Some(self)
     }
 }
 
-impl SimulatedDrives<DiffDrive> for Rolling {
+impl SimulatedDrives<Two> for Rolling {
     fn brake(&mut self) -> Measured<Two> {
         Rolling::brake(self);
         self.observe();

@@ -3,11 +3,13 @@
 //! In: queries, which it answers with [`flag::HOMING`] and no image. Out: the drives of a robot that an
 //! [`Edp`](crate::control::edp::Edp) can move. A demand cannot be accepted here: there is nothing to check it against.
 
+use core::marker::PhantomData;
 use core::time::Duration;
 
 use crate::control::guarded::guarded;
 use crate::link::message::{Kind, Message, RequestKind, flag};
 use crate::link::{Server, Waiter};
+use crate::model::any_kind::{AnyKind, DrivesOf};
 use crate::model::drive_fault::DriveFault;
 use crate::model::driver::{Driver, Homing, Search};
 use crate::model::fault::{Fault, FaultKind, ProcessId};
@@ -58,21 +60,29 @@ pub(crate) trait AnyHoming<R: Robot> {
     fn search(&mut self) -> Result<Option<Box<dyn Driver<R>>>, DriveFault>;
 }
 
-/// The search itself, until it is over.
-impl<R: Robot, H: Homing<R, Drives: 'static>> AnyHoming<R> for Option<H> {
+/// The search of drives of one kind of robots, until it is over.
+pub(crate) struct HomingOf<R, H>(Option<H>, PhantomData<fn() -> R>);
+
+impl<R: Robot, H: Homing<R>> HomingOf<R, H> {
+    pub const fn new(homing: H) -> Self {
+        HomingOf(Some(homing), PhantomData)
+    }
+}
+
+impl<R: Robot, H: Homing<R, Drives: 'static>> AnyHoming<AnyKind<R::Joints>> for HomingOf<R, H> {
     fn period(&self) -> Duration {
-        self.as_ref().map_or(Duration::ZERO, Homing::period)
+        self.0.as_ref().map_or(Duration::ZERO, Homing::period)
     }
 
     fn hardware(&self) -> Option<String> {
-        self.as_ref().and_then(Homing::hardware)
+        self.0.as_ref().and_then(Homing::hardware)
     }
 
-    fn search(&mut self) -> Result<Option<Box<dyn Driver<R>>>, DriveFault> {
-        match self.take().map(Homing::search).transpose()? {
-            Some(Search::Found(drives)) => Ok(Some(Box::new(drives))),
+    fn search(&mut self) -> Result<Option<Box<dyn Driver<AnyKind<R::Joints>>>>, DriveFault> {
+        match self.0.take().map(Homing::search).transpose()? {
+            Some(Search::Found(drives)) => Ok(Some(Box::new(DrivesOf::new(drives)))),
             Some(Search::Searching(search)) => {
-                *self = Some(search);
+                self.0 = Some(search);
                 Ok(None)
             }
             None => Ok(None),

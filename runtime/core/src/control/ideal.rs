@@ -83,12 +83,12 @@ impl<R: Robot> Driver<R> for IdealDrives<R> {
         Ok(())
     }
 
-    fn simulation(&mut self) -> Option<&mut dyn SimulatedDrives<R>> {
+    fn simulation(&mut self) -> Option<&mut dyn SimulatedDrives<R::Joints>> {
         Some(self)
     }
 }
 
-impl<R: Robot> SimulatedDrives<R> for IdealDrives<R> {
+impl<R: Robot> SimulatedDrives<R::Joints> for IdealDrives<R> {
     fn brake(&mut self) -> Measured<R::Joints> {
         let Measured { position, velocity } = self.measured;
         let seconds = self.period.as_secs_f64();

@@ -173,13 +173,13 @@ impl<R: Robot> Driver<R> for SimulatedSignals<R> {
         self.drives.choose_regulators(sets);
     }
 
-    fn simulation(&mut self) -> Option<&mut dyn SimulatedDrives<R>> {
+    fn simulation(&mut self) -> Option<&mut dyn SimulatedDrives<R::Joints>> {
         self.drives.simulation()?;
         Some(self)
     }
 }
 
-impl<R: Robot> SimulatedDrives<R> for SimulatedSignals<R> {
+impl<R: Robot> SimulatedDrives<R::Joints> for SimulatedSignals<R> {
     fn brake(&mut self) -> Measured<R::Joints> {
         // The controller of a robot that is told nothing any more.
         self.signals.outputs = self.when_lost.onto(&self.signals.outputs);
@@ -210,12 +210,12 @@ mod tests {
         fn tick(&mut self, demanded: &One) -> Result<Measured<One>, DriveFault> {
             self.0.tick(demanded)
         }
-        fn simulation(&mut self) -> Option<&mut dyn SimulatedDrives<Slide>> {
+        fn simulation(&mut self) -> Option<&mut dyn SimulatedDrives<One>> {
             Some(self)
         }
     }
 
-    impl SimulatedDrives<Slide> for Braking {
+    impl SimulatedDrives<One> for Braking {
         fn brake(&mut self) -> Measured<One> {
             self.0.measured
         }

@@ -7,8 +7,7 @@ use crate::model::class::{Class, Level, Uses};
 use crate::model::demand::Demand;
 use crate::model::fault::{Fault, FaultKind};
 use crate::model::generator::Generator;
-use crate::model::list::Motion;
-use crate::model::list::{Reading, State};
+use crate::model::list::{Motion, PayloadType, Reading, State};
 use crate::model::payload::Order;
 use crate::model::robot::Robot;
 use crate::model::step::{Step, Tick};
@@ -60,10 +59,12 @@ impl<R: Robot> Generator for Transparent<R> {
     }
 }
 
-/// The program of an ECP that has none of its own.
-pub(crate) fn program<R: Robot>(ecp: &mut Ecp<R>) -> Result<(), Fault> {
+/// The program of an ECP that has none of its own, for demands that the MP calls `demand`.
+pub(crate) fn program<R: Robot>(ecp: &mut Ecp<R>, demand: PayloadType) -> Result<(), Fault> {
     loop {
-        match ecp.serve(|ecp, _: Demand<R>| ecp.move_robot((), Transparent::new()).map(drop)) {
+        let pass_on =
+            |ecp: &mut Ecp<R>, _: Demand<R>| ecp.move_by_orders(Transparent::new(), demand).map(drop);
+        match ecp.serve_orders(demand, pass_on) {
             // An abort ends an instruction, not the robot's service.
             Err(fault) if fault.kind() != FaultKind::Aborted => return Err(fault),
             Ok(()) | Err(_) => {}

@@ -208,12 +208,12 @@ pub trait Driver<R: Robot> {
     /// Simulated drives return themselves here, real ones `None`, the default. If a cell runs as processes of the
     /// operating system, all its simulated drives are in one process, `plant`, which outlives the EDPs as real drives
     /// do.
-    fn simulation(&mut self) -> Option<&mut dyn SimulatedDrives<R>> {
+    fn simulation(&mut self) -> Option<&mut dyn SimulatedDrives<R::Joints>> {
         None
     }
 
     /// Drives in a simulator that others wrote return themselves here, all others `None`, the default.
-    fn stepped(&mut self) -> Option<&mut dyn Stepped<R>> {
+    fn stepped(&mut self) -> Option<&mut dyn Stepped<R::Joints>> {
         None
     }
 
@@ -301,15 +301,15 @@ pub enum Recovery {
 pub const RECOVERY: Duration = Duration::from_secs(20);
 
 /// Simulated drives of one robot. They must be told what real drives do by themselves.
-pub trait SimulatedDrives<R: Robot> {
+pub trait SimulatedDrives<J> {
     /// Runs one servo period without power and with the brakes applied, after demands have been missing for too long.
     /// Returns what the encoders read at its end.
-    fn brake(&mut self) -> Measured<R::Joints>;
+    fn brake(&mut self) -> Measured<J>;
 }
 
 /// Drives of one robot in a simulator that others wrote. It makes a step when it is told to, with several robots at a time: so it must
 /// be told by which clock the cell runs, and of every servo period, by its number.
-pub trait Stepped<R: Robot> {
+pub trait Stepped<J> {
     /// Says by which clock the cell runs, before they are opened.
     fn run_by(&mut self, clock: Clock);
 
@@ -317,7 +317,7 @@ pub trait Stepped<R: Robot> {
     ///
     /// # Errors
     /// [`DriveFault`] when the simulator is lost.
-    fn tick_in(&mut self, period: u64, demanded: &R::Joints) -> Result<Measured<R::Joints>, DriveFault>;
+    fn tick_in(&mut self, period: u64, demanded: &J) -> Result<Measured<J>, DriveFault>;
 
     /// The servo period with this number passes without power. A simulator that is lost meanwhile is told of when the robot
     /// gets power again.

@@ -8,13 +8,21 @@ use nalgebra::SVector;
 /// The most joints that one robot may have; the wire format reserves this many words per vector.
 pub const MAX_JOINTS: usize = 8;
 
+mod sealed {
+    pub trait Sealed {}
+    impl<const N: usize> Sealed for nalgebra::SVector<f64, N> {}
+}
+
 /// A vector with one entry per joint of a robot: positions [rad or m], velocities, accelerations ..
 ///
 /// Implemented for `nalgebra::SVector<f64, N>`; a robot names its own as [`Robot::Joints`](crate::robot::Robot::Joints).
 pub trait JointVector:
-    Copy
+    sealed::Sealed
+    + Copy
     + Debug
     + PartialEq
+    + Send
+    + Sync
     + 'static
     + Index<usize, Output = f64>
     + IndexMut<usize>

@@ -2,6 +2,7 @@
 //!
 //! In: what a programmer writes. Out: types that the layers above check, send and execute. Nothing here knows a process.
 
+pub(crate) mod any_kind;
 pub(crate) mod beside;
 pub(crate) mod class;
 pub(crate) mod demand;

@@ -199,12 +199,12 @@ impl<R: Robot> Driver<R> for SteppedDrives<R> {
         self.lost.map_or(Ok(()), Err)
     }
 
-    fn stepped(&mut self) -> Option<&mut dyn Stepped<R>> {
+    fn stepped(&mut self) -> Option<&mut dyn Stepped<R::Joints>> {
         Some(self)
     }
 }
 
-impl<R: Robot> Stepped<R> for SteppedDrives<R> {
+impl<R: Robot> Stepped<R::Joints> for SteppedDrives<R> {
     fn run_by(&mut self, clock: Clock) {
         self.clock = clock;
     }

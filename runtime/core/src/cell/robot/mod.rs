@@ -13,8 +13,9 @@ use std::rc::Rc;
 
 use super::CellError;
 use crate::control::ecp::Ecp;
-use crate::control::homing::Drives;
+use crate::control::homing::{Drives, HomingOf};
 use crate::control::replay::RecordedRobot;
+use crate::model::any_kind::{AnyKind, DrivesOf};
 use crate::model::driver::{Driver, Homing};
 use crate::model::fault::Fault;
 #[cfg(doc)]
@@ -31,10 +32,9 @@ use crate::observe::shown::{AnyShown, Shown};
 pub use any::AnyRobot;
 pub(super) use any::SharedObserver;
 use signals::{InputSetup, OutputSetup, SignalSetups};
+use spawning::EcpProgram;
 pub use spawning::{Outcomes, RobotPlacement, StateWanted};
 use stand_in::StandIn;
-
-type EcpProgram<R> = Box<dyn FnMut(&mut Ecp<R>) -> Result<(), Fault>>;
 
 /// Why a robot cannot move in a simulator of others.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -49,7 +49,7 @@ pub enum NoSimulator {
 pub struct RobotSetup<R: Robot> {
     name: String,
     robot: R,
-    drives: Drives<R>,
+    drives: Drives<AnyKind<R::Joints>>,
     stand_in: StandIn<R>,
     /// Its drives are in a simulator of others.
     is_in_simulator: bool,
@@ -61,8 +61,8 @@ pub struct RobotSetup<R: Robot> {
     signals: SignalSetups,
     /// The longest stop that it may take; the cell's where it says nothing.
     stop_time: Option<Duration>,
-    program: Option<EcpProgram<R>>,
-    observers: Vec<Observer<R>>,
+    program: Option<EcpProgram>,
+    observers: Vec<Observer<AnyKind<R::Joints>>>,
     /// What its program does, for observers.
     activity: Shown<Activity>,
     /// What its program shows to observers.
@@ -74,7 +74,7 @@ pub struct RobotSetup<R: Robot> {
 impl<R: Robot> RobotSetup<R> {
     /// A robot `name` with its drives. Its following error may be what its velocity limit covers in 50 ms.
     pub fn new(name: &str, robot: R, driver: impl Driver<R> + 'static) -> Self {
-        Self::with_drives(name, robot, Drives::Homed(Box::new(driver)))
+        Self::with_drives(name, robot, Drives::Homed(Box::new(DrivesOf::new(driver))))
     }
 
     /// A robot `name` whose drives do not know where it is: they look for their reference marks when the cell starts. The
@@ -83,7 +83,7 @@ impl<R: Robot> RobotSetup<R> {
     where
         H: Homing<R, Drives: 'static> + 'static,
     {
-        Self::with_drives(name, robot, Drives::Unhomed(Box::new(Some(homing))))
+        Self::with_drives(name, robot, Drives::Unhomed(Box::new(HomingOf::new(homing))))
     }
 
     /// Whether its drives know where it is.
@@ -95,7 +95,7 @@ impl<R: Robot> RobotSetup<R> {
     /// [`Cell::simulated`](super::Cell::simulated). Drives that name no [hardware](Driver::hardware) need none.
     #[must_use]
     pub fn stand_in(mut self, driver: impl Driver<R> + 'static) -> Self {
-        self.stand_in = StandIn::Drives(Box::new(driver));
+        self.stand_in = StandIn::Drives(Box::new(DrivesOf::new(driver)));
         self
     }
 
@@ -132,7 +132,7 @@ impl<R: Robot> RobotSetup<R> {
         self
     }
 
-    fn with_drives(name: &str, robot: R, drives: Drives<R>) -> Self {
+    fn with_drives(name: &str, robot: R, drives: Drives<AnyKind<R::Joints>>) -> Self {
         let following_error = robot.limits().velocity * 0.05;
         RobotSetup {
             name: name.to_owned(),
@@ -229,14 +229,21 @@ impl<R: Robot> RobotSetup<R> {
         name.clone_into(&mut self.name);
     }
 
-    pub(super) fn give_program(&mut self, program: impl FnMut(&mut Ecp<R>) -> Result<(), Fault> + 'static) {
-        self.program = Some(Box::new(program));
+    // What runs a program is compiled where there is one: a robot without one needs no ECP of its kind.
+    pub(super) fn give_program(
+        &mut self,
+        mut program: impl FnMut(&mut Ecp<R>) -> Result<(), Fault> + 'static,
+    ) {
+        let model = Rc::new(self.robot.clone());
+        self.program = Some(Box::new(move |start, activity| start.run(model, activity, &mut program)));
     }
 
     /// Calls `observer` after every servo period.
     #[must_use]
-    pub fn observe(mut self, observer: impl FnMut(&ServoRecord<R>) + 'static) -> Self {
-        self.observers.push(Box::new(observer));
+    pub fn observe(mut self, mut observer: impl FnMut(&ServoRecord<R>) + 'static) -> Self {
+        self.observers.push(Box::new(move |&ServoRecord { time, demanded, measured, tool }| {
+            observer(&ServoRecord { time, demanded, measured, tool });
+        }));
         self
     }
 

@@ -1,11 +1,15 @@
 //! How the ECP and the EDP of a robot come to life on a link.
 
+use core::any::Any;
 use core::cell::OnceCell;
 use core::time::Duration;
 use std::cell::RefCell;
 use std::rc::Rc;
 
+use nalgebra::SVector;
+
 use super::RobotSetup;
+use super::signals::SignalSetups;
 use crate::control::drive::Drive;
 use crate::control::ecp::{Ecp, Pace};
 use crate::control::edp::signals::Declared;
@@ -14,17 +18,26 @@ use crate::control::homing::{Drives, home};
 use crate::control::opening::Opening;
 use crate::control::overruns::Timed;
 use crate::control::plant::Site;
+use crate::control::replay::RecordedRobot;
 use crate::control::sensing::Sensing;
 use crate::control::simulated_signals::{SimulatedSignals, SimulatedWire};
+use crate::control::transparent;
 use crate::link::memory::Stuck;
-use crate::link::{Board, Host, Link, Preparation, Server};
+use crate::link::{Board, Client, Host, Link, Preparation, Server};
+use crate::model::any_kind::AnyKind;
+use crate::model::demand::Demand;
 use crate::model::driver::{Channels, Driver};
 use crate::model::fault::{Fault, ProcessId, Role};
+use crate::model::joints::{JointVector, MAX_JOINTS};
+use crate::model::list::PayloadType;
 use crate::model::name::Name;
 use crate::model::named::{CellNames, SignalNames};
 use crate::model::payload::Trigger;
-use crate::model::robot::Robot;
-use crate::observe::shown::AnyShown;
+use crate::model::pose::Pose;
+use crate::model::robot::{InterpolationSpace, Robot};
+use crate::observe::activity::Activity;
+use crate::observe::servo::Observer;
+use crate::observe::shown::{AnyShown, Shown};
 use crate::observe::step_observer::{StepEvent, StepObservers};
 use crate::safety::latch::Gate;
 
@@ -72,8 +85,79 @@ impl<R: Robot> RobotSetup<R> {
         plant: &mut Site,
         place: RobotPlacement,
     ) -> Result<(), Stuck> {
-        let setup = self;
-        let model = Rc::new(setup.robot.clone());
+        let parts = Parts {
+            robot: AnyKind::new(self.robot),
+            drives: self.drives,
+            demand: PayloadType::of::<Demand<R>>(),
+            tool: self.tool,
+            space: self.space,
+            following_error: self.following_error,
+            signals: self.signals,
+            program: self.program,
+            observers: self.observers,
+            activity: self.activity,
+            shown: self.shown,
+            replayed: self.replayed,
+        };
+        spawn(Box::new(parts), R::Joints::LEN, link, plant, place)
+    }
+}
+
+/// Puts the processes of a robot on the link, from its [`Parts`] and its number of joints. They are compiled here, once for each
+/// number, and not for each kind of robots in every crate that has some.
+fn spawn(
+    parts: Box<dyn Any>,
+    joints: usize,
+    link: &mut dyn Link,
+    plant: &mut Site,
+    place: RobotPlacement,
+) -> Result<(), Stuck> {
+    match joints {
+        0 => spawn_with::<0>(parts, link, plant, place),
+        1 => spawn_with::<1>(parts, link, plant, place),
+        2 => spawn_with::<2>(parts, link, plant, place),
+        3 => spawn_with::<3>(parts, link, plant, place),
+        4 => spawn_with::<4>(parts, link, plant, place),
+        5 => spawn_with::<5>(parts, link, plant, place),
+        6 => spawn_with::<6>(parts, link, plant, place),
+        7 => spawn_with::<7>(parts, link, plant, place),
+        _ => spawn_with::<MAX_JOINTS>(parts, link, plant, place),
+    }
+}
+
+fn spawn_with<const N: usize>(
+    parts: Box<dyn Any>,
+    link: &mut dyn Link,
+    plant: &mut Site,
+    place: RobotPlacement,
+) -> Result<(), Stuck> {
+    match parts.downcast::<Parts<SVector<f64, N>>>() {
+        Ok(parts) => parts.put_on(link, plant, place),
+        // `JointVector` is implemented for these vectors alone.
+        Err(_) => unreachable!("a robot with {N} joints has another type of joint vectors"),
+    }
+}
+
+/// What a robot of any kind is made of.
+struct Parts<J: JointVector> {
+    robot: AnyKind<J>,
+    drives: Drives<AnyKind<J>>,
+    /// The demands of its kind, as the MP sends them to an ECP without a program.
+    demand: PayloadType,
+    tool: Pose,
+    space: InterpolationSpace,
+    following_error: J,
+    signals: SignalSetups,
+    program: Option<EcpProgram>,
+    observers: Vec<Observer<AnyKind<J>>>,
+    activity: Shown<Activity>,
+    shown: Vec<Box<dyn AnyShown>>,
+    replayed: Option<Rc<RecordedRobot>>,
+}
+
+impl<J: JointVector> Parts<J> {
+    fn put_on(self, link: &mut dyn Link, plant: &mut Site, place: RobotPlacement) -> Result<(), Stuck> {
+        let model = Rc::new(self.robot.clone());
         let name = place.name;
         let process = ProcessId::new(Role::Edp, name);
         let edp = link.place(process);
@@ -83,15 +167,15 @@ impl<R: Robot> RobotSetup<R> {
             Rc::clone(wanted.board.get_or_init(|| board))
         };
         let states: Vec<_> = place.wanted.iter().map(show_to).collect();
-        let mut observers = setup.observers;
-        let replayed = setup.replayed.clone();
+        let mut observers = self.observers;
+        let replayed = self.replayed.clone();
         let (mp, sensing, outcomes) = (place.mp, place.sensing, place.outcomes);
         let ended = Rc::clone(&outcomes);
         // Drives that have to be homed stay with their EDP: what they search with is consumed step by step, and a search
         // that is called no more comes to rest by itself.
-        let (declared, wires) = (setup.signals.declared(), setup.signals.wires());
+        let (declared, wires) = (self.signals.declared(), self.signals.wires());
         let prepared = move |driver| prepared(driver, &declared, &wires);
-        let drives = match setup.drives {
+        let drives = match self.drives {
             Drives::Homed(driver) => {
                 let driver = prepared(driver);
                 let opening = Rc::new(Opening::new(plant.take(link, process, edp, driver, &mut observers)));
@@ -100,12 +184,12 @@ impl<R: Robot> RobotSetup<R> {
             }
             Drives::Unhomed(homing) => Err(homing),
         };
-        if setup.program.is_some()
+        if self.program.is_some()
             && let Some(board) = plant.board(link, place.ecp)
         {
-            setup.activity.pass_on(board);
+            self.activity.pass_on(board);
         }
-        for shown in setup.shown {
+        for shown in self.shown {
             plant.board(link, place.ecp).into_iter().for_each(|board| shown.pass_on(board));
         }
         let run = move |host: Host<'_>| {
@@ -122,13 +206,13 @@ impl<R: Robot> RobotSetup<R> {
             if let Some((drive, gate)) = homed {
                 let config = EdpConfig {
                     process,
-                    robot: setup.robot,
+                    robot: self.robot,
                     drive,
-                    tool: setup.tool,
+                    tool: self.tool,
                     period: place.period,
                     delay: place.delay,
-                    space: setup.space,
-                    following_error: setup.following_error,
+                    space: self.space,
+                    following_error: self.following_error,
                     stop_steps: place.pace.stop_steps,
                     declared,
                     observers,
@@ -142,38 +226,96 @@ impl<R: Robot> RobotSetup<R> {
             }
         };
         link.body(edp, Box::new(run))?;
-        let mut program = setup.program;
-        let activity = setup.activity;
-        let triggered = place.triggered;
         let process = ProcessId::new(Role::Ecp, name);
-        let pace = place.pace;
-        let recorded = setup.replayed;
+        let (pace, triggered, recorded) = (place.pace, place.triggered, self.replayed);
         let (signals, named) = (place.signals, place.named);
+        let (program, activity, demand) = (self.program, self.activity, self.demand);
         link.body(
             place.ecp,
             Box::new(move |host| {
                 let timed = Timed::new(host);
-                let ecp =
-                    Ecp::<'_, R>::new((process, model), timed.host(), mp, client, sensing, pace, recorded);
-                let ecp = ecp.with_names(signals, named);
-                let mut ecp = ecp.showing_instructions(program.is_some().then_some(activity));
-                loop {
-                    let outcome = ecp.run_program(|ecp| match &mut program {
-                        Some(program) if triggered => ecp.serve(|ecp, _: Trigger| program(ecp)),
-                        Some(program) => program(ecp),
-                        None if triggered => ecp.serve(|_, _: Trigger| Ok(())),
-                        None => crate::control::transparent::program(ecp),
-                    });
-                    let starts_again = ecp.answer_after_program(&outcome);
-                    if !starts_again {
-                        if program.is_some() {
-                            outcomes.borrow_mut().push((process, outcome));
-                        }
-                        break;
+                let host = timed.host();
+                let start = EcpStart {
+                    process,
+                    host,
+                    mp,
+                    edp: client,
+                    sensing,
+                    pace,
+                    triggered,
+                    recorded,
+                    signals,
+                    named,
+                };
+                match program {
+                    Some(program) => {
+                        let outcome = program(start, activity);
+                        outcomes.borrow_mut().push((process, outcome));
                     }
+                    None => start.pass_on(model, demand),
                 }
             }),
         )
+    }
+}
+
+/// Runs the program of an ECP until the cell closes, and shows its instructions to observers: how it ended.
+pub(super) type EcpProgram = Box<dyn FnOnce(EcpStart<'_>, Shown<Activity>) -> Result<(), Fault>>;
+
+/// What an ECP begins with.
+pub(super) struct EcpStart<'w> {
+    process: ProcessId,
+    host: Host<'w>,
+    mp: Box<dyn Server>,
+    edp: Box<dyn Client>,
+    sensing: Sensing,
+    pace: Pace,
+    triggered: bool,
+    recorded: Option<Rc<RecordedRobot>>,
+    signals: Rc<SignalNames>,
+    named: Rc<CellNames>,
+}
+
+impl EcpStart<'_> {
+    /// Runs `program`, again after every reset.
+    pub fn run<R: Robot>(
+        self,
+        model: Rc<R>,
+        activity: Shown<Activity>,
+        program: &mut dyn FnMut(&mut Ecp<R>) -> Result<(), Fault>,
+    ) -> Result<(), Fault> {
+        let triggered = self.triggered;
+        self.repeat(model, Some(activity), &mut |ecp| match triggered {
+            true => ecp.serve(|ecp, _: Trigger| program(ecp)),
+            false => program(ecp),
+        })
+    }
+
+    /// Passes on the demands of the MP; whatever stopped it, the MP knows.
+    fn pass_on<R: Robot>(self, model: Rc<R>, demand: PayloadType) {
+        let triggered = self.triggered;
+        let outcome = self.repeat(model, None, &mut |ecp| match triggered {
+            true => ecp.serve(|_, _: Trigger| Ok(())),
+            false => transparent::program(ecp, demand),
+        });
+        drop(outcome);
+    }
+
+    fn repeat<R: Robot>(
+        self,
+        model: Rc<R>,
+        activity: Option<Shown<Activity>>,
+        program: &mut dyn FnMut(&mut Ecp<R>) -> Result<(), Fault>,
+    ) -> Result<(), Fault> {
+        let process = (self.process, model);
+        let ecp = Ecp::new(process, self.host, self.mp, self.edp, self.sensing, self.pace, self.recorded);
+        let mut ecp = ecp.with_names(self.signals, self.named).showing_instructions(activity);
+        loop {
+            let outcome = ecp.run_program(&mut *program);
+            if !ecp.answer_after_program(&outcome) {
+                return outcome;
+            }
+        }
     }
 }
 

@@ -5,6 +5,7 @@ use core::time::Duration;
 use super::RobotSetup;
 use crate::cell::CellError;
 use crate::control::homing::Drives;
+use crate::model::any_kind::AnyKind;
 use crate::model::driver::Driver;
 use crate::model::robot::Robot;
 
@@ -16,7 +17,7 @@ pub(super) enum StandIn<R: Robot> {
     /// None.
     None,
     /// These.
-    Drives(Box<dyn Driver<R>>),
+    Drives(Box<dyn Driver<AnyKind<R::Joints>>>),
     /// Those of a set-up that is yet to be made.
     Made(Make<R>),
     /// They have taken the place of this hardware.
@@ -36,7 +37,11 @@ impl<R: Robot> StandIn<R> {
     ///
     /// # Errors
     /// Why they cannot be made.
-    pub fn drives(self, robot: &R, period: Duration) -> Result<Option<Drives<R>>, CellError> {
+    pub fn drives(
+        self,
+        robot: &R,
+        period: Duration,
+    ) -> Result<Option<Drives<AnyKind<R::Joints>>>, CellError> {
         match self {
             StandIn::None | StandIn::For(_) => Ok(None),
             StandIn::Drives(driver) => Ok(Some(Drives::Homed(driver))),

@@ -6,7 +6,6 @@
 use crate::link::message::{OrderKind, RequestKind, flag};
 use crate::model::fault::{Fault, FaultKind};
 use crate::model::list::PayloadType;
-use crate::model::payload::Payload;
 use crate::model::robot::Robot;
 
 use super::Ecp;
@@ -33,17 +32,12 @@ pub(super) enum OfInstruction {
 }
 
 impl<R: Robot> Ecp<'_, R> {
-    /// Waits for START and the first order.
-    pub(super) fn await_start<P: Payload>(&mut self) -> Result<P, Fault> {
+    /// Waits for START and the first order, which is open then.
+    pub(super) fn await_start(&mut self, payload: PayloadType) -> Result<(), Fault> {
         loop {
             match self.next_before_start()? {
-                BeforeStart::Open => self.open::<P>()?,
-                BeforeStart::FirstStep => {
-                    let first = P::get(self.orders.words());
-                    let first = first.map_err(|_| self.fail(Fault::new(FaultKind::Message)))?;
-                    self.orders.phase = Phase::Serving;
-                    return Ok(first);
-                }
+                BeforeStart::Open => self.open(payload)?,
+                BeforeStart::FirstStep => return Ok(()),
                 // The tail of an instruction that has ended here, the end of one before its first step, or a
                 // blend that no Move takes over.
                 BeforeStart::StayOut => {
@@ -55,13 +49,13 @@ impl<R: Robot> Ecp<'_, R> {
     }
 
     /// Acknowledges START: the type of the orders is right, and the robot stands where it was told to stand.
-    pub(super) fn open<P: Payload>(&mut self) -> Result<(), Fault> {
-        if self.orders.header().payload != P::ID {
+    pub(super) fn open(&mut self, payload: PayloadType) -> Result<(), Fault> {
+        if self.orders.header().payload != payload.id {
             let fault = Fault::new(FaultKind::PayloadMismatch);
-            return Err(self.fail(fault.text(&format!("this ECP serves orders of type `{}`", P::NAME))));
+            return Err(self.fail(fault.text(&format!("this ECP serves orders of type `{}`", payload.name))));
         }
         self.ask(RequestKind::Query, flag::FIRST | flag::WANT_STATE)?;
-        self.orders.start(PayloadType::of::<P>());
+        self.orders.start(payload);
         self.reply(flag::STATE);
         self.refusals = 0;
         Ok(())

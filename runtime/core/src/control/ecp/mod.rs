@@ -262,17 +262,29 @@ impl<'w, R: Robot> Ecp<'w, R> {
         &mut self,
         program: impl FnOnce(&mut Self, P) -> Result<(), Fault>,
     ) -> Result<(), Fault> {
+        self.serve_orders(PayloadType::of::<P>(), program)
+    }
+
+    /// The same for orders that the MP calls `payload`, and that are read as a `P`.
+    pub(crate) fn serve_orders<P: Payload>(
+        &mut self,
+        payload: PayloadType,
+        program: impl FnOnce(&mut Self, P) -> Result<(), Fault>,
+    ) -> Result<(), Fault> {
         self.check_latch()?;
-        if let Some(payload) = self.orders.payload() {
-            let text = if payload.id == PayloadType::of::<Trigger>().id {
+        if let Some(served) = self.orders.payload() {
+            let text = if served.id == PayloadType::of::<Trigger>().id {
                 "the cell has no MP program, whose orders could be served: leave `serve` out, or give it one"
             } else {
                 "serve inside serve: an ECP serves one instruction at a time"
             };
             return Err(self.fail(Fault::thrown(text)));
         }
-        let value = self.await_start::<P>()?;
-        let outcome = program(self, value);
+        self.await_start(payload)?;
+        let first = P::get(self.orders.words());
+        let first = first.map_err(|_| self.fail(Fault::new(FaultKind::Message)))?;
+        self.orders.phase = Phase::Serving;
+        let outcome = program(self, first);
         self.finish(outcome)
     }
 

@@ -44,7 +44,7 @@ impl<R: Robot> Ecp<'_, R> {
     where
         G: Generator<Robots = R, Language = Motion>,
     {
-        self.run(sensors, generator, Ending::Standstill)
+        self.run(sensors, generator, PayloadType::of::<G::Order>(), Ending::Standstill)
     }
 
     /// **Move** that hands a moving robot over: the next Move starts in the very next step, from this one's
@@ -56,13 +56,26 @@ impl<R: Robot> Ecp<'_, R> {
     where
         G: Generator<Robots = R, Language = Motion>,
     {
-        self.run(sensors, generator, Ending::Blend)
+        self.run(sensors, generator, PayloadType::of::<G::Order>(), Ending::Blend)
+    }
+
+    /// As [`move_robot`](Self::move_robot), by a generator that reads no sensors, and orders that the MP calls `payload`.
+    pub(in crate::control) fn move_by_orders<G>(
+        &mut self,
+        generator: G,
+        payload: PayloadType,
+    ) -> Result<G, Fault>
+    where
+        G: Generator<Robots = R, Language = Motion, Sensors = ()>,
+    {
+        self.run((), generator, payload, Ending::Standstill)
     }
 
     fn run<G>(
         &mut self,
         sensors: impl SensorsOf<G::Sensors>,
         generator: G,
+        payload: PayloadType,
         ending: Ending,
     ) -> Result<G, Fault>
     where
@@ -71,7 +84,7 @@ impl<R: Robot> Ecp<'_, R> {
         self.sensing.check(&sensors).map_err(|fault| fault.in_process(self.process))?;
         let order = Order::unread().map_err(|_| self.fail(Fault::new(FaultKind::Message)))?;
         let e = State::<R>::new(self.driver.image);
-        let mut progress = Progress { generator, sensors: Readings::of(sensors), e, order };
+        let mut progress = Progress { generator, sensors: Readings::of(sensors), e, payload, order };
         let by = TypeName::of::<G>();
         self.jogging.begin_move();
         self.show_instruction(InstructionKind::Move, by);
@@ -225,6 +238,7 @@ struct Progress<R: Robot, G: Generator<Robots = R, Language = Motion>, H: Sensor
     sensors: Readings<G::Sensors, H>,
     /// What it is shown of its robot.
     e: State<R>,
+    payload: PayloadType,
     order: Order<G::Order>,
 }
 
@@ -255,7 +269,7 @@ where
         Facts {
             first_uses: const { G::CLASS.first_uses() },
             next_uses: const { G::CLASS.next_uses() },
-            order: PayloadType::of::<G::Order>(),
+            order: self.payload,
         }
     }
 

@@ -70,12 +70,12 @@ impl Driver<Slide> for Exact {
     fn carry(&mut self, load: &Load) {
         self.told.borrow_mut().push(Told::Carry(load.mass));
     }
-    fn simulation(&mut self) -> Option<&mut dyn SimulatedDrives<Slide>> {
+    fn simulation(&mut self) -> Option<&mut dyn SimulatedDrives<One>> {
         Some(self)
     }
 }
 
-impl SimulatedDrives<Slide> for Exact {
+impl SimulatedDrives<One> for Exact {
     fn brake(&mut self) -> Measured<One> {
         self.told.borrow_mut().push(Told::Brake);
         self.measured.velocity /= 3.0;
