@@ -1,10 +1,9 @@
 //! Readings of virtual sensors as numbers with names, for plots and arrows.
 //!
-//! In: the shape of a reading, and its words, or the value of a recording. Out: a name for each number, such as `force.x`, and the
+//! In: the shape of a reading, and its words. Out: a name for each number, such as `force.x`, and the
 //! numbers in the same order. What a name chooses is the place of that name; texts and what a shape does not tell are left out.
 
 use mrroc_core::payload::Shape;
-use serde_json::Value;
 
 /// The most numbers of a reading that are shown: those of a picture that was taken would fill the page.
 const MOST: usize = 32;
@@ -90,42 +89,6 @@ fn words_of(shape: &Shape, words: &[u64], numbers: &mut Vec<Option<f64>>) {
     }
 }
 
-/// The same of a reading as a recording says it.
-#[must_use]
-pub fn of_json(shape: &Shape, value: &Value) -> Vec<Option<f64>> {
-    let mut numbers = Vec::new();
-    json_of(shape, value, &mut numbers);
-    numbers.truncate(MOST);
-    numbers
-}
-
-fn json_of(shape: &Shape, value: &Value, numbers: &mut Vec<Option<f64>>) {
-    if numbers.len() >= MOST {
-        return;
-    }
-    match shape {
-        Shape::Float | Shape::Single | Shape::Unsigned | Shape::Signed => numbers.push(value.as_f64()),
-        Shape::Truth => numbers.push(value.as_bool().map(f64::from)),
-        Shape::Choice(names) => numbers.push(place(value, names.iter().copied())),
-        Shape::Variants(variants) => {
-            numbers.push(place(&value["choice"], variants.iter().map(|(name, _)| *name)));
-        }
-        Shape::Array(item, count) => {
-            (0..(*count).min(MOST)).for_each(|i| json_of(item, &value[i], numbers));
-        }
-        Shape::Fields(fields) => {
-            fields.iter().for_each(|(name, shape)| json_of(shape, &value[*name], numbers))
-        }
-        Shape::Demand | Shape::Words(_) => {}
-    }
-}
-
-/// The place of a name among those that are known.
-fn place(name: &Value, mut known: impl Iterator<Item = &'static str>) -> Option<f64> {
-    let name = name.as_str()?;
-    known.position(|known| known == name).map(|place| place as f64)
-}
-
 /// Whether a reading is a wrench: a force and a torque of three numbers each, and no more.
 #[must_use]
 pub fn is_wrench(shape: &Shape) -> bool {
@@ -141,17 +104,14 @@ mod tests {
     use mrroc_core::nalgebra::Vector3;
     use mrroc_core::payload::Wire;
     use mrroc_core::pose::{Pose, Wrench};
-    use serde_json::json;
 
     #[test]
-    fn a_wrench_has_six_numbers_in_words_and_in_json_and_a_pose_is_none() {
+    fn a_wrench_has_six_numbers_and_a_pose_is_none() {
         let wrench = Wrench::new(Vector3::new(1.0, -2.5, 3.0), Vector3::new(f64::NAN, 0.5, -0.25));
         let mut words = [0; Wrench::LEN];
         wrench.put(&mut words);
         let expected = [Some(1.0), Some(-2.5), Some(3.0), None, Some(0.5), Some(-0.25)];
         assert_eq!(of_words(Wrench::SHAPE, &words), expected);
-        let written = json!({"force": [1.0, -2.5, 3], "torque": ["NaN", 0.5, -0.25]});
-        assert_eq!(of_json(Wrench::SHAPE, &written), expected);
         let named = names(Wrench::SHAPE);
         assert_eq!(named, ["force.x", "force.y", "force.z", "torque.x", "torque.y", "torque.z"]);
         assert!(is_wrench(Wrench::SHAPE) && !is_wrench(Pose::SHAPE) && !is_wrench(&Shape::Float));
@@ -175,14 +135,10 @@ mod tests {
         let words = [1, 1, minus, 5, 6, 1, 7, 8, 9, u64::from(0.5_f32.to_bits())];
         let expected = [1.0, 1.0, -4.0, 5.0, 6.0, 1.0, 0.5].map(Some);
         assert_eq!(of_words(&MIXED, &words), expected);
-        let written = json!({
-            "seen": true, "how": "far", "list": [-4, 5, 6], "what": {"choice": "some", "some": 2.0}, "last": 0.5
-        });
-        assert_eq!(of_json(&MIXED, &written), expected);
         for shape in [&MIXED, &LONG, &LIST, &Shape::Float, &Shape::Demand] {
             let count = names(shape).len();
             assert!(count <= MOST);
-            assert_eq!((of_words(shape, &[]).len(), of_json(shape, &Value::Null).len()), (count, count));
+            assert_eq!(of_words(shape, &[]).len(), count);
         }
     }
 }

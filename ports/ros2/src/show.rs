@@ -9,7 +9,6 @@ use mrroc_core::robot::Signals;
 use mrroc_external::{Image, ReadingShown};
 use mrroc_processes::Picture;
 use mrroc_recording::json_of;
-use serde_json::Value;
 
 use crate::clock::CellClock;
 use crate::description::{Description, WORLD, joint_names};
@@ -206,17 +205,16 @@ impl<O: Outlet> Topics<O> {
             }
             return;
         }
-        let value = json_of(known.layout.reading, &reading.words);
-        self.reading(name, [reading.step, reading.taken], reading.sent, &value);
+        self.reading(name, [reading.step, reading.taken], reading.sent, &reading.words);
     }
 
-    /// Publishes a reading of a sensor that was collected in a step and taken in another one, as a recording writes it; it was told at `sent` by the machine's
-    /// monotonic clock \[ns\].
-    pub fn reading(&mut self, sensor: &str, [step, taken]: [u64; 2], sent: u64, reading: &Value) {
+    /// Publishes the words of a reading of a sensor that was collected in a step and taken in another one; it was told at `sent` by the machine's monotonic
+    /// clock \[ns\].
+    pub fn reading(&mut self, sensor: &str, [step, taken]: [u64; 2], sent: u64, words: &[u64]) {
         let Some(known) = self.sensors.iter().find(|known| known.layout.name == sensor) else { return };
         let age = step.saturating_sub(taken) * self.step;
         let date = self.clock.date(step * self.step, sent).saturating_sub(age);
-        known.topics.put(Stamp::of(date), reading);
+        known.topics.put(Stamp::of(date), &json_of(known.layout.reading, words));
     }
 
     /// Publishes what has changed in a picture.

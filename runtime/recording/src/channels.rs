@@ -90,7 +90,7 @@ fn schema_of(field: &Field<'_>) -> Option<Value> {
 }
 
 /// Writes those fields that the sample has.
-fn write_fields(out: &mut String, fields: Fields<'_>) {
+pub(super) fn write_fields(out: &mut String, fields: Fields<'_>) {
     out.push('{');
     let has = |field: &Field<'_>| !matches!(field, Field::Optional(_, None));
     for (i, (name, field)) in fields.iter().filter(|(_, field)| has(field)).enumerate() {

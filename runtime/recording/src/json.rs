@@ -7,7 +7,8 @@ use core::fmt::Write;
 
 use serde_json::{Map, Value, json};
 
-use mrroc_core::payload::Shape;
+use mrroc_core::payload::{Shape, Wire};
+use mrroc_core::pose::Pose;
 use mrroc_core::robot::MAX_JOINTS;
 
 /// Writes a number, also one that is not finite.
@@ -33,6 +34,16 @@ pub fn as_number(value: &Value) -> Option<f64> {
         Some(_) => None,
         None => value.as_f64(),
     }
+}
+
+/// Reads a pose of finite numbers; `None` of one that is none.
+pub fn pose(value: &Value) -> Option<Pose> {
+    let mut of_pose = Vec::new();
+    words(Shape::POSE, value, &mut of_pose)?;
+    let is_finite = of_pose.iter().all(|word| f64::from_bits(*word).is_finite());
+    let pose = Pose::get(&of_pose).ok().filter(|_| is_finite)?;
+    // As it was shown, to the bit, where it is a turn.
+    ((pose.rotation.norm() - 1.0).abs() < 1e-6).then_some(pose)
 }
 
 /// Writes a list of numbers.
@@ -246,8 +257,7 @@ pub fn object<'a>(properties: impl IntoIterator<Item = (&'a str, Value)>) -> Val
 mod tests {
     use super::*;
     use mrroc_core::generator::Demand;
-    use mrroc_core::payload::{WORDS, Wire};
-    use mrroc_core::pose::Pose;
+    use mrroc_core::payload::WORDS;
     use proptest::prelude::*;
 
     const MIXED: &Shape = &Shape::Fields(&[

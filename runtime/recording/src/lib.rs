@@ -53,6 +53,7 @@ mod records;
 mod relay;
 mod replaying;
 mod ring;
+mod samples;
 mod scene;
 mod wrong;
 
@@ -62,12 +63,10 @@ use mrroc_core::observe::recording::Recording;
 
 pub use compare::{Compared, Difference};
 pub use json::{as_number, json_of};
-pub use messages::signals_in;
-pub use reader::{
-    Completeness, McapMessage, RecordedMessage, each_mcap_message, each_message, each_message_of,
-};
+pub use reader::{Completeness, McapMessage, each_mcap_message, each_message_of};
 pub use recorder::Mcap;
 pub use replaying::{Replay, ReplayError, replay_command};
+pub use samples::{RecordedMessage, RobotSample, Sample, StateSample};
 pub use wrong::{CutOff, NotReplayable};
 
 /// Records everything to the MCAP file at `file`, which is created; a recording that is there is overwritten, any other file

@@ -1,6 +1,6 @@
-//! The messages of a recording, converted from JSON to a [`RecordedRun`].
+//! The messages of a recording, made into a [`RecordedRun`].
 //!
-//! In: the metadata, then messages with their topics. Out: for each robot its images without a gap, for each process
+//! In: the metadata, then what messages say. Out: for each robot its images without a gap, for each process
 //! the readings that it collected of each sensor, and the steps of the MP.
 
 use std::collections::BTreeSet;
@@ -9,30 +9,27 @@ use std::rc::Rc;
 use mcap::records::Metadata;
 use serde_json::Value;
 
-use super::json::{as_number, words};
+use super::samples::{RecordedMessage, RobotSample, Sample, StateSample};
 use super::wrong::{CutOff, Wrong};
 use mrroc_core::console::quoted;
 use mrroc_core::fault::Name;
 use mrroc_core::fault::{ProcessId, Role};
 use mrroc_core::link::Nanos;
-use mrroc_core::observe::layout::{Layout, SignalLayout};
-use mrroc_core::observe::step_observer::ReadingState;
+use mrroc_core::observe::layout::Layout;
+use mrroc_core::observe::step_observer::StepRecord;
 use mrroc_core::operator::jog::JogNow;
-use mrroc_core::payload::Shape;
 use mrroc_core::replay::readings::RecordedReading;
 use mrroc_core::replay::script::{ScriptedJog, ScriptedStep};
 use mrroc_core::replay::{
     LateRequest, RecordedImage, RecordedReadings, RecordedRobot, RecordedRun, RecordedValue, RecordedValues,
     Script,
 };
-use mrroc_core::robot::{Channel, MAX_JOINTS, Measured, Signals, Value as Signal};
+use mrroc_core::robot::{MAX_JOINTS, Measured, Signals};
 
 /// The messages read so far.
 pub(super) struct Messages {
     robots: Vec<RecordedRobot>,
-    /// The named inputs and outputs of each.
-    signals: Vec<Vec<SignalLayout>>,
-    sensors: Vec<(Name, &'static Shape)>,
+    sensors: Vec<Name>,
     readings: Vec<RecordedReadings>,
     steps: Vec<ScriptedStep>,
     /// What programs recorded, by their processes, and how many parts of the last value of each are not read yet.
@@ -100,14 +97,12 @@ impl Messages {
             if !recorded.iter().any(|recorded| recorded["name"] == sensor.name) {
                 return Err(Wrong::new(format!("has no sensor `{}`", sensor.name), OTHER_CELL));
             }
-            sensors.push((of_cell(&sensor.name)?, sensor.reading));
+            sensors.push(of_cell(&sensor.name)?);
         }
         let (readings, steps, jogs) = (Vec::new(), Vec::new(), Vec::new());
         let (late, aborts) = (BTreeSet::new(), BTreeSet::new());
-        let signals = layout.robots.iter().map(|robot| robot.signals.clone()).collect();
         Ok(Messages {
             robots,
-            signals,
             sensors,
             readings,
             steps,
@@ -126,48 +121,46 @@ impl Messages {
     }
 
     /// Takes a message. Messages that a replay does not need are skipped.
-    pub fn take(&mut self, topic: &str, time: Nanos, data: &[u8]) -> Result<(), Wrong> {
-        let parts: Vec<_> = topic.split('/').skip(1).collect();
-        let json = || serde_json::from_slice::<Value>(data).ok();
-        let taken = match *parts.as_slice() {
-            ["steps"] => json().and_then(|json| self.step(&json)),
-            ["events"] => json().and_then(|json| self.event(&json, time)),
-            ["robots", name] => json().and_then(|json| self.image(name, &json)),
-            ["robots", name, "signals"] => json().and_then(|json| self.signals(name, &json)),
-            ["sensors", name] => json().and_then(|json| self.reading(name, &json)),
-            _ => Some(()),
-        };
-        taken.ok_or_else(|| {
-            let text = quoted(&String::from_utf8_lossy(data), 80);
+    pub fn take(&mut self, message: &RecordedMessage<'_>, layout: &Layout) -> Result<(), Wrong> {
+        let RecordedMessage { topic, time, json, .. } = *message;
+        let is_needed = topic != "/instructions" && !topic.starts_with("/bodies/");
+        let taken = !is_needed || message.sample(layout).and_then(|said| self.sample(said, time)).is_some();
+        taken.then_some(()).ok_or_else(|| {
+            let text = quoted(&String::from_utf8_lossy(json), 80);
             let topic = quoted(topic, 60);
             Wrong::foreign(format!("has a message in {topic} at {time} ns that does not fit: {text}"))
         })
     }
 
-    fn step(&mut self, json: &Value) -> Option<()> {
-        let scripted = ScriptedStep {
-            step: json["step"].as_u64()?,
-            speed: json["speed"].as_f64().filter(|speed| (0.0..=1.0).contains(speed))?,
-            suspended: json["suspended"].as_bool()?,
-            // Recordings of earlier versions do not have it.
-            reduced: json["reduced"].as_bool().unwrap_or(false),
-            aborting: json["aborting"].as_bool()?,
-            stopping: json["stopping"].as_bool()?,
-            resetting: json["resetting"].as_bool()?,
-            aborts: false,
-            late: false,
-        };
+    fn sample(&mut self, said: Sample, time: Nanos) -> Option<()> {
+        match said {
+            Sample::Step(record) => self.step(&record),
+            Sample::Event { process, step, what, text } => self.event(process, step, (&what, &text), time),
+            Sample::Image(image) => self.image(&image),
+            Sample::Signals { robot, step, signals } => self.signals(robot, step, signals),
+            Sample::Reading { sensor, by, step, taken, state, words } => {
+                self.reading(sensor, by, RecordedReading { step, taken, state, words })
+            }
+            Sample::Unknown => None,
+            Sample::Instruction { .. } | Sample::Body { .. } | Sample::Other => Some(()),
+        }
+    }
+
+    fn step(&mut self, record: &StepRecord) -> Option<()> {
+        let &StepRecord { step, speed, suspended, reduced, aborting, stopping, resetting, .. } = record;
+        let (aborts, late) = (false, false);
+        let scripted =
+            ScriptedStep { step, speed, suspended, reduced, aborting, stopping, resetting, aborts, late };
         let last = self.steps.last().map(|last| last.step);
-        let follows =
-            last.is_none_or(|last| last < scripted.step) && scripted.step - last.unwrap_or(0) <= LONGEST_GAP;
+        let follows = (0.0..=1.0).contains(&speed)
+            && last.is_none_or(|last| last < step)
+            && step - last.unwrap_or(0) <= LONGEST_GAP;
         self.steps.extend(follows.then_some(scripted));
         follows.then_some(())
     }
 
-    fn event(&mut self, json: &Value, time: Nanos) -> Option<()> {
-        let (step, text) = (json["step"].as_u64()?, json["text"].as_str()?);
-        let by = process(json["process"].as_str()?)?;
-        match json["what"].as_str()? {
+    fn event(&mut self, by: ProcessId, step: u64, (what, text): (&str, &str), time: Nanos) -> Option<()> {
+        match what {
             "fault from outside" => self.end_before(step, text.to_owned()),
             "late" => match self.robots.iter_mut().find(|robot| Some(robot.name) == by.name) {
                 Some(robot) => drop(robot.put_off.insert(step)),
@@ -234,23 +227,18 @@ impl Messages {
         }
     }
 
-    fn image(&mut self, name: &str, json: &Value) -> Option<()> {
-        let robot = self.robots.iter_mut().find(|robot| robot.name.as_str() == name)?;
-        let (step, joints) = (json["step"].as_u64()?, robot.joints);
-        let numbers = |json: &Value| {
+    fn image(&mut self, image: &RobotSample) -> Option<()> {
+        let robot = self.robots.get_mut(image.robot)?;
+        let numbers = |list: &[f64]| {
             let mut numbers = [0.0; MAX_JOINTS];
-            let list = json.as_array().filter(|list| list.len() == joints)?;
-            for (number, value) in numbers.iter_mut().zip(list) {
-                *number = as_number(value)?;
-            }
-            Some(numbers)
+            numbers.iter_mut().zip(list).for_each(|(number, x)| *number = *x);
+            numbers
         };
+        let StateSample { joints, velocity, .. } = &image.measured;
+        let step = image.step;
         let image = RecordedImage {
-            demanded: numbers(&json["demanded"]["joints"])?,
-            measured: Measured {
-                position: numbers(&json["measured"]["joints"])?,
-                velocity: numbers(&json["measured"]["velocity"])?,
-            },
+            demanded: numbers(&image.demanded.joints),
+            measured: Measured { position: numbers(joints), velocity: numbers(velocity) },
         };
         if robot.images.is_empty() {
             robot.first = step;
@@ -265,11 +253,8 @@ impl Messages {
     }
 
     /// What a robot's inputs read and its outputs are: kept where it differs from the step before.
-    fn signals(&mut self, name: &str, json: &Value) -> Option<()> {
-        let place = self.robots.iter().position(|robot| robot.name.as_str() == name)?;
-        let signals = signals_in(&self.signals[place], json)?;
-        let step = json["step"].as_u64()?;
-        let before = &mut self.robots[place].signals;
+    fn signals(&mut self, robot: usize, step: u64, signals: Signals) -> Option<()> {
+        let before = &mut self.robots.get_mut(robot)?.signals;
         match before.last() {
             Some((last, _)) if *last >= step => return None,
             Some((_, known)) if *known == signals => {}
@@ -278,31 +263,14 @@ impl Messages {
         Some(())
     }
 
-    fn reading(&mut self, name: &str, json: &Value) -> Option<()> {
-        let (sensor, shape) = *self.sensors.iter().find(|(sensor, _)| sensor.as_str() == name)?;
-        let by = process(json["by"].as_str()?)?;
-        let mut spelled = Vec::new();
-        let state = match json["state"].as_str()? {
-            "there" => {
-                words(shape, &json["reading"], &mut spelled)?;
-                ReadingState::There
-            }
-            "fault" => {
-                let fault = &json["fault"];
-                words(&Shape::Words(fault.as_array()?.len()), fault, &mut spelled)?;
-                ReadingState::Fault
-            }
-            "none" => ReadingState::None,
-            "lost" => ReadingState::Lost,
-            _ => return None,
-        };
-        let (step, taken) = (json["step"].as_u64()?, json["taken"].as_u64().unwrap_or(0));
+    fn reading(&mut self, sensor: usize, by: ProcessId, reading: RecordedReading) -> Option<()> {
+        let sensor = *self.sensors.get(sensor)?;
         let known = self.readings.iter().position(|recorded| recorded.sensor == sensor && recorded.by == by);
         let place = known.unwrap_or_else(|| {
             self.readings.push(RecordedReadings::new(sensor, by));
             self.readings.len() - 1
         });
-        self.readings[place].readings.push(RecordedReading { step, taken, state, words: spelled });
+        self.readings[place].readings.push(reading);
         Some(())
     }
 
@@ -342,33 +310,4 @@ impl Messages {
             end: self.end,
         })
     }
-}
-
-/// What the named inputs and outputs of a robot are in a message of its signals.
-#[must_use]
-pub fn signals_in(known: &[SignalLayout], json: &Value) -> Option<Signals> {
-    let mut signals = Signals::OFF;
-    for SignalLayout { name, channel, is_output, .. } in known {
-        let of = if *is_output { "outputs" } else { "inputs" };
-        let value = match channel {
-            Channel::Digital(_) => Signal::Digital(json[of][name].as_bool()?),
-            Channel::Analog(_) => Signal::Analog(as_number(&json[of][name])?),
-        };
-        let values = if *is_output { &mut signals.outputs } else { &mut signals.inputs };
-        values.set(*channel, value);
-    }
-    Some(signals)
-}
-
-/// Reads the name of a process, such as `mp` or `ecp arm`.
-fn process(text: &str) -> Option<ProcessId> {
-    let (role, name) = text.split_once(' ').unwrap_or((text, ""));
-    let role = match role {
-        "mp" => return Some(ProcessId::MP),
-        "ecp" => Role::Ecp,
-        "edp" => Role::Edp,
-        "vsp" => Role::Vsp,
-        _ => return None,
-    };
-    Some(ProcessId::new(role, Name::new(name).ok()?))
 }

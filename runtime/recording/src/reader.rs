@@ -1,7 +1,7 @@
 //! Reads a recording, as far as a replay needs it.
 //!
 //! In: the [`records`] of a file, and the layout of the cell. Out: a [`RecordedRun`], or what is wrong with the file, which may
-//! have any contents; or its messages as they are, for programs that only look at them, or convert them.
+//! have any contents; or its messages, for programs that look at them or convert them.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -13,6 +13,7 @@ use mcap::records::{Metadata, Record};
 use super::file::{END, PROFILE, START, VERSION};
 use super::messages::Messages;
 use super::records::{self, Ended};
+use super::samples::RecordedMessage;
 use super::wrong::{CutOff, NotReplayable, Wrong, unreadable};
 use mrroc_core::console::quoted;
 use mrroc_core::link::Nanos;
@@ -49,43 +50,6 @@ fn read_from(from: impl Read, layout: &Layout, cut_off: CutOff) -> Result<Record
         Ended::Whole if taker.head.dropped.is_some() => taker.finish(cut_off),
         Ended::Whole | Ended::CutOff => taker.cut_off(cut_off),
     }
-}
-
-/// Hands over the messages of a recording as they are in the file: the topic, when it was written by the clock of the machine
-/// that recorded it \[ns\], and the JSON. Of one that was cut off, those that there are.
-///
-/// # Errors
-/// [`NotReplayable`]: the file is no MCAP file, or is damaged.
-pub fn each_message(file: &Path, mut take: impl FnMut(&str, Nanos, &[u8])) -> Result<(), NotReplayable> {
-    let mut channels = BTreeMap::new();
-    let mut take = |record: Record<'_>| {
-        match record {
-            Record::Channel(channel) => drop(channels.insert(channel.id, channel.topic)),
-            Record::Message { header, data } => {
-                let topic = channels.get(&header.channel_id).map_or("", String::as_str);
-                take(topic, header.log_time, &data);
-            }
-            _ => {}
-        }
-        Ok(())
-    };
-    let read = files::open(file)
-        .map_err(unreadable)
-        .and_then(|from| records::each(from, &records::RECORDING, &mut take));
-    read.map(drop).map_err(|wrong| wrong.of(file))
-}
-
-/// A message of a recording.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct RecordedMessage<'a> {
-    /// Its topic.
-    pub topic: &'a str,
-    /// The date of the cell's time 0 \[ns since 1970, UTC\].
-    pub start: Nanos,
-    /// Its time on the cell's clock \[ns\].
-    pub time: Nanos,
-    /// What it says.
-    pub json: &'a [u8],
 }
 
 /// Hands over the messages of a recording of a cell of this layout, in the order in which they are in the file; of one that was cut off, those that
@@ -295,12 +259,15 @@ struct Taker<'a> {
 
 impl Taker<'_> {
     fn take(&mut self, record: Record<'_>) -> Result<(), Wrong> {
+        let layout = self.head.layout;
         let Some(Found { topic, start, date, data }) = self.head.take(record, &mut self.messages)? else {
             return Ok(());
         };
         let messages = self.messages.as_mut();
         let messages = messages.ok_or_else(|| Wrong::foreign("does not say what its cell is made of"))?;
-        messages.take(topic, date.saturating_sub(start.unwrap_or_default()), &data)
+        let start = start.unwrap_or_default();
+        messages
+            .take(&RecordedMessage { topic, start, time: date.saturating_sub(start), json: &data }, layout)
     }
 
     fn cut_off(self, cut_off: CutOff) -> Result<RecordedRun, Wrong> {

@@ -10,14 +10,13 @@
 use std::sync::Arc;
 
 use mrroc_core::link::Nanos;
-use mrroc_core::nalgebra::{Quaternion, Translation3, UnitQuaternion};
 use mrroc_core::observe::layout::{Figure, Layout, RobotLayout};
 use mrroc_core::observe::solid::ObstacleLayout;
 use mrroc_core::pose::Pose;
 use serde_json::{Value, json};
 
 use super::entity::{Entity, seconds, shown, update};
-use super::json::as_number;
+use super::json::{as_number, pose};
 use super::obstacles;
 
 /// The time between two pictures of a robot \[ns\]: 50 a second. Viewers draw at most 60 a second, and a picture takes some
@@ -148,16 +147,6 @@ impl Scene {
             }
         }
     }
-}
-
-/// Reads a pose of finite numbers.
-fn pose(value: &Value) -> Option<Pose> {
-    let of = |part: &str, name: &str| as_number(&value[part][name]).filter(|x| x.is_finite());
-    let at = |name: &str| of("position", name);
-    let turn = |name: &str| of("orientation", name);
-    let turned = Quaternion::new(turn("w")?, turn("x")?, turn("y")?, turn("z")?);
-    let turned = UnitQuaternion::try_new(turned, 1e-6)?;
-    Some(Pose::from_parts(Translation3::new(at("x")?, at("y")?, at("z")?), turned))
 }
 
 /// A picture of one robot or body that is being made.

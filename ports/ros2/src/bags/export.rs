@@ -5,12 +5,13 @@
 use std::path::Path;
 
 use mrroc_core::console::complain;
+use mrroc_core::fault::ProcessId;
 use mrroc_core::observe::layout::Layout;
+use mrroc_core::observe::step_observer::{ReadingState, StepRecord};
 use mrroc_core::operator::CellState;
 use mrroc_core::operator::state::InstructionKind;
 use mrroc_processes::Picture;
-use mrroc_recording::{Completeness, RecordedMessage, as_number, each_message_of, signals_in};
-use serde_json::Value;
+use mrroc_recording::{Completeness, RecordedMessage, Sample, each_message_of};
 
 use super::file::Bag;
 use crate::clock::CellClock;
@@ -122,54 +123,28 @@ impl<'a> Export<'a> {
         })
     }
 
-    /// Takes a message; `None`: it does not fit. What has no topic here is passed over.
+    /// Takes a message; `None`: it does not fit. What has no topic here is passed over, as are robots and sensors of lower cells.
     fn take(&mut self, message: &RecordedMessage<'_>) -> Option<()> {
         self.bag.set_now(message.start + message.time);
-        let json = || serde_json::from_slice::<Value>(message.json).ok();
-        let parts: Vec<_> = message.topic.split('/').skip(1).collect();
-        match *parts.as_slice() {
-            ["robots", name] => self.image(name, message.start, &json()?),
-            ["robots", name, "signals"] => self.signals(name, &json()?),
-            ["sensors", name] => self.reading(name, message.start, &json()?),
-            ["steps"] => self.step(message, &json()?),
-            ["instructions"] => self.instruction(&json()?),
-            ["events"] => self.event(message, &json()?),
-            _ => Some(()),
-        }
-    }
-
-    fn image(&mut self, name: &str, start: u64, json: &Value) -> Option<()> {
-        // Robots of lower cells are not shown.
-        let Some(place) = self.layout.robots.iter().position(|robot| robot.name == name) else {
-            return Some(());
-        };
-        let joints = self.layout.robots[place].joints.len();
-        let numbers = |of: &str, what: &str| {
-            let list = json[of][what].as_array().filter(|list| list.len() == joints)?;
-            list.iter().map(as_number).collect::<Option<Vec<f64>>>()
-        };
-        let state = |of: &str| Some([numbers(of, "joints")?, numbers(of, "velocity")?]);
-        let (measured, demanded) = (state("measured")?, state("demanded")?);
-        let step = json["step"].as_u64()?;
-        let time = self.time_of(step, start)?;
-        let states = [&measured, &demanded].map(|[position, velocity]| [&**position, &**velocity]);
-        self.topics.joint_states(place, step, time, states);
-        Some(())
-    }
-
-    fn signals(&mut self, name: &str, json: &Value) -> Option<()> {
-        let Some(robot) = self.layout.robots.iter().find(|robot| robot.name == name) else {
-            return Some(());
-        };
-        self.topics.signals(name, &signals_in(&robot.signals, json)?);
-        Some(())
-    }
-
-    fn reading(&mut self, name: &str, start: u64, json: &Value) -> Option<()> {
-        if json["state"] == "there" {
-            let (step, taken) = (json["step"].as_u64()?, json["taken"].as_u64()?);
-            let time = self.time_of(step, start)?;
-            self.topics.reading(name, [step, taken], time, &json["reading"]);
+        match message.sample(self.layout)? {
+            Sample::Image(image) => {
+                let time = self.time_of(image.step, message.start)?;
+                let states = [&image.measured, &image.demanded].map(|of| [&*of.joints, &*of.velocity]);
+                self.topics.joint_states(image.robot, image.step, time, states);
+            }
+            Sample::Signals { robot, signals, .. } => {
+                self.topics.signals(&self.layout.robots[robot].name, &signals);
+            }
+            Sample::Reading { sensor, step, taken, state: ReadingState::There, words, .. } => {
+                let time = self.time_of(step, message.start)?;
+                self.topics.reading(&self.layout.sensors[sensor].name, [step, taken], time, &words);
+            }
+            Sample::Step(record) => self.step(message, &record),
+            Sample::Instruction { process: ProcessId::MP, doing, by } => self.instruction(doing, by),
+            Sample::Event { process: ProcessId::MP, what, text, .. } if !text.is_empty() => {
+                self.event(message, &what, text);
+            }
+            _ => {}
         }
         Some(())
     }
@@ -181,28 +156,25 @@ impl<'a> Export<'a> {
         Some(time)
     }
 
-    fn step(&mut self, message: &RecordedMessage<'_>, json: &Value) -> Option<()> {
-        let is = |name: &str| json[name].as_bool().unwrap_or(false);
-        self.picture.step = json["step"].as_u64()?;
-        self.picture.speed = json["speed"].as_f64()?;
-        self.picture.reduced = is("reduced");
-        let (dt, duration) = (json["dt"].as_f64()?, json["duration"].as_f64()?);
-        self.picture.rate = if duration > 0.0 { dt / duration } else { 0.0 };
-        self.is_suspended = is("suspended");
+    fn step(&mut self, message: &RecordedMessage<'_>, record: &StepRecord) {
+        self.picture.step = record.step;
+        self.picture.speed = record.speed;
+        self.picture.reduced = record.reduced;
+        self.picture.rate = if record.duration > 0.0 { record.dt / record.duration } else { 0.0 };
+        self.is_suspended = record.suspended;
         self.stop = match self.stop {
-            Stop::No if is("stopping") => Stop::Stopping,
-            Stop::Latched if is("resetting") => Stop::Resetting,
+            Stop::No if record.stopping => Stop::Stopping,
+            Stop::Latched if record.resetting => Stop::Resetting,
             stop => stop,
         };
         self.picture.state = match self.stop {
-            Stop::No if is("aborting") => CellState::Aborting,
+            Stop::No if record.aborting => CellState::Aborting,
             Stop::No => self.at_work(),
             Stop::Stopping => CellState::Stopping,
             Stop::Latched => CellState::Latched,
             Stop::Resetting => CellState::Resetting,
         };
         self.tell(message);
-        Some(())
     }
 
     /// What a cell that nothing has stopped does.
@@ -215,41 +187,31 @@ impl<'a> Export<'a> {
     }
 
     /// An instruction of the MP that begins or ends.
-    fn instruction(&mut self, json: &Value) -> Option<()> {
-        if json["process"] != "mp" {
-            return Some(());
-        }
-        let word = json["doing"].as_str()?;
-        self.picture.doing = InstructionKind::ALL.into_iter().find(|doing| doing.word() == word)?;
-        json["by"].as_str()?.clone_into(&mut self.picture.by);
-        if self.picture.doing != InstructionKind::Nothing {
+    fn instruction(&mut self, doing: InstructionKind, by: String) {
+        (self.picture.doing, self.picture.by) = (doing, by);
+        if doing != InstructionKind::Nothing {
             self.stop = Stop::No;
             self.picture.instructions += 1;
         }
         self.topics.instruction(&self.picture);
-        Some(())
     }
 
-    fn event(&mut self, message: &RecordedMessage<'_>, json: &Value) -> Option<()> {
-        let text = json["text"].as_str()?;
-        if json["process"] != "mp" || text.is_empty() {
-            return Some(());
-        }
-        match json["what"].as_str()? {
+    /// Something that stops the MP, or ends it.
+    fn event(&mut self, message: &RecordedMessage<'_>, what: &str, text: String) {
+        match what {
             "fault" | "fault from outside" => {
-                self.picture.fault = Some(text.to_owned());
+                self.picture.fault = Some(text);
                 self.picture.state = CellState::Latched;
                 self.stop = Stop::Latched;
                 self.tell(message);
             }
             // It may have ended in order, such as by an operator who aborted its program.
             "end" => {
-                self.picture.fault.get_or_insert_with(|| text.to_owned());
+                self.picture.fault.get_or_insert(text);
                 self.tell(message);
             }
             _ => {}
         }
-        Some(())
     }
 
     /// Publishes what is known of the cell: its state when that changes, its diagnostics as often as the bridge does.
@@ -350,9 +312,9 @@ robots.arm = { kind = "irp6", start = [0.0, -1.57, 0.16, -0.16, 4.71, 0.0] }
         let (stopping, aborting, resetting) = (step("stopping"), step("aborting"), step("resetting"));
         let begins = r#"{"process":"mp","doing":"move","by":"Line"}"#;
         let ends = r#"{"process":"mp","doing":"nothing","by":"Line"}"#;
-        let fault = r#"{"process":"mp","what":"fault","text":"mp: protective stop"}"#;
-        let outside = r#"{"process":"mp","what":"fault from outside","text":"edp arm: the drive of joint 2 has failed"}"#;
-        let end = r#"{"process":"mp","what":"end","text":"mp: aborted"}"#;
+        let fault = r#"{"process":"mp","step":1,"what":"fault","text":"mp: protective stop"}"#;
+        let outside = r#"{"process":"mp","step":1,"what":"fault from outside","text":"edp arm: the drive of joint 2 has failed"}"#;
+        let end = r#"{"process":"mp","step":1,"what":"end","text":"mp: aborted"}"#;
         let found = states(&[
             ("/steps", &plain),
             ("/instructions", begins),
