@@ -54,7 +54,7 @@ pub enum Sample {
         text: String,
     },
     /// A robot begins a step.
-    Image(RobotSample),
+    Image(Box<RobotSample>),
     /// What the inputs of a robot read and its outputs are.
     Signals {
         /// The robot.
@@ -140,7 +140,8 @@ impl RecordedMessage<'_> {
             ["instructions"] => instruction(&json()?),
             ["events"] => event(&json()?),
             ["robots", name] => found(robot(name), &|place, json| {
-                image(place, layout.robots[place].joints.len(), json).map(Sample::Image)
+                image(place, layout.robots[place].joints.len(), json)
+                    .map(|image| Sample::Image(Box::new(image)))
             }),
             ["robots", name, "signals"] => found(robot(name), &|robot, json| {
                 let signals = signals(&layout.robots[robot].signals, json)?;
@@ -353,7 +354,7 @@ mod tests {
             let (demanded, measured) = (state(a, b, demanded), state(c, d, measured));
             let expected = RobotSample { robot: 0, step, demanded, measured, tool: Some(tool) };
             let event = StepEvent::Image { step, mode: Mode::Holding };
-            prop_assert_eq!(said(&event, of(Role::Edp), &words), Some(Sample::Image(expected)));
+            prop_assert_eq!(said(&event, of(Role::Edp), &words), Some(Sample::Image(Box::new(expected))));
         }
 
         #[test]

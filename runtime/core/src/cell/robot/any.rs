@@ -112,12 +112,12 @@ pub trait AnyRobot: Any {
 
 impl<R: Robot> AnyRobot for RobotSetup<R> {
     fn watch(&mut self, observer: SharedObserver, mp: Shown<Activity>) {
-        let ecp = self.activity.clone();
+        let ecp = self.processes.activity.clone();
         let name = self.name.clone();
         let robot = self.robot.clone();
         let mounted_on = self.mounted_on.clone();
         let joints: Vec<_> = (0..R::Joints::LEN).map(|i| robot.joint(i)).collect();
-        self.observers.push(Box::new(move |record| {
+        self.processes.observers.push(Box::new(move |record| {
             let measured = &record.measured.position;
             let observation = Observation {
                 robot: &name,
@@ -137,18 +137,18 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
     }
 
     fn on_servo_period(&mut self, mut call: Box<dyn FnMut(Nanos)>) {
-        self.observers.push(Box::new(move |record| call((record.time * 1e9).round() as Nanos)));
+        self.processes.observers.push(Box::new(move |record| call((record.time * 1e9).round() as Nanos)));
     }
 
     fn unwatch(&mut self) {
-        self.observers.clear();
+        self.processes.observers.clear();
     }
 
     fn replay(&mut self, recorded: Rc<RecordedRobot>, step: Duration) {
         // Whether the joints followed, the run that was recorded has checked; what is between two steps is not recorded.
-        self.following_error = R::Joints::from_joints(|_| f64::INFINITY);
-        self.drives = recorded_drives(&self.drives, Rc::clone(&recorded), step);
-        self.replayed = Some(recorded);
+        self.processes.following_error = R::Joints::from_joints(|_| f64::INFINITY);
+        self.processes.drives = recorded_drives(&self.processes.drives, Rc::clone(&recorded), step);
+        self.processes.replayed = Some(recorded);
     }
 
     fn name(&self) -> &str {
@@ -167,7 +167,7 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
             kind_name: R::KIND,
             model: Rc::new(self.robot.clone()),
             joints: R::Joints::LEN,
-            signals: self.signals.names(),
+            signals: self.processes.signals.names(),
             homed: self.is_homed(),
             stop_steps,
         }
@@ -177,29 +177,29 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
         RobotLayout {
             name: self.name.clone(),
             kind: R::KIND,
-            servo: self.drives.period(),
-            drives: match (self.drives.hardware(), self.is_in_simulator) {
+            servo: self.processes.drives.period(),
+            drives: match (self.processes.drives.hardware(), self.is_in_simulator) {
                 (Some(simulator), true) => HardwareLayout::Simulator(simulator),
                 (hardware, _) => HardwareLayout::of(hardware, self.stand_in.in_place_of()),
             },
             homed: self.is_homed(),
-            ecp_program: self.program.is_some(),
-            space: self.space,
+            ecp_program: self.processes.program.is_some(),
+            space: self.processes.space,
             mounted_on: self.mounted_on.clone(),
             stop_time: self.stop_time.unwrap_or(stop_time),
             coupled_limits: self.robot.coupled_limits(),
-            signals: self.signals.layout(self.channels().unwrap_or(Channels::ALL).when_lost),
-            joints: joints(&self.robot, &self.following_error),
+            signals: self.processes.signals.layout(self.channels().unwrap_or(Channels::ALL).when_lost),
+            joints: joints(&self.robot, &self.processes.following_error),
             figure: Arc::new(self.robot.clone()),
         }
     }
 
     fn has_program(&self) -> bool {
-        self.program.is_some()
+        self.processes.program.is_some()
     }
 
     fn servo_period(&self) -> ServoPeriod {
-        self.drives.servo_period()
+        self.processes.drives.servo_period()
     }
 
     fn check_space(&self, name: Name) -> Option<CellError> {
@@ -208,15 +208,16 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
         let pose = self.robot.forward(&middle);
         let at_a_value = self.robot.inverse_at(&pose, 0.0, &middle);
         let is_redundant = R::Joints::LEN > 6 || at_a_value != Err(NoInverse::NotRedundant);
-        (self.space == InterpolationSpace::Task && is_redundant).then_some(CellError::TaskSpace(name))
+        (self.processes.space == InterpolationSpace::Task && is_redundant)
+            .then_some(CellError::TaskSpace(name))
     }
 
     fn is_homed(&self) -> bool {
-        matches!(self.drives, Drives::Homed(_))
+        matches!(self.processes.drives, Drives::Homed(_))
     }
 
     fn hardware(&self) -> Option<String> {
-        self.drives.hardware()
+        self.processes.drives.hardware()
     }
 
     fn is_in_simulator(&self) -> bool {
@@ -224,36 +225,36 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
     }
 
     fn python(&self) -> Option<String> {
-        match &self.drives {
+        match &self.processes.drives {
             Drives::Homed(driver) => driver.python(),
             Drives::Unhomed(_) => None,
         }
     }
 
     fn calibration(&mut self) -> Result<Option<String>, DriveFault> {
-        match &mut self.drives {
+        match &mut self.processes.drives {
             Drives::Homed(driver) => driver.calibration(),
             Drives::Unhomed(_) => Ok(None),
         }
     }
 
     fn urdf(&self) -> Option<String> {
-        let load = self.signals.load.unwrap_or(Load::NONE);
-        self.robot.urdf(&self.name, &Tool { frame: self.tool, load })
+        let load = self.processes.signals.load.unwrap_or(Load::NONE);
+        self.robot.urdf(&self.name, &Tool { frame: self.processes.tool, load })
     }
 
     fn simulate(&mut self, name: Name) -> Result<(), CellError> {
-        let Some(hardware) = self.drives.hardware() else { return Ok(()) };
+        let Some(hardware) = self.processes.drives.hardware() else { return Ok(()) };
         let stand_in = core::mem::replace(&mut self.stand_in, StandIn::For(hardware.clone()));
-        let drives = stand_in.drives(&self.robot, self.drives.period())?;
-        self.drives = drives
+        let drives = stand_in.drives(&self.robot, self.processes.drives.period())?;
+        self.processes.drives = drives
             .filter(|drives| drives.hardware().is_none())
             .ok_or(CellError::NoStandIn { robot: name, hardware })?;
         Ok(())
     }
 
     fn is_simulated(&mut self) -> bool {
-        match &mut self.drives {
+        match &mut self.processes.drives {
             Drives::Homed(driver) => driver.simulation().is_some(),
             Drives::Unhomed(_) => false,
         }
@@ -264,7 +265,7 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
     }
 
     fn check_signals(&self, name: Name) -> Vec<CellError> {
-        let wrong = self.signals.check(self.channels()).into_iter();
+        let wrong = self.processes.signals.check(self.channels()).into_iter();
         wrong.map(|(signal, wrong)| CellError::Signal { robot: name, signal, wrong }).collect()
     }
 
@@ -277,7 +278,7 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
             name,
             |i| self.robot.joint(i),
             self.robot.limits(),
-            &self.following_error,
+            &self.processes.following_error,
             noticing,
             stop_time,
         )
@@ -308,7 +309,7 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
 impl<R: Robot> RobotSetup<R> {
     /// The channels of its drives; those of drives that look for their marks first are not known.
     fn channels(&self) -> Option<Channels> {
-        match &self.drives {
+        match &self.processes.drives {
             // Drives without a name are simulated: they get signals.
             Drives::Homed(driver) if driver.channels() == Channels::NONE && driver.hardware().is_none() => {
                 Some(Channels::ALL)

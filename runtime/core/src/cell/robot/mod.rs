@@ -14,7 +14,6 @@ use std::rc::Rc;
 use super::CellError;
 use crate::control::ecp::Ecp;
 use crate::control::homing::{Drives, HomingOf};
-use crate::control::replay::RecordedRobot;
 use crate::model::any_kind::{AnyKind, DrivesOf};
 use crate::model::driver::{Driver, Homing};
 use crate::model::fault::Fault;
@@ -25,14 +24,13 @@ use crate::model::pose::Pose;
 use crate::model::robot::{InterpolationSpace, Robot};
 use crate::model::stepped::{Simulator, SteppedDrives};
 use crate::model::wire::Wire;
-use crate::observe::activity::Activity;
-use crate::observe::servo::{Observer, ServoRecord};
-use crate::observe::shown::{AnyShown, Shown};
+use crate::observe::servo::ServoRecord;
+use crate::observe::shown::Shown;
 
 pub use any::AnyRobot;
 pub(super) use any::SharedObserver;
-use signals::{InputSetup, OutputSetup, SignalSetups};
-use spawning::EcpProgram;
+use signals::{InputSetup, OutputSetup};
+use spawning::ProcessSetup;
 pub use spawning::{Outcomes, RobotPlacement, StateWanted};
 use stand_in::StandIn;
 
@@ -49,26 +47,14 @@ pub enum NoSimulator {
 pub struct RobotSetup<R: Robot> {
     name: String,
     robot: R,
-    drives: Drives<AnyKind<R::Joints>>,
     stand_in: StandIn<R>,
     /// Its drives are in a simulator of others.
     is_in_simulator: bool,
-    tool: Pose,
-    space: InterpolationSpace,
-    following_error: R::Joints,
     /// The robot on whose flange it is mounted.
     mounted_on: Option<String>,
-    signals: SignalSetups,
     /// The longest stop that it may take; the cell's where it says nothing.
     stop_time: Option<Duration>,
-    program: Option<EcpProgram>,
-    observers: Vec<Observer<AnyKind<R::Joints>>>,
-    /// What its program does, for observers.
-    activity: Shown<Activity>,
-    /// What its program shows to observers.
-    shown: Vec<Box<dyn AnyShown>>,
-    /// What it replays.
-    replayed: Option<Rc<RecordedRobot>>,
+    processes: ProcessSetup<R::Joints>,
 }
 
 impl<R: Robot> RobotSetup<R> {
@@ -88,7 +74,7 @@ impl<R: Robot> RobotSetup<R> {
 
     /// Whether its drives know where it is.
     pub fn is_homed(&self) -> bool {
-        matches!(self.drives, Drives::Homed(_))
+        matches!(self.processes.drives, Drives::Homed(_))
     }
 
     /// Simulated drives that stand in for real ones where nothing real may move: in a dry run, and in
@@ -105,13 +91,13 @@ impl<R: Robot> RobotSetup<R> {
     /// # Errors
     /// [`NoSimulator`]: its own drives are no simulated ones that know where it is.
     pub fn in_simulator(mut self, simulator: Box<dyn Simulator>) -> Result<Self, NoSimulator> {
-        let Drives::Homed(own) = &self.drives else { return Err(NoSimulator::Unhomed) };
+        let Drives::Homed(own) = &self.processes.drives else { return Err(NoSimulator::Unhomed) };
         if let Some(hardware) = own.hardware() {
             return Err(NoSimulator::Real(hardware));
         }
         let Ok(measured) = own.measured() else { return Err(NoSimulator::Unhomed) };
         let drives = SteppedDrives::new(simulator, measured.position, own.period(), own.has_brakes());
-        let own = core::mem::replace(&mut self.drives, Drives::Homed(Box::new(drives)));
+        let own = core::mem::replace(&mut self.processes.drives, Drives::Homed(Box::new(drives)));
         self.is_in_simulator = true;
         if let (StandIn::None, Drives::Homed(own)) = (&self.stand_in, own) {
             self.stand_in = StandIn::Drives(own);
@@ -136,20 +122,11 @@ impl<R: Robot> RobotSetup<R> {
         let following_error = robot.limits().velocity * 0.05;
         RobotSetup {
             name: name.to_owned(),
-            drives,
             stand_in: StandIn::None,
             is_in_simulator: false,
-            tool: Pose::identity(),
-            space: InterpolationSpace::Joints,
-            following_error,
             mounted_on: None,
-            signals: SignalSetups::default(),
             stop_time: None,
-            program: None,
-            observers: Vec::new(),
-            activity: Shown::new(Activity::default()),
-            shown: Vec::new(),
-            replayed: None,
+            processes: ProcessSetup::new(drives, following_error),
             robot,
         }
     }
@@ -158,21 +135,21 @@ impl<R: Robot> RobotSetup<R> {
     #[must_use]
     #[allow(non_snake_case)]
     pub fn tool(mut self, X_FE: Pose) -> Self {
-        self.tool = X_FE;
+        self.processes.tool = X_FE;
         self
     }
 
     /// Where the EDP interpolates between the demands of two steps, in joints unless told otherwise.
     #[must_use]
     pub fn interpolation(mut self, space: InterpolationSpace) -> Self {
-        self.space = space;
+        self.processes.space = space;
         self
     }
 
     /// The largest difference between demanded and measured joint positions [rad or m], each > 0.
     #[must_use]
     pub fn following_error(mut self, limit: R::Joints) -> Self {
-        self.following_error = limit;
+        self.processes.following_error = limit;
         self
     }
 
@@ -187,14 +164,14 @@ impl<R: Robot> RobotSetup<R> {
     /// What the robot carries at the start, its tool included: its drives are told.
     #[must_use]
     pub fn load(mut self, load: Load) -> Self {
-        self.signals.load = Some(load);
+        self.processes.signals.load = Some(load);
         self
     }
 
     /// Names an input of the robot's controller. A program asks for it by [`RobotHandle::input`], an ECP by [`Ecp::input`].
     #[must_use]
     pub fn input(mut self, input: InputSetup) -> Self {
-        self.signals.inputs.push(input);
+        self.processes.signals.inputs.push(input);
         self
     }
 
@@ -202,7 +179,7 @@ impl<R: Robot> RobotSetup<R> {
     /// [`RobotHandle::output`], an ECP by [`Ecp::output`].
     #[must_use]
     pub fn output(mut self, output: OutputSetup) -> Self {
-        self.signals.outputs.push(output);
+        self.processes.signals.outputs.push(output);
         self
     }
 
@@ -235,13 +212,14 @@ impl<R: Robot> RobotSetup<R> {
         mut program: impl FnMut(&mut Ecp<R>) -> Result<(), Fault> + 'static,
     ) {
         let model = Rc::new(self.robot.clone());
-        self.program = Some(Box::new(move |start, activity| start.run(model, activity, &mut program)));
+        self.processes.program =
+            Some(Box::new(move |start, activity| start.run(model, activity, &mut program)));
     }
 
     /// Calls `observer` after every servo period.
     #[must_use]
     pub fn observe(mut self, mut observer: impl FnMut(&ServoRecord<R>) + 'static) -> Self {
-        self.observers.push(Box::new(move |&ServoRecord { time, demanded, measured, tool }| {
+        self.processes.observers.push(Box::new(move |&ServoRecord { time, demanded, measured, tool }| {
             observer(&ServoRecord { time, demanded, measured, tool });
         }));
         self
@@ -250,7 +228,7 @@ impl<R: Robot> RobotSetup<R> {
     /// Lets observers see what the robot's program shows, in whichever process they look on.
     #[must_use]
     pub fn shows<T: Wire>(mut self, shown: &Shown<T>) -> Self {
-        self.shown.push(Box::new(shown.clone()));
+        self.processes.shown.push(Box::new(shown.clone()));
         self
     }
 }

@@ -85,79 +85,91 @@ impl<R: Robot> RobotSetup<R> {
         plant: &mut Site,
         place: RobotPlacement,
     ) -> Result<(), Stuck> {
-        let parts = Parts {
-            robot: AnyKind::new(self.robot),
-            drives: self.drives,
-            demand: PayloadType::of::<Demand<R>>(),
-            tool: self.tool,
-            space: self.space,
-            following_error: self.following_error,
-            signals: self.signals,
-            program: self.program,
-            observers: self.observers,
-            activity: self.activity,
-            shown: self.shown,
-            replayed: self.replayed,
-        };
-        spawn(Box::new(parts), R::Joints::LEN, link, plant, place)
+        let robot = Box::new((AnyKind::new(self.robot), self.processes));
+        spawn(robot, (R::Joints::LEN, PayloadType::of::<Demand<R>>()), link, plant, place)
     }
 }
 
-/// Puts the processes of a robot on the link, from its [`Parts`] and its number of joints. They are compiled here, once for each
-/// number, and not for each kind of robots in every crate that has some.
+/// Puts the processes of a robot on the link: of its model and its [`ProcessSetup`], its number of joints, and the demands of its kind, as the
+/// MP sends them to an ECP without a program. They are compiled here, once for each number of joints, and not for each kind of robots in every crate
+/// that has some.
 fn spawn(
-    parts: Box<dyn Any>,
-    joints: usize,
+    robot: Box<dyn Any>,
+    kind: (usize, PayloadType),
     link: &mut dyn Link,
     plant: &mut Site,
     place: RobotPlacement,
 ) -> Result<(), Stuck> {
-    match joints {
-        0 => spawn_with::<0>(parts, link, plant, place),
-        1 => spawn_with::<1>(parts, link, plant, place),
-        2 => spawn_with::<2>(parts, link, plant, place),
-        3 => spawn_with::<3>(parts, link, plant, place),
-        4 => spawn_with::<4>(parts, link, plant, place),
-        5 => spawn_with::<5>(parts, link, plant, place),
-        6 => spawn_with::<6>(parts, link, plant, place),
-        7 => spawn_with::<7>(parts, link, plant, place),
-        _ => spawn_with::<MAX_JOINTS>(parts, link, plant, place),
+    match kind.0 {
+        0 => spawn_with::<0>(robot, kind.1, link, plant, place),
+        1 => spawn_with::<1>(robot, kind.1, link, plant, place),
+        2 => spawn_with::<2>(robot, kind.1, link, plant, place),
+        3 => spawn_with::<3>(robot, kind.1, link, plant, place),
+        4 => spawn_with::<4>(robot, kind.1, link, plant, place),
+        5 => spawn_with::<5>(robot, kind.1, link, plant, place),
+        6 => spawn_with::<6>(robot, kind.1, link, plant, place),
+        7 => spawn_with::<7>(robot, kind.1, link, plant, place),
+        _ => spawn_with::<MAX_JOINTS>(robot, kind.1, link, plant, place),
     }
 }
 
 fn spawn_with<const N: usize>(
-    parts: Box<dyn Any>,
+    robot: Box<dyn Any>,
+    demand: PayloadType,
     link: &mut dyn Link,
     plant: &mut Site,
     place: RobotPlacement,
 ) -> Result<(), Stuck> {
-    match parts.downcast::<Parts<SVector<f64, N>>>() {
-        Ok(parts) => parts.put_on(link, plant, place),
+    match robot.downcast::<(AnyKind<SVector<f64, N>>, ProcessSetup<SVector<f64, N>>)>() {
+        Ok(robot) => robot.1.put_on(robot.0, demand, link, plant, place),
         // `JointVector` is implemented for these vectors alone.
         Err(_) => unreachable!("a robot with {N} joints has another type of joint vectors"),
     }
 }
 
-/// What a robot of any kind is made of.
-struct Parts<J: JointVector> {
-    robot: AnyKind<J>,
-    drives: Drives<AnyKind<J>>,
-    /// The demands of its kind, as the MP sends them to an ECP without a program.
-    demand: PayloadType,
-    tool: Pose,
-    space: InterpolationSpace,
-    following_error: J,
-    signals: SignalSetups,
-    program: Option<EcpProgram>,
-    observers: Vec<Observer<AnyKind<J>>>,
-    activity: Shown<Activity>,
-    shown: Vec<Box<dyn AnyShown>>,
-    replayed: Option<Rc<RecordedRobot>>,
+/// What the processes of a robot are made of, whatever its kind.
+pub(super) struct ProcessSetup<J: JointVector> {
+    pub drives: Drives<AnyKind<J>>,
+    /// The tool at the start, `X_FE`.
+    pub tool: Pose,
+    pub space: InterpolationSpace,
+    pub following_error: J,
+    pub signals: SignalSetups,
+    pub program: Option<EcpProgram>,
+    pub observers: Vec<Observer<AnyKind<J>>>,
+    /// What its program does, for observers.
+    pub activity: Shown<Activity>,
+    /// What its program shows to observers.
+    pub shown: Vec<Box<dyn AnyShown>>,
+    /// What it replays.
+    pub replayed: Option<Rc<RecordedRobot>>,
 }
 
-impl<J: JointVector> Parts<J> {
-    fn put_on(self, link: &mut dyn Link, plant: &mut Site, place: RobotPlacement) -> Result<(), Stuck> {
-        let model = Rc::new(self.robot.clone());
+impl<J: JointVector> ProcessSetup<J> {
+    pub fn new(drives: Drives<AnyKind<J>>, following_error: J) -> Self {
+        ProcessSetup {
+            drives,
+            tool: Pose::identity(),
+            space: InterpolationSpace::Joints,
+            following_error,
+            signals: SignalSetups::default(),
+            program: None,
+            observers: Vec::new(),
+            activity: Shown::new(Activity::default()),
+            shown: Vec::new(),
+            replayed: None,
+        }
+    }
+
+    fn put_on(
+        self,
+        robot: AnyKind<J>,
+        demand: PayloadType,
+        link: &mut dyn Link,
+        plant: &mut Site,
+        place: RobotPlacement,
+    ) -> Result<(), Stuck> {
+        let model = Rc::new(robot.clone());
         let name = place.name;
         let process = ProcessId::new(Role::Edp, name);
         let edp = link.place(process);
@@ -206,7 +218,7 @@ impl<J: JointVector> Parts<J> {
             if let Some((drive, gate)) = homed {
                 let config = EdpConfig {
                     process,
-                    robot: self.robot,
+                    robot,
                     drive,
                     tool: self.tool,
                     period: place.period,
@@ -229,7 +241,7 @@ impl<J: JointVector> Parts<J> {
         let process = ProcessId::new(Role::Ecp, name);
         let (pace, triggered, recorded) = (place.pace, place.triggered, self.replayed);
         let (signals, named) = (place.signals, place.named);
-        let (program, activity, demand) = (self.program, self.activity, self.demand);
+        let (program, activity) = (self.program, self.activity);
         link.body(
             place.ecp,
             Box::new(move |host| {

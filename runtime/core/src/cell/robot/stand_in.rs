@@ -45,7 +45,7 @@ impl<R: Robot> StandIn<R> {
         match self {
             StandIn::None | StandIn::For(_) => Ok(None),
             StandIn::Drives(driver) => Ok(Some(Drives::Homed(driver))),
-            StandIn::Made(make) => Ok(Some(make(robot, period)?.drives)),
+            StandIn::Made(make) => Ok(Some(make(robot, period)?.processes.drives)),
         }
     }
 }
