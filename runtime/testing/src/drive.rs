@@ -5,11 +5,10 @@
 use core::time::Duration;
 
 use mrroc_core::fault::Excess;
-use mrroc_core::robot::JointVector;
-use mrroc_core::robot::Robot;
+use mrroc_core::pose::Wrench;
 use mrroc_core::robot::{
-    Channels, DriveFault, Driver, Load, Measured, Outputs, Pace, Pulse, Recovery, Regulators, Signals,
-    SimulatedDrives,
+    Channels, DriveFault, Driver, JointVector, Load, Measured, Outputs, Pace, Pulse, Recovery, Regulators,
+    Robot, Signals, SimulatedDrives, Stepped,
 };
 
 /// How a joint's drive fails. Joints are counted from 0.
@@ -61,6 +60,8 @@ impl<R: Robot, D: Driver<R>> FaultyDrive<R, D> {
     }
 }
 
+// What drives do not say here would be the default of the trait, and not what they do.
+#[deny(clippy::missing_trait_methods)]
 impl<R: Robot, D: Driver<R>> Driver<R> for FaultyDrive<R, D> {
     fn period(&self) -> Duration {
         self.drives.period()
@@ -190,6 +191,23 @@ impl<R: Robot, D: Driver<R>> Driver<R> for FaultyDrive<R, D> {
 
     fn choose_regulators(&mut self, sets: &Regulators) {
         self.drives.choose_regulators(sets);
+    }
+
+    fn wrench(&self) -> Option<Wrench> {
+        self.drives.wrench()
+    }
+
+    fn calibration(&mut self) -> Result<Option<String>, DriveFault> {
+        self.drives.calibration()
+    }
+
+    fn python(&self) -> Option<String> {
+        self.drives.python()
+    }
+
+    // Drives in a simulator of others count their periods themselves, where nobody does it for them.
+    fn stepped(&mut self) -> Option<&mut dyn Stepped<R::Joints>> {
+        None
     }
 }
 

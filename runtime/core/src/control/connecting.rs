@@ -6,7 +6,7 @@
 use core::time::Duration;
 
 use crate::model::drive_fault::DriveFault;
-use crate::model::driver::{Channels, Driver, Measured, Recovery, Regulators};
+use crate::model::driver::{Channels, Driver, Measured, Recovery, Regulators, SimulatedDrives, Stepped};
 use crate::model::load::Load;
 use crate::model::pace::{Pace, Pulse};
 use crate::model::robot::Robot;
@@ -72,6 +72,8 @@ impl<D, F: FnMut() -> Result<D, DriveFault>> Connecting<D, F> {
     }
 }
 
+// What drives do not say here would be the default of the trait, and not what they do.
+#[deny(clippy::missing_trait_methods)]
 impl<R: Robot, D: Driver<R>, F: FnMut() -> Result<D, DriveFault>> Driver<R> for Connecting<D, F> {
     fn period(&self) -> Duration {
         self.period
@@ -185,6 +187,27 @@ impl<R: Robot, D: Driver<R>, F: FnMut() -> Result<D, DriveFault>> Driver<R> for 
     fn choose_regulators(&mut self, sets: &Regulators) {
         self.drives.iter_mut().for_each(|drives| drives.choose_regulators(sets));
     }
+
+    /// It is asked for before they are opened: they are made for it, and let go.
+    fn calibration(&mut self) -> Result<Option<String>, DriveFault> {
+        match &mut self.drives {
+            Some(drives) => drives.calibration(),
+            None => (self.connect)()?.calibration(),
+        }
+    }
+
+    // What has to be connected is hardware: no simulation of ours, and no simulator of others, which is told each period by its number.
+    fn simulation(&mut self) -> Option<&mut dyn SimulatedDrives<R::Joints>> {
+        None
+    }
+
+    fn stepped(&mut self) -> Option<&mut dyn Stepped<R::Joints>> {
+        None
+    }
+
+    fn python(&self) -> Option<String> {
+        None
+    }
 }
 
 #[cfg(test)]
@@ -220,6 +243,45 @@ mod tests {
         assert_eq!(driver.measured().map(|measured| measured.position[0]), Ok(0.5));
         driver.close();
         assert!(is_closed(driver) && made.get() == 2);
+    }
+
+    /// Drives that know their calibration.
+    struct Calibrated(Exact, Rc<Cell<u32>>);
+
+    impl Drop for Calibrated {
+        fn drop(&mut self) {
+            self.1.set(self.1.get() + 1);
+        }
+    }
+
+    impl Driver<Slide> for Calibrated {
+        fn period(&self) -> Duration {
+            MS
+        }
+        fn measured(&self) -> Result<Measured<One>, DriveFault> {
+            self.0.measured()
+        }
+        fn tick(&mut self, demanded: &One) -> Result<Measured<One>, DriveFault> {
+            self.0.tick(demanded)
+        }
+        fn calibration(&mut self) -> Result<Option<String>, DriveFault> {
+            Ok(Some("of this robot".to_owned()))
+        }
+    }
+
+    #[test]
+    fn a_calibration_is_read_before_drives_are_opened_and_their_connection_let_go() {
+        let dropped = Rc::new(Cell::new(0));
+        let count = Rc::clone(&dropped);
+        let mut driver =
+            Connecting::to("a controller", MS, move || Ok(Calibrated(Exact::new(MS), Rc::clone(&count))));
+        let driver: &mut dyn Driver<Slide> = &mut driver;
+        assert_eq!(driver.calibration(), Ok(Some("of this robot".to_owned())));
+        assert_eq!(dropped.get(), 1);
+        driver.open().expect("connected");
+        assert_eq!((driver.calibration(), dropped.get()), (Ok(Some("of this robot".to_owned())), 1));
+        let mut refused = Connecting::to("a controller", MS, || Err::<Exact, _>(DriveFault::NoAnswer));
+        assert_eq!(Driver::<Slide>::calibration(&mut refused), Err(DriveFault::NoAnswer));
     }
 
     #[test]

@@ -6,7 +6,7 @@
 use core::time::Duration;
 
 use crate::model::drive_fault::DriveFault;
-use crate::model::driver::{Channels, Driver, Measured, Recovery, Regulators, SimulatedDrives};
+use crate::model::driver::{Channels, Driver, Measured, Recovery, Regulators, SimulatedDrives, Stepped};
 use crate::model::joints::JointVector;
 use crate::model::load::Load;
 use crate::model::pace::{Pace, Pulse};
@@ -74,6 +74,8 @@ const fn of(values: &Values, channel: Channel) -> Value {
     }
 }
 
+// What drives do not say here would be the default of the trait, and not what they do.
+#[deny(clippy::missing_trait_methods)]
 impl<R: Robot> Driver<R> for SimulatedSignals<R> {
     fn period(&self) -> Duration {
         self.drives.period()
@@ -176,6 +178,19 @@ impl<R: Robot> Driver<R> for SimulatedSignals<R> {
     fn simulation(&mut self) -> Option<&mut dyn SimulatedDrives<R::Joints>> {
         self.drives.simulation()?;
         Some(self)
+    }
+
+    // A simulator of others has signals of its own: its drives name hardware, and get none from here.
+    fn stepped(&mut self) -> Option<&mut dyn Stepped<R::Joints>> {
+        None
+    }
+
+    fn calibration(&mut self) -> Result<Option<String>, DriveFault> {
+        self.drives.calibration()
+    }
+
+    fn python(&self) -> Option<String> {
+        self.drives.python()
     }
 }
 

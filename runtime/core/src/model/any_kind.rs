@@ -129,6 +129,8 @@ impl<R: Robot, D: Driver<R>> DrivesOf<R, D> {
     }
 }
 
+// What drives do not say would be the default of the trait, and not what they do.
+#[deny(clippy::missing_trait_methods)]
 impl<R: Robot, D: Driver<R>> Driver<AnyKind<R::Joints>> for DrivesOf<R, D> {
     fn period(&self) -> Duration {
         self.0.period()
