@@ -126,7 +126,8 @@ impl Transducer {
                 let square = 1.0 + u * u + v * v;
                 let length = square.sqrt();
                 let at = (1.0 - 1.0 / square) * Self::BEAM as f64;
-                let (low, share) = (at as usize, at.fract());
+                let low = at as usize;
+                let share = at - low as f64;
                 let beam = self.beam[low] + share * (self.beam[low + 1] - self.beam[low]);
                 let amplitude = pressure * beam / (square * length);
                 let mut put = |depth: f64, amplitude: f64| {
@@ -136,7 +137,8 @@ impl Transducer {
                         return;
                     }
                     let [cos, sin] = self.turn[(range * turns) as usize % Self::TURN];
-                    let (low, share) = (at as usize, at.fract());
+                    let low = at as usize;
+                    let share = at - low as f64;
                     for (bin, share) in [(low, 1.0 - share), (low + 1, share)] {
                         let [re, im] = &mut wave.points[bin];
                         *re += amplitude * share * cos;
