@@ -173,7 +173,9 @@ mod tests {
         slow(&mut asked);
         let place = |s: f64| Spotted { travel: 5.0 + s + 0.3, speed: 0.02, ..Spotted::default() };
         // A thing 0.16 m + 0.02 m/s 1.7 s upstream is clear of a belt that stays as slow; at 0.122 m/s it comes 0.21 m nearer.
-        for (s, wanted) in [(0.5 - 0.2, [true, false]), (0.5 - 0.36, [true, false]), (0.5 - 0.37, [true, true])] {
+        for (s, wanted) in
+            [(0.5 - 0.2, [true, false]), (0.5 - 0.36, [true, false]), (0.5 - 0.37, [true, true])]
+        {
             assert_eq!([&known, &asked].map(|things| things.is_clear(0.5, &place(s))), wanted, "{s}");
         }
     }

@@ -228,8 +228,7 @@ impl Queue {
 }
 
 /// What a Wait that goes on taking in parts uses: by hand, as `Tell`, since the queue goes on in every step, whatever the coordinator is about.
-const WAIT: Class =
-    Class::new(Level::Mp, Uses { state: true, sensors: true, tick: true, ..Uses::NOTHING });
+const WAIT: Class = Class::new(Level::Mp, Uses { state: true, sensors: true, tick: true, ..Uses::NOTHING });
 
 /// A Wait for a part that is to be taken now, or for the end.
 pub struct Ready(pub Queue);
