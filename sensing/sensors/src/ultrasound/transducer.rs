@@ -18,6 +18,23 @@ impl Window {
     pub const ALL: Self = Self { u: [-1.1, 1.1], v: [-1.1, 1.1] };
 }
 
+/// Where a ray (u, v, 1) of a transducer meets a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Surface {
+    /// In lengths of the ray: along the axis \[m\].
+    pub depth: f64,
+    /// How that changes with u and with v there \[m\].
+    pub slope: [f64; 2],
+}
+
+impl Surface {
+    /// One that faces the transducer at a depth \[m\].
+    #[must_use]
+    pub const fn facing(depth: f64) -> Self {
+        Self { depth, slope: [0.0; 2] }
+    }
+}
+
 /// A transducer with its pulse and its detector, in air of a temperature.
 #[derive(Clone, Debug)]
 pub struct Transducer {
@@ -103,13 +120,22 @@ impl Transducer {
     }
 
     /// Adds what comes back from a part of its directions, in steps of `step`. `meet` says of a ray (u, v, 1) where it meets something, and
-    /// where it would meet what is behind, of which that is taken off; both in lengths of the ray.
+    /// where it would meet what is behind, of which that is taken off.
+    ///
+    /// A ray stands for a cell of directions, over which the surface is plane. The phase `2 k r` changes evenly over it, so that the mean of the
+    /// wave is that of the ray times
+    ///
+    /// ```text
+    /// sinc(k dr/du step) sinc(k dr/dv step)        sinc(x) = sin(x) / x
+    /// ```
+    ///
+    /// Without it rays that are more than a quarter of a wave apart along the sound make up echoes of surfaces that are steep and silent.
     pub fn add(
         &self,
         wave: &mut Waveform,
         window: Window,
         step: f64,
-        meet: impl Fn(f64, f64) -> (Option<f64>, Option<f64>),
+        meet: impl Fn(f64, f64) -> (Option<Surface>, Option<Surface>),
     ) {
         let k = self.wave_number();
         let pressure = k / TAU * step * step;
@@ -130,12 +156,14 @@ impl Transducer {
                 let share = at - low as f64;
                 let beam = self.beam[low] + share * (self.beam[low + 1] - self.beam[low]);
                 let amplitude = pressure * beam / (square * length);
-                let mut put = |depth: f64, amplitude: f64| {
+                let mut put = |Surface { depth, slope }: Surface, amplitude: f64| {
                     let range = depth * length;
                     let at = (range - self.gate[0]) / Waveform::BIN;
                     if at < 0.0 || at as usize + 1 >= wave.points.len() {
                         return;
                     }
+                    let across = |at: f64, slope: f64| sinc(k * step * (slope * length + depth * at / length));
+                    let amplitude = amplitude * across(u, slope[0]) * across(v, slope[1]);
                     let [cos, sin] = self.turn[(range * turns) as usize % Self::TURN];
                     let low = at as usize;
                     let share = at - low as f64;
@@ -145,11 +173,11 @@ impl Transducer {
                         *im += amplitude * share * sin;
                     }
                 };
-                if let Some(depth) = hit {
-                    put(depth, amplitude);
+                if let Some(surface) = hit {
+                    put(surface, amplitude);
                 }
-                if let Some(depth) = behind {
-                    put(depth, -amplitude);
+                if let Some(surface) = behind {
+                    put(surface, -amplitude);
                 }
             }
         }
@@ -175,5 +203,17 @@ impl Transducer {
     pub fn middle(&self, echo: &Echo) -> f64 {
         let over = (echo.amplitude / self.threshold).max(1.0);
         echo.time + Self::PULSE * (2.0 * over.ln()).sqrt()
+    }
+}
+
+/// sin(x) / x; 0 of a surface that lies along the ray, whose depth changes by any amount.
+fn sinc(x: f64) -> f64 {
+    if !x.is_finite() {
+        0.0
+    } else if x.abs() < 1e-4 {
+        // The next term of the series is below 1e-17.
+        1.0 - x * x / 6.0
+    } else {
+        x.sin() / x
     }
 }
