@@ -162,7 +162,8 @@ impl Transducer {
                     if at < 0.0 || at as usize + 1 >= wave.points.len() {
                         return;
                     }
-                    let across = |at: f64, slope: f64| sinc(k * step * (slope * length + depth * at / length));
+                    let across =
+                        |at: f64, slope: f64| sinc(k * step * (slope * length + depth * at / length));
                     let amplitude = amplitude * across(u, slope[0]) * across(v, slope[1]);
                     let [cos, sin] = self.turn[(range * turns) as usize % Self::TURN];
                     let low = at as usize;
