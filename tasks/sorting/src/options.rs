@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use clap::error::ErrorKind;
 use clap::{CommandFactory as _, FromArgMatches as _, Parser};
 
-use crate::camera::command::every;
+use crate::camera::settings::Settings as Recognising;
 use crate::generators::Uneven;
 use crate::run::Settings;
 use crate::scopes::{Mode, SensorKind, is_given, without_effect};
@@ -106,6 +106,12 @@ fn interval(text: &str) -> Result<f64, String> {
 }
 
 impl Options {
+    /// The mean time between two parts below a camera or matrix \[s\].
+    #[must_use]
+    pub fn mean_time(&self) -> f64 {
+        self.every.unwrap_or(Recognising::CYCLE / (0.6 * f64::from(self.arms)))
+    }
+
     /// The belt's [`profile`](Self::profile) in the order of time, for as long as the program runs.
     #[must_use]
     pub fn lasting_profile(&self) -> &'static [(f64, f64)] {
@@ -147,7 +153,7 @@ fn too_long(options: &Options, mode: Mode) -> Option<String> {
     let (parts, belt) = (f64::from(options.parts), options.belt);
     let every = match options.sensor {
         SensorKind::Infrared => Settings::one(belt, 0).every(),
-        SensorKind::Camera | SensorKind::Ultrasonic => every(options),
+        SensorKind::Camera | SensorKind::Ultrasonic => options.mean_time(),
     };
     let travel = parts * every * belt * (1.0 + Uneven::OFF);
     (travel > LONGEST).then(|| {

@@ -347,7 +347,7 @@ impl Reliefs {
     pub fn passed(&mut self, travel: f64) -> Option<Relief> {
         let frontier = self.frontier(travel);
         let bare_from = frontier + Self::APART;
-        // Nothing that stands out has been below all rows yet: so it is nearly always, and thousands of samples need not be looked at.
+        // Nothing that stands out has passed all rows and the strip behind them: thousands of samples need not be looked at.
         if self.raised_to <= bare_from {
             return None;
         }

@@ -250,7 +250,7 @@ impl Imager {
     }
 }
 
-/// The nearest of 256 grey values, the farther one from 0 half-way: what `round` and `clamp` give, whose call takes longer than all the rest.
+/// The nearest of 256 grey values, the farther one from 0 half-way: what `round` and `clamp` give, without a call for each pixel.
 fn grey_of(value: f32) -> u8 {
     if value >= 255.0 {
         return u8::MAX;

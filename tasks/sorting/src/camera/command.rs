@@ -155,12 +155,6 @@ const fn asked(options: &Options) -> Option<f64> {
     }
 }
 
-/// Mean time between two parts \[s\].
-#[must_use]
-pub fn every(options: &Options) -> f64 {
-    options.every.unwrap_or(Settings::CYCLE / (0.6 * f64::from(options.arms)))
-}
-
 fn regular(options: &Options) -> f64 {
     if options.poisson { 0.0 } else { Settings::REGULAR }
 }
@@ -176,7 +170,7 @@ struct Kept {
 /// The run ended with a fault, or a picture cannot be written.
 pub fn sort(options: &Options) -> Said {
     let (parts, seed) = (options.parts as usize, options.seed.into());
-    let every = every(options);
+    let every = options.mean_time();
     let settings = Settings {
         regular: regular(options),
         strangers: each(options.strangers),
