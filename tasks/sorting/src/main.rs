@@ -41,16 +41,29 @@ fn main() -> ExitCode {
     };
     match ran {
         Ok((all, text)) => answer(&options, &text, all.is_well(), began),
-        Err(error) => {
-            complain(&format!("error: {error}"));
-            ExitCode::FAILURE
-        }
+        Err(error) => ended(&options, &error.to_string(), began),
     }
+}
+
+/// Says what ended it, and which pictures in its folder are of an earlier run.
+fn ended(options: &Options, error: &str, began: SystemTime) -> ExitCode {
+    complain(&format!("error: {error}"));
+    let left = named_left(options, began);
+    if !left.is_empty() {
+        complain(left.trim_end());
+    }
+    ExitCode::FAILURE
+}
+
+/// A line that names pictures of an earlier run in the folder of this one; nothing where there are none.
+fn named_left(options: &Options, began: SystemTime) -> String {
+    // A data set has no folder.
+    if options.data_set.is_none() { left::named(&options.out, began) } else { String::new() }
 }
 
 /// Says what came of it, and which pictures in its folder are of an earlier run.
 fn answer(options: &Options, text: &str, is_well: bool, began: SystemTime) -> ExitCode {
-    let left = if options.data_set.is_none() { left::named(&options.out, began) } else { String::new() };
+    let left = named_left(options, began);
     let said = if options.quiet { ExitCode::SUCCESS } else { say(&format!("{text}{left}")) };
     if is_well { said } else { ExitCode::FAILURE }
 }
@@ -75,10 +88,7 @@ fn overhead(options: &Options, began: SystemTime) -> ExitCode {
     };
     match ran {
         Ok((text, is_well)) => answer(options, &text, is_well, began),
-        Err(error) => {
-            complain(&format!("error: {error}"));
-            ExitCode::FAILURE
-        }
+        Err(error) => ended(options, &error.to_string(), began),
     }
 }
 
@@ -112,7 +122,11 @@ fn sweep(options: &Options, seeds: u64) -> Result<(Row, String), Box<dyn Error>>
     write(&options.out.join("scatter.svg"), &scatter(&reactive, &open))?;
     let folder = options.out.display();
     let text = format!("all sensors\n{reactive}\nthe first edge alone\n{open}\nsee {folder}/scatter.svg\n");
-    Ok((reactive.all(), text))
+    // Open loop is there to be compared with, and misses parts; a fault ends its run as it does any other.
+    let faults = open.all().faults;
+    let mut all = reactive.all();
+    all.faults += faults;
+    Ok((all, text))
 }
 
 fn write(file: &Path, text: &str) -> Result<(), String> {

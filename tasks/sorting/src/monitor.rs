@@ -36,6 +36,8 @@ pub enum Fate {
     Missed,
     /// A stranger that was not taken, as it should be.
     Passed,
+    /// A stranger that a hand took, and that came into no bin: it was put back, or is still in the hand.
+    Gripped,
 }
 
 /// Watches a hand.

@@ -7,6 +7,9 @@ use std::path::PathBuf;
 use clap::error::ErrorKind;
 use clap::{CommandFactory as _, FromArgMatches as _, Parser};
 
+use crate::camera::settings::Settings as Recognising;
+use crate::generators::Uneven;
+use crate::run::Settings;
 use crate::scopes::{Mode, SensorKind, is_given, without_effect};
 
 /// What is chosen.
@@ -103,6 +106,12 @@ fn interval(text: &str) -> Result<f64, String> {
 }
 
 impl Options {
+    /// The mean time between two parts below a camera or matrix \[s\].
+    #[must_use]
+    pub fn mean_time(&self) -> f64 {
+        self.every.unwrap_or(Recognising::CYCLE / (0.6 * f64::from(self.arms)))
+    }
+
     /// The belt's [`profile`](Self::profile) in the order of time, for as long as the program runs.
     #[must_use]
     pub fn lasting_profile(&self) -> &'static [(f64, f64)] {
@@ -124,10 +133,32 @@ pub fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Options, c
     if matches!(mode, Mode::Images | Mode::DataSet) && !is_given(&matches, "sensor") {
         options.sensor = SensorKind::Camera;
     }
-    match without_effect(&matches, options.sensor, mode) {
-        Some(wrong) => Err(command.error(ErrorKind::ArgumentConflict, wrong)),
+    if let Some(wrong) = without_effect(&matches, options.sensor, mode) {
+        return Err(command.error(ErrorKind::ArgumentConflict, wrong));
+    }
+    match too_long(&options, mode) {
+        Some(wrong) => Err(command.error(ErrorKind::ValueValidation, wrong)),
         None => Ok(options),
     }
+}
+
+/// So far a belt may run \[m\]: its joint has an end, far away.
+const LONGEST: f64 = 950.0;
+
+/// What is wrong with a run for which the belt, at its fastest, would have to run too far.
+fn too_long(options: &Options, mode: Mode) -> Option<String> {
+    if mode != Mode::Run {
+        return None;
+    }
+    let (parts, belt) = (f64::from(options.parts), options.belt);
+    let every = match options.sensor {
+        SensorKind::Infrared => Settings::one(belt, 0).every(),
+        SensorKind::Camera | SensorKind::Ultrasonic => options.mean_time(),
+    };
+    let travel = parts * every * belt * (1.0 + Uneven::OFF);
+    (travel > LONGEST).then(|| {
+        format!("the belt would run {travel:.0} m, at most {LONGEST} m: let fewer parts come, or sooner\n")
+    })
 }
 
 #[cfg(test)]
@@ -211,6 +242,22 @@ mod tests {
             let options = read(&line.split(' ').collect::<Vec<_>>()).expect("right");
             assert_eq!(options.sensor, SensorKind::Camera, "{line}");
         }
+    }
+
+    #[test]
+    fn a_run_for_which_the_belt_is_too_short_is_refused() {
+        for line in [
+            "--sensor camera --belt 0.15 --parts 500 --every 20",
+            "--sensor ultrasonic --belt 0.15 --parts 100000",
+            "--belt 0.15 --parts 500",
+        ] {
+            let error = read(&line.split(' ').collect::<Vec<_>>()).expect_err(line);
+            assert_eq!(error.exit_code(), 2, "{line}");
+            assert!(error.to_string().contains("at most 950 m"), "{line}: {error}");
+        }
+        // 500 parts every 10 s at 0.15 m/s, 20 % faster: 900 m.
+        let line = "--sensor camera --belt 0.15 --parts 500 --every 10";
+        assert!(read(&line.split(' ').collect::<Vec<_>>()).is_ok(), "{line}");
     }
 
     #[test]

@@ -123,7 +123,7 @@ pub fn time_line(outcome: &Outcome, parts: &[Arrival]) -> String {
                 Fate::Sorted if part.shape.tray() == 0 => joint(0),
                 Fate::Sorted => joint(2),
                 Fate::Wrong => HIGHLIGHT,
-                Fate::Missed | Fate::Passed => GREY,
+                Fate::Missed | Fate::Passed | Fate::Gripped => GREY,
             };
             svg.rectangle(bar, 1.0, Look::filled(colour));
         }

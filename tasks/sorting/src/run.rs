@@ -89,6 +89,15 @@ impl Settings {
         f64::max(Self::CYCLE, 2.5 * SPACING / ((1.0 - Uneven::OFF) * self.speed))
     }
 
+    /// Parts come so much later than they need to in the mean, as a share of the least time between them.
+    const LATER: f64 = 0.2;
+
+    /// The mean time between two parts \[s\].
+    #[must_use]
+    pub fn every(&self) -> f64 {
+        (1.0 + Self::LATER) * self.gap()
+    }
+
     /// The time that the arm needs for a part at most, from where it waits and back \[s\].
     pub const CYCLE: f64 = 10.0;
 
@@ -109,7 +118,7 @@ impl Settings {
         sense: impl FnOnce(&Plant, &CellFile, Cell) -> Result<Cell, CellError>,
     ) -> Result<Ready, CellError> {
         let file = file()?;
-        let parts = arrivals(self.parts, self.first(), self.gap(), 0.2 * self.gap(), self.seed);
+        let parts = arrivals(self.parts, self.first(), self.gap(), Self::LATER * self.gap(), self.seed);
         let wrong = |bad| Fault::thrown(&format!("{bad}"));
         let plant = Plant::new(&parts, self.seed.wrapping_mul(1000)).map_err(wrong)?;
         let cell = file.cell(&plant.kinds())?;

@@ -15,7 +15,7 @@ use sorting::camera::settings::{Overhead, Settings};
 use sorting::camera::studio::{Trial, examine};
 use sorting::camera::summary::{Confusion, Line, Table, examination};
 use sorting::monitor::Fate;
-use sorting::places::CLOSED;
+use sorting::places::{CLOSED, HIGH};
 use sorting::summary::quantile;
 
 /// So many parts and strangers that no training has seen.
@@ -138,6 +138,28 @@ fn fault_341_a_part_that_the_arm_cannot_bring_to_its_bin_is_put_back_and_missed_
         assert_eq!((why, outcome.crashes), (vec![Missed::NoPath; 3], 0), "{arms} arms");
         // Each was in the hand once: then it is on the belt, and not in the hand any more.
         assert_eq!((outcome.grips.len(), outcome.stranded.len()), (3, 3), "{:?}", outcome.grips);
+    }
+}
+
+/// The belt stops when a part has just been gripped, and another one lies below it or upstream of that place: no gap comes.
+#[test]
+fn fault_341_a_part_for_which_no_gap_comes_on_a_belt_that_stands_stops_the_cell_and_stays_in_the_hand() {
+    for arms in [1, 2] {
+        let settings =
+            Settings { noticing: Some(10.0), regular: 0.0, ..Settings::of(0.1, 8, 3.0, 5) }.by(arms);
+        let first = settings.run().expect("a cell").grips[0];
+        let stop = vec![(first.time + 0.5, 0.0)].leak();
+        let ready = Settings { profile: stop, ..settings }.ready().expect("a cell");
+        let world = ready.plant.world.clone();
+        let outcome = ready.run();
+        let fault = outcome.report.as_ref().expect_err("no gap").to_string();
+        assert!(fault.contains("no gap of the belt came"), "{arms} arms: {fault}");
+        // 120 s after it was lifted, which takes two seconds at most; then all stop within another one.
+        let waited = world.time() - first.time;
+        assert!((120.0..123.0).contains(&waited), "{arms} arms: {waited} s");
+        let part = world.body_of(first.part).expect("it is in no sink").pose.translation;
+        assert!(part.z > 0.5 * HIGH, "{arms} arms: {part}");
+        assert_eq!((outcome.count(Fate::Wrong), outcome.crashes), (0, 0), "{arms} arms");
     }
 }
 

@@ -165,7 +165,10 @@ fn fault_194_a_stranger_or_a_part_turned_over_passes() {
         let line = Line::of(&strange, &outcome);
         assert_eq!((line.parts, line.sorted, line.strangers, line.passed), (1, 1, 1, 1), "stranger {which}");
         assert!(line.missed.is_empty() && outcome.misses(1).is_empty(), "{:?}", line.missed);
-        assert!(Table(vec![line]).to_string().contains("strangers: 1 came, 1 passed"));
+        let gripped = Line { passed: 0, gripped: 1, ..line.clone() };
+        assert!(Table(vec![line]).to_string().contains("strangers: 1 came, 1 passed, which is right\n"));
+        let said = "0 passed, which is right; 1 a hand took for parts, and brought to no bin\n";
+        assert!(Table(vec![gripped]).to_string().contains(said));
     }
 }
 

@@ -4,6 +4,8 @@
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
+use std::fs::OpenOptions;
+use std::io::Write as _;
 use std::rc::Rc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
@@ -53,11 +55,33 @@ fn speed(seed: usize) -> f64 {
     0.02 + 0.13 * seed as f64 / (SEEDS - 1) as f64
 }
 
+impl Run {
+    /// This run and another one, of whose parts the first has this number now.
+    fn followed_by(mut self, other: Self, from: usize) -> Self {
+        self.sorted += other.sorted;
+        self.wrong += other.wrong;
+        self.missed.extend(other.missed.into_iter().map(|(part, why)| (part + from, why)));
+        self.crashes += other.crashes;
+        self.fault = self.fault.or(other.fault);
+        self.pace = self.pace.min(other.pace);
+        self
+    }
+}
+
 impl Cell {
     fn run(self, seed: usize, parts: usize) -> Run {
         let (speed, number) = (speed(seed), first() + seed as u64);
         match self {
-            Cell::Infrared => reactive(&Settings { parts, ..Settings::one(speed, number) }),
+            Cell::Infrared => {
+                // A fast belt comes to its end before all parts have come: the others come in a run of another seed.
+                let room = (LONGEST / (speed * Settings::one(speed, number).every())) as usize;
+                let part = |from: usize| {
+                    let seed = number + 1000 * from as u64;
+                    reactive(&Settings { parts: room.min(parts - from), ..Settings::one(speed, seed) })
+                };
+                (1..parts.div_ceil(room))
+                    .fold(part(0), |run, count| run.followed_by(part(count * room), count * room))
+            }
             Cell::Over(overhead, arms) => {
                 // 60 % of what the arms can do, or as often as the belt has room for all of them.
                 let every = Recognising::CYCLE / (0.6 * arms as f64);
@@ -149,6 +173,47 @@ fn chosen(count: usize) -> impl Iterator<Item = usize> {
     (0..count.min(SEEDS)).map(|number| (13 * number) % SEEDS)
 }
 
+/// Which of the seeds are run: those of `MRROC_SEED_PLACES`, such as `0,13`, else as many as `MRROC_SEEDS` says.
+fn seeds() -> Vec<usize> {
+    let places = std::env::var("MRROC_SEED_PLACES").ok();
+    let listed = places.map(|list| list.split(',').map(|place| place.parse().expect("a place")).collect());
+    let count =
+        || std::env::var("MRROC_SEEDS").map_or(SEEDS, |count| count.parse().expect("a number of seeds"));
+    listed.unwrap_or_else(|| chosen(count()).collect())
+}
+
+/// On so many threads: `MRROC_THREADS`, by default as many as there are processors.
+fn threads() -> usize {
+    let all = || thread::available_parallelism().map_or(1, usize::from);
+    std::env::var("MRROC_THREADS").map_or_else(|_| all(), |count| count.parse().expect("a number of threads"))
+}
+
+/// A run as a line of a table: name, seed, speed [m/s], parts, sorted, wrong, missed, fingers on parts, times real time, fault, reasons.
+fn row(name: &str, seed: usize, run: &Run) -> String {
+    let why: Vec<String> = run.missed.iter().map(|(part, why)| format!("{part}: {why}")).collect();
+    format!(
+        "{},{},{:.4},{PARTS},{},{},{},{},{:.0},\"{}\",\"{}\"\n",
+        name.replace(", ", " "),
+        first() + seed as u64,
+        run.speed,
+        run.sorted,
+        run.wrong,
+        run.missed.len(),
+        run.crashes,
+        run.pace,
+        run.fault.as_deref().unwrap_or_default().replace('"', "'"),
+        why.join("; ")
+    )
+}
+
+/// Adds a line to the file of `MRROC_CSV`, if one is given.
+fn append(line: &str) {
+    let Some(file) = std::env::var_os("MRROC_CSV") else { return };
+    let mut file =
+        OpenOptions::new().create(true).append(true).open(file).expect("a file that can be written");
+    file.write_all(line.as_bytes()).expect("written");
+}
+
 /// The least, the one in the middle, and the greatest.
 fn spread(values: impl Iterator<Item = f64>) -> [f64; 3] {
     let mut values: Vec<f64> = values.collect();
@@ -158,8 +223,7 @@ fn spread(values: impl Iterator<Item = f64>) -> [f64; 3] {
 
 /// Runs the seeds on all processors; at least this share of all parts is sorted, none into a wrong tray.
 fn sorted(name: &str, cell: Cell, least: f64) -> Vec<Run> {
-    let count = std::env::var("MRROC_SEEDS").map_or(SEEDS, |count| count.parse().expect("a number of seeds"));
-    let seeds: Vec<usize> = chosen(count).collect();
+    let seeds = seeds();
     let (next, runs) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
     let work = || {
         while let Some(&seed) = seeds.get(next.fetch_add(1, Ordering::Relaxed)) {
@@ -177,11 +241,12 @@ fn sorted(name: &str, cell: Cell, least: f64) -> Vec<Run> {
             for (part, why) in &run.missed {
                 println!("  {name}, seed {}, part {part}: {why}", first() + seed as u64);
             }
+            append(&row(name, seed, &run));
             runs.lock().unwrap_or_else(PoisonError::into_inner).push(run);
         }
     };
     thread::scope(|scope| {
-        for _ in 0..thread::available_parallelism().map_or(1, usize::from) {
+        for _ in 0..threads() {
             scope.spawn(work);
         }
     });

@@ -66,6 +66,8 @@ pub(super) struct BeltState {
     pub table: Table,
     belt: Belt,
     X_WB: Pose,
+    /// x of B, in the world.
+    along: Vector3<f64>,
     /// Impulse on the belt along it since its last servo period [N s], and its length \[s\].
     impulse: f64,
     elapsed: f64,
@@ -85,12 +87,8 @@ impl BeltState {
             .with_stiffness(belt.stiffness, belt.damping);
         table.check()?;
         let motion = Motion::new(period, now, X_WF);
-        Ok(Self { motion, table, belt, X_WB, impulse: 0.0, elapsed: 0.0, force: 0.0 })
-    }
-
-    /// Along the belt, in the world.
-    pub fn along(&self) -> Vector3<f64> {
-        self.X_WB.rotation * Vector3::x()
+        let along = X_WB.rotation * Vector3::x();
+        Ok(Self { motion, table, belt, X_WB, along, impulse: 0.0, elapsed: 0.0, force: 0.0 })
     }
 
     /// Whether a point is over the belt or within `reach` \[m\] of it, and less than `reach` above it; `is_on` says whether it was on it before.
@@ -111,8 +109,9 @@ impl BeltState {
     }
 
     /// Takes a force of a body on it for `h` \[s\].
+    #[inline]
     pub fn push(&mut self, force: &Vector3<f64>, h: f64) {
-        self.impulse += force.dot(&self.along()) * h;
+        self.impulse += force.dot(&self.along) * h;
     }
 
     /// So much time has passed \[s\].

@@ -234,10 +234,12 @@ impl Moving {
             self.rotation * (self.inertia * self.rotation.inverse_transform_vector(&angular));
     }
 
+    #[inline]
     pub fn velocity(&self) -> Vector3<f64> {
         self.momentum / self.mass
     }
 
+    #[inline]
     pub fn angular_velocity(&self) -> Vector3<f64> {
         self.turning_at(&self.rotation)
     }
@@ -255,6 +257,7 @@ impl Moving {
     }
 
     /// Moves on for `h` \[s\] with constant momenta.
+    #[inline]
     pub fn drift(&mut self, h: f64) {
         self.position += self.momentum * (h / self.mass);
         let before = self.angular_velocity();
@@ -265,6 +268,7 @@ impl Moving {
     }
 
     /// Takes a wrench about the centre of mass, in the world's axes, for `h` \[s\].
+    #[inline]
     pub fn kick(&mut self, wrench: &Wrench, h: f64) {
         self.momentum += wrench.force * h;
         self.angular_momentum += wrench.torque * h;

@@ -75,6 +75,7 @@ impl Table {
     }
 
     /// The force on a point at the height `z` \[m\] moving at `velocity` [m/s], after `h` \[s\] at that velocity.
+    #[inline]
     pub(super) fn force(
         &self,
         z: f64,
@@ -103,6 +104,7 @@ impl Table {
 }
 
 /// The largest share of `b`, 0 to 1, with which `a + share b` is at most `cone` long; `a` alone is.
+#[inline]
 pub(super) fn within<const N: usize>(a: &SVector<f64, N>, b: &SVector<f64, N>, cone: f64) -> f64 {
     if (a + b).norm_squared() <= cone * cone {
         return 1.0;
@@ -133,6 +135,7 @@ pub(super) struct Point {
 }
 
 /// A force at the lever `lever` \[m\] as a wrench about the centre of mass.
+#[inline]
 pub(super) fn at_lever(force: Vector3<f64>, lever: &Vector3<f64>) -> Wrench {
     Wrench::new(force, lever.cross(&force))
 }

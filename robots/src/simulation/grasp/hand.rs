@@ -128,6 +128,7 @@ impl HandState {
     }
 
     /// Moves E and the fingers on for `h` \[s\].
+    #[inline]
     pub fn drift(&mut self, h: f64) {
         self.motion.drift(h);
         if let Some(jaw) = &mut self.jaw {
@@ -142,6 +143,7 @@ impl HandState {
 
     /// The wrench of the grasp on the body now, about its centre of mass; the hand takes the opposite for `h` \[s\]. `rate`:
     /// velocity and angular velocity of the body.
+    #[inline]
     pub fn pull(&mut self, body: &Moving, rate: &Deflection, h: f64) -> Wrench {
         self.elapsed += h;
         let Some(held) = self.held else { return Wrench::default() };

@@ -126,6 +126,7 @@ impl Motion {
     }
 
     /// Moves E on for `h` \[s\].
+    #[inline]
     pub fn drift(&mut self, h: f64) {
         self.position += self.velocity * h;
         self.rotation = turn::by(&(self.turning * h)) * self.rotation;

@@ -219,6 +219,7 @@ impl Jaw {
 }
 
 /// How far a point at `lever` \[m\] from the body's centre is from the body's surface along `outwards`; `None` outside.
+#[inline]
 fn depth(lever: &Vector3<f64>, outwards: &Vector3<f64>, body: &Moving, faces: &[Face]) -> Option<f64> {
     let at = body.rotation.inverse_transform_vector(lever);
     let direction = body.rotation.inverse_transform_vector(outwards);

@@ -8,6 +8,7 @@ use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 const SMALL: f64 = 4e-3;
 
 /// The rotation by a vector, axis times angle \[rad\].
+#[inline]
 pub(super) fn by(turn: &Vector3<f64>) -> UnitQuaternion<f64> {
     // cos(a), sin(a) / 2a of the half angle a.
     let square = 0.25 * turn.norm_squared();
@@ -20,6 +21,7 @@ pub(super) fn by(turn: &Vector3<f64>) -> UnitQuaternion<f64> {
 }
 
 /// The vector of a rotation \[rad\], at most pi long.
+#[inline]
 pub(super) fn of(rotation: &UnitQuaternion<f64>) -> Vector3<f64> {
     let q = rotation.quaternion();
     // 2 asin(s) / s of s, the sine of the half angle.

@@ -172,11 +172,10 @@ impl Map {
                 let off = (Self::LOWEST + (bin as f64 + 0.5) * Self::WIDE - z) / Self::BLUR;
                 (-0.5 * off * off).exp()
             };
-            let sum: f64 = (0..Self::HEIGHTS).map(bell).sum();
-            likely
-                .iter_mut()
-                .enumerate()
-                .for_each(|(bin, likely)| *likely += share * bell(bin) / f64::max(sum, 1e-9));
+            let bells: [f64; Self::HEIGHTS] = core::array::from_fn(bell);
+            let sum: f64 = bells.iter().sum();
+            let bins = likely.iter_mut().zip(bells);
+            bins.for_each(|(likely, bell)| *likely += share * bell / f64::max(sum, 1e-9));
         }
         self.likely.push(likely.map(|p| p as f32));
         let mean = |is_raised: bool| {

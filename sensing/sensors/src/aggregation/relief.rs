@@ -132,6 +132,10 @@ pub struct Reliefs {
     /// Of the newest pings: how many heard something else than the belt, as a share, and the mean of their heights \[m\].
     elsewhere: [f64; 2],
     samples: VecDeque<Sample>,
+    /// No sample that stands out of the belt is farther along it than this \[m\].
+    raised_to: f64,
+    /// The last row of transducers, along the belt \[m\].
+    last_row: f64,
     /// The belt before this is done with, along the belt \[m\].
     done: f64,
 }
@@ -173,6 +177,7 @@ impl Reliefs {
     pub fn by(array: Array) -> Self {
         let transducer = array.transducer(Air { celsius: 20.0 });
         let bare = vec![Bare::default(); array.places.len()];
+        let last_row = array.places.iter().map(|place| place.x).fold(f64::NEG_INFINITY, f64::max);
         Self {
             array,
             transducer,
@@ -180,6 +185,8 @@ impl Reliefs {
             learned: None,
             elsewhere: [0.0; 2],
             samples: VecDeque::new(),
+            raised_to: f64::NEG_INFINITY,
+            last_row,
             done: f64::INFINITY,
         }
     }
@@ -238,7 +245,11 @@ impl Reliefs {
         let is_new = bare.stored.is_none_or(|stored| (along - stored).abs() >= Self::SPACED);
         if along < self.done && is_new {
             bare.stored = Some(along);
-            self.samples.push_back(Sample { along, across: place.y, heard });
+            let sample = Sample { along, across: place.y, heard };
+            if Self::is_raised(&sample) {
+                self.raised_to = self.raised_to.max(along);
+            }
+            self.samples.push_back(sample);
         }
         if self.samples.len() > Self::KEPT {
             self.samples.pop_front();
@@ -325,21 +336,28 @@ impl Reliefs {
 
     /// Where the last row of the array is on a belt that has run `travel` \[m\]: what is before that has been below all of them.
     fn frontier(&self, travel: f64) -> f64 {
-        self.array.places.iter().map(|place| place.x).fold(f64::NEG_INFINITY, f64::max) - travel
+        self.last_row - travel
+    }
+
+    fn is_raised(sample: &Sample) -> bool {
+        sample.heard.is_some_and(|[z, _]| z > Self::RAISED)
     }
 
     /// The next thing that has wholly passed on a belt that has run `travel` \[m\].
     pub fn passed(&mut self, travel: f64) -> Option<Relief> {
         let frontier = self.frontier(travel);
         let bare_from = frontier + Self::APART;
-        let is_raised = |sample: &Sample| sample.heard.is_some_and(|[z, _]| z > Self::RAISED);
+        // Nothing that stands out has passed all rows and the strip behind them: thousands of samples need not be looked at.
+        if self.raised_to <= bare_from {
+            return None;
+        }
         let (mut pings, mut stray, mut count) = (0.0, 0.0, 0);
         let (mut last, mut first) = (f64::INFINITY, f64::NEG_INFINITY);
         for sample in self.samples.iter().filter(|sample| sample.along > frontier) {
             if sample.along <= bare_from {
                 pings += 1.0;
-                stray += f64::from(u8::from(is_raised(sample)));
-            } else if is_raised(sample) {
+                stray += f64::from(u8::from(Self::is_raised(sample)));
+            } else if Self::is_raised(sample) {
                 (last, first) = (last.min(sample.along), first.max(sample.along));
                 count += 1;
             }
@@ -353,6 +371,8 @@ impl Reliefs {
         let keep = bare_from - 0.5 * Self::APART;
         self.done = self.done.min(keep);
         self.samples.retain(|sample| sample.along < keep);
+        let raised = self.samples.iter().filter(|sample| Self::is_raised(sample));
+        self.raised_to = raised.map(|sample| sample.along).fold(f64::NEG_INFINITY, f64::max);
         if count < Self::FEWEST {
             return None;
         }

@@ -164,8 +164,7 @@ impl Imager {
             let normal = self.normals[(spread as usize) & 8191];
             spread >>= 13;
             let noise = (electrons + READ * READ).sqrt() * normal;
-            let grey = ((electrons + noise) * (255.0 / WELL)).round();
-            image.push(grey.clamp(0.0, 255.0) as u8);
+            image.push(grey_of((electrons + noise) * (255.0 / WELL)));
         }
         self.random = bits;
     }
@@ -251,6 +250,15 @@ impl Imager {
     }
 }
 
+/// The nearest of 256 grey values, the farther one from 0 half-way: what `round` and `clamp` give, without a call for each pixel.
+fn grey_of(value: f32) -> u8 {
+    if value >= 255.0 {
+        return u8::MAX;
+    }
+    let below = value as u8;
+    below + u8::from(value - f32::from(below) >= 0.5)
+}
+
 /// What a belt looks like: dark rubber, with grain and stains. It repeats after half a metre.
 #[derive(Clone, Debug)]
 struct Texture(Vec<f32>);
@@ -287,9 +295,27 @@ impl Texture {
     fn at(&self, x: f32, y: f32) -> f32 {
         // So many periods to the right that nothing is left of 0.
         let [x, y] = [x, y].map(|at| (at + 4.0) * Self::FINE);
-        let (i, j) = (x as usize, y as usize);
+        // All are below 2^31.
+        let (i, j) = (x as i32, y as i32);
         let s = x - i as f32;
-        let cell = |i: usize, j: usize| self.0[(i % Self::SIDE) * Self::SIDE + j % Self::SIDE];
+        let cell = |i: i32, j: i32| self.0[(i as usize % Self::SIDE) * Self::SIDE + j as usize % Self::SIDE];
         cell(i, j) * (1.0 - s) + cell(i + 1, j) * s
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn grey_values_are_those_of_round_and_clamp() {
+        let halves = (-2..260).flat_map(|grey: i16| {
+            let half = f32::from(grey) + 0.5;
+            [half.next_down(), half, half.next_up(), f32::from(grey)]
+        });
+        let others = (0..300_000_u32).map(|i| i as f32 * 1e-3 - 20.0);
+        for value in halves.chain(others).chain([f32::INFINITY, f32::NEG_INFINITY, 1e9, -0.0]) {
+            assert_eq!(grey_of(value), value.round().clamp(0.0, 255.0) as u8, "{value}");
+        }
     }
 }

@@ -100,16 +100,15 @@ impl Sounders {
                 off.xy().norm() < Self::FAR && off.z < -1e-3
             });
             if reaches {
-                near.push((seen.form.clone(), X_FP));
+                let X_PF = X_FP.inverse();
+                near.push((seen.form.clone(), X_FP, X_PF, (X_PF * Point3::from(*place)).coords));
             }
         });
-        for (this, (form, X_FP)) in near.iter().enumerate() {
+        for (this, (form, X_FP, ..)) in near.iter().enumerate() {
             let hides = |ray: &Vector3<f64>, distance: f64| {
-                near.iter().enumerate().any(|(other, (form, X_FP))| {
-                    let X_PF = X_FP.inverse();
-                    let eye = (X_PF * Point3::from(*place)).coords;
+                near.iter().enumerate().any(|(other, (form, _, X_PF, eye))| {
                     other != this
-                        && form.hit(&eye, &(X_PF.rotation * ray)).is_some_and(|hit| hit.distance < distance)
+                        && form.hit(eye, &(X_PF.rotation * ray)).is_some_and(|hit| hit.distance < distance)
                 })
             };
             array.add(transducer, wave, place, (form, X_FP), Array::FINE, hides);

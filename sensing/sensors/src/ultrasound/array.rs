@@ -3,7 +3,7 @@
 use mrroc::pose::Pose;
 use nalgebra::{Point3, Vector3};
 
-use super::{Air, Piston, Transducer, Waveform, Window};
+use super::{Air, Piston, Surface, Transducer, Waveform, Window};
 use crate::form::Form;
 
 /// Where transducers are that look straight down on a belt, and in which order they ping.
@@ -80,8 +80,8 @@ impl Array {
     }
 
     /// Where a ray (u, v, 1) of a transducer at a place meets the belt.
-    fn behind(&self, place: &Vector3<f64>, v: f64) -> Option<f64> {
-        ((place.y + place.z * v).abs() < self.half_width).then_some(place.z)
+    fn behind(&self, place: &Vector3<f64>, v: f64) -> Option<Surface> {
+        ((place.y + place.z * v).abs() < self.half_width).then_some(Surface::facing(place.z))
     }
 
     /// Adds what comes back from a form at `X_FP`, and takes off what comes from the belt that it hides. `others` says whether something else is
@@ -116,11 +116,16 @@ impl Array {
         let eye = (X_PF * Point3::from(*place)).coords;
         transducer.add(wave, window, step, |u, v| {
             let ray = Vector3::new(u, v, -1.0);
-            let Some(hit) = form.hit(&eye, &(X_PF.rotation * ray)) else { return (None, None) };
+            let ray_P = X_PF.rotation * ray;
+            let Some(hit) = form.hit(&eye, &ray_P) else { return (None, None) };
             if others(&ray, hit.distance) {
                 return (None, None);
             }
-            (Some(hit.distance), self.behind(place, v))
+            // On the plane n . p = const, n . (depth ray) does not change.
+            let normal = X_FP.rotation * hit.normal;
+            let per_normal = -hit.distance / hit.normal.dot(&ray_P);
+            let slope = [normal.x * per_normal, normal.y * per_normal];
+            (Some(Surface { depth: hit.distance, slope }), self.behind(place, v))
         });
     }
 }

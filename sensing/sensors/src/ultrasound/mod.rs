@@ -19,5 +19,5 @@ mod waveform;
 pub use air::Air;
 pub use array::Array;
 pub use piston::Piston;
-pub use transducer::{Transducer, Window};
+pub use transducer::{Surface, Transducer, Window};
 pub use waveform::{Echo, Waveform};

@@ -18,6 +18,23 @@ impl Window {
     pub const ALL: Self = Self { u: [-1.1, 1.1], v: [-1.1, 1.1] };
 }
 
+/// Where a ray (u, v, 1) of a transducer meets a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Surface {
+    /// In lengths of the ray: along the axis \[m\].
+    pub depth: f64,
+    /// How that changes with u and with v there \[m\].
+    pub slope: [f64; 2],
+}
+
+impl Surface {
+    /// One that faces the transducer at a depth \[m\].
+    #[must_use]
+    pub const fn facing(depth: f64) -> Self {
+        Self { depth, slope: [0.0; 2] }
+    }
+}
+
 /// A transducer with its pulse and its detector, in air of a temperature.
 #[derive(Clone, Debug)]
 pub struct Transducer {
@@ -30,6 +47,8 @@ pub struct Transducer {
     beam: Vec<f64>,
     /// cos and -sin over a turn.
     turn: Vec<[f64; 2]>,
+    /// sin(x) / x, so many to the unit.
+    sinc: Vec<f64>,
     /// The pulse, in bins, its middle in the middle.
     shape: Vec<f64>,
 }
@@ -39,6 +58,8 @@ impl Transducer {
     pub const PULSE: f64 = 50e-6;
     const BEAM: usize = 1024;
     const TURN: usize = 4096;
+    /// Entries for each unit of x, and up to which x. Between them, linearly, sin(x) / x is off by at most 1e-6.
+    const SINC: (f64, usize) = (256.0, 16);
 
     /// In air of this temperature; it listens to what comes from these ranges \[m\], and reports what passes a pressure, of 1 a metre before the source.
     #[must_use]
@@ -49,6 +70,8 @@ impl Transducer {
         let sigma = 0.5 * air.speed() * Self::PULSE / Waveform::BIN;
         let half = (3.5 * sigma) as usize;
         let shape = |i: usize| (-0.5 * ((i as f64 - half as f64) / sigma).powi(2)).exp();
+        let (each, most) = Self::SINC;
+        let sinc = |i: usize| if i == 0 { 1.0 } else { (i as f64 / each).sin() / (i as f64 / each) };
         Self {
             piston,
             air,
@@ -56,6 +79,7 @@ impl Transducer {
             threshold,
             beam: (0..=Self::BEAM + 1).map(square).collect(),
             turn: (0..Self::TURN).map(turn).map(|(sin, cos)| [cos, -sin]).collect(),
+            sinc: (0..=each as usize * most).map(sinc).collect(),
             shape: (0..=2 * half).map(shape).collect(),
         }
     }
@@ -103,13 +127,22 @@ impl Transducer {
     }
 
     /// Adds what comes back from a part of its directions, in steps of `step`. `meet` says of a ray (u, v, 1) where it meets something, and
-    /// where it would meet what is behind, of which that is taken off; both in lengths of the ray.
+    /// where it would meet what is behind, of which that is taken off.
+    ///
+    /// A ray stands for a cell of directions, over which the surface is plane. The phase `2 k r` changes evenly over it, so that the mean of the
+    /// wave is that of the ray times
+    ///
+    /// ```text
+    /// sinc(k dr/du step) sinc(k dr/dv step)        sinc(x) = sin(x) / x
+    /// ```
+    ///
+    /// Without it rays that are more than a quarter of a wave apart along the sound make up echoes of surfaces that are steep and silent.
     pub fn add(
         &self,
         wave: &mut Waveform,
         window: Window,
         step: f64,
-        meet: impl Fn(f64, f64) -> (Option<f64>, Option<f64>),
+        meet: impl Fn(f64, f64) -> (Option<Surface>, Option<Surface>),
     ) {
         let k = self.wave_number();
         let pressure = k / TAU * step * step;
@@ -126,30 +159,49 @@ impl Transducer {
                 let square = 1.0 + u * u + v * v;
                 let length = square.sqrt();
                 let at = (1.0 - 1.0 / square) * Self::BEAM as f64;
-                let (low, share) = (at as usize, at.fract());
+                let low = at as usize;
+                let share = at - low as f64;
                 let beam = self.beam[low] + share * (self.beam[low + 1] - self.beam[low]);
                 let amplitude = pressure * beam / (square * length);
-                let mut put = |depth: f64, amplitude: f64| {
+                let mut put = |Surface { depth, slope }: Surface, amplitude: f64| {
                     let range = depth * length;
                     let at = (range - self.gate[0]) / Waveform::BIN;
                     if at < 0.0 || at as usize + 1 >= wave.points.len() {
                         return;
                     }
+                    let across =
+                        |at: f64, slope: f64| self.sinc(k * step * (slope * length + depth * at / length));
+                    let amplitude = amplitude * across(u, slope[0]) * across(v, slope[1]);
                     let [cos, sin] = self.turn[(range * turns) as usize % Self::TURN];
-                    let (low, share) = (at as usize, at.fract());
+                    let low = at as usize;
+                    let share = at - low as f64;
                     for (bin, share) in [(low, 1.0 - share), (low + 1, share)] {
                         let [re, im] = &mut wave.points[bin];
                         *re += amplitude * share * cos;
                         *im += amplitude * share * sin;
                     }
                 };
-                if let Some(depth) = hit {
-                    put(depth, amplitude);
+                if let Some(surface) = hit {
+                    put(surface, amplitude);
                 }
-                if let Some(depth) = behind {
-                    put(depth, -amplitude);
+                if let Some(surface) = behind {
+                    put(surface, -amplitude);
                 }
             }
+        }
+    }
+
+    /// sin(x) / x; 0 of a surface that lies along the ray, whose depth changes by any amount.
+    fn sinc(&self, x: f64) -> f64 {
+        let (each, most) = Self::SINC;
+        let at = x.abs() * each;
+        if at < each * most as f64 {
+            let low = at as usize;
+            self.sinc[low] + (at - low as f64) * (self.sinc[low + 1] - self.sinc[low])
+        } else if x.is_finite() {
+            x.sin() / x
+        } else {
+            0.0
         }
     }
 
@@ -173,5 +225,22 @@ impl Transducer {
     pub fn middle(&self, echo: &Echo) -> f64 {
         let over = (echo.amplitude / self.threshold).max(1.0);
         echo.time + Self::PULSE * (2.0 * over.ln()).sqrt()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_table_gives_sin_x_by_x_and_a_surface_along_the_ray_sends_nothing() {
+        let transducer = Transducer::new(Piston::SMALL, Air { celsius: 20.0 }, [0.2, 0.3], 0.1);
+        let most = (1..40_000)
+            .map(|i| f64::from(i) * 1e-3 - 20.0005)
+            .map(|x| (transducer.sinc(x) - x.sin() / x).abs())
+            .fold(0.0, f64::max);
+        assert!(most < 1e-6, "{most}");
+        assert_eq!(transducer.sinc(0.0), 1.0);
+        assert!([f64::INFINITY, f64::NAN].iter().all(|x| transducer.sinc(*x) == 0.0));
     }
 }

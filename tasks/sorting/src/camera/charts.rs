@@ -141,7 +141,7 @@ pub fn time_line(outcome: &Outcome, ready: &[(f64, usize)]) -> String {
                 Fate::Sorted => joint(*kind),
                 Fate::Wrong => HIGHLIGHT,
                 Fate::Missed => GREY,
-                Fate::Passed => REGION,
+                Fate::Passed | Fate::Gripped => REGION,
             };
             svg.rectangle(bar, 1.0, Look::filled(colour));
             if let Some(grip) = held(number).filter(|_| arms > 1) {

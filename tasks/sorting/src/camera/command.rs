@@ -25,8 +25,6 @@ const FILMED: usize = 4;
 const IMAGES: usize = 6;
 /// Two arms are filmed with parts that come at least so often \[s\].
 const FILMED_EVERY: f64 = 4.6;
-/// So far a belt may run \[m\]: its joint has an end, far away.
-const LONGEST: f64 = 950.0;
 /// A sweep has so many parts in a run, each with a seed of its own.
 const RUN: usize = 100;
 /// The image of the empty belt, and what the names of those with rims begin with.
@@ -172,7 +170,7 @@ struct Kept {
 /// The run ended with a fault, or a picture cannot be written.
 pub fn sort(options: &Options) -> Said {
     let (parts, seed) = (options.parts as usize, options.seed.into());
-    let every = options.every.unwrap_or(Settings::CYCLE / (0.6 * f64::from(options.arms)));
+    let every = options.mean_time();
     let settings = Settings {
         regular: regular(options),
         strangers: each(options.strangers),
@@ -180,13 +178,6 @@ pub fn sort(options: &Options) -> Said {
         profile: options.lasting_profile(),
         ..Settings::of(options.belt, parts, every, seed).below(overhead(options)).by(options.arms as usize)
     };
-    let travel = parts as f64 * every * options.belt * 1.2;
-    if travel > LONGEST {
-        return Err(format!(
-            "the belt would run {travel:.0} m, at most {LONGEST} m: let fewer parts come, or sooner"
-        )
-        .into());
-    }
     let (outcome, kept) = run(&settings, options.quiet, IMAGES)?;
     let folder = options.out.as_path();
     let plane = camera();

@@ -8,7 +8,9 @@
 //! s - APART - v CLEAR  ..  s + APART
 //! ```
 //!
-//! The belt may change its speed meanwhile, so `v` is the largest that it has had so far. One that has run back brings things from ahead as well.
+//! The belt may change its speed meanwhile, so `v` is the largest that it may have: the one that its coordinator asks for, with what a worn drive
+//! adds to that, however slowly it runs at first; or what it has had so far, if that is larger. One that has run back brings things from ahead as
+//! well.
 
 use std::collections::VecDeque;
 
@@ -28,7 +30,7 @@ struct Thing {
 pub struct Things {
     all: VecDeque<Thing>,
     unknown: u32,
-    /// The lowest and the highest speed of the belt so far, and 0 [m/s].
+    /// The lowest speed of the belt so far, or 0, and the highest that it may have [m/s].
     speeds: [f64; 2],
 }
 
@@ -46,6 +48,12 @@ impl Things {
     const TOLD: f64 = -0.22;
     /// So many things are remembered: more than there is room for on the belt.
     const MOST: usize = 64;
+
+    /// On a belt that may run so fast [m/s].
+    #[must_use]
+    pub fn on_belt(fastest: f64) -> Self {
+        Self { speeds: [0.0, fastest], ..Self::default() }
+    }
 
     /// Takes in what the sensor says; `newest` is the number of the newest part that is known. Things beyond `end`, along s \[m\], are of no
     /// interest any more.
@@ -152,6 +160,24 @@ mod tests {
         // It is forgotten where no arm is any more.
         things.take(&after(1.7), 0, 1.0);
         assert!(things.all.is_empty());
+    }
+
+    #[test]
+    fn a_gap_is_as_long_as_a_belt_that_begins_slowly_may_need_later() {
+        let slow = |things: &mut Things| {
+            let seen = Spotted { speed: 0.02, ..told(1, -0.3, 5.0) };
+            things.take(&seen, 0, 1.0);
+        };
+        let (mut known, mut asked) = (Things::default(), Things::on_belt(0.122));
+        slow(&mut known);
+        slow(&mut asked);
+        let place = |s: f64| Spotted { travel: 5.0 + s + 0.3, speed: 0.02, ..Spotted::default() };
+        // A thing 0.16 m + 0.02 m/s 1.7 s upstream is clear of a belt that stays as slow; at 0.122 m/s it comes 0.21 m nearer.
+        for (s, wanted) in
+            [(0.5 - 0.2, [true, false]), (0.5 - 0.36, [true, false]), (0.5 - 0.37, [true, true])]
+        {
+            assert_eq!([&known, &asked].map(|things| things.is_clear(0.5, &place(s))), wanted, "{s}");
+        }
     }
 
     #[test]

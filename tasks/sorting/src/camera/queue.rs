@@ -107,6 +107,12 @@ impl Queue {
         }
     }
 
+    /// The same on a belt that may run so fast [m/s].
+    #[must_use]
+    pub fn on_belt(self, fastest: f64) -> Self {
+        Self { things: Things::on_belt(fastest), ..self }
+    }
+
     /// The same where the last arm goes down up to another place, along s \[m\].
     #[must_use]
     pub fn up_to(self, last: f64) -> Self {
@@ -221,16 +227,17 @@ impl Queue {
     }
 }
 
+/// What a Wait that goes on taking in parts uses: by hand, as `Tell`, since the queue goes on in every step, whatever the coordinator is about.
+const WAIT: Class = Class::new(Level::Mp, Uses { state: true, sensors: true, tick: true, ..Uses::NOTHING });
+
 /// A Wait for a part that is to be taken now, or for the end.
 pub struct Ready(pub Queue);
 
-// By hand, as `Tell`: the queue goes on in every step, whatever the coordinator is about.
 impl Condition for Ready {
     type Robots = Arm;
     type Sensors = (PartSensor,);
     type Order = ();
-    const CLASS: Class =
-        Class::new(Level::Mp, Uses { state: true, sensors: true, tick: true, ..Uses::NOTHING });
+    const CLASS: Class = WAIT;
 
     fn is_met(
         &mut self,
@@ -247,13 +254,11 @@ impl Condition for Ready {
 /// A Wait for a gap of the belt below the part that the arm holds.
 pub struct Gap(pub Queue);
 
-// By hand, as `Tell`.
 impl Condition for Gap {
     type Robots = Arm;
     type Sensors = (PartSensor,);
     type Order = ();
-    const CLASS: Class =
-        Class::new(Level::Mp, Uses { state: true, sensors: true, tick: true, ..Uses::NOTHING });
+    const CLASS: Class = WAIT;
 
     fn is_met(
         &mut self,

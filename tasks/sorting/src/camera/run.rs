@@ -202,12 +202,15 @@ impl Settings {
         let fails = failed.clone();
         let cell = cell.program(move |mp| {
             let belt = Uneven::about(speed, seed.wrapping_add(77)).changing(profile);
+            let fastest = Uneven::fastest(speed, profile);
             if arms > 1 {
-                let shared = share::coordinate(mp, eye, belt, Shared::of(count as u32, timeout), &fails)?;
+                let shared = Shared::of(count as u32, timeout).on_belt(fastest);
+                let shared = share::coordinate(mp, eye, belt, shared, &fails)?;
                 missed.replace(shared.late());
                 tried.replace(shared.vain);
             } else {
-                let queue = mp::coordinate(mp, eye, belt, Queue::of(count as u32, timeout), &fails[0])?;
+                let queue = Queue::of(count as u32, timeout).on_belt(fastest);
+                let queue = mp::coordinate(mp, eye, belt, queue, &fails[0])?;
                 missed.replace(queue.late);
             }
             Ok(())
@@ -340,6 +343,26 @@ fn compare(
     }
 }
 
+/// What became of a part of a kind that is there at the end, and that a hand has had or not.
+fn fate(at: Option<Whereabouts>, kind: usize, gripped: bool) -> Fate {
+    match at {
+        Some(Whereabouts::Gone { sink, .. }) if sink != END_BIN => {
+            if kind_of(sink) == kind {
+                Fate::Sorted
+            } else {
+                Fate::Wrong
+            }
+        }
+        Some(Whereabouts::Gone { .. } | Whereabouts::Awaited | Whereabouts::Here) | None => {
+            match (kind == KINDS, gripped) {
+                (false, _) => Fate::Missed,
+                (true, true) => Fate::Gripped,
+                (true, false) => Fate::Passed,
+            }
+        }
+    }
+}
+
 impl Ready {
     /// Runs it.
     #[must_use]
@@ -348,17 +371,10 @@ impl Ready {
         let report = self.cell.run();
         let wall = began.elapsed();
         let world = &self.plant.world;
-        let fate = |(number, part): (usize, &Coming)| match world.whereabouts(number) {
-            Some(Whereabouts::Gone { sink, .. }) if sink != END_BIN => {
-                if kind_of(sink) == part.kind {
-                    Fate::Sorted
-                } else {
-                    Fate::Wrong
-                }
-            }
-            Some(Whereabouts::Gone { .. } | Whereabouts::Awaited | Whereabouts::Here) | None => {
-                if part.kind == KINDS { Fate::Passed } else { Fate::Missed }
-            }
+        let grips = self.grips.borrow();
+        let fate = |(number, part): (usize, &Coming)| {
+            let gripped = grips.iter().any(|grip| grip.part == number);
+            fate(world.whereabouts(number), part.kind, gripped)
         };
         Outcome {
             report,
@@ -366,7 +382,7 @@ impl Ready {
             fates: self.parts.iter().enumerate().map(fate).collect(),
             came: self.parts.iter().map(|part| (part.time, part.kind)).collect(),
             looks: self.looks.borrow().all.clone(),
-            grips: self.grips.borrow().clone(),
+            grips: grips.clone(),
             late: self.late.borrow().clone(),
             stranded: self.stranded.borrow().clone(),
             failed: self.failed.iter().map(|failed| failed.get().all).sum(),
@@ -383,5 +399,28 @@ impl Outcome {
     #[must_use]
     pub fn count(&self, fate: Fate) -> usize {
         self.fates.iter().filter(|of| **of == fate).count()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_stranger_that_a_hand_had_did_not_pass_and_one_in_a_bin_is_in_a_wrong_one() {
+        let gone = |sink: usize| Some(Whereabouts::Gone { sink, time: 9.0 });
+        for (at, kind, gripped, wanted) in [
+            (gone(END_BIN), KINDS, false, Fate::Passed),
+            (gone(END_BIN), KINDS, true, Fate::Gripped),
+            (Some(Whereabouts::Here), KINDS, true, Fate::Gripped),
+            (gone(3), KINDS, true, Fate::Wrong),
+            (gone(END_BIN), 3, true, Fate::Missed),
+            (gone(3), 3, true, Fate::Sorted),
+            (gone(END_BIN + 1 + 3), 3, true, Fate::Sorted),
+            (gone(4), 3, true, Fate::Wrong),
+            (None, 3, false, Fate::Missed),
+        ] {
+            assert_eq!(fate(at, kind, gripped), wanted, "{at:?}, kind {kind}, gripped {gripped}");
+        }
     }
 }

@@ -105,6 +105,12 @@ impl Shared {
         }
     }
 
+    /// The same on a belt that may run so fast [m/s].
+    #[must_use]
+    pub fn on_belt(self, fastest: f64) -> Self {
+        Self { queue: self.queue.on_belt(fastest), ..self }
+    }
+
     /// Parts that went by because both arms were busy: their numbers.
     #[must_use]
     pub fn late(&self) -> Vec<u32> {

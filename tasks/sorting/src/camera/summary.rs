@@ -65,10 +65,12 @@ pub struct Line {
     pub wrong: usize,
     /// Why those that were missed were.
     pub missed: Vec<Miss>,
-    /// Strangers that came, and how many of them passed, as they should.
+    /// Strangers that came, how many of them passed, as they should, and how many a hand took, though they came into no bin.
     pub strangers: usize,
     /// See [`strangers`](Self::strangers).
     pub passed: usize,
+    /// See [`strangers`](Self::strangers).
+    pub gripped: usize,
     /// How many grasps each arm made.
     pub taken: [usize; STATIONS.len()],
     /// The least distance of two arms \[m\].
@@ -106,6 +108,7 @@ impl Line {
             parts: outcome.fates.len() - strangers,
             strangers,
             passed: outcome.count(Fate::Passed),
+            gripped: outcome.count(Fate::Gripped),
             sorted: outcome.count(Fate::Sorted),
             wrong: outcome.count(Fate::Wrong),
             missed: outcome.misses(settings.arms),
@@ -143,6 +146,7 @@ impl Line {
         let before = self.parts + self.strangers - other.parts;
         self.strangers += other.strangers;
         self.passed += other.passed;
+        self.gripped += other.gripped;
         self.missed.extend(other.missed.into_iter().map(|miss| Miss { part: miss.part + before, ..miss }));
         self.places.extend(other.places);
         self.angles.extend(other.angles);
@@ -195,11 +199,15 @@ impl fmt::Display for Table {
             }
         }
         for line in self.0.iter().filter(|line| line.strangers > 0) {
-            writeln!(
+            write!(
                 f,
                 "{:.2} m/s, one every {:.1} s: besides these parts, strangers: {} came, {} passed, which is right",
                 line.speed, line.every, line.strangers, line.passed
             )?;
+            if line.gripped > 0 {
+                write!(f, "; {} a hand took for parts, and brought to no bin", line.gripped)?;
+            }
+            writeln!(f)?;
         }
         let missed: usize = self.0.iter().map(|line| line.missed.len()).sum();
         if missed > 0 {

@@ -58,6 +58,13 @@ impl Uneven {
         Self { profile, ..self }
     }
 
+    /// The highest speed that one about this nominal speed may have [m/s], when it goes at these shares of it.
+    #[must_use]
+    pub fn fastest(nominal: f64, profile: &[(f64, f64)]) -> f64 {
+        let share = profile.iter().map(|(_, share)| *share).fold(1.0, f64::max);
+        nominal * share * (1.0 + 1.1 * Self::OFF)
+    }
+
     /// The speed about which it wanders [m/s].
     #[must_use]
     pub const fn speed(&self) -> f64 {
@@ -119,5 +126,7 @@ mod tests {
             }
             assert!(farthest > Uneven::OFF && farthest <= 1.1 * Uneven::OFF, "seed {seed}: {farthest}");
         }
+        assert!((Uneven::fastest(0.15, &[]) - 0.15 * 1.22).abs() < 1e-12);
+        assert!((Uneven::fastest(0.15, &[(3.0, 1.2), (9.0, 0.5)]) - 0.18 * 1.22).abs() < 1e-12);
     }
 }
