@@ -172,9 +172,10 @@ maze-sweep DIR:
     cargo run --release -p maze -- --sweep {{DIR}} --controller reactive
     cargo run --release -p maze -- --sweep {{DIR}} --effector wheels
 
-# Parts on a belt in long runs, by each sensor and by two arms: so many of 20 seeds, 500 parts each, at 0.02 to 0.15 m/s; what came of each. Hours.
-sorting-long SEEDS="20":
-    MRROC_SEEDS={{SEEDS}} cargo test --release -p sorting --lib -- --ignored --nocapture --test-threads 1 long::
+# Parts on a belt in long runs, by each sensor and by two arms: so many of 20 seeds from FIRST on, 500 parts each, at 0.02 to 0.15 m/s; what came of each. Hours: runs that are in
+# TABLE are not made again.
+sorting-long SEEDS="20" FIRST="7000" TABLE="target/sorting-runs.csv":
+    MRROC_SEEDS={{SEEDS}} MRROC_FIRST_SEED={{FIRST}} MRROC_TABLE="$PWD/{{TABLE}}" cargo test --release -p sorting --lib -- --ignored --nocapture --test-threads 1 long::
 
 # Parts on a belt below a camera: so many at each of three speeds and three arrival rates, and recognition of others; sorting/scatter.svg.
 sorting-camera PARTS="500":

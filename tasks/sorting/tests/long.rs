@@ -6,6 +6,7 @@ use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::fs::OpenOptions;
 use std::io::Write as _;
+use std::path::PathBuf;
 use std::rc::Rc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
@@ -173,28 +174,17 @@ fn chosen(count: usize) -> impl Iterator<Item = usize> {
     (0..count.min(SEEDS)).map(|number| (13 * number) % SEEDS)
 }
 
-/// Which of the seeds are run: those of `MRROC_SEED_PLACES`, such as `0,13`, else as many as `MRROC_SEEDS` says.
-fn seeds() -> Vec<usize> {
-    let places = std::env::var("MRROC_SEED_PLACES").ok();
-    let listed = places.map(|list| list.split(',').map(|place| place.parse().expect("a place")).collect());
-    let count =
-        || std::env::var("MRROC_SEEDS").map_or(SEEDS, |count| count.parse().expect("a number of seeds"));
-    listed.unwrap_or_else(|| chosen(count()).collect())
+/// What a line of the table begins with.
+fn title(name: &str, seed: usize) -> String {
+    format!("{},{},", name.replace(", ", " "), first() + seed as u64)
 }
 
-/// On so many threads: `MRROC_THREADS`, by default as many as there are processors.
-fn threads() -> usize {
-    let all = || thread::available_parallelism().map_or(1, usize::from);
-    std::env::var("MRROC_THREADS").map_or_else(|_| all(), |count| count.parse().expect("a number of threads"))
-}
-
-/// A run as a line of a table: name, seed, speed [m/s], parts, sorted, wrong, missed, fingers on parts, times real time, fault, reasons.
+/// A run as a line of the table: name, seed, speed [m/s], parts, sorted, wrong, missed, fingers on parts, times real time, fault, reasons.
 fn row(name: &str, seed: usize, run: &Run) -> String {
     let why: Vec<String> = run.missed.iter().map(|(part, why)| format!("{part}: {why}")).collect();
     format!(
-        "{},{},{:.4},{PARTS},{},{},{},{},{:.0},\"{}\",\"{}\"\n",
-        name.replace(", ", " "),
-        first() + seed as u64,
+        "{}{:.4},{PARTS},{},{},{},{},{:.0},\"{}\",\"{}\"\n",
+        title(name, seed),
         run.speed,
         run.sorted,
         run.wrong,
@@ -206,9 +196,13 @@ fn row(name: &str, seed: usize, run: &Run) -> String {
     )
 }
 
-/// Adds a line to the file of `MRROC_CSV`, if one is given.
+/// The table of the runs that were made, also in earlier calls: the file of `MRROC_TABLE`.
+fn table() -> Option<PathBuf> {
+    std::env::var_os("MRROC_TABLE").map(PathBuf::from)
+}
+
 fn append(line: &str) {
-    let Some(file) = std::env::var_os("MRROC_CSV") else { return };
+    let Some(file) = table() else { return };
     let mut file =
         OpenOptions::new().create(true).append(true).open(file).expect("a file that can be written");
     file.write_all(line.as_bytes()).expect("written");
@@ -221,9 +215,12 @@ fn spread(values: impl Iterator<Item = f64>) -> [f64; 3] {
     [values[0], values[values.len() / 2], values[values.len() - 1]]
 }
 
-/// Runs the seeds on all processors; at least this share of all parts is sorted, none into a wrong tray.
+/// Runs the seeds that the table does not have yet on all processors; at least this share of all parts is sorted, none into a wrong tray.
 fn sorted(name: &str, cell: Cell, least: f64) -> Vec<Run> {
-    let seeds = seeds();
+    let count = std::env::var("MRROC_SEEDS").map_or(SEEDS, |count| count.parse().expect("a number of seeds"));
+    let made = table().and_then(|file| std::fs::read_to_string(file).ok()).unwrap_or_default();
+    let is_new = |seed: &usize| !made.lines().any(|line| line.starts_with(&title(name, *seed)));
+    let seeds: Vec<usize> = chosen(count).filter(is_new).collect();
     let (next, runs) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
     let work = || {
         while let Some(&seed) = seeds.get(next.fetch_add(1, Ordering::Relaxed)) {
@@ -246,11 +243,15 @@ fn sorted(name: &str, cell: Cell, least: f64) -> Vec<Run> {
         }
     };
     thread::scope(|scope| {
-        for _ in 0..threads() {
+        for _ in 0..thread::available_parallelism().map_or(1, usize::from) {
             scope.spawn(work);
         }
     });
     let mut runs = runs.into_inner().unwrap_or_else(PoisonError::into_inner);
+    if runs.is_empty() {
+        println!("{name}: the table has all of them");
+        return runs;
+    }
     runs.sort_unstable_by(|one: &Run, other| one.speed.total_cmp(&other.speed));
     summary(name, &runs);
     let all = runs.len() * PARTS;
