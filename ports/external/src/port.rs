@@ -262,7 +262,7 @@ mod tests {
     fn sensors_of_one_name_in_two_cells_have_two_ports_unless_their_files_say_one() {
         let port = |file: &str, said: &str| {
             let text = format!(
-                "step_ms = 2\n[sensors.goals]\nmode = \"free running\"\nperiod_ms = 4\nstale_after_ms = 500\n\
+                "step_ms = 2\nrobots.arm = {{ kind = \"irp6\", start = [0.0, -1.57, 0.16, -0.16, 4.71, 0.0] }}\n[sensors.goals]\nmode = \"free running\"\nperiod_ms = 4\nstale_after_ms = 500\n\
                  [sensors.goals.external]\nrate_hz = 500.0\n{said}"
             );
             let file = CellFile::parse(file, &text).expect("its form is right");

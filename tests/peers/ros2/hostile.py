@@ -148,8 +148,8 @@ def flood_of_goals(node, both, left, bridge):
     sent, asks = [], []
     end = time.monotonic() + 3.0
     while time.monotonic() < end:
-        sent += [left.send_goal_async(goal(["left"], 0.1, 2)) for _ in range(20)]
-        node.spin(0.0)
+        sent += [left.send_goal_async(goal(["left"], 0.1, 2)) for _ in range(10)]
+        node.spin(0.01)
         for handle in (one.result() for one in sent if one.done()):
             if handle.accepted and len(asks) < 200:
                 asks.append(handle.get_result_async())
