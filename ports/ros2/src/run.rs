@@ -16,6 +16,7 @@ use mrroc_core::operator::{CellState, Request};
 use mrroc_external::Subscriber;
 use mrroc_launch::cell_file::CellFile;
 use mrroc_processes::{Caller, ConsoleMessage, Picture};
+use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
 
 use crate::bags;
 use crate::buttons;
@@ -35,6 +36,9 @@ const LOOK: Duration = Duration::from_millis(1);
 /// For how long images and readings are taken before pictures and goals are looked at: on a machine that is too slow for all of them, these have their turn, too,
 /// since a cell stops robots that follow goals where the bridge is silent.
 const TURN: Duration = Duration::from_millis(10);
+/// The most memory that the bridge may take \[bytes\]. A packet that others forge can have the library for DDS ask for more and more: then the bridge ends, as if it were killed, and not
+/// the cell beside it.
+const MEMORY: u64 = 2 << 30;
 /// How long it is waited before a cell that is not there is looked for again.
 const AGAIN: Duration = Duration::from_millis(200);
 
@@ -130,6 +134,7 @@ fn show(
     Checked { place, robot, from_bag, goals, mapped, recorded }: Checked<'_>,
     options: &Options,
 ) -> Result<core::convert::Infallible, String> {
+    limit_memory(MEMORY)?;
     let file = options.cell.clone();
     let names: Vec<_> = urdfs.iter().map(|(name, _)| name.as_str()).collect();
     let mut subscriber = Subscriber::at(port, &names)?;
@@ -182,6 +187,15 @@ fn show(
         readings.serve(&node);
     };
     show_for_ever(&mut subscriber, &mut topics, &pictures, &mut goals, &mut serve_readings)
+}
+
+/// Limits the memory of this process, whatever its threads ask for.
+fn limit_memory(bytes: u64) -> Result<(), String> {
+    let Rlimit { current, maximum } = getrlimit(Resource::Data);
+    // What the user allows may be less.
+    let current = Some(current.map_or(bytes, |allowed| allowed.min(bytes)));
+    setrlimit(Resource::Data, Rlimit { current, maximum })
+        .map_err(|error| format!("the memory of the bridge cannot be limited: {error}"))
 }
 
 fn show_for_ever(

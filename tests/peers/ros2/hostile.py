@@ -6,6 +6,7 @@ new nodes afterwards. `--requests`: the part of Cyclone DDS, which sends request
 
 import os
 import random
+import re
 import signal
 import socket
 import subprocess
@@ -101,9 +102,9 @@ def serves(name, bridge, state="running"):
 
 
 def memory(process):
-    """Resident memory of a process [MB]."""
-    status = Path(f"/proc/{process.pid}/status").read_text()
-    return int(status.split("VmRSS:")[1].split()[0]) / 1024
+    """Resident memory of a process [MB]; of one that has ended, 0."""
+    found = re.search(r"VmRSS:\s+(\d+)", Path(f"/proc/{process.pid}/status").read_text())
+    return int(found[1]) / 1024 if found else 0.0
 
 
 def two_bridges(node, both, folder):
@@ -158,7 +159,7 @@ def flood_of_goals(node, both, left, bridge):
     accepted = [handle for handle in answered if handle.accepted]
     codes = {ask.result().status for ask in asks if ask.done()}
     print(f"  {len(sent)} goals in 3 s: {len(answered)} answered, {len(accepted)} of them looked at, and refused; the bridge has {memory(bridge):.0f} MB")
-    has(len(answered) > 100, "the bridge answers no goals")
+    has(len(answered) > 100, f"the bridge answers {len(answered)} goals")
     has(codes <= {GoalStatus.STATUS_ABORTED}, f"goals for one arm of two: statuses {codes}")
 
 
@@ -192,41 +193,63 @@ def overheard(seconds):
     return found
 
 
-def damaged(chance, genuine):
-    """A packet that is none, or one with a wrong submessage, or a genuine one with other bytes."""
-    kind = chance.randrange(4 if genuine else 3)
+def damaged(chance):
+    """A packet that is none, or one with a wrong submessage."""
+    kind = chance.randrange(3)
     if kind == 0:
         return chance.randbytes(chance.randrange(1400))
     head = b"RTPS\x02\x04\x01\x0f" + chance.randbytes(12)
     if kind == 1:
         return head + chance.randbytes(chance.randrange(400))
-    if kind == 2:
-        body = chance.randbytes(4 * chance.randrange(100))
-        said = len(body) if chance.random() < 0.7 else chance.randrange(65_536)
-        flags = chance.randrange(256) | 1
-        return head + bytes([chance.choice(SUBMESSAGES), flags]) + said.to_bytes(2, "little") + body
+    body = chance.randbytes(4 * chance.randrange(100))
+    said = len(body) if chance.random() < 0.7 else chance.randrange(65_536)
+    flags = chance.randrange(256) | 1
+    return head + bytes([chance.choice(SUBMESSAGES), flags]) + said.to_bytes(2, "little") + body
+
+
+def forged(chance, genuine):
+    """A packet of another participant with other bytes."""
     packet = bytearray(chance.choice(genuine))
     for _ in range(chance.randrange(1, 8)):
         packet[chance.randrange(8, len(packet))] = chance.randrange(256)
     return bytes(packet)[: chance.randrange(20, len(packet) + 1)] if chance.random() < 0.2 else bytes(packet)
 
 
-def packets(bridge, count):
+def packets(bridge, count, make, what):
+    """Sends packets to all sockets of the bridge."""
     ports = sockets_of(bridge)
     has(len(ports) >= 4, f"the bridge hears the ports {ports}")
+    chance, out = random.Random(SEED), socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    for k in range(count):
+        out.sendto(make(chance), ("127.0.0.1", ports[k % len(ports)]))
+        if k % 50 == 0:
+            time.sleep(0.002)
+    out.close()
+    print(f"  {count} packets at {len(ports)} sockets, {what}")
+
+
+def forgery(bridge, cell):
+    """Packets of other participants with other bytes: what the bridge believes of these may silence or end it. It takes no more memory than it may, and the cell goes
+    on, or stops its arms as for a killed bridge. How it went."""
     listener = Node("overheard")
     listener.node.create_subscription(JointState, "/left/joint_states", lambda _: None, 10)
     listener.spin(1.0)
     genuine = overheard(1.0)
-    chance, out = random.Random(SEED), socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-    for k in range(count):
-        out.sendto(damaged(chance, genuine), ("127.0.0.1", ports[k % len(ports)]))
-        if k % 50 == 0:
-            listener.spin(0.0)
-            time.sleep(0.002)
     listener.end()
-    out.close()
-    print(f"  {count} packets at {len(ports)} sockets, changed from {len(genuine)} genuine ones or none: the bridge has {memory(bridge):.0f} MB")
+    if not genuine:
+        return "not tried"
+    packets(bridge, 6000, lambda chance: forged(chance, genuine), f"changed from {len(genuine)} genuine ones")
+    most, end = 0.0, time.monotonic() + 30
+    while bridge.poll() is None and time.monotonic() < end:
+        most = max(most, memory(bridge))
+        time.sleep(0.05)
+    has(most < 2200, f"the bridge has taken {most:.0f} MB")
+    # A stale sensor stops the arms.
+    time.sleep(2.0)
+    has(cell.poll() is None, "the cell ended")
+    how = "still there" if bridge.poll() is None else "ended"
+    print(f"    after half a minute the bridge is {how}; it has taken {most:.0f} MB at most")
+    return how
 
 
 def other_types(node, bridge):
@@ -296,23 +319,26 @@ def test(folder):
         other_types(node, bridge)
         serves("after_other_types", bridge)
         node.end()
-        packets(bridge, 6000)
+        packets(bridge, 6000, damaged, "damaged ones or none of DDS")
         serves("after_packets", bridge)
         node = Goals("again")
         both = ActionClient(node.node, Follow, "/cell/follow_joint_trajectory")
         node.succeeds(node.send(both, goal(["left", "right"], 0.1, 2)), "a goal of a new node after all that")
-        has(cell.poll() is None, "the cell ended")
         node.end()
+        how = forgery(bridge, cell)
     outcome = Outcome(folder / "outcome.json")
-    has(outcome.kind == "Aborted", f"the cell ended by {outcome}")
+    # By whom it was stopped, if the bridge has ended.
+    expected = "SensorStale" if how == "ended" else "Aborted"
+    has(outcome.kind == expected, f"the cell ended by {outcome}")
 
 
 def flood_of_messages(folder):
     """A topic that is a sensor is flooded by the publisher that counts, and by one of another type."""
-    bridge = subprocess.Popen([EXAMPLES / "servo_bridge", "--cell", SERVO], stderr=subprocess.DEVNULL, preexec_fn=interruptible)
-    node, states = Node("stick"), []
+    node, other, states = Node("stick"), Node("foreign"), []
     node.node.create_subscription(String, "/cell/state", lambda message: states.append(message.data), 10)
-    publisher, foreign = (node.node.create_publisher(kind, "/servo/twist", 10) for kind in (TwistStamped, String))
+    publisher = node.node.create_publisher(TwistStamped, "/servo/twist", 10)
+    foreign = other.node.create_publisher(String, "/servo/twist", 10)
+    bridge = subprocess.Popen([EXAMPLES / "servo_bridge", "--cell", SERVO], stderr=subprocess.DEVNULL, preexec_fn=interruptible)
     options = ["--processes", "--no-picture", "--quiet", "--outcome", folder / "outcome.json"]
     cell = subprocess.Popen([EXAMPLES / "servo", "--cell", SERVO, *options], preexec_fn=interruptible)
     message = TwistStamped()
@@ -340,6 +366,7 @@ def flood_of_messages(folder):
         print(f"  {count} messages in 3 s, and as many of another type of 100 kB: the cell is {states[-1]}, the bridge has {memory(bridge):.0f} MB")
         has(states[-1] == "running", f"the cell is {states}")
         node.end()
+        other.end()
     outcome = Outcome(folder / "outcome.json")
     has(outcome.kind == "Aborted", f"the cell ended by {outcome}")
 
