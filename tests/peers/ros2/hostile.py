@@ -343,15 +343,17 @@ def flood_of_messages(folder):
     cell = subprocess.Popen([EXAMPLES / "servo", "--cell", SERVO, *options], preexec_fn=interruptible)
     message = TwistStamped()
 
-    def publish(seconds, pause):
+    def publish(seconds, burst):
+        """So many messages at a time, as often as a subscriber is served in between; without a number as fast as may be."""
         count, end = 0, time.monotonic() + seconds
         while time.monotonic() < end:
-            message.header.stamp = node.node.get_clock().now().to_msg()
-            publisher.publish(message)
-            count += 1
-            if pause:
-                node.spin(pause)
-            elif count % 2 == 0:
+            for _ in range(burst or 100):
+                message.header.stamp = node.node.get_clock().now().to_msg()
+                publisher.publish(message)
+                count += 1
+            if burst:
+                node.spin(0.01)
+            else:
                 foreign.publish(String(data=100_000 * "x"))
         return count
 
@@ -359,16 +361,16 @@ def flood_of_messages(folder):
         end = time.monotonic() + 60
         while states[-1:] != ["running"]:
             has(time.monotonic() < end, f"the cell does not begin, states {states}")
-            publish(0.1, 0.02)
-        publish(1.0, 0.02)
-        count = publish(3.0, 0.002)
-        publish(1.0, 0.02)
+            publish(0.1, 1)
+        publish(1.0, 1)
+        count = publish(3.0, 20)
+        publish(1.0, 1)
         print(f"  {count} messages in 3 s: the cell is {states[-1]}, the bridge has {memory(bridge):.0f} MB")
         has(states[-1] == "running", f"the cell is {states}")
-        count = publish(3.0, 0.0)
-        publish(2.0, 0.02)
+        count = publish(3.0, None)
+        publish(2.0, 1)
         most = memory(bridge)
-        print(f"  {count} messages in 3 s, and half as many of another type of 100 kB: the cell is {states[-1]}, the bridge has {most:.0f} MB")
+        print(f"  {count} messages in 3 s, and a hundredth as many of another type of 100 kB: the cell is {states[-1]}, the bridge has {most:.0f} MB")
         has(bridge.poll() is None and most < 2200, f"the bridge: {bridge.poll()}, {most} MB")
         node.end()
         other.end()
