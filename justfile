@@ -65,6 +65,10 @@ bench-panel ROUNDS="5":
 bench-ros2 ROUNDS="3" SECONDS="60":
     tests/peers/ros2/run cost {{ROUNDS}} {{SECONDS}}
 
+# The instructions of a step with the bridge to ROS 2 and without it; needs valgrind.
+instructions-ros2:
+    tests/peers/ros2/run instructions
+
 # How soon an arm stands that is jogged in a browser: so many holds of each way to end one, tested from recordings. A quarter of an hour.
 test-panel-holds N="100":
     tests/peers/panel/run holds --times {{N}}

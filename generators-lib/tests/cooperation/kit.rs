@@ -19,6 +19,8 @@ pub const STEP: Duration = Duration::from_millis(2);
 pub struct Trace {
     pub demanded: Rc<RefCell<Vec<Pose>>>,
     pub measured: Rc<RefCell<Vec<Pose>>>,
+    /// The demanded joints.
+    pub joints: Rc<RefCell<Vec<Vec<f64>>>>,
 }
 
 /// A simulated robot at `q` that records.
@@ -31,6 +33,7 @@ pub fn arm<R: Driven<N>, const N: usize>(
     let (records, shaft, robot) = (trace.clone(), simulated.shaft(), robot.clone());
     let setup = RobotSetup::new(name, robot.clone(), simulated).observe(move |record: &ServoRecord<R>| {
         records.demanded.borrow_mut().push(robot.forward(&record.demanded));
+        records.joints.borrow_mut().push(record.demanded.as_slice().to_vec());
         records.measured.borrow_mut().push(robot.forward(&record.measured.position));
     });
     (setup, trace, shaft)

@@ -195,7 +195,7 @@ use mrroc_launch::network::gateways_by;
 
 pub use goals::{Goals, TrajectoryGoals};
 pub use plant::plant;
-pub use port::monotonic;
+pub use port::{monotonic, port_of_cell};
 pub use sender::{Sender, WordSender};
 pub use subscribers::{Image, ReadingShown, State, StepShown, Subscriber, Subscribers};
 
@@ -258,7 +258,8 @@ impl<K: Sensor> External<K> {
         let shape = <K::Reading as Wire>::SHAPE;
         let believable = entry.believable(&numbers::names(shape).unwrap_or_default())?;
         let numbers = Numbers::new(shape, believable).ok_or_else(|| entry.refuse_reading(K::KIND))?;
-        Ok(Self::of(entry, numbers))
+        let sensor = Self::of(entry, numbers);
+        Ok(if entry.topic().is_some() { sensor.at(port_of_cell(entry)) } else { sensor })
     }
 
     /// Of a reading with these numbers.
@@ -278,6 +279,12 @@ impl<K: Sensor> External<K> {
             newest: None,
             kind: PhantomData,
         }
+    }
+
+    /// At another port than the file says.
+    fn at(mut self, port: String) -> Self {
+        self.port_name = port;
+        self
     }
 
     /// The order as a message, sent now.

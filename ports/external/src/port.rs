@@ -15,6 +15,7 @@ use iceoryx2::prelude::*;
 use iceoryx2::service::port_factory::PortFactory as _;
 use iceoryx2::service::port_factory::publish_subscribe::PortFactory;
 use mrroc::payload::layout_hash;
+use mrroc_launch::cell_file::ExternalEntry;
 use rustix::fs::OFlags;
 use rustix::process::geteuid;
 use rustix::time::{ClockId, clock_gettime};
@@ -47,6 +48,21 @@ pub(crate) struct Port {
 pub fn monotonic() -> u64 {
     let now = clock_gettime(ClockId::Monotonic);
     (now.tv_sec * 1_000_000_000 + now.tv_nsec).cast_unsigned()
+}
+
+/// The port of a sensor whose readings the bridge to ROS 2 sends: the file's `port`, or one of this cell alone. So no goal and no message that is meant for one cell
+/// comes to another one whose sensor has the same name.
+#[must_use]
+pub fn port_of_cell(entry: &ExternalEntry) -> String {
+    // A program on another machine calls at an address, of which there is one.
+    if entry.has_port() || entry.address().is_some() {
+        return entry.port().to_owned();
+    }
+    let file = entry.cell_file();
+    // The cell and the bridge may name it from different folders; of a test there is none.
+    let place = fs::canonicalize(file).or_else(|_| std::path::absolute(file));
+    let place = place.unwrap_or_else(|_| file.to_owned());
+    format!("{}-{:016x}", entry.name(), layout_hash(0, &place.to_string_lossy()))
 }
 
 impl Port {
@@ -238,7 +254,27 @@ pub(crate) fn channel<M: ZeroCopySend + core::fmt::Debug + 'static>(
 
 #[cfg(test)]
 mod tests {
+    use mrroc_launch::cell_file::CellFile;
+
     use super::*;
+
+    #[test]
+    fn sensors_of_one_name_in_two_cells_have_two_ports_unless_their_files_say_one() {
+        let port = |file: &str, said: &str| {
+            let text = format!(
+                "step_ms = 2\nrobots.arm = {{ kind = \"irp6\", start = [0.0, -1.57, 0.16, -0.16, 4.71, 0.0] }}\n[sensors.goals]\nmode = \"free running\"\nperiod_ms = 4\nstale_after_ms = 500\n\
+                 [sensors.goals.external]\nrate_hz = 500.0\n{said}"
+            );
+            let file = CellFile::parse(file, &text).expect("its form is right");
+            port_of_cell(file.external("goals").expect("it is there"))
+        };
+        assert_ne!(port("/a/cell.toml", ""), port("/b/cell.toml", ""));
+        assert!(port("/a/cell.toml", "").starts_with("goals-"));
+        assert_eq!(port("/a/cell.toml", "port = \"p\""), port("/b/cell.toml", "port = \"p\""));
+        // One file by two names.
+        let here = std::env::current_dir().expect("a folder").join("Cargo.toml");
+        assert_eq!(port("Cargo.toml", ""), port(&here.to_string_lossy(), ""));
+    }
 
     #[test]
     fn names_of_shared_memory_are_those_that_the_python_side_makes_of_the_folder() {

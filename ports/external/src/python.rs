@@ -65,10 +65,9 @@ pub(crate) fn module<K: Sensor>(name: &str, port: &str, rate: f64, address: Opti
         .replace("@MAX_JOINTS@", &MAX_JOINTS.to_string())
 }
 
-/// Writes the class of a sensor's readings for a subscriber; returns what it is among shapes.
-pub(crate) fn reading_class(sensor: &str, shape: &'static Shape, classes: &mut String) -> String {
-    let name = own(&camel(&format!("{}_reading", sensor.replace('-', "_"))));
-    class(&name, &format!("What the sensor `{sensor}` reads."), &fields(shape), classes)
+/// Writes the class of a sensor's readings for a subscriber, which has this name; returns what it is among shapes.
+pub(crate) fn reading_class(name: &str, sensor: &str, shape: &'static Shape, classes: &mut String) -> String {
+    class(name, &format!("What the sensor `{sensor}` reads."), &fields(shape), classes)
 }
 
 /// The fields of a value that has a class of its own: one that has none has one, `value`.
@@ -157,7 +156,7 @@ fn arguments(name: &str, fields: &[(&str, &Shape)]) -> String {
 }
 
 /// A name that Python takes as one.
-fn own(name: &str) -> String {
+pub(crate) fn own(name: &str) -> String {
     if KEYWORDS.contains(&name) {
         format!("{name}_")
     } else if name.starts_with(|c: char| c.is_ascii_digit() || c == '_') {
@@ -168,7 +167,7 @@ fn own(name: &str) -> String {
 }
 
 /// `part_pose` as `PartPose`.
-fn camel(name: &str) -> String {
+pub(crate) fn camel(name: &str) -> String {
     let words = name.split('_').filter(|word| !word.is_empty());
     words.map(|word| word[..1].to_uppercase() + &word[1..]).collect()
 }

@@ -9,7 +9,7 @@ use mrroc_core::cell::Cell;
 use mrroc_core::console::{complain, refused, say};
 use mrroc_core::observe::layout::{Layout, SensorLayout};
 use mrroc_core::sensor::Sensor as _;
-use mrroc_external::Goals;
+use mrroc_external::{Goals, port_of_cell};
 use mrroc_launch::cell_file::CellFile;
 use ros2_client::{Name, NodeName};
 
@@ -128,25 +128,19 @@ pub fn check((mut cell, file): (Cell, CellFile), options: &Options) -> ExitCode 
     say(&well)
 }
 
-/// What a cell is made of, with its own robots alone, and their URDFs in the same order.
-pub fn own_robots(cell: &mut Cell) -> (Layout, Vec<(String, Option<String>)>) {
+/// What is shown of a cell, its own robots and sensors, with the robots' URDFs in the same order.
+pub fn shown(cell: &mut Cell) -> (Layout, Vec<(String, Option<String>)>) {
     let urdfs: Vec<_> = cell.robots_mut().map(|robot| (robot.name().to_owned(), robot.urdf())).collect();
-    let mut layout = cell.layout();
-    if urdfs.len() < layout.robots.len() {
-        complain("warning: robots of lower cells are not shown");
+    let whole = cell.layout();
+    if !whole.cells.is_empty() {
+        complain("warning: robots and sensors of lower cells are not shown");
     }
+    let mut layout = whole.without_lower_cells();
     let mut robots = core::mem::take(&mut layout.robots);
     for (name, _) in &urdfs {
         let place = robots.iter().position(|robot| robot.name == *name);
         layout.robots.extend(place.map(|place| robots.swap_remove(place)));
     }
-    (layout, urdfs)
-}
-
-/// The same without the readings of lower cells, which a recording has and nobody shows.
-pub fn shown(cell: &mut Cell) -> (Layout, Vec<(String, Option<String>)>) {
-    let (mut layout, urdfs) = own_robots(cell);
-    layout.sensors.retain(|sensor| !sensor.name.contains('.'));
     (layout, urdfs)
 }
 
@@ -181,7 +175,7 @@ fn port_of_goals(layout: &Layout, file: &CellFile) -> Result<String, String> {
         "the cell has no sensor of goals\n help: give its MP one, by `mrroc_external::Goals::in_cell`",
     )?;
     let entry = file.external(&sensor.name).map_err(|error| error.to_string())?;
-    Ok(entry.port().to_owned())
+    Ok(port_of_cell(entry))
 }
 
 /// Topics of which the names alone are looked at.
@@ -273,6 +267,17 @@ mod tests {
         assert!(found.len() == 1 && found[0].contains("would have the same topics /arm/"), "{found:?}");
         let found = wrong("[topics.\"/a-b/state\"]\ndepth = 5\n", &["--domain", "3", "--node", "a-b"]);
         assert!(found.len() == 1 && found[0].starts_with("node `a-b`"), "{found:?}");
+    }
+
+    #[test]
+    fn of_a_cell_with_lower_cells_its_own_robots_are_shown() {
+        let file = CellFile::parse("cell.toml", ARM).expect("a cell");
+        let cell = || file.cell(&simulated()).expect("of one arm");
+        let mut whole = cell().cell("press", cell());
+        assert_eq!(whole.layout().robots.len(), 2);
+        let (layout, urdfs) = shown(&mut whole);
+        let names: Vec<_> = layout.robots.iter().map(|robot| &*robot.name).collect();
+        assert_eq!((names, urdfs.len(), layout.cells.len()), (vec!["arm"], 1, 0));
     }
 
     #[test]

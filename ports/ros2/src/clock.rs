@@ -21,12 +21,18 @@ impl CellClock {
 
     /// The date of a time of the cell \[ns\] that was told at `sent` by the machine's monotonic clock \[ns\]: \[ns since 1970\].
     pub fn date(&mut self, time: u64, sent: u64) -> u64 {
+        self.date_at(time, sent, || [monotonic(), now()])
+    }
+
+    /// The same with what both clocks of the machine say \[ns\], which is asked for at the first step of a run alone.
+    fn date_at(&mut self, time: u64, sent: u64, clocks: impl FnOnce() -> [u64; 2]) -> u64 {
         let began = sent.saturating_sub(time);
         let [zero, _] = match self.zero.filter(|[_, known]| !is_another_run(began, *known)) {
             Some(known) => known,
             None => {
-                let age = monotonic().saturating_sub(sent);
-                *self.zero.insert([now().saturating_sub(age).saturating_sub(time), began])
+                let [monotonic, wall] = clocks();
+                let age = monotonic.saturating_sub(sent);
+                *self.zero.insert([wall.saturating_sub(age).saturating_sub(time), began])
             }
         };
         zero + time
@@ -61,6 +67,21 @@ mod tests {
         let second = clock.date(7_000_000, sent + 900_000_000);
         let third = clock.date(6_000_000, sent);
         assert_eq!((second - first, third - first), (2_000_000, 1_000_000));
+    }
+
+    #[test]
+    fn fault_261_a_wall_clock_that_is_set_changes_no_stamp_of_a_run() {
+        const HOUR: u64 = 3_600_000_000_000;
+        const TODAY: u64 = 1_700_000_000_000_000_000;
+        let mut clock = CellClock::default();
+        for step in 0..1000_u64 {
+            let (time, told) = (2_000_000 * step, 5_000_000_000 + 2_000_000 * step);
+            // In step 300 the clock is set back by an hour, in step 600 on by three.
+            let wall =
+                TODAY + told + if step < 300 { HOUR } else { 0 } + if step < 600 { 0 } else { 3 * HOUR };
+            let date = clock.date_at(time, told, || [told + 1_000_000, wall + 1_000_000]);
+            assert_eq!(date, TODAY + HOUR + 5_000_000_000 + time, "step {step}");
+        }
     }
 
     #[test]

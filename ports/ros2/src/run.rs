@@ -1,6 +1,8 @@
 //! The program: its command line, and its life beside the cell.
 
-use std::path::Path;
+use std::fs::File;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::time::{Duration, Instant};
@@ -14,10 +16,11 @@ use mrroc_core::operator::{CellState, Request};
 use mrroc_external::Subscriber;
 use mrroc_launch::cell_file::CellFile;
 use mrroc_processes::{Caller, ConsoleMessage, Picture};
+use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
 
 use crate::bags;
 use crate::buttons;
-use crate::checks::{Checked, all_refused, check, checked, own_robots, shown};
+use crate::checks::{Checked, all_refused, check, checked, shown};
 use crate::clock::{CellClock, now};
 use crate::description::{Description, joint_names};
 use crate::diagnostics;
@@ -33,6 +36,9 @@ const LOOK: Duration = Duration::from_millis(1);
 /// For how long images and readings are taken before pictures and goals are looked at: on a machine that is too slow for all of them, these have their turn, too,
 /// since a cell stops robots that follow goals where the bridge is silent.
 const TURN: Duration = Duration::from_millis(10);
+/// The most memory that the bridge may take \[bytes\]. A packet that others forge can have the library for DDS ask for more and more: then the bridge ends, as if it were killed, and not
+/// the cell beside it.
+const MEMORY: u64 = 2 << 30;
 /// How long it is waited before a cell that is not there is looked for again.
 const AGAIN: Duration = Duration::from_millis(200);
 
@@ -62,7 +68,7 @@ pub fn run(port: &str, cell: impl FnOnce(&CellFile) -> Result<Cell, CellError>) 
     }
     if let Some((folder, recording)) = options.bags.export_bag.as_ref().zip(options.bags.recording.as_ref()) {
         let mut cell = assembled.0;
-        let (layout, urdfs) = own_robots(&mut cell);
+        let (layout, urdfs) = shown(&mut cell);
         return match bags::export(recording, folder, &options.node, &layout, &urdfs) {
             Ok(()) => ExitCode::SUCCESS,
             Err(why) => refused(&why),
@@ -79,21 +85,36 @@ pub fn run(port: &str, cell: impl FnOnce(&CellFile) -> Result<Cell, CellError>) 
 
 /// Writes what a configuration of MoveIt needs.
 fn export_moveit(mut cell: Cell, folder: &Path, node: &str) -> Result<(), String> {
-    let (layout, urdfs) = own_robots(&mut cell);
+    let (layout, urdfs) = shown(&mut cell);
     let described = layout.robots.iter().zip(&urdfs).map(|(robot, (name, urdf))| {
         let read =
             |urdf: &String| Description::read(urdf.clone(), &topic_name(name), robot.joints.len()).ok();
         joint_names(urdf.as_ref().and_then(read).as_ref(), robot.joints.len())
     });
     let joints: Vec<_> = described.collect();
-    let write = |name: &str, text: String| {
-        let file = folder.join(name);
-        std::fs::write(&file, text).map_err(|error| format!("{}: {error}", file.display()))?;
-        complain(&format!("wrote {}", file.display()));
-        Ok::<(), String>(())
-    };
-    write("moveit_controllers.yaml", moveit::controllers(&layout, &joints, node))?;
-    write("joint_limits.yaml", moveit::limits(&layout, &joints))
+    let texts = [
+        ("moveit_controllers.yaml", moveit::controllers(&layout, &joints, node)),
+        ("joint_limits.yaml", moveit::limits(&layout, &joints)),
+    ];
+    write_new(folder, &texts)?.iter().for_each(|file| complain(&format!("wrote {}", file.display())));
+    Ok(())
+}
+
+/// Writes files into a folder, which is made where it is not there, and none where one of them is there already: it may have been changed by hand.
+fn write_new(folder: &Path, texts: &[(&str, String)]) -> Result<Vec<PathBuf>, String> {
+    std::fs::create_dir_all(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
+    let files: Vec<_> = texts.iter().map(|(name, _)| folder.join(name)).collect();
+    if let Some(there) = files.iter().find(|file| file.exists()) {
+        return Err(format!(
+            "{} is there already\n help: move it away, or name another folder",
+            there.display()
+        ));
+    }
+    for (file, (_, text)) in files.iter().zip(texts) {
+        let written = File::create_new(file).and_then(|mut new| new.write_all(text.as_bytes()));
+        written.map_err(|error| format!("{}: {error}", file.display()))?;
+    }
+    Ok(files)
 }
 
 fn attend(
@@ -113,6 +134,7 @@ fn show(
     Checked { place, robot, from_bag, goals, mapped, recorded }: Checked<'_>,
     options: &Options,
 ) -> Result<core::convert::Infallible, String> {
+    limit_memory(MEMORY)?;
     let file = options.cell.clone();
     let names: Vec<_> = urdfs.iter().map(|(name, _)| name.as_str()).collect();
     let mut subscriber = Subscriber::at(port, &names)?;
@@ -165,6 +187,15 @@ fn show(
         readings.serve(&node);
     };
     show_for_ever(&mut subscriber, &mut topics, &pictures, &mut goals, &mut serve_readings)
+}
+
+/// Limits the memory of this process, whatever its threads ask for.
+fn limit_memory(bytes: u64) -> Result<(), String> {
+    let Rlimit { current, maximum } = getrlimit(Resource::Data);
+    // What the user allows may be less.
+    let current = Some(current.map_or(bytes, |allowed| allowed.min(bytes)));
+    setrlimit(Resource::Data, Rlimit { current, maximum })
+        .map_err(|error| format!("the memory of the bridge cannot be limited: {error}"))
 }
 
 fn show_for_ever(
@@ -231,5 +262,24 @@ fn watch(cell: &Path, show: &Sender<Option<Box<Picture>>>) -> std::io::Result<()
         if let ConsoleMessage::Picture(picture) = caller.hears.hear()? {
             drop(show.send(Some(picture)));
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_file_of_moveit_is_written_over_and_none_is_written_beside_one_that_is_there() {
+        let folder = std::env::temp_dir().join(format!("mrroc-ros2-export-{}", std::process::id()));
+        let texts = [("a.yaml", "one".to_owned()), ("b.yaml", "two".to_owned())];
+        assert_eq!(write_new(&folder, &texts), Ok(vec![folder.join("a.yaml"), folder.join("b.yaml")]));
+        std::fs::remove_file(folder.join("a.yaml")).expect("it was written");
+        std::fs::write(folder.join("b.yaml"), "by hand").expect("it was written");
+        let why = write_new(&folder, &texts).expect_err("one is there");
+        assert!(why.contains("b.yaml is there already"), "{why}");
+        assert!(!folder.join("a.yaml").exists());
+        assert_eq!(std::fs::read_to_string(folder.join("b.yaml")).expect("there"), "by hand");
+        std::fs::remove_dir_all(&folder).expect("removed");
     }
 }

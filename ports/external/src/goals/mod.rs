@@ -43,6 +43,7 @@ pub use served::{GoalEnd, TrajectoryGoals};
 
 use crate::External;
 use crate::numbers::Numbers;
+use crate::port::port_of_cell;
 
 /// The most robots whose goals one sensor tells.
 pub const MOST_ROBOTS: usize = 8;
@@ -141,7 +142,8 @@ impl Goals {
     /// The file has no such sensor, or says nothing of an external program for it.
     pub fn in_cell(file: &CellFile, name: &str) -> Result<SensorSetup<External<Goals>>, CellError> {
         // Its numbers are names of goals: a wrong one is a goal that is not there.
-        let goals = External::<Goals>::of(file.external(name)?, Numbers::unbounded());
+        let entry = file.external(name)?;
+        let goals = External::<Goals>::of(entry, Numbers::unbounded()).at(port_of_cell(entry));
         Ok(file.sensor(name, goals)?.stand_in(NoGoals))
     }
 }

@@ -151,7 +151,6 @@ struct Parts {
 impl Parts {
     fn of(process: Option<ProcessId>, layout: &Layout) -> Parts {
         let is_here = |role, name| process.is_none_or(|here| here == ProcessId::new(role, name));
-        // The name of what is in a lower cell is none here: nobody shows that.
         let robots = layout.robots.iter().filter_map(|robot| Some((Name::new(&robot.name).ok()?, robot)));
         let sensors = layout.sensors.iter();
         let layouts = sensors.filter_map(|of| Some((Name::new(&of.name).ok()?, of.reading_layout)));

@@ -152,17 +152,37 @@ fn name(text: &str) -> Name {
 
 const AWRY: &str = "the work is not where it should be";
 
-/// What a program sees that subscribes until the cell is over, and says when it has seen something.
-fn subscribe(folder: &Folder, has_begun: &AtomicBool, has_seen: &AtomicBool) -> (Vec<Image>, Vec<StepShown>) {
+/// Sets a flag when it goes, also where a test has failed: who waits for the other side then waits no more.
+struct Set<'a>(&'a AtomicBool);
+
+impl Drop for Set<'_> {
+    fn drop(&mut self) {
+        self.0.store(true, Ordering::Release);
+    }
+}
+
+/// What a program sees that subscribes until the cell is over, and says when it has seen something, or never will.
+fn subscribe(
+    folder: &Folder,
+    has_begun: &AtomicBool,
+    has_seen: &AtomicBool,
+    has_ended: &AtomicBool,
+) -> (Vec<Image>, Vec<StepShown>) {
+    let (_begun, _seen) = (Set(has_begun), Set(has_seen));
     let mut subscriber = subscriber(folder);
     has_begun.store(true, Ordering::Release);
     let (mut images, mut steps) = (Vec::new(), Vec::new());
     while steps.last().is_none_or(|step: &StepShown| !step.over) {
+        let is_last = has_ended.load(Ordering::Acquire);
         images.extend(core::iter::from_fn(|| subscriber.image()));
         steps.extend(core::iter::from_fn(|| subscriber.step()));
         if !images.is_empty() && !steps.is_empty() {
             has_seen.store(true, Ordering::Release);
         }
+        assert!(
+            !is_last || steps.last().is_some_and(|step| step.over),
+            "the cell has ended, and shown no end"
+        );
         std::thread::yield_now();
     }
     images.extend(core::iter::from_fn(|| subscriber.image()));
@@ -179,9 +199,11 @@ fn wait_for(it: &AtomicBool) {
 fn subscribers_see_the_images_of_each_step_to_the_bit_and_the_fault_that_ends_it() {
     let folder = Folder::new("subscriber");
     let (has_begun, has_seen) = (AtomicBool::new(false), Arc::new(AtomicBool::new(false)));
+    let has_ended = AtomicBool::new(false);
     let seen = Rc::new(Seen::default());
     let (images, steps) = std::thread::scope(|scope| {
-        let subscriber = scope.spawn(|| subscribe(&folder, &has_begun, &has_seen));
+        let subscriber = scope.spawn(|| subscribe(&folder, &has_begun, &has_seen, &has_ended));
+        let ended_or_failed = Set(&has_ended);
         wait_for(&has_begun);
         let has_seen = Arc::clone(&has_seen);
         // It subscribes from a first motion, until which the cell waits.
@@ -194,6 +216,7 @@ fn subscribers_see_the_images_of_each_step_to_the_bit_and_the_fault_that_ends_it
         };
         let ended =
             cell(&folder).observed_by(Rc::clone(&seen) as Rc<dyn StepObserver>).program(program).run();
+        drop(ended_or_failed);
         assert!(ended.is_err());
         subscriber.join().expect("it has seen the end")
     });
@@ -225,14 +248,20 @@ fn readings(subscriber: &mut Subscriber) -> Vec<ReadingShown> {
 fn subscribers_see_the_readings_of_the_mp_and_of_an_ecp_to_the_bit() {
     let folder = Folder::new("subscriber-readings");
     let (has_begun, has_seen) = (AtomicBool::new(false), Arc::new(AtomicBool::new(false)));
+    let has_ended = AtomicBool::new(false);
     let seen = Rc::new(Seen::default());
     let found = std::thread::scope(|scope| {
         let heard = scope.spawn(|| {
+            let (_begun, _seen) = (Set(&has_begun), Set(&has_seen));
             let mut subscriber = subscriber(&folder);
             has_begun.store(true, Ordering::Release);
             let (mut found, mut is_over) = (Vec::new(), false);
             while !is_over {
-                is_over = subscriber.step().is_some_and(|step| step.over);
+                let is_last = has_ended.load(Ordering::Acquire);
+                while let Some(step) = subscriber.step() {
+                    is_over |= step.over;
+                }
+                assert!(is_over || !is_last, "the cell has ended, and shown no end");
                 found.extend(readings(&mut subscriber));
                 has_seen.fetch_or(!found.is_empty(), Ordering::AcqRel);
                 std::thread::yield_now();
@@ -240,9 +269,12 @@ fn subscribers_see_the_readings_of_the_mp_and_of_an_ecp_to_the_bit() {
             found.extend(readings(&mut subscriber));
             found
         });
+        let ended_or_failed = Set(&has_ended);
         wait_for(&has_begun);
         let cell = gauged(&folder, &has_seen).observed_by(Rc::clone(&seen) as Rc<dyn StepObserver>);
-        cell.run().expect("it ends in order");
+        let ended = cell.run();
+        drop(ended_or_failed);
+        ended.expect("it ends in order");
         heard.join().expect("it has seen the end")
     });
     let seen = seen.readings.take();
@@ -270,18 +302,22 @@ fn fault_255_a_subscriber_that_stands_still_misses_the_oldest_readings_and_the_c
     let is_over = AtomicBool::new(false);
     let found = std::thread::scope(|scope| {
         let heard = scope.spawn(|| {
+            let (_begun, _seen) = (Set(&has_begun), Set(&has_seen));
             let mut subscriber = subscriber(&folder);
             has_begun.store(true, Ordering::Release);
             while readings(&mut subscriber).is_empty() {
+                assert!(!is_over.load(Ordering::Acquire), "the cell has ended, and shown no reading");
                 std::thread::yield_now();
             }
             has_seen.store(true, Ordering::Release);
             wait_for(&is_over);
             readings(&mut subscriber)
         });
+        let ended_or_failed = Set(&is_over);
         wait_for(&has_begun);
-        gauged(&folder, &has_seen).run().expect("it ends in order");
-        is_over.store(true, Ordering::Release);
+        let ended = gauged(&folder, &has_seen).run();
+        drop(ended_or_failed);
+        ended.expect("it ends in order");
         heard.join().expect("it has seen a reading")
     });
     for robot in [None, Some(0)] {

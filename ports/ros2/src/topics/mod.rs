@@ -16,7 +16,7 @@ use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
 use mrroc_core::console::complain;
-use mrroc_external::{StepShown, WordSender, monotonic};
+use mrroc_external::{StepShown, WordSender, monotonic, port_of_cell};
 use mrroc_launch::cell_file::TopicEntry;
 use ros2_client::dds::rustdds::GUID;
 use ros2_client::qos::{Durability, History};
@@ -84,7 +84,7 @@ impl SensorTopics {
         described(&mapped, recorded.as_ref()).iter().for_each(|line| complain(line));
         let mut topics = Vec::new();
         for Mapped { of, topic, sensor, mapping } in mapped {
-            let sender = WordSender::at(of.port(), sensor)?;
+            let sender = WordSender::at(&port_of_cell(of), sensor)?;
             let name = topic.name().text.clone();
             let message = message_type(topic);
             let qos = qos(topic);

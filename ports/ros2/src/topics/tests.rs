@@ -431,6 +431,43 @@ fn fault_256_a_stamp_that_stands_still_or_is_stale_is_refused() {
     assert!(told.contains("not later than that of the message before"), "{told}");
 }
 
+/// A publisher at 50 Hz whose messages need 3 ms, and two wall clocks: its own, and that of the bridge's machine, which is set in the middle \[ns\]. Tells of each message whether
+/// its reading counted, after having tested that this is not younger than the message's arrival nor older than it is by both clocks.
+fn taken_while_clocks_are_set(by: i128, both: bool) -> Vec<bool> {
+    const MS: u64 = 1_000_000;
+    const TODAY: i128 = 1_700_000_000_000_000_000;
+    let mut owner = Owner { stale: 200 * MS, last: None };
+    let set =
+        |of: u64, is_set: bool| TODAY + i128::from(of) + if is_set && of >= 10_050 * MS { by } else { 0 };
+    let message = |k: u64| {
+        let sent = 10_000 * MS + 20 * MS * k;
+        let came = sent + 3 * MS;
+        let (stamp, wall) = (set(sent, both), set(came, true));
+        let taken =
+            owner.take(Some(stamp), came, Some("it"), [came, u64::try_from(wall).expect("after 1970")]);
+        if let Ok(measured) = taken {
+            assert!(measured <= came, "message {k} counts as younger than its arrival");
+            assert!(came - measured < 200 * MS, "message {k} counts as stale");
+        }
+        taken.is_ok()
+    };
+    (0..10).map(message).collect()
+}
+
+#[test]
+fn fault_261_a_wall_clock_that_is_set_makes_no_reading_younger_than_its_arrival() {
+    const HOUR: i128 = 3_600_000_000_000;
+    // On one machine at most the message that was under way is refused: none here, where the clock was set between two.
+    for by in [HOUR, -HOUR, 20_000_000, -20_000_000] {
+        assert_eq!(taken_while_clocks_are_set(by, true), [true; 10], "set by {by} ns");
+    }
+    // Where the publisher is on another machine its stamps are of another clock from then on: they are refused, and the sensor gets stale.
+    for by in [HOUR, -HOUR] {
+        let expected: Vec<bool> = (0..10).map(|k| k < 3).collect();
+        assert_eq!(taken_while_clocks_are_set(by, false), expected, "set by {by} ns");
+    }
+}
+
 proptest! {
     #[test]
     fn fault_256_any_bytes_are_a_message_or_are_refused(

@@ -93,7 +93,7 @@ pub struct Told {
 }
 
 fn outcome(error_code: i32, why: impl Into<String>) -> Outcome {
-    Outcome { error_code, error_string: why.into() }
+    Outcome { error_code, error_string: why.into(), is_elsewhere: false }
 }
 
 impl Goals {
@@ -315,7 +315,8 @@ impl Goals {
             return;
         }
         let robots = entry.asked.as_ref().map_or(Vec::new(), |asked| asked.robots.clone());
-        let why = outcome(INVALID_GOAL, self.offered.refusal(state, &robots));
+        let is_elsewhere = state.refusal == refusal::START;
+        let why = Outcome { is_elsewhere, ..outcome(INVALID_GOAL, self.offered.refusal(state, &robots)) };
         self.entries[place].end(GoalStatusEnum::Aborted, why, now);
     }
 

@@ -132,6 +132,9 @@ pub const GOAL_TOLERANCE_VIOLATED: i32 = -5;
 pub struct Outcome {
     pub error_code: i32,
     pub error_string: String,
+    /// Whether the robots are not where the trajectory begins. No part of the message.
+    #[serde(skip)]
+    pub is_elsewhere: bool,
 }
 
 impl Message for Outcome {}

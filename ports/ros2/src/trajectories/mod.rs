@@ -65,8 +65,9 @@ pub fn check_actions(layout: &Layout, node: &str) -> Result<(), String> {
     }
 }
 
-/// What is wrong with goals of a bag: names of joints, times, tolerances; and limits where it is known how the robots begin. That is so of a goal whose first
-/// point is at time 0, since robots that are elsewhere are refused, and of one that says that they rest at its first point.
+/// What is wrong with goals of a bag: names of joints, times, tolerances; and limits. How the robots begin is known of a goal whose first
+/// point is at time 0, since robots that are elsewhere are refused, and of one that says that they rest at its first point; of any other one the way from the first point on
+/// is looked at.
 pub fn mistakes(
     layout: &Layout,
     joints: Vec<Vec<String>>,
@@ -80,7 +81,7 @@ pub fn mistakes(
         let rests = !first.velocities.is_empty() && first.velocities.iter().all(|&velocity| velocity == 0.0);
         match rests || first.time == 0.0 {
             true => offered.check(&asked, &first.positions),
-            false => Ok(()),
+            false => offered.check_onwards(&asked),
         }
     };
     let wrong = |(place, goal)| {

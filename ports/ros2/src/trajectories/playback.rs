@@ -8,7 +8,7 @@ use std::collections::VecDeque;
 use mrroc_core::console::complain;
 use ros2_client::action_msgs::{GoalId, GoalStatusEnum};
 
-use super::messages::{INVALID_GOAL, INVALID_JOINTS, Outcome, Request};
+use super::messages::{INVALID_JOINTS, Outcome, Request};
 
 /// How long a cell must have said that its program is there before a goal is sent \[ns\]: what it hears before its robots are offered is old.
 const SETTLED: u64 = 1_000_000_000;
@@ -51,8 +51,8 @@ impl Playback {
             self.waiting.clear();
             let help = match outcome.error_code {
                 INVALID_JOINTS => "\n help: name the robot whose joints they are by --robot",
-                INVALID_GOAL => {
-                    "\n help: where the robots are elsewhere, --approach gives them time to get to the first point"
+                _ if outcome.is_elsewhere => {
+                    "\n help: --approach gives the robots time to get to the first point"
                 }
                 _ => "",
             };

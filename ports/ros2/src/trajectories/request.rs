@@ -58,7 +58,7 @@ const LONGEST: f64 = 600.0;
 const INSTANTS: f64 = 5000.0;
 
 fn refused(error_code: i32, why: impl Into<String>) -> Outcome {
-    Outcome { error_code, error_string: why.into() }
+    Outcome { error_code, error_string: why.into(), is_elsewhere: false }
 }
 
 impl Offered {
@@ -240,8 +240,68 @@ impl Offered {
     /// The first one that would be exceeded.
     pub fn check(&self, asked: &Asked, at: &[f64]) -> Result<(), Outcome> {
         let states: Vec<_> = at.iter().copied().map(JointState::resting).collect();
-        let path = TimedPath::from(&asked.goal.trajectory, &states);
-        let path = path.map_err(|why| refused(INVALID_GOAL, self.name_joints(&why, &asked.robots)))?;
+        self.check_from(asked, &asked.goal.trajectory, &states)
+    }
+
+    /// The same from its first point on, wherever the robots come from.
+    ///
+    /// # Errors
+    /// The first limit that would certainly be exceeded. Bare positions are passed on a spline whose shape depends on where the robots come from: of these the points themselves are
+    /// looked at, and the mean velocity between two of them, which no path falls below.
+    pub fn check_onwards(&self, asked: &Asked) -> Result<(), Outcome> {
+        let trajectory = &asked.goal.trajectory;
+        let wrong = |why: &TrajectoryError| refused(INVALID_GOAL, self.name_joints(why, &asked.robots));
+        let points = trajectory.points();
+        if !points[0].velocities.is_empty() {
+            let begins = points[0].time;
+            let states = (0..trajectory.limits().len()).map(|joint| JointState {
+                position: points[0].positions[joint],
+                velocity: points[0].velocities[joint],
+                acceleration: points[0].accelerations.get(joint).copied().unwrap_or_default(),
+            });
+            let states: Vec<_> = states.collect();
+            let mut points = points.to_vec();
+            points.iter_mut().for_each(|point| point.time -= begins);
+            let onwards = JointTrajectory::new(trajectory.limits().to_vec(), points);
+            return self.check_from(asked, &onwards.map_err(|why| wrong(&why))?, &states);
+        }
+        for (joint, limits) in trajectory.limits().iter().enumerate() {
+            let exceeds = |quantity, point: usize, value, limit| {
+                Err(wrong(&TrajectoryError::Limit {
+                    quantity,
+                    joint: joint + 1,
+                    point: point + 1,
+                    value,
+                    limit,
+                }))
+            };
+            for (place, point) in points.iter().enumerate() {
+                let value = point.positions[joint];
+                if value < limits.lower || value > limits.upper {
+                    let limit = if value < limits.lower { limits.lower } else { limits.upper };
+                    return exceeds(Quantity::Position, place, value, limit);
+                }
+            }
+            for (place, two) in points.windows(2).enumerate() {
+                let value = (two[1].positions[joint] - two[0].positions[joint]) / (two[1].time - two[0].time);
+                if value.abs() > limits.velocity {
+                    return exceeds(Quantity::Velocity, place + 1, value, limits.velocity.copysign(value));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn check_from(
+        &self,
+        asked: &Asked,
+        trajectory: &JointTrajectory,
+        states: &[JointState],
+    ) -> Result<(), Outcome> {
+        let path = TimedPath::from(trajectory, states).map_err(|why| {
+            let is_elsewhere = matches!(why, TrajectoryError::Start { .. });
+            Outcome { is_elsewhere, ..refused(INVALID_GOAL, self.name_joints(&why, &asked.robots)) }
+        })?;
         let step = self.layout.step.as_secs_f64().max(path.duration() / INSTANTS);
         let steps = (path.duration() / step).ceil() as usize;
         let mut first = 0;

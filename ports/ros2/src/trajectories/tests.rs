@@ -1,9 +1,12 @@
 //! Requests and what becomes of them, without DDS and without a cell.
 
+use byteorder::LittleEndian;
+use cdr_encoding::{from_bytes, to_vec};
 use mrroc_core::cell::Cell;
 use mrroc_external::goals::{GoalNews, GoalState, refusal};
 use mrroc_launch::cell_file::CellFile;
 use mrroc_robots::simulated;
+use proptest::prelude::*;
 use ros2_client::action_msgs::{CancelGoalResponseEnum, GoalId, GoalInfo, GoalStatusEnum};
 use ros2_client::builtin_interfaces::Time;
 
@@ -173,8 +176,27 @@ fn a_goal_of_a_bag_that_is_too_fast_wherever_the_robots_are_is_told_before_it_is
         goal.trajectory.points.iter_mut().for_each(|point| point.velocities = velocities.to_vec());
         goal
     };
-    assert_eq!(wrong(&[later(&[])]), Vec::<String>::new());
     assert_eq!(wrong(&[later(&[0.0; 6])]).len(), 1);
+    // From the first point on a joint has the mean velocity of 5 rad/s at some instant, however it comes there; of 0.5 rad/s nothing is certain.
+    let found = wrong(&[later(&[])]);
+    assert!(
+        found.len() == 1 && found[0].contains("velocity 5.0000 rad/s on the way to point 2"),
+        "{found:?}"
+    );
+    assert_eq!(wrong(&[points(&[(1.0, 0.0), (2.0, 0.5)])]), Vec::<String>::new());
+    let found = wrong(&[points(&[(1.0, 0.0), (21.0, 3.0)])]);
+    assert!(found.len() == 1 && found[0].contains("position 3.0000 rad"), "{found:?}");
+    // A cubic that passes both points at 0.2 rad/s, 0.5 rad apart in a second, is as fast as 1.5 * 0.5 - 0.5 * 0.2 = 0.65 rad/s in the middle; in 0.4 s it is 1.775 rad/s.
+    let passing = |seconds: f64| {
+        let mut goal = points(&[(1.0, 0.0), (1.0 + seconds, 0.5), (3.0 + seconds, 0.7)]);
+        for (point, velocity) in goal.trajectory.points.iter_mut().zip([0.2, 0.2, 0.0]) {
+            point.velocities = vec![velocity, 0.0, 0.0, 0.0, 0.0, 0.0];
+        }
+        goal
+    };
+    assert_eq!(wrong(&[passing(1.0)]), Vec::<String>::new());
+    let found = wrong(&[passing(0.4)]);
+    assert!(found.len() == 1 && found[0].contains("on the way to point 2"), "{found:?}");
 }
 
 /// Goals, and a cell that does with them what a test says.
@@ -426,4 +448,65 @@ fn what_takes_too_long_to_look_at_is_refused_at_once() {
     many.trajectory.points = vec![many.trajectory.points[0].clone(); 3000];
     let refused = offered.read(&many, Some(0), TODAY).expect_err("too many");
     assert!(refused.error_string.contains("16384 are possible"), "{refused:?}");
+}
+
+#[test]
+fn fault_258_a_second_bridge_that_would_send_goals_is_refused_and_the_first_one_stays() {
+    let port = format!("test-{}", std::process::id());
+    let Offered { layout, joints } = offered();
+    let begin = || super::Trajectories::at(&port, &layout, joints.clone());
+    let first = begin().expect("nobody sends goals");
+    let why = begin().err().expect("the first one sends them");
+    assert!(why.contains("another program of this machine sends what the sensor reads"), "{why}");
+    drop(first);
+    begin().expect("the first one has gone");
+}
+
+/// A whole request, with all that a message may have.
+fn encoded() -> Vec<u8> {
+    let mut asks = request(&ONE, 0.5, 2.0);
+    asks.path_tolerance = vec![Tolerance { name: "b".to_owned(), position: 0.01, ..Tolerance::default() }];
+    to_vec::<_, LittleEndian>(&asks).expect("a message")
+}
+
+#[test]
+fn fault_260_a_length_that_a_request_does_not_have_is_refused_before_it_is_believed() {
+    let whole = encoded();
+    assert_eq!(from_bytes::<Request, LittleEndian>(&whole).expect("a request").1, whole.len());
+    for at in 0..whole.len() {
+        from_bytes::<Request, LittleEndian>(&whole[..at]).expect_err("it is cut off");
+    }
+    // Wherever a length may be: were it believed, the memory of the machine would not do.
+    for at in (0..whole.len() - 4).step_by(4) {
+        let mut changed = whole.clone();
+        changed[at..at + 4].copy_from_slice(&u32::MAX.to_le_bytes());
+        if let Ok((read, _)) = from_bytes::<Request, LittleEndian>(&changed) {
+            drop(offered().read(&read, Some(0), TODAY));
+        }
+    }
+}
+
+proptest! {
+    #[test]
+    fn fault_260_any_bytes_are_a_request_or_are_refused(
+        bytes in prop::collection::vec(any::<u8>(), 0..600),
+        changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..8),
+    ) {
+        let mut changed = encoded();
+        for (at, byte) in &changes {
+            let at = at.index(changed.len());
+            changed[at] = *byte;
+        }
+        let offered = offered();
+        for bytes in [bytes, changed] {
+            let Ok((request, _)) = from_bytes::<Request, LittleEndian>(&bytes) else { continue };
+            // What is read of it has whole robots, and finite numbers within what is looked at.
+            if let Ok(asked) = offered.read(&request, Some(0), TODAY) {
+                prop_assert_eq!(asked.robots, [0]);
+                let points = asked.goal.trajectory.points();
+                prop_assert!(points.iter().all(|point| point.positions.iter().all(|q| q.is_finite())));
+                prop_assert!(asked.goal.trajectory.duration() <= 600.0);
+            }
+        }
+    }
 }

@@ -365,7 +365,11 @@ impl Cell {
         sensors
             .find_map(|sensor| sensor.python())
             .or_else(|| robots.find_map(|robot| robot.python()))
-            .or_else(|| subscriptions.next().map(|subscription| subscription.python(&self.layout())))
+            .or_else(|| {
+                subscriptions
+                    .next()
+                    .map(|subscription| subscription.python(&self.layout().without_lower_cells()))
+            })
     }
 
     /// The length of a step.
@@ -530,7 +534,7 @@ impl Cell {
         if self.watching.subscriptions.is_empty() {
             return Vec::new();
         }
-        self.watching.begin_subscriptions(process, &self.layout(), clock)
+        self.watching.begin_subscriptions(process, &self.layout().without_lower_cells(), clock)
     }
 
     /// Shows an observer what a picture needs besides the robots: every [`Step`](crate::observe::step_observer::StepEvent::Step) of the MP,

@@ -19,6 +19,12 @@ pub struct Name {
     len: u8,
 }
 
+/// Whether this is the name of what is in a lower cell, such as `press.arm`, in the layout of the cell above.
+#[must_use]
+pub fn is_in_lower_cell(name: &str) -> bool {
+    name.contains(WITHIN)
+}
+
 /// A text that is no [`Name`].
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("`{}` is no name: write 1 to 24 of the characters a-z A-Z 0-9 _ -, and none of the hyphens first", quoted(.0, 60))]
@@ -30,7 +36,7 @@ impl Name {
     /// # Errors
     /// [`BadName`] when the text is empty, too long or holds other characters.
     pub fn new(text: &str) -> Result<Name, BadName> {
-        if text.contains(WITHIN) { Err(BadName(text.to_owned())) } else { Name::of_process(text) }
+        if is_in_lower_cell(text) { Err(BadName(text.to_owned())) } else { Name::of_process(text) }
     }
 
     /// The same, of a process that may be one of a lower cell.

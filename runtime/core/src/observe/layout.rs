@@ -8,6 +8,7 @@ use nalgebra::Vector3;
 
 use crate::model::joints::JointVector;
 use crate::model::load::Tool;
+use crate::model::name::is_in_lower_cell;
 use crate::model::pose::Pose;
 use crate::model::robot::{CoupledLimit, InterpolationSpace, JointKind, LinkMesh, Robot};
 use crate::model::sensor::VspMode;
@@ -128,6 +129,17 @@ pub trait Figure: Send + Sync {
 impl fmt::Debug for dyn Figure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str("Figure")
+    }
+}
+
+impl Layout {
+    /// The same without the robots and sensors of its lower cells, which recordings have, and no program of others is shown.
+    #[must_use]
+    pub fn without_lower_cells(mut self) -> Layout {
+        self.cells.clear();
+        self.robots.retain(|robot| !is_in_lower_cell(&robot.name));
+        self.sensors.retain(|sensor| !is_in_lower_cell(&sensor.name));
+        self
     }
 }
 

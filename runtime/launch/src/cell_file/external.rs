@@ -18,6 +18,7 @@ pub struct ExternalEntry {
     pub(super) source: Rc<Source>,
     pub(super) name: String,
     pub(super) port: String,
+    pub(super) has_port: bool,
     pub(super) address: Option<SocketAddr>,
     pub(super) span: Range<usize>,
     pub(super) step: Duration,
@@ -51,6 +52,12 @@ impl ExternalEntry {
     #[must_use]
     pub fn port(&self) -> &str {
         &self.port
+    }
+
+    /// Whether the file says the port.
+    #[must_use]
+    pub const fn has_port(&self) -> bool {
+        self.has_port
     }
 
     /// `address`: where this machine waits for the program, which is on another one; `None` for a program on this machine.

@@ -118,6 +118,7 @@ impl Reader {
             source: Rc::clone(&self.source),
             name: name.clone(),
             port: port?,
+            has_port: table.get("port").is_some(),
             address: address.map_or(Some(None), |address| address.map(Some))?,
             span: value.span(),
             step: around.step,
